@@ -275,6 +275,31 @@ test("a refused edit is told and changes nothing", async () => {
   await close();
 });
 
+test("grids are shown along each axis as their files have them", async () => {
+  const { page, close } = await openDesk();
+  const panel = await panelOf(page);
+  assert.ok(await panel.getByText("Grids of errors").isHidden());
+  await drop(panel, sample("router"));
+  await panel.getByText("Grid 2: nodes").waitFor();
+  const rows = fs.readFileSync(path.join(samples, "router/rail.csv"), "utf8").split("\n").filter((line) => /^-?\d/.test(line)).map((line) => line.split(",").map(Number));
+  const shown = async (name) => {
+    const plot = panel.getByRole("img", { name });
+    await plot.focus();
+    await page.keyboard.press("Home");
+    return plot.locator("xpath=following-sibling::output").textContent();
+  };
+  const micro = (value) => value.toPrecision(4).replace("-", "−");
+  let text = await shown(/^Grid 1 along X at Y −300/);
+  const first = rows.find(([x, y]) => x === -400 && y === -300);
+  assert.ok(text.includes(`EX ${micro(first[2])} µm`) && text.includes(`EY ${micro(first[3])} µm`), text);
+  await panel.getByLabel("Along", { exact: true }).first().selectOption("Y");
+  await panel.getByLabel("Node of X, slider").first().fill("3");
+  text = await shown(/^Grid 1 along Y at X −300/);
+  const third = rows.find(([x, y]) => x === -300 && y === -300);
+  assert.ok(text.includes(`EX ${micro(third[2])} µm`), `${text}: ${third}`);
+  await close();
+});
+
 test("temperature shows the growth and leaves the machine alone", async () => {
   const { page, close } = await openDesk();
   const panel = await panelOf(page);

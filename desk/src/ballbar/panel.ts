@@ -2,7 +2,7 @@
 
 import { IntoMachine, type Becomes } from "../core/becomes";
 import { message, type Desk } from "../core/desk";
-import { choice, commandLine, el, group, numberField, section, tick } from "../core/dom";
+import { choice, commandLine, el, group, numberField, optionalField, section, tick } from "../core/dom";
 import { onDrop, picker, type Given } from "../core/files";
 import { significant } from "../core/number";
 import { word } from "../core/shell";
@@ -45,15 +45,10 @@ export class Ballbar {
       again();
     });
     const pitches = LETTERS.map((letter, i) => {
-      const field = numberField({ label: `Pitch of ${letter}`, unit: "mm", value: Number.NaN }, () => undefined);
-      field.input.placeholder = "searched";
-      field.input.addEventListener("change", () => {
-        // Nothing typed in is searched.
-        field.input.setAttribute("aria-invalid", String(field.input.validity.badInput));
-        this.request.pitches_mm[i] = field.input.value === "" ? null : field.value;
+      return optionalField(`Pitch of ${letter}`, "mm", "searched", (mm) => {
+        this.request.pitches_mm[i] = mm;
         again();
       });
-      return field;
     });
     this.pitches = pitches.map(({ input }) => input);
     this.corrected = tick("The machine's tables corrected it while the circles were run: what was found is added to them", false, (compensated) => {

@@ -1,6 +1,6 @@
 // Figures, causes and curves of a circular test.
 
-import { el, section, table, type Cell } from "../core/dom";
+import { bars, el, section, table, warnings as warned, type Cell } from "../core/dom";
 import { fixed, significant } from "../core/number";
 import { Polar, keys, largest, type PolarSeries } from "../core/polar";
 import type { Evaluated, Trace } from "./documents";
@@ -34,11 +34,9 @@ export class Results {
       ["cause", "share / %", "RMS / µm"],
       shares.map(({ cause, share, rms_um }): Cell[] => [cause, { text: fixed(100 * share, 1), value: 100 * share }, { text: significant(rms_um, 3), value: rms_um }]),
     );
-    shared.querySelectorAll("tbody tr").forEach((row, i) => {
-      row.append(el("td", { "aria-hidden": "true" }, el("div", { class: "bar", style: `width: ${fixed(120 * shares[i]!.share, 1)}px` })));
-    });
+    bars(shared, shares.map(({ share }) => share));
     this.figures.replaceChildren(
-      ...(warnings.length > 0 ? [el("ul", { class: "notes warning", "aria-label": "Warnings" }, ...warnings.map((text) => el("li", {}, text)))] : []),
+      warned(warnings),
       table("ISO 230-4, µm", ["figure", "both directions", "counterclockwise", "clockwise"], [
         ["G, circular deviation", um(g_b_um), um(g_um.ccw), um(g_um.cw)],
         ["F max", "", um(f_max_um.ccw), um(f_max_um.cw)],

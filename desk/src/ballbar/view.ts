@@ -1,5 +1,6 @@
 // Circular tests.
 
+import "../core/figures.css";
 import "./ballbar.css";
 import type { View } from "../core/desk";
 import { Ballbar, type Kept } from "./panel";

@@ -1,9 +1,9 @@
 // What of a measurement becomes settings of the machine, and the button that puts them into it.
 
 import type { Desk } from "./desk";
-import { button, el, section, table, type Cell } from "./dom";
+import { button, el, notes, section, table, type Cell } from "./dom";
 import { adopt, type Files } from "./machine";
-import { significant } from "./number";
+import { shown } from "./number";
 
 /** The machine with what was found, as the module gives it. */
 export interface Becomes {
@@ -11,9 +11,9 @@ export interface Becomes {
   settings: { key: string; before: number; after: number; uncertainty: number | null }[];
   notes: string[];
   left?: string[];
+  /** Of the machine, where it is not the one that is shown. */
+  name?: string;
 }
-
-const shown = (value: number): Cell => ({ text: significant(value, 4), value });
 
 export class IntoMachine {
   readonly root: HTMLElement;
@@ -22,6 +22,8 @@ export class IntoMachine {
   private readonly put: HTMLButtonElement;
   private becomes: Becomes | undefined;
   private taken = false;
+  /** Called when a machine has it. */
+  whenDone: () => void = () => {};
 
   /** `controls` stand before the table. */
   constructor(
@@ -31,6 +33,11 @@ export class IntoMachine {
   ) {
     this.put = button("Put into the machine", () => void this.take().catch(desk.fail), { class: "primary", disabled: true });
     this.root = section("Into the machine", ...controls, this.place, el("div", { class: "row" }, this.put, this.status));
+  }
+
+  /** Whether a machine has it. */
+  get done(): boolean {
+    return this.taken;
   }
 
   /** Another measurement, that no machine has yet. */
@@ -47,27 +54,28 @@ export class IntoMachine {
     this.put.disabled = !becomes || (becomes.settings.length === 0 && becomes.notes.length === 0);
     this.place.replaceChildren();
     if (!becomes) return;
-    const rows = becomes.settings.map(({ key, before, after, uncertainty }): Cell[] => [key, shown(before), shown(after), uncertainty === null ? "" : shown(uncertainty)]);
+    const rows = becomes.settings.map(({ key, before, after, uncertainty }): Cell[] => [key, shown(before, 4), shown(after, 4), uncertainty === null ? "" : shown(uncertainty, 4)]);
     const lines = [...becomes.notes, ...(becomes.left ?? [])];
     this.place.append(
       rows.length > 0 ? table("What becomes a setting", ["key of machine.toml", "stands", "with what was found", "standard uncertainty"], rows) : el("p", {}, "No setting changes."),
-      el("ul", { class: "notes", "aria-label": "What is done" }, ...lines.map((line) => el("li", {}, line))),
+      notes("What is done", lines),
     );
   }
 
   private async take(): Promise<void> {
     const { machine, tell } = this.desk;
     if (!this.becomes) return;
-    const { files } = this.becomes;
+    const { files, name } = this.becomes;
     this.show(undefined);
     this.taken = true;
     try {
-      await adopt(this.desk, files);
+      await adopt(this.desk, files, name);
     } catch (error) {
       this.taken = false;
       throw error;
     }
     tell(`${this.what} put into ${machine.name}: every view has it now. Export it in the view Machine.`);
     this.status.textContent = `In ${machine.name} now.`;
+    this.whenDone();
   }
 }

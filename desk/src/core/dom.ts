@@ -1,5 +1,7 @@
 // Elements of the page: every control has a visible label and works by keyboard.
 
+import { fixed } from "./number";
+
 export type Child = Node | string | null | undefined;
 type Attributes = Record<string, string | number | boolean | ((event: never) => void) | undefined>;
 
@@ -110,6 +112,25 @@ function field(root: HTMLElement, input: HTMLInputElement): Field {
   };
 }
 
+/** A number that may be missing: nothing typed in is null. What is no number is marked. */
+export function optionalField(label: string, unit: string, placeholder: string, onChange: (value: number | null) => void): Field {
+  const field = numberField({ label, unit, value: Number.NaN }, () => undefined);
+  field.input.placeholder = placeholder;
+  field.input.addEventListener("change", () => {
+    field.input.setAttribute("aria-invalid", String(field.input.validity.badInput));
+    onChange(field.input.value === "" ? null : field.value);
+  });
+  return field;
+}
+
+/** A text typed in, told while it is typed. */
+export function textField(label: string, placeholder: string, onInput: () => void, type: "text" | "number" = "text"): { root: HTMLElement; input: HTMLInputElement } {
+  const id = unique("text");
+  // While it is typed, not when the field is left: a click on a button is what leaves it, and would be lost.
+  const input = el("input", { id, type, placeholder, oninput: onInput });
+  return { root: el("div", { class: "field" }, el("label", { for: id }, label), input), input };
+}
+
 /** A choice of named options. */
 export function choice<T extends string>(
   label: string,
@@ -158,6 +179,27 @@ export function table(caption: string, header: readonly string[], rows: Readonly
   }
   root.append(body);
   return root;
+}
+
+/** Puts a bar behind every row of a table, as long as its share of 1. */
+export function bars(of: HTMLTableElement, shares: readonly number[]): void {
+  for (const [i, row] of [...of.tBodies[0]!.rows].entries())
+    row.append(el("td", { "aria-hidden": "true" }, el("div", { class: "share", style: `width: ${fixed(120 * shares[i]!, 1)}px` })));
+}
+
+/** Sentences one below the other; nothing where there are none. */
+export function notes(name: string, texts: readonly string[], own = ""): HTMLElement {
+  return el("ul", { class: `notes ${own}`, "aria-label": name, hidden: texts.length === 0 }, ...texts.map((text) => el("li", {}, text)));
+}
+
+/** What is doubtful of a result. */
+export function warnings(texts: readonly string[]): HTMLElement {
+  return notes("Warnings", texts, "warning");
+}
+
+/** The parts of a list that was typed in, between commas or spaces. */
+export function typed(list: string): string[] {
+  return list.split(/[,\s]+/).filter((part) => part !== "");
 }
 
 /** A part of a view, with its heading. */

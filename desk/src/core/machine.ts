@@ -25,7 +25,7 @@ export class MachineStore {
 }
 
 /** Makes the edited files the machine that all views share, once the module has read them. */
-export async function adopt({ bench, machine }: { bench: Bench; machine: MachineStore }, files: Files): Promise<void> {
+export async function adopt({ bench, machine }: { bench: Bench; machine: MachineStore }, files: Files, name = machine.name): Promise<void> {
   await bench.call("machine_open", JSON.stringify(files));
-  machine.set(machine.name, files);
+  machine.set(name, files);
 }

@@ -20,6 +20,11 @@ export function cell(value: number | null | undefined, decimals = 3): { text: st
   return value === null || value === undefined ? "–" : { text: fixed(value, decimals), value };
 }
 
+/** The same with so many significant digits. */
+export function shown(value: number, digits = 3): { text: string; value: number } {
+  return { text: significant(value, digits), value };
+}
+
 function minus(text: string): string {
   return Number(text) === 0 ? text.replace("-", "") : text.replace("-", "−");
 }

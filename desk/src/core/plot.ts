@@ -20,6 +20,14 @@ export interface Series {
   width?: number;
   /** Unit where it is not that of the axis. */
   unit?: string;
+  /** A line goes on over places without a value. */
+  joined?: boolean;
+}
+
+/** A curve and the lines of two standard errors to either side of it: series and columns. */
+export function withErrors(series: Series, values: readonly number[], errors: readonly number[]): { series: Series[]; columns: number[][] } {
+  const edge = (name: string): Series => ({ ...series, name: `${series.name} ${name}`, dash: [1, 4], width: 0.8, dots: false });
+  return { series: [series, edge("+ 2 s"), edge("− 2 s")], columns: [0, 2, -2].map((factor) => values.map((value, i) => value + factor * errors[i]!)) };
 }
 
 export interface PlotOptions {
@@ -147,7 +155,7 @@ export class Plot {
       height: options.height ?? 200,
       cursor: { ...(options.sync ? { sync: { key: options.sync, setSeries: false } } : {}), drag: { x: true, y: false } },
       legend: { show: true, live: false },
-      scales: { x: { time: false, ...(options.series.some((one) => one.bars) ? { range: (_plot, low, high) => [low - 0.6, high + 0.6] } : {}) }, ...(options.range ? { y: { range: options.range } } : {}), ...(options.logarithmic ? { y: { distr: 3 } } : {}) },
+      scales: { x: { time: false, ...this.beyond() }, ...(options.range ? { y: { range: options.range } } : {}), ...(options.logarithmic ? { y: { distr: 3 } } : {}) },
       axes: [axis(options.x, 36), axis(options.y, 56)],
       series: [{ label: options.x }, ...options.series.map((one) => this.series(one))],
       hooks: {
@@ -159,11 +167,19 @@ export class Plot {
     this.describe();
   }
 
+  /** Room for bars at both ends, and for points, which are drawn whole and all of one place. */
+  private beyond(): uPlot.Scale {
+    const { series } = this.options;
+    const room = (low: number, high: number) => (series.some((one) => one.bars) ? 0.6 : 0.02 * (high - low || 1));
+    return series.some((one) => one.bars || one.points) ? { range: (_plot, low, high) => [low - room(low, high), high + room(low, high)] } : {};
+  }
+
   private series(one: Series): uPlot.Series {
     return {
       label: one.name,
       stroke: colour(one.colour),
       width: one.points ? 0 : (one.width ?? 1.4),
+      spanGaps: one.joined ?? false,
       ...(one.dash ? { dash: one.dash } : {}),
       points: { show: one.points ?? one.dots ?? false, size: 5, fill: colour(one.colour) },
       ...(one.bars ? { paths: uPlot.paths.bars!({ size: [0.76, 40] }), width: one.bars === "hatched" ? 1 : 0, fill: one.bars === "hatched" ? hatching(colour(one.colour)) : colour(one.colour) } : {}),

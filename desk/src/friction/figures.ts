@@ -1,10 +1,8 @@
 // What was found, in tables.
 
 import { el, table, type Cell } from "../core/dom";
-import { significant } from "../core/number";
+import { shown } from "../core/number";
 import type { AxisFound, Closed, Found, Size } from "./documents";
-
-const shown = (value: number, digits: number): Cell => ({ text: significant(value, digits), value });
 
 type Key = keyof AxisFound["friction"] | Exclude<keyof AxisFound["drive"], "dead_time_s">;
 

@@ -44,6 +44,15 @@ export interface Axis {
   correction?: { rate: number; rate_limit: number; moving: string; acceleration: number | null; acceleration_limit: number };
 }
 
+/** Errors over two or three axes: desk/wasm/src/shown.rs. */
+export interface Grid {
+  nodes_mm: [number[], number[], number[]];
+  given: boolean[];
+  /** µm and µrad. */
+  micro: number[][];
+  fade_mm: [number, number] | null;
+}
+
 export interface Margins {
   axis: string;
   phase_margin_deg: number | null;
@@ -78,6 +87,7 @@ export interface Shown {
   check: { warnings: string[]; lost_motion: Record<string, number | string>[]; feedback_margins: Margins[]; summary: Summary };
   reference_temperature_c: number;
   axes: Axis[];
+  grids: Grid[];
   measurements: { file: string; figures?: { measured: Accuracy; compensated?: Accuracy }; refused?: string }[];
 }
 

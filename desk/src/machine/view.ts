@@ -7,6 +7,7 @@ import { Editor } from "./editor";
 import { exporting } from "./exporting";
 import { fieldSection, type FieldSection } from "./field";
 import { accuracy, identity, limits, warnings } from "./figures";
+import { grids } from "./grids";
 import { look } from "./look";
 import { opening } from "./opening";
 import { Settings } from "./settings";
@@ -31,6 +32,7 @@ async function build(root: HTMLElement, desk: Desk): Promise<void> {
     await opening(root, desk, editor),
     identity(editor),
     el("div", { class: "columns" }, el("div", {}, tables.root, settings.own), el("div", {}, settings.root, warnings(editor), exporting(desk, editor))),
+    grids(editor),
     limits(editor),
     accuracy(editor),
   );

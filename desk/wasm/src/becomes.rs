@@ -1,13 +1,14 @@
 //! What of a measurement becomes settings of the machine on the page.
 
-use crate::files::{DESCRIPTION, Texts, machine_of, texts};
+use crate::files::{DESCRIPTION, Texts, texts, untabled};
 use anyhow::Result;
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::path::Path;
+use trueaxis_tables::error::FileError;
 use trueaxis_tables::files::Memory;
 use trueaxis_tables::formats::location_values;
-use trueaxis_tables::{Additions, Machine};
+use trueaxis_tables::{Additions, Edited, Machine};
 
 /// The machine with what was found.
 #[derive(Debug, Serialize)]
@@ -34,22 +35,52 @@ struct Changed {
 impl Becomes {
     /// The machine of `files` with `additions`.
     pub(crate) fn new(files: &str, additions: &Additions) -> Result<Becomes> {
-        let mut files = texts(files)?;
-        let before = values(&machine_of(&files, &mut Vec::new())?);
-        let edited = additions.edit(&Memory::new(files.clone()), Path::new(DESCRIPTION))?;
-        for (name, text) in edited.files {
-            files.insert(name.to_string_lossy().into_owned(), text);
-        }
-        let after = values(&machine_of(&files, &mut Vec::new())?);
+        Becomes::edited(files, |memory| additions.edit(memory, Path::new(DESCRIPTION)), &additions.set)
+    }
+
+    /// The machine of `files` after an edit; `stated`: uncertainties that are stated beside what was found.
+    pub(crate) fn edited(
+        files: &str,
+        edit: impl FnOnce(&Memory) -> Result<Edited, FileError>,
+        stated: &[(String, f64)],
+    ) -> Result<Becomes> {
+        let files = texts(files)?;
+        let edited = edit(&Memory::new(files.clone()))?;
+        let changed = edited.files.into_iter().map(|(name, text)| (name.to_string_lossy().into_owned(), text));
+        Becomes::with(files, changed, edited.notes, stated)
+    }
+
+    /// The machine of `files` with those that changed.
+    pub(crate) fn with(
+        files: Texts,
+        changed: impl IntoIterator<Item = (String, String)>,
+        notes: Vec<String>,
+        stated: &[(String, f64)],
+    ) -> Result<Becomes> {
+        let mut after = files.clone();
+        after.extend(changed);
+        Becomes::between(&files, after, notes, stated)
+    }
+
+    /// The machine of `after` in place of that of `files`.
+    pub(crate) fn whole(files: &str, after: Vec<(String, String)>) -> Result<Becomes> {
+        let names: Vec<&str> = after.iter().map(|(name, _)| name.as_str()).collect();
+        let note = format!("written anew, without comments and grids of before: {}", names.join(" "));
+        Becomes::between(&texts(files)?, after.into_iter().collect(), vec![note], &[])
+    }
+
+    fn between(before: &Texts, files: Texts, notes: Vec<String>, stated: &[(String, f64)]) -> Result<Becomes> {
+        let before = values(&untabled(before, &mut Vec::new())?);
+        let after = values(&untabled(&files, &mut Vec::new())?);
         let of = |all: &[(String, f64)], key: &str| all.iter().find(|own| own.0 == key).map_or(0.0, |own| own.1);
         let keys: BTreeSet<&str> = before.iter().chain(&after).map(|(key, _)| key.as_str()).collect();
         let settings = keys.into_iter().filter_map(|key| {
             let (before, after) = (of(&before, key), of(&after, key));
-            let uncertainty = additions.set.iter().find(|(stated, _)| stated.replacen("uncertainty.", "", 1) == key);
+            let uncertainty = stated.iter().find(|(stated, _)| stated.replacen("uncertainty.", "", 1) == key);
             let uncertainty = uncertainty.map(|(_, value)| *value);
             (before != after).then(|| Changed { key: key.to_owned(), before, after, uncertainty })
         });
-        Ok(Becomes { settings: settings.collect(), notes: edited.notes, files })
+        Ok(Becomes { settings: settings.collect(), notes, files })
     }
 }
 

@@ -9,11 +9,14 @@
 
 pub mod ballbar;
 mod becomes;
+pub mod calibrate;
+pub mod evaluate;
 pub mod field;
 mod files;
 pub mod friction;
 pub mod grinding;
 pub mod helicoid;
+pub mod keep;
 pub mod machine;
 pub mod panics;
 pub mod roundness;
@@ -21,6 +24,8 @@ mod samples;
 pub mod scope;
 pub mod scope_settings;
 mod shown;
+pub mod thermal;
+pub mod uncertainty;
 
 use serde::Serialize;
 use std::fmt;

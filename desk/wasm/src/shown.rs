@@ -4,13 +4,13 @@ use crate::files::{DESCRIPTION, memory, texts};
 use anyhow::Result;
 use serde::Serialize;
 use std::path::Path;
-use trueaxis::machine::{AxisSettings, Interpolation};
+use trueaxis::machine::{AxisSettings, Interpolation, Twist};
 use trueaxis::tcomp::Tcomp;
 use trueaxis_evaluation::accuracy;
 use trueaxis_evaluation::check::{Document, compiled, findings};
 use trueaxis_metrology::accuracy::Accuracy;
 use trueaxis_tables::text::decode;
-use trueaxis_tables::{DriveRate, Machine, TableText, rates, table_texts};
+use trueaxis_tables::{DriveRate, GridSource, Machine, TableText, rates, table_texts};
 
 /// Everything about a machine.
 #[derive(Debug, Serialize)]
@@ -21,6 +21,7 @@ pub(crate) struct Shown {
     check: Document,
     reference_temperature_c: f64,
     axes: Vec<AxisShown>,
+    grids: Vec<GridShown>,
     measurements: Vec<Measured>,
 }
 
@@ -60,6 +61,18 @@ struct Column {
     component: Option<usize>,
     forward: bool,
     reverse: bool,
+}
+
+/// A grid of errors as it was given.
+#[derive(Debug, Serialize)]
+struct GridShown {
+    /// Along X, Y, Z; none along an axis over which it does not stand.
+    nodes_mm: [Vec<f64>; 3],
+    /// Which of the six errors are given.
+    given: [bool; 6],
+    /// Errors of the nodes, µm and µrad: those along X outermost, those along Z next to each other.
+    micro: Vec<[f64; 6]>,
+    fade_mm: Option<[f64; 2]>,
 }
 
 /// How the correction of a drive changes at a feed; mm or degrees per s and s².
@@ -103,10 +116,21 @@ pub(crate) fn shown(files: &str, rate_hz: f64, feed_per_min: f64) -> Result<Show
     Ok(Shown {
         notes,
         axes: machine.settings.axes.iter().map(axis).collect(),
+        grids: machine.grids.iter().map(|grid| grid_shown(grid.source())).collect(),
         check: findings(&machine, &tables, rate_hz).into(),
         reference_temperature_c: machine.settings.reference_temperature_c,
         measurements,
     })
+}
+
+fn grid_shown(grid: &GridSource) -> GridShown {
+    let micro = |errors: &Twist| std::array::from_fn(|k| if k < 3 { 1e3 } else { 1e6 } * errors[k]);
+    GridShown {
+        nodes_mm: grid.nodes.clone(),
+        given: grid.given,
+        micro: grid.values.iter().map(micro).collect(),
+        fade_mm: grid.fade_mm,
+    }
 }
 
 fn axis_shown(

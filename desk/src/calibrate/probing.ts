@@ -1,0 +1,214 @@
+// A task of probing: its text, the machine, the program that is planned from it, the log of the control.
+
+import { IntoMachine } from "../core/becomes";
+import { message, type Desk } from "../core/desk";
+import { button, commandLine, debounce, el, notes, section, table, unique, type Cell } from "../core/dom";
+import { onDrop, picker, save, text, type Given } from "../core/files";
+import type { Files } from "../core/machine";
+import { shown, significant } from "../core/number";
+import { word } from "../core/shell";
+import type { Expected, Planned } from "./documents";
+
+export interface Kept {
+  name: string;
+  task: string;
+}
+
+export interface Log {
+  name: string;
+  text: string;
+}
+
+/** What a kind of task is called, and what of it differs. */
+export interface Words {
+  /** The module's export, and the command. */
+  plan: "calibrate_plan" | "keep_plan";
+  command: string;
+  /** Names of the files of task and program. */
+  task: string;
+  program: string;
+  sample: string;
+  /** What stands over the task, and what may be dropped. */
+  label: string;
+  hint: string;
+  accept: string;
+  /** What is put into the machine, and what is said without a log. */
+  what: string;
+  without: string;
+}
+
+const DESCRIPTION = "machine.toml";
+
+export abstract class Probing {
+  protected name: string;
+  /** A machine that was dropped with the task, as one without tables, which no other view shows. */
+  protected own: Files | undefined;
+  protected log: Log | undefined;
+  protected planned: Planned | undefined;
+  /** Files that the task names beside the machine's. */
+  private beside: Files = {};
+  private latest = 0;
+  protected readonly task;
+  private readonly about = el("p", { role: "status" });
+  private readonly refused = el("p", { class: "warning", role: "alert", hidden: true });
+  private readonly expected = el("div", { class: "figures" });
+  private readonly program: HTMLButtonElement;
+  private readonly plan = commandLine("The same on the command line:");
+  protected readonly solve = commandLine("The same on the command line:");
+  protected readonly solved = el("p", { role: "status" });
+  protected readonly into: IntoMachine;
+  protected readonly soon = debounce(250, () => void this.work());
+
+  constructor(
+    root: HTMLElement,
+    protected readonly desk: Desk,
+    private readonly words: Words,
+    results: HTMLElement,
+    ...controls: HTMLElement[]
+  ) {
+    const { soon } = this;
+    this.name = words.task;
+    const id = unique("task");
+    this.task = el("textarea", { id, rows: 26, spellcheck: "false", oninput: soon });
+    this.task.value = words.sample;
+    this.program = button("Save the program", () => this.planned && save(words.program, this.planned.program), { class: "primary", disabled: true });
+    this.into = new IntoMachine(desk, words.what);
+    this.into.root.hidden = true;
+    const open = (given: Given[]) => this.take(given);
+    root.append(
+      section(
+        "Task",
+        el(
+          "div",
+          { class: "row" },
+          picker("Open task, machine or log", { accept: words.accept, several: true }, open, desk.fail),
+          button("Save the task", () => save(this.name, this.task.value)),
+          el("small", {}, words.hint),
+        ),
+        el(
+          "div",
+          { class: "columns" },
+          el("div", {}, el("label", { for: id }, words.label), this.task),
+          el("div", {}, this.about, this.refused, this.expected, el("div", { class: "row" }, this.program)),
+        ),
+        this.plan.root,
+      ),
+      section("Log", ...controls, this.solved, this.solve.root),
+      results,
+      this.into.root,
+    );
+    onDrop(root, open, desk.fail);
+    desk.machine.subscribe(() => {
+      // With what was found in it, the machine would get it twice.
+      if (!this.own && !this.into.done) soon();
+    });
+  }
+
+  /** Solves a log; nothing is shown once `turn` is not the latest any more. */
+  protected abstract found(turn: number, files: string, task: string, log: Log): Promise<void>;
+  protected abstract clear(): void;
+  /** The command on a log, after the names of task and log. */
+  protected abstract command(task: string, log: string): string;
+
+  /** What a view keeps beside the task from dropped files; true where it has taken this one. */
+  protected takes(_name: string, _content: string): boolean {
+    return false;
+  }
+
+  get state(): Kept {
+    return { name: this.name, task: this.task.value };
+  }
+
+  /** Logs were files: they have to be dropped again. */
+  open({ name, task }: Kept): void {
+    this.name = name;
+    this.task.value = task;
+    this.own = this.log = undefined;
+    this.beside = {};
+    void this.work();
+  }
+
+  private take(given: Given[]): void {
+    const texts = new Map<string, string>();
+    for (const { path, bytes } of given) {
+      const [name, content] = [path.split("/").at(-1) ?? path, text(bytes)];
+      if (content === undefined) {
+        this.desk.fail(new Error(`${name}: found bytes that are not UTF-8, needed a text`));
+        return;
+      }
+      texts.set(name, content);
+    }
+    const machine = texts.get(DESCRIPTION);
+    const files: Files = {};
+    // A file that a task names is none.
+    const tasks = [this.task.value, ...[...texts].filter(([name]) => name.endsWith(".toml")).map(([, content]) => content)];
+    for (const [name, content] of texts) {
+      const named = (of: string | undefined) => of?.includes(`"${name}"`);
+      if (name === DESCRIPTION || named(machine)) files[name] = content;
+      else if (tasks.some(named)) this.beside[name] = content;
+      else if (name.endsWith(".toml")) [this.name, this.task.value] = [name, content];
+      else if (!this.takes(name, content)) this.log = { name, text: content };
+    }
+    if (machine !== undefined) this.own = files;
+    void this.work();
+  }
+
+  /** A log that was refused. */
+  protected fails(log: Log, error: unknown): void {
+    this.solved.textContent = `${log.name} tells nothing.`;
+    this.clear();
+    this.into.root.hidden = true;
+    this.desk.fail(error);
+  }
+
+  protected isLatest(turn: number): boolean {
+    return turn === this.latest;
+  }
+
+  /** Plans the task, and solves the log where there is one. */
+  protected async work(): Promise<void> {
+    const turn = ++this.latest;
+    this.into.begin();
+    const files = JSON.stringify({ ...(this.own ?? this.desk.machine.files), ...this.beside });
+    const task = this.task.value;
+    try {
+      const planned = JSON.parse(await this.desk.bench.call(this.words.plan, files, this.name, task)) as Planned;
+      if (turn !== this.latest) return;
+      this.foresee(planned);
+    } catch (error) {
+      if (turn !== this.latest) return;
+      this.planned = undefined;
+      this.refused.hidden = false;
+      this.refused.textContent = message(error);
+      this.about.textContent = "";
+      this.expected.replaceChildren();
+    }
+    this.program.disabled = !this.planned;
+    this.describe();
+    if (this.log) await this.found(turn, files, task, this.log);
+    else {
+      this.solved.textContent = this.words.without;
+      this.clear();
+    }
+  }
+
+  private foresee(planned: Planned): void {
+    this.planned = planned;
+    this.refused.hidden = true;
+    const { machine, touches, minutes, terms, rank, condition, warnings } = planned.foreseen;
+    const network = rank === undefined ? "." : ` without set-ups. Rank ${rank}, condition ${significant(condition ?? 0, 2)}.`;
+    this.about.textContent = [`${machine}: ${touches} touches, about ${Math.ceil(minutes)} minutes${network}`, ...planned.notes].join(" ");
+    const bounds = terms.some(({ largest_total }) => largest_total !== undefined);
+    const row = ({ name, standard_error, unit, largest_update, largest_total }: Expected): Cell[] => [name, shown(standard_error, 2), ...(bounds ? [shown(largest_update ?? 0, 2), shown(largest_total ?? 0, 2)] : []), unit];
+    this.expected.replaceChildren(
+      table("How well every term would be known", ["term", "expected standard error", ...(bounds ? ["at most at once", "in all"] : []), "unit"], terms.map(row)),
+      notes("Notes", warnings ?? []),
+    );
+  }
+
+  protected describe(): void {
+    const task = word(this.name);
+    this.plan.set(`trueaxis ${this.words.command} plan ${task} -o ${this.words.program}`);
+    this.solve.set(this.command(task, word(this.log?.name ?? `trueaxis-${this.planned?.foreseen.program ?? "…"}.log`)));
+  }
+}

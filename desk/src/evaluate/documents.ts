@@ -1,0 +1,51 @@
+// What the module answers: what the report's page of the command line has.
+
+import type { Becomes } from "../core/becomes";
+import type { Cell } from "../core/dom";
+
+export type Test = "step-diagonal" | "r-test" | "points" | "probing" | "thermal";
+
+export interface Curve {
+  name: string;
+  /** Number of its colour. */
+  colour: number;
+  dashed: boolean;
+  values: (number | null)[];
+  /** Standard errors; none where they are not known. */
+  errors: number[];
+}
+
+export interface Plotted {
+  title: string;
+  /** What runs to the right and upward, with their units. */
+  x: [string, string];
+  y: [string, string];
+  look: "line" | "dotted" | "points";
+  caption: string;
+  at: number[];
+  curves: Curve[];
+}
+
+/** Rows from the lowest Y on, cells from the lowest X on. */
+export interface Mapped {
+  title: string;
+  unit: string;
+  caption: string;
+  ends_mm: [[number, number], [number, number]];
+  rows: (number | null)[][];
+}
+
+export interface Shown {
+  title: string;
+  summary: string[];
+  notes: string[];
+  tables: { caption: string; header: string[]; rows: Cell[][] }[];
+  plots: Plotted[];
+  map: Mapped | null;
+}
+
+export interface Evaluated {
+  shown: Shown;
+  becomes: Becomes | null;
+  notes: string[];
+}

@@ -1,0 +1,157 @@
+// A record of a test with an instrument: which test it is of, its figures and curves, what of it the machine gets.
+
+import { IntoMachine } from "../core/becomes";
+import { type Desk } from "../core/desk";
+import { choice, commandLine, debounce, el, group, section, table } from "../core/dom";
+import { onDrop, picker, type Given } from "../core/files";
+import { word } from "../core/shell";
+import type { Evaluated, Test } from "./documents";
+import { Results } from "./results";
+import { TESTS, type Option, type Value } from "./tests";
+
+export interface Kept {
+  chosen: Test | "";
+  options: Record<string, Value>;
+}
+
+const ALL = Object.entries(TESTS) as [Test, (typeof TESTS)[Test]][];
+
+export class Evaluate {
+  private record: { name: string; bytes: Uint8Array } | undefined;
+  /** Told by the columns of the record. */
+  private recognised: Test | undefined;
+  private latest = 0;
+  /** Files that the machine gets: what another machine is told from. */
+  private offered = "";
+  private readonly options = new Map<Test, Option[]>();
+  private readonly groups = new Map<Test, HTMLElement>();
+  private readonly chosen;
+  private readonly status = el("p", { role: "status" }, "Open a record, or drop one: its columns tell the test.");
+  private readonly overview: HTMLElement;
+  private readonly command = commandLine("The same on the command line:");
+  private readonly results = new Results();
+  private readonly into: IntoMachine;
+
+  constructor(
+    root: HTMLElement,
+    private readonly desk: Desk,
+  ) {
+    const again = () => void this.evaluate();
+    const later = debounce(400, again);
+    const soon = () => {
+      // What the former options gave is not taken meanwhile.
+      this.into.begin();
+      later();
+    };
+    this.chosen = choice<Test | "">("Which test it is", [["", "as the record's columns tell"], ...ALL.map(([test, { title }]) => [test, title] as const)], "", again);
+    for (const [test, { title, columns, about, options }] of ALL) {
+      const own = options(soon);
+      this.options.set(test, own);
+      const rows = el("div", {}, ...[`Columns: ${columns}`, about].map((text) => el("small", {}, text)));
+      this.groups.set(test, group(title, ...own.map((option) => option.root), rows));
+    }
+    this.overview = table("What a record has", ["test", "columns, those in brackets may be missing", "what a row is, what it gives"], ALL.map(([, { title, columns, about }]) => [title, columns, about]));
+    this.into = new IntoMachine(desk, "What the test tells");
+    this.into.root.hidden = true;
+    const open = (given: Given[]) => this.take(given);
+    root.append(
+      section(
+        "Record",
+        el("div", { class: "row" }, picker("Open a record", { accept: ".csv,.txt" }, open, desk.fail), this.chosen.root, ...this.groups.values()),
+        this.status,
+        this.command.root,
+        this.overview,
+      ),
+      this.results.root,
+      this.into.root,
+    );
+    onDrop(root, open, desk.fail);
+    desk.machine.subscribe(() => {
+      const { test } = this;
+      // What was put into it comes back as another machine, and is shown as it was.
+      if (test && TESTS[test].machine && desk.machine.json !== this.offered) again();
+      else this.describe();
+    });
+    desk.bench.onRestart(() => this.nothing("The computation stopped; drop the record again."));
+    this.describe();
+  }
+
+  get state(): Kept {
+    const all = [...this.options].flatMap(([test, own]) => own.map((option) => [`${test}.${option.key}`, option.kept()] as const));
+    return { chosen: this.chosen.value, options: Object.fromEntries(all) };
+  }
+
+  /** A record was a file: it has to be dropped again. */
+  open({ chosen, options }: Kept): void {
+    this.chosen.value = chosen;
+    for (const [test, own] of this.options) for (const option of own) option.open(options[`${test}.${option.key}`] ?? option.kept());
+    this.record = this.recognised = undefined;
+    this.nothing("The record was a file: drop it again.");
+  }
+
+  private get test(): Test | undefined {
+    return this.chosen.value || this.recognised;
+  }
+
+  private take([file]: Given[]): void {
+    if (!file) return;
+    this.record = { name: file.path.split("/").at(-1) ?? file.path, bytes: file.bytes };
+    this.recognised = undefined;
+    void this.evaluate();
+  }
+
+  private nothing(why: string): void {
+    this.latest += 1;
+    this.status.textContent = why;
+    this.results.clear();
+    this.into.root.hidden = true;
+    this.describe();
+  }
+
+  private async evaluate(): Promise<void> {
+    const { record, desk } = this;
+    if (!record) {
+      this.describe();
+      return;
+    }
+    this.nothing(`Evaluating ${record.name} …`);
+    const turn = this.latest;
+    try {
+      if (!this.test) this.recognised = (await desk.bench.call("evaluate_test", record.name, record.bytes)) as Test;
+      const { test } = this;
+      if (turn !== this.latest || !test) return;
+      this.describe();
+      const request = Object.fromEntries((this.options.get(test) ?? []).map((option) => [option.key, option.given()]));
+      const said = await desk.bench.call("evaluate_record", test, desk.machine.json, record.name, record.bytes, JSON.stringify(request));
+      if (turn !== this.latest) return;
+      const { shown, becomes, notes } = JSON.parse(said) as Evaluated;
+      desk.clear();
+      const on = TESTS[test].machine ? [`on ${desk.machine.name}`] : [];
+      this.status.textContent = [`${shown.title}, ${[record.name, ...shown.summary, ...on].join(", ")}.`, ...notes].join(" ");
+      this.results.show(shown);
+      this.into.begin();
+      this.offered = JSON.stringify(becomes?.files);
+      this.into.root.hidden = becomes === null;
+      if (becomes) this.into.show(becomes);
+    } catch (error) {
+      if (turn !== this.latest) return;
+      const on = this.test && TESTS[this.test].machine ? ` on ${desk.machine.name}, the machine that is shown` : "";
+      this.status.textContent = `${record.name} could not be evaluated${on}.`;
+      this.describe();
+      desk.fail(error);
+    }
+  }
+
+  /** Controls and command line of the test. */
+  private describe(): void {
+    const { test } = this;
+    for (const [own, root] of this.groups) root.hidden = own !== test;
+    this.overview.hidden = test !== undefined;
+    this.command.root.hidden = test === undefined;
+    if (!test) return;
+    const name = word(this.desk.machine.name);
+    const words = (this.options.get(test) ?? []).flatMap((option) => option.words());
+    const machine = TESTS[test].machine ? ["--machine", name, "-o", test === "points" ? `${name}-measured` : name] : [];
+    this.command.set(["trueaxis evaluate", test, word(this.record?.name ?? "record.csv"), ...words, ...machine].join(" "));
+  }
+}

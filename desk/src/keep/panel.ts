@@ -1,0 +1,154 @@
+// Balls that stay on the machine: a look planned, its log against the history, the machine with what it updates.
+
+import { Probing, type Kept as Task, type Log } from "../calibrate/probing";
+import type { Desk } from "../core/desk";
+import { button, el, section, table, textField, tick, warnings, type Cell } from "../core/dom";
+import { save } from "../core/files";
+import { shown, significant } from "../core/number";
+import { word } from "../core/shell";
+import type { Looked } from "./documents";
+import { SAMPLE } from "./sample";
+
+export interface Kept extends Task {
+  history: string;
+}
+
+const WORDS = {
+  plan: "keep_plan",
+  command: "keep",
+  task: "keep.toml",
+  program: "look.ngc",
+  sample: SAMPLE,
+  label: "Machine, probe, balls that stay, and what may be changed within which bounds",
+  hint: "or drop them: keep.toml; machine.toml with its tables where it is not the machine shown; thermal.toml; keep/history.jsonl; the log of a look",
+  accept: ".toml,.csv,.log,.txt,.jsonl",
+  what: "What the look updates",
+  without: "Run the program between parts, with the compensation on; then open the control's log here.",
+} as const;
+
+export class Keep extends Probing {
+  private history = "";
+  private looked: Looked | undefined;
+  private readonly results: HTMLElement;
+  private readonly time: HTMLInputElement;
+  private readonly parts: HTMLInputElement;
+  private readonly accept: HTMLInputElement;
+  private readonly byHand: HTMLInputElement;
+  private readonly anew: HTMLInputElement;
+
+  constructor(root: HTMLElement, desk: Desk) {
+    const results = el("div", { hidden: true });
+    const soon = () => this.soon();
+    const time = textField("probed at, UTC", "2026-05-04T06:00:00Z", soon);
+    const parts = textField("parts made until then", "0", soon, "number");
+    const accept = textField("terms that may be out of their bounds", "offset X, C0Y", soon);
+    const byHand = tick("take tables that were changed by hand", false, soon);
+    const anew = tick("a new beginning", false, soon);
+    super(root, desk, WORDS, results, el("div", { class: "row" }, time.root, parts.root, accept.root, byHand.root, anew.root));
+    this.results = results;
+    [this.time, this.parts, this.accept, this.byHand, this.anew] = [time.input, parts.input, accept.input, byHand.input, anew.input];
+    this.into.whenDone = () => this.enter();
+    void this.work();
+  }
+
+  override get state(): Kept {
+    return { ...super.state, history: this.history };
+  }
+
+  override open(kept: Kept): void {
+    this.history = kept.history;
+    super.open(kept);
+  }
+
+  protected override takes(name: string, content: string): boolean {
+    if (!name.endsWith(".jsonl")) return false;
+    this.history = content;
+    return true;
+  }
+
+  protected clear(): void {
+    this.results.hidden = true;
+  }
+
+  protected async found(turn: number, files: string, task: string, log: Log): Promise<void> {
+    const { time, parts, accept } = this.given();
+    const request = JSON.stringify({ history: this.history, begin: this.anew.checked, time: time || null, parts: parts === "" ? null : Number(parts), accept, by_hand: this.byHand.checked });
+    try {
+      const looked = JSON.parse(await this.desk.bench.call("keep_look", files, this.name, task, log.name, log.text, request)) as Looked;
+      if (!this.isLatest(turn)) return;
+      this.looked = looked;
+      this.desk.clear();
+      const { machine, touches } = looked.document;
+      this.solved.textContent = [`${log.name}: ${touches} touches on ${machine}.`, ...looked.notes].join(" ");
+      this.show(looked);
+      const { becomes } = looked;
+      this.into.root.hidden = !becomes;
+      if (becomes) this.into.show({ ...becomes, ...(this.own ? { name: machine } : {}) });
+    } catch (error) {
+      if (this.isLatest(turn)) this.fails(log, error);
+    }
+  }
+
+  private given() {
+    const accept = this.accept.value.split(",").map((name) => name.trim());
+    return { time: this.time.value.trim(), parts: this.parts.value, accept: accept.filter((name) => name !== "") };
+  }
+
+  private show({ document: d, verdicts, refusal, becomes, entries, written }: Looked): void {
+    const terms = d.terms.map((term, i): Cell[] => [
+      term.name,
+      shown(term.value),
+      shown(term.standard_error, 2),
+      shown(term.significance),
+      shown(term.from),
+      shown(term.to),
+      shown(term.largest_update),
+      shown(term.largest_total),
+      term.unit,
+      verdicts[i]!,
+    ]);
+    const balls = d.balls.map(({ name, centre_mm, standard_error_um }): Cell[] => [name, ...centre_mm.map((value) => shown(value, 9)), shown(Math.max(...standard_error_um), 2)]);
+    const past = entries.map(({ entry, time, parts, deed, changed }): Cell[] => [String(entry), time ?? "", parts === null ? "" : String(parts), deed, changed.join("; ")]);
+    // A machine gets its updates below, and the history with them.
+    const enter = becomes || refusal ? [] : [button("Enter it in the history", () => this.enter(), { class: "primary" })];
+    const saves = written.map(([name, content]) => button(`Save ${name}`, () => save(name.replaceAll("../", "").replaceAll("/", "-"), content)));
+    this.results.replaceChildren(
+      section(
+        "Look",
+        el(
+          "div",
+          { class: "figures" },
+          warnings([...(refusal ? [refusal] : []), ...d.notes]),
+          table("Verdicts", ["term", "left by the tables", "standard error", "significance", "updates in all", "then", "at most at once", "at most in all", "unit", "verdict"], terms),
+          table("Where the balls stand", ["ball", "X / mm", "Y / mm", "Z / mm", "± µm"], balls),
+          el("p", {}, `Scatter of a touch: ${significant(d.sigma_um, 2)} µm.`),
+        ),
+      ),
+      section("History", el("div", { class: "figures" }, table("Entries", ["entry", "time", "parts", "what was done", "changed"], past)), el("div", { class: "row" }, ...enter, ...saves)),
+    );
+    this.results.hidden = false;
+  }
+
+  /** Takes the look into the history: the next log is held against it. */
+  private enter(): void {
+    if (!this.looked) return;
+    this.history = this.looked.history;
+    const { entry } = this.looked.document;
+    // Its machine is the one that is shown now.
+    if (this.looked.becomes) this.own = undefined;
+    this.log = undefined;
+    this.anew.checked = false;
+    this.solved.textContent = `Entry ${entry} stands in the history: save it beside the machine's files, and open the log of the next look.`;
+    this.describe();
+    for (const one of this.results.querySelectorAll<HTMLButtonElement>("button.primary")) one.disabled = true;
+  }
+
+  protected command(task: string, log: string): string {
+    const { time, parts, accept } = this.given();
+    const said = (option: string, value: string) => (value === "" ? "" : ` ${option} ${word(value)}`);
+    const begin = this.history === "" || this.anew.checked;
+    const names = begin ? [] : accept.map((name) => said("--accept", name));
+    const byHand = !begin && this.byHand.checked ? " --by-hand" : "";
+    return `trueaxis keep ${begin ? "begin" : "check"} ${task} ${log}${said("--time", time)}${said("--parts", parts)}${names.join("")}${byHand}`;
+  }
+}

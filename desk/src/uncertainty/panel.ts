@@ -1,0 +1,132 @@
+// How well the corrected position of the machine that is shown is known.
+
+import { type Desk } from "../core/desk";
+import { bars, commandLine, debounce, el, textField, numberField, section, table, typed, warnings, type Cell } from "../core/dom";
+import { shown, significant } from "../core/number";
+import { Plot } from "../core/plot";
+import { word } from "../core/shell";
+import type { AtPoint, Known, Request, Uncertainty } from "./documents";
+
+export interface Kept {
+  request: Request;
+  at: string;
+}
+
+const place = ({ at }: AtPoint) => Object.entries(at).map(([letter, value]) => `${letter} ${significant(value, 6)}`).join(", ");
+
+export class Position {
+  private request: Request = { at: [], points: 9, confidence_percent: 95, trials: 2000, seed: 1 };
+  private latest = 0;
+  private readonly fields;
+  private readonly at: HTMLInputElement;
+  private readonly status = el("p", { role: "status" });
+  private readonly command = commandLine("The same on the command line:");
+  private readonly tables = el("div", { class: "figures" });
+  private readonly plots = el("div");
+  private readonly results: HTMLElement;
+
+  constructor(
+    root: HTMLElement,
+    private readonly desk: Desk,
+  ) {
+    const soon = debounce(250, () => void this.evaluate());
+    const field = (label: string, key: Exclude<keyof Request, "at">, min: number, max: number, unit?: string) =>
+      numberField({ label, value: this.request[key], min, max, ...(unit ? { unit } : {}), ...(key === "confidence_percent" ? {} : { step: 1 }) }, (value) => {
+        this.request[key] = value;
+        soon();
+      });
+    this.fields = {
+      confidence_percent: field("Coverage", "confidence_percent", 50, 99.99, "%"),
+      points: field("Points along each axis", "points", 2, 51),
+      trials: field("Machines drawn", "trials", 100, 100_000),
+      seed: field("Seed", "seed", 0, Number.MAX_SAFE_INTEGER),
+    };
+    const at = textField("Also at / mm, °", "X, Y, Z", soon);
+    this.at = at.input;
+    const fields = Object.values(this.fields).map(({ root }) => root);
+    this.results = el("div", { class: "columns" }, section("Where it is known worst", this.plots), section("Figures", this.tables));
+    root.append(
+      section(
+        "Uncertainty of the corrected position",
+        el("p", {}, "How well tables and settings are known stands in machine.toml as standard uncertainties, [uncertainty], and is carried to the tip: by derivatives, and by machines drawn at random."),
+        el("div", { class: "row" }, ...fields, at.root),
+        this.status,
+        this.command.root,
+      ),
+      this.results,
+    );
+    desk.machine.subscribe(soon);
+    void this.evaluate();
+  }
+
+  get state(): Kept {
+    return { request: structuredClone(this.request), at: this.at.value };
+  }
+
+  open({ request, at }: Kept): void {
+    this.request = structuredClone(request);
+    this.at.value = at;
+    for (const [key, field] of Object.entries(this.fields)) field.value = request[key as keyof typeof this.fields];
+    void this.evaluate();
+  }
+
+  private async evaluate(): Promise<void> {
+    const turn = ++this.latest;
+    const { desk, request } = this;
+    const words = typed(this.at.value);
+    request.at = words.map(Number);
+    const { confidence_percent, points, trials, seed } = request;
+    const at = words.length > 0 ? ` --at=${words.join(",")}` : "";
+    this.command.set(`trueaxis uncertainty ${word(desk.machine.name)}${at} --confidence ${confidence_percent} --points ${points} --trials ${trials} --seed ${seed}`);
+    this.status.textContent = "Evaluating …";
+    try {
+      const wrong = words.find((part) => !Number.isFinite(Number(part)));
+      if (wrong !== undefined) throw new Error(`--at: found ${wrong}, needed numbers X,Y,Z`);
+      const said = await desk.bench.call("uncertainty", desk.machine.json, JSON.stringify(request));
+      if (turn !== this.latest) return;
+      const known = JSON.parse(said) as Known;
+      desk.clear();
+      this.show(known);
+    } catch (error) {
+      if (turn !== this.latest) return;
+      this.status.textContent = "Nothing can be said of this machine.";
+      this.results.hidden = true;
+      // A machine that states nothing is told here, not as a fault of the page.
+      if (error instanceof Error && words.length === 0) this.status.textContent = error.message;
+      else desk.fail(error);
+    }
+  }
+
+  private show({ document: d, distances_um, notes }: Known): void {
+    this.results.hidden = false;
+    this.status.textContent = [`${d.machine}: standard uncertainty ${significant(d.standard_rms_um, 3)} µm RMS over ${d.points} points.`, ...notes].join(" ");
+    this.draw(d, distances_um);
+    const shares = table(
+      "What contributes",
+      ["contribution", "share / %", "RMS over the volume / µm", "at the worst point / µm"],
+      d.contributions.map(({ term, share, rms_um, worst_um }): Cell[] => [term, { text: (100 * share).toFixed(1), value: 100 * share }, shown(rms_um), shown(worst_um)]),
+    );
+    bars(shares, d.contributions.map(({ share }) => share));
+    this.tables.replaceChildren(warnings(d.warnings), this.spread("Worst point", d, d.worst), ...(d.at ? [this.spread("Position asked for", d, d.at)] : []), shares, el("p", {}, `Not stated, taken as zero: ${d.not_stated.join(", ") || "nothing"}.`));
+  }
+
+  private spread(name: string, d: Uncertainty, point: AtPoint): HTMLElement {
+    const row = (method: string, { expanded_um, radius_um }: AtPoint["jacobian"]): Cell[] => [method, ...expanded_um.map((um) => shown(um)), shown(radius_um)];
+    return table(`${name}, ${place(point)}: expanded, ${d.confidence_percent} %, µm`, ["", "X", "Y", "Z", "radius"], [row("by derivatives", point.jacobian), row("by machines drawn", point.monte_carlo)]);
+  }
+
+  private draw(d: Uncertainty, distances_um: number[]): void {
+    this.plots.replaceChildren();
+    const plot = new Plot(this.plots, {
+      title: `Machines drawn whose tip lies within a distance, at ${place(d.worst)}`,
+      x: "distance / µm",
+      y: "share / %",
+      height: 300,
+      series: [{ name: "share of the machines", colour: "after", unit: "%" }],
+    });
+    const last = Math.max(1, distances_um.length - 1);
+    plot.set([distances_um, distances_um.map((_, step) => (100 * step) / last)]);
+    const radius = d.worst.jacobian.radius_um;
+    plot.mark([{ x: radius, text: `radius by derivatives ${significant(radius, 3)} µm` }]);
+  }
+}

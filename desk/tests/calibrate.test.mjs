@@ -1,0 +1,128 @@
+// Calibration with a touch probe: plan and log against the command line, what the machine gets, what is refused.
+
+import assert from "node:assert/strict";
+import fs from "node:fs";
+import os from "node:os";
+import path from "node:path";
+import { after, test } from "node:test";
+import { cli, closeBrowser, drop, numbers, openDesk, root, run, saved, shot, view } from "./harness.mjs";
+
+// The log is that of crates/trueaxis-py/tests/probing.py.
+const probing = (name) => fs.readFileSync(path.join(root, "desk/tests/probing", name), "utf8");
+const [task, machine, log] = ["task.toml", "machine.toml", "probe.log"].map(probing);
+
+const folder = fs.mkdtempSync(path.join(os.tmpdir(), "calibrate-"));
+fs.mkdirSync(path.join(folder, "mill"));
+fs.writeFileSync(path.join(folder, "mill/machine.toml"), machine);
+fs.writeFileSync(path.join(folder, "task.toml"), task);
+fs.writeFileSync(path.join(folder, "probe.log"), log);
+after(async () => {
+  fs.rmSync(folder, { recursive: true });
+  await closeBrowser();
+});
+
+/** The page computes with the angles of the browser, whose last bit may be another. */
+function near(found, needed, what) {
+  assert.ok(Math.abs(found - needed) <= 1e-6 * Math.max(1, Math.abs(needed)), `${what}: found ${found}, the command line has ${needed}`);
+}
+
+async function opened() {
+  const desk = await openDesk();
+  return { ...desk, panel: await view(desk.page, "Calibrate") };
+}
+
+async function planned(panel, found) {
+  const shown = await numbers(panel.getByRole("table", { name: "How well every term" }));
+  assert.deepEqual(Object.keys(shown), found.terms.map(({ name }) => name));
+  for (const { name, standard_error, unit } of found.terms) {
+    near(shown[name]["expected standard error"], standard_error, name);
+    assert.equal(shown[name].unit, unit);
+  }
+}
+
+test("the task to begin with is planned on the machine that is shown", async () => {
+  const { panel, close } = await opened();
+  await panel.getByText("touches, about").waitFor();
+  const own = path.join(folder, "sample.toml");
+  const text = (await panel.getByRole("textbox").inputValue()).replace('"mill-3axis"', `"${path.join(root, "compensation-tables/mill-3axis")}"`);
+  fs.writeFileSync(own, text);
+  await planned(panel, await cli(["calibrate", "plan", own, "-o", path.join(folder, "sample.ngc"), "--json"]));
+  await close();
+});
+
+test("a log has the terms of trueaxis calibrate solve, and the machine what it writes", async () => {
+  const { page, panel, close } = await opened();
+  await drop(panel, { "task.toml": task, "machine.toml": machine });
+  await panel.getByText("mill: 81 touches").waitFor();
+  await planned(panel, await cli(["calibrate", "plan", "task.toml", "-o", "probe.ngc", "--json"], { cwd: folder }));
+  const program = await saved(page, panel.getByRole("button", { name: "Save the program" }));
+  assert.equal(program.bytes.toString(), fs.readFileSync(path.join(folder, "probe.ngc"), "utf8"));
+
+  await drop(panel, { "probe.log": log });
+  await panel.getByText("probe.log: 81 touches on mill.").waitFor();
+  const found = await cli(["calibrate", "solve", "task.toml", "probe.log", "-o", "new", "--json"], { cwd: folder });
+  const terms = await numbers(panel.getByRole("table", { name: "Terms" }));
+  for (const { name, value, standard_error, unit } of found.terms) {
+    near(terms[name].value, value, name);
+    near(terms[name]["standard error"], standard_error, `${name}, standard error`);
+    assert.equal(terms[name].unit, unit);
+  }
+  assert.ok(Math.abs(terms["squareness C0Y"].value - 50) < 4 * terms["squareness C0Y"]["standard error"]);
+  const network = await numbers(panel.getByRole("table", { name: "Network" }));
+  near(network["sigma of a touch / µm"].value, found.sigma_um, "sigma");
+  near(network["unknowns, rank"].value, found.rank, "rank");
+  assert.equal(await panel.locator("code").nth(1).textContent(), "trueaxis calibrate solve task.toml probe.log -o mill-3axis");
+
+  // Residuals by the keyboard, with their numbers behind them.
+  const plot = panel.getByRole("img", { name: "What is left of every touch" });
+  await plot.focus();
+  await page.keyboard.press("Home");
+  assert.match(await plot.locator("xpath=following-sibling::output").textContent(), /touch: 1\.0000\s+left, positive outside the surface .* µm/);
+  await page.evaluate(() => scrollTo(0, 0));
+  await page.setViewportSize({ width: 1400, height: await page.evaluate(() => document.body.scrollHeight) });
+  await page.waitForTimeout(300);
+  await shot(page, "calibrate");
+
+  await panel.getByRole("button", { name: "Put into the machine" }).click();
+  await panel.getByText("In mill now.").waitFor();
+  const files = await page.evaluate(() => globalThis.trueaxisDesk.machine.files);
+  for (const name of fs.readdirSync(path.join(folder, "new"))) assert.equal(files[name], fs.readFileSync(path.join(folder, "new", name), "utf8"), name);
+  await close();
+});
+
+test("what cannot be told is refused in the command line's words", async () => {
+  const { panel, page, close } = await opened();
+  const lines = log.split("\n");
+  const logs = {
+    "missing.log": lines.filter((line) => !line.startsWith("touch 9 ")),
+    "twice.log": [...lines.slice(0, -1), lines[8], ""],
+    "other.log": ["trueaxis calibrate 00000001 touches 81", ...lines.slice(1)],
+    "far.log": lines.map((line) => (line.startsWith("touch 30 ") ? line.replace(/^(touch 30) (\S+)/, (_, touch, x) => `${touch} ${Number(x) + 0.05}`) : line)),
+  };
+  await drop(panel, { "task.toml": task, "machine.toml": machine });
+  await panel.getByText("mill: 81 touches").waitFor();
+  for (const [name, of] of Object.entries(logs)) {
+    fs.writeFileSync(path.join(folder, name), of.join("\n"));
+    const refused = await run("trueaxis", ["calibrate", "solve", "task.toml", name, "-o", "no"], { cwd: folder });
+    assert.equal(refused.code, 2, name);
+    await drop(panel, { [name]: of.join("\n") });
+    const alert = page.getByRole("alert").filter({ hasText: name });
+    await alert.waitFor();
+    assert.equal(await alert.locator("span").textContent(), refused.stderr.trim().split("\n").at(-1).replace(/^error: /, ""));
+    assert.ok(await panel.getByRole("table", { name: "Terms" }).isHidden());
+  }
+  // A ring alone, and a key that there is not.
+  const alone = task.slice(0, task.indexOf("[reference]")) + task.slice(task.indexOf('[[artefact]]\nname = "ring"'));
+  for (const [name, text] of Object.entries({ "alone.toml": alone, "key.toml": task.replace("repeats", "repeat") })) {
+    fs.writeFileSync(path.join(folder, name), text);
+    const refused = await run("trueaxis", ["calibrate", "plan", name], { cwd: folder });
+    assert.equal(refused.code, 2, name);
+    await drop(panel, { [name]: text });
+    await panel.getByText(refused.stderr.trim().replace(/^error: /, "")).waitFor();
+    assert.ok(await panel.getByRole("button", { name: "Save the program" }).isDisabled());
+  }
+  // Typed right again.
+  await panel.getByRole("textbox").fill(task);
+  await panel.getByText("mill: 81 touches").waitFor();
+  await close();
+});

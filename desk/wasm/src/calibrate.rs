@@ -1,0 +1,71 @@
+//! Calibration with a touch probe: from a task to a program, from its log to errors and the machine with them.
+
+use crate::becomes::Becomes;
+use crate::files::{texts, untabled};
+use crate::{Refused, json, told};
+use anyhow::Result;
+use serde::Serialize;
+use std::path::Path;
+use trueaxis::Axis;
+use trueaxis_evaluation::calibrate::{Curves, Document, Foreseen, Planning, Residuals, Task, solved};
+use trueaxis_tables::Machine;
+use wasm_bindgen::prelude::*;
+
+/// A task that was planned.
+#[derive(Serialize)]
+struct Planned {
+    /// What `trueaxis calibrate plan --json` prints.
+    foreseen: Foreseen,
+    /// The program.
+    program: String,
+    notes: Vec<String>,
+}
+
+/// A log that was solved.
+#[derive(Serialize)]
+struct Found {
+    /// What `trueaxis calibrate solve --json` prints.
+    document: Document,
+    residuals: Residuals,
+    curves: Vec<Curves>,
+    becomes: Becomes,
+    notes: Vec<String>,
+}
+
+fn read(files: &str, name: &str, task: &str, notes: &mut Vec<String>) -> Result<(Task, Machine)> {
+    Ok((Task::read(task, Path::new(name))?, untabled(&texts(files)?, notes)?))
+}
+
+fn plan(files: &str, name: &str, task: &str) -> Result<String> {
+    let mut notes = Vec::new();
+    let (task, machine) = read(files, name, task, &mut notes)?;
+    let Planning { program, foreseen, .. } = Planning::new(&task, &machine)?;
+    json(&Planned { foreseen, program, notes })
+}
+
+/// Plans a task on the machine of these files, whichever the task names: `foreseen`, `program`, `notes`. `name` is the task's in
+/// refusals.
+#[wasm_bindgen]
+pub fn calibrate_plan(files: &str, name: &str, task: &str) -> Result<String, Refused> {
+    told(plan(files, name, task))
+}
+
+fn solve(files: &str, name: &str, task: &str, log_name: &str, log: &str) -> Result<String> {
+    let mut notes = Vec::new();
+    let (task, machine) = read(files, name, task, &mut notes)?;
+    let (plan, found) = solved(&task, &machine, log, Path::new(log_name), |note| notes.push(note))?;
+    let becomes = Becomes::new(files, &found.additions())?;
+    json(&Found {
+        document: found.document(&task, &machine),
+        residuals: Residuals::of(&task, &plan, &found),
+        curves: [Axis::X, Axis::Y, Axis::Z].into_iter().filter_map(|axis| Curves::of(&found, axis)).collect(),
+        becomes,
+        notes,
+    })
+}
+
+/// Solves a log of the task's program: `document`, `residuals`, `curves`, `becomes` (the machine with what was found), `notes`.
+#[wasm_bindgen]
+pub fn calibrate_solve(files: &str, name: &str, task: &str, log_name: &str, log: &str) -> Result<String, Refused> {
+    told(solve(files, name, task, log_name, log))
+}

@@ -1,0 +1,145 @@
+//! A machine that keeps itself true: a look planned, its log against the history, the machine with what it updates.
+
+use crate::becomes::Becomes;
+use crate::files::texts;
+use crate::{Refused, json, told};
+use anyhow::{Context, Result, anyhow};
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+use trueaxis_evaluation::keep::{Document, Entry, Foreseen, HISTORY, Keep, Let, Log, Planning, State, deeds, time};
+use trueaxis_tables::files::Memory;
+use wasm_bindgen::prelude::*;
+
+/// A look that was planned.
+#[derive(Serialize)]
+struct Planned {
+    /// What `trueaxis keep plan --json` prints.
+    foreseen: Foreseen,
+    program: String,
+    notes: Vec<String>,
+}
+
+/// What is to be known beside a log.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Request {
+    /// Text of the history; empty before the first look.
+    history: String,
+    /// Everything is counted from this look, as from the first one.
+    begin: bool,
+    time: Option<String>,
+    parts: Option<u64>,
+    accept: Vec<String>,
+    by_hand: bool,
+}
+
+/// A look that was taken.
+#[derive(Serialize)]
+struct Looked {
+    /// What `trueaxis keep begin --json` or `check --json` prints.
+    document: Document,
+    /// Verdicts in words, one a term.
+    verdicts: Vec<String>,
+    /// Why a person has to look.
+    refusal: Option<String>,
+    /// The machine with the updates, where there are some.
+    becomes: Option<Becomes>,
+    /// The history with this look at its end, unless it is refused.
+    entries: Vec<Past>,
+    /// Texts that `begin` or `apply` writes, by their names in the machine's folder, in their order.
+    written: Vec<(String, String)>,
+    /// The same of the history.
+    history: String,
+    notes: Vec<String>,
+}
+
+/// An entry in words.
+#[derive(Serialize)]
+struct Past {
+    entry: u32,
+    time: Option<String>,
+    parts: Option<u64>,
+    deed: String,
+    changed: Vec<String>,
+}
+
+/// The task on the machine of these files, whichever it names.
+fn state(files: &str, name: &str, task: &str, history: &str, notes: &mut Vec<String>) -> Result<State> {
+    let keep = Keep::read(task, Path::new(name))?;
+    State::of_texts(keep, Memory::new(texts(files)?), history, &mut |note| notes.push(note))
+}
+
+fn plan(files: &str, name: &str, task: &str) -> Result<String> {
+    let mut notes = Vec::new();
+    let state = state(files, name, task, "", &mut notes)?;
+    let Planning { program, foreseen, .. } = Planning::new(&state.keep, &state.machine)?;
+    json(&Planned { foreseen, program, notes })
+}
+
+/// Plans the looks of a task on the machine of these files, whichever the task names: `foreseen`, `program`, `notes`. `name` is
+/// the task's in refusals.
+#[wasm_bindgen]
+pub fn keep_plan(files: &str, name: &str, task: &str) -> Result<String, Refused> {
+    told(plan(files, name, task))
+}
+
+fn look(files: &str, name: &str, task: &str, log_name: &str, log: &str, request: &str) -> Result<String> {
+    let request: Request = serde_json::from_str(request).context("the request of a look")?;
+    let mut notes = Vec::new();
+    let state = state(files, name, task, &request.history, &mut notes)?;
+    let time = request.time.map(|given| time(&given).map_err(|needed| anyhow!("--time: found {given:?}, {needed}")));
+    let log = Log { file: Path::new(log_name), text: log, time: time.transpose()?, parts: request.parts };
+    let note = &mut |note| notes.push(note);
+    let taken = if request.begin || request.history.is_empty() {
+        state.begin(&log, note)?
+    } else {
+        state.accepts(&request.accept).map_err(|wrong| anyhow!("--accept: {wrong}"))?;
+        state.check(&log, Let { accept: &request.accept, by_hand: request.by_hand }, note)?
+    };
+    let refusal = taken.refusal(log.file);
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).ok();
+    let mut written = Vec::new();
+    let mut entries: Vec<Entry> = state.history.entries.clone();
+    if refusal.is_none() {
+        // The controller's files are compiled in the view of the machine.
+        let all = state.written(&taken.entry, &taken.files)?.into_iter();
+        written.extend(all.filter_map(|(name, bytes)| Some((name.to_string_lossy().into_owned(), text(bytes)?))));
+        entries.push(taken.entry);
+    }
+    let history = written.iter().find(|(name, _)| name == HISTORY).map_or(request.history, |(_, text)| text.clone());
+    let changed: Vec<(String, String)> =
+        taken.files.into_iter().filter_map(|(name, bytes)| Some((name, text(bytes?)?))).collect();
+    let becomes =
+        (!changed.is_empty()).then(|| Becomes::with(texts(files)?, changed, taken.changes, &[])).transpose()?;
+    let past = entries.iter().zip(deeds(&entries)).map(|(entry, deed)| Past {
+        entry: entry.entry,
+        time: entry.time.clone(),
+        parts: entry.parts,
+        deed,
+        changed: entry.measured.iter().filter_map(|own| own.in_words()).collect(),
+    });
+    json(&Looked {
+        verdicts: taken.document.terms.iter().map(|term| term.in_words()).collect(),
+        document: taken.document,
+        refusal,
+        becomes,
+        entries: past.collect(),
+        written,
+        history,
+        notes,
+    })
+}
+
+/// Takes the log of a look, the first one where there is no history yet. `request`: `history`, `begin`, `time`, `parts`,
+/// `accept`, `by_hand`. Answers with `document`, `verdicts`, `refusal`, `becomes`, `entries`, `written`, `history`, `notes`.
+#[wasm_bindgen]
+pub fn keep_look(
+    files: &str,
+    name: &str,
+    task: &str,
+    log_name: &str,
+    log: &str,
+    request: &str,
+) -> Result<String, Refused> {
+    told(look(files, name, task, log_name, log, request))
+}

@@ -1,0 +1,62 @@
+//! How well the corrected position is known.
+
+use crate::files::{DESCRIPTION, machine, memory};
+use crate::{Refused, json, told};
+use anyhow::{Context, Result, anyhow};
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+use trueaxis_evaluation::correct::position;
+use trueaxis_evaluation::uncertainty::{Document, Options, evaluate};
+use trueaxis_tables::uncertainty::Uncertainties;
+use wasm_bindgen::prelude::*;
+
+/// What is asked for.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Request {
+    /// Also at this position; nowhere where it is empty.
+    at: Vec<f64>,
+    points: usize,
+    confidence_percent: f64,
+    trials: usize,
+    seed: u64,
+}
+
+/// What is known.
+#[derive(Serialize)]
+struct Known {
+    /// What `trueaxis uncertainty --json` prints.
+    document: Document,
+    /// Distances of the tip at the worst point, µm, of the machines drawn, rising: every hundredth of them.
+    distances_um: Vec<f64>,
+    notes: Vec<String>,
+}
+
+fn known(files: &str, request: &str) -> Result<String> {
+    let request: Request = serde_json::from_str(request).context("the request of an uncertainty")?;
+    let mut notes = Vec::new();
+    let machine = machine(files, &mut notes)?;
+    let stated = Uncertainties::read_from(&memory(files)?, Path::new(DESCRIPTION))?;
+    let at = match request.at.as_slice() {
+        [] => None,
+        at => Some(position(at, &machine).map_err(|wrong| anyhow!("--at: {wrong}"))?),
+    };
+    let options = Options {
+        at,
+        points: request.points,
+        coverage: request.confidence_percent / 100.0,
+        trials: request.trials,
+        seed: request.seed,
+        ..Options::default()
+    };
+    let document = evaluate(&machine, &stated, &options)?;
+    let distances_um = document.distances_um();
+    json(&Known { document, distances_um, notes })
+}
+
+/// The uncertainty of the corrected position over the working volume: `document`, `distances_um`, `notes`. `request`: `at`,
+/// `points`, `confidence_percent`, `trials`, `seed`.
+#[wasm_bindgen]
+pub fn uncertainty(files: &str, request: &str) -> Result<String, Refused> {
+    told(known(files, request))
+}
