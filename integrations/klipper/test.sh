@@ -21,6 +21,6 @@ mkdir -p "$out"
 "$target/release/trueaxis" tables compile "$out/printer" -o "$out/printer.tcomp" 2>"$out/compile.log"
 klippy=$("$out/venv/bin/python" -c 'import klippy; print(klippy.__path__[0])')
 ./build.sh "$klippy" "$target/release/libtrueaxis_capi.a" "$out/trueaxis.so"
-cp extra/trueaxis.py tests/{record,drain,truth,bed,cost}.py "$klippy/extras"
+cp extra/trueaxis{,_probe}.py tests/{record,drain,truth,bed,cost,touched}.py "$klippy/extras"
 exec "$out/venv/bin/python" tests/run.py "$out/venv" "$out" "$target/release/trueaxis" "$root/compensation-tables/mill-3axis" "$out/mill.tcomp" \
     "$root/tests/hosts/machine" "$target/hosts"

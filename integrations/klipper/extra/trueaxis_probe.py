@@ -12,7 +12,12 @@
 # Positions are the toolhead's, in machine coordinates; no offset of G92 or SET_GCODE_OFFSET acts on them. A move that
 # touches nothing, or starts with the probe tripped, is an error and ends the program.
 #
+#   TRUEAXIS_NOTE MSG="trueaxis calibrate 1234abcd touches 96"
+#
+# says it likewise, on the console and in klippy.log, where RESPOND leaves nothing.
+#
 # This file may be distributed under the terms of the GNU GPLv3 license.
+from . import homing
 
 
 class TrueaxisProbe:
@@ -23,6 +28,7 @@ class TrueaxisProbe:
         self.printer.register_event_handler("klippy:mcu_identify", self.add_steppers)
         gcode = self.printer.lookup_object("gcode")
         gcode.register_command("TRUEAXIS_PROBE", self.cmd_probe, desc=self.cmd_probe_help)
+        gcode.register_command("TRUEAXIS_NOTE", self.cmd_note, desc=self.cmd_note_help)
 
     def add_steppers(self):
         # Whichever motors a move in any direction needs.
@@ -39,11 +45,19 @@ class TrueaxisProbe:
         for index, axis in enumerate("XYZ"):
             to[index] = gcmd.get_float(axis, to[index])
         speed = gcmd.get_float("F", above=0.0) / 60.0
-        homing = self.printer.lookup_object("homing")
-        trip = homing.probing_move(self.endstop, to, speed)
+        # Not the host's probing_move: that refuses every move in which one of the motors stands still.
+        move = homing.HomingMove(self.printer, [(self.endstop, "probe")])
+        trip = move.homing_move(to, speed, probe_pos=True)
+        if all(motor.trig_pos == motor.start_pos for motor in move.stepper_positions):
+            raise gcmd.error("Probe triggered prior to movement")
         gcmd.respond_info(
             "trueaxis touch %d X:%.6f Y:%.6f Z:%.6f tripped:1" % (number, trip[0], trip[1], trip[2])
         )
+
+    cmd_note_help = "Says something on the console and in the log"
+
+    def cmd_note(self, gcmd):
+        gcmd.respond_info(gcmd.get("MSG"))
 
 
 def load_config(config):

