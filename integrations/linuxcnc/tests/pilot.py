@@ -134,6 +134,20 @@ class Pilot:
         self.command.auto(linuxcnc.AUTO_RUN, 0)
         self.wait(lambda: self.stat.interp_state != linuxcnc.INTERP_IDLE, "start of the program")
 
+    def start_queued(self, path):
+        """As `start`, but nothing moves before the whole program is queued: the planner accelerates otherwise while the move
+        after the one it makes is unknown, and which moves it knows then depends on how busy the machine is."""
+        halcmd("setp", "motion.feed-inhibit", "1")
+        self.start(path)
+        lengths = []
+
+        def settled():
+            lengths.append(self.stat.queue)
+            return lengths[-1] > 0 and lengths[-200:] == [lengths[-1]] * 200
+
+        self.wait(settled, "queue of the program")
+        halcmd("setp", "motion.feed-inhibit", "0")
+
     def running(self):
         return self.stat.interp_state != linuxcnc.INTERP_IDLE
 

@@ -23,7 +23,7 @@ def program(pilot):
     pilot.record(joints(pilot.joints, *STREAM) + WHOLE)
     pilot.on()
     pilot.home()
-    pilot.start("program.ngc")
+    pilot.start_queued("program.ngc")
     pilot.finish()
     pilot.save("run")
 
