@@ -66,7 +66,9 @@ fn every_file_of_the_corpus_and_every_former_finding_passes() {
             }
         }
     }
-    assert!(bytes <= 200_000, "the corpus has {bytes} bytes, which is more than a repository should carry");
+    // fuzz/run.sh keeps 8 kB of a target, beside findings.
+    let most = 9_000 * TARGETS.len();
+    assert!(bytes <= most, "the corpus has {bytes} bytes, needed at most {most}: a repository carries it");
 }
 
 #[test]

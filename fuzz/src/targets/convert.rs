@@ -111,7 +111,7 @@ impl Shape {
     fn spiral(&self) -> f64 {
         let Shape::Arc([start, end, center, normal], _) = self else { return 0.0 };
         let radius = |point: &DVec3| (*point - *center).reject_from(*normal).length();
-        3e-6 * (radius(start) - radius(end)).abs()
+        8e-6 * (radius(start) - radius(end)).abs()
     }
 }
 

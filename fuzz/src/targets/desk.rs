@@ -98,6 +98,11 @@ fn answer(message: &str, dear: bool) {
         "scope" => scope(name, a, dear),
         "grinding" => grinding(name, a, dear),
         "ballbar" => ballbar(name, a, dear),
+        "calibrate" => calibrate(name, a, dear),
+        "keep" => keep(name, a, dear),
+        "evaluate" => evaluate(name, a, dear),
+        "thermal" => thermal(name, a, dear),
+        "uncertainty" if dear => uncertainty(a),
         "friction" => friction(name, a),
         "helicoid" => helicoid(name, a, dear),
         _ => {}
@@ -198,18 +203,79 @@ fn ballbar(name: &str, a: &mut Arguments<'_>, dear: bool) {
     }
 }
 
+fn calibrate(name: &str, a: &mut Arguments<'_>, dear: bool) {
+    use desk::calibrate::*;
+    match name {
+        "calibrate_plan" if dear => json(calibrate_plan(a.text(), a.name(), a.text())),
+        "calibrate_solve" if dear => json(calibrate_solve(a.text(), a.name(), a.text(), a.name(), a.text())),
+        _ => {}
+    }
+}
+
+fn keep(name: &str, a: &mut Arguments<'_>, dear: bool) {
+    use desk::keep::*;
+    match name {
+        "keep_plan" if dear => json(keep_plan(a.text(), a.name(), a.text())),
+        "keep_look" if dear => json(keep_look(a.text(), a.name(), a.text(), a.name(), a.text(), a.text())),
+        _ => {}
+    }
+}
+
+fn evaluate(name: &str, a: &mut Arguments<'_>, dear: bool) {
+    use desk::evaluate::*;
+    match name {
+        "evaluate_test" => drop(told(evaluate_test(a.name(), a.text().as_bytes()))),
+        "evaluate_record" if dear => {
+            if let Some(text) = told(evaluate_record(a.name(), a.text(), a.name(), a.text().as_bytes(), a.text())) {
+                let found: Result<Evaluated<'_>, _> = serde_json::from_str(&text);
+                assert!(found.is_ok(), "{text}");
+                found.ok().and_then(|found| found.becomes).iter().for_each(|becomes| machine_again(becomes.get()));
+            }
+        }
+        _ => {}
+    }
+}
+
+/// A test that was evaluated.
+#[derive(Deserialize)]
+struct Evaluated<'t> {
+    #[serde(borrow)]
+    becomes: Option<&'t RawValue>,
+}
+
+fn thermal(name: &str, a: &mut Arguments<'_>, dear: bool) {
+    use desk::thermal::*;
+    match name {
+        "thermal_fit" if dear => json(thermal_fit(a.text(), a.name(), a.text(), a.text())),
+        "thermal_compile" => drop(told(thermal_compile(a.text(), a.name(), a.text()))),
+        _ => {}
+    }
+}
+
+/// With few points and draws: what they cost is asked for by the page.
+fn uncertainty(a: &mut Arguments<'_>) {
+    let (files, at, confidence) = (a.text(), a.text(), a.number());
+    let (points, trials) = (2 + a.count() % 4, 100 + a.count());
+    let request = format!(
+        r#"{{"at": {at}, "confidence_percent": {confidence}, "points": {points}, "trials": {trials}, "seed": 1}}"#
+    );
+    json(desk::uncertainty::uncertainty(files, &request));
+}
+
 /// What a machine gets is a machine again.
 fn settings(answer: Result<String, Refused>) {
+    told(answer).iter().for_each(|text| machine_again(text));
+}
+
+fn machine_again(text: &str) {
     #[derive(Deserialize)]
     struct Files<'t> {
         #[serde(borrow)]
         files: &'t RawValue,
     }
-    if let Some(text) = told(answer) {
-        let files: Result<Files<'_>, _> = serde_json::from_str(&text);
-        let files = files.map(|found| desk::machine::machine_open(found.files.get()));
-        assert!(matches!(files, Ok(Ok(_))), "{text}");
-    }
+    let files: Result<Files<'_>, _> = serde_json::from_str(text);
+    let files = files.map(|found| desk::machine::machine_open(found.files.get()));
+    assert!(matches!(files, Ok(Ok(_))), "{text}");
 }
 
 /// Without simulation and fits, which target `friction` does.
@@ -283,7 +349,16 @@ fn finite(answer: Result<Vec<f64>, Refused>) {
 }
 
 const MACHINE: &str = r#"{"machine.toml": "name = \"m\"\nchain = \"w b X Y Z t\"\n[axis.X]\ntable = \"x.csv\"\n", "x.csv": "X_mm,EXX_um\n0,1\n10,2\n"}"#;
-const SQUARE: &str = r#"{"machine.toml": "name = \"m\"\nchain = \"w Y X b Z t\"\n[axis.X]\n[axis.Y]\n[axis.Z]\n"}"#;
+const SQUARE: &str = r#"{"machine.toml": "name = \"m\"\nchain = \"w Y' X' b Z t\"\n[axis.X]\n[axis.Y]\n[axis.Z]\n"}"#;
+const STATED: &str = r#"{"machine.toml": "name = \"m\"\nchain = \"w Y' X' b Z t\"\n[uncertainty]\ndevice_um_per_m = 1\n[axis.X]\ntravel_mm = [0, 9]\n[axis.Y]\ntravel_mm = [0, 9]\n[axis.Z]\ntravel_mm = [0, 9]\ntable = \"z.csv\"\n", "z.csv": "Z_mm,EZZ_um\n0,1\n9,2\n"}"#;
+const TASK: &str = "machine = \"m\"\ndialect = \"linuxcnc\"\n[probe]\ntip_radius_mm = 2\nrepeats = 1\n[[artefact]]\n\
+                    name = \"ball\"\nkind = \"ball\"\ndiameter_mm = 25\nuncertainty_um = 0.2\n[[artefact.place]]\n\
+                    at_mm = [0, 0, 0]\n[solve]\nsquareness = false\nscale = false\nbacklash = false\n";
+const KEEP: &str = "machine = \"m\"\ndialect = \"linuxcnc\"\nevery_parts = 9\n[probe]\ntip_radius_mm = 2\nrepeats = 1\n\
+                    [[artefact]]\nname = \"ball\"\nkind = \"ball\"\ndiameter_mm = 25\nuncertainty_um = 0.2\n\
+                    [[artefact.place]]\nat_mm = [0, 0, 0]\n[[term]]\nnames = [\"offset X\"]\nlargest_update_um = 15\n\
+                    largest_total_um = 30\n";
+const LOOK: &str = r#"{"history": "", "begin": false, "time": null, "parts": 3, "accept": [], "by_hand": false}"#;
 const HELICOID: &str = r#"{"base_radius_mm":36,"lead_parameter_mm_per_rad":130,"pivot_mm":150,"form":"vertical","u_rad":"0:1:3","theta_rad":"0:1:2"}"#;
 const PROBES: &str = r#"{"n": 64, "harmonics": [2, 15], "p": 11, "q": 14}"#;
 
@@ -302,6 +377,23 @@ fn seeds() -> Vec<Vec<u8>> {
         .flat_map(|d| (0..40).map(move |k| format!("{},{},{d}\n", 9 * k, if k % 20 < 10 { 3 } else { -2 })))
         .collect();
     let circle = format!("angle_deg,deviation_um,direction\n{circle}");
+    let warm_up: String = (0..24).map(|k| format!("{},{},{},{}\n", 300 * k, k / 8, k % 8, 20 + k % 8)).collect();
+    let warm_up = format!("t_s,cycle,ex_um,T1_c\n{warm_up}");
+    let ring: String =
+        (0..8).map(|k| format!("{},{}\n", [5, 3, 0, -3, -5, -3, 0, 3][k], [0, 4, 5, 4, 0, -4, -5, -4][k])).collect();
+    let ring = format!("x_mm,y_mm\n{ring}");
+    let growth: String = (0..12).map(|k| format!("{},{},{}\n", 60 * k, k * k, 20 + k)).collect();
+    let growth = format!("t_s,z_um,ambient_c\n{growth}");
+    let diagonals: String = [[1, 1, 1], [-1, 1, 1], [1, -1, 1], [1, 1, -1]]
+        .iter()
+        .enumerate()
+        .flat_map(|(k, [x, y, z])| {
+            (0..6).map(move |t| format!("{},1,{},{},{},{}\n", k + 1, t * x, t * y, t * z, t * x * y))
+        })
+        .collect();
+    let diagonals = format!("diagonal,direction,x_mm,y_mm,z_mm,deviation_um\n{diagonals}");
+    let evaluate =
+        |test: &str, record: &str, request: &str| message("evaluate_record", &[test, SQUARE, "r.csv", record, request]);
     let points = "x_mm,y_mm\n3,0\n0,3\n-3,0\n0,-3.002\n";
     [
         message("machine_open", &[MACHINE]),
@@ -329,6 +421,22 @@ fn seeds() -> Vec<Vec<u8>> {
             + &message("ballbar_evaluate", &["r.csv", &circle, r#"{"radius_mm": 50, "axes": "X,Y"}"#])
             + &message("ballbar_settings", &[SQUARE, ""]),
         message("friction_settings", &[])
+            + &message("calibrate_plan", &[SQUARE, "task.toml", TASK])
+            + &message("calibrate_solve", &[SQUARE, "task.toml", TASK, "probe.log", "touch 1 14.5 0 0 0 0 0 1\n"]),
+        message("friction_settings", &[])
+            + &message("keep_plan", &[SQUARE, "keep.toml", KEEP])
+            + &message("keep_look", &[SQUARE, "keep.toml", KEEP, "look.log", "touch 1 14.5 0 0 0 0 0 1\n", LOOK]),
+        message("friction_settings", &[])
+            + &message("thermal_fit", &[MACHINE, "r.csv", &warm_up, r#"{"hold_out": [], "without": []}"#])
+            + &message("thermal_compile", &[MACHINE, "thermal.toml", "reference_temperature_c = 20\n"]),
+        message("evaluate_test", &["ring.csv", &ring]) + &evaluate("probing", &ring, "{\"feature\": \"ring\"}"),
+        message("friction_settings", &[]) + &evaluate("thermal", &growth, "{\"period_min\": 5}"),
+        message("friction_settings", &[]) + &evaluate("step-diagonal", &diagonals, "{\"alignment_urad\": 20}"),
+        message("friction_settings", &[])
+            + &evaluate("r-test", "x_mm,y_mm,z_mm,c_deg,dx_um,dy_um,dz_um\n1,0,0,0,1,0,0\n0,-1,0,90,0,2,0\n", "{}")
+            + &evaluate("points", "x_mm,y_mm,z_mm,actual_x_mm,actual_y_mm,actual_z_mm\n0,0,0,0.001,0,0\n", "{}"),
+        message("friction_settings", &[]) + &message("uncertainty", &[STATED, "[1, 2, 3]", "95", "3", "20"]),
+        message("friction_settings", &[])
             + &message("friction_read", &["r.csv", "t_s,x_cmd_mm,x_mm,y_cmd_mm,y_mm\n0,1,1,2,2\n", "X,Y"])
             + &message("friction_record", &[]),
         message("friction_settings", &[])
@@ -345,4 +453,23 @@ fn seeds() -> Vec<Vec<u8>> {
     ]
     .map(String::into_bytes)
     .into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tasks_of_the_seeds_are_planned() {
+        for planned in [
+            desk::calibrate::calibrate_plan(SQUARE, "task.toml", TASK),
+            desk::keep::keep_plan(SQUARE, "keep.toml", KEEP),
+            desk::uncertainty::uncertainty(
+                STATED,
+                r#"{"at": [1, 2, 3], "confidence_percent": 95, "points": 3, "trials": 100, "seed": 1}"#,
+            ),
+        ] {
+            assert!(planned.is_ok(), "{planned:?}");
+        }
+    }
 }

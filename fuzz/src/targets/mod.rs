@@ -10,6 +10,7 @@ pub mod gcode;
 pub mod identify;
 pub mod import;
 pub mod instruments;
+pub mod keep;
 pub mod learn;
 pub mod machine;
 pub mod path;
@@ -23,6 +24,7 @@ pub mod telemetry;
 pub mod thermal;
 pub mod tlearn;
 pub mod ttherm;
+pub mod warming;
 
 use crate::Target;
 
@@ -48,6 +50,7 @@ macro_rules! for_each_target {
             friction: $crate::targets::friction::TARGET,
             identify: $crate::targets::identify::TARGET,
             instruments: $crate::targets::instruments::TARGET,
+            keep: $crate::targets::keep::TARGET,
             learn: $crate::targets::learn::TARGET,
             positions: $crate::targets::positions::TARGET,
             probe_log: $crate::targets::probe_log::TARGET,
@@ -58,6 +61,7 @@ macro_rules! for_each_target {
             thermal: $crate::targets::thermal::TARGET,
             tlearn: $crate::targets::tlearn::TARGET,
             ttherm: $crate::targets::ttherm::TARGET,
+            warming: $crate::targets::warming::TARGET,
         }
     };
 }

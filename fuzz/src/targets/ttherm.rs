@@ -75,7 +75,7 @@ fn damaged(good: &[u8]) {
     assert!(Thermal::parse(&longer).is_err());
 }
 
-fn seeds() -> Vec<Vec<u8>> {
+pub(super) fn seeds() -> Vec<Vec<u8>> {
     vec![file(2, &[0, 2], &[0, 6000, 12_000]), file(1, &[1], &[]), file(0, &[0, 1, 2], &[0, 1000])]
 }
 
