@@ -93,13 +93,16 @@ test("a round is that of trueaxis keep, and leaves its files", async () => {
   await looked(panel, await cli([...line.split(" ").slice(1), "--json"], { cwd: folder }));
   await panel.getByRole("button", { name: "Enter it in the history" }).click();
   await panel.getByText("Entry 1 stands in the history").waitFor();
+
+  // What is typed for the second look leaves the files of the first one to be saved.
+  await panel.getByRole("textbox", { name: "probed at" }).fill("2026-05-04T07:00:00Z");
+  await panel.getByRole("spinbutton", { name: "parts made" }).fill("12");
+  await panel.getByText("--time 2026-05-04T07:00:00Z --parts 12").waitFor();
   const kept = await saved(page, panel.getByRole("button", { name: "Save keep/history.jsonl" }));
   assert.equal(kept.name, "keep-history.jsonl");
   sameHistory(kept.bytes.toString(), history());
 
   // The second, against it: what the command says, and what it writes.
-  await panel.getByRole("textbox", { name: "probed at" }).fill("2026-05-04T07:00:00Z");
-  await panel.getByRole("spinbutton", { name: "parts made" }).fill("12");
   await drop(panel, { "look.log": look, "history.jsonl": history() });
   await panel.getByText("look.log: 46 touches on mill.").waitFor();
   assert.equal(await command(panel), "trueaxis keep check keep.toml look.log --time 2026-05-04T07:00:00Z --parts 12");

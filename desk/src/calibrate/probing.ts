@@ -186,10 +186,14 @@ export abstract class Probing {
     this.program.disabled = !this.planned;
     this.describe();
     if (this.log) await this.found(turn, files, task, this.log);
-    else {
-      this.solved.textContent = this.words.without;
-      this.clear();
-    }
+    else this.idle();
+  }
+
+  /** No log is open. */
+  protected idle(): void {
+    this.solved.textContent = this.words.without;
+    this.into.root.hidden = true;
+    this.clear();
   }
 
   private foresee(planned: Planned): void {

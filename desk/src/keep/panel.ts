@@ -29,6 +29,8 @@ const WORDS = {
 export class Keep extends Probing {
   private history = "";
   private looked: Looked | undefined;
+  /** The look that is shown stands in the history. */
+  private entered = false;
   private readonly results: HTMLElement;
   private readonly time: HTMLInputElement;
   private readonly parts: HTMLInputElement;
@@ -57,6 +59,7 @@ export class Keep extends Probing {
 
   override open(kept: Kept): void {
     this.history = kept.history;
+    this.entered = false;
     super.open(kept);
   }
 
@@ -67,7 +70,13 @@ export class Keep extends Probing {
   }
 
   protected clear(): void {
+    this.entered = false;
     this.results.hidden = true;
+  }
+
+  /** What was entered stays until the next look, for its files to be saved. */
+  protected override idle(): void {
+    if (!this.entered) super.idle();
   }
 
   protected async found(turn: number, files: string, task: string, log: Log): Promise<void> {
@@ -75,8 +84,9 @@ export class Keep extends Probing {
     const request = JSON.stringify({ history: this.history, begin: this.anew.checked, time: time || null, parts: parts === "" ? null : Number(parts), accept, by_hand: this.byHand.checked });
     try {
       const looked = JSON.parse(await this.desk.bench.call("keep_look", files, this.name, task, log.name, log.text, request)) as Looked;
-      if (!this.isLatest(turn)) return;
+      if (!this.isLatest(turn) || this.log !== log) return;
       this.looked = looked;
+      this.entered = false;
       this.desk.clear();
       const { machine, touches } = looked.document;
       this.solved.textContent = [`${log.name}: ${touches} touches on ${machine}.`, ...looked.notes].join(" ");
@@ -85,7 +95,7 @@ export class Keep extends Probing {
       this.into.root.hidden = !becomes;
       if (becomes) this.into.show({ ...becomes, ...(this.own ? { name: machine } : {}) });
     } catch (error) {
-      if (this.isLatest(turn)) this.fails(log, error);
+      if (this.isLatest(turn) && this.log === log) this.fails(log, error);
     }
   }
 
@@ -137,6 +147,7 @@ export class Keep extends Probing {
     // Its machine is the one that is shown now.
     if (this.looked.becomes) this.own = undefined;
     this.log = undefined;
+    this.entered = true;
     this.anew.checked = false;
     this.solved.textContent = `Entry ${entry} stands in the history: save it beside the machine's files, and open the log of the next look.`;
     this.describe();
