@@ -42,6 +42,10 @@ long=(
     roundness::transform::index_maps roundness::counter::tests::every_count roundness::resample roundness::tests
     check::open_loop check::volumetric check::tests::lost_motion check::tests::the_look_ups check::tests::the_norm
     check::tests::the_range compensation::trig compensation::volumetric compensation::tests::a_drive_that_goes_on
+    compensation::grid::tests::a_look_up_is compensation::grid::tests::bounds_hold compensation::grid::tests::boxes_say
+    compensation::grid::tests::the_inverse compensation::tests::cubic_tables_pass compensation::tests::linear_tables_agree
+    compensation::tests::pieces roundness::angles::tests::known_arrangements roundness::transform::tests::all_lengths
+    compensation::tests::single_precision compensation::tests::the_exact_inverse temperature::tests::a_stuck
     contour::command_window contour::tests contour::pair contour::orientation contour::nearest contour::convert
     kinematics limiter::tests::limits_lowered limiter::tests::never_exceeds limiter::tests::the_shortcuts
     limiter::tests::the_time limiter::tests::passes_what learned::tests::beyond_the_ends machine sample step vector
