@@ -12,6 +12,14 @@ pub(crate) fn up_to(most: f64, option: &str, value: f64) -> Result<()> {
     Ok(())
 }
 
+/// Refuses an odd number of an option.
+pub(crate) fn even(option: &str, value: u32) -> Result<()> {
+    if !value.is_multiple_of(2) {
+        bail!("{option}: found {value}, needed an even number");
+    }
+    Ok(())
+}
+
 /// The text of a file, or our own where none is given.
 pub(crate) fn text_or(given: Option<&Path>, own: &str) -> Result<String> {
     match given {

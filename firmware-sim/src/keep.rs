@@ -1,8 +1,8 @@
 //! `firmware-sim keep`: its arguments and output.
 
 use crate::console::{counting_bar, put};
-use crate::given::{text_or, up_to};
-use anyhow::{Result, bail};
+use crate::given::{even, text_or, up_to};
+use anyhow::Result;
 use clap::{Args, ValueEnum};
 use firmware_sim::keeping::{FIVE_AXES, MILL, Outcome, Shift, page};
 use std::fmt::Write;
@@ -56,9 +56,7 @@ pub(crate) struct KeepArgs {
 
 pub(crate) fn keep(args: &KeepArgs) -> Result<()> {
     up_to(100.0, "--noise-um", args.noise_um)?;
-    if !args.part_s.is_multiple_of(2) {
-        bail!("--part-s: found {}, needed an even number", args.part_s);
-    }
+    even("--part-s", args.part_s)?;
     let five_axes = args.machine == Kind::FiveAxes;
     let task = text_or(args.task.as_deref(), if five_axes { FIVE_AXES } else { MILL })?;
     let bar = counting_bar(u64::from(args.parts), "parts");

@@ -1,10 +1,10 @@
 //! `firmware-sim thermal`: its arguments and output.
 
 use crate::console::{progress_bar, put};
-use crate::given::up_to;
+use crate::given::{even, up_to};
 use crate::machine_arg::{outputs_of, read_machine};
 use crate::thermal_text as text;
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
 use clap::Args;
 use firmware_sim::report;
 use std::path::PathBuf;
@@ -46,9 +46,7 @@ pub(crate) struct ThermalArgs {
 
 pub(crate) fn thermal(args: &ThermalArgs) -> Result<()> {
     up_to(100.0, "--noise-um", args.noise_um)?;
-    if !args.update_s.is_multiple_of(2) {
-        bail!("--update-s: found {}, needed an even number", args.update_s);
-    }
+    even("--update-s", args.update_s)?;
     if let Some(dir) = &args.report {
         let outputs = outputs_of([args.machine.as_path()], []);
         for name in ["thermal.html", "record.csv"] {

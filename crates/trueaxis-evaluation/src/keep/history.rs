@@ -10,7 +10,7 @@ pub fn sum(bytes: &[u8]) -> String {
     format!("{:08x}", trueaxis::tcomp::checksum(bytes))
 }
 
-/// Whether `file` is the plain name of a file in the folder, without a path.
+/// Whether `file` is a bare file name, without a path.
 pub(super) fn is_plain(file: &str) -> bool {
     let mut components = Path::new(file).components();
     matches!((components.next(), components.next()), (Some(Component::Normal(name)), None) if name == file)

@@ -24,7 +24,7 @@ pub struct Log<'l> {
     pub parts: Option<u64>,
 }
 
-/// What a person lets pass.
+/// What a person has agreed to let through.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Let<'l> {
     /// Names of terms that may be out of their bounds.
@@ -36,11 +36,11 @@ pub struct Let<'l> {
 /// A look that was taken.
 #[derive(Clone, Debug)]
 pub struct Taken {
-    /// What was found.
+    /// The fitted network, where the balls stand, and a verdict on each term.
     pub look: Look,
     /// The same as a document.
     pub document: Document,
-    /// What is entered if it is applied.
+    /// The history entry that applying it adds.
     pub entry: Entry,
     /// Files that would change, `machine.toml` last of its own; none where a term is refused.
     pub files: New,

@@ -11,7 +11,7 @@ use trueaxis_tables::files::Memory;
 /// An undo.
 #[derive(Clone, Debug)]
 pub struct Undone {
-    /// What is entered.
+    /// The history entry that the undo adds.
     pub entry: Entry,
     /// Files that change, `machine.toml` last.
     pub files: New,

@@ -21,7 +21,7 @@ impl Measured {
     }
 }
 
-/// What every entry did, by all of them: an update may have been taken back since.
+/// What each entry did, in words; all entries are needed, as a later one may have taken an update back.
 pub fn deeds(entries: &[Entry]) -> Vec<String> {
     let now = in_effect(entries);
     let of = |entry: &Entry| match entry.deed {

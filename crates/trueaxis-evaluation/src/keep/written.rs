@@ -1,4 +1,4 @@
-//! What a command writes: copies of the files that it replaces, the history, the files, the controller's files.
+//! What a command writes, in this order: copies of the files it replaces, the history, the machine's files, the controller's.
 
 use super::entry::{Changed, Deed, Entry};
 use super::history::sum;
@@ -82,7 +82,7 @@ impl State {
     }
 }
 
-/// Whether there is anything to compile: a machine before its first update may have no table.
+/// Whether the machine has tables or grids to compile; before its first update it may have none.
 pub(super) fn is_compilable(machine: &Machine) -> bool {
     !machine.grids.is_empty() || machine.tables.iter().any(Option::is_some)
 }

@@ -89,7 +89,7 @@ fn errors(found: &Found) -> Vec<Plot> {
     plots
 }
 
-/// What is left of every point along X, Y and Z over the position of each axis.
+/// Residuals of every point along X, Y and Z, each over that axis' position.
 fn residuals(points: &Points, found: &Found) -> impl Iterator<Item = Plot> {
     AXES.into_iter().enumerate().map(|(axis, letter)| {
         let places: Vec<f64> = points.points.iter().map(|point| point.command_mm[axis]).collect();
