@@ -16,7 +16,7 @@ export TRUEAXIS_PROFILE=release
 .ci/commands
 # The page in the program: served to this computer alone, and written.
 # With the features that `cargo test --workspace` has built.
-cargo test --workspace --features trueaxis-cli/desk --test desk
+cargo test --workspace --features trueaxis-cli/desk --test cli desk::served
 
 tests=(desk/tests/*.test.mjs)
 if [[ $# != 0 ]]; then

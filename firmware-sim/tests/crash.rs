@@ -1,5 +1,4 @@
 //! A simulation that is ended at any moment, or finds no room, leaves its old files or the new ones.
-#![cfg(target_os = "linux")]
 
 use std::collections::BTreeMap;
 use std::fs;

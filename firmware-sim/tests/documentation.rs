@@ -1,5 +1,4 @@
 //! The examples in docs/commands.md match the program's output.
-#![cfg(unix)]
 
 #[path = "../../tests/src/documentation.rs"]
 mod documentation;

@@ -1,5 +1,4 @@
 //! A paced run whose processor is taken away, as a kernel does for 100 ms now and then.
-#![cfg(target_os = "linux")]
 
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};

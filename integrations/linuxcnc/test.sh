@@ -15,7 +15,7 @@ target=${CARGO_TARGET_DIR:-$root/target}
 "$root/tests/hosts/recording.sh"
 # The simulator's G-code against LinuxCNC's own interpreter.
 if [[ $# == 0 ]]; then
-    (cd "$root" && TRUEAXIS_LINUXCNC=1 cargo test --quiet --workspace --test linuxcnc)
+    (cd "$root" && TRUEAXIS_LINUXCNC=1 cargo test --quiet --workspace --test simulator linuxcnc::)
 fi
 
 # The ordinary user cannot be expected to read this folder: it gets a copy of what it needs.

@@ -2,11 +2,9 @@
 
 #![allow(unsafe_code)]
 
-mod machines;
-
-use machines::gauge::{Gauges, probes, same_cycle, with_gauge};
-use machines::rust::*;
-use machines::*;
+use crate::machines::gauge::{Gauges, probes, same_cycle, with_gauge};
+use crate::machines::rust::*;
+use crate::machines::*;
 use std::ptr::{null, null_mut};
 use trueaxis::contour::{self, PathBuilder, Segment, ToolPath, Turn};
 use trueaxis::kinematics::{self, BranchTracker as CoreTracker};

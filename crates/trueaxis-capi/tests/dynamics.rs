@@ -4,10 +4,8 @@
 // In single precision they are none.
 #![allow(clippy::useless_conversion)]
 
-mod machines;
-
-use machines::rust::*;
-use machines::*;
+use crate::machines::rust::*;
+use crate::machines::*;
 use std::f64::consts::TAU;
 use std::ptr::null_mut;
 use trueaxis::Axis;

@@ -4,11 +4,8 @@
 // The scalar of the other build is single.
 #![allow(clippy::useless_conversion)]
 // A loop whose memory somebody else writes to is what Miri is there to refuse.
-#![cfg(not(miri))]
 
-mod machines;
-
-use machines::*;
+use crate::machines::*;
 use trueaxis_capi::*;
 use trueaxis_testing::noise::Noise;
 

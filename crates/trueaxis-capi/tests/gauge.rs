@@ -2,10 +2,8 @@
 
 #![allow(unsafe_code)]
 
-mod machines;
-
-use machines::gauge::{Gauges, with_gauge};
-use machines::*;
+use crate::machines::gauge::{Gauges, with_gauge};
+use crate::machines::*;
 use std::ptr::null_mut;
 use std::sync::OnceLock;
 use trueaxis::tcomp::Tcomp;

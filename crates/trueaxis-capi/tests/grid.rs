@@ -3,9 +3,7 @@
 #![allow(unsafe_code)]
 #![allow(clippy::useless_conversion, reason = "numbers are f64 or f32")]
 
-mod machines;
-
-use machines::*;
+use crate::machines::*;
 use std::ptr::null;
 use trueaxis_capi::*;
 use trueaxis_tables::{Grid, GridSource, compile};

@@ -77,6 +77,6 @@ fn header_is_current() {
     let committed = fs::read_to_string(&file).unwrap_or_default();
     assert!(
         header == committed,
-        "include/trueaxis.h is not what the source gives: TRUEAXIS_WRITE_HEADER=1 cargo test -p trueaxis-capi --test header"
+        "include/trueaxis.h is not what the source gives: TRUEAXIS_WRITE_HEADER=1 cargo test -p trueaxis-capi --test capi header"
     );
 }

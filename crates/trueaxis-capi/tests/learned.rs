@@ -2,10 +2,8 @@
 
 #![allow(unsafe_code)]
 
-mod machines;
-
-use machines::rust::from_c;
-use machines::*;
+use crate::machines::rust::from_c;
+use crate::machines::*;
 use std::ptr::null_mut;
 use trueaxis::Position as _;
 use trueaxis::learned::{LearnedHeader, VERSION};

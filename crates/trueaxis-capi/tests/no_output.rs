@@ -1,9 +1,7 @@
 //! Neither a usable command nor a usable reading: the drives' part of the output is not written, and the result says so.
 #![allow(unsafe_code)]
 
-mod machines;
-
-use machines::*;
+use crate::machines::*;
 use std::ptr::{null, null_mut};
 use trueaxis_capi::*;
 
@@ -46,7 +44,7 @@ fn from_nowhere(mut step: impl FnMut(&Input, &mut Output) -> ResultCode, latched
 fn a_step_from_nowhere_writes_no_drives() {
     let built = built(mill());
     let mut state = started(&built.servo);
-    from_nowhere(|given, out| machines::step(&built.servo, &mut state, given, out), true);
+    from_nowhere(|given, out| crate::machines::step(&built.servo, &mut state, given, out), true);
 }
 
 #[test]
@@ -73,7 +71,7 @@ fn nor_does_a_bypass() {
     let result = unsafe { trueaxis_loop_bypass(&mut *bypass, size_of::<Loop>(), 3, FAULT_TABLES_REFUSED, PERIOD_NS) };
     assert_eq!(result, OK);
     let mut state = started(&bypass);
-    from_nowhere(|given, out| machines::step(&bypass, &mut state, given, out), false);
+    from_nowhere(|given, out| crate::machines::step(&bypass, &mut state, given, out), false);
 }
 
 #[test]

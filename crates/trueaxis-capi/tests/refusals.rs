@@ -2,9 +2,7 @@
 
 #![allow(unsafe_code)]
 
-mod machines;
-
-use machines::*;
+use crate::machines::*;
 use std::ptr::{null, null_mut};
 use std::slice;
 use trueaxis_capi::*;
@@ -107,7 +105,7 @@ fn a_loop_is_built_of_nothing_less() {
             ERROR_UNBUILT
         );
     }
-    let mut wrong_size = machines::error();
+    let mut wrong_size = crate::machines::error();
     wrong_size.size -= 4;
     let before = bytes_of(&wrong_size);
     assert_eq!(Build { error: &mut wrong_size, machine_id: 1, ..good }.call(), ERROR_SIZE);

@@ -2,10 +2,8 @@
 
 #![allow(unsafe_code)]
 
-mod machines;
-
-use machines::rust::*;
-use machines::*;
+use crate::machines::rust::*;
+use crate::machines::*;
 use std::f64::consts::TAU;
 use std::ptr::{null, null_mut};
 use trueaxis::compensation::ThermalLine;

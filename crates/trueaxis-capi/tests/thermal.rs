@@ -2,9 +2,7 @@
 
 #![allow(unsafe_code)]
 
-mod machines;
-
-use machines::*;
+use crate::machines::*;
 use std::ptr::null_mut;
 use trueaxis::temperature::{MAGIC, VERSION};
 use trueaxis_capi::*;

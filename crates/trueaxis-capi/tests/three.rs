@@ -2,9 +2,7 @@
 
 #![allow(unsafe_code)]
 
-mod machines;
-
-use machines::sample;
+use crate::machines::sample;
 use std::ptr::null_mut;
 use trueaxis_capi::*;
 

@@ -2,9 +2,7 @@
 
 #![allow(unsafe_code)]
 
-mod machines;
-
-use machines::*;
+use crate::machines::*;
 use std::ptr::{null, null_mut};
 use std::sync::OnceLock;
 use trueaxis_capi::*;

@@ -1,5 +1,4 @@
 //! `trueaxis desk` as it is called.
-#![cfg(unix)]
 
 use trueaxis_testing::command::Folder;
 

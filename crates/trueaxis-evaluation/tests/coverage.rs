@@ -1,6 +1,6 @@
 //! Coverage of the bands on simulated repeats: of 100 intervals of 95 %, 95 hold the truth.
 //!
-//! `TRUEAXIS_REPEATS=1000 cargo test -p trueaxis-evaluation --test coverage -- --nocapture` counts the full table of
+//! `TRUEAXIS_REPEATS=1000 cargo test -p trueaxis-evaluation --test evaluation coverage -- --nocapture` counts the full table of
 //! docs/uncertainty.md. Without the variable fewer repeats are counted, with room for chance. Truths are made here: nothing of
 //! the Monte Carlo is used.
 

@@ -1,5 +1,4 @@
 //! Reference circles against full enumeration, and against reference values with 60 digits.
-#![cfg(feature = "std")]
 
 use serde_json::Value;
 use std::f64::consts::{PI, TAU};

@@ -2,7 +2,6 @@
 //!
 //! The data are not part of this repository: the tests read them from the folder that `TRUEAXIS_REFERENCE_DATA` names, and
 //! say so where it is not set.
-#![cfg(feature = "std")]
 
 use serde_json::Value;
 use std::fs;

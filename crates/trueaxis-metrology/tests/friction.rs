@@ -1,8 +1,6 @@
 //! Friction and drive figures from circles that an integration of its own has made.
 
-mod plant;
-
-use plant::{Circle, commands, readings};
+use crate::plant::{Circle, commands, readings};
 use std::f64::consts::TAU;
 use std::sync::OnceLock;
 use trueaxis::Axis;

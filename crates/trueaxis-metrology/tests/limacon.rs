@@ -1,5 +1,4 @@
 //! Limaçon circles against analytic profiles and against full enumeration.
-#![cfg(feature = "std")]
 
 use std::f64::consts::TAU;
 use trueaxis_metrology::circles::{NoCircle, ReferenceCircle, limacon};

@@ -1,8 +1,6 @@
 //! Acts by hand and acts of the scenario do the same, in every bit; tables are exchanged in motion.
 
-mod common;
-
-use common::{PROGRAM, machine};
+use crate::common::{PROGRAM, machine};
 use std::collections::BTreeMap;
 use trueaxis_sim::event::Act;
 use trueaxis_sim::program::Program;

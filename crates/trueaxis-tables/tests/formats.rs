@@ -1,10 +1,7 @@
 //! Import and export: published examples, golden files, round trips, refusals.
 
-mod golden_file;
-mod small_machine;
-
-use golden_file::golden;
-use small_machine::machine;
+use crate::golden_file::golden;
+use crate::small_machine::machine;
 use std::f64::consts::PI;
 use std::path::Path;
 

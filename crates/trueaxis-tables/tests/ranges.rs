@@ -2,8 +2,6 @@
 //!
 //! The keys come from the reader itself, the ranges from the list in compensation-tables/README.md.
 
-mod small_machine;
-
 use std::fs;
 use std::path::Path;
 use trueaxis::machine::{
@@ -356,7 +354,7 @@ fn what_the_controller_refuses_the_bench_refuses() {
 }
 
 fn gauged() -> Machine {
-    let mut machine = small_machine::machine();
+    let mut machine = crate::small_machine::machine();
     for axis in &mut machine.settings.axes {
         axis.servo.drive = Some(DriveFigures::with_defaults(110.0, 800.0, 0.006));
         axis.servo.friction = Some(FrictionSettings::with_defaults(0.5, 0.007));

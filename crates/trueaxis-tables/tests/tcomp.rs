@@ -1,7 +1,5 @@
 //! The compiled file: its bytes as documented, and whatever is not exactly such a file refused.
 
-mod small_machine;
-
 use proptest::prelude::*;
 use std::path::Path;
 use trueaxis::check::{self, TableRule};
@@ -48,7 +46,7 @@ fn sample() -> Machine {
 fn the_bytes_are_those_documented() {
     assert_eq!(crc32(b"123456789"), 0xCBF4_3926);
     assert_eq!(checksum(b"123456789"), 0xCBF4_3926);
-    let machine = small_machine::machine();
+    let machine = crate::small_machine::machine();
     let mut payload = Vec::new();
     let text = |payload: &mut Vec<u8>, text: &str| {
         payload.push(text.len() as u8);
@@ -96,7 +94,7 @@ fn the_bytes_are_those_documented() {
     assert_eq!(compile(&machine).unwrap(), file(id, &payload));
 
     // Settings of five axes, each with a value of its own: where they stand shows by the bytes that change.
-    let mut five = small_machine::machine();
+    let mut five = crate::small_machine::machine();
     five.settings.compensation =
         CompensationSettings { model: ErrorModel::Volumetric, orientation: true, fade_deg: 7.5 };
     five.settings.kinematics = KinematicsSettings { tool_axis: [0.0, 0.6, 0.8], singular_cone_deg: 0.25 };
@@ -112,7 +110,7 @@ fn the_bytes_are_those_documented() {
     assert_eq!(compile(&five).unwrap(), file(id, &changed));
 
     // The same machine with a gauge of three probes.
-    let mut with = small_machine::machine();
+    let mut with = crate::small_machine::machine();
     let mut settings = GaugeSettings::with_defaults(1024, ProbeAngles::Slots { p: 188, q: 667 }, 3_600_000);
     settings.arm = Some(ArmSettings {
         lengths: Arm { crank_mm: 45.0, wheel_mm: 300.0, pin_mm: 27.5 },
@@ -158,8 +156,8 @@ fn the_bytes_are_those_documented() {
 /// Servo settings, each with a value of its own, stand in the order that the page has.
 #[test]
 fn servo_settings_stand_where_documented() {
-    let plain = compile(&small_machine::machine()).unwrap();
-    let mut machine = small_machine::machine();
+    let plain = compile(&crate::small_machine::machine()).unwrap();
+    let mut machine = crate::small_machine::machine();
     let limits = Limits { magnitude: 0.04, slope_per_s: 0.8, acceleration_per_s2: 150.0 };
     for axis in machine.settings.axes.iter_mut().filter(|axis| !axis.axis.is_rotary()) {
         axis.servo.drive = Some(DriveFigures {
@@ -365,7 +363,7 @@ fn settings_that_make_no_sense_are_refused() {
 #[test]
 fn the_compiler_refuses_what_the_file_cannot_hold() {
     let refused = |change: fn(&mut Machine)| {
-        let mut machine = small_machine::machine();
+        let mut machine = crate::small_machine::machine();
         change(&mut machine);
         compile(&machine).unwrap_err()
     };
@@ -410,7 +408,7 @@ fn codes_and_texts() {
 fn numbers_pass_bit_for_bit() {
     let mut noise = Noise::new(3);
     for _ in 0..200 {
-        let mut machine = small_machine::machine();
+        let mut machine = crate::small_machine::machine();
         machine.settings.axes[0].hysteresis = 0.1;
         for row in &mut machine.tables[0].as_mut().unwrap().rows {
             for component in [0, 1, 5] {
@@ -443,7 +441,7 @@ proptest! {
 
     #[test]
     fn damage_behind_a_good_sum_never_panics(place in 0usize..60_000, value in any::<u8>(), cut in 0usize..60_000) {
-        let bytes = compile(&small_machine::machine()).unwrap();
+        let bytes = compile(&crate::small_machine::machine()).unwrap();
         let mut payload = bytes[18..bytes.len() - 4].to_vec();
         let id = machine_id("small", "w C' X' b Z t");
         let place = place % payload.len();
@@ -461,7 +459,7 @@ proptest! {
 
 #[test]
 fn the_summary_tells_the_figures() {
-    let bytes = compile(&small_machine::machine()).unwrap();
+    let bytes = compile(&crate::small_machine::machine()).unwrap();
     let summary = summary(&Tcomp::parse(&bytes).unwrap());
     let json = serde_json::to_value(&summary).unwrap();
     assert_eq!(json["name"], "small");
@@ -484,7 +482,7 @@ fn the_summary_tells_the_figures() {
 /// The step adds backlash to the reverse side of a table.
 #[test]
 fn backlash_without_a_table_is_told() {
-    let mut machine = small_machine::machine();
+    let mut machine = crate::small_machine::machine();
     let told = |machine: &Machine| {
         check(machine, 1000.0).into_iter().any(|w| matches!(w, Warning::BacklashWithoutTable { axis: Axis::X, .. }))
     };
@@ -499,7 +497,7 @@ fn backlash_without_a_table_is_told() {
 /// The small machine's warnings, worked out by hand.
 #[test]
 fn warnings_carry_their_numbers() {
-    let mut machine = small_machine::machine();
+    let mut machine = crate::small_machine::machine();
     let found = check(&machine, 10_000.0);
     let steps = |axis| found.iter().find(|w| matches!(w, Warning::VelocitySteps { axis: a, .. } if *a == axis));
     // EXX: −0.6 µm/mm then +0.43 µm/mm, at 500 mm/s.

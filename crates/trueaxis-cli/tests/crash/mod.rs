@@ -2,7 +2,6 @@
 //!
 //! What the file system does is the kernel's: processes are killed by signals, at points in time and at every system
 //! call that touches a file (strace), and find limits, full disks and read-only ones.
-#![cfg(target_os = "linux")]
 
 mod calls;
 mod killed;

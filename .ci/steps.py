@@ -1,0 +1,175 @@
+#!/usr/bin/env python3
+"""The steps of .ci/run: everything that must hold before a change is taken.
+
+Long steps come first, so that the lanes end together.
+"""
+
+import os
+import shutil
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent))
+from lanes import Step, run  # noqa: E402
+
+ROOT = Path(__file__).resolve().parent.parent
+TARGET = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
+TOOLS = Path(os.environ.get("TRUEAXIS_TOOLS", TARGET / "tools"))
+REFERENCE = ROOT.parent / "shared/data"
+
+TOOLS_SCRIPT = """
+# Everything that other scripts would install, so that two of them do not meet at the package manager.
+.ci/install rustup:target:thumbv7em-none-eabihf rustup:target:wasm32-unknown-unknown rustup:nightly:miri \\
+    rustup:nightly:rust-src rustup:component:llvm-tools rustup:component:clippy rustup:component:rustfmt \\
+    gcc g++ make libc6-dev libc6-dbg valgrind llvm qemu-system-arm gcc-arm-none-eabi libnewlib-arm-none-eabi \\
+    linuxcnc-uspace linuxcnc-uspace-dev chromium python3-venv
+# Installs a cargo tool at the version given, unless some version of it is on PATH (with `exact`: that very version).
+tool() {
+    local package=$1 version=$2 binary=$3 exact=${4:-}
+    if command -v "$binary" >/dev/null; then
+        if [[ -z $exact ]] || [[ "$("$binary" --version 2>/dev/null)" == *"$version"* ]]; then
+            return
+        fi
+    fi
+    # Unoptimised tools build in a fraction of the time, and none of them has much to do here.
+    CARGO_TARGET_DIR="$tools/build" cargo install --quiet --locked --debug --root "$tools" "$package@$version"
+}
+tool cargo-deny 0.20.2 cargo-deny
+tool gungraun-runner 0.20.0 gungraun-runner exact
+tool defmt-print 1.2.0 defmt-print
+rm -rf "$tools/build"
+"""
+
+SINGLE = """
+# All packages are selected so that their features, and with them what is built, stay those of `cargo test --workspace`;
+# the attack on the interface is written for double precision.
+cargo test --workspace --exclude trueaxis-fuzz --features trueaxis-capi/single --lib opaque
+cargo test --workspace --exclude trueaxis-fuzz --features trueaxis-capi/single --test capi
+cargo test --workspace --exclude trueaxis-fuzz --features trueaxis-capi/three --test capi three::
+"""
+
+FEATURES = """
+# Every set of features that changes the core; fp64 chooses an instruction on Arm, and the images are built with it.
+export CARGO_TARGET_DIR="$target/features"
+for features in '' std std,fma std,defmt std,fma,defmt defmt; do
+    cargo check --quiet -p trueaxis --no-default-features --features "$features"
+done
+rm -rf "$target/features"
+"""
+
+NO_STD = """
+(cd firmware-sim/cortex-m && cargo clippy --quiet --release --lib --bins -- -D warnings)
+for features in '' defmt; do
+    cargo check --quiet -p trueaxis --target thumbv7em-none-eabihf --no-default-features --features "$features"
+done
+cargo check --quiet -p trueaxis-metrology --target thumbv7em-none-eabihf --no-default-features
+"""
+
+LOWEST = """
+lowest=$(sed -n 's/^rust-version = "\\(.*\\)"/\\1/p' Cargo.toml)
+rustup run "$lowest" rustc --version 2>/dev/null || rustup toolchain install "$lowest" --profile minimal
+CARGO_TARGET_DIR="$target/lowest" cargo "+$lowest" check --quiet --workspace --exclude trueaxis-benches
+rm -rf "$target/lowest"
+"""
+
+COMMANDS = r"""
+cargo run --release -- run --json >"$target/run.json"
+python3 - "$target/run.json" <<'PYTHON'
+import json, sys
+
+error = json.load(open(sys.argv[1]))["contour_error_um"]
+for figure in ("max", "rms"):
+    before, after = error["uncompensated"][figure], error["compensated"][figure]
+    print(f"contour error, {figure}: {before:.3f} um before, {after:.3f} um after, factor {before / after:.1f}")
+    if not 0.0 < after <= before / 5.0:
+        sys.exit(f"contour error, {figure}: found {after} um, needed at most a fifth of {before} um")
+PYTHON
+rm -f report/index.html
+cargo run --release
+if [[ ! -s report/index.html ]]; then
+    echo 'cargo run --release left no report/index.html' >&2
+    exit 1
+fi
+"""
+
+BUILDS = ("tools", "commands")
+STEPS = [
+    Step("cargo test", "cargo test --workspace"),
+    Step("tools", TOOLS_SCRIPT),
+    Step("commands", "tests/hosts/recording.sh"),
+    Step("LinuxCNC", "integrations/linuxcnc/test.sh", BUILDS, waits=True),
+    Step("bare metal", """
+        firmware-sim/cortex-m/test.sh
+        python3 firmware-sim/cortex-m/schedule.py firmware-sim/cortex-m/counts.toml --check docs/bare-metal.md docs/cost.md \\
+            benches/README.md README.md
+        """, BUILDS),
+    Step("desk", "desk/test.sh", (*BUILDS, "cargo test")),
+    Step("Python", """
+        (cd crates/trueaxis-py && CARGO_TARGET_DIR="$target/python-module" cargo clippy --locked --profile quick -- -D warnings)
+        crates/trueaxis-py/test.sh
+        """, BUILDS),
+    Step("instruction budgets", "benches/check-budgets.sh", BUILDS),
+    Step("core under Miri", "crates/trueaxis/miri.sh --quick", BUILDS),
+    Step("C interface under Miri", "crates/trueaxis-capi/miri.sh", ("core under Miri",)),
+    Step("C interface under sanitizers", "crates/trueaxis-capi/sanitize.sh --quick", (*BUILDS, "cargo test")),
+    Step("LinuxCNC under sanitizers", "integrations/linuxcnc/sanitize.sh --quick", ("C interface under sanitizers",)),
+    Step("proofs of the limiter", "tests/proofs/prove.sh", BUILDS),
+    Step("C interface", "crates/trueaxis-capi/test.sh", BUILDS),
+    Step("grblHAL", "integrations/grblhal/test.sh", ("C interface",)),
+    Step("EtherCAT", "integrations/ethercat/test.sh", BUILDS),
+    Step("single precision and three axes", SINGLE, ("cargo test",)),
+    Step("clippy", "cargo clippy --workspace --all-targets --features trueaxis-benches/counts,trueaxis-benches/side-by-side -- -D warnings",
+         ("cargo test", "tools")),
+    Step("documentation", "RUSTDOCFLAGS='-D warnings' cargo doc --quiet --workspace --no-deps", ("clippy",)),
+    Step("no_std target", NO_STD, ("clippy",)),
+    Step("lowest Rust version", LOWEST, BUILDS),
+    Step("feature matrix", FEATURES, BUILDS),
+    Step("mutants on changed lines", "tests/mutants/changed.sh", BUILDS),
+    Step("licences and sources", "cargo deny check --hide-inclusion-graph licenses bans sources\n.ci/advisories", BUILDS),
+    Step("Klipper", "integrations/klipper/test.sh", BUILDS),
+    Step("ROS 2 control", "integrations/ros2/test.sh", BUILDS),
+    Step("packages", """
+        cargo package --workspace --exclude trueaxis-tests --exclude trueaxis-benches --exclude trueaxis-testing \\
+            --exclude trueaxis-linuxcnc --exclude trueaxis-desk --exclude trueaxis-fuzz --no-verify --allow-dirty
+        """, ("tools",)),
+    Step("the two commands of the README", COMMANDS, ("commands",)),
+    Step("format and circles of files", ".ci/format\n.ci/circles.py crates/* firmware-sim desk/wasm benches tests fuzz", ("tools",)),
+    Step("one recording through every host", 'tests/hosts/table.py --check "$target/hosts" docs/hosts.md',
+         ("C interface", "Python", "grblHAL", "LinuxCNC", "Klipper", "ROS 2 control", "bare metal", "EtherCAT")),
+]
+
+
+def main():
+    commit = sys.argv[1:] == ["--commit"]
+    if sys.argv[1:] and not commit:
+        print("usage: .ci/run [quick | --commit]", file=sys.stderr)
+        return 2
+    os.chdir(ROOT)
+    cold = not (TARGET / "debug").exists() and not (TARGET / "release").exists()
+    if commit and not cold:
+        print(f".ci/run --commit: found {TARGET} built already, needed none: times are those of a run from nothing", file=sys.stderr)
+        return 2
+    (TARGET / "ci").mkdir(parents=True, exist_ok=True)
+    os.environ.update(
+        CI="true",
+        target=str(TARGET),
+        tools=str(TOOLS),
+        TRUEAXIS_TOOLS=str(TOOLS),
+        CARGO_TERM_COLOR=os.environ.get("CARGO_TERM_COLOR", "never"),
+        PATH=os.pathsep.join([str(TOOLS / "bin"), str(Path(os.environ.get("CARGO_HOME", Path.home() / ".cargo")) / "bin"), os.environ["PATH"]]),
+        # Nothing is built twice after a change here, and nobody looks for a line: the files for that would double what a
+        # run takes on the disk.
+        CARGO_INCREMENTAL="0",
+        CARGO_PROFILE_DEV_DEBUG="0",
+    )
+    # Circles of known reference values, where there are any.
+    if REFERENCE.is_dir():
+        os.environ["TRUEAXIS_REFERENCE_DATA"] = str(REFERENCE)
+    if shutil.which("rustup") is None:
+        print(".ci/run: found no rustup, needed with the stable toolchain", file=sys.stderr)
+        return 2
+    return run(STEPS, TARGET / "ci", ROOT / ".ci/times.toml", cold, commit)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,21 @@
+//! The C interface.
+
+mod combinations;
+mod dynamics;
+#[cfg(not(miri))]
+mod flipped_bits;
+mod gauge;
+mod grid;
+#[cfg(not(feature = "single"))]
+mod header;
+mod learned;
+mod machines;
+mod no_output;
+mod paths;
+mod query;
+mod refusals;
+mod same_as_rust;
+mod thermal;
+#[cfg(feature = "three")]
+mod three;
+mod tool;

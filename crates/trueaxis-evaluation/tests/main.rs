@@ -1,0 +1,9 @@
+//! The evaluations, against independent values.
+
+mod coverage;
+mod diagonal;
+mod field;
+mod helicoid;
+mod points;
+mod r_test;
+mod shop_tests;

@@ -1,0 +1,14 @@
+//! The bench mathematics, against independent values.
+
+mod ballbar;
+mod calibration;
+#[cfg(feature = "std")]
+mod circles;
+#[cfg(feature = "std")]
+mod circles_nist;
+mod friction;
+#[cfg(feature = "std")]
+mod limacon;
+mod plant;
+mod thermal;
+mod uncertainty;

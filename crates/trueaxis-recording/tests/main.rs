@@ -1,0 +1,4 @@
+//! Recordings.
+
+mod digest;
+mod round_trip;

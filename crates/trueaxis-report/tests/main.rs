@@ -1,0 +1,4 @@
+//! Pages and figures.
+
+mod pages;
+mod thinning;

@@ -1,0 +1,23 @@
+//! Compensation tables.
+
+mod accuracy;
+mod additions;
+mod axis_csv;
+mod change;
+mod collapse;
+mod formats;
+mod formats_five_axes;
+mod golden_file;
+mod grid;
+mod keys;
+mod lost_motion;
+mod margins;
+mod merge;
+mod ranges;
+mod rates;
+mod read;
+mod roundness;
+mod servo;
+mod small_machine;
+mod tcomp;
+mod uncertainty;

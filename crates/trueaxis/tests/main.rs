@@ -1,0 +1,7 @@
+//! The core from outside.
+
+mod allocation;
+mod bits;
+mod direction;
+mod kinematics;
+mod tcomp;

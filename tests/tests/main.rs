@@ -1,0 +1,12 @@
+//! End-to-end tests and cross-checks.
+
+mod committed;
+mod faults;
+mod naca2415;
+mod nine_terms_against_exact_geometry;
+mod robustness;
+mod scripts;
+mod stability;
+mod telemetry;
+mod volumetric_against_exact_geometry;
+mod walk;
