@@ -2,7 +2,7 @@
 # The long attack: fuzz/run.sh SECONDS [TARGET…], so long for each target [all], one after the other.
 # With libFuzzer where there is a nightly toolchain (one from the environment: NIGHTLY=nightly-2026-01-01), else with the
 # seeded loop. RUNS=N ends a target after N executions, SEED=N begins elsewhere, KEEP=1 puts what libFuzzer found worth
-# keeping into fuzz/corpus. Ends with a table; exit 1 where something was found (fuzz/findings/TARGET).
+# keeping into the corpus. Ends with a table; exit 1 where something was found (fuzz/findings/TARGET).
 set -eu
 [ $# -gt 0 ] || { sed -n '2,5s/^# //p' "$0"; exit 2; }
 seconds=$1
@@ -10,12 +10,13 @@ shift
 here=$(cd "$(dirname "$0")" && pwd)
 nightly=${NIGHTLY:-nightly}
 seed=${SEED:-1}
-# All files of a target's corpus together, bytes.
+# All inputs of a target's corpus together, bytes.
 most_corpus=8000
 
 cargo build -q --manifest-path "$here/Cargo.toml" --profile fuzz
-fuzz=$(cargo metadata --manifest-path "$here/Cargo.toml" --format-version 1 --no-deps |
-    sed 's/.*"target_directory":"\([^"]*\)".*/\1/')/fuzz/trueaxis-fuzz
+built=$(cargo metadata --manifest-path "$here/Cargo.toml" --format-version 1 --no-deps |
+    sed 's/.*"target_directory":"\([^"]*\)".*/\1/')
+fuzz=$built/fuzz/trueaxis-fuzz
 [ $# -gt 0 ] || set -- $("$fuzz" list | cut -d' ' -f1)
 
 if ! cargo "+$nightly" --version >/dev/null 2>&1; then
@@ -36,34 +37,38 @@ work=$here/findings/work
 rm -rf "$work/seeds"
 mkdir -p "$work/seeds"
 "$fuzz" seeds "$work/seeds" "$@"
+# libFuzzer reads folders, so the archives are unpacked for it.
+corpus=$built/fuzz-corpus
+rm -rf "$corpus"
+"$fuzz" unpack "$corpus" "$@"
 table=$work/table
 : > "$table"
 found=0
 for target in "$@"; do
-    mkdir -p "$work/inputs/$target" "$here/findings/$target" "$here/corpus/$target"
+    mkdir -p "$work/inputs/$target" "$here/findings/$target"
     export TRUEAXIS_FUZZ=$target
     log=$work/$target.log
     status=0
     "$attack" -max_total_time="$seconds" -runs="${RUNS:--1}" -seed="$seed" -timeout=10 -rss_limit_mb=2048 \
         -max_len="$(cat "$work/seeds/$target.longest")" -dict="$work/seeds/$target.dict" \
         -artifact_prefix="$here/findings/$target/" -print_final_stats=1 \
-        "$work/inputs/$target" "$here/corpus/$target" "$work/seeds/$target" > "$log" 2>&1 || status=$?
+        "$work/inputs/$target" "$corpus/$target" "$work/seeds/$target" > "$log" 2>&1 || status=$?
     findings=$(find "$here/findings/$target" -type f ! -name '*.txt' ! -name 'slow-unit-*' | wc -l)
     [ $status -eq 0 ] || found=1
     if [ -n "${KEEP:-}" ] && [ $status -eq 0 ]; then
         rm -rf "$work/merged"
         mkdir "$work/merged"
-        "$attack" -set_cover_merge=1 "$work/merged" "$work/inputs/$target" "$here/corpus/$target" > "$log.merge" 2>&1
+        "$attack" -set_cover_merge=1 "$work/merged" "$work/inputs/$target" "$corpus/$target" > "$log.merge" 2>&1
         # The smallest first, until the room is used up; former findings stay whatever they cover.
-        find "$here/corpus/$target" -type f ! -name 'finding-*' -delete
-        kept=$(cat "$here/corpus/$target"/* 2>/dev/null | wc -c)
+        find "$corpus/$target" -type f ! -name 'finding-*' -delete
+        kept=$(cat "$corpus/$target"/* 2>/dev/null | wc -c)
         for file in $(ls -Sr "$work/merged"); do
             kept=$((kept + $(wc -c < "$work/merged/$file")))
             [ $kept -le $most_corpus ] || break
-            cp "$work/merged/$file" "$here/corpus/$target/$file"
+            cp "$work/merged/$file" "$corpus/$target/$file"
         done
+        "$fuzz" pack "$corpus" "$target"
     fi
-    rmdir "$here/corpus/$target" 2>/dev/null || :
     stat() { sed -n "s/^stat::$1: *//p" "$log" | tail -1; }
     edges=$(sed -n 's/.* cov: \([0-9]*\) .*/\1/p' "$log" | tail -1)
     echo "$target $(stat number_of_executed_units) $(stat average_exec_per_sec) ${edges:-0} $(ls "$work/inputs/$target" | wc -l) $findings" >> "$table"

@@ -1,12 +1,11 @@
 //! The seeded loop: the same target, seed and corpus give the same inputs in the same order, on every computer.
 
+use crate::Target;
 use crate::execution::execute;
 use crate::finding::Finding;
 use crate::mutate::{Mutator, dictionary};
-use crate::{Target, corpus};
 use serde::Serialize;
 use std::collections::HashSet;
-use std::io;
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
@@ -57,18 +56,14 @@ pub struct Campaign<'t> {
 }
 
 impl<'t> Campaign<'t> {
-    /// Begins with the target's seeds and corpus.
-    ///
-    /// # Errors
-    /// A file of the corpus cannot be read.
-    pub fn new(target: &'t Target, seed: u64) -> io::Result<Campaign<'t>> {
+    /// Begins with `inputs`: the target's seeds and corpus.
+    pub fn new(target: &'t Target, seed: u64, mut inputs: Vec<Vec<u8>>) -> Campaign<'t> {
         let mutator = Mutator::new(seed, dictionary(target.dictionary), target.longest());
-        let mut inputs = corpus::inputs(target)?;
         if inputs.is_empty() {
             inputs.push(Vec::new());
         }
         let (given, outcomes, input) = (inputs.len(), HashSet::new(), Vec::new());
-        Ok(Campaign { target, seed, mutator, inputs, given, outcomes, tally: Tally::default(), input })
+        Campaign { target, seed, mutator, inputs, given, outcomes, tally: Tally::default(), input }
     }
 
     /// Runs to the end or to the first finding. `tell` hears of every execution before it begins, and may break off.

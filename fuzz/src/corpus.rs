@@ -1,6 +1,8 @@
-//! Inputs kept in files: the committed corpus, and findings.
+//! Inputs kept in files: the committed corpus, an archive a target, and folders with a file an input.
 
 use crate::Target;
+use crate::archive::{Inputs, pack, unpack};
+use anyhow::{Context, Result, bail, ensure};
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -10,9 +12,50 @@ pub fn home() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// The folder with the corpus of a target; may be missing.
-pub fn folder(target: &Target) -> PathBuf {
-    home().join("corpus").join(target.name)
+/// The archive with the corpus of a target.
+pub fn archive(target: &Target) -> PathBuf {
+    home().join("corpus").join(format!("{}.tar.gz", target.name))
+}
+
+/// The inputs of an archive.
+///
+/// # Errors
+/// There is none, or it is damaged.
+pub fn read(archive: &Path) -> Result<Inputs> {
+    let shown = archive.display();
+    let bytes = match fs::read(archive) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => {
+            bail!("{shown}: found no archive, needed one, be it empty: `trueaxis-fuzz pack` writes it from a folder")
+        }
+        bytes => bytes.with_context(|| shown.to_string())?,
+    };
+    unpack(&bytes).map_err(|found| {
+        anyhow::anyhow!("{shown}: found {found:#}, needed an archive of inputs as `trueaxis-fuzz pack` writes it")
+    })
+}
+
+/// Writes an archive, unless it holds these inputs already: another version of the compressor would write other bytes.
+///
+/// # Errors
+/// It cannot be written.
+pub fn write(archive: &Path, inputs: &Inputs) -> Result<()> {
+    if read(archive).is_ok_and(|kept| kept == *inputs) {
+        return Ok(());
+    }
+    let shown = || archive.display().to_string();
+    fs::write(archive, pack(inputs).with_context(shown)?).with_context(shown)
+}
+
+/// Adds an input to an archive.
+///
+/// # Errors
+/// The archive has another input of this name, or cannot be read or written.
+pub fn add(archive: &Path, name: &str, input: Vec<u8>) -> Result<()> {
+    let mut inputs = read(archive)?;
+    if let Some(kept) = inputs.insert(name.to_owned(), input) {
+        ensure!(kept == inputs[name], "{}: found another input {name:?}, needed a new name", archive.display());
+    }
+    write(archive, &inputs)
 }
 
 /// Every file of a folder, in the order of their names; none where there is no folder.
@@ -30,11 +73,104 @@ pub fn files(folder: &Path) -> io::Result<Vec<(PathBuf, Vec<u8>)>> {
     paths.into_iter().map(|path| fs::read(&path).map(|bytes| (path, bytes))).collect()
 }
 
+/// The files of a folder as inputs.
+///
+/// # Errors
+/// There is no such folder, or something cannot be read.
+pub fn gather(folder: &Path) -> Result<Inputs> {
+    let shown = folder.display();
+    ensure!(folder.is_dir(), "{shown}: found no folder, needed one with a file an input");
+    let named = |(path, input): (PathBuf, Vec<u8>)| {
+        let name = path.file_name().and_then(|name| name.to_str());
+        let name = name.with_context(|| format!("{}: needed a name that is UTF-8", path.display()))?;
+        Ok((name.to_owned(), input))
+    };
+    files(folder).with_context(|| shown.to_string())?.into_iter().map(named).collect()
+}
+
+/// Writes every input into a file of a folder, which must be new or empty: what lay there would be packed as well.
+///
+/// # Errors
+/// The folder has something in it, or cannot be written.
+pub fn spread(inputs: &Inputs, folder: &Path) -> Result<()> {
+    let shown = || folder.display().to_string();
+    fs::create_dir_all(folder).with_context(shown)?;
+    let empty = fs::read_dir(folder).with_context(shown)?.next().is_none();
+    ensure!(empty, "{}: found files, needed a new or empty folder", shown());
+    inputs.iter().try_for_each(|(name, input)| fs::write(folder.join(name), input)).with_context(shown)
+}
+
 /// Seeds and corpus of a target.
 ///
 /// # Errors
-/// A file cannot be read.
-pub fn inputs(target: &Target) -> io::Result<Vec<Vec<u8>>> {
-    let kept = files(&folder(target))?;
-    Ok((target.seeds)().into_iter().chain(kept.into_iter().map(|(_, bytes)| bytes)).collect())
+/// The corpus cannot be read.
+pub fn inputs(target: &Target) -> Result<Vec<Vec<u8>>> {
+    Ok((target.seeds)().into_iter().chain(read(&archive(target))?.into_values()).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn one(name: &str, input: &[u8]) -> Inputs {
+        [(name.to_owned(), input.to_vec())].into()
+    }
+
+    #[test]
+    fn inputs_go_from_folder_to_archive_and_back() {
+        let folder = tempfile::tempdir().unwrap();
+        let (archive, loose) = (folder.path().join("a.tar.gz"), folder.path().join("loose/a"));
+        let mut inputs = one("finding-what", b"\0\xff");
+        inputs.insert("1".to_owned(), Vec::new());
+        write(&archive, &inputs).unwrap();
+        spread(&read(&archive).unwrap(), &loose).unwrap();
+        assert_eq!(gather(&loose).unwrap(), inputs);
+        let refusal = spread(&inputs, &loose).unwrap_err().to_string();
+        assert_eq!(refusal, format!("{}: found files, needed a new or empty folder", loose.display()));
+    }
+
+    #[test]
+    fn an_archive_stays_as_it_is_while_its_inputs_do() {
+        let folder = tempfile::tempdir().unwrap();
+        let archive = folder.path().join("a.tar.gz");
+        let inputs = one("1", b"input");
+        let mut other_bytes = pack(&inputs).unwrap();
+        // The system it was written on, in gzip's head.
+        other_bytes[9] ^= 1;
+        fs::write(&archive, &other_bytes).unwrap();
+        write(&archive, &inputs).unwrap();
+        assert_eq!(fs::read(&archive).unwrap(), other_bytes);
+        write(&archive, &one("2", b"input")).unwrap();
+        assert_eq!(read(&archive).unwrap(), one("2", b"input"));
+    }
+
+    #[test]
+    fn no_input_is_lost_where_one_is_added() {
+        let folder = tempfile::tempdir().unwrap();
+        let archive = folder.path().join("a.tar.gz");
+        write(&archive, &one("1", b"input")).unwrap();
+        add(&archive, "finding-what", b"2".to_vec()).unwrap();
+        add(&archive, "1", b"input".to_vec()).unwrap();
+        let refusal = add(&archive, "1", b"other".to_vec()).unwrap_err().to_string();
+        assert_eq!(refusal, format!("{}: found another input \"1\", needed a new name", archive.display()));
+        assert!(add(&archive, "../1", Vec::new()).is_err());
+        let kept = read(&archive).unwrap();
+        assert_eq!((kept.len(), &kept["1"][..], &kept["finding-what"][..]), (2, &b"input"[..], &b"2"[..]));
+    }
+
+    #[test]
+    fn what_is_missing_or_damaged_is_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let archive = folder.path().join("a.tar.gz");
+        let shown = archive.display();
+        let refusal = || read(&archive).unwrap_err().to_string();
+        assert!(refusal().starts_with(&format!("{shown}: found no archive, needed one")), "{}", refusal());
+        let packed = pack(&one("1", b"input")).unwrap();
+        fs::write(&archive, &packed[..packed.len() - 1]).unwrap();
+        assert!(refusal().starts_with(&format!("{shown}: found no sound gzip: ")), "{}", refusal());
+        assert!(refusal().ends_with("needed an archive of inputs as `trueaxis-fuzz pack` writes it"), "{}", refusal());
+        let loose = folder.path().join("loose");
+        let refusal = gather(&loose).unwrap_err().to_string();
+        assert_eq!(refusal, format!("{}: found no folder, needed one with a file an input", loose.display()));
+    }
 }

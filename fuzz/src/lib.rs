@@ -1,6 +1,7 @@
 //! Every untrusted input of trueaxis under attack: one [`Target`] each, run by a seeded loop or by libFuzzer.
 
 pub mod alone;
+pub mod archive;
 pub mod campaign;
 pub mod choice;
 pub mod corpus;

@@ -14,7 +14,7 @@ const EXECUTIONS: u64 = 5_000;
 const SEED: u64 = 20_260_101;
 
 fn attack(target: &Target) {
-    let mut campaign = Campaign::new(target, SEED).unwrap();
+    let mut campaign = Campaign::new(target, SEED, corpus::inputs(target).unwrap());
     if let Err(found) = campaign.run(Until::Executions(EXECUTIONS), &mut |_, _| ControlFlow::Continue(())) {
         let file = found.write(&finding::folder(target)).unwrap();
         panic!("{}", found.report(&file));
@@ -55,12 +55,14 @@ fn every_target_has_a_name_of_its_own_and_seeds_that_are_accepted() {
 }
 
 #[test]
-fn every_file_of_the_corpus_and_every_former_finding_passes() {
+fn every_input_of_the_corpus_and_every_former_finding_passes() {
     let mut bytes = 0;
     for target in TARGETS {
-        let kept = corpus::files(&corpus::folder(target)).unwrap();
-        bytes += kept.iter().map(|(_, input)| input.len()).sum::<usize>();
-        for (file, input) in kept.into_iter().chain(finding::inputs(&finding::folder(target)).unwrap()) {
+        let archive = corpus::archive(target);
+        let kept = corpus::read(&archive).unwrap();
+        bytes += kept.values().map(Vec::len).sum::<usize>();
+        let kept = kept.into_iter().map(|(name, input)| (archive.join(name), input));
+        for (file, input) in kept.chain(finding::inputs(&finding::folder(target)).unwrap()) {
             if let Err(what) = execute(target, &input) {
                 panic!("{}: {what}", file.display());
             }
@@ -72,15 +74,15 @@ fn every_file_of_the_corpus_and_every_former_finding_passes() {
 }
 
 #[test]
-fn every_folder_of_the_corpus_and_every_dictionary_belongs_to_a_target() {
+fn every_archive_of_the_corpus_and_every_dictionary_belongs_to_a_target() {
     for kind in ["corpus", "dictionaries"] {
         for entry in std::fs::read_dir(corpus::home().join(kind)).into_iter().flatten() {
             let path = entry.unwrap().path();
-            let name = path.file_stem().unwrap().to_str().unwrap();
             // Readers of one kind share their words.
             let words = std::fs::read_to_string(&path).unwrap_or_default();
-            let belongs =
-                |target: &&Target| if kind == "corpus" { target.name == name } else { target.dictionary == words };
+            let belongs = |target: &&Target| {
+                if kind == "corpus" { corpus::archive(target) == path } else { target.dictionary == words }
+            };
             assert!(TARGETS.iter().any(belongs), "{} belongs to no target", path.display());
         }
     }
@@ -111,7 +113,7 @@ const PLANTED: Target = Target {
 #[test]
 fn a_planted_defect_is_found_written_down_and_found_again() {
     let search = || {
-        let mut campaign = Campaign::new(&PLANTED, 1).unwrap();
+        let mut campaign = Campaign::new(&PLANTED, 1, (PLANTED.seeds)());
         campaign.run(Until::Executions(2_000_000), &mut |_, _| ControlFlow::Continue(())).unwrap_err()
     };
     let found = search();

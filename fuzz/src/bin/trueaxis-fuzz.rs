@@ -30,7 +30,7 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Runs inputs once: a finding, a file of the corpus.
+    /// Runs inputs once: a finding, a file that `unpack` has written.
     Run {
         /// Target that reads them.
         target: String,
@@ -43,6 +43,29 @@ enum Command {
     /// Writes what another fuzzer begins from: seeds into DIR/TARGET, words into DIR/TARGET.dict, and the greatest length
     /// of an input into DIR/TARGET.longest.
     Seeds {
+        /// Folder.
+        dir: PathBuf,
+        /// Targets [default: all].
+        targets: Vec<String>,
+    },
+    /// Adds an input to the corpus of a target, under a name: a finding that is mended.
+    Add {
+        /// Target that reads it.
+        target: String,
+        /// Its name in the corpus: finding-WHAT.
+        name: String,
+        /// The input.
+        file: PathBuf,
+    },
+    /// Writes the corpus of each target into DIR/TARGET, a file an input.
+    Unpack {
+        /// Folder.
+        dir: PathBuf,
+        /// Targets [default: all].
+        targets: Vec<String>,
+    },
+    /// Makes the files of DIR/TARGET the corpus of each target, in place of what it was.
+    Pack {
         /// Folder.
         dir: PathBuf,
         /// Targets [default: all].
@@ -85,6 +108,21 @@ fn main() -> Result<ExitCode> {
             chosen(&targets)?.into_iter().try_for_each(|target| write_seeds(&dir, target))?;
             Ok(ExitCode::SUCCESS)
         }
+        Some(Command::Add { target, name, file }) => {
+            let input = std::fs::read(&file).with_context(|| file.display().to_string())?;
+            corpus::add(&corpus::archive(one(&target)?), &name, input)?;
+            Ok(ExitCode::SUCCESS)
+        }
+        Some(Command::Unpack { dir, targets }) => {
+            chosen(&targets)?.into_iter().try_for_each(|target| {
+                corpus::spread(&corpus::read(&corpus::archive(target))?, &dir.join(target.name))
+            })?;
+            Ok(ExitCode::SUCCESS)
+        }
+        Some(Command::Pack { dir, targets }) => {
+            pack(&dir, &chosen(&targets)?)?;
+            Ok(ExitCode::SUCCESS)
+        }
     }
 }
 
@@ -99,6 +137,16 @@ fn write_seeds(dir: &Path, target: &Target) -> Result<()> {
     Ok(())
 }
 
+/// Reads all before the first archive is written.
+fn pack(dir: &Path, targets: &[&Target]) -> Result<()> {
+    let folders = targets.iter().map(|target| corpus::gather(&dir.join(target.name))).collect::<Result<Vec<_>>>()?;
+    targets.iter().zip(&folders).try_for_each(|(target, inputs)| corpus::write(&corpus::archive(target), inputs))
+}
+
+fn one(name: &str) -> Result<&'static Target> {
+    Ok(chosen(&[name.to_owned()])?[0])
+}
+
 fn chosen(names: &[String]) -> Result<Vec<&'static Target>> {
     if names.is_empty() {
         return Ok(TARGETS.to_vec());
@@ -108,7 +156,7 @@ fn chosen(names: &[String]) -> Result<Vec<&'static Target>> {
 }
 
 fn run(target: &str, files: &[PathBuf]) -> Result<ExitCode> {
-    let target = chosen(&[target.to_owned()])?[0];
+    let target = one(target)?;
     let mut broken = false;
     for file in files {
         let input = std::fs::read(file).with_context(|| file.display().to_string())?;
@@ -182,7 +230,7 @@ fn campaign(
     });
     bar.set_style(ProgressStyle::with_template("{prefix:<16} {wide_bar} {msg} {eta}")?);
     bar.set_prefix(target.name);
-    let mut campaign = Campaign::new(target, seed)?;
+    let mut campaign = Campaign::new(target, seed, corpus::inputs(target)?);
     let mut last = Tally::default();
     let ended = campaign.run(until, &mut |tally, input| {
         last = *tally;
