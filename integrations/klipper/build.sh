@@ -4,6 +4,9 @@
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 klippy=$1 library=$2 out=$3
+for name in itersolve trapq list; do
+    [[ -f $klippy/chelper/$name.h ]] || { echo "build.sh: this version of the host has no chelper/$name.h in $klippy, which the shim needs" >&2; exit 1; }
+done
 headers=$(python3 -c 'import sys, zlib; crc = 0
 for name in sys.argv[1:]: crc = zlib.crc32(open(name, "rb").read(), crc)
 print(f"0x{crc:08x}u")' "$klippy"/chelper/{itersolve,trapq,list}.h)

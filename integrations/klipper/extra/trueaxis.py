@@ -7,11 +7,28 @@ import zlib
 
 try:
     from klippy import chelper
-except ImportError:  # mainline Klipper
-    import chelper
+except ImportError:  # Klipper's main line
+    try:
+        import chelper
+    except ImportError:
+        chelper = None
+try:
+    from . import homing
+except ImportError:
+    homing = None
 
 XYZ = 7
+PASSES = 8  # each brings two digits, since the slope is limited
 HEADERS = ("itersolve.h", "trapq.h", "list.h")
+# Calls that the extra makes; both lines have them. It registers no event of homing or of motors, since those differ.
+HOST = {
+    "chelper": ("get_ffi",),
+    "homing.Homing": ("home_rails",),
+    "toolhead": ("get_kinematics", "get_position", "set_position", "flush_step_generation", "drip_move"),
+    "kinematics": ("get_steppers", "get_status", "calc_position", "home", "clear_homing_state"),
+    "stepper": ("get_name", "get_step_dist", "get_commanded_position", "get_stepper_kinematics", "set_stepper_kinematics", "is_active_axis"),
+    "rail": ("get_steppers", "get_endstops", "get_homing_info"),
+}
 CDEF = """
 struct machine *trueaxis_shim_machine(void);
 struct stepper_kinematics *trueaxis_shim_wrap(struct machine *machine, struct stepper_kinematics *inner);
@@ -52,29 +69,28 @@ class TrueAxis:
         self.shim = self.machine = self.tables = None
         self.on = self.homing = self.switching = False
         self.probed = None
+        self.set_to = [None] * 3, [None] * 3  # the last position set: as requested, and as passed on
+        self.held = None  # during a probing move: the constant correction, and the axes that move
         self.wraps = []  # (stepper, original flags, wrap, original): cffi frees what nobody refers to
         register = self.printer.register_event_handler
         # Before [input_shaper] wraps at klippy:connect: shaped positions are corrected, not corrected ones shaped.
         register("klippy:mcu_identify", self._install)
         register("klippy:ready", self._ready)
-        register("homing:home_rails_begin", self._home_begin)
-        register("homing:home_rails_end", self._home_end)
-        register("homing:homing_move_begin", self._hold)
-        register("homing:homing_move_end", self._let_go)
-        register("stepper_enable:motor_off", self._motor_off)
-        register("toolhead:set_position", self._follow)
         for name in ("TRUEAXIS", "TRUEAXIS_LOAD", "TRUEAXIS_STATUS"):
             self.gcode.register_command(name, getattr(self, "cmd_" + name), desc=getattr(self, f"cmd_{name}_help"))
 
     def _install(self):
-        self.toolhead = self.printer.lookup_object("toolhead")
-        self.kin = self.toolhead.get_kinematics()
         try:
+            self._meet_host()
             self._open_shim()
             if getattr(self.kin, "dc_module", None) is not None:
                 raise Refused("one set of tables cannot serve two carriages")
         except Refused as e:
             self.refused = str(e)
+            return
+        except Exception as e:
+            logging.exception("trueaxis")
+            self.refused = f"the extra does not support this version of the host ({type(e).__name__}: {e})"
             return
         # Wrapped without tables too, which changes no step: others may be loaded later.
         try:
@@ -83,17 +99,42 @@ class TrueAxis:
             self.refused = str(e)
         for stepper in self.kin.get_steppers():
             self._wrap(stepper)
-        self.kin_calc_position, self.kin_set_position = self.kin.calc_position, self.kin.set_position
-        self.kin.calc_position, self.kin.set_position = self._calc_position, self._set_position
+        self.kin_calc_position, self.kin_home, self.kin_clear = self.kin.calc_position, self.kin.home, self.kin.clear_homing_state
+        self.kin.calc_position, self.kin.home, self.kin.clear_homing_state = self._calc_position, self._home, self._clear
+        self.host_set_position, self.host_drip_move = self.toolhead.set_position, self.toolhead.drip_move
+        self.toolhead.set_position, self.toolhead.drip_move = self._set_position, self._drip_move
+
+    def _meet_host(self):
+        """Refuses a host that lacks a call of HOST."""
+
+        def needs(kind, found):
+            missing = [name for name in HOST[kind] if not callable(getattr(found, name, None))]
+            if missing:
+                raise Refused(f"this version of the host has no {kind}.{missing[0]}, which the extra calls")
+
+        needs("chelper", chelper)
+        needs("homing.Homing", getattr(homing, "Homing", None))
+        self.toolhead = self.printer.lookup_object("toolhead", None)
+        needs("toolhead", self.toolhead)
+        self.kin = self.toolhead.get_kinematics()
+        needs("kinematics", self.kin)
+        status = self.kin.get_status(self.printer.get_reactor().monotonic())
+        for name in ("homed_axes", "axis_minimum", "axis_maximum"):
+            if name not in status:
+                raise Refused(f"this version of the host has no {name} in its kinematics' status, which the extra reads")
+        for rail in getattr(self.kin, "rails", ()):
+            needs("rail", rail)
+        for stepper in self.kin.get_steppers():
+            needs("stepper", stepper)
 
     def _open_shim(self):
         self.ffi, self.host = chelper.get_ffi()
         crc = 0
-        for name in HEADERS:
-            with open(os.path.join(os.path.dirname(chelper.__file__), name), "rb") as header:
-                crc = zlib.crc32(header.read(), crc)
         try:
-            self.ffi.cdef(CDEF)
+            for name in HEADERS:
+                with open(os.path.join(os.path.dirname(chelper.__file__), name), "rb") as header:
+                    crc = zlib.crc32(header.read(), crc)
+            self.ffi.cdef(CDEF, override=True)  # RESTART keeps the process and its ffi
             self.shim = self.ffi.dlopen(self.shim_file)
         except OSError as e:
             raise Refused(f"{self.shim_file}: {e}")
@@ -165,26 +206,63 @@ class TrueAxis:
         return list(p)
 
     def _calc_position(self, stepper_positions):
-        q = list(self.kin_calc_position(stepper_positions))
-        if None in q[:3]:  # mainline Klipper, of an axis that has no motor
-            return q
-        return self._inverse(q) + q[3:]
+        q = self.kin_calc_position(stepper_positions)
+        p = self._inverse(self._filled(q))
+        return [None if there is None else at for at, there in zip(p, q)] + list(q[3:])
 
-    def _set_position(self, newpos, homing_axes=""):
-        # All steppers are set anew, steps kept: what a probing move held may go.
-        self.shim.trueaxis_shim_hold(self.machine, self.ffi.NULL)
-        self.kin_set_position(newpos, homing_axes)
+    def _filled(self, q):
+        # Klipper's main line returns None for an axis without a motor.
+        return [at if there is None else there for there, at in zip(q, self.toolhead.get_position()[:3])]
+
+    def _motors(self):
+        """The motors' positions, transformed to axes; None for an axis without a motor."""
+        return list(self.kin_calc_position({s.get_name(): s.get_commanded_position() for s in self.kin.get_steppers()}))[:3]
+
+    def _correction(self, p):
+        c = self.ffi.new("double[3]")
+        self.shim.trueaxis_shim_correction(self.machine, list(p)[:3], c)
+        return list(c)
+
+    def _set_position(self, newpos, *rest, **named):
+        if self.on and not self.switching:
+            self.toolhead.flush_step_generation()
+            newpos = self._without_others(list(newpos))
+        # Every stepper gets a new position and keeps its steps, so a held correction can be released.
+        self._let_go()
+        self.host_set_position(newpos, *rest, **named)
+        self._follow()
+
+    def _without_others(self, newpos):
+        """The position that gives the axes being set their new values and keeps the motors of the others in place.
+
+        An axis is being set if its value differs from the current one, or if a probing move has moved it. A repeated request
+        for an axis that has not moved since is not a new value: Z_TILT_ADJUST reuses the position it passed before.
+        """
+        at = self.toolhead.get_position()
+        c, moved = self.held or (self._correction(at), ())
+        q, coarsest = self._motors(), max(s.get_step_dist() for s in self.kin.get_steppers())
+        others, (requested, passed_on) = {}, self.set_to
+        for i in range(3):
+            same = newpos[i] == at[i] or (newpos[i], at[i]) == (requested[i], passed_on[i])
+            if same and i not in moved and q[i] is not None:
+                # The motor is at a whole step. If it is further off, it does not follow the axis at present.
+                planned = at[i] + c[i]
+                others[i] = q[i] if abs(q[i] - planned) <= coarsest else planned
+        p = newpos[:3]
+        for _ in range(PASSES if others else 0):
+            c = self._correction(p)
+            p = [others[i] - c[i] if i in others else newpos[i] for i in range(3)]
+        self.set_to = newpos[:3], p
+        return p + newpos[3:]
 
     def _reread(self, change):
         """Makes a change at standstill: motors keep their steps, the position is read anew."""
         self.switching = True
         try:
             self.toolhead.flush_step_generation()
-            q = self.kin_calc_position({s.get_name(): s.get_commanded_position() for s in self.kin.get_steppers()})
+            q = self._filled(self._motors())
             change()
-            position = self.toolhead.get_position()
-            q = [there if at is None else at for at, there in zip(q, position)]
-            self.toolhead.set_position(self._inverse(q) + position[3:])
+            self.toolhead.set_position(self._inverse(q) + self.toolhead.get_position()[3:])
         finally:
             self.switching = False
 
@@ -215,38 +293,45 @@ class TrueAxis:
         if self.tables and not self.homing and not self.switching:
             self._switch(self.wanted and self._homed())
 
-    # Homing and probing
-    def _home_begin(self, homing_state, rails):
-        if self.wraps:
-            self.homing = True
-            self._switch(False)
+    # Homing, probing, motors off: wrapped methods, since the events differ between versions
+    def _home(self, homing_state):
+        home_rails = homing_state.home_rails
 
-    def _home_end(self, homing_state, rails):
-        if not self.wraps:
-            return
-        for rail in rails:
-            if rail.get_steppers()[0].is_active_axis("z"):
-                # A probe finds the tool, an endstop the drive.
-                by_probe = any(hasattr(endstop, "get_position_endstop") for endstop, _ in rail.get_endstops())
-                # The tool may have been lifted since.
-                touched = self.toolhead.get_position()[:2] + [rail.get_homing_info().position_endstop]
-                self.probed = touched if by_probe else None
-        self.homing = False
+        def noted(rails, *rest, **named):
+            found = home_rails(rails, *rest, **named)
+            for rail in rails:
+                if rail.get_steppers()[0].is_active_axis("z"):
+                    # A probe finds the tool, an endstop the drive.
+                    by_probe = any(hasattr(endstop, "get_position_endstop") for endstop, _ in rail.get_endstops())
+                    # The tool may have been lifted since.
+                    touched = self.toolhead.get_position()[:2] + [rail.get_homing_info().position_endstop]
+                    self.probed = touched if by_probe else None
+            return found
+
+        homing_state.home_rails = noted
+        self.homing = True
+        try:
+            self._switch(False)
+            self.kin_home(homing_state)
+        finally:
+            self.homing = False
         self._follow()
 
-    def _hold(self, homing_move):
-        if self.on:
-            self.toolhead.flush_step_generation()
-            self.shim.trueaxis_shim_hold(self.machine, self.toolhead.get_position()[:3])
+    def _clear(self, *axes, **named):
+        self.kin_clear(*axes, **named)
+        self._follow()
 
-    def _let_go(self, homing_move):
+    def _drip_move(self, newpos, *rest, **named):
         if self.on:
-            self._reread(lambda: self.shim.trueaxis_shim_hold(self.machine, self.ffi.NULL))
+            # No move is pending: the host flushes before it arms the endstop.
+            at = self.toolhead.get_position()
+            self.held = self._correction(at), [i for i in range(3) if newpos[i] != at[i]]
+            self.shim.trueaxis_shim_hold(self.machine, at[:3])
+        self.host_drip_move(newpos, *rest, **named)
 
-    def _motor_off(self, print_time):
-        if self.wraps:
-            self.homing = False
-            self._switch(False)
+    def _let_go(self):
+        self.held = None
+        self.shim.trueaxis_shim_hold(self.machine, self.ffi.NULL)
 
     # Commands
     def _needed(self, gcmd, found):
@@ -285,9 +370,8 @@ class TrueAxis:
     def get_status(self, eventtime):
         if not self.tables:
             return {"on": False, "enabled": self.wanted, "refused": self.refused}
-        c = self.ffi.new("double[3]")
-        self.shim.trueaxis_shim_correction(self.machine, self.toolhead.get_position()[:3], c)
-        return {"on": self.on, "enabled": self.wanted, "file": self.file, "tables": self._name(), "correction": list(c),
+        return {"on": self.on, "enabled": self.wanted, "file": self.file, "tables": self._name(),
+                "correction": self._correction(self.toolhead.get_position()),
                 "crc": "%08x" % self.shim.trueaxis_shim_crc(self.tables), "refused": None}
 
 

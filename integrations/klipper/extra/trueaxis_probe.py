@@ -17,7 +17,12 @@
 # says it likewise, on the console and in klippy.log, where RESPOND leaves nothing.
 #
 # This file may be distributed under the terms of the GNU GPLv3 license.
-from . import homing
+import inspect
+
+try:
+    from . import homing
+except ImportError:
+    homing = None
 
 
 class TrueaxisProbe:
@@ -30,7 +35,22 @@ class TrueaxisProbe:
         gcode.register_command("TRUEAXIS_PROBE", self.cmd_probe, desc=self.cmd_probe_help)
         gcode.register_command("TRUEAXIS_NOTE", self.cmd_note, desc=self.cmd_note_help)
 
+    def meet_host(self):
+        # Refuses a host whose probing moves have another interface.
+        def needs(name, found):
+            if not found:
+                raise self.printer.config_error(
+                    "trueaxis_probe: this version of the host has no homing.%s, which the extra uses" % (name,)
+                )
+
+        move = getattr(homing, "HomingMove", None)
+        needs("HomingMove", move)
+        needs("HomingMove.homing_move", callable(getattr(move, "homing_move", None)))
+        needs("HomingMove.homing_move(probe_pos)", "probe_pos" in inspect.signature(move.homing_move).parameters)
+        needs("HomingMove.stepper_positions", hasattr(move(self.printer, [(self.endstop, "probe")]), "stepper_positions"))
+
     def add_steppers(self):
+        self.meet_host()
         # Whichever motors a move in any direction needs.
         kinematics = self.printer.lookup_object("toolhead").get_kinematics()
         for stepper in kinematics.get_steppers():

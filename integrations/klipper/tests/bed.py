@@ -17,7 +17,6 @@ class Bed:
         self.file = open(config.get("file"), "w")
         self.zero = None
         self.printer.register_event_handler("klippy:connect", self.connect)
-        self.printer.register_event_handler("homing:home_rails_begin", self.home)
         self.printer.lookup_object("gcode").register_command("BED_LOOK", self.cmd_BED_LOOK)
 
     def connect(self):
@@ -25,16 +24,10 @@ class Bed:
         self.kin = self.toolhead.get_kinematics()
         self.probe = self.printer.lookup_object("probe")
         endstop = self.probe.mcu_probe
+        if not hasattr(endstop, "home_start"):  # Klipper's main line
+            endstop = endstop.mcu_endstop
         self.home_start, self.home_wait = endstop.home_start, endstop.home_wait
         endstop.home_start, endstop.home_wait = self.start, self.touch
-
-    def home(self, homing_state, rails):
-        steppers = rails[0].get_steppers()
-        if self.zero is None and steppers[0].get_name() == "stepper_z":
-            # X and Y are homed: uncorrected, the host's position is the drives'. Of Z nobody knows yet.
-            self.zero = {s.get_name(): s.mcu_to_commanded_position(0) for s in self.kin.get_steppers()}
-            for s in steppers:
-                self.zero[s.get_name()] = START - s.get_mcu_position() * s.get_step_dist()
 
     def drives(self, steps):
         at = {s.get_name(): steps(s) * s.get_step_dist() + self.zero[s.get_name()] for s in self.kin.get_steppers()}
@@ -42,6 +35,11 @@ class Bed:
 
     def start(self, print_time, *args, **kwargs):
         self.begun = print_time
+        if self.zero is None:
+            # X and Y are homed, so the host knows their motors' zeros; it does not know that of Z yet.
+            self.zero = {s.get_name(): s.mcu_to_commanded_position(0) for s in self.kin.get_steppers()}
+            for s in filter(lambda s: s.is_active_axis("z"), self.kin.get_steppers()):
+                self.zero[s.get_name()] = START - s.get_mcu_position() * s.get_step_dist()
         return self.home_start(print_time, *args, **kwargs)
 
     def touch(self, end):
@@ -66,7 +64,7 @@ class Bed:
         mesh = self.printer.lookup_object("bed_mesh").get_mesh()
         self.write(look=gcmd.get("NAME"), drives=self.drives(lambda s: s.get_mcu_position()),
                    told=self.printer.lookup_object("gcode_move").get_status()["gcode_position"][:3],
-                   probed=self.probe.last_z_result, mesh=mesh and mesh.get_probed_matrix(), step=self.kin.get_steppers()[0].get_step_dist())
+                   probed=self.probe.get_status(0)["last_z_result"], mesh=mesh and mesh.get_probed_matrix(), step=self.kin.get_steppers()[0].get_step_dist())
 
     def write(self, **what):
         json.dump(what, self.file)

