@@ -1,4 +1,5 @@
 /* Instructions and stack of the plugin's parts, on the boards of QEMU under -icount. SPDX-License-Identifier: MIT OR Apache-2.0 */
+#include <math.h>
 #include <stdio.h>
 
 #include "machine.h"
@@ -96,7 +97,7 @@ int main(void) {
             }
             add(&stretch, instructions(before, timer[1]));
             for (int idx = 0; idx < N_AXIS; idx++) {
-                sys.position[idx] = (int32_t)(point->values[idx] * 400.0f);
+                sys.position[idx] = (int32_t)lroundf(point->values[idx] * 400.0f);
             }
             plan_sync_position();
         }

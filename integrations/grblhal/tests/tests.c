@@ -316,7 +316,8 @@ static void fourth_axis_passes(void) {
     core_home(all, true);
     for (int i = 0; i < 3; i++, target[0] -= 5.0f, target[3] += 2.5f) {
         block_count = 0;
-        CHECK(mc_line(target, &pl_data) && block_count >= 3);
+        CHECK(core_line(target, pl_data) && block_count >= 3);
+        core_finish();
         CHECK(sys.position[3] == (int32_t)(target[3] * COARSE) && sys.position[0] != (int32_t)(target[0] * COARSE));
         CHECK(blocks[block_count - 2].steps[3] < sys.position[3] && blocks[0].steps[3] >= 0);
     }
@@ -325,7 +326,9 @@ static void fourth_axis_passes(void) {
     plan_sync_position();
     target[3] = 60.0f;
     block_count = 0;
-    CHECK(mc_line(target, &pl_data) && blocks[0].steps[3] > 20000 && sys.position[3] == 24000);
+    CHECK(core_line(target, pl_data) && blocks[0].steps[3] > 20000);
+    core_finish();
+    CHECK(sys.position[3] == 24000);
 }
 #endif
 
