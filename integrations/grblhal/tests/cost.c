@@ -53,7 +53,7 @@ static void line(void) {
 }
 
 int main(void) {
-    tally_t nothing = { 0 }, forward = { 0 }, inverse = { 0 }, report = { 0 }, begin = { 0 }, stretch = { 0 };
+    tally_t nothing = { 0 }, forward = { 0 }, inverse = { 0 }, report = { 0 }, begin = { 0 }, stretch = { 0 }, look = { 0 };
     uint32_t random = 1, before;
 
     timer[2] = UINT32_MAX;
@@ -100,6 +100,9 @@ int main(void) {
                 sys.position[idx] = (int32_t)lroundf(point->values[idx] * 400.0f);
             }
             plan_sync_position();
+            before = timer[1];
+            grbl.on_execute_realtime(STATE_CYCLE);
+            add(&look, instructions(before, timer[1]));
         }
     }
     tell("timer", &nothing);
@@ -108,5 +111,6 @@ int main(void) {
     tell("position", &report);
     tell("line", &begin);
     tell("stretch", &stretch);
+    tell("look", &look);
     return 0;
 }
