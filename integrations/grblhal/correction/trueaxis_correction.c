@@ -8,6 +8,7 @@
 #define PASSES 8
 #define LATTICE 3         /* places on each axis where the search for the largest correction begins */
 #define LINE 32           /* the least of places on a line of the search */
+#define ROWS 256          /* the most of places on a line where a table has more rows */
 #define SWEEPS 4          /* of the search over all axes */
 #define MISSED_MM 0.001f  /* by the search */
 
@@ -137,6 +138,7 @@ static void find_largest(void) {
                 better = false;
                 for (uint32_t i = 0; i < tables.info.axes; i++) {
                     uint32_t rows = tables.info.rows[i] > 1 ? tables.info.rows[i] - 1 : 1;
+                    rows = rows < ROWS ? rows : ROWS;
                     uint32_t places = rows * ((LINE + rows - 1) / rows);
                     float pitch = 1.0f / (float)places;
                     memcpy(share, best, sizeof share);

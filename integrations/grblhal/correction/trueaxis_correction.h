@@ -24,7 +24,7 @@
 
 /* Reads the .tcomp where it lies and builds the tables into memory of this module. `machine_id`: 0 takes any machine.
  * `axes`: of the controller, in the order X Y Z A B C. Returns NULL, or one line that says why the file is refused. Not
- * while the machine moves; 31 kB of stack, 39 kB in double precision. Looks up some thousand places to find the largest
+ * while the machine moves; 31 kB of stack, 39 kB in double precision. Some ten thousand look-ups find the largest
  * correction. */
 const char *trueaxis_correction_load(const uint8_t *file, size_t length, uint32_t machine_id, unsigned axes);
 

@@ -22,7 +22,7 @@ grbl_t grbl;
 grbl_hal_t hal;
 
 block_t blocks[BLOCKS];
-unsigned block_count, core_look = 100000;
+unsigned block_count, core_sampling = 100000;
 char told[2048];
 bool soft_limit_alarm, busy;
 void (*core_stepped)(void);
@@ -445,14 +445,14 @@ static void serve(void) {
     }
 }
 
-/* The foreground's look at everything, and steps meanwhile. False where the core is to start anew or the line to be left. */
+/* One round of the foreground loop, and the steps taken meanwhile. False on a reset or a stop: the caller gives up. */
 static bool protocol_execute_realtime(void) {
     do {
         if (requests) {
             serve();
         }
         grbl.on_execute_realtime(state);
-        for (unsigned steps = 1 + random_below(core_look); stepping && steps;) {
+        for (unsigned steps = 1 + random_below(core_sampling); stepping && steps;) {
             steps -= step(steps);
         }
     } while (sys.suspend && !sys.abort && (stepping || requests));

@@ -17,7 +17,7 @@ extern char told[2048];       /* all that was written since it was last cleared 
 extern bool soft_limit_alarm; /* of the last line */
 extern bool busy;             /* as if a block were under way */
 
-extern unsigned core_look;         /* steps taken between two of the foreground's tasks, at most */
+extern unsigned core_sampling;         /* most steps between two rounds of the foreground loop */
 extern void (*core_stepped)(void); /* after every step, in interrupt context */
 extern void (*core_held)(void);    /* when the machine has stopped in a hold or is parked: the operator's turn */
 extern bool (*core_touched)(void); /* the probe */

@@ -91,12 +91,15 @@ void trueaxis_drives(coord_data_t *drive) {
 void trueaxis_tool(coord_data_t *tool) {
     holding(&trueaxis_shared.executed, &followed.drive, tool);
     trueaxis_correction_inverse(tool->values, trueaxis_shared.executed.negative, tool->values);
-    /* Where rounding to steps and the hysteresis make the difference, the program's own figure: read anew at every stop, an
-       axis that is not commanded would walk. */
+}
+
+void trueaxis_program(coord_data_t *position) {
+    trueaxis_tool(position);
     for (uint_fast8_t idx = 0; idx < N_AXIS; idx++) {
-        float off = fabsf(tool->values[idx] - trueaxis_shared.last.values[idx]);
-        if (off < 0.5f / settings.axis[idx].steps_per_mm + TRUEAXIS_HYSTERESIS_MM) {
-            tool->values[idx] = trueaxis_shared.last.values[idx];
+        /* Amid a block, its rounded ends and its own steps make up a step. */
+        float off = fabsf(position->values[idx] - trueaxis_shared.last.values[idx]);
+        if (off < 1.0f / settings.axis[idx].steps_per_mm + TRUEAXIS_HYSTERESIS_MM) {
+            position->values[idx] = trueaxis_shared.last.values[idx];
         }
     }
 }
@@ -107,7 +110,7 @@ void trueaxis_probed(coord_data_t *tool) {
 }
 
 void trueaxis_take_over(void) {
-    trueaxis_tool(&trueaxis_shared.last);
+    trueaxis_program(&trueaxis_shared.last);
     trueaxis_shared.planned = trueaxis_shared.executed;
     trueaxis_shared.sent = followed.steps;
 }

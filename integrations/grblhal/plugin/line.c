@@ -70,9 +70,9 @@ mpos_t trueaxis_planner_steps(void) {
 }
 
 /* The drives stand and the queue is empty, but not at the end of what was planned: the core has dropped the rest. Where the
-   steps agree, the side of the lost motion still shows in the tool's position. */
+   steps agree, the side of the lost motion still shows in the program's position. */
 static bool stopped_elsewhere(const mpos_t *steps) {
-    coord_data_t tool;
+    coord_data_t program;
 
     if (plan_get_current_block() || st_is_stepping() || !trueaxis_same_steps(steps->values, sys.position)) {
         return false;
@@ -84,8 +84,8 @@ static bool stopped_elsewhere(const mpos_t *steps) {
     if (trueaxis_shared.executed.negative == trueaxis_shared.planned.negative) {
         return false;
     }
-    trueaxis_tool(&tool);
-    return steps_between(&tool, &trueaxis_shared.last) > 0.0f; /* rounding to steps is not in it */
+    trueaxis_program(&program);
+    return steps_between(&program, &trueaxis_shared.last) > 0.0f;
 }
 
 /* Begins a line: its start from the planner's steps, the stretches. */
@@ -191,9 +191,9 @@ static void find_stretch(void) {
     line.drive = ahead;
     line.tick += line.stretch;
     for (uint_fast8_t idx = 0; idx < N_AXIS; idx++) {
-        bool further = trueaxis_shared.planned.negative & bit(idx) ? ahead.values[idx] < trueaxis_shared.planned.furthest.values[idx] : ahead.values[idx] > trueaxis_shared.planned.furthest.values[idx];
-        if (further) {
-            trueaxis_shared.planned.furthest.values[idx] = ahead.values[idx];
+        float *furthest = &trueaxis_shared.planned.furthest.values[idx];
+        if (trueaxis_shared.planned.negative & bit(idx) ? ahead.values[idx] < *furthest : ahead.values[idx] > *furthest) {
+            *furthest = ahead.values[idx];
         }
     }
 }
@@ -229,7 +229,7 @@ void trueaxis_line_dropped(void) {
         memcpy(line.motor.values, plan_get_position(), sizeof line.motor.values);
         line.handing = false;
         if (line.jog) {
-            trueaxis_tool(line.target); /* the core takes the program's position from here, not from where the jog stopped */
+            trueaxis_program(line.target); /* the core takes the program's position from here, not from where the jog stopped */
         }
     }
 }

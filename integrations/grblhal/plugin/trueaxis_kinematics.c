@@ -47,6 +47,8 @@ static coord_data_t *from_steps(coord_data_t *position, mpos_t *steps) {
         trueaxis_line_dropped();
         if (about_to_park()) {
             trueaxis_drives(position);
+        } else if (position->values == gc_state.position) {
+            trueaxis_program(position);
         } else {
             trueaxis_tool(position);
         }
@@ -137,8 +139,8 @@ static void state_changed(sys_state_t state) {
     }
 }
 
-/* From the foreground, between any two of the core's tasks. */
-static void look_at_drives(sys_state_t state) {
+/* Called in every round of the foreground loop. */
+static void sample_drives(sys_state_t state) {
     trueaxis_follow();
     on_execute_realtime(state);
 }
@@ -253,7 +255,7 @@ static void start(void *data) {
     on_jog_cancel = grbl.on_jog_cancel;
     grbl.on_jog_cancel = jog_cancel;
     on_execute_realtime = grbl.on_execute_realtime;
-    grbl.on_execute_realtime = look_at_drives;
+    grbl.on_execute_realtime = sample_drives;
     trueaxis_follow_from_here(0);
 }
 

@@ -68,6 +68,10 @@ void trueaxis_follow_from_here(uint8_t negative);
 void trueaxis_drives(coord_data_t *drive);
 void trueaxis_tool(coord_data_t *tool);
 
+/* The program's position: the tool's, and the program's own figure where rounding to steps and the hysteresis make the
+   difference. Read anew at every stop, an axis that is not commanded would walk. */
+void trueaxis_program(coord_data_t *position);
+
 /* Position of the tool where the probe triggered. */
 void trueaxis_probed(coord_data_t *tool);
 

@@ -53,7 +53,7 @@ static void line(void) {
 }
 
 int main(void) {
-    tally_t nothing = { 0 }, forward = { 0 }, inverse = { 0 }, report = { 0 }, begin = { 0 }, stretch = { 0 }, look = { 0 };
+    tally_t nothing = { 0 }, forward = { 0 }, inverse = { 0 }, report = { 0 }, begin = { 0 }, stretch = { 0 }, sample = { 0 };
     uint32_t random = 1, before;
 
     timer[2] = UINT32_MAX;
@@ -102,7 +102,7 @@ int main(void) {
             plan_sync_position();
             before = timer[1];
             grbl.on_execute_realtime(STATE_CYCLE);
-            add(&look, instructions(before, timer[1]));
+            add(&sample, instructions(before, timer[1]));
         }
     }
     tell("timer", &nothing);
@@ -111,6 +111,6 @@ int main(void) {
     tell("position", &report);
     tell("line", &begin);
     tell("stretch", &stretch);
-    tell("look", &look);
+    tell("sample", &sample);
     return 0;
 }
