@@ -24,7 +24,7 @@ trueaxis=$target/release/trueaxis
 
 # Tables of the tests: good ones, and some to be refused.
 python3 tests/tables.py "$root/compensation-tables/mill-3axis" "$out"
-for machine in mill kinked beside; do
+for machine in mill kinked lost beside; do
     "$trueaxis" tables compile "$out/$machine" -o "$out/$machine.tcomp" 2>"$out/compile.log" || { cat "$out/compile.log" >&2; exit 1; }
 done
 "$trueaxis" tables compile "$root/compensation-tables/mill-5axis" -o "$out/five.tcomp" 2>"$out/compile.log"
@@ -85,6 +85,14 @@ build host fourth mill "${plugin[@]}" tests/tests.c -DN_AXIS=4
 run host fourth
 python3 tests/checks.py "$trueaxis" "$out/mill" "$out"/mill-{host,m4f,m7}.txt
 python3 tests/checks.py "$trueaxis" "$out/kinked" "$out"/kinked-{host,m4f,m7}.txt
+
+# Queues that are dropped, parking and limits, on a machine with lost motion; less of it where QEMU takes every step.
+for core in host m4f m7; do
+    [[ $core == host ]] && less=() || less=(-DSEQUENCES=3 -DFINEST=400.0f)
+    build "$core" dropped lost "${plugin[@]}" tests/dropped.c ${less[@]+"${less[@]}"}
+    run "$core" dropped
+    sed "s/^/dropped, $core: /" "$out/dropped-$core.txt"
+done
 
 # The recording that every host replays: the motors' positions after rapids to every tenth command.
 cp "$target/hosts/machine.tcomp" "$out/hosts.tcomp"

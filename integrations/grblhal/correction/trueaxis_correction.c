@@ -6,6 +6,11 @@
 
 #define PERIOD_NS 1000000 /* of no effect on a correction at a position, but a loop has one */
 #define PASSES 8
+#define LATTICE 3         /* places on each axis where the search for the largest correction begins */
+#define LINE 32           /* the least of places on a line of the search */
+#define ROWS 256          /* the most of places on a line where a table has more rows */
+#define SWEEPS 4          /* of the search over all axes */
+#define MISSED_MM 0.001f  /* by the search */
 
 #ifdef TRUEAXIS_SINGLE
 #define TOLERANCE 1 /* nm */
@@ -19,6 +24,7 @@ static struct {
     trueaxis_error_t error;
     trueaxis_position_t low[TRUEAXIS_AXES_MAX], high[TRUEAXIS_AXES_MAX];
     trueaxis_real_t limit[TRUEAXIS_AXES_MAX];
+    trueaxis_real_t largest[TRUEAXIS_AXES_MAX];
     uint8_t axis[TRUEAXIS_AXES_MAX];
 } tables;
 static uint64_t memory[TRUEAXIS_MEMORY_BYTES / sizeof(uint64_t)];
@@ -63,36 +69,6 @@ static trueaxis_position_t added(trueaxis_real_t mm) {
 }
 #endif
 
-const char *trueaxis_correction_load(const uint8_t *file, size_t length, uint32_t machine_id, unsigned axes) {
-    static const char letters[] = "XYZABC";
-
-    tables.error = (trueaxis_error_t){ .size = sizeof tables.error };
-    tables.info = (trueaxis_tables_info_t){ .size = sizeof tables.info };
-    if (trueaxis_check_abi(TRUEAXIS_ABI_VERSION) != TRUEAXIS_OK) {
-        return "header and library differ in version or precision";
-    }
-    if (trueaxis_tables_info(file, length, &tables.info, &tables.error) != TRUEAXIS_OK) {
-        return tables.error.text;
-    }
-    for (uint32_t slot = 0; slot < tables.info.axes; slot++) {
-        const char *letter = strchr(letters, tables.info.letters[slot]);
-        tables.axis[slot] = letter ? (uint8_t)(letter - letters) : UINT8_MAX;
-        if (tables.axis[slot] >= axes) {
-            strcpy(tables.error.text, "the tables are for axes ");
-            strcat(tables.error.text, tables.info.letters);
-            strcat(tables.error.text, ", the controller has ");
-            strncat(tables.error.text, letters, axes);
-            return tables.error.text;
-        }
-        tables.low[slot] = to_position((float)tables.info.travel_low[slot]);
-        tables.high[slot] = to_position((float)tables.info.travel_high[slot]);
-        tables.limit[slot] = (trueaxis_real_t)tables.info.correction_limit[slot];
-    }
-    trueaxis_result_t built = trueaxis_loop_build(&tables.loop, sizeof tables.loop, file, length, machine_id, PERIOD_NS,
-                                                  memory, sizeof memory, &tables.error);
-    return built == TRUEAXIS_OK ? NULL : tables.error.text;
-}
-
 const trueaxis_tables_info_t *trueaxis_correction_tables(void) {
     return &tables.info;
 }
@@ -129,6 +105,107 @@ static void correction(const trueaxis_position_t *from, uint8_t negative, trueax
             c[slot] = -tables.limit[slot];
         }
     }
+}
+
+/* The larger of the corrections of `slot` in both directions, at shares of the travels. */
+static trueaxis_real_t size_at(const float *share, unsigned slot) {
+    trueaxis_position_t at[TRUEAXIS_AXES_MAX];
+    trueaxis_real_t plus[TRUEAXIS_AXES_MAX], minus[TRUEAXIS_AXES_MAX];
+
+    for (uint32_t i = 0; i < tables.info.axes; i++) {
+        float low = (float)tables.info.travel_low[i], high = (float)tables.info.travel_high[i];
+        at[i] = to_position(low + (high - low) * share[i]);
+    }
+    correction(at, 0, plus);
+    correction(at, UINT8_MAX, minus);
+    trueaxis_real_t a = plus[slot] < 0 ? -plus[slot] : plus[slot], b = minus[slot] < 0 ? -minus[slot] : minus[slot];
+    return a > b ? a : b;
+}
+
+/* Searches along lines of the travel, each through the best place so far, from lattice places along the diagonal. The lines
+   meet the rows of a table that are evenly apart; around the best place the pitch is halved for those that are not. */
+static void find_largest(void) {
+    for (uint32_t slot = 0; slot < tables.info.axes; slot++) {
+        trueaxis_real_t most = 0;
+        for (unsigned start = 0; start < LATTICE; start++) {
+            float best[TRUEAXIS_AXES_MAX], share[TRUEAXIS_AXES_MAX];
+            trueaxis_real_t found = -1;
+            for (uint32_t i = 0; i < tables.info.axes; i++) {
+                best[i] = (float)start / (LATTICE - 1);
+            }
+            bool better = true;
+            for (unsigned sweep = 0; better && sweep < SWEEPS; sweep++) {
+                better = false;
+                for (uint32_t i = 0; i < tables.info.axes; i++) {
+                    uint32_t rows = tables.info.rows[i] > 1 ? tables.info.rows[i] - 1 : 1;
+                    rows = rows < ROWS ? rows : ROWS;
+                    uint32_t places = rows * ((LINE + rows - 1) / rows);
+                    float pitch = 1.0f / (float)places;
+                    memcpy(share, best, sizeof share);
+                    for (uint32_t place = 0; place <= places; place++) {
+                        share[i] = (float)place * pitch;
+                        trueaxis_real_t size = size_at(share, slot);
+                        if (size > found) {
+                            found = size;
+                            best[i] = share[i];
+                            better = true;
+                        }
+                    }
+                    for (int halving = 0; halving < 16; halving++) {
+                        /* Both sides of the best place, then half the way. */
+                        pitch = halving & 1 ? -pitch : -0.5f * pitch;
+                        share[i] = best[i] + pitch;
+                        trueaxis_real_t size = share[i] >= 0 && share[i] <= 1 ? size_at(share, slot) : 0;
+                        if (size > found) {
+                            found = size;
+                            best[i] = share[i];
+                            better = true;
+                        }
+                    }
+                }
+            }
+            most = found > most ? found : most;
+        }
+        tables.largest[slot] = most;
+    }
+}
+
+float trueaxis_correction_largest(unsigned slot) {
+    return (float)tables.largest[slot] + MISSED_MM;
+}
+
+const char *trueaxis_correction_load(const uint8_t *file, size_t length, uint32_t machine_id, unsigned axes) {
+    static const char letters[] = "XYZABC";
+
+    tables.error = (trueaxis_error_t){ .size = sizeof tables.error };
+    tables.info = (trueaxis_tables_info_t){ .size = sizeof tables.info };
+    if (trueaxis_check_abi(TRUEAXIS_ABI_VERSION) != TRUEAXIS_OK) {
+        return "header and library differ in version or precision";
+    }
+    if (trueaxis_tables_info(file, length, &tables.info, &tables.error) != TRUEAXIS_OK) {
+        return tables.error.text;
+    }
+    for (uint32_t slot = 0; slot < tables.info.axes; slot++) {
+        const char *letter = strchr(letters, tables.info.letters[slot]);
+        tables.axis[slot] = letter ? (uint8_t)(letter - letters) : UINT8_MAX;
+        if (tables.axis[slot] >= axes) {
+            strcpy(tables.error.text, "the tables are for axes ");
+            strcat(tables.error.text, tables.info.letters);
+            strcat(tables.error.text, ", the controller has ");
+            strncat(tables.error.text, letters, axes);
+            return tables.error.text;
+        }
+        tables.low[slot] = to_position((float)tables.info.travel_low[slot]);
+        tables.high[slot] = to_position((float)tables.info.travel_high[slot]);
+        tables.limit[slot] = (trueaxis_real_t)tables.info.correction_limit[slot];
+    }
+    trueaxis_result_t built = trueaxis_loop_build(&tables.loop, sizeof tables.loop, file, length, machine_id, PERIOD_NS,
+                                                  memory, sizeof memory, &tables.error);
+    if (built != TRUEAXIS_OK) {
+        return tables.error.text;
+    }
+    find_largest();
+    return NULL;
 }
 
 /* Positions of the tables' axes, in their order. */

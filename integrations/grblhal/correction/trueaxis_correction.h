@@ -24,7 +24,8 @@
 
 /* Reads the .tcomp where it lies and builds the tables into memory of this module. `machine_id`: 0 takes any machine.
  * `axes`: of the controller, in the order X Y Z A B C. Returns NULL, or one line that says why the file is refused. Not
- * while the machine moves; 31 kB of stack, 39 kB in double precision. */
+ * while the machine moves; 31 kB of stack, 39 kB in double precision. Some ten thousand look-ups find the largest
+ * correction. */
 const char *trueaxis_correction_load(const uint8_t *file, size_t length, uint32_t machine_id, unsigned axes);
 
 /* The tables loaded. */
@@ -35,6 +36,9 @@ unsigned trueaxis_correction_axis(unsigned slot);
 
 /* Bits of the controller's axes that the tables speak of. */
 uint8_t trueaxis_correction_axes(void);
+
+/* The largest correction of that axis that a search of the tables' travel finds, mm, and 1 um for what it may miss. */
+float trueaxis_correction_largest(unsigned slot);
 
 /* q = p + c(p): where the drives stand when the tool is to be at p. mm, rotary axes degrees. `negative`: bit 0 = X, ...:
  * the axis last moved in its negative direction. Outside the tables' travel the correction of its edge holds; above

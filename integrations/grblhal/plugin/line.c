@@ -14,9 +14,6 @@
 #ifndef TRUEAXIS_CHORD_MM
 #define TRUEAXIS_CHORD_MM 0.0005f /* a stretch is halved while its middle lies further off */
 #endif
-#ifndef TRUEAXIS_HYSTERESIS_MM
-#define TRUEAXIS_HYSTERESIS_MM 0.0003f /* a drive that comes back by more has turned */
-#endif
 #define HALVINGS 4
 #define TICKS (1u << HALVINGS) /* of a longest stretch */
 
@@ -29,6 +26,10 @@ static struct {
     coord_data_t from, motor;   /* motors: where the planner stands, what it is handed */
     coord_data_t *below;        /* of the stretch in `present` */
     bool rapid, turned;         /* `turned`: lost motion was taken up at `tick` */
+    bool amid;                  /* the drives stopped amid their lost motion before this line */
+    bool jog, handing;          /* `handing`: points of it are still to come */
+    coord_data_t *target;       /* the core's, while it hands the line over */
+    mpos_t before;              /* motors: the point that the planner was handed before `sent` */
 } line;
 
 /* Corrected position after `tick` of the line; half ticks by doubling both. */
@@ -36,7 +37,7 @@ static void drive_at(uint32_t tick, uint32_t ticks, coord_data_t *drive) {
     for (uint_fast8_t idx = 0; idx < N_AXIS; idx++) {
         drive->values[idx] = line.start.values[idx] + line.change.values[idx] * ((float)tick / (float)ticks);
     }
-    trueaxis_correction_forward(drive->values, trueaxis_shared.negative, drive->values);
+    trueaxis_correction_forward(drive->values, trueaxis_shared.planned.negative, drive->values);
 }
 
 static float distance(const coord_data_t *a, const coord_data_t *b) {
@@ -56,20 +57,56 @@ static float steps_between(const coord_data_t *a, const coord_data_t *b) {
     return most;
 }
 
+static mpos_t to_steps(const coord_data_t *motor) {
+    mpos_t steps;
+    for (uint_fast8_t idx = 0; idx < N_AXIS; idx++) {
+        steps.values[idx] = (int32_t)lroundf(motor->values[idx] * settings.axis[idx].steps_per_mm);
+    }
+    return steps;
+}
+
+mpos_t trueaxis_planner_steps(void) {
+    return to_steps((coord_data_t *)plan_get_position());
+}
+
+/* The drives stand and the queue is empty, but not at the end of what was planned: the core has dropped the rest. Where the
+   steps agree, the side of the lost motion still shows in the program's position. */
+static bool stopped_elsewhere(const mpos_t *steps) {
+    coord_data_t program;
+
+    if (plan_get_current_block() || st_is_stepping() || !trueaxis_same_steps(steps->values, sys.position)) {
+        return false;
+    }
+    trueaxis_follow();
+    if (!trueaxis_same_steps(steps->values, trueaxis_shared.sent.values)) {
+        return true;
+    }
+    if (trueaxis_shared.executed.negative == trueaxis_shared.planned.negative) {
+        return false;
+    }
+    trueaxis_program(&program);
+    return steps_between(&program, &trueaxis_shared.last) > 0.0f;
+}
+
 /* Begins a line: its start from the planner's steps, the stretches. */
-static coord_data_t *begin(const coord_data_t *target, const coord_data_t *position, plan_line_data_t *pl_data) {
+static coord_data_t *begin(coord_data_t *target, const coord_data_t *position, plan_line_data_t *pl_data) {
     static const coord_data_t nowhere;
     coord_data_t end;
-    mpos_t steps;
+    mpos_t steps = to_steps(position);
 
     trueaxis_validate(target, pl_data);
     line.from = *position;
-    for (uint_fast8_t idx = 0; idx < N_AXIS; idx++) {
-        steps.values[idx] = (int32_t)lroundf(position->values[idx] * settings.axis[idx].steps_per_mm);
+    line.before = steps;
+    line.amid = false;
+    if (stopped_elsewhere(&steps)) {
+        trueaxis_take_over();
+        line.start = trueaxis_shared.last;
+        line.amid = true;
+    } else {
+        trueaxis_shared.sent = steps;
+        trueaxis_shared.present.transform_steps_to_cartesian(&line.start, &steps);
+        trueaxis_correction_inverse(line.start.values, trueaxis_shared.planned.negative, line.start.values);
     }
-    trueaxis_shared.present.transform_steps_to_cartesian(&line.drive, &steps);
-    line.start = line.drive;
-    trueaxis_correction_inverse(line.start.values, trueaxis_shared.negative, line.start.values);
     /* The end of the line before, where that is what the planner rounded to its steps: an axis that is not commanded then
        does not move at all. */
     if (steps_between(&line.start, &trueaxis_shared.last) < 1.5f) {
@@ -87,21 +124,27 @@ static coord_data_t *begin(const coord_data_t *target, const coord_data_t *posit
     line.rapid = pl_data->condition.rapid_motion;
 
     line.inside = line.turned = false;
-    drive_at(0, line.ticks, &line.drive);
+    line.jog = pl_data->condition.jog_motion;
+    line.handing = true;
+    line.target = target;
+    if (line.amid) {
+        trueaxis_drives(&line.drive);
+    } else {
+        drive_at(0, line.ticks, &line.drive);
+    }
     drive_at(line.ticks, line.ticks, &end);
     return trueaxis_shared.present.transform_from_cartesian(&line.motor, &end);
 }
 
-/* Do drives turn on the way to `ahead`? Their bits change. A drive turns also where its axis is not commanded and only the
-   correction of the others' motion moves it. */
-static bool turn(const coord_data_t *ahead) {
-    bool turned = false;
+/* The drives that turn on the way to `ahead`: their bits change. A drive turns also where its axis is not commanded and only
+   the correction of the others' motion moves it. */
+static uint8_t turn(const coord_data_t *ahead) {
+    uint8_t turned = 0;
     for (uint_fast8_t idx = 0; idx < N_AXIS; idx++) {
-        float back = trueaxis_shared.furthest.values[idx] - ahead->values[idx];
-        if ((trueaxis_shared.negative & bit(idx) ? -back : back) > TRUEAXIS_HYSTERESIS_MM) {
-            trueaxis_shared.negative ^= (uint8_t)bit(idx);
-            trueaxis_shared.furthest.values[idx] = line.drive.values[idx];
-            turned = true;
+        float back = trueaxis_shared.planned.furthest.values[idx] - ahead->values[idx];
+        if ((trueaxis_shared.planned.negative & bit(idx) ? -back : back) > TRUEAXIS_HYSTERESIS_MM) {
+            trueaxis_shared.planned.negative ^= (uint8_t)bit(idx);
+            turned |= (uint8_t)bit(idx);
         }
     }
     return turned;
@@ -116,11 +159,18 @@ static void find_stretch(void) {
     }
     coord_data_t ahead;
     drive_at(line.tick + line.stretch, line.ticks, &ahead);
-    if (!line.turned && turn(&ahead)) {
+    uint8_t turned = line.turned ? 0 : turn(&ahead);
+    if (turned || line.amid) {
         /* Lost motion is taken up before the tool moves on. */
+        line.amid = false;
         reached = line.drive;
         drive_at(line.tick, line.ticks, &line.drive);
         line.turned = true;
+        for (uint_fast8_t idx = 0; idx < N_AXIS; idx++) {
+            if (turned & bit(idx)) {
+                trueaxis_shared.planned.furthest.values[idx] = line.drive.values[idx];
+            }
+        }
         if (steps_between(&reached, &line.drive) > 0.5f) {
             return;
         }
@@ -141,9 +191,9 @@ static void find_stretch(void) {
     line.drive = ahead;
     line.tick += line.stretch;
     for (uint_fast8_t idx = 0; idx < N_AXIS; idx++) {
-        bool further = trueaxis_shared.negative & bit(idx) ? ahead.values[idx] < trueaxis_shared.furthest.values[idx] : ahead.values[idx] > trueaxis_shared.furthest.values[idx];
-        if (further) {
-            trueaxis_shared.furthest.values[idx] = ahead.values[idx];
+        float *furthest = &trueaxis_shared.planned.furthest.values[idx];
+        if (trueaxis_shared.planned.negative & bit(idx) ? ahead.values[idx] < *furthest : ahead.values[idx] > *furthest) {
+            *furthest = ahead.values[idx];
         }
     }
 }
@@ -163,9 +213,31 @@ static void next_stretch(plan_line_data_t *pl_data) {
     line.inside = true;
 }
 
+/* A jog that is cancelled ends here; the lines of a program do not, though the core tells of the command then too. */
+static bool cancelled(void) {
+    return line.jog && trueaxis_shared.jog_cancelled;
+}
+
+void trueaxis_line_dropped(void) {
+    mpos_t steps = trueaxis_planner_steps();
+
+    if (line.handing && !plan_get_current_block() &&
+        (cancelled() || !(trueaxis_same_steps(steps.values, trueaxis_shared.sent.values) ||
+                          trueaxis_same_steps(steps.values, line.before.values)))) {
+        /* The core may hold the address of a point while it waits for room in the queue. The point becomes a move of no
+           length, or the machine would go on to it from where it was stopped. */
+        memcpy(line.motor.values, plan_get_position(), sizeof line.motor.values);
+        line.handing = false;
+        if (line.jog) {
+            trueaxis_program(line.target); /* the core takes the program's position from here, not from where the jog stopped */
+        }
+    }
+}
+
 coord_data_t *trueaxis_segment_line(coord_data_t *target, coord_data_t *position, plan_line_data_t *pl_data, bool init) {
     if (init) {
         line.corrected = trueaxis_shared.correcting;
+        line.handing = false;
         trueaxis_shared.jog_cancelled = false;
     }
     if (!line.corrected) {
@@ -174,11 +246,13 @@ coord_data_t *trueaxis_segment_line(coord_data_t *target, coord_data_t *position
     if (init) {
         return begin(target, position, pl_data);
     }
-    while (!trueaxis_shared.jog_cancelled) {
+    while (line.handing && !cancelled()) {
         if (line.inside) {
             coord_data_t *point = trueaxis_shared.present.segment_line(line.below, NULL, pl_data, false);
             if (point) {
+                line.before = trueaxis_shared.sent;
                 line.motor = line.from = *point;
+                trueaxis_shared.sent = to_steps(&line.motor);
                 return &line.motor;
             }
             line.inside = false;
@@ -188,5 +262,6 @@ coord_data_t *trueaxis_segment_line(coord_data_t *target, coord_data_t *position
             break;
         }
     }
+    line.handing = false;
     return NULL;
 }

@@ -4,6 +4,7 @@
  * These files become part of a grblHAL firmware and use its interface, so they stand under grblHAL's licence.
  * SPDX-License-Identifier: GPL-3.0-or-later
  */
+#include <math.h>
 #include <string.h>
 
 #include "trueaxis_kinematics.h"
@@ -21,7 +22,9 @@ static on_state_change_ptr on_state_change;
 static on_homing_completed_ptr on_homing_completed;
 static on_jog_cancel_ptr on_jog_cancel;
 static on_report_options_ptr on_report_options;
-static bool (*check_travel_limits)(float *target, axes_signals_t axes, bool is_cartesian, work_envelope_t *envelope);
+static on_execute_realtime_ptr on_execute_realtime;
+static travel_limits_ptr check_travel_limits;
+static apply_travel_limits_ptr apply_travel_limits;
 
 static bool loaded;        /* the tables hold for this machine */
 static bool wanted = true; /* by the operator */
@@ -29,10 +32,31 @@ static const char *refusal = "not started";
 
 /* The corrected hooks. */
 
+/* The core is about to send the drives to a parking place and back: what it reads now it hands to the planner as it is, past
+   `segment_line`. Status reports come in between, but not while no motion is under way. */
+static bool about_to_park(void) {
+    return (state_get() & (STATE_SAFETY_DOOR | STATE_SLEEP)) && sys.parking_state == Parking_Retracting && !sys.step_control.flags;
+}
+
 static coord_data_t *from_steps(coord_data_t *position, mpos_t *steps) {
-    trueaxis_shared.present.transform_steps_to_cartesian(position, steps);
-    if (trueaxis_shared.correcting) {
-        trueaxis_correction_inverse(position->values, trueaxis_shared.negative, position->values);
+    if (!trueaxis_shared.correcting) {
+        return trueaxis_shared.present.transform_steps_to_cartesian(position, steps);
+    }
+    trueaxis_follow();
+    if (steps->values == sys.position || trueaxis_same_steps(steps->values, sys.position)) {
+        trueaxis_line_dropped();
+        if (about_to_park()) {
+            trueaxis_drives(position);
+        } else if (position->values == gc_state.position) {
+            trueaxis_program(position);
+        } else {
+            trueaxis_tool(position);
+        }
+    } else if (steps->values == sys.probe_position) {
+        trueaxis_probed(position);
+    } else {
+        trueaxis_shared.present.transform_steps_to_cartesian(position, steps);
+        trueaxis_correction_inverse(position->values, trueaxis_shared.executed.negative, position->values);
     }
     return position;
 }
@@ -40,44 +64,49 @@ static coord_data_t *from_steps(coord_data_t *position, mpos_t *steps) {
 static coord_data_t *to_motors(coord_data_t *target, coord_data_t *position) {
     coord_data_t drive = *position;
     if (trueaxis_shared.correcting) {
-        trueaxis_correction_forward(drive.values, trueaxis_shared.negative, drive.values);
+        trueaxis_correction_forward(drive.values, trueaxis_shared.planned.negative, drive.values);
     }
     return trueaxis_shared.present.transform_from_cartesian(target, &drive);
 }
 
-/* At the switch of a homed axis the tool stands beside the drive's position by the correction there, and with it beside the
+/* At the switch of a homed axis the tool is beside the drive's position by the correction there, and with it beside the
    limits. The largest correction of the tables is allowed, or every line that leaves the axis where it is would be refused. */
 static bool within_travel(float *target, axes_signals_t axes, bool is_cartesian, work_envelope_t *envelope) {
-    const trueaxis_tables_info_t *info = trueaxis_correction_tables();
-    coord_data_t end;
+    work_envelope_t wider = *envelope;
 
-    memcpy(end.values, target, sizeof end.values);
-    for (unsigned slot = 0; trueaxis_shared.correcting && is_cartesian && slot < info->axes; slot++) {
+    for (unsigned slot = 0; trueaxis_shared.correcting && is_cartesian && slot < trueaxis_correction_tables()->axes; slot++) {
         unsigned idx = trueaxis_correction_axis(slot);
-        float low = envelope->min.values[idx], high = envelope->max.values[idx], slack = (float)info->correction_limit[slot];
-        if (end.values[idx] < low && end.values[idx] >= low - slack) {
-            end.values[idx] = low;
-        } else if (end.values[idx] > high && end.values[idx] <= high + slack) {
-            end.values[idx] = high;
-        }
+        wider.min.values[idx] -= trueaxis_correction_largest(slot);
+        wider.max.values[idx] += trueaxis_correction_largest(slot);
     }
-    return check_travel_limits(end.values, axes, is_cartesian, envelope);
+    return check_travel_limits(target, axes, is_cartesian, &wider);
+}
+
+/* Jogs and probing are cut to the travel. An axis that is beside it for the same reason stays there: cut back, it would move
+   though it is not commanded, and a slope towards it is not defined. */
+static void cut_to_travel(float *target, float *position, work_envelope_t *envelope) {
+    const float *from = position ? position : gc_state.position;
+    work_envelope_t wider = *envelope;
+
+    for (unsigned slot = 0; trueaxis_shared.correcting && slot < trueaxis_correction_tables()->axes; slot++) {
+        unsigned idx = trueaxis_correction_axis(slot);
+        float low = wider.min.values[idx], high = wider.max.values[idx], largest = trueaxis_correction_largest(slot);
+        wider.min.values[idx] = fmaxf(fminf(low, from[idx]), low - largest);
+        wider.max.values[idx] = fminf(fmaxf(high, from[idx]), high + largest);
+    }
+    apply_travel_limits(target, position, &wider);
 }
 
 /* Switching: nothing moves, the program's position is taken over from the steps anew. */
 
-static void drives_at_steps(coord_data_t *drive) {
-    mpos_t steps;
-    memcpy(steps.values, sys.position, sizeof steps.values);
-    trueaxis_shared.present.transform_steps_to_cartesian(drive, &steps);
-}
-
 static void correct(bool on) {
     if (trueaxis_shared.correcting != on) {
         trueaxis_shared.correcting = on;
+        for (uint_fast8_t idx = 0; idx < N_AXIS; idx++) {
+            trueaxis_shared.last.values[idx] = NAN; /* the program's position is the steps' */
+        }
         sync_position();
-        memcpy(trueaxis_shared.last.values, gc_state.position, sizeof trueaxis_shared.last.values);
-        drives_at_steps(&trueaxis_shared.furthest);
+        trueaxis_take_over();
     }
 }
 
@@ -88,7 +117,7 @@ static bool homed(void) {
 
 static void homing_completed(axes_signals_t cycle, bool success) {
     if (success && loaded && wanted && homed()) {
-        trueaxis_shared.negative = (uint8_t)~settings.homing.dir_mask.mask; /* it came off the switch last */
+        trueaxis_follow_from_here((uint8_t)~settings.homing.dir_mask.mask); /* it came off the switch last */
         correct(true);
         report_message("trueaxis: correction on", Message_Info);
     }
@@ -110,6 +139,13 @@ static void state_changed(sys_state_t state) {
     }
 }
 
+/* Called in every round of the foreground loop. */
+static void sample_drives(sys_state_t state) {
+    trueaxis_follow();
+    on_execute_realtime(state);
+}
+
+/* In interrupt context. */
 static void jog_cancel(sys_state_t state) {
     trueaxis_shared.jog_cancelled = true;
     if (on_jog_cancel) {
@@ -153,8 +189,7 @@ static status_code_t command(sys_state_t state, char *args) {
     if (trueaxis_shared.correcting) {
         coord_data_t here, drive;
         system_convert_array_steps_to_mpos(here.values, sys.position);
-        drive = here;
-        trueaxis_correction_forward(here.values, trueaxis_shared.negative, drive.values);
+        trueaxis_correction_forward(here.values, trueaxis_shared.executed.negative, drive.values);
         for (uint_fast8_t idx = 0; idx < N_AXIS; idx++) {
             hal.stream.write(idx ? "," : "|C:");
             hal.stream.write(ftoa(drive.values[idx] - here.values[idx], 4));
@@ -171,7 +206,7 @@ static const char *beside_the_travel(void) {
 
     for (unsigned slot = 0; slot < info->axes; slot++) {
         unsigned idx = trueaxis_correction_axis(slot);
-        float travel = settings.axis[idx].max_travel; /* trueaxis_shared.negative */
+        float travel = settings.axis[idx].max_travel; /* negative */
         bool up = settings.homing.flags.force_set_origin && (settings.homing.dir_mask.mask & bit(idx));
         float low = up ? 0.0f : travel, high = up ? -travel : 0.0f;
         if (travel < 0.0f && info->travel_low[slot] < info->travel_high[slot] &&
@@ -211,12 +246,17 @@ static void start(void *data) {
     kinematics.segment_line = trueaxis_segment_line;
     check_travel_limits = grbl.check_travel_limits;
     grbl.check_travel_limits = within_travel;
+    apply_travel_limits = grbl.apply_travel_limits;
+    grbl.apply_travel_limits = cut_to_travel;
     on_state_change = grbl.on_state_change;
     grbl.on_state_change = state_changed;
     on_homing_completed = grbl.on_homing_completed;
     grbl.on_homing_completed = homing_completed;
     on_jog_cancel = grbl.on_jog_cancel;
     grbl.on_jog_cancel = jog_cancel;
+    on_execute_realtime = grbl.on_execute_realtime;
+    grbl.on_execute_realtime = sample_drives;
+    trueaxis_follow_from_here(0);
 }
 
 void my_plugin_init(void) {

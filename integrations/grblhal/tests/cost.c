@@ -1,4 +1,5 @@
 /* Instructions and stack of the plugin's parts, on the boards of QEMU under -icount. SPDX-License-Identifier: MIT OR Apache-2.0 */
+#include <math.h>
 #include <stdio.h>
 
 #include "machine.h"
@@ -52,7 +53,7 @@ static void line(void) {
 }
 
 int main(void) {
-    tally_t nothing = { 0 }, forward = { 0 }, inverse = { 0 }, report = { 0 }, begin = { 0 }, stretch = { 0 };
+    tally_t nothing = { 0 }, forward = { 0 }, inverse = { 0 }, report = { 0 }, begin = { 0 }, stretch = { 0 }, sample = { 0 };
     uint32_t random = 1, before;
 
     timer[2] = UINT32_MAX;
@@ -96,9 +97,12 @@ int main(void) {
             }
             add(&stretch, instructions(before, timer[1]));
             for (int idx = 0; idx < N_AXIS; idx++) {
-                sys.position[idx] = (int32_t)(point->values[idx] * 400.0f);
+                sys.position[idx] = (int32_t)lroundf(point->values[idx] * 400.0f);
             }
             plan_sync_position();
+            before = timer[1];
+            grbl.on_execute_realtime(STATE_CYCLE);
+            add(&sample, instructions(before, timer[1]));
         }
     }
     tell("timer", &nothing);
@@ -107,5 +111,6 @@ int main(void) {
     tell("position", &report);
     tell("line", &begin);
     tell("stretch", &stretch);
+    tell("sample", &sample);
     return 0;
 }

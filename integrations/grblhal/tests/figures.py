@@ -13,7 +13,7 @@ def read(path):
     found = {name: int(value) for name, value in (line.split() for line in Path(path).read_text().splitlines())}
     timer = found.pop("timer.mean")
     found.pop("timer.worst")
-    counts = ("forward", "inverse", "position", "line", "stretch")
+    counts = ("forward", "inverse", "position", "line", "stretch", "sample")
     return {name: value - timer if name.split(".")[0] in counts else value for name, value in found.items()}
 
 

@@ -11,6 +11,7 @@ static inline void machine(float steps_per_mm) {
         settings.axis[idx].max_travel = travel[idx];
     }
     settings.homing.dir_mask.mask = 7; /* switches at the negative ends */
+    settings.arc_tolerance = 0.002f;
     sys.soft_limits.mask = 7;
 }
 
@@ -24,13 +25,21 @@ static inline void at_switches(axes_signals_t cycle) {
     }
 }
 
-static inline bool line_to(float x, float y, float z, plan_line_data_t pl_data) {
+/* A line, queued. */
+static inline bool queue_to(float x, float y, float z, plan_line_data_t pl_data) {
     float target[N_AXIS] = { x, y, z };
-    block_count = 0;
     if (!pl_data.feed_rate) {
         pl_data.feed_rate = 600.0f;
     }
-    return mc_line(target, &pl_data);
+    return core_line(target, pl_data) != Status_Aborted;
+}
+
+/* A line, executed. */
+static inline bool line_to(float x, float y, float z, plan_line_data_t pl_data) {
+    block_count = 0;
+    bool done = queue_to(x, y, z, pl_data);
+    core_finish();
+    return done;
 }
 
 #endif

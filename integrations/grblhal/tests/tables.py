@@ -1,7 +1,8 @@
 """Writes the machines of the tests: tables.py MILL OUT. SPDX-License-Identifier: MIT OR Apache-2.0
 
 OUT/mill: the sample mill MILL with levers and the usual hysteresis. OUT/kinked: lines that turn by 8 mm/m every 5 mm, the
-worst that a stretch of 2 mm can meet. OUT/beside: a mill measured from 0 upwards, whose controller counts from 0 down.
+worst that a stretch of 2 mm can meet. OUT/lost: straight lines and lost motion, and a limit of the correction far above them.
+OUT/beside: a mill measured from 0 upwards, whose controller counts from 0 down.
 """
 
 import re
@@ -32,5 +33,19 @@ def machine(name, travel, value):
     (folder / "machine.toml").write_text("".join(lines))
 
 
+def lost():
+    """As tests/dropped.c has it."""
+    ends = {"X": (-300, 24, 12, -18, 30), "Y": (-200, 10, -16, 6, 25), "Z": (-400, -20, 8, 30, 20)}
+    folder = out / "lost"
+    folder.mkdir(exist_ok=True)
+    lines = ['name = "lost"\nchain = "w X\' Y\' b Z t"\n']
+    for axis, (low, x, y, z, backlash) in ends.items():
+        lines.append(f"[axis.{axis}]\ntable = '{axis.lower()}.csv'\ntravel_mm = [{low:.1f}, 0.0]\nbacklash_um = {backlash:.1f}\n")
+        rows = f"{axis}_mm,EX{axis}_um,EY{axis}_um,EZ{axis}_um\n{low},{x},{y},{z}\n0,0,0,0\n"
+        (folder / f"{axis.lower()}.csv").write_text(rows)
+    (folder / "machine.toml").write_text("".join(lines))
+
+
+lost()
 machine("kinked", [(-300, 0), (-200, 0), (-400, 0)], lambda at: 20 * (1 - at // 5 % 2))
 machine("beside", [(0, 300), (0, 200), (0, 400)], lambda at: 0.01 * at)

@@ -281,6 +281,29 @@ static void there_and_back(float steps_per_mm) {
     CHECK(worst < (steps_per_mm > 1000.0f ? 2.0 : 0.04));
 }
 
+/* The search of the tables finds no less than random places do, and no more than a corner that they miss. */
+static void largest_correction(void) {
+    float most[3] = { 0 };
+    uint32_t random = 1;
+    for (int i = 0; i < 4000; i++) {
+        float p[N_AXIS], q[N_AXIS];
+        for (int idx = 0; idx < N_AXIS; idx++) {
+            random = random * 1664525u + 1013904223u;
+            p[idx] = settings.axis[idx].max_travel * fminf(1.0f, 1.2f * (float)(random >> 8) / 16777216.0f);
+        }
+        trueaxis_correction_forward(p, i & 1 ? 0 : 7, q);
+        for (int idx = 0; idx < 3; idx++) {
+            most[idx] = fmaxf(most[idx], fabsf(q[idx] - p[idx]));
+        }
+    }
+    for (unsigned idx = 0; idx < 3; idx++) {
+        float largest = trueaxis_correction_largest(idx);
+        CHECK(largest > most[idx] && largest < 2.0f * most[idx]);
+    }
+    printf("largest corrections: %.4f %.4f %.4f mm\n", (double)trueaxis_correction_largest(0),
+           (double)trueaxis_correction_largest(1), (double)trueaxis_correction_largest(2));
+}
+
 /* Moves for the exact machine: lines of all directions, with reversals, near and far, and an arc of chords. */
 static void moves(void) {
     static const float points[][N_AXIS] = {
@@ -316,7 +339,8 @@ static void fourth_axis_passes(void) {
     core_home(all, true);
     for (int i = 0; i < 3; i++, target[0] -= 5.0f, target[3] += 2.5f) {
         block_count = 0;
-        CHECK(mc_line(target, &pl_data) && block_count >= 3);
+        CHECK(core_line(target, pl_data) && block_count >= 3);
+        core_finish();
         CHECK(sys.position[3] == (int32_t)(target[3] * COARSE) && sys.position[0] != (int32_t)(target[0] * COARSE));
         CHECK(blocks[block_count - 2].steps[3] < sys.position[3] && blocks[0].steps[3] >= 0);
     }
@@ -325,7 +349,9 @@ static void fourth_axis_passes(void) {
     plan_sync_position();
     target[3] = 60.0f;
     block_count = 0;
-    CHECK(mc_line(target, &pl_data) && blocks[0].steps[3] > 20000 && sys.position[3] == 24000);
+    CHECK(core_line(target, pl_data) && blocks[0].steps[3] > 20000);
+    core_finish();
+    CHECK(sys.position[3] == 24000);
 }
 #endif
 
@@ -345,6 +371,7 @@ int main(void) {
     around_corexy();
 #endif
     there_and_back(COARSE);
+    largest_correction();
     there_and_back(FINE);
     moves();
     printf("passed\n");
