@@ -21,14 +21,14 @@ mcu=thumbv7em-none-eabihf
 # In the repository's folder: this one's configuration asks for the processor's target.
 CARGO_TARGET_DIR=$on_host "$repository/.ci/commands"
 # As the budgets of the host have built it.
-(cd "$repository" && CARGO_TARGET_DIR=$on_host cargo build --quiet --release -p trueaxis-benches --features counts --bin counted)
+(cd "$repository" && CARGO_TARGET_DIR=$on_host cargo build --quiet --profile image -p trueaxis-benches --features counts --bin counted)
 inputs=$target/count
 mkdir -p "$inputs"
 "$on_host/release/trueaxis" tables compile machine -o "$inputs/a.tcomp" 2>"$inputs/compile.log"
 "$on_host/release/trueaxis" tables compile machine/warm.toml -o "$inputs/b.tcomp" 2>>"$inputs/compile.log"
 "$on_host/release/firmware-sim" record --machine machine --program short-tour --rate-hz 1000 --drill --exchange-at 12000 \
     -o "$inputs/run.rec" >"$inputs/record.log" 2>&1
-"$on_host/release/counted" digest >"$target/host.txt"
+"$on_host/image/counted" digest >"$target/host.txt"
 
 request=()
 case ${1-} in
@@ -41,11 +41,13 @@ if [[ -n $kind ]]; then
     # Where regions.rs looks for it.
     request=(-device "loader,addr=0x003ffff8,data=$kind,data-len=4" -device "loader,addr=0x003ffffc,data=$2,data-len=4")
 fi
+source flags.sh
 # board, processor, name, build
 count() {
     local board=$1 processor=$2 name=$3
     shift 3
-    CARGO_TARGET_DIR="$target/$name" cargo build --quiet --release --bin count "$@"
+    CARGO_TARGET_DIR="$target/$name" CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUSTFLAGS="$(flags "$name")" \
+        cargo build --quiet --release --bin count "$@"
     local flash=() file
     for file in a.tcomp=0x00100000 b.tcomp=0x00140000 run.rec=0x00180000; do
         # QEMU separates options by commas and doubles those in names.
@@ -60,8 +62,7 @@ count() {
 }
 count mps2-an386 cortex-m4 m4f &
 first=$!
-CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUSTFLAGS='-Ctarget-cpu=cortex-m7' \
-    count mps2-an500 cortex-m7 m7 --features double &
+count mps2-an500 cortex-m7 m7 --features double &
 second=$!
 wait "$first"
 wait "$second"

@@ -35,18 +35,18 @@ simulator=$on_host/release/firmware-sim
 trueaxis=$on_host/release/trueaxis
 
 say 'images'
-CARGO_TARGET_DIR="$target/m4f" cargo build --quiet --release --bin image --features hurried
+source flags.sh
+build() { # core, further arguments of cargo
+    local core=$1
+    shift
+    CARGO_TARGET_DIR="$target/$core" CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUSTFLAGS="$(flags "$core")" \
+        cargo build --quiet --release --bin image "$@"
+}
+build m4f --features hurried
 hurried=$target/m4f/image-hurried
 cp "$target/m4f/$mcu/release/image" "$hurried"
-# Names of source files are among the constants: without the folders before them, so that the size is the same everywhere.
-plain=
-if [[ $repository$HOME${CARGO_HOME-} != *[[:space:]]* ]]; then
-    plain="--remap-path-prefix=$repository=. --remap-path-prefix=${CARGO_HOME:-$HOME/.cargo}=cargo"
-fi
-CARGO_TARGET_DIR="$target/m4f" CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUSTFLAGS="$plain" \
-    cargo build --quiet --release --bin image
-CARGO_TARGET_DIR="$target/m7" CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUSTFLAGS="-Ctarget-cpu=cortex-m7 $plain" \
-    cargo build --quiet --release --bin image --features double
+build m4f
+build m7 --features double
 elf() {
     echo "$target/$1/$mcu/release/image"
 }

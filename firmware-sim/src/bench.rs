@@ -12,7 +12,7 @@ use trueaxis_sim::Scenario;
 use trueaxis_sim::motion::{Motion, Setpoints};
 use trueaxis_sim::path::{self, SlidingPath};
 use trueaxis_sim::run::{Kind, Run};
-use trueaxis_sim::servo::with_loop;
+use trueaxis_sim::servo::{self, Axes, Compiled, with_loop};
 
 /// Results of the bench.
 #[derive(Clone, Copy, Debug)]
@@ -102,7 +102,10 @@ impl<'c, const N: usize> Inputs<'c, N> {
 ///
 /// # Errors
 /// The machine's tables do not build.
-pub fn run<const N: usize>(scenario: &Scenario, budget_ns: u64, cycles: u64) -> Result<Outcome> {
+pub fn run<const N: usize>(scenario: &Scenario, budget_ns: u64, cycles: u64) -> Result<Outcome>
+where
+    Axes: Compiled<N>,
+{
     let motion = &scenario.motion()?;
     path::check(scenario)?;
     let kinematics = scenario.kinematics()?;
@@ -111,9 +114,11 @@ pub fn run<const N: usize>(scenario: &Scenario, budget_ns: u64, cycles: u64) -> 
             let (input, reference) = (black_box(input), *reference);
             match &kinematics {
                 Some(kinematics) => {
-                    servo.step(state, input, &mut OnToolPath::new(&path.tool_view(), reference, kinematics), ())
+                    let path = path.tool_view();
+                    let mut on = OnToolPath::new(&path, reference, kinematics);
+                    servo::step(servo, state, input, &mut &mut on, &mut ())
                 }
-                None => servo.step(state, input, path.view().on(reference), ()),
+                None => servo::step(servo, state, input, &mut path.view().on(reference), &mut ()),
             }
         };
         // Hands every block to `steps`, from a fresh state.

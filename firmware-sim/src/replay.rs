@@ -5,12 +5,13 @@ use anyhow::{Context, Result, anyhow, bail};
 use clap::Args;
 use std::fmt::Write;
 use std::path::PathBuf;
+use trueaxis::HostServo;
 use trueaxis::contour::{Path, Span};
 use trueaxis::tcomp::Tcomp;
 use trueaxis::telemetry::{FRAME_BYTES, Frame};
-use trueaxis::{HostServo, ServoLoop};
 use trueaxis_recording::{Cycle, Recording};
-use trueaxis_sim::servo::with_tables;
+use trueaxis_sim::SimError;
+use trueaxis_sim::servo::{self, Axes, Compiled};
 use trueaxis_tables::output::Outputs;
 use trueaxis_tables::text::counted;
 
@@ -69,7 +70,10 @@ struct Sent {
     frames: Vec<u8>,
 }
 
-fn rows<const N: usize>(args: &ReplayArgs, bytes: &[u8], tables: &Tcomp<'_>) -> Result<Sent> {
+fn rows<const N: usize>(args: &ReplayArgs, bytes: &[u8], tables: &Tcomp<'_>) -> Result<Sent>
+where
+    Axes: Compiled<N>,
+{
     let file = args.recording.display();
     let recording = Recording::<N>::parse(bytes).map_err(|error| anyhow!("{file}: {error}"))?;
     let header = recording.header();
@@ -91,11 +95,16 @@ fn rows<const N: usize>(args: &ReplayArgs, bytes: &[u8], tables: &Tcomp<'_>) -> 
         }
     }
     text.push_str("elapsed_ns,homed,enable,reset,encoder_alarm,limited,fault\n");
-    with_tables(tables, header.period_ns, |servo: &ServoLoop<'_, f64, f64, N>| run(&recording, servo, &mut sent))?;
+    let mut memory = vec![0.0; tables.requirement()];
+    let servo = Axes::load(tables, header.period_ns, &mut memory).map_err(SimError::from)?;
+    run(&recording, &servo, &mut sent)?;
     Ok(sent)
 }
 
-fn run<const N: usize>(recording: &Recording<'_, N>, servo: &HostServo<'_, N>, sent: &mut Sent) -> Result<()> {
+fn run<const N: usize>(recording: &Recording<'_, N>, servo: &HostServo<'_, N>, sent: &mut Sent) -> Result<()>
+where
+    Axes: Compiled<N>,
+{
     let spans: Vec<Span<f64, f64>> = recording.path().collect();
     let path = Path::new(&spans, 0, false);
     let mut state = servo.start();
@@ -104,7 +113,7 @@ fn run<const N: usize>(recording: &Recording<'_, N>, servo: &HostServo<'_, N>, s
     for number in 0..recording.header().cycles {
         let Some(cycle) = recording.cycle(number) else { break };
         let input = cycle.input::<f64>();
-        let output = servo.step(&mut state, &input, path.on(cycle.place::<f64>()), ());
+        let output = servo::step(servo, &mut state, &input, &mut path.on(cycle.place::<f64>()), &mut ());
         for value in input.command.iter().chain(&input.feedback).chain(&output.drive) {
             write!(text, "{value},")?;
         }

@@ -16,7 +16,7 @@ use firmware_sim::trace::Trace;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use trueaxis_columns::Form;
+use trueaxis_columns::{Form, PARQUET};
 use trueaxis_sim::Scenario;
 use trueaxis_sim::learning::{self, Instrument, LearnedTable, Recorder};
 use trueaxis_sim::run::{Kind, Run, Sink};
@@ -38,7 +38,7 @@ pub(crate) struct RunArgs {
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
     /// Write the traces (trace.parquet, trace-full.parquet) and the figures (result.parquet) into this folder, as columns
-    /// for DuckDB, Polars or pandas.
+    /// for DuckDB, Polars or pandas; needs the feature `parquet`.
     #[arg(long, value_name = "DIR")]
     parquet: Option<PathBuf>,
     /// Correction that was learned on this program, for the full run.
@@ -56,6 +56,11 @@ pub(crate) struct RunArgs {
 }
 
 pub(crate) fn run(args: &RunArgs) -> Result<()> {
+    if args.parquet.is_some() && !PARQUET {
+        bail!(
+            "--parquet: found a program built without Parquet, needed: cargo run --release --features parquet -- run --parquet DIR"
+        );
+    }
     let scenario = with_learned(prepare_with(&args.scenario, &args.acts)?, args.learned.as_deref())?;
     let machines = scenario.exchanges.keys().map(Path::new).chain([args.scenario.machine.as_path()]);
     let mut outputs = outputs_of(machines, args.scenario.files().chain(args.learned.as_deref()));

@@ -16,10 +16,9 @@ export CARGO_TARGET_DIR=$target
 
 # For the controllers of three axes, where the tests of the C interface build theirs.
 "$root/tests/hosts/recording.sh"
-cargo build --quiet --release -p trueaxis-capi
-CARGO_TARGET_DIR=$target/capi-m4f cargo build --quiet --release -p trueaxis-capi --target "$mcu" --features single,three
+CARGO_TARGET_DIR=$target/capi-m4f cargo build --quiet --profile image -p trueaxis-capi --target "$mcu" --features single,three
 CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUSTFLAGS='-Ctarget-cpu=cortex-m7' CARGO_TARGET_DIR=$target/capi-m7 \
-    cargo build --quiet --release -p trueaxis-capi --target "$mcu" --features fp64,three
+    cargo build --quiet --profile image -p trueaxis-capi --target "$mcu" --features fp64,three
 trueaxis=$target/release/trueaxis
 
 # Tables of the tests: good ones, and some to be refused.
@@ -58,7 +57,7 @@ build() {
     m7) all+=(-mcpu=cortex-m7 -mfpu=fpv5-d16) ;;
     esac
     arm-none-eabi-gcc "${all[@]}" -mthumb -mfloat-abi=hard '-DFIRST="/dev/null"' '-DSECOND="/dev/null"' "$board/startup.c" \
-        "$target/capi-$core/$mcu/release/libtrueaxis_capi.a" --specs=rdimon.specs -nostartfiles "-T$board/mps2.ld" \
+        "$target/capi-$core/$mcu/image/libtrueaxis_capi.a" --specs=rdimon.specs -nostartfiles "-T$board/mps2.ld" \
         -Wl,--gc-sections,-z,noexecstack,--no-warn-rwx-segments -lm -o "$out/$name-$core.elf"
 }
 run() { # for, name: its output to $out/NAME-FOR.txt

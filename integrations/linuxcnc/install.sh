@@ -40,7 +40,7 @@ build() {
     local root target
     root=$(cd ../.. && pwd)
     target=${CARGO_TARGET_DIR:-$root/target}
-    (cd "$root" && cargo build --quiet --release --package trueaxis-capi)
+    (cd "$root" && cargo build --quiet --release --package trueaxis-cli --package trueaxis-capi)
     build=$target/linuxcnc
     mkdir -p "$build"
     cp component/*.c component/*.h component/Makefile "$build"

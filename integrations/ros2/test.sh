@@ -10,7 +10,6 @@ target=${CARGO_TARGET_DIR:-$root/target}
 out=$target/ros2
 mkdir -p "$out"
 "$root/.ci/commands"
-(cd "$root" && cargo build --quiet --release -p trueaxis-capi)
 machine=$root/compensation-tables/mill-3axis
 "$target/release/trueaxis" tables compile "$machine" -o "$out/machine.tcomp" 2>"$out/compile.log"
 c++ -std=c++17 -O2 -Wall -Wextra -Wpedantic -Werror "-I$root/crates/trueaxis-capi/include" example.cpp \

@@ -21,4 +21,4 @@ if [[ ! -s $diff ]]; then
     exit
 fi
 "$here/run.sh" --in-diff "$diff" --seconds 90 --seed 1 --longest 0.3 --least 90 \
-    --package trueaxis --tests=--lib --tests=--test --tests=core
+    --package trueaxis --tests=--lib --tests=--test --tests=plugin

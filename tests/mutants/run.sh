@@ -16,6 +16,6 @@ CARGO_TARGET_DIR="$target/mutants/tool" cargo build --quiet --locked --manifest-
 export CARGO_PROFILE_TEST_OPT_LEVEL="${CARGO_PROFILE_TEST_OPT_LEVEL:-1}"
 # The core's own tests, and those that hold its results to the last bit.
 killers=(--package trueaxis --package trueaxis-recording --tests=--lib)
-for test in core recording; do killers+=(--tests=--test "--tests=$test"); done
+for test in plugin recording; do killers+=(--tests=--test "--tests=$test"); done
 [[ " $* " == *" --tests="* ]] && killers=()
 exec "$target/mutants/tool/debug/trueaxis-mutants" "${killers[@]}" "$@"

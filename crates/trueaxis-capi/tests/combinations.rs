@@ -1,7 +1,5 @@
 //! Every measure with and without a gauge, through C and through Rust: the same in every bit.
 
-#![allow(unsafe_code)]
-
 use crate::machines::gauge::{Gauges, probes, same_cycle, with_gauge};
 use crate::machines::rust::*;
 use crate::machines::*;

@@ -1,6 +1,5 @@
 //! The dynamic correction through the C interface: bit for bit that of the Rust one, each part switched in motion.
 
-#![allow(unsafe_code)]
 // In single precision they are none.
 #![allow(clippy::useless_conversion)]
 

@@ -1,6 +1,5 @@
 //! Bits that flip after loading: the file is summed when it is loaded, what lies in memory afterwards is not. The table file
 //! may go; a table in memory that has been damaged gives a wrong correction, but never one beyond its limits.
-#![allow(unsafe_code)]
 // The scalar of the other build is single.
 #![allow(clippy::useless_conversion)]
 // A loop whose memory somebody else writes to is what Miri is there to refuse.

@@ -1,7 +1,5 @@
 //! The gauge of three probes through the C interface, against the Rust one.
 
-#![allow(unsafe_code)]
-
 use crate::machines::gauge::{Gauges, with_gauge};
 use crate::machines::*;
 use std::ptr::null_mut;

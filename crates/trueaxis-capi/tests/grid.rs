@@ -1,6 +1,5 @@
 //! A grid through the C interface: the same corrections as in Rust, and the file may go once the loop is built.
 
-#![allow(unsafe_code)]
 #![allow(clippy::useless_conversion, reason = "numbers are f64 or f32")]
 
 use crate::machines::*;

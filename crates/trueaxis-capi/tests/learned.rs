@@ -1,7 +1,5 @@
 //! A learned correction through the C interface: checked, looked up, refused.
 
-#![allow(unsafe_code)]
-
 use crate::machines::rust::from_c;
 use crate::machines::*;
 use std::ptr::null_mut;

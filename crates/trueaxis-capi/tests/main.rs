@@ -1,5 +1,7 @@
 //! The C interface.
 
+#![allow(unsafe_code)]
+
 mod combinations;
 mod dynamics;
 #[cfg(not(miri))]

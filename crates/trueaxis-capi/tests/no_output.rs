@@ -1,5 +1,4 @@
 //! Neither a usable command nor a usable reading: the drives' part of the output is not written, and the result says so.
-#![allow(unsafe_code)]
 
 use crate::machines::*;
 use std::ptr::{null, null_mut};

@@ -1,7 +1,5 @@
 //! Programmed paths through the C interface.
 
-#![allow(unsafe_code)]
-
 use crate::machines::*;
 use std::ptr::{null, null_mut};
 use trueaxis_capi::*;

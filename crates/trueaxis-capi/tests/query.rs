@@ -1,7 +1,5 @@
 //! Errors, corrections and feet without a state.
 
-#![allow(unsafe_code)]
-
 use crate::machines::rust::*;
 use crate::machines::*;
 use std::ptr::{null, null_mut};

@@ -1,7 +1,5 @@
 //! Whatever a caller gets wrong has its result, and what the function would have written stays as it was.
 
-#![allow(unsafe_code)]
-
 use crate::machines::*;
 use std::ptr::{null, null_mut};
 use std::slice;

@@ -1,7 +1,5 @@
 //! Through the C interface a machine does what it does through the Rust one, bit for bit.
 
-#![allow(unsafe_code)]
-
 use crate::machines::rust::*;
 use crate::machines::*;
 use std::f64::consts::TAU;

@@ -1,7 +1,5 @@
 //! Thermal growth through the C interface: built, refused, updated, and led in by the step.
 
-#![allow(unsafe_code)]
-
 use crate::machines::*;
 use std::ptr::null_mut;
 use trueaxis::temperature::{MAGIC, VERSION};

@@ -1,7 +1,5 @@
 //! The library for three axes only: takes a machine of three, refuses one of five.
 
-#![allow(unsafe_code)]
-
 use crate::machines::sample;
 use std::ptr::null_mut;
 use trueaxis_capi::*;

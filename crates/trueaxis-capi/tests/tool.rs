@@ -1,7 +1,5 @@
 //! Kinematics, tool paths and tool positions through the C interface.
 
-#![allow(unsafe_code)]
-
 use crate::machines::*;
 use std::ptr::{null, null_mut};
 use std::sync::OnceLock;

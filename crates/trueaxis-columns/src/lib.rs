@@ -11,6 +11,7 @@
 //! ```
 
 mod comma;
+#[cfg(feature = "parquet")]
 mod parquet_file;
 
 use std::io::{self, Write};
@@ -67,7 +68,7 @@ impl Value<'_> {
 /// How a table is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
-    /// Apache Parquet, compressed with Snappy, 65,536 rows a group.
+    /// Apache Parquet, compressed with Snappy, 65,536 rows a group; needs the feature `parquet`.
     Parquet,
     /// Comma-separated values under a header; numbers in the digits that say them exactly.
     Csv,
@@ -84,7 +85,11 @@ impl Form {
     }
 }
 
+/// Whether Parquet can be written: the feature `parquet`.
+pub const PARQUET: bool = cfg!(feature = "parquet");
+
 enum Out<W: Write + Send> {
+    #[cfg(feature = "parquet")]
     Parquet(Box<parquet_file::File<W>>),
     Csv(Box<comma::File<W>>),
 }
@@ -99,7 +104,8 @@ impl<W: Write + Send> Writer<W> {
     /// A table of these columns.
     ///
     /// # Errors
-    /// Of the writer; [`io::ErrorKind::InvalidInput`] without a column, or where two have one name.
+    /// Of the writer; [`io::ErrorKind::InvalidInput`] without a column, or where two have one name;
+    /// [`io::ErrorKind::Unsupported`] for Parquet without its feature.
     pub fn new(out: W, form: Form, columns: &[Column]) -> io::Result<Writer<W>> {
         let twice =
             columns.iter().enumerate().find(|(k, column)| columns[..*k].iter().any(|of| of.name == column.name));
@@ -110,7 +116,10 @@ impl<W: Write + Send> Writer<W> {
             return Err(refused("found no column, needed one".into()));
         }
         let out = match form {
+            #[cfg(feature = "parquet")]
             Form::Parquet => Out::Parquet(Box::new(parquet_file::File::new(out, columns)?)),
+            #[cfg(not(feature = "parquet"))]
+            Form::Parquet => return Err(io::Error::new(io::ErrorKind::Unsupported, "built without Parquet")),
             Form::Csv => Out::Csv(Box::new(comma::File::new(out, columns)?)),
         };
         Ok(Writer { out, columns: columns.to_vec() })
@@ -131,6 +140,7 @@ impl<W: Write + Send> Writer<W> {
                 return Err(refused(format!("column {}: found {value:?}, needed {:?}", column.name, column.kind)));
             }
             match &mut self.out {
+                #[cfg(feature = "parquet")]
                 Out::Parquet(file) => file.put(at, value),
                 Out::Csv(file) => file.put(value)?,
             }
@@ -139,6 +149,7 @@ impl<W: Write + Send> Writer<W> {
             return Err(refused(format!("found more values than {}", self.columns.len())));
         }
         match &mut self.out {
+            #[cfg(feature = "parquet")]
             Out::Parquet(file) => file.end_row(),
             Out::Csv(file) => file.end_row(),
         }
@@ -150,6 +161,7 @@ impl<W: Write + Send> Writer<W> {
     /// Of the writer.
     pub fn finish(self) -> io::Result<W> {
         match self.out {
+            #[cfg(feature = "parquet")]
             Out::Parquet(file) => file.finish(),
             Out::Csv(file) => file.finish(),
         }

@@ -2,7 +2,7 @@
 
 use crate::error::Result;
 use crate::limit_watch::LimitWatch;
-use crate::servo::{step, with_loop};
+use crate::servo::{Axes, Compiled, step, with_loop};
 use trueaxis::machine::{AXES, AxisOrder};
 use trueaxis_tables::Machine;
 
@@ -46,7 +46,10 @@ pub fn in_motion(old: &Machine, new: &Machine, about: [f64; AXES]) -> Result<Exc
     }
 }
 
-fn of<const N: usize>(old: &Machine, new: &Machine, about: [f64; AXES]) -> Result<Exchanged> {
+fn of<const N: usize>(old: &Machine, new: &Machine, about: [f64; AXES]) -> Result<Exchanged>
+where
+    Axes: Compiled<N>,
+{
     with_loop::<N, _, _>(old, PERIOD_NS, |first| {
         with_loop::<N, _, _>(new, PERIOD_NS, |second| {
             let axes = AxisOrder::<N>::of(&old.settings)?.axes();

@@ -4,8 +4,34 @@ use crate::error::{Result, SimError};
 use self_cell::{MutBorrow, self_cell};
 use trueaxis::compensation::requirement;
 use trueaxis::tcomp::Tcomp;
-use trueaxis::{Input, Measure, Output, Position, Real, Ride, ServoLoop, State};
+use trueaxis::{ConfigError, Input, Measure, Output, Position, Real, Ride, ServoLoop, State};
 use trueaxis_tables::Machine;
+
+/// What is compiled once for each number of axes, here, for every program that simulates: a servo loop's start and its step.
+pub trait Compiled<const N: usize> {
+    /// [`ServoLoop::load`].
+    ///
+    /// # Errors
+    /// As there.
+    fn load<'a>(
+        tcomp: &Tcomp<'a>,
+        period_ns: u32,
+        memory: &'a mut [f64],
+    ) -> core::result::Result<ServoLoop<'a, f64, f64, N>, ConfigError>;
+
+    /// [`ServoLoop::step`], whatever is measured and whether a gauge rides along.
+    fn step(
+        servo: &ServoLoop<'_, f64, f64, N>,
+        state: &mut State<f64, f64, N>,
+        input: &Input<f64, N>,
+        measure: &mut dyn Measure<f64, f64, N>,
+        gauge: &mut dyn Ride<f64>,
+    ) -> Output<f64, f64, N>;
+}
+
+/// Three to six axes.
+#[derive(Clone, Copy, Debug)]
+pub struct Axes;
 
 /// Builds the servo loop of a machine from its compiled tables and lends it out.
 ///
@@ -15,10 +41,15 @@ pub fn with_loop<const N: usize, T, E: From<SimError>>(
     machine: &Machine,
     period_ns: u32,
     user: impl FnOnce(&ServoLoop<'_, f64, f64, N>) -> Result<T, E>,
-) -> Result<T, E> {
+) -> Result<T, E>
+where
+    Axes: Compiled<N>,
+{
     let bytes = trueaxis_tables::compile(machine).map_err(SimError::from)?;
     let tcomp = Tcomp::parse(&bytes).map_err(SimError::from)?;
-    with_tables(&tcomp, period_ns, user)
+    let mut memory = vec![0.0; tcomp.requirement()];
+    let servo = Axes::load(&tcomp, period_ns, &mut memory).map_err(SimError::from)?;
+    user(&servo)
 }
 
 /// Builds the servo loop of compiled tables, in any scalar, and lends it out.
@@ -35,15 +66,18 @@ pub fn with_tables<R: Real, P: Position, const N: usize, T, E: From<SimError>>(
     user(&servo)
 }
 
-/// One servo cycle, whatever is measured and whether a gauge rides along: the one copy of the step for `N` axes.
-pub(crate) fn step<const N: usize>(
+/// One servo cycle, by the one copy of the step for `N` axes.
+pub fn step<const N: usize>(
     servo: &ServoLoop<'_, f64, f64, N>,
     state: &mut State<f64, f64, N>,
     input: &Input<f64, N>,
     measure: &mut dyn Measure<f64, f64, N>,
     gauge: &mut dyn Ride<f64>,
-) -> Output<f64, f64, N> {
-    servo.step(state, input, measure, gauge)
+) -> Output<f64, f64, N>
+where
+    Axes: Compiled<N>,
+{
+    Axes::step(servo, state, input, measure, gauge)
 }
 
 /// A servo loop together with the file and the memory that it is built in, so that a run can own both.
@@ -68,6 +102,26 @@ macro_rules! owned {
 
             type Loop<'a> = ServoLoop<'a, f64, f64, $axes>;
 
+            impl Compiled<$axes> for Axes {
+                fn load<'a>(
+                    tcomp: &Tcomp<'a>,
+                    period_ns: u32,
+                    memory: &'a mut [f64],
+                ) -> core::result::Result<Loop<'a>, ConfigError> {
+                    ServoLoop::load(tcomp, period_ns, memory)
+                }
+
+                fn step(
+                    servo: &Loop<'_>,
+                    state: &mut State<f64, f64, $axes>,
+                    input: &Input<f64, $axes>,
+                    measure: &mut dyn Measure<f64, f64, $axes>,
+                    gauge: &mut dyn Ride<f64>,
+                ) -> Output<f64, f64, $axes> {
+                    servo.step(state, input, measure, gauge)
+                }
+            }
+
             self_cell! {
                 pub(crate) struct Cell {
                     owner: Lent,
@@ -82,7 +136,7 @@ macro_rules! owned {
                     let memory = vec![0.0; requirement(&machine.settings, |axis| machine.rows(axis))];
                     Cell::try_new(Lent { bytes, memory: MutBorrow::new(memory) }, |lent| {
                         let tcomp = Tcomp::parse(&lent.bytes)?;
-                        ServoLoop::load(&tcomp, period_ns, lent.memory.borrow_mut()).map_err(SimError::from)
+                        Axes::load(&tcomp, period_ns, lent.memory.borrow_mut()).map_err(SimError::from)
                     })
                 }
 

@@ -268,8 +268,10 @@ proptest! {
                 run.at(at);
             }
             let rest = run.stand(at).record.correction;
+            // Rounding apart: the limiter's last step may leave a unit in the last place for the cycle after.
             for _ in 0..300 {
-                prop_assert_eq!(run.at(at).record.correction, rest);
+                let now = run.at(at).record.correction;
+                prop_assert!(now.iter().zip(rest).all(|(now, rest)| (now - rest).abs() < 1e-12), "{now:?}, not {rest:?}");
             }
         }
     }

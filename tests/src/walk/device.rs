@@ -7,7 +7,7 @@ use trueaxis::compensation::ThermalLine;
 use trueaxis::contour::{CommandWindow, Path, Reference, Span, ToolPath, Turn};
 use trueaxis::kinematics::{Kinematics, Tool};
 use trueaxis::roundness::{self, Gauge, GaugeState, Probes};
-use trueaxis::{GaugeRide, Input, OnToolPath, Output, Ride, ServoLoop, State};
+use trueaxis::{GaugeRide, Input, Measure, OnToolPath, Output, Ride, ServoLoop, State};
 
 /// Points of the gauge's revolution: as few as there may be, so that a leg has many.
 pub(super) const POINTS: usize = 64;
@@ -116,10 +116,10 @@ impl<R: Scalar, P: Place, const N: usize> Device<R, P, N> {
         let Device { state, window, gauge } = self;
         let parts = Parts { ground, servo, moment, state, window };
         match &ground.gauge {
-            None => parts.step::<INTO>((), &mut outcome.output),
+            None => parts.step::<INTO>(&mut (), &mut outcome.output),
             Some(settings) => {
                 let mut ride = GaugeRide::new(settings, gauge, &moment.probes);
-                parts.step::<INTO>(&mut ride, &mut outcome.output);
+                parts.step::<INTO>(&mut &mut ride, &mut outcome.output);
                 outcome.ride = ride.cycle();
             }
         }
@@ -135,27 +135,25 @@ struct Parts<'c, 'a, R: Scalar, P: Place, const N: usize> {
 }
 
 impl<R: Scalar, P: Place, const N: usize> Parts<'_, '_, R, P, N> {
-    #[inline(always)]
-    fn step<const INTO: bool>(self, ride: impl Ride<R>, output: &mut Output<R, P, N>) {
+    /// One copy of the step for every measure and gauge: with one each this crate would build for minutes.
+    fn step<const INTO: bool>(self, ride: &mut dyn Ride<R>, output: &mut Output<R, P, N>) {
         let Parts { ground, servo, moment, state, window } = self;
         let input = &moment.input;
-        macro_rules! by {
-            ($measure:expr) => {
-                if INTO {
-                    servo.step_into(state, input, $measure, ride, output)
-                } else {
-                    *output = servo.step(state, input, $measure, ride)
-                }
-            };
-        }
+        let mut by = |measure: &mut dyn Measure<R, P, N>| {
+            if INTO {
+                servo.step_into(state, input, measure, ride, output)
+            } else {
+                *output = servo.step(state, input, measure, ride)
+            }
+        };
         match (moment.measured, &ground.kinematics) {
-            (Measured::Path, _) => by!(ground.path().on(moment.reference)),
-            (Measured::Window, _) => by!(&mut *window),
+            (Measured::Path, _) => by(&mut ground.path().on(moment.reference)),
+            (Measured::Window, _) => by(&mut &mut *window),
             (Measured::ToolPath, Some(kinematics)) => {
                 let path = ToolPath::new(ground.path(), ground.turns);
-                by!(&mut OnToolPath::new(&path, moment.reference, kinematics))
+                by(&mut &mut OnToolPath::new(&path, moment.reference, kinematics))
             }
-            _ => by!(()),
+            _ => by(&mut ()),
         }
     }
 }

@@ -13,7 +13,7 @@ use crate::placement::Place;
 use crate::plant::Plant;
 use crate::plant::fault::{Fault as PlantFault, FaultScript};
 use crate::scenario::Scenario;
-use crate::servo::step;
+use crate::servo::{Axes, Compiled, step};
 use crate::truth::{self, Truth};
 use glam::DVec3;
 use trueaxis::contour::OrientationError;
@@ -65,7 +65,10 @@ pub(super) struct Cell<const N: usize> {
     sums: Sums,
 }
 
-impl<const N: usize> Cell<N> {
+impl<const N: usize> Cell<N>
+where
+    Axes: Compiled<N>,
+{
     pub(super) fn new(
         scenario: &Scenario,
         kind: Kind,

@@ -12,7 +12,7 @@ use crate::motion::Motion;
 use crate::plant::PlantError;
 use crate::plant::fault::first_cycle;
 use crate::scenario::Scenario;
-use crate::servo::Owned;
+use crate::servo::{Axes, Compiled, Owned};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use trueaxis_tables::Machine;
@@ -52,7 +52,10 @@ pub(super) struct Lanes<S, const N: usize> {
     samples: Vec<Vec<Sample>>,
 }
 
-impl<S: Owned<N> + 'static, const N: usize> Lanes<S, N> {
+impl<S: Owned<N> + 'static, const N: usize> Lanes<S, N>
+where
+    Axes: Compiled<N>,
+{
     pub(super) fn boxed(scenario: Arc<Scenario>, motion: Motion, kinds: &[Kind]) -> Result<Box<dyn Advance + Send>> {
         let plugin = Plugin::<S, N>::of(&scenario, kinds)?;
         let with_servo = kinds.iter().filter_map(|kind| Some((kind, plugin.servo(*kind)?)));
@@ -156,7 +159,10 @@ impl<S: Owned<N> + 'static, const N: usize> Lanes<S, N> {
     }
 }
 
-impl<S: Owned<N> + 'static, const N: usize> Advance for Lanes<S, N> {
+impl<S: Owned<N> + 'static, const N: usize> Advance for Lanes<S, N>
+where
+    Axes: Compiled<N>,
+{
     fn advance(&mut self, cycles: u64, sink: &mut dyn Sink) -> bool {
         if !self.settled {
             self.settle(sink);
