@@ -6,7 +6,9 @@ Long steps come first, so that the lanes end together.
 
 import os
 import shutil
+import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
@@ -140,12 +142,17 @@ STEPS = [
 
 
 def main():
-    commit = sys.argv[1:] == ["--commit"]
-    if sys.argv[1:] and not commit:
-        print("usage: .ci/run [quick | --commit]", file=sys.stderr)
+    words = sys.argv[1:]
+    commit = words == ["--commit"]
+    named = [] if commit else words
+    unknown = set(named) - {step.name for step in STEPS}
+    if unknown:
+        names = "\n  ".join(step.name for step in STEPS)
+        print(f"usage: .ci/run [quick | --commit | STEP...]; found {sorted(unknown)[0]!r}, needed some of\n  {names}", file=sys.stderr)
         return 2
+    steps = [replace(step, after=()) for step in STEPS if step.name in named] if named else STEPS
     os.chdir(ROOT)
-    cold = not (TARGET / "debug").exists() and not (TARGET / "release").exists()
+    cold = not named and not (TARGET / "debug").exists() and not (TARGET / "release").exists()
     if commit and not cold:
         print(f".ci/run --commit: found {TARGET} built already, needed none: times are those of a run from nothing", file=sys.stderr)
         return 2
@@ -168,7 +175,9 @@ def main():
     if shutil.which("rustup") is None:
         print(".ci/run: found no rustup, needed with the stable toolchain", file=sys.stderr)
         return 2
-    return run(STEPS, TARGET / "ci", ROOT / ".ci/times.toml", cold, commit)
+    code = run(steps, TARGET / "ci", ROOT / ".ci/times.toml", cold, commit)
+    subprocess.run([str(ROOT / ".ci/campaign")], check=True)
+    return code
 
 
 if __name__ == "__main__":

@@ -29,13 +29,15 @@ export async function openDesk({ hash = "", dark = false, quiet = [] } = {}) {
     colorScheme: dark ? "dark" : "light",
     acceptDownloads: true,
   });
+  // A busy computer takes longer; what never comes fails all the same.
+  context.setDefaultTimeout(180_000);
   const page = await context.newPage();
   const errors = [];
   page.on("console", (message) => message.type() === "error" && errors.push(message.text()));
   page.on("pageerror", (error) => errors.push(error.message));
   page.on("request", (request) => /^(file|blob|data):/.test(request.url()) || errors.push(`request of ${request.url()}`));
   await page.goto(pathToFileURL(page_file).href + hash);
-  await page.waitForSelector("html[data-ready]", { timeout: 60_000 });
+  await page.waitForSelector("html[data-ready]");
   const close = async () => {
     await context.close();
     const left = errors.filter((text) => !quiet.some((known) => text.includes(known)));

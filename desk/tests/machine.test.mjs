@@ -30,7 +30,7 @@ const table = (panel, name) => panel.getByRole("table", { name });
 
 /** Waits until the files of the machine are as asked. */
 async function until(page, holds, what) {
-  for (let tries = 0; tries < 100; tries += 1) {
+  for (let tries = 0; tries < 1000; tries += 1) {
     if (holds(await files(page))) return;
     await page.waitForTimeout(100);
   }

@@ -275,7 +275,7 @@ test("grinding with and without infeed correction, as firmware-sim grinds", asyn
   for (const [key, value] of Object.entries(settings)) await type(group, labels[key], value);
   await group.getByRole("button", { name: "Grind" }).press("Enter");
   const table = panel.getByRole("table", { name: /^Mean of the last/ });
-  await table.waitFor({ timeout: 120_000 });
+  await table.waitFor({ timeout: 300_000 });
   const command = await panel.getByText(/^firmware-sim grind/).textContent();
   const document = await sim(command.split(" ").slice(1));
   assert.equal(document.speed_rpm, 290);

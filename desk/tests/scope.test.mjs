@@ -185,7 +185,8 @@ test("settings act, and a link opens the same run in another page", async () => 
   await set("Seed of the noise", "7");
   await panel.getByLabel("Error model").selectOption("volumetric");
   // Settings are gathered for a moment before the run is opened with them.
-  await page.waitForTimeout(600);
+  // The page's own clock: on a busy computer its timers come late, but in order.
+  await page.evaluate(() => new Promise((done) => setTimeout(done, 600)));
   await state(panel, "ready");
   await panel.getByLabel("Acts at / s (empty: now)").fill("0.3");
   await panel.getByRole("button", { name: "Inject" }).click();

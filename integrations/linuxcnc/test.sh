@@ -75,7 +75,7 @@ if [[ $(id -u) == 0 ]]; then
 fi
 (
     cd "$work"
-    timeout --kill-after=20 500 "${as_user[@]}" HOME="$work/runs" PATH=/usr/bin:/bin PYTHONDONTWRITEBYTECODE=1 \
+    timeout --kill-after=20 1500 "${as_user[@]}" HOME="$work/runs" PATH=/usr/bin:/bin PYTHONDONTWRITEBYTECODE=1 \
         TRUEAXIS="$work/bin/trueaxis" TRUEAXIS_REPLAY="$work/bin/linuxcnc-recording" TRUEAXIS_HOSTS="$work/hosts" \
         /usr/bin/python3 "$work/repository/integrations/linuxcnc/tests/run.py" "$work/runs" "$@"
 )

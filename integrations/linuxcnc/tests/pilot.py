@@ -23,7 +23,7 @@ class Failed(Exception):
 
 def halcmd(*words):
     """Runs one HAL command; what it prints."""
-    done = subprocess.run(["halcmd", "-s", *words], capture_output=True, text=True, timeout=20)
+    done = subprocess.run(["halcmd", "-s", *words], capture_output=True, text=True, timeout=100)
     if done.returncode != 0:
         raise Failed("halcmd %s: %s" % (" ".join(words), done.stderr.strip()))
     return done.stdout
@@ -99,7 +99,7 @@ class Pilot:
             self.messages.append(message[1])
             print("LinuxCNC:", message[1].strip(), flush=True)
 
-    def wait(self, condition, what, seconds=20.0):
+    def wait(self, condition, what, seconds=100.0):
         end = time.time() + seconds
         while time.time() < end:
             self.poll()

@@ -25,8 +25,13 @@ def environment(home, **more):
     return env
 
 
+# Time limits end what hangs: they are given for a quiet computer, and a busy one gets so many times as much.
+PATIENCE = 5
+
+
 def run(words, folder, seconds, **more):
     """Runs a program in a session of its own and ends the whole session when its time is over."""
+    seconds *= PATIENCE
     process = subprocess.Popen(words, cwd=folder, env=environment(folder, **more), stdin=subprocess.DEVNULL,
                                stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace",
                                start_new_session=True)
