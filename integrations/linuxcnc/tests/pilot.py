@@ -10,6 +10,7 @@ import hal
 import linuxcnc
 
 sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
+import rig
 import scenarios
 from recording import Recording
 
@@ -99,8 +100,8 @@ class Pilot:
             self.messages.append(message[1])
             print("LinuxCNC:", message[1].strip(), flush=True)
 
-    def wait(self, condition, what, seconds=100.0):
-        end = time.time() + seconds
+    def wait(self, condition, what, seconds=20.0):
+        end = time.time() + rig.PATIENCE * seconds
         while time.time() < end:
             self.poll()
             if condition():
