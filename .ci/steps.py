@@ -97,7 +97,7 @@ fi
 BUILDS = ("tools", "commands")
 STEPS = [
     Step("cargo test", "cargo test --workspace"),
-    Step("tools", TOOLS_SCRIPT),
+    Step("tools", TOOLS_SCRIPT, varies=True),
     Step("commands", "tests/hosts/recording.sh"),
     Step("LinuxCNC", "integrations/linuxcnc/test.sh", BUILDS, waits=True),
     Step("bare metal", """
@@ -124,9 +124,9 @@ STEPS = [
          ("cargo test", "tools")),
     Step("documentation", "RUSTDOCFLAGS='-D warnings' cargo doc --quiet --workspace --no-deps", ("clippy",)),
     Step("no_std target", NO_STD, ("clippy",)),
-    Step("lowest Rust version", LOWEST, BUILDS),
+    Step("lowest Rust version", LOWEST, BUILDS, varies=True),
     Step("feature matrix", FEATURES, BUILDS),
-    Step("mutants on changed lines", "tests/mutants/changed.sh", BUILDS),
+    Step("mutants on changed lines", "tests/mutants/changed.sh", BUILDS, varies=True),
     Step("licences and sources", "cargo deny check --hide-inclusion-graph licenses bans sources\n.ci/advisories", BUILDS),
     Step("Klipper", "integrations/klipper/test.sh", BUILDS),
     Step("ROS 2 control", "integrations/ros2/test.sh", BUILDS),
