@@ -82,10 +82,13 @@ class Run:
         show(f"--- {time.strftime('%T')} begins: {step.name}")
         begun = time.monotonic()
         with log.open("wb") as out:
-            step.process = subprocess.Popen(
-                ["bash", "-euo", "pipefail", "-c", step.script],
-                stdin=subprocess.DEVNULL, stdout=out, stderr=subprocess.STDOUT, start_new_session=True,
-            )
+            with self.changed:
+                step.process = subprocess.Popen(
+                    ["bash", "-euo", "pipefail", "-c", step.script],
+                    stdin=subprocess.DEVNULL, stdout=out, stderr=subprocess.STDOUT, start_new_session=True,
+                )
+                if self.failed:
+                    self.end(step)
             _, status, usage = os.wait4(step.process.pid, 0)
         step.wall = time.monotonic() - begun
         step.processor = usage.ru_utime + usage.ru_stime
@@ -97,14 +100,30 @@ class Run:
                 self.failed = step
                 for other in self.steps:
                     if other.state == "running":
-                        os.killpg(other.process.pid, signal.SIGTERM)
+                        self.end(other)
         if ended:
             return
         text = log.read_text(errors="replace").rstrip()
         show(f"\n=== {step.name}: {step.wall:.0f} s, {step.processor:.0f} s of processor\n{text}\n=== {step.name}: "
              + ("passed" if code == 0 else f"FAILED with {code}") + "\n")
 
+    def end(self, step):
+        """Ends a step with everything that it has started."""
+        if step.process is not None:
+            try:
+                os.killpg(step.process.pid, signal.SIGTERM)
+            except ProcessLookupError:
+                pass
+
+    def interrupted(self, *_):
+        for step in self.steps:
+            if step.state == "running":
+                self.end(step)
+        sys.exit(130)
+
     def all(self):
+        signal.signal(signal.SIGINT, self.interrupted)
+        signal.signal(signal.SIGTERM, self.interrupted)
         lanes = [threading.Thread(target=self.lane, args=[waits]) for waits in (False, False, True)]
         for lane in lanes:
             lane.start()
