@@ -1,7 +1,7 @@
 //! The examples in docs/commands.md match the program's output.
 
 #[path = "../../tests/src/documentation.rs"]
-mod documentation;
+mod shown;
 
 use std::path::Path;
 
@@ -9,7 +9,7 @@ use std::path::Path;
 fn the_commands_print_what_is_shown() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let program = Path::new(env!("CARGO_BIN_EXE_firmware-sim"));
-    documentation::check(&root, "docs/commands.md", program, |command| {
+    shown::check(&root, "docs/commands.md", program, |command| {
         // Needs QEMU and builds the image; its own tests hold it.
         !command.starts_with("firmware-sim compare")
     });

@@ -1,7 +1,7 @@
 //! The examples in docs/commands.md match the program's output.
 
 #[path = "../../../tests/src/documentation.rs"]
-mod documentation;
+mod shown;
 
 use std::path::Path;
 
@@ -9,5 +9,5 @@ use std::path::Path;
 fn the_commands_print_what_is_shown() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let program = Path::new(env!("CARGO_BIN_EXE_trueaxis"));
-    documentation::check(&root, "docs/commands.md", program, |_| true);
+    shown::check(&root, "docs/commands.md", program, |_| true);
 }

@@ -139,7 +139,7 @@ impl<R: Scalar, P: Place, const N: usize> Parts<'_, '_, R, P, N> {
     fn step<const INTO: bool>(self, ride: &mut dyn Ride<R>, output: &mut Output<R, P, N>) {
         let Parts { ground, servo, moment, state, window } = self;
         let input = &moment.input;
-        let mut by = |measure: &mut dyn Measure<R, P, N>| {
+        let by = |measure: &mut dyn Measure<R, P, N>| {
             if INTO {
                 servo.step_into(state, input, measure, ride, output)
             } else {
