@@ -57,11 +57,11 @@ run() { # seconds, target, filters of libtest
 }
 skip=()
 for name in roundness::counter::tests::every_count; do skip+=(--skip "$name"); done
-run 900 armv7-unknown-linux-gnueabihf "${short[@]}" "${skip[@]}"
+run 2700 armv7-unknown-linux-gnueabihf "${short[@]}" "${skip[@]}"
 [[ -z $quick ]] || exit 0
-run 900 riscv64gc-unknown-linux-gnu "${short[@]}" "${skip[@]}"
+run 2700 riscv64gc-unknown-linux-gnu "${short[@]}" "${skip[@]}"
 # Big-endian.
-run 900 s390x-unknown-linux-gnu "${short[@]}" "${skip[@]}"
+run 2700 s390x-unknown-linux-gnu "${short[@]}" "${skip[@]}"
 skip=()
 for name in "${long[@]}"; do skip+=(--skip "$name"); done
 run 3600 armv7-unknown-linux-gnueabihf "${skip[@]}"
