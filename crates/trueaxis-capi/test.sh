@@ -45,7 +45,7 @@ on_host() { # name, first tables, further flags; text to $out/NAME.txt
     local name=$1 tables=$2
     shift 2
     cc -std=c99 "${strict[@]}" "$@" "$source" "$host" -Wl,--gc-sections -lpthread -ldl -lm -o "$out/$name"
-    timeout 60 "$out/$name" "$tables" "$second" >"$out/$name.txt"
+    timeout 300 "$out/$name" "$tables" "$second" >"$out/$name.txt"
 }
 in_qemu() { # name, core (m4f or m7), first tables, further flags
     local name=$1 core=$2 tables=$3 board cpu flags
@@ -58,7 +58,7 @@ in_qemu() { # name, core (m4f or m7), first tables, further flags
         "-DFIRST=\"$tables\"" "-DSECOND=\"$second\"" "$source" examples/c/cortex-m/startup.c examples/c/cortex-m/tables.S \
         "$target/capi-$core/$mcu/image/libtrueaxis_capi.a" \
         --specs=rdimon.specs -nostartfiles -Texamples/c/cortex-m/mps2.ld -Wl,--gc-sections,-z,noexecstack -o "$out/$name.elf"
-    timeout 120 qemu-system-arm -M "$board" -cpu "$cpu" -nographic -monitor none -serial none \
+    timeout 600 qemu-system-arm -M "$board" -cpu "$cpu" -nographic -monitor none -serial none \
         -semihosting-config enable=on,target=native -kernel "$out/$name.elf" >"$out/$name.txt"
 }
 
@@ -77,7 +77,7 @@ done
 # Every measure with and without a gauge: the sums of the C program are those of the Rust interface.
 cargo run --quiet -p trueaxis-capi --example combinations -- "$out/five.tcomp" >"$out/combinations.rust"
 cc -std=c99 "${strict[@]}" examples/c/combinations.c "$host" -Wl,--gc-sections -lpthread -ldl -lm -o "$out/combinations"
-timeout 60 "$out/combinations" "$out/five.tcomp" >"$out/combinations.c"
+timeout 300 "$out/combinations" "$out/five.tcomp" >"$out/combinations.c"
 cat "$out/combinations.c"
 diff "$out/combinations.rust" "$out/combinations.c"
 if [[ $(sed 's/.*: //' "$out/combinations.c" | sort -u | wc -l) != 8 ]]; then
@@ -88,7 +88,7 @@ fi
 # The recording that every host replays: drive positions are the library's to the last bit.
 "$root/tests/hosts/recording.sh"
 cc -std=c99 "${strict[@]}" examples/c/replay.c "$host" -Wl,--gc-sections -lpthread -ldl -lm -o "$out/replay"
-timeout 60 "$out/replay" "$target/hosts/machine.tcomp" "$target/hosts/run.csv" | tee "$target/hosts/c.json"
+timeout 300 "$out/replay" "$target/hosts/machine.tcomp" "$target/hosts/run.csv" | tee "$target/hosts/c.json"
 
 # The example of the README compiles.
 {

@@ -53,7 +53,7 @@ count() {
         # QEMU separates options by commas and doubles those in names.
         flash+=(-device "loader,file=${inputs//,/,,}/${file%=*},addr=${file#*=},force-raw=on")
     done
-    timeout 600 qemu-system-arm -M "$board" -cpu "$processor" -nographic -monitor none -serial none \
+    timeout 1800 qemu-system-arm -M "$board" -cpu "$processor" -nographic -monitor none -serial none \
         -icount shift=7,align=off,sleep=off -semihosting-config enable=on,target=native "${flash[@]}" "${request[@]}" \
         -kernel "$target/$name/$mcu/release/count" >"$target/$name$replay.txt" || {
         tail -3 "$target/$name$replay.txt" >&2

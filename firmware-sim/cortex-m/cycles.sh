@@ -34,7 +34,7 @@ trace() {
     for place in $(llvm-nm --demangle "$(elf "$core")" | awk '$3 ~ /^count::forms::bare/ { print $1 }'); do
         plugin+=,from=0x$place
     done
-    timeout 120 qemu-system-arm "${board[@]}" -nographic -monitor none -serial none -icount shift=7,align=off,sleep=off \
+    timeout 600 qemu-system-arm "${board[@]}" -nographic -monitor none -serial none -icount shift=7,align=off,sleep=off \
         -semihosting-config enable=on,target=native "${options[@]}" -plugin "$plugin" -kernel "$(elf "$core")" >"$to.log"
 }
 elf() {

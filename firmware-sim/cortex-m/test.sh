@@ -80,7 +80,7 @@ compare() {
     # Friction, feedback and everything else that acts on the servo: fewer cycles will do. Single precision is not held
     # against double there: a reversal seen a cycle apart leads lost motion in a cycle apart, in more than one of 1,000 cycles.
     [[ $run != dynamic ]] || with=(--machine machine/dynamic.toml --cycles 6000)
-    timeout 300 "$simulator" compare --json --core "$core" "--image-$core" "$(elf "$core")" --folder "$work/$run" \
+    timeout 900 "$simulator" compare --json --core "$core" "--image-$core" "$(elf "$core")" --folder "$work/$run" \
         --program short-tour --rate-hz 1000 --drill "${with[@]}" >"$work/$run-$core.json" || [[ $run == dynamic ]]
     defmt-print -e "$(elf "$core")" <"$work/$run/$core/defmt.bin" >"$work/$run/$core/log.txt"
 }
@@ -127,7 +127,7 @@ done
 say 'the recording that every host replays'
 hosts=$repository/tests/hosts
 for core in "${cores[@]}"; do
-    timeout 300 "$simulator" compare --json --core "$core" "--image-$core" "$(elf "$core")" --folder "$work/hosts" \
+    timeout 900 "$simulator" compare --json --core "$core" "--image-$core" "$(elf "$core")" --folder "$work/hosts" \
         --machine "$hosts/machine" --program "$hosts/path.ngc" --origin-mm 0,0,0 --rate-hz 1000 >"$work/hosts-$core.json" ||
         # Bad may be the contour error alone: beside this path's corners single precision takes another foot.
         [[ $? == 1 ]]
@@ -183,7 +183,7 @@ run() {
             flash+=(-device "loader,file=${inputs//,/,,}/${file%=*},addr=${file#*=},force-raw=on")
         fi
     done
-    timeout 120 qemu-system-arm "${board[@]}" -nographic -monitor none -serial "file:${to//,/,,}/frames.bin" \
+    timeout 600 qemu-system-arm "${board[@]}" -nographic -monitor none -serial "file:${to//,/,,}/frames.bin" \
         -serial "file:${to//,/,,}/outputs.bin" -icount shift=7,align=off,sleep=off \
         -semihosting-config enable=on,target=native -kernel "$elf" "${flash[@]}" >"$to/defmt.bin" || code=$?
     echo "$code" >"$to/exit"

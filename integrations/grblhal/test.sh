@@ -62,13 +62,13 @@ build() {
 }
 run() { # for, name: its output to $out/NAME-FOR.txt
     case $1 in
-    host) timeout 60 "$out/$2-host.elf" ;;
+    host) timeout 300 "$out/$2-host.elf" ;;
     m4f) qemu mps2-an386 cortex-m4 "$out/$2-m4f.elf" ;;
     m7) qemu mps2-an500 cortex-m7 "$out/$2-m7.elf" ;;
     esac >"$out/$2-$1.txt" || { tail -5 "$out/$2-$1.txt" >&2; exit 1; }
 }
 qemu() {
-    timeout 120 qemu-system-arm -M "$1" -cpu "$2" -nographic -monitor none -serial none \
+    timeout 600 qemu-system-arm -M "$1" -cpu "$2" -nographic -monitor none -serial none \
         -icount shift=7,align=off,sleep=off -semihosting-config enable=on,target=native -kernel "$3"
 }
 

@@ -14,7 +14,7 @@ machine=$root/compensation-tables/mill-3axis
 "$target/release/trueaxis" tables compile "$machine" -o "$out/machine.tcomp" 2>"$out/compile.log"
 c++ -std=c++17 -O2 -Wall -Wextra -Wpedantic -Werror "-I$root/crates/trueaxis-capi/include" example.cpp \
     "$target/release/libtrueaxis_capi.a" -Wl,--gc-sections -lpthread -ldl -o "$out/example"
-timeout 20 "$out/example" "$out/machine.tcomp" "$out/at.csv" | tee "$out/example.txt"
+timeout 120 "$out/example" "$out/machine.tcomp" "$out/at.csv" | tee "$out/example.txt"
 "$target/release/trueaxis" compensate "$machine" "$out/at.csv" -o "$out/corrected.csv"
 exec python3 - "$out" <<'PYTHON'
 import csv, sys

@@ -62,7 +62,7 @@ bound() {
     # Fat LTO makes all code in the last step: the program's own flags are enough for every frame.
     RUSTC_BOOTSTRAP=1 build "$core-painted" "$mcu" "$features" "$flags" \
         -Zemit-stack-sizes "-Clink-arg=-L$PWD" -Clink-arg=-Tstack-sizes.ld
-    timeout 120 qemu-system-arm -M "$board" -cpu "$processor" -nographic -monitor none -serial none \
+    timeout 600 qemu-system-arm -M "$board" -cpu "$processor" -nographic -monitor none -serial none \
         -semihosting-config enable=on,target=native -kernel "$elf" >"$target/$core-painted.txt"
     python3 stack.py --tools "$tools" --budgets budgets.toml --target "$core" --painted "$target/$core-painted.txt" "$elf" ||
         failed=1
