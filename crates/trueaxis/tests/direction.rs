@@ -268,10 +268,10 @@ proptest! {
                 run.at(at);
             }
             let rest = run.stand(at).record.correction;
-            // Rounding apart: the limiter's last step may leave a unit in the last place for the cycle after.
+            // Looked up where the drive was sent last, a correction may alternate between two neighbouring numbers for ever.
             for _ in 0..300 {
                 let now = run.at(at).record.correction;
-                prop_assert!(now.iter().zip(rest).all(|(now, rest)| (now - rest).abs() < 1e-12), "{now:?}, not {rest:?}");
+                prop_assert!(now.iter().zip(rest).all(|(now, rest)| (now - rest).abs() < 1e-17), "{now:?}, not {rest:?}");
             }
         }
     }
