@@ -17,15 +17,15 @@ import tomllib
 from dataclasses import dataclass, field
 from pathlib import Path
 
-# A step fails when it takes this much more processor time than committed, at the speed of this machine, and at least so
-# many seconds more: below that decides what else runs on the processor.
+# A step fails when it takes this many times the committed processor time, at the speed of this machine, and at least this
+# many seconds more. Smaller differences depend on what else the processor does.
 GROWTH, NOISE_S = 1.5, 60.0
 
 
 @dataclass
 class Step:
-    """A script of bash with a name, the steps that must pass before it, whether it waits more than it
-    computes, and whether its time depends on the change or on what is installed."""
+    """A bash script, the steps that must pass before it (`after`), whether it mostly waits (`waits`), and whether its time
+    depends on the change or on what is installed (`varies`)."""
 
     name: str
     script: str
@@ -55,7 +55,7 @@ class Run:
         for step in steps:
             unknown = set(step.after) - names
             if unknown:
-                sys.exit(f"{step.name} comes after {unknown}, which is no step")
+                sys.exit(f"{step.name} needs {sorted(unknown)}, found no such step")
 
     def next(self, waits):
         """The next step for a lane; nothing when all are taken or one has failed."""
@@ -135,8 +135,8 @@ class Run:
 def grown(steps, committed):
     """What each step takes, dearest first, beside the committed figures; the names of those that have grown."""
     shared = [step for step in steps if committed.get(step.name, 0) >= NOISE_S and not step.varies]
-    # How much slower or busier this machine is: what most steps agree on. A faster one is no reason to ask for more.
-    speed = max([1.0, statistics.median(step.processor / committed[step.name] for step in shared)]) if shared else 1.0
+    # The median ratio is how much slower or busier this machine is. A faster machine does not lower the limits.
+    speed = max(1.0, statistics.median(step.processor / committed[step.name] for step in shared)) if shared else 1.0
     names = []
     show(f"{'step':<32}{'s':>7}{'processor s':>13}{'committed':>11}")
     for step in sorted(steps, key=lambda step: -step.processor):

@@ -51,9 +51,19 @@ cargo test --workspace --exclude trueaxis-fuzz --features trueaxis-capi/three --
 """
 
 FEATURES = """
-# Every set of features that changes the core; fp64 chooses an instruction on Arm, and the images are built with it.
+# Every set of features of the core; fp64 chooses an instruction on Arm, and the images are built with it.
 export CARGO_TARGET_DIR="$target/features"
-for features in '' std std,fma std,defmt std,fma,defmt defmt; do
+mapfile -t sets < <(cargo metadata --no-deps --format-version 1 | python3 -c '
+import itertools, json, sys
+
+[core] = [package for package in json.load(sys.stdin)["packages"] if package["name"] == "trueaxis"]
+names = sorted(set(core["features"]) - {"default", "fp64"})
+for size in range(len(names) + 1):
+    for chosen in itertools.combinations(names, size):
+        print(",".join(chosen))
+')
+for features in "${sets[@]}"; do
+    echo "features: $features"
     cargo check --quiet -p trueaxis --no-default-features --features "$features"
 done
 rm -rf "$target/features"

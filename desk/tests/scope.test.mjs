@@ -244,8 +244,8 @@ test("the page answers and draws while a run goes on", async () => {
   const going = await frames();
   console.log(`frames a second: ${idle.toFixed(1)} idle, ${going.toFixed(1)} while a run goes on`);
   assert.match(await panel.locator(".bar output").textContent(), /million cycles a second/);
-  // Shown; the gate is that pictures are drawn at all while a run goes on, however busy the computer is.
-  assert.ok(going > Math.min(1, 0.1 * idle), `${going} frames a second, ${idle} idle`);
+  // A picture that a busy machine hardly draws when nothing runs says nothing about the run.
+  assert.ok(going > Math.min(30, 0.5 * idle), `${going} frames a second, ${idle} idle`);
   await panel.getByRole("button", { name: "Pause" }).click();
   await state(panel, "paused");
   await close();

@@ -25,7 +25,7 @@ def environment(home, **more):
     return env
 
 
-# Time limits end what hangs: they are given for a quiet computer, and a busy one gets so many times as much.
+# Time limits only end what hangs. They are given for a quiet computer; this factor leaves room on a busy one.
 PATIENCE = 5
 
 
