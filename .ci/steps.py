@@ -24,21 +24,8 @@ TOOLS_SCRIPT = """
 .ci/install rustup:target:thumbv7em-none-eabihf rustup:target:wasm32-unknown-unknown rustup:nightly:miri \\
     rustup:nightly:rust-src rustup:component:llvm-tools rustup:component:clippy rustup:component:rustfmt \\
     gcc g++ make libc6-dev libc6-dbg valgrind llvm qemu-system-arm gcc-arm-none-eabi libnewlib-arm-none-eabi \\
-    linuxcnc-uspace linuxcnc-uspace-dev chromium python3-venv
-# Installs a cargo tool at the version given, unless some version of it is on PATH (with `exact`: that very version).
-tool() {
-    local package=$1 version=$2 binary=$3 exact=${4:-}
-    if command -v "$binary" >/dev/null; then
-        if [[ -z $exact ]] || [[ "$("$binary" --version 2>/dev/null)" == *"$version"* ]]; then
-            return
-        fi
-    fi
-    # Unoptimised tools build in a fraction of the time, and none of them has much to do here.
-    CARGO_TARGET_DIR="$tools/build" cargo install --quiet --locked --debug --root "$tools" "$package@$version"
-}
-tool cargo-deny 0.20.2 cargo-deny
-tool gungraun-runner 0.20.0 gungraun-runner exact
-tool defmt-print 1.2.0 defmt-print
+    linuxcnc-uspace linuxcnc-uspace-dev chromium python3-venv \\
+    cargo:cargo-deny@0.20.2 cargo:gungraun-runner@=0.20.0 cargo:defmt-print@1.2.0
 rm -rf "$tools/build"
 """
 

@@ -21,12 +21,7 @@ say() {
 }
 
 say 'what is needed'
-"$repository/.ci/install" "rustup:target:$mcu" qemu-system-arm
-if ! command -v defmt-print >/dev/null; then
-    # Unoptimised it builds in a fraction of the time, and it has not much to do here.
-    CARGO_PROFILE_RELEASE_OPT_LEVEL=1 CARGO_PROFILE_RELEASE_LTO=off CARGO_PROFILE_RELEASE_CODEGEN_UNITS=16 \
-        CARGO_TARGET_DIR="$tools/build" cargo install --quiet --locked --root "$tools" defmt-print@1.2.0
-fi
+TRUEAXIS_TOOLS="$tools" "$repository/.ci/install" "rustup:target:$mcu" qemu-system-arm cargo:defmt-print@1.2.0
 
 say 'host'
 # In the repository's folder: this one's configuration asks for the processor's target.

@@ -7,9 +7,7 @@ root="$(cd "$here/../.." && pwd)"
 target="${CARGO_TARGET_DIR:-$root/target}"
 tools="${TRUEAXIS_TOOLS:-$target/tools}"
 export PATH="$tools/bin:${CARGO_HOME:-$HOME/.cargo}/bin:$PATH"
-if ! command -v cargo-mutants >/dev/null; then
-    CARGO_TARGET_DIR="$tools/build" cargo install --quiet --locked --debug --root "$tools" cargo-mutants@27.1.0
-fi
+TRUEAXIS_TOOLS="$tools" "$root/.ci/install" cargo:cargo-mutants@27.1.0
 # Long tests run a part of their cases: what slips through is few, and every mutant runs them.
 export TRUEAXIS_TEST_SHARE="${TRUEAXIS_TEST_SHARE:-40}"
 CARGO_TARGET_DIR="$target/mutants/tool" cargo build --quiet --locked --manifest-path "$here/Cargo.toml"
