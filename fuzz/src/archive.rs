@@ -1,6 +1,6 @@
-//! Inputs as one file: a `.tar.gz`, so that thousands of small inputs do not weigh down whoever checks the sources out.
+//! One `.tar.gz` for all inputs of a target, so that a checkout is not slowed by thousands of small files.
 //!
-//! The same inputs give the same bytes with the same version of `flate2`: sorted names, no times, no owners.
+//! Names are sorted and times and owners left out: the same inputs give the same bytes with the same version of `flate2`.
 
 use anyhow::{Context, Result, ensure};
 use flate2::bufread::GzDecoder;
@@ -10,7 +10,7 @@ use std::ffi::OsStr;
 use std::io::{Read, Write};
 use std::path::Path;
 
-/// Inputs by their names, in whose order they are run.
+/// Inputs by name; they run in the order of their names.
 pub type Inputs = BTreeMap<String, Vec<u8>>;
 
 /// The inputs as bytes of an archive.

@@ -7,7 +7,8 @@ use trueaxis::tcomp::Tcomp;
 use trueaxis::{ConfigError, Input, Measure, Output, Position, Real, Ride, ServoLoop, State};
 use trueaxis_tables::Machine;
 
-/// What is compiled once for each number of axes, here, for every program that simulates: a servo loop's start and its step.
+/// A servo loop's construction and its step, compiled here once for each number of axes. Programs that simulate call these and
+/// hold no copies of their own.
 pub trait Compiled<const N: usize> {
     /// [`ServoLoop::load`].
     ///

@@ -2,15 +2,14 @@
 
 use super::combination::Measured;
 use super::facts::Facts;
+use super::gauge::{AnyGauge, AnyState};
 use super::scalar::{Place, Scalar};
 use trueaxis::compensation::ThermalLine;
 use trueaxis::contour::{CommandWindow, Path, Reference, Span, ToolPath, Turn};
 use trueaxis::kinematics::{Kinematics, Tool};
-use trueaxis::roundness::{self, Gauge, GaugeState, Probes};
-use trueaxis::{GaugeRide, Input, Measure, OnToolPath, Output, Ride, ServoLoop, State};
+use trueaxis::roundness::{self, Probes};
+use trueaxis::{Input, Measure, OnToolPath, Output, Ride, ServoLoop, State};
 
-/// Points of the gauge's revolution: as few as there may be, so that a leg has many.
-pub(super) const POINTS: usize = 64;
 /// Spans of the window of commands.
 pub(super) const WINDOW: usize = 24;
 /// Distance of its points, mm.
@@ -32,7 +31,7 @@ pub(super) struct Ground<'a, R: Scalar, P: Place, const N: usize> {
     /// Up to two rotary axes.
     pub kinematics: Option<Kinematics<R>>,
     /// Where the combination has one.
-    pub gauge: Option<Gauge<R, POINTS>>,
+    pub gauge: Option<AnyGauge<R>>,
     /// Bound of its infeed, µm.
     pub infeed_limit_um: f64,
 }
@@ -73,7 +72,7 @@ pub(super) struct Device<R: Scalar, P: Place, const N: usize> {
     /// Last commands.
     pub window: CommandWindow<R, P, WINDOW>,
     /// Of the gauge.
-    pub gauge: GaugeState<R, POINTS>,
+    pub gauge: AnyState<R>,
 }
 
 /// Outcome of a cycle.
@@ -96,7 +95,8 @@ impl<R: Scalar, P: Place, const N: usize> Device<R, P, N> {
     /// Fresh.
     pub(super) fn new(ground: &Ground<'_, R, P, N>) -> Self {
         let window = CommandWindow::new([0.0, 0.0, 1.0], SPACING_MM).expect("a spacing within the range");
-        Device { state: ground.loops[0].start(), window, gauge: GaugeState::new() }
+        let gauge = ground.gauge.as_ref().map_or_else(AnyState::none, AnyGauge::start);
+        Device { state: ground.loops[0].start(), window, gauge }
     }
 
     /// What is done between two cycles, then a cycle: by `step_into`, or by `step`.
@@ -118,9 +118,9 @@ impl<R: Scalar, P: Place, const N: usize> Device<R, P, N> {
         match &ground.gauge {
             None => parts.step::<INTO>(&mut (), &mut outcome.output),
             Some(settings) => {
-                let mut ride = GaugeRide::new(settings, gauge, &moment.probes);
-                parts.step::<INTO>(&mut &mut ride, &mut outcome.output);
-                outcome.ride = ride.cycle();
+                let Outcome { output, ride } = outcome;
+                let cycle = settings.ride(gauge, &moment.probes, |gauge| parts.step::<INTO>(gauge, output));
+                *ride = cycle.expect("a state of its gauge");
             }
         }
     }

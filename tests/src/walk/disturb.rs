@@ -68,7 +68,7 @@ impl<R: Scalar, P: Place, const N: usize> Host<R, P, N> {
             Event::Stuck => self.stood = self.reading[usize::from(self.victims[event as usize])],
             Event::Ends => self.at_an_end(facts),
             Event::Gauge => {
-                let turning = dice.one_of(&[0, -300, 150, 400, 800, 1000, 3000]);
+                let turning = dice.one_of(&[0, -60, -300, 40, 150, 400, 800, 1000, 3000]);
                 self.spindle.turning = if dice.one_in(3) { self.spindle.turning } else { turning };
                 moment.probes.new_part = dice.one_in(4);
             }

@@ -1,7 +1,7 @@
 //! A machine's configuration as the contract needs it: per axis, in doubles, per cycle.
 
 use super::drawn::Drawn;
-use trueaxis::machine::{AxisOrder, AxisSettings, DynamicSettings, Limits, wraps};
+use trueaxis::machine::{AxisOrder, AxisSettings, DynamicSettings, GridHeader, Limits, wraps};
 use trueaxis::{Axis, Position};
 
 /// Magnitude, slope and acceleration in mm (deg) and cycles.
@@ -49,7 +49,8 @@ pub(super) struct AxisFacts<P> {
     pub stuck: f64,
     /// Distance of a reset from the held command.
     pub resume: f64,
-    /// Ends of the table; none where there is no table or it is a whole turn.
+    /// Ends between which the table and every grid of the axis say something; none where there is neither, or the table is
+    /// a whole turn.
     pub table: Option<[f64; 2]>,
     /// Highest feed, mm (deg) a cycle.
     pub feed: f64,
@@ -96,6 +97,12 @@ impl<P: Position, const N: usize> Facts<P, N> {
             let rows = drawn.rows(axis);
             let whole = rows.is_some_and(|rows| wraps(axis, rows));
             let table = rows.filter(|_| !whole).map(|rows| [rows[0].position, rows[rows.len() - 1].position]);
+            let of_grid = |(header, _): &(GridHeader, _)| {
+                let along = header.axes.get(axis.index()).filter(|along| along.is_there())?;
+                Some(along.ends)
+            };
+            let both = |a: [f64; 2], b: [f64; 2]| [a[0].max(b[0]), a[1].min(b[1])];
+            let table = drawn.grids.iter().filter_map(of_grid).chain(table).reduce(both);
             let crosstalked = machine.crosstalk.iter().any(|entry| entry.tip == axis);
             AxisFacts { table, crosstalked, ..AxisFacts::of(drawn, settings, period_s) }
         });

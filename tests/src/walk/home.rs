@@ -35,7 +35,7 @@ impl<R: Scalar, P: Place, const N: usize> Walker<'_, '_, R, P, N> {
             restart: true,
         };
         if let Some(gauge) = &self.ground.gauge {
-            gauge.restart(&mut self.device.gauge);
+            self.device.gauge = gauge.start();
             self.contract.restart_gauge();
         }
         // Released where it is held, switched off.

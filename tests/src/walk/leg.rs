@@ -7,18 +7,18 @@ use super::dice::Dice;
 use super::drawn::Drawn;
 use super::event::{Event, Events};
 use super::facts::Facts;
+use super::gauge::AnyGauge;
 use super::host::Host;
 use super::machines;
 use super::planted::Planted;
 use super::rule::{Broken, Rule, Tally};
 use super::scalar::{Place, Scalar};
 use super::walker::Walker;
-use super::{beside, home, spindle};
+use super::{beside, home};
 use std::fmt;
 use trueaxis::contour::Method;
 use trueaxis::kinematics::Kinematics;
-use trueaxis::machine::{Limits, MachineSettings};
-use trueaxis::roundness::Gauge;
+use trueaxis::machine::{GridData, Limits, MachineSettings};
 use trueaxis::{Config, ConfigError, Nanometres, ServoLoop, check};
 
 /// A leg to be walked.
@@ -150,13 +150,15 @@ impl Leg {
         let mut memories = drawn.map(|drawn| vec![R::ZERO; requirement(drawn)]);
         let ids = [(7, 11), (7, 12), (7, 13), (7, 14), (7, 15)];
         let mut loops = Vec::new();
-        for ((drawn, memory), ids) in drawn.into_iter().zip(&mut memories).zip(ids) {
-            loops.push(build::<R, P, N>(drawn, ids, period, memory).expect("built before"));
+        let grids = drawn.map(Drawn::grids);
+        for (((drawn, memory), grids), ids) in drawn.into_iter().zip(&mut memories).zip(&grids).zip(ids) {
+            loops.push(build::<R, P, N>(drawn, grids, ids, period, memory).expect("built before"));
         }
         let facts: Vec<_> =
             drawn.into_iter().zip(ids).map(|(drawn, (id, crc))| Facts::of(drawn, id, crc, period)).collect();
-        let gauge_settings = spindle::settings(&mut dice);
-        let gauge = self.combination.gauge.then(|| Gauge::build(&gauge_settings, period).expect("a gauge"));
+        let turn = self.number / Combination::all().len() as u64;
+        let (gauge, infeed_limit_um) = AnyGauge::draw(&mut dice, period, (self.number / 2 + turn) % 2 == 1);
+        let gauge = Some(gauge).filter(|_| self.combination.gauge);
         let kinematics = Kinematics::new(&first.settings).ok();
         let mut ground = Ground {
             loops: &loops,
@@ -166,7 +168,7 @@ impl Leg {
             closed: false,
             kinematics,
             gauge,
-            infeed_limit_um: gauge_settings.infeed.map_or(0.0, |infeed| infeed.limit_um),
+            infeed_limit_um,
         };
         let by_tool = self.combination.measured == Measured::ToolPath;
         let home = home::place(&ground, by_tool);
@@ -191,8 +193,9 @@ impl Leg {
             for plain in 0..200 {
                 let drawn = machines::draw(dice, &self.combination, period, plain, like);
                 let mut memory = vec![R::ZERO; requirement(&drawn)];
-                match build::<R, P, N>(&drawn, (0, 0), period, &mut memory) {
-                    Ok(_) => return drawn,
+                let built = build::<R, P, N>(&drawn, &drawn.grids(), (0, 0), period, &mut memory).map(|_| ());
+                match built {
+                    Ok(()) => return drawn,
                     Err(error) => refused = Some(error),
                 }
             }
@@ -266,13 +269,14 @@ fn requirement(drawn: &Drawn) -> usize {
 
 fn build<'a, R: Scalar, P: Place, const N: usize>(
     drawn: &Drawn,
+    grids: &[GridData<'a>],
     (machine_id, tables_crc): (u32, u32),
     period_ns: u32,
     memory: &'a mut [R],
 ) -> Result<ServoLoop<'a, R, P, N>, ConfigError> {
     let machine = &drawn.settings;
-    let inverse_passes = check::machine(machine, |axis| drawn.rows(axis), &[])?;
+    let inverse_passes = check::machine(machine, |axis| drawn.rows(axis), grids)?;
     let config =
-        Config { machine, grids: &[], machine_id, tables_crc, period_ns, inverse_passes, method: Method::Guarded };
+        Config { machine, grids, machine_id, tables_crc, period_ns, inverse_passes, method: Method::Guarded };
     config.build(|axis| drawn.rows(axis), memory)
 }

@@ -5,7 +5,9 @@ use super::dice::Dice;
 use super::drawn::Drawn;
 use super::{sample, servo};
 use trueaxis::Axis;
-use trueaxis::machine::{AxisSettings, ErrorModel, FaultSettings, Interpolation, Limits, Lookup, MachineSettings, Row};
+use trueaxis::machine::{
+    AxisSettings, ErrorModel, FaultSettings, GridAxis, GridHeader, Interpolation, Limits, Lookup, MachineSettings, Row,
+};
 use trueaxis_testing::machine::{Machine, rows_both_ways};
 
 const CHAINS: [&[&str]; 4] = [
@@ -68,7 +70,52 @@ pub(super) fn draw(
         servo::configure(dice, &mut settings);
     }
     let tables = settings.axes.iter().map(|axis| table(dice, axis, plain)).collect();
-    Drawn { settings, tables }
+    let grids = if plain < 14 && dice.one_in(2) { grids(dice, &settings, plain) } else { Vec::new() };
+    Drawn { settings, tables, grids }
+}
+
+/// One to three grids over two or three axes, within the travel or beyond it, free or equidistant; some fade.
+fn grids(dice: &mut Dice, machine: &MachineSettings, plain: u32) -> Vec<(GridHeader, Vec<u8>)> {
+    const OVER: [[bool; 3]; 4] = [[true, true, false], [true, true, true], [false, true, true], [true, false, true]];
+    let size = 0.02 * f64::from(plain / 2 + 1).recip();
+    let grid = |dice: &mut Dice| {
+        let over = dice.one_of(&OVER);
+        let turns = machine.compensation.model == ErrorModel::Volumetric && dice.one_in(3);
+        let fades = over == OVER[0] && !turns && dice.one_in(2);
+        let mut header = GridHeader { given: if turns { 0b111111 } else { 0b111 }, ..GridHeader::default() };
+        header.scales = std::array::from_fn(|k| match k {
+            0..3 => size / 32767.0,
+            _ if turns => 1e-3 * size / 32767.0,
+            _ => 0.0,
+        });
+        let mut positions = Vec::new();
+        for (k, axis) in [Axis::X, Axis::Y, Axis::Z].into_iter().enumerate() {
+            let travel = machine.axis(axis).map_or([-100.0, 100.0], |axis| axis.travel);
+            if !over[k] {
+                header.measured_at_mm[k] = 20.0 * dice.signed();
+                continue;
+            }
+            let ends = travel.map(|end| end * dice.range(0.6, 1.2));
+            let (nodes, free) = (2 + dice.below(6), dice.one_in(2));
+            header.axes[k] = GridAxis { nodes: nodes as u16, ends, free };
+            let pitch = (ends[1] - ends[0]) / (nodes - 1) as f64;
+            positions.extend((0..nodes).filter(|_| free).map(|node| match node {
+                0 => ends[0],
+                _ if node + 1 == nodes => ends[1],
+                _ => ends[0] + pitch * (node as f64 + 0.4 * dice.signed()),
+            }));
+        }
+        header.fade = fades.then(|| {
+            let [low, high] = machine.axis(Axis::Z).map_or([-100.0, 100.0], |axis| axis.travel);
+            [low + 0.4 * (high - low), low + 0.9 * (high - low)]
+        });
+        let nodes = (0..header.count().unwrap_or(0) * header.columns()).map(|_| (32767.0 * dice.signed()) as i16);
+        let nodes: Vec<u8> = nodes.flat_map(i16::to_le_bytes).collect();
+        let bytes = positions.into_iter().flat_map(f64::to_le_bytes).chain(nodes).collect();
+        (header, bytes)
+    };
+    let count = 1 + dice.below(3);
+    (0..count).map(|_| grid(dice)).collect()
 }
 
 fn faults(dice: &mut Dice) -> FaultSettings {

@@ -14,6 +14,7 @@ mod disturb;
 mod drawn;
 mod event;
 mod facts;
+mod gauge;
 mod home;
 mod host;
 mod leg;

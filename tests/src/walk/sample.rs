@@ -31,5 +31,5 @@ pub(super) fn with(dice: &mut Dice, of: &Combination) -> Option<Drawn> {
     let tables = tables.map(|table| table.as_ref().map(|table| table.rows.clone())).collect();
     settings.compensation.model = of.model;
     settings.compensation.orientation &= of.model == trueaxis::machine::ErrorModel::Volumetric;
-    Some(Drawn { settings, tables })
+    Some(Drawn { settings, tables, grids: Vec::new() })
 }

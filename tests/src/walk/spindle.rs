@@ -23,7 +23,9 @@ impl<R: Scalar> Spindle<R> {
             let angle = std::f64::consts::TAU * k as f64 / 256.0;
             R::of((0..6).map(|n| amplitudes[n] * ((n + 2) as f64 * angle + n as f64).cos()).sum())
         });
-        Spindle { counts: dice.below(1 << 20) as i32, turning: 100 + dice.below(900) as i32, profile }
+        // Slow enough, now and then, for a cycle for each of many points.
+        let turning = if dice.one_in(2) { 100 + dice.below(900) } else { 10 + dice.below(90) };
+        Spindle { counts: dice.below(1 << 20) as i32, turning: turning as i32, profile }
     }
 
     /// One cycle on.
@@ -42,9 +44,10 @@ impl<R: Scalar> Spindle<R> {
     }
 }
 
-/// A gauge of few points and quick work.
-pub(super) fn settings(dice: &mut Dice) -> GaugeSettings {
-    let angles = ProbeAngles::Slots { p: 11, q: 13 };
+/// A gauge of `points` a revolution and quick work.
+pub(super) fn settings(dice: &mut Dice, points: u16) -> GaugeSettings {
+    let scale = points / 64;
+    let angles = ProbeAngles::Slots { p: 11 * scale, q: 13 * scale };
     let band = Band { first: 2, last: 12 };
     GaugeSettings {
         band,
@@ -63,6 +66,6 @@ pub(super) fn settings(dice: &mut Dice) -> GaugeSettings {
             limit_um: dice.factor(0.3, 20.0),
             noise_gain_limit: 10.0,
         }),
-        ..GaugeSettings::with_defaults(64, angles, COUNTS as u32)
+        ..GaugeSettings::with_defaults(points, angles, COUNTS as u32)
     }
 }

@@ -8,6 +8,7 @@ use super::*;
 use crate::position::Nanometres;
 use crate::testing::machine::Machine;
 use crate::testing::noise::Noise;
+use crate::testing::share::share;
 use std::format;
 
 #[test]
@@ -92,10 +93,10 @@ fn a_glance_says_what_a_look_says<R: Real, P: Position>(seed: u64) {
     let (mut command, mut feedback) = ([50.0; 3], [50.0; 3]);
     let mut glances = 0;
     let mut faults = std::collections::BTreeSet::new();
-    for cycle in 0..100_000 {
+    for cycle in 0..share(100_000) {
         let input = random_cycle::<P>(&mut random, &mut command, &mut feedback);
         let calm = sampler.glance(&mut quick, &input);
-        glances += u32::from(calm);
+        glances += usize::from(calm);
         let mut believed = [[[P::default(); 3]; 2]; 2];
         let [by_glance, by_look] = &mut believed;
         let seen = if calm { Sample::calm(&input) } else { sampler.look(&mut quick, &input, by_glance) };
@@ -113,7 +114,7 @@ fn a_glance_says_what_a_look_says<R: Real, P: Position>(seed: u64) {
         // The next command goes on from the held one, so that a reset finds it near.
         command = looked.command.map(P::to_f64);
     }
-    assert!((10_000..90_000).contains(&glances), "{glances}");
+    assert!((share(10_000)..share(90_000)).contains(&glances), "{glances}");
     assert!(faults.len() > 8, "{faults:?}");
 }
 

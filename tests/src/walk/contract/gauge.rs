@@ -1,7 +1,7 @@
 //! The gauge that rides along: its probes, the bound of its infeed, what it learns and what it must not.
 
 use super::{Contract, Seen, Verdict};
-use crate::walk::device::POINTS;
+use crate::walk::gauge::MANY;
 use crate::walk::rule::{Broken, Rule};
 use crate::walk::scalar::{Place, Scalar};
 use trueaxis::roundness::GaugeFlags;
@@ -13,7 +13,7 @@ const BETWEEN: f64 = 1.26;
 #[derive(Clone, Debug)]
 pub(super) struct GaugeMemory<R: Scalar> {
     /// The infeed as it was after the last revolution.
-    correction: [R; POINTS],
+    correction: [R; MANY],
     sampled: u32,
     /// Cycles since, and those in which the infeed was followed in part, and not at all.
     cycles: u32,
@@ -31,7 +31,7 @@ pub(super) struct GaugeMemory<R: Scalar> {
 impl<R: Scalar> Default for GaugeMemory<R> {
     fn default() -> Self {
         GaugeMemory {
-            correction: [R::ZERO; POINTS],
+            correction: [R::ZERO; MANY],
             sampled: 0,
             cycles: 0,
             limited: 0,
@@ -116,11 +116,12 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         let finite = latest.peak_to_valley_um.is_finite() && numbers.into_iter().all(|x| x.is_finite());
         self.tally.that(Rule::Finite, finite, || format!("{latest:?}"))?;
         if latest.flags.has(GaugeFlags::INFEED_FROZEN) && !latest.flags.has(GaugeFlags::INFEED_REDUCED) {
-            let same = correction == &self.gauge.correction || correction.iter().all(|c| *c == R::ZERO);
-            let found = || format!("{:?}: {correction:?} after {:?}", latest.flags, self.gauge.correction);
+            let before = &self.gauge.correction[..correction.len()];
+            let same = correction == before || correction.iter().all(|c| *c == R::ZERO);
+            let found = || format!("{:?}: {correction:?} after {before:?}", latest.flags);
             self.tally.that(Rule::InfeedFrozen, same, found)?;
         }
-        self.gauge.correction = *correction;
+        self.gauge.correction[..correction.len()].copy_from_slice(correction);
         Ok(())
     }
 }

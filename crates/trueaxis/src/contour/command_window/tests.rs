@@ -4,6 +4,7 @@ use super::*;
 use crate::contour::{ContourError, Flags};
 use crate::position::Nanometres;
 use crate::testing::noise::Noise;
+use crate::testing::share::share;
 use std::vec::Vec;
 
 type V = [f64; 3];
@@ -250,7 +251,7 @@ fn after_a_jump_or_a_restart_the_window_begins_anew_and_the_search_finds_it() {
     run(&mut bench, 112.0);
 }
 
-fn random_walk<R: Real, P: Position, const K: usize>(seed: u64, rounds: u32) {
+fn random_walk<R: Real, P: Position, const K: usize>(seed: u64, rounds: usize) {
     let mut noise = Noise::new(seed);
     let mut commanded = CommandWindow::<R, P, K>::new([0.0, 0.3, 1.0], 0.005).unwrap();
     let (mut at, mut velocity) = ([0.0f64; 3], [0.0f64; 3]);
@@ -304,8 +305,8 @@ fn random_walk<R: Real, P: Position, const K: usize>(seed: u64, rounds: u32) {
 #[test]
 fn a_million_random_appends_stay_finite_and_without_gaps() {
     for seed in 0..4 {
-        random_walk::<f64, f64, 16>(seed, 250_000);
-        random_walk::<f32, Nanometres, 5>(seed + 100, 250_000);
+        random_walk::<f64, f64, 16>(seed, share(250_000));
+        random_walk::<f32, Nanometres, 5>(seed + 100, share(250_000));
     }
 }
 

@@ -8,9 +8,11 @@ fn follows_the_butterfly_like_brute_force() {
     let all = spans::<f64, f64>(&[Spline::butterfly().segment()]);
     let stray = |s: f64| [3e-3 * (7.0 * s).sin(), 3e-3 * (5.0 * s).cos(), 1e-3 * (3.0 * s).sin()];
     let (mut cycles, mut off, mut most, mut fast) = (0, 0, 0, 0);
+    // Brute force is slow.
+    let compared = 0.5 / share(10) as f64;
     follow(&all, false, 2.5e-3, 15e-3, stray, Method::Guarded, |result, p, s| {
-        if s < 0.2 || s % 0.05 > 2.5e-3 {
-            // Once warm, every cycle counts for the evaluations; brute force is slow.
+        if s < 0.2 || s % compared > 2.5e-3 {
+            // Once warm, every cycle counts for the evaluations.
             if s > 0.2 {
                 most = most.max(result.evaluations);
                 fast += u32::from(result.evaluations == 2);

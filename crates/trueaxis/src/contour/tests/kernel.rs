@@ -3,7 +3,6 @@
 use super::*;
 use crate::contour::kernel::{evaluate, foot};
 use crate::position::Nanometres;
-use crate::testing::share::share;
 
 /// Wherever the kernel trusts itself, its distance is right to 1e-6 nm; compared with bisection of the same span.
 #[test]
@@ -11,7 +10,7 @@ fn the_kernel_is_exact_wherever_it_trusts_itself() {
     let mut random = Noise::new(5);
     let (mut trusted, mut all_queries, mut worst) = (0, 0, 0.0_f64);
     let mut singles = Vec::new();
-    for round in 0..share(60) {
+    for round in 0..60 {
         let spline =
             if round == 0 { Spline::butterfly() } else { Spline::random(&mut random, 2 + round % 4, round % 2 == 0) };
         let double = spans::<f64, f64>(&[spline.segment()]);

@@ -12,6 +12,7 @@ use crate::sample::{Input, Verdict};
 use crate::step::{Config, ServoLoop, State};
 use crate::testing::machine::{Machine, rows_both_ways};
 use crate::testing::noise::Noise;
+use crate::testing::share::share;
 use std::{boxed::Box, vec, vec::Vec};
 
 const T: f64 = 1e-4;
@@ -193,7 +194,7 @@ struct Worst {
 }
 
 /// Runs the tables one after the other, exchanged in motion, with growth, faults, and pauses.
-fn run<R: Real, P: Position>(all: &[Tables], seed: u64, cycles: u32, rounding: f64) -> Worst {
+fn run<R: Real, P: Position>(all: &[Tables], seed: u64, cycles: usize, rounding: f64) -> Worst {
     let servos: Vec<_> = all.iter().map(|tables| (tables.servo::<R, P>(PERIOD_NS), tables.servo(PERIOD_NS))).collect();
     let mut walk = Walk::new(seed, &all[0]);
     let mut noise = Noise::new(seed + 1);
@@ -235,7 +236,7 @@ fn compare<R: Real, P: Position>(
     tables: &Tables,
     rounding: f64,
     worst: &mut Worst,
-    cycle: u32,
+    cycle: usize,
 ) {
     let mut probe = *state;
     let sent = *state.output.offsets();
@@ -301,15 +302,15 @@ fn kinds() -> Vec<Vec<Tables>> {
 fn kept_cells_say_what_the_tables_say() {
     let (mut edges, mut kept) = (0, 0);
     for (seed, tables) in kinds().into_iter().enumerate() {
-        let doubles = run::<f64, f64>(&tables, seed as u64, 60_000, 1e-13);
-        let singles = run::<f32, Nanometres>(&tables, seed as u64, 60_000, 0.1e-6);
+        let doubles = run::<f64, f64>(&tables, seed as u64, share(60_000), 1e-13);
+        let singles = run::<f32, Nanometres>(&tables, seed as u64, share(60_000), 0.1e-6);
         for worst in [doubles, singles] {
             assert!(worst.filled <= 2, "{worst:?}");
             edges += worst.edges;
             kept += worst.kept;
         }
     }
-    assert!(edges > 2000 && kept > 400_000, "{edges} {kept}");
+    assert!(edges > share(2000) && kept > share(400_000), "{edges} {kept}");
 }
 
 /// A box of the grids is never left without a cell being left too, whatever is exchanged.
@@ -335,15 +336,15 @@ fn kept_cells_beside_grids_say_what_both_say() {
     let (mut edges, mut kept) = (0, 0);
     for (seed, tables) in kinds.into_iter().enumerate() {
         // What a box has for going on beyond a node, twice.
-        let doubles = run::<f64, f64>(&tables, 40 + seed as u64, 60_000, 0.2e-6);
-        let singles = run::<f32, Nanometres>(&tables, 40 + seed as u64, 60_000, 0.4e-6);
+        let doubles = run::<f64, f64>(&tables, 40 + seed as u64, share(60_000), 0.2e-6);
+        let singles = run::<f32, Nanometres>(&tables, 40 + seed as u64, share(60_000), 0.4e-6);
         for worst in [doubles, singles] {
             assert!(worst.filled <= 4, "{worst:?}");
             edges += worst.edges;
             kept += worst.kept;
         }
     }
-    assert!(edges > 2000 && kept > 300_000, "{edges} {kept}");
+    assert!(edges > share(2000) && kept > share(300_000), "{edges} {kept}");
 }
 
 /// Tables so steep that one look-up does not do: whatever the correction does, the inverse is as exact as it says.
@@ -361,15 +362,15 @@ fn the_inverse_from_the_last_correction_keeps_its_bound() {
             }
         }
     }
-    assert!(locked > 50_000 && led > 20_000, "{locked} {led}");
+    assert!(locked > share(50_000) && led > share(20_000), "{locked} {led}");
 }
 
 /// Errors of the inverse in a motion, against the converged one, mm.
 #[derive(Debug, Default)]
 struct Inverse {
     locked: f64,
-    cycles_locked: u32,
-    cycles_led: u32,
+    cycles_locked: usize,
+    cycles_led: usize,
 }
 
 /// Moves as fast as the correction can just follow, and faster, turning now and then.
@@ -390,7 +391,7 @@ fn at_the_velocity_limit(tables: &Tables, period_ns: u32) -> Inverse {
     let limit = 5.0 * f64::from(period_ns) * 1e-9;
     let fastest = 500.0 * f64::from(period_ns) * 1e-9;
     let (mut place, mut speed) = ([50.0; 3], [0.0; 3]);
-    for _ in 0..20_000 {
+    for _ in 0..share(20_000) {
         if noise.unit() < 0.005 {
             let share = [0.3, 0.5, 1.0, 3.0][noise.below(4)];
             speed = noise.vector((share * limit / norm).min(fastest));

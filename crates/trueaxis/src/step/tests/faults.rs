@@ -240,7 +240,7 @@ fn a_tool_change_in_motion_is_led_in() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 2000, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: crate::testing::share::share(2000) as u32, ..ProptestConfig::default() })]
 
     /// A host restarted anywhere, in mid-program, whose first input may be anything: the first command that can be used
     /// goes out as it is, and the correction is led in from zero within its limits (looked at by the bench).

@@ -227,7 +227,7 @@ fn holds(
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 2000, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: crate::testing::share::share(2000) as u32, ..ProptestConfig::default() })]
 
     /// Any tools: no panic, finite drives that never jump, held ones that never move.
     #[test]

@@ -115,14 +115,16 @@ fn distances_of_both_feet_agree_with_bisection() {
             }
         }
     }
-    for singles in &mut singles {
-        singles.sort_by(f64::total_cmp);
-        let p999 = singles[singles.len() * 999 / 1000];
-        assert!(p999 < 2e-6, "f32: {p999:e} mm");
+    for singles in &singles {
+        // One in a thousand, and three standard deviations of such a count.
+        let allowed = 1e-3 * singles.len() as f64;
+        let beyond = singles.iter().filter(|off| **off >= 2e-6).count();
+        assert!(beyond as f64 <= allowed + 3.0 * allowed.sqrt(), "f32: {beyond} of {}", singles.len());
     }
     for (number, worst) in worst.iter().enumerate() {
         assert!(worst.iter().all(|worst| *worst < 1e-12), "kind {number}: {worst:?} mm");
-        let share = trusted[number].map(|n| f64::from(n) / f64::from(asked[number]));
-        assert!(share[1] > 0.5, "kind {number}: {share:?}");
+        // More than half, less three standard deviations of such a count.
+        let (of_encoder, asked) = (f64::from(trusted[number][1]), f64::from(asked[number]));
+        assert!(of_encoder > 0.5 * asked - 1.5 * asked.sqrt(), "kind {number}: {of_encoder} of {asked}");
     }
 }
