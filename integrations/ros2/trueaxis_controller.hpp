@@ -145,7 +145,8 @@ protected:
     std::vector<hardware_interface::CommandInterface::SharedPtr> on_export_reference_interfaces_list() override {
         std::vector<hardware_interface::CommandInterface::SharedPtr> references;
         for (const std::string &joint : joints_) {
-            references.push_back(std::make_shared<hardware_interface::CommandInterface>(get_node()->get_name(), joint + "/position"));
+            references.push_back(
+                std::make_shared<hardware_interface::CommandInterface>(get_node()->get_name(), joint + "/position"));
         }
         return references;
     }
