@@ -100,8 +100,8 @@ machines() { # sanitizer of the library that was built last, program
         # The thread has another period than was said.
         drive "$2" 200 0 tables="$out/mill.tcomp" servo_period_nsec=500000
         # Also where 32 bits of it are what was said.
-        period=4295967296 drive "$2" 200 0 tables="$out/mill.tcomp"
-        period=-4293967296 drive "$2" 200 0 tables="$out/mill.tcomp"
+        period=4295967296 drive "$2" 2000 0 tables="$out/mill.tcomp"
+        period=-4293967296 drive "$2" 2000 0 tables="$out/mill.tcomp"
     } >"$out/$2.txt" || { cat "$out/$2.txt"; return 1; }
     cat "$out/$2.txt"
 }
