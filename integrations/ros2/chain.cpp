@@ -120,11 +120,11 @@ struct Bench {
     // What the controller before it does in its update.
     void refer(const double *to) {
         for (std::size_t i = 0; i < 3; i++) {
-            hardware_interface::LoanedCommandInterface reference(references[i]);
+            hardware_interface::LoanedCommandInterface lent(references[i]);
 #if TRUEAXIS_ROS_HUMBLE
-            reference.set_value(to[i]);
+            lent.set_value(to[i]);
 #else
-            CHECK(reference.set_value(to[i]));
+            CHECK(lent.set_value(to[i]));
 #endif
         }
     }

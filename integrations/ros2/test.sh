@@ -17,7 +17,9 @@ head -c 3000 "$out/machine.tcomp" >"$out/cut.tcomp"
 build() { # source, program, flags
     local source=$1 program=$2
     shift 2
-    c++ -std=c++17 -O2 -Wall -Wextra -Wpedantic -Werror "$@" "-I$root/crates/trueaxis-capi/include" "$source" \
+    # Conversions and shadows are refused by ros2_control too.
+    c++ -std=c++17 -O2 -Wall -Wextra -Wpedantic -Woverloaded-virtual -Wconversion -Wshadow -Werror "$@" \
+        "-I$root/crates/trueaxis-capi/include" "$source" \
         "$target/release/libtrueaxis_capi.a" -Wl,--gc-sections -lpthread -ldl -o "$out/$program"
 }
 run() { # program, arguments; leaves what it compensated at standstill

@@ -11,6 +11,7 @@
 
 #include <atomic>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <exception>
 #include <fstream>
@@ -19,6 +20,7 @@
 #include <sstream>
 #include <string>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "controller_interface/chainable_controller_interface.hpp"
@@ -136,7 +138,7 @@ public:
     // Leads the correction in or out, by its limiter; from any thread.
     void set_enabled(bool enabled) { enabled_.store(enabled, std::memory_order_relaxed); }
     // Writes that another thread's lock on a command prevented: the drive keeps its command of the cycle before.
-    std::uint64_t missed_writes() const { return missed_writes_; }
+    std::uint64_t missed_writes() const { return missed_writes_.load(std::memory_order_relaxed); }
 
 protected:
     static constexpr std::size_t axes_max = 6;
@@ -206,7 +208,7 @@ protected:
         }
         for (std::size_t i = 0; i < joints_.size(); i++) {
             if (!write(command_interfaces_[i], drive[i])) {
-                missed_writes_++;
+                missed_writes_.fetch_add(1, std::memory_order_relaxed);
             }
         }
         return filter_.stop_requested() ? return_type::ERROR : return_type::OK;
@@ -295,7 +297,7 @@ private:
     double reference_[axes_max];
     bool following_ = false;
     std::atomic<bool> enabled_{true};
-    std::uint64_t missed_writes_ = 0;
+    std::atomic<std::uint64_t> missed_writes_{0};
     Filter filter_;
 };
 
