@@ -134,6 +134,13 @@ for core in host m4f; do
     refused "$core" header 'header and library differ in version or precision' mill -DTRUEAXIS_ABI_MAJOR=9
 done
 
+# The core's own tool centre point would take the correction off amid a program.
+if cc "${flags[@]}" -DRTCP_AC=1 -fsyntax-only plugin/trueaxis_kinematics.c 2>"$out/rtcp_ac.log" ||
+    ! grep 'trueaxis cannot wrap RTCP_AC' "$out/rtcp_ac.log"; then
+    echo "test.sh: found that the plugin builds with RTCP_AC, needed a refusal, see $out/rtcp_ac.log" >&2
+    exit 1
+fi
+
 # Cost, and size: an image with the plugin less one without it.
 for core in m4f m7; do
     build "$core" cost mill "${plugin[@]}" tests/cost.c

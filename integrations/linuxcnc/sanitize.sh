@@ -53,10 +53,11 @@ compile() { # sanitizer of the library that was built last, program, folder of t
         -fno-fast-math -fno-builtin-sin -fno-builtin-cos "${hal[@]}" -I/usr/include/linuxcnc \
         -I"$root/crates/trueaxis-capi/include" -I"$3" "${flags[@]}" "$3"/*.c tests/sanitize/*.c "$built" -lpthread -ldl -lm -o "$out/$2"
 }
+period=1000000 # of the threads, ns
 drive() { # program, cycles, call of HAL that fails, words of loadrt, files to exchange
     local program=$1 cycles=$2 fails=$3
     shift 3
-    timeout 300 "$out/$program" "$cycles" 1 "$fails" 1000000 "$@"
+    timeout 300 "$out/$program" "$cycles" 1 "$fails" "$period" "$@"
 }
 gantry=(tables="$out/live.tcomp" joints=XYYZ joint_tables="1=$out/left.tcomp,2=$out/right.tcomp")
 exchanged=(-- "$out/gantry.tcomp" "$out/other.tcomp" "$out/mill.tcomp")
@@ -98,6 +99,9 @@ machines() { # sanitizer of the library that was built last, program
         drive "$2" "$cycles" 0 tables="$out/trt.tcomp"
         # The thread has another period than was said.
         drive "$2" 200 0 tables="$out/mill.tcomp" servo_period_nsec=500000
+        # Also where 32 bits of it are what was said.
+        period=4295967296 drive "$2" 2000 0 tables="$out/mill.tcomp"
+        period=-4293967296 drive "$2" 2000 0 tables="$out/mill.tcomp"
     } >"$out/$2.txt" || { cat "$out/$2.txt"; return 1; }
     cat "$out/$2.txt"
 }

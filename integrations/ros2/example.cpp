@@ -16,7 +16,7 @@
         }                                                                   \
     } while (0)
 
-constexpr std::uint32_t period_ns = 1'000'000;
+constexpr std::int64_t period_ns = 1'000'000;
 
 int main(int argc, char **argv) {
     CHECK(argc == 3);
@@ -38,7 +38,7 @@ int main(int argc, char **argv) {
 
     CHECK(filter.configure(data, bytes.size(), 3, period_ns));
     CHECK(filter.activate());
-    auto cycle = [&](std::uint32_t elapsed_ns = period_ns) {
+    auto cycle = [&](std::int64_t elapsed_ns = period_ns) {
         CHECK(filter.update(command, position, elapsed_ns, true, true, drive));
         for (int i = 0; i < 3; i++) {
             position[i] = drive[i];  // drives that stand where they are told
@@ -60,8 +60,11 @@ int main(int argc, char **argv) {
     cycle();
     CHECK(filter.record().fault == TRUEAXIS_FAULT_FEEDBACK_NOT_FINITE && (filter.record().status & TRUEAXIS_STATUS_FROZEN));
     CHECK(filter.record().correction[0] == geometric && std::abs(drive[0] - command[0]) < 50e-6);
-    cycle(period_ns * 3 / 2);
-    CHECK(filter.record().fault == TRUEAXIS_FAULT_LATE_CYCLE && !filter.stop_requested());
+    // Late by half a period; by 2^32 ns, of which 32 bits would show nothing; by a clock that was set back.
+    for (std::int64_t elapsed_ns : { period_ns * 3 / 2, (std::int64_t{1} << 32) + period_ns, -period_ns }) {
+        cycle(elapsed_ns);
+        CHECK(filter.record().fault == TRUEAXIS_FAULT_LATE_CYCLE && !filter.stop_requested());
+    }
     for (int i = 0; i < 500; i++) {
         cycle();
     }

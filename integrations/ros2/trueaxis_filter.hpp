@@ -45,7 +45,6 @@ public:
             }
         }
         if (!reason_.empty()) {
-            reason_ = "trueaxis: " + reason_ + "; running uncompensated";
             if (trueaxis_loop_bypass(&loop_, sizeof loop_, axes, fault, period_ns) != TRUEAXIS_OK) {
                 axes_ = 0;  // no such number of axes, or period: update refuses
             }
@@ -67,9 +66,10 @@ public:
     void reset() { input_.reset = 1; }
 
     // One update, real-time safe. `command`, `position`: axes in the tables' order (X Y Z, then rotary), m and rad; a
-    // position that is not finite is a dropout. `elapsed_ns`: the period that the controller manager measured. `homed`: all
-    // axes are referenced. `drive`: what to send. False: nothing to send, `drive` is as it was.
-    bool update(const double *command, const double *position, std::uint32_t elapsed_ns, bool homed, bool enable,
+    // position that is not finite is a dropout. `elapsed_ns`: the period that the controller manager measured; negative, or
+    // longer than 32 bits hold, it is a late cycle. `homed`: all axes are referenced. `drive`: what to send. False: nothing to
+    // send, `drive` is as it was.
+    bool update(const double *command, const double *position, std::int64_t elapsed_ns, bool homed, bool enable,
                 double *drive) {
         if (!started_) {
             return false;
@@ -78,7 +78,7 @@ public:
             input_.command[i] = command[i] * to_tables(i);
             input_.feedback[i] = position[i] * to_tables(i);
         }
-        input_.elapsed_ns = elapsed_ns;
+        input_.elapsed_ns = trueaxis_elapsed_ns(elapsed_ns);
         input_.homed = homed;
         input_.enable = enable;
         trueaxis_result_t done = trueaxis_step(&loop_, &state_, &input_, nullptr, nullptr, &output_);
@@ -97,15 +97,16 @@ public:
     // Position for the controller, less the correction: it sees no following error from it. m, rad.
     double feedback(std::uint32_t axis) const { return output_.feedback[axis] / to_tables(axis); }
     const trueaxis_record_t &record() const { return output_.record; }
-    // Empty, or why it runs uncompensated, in one line.
-    const std::string &reason() const { return reason_; }
+    // Empty, or why it runs uncompensated, in one line; `refusal` without the words around it.
+    std::string reason() const { return reason_.empty() ? "" : "trueaxis: " + reason_ + "; running uncompensated"; }
+    const std::string &refusal() const { return reason_; }
 
 private:
     static double to_tables(std::uint32_t axis) { return axis < 3 ? 1000.0 : 57.29577951308232; }
 
     std::uint32_t axes_ = 0, period_ns_ = 0;
     bool started_ = false;
-    std::string reason_ = "trueaxis: not configured";
+    std::string reason_ = "not configured";
     std::vector<std::uint64_t> memory_;
     trueaxis_loop_t loop_{};
     trueaxis_state_t state_{};

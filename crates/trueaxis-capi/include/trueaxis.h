@@ -33,7 +33,7 @@
 #define TRUEAXIS_ABI_MAJOR 3
 #endif
 #ifndef TRUEAXIS_ABI_MINOR
-#define TRUEAXIS_ABI_MINOR 0
+#define TRUEAXIS_ABI_MINOR 1
 #endif
 #ifdef TRUEAXIS_SINGLE
 #define TRUEAXIS_ABI_VERSION (UINT32_C(0x80000000) | (uint32_t)TRUEAXIS_ABI_MAJOR << 16 | TRUEAXIS_ABI_MINOR)
@@ -500,7 +500,8 @@ typedef int32_t trueaxis_position_t;
 typedef struct trueaxis_input_t {
     /// `sizeof(trueaxis_input_t)`.
     uint32_t size;
-    /// Time since the last cycle, ns. More than a quarter off the period, the correction freezes for this cycle.
+    /// Time since the last cycle, ns. More than a quarter off the period, the correction freezes for this cycle. From a
+    /// 64-bit time by `trueaxis_elapsed_ns`.
     uint32_t elapsed_ns;
     /// Commanded positions, uncorrected.
     trueaxis_position_t command[TRUEAXIS_AXES_MAX];
@@ -1107,6 +1108,12 @@ trueaxis_result_t trueaxis_start(const struct trueaxis_loop_t *loop,
                                  struct trueaxis_state_t *state,
                                  size_t state_size,
                                  uint32_t period_ns);
+
+/// `elapsed_ns` of a host that has the time since the last cycle in 64 bits.
+///
+/// What does not fit becomes `UINT32_MAX`, which is late at every period: the correction freezes for that cycle. So does a
+/// negative time, of a clock that was set back. Real-time safe.
+uint32_t trueaxis_elapsed_ns(int64_t host_ns);
 
 /// One servo cycle: drive positions, feedback for the host, contour error.
 ///

@@ -18,7 +18,8 @@ use trueaxis::{Dynamics, Fault};
 pub struct Input {
     /// `sizeof(trueaxis_input_t)`.
     pub size: u32,
-    /// Time since the last cycle, ns. More than a quarter off the period, the correction freezes for this cycle.
+    /// Time since the last cycle, ns. More than a quarter off the period, the correction freezes for this cycle. From a
+    /// 64-bit time by `trueaxis_elapsed_ns`.
     pub elapsed_ns: u32,
     /// Commanded positions, uncorrected.
     pub command: [Position; AXES_MAX],
@@ -49,6 +50,15 @@ pub struct Input {
 
 // SAFETY: repr(C), `size` first, numbers only.
 unsafe impl Sized32 for Input {}
+
+/// `elapsed_ns` of a host that has the time since the last cycle in 64 bits.
+///
+/// What does not fit becomes `UINT32_MAX`, which is late at every period: the correction freezes for that cycle. So does a
+/// negative time, of a clock that was set back. Real-time safe.
+#[unsafe(no_mangle)]
+pub extern "C" fn trueaxis_elapsed_ns(host_ns: i64) -> u32 {
+    u32::try_from(host_ns).unwrap_or(u32::MAX)
+}
 
 impl Input {
     /// A copy of the caller's input, if it could be one.

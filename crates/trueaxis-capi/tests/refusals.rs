@@ -380,6 +380,29 @@ fn versions() {
     }
 }
 
+/// A host's 64-bit time is never cut to 32 bits: what does not fit, or runs backwards, is a late cycle.
+#[test]
+fn a_time_that_does_not_fit_is_a_late_cycle() {
+    let fits = i64::from(u32::MAX);
+    for host_ns in [0, 1, i64::from(PERIOD_NS), fits] {
+        assert_eq!(i64::from(trueaxis_elapsed_ns(host_ns)), host_ns);
+    }
+    // 2^32 ns and a period would be cut to a period.
+    for host_ns in [fits + 1, fits + 1 + i64::from(PERIOD_NS), i64::MAX, -1, -i64::from(PERIOD_NS), i64::MIN] {
+        let elapsed_ns = trueaxis_elapsed_ns(host_ns);
+        assert_eq!(elapsed_ns, u32::MAX, "{host_ns}");
+        let built = built(mill());
+        let mut state = started(&built.servo);
+        let mut out = output();
+        let at = [10.0, 20.0, -200.0, 0.0, 0.0, 0.0];
+        for (elapsed_ns, fault) in [(PERIOD_NS, FAULT_NONE), (elapsed_ns, FAULT_LATE_CYCLE), (PERIOD_NS, FAULT_NONE)] {
+            assert_eq!(step(&built.servo, &mut state, &Input { elapsed_ns, ..input(at, at) }, &mut out), OK);
+            assert_eq!(out.record.fault, fault, "{host_ns}");
+            assert_eq!(out.record.status & STATUS_FROZEN != 0, fault == FAULT_LATE_CYCLE);
+        }
+    }
+}
+
 #[test]
 fn every_result_has_its_words() {
     let words = |result| {

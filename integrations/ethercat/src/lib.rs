@@ -169,7 +169,8 @@ impl<'a> Cycle<'a> {
         Report { running: follow, stop: self.stop, output }
     }
 
-    /// Time since the last cycle, by the reference clock where it came back.
+    /// Time since the last cycle, by the reference clock where it came back. A clock that was set back, or 4.29 s ahead, says
+    /// nothing: the cycle is late.
     fn elapsed(&mut self, frame: Frame) -> u32 {
         let Frame::Received { system_time_ns } = frame else {
             self.lost += 1;
@@ -177,10 +178,11 @@ impl<'a> Cycle<'a> {
         };
         // What lost frames took is not this cycle's.
         let missed = u64::from(self.lost) * u64::from(PERIOD_NS);
-        let elapsed = self.time_ns.map(|before| system_time_ns.saturating_sub(before).saturating_sub(missed));
-        self.time_ns = Some(system_time_ns);
+        let before = self.time_ns.replace(system_time_ns);
         self.lost = 0;
-        elapsed.map_or(PERIOD_NS, |elapsed| u32::try_from(elapsed).unwrap_or(u32::MAX))
+        let Some(before) = before else { return PERIOD_NS };
+        let elapsed = system_time_ns.checked_sub(before).map(|elapsed| elapsed.saturating_sub(missed));
+        elapsed.and_then(|elapsed| u32::try_from(elapsed).ok()).unwrap_or(u32::MAX)
     }
 }
 

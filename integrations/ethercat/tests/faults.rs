@@ -151,6 +151,23 @@ fn a_late_frame_freezes_one_cycle() {
 }
 
 #[test]
+fn a_clock_that_is_set_back_or_far_ahead_is_a_late_cycle() {
+    moving(|_, cycle, drives, n| {
+        // 2^32 ns and a period would be cut to a period; the last two are a millisecond and a nanosecond back.
+        for elapsed in [(1 << 32) + u64::from(PERIOD_NS), 1 << 40, u64::MAX - 999_999, u64::MAX] {
+            for (elapsed, fault) in [(elapsed, Fault::LateCycle), (u64::from(PERIOD_NS), Fault::None)] {
+                *n += 1;
+                drives.time_ns = drives.time_ns.wrapping_add(elapsed);
+                let frame = drives.exchange(0, false);
+                let report = cycle.run(frame, &drives.inputs.clone(), command(*n), &mut drives.outputs);
+                assert_eq!(report.output.record.fault, fault, "{elapsed} ns");
+                assert!(report.running);
+            }
+        }
+    });
+}
+
+#[test]
 fn frames_that_stay_away_stop_the_machine_until_a_reset() {
     moving(|_, cycle, drives, n| {
         for i in 1..=LOST_MAX + 2 {

@@ -19,6 +19,11 @@
 
 #include "trueaxis_correction.h"
 
+/* It replaces `segment_line` and `transform_steps_to_cartesian` at M850 and M851, and ours with them. */
+#if RTCP_AC
+#error "trueaxis cannot wrap RTCP_AC: M850 and M851 would take the correction off. Build without RTCP_AC."
+#endif
+
 #ifndef TRUEAXIS_HYSTERESIS_MM
 #define TRUEAXIS_HYSTERESIS_MM 0.0003f /* a drive that comes back by more has turned */
 #endif

@@ -148,7 +148,7 @@ void cycle_update_output(void *arg, long period)
     struct instance *instance = arg;
     struct servo *servo = &instance->servo;
     struct pins *pins = instance->pins;
-    uint32_t period_ns = (uint32_t)period;
+    uint32_t period_ns = trueaxis_elapsed_ns(period);
 
     steps_take_tables(instance);
     if (servo->phase == PHASE_NEW)

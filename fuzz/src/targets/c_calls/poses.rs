@@ -185,7 +185,7 @@ pub(super) fn other_kinds(world: &mut World, draw: &mut Draw<'_>) {
     assert!([ERROR_UNBUILT, ERROR_ARGUMENT].contains(&result), "another object was taken for a loop: {result}");
 }
 
-/// Versions and texts.
+/// Versions, texts, and times of 64 bits.
 pub(super) fn version(draw: &mut Draw<'_>) {
     let (version, result) = (draw.word(), draw.word() as i32);
     assert_eq!(trueaxis_check_abi(trueaxis_abi_version()), OK);
@@ -193,4 +193,7 @@ pub(super) fn version(draw: &mut Draw<'_>) {
     // SAFETY: a constant string, closed by a zero.
     let text = unsafe { std::ffi::CStr::from_ptr(trueaxis_result_text(result)) };
     assert!(!text.to_str().expect("UTF-8").is_empty());
+    let host_ns = i64::from(version) * i64::from(result);
+    let elapsed_ns = trueaxis_elapsed_ns(host_ns);
+    assert!(i64::from(elapsed_ns) == host_ns || elapsed_ns == u32::MAX, "{host_ns} ns became {elapsed_ns}");
 }

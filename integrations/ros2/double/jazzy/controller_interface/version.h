@@ -1,0 +1,7 @@
+// As its build writes it. DOUBLE_MINOR: an earlier one. SPDX-License-Identifier: MIT OR Apache-2.0
+#define CONTROLLER_INTERFACE_VERSION_MAJOR 4
+#ifdef DOUBLE_MINOR
+#define CONTROLLER_INTERFACE_VERSION_MINOR DOUBLE_MINOR
+#else
+#define CONTROLLER_INTERFACE_VERSION_MINOR 46
+#endif
