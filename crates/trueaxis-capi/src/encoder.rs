@@ -33,9 +33,10 @@ unsafe impl Storage for Encoder {
 /// the counter.
 ///
 /// `resolution`: of one count, negative where counts fall as the axis goes on; up to 1. `span`: counts after which the
-/// counter begins again at 0: 65536 of 16 bits, 4294967296 of 32 bits, or the counts of a turn; 4 to 4294967296. `near`: the
-/// first reading is taken as the count nearest to this one; with 0 counters of 16 and 32 bits start as signed numbers. Again
-/// after a loss of counts. Real-time safe. `_ARGUMENT` (resolution, span, an offset that is no usable position).
+/// counter begins again at 0: 65536 of 16 bits, 4294967296 of 32 bits, or the counts of a turn; 4 to 4294967296.
+/// `nearest`: the first reading is taken as the count nearest to this one; with 0 counters of 16 and 32 bits start as signed
+/// numbers. Start again after a loss of counts. Real-time safe. `_ARGUMENT` (resolution, span, an offset that is no usable
+/// position).
 ///
 /// # Safety
 /// Pointers are null or point to what their types and sizes say.
@@ -46,12 +47,12 @@ pub unsafe extern "C" fn trueaxis_encoder_start(
     offset: f64,
     resolution: f64,
     span: u64,
-    near: i64,
+    nearest: i64,
 ) -> ResultCode {
     let work = || {
         let place = opaque::place(encoder, encoder_size)?;
         let scale = EncoderScale::new(offset, resolution).map_err(|_| ERROR_ARGUMENT)?;
-        let counter = WrappingCounter::new(span).map_err(|_| ERROR_ARGUMENT)?.near(near);
+        let counter = WrappingCounter::new(span).map_err(|_| ERROR_ARGUMENT)?.near(nearest);
         // SAFETY: storage of the size that the caller vouched for.
         unsafe { opaque::fill(place, Counted { scale, counter }) };
         Ok(())

@@ -86,8 +86,8 @@ pub(crate) unsafe fn content_mut<'a, S: Storage>(storage: *mut S) -> Result<&'a 
 mod tests {
     use super::*;
     use crate::{
-        BranchTracker, CommandWindow, Encoder, Gauge, GaugeState, GaugeState512, Kinematics, Learned, Loop, Path, Program,
-        State, Thermal, ThermalTask,
+        BranchTracker, CommandWindow, Encoder, Gauge, GaugeState, GaugeState512, Kinematics, Learned, Loop, Path,
+        Program, State, Thermal, ThermalTask,
     };
 
     #[test]
