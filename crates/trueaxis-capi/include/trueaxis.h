@@ -228,6 +228,9 @@
 /// comes, or the feedback is switched off.
 #define TRUEAXIS_STATUS_FEEDBACK_OUT 32
 
+/// Words of a `trueaxis_encoder_t`.
+#define TRUEAXIS_ENCODER_WORDS 8
+
 /// Words of a `trueaxis_program_t`.
 #define TRUEAXIS_PROGRAM_WORDS 4
 
@@ -271,7 +274,7 @@
 /// A reading is not finite. From here to 15: the correction freezes, the command passes.
 #define TRUEAXIS_FAULT_FEEDBACK_NOT_FINITE 1
 
-/// A reading changed more in a cycle than the axis can move.
+/// A reading changed more in a cycle than the axis can move, or lies more than 1 mm (1 degree) outside the joint.
 #define TRUEAXIS_FAULT_FEEDBACK_JUMP 2
 
 /// A reading stands still although the axis is commanded to move.
@@ -686,6 +689,11 @@ typedef struct trueaxis_output_t {
     /// Telemetry of the cycle.
     struct trueaxis_record_t record;
 } trueaxis_output_t;
+
+/// An encoder that counts, and how far it has counted. Belongs to the thread that reads it.
+typedef struct trueaxis_encoder_t {
+    uint64_t words[TRUEAXIS_ENCODER_WORDS];
+} trueaxis_encoder_t;
 
 /// The path of a program, on the way to its id.
 typedef struct trueaxis_program_t {
@@ -1144,6 +1152,31 @@ trueaxis_result_t trueaxis_set_thermal(const struct trueaxis_loop_t *loop,
                                        struct trueaxis_state_t *state,
                                        uint32_t axis,
                                        double kelvin);
+
+/// Starts an encoder: position = `offset` + counts · `resolution`, mm (rotary: degrees), counts followed beyond the end of
+/// the counter.
+///
+/// `resolution`: of one count, negative where counts fall as the axis goes on; up to 1. `span`: counts after which the
+/// counter begins again at 0: 65536 of 16 bits, 4294967296 of 32 bits, or the counts of a turn; 4 to 4294967296.
+/// `nearest`: the first reading is taken as the count nearest to this one; with 0 counters of 16 and 32 bits start as signed
+/// numbers. Start again after a loss of counts. Real-time safe. `_ARGUMENT` (resolution, span, an offset that is no usable
+/// position).
+trueaxis_result_t trueaxis_encoder_start(struct trueaxis_encoder_t *encoder,
+                                         size_t encoder_size,
+                                         double offset,
+                                         double resolution,
+                                         uint64_t span,
+                                         int64_t nearest);
+
+/// Position of the encoder at a reading of its counter, for `trueaxis_input_t.feedback`.
+///
+/// `counts`: of a power of two the bits that the counter has, the others are ignored. A step of more than a quarter of the
+/// span since the last reading could as well be one the other way round: `position` is then not a number, in single
+/// precision `INT32_MIN`, which the step takes for a dropout, and the counter waits for counts within a quarter of its last.
+/// A reading that is missing is not handed in; while it is, the axis may move a quarter of the span. Real-time safe.
+trueaxis_result_t trueaxis_encoder_position(struct trueaxis_encoder_t *encoder,
+                                            uint32_t counts,
+                                            trueaxis_position_t *position);
 
 /// Starts the id of a program whose path is `length_mm` long. Not real-time. `_ARGUMENT` (not finite, negative).
 trueaxis_result_t trueaxis_program_start(struct trueaxis_program_t *program, size_t program_size, double length_mm);

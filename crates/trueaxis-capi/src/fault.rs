@@ -4,7 +4,7 @@
 pub const FAULT_NONE: u8 = 0;
 /// A reading is not finite. From here to 15: the correction freezes, the command passes.
 pub const FAULT_FEEDBACK_NOT_FINITE: u8 = 1;
-/// A reading changed more in a cycle than the axis can move.
+/// A reading changed more in a cycle than the axis can move, or lies more than 1 mm (1 degree) outside the joint.
 pub const FAULT_FEEDBACK_JUMP: u8 = 2;
 /// A reading stands still although the axis is commanded to move.
 pub const FAULT_ENCODER_STUCK: u8 = 3;

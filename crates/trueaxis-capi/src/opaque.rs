@@ -86,8 +86,8 @@ pub(crate) unsafe fn content_mut<'a, S: Storage>(storage: *mut S) -> Result<&'a 
 mod tests {
     use super::*;
     use crate::{
-        BranchTracker, CommandWindow, Gauge, GaugeState, GaugeState512, Kinematics, Learned, Loop, Path, Program,
-        State, Thermal, ThermalTask,
+        BranchTracker, CommandWindow, Encoder, Gauge, GaugeState, GaugeState512, Kinematics, Learned, Loop, Path,
+        Program, State, Thermal, ThermalTask,
     };
 
     #[test]
@@ -108,6 +108,7 @@ mod tests {
         spare::<GaugeState512>("gauge state 512");
         spare::<Kinematics>("kinematics");
         spare::<BranchTracker>("branch tracker");
+        spare::<Encoder>("encoder");
         spare::<Learned>("learned");
         spare::<Program>("program");
         spare::<Thermal>("thermal");

@@ -26,6 +26,7 @@ const SOURCES: &[&str] = &[
     "dynamic",
     "cycle",
     "step",
+    "encoder",
     "learned",
     "thermal",
     "fault",

@@ -4,6 +4,7 @@
 
 mod combinations;
 mod dynamics;
+mod encoder;
 #[cfg(not(miri))]
 mod flipped_bits;
 mod gauge;

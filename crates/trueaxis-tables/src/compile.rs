@@ -6,7 +6,9 @@ use trueaxis::check;
 use trueaxis::contour::Method;
 use trueaxis::error::{ConfigError, Field};
 use trueaxis::machine::{Axis, Row};
-use trueaxis::tcomp::{MAGIC, TableHeader, VERSION, VERSION_WITHOUT_GRIDS, checksum, machine_id};
+use trueaxis::tcomp::{
+    MAGIC, TableHeader, VERSION, VERSION_WITHOUT_ENCODERS, VERSION_WITHOUT_GRIDS, checksum, machine_id,
+};
 
 /// The compiled form of a machine, byte by byte as [`trueaxis::tcomp`] describes it. The same machine gives the same bytes.
 ///
@@ -31,14 +33,24 @@ pub fn compile(machine: &Machine) -> Result<Vec<u8>, ConfigError> {
             write_row(&mut payload, &header, row);
         }
     }
-    let version = if machine.grids.is_empty() { VERSION_WITHOUT_GRIDS } else { VERSION };
-    if version == VERSION {
+    let encoders = machine.settings.axes.iter().map(|axis| axis.encoder_resolution);
+    let version = if encoders.clone().any(|step| step.is_some()) {
+        VERSION
+    } else if machine.grids.is_empty() {
+        VERSION_WITHOUT_GRIDS
+    } else {
+        VERSION_WITHOUT_ENCODERS
+    };
+    if version != VERSION_WITHOUT_GRIDS {
         // At most as many as the check lets pass.
         payload.push(machine.grids.len() as u8);
     }
     for grid in &machine.grids {
         payload.extend(postcard::to_stdvec(grid.header()).map_err(unencodable)?);
         payload.extend(grid.bytes());
+    }
+    if version == VERSION {
+        payload.extend(encoders.flat_map(|step| step.unwrap_or(0.0).to_le_bytes()));
     }
     let mut bytes = MAGIC.to_vec();
     bytes.extend(version.to_le_bytes());

@@ -229,10 +229,22 @@ fn a_compiled_grid_comes_back_and_no_damage_passes() {
             }
         }
     }
-    // Without a grid nothing has changed: version 4.
-    let table =
-        Machine::read(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../compensation-tables/mill-3axis"))).unwrap();
+    // Without a grid nothing has changed: version 4. With the steps of encoders it is 6, with grids or without.
+    let sample = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../compensation-tables/mill-3axis"));
+    let mut table = Machine::read(sample).unwrap();
+    assert_eq!(compile(&table).unwrap()[8..10], [6, 0]);
+    table.settings.axes.iter_mut().for_each(|axis| axis.encoder_resolution = None);
     assert_eq!(compile(&table).unwrap()[8..10], [4, 0]);
+    let mut machine = small();
+    for (steps, version) in [([None; 3], 5), ([None, Some(1e-4), None], 6)] {
+        for (axis, step) in machine.settings.axes.iter_mut().zip(steps) {
+            axis.encoder_resolution = step;
+        }
+        let bytes = compile(&machine).unwrap();
+        assert_eq!(bytes[8..10], [version, 0]);
+        let file = Tcomp::parse(&bytes).unwrap();
+        assert_eq!((file.settings(), file.grids().len()), (&machine.settings, machine.grids.len()));
+    }
 }
 
 /// Error of the tip by the step's model.

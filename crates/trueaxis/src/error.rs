@@ -107,7 +107,7 @@ pub enum Fault {
     None = 0,
     /// An encoder gave no finite reading.
     FeedbackNotFinite = 1,
-    /// A reading changed more in a cycle than the axis can move.
+    /// A reading changed more in a cycle than the axis can move, or lies more than 1 mm (1°) outside the joint.
     FeedbackJump = 2,
     /// A reading stands still though the axis was commanded to move.
     EncoderStuck = 3,
@@ -144,7 +144,9 @@ impl fmt::Display for Fault {
         f.write_str(match self {
             Fault::None => "no fault",
             Fault::FeedbackNotFinite => "an encoder gives no finite reading",
-            Fault::FeedbackJump => "an encoder reading changed more in a cycle than the axis can move",
+            Fault::FeedbackJump => {
+                "an encoder reading changed more in a cycle than the axis can move, or lies outside its range"
+            }
             Fault::EncoderStuck => "an encoder reading stands still although the axis is commanded to move",
             Fault::EncoderAlarm => "an encoder interface reports an alarm",
             Fault::LateCycle => "the cycle came late by more than a quarter of its period",

@@ -2,8 +2,12 @@
 
 #![deny(clippy::indexing_slicing)]
 
+mod encoder;
+
+pub use encoder::{EncoderScale, WrappingCounter};
+
 use crate::dynamic::Dynamics;
-use crate::error::{ConfigError, Fault, Field};
+use crate::error::Fault;
 use crate::machine::{AxisOrder, FaultSettings, MachineSettings};
 use crate::position::Position;
 use crate::real::Real;
@@ -68,52 +72,6 @@ impl<P: Position, const N: usize> Input<P, N> {
             dynamics: Dynamics::ALL,
             learned: [P::default(); 3],
         }
-    }
-}
-
-/// Positions of an encoder that counts in integers: `offset + counts · resolution`.
-///
-/// A count whose position lies beyond what the position type can say gives its end, which is not usable: the step takes
-/// it as a dropout ([`Fault::FeedbackNotFinite`]).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct EncoderScale<P> {
-    offset: P,
-    /// Nanometres (1e-6 deg) per count, as 32.32 fixed point: exact to 1e-9 of a count step over the whole travel.
-    fixed: i64,
-    resolution: f64,
-}
-
-impl<P: Position> EncoderScale<P> {
-    /// From the position at zero counts and the distance of one count, mm (deg).
-    ///
-    /// # Errors
-    /// A resolution that is zero, not finite or above 1 mm; an offset that is no usable position.
-    pub fn new(offset: f64, resolution: f64) -> Result<Self, ConfigError> {
-        if !(resolution != 0.0 && resolution.abs() <= 1.0) {
-            return Err(ConfigError::new(Field::Encoder, resolution, "a resolution of at most 1 mm, not zero"));
-        }
-        if !P::of(offset).is_usable() {
-            return Err(ConfigError::new(Field::Encoder, offset, "an offset within the range of positions"));
-        }
-        let fixed = libm::rint(resolution * 1e6 * 4_294_967_296.0) as i64;
-        Ok(EncoderScale { offset: P::of(offset), fixed, resolution })
-    }
-
-    /// Position of a count, in doubles.
-    #[inline(always)]
-    pub fn position(&self, counts: i32) -> P {
-        P::of(self.offset.to_f64() + f64::from(counts) * self.resolution)
-    }
-}
-
-impl EncoderScale<crate::position::Nanometres> {
-    /// Position of a count without floating point: two multiplications and a shift.
-    #[inline(always)]
-    pub fn nanometres(&self, counts: i32) -> crate::position::Nanometres {
-        // Two's complement in 96 bits: the sum stays below 2^84.
-        let wide = i128::from(counts) * i128::from(self.fixed) + (1 << 31);
-        let sum = (wide >> 32) as i64 + i64::from(self.offset.0);
-        crate::position::Nanometres(sum.clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32)
     }
 }
 
@@ -185,9 +143,15 @@ impl<'s, P, const N: usize> Sample<'s, P, N> {
 #[derive(Clone, Copy, Debug)]
 struct Plausible<R, P: Position> {
     travel: [P; 2],
+    /// Where a reading is believed: the range of the joint and [`READING_MARGIN`].
+    readable: [P; 2],
     command_jump: P::Reach,
     feedback_jump: P::Reach,
     stuck: P::Reach,
+    /// A reading that changes by no more stands: [`STILL_STEPS`] of the encoder, 0 where those are not stated.
+    still: P::Reach,
+    /// A command that changes by no more asks for nothing that such a reading would have to show.
+    play: P::Reach,
     resume: P::Reach,
     /// The two jumps once more, mm (deg), to be multiplied by the cycles that are missing.
     jumps: [R; 2],
@@ -200,6 +164,21 @@ impl<R: Real, P: Position> Plausible<R, P> {
         let [_, jump] = self.jumps;
         if missing == 0 { self.feedback_jump } else { P::reach_of(jump * (R::ONE + R::of_i32(i32::from(missing)))) }
     }
+
+    /// Whether the command has gone on for `stuck` while the reading stands. A second call in a cycle changes nothing.
+    #[inline(always)]
+    fn is_stuck(&self, suspicion: &mut Suspicion<P>, reading: P, command: P) -> bool {
+        if reading.apart(suspicion.reading) > self.still {
+            *suspicion = Suspicion::from(reading, command);
+            return false;
+        }
+        let way = command.apart(suspicion.command);
+        if way > self.play {
+            suspicion.command = command;
+            suspicion.way = P::farther(suspicion.way, way);
+        }
+        suspicion.way > self.stuck
+    }
 }
 
 /// The plausibility limits of every axis: immutable.
@@ -210,6 +189,24 @@ pub(crate) struct Sampler<R, P: Position, const N: usize> {
     /// From here on a cycle counts as [`LONGEST`] periods.
     longest_ns: u32,
     per_period: R,
+}
+
+/// Commanded distance since a reading last moved.
+#[derive(Clone, Copy, Debug, Default)]
+struct Suspicion<P: Position> {
+    /// Where the reading stands since then.
+    reading: P,
+    /// The command up to which the distance is counted.
+    command: P,
+    way: P::Reach,
+}
+
+impl<P: Position> Suspicion<P> {
+    /// None yet.
+    #[inline(always)]
+    fn from(reading: P, command: P) -> Self {
+        Suspicion { reading, command, way: P::Reach::default() }
+    }
 }
 
 /// State of the stage.
@@ -228,8 +225,7 @@ pub(crate) struct SampleState<P: Position, const N: usize> {
     feedback: [P; N],
     /// Cycles since the last believed reading.
     missing: [u16; N],
-    /// Commanded distance since the reading last changed.
-    unmoved: [P::Reach; N],
+    suspicions: [Suspicion<P>; N],
 }
 
 impl<P: Position, const N: usize> SampleState<P, N> {
@@ -245,7 +241,7 @@ impl<P: Position, const N: usize> SampleState<P, N> {
             command: [P::default(); N],
             feedback: [P::default(); N],
             missing: [0; N],
-            unmoved: [P::Reach::default(); N],
+            suspicions: [Suspicion::default(); N],
         }
     }
 
@@ -268,6 +264,10 @@ impl<P: Position, const N: usize> SampleState<P, N> {
     pub(crate) fn latch(&mut self, fault: Fault, axis: u8) {
         (self.latched, self.latched_axis) = (fault, axis);
         self.calm = false;
+        // The drives stay where they are: a command that was not accepted asked for nothing.
+        for (suspicion, held) in self.suspicions.iter_mut().zip(&self.command) {
+            suspicion.command = *held;
+        }
     }
 }
 
@@ -275,6 +275,13 @@ impl<P: Position, const N: usize> SampleState<P, N> {
 const LATE: f64 = 1.25;
 /// The farthest usable position of any type, mm (deg).
 const FARTHEST: f64 = 1e9;
+/// A reading is believed as far beyond the range of the joint, mm (deg): overshoot at the end of the travel, and an axis that
+/// coasts after a stop. A counter that wraps is farther away.
+pub const READING_MARGIN: f64 = 1.0;
+/// Steps of the encoder within which a reading stands: one count to either side of where it died, and one more.
+pub const STILL_STEPS: f64 = 3.0;
+/// Largest share of `faults.stuck` within which a reading stands: with a coarser encoder it does where it shows one count.
+const STILL_SHARE: f64 = 0.25;
 /// Periods after which a late cycle excuses no larger change.
 const LONGEST: u32 = 16;
 
@@ -284,9 +291,12 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         let any = P::reach(f64::MAX);
         let none = Plausible {
             travel: [-FARTHEST, FARTHEST].map(P::nearest),
+            readable: [-FARTHEST, FARTHEST].map(P::nearest),
             command_jump: any,
             feedback_jump: any,
             stuck: any,
+            still: P::Reach::default(),
+            play: P::Reach::default(),
             resume: any,
             jumps: [R::MAX; 2],
         };
@@ -297,11 +307,20 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
                 let jump = command_jump_factor * settings.max_feed_per_s * period;
                 let jumps = [jump, jump + pick(feedback_jump)];
                 let [command_jump, feedback_jump] = jumps.map(P::reach);
+                let place = |x: f64| P::nearest(Real::limit(x, -FARTHEST, FARTHEST));
+                let [low, high] = settings.joint;
+                let [still, play] = settings.encoder_resolution.map_or([0.0; 2], |step| {
+                    let still = (STILL_STEPS * step).min(STILL_SHARE * pick(stuck));
+                    [still, still + settings.backlash.abs()]
+                });
                 Plausible {
-                    travel: settings.travel.map(|x| P::nearest(Real::limit(x, -FARTHEST, FARTHEST))),
+                    travel: settings.travel.map(place),
+                    readable: [low - READING_MARGIN, high + READING_MARGIN].map(place),
                     command_jump,
                     feedback_jump,
                     stuck: P::reach(pick(stuck)),
+                    still: P::reach(still),
+                    play: P::reach(play),
                     resume: P::reach(pick(resume)),
                     jumps: jumps.map(R::of),
                 }
@@ -321,44 +340,42 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
     }
 
     /// Whether nothing is wrong in a cycle after another such: its sample is [`Sample::calm`]. If that has to be looked
-    /// into ([`Sampler::look`]), nothing is changed.
+    /// into ([`Sampler::look`]), nothing is changed that it would not change in the same way.
     #[inline(always)]
     pub(crate) fn glance(&self, state: &mut SampleState<P, N>, input: &Input<P, N>) -> bool {
-        let Some(unmoved) = self.unmoved(state, input) else { return false };
-        (state.feedback, state.unmoved) = (input.feedback, unmoved);
+        if !self.is_calm(state, input) {
+            return false;
+        }
+        let positions = input.feedback.iter().zip(&input.command);
+        for ((axis, suspicion), (reading, command)) in self.axes.iter().zip(&mut state.suspicions).zip(positions) {
+            if axis.is_stuck(suspicion, *reading, *command) {
+                return false;
+            }
+        }
+        state.feedback = input.feedback;
         true
     }
 
-    /// Of a calm cycle in which [`Sampler::look`] too finds nothing wrong, how far every command has gone on since its
-    /// reading last changed.
+    /// Whether a calm cycle is one in which [`Sampler::look`] too finds nothing wrong, but for a reading that stands.
     #[inline(always)]
-    fn unmoved(&self, state: &SampleState<P, N>, input: &Input<P, N>) -> Option<[P::Reach; N]> {
+    fn is_calm(&self, state: &SampleState<P, N>, input: &Input<P, N>) -> bool {
         let switched = input.homed && input.enable && !input.reset;
         let in_order = input.encoder_alarm == 0 && input.refusal.fault == Fault::None;
         if !(state.calm && switched && in_order && input.elapsed_ns <= self.latest_ns) {
-            return None;
+            return false;
         }
-        let mut unmoved = [P::Reach::default(); N];
-        let before = state.command.iter().zip(&state.feedback).zip(&state.unmoved);
+        let before = state.command.iter().zip(&state.feedback);
         let now = input.command.iter().zip(&input.feedback);
-        for (((axis, unmoved), (command, reading)), ((last, good), before)) in
-            self.axes.iter().zip(&mut unmoved).zip(now).zip(before)
-        {
-            let way = command.apart(*last);
-            if !(command.is_within(&axis.travel) && way <= axis.command_jump) {
-                return None;
+        for ((axis, (command, reading)), (last, good)) in self.axes.iter().zip(now).zip(before) {
+            if !(command.is_within(&axis.travel) && command.apart(*last) <= axis.command_jump) {
+                return false;
             }
-            if !(reading.is_usable() && reading.apart(*good) <= axis.feedback_jump) {
-                return None;
-            }
-            if reading == good {
-                *unmoved = P::farther(*before, way);
-                if *unmoved > axis.stuck {
-                    return None;
-                }
+            // Nothing that is readable is unusable.
+            if !(reading.is_within(&axis.readable) && reading.apart(*good) <= axis.feedback_jump) {
+                return false;
             }
         }
-        Some(unmoved)
+        true
     }
 
     /// The whole decision about a cycle. `believed` gets the positions of command and feedback.
@@ -441,7 +458,8 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         (Fault::None, 0)
     }
 
-    /// Believes the readings that are plausible, keeps the last good ones of the others.
+    /// Believes the readings that are plausible, keeps the last good ones of the others. Their range counts only while the
+    /// plugin is active, as the travel of commands does.
     #[inline(always)]
     fn feedback_fault(
         &self,
@@ -452,27 +470,28 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
     ) -> (Fault, u8) {
         let mut worst = (Fault::None, 0);
         let mut place = 0u8;
-        let commands = command.iter().zip(&state.command);
-        let memory = state.feedback.iter_mut().zip(&mut state.missing).zip(&mut state.unmoved);
-        for (((axis, reading), (command, last_command)), ((good, missing), unmoved)) in
-            self.axes.iter().zip(&input.feedback).zip(commands).zip(memory)
+        let active = input.homed && input.enable;
+        let memory = state.feedback.iter_mut().zip(&mut state.missing).zip(&mut state.suspicions);
+        for (((axis, reading), command), ((good, missing), suspicion)) in
+            self.axes.iter().zip(&input.feedback).zip(command).zip(memory)
         {
+            // In the cycle of switching on, the command may have been set anew.
+            if !state.active {
+                suspicion.command = *command;
+            }
             let fault = if !reading.is_usable() {
                 Fault::FeedbackNotFinite
             } else if input.encoder_alarm & (1 << (place & 7)) != 0 {
                 Fault::EncoderAlarm
+            } else if active && !reading.is_within(&axis.readable) {
+                Fault::FeedbackJump
             } else if !watch {
                 Fault::None
             } else if reading.apart(*good) > axis.feedback_jump_after(*missing) {
                 Fault::FeedbackJump
-            } else if *reading == *good {
-                // In the cycle of switching on, the command may have been set anew.
-                if state.active {
-                    *unmoved = P::farther(*unmoved, command.apart(*last_command));
-                }
-                if *unmoved > axis.stuck { Fault::EncoderStuck } else { Fault::None }
+            } else if axis.is_stuck(suspicion, *reading, *command) {
+                Fault::EncoderStuck
             } else {
-                *unmoved = P::Reach::default();
                 Fault::None
             };
             match fault {
@@ -481,11 +500,18 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
                     *missing = 0;
                 }
                 // Nothing to fall back on before the first good reading: the command stands in.
-                _ if !state.started => *good = *command,
+                _ if !state.started || active && !good.is_within(&axis.readable) => {
+                    *good = *command;
+                    suspicion.reading = *command;
+                }
                 _ => *missing = missing.saturating_add(1),
             }
             if !watch {
-                *unmoved = P::Reach::default();
+                *suspicion = Suspicion::from(*good, *command);
+            }
+            // Nothing was to be seen of this way.
+            if !matches!(fault, Fault::None | Fault::EncoderStuck) {
+                suspicion.command = *command;
             }
             if fault != Fault::None && worst.0 == Fault::None {
                 worst = (fault, place);
@@ -510,7 +536,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         if !was_latched {
             state.latch(fault, axis);
         }
-        let placed = state.started || Self::placed(state, input);
+        let placed = state.started || self.placed(state, input);
         let near = self
             .axes
             .iter()
@@ -529,7 +555,10 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
             state.latched = Fault::None;
             state.started = true;
             // The drives were held: commands in the meantime say nothing about the readings.
-            state.unmoved = [P::Reach::default(); N];
+            for ((suspicion, reading), command) in state.suspicions.iter_mut().zip(&state.feedback).zip(&input.command)
+            {
+                *suspicion = Suspicion::from(*reading, *command);
+            }
             state.active = input.homed && input.enable;
             let verdict = if state.active { Verdict::Active } else { Verdict::Inactive };
             *believed = [input.command, state.feedback];
@@ -562,14 +591,16 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
     /// Holding before the first command: the position to hold is that of the machine as last read, in the
     /// cycle in which the last of its axes has been read. Returns whether it is known.
     #[cold]
-    fn placed(state: &mut SampleState<P, N>, input: &Input<P, N>) -> bool {
+    fn placed(&self, state: &mut SampleState<P, N>, input: &Input<P, N>) -> bool {
         let known = |known: u8| known.count_ones() as usize == N;
         if known(state.known) {
             return true;
         }
+        let active = input.homed && input.enable;
         let mut bit = 1u8;
-        for (held, reading) in state.command.iter_mut().zip(&input.feedback) {
-            if reading.is_usable() && input.encoder_alarm & bit == 0 {
+        for ((axis, held), reading) in self.axes.iter().zip(&mut state.command).zip(&input.feedback) {
+            let readable = reading.is_within(&axis.readable) || !active;
+            if reading.is_usable() && readable && input.encoder_alarm & bit == 0 {
                 *held = *reading;
                 state.known |= bit;
             }

@@ -5,7 +5,7 @@
 //! | bytes | what |
 //! |---|---|
 //! | 8 | magic `TRUEAXIS` |
-//! | 2 | format version, 5; 4 of a machine without grids |
+//! | 2 | format version, 6; 5 of a machine without stated encoders, 4 of one that has no grids either |
 //! | 4 | machine id: CRC-32 of name, line feed, chain |
 //! | 4 | length n of the payload |
 //! | n | payload |
@@ -13,9 +13,10 @@
 //!
 //! CRC-32 is that of ISO-HDLC (Ethernet, zlib). The payload is [`MachineSettings`] in postcard, then for every axis, in
 //! their order, [`TableHeader`] in postcard and its lines as raw doubles: position (mm, degrees), the given forward errors
-//! (mm, rad) in the order EX EY EZ EA EB EC, and the reverse ones if the table is bidirectional. In version 5 the number of grids
-//! follows as one byte, then for each [`GridHeader`] in postcard, the positions of free nodes as raw doubles and the nodes as
-//! 16-bit numbers ([`GridData`]), which stay there.
+//! (mm, rad) in the order EX EY EZ EA EB EC, and the reverse ones if the table is bidirectional. From version 5 on the number of
+//! grids follows as one byte, then for each [`GridHeader`] in postcard, the positions of free nodes as raw doubles and the nodes
+//! as 16-bit numbers ([`GridData`]), which stay there. In version 6 a raw double for every axis ends it: the step of its encoder
+//! (mm, degrees), 0 where that is not stated.
 
 use crate::check;
 use crate::error::ConfigError;
@@ -28,9 +29,11 @@ use serde::{Deserialize, Serialize};
 
 /// First eight bytes of the file.
 pub const MAGIC: [u8; 8] = *b"TRUEAXIS";
-/// Format version of a machine with grids.
-pub const VERSION: u16 = 5;
-/// Format version of a machine without: nothing has changed for it, and older controllers load it.
+/// Format version of a machine on which the step of an encoder is stated.
+pub const VERSION: u16 = 6;
+/// Format version of a machine without, but with grids: nothing has changed for it, and older controllers load it.
+pub const VERSION_WITHOUT_ENCODERS: u16 = 5;
+/// Format version of a machine with neither.
 pub const VERSION_WITHOUT_GRIDS: u16 = 4;
 /// Bytes before the payload.
 pub const HEADER_BYTES: usize = 18;
@@ -140,7 +143,7 @@ impl fmt::Display for TcompError {
             TcompError::TooShort => "the file is shorter than its header says",
             TcompError::TooLong => "the file is longer than its header says",
             TcompError::Magic => "not a compiled table file (it does not start with TRUEAXIS)",
-            TcompError::Version => "another version of the format (version 5 is needed, or 4 without grids)",
+            TcompError::Version => "another version of the format (version 6 is needed, or 4 or 5)",
             TcompError::Checksum => "the file is damaged (its CRC-32 is wrong)",
             TcompError::Settings => "the machine settings cannot be decoded",
             TcompError::TableHeader => "the header of a table cannot be decoded",
@@ -266,7 +269,7 @@ impl<'a> Tcomp<'a> {
         if bytes.get(..bytes.len().saturating_sub(4)).map(checksum) != Some(crc) {
             return Err(TcompError::Checksum);
         }
-        let (settings, mut rest) =
+        let (mut settings, mut rest) =
             postcard::take_from_bytes::<MachineSettings>(payload).map_err(|_| TcompError::Settings)?;
         let mut tables = Vec::new();
         for _ in &settings.axes {
@@ -275,7 +278,13 @@ impl<'a> Tcomp<'a> {
             // One table for each of at most as many axes.
             let _ = tables.push(table);
         }
-        let grids = if version == VERSION { grids(&mut rest)? } else { Vec::new() };
+        let grids = match version {
+            VERSION_WITHOUT_GRIDS => Vec::new(),
+            _ => grids(&mut rest, version)?,
+        };
+        if version == VERSION {
+            rest = encoders(&mut settings, rest)?;
+        }
         if !rest.is_empty() {
             return Err(TcompError::PayloadTooLong);
         }
@@ -352,11 +361,22 @@ fn table(bytes: &[u8]) -> Result<(Option<TableData<'_>>, &[u8]), TcompError> {
     Ok((Some(TableData { header, bytes }), rest))
 }
 
-/// The grids behind the tables: their number, at least one, then each.
-fn grids<'a>(rest: &mut &'a [u8]) -> Result<Vec<GridData<'a>, GRIDS>, TcompError> {
+/// The steps of the encoders, behind the grids; those that are not stated are 0.
+fn encoders<'a>(settings: &mut MachineSettings, mut rest: &'a [u8]) -> Result<&'a [u8], TcompError> {
+    for axis in &mut settings.axes {
+        let (step, behind) = rest.split_first_chunk().ok_or(TcompError::Settings)?;
+        let step = f64::from_le_bytes(*step);
+        axis.encoder_resolution = (step != 0.0).then_some(step);
+        rest = behind;
+    }
+    Ok(rest)
+}
+
+/// The grids behind the tables: their number, then each; in version 5 at least one.
+fn grids<'a>(rest: &mut &'a [u8], version: u16) -> Result<Vec<GridData<'a>, GRIDS>, TcompError> {
     let ([count], mut behind) = rest.split_first_chunk().ok_or(TcompError::GridHeader)?;
     let mut grids = Vec::new();
-    if *count == 0 {
+    if *count == 0 && version == VERSION_WITHOUT_ENCODERS {
         return Err(TcompError::GridHeader);
     }
     for _ in 0..*count {

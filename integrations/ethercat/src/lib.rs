@@ -11,6 +11,7 @@
 //! | a drive reports a fault | quick stop of all |
 //! | a command is no number, jumps, leaves the travel | the step holds; quick stop of all |
 
+use trueaxis::sample::WrappingCounter;
 use trueaxis::tcomp::Tcomp;
 use trueaxis::{Bypass, Fault, HostServo, HostState, Output};
 
@@ -68,8 +69,10 @@ pub struct Cycle<'a> {
     counts_per_mm: f64,
     time_ns: Option<u64>,
     lost: u32,
-    position: [i32; AXES],
-    target: [i32; AXES],
+    counters: [WrappingCounter; AXES],
+    /// Counts, beyond the 32 bits of the drives.
+    position: [i64; AXES],
+    target: [i64; AXES],
     running: bool,
     stop: Option<Stop>,
     reset: bool,
@@ -97,6 +100,7 @@ impl<'a> Cycle<'a> {
             counts_per_mm,
             time_ns: None,
             lost: 0,
+            counters: [WrappingCounter::BITS_32; AXES],
             position: [0; AXES],
             target: [0; AXES],
             running: false,
@@ -113,7 +117,7 @@ impl<'a> Cycle<'a> {
 
     /// Where the drives stand, mm: where commands begin.
     pub fn position(&self) -> [f64; AXES] {
-        self.position.map(|counts| f64::from(counts) / self.counts_per_mm)
+        self.position.map(|counts| counts as f64 / self.counts_per_mm)
     }
 
     /// One cycle: `command` in mm; inputs and outputs of each drive as in [`IMAGE_BYTES`].
@@ -128,8 +132,14 @@ impl<'a> Cycle<'a> {
     ) -> Report {
         let elapsed_ns = self.elapsed(frame);
         let status: [u16; AXES] = inputs.map(|[low, high, ..]| u16::from_le_bytes([low, high]));
+        let mut alarm = if self.lost > 0 { 0b111 } else { 0 };
         if self.lost == 0 {
-            self.position = inputs.map(|[_, _, a, b, c, d]| i32::from_le_bytes([a, b, c, d]));
+            for (drive, [_, _, a, b, c, d]) in inputs.iter().enumerate() {
+                match self.counters[drive].follow(u32::from_le_bytes([*a, *b, *c, *d])) {
+                    Some(position) => self.position[drive] = position,
+                    None => alarm |= 1 << drive,
+                }
+            }
             self.running = status.iter().all(|status| status & 0x6f == 0x27);
             if let Some(drive) = status.iter().position(|status| status & 0x4f == 0x08 || status & 0x4f == 0x0f) {
                 self.stop = self.stop.or(Some(Stop::Drive(drive)));
@@ -143,7 +153,7 @@ impl<'a> Cycle<'a> {
         let mut input = trueaxis::Input::at_rest(PERIOD_NS);
         input.command = if follow { command } else { feedback };
         input.feedback = feedback;
-        input.encoder_alarm = if self.lost > 0 { 0b111 } else { 0 };
+        input.encoder_alarm = alarm;
         input.elapsed_ns = elapsed_ns;
         input.homed = true; // absolute encoders
         input.enable = follow;
@@ -157,14 +167,15 @@ impl<'a> Cycle<'a> {
         }
 
         if follow && self.stop.is_none() && output.has_drive() {
-            self.target = output.drive.map(|mm| (mm * self.counts_per_mm).round() as i32);
+            self.target = output.drive.map(|mm| (mm * self.counts_per_mm).round() as i64);
         } else if self.lost == 0 {
             self.target = self.position;
         }
         for ((image, target), status) in outputs.iter_mut().zip(self.target).zip(status) {
             let control = if self.stop.is_some() { QUICK_STOP } else { towards_operation(status) };
             image[..2].copy_from_slice(&control.to_le_bytes());
-            image[2..].copy_from_slice(&target.to_le_bytes());
+            // Drives wrap where their position does.
+            image[2..].copy_from_slice(&(target as i32).to_le_bytes());
         }
         Report { running: follow, stop: self.stop, output }
     }

@@ -109,6 +109,25 @@ fn drives_get_command_plus_correction() {
     });
 }
 
+/// Drives of 0.1 nm a count, which wrap at 214.7 mm.
+#[test]
+fn positions_go_on_beyond_32_bits() {
+    let counts_per_mm = 1e7;
+    let file = tables(TABLES).unwrap();
+    let mut memory = vec![0.0; file.requirement()];
+    let servo = HostServo::<AXES>::load(&file, PERIOD_NS, &mut memory).unwrap();
+    let mut cycle = Cycle::new(&servo, counts_per_mm);
+    let mut drives = Drives { position: [2_140_000_000, -200_000_000, -2_000_000_000], ..Drives::new() };
+    for n in 0..2000_i32 {
+        // There and back.
+        let x = 214.0 + 0.02 * f64::from((1000 - (n - 1010).abs()).max(0));
+        let report = drives.cycle(&mut cycle, [x, -20.0, -200.0], PERIOD_NS, false);
+        assert_eq!((report.stop, report.output.record.fault), (None, Fault::None), "cycle {n}");
+        assert!(!report.running || (cycle.position()[0] - x).abs() < 0.1, "cycle {n}");
+        assert!(x < 214.8 || drives.position[0] < 0, "cycle {n}: not wrapped");
+    }
+}
+
 #[test]
 fn a_lost_frame_freezes_the_correction_and_the_command_passes() {
     moving(|_, cycle, drives, n| {

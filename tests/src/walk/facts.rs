@@ -47,6 +47,12 @@ pub(super) struct AxisFacts<P> {
     pub feedback_jump: f64,
     /// Commanded way of a reading that stands.
     pub stuck: f64,
+    /// A reading that changes by no more stands.
+    pub still: f64,
+    /// A command that changes by no more asks for nothing that such a reading has to show.
+    pub play: f64,
+    /// Where readings are believed: 1 mm (1°) beyond the joint.
+    pub readable: [P; 2],
     /// Distance of a reset from the held command.
     pub resume: f64,
     /// Ends between which the table and every grid of the axis say something; none where there is neither, or the table is
@@ -138,6 +144,9 @@ impl<P: Position> AxisFacts<P> {
             _ => f64::INFINITY,
         };
         let sum = Bounds::of(&settings.limits, period_s);
+        // Three steps of the encoder, or a quarter of the way after which it is stuck.
+        let stuck = pick(faults.stuck);
+        let still = settings.encoder_resolution.map_or(0.0, |step| f64::min(3.0 * step, stuck / 4.0));
         AxisFacts {
             present: true,
             sum,
@@ -147,7 +156,10 @@ impl<P: Position> AxisFacts<P> {
             joint: settings.joint.map(P::nearest),
             command_jump: jump,
             feedback_jump: jump + pick(faults.feedback_jump),
-            stuck: pick(faults.stuck),
+            stuck,
+            still,
+            play: if settings.encoder_resolution.is_some() { still + settings.backlash.abs() } else { 0.0 },
+            readable: [settings.joint[0] - 1.0, settings.joint[1] + 1.0].map(|end| P::nearest(end.clamp(-1e9, 1e9))),
             resume: pick(faults.resume),
             table: None,
             feed: settings.max_feed_per_s * period_s,
@@ -175,6 +187,9 @@ impl<P: Position> AxisFacts<P> {
             command_jump: f64::INFINITY,
             feedback_jump: f64::INFINITY,
             stuck: f64::INFINITY,
+            still: 0.0,
+            play: 0.0,
+            readable: [-1e9, 1e9].map(P::nearest),
             resume: f64::INFINITY,
             table: None,
             feed: 0.1,

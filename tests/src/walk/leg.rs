@@ -276,7 +276,6 @@ fn build<'a, R: Scalar, P: Place, const N: usize>(
 ) -> Result<ServoLoop<'a, R, P, N>, ConfigError> {
     let machine = &drawn.settings;
     let inverse_passes = check::machine(machine, |axis| drawn.rows(axis), grids)?;
-    let config =
-        Config { machine, grids, machine_id, tables_crc, period_ns, inverse_passes, method: Method::Guarded };
+    let config = Config { machine, grids, machine_id, tables_crc, period_ns, inverse_passes, method: Method::Guarded };
     config.build(|axis| drawn.rows(axis), memory)
 }

@@ -94,7 +94,8 @@ pub struct AxisSettings {
     pub cross_lookup: Lookup,
     /// Sense of a rotary axis, +1 or −1 (linear: +1).
     pub direction: i8,
-    /// Declared travel, low and high, mm (deg). A command outside is a fault.
+    /// Declared travel, low and high, mm (deg). A command outside is a fault; so is a reading more than 1 mm (1°) outside the
+    /// joint.
     pub travel: [f64; 2],
     /// Range in which command + correction must stay, mm (deg).
     pub joint: [f64; 2],
@@ -113,7 +114,8 @@ pub struct AxisSettings {
     /// known, and wider than any step that a correction makes against the travel: see [`crate::check::reversal`].
     pub hysteresis: f64,
     /// Smallest step of the position reading, mm (deg), or its noise from peak to peak where that is larger; `None`: not
-    /// stated. For the check of the hysteresis only, and therefore no part of a compiled file.
+    /// stated. Bounds the hysteresis from below, and is what a dead encoder may show ([`FaultSettings::stuck`]). Stands at
+    /// the end of a compiled file ([`crate::tcomp`]).
     #[serde(skip)]
     pub encoder_resolution: Option<f64>,
     /// Limits of the correction.
@@ -196,6 +198,9 @@ pub struct FaultSettings {
     /// Largest plausible change of the feedback in a cycle beyond `command_jump_factor · max_feed · period`: mm, degrees.
     pub feedback_jump: [f64; 2],
     /// The encoder is stuck when the command has moved this far without a change of the reading: mm, degrees.
+    ///
+    /// Where the step of the encoder is stated, a reading that stays within three of them (at most a quarter of this) has not
+    /// changed, and a command has not moved that stays within as much and the backlash.
     pub stuck: [f64; 2],
 }
 

@@ -5,10 +5,12 @@
 mod model;
 
 use super::*;
+use crate::error::Field;
 use crate::position::Nanometres;
 use crate::testing::machine::Machine;
 use crate::testing::noise::Noise;
 use crate::testing::share::share;
+use proptest::prelude::*;
 use std::format;
 
 #[test]
@@ -45,6 +47,104 @@ fn counts_beyond_the_range_saturate_and_are_no_reading() {
         assert_eq!(coarse.position(counts), coarse.nanometres(counts), "{counts}");
     }
     assert_eq!(coarse.nanometres(3000), Nanometres(2_000_000_000));
+}
+
+/// Steps of a walk in counts: anything that is allowed, the largest more often.
+fn steps(span: i64) -> impl Strategy<Value = std::vec::Vec<i64>> {
+    let most = span / 4;
+    let one = prop_oneof![Just(most), Just(-most), Just(0), -most..=most, -3i64.min(most)..=3i64.min(most)];
+    // Now and then on and on, so that it wraps again and again.
+    let straight = (prop_oneof![Just(most), Just(-most)], 1..40usize).prop_map(|(step, n)| std::vec![step; n]);
+    prop::collection::vec(prop_oneof![one.prop_map(|step| std::vec![step]), straight], 1..40)
+        .prop_map(|walk| walk.concat())
+}
+
+/// A counter of `span` counts and a walk on it.
+fn walks() -> impl Strategy<Value = (u64, std::vec::Vec<i64>)> {
+    prop_oneof![Just(1u64 << 16), Just(1u64 << 32), Just(3_600_000), Just(4), Just(5), 4..=1u64 << 32]
+        .prop_flat_map(|span| (Just(span), steps(span as i64)))
+}
+
+proptest! {
+    /// Against a counter of 64 bits: every wrap either way, at the largest speed that is allowed, at start-up, over readings
+    /// that are missing and ones that are refused, and in both senses of the scale.
+    #[test]
+    fn a_counter_that_wraps_is_one_of_64_bits(
+        (span, walk) in walks(),
+        start in -(1i64 << 40)..1 << 40,
+        resolution in prop_oneof![Just(1e-6), Just(-1e-6), Just(1e-4), -1e-3..1e-3f64],
+        upper in any::<u32>(),
+    ) {
+        prop_assume!(resolution != 0.0);
+        let reading = |truth: i64| {
+            let counts = truth.rem_euclid(span as i64) as u32;
+            // Bits above those of the counter do not count: a host may extend the sign or not.
+            if span.is_power_of_two() && span < 1 << 32 { counts | upper & !(span - 1) as u32 } else { counts }
+        };
+        let scale = EncoderScale::<f64>::new(-3.25, resolution).unwrap();
+        let fixed = EncoderScale::<Nanometres>::new(-3.25, resolution).unwrap();
+        let mut counter = WrappingCounter::new(span).unwrap().near(start);
+        let mut other = counter;
+        let mut truth = start;
+        prop_assert_eq!(counter.follow(reading(truth)), Some(truth));
+        other.follow(reading(truth));
+        for (n, step) in walk.iter().enumerate() {
+            truth += step;
+            let exact = -3.25 + truth as f64 * resolution;
+            prop_assert_eq!(scale.position_beyond(&mut counter, reading(truth)), exact);
+            let found = fixed.nanometres_beyond(&mut other, reading(truth));
+            if exact.abs() < 2147.0 {
+                // 2^-33 nm in the factor of a count, over the whole travel.
+                let rounding = 0.51 + truth.unsigned_abs() as f64 / 8.5e9;
+                prop_assert!((found.to_f64() - exact).abs() <= rounding * 1e-6, "{found:?} {exact}");
+            } else if exact.abs() > 2148.0 {
+                prop_assert!(!found.is_usable());
+            }
+            // Just beyond a quarter and as far as it gets: refused, and nothing has changed.
+            let half = span as i64 / 2;
+            for away in [span as i64 / 4 + 1, half].map(|away| away.max(1)) {
+                if away <= half && away > span as i64 / 4 {
+                    let mut tried = counter;
+                    for wrong in [truth + away, truth - away] {
+                        prop_assert_eq!(tried.follow(reading(wrong)), None, "{} {}", n, wrong);
+                        prop_assert!(scale.position_beyond(&mut tried, reading(wrong)).is_nan());
+                        prop_assert!(!fixed.nanometres_beyond(&mut tried, reading(wrong)).is_usable());
+                    }
+                    prop_assert_eq!(tried, counter);
+                }
+            }
+        }
+        prop_assert_eq!(counter, other);
+    }
+}
+
+#[test]
+fn the_first_reading_of_a_counter_is_the_one_nearest() {
+    for (counts, signed) in [(0, 0), (0x7fff, 0x7fff), (0x8000, -0x8000), (0xffff, -1), (0xffff_8000, -0x8000)] {
+        let mut counter = WrappingCounter::BITS_16;
+        assert_eq!(counter.follow(counts), Some(signed), "{counts}");
+    }
+    for counts in [0, 1, -1, i32::MAX, i32::MIN] {
+        let mut counter = WrappingCounter::BITS_32;
+        assert_eq!(counter.follow(counts as u32), Some(i64::from(counts)));
+        let scale = EncoderScale::<f64>::new(1.0, 1e-6).unwrap();
+        assert_eq!(scale.position_beyond(&mut counter, counts as u32), scale.position(counts));
+    }
+    // A turn of 3,600,000 counts, switched off at 5.25 turns and turned back by hand a little.
+    let turn = WrappingCounter::new(3_600_000).unwrap();
+    assert_eq!(turn.near(18_900_000).follow(800_000), Some(18_800_000));
+    assert_eq!(turn.near(18_000_010).follow(3_599_990), Some(17_999_990));
+    assert_eq!(turn.near(-10).follow(20), Some(20));
+    // No such count.
+    assert_eq!(turn.near(0).follow(3_600_000), None);
+    // Lost counts: started again.
+    let mut counter = WrappingCounter::BITS_16;
+    assert_eq!((counter.follow(100), counter.follow(30_000)), (Some(100), None));
+    counter = counter.near(30_000);
+    assert_eq!((counter.follow(30_001), counter.follow(40_000)), (Some(30_001), Some(40_000)));
+    for (span, right) in [(3, false), (4, true), (1 << 32, true), (1 << 32 | 1, false), (0, false), (u64::MAX, false)] {
+        assert_eq!(WrappingCounter::new(span).is_ok(), right, "{span}");
+    }
 }
 
 /// A cycle of a random program: mostly smooth, with every kind of fault now and then.

@@ -23,6 +23,9 @@ pub(super) struct Senses<P, const N: usize> {
     pub(super) held: [P; N],
     good: [P; N],
     missing: [u16; N],
+    /// Where a reading stands, up to which command its way is counted, and that way.
+    stands: [P; N],
+    counted: [P; N],
     unmoved: [f64; N],
 }
 
@@ -38,6 +41,8 @@ impl<P: Place, const N: usize> Default for Senses<P, N> {
             held: zero,
             good: zero,
             missing: [0; N],
+            stands: zero,
+            counted: zero,
             unmoved: [0.0; N],
         }
     }
@@ -116,7 +121,7 @@ impl<P: Place, const N: usize> Senses<P, N> {
         let was_latched = self.latched;
         if was_latched.is_none() {
             tally.that(Rule::Stops, stops && is_due(told), || format!("{told:?}, due {due:?}, {input:?}"))?;
-            self.latched = Some(told);
+            self.latch(told);
         }
         let placed = self.started || self.placed(seen);
         let near = self.near(seen);
@@ -148,11 +153,16 @@ impl<P: Place, const N: usize> Senses<P, N> {
             tally.that(Rule::ResetReleases, quiet, || format!("released with {told:?}"))?;
             self.latched = None;
             self.started = true;
-            self.unmoved = [0.0; N];
+            (self.stands, self.counted, self.unmoved) = (self.good, input.command, [0.0; N]);
             self.active = active;
             return Ok(if active { Verdict::Active } else { Verdict::Inactive });
         }
         Ok(if placed { Verdict::Held } else { Verdict::Nowhere })
+    }
+
+    /// From now on the command in force is held.
+    pub(super) fn latch(&mut self, fault: (Fault, u8)) {
+        (self.latched, self.counted) = (Some(fault), self.held);
     }
 
     /// What is wrong with the command of each axis.
@@ -186,12 +196,16 @@ impl<P: Place, const N: usize> Senses<P, N> {
         let input = &seen.moment.input;
         let believed = &seen.outcome.output.record.feedback;
         let mut faults = [Fault::None; N];
+        let active = input.homed && input.enable;
         for k in 0..N {
             let (axis, reading) = (&seen.facts.axes[k], input.feedback[k]);
+            let readable = |position: P| !active || position.is_within(&axis.readable);
             let fault = if !reading.is_usable() {
                 Fault::FeedbackNotFinite
             } else if input.encoder_alarm >> (k & 7) & 1 == 1 {
                 Fault::EncoderAlarm
+            } else if !readable(reading) {
+                Fault::FeedbackJump
             } else if !watch {
                 Fault::None
             } else {
@@ -200,12 +214,16 @@ impl<P: Place, const N: usize> Senses<P, N> {
                 let jumps = size::<P>(apart(reading, self.good[k]), limit);
                 if jumps == Size::Beyond || jumps == Size::Either && believed[k] != reading {
                     Fault::FeedbackJump
-                } else if reading != self.good[k] {
-                    self.unmoved[k] = 0.0;
+                } else if apart(reading, self.stands[k]) > steps::<P>(axis.still) {
+                    (self.stands[k], self.counted[k], self.unmoved[k]) = (reading, command[k], 0.0);
                     Fault::None
                 } else {
-                    if self.active {
-                        self.unmoved[k] += apart(command[k], self.held[k]);
+                    let way = if self.active { apart(command[k], self.counted[k]) } else { 0.0 };
+                    if way > steps::<P>(axis.play) {
+                        self.unmoved[k] += way;
+                    }
+                    if way > steps::<P>(axis.play) || !self.active {
+                        self.counted[k] = command[k];
                     }
                     // No output tells which axis it was of several: to the step.
                     if self.unmoved[k] > steps::<P>(axis.stuck) { Fault::EncoderStuck } else { Fault::None }
@@ -213,12 +231,18 @@ impl<P: Place, const N: usize> Senses<P, N> {
             };
             match fault {
                 Fault::None => (self.good[k], self.missing[k]) = (reading, 0),
-                // Before the first command there is nothing to fall back on but the command.
-                _ if !self.started => self.good[k] = command[k],
+                // Before the first command there is nothing to fall back on but the command; nor is what is not to be
+                // believed.
+                _ if !self.started || !readable(self.good[k]) => {
+                    (self.good[k], self.stands[k]) = (command[k], command[k]);
+                }
                 _ => self.missing[k] = self.missing[k].saturating_add(1),
             }
+            if !matches!(fault, Fault::None | Fault::EncoderStuck) {
+                self.counted[k] = command[k];
+            }
             if !watch {
-                self.unmoved[k] = 0.0;
+                (self.stands[k], self.counted[k], self.unmoved[k]) = (self.good[k], command[k], 0.0);
             }
             faults[k] = fault;
         }
@@ -232,8 +256,10 @@ impl<P: Place, const N: usize> Senses<P, N> {
             return true;
         }
         let input = &seen.moment.input;
+        let active = input.homed && input.enable;
         for k in 0..N {
-            if input.feedback[k].is_usable() && input.encoder_alarm >> k & 1 == 0 {
+            let readable = !active || input.feedback[k].is_within(&seen.facts.axes[k].readable);
+            if input.feedback[k].is_usable() && readable && input.encoder_alarm >> k & 1 == 0 {
                 self.held[k] = input.feedback[k];
                 self.known |= 1 << k;
             }

@@ -101,7 +101,7 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         let record = &seen.outcome.output.record;
         if record.fault == Fault::JointRange && !verdict.holds() {
             self.joint_range(seen, verdict, first)?;
-            self.senses.latched = Some((Fault::JointRange, record.fault_axis));
+            self.senses.latch((Fault::JointRange, record.fault_axis));
             verdict = Verdict::Held;
         }
         self.told(seen, verdict)?;

@@ -12,6 +12,13 @@ const TRAVEL: [i64; 2] = [-10_000_000, 90_000_000];
 const JUMP: [i64; AXES] = [100_000, 100_000, 100_000, 300_000];
 const READING_MORE: [i64; AXES] = [20_000, 20_000, 20_000, 50_000];
 const STUCK: [i64; AXES] = [200_000, 200_000, 200_000, 700_000];
+/// Where readings are believed: the joint, which is the travel, and 1 mm (1°).
+const READABLE: [i64; 2] = [TRAVEL[0] - 1_000_000, TRAVEL[1] + 1_000_000];
+/// Step of the encoder, not stated on X; on Z three of them are more than a quarter of the stuck way.
+const ENCODER: [i64; AXES] = [0, 2_000, 20_000, 5_000];
+const BACKLASH: i64 = 10_000;
+/// Within this a reading stands.
+const STILL: [i64; AXES] = [0, 6_000, 50_000, 15_000];
 /// On C it is more than a jump.
 const RESUME: [i64; AXES] = [50_000, 50_000, 50_000, 400_000];
 
@@ -21,6 +28,9 @@ fn machine() -> MachineSettings {
         let place = if axis.axis.is_rotary() { 3 } else { 0 };
         axis.travel = TRAVEL.map(|x| x as f64 * 1e-6);
         axis.joint = axis.travel;
+        let slot = if axis.axis.is_rotary() { 3 } else { axis.axis.index() };
+        axis.encoder_resolution = (slot > 0).then_some(ENCODER[slot] as f64 * 1e-6);
+        axis.backlash = BACKLASH as f64 * 1e-6;
         axis.max_feed_per_s = JUMP[place] as f64 * 1e-6 / 2.0 / (f64::from(PERIOD_NS) * 1e-9);
     });
     let faults = FaultSettings {
@@ -52,6 +62,9 @@ struct Model {
     feedback: [i64; AXES],
     read: [bool; AXES],
     missing: [i64; AXES],
+    /// Where the reading stands, up to where the command is counted, and how far it has gone.
+    stands: [i64; AXES],
+    counted: [i64; AXES],
     unmoved: [i64; AXES],
 }
 
@@ -90,6 +103,7 @@ impl Model {
     /// `toward`: the commands that readings are held against.
     fn readings(&mut self, input: &Input<Nanometres, AXES>, toward: [i64; AXES], watched: bool) -> Option<(Fault, u8)> {
         let mut worst = None;
+        let readable = |x: i64| !(input.homed && input.enable) || (READABLE[0]..=READABLE[1]).contains(&x);
         for k in 0..AXES {
             let reading = i64::from(input.feedback[k].0);
             let farthest = JUMP[k] + READING_MORE[k];
@@ -97,28 +111,50 @@ impl Model {
                 Some(Fault::FeedbackNotFinite)
             } else if input.encoder_alarm >> k & 1 == 1 {
                 Some(Fault::EncoderAlarm)
+            } else if !readable(reading) {
+                Some(Fault::FeedbackJump)
             } else if watched && (reading - self.feedback[k]).abs() > farthest * (1 + self.missing[k]) {
                 Some(Fault::FeedbackJump)
-            } else if watched && reading == self.feedback[k] {
-                if self.active {
-                    self.unmoved[k] += (toward[k] - self.command[k]).abs();
-                }
-                (self.unmoved[k] > STUCK[k]).then_some(Fault::EncoderStuck)
+            } else if watched && self.stands(k, reading, toward[k]) {
+                Some(Fault::EncoderStuck)
             } else {
-                self.unmoved[k] = 0;
                 None
             };
-            if !watched {
-                self.unmoved[k] = 0;
-            }
             match fault {
                 None => (self.feedback[k], self.missing[k]) = (reading, 0),
-                Some(_) if !self.started => self.feedback[k] = toward[k],
+                // Nothing to fall back on, or nothing that is to be believed.
+                Some(_) if !self.started || !readable(self.feedback[k]) => {
+                    (self.feedback[k], self.stands[k]) = (toward[k], toward[k]);
+                }
                 Some(_) => self.missing[k] += 1,
+            }
+            // What could not be read, or is not watched, has nothing to show.
+            if !watched || !matches!(fault, None | Some(Fault::EncoderStuck)) {
+                self.counted[k] = toward[k];
+            }
+            if !watched {
+                (self.stands[k], self.unmoved[k]) = (self.feedback[k], 0);
             }
             worst = worst.or(fault.map(|fault| (fault, k as u8)));
         }
         worst
+    }
+
+    /// A believable reading within three steps of the encoder from where it stood, while the command goes on by moves of
+    /// more than these and the backlash.
+    fn stands(&mut self, k: usize, reading: i64, toward: i64) -> bool {
+        if (reading - self.stands[k]).abs() > STILL[k] {
+            (self.stands[k], self.counted[k], self.unmoved[k]) = (reading, toward, 0);
+            return false;
+        }
+        let from = if self.active { self.counted[k] } else { toward };
+        let play = if ENCODER[k] == 0 { 0 } else { STILL[k] + BACKLASH };
+        self.counted[k] = from;
+        if (toward - from).abs() > play {
+            self.unmoved[k] += (toward - from).abs();
+            self.counted[k] = toward;
+        }
+        self.unmoved[k] > STUCK[k]
     }
 
     fn cycle(&mut self, input: &Input<Nanometres, AXES>) -> Decided {
@@ -141,12 +177,15 @@ impl Model {
             };
             return self.decided(verdict, fault, first);
         }
-        self.latched = self.latched.or(bad);
+        if !was_latched {
+            self.latch(bad);
+        }
         // Before the first command the machine is held where it was read, once all of it has been.
         if !self.started && !self.read.iter().all(|read| *read) {
             for k in 0..AXES {
                 let reading = i64::from(input.feedback[k].0);
-                if usable(reading) && input.encoder_alarm >> k & 1 == 0 {
+                let readable = !active || (READABLE[0]..=READABLE[1]).contains(&reading);
+                if usable(reading) && readable && input.encoder_alarm >> k & 1 == 0 {
                     (self.command[k], self.read[k]) = (reading, true);
                 }
             }
@@ -158,10 +197,15 @@ impl Model {
         self.readings(input, self.command, self.active && !first);
         if was_latched && rising && placed && near && fits {
             (self.latched, self.started, self.active, self.unmoved) = (None, true, active, [0; AXES]);
-            self.command = command;
+            (self.command, self.counted, self.stands) = (command, command, self.feedback);
             return self.decided(if active { Verdict::Active } else { Verdict::Inactive }, None, first);
         }
         self.decided(if placed { Verdict::Hold } else { Verdict::Nowhere }, self.latched, first)
+    }
+
+    /// From now on the command in force is held.
+    fn latch(&mut self, fault: Option<(Fault, u8)>) {
+        (self.latched, self.counted) = (fault, self.command);
     }
 
     fn decided(&self, verdict: Verdict, fault: Option<(Fault, u8)>, first: bool) -> Decided {
@@ -211,8 +255,16 @@ fn random_cycle(random: &mut Noise, model: &Model, stretch: &Stretch) -> Input<N
     });
     let feedback = std::array::from_fn(|k| {
         let jump = (JUMP[k] + READING_MORE[k]) * (1 + model.missing[k]);
+        let still = STILL[k] as f64;
         if k == stands && random.below(10) > 0 {
-            return Nanometres(model.feedback[k] as i32);
+            // To and fro by up to what counts as standing, and a nanometre.
+            let noise = [0.0, 0.0, still * random.signed(), still, -still, still + 1.0][random.below(6)];
+            let from = if random.below(2) == 0 { model.stands[k] } else { model.feedback[k] };
+            return Nanometres((from + noise as i64) as i32);
+        }
+        if random.unit() < wild {
+            let ends = [READABLE[0], READABLE[0] - 1, READABLE[1], READABLE[1] + 1];
+            return Nanometres(ends[random.below(4)] as i32);
         }
         let borders = if model.missing[k] == 0 { [jump; 2] } else { [jump - 2, jump + 1] };
         if random.below(2) == 0 { command[k] } else { next(random, model.feedback[k], &borders, wild) }
@@ -273,7 +325,7 @@ fn every_decision_is_the_models() {
                 // A later stage finds something now and then: the command was not accepted.
                 if random.below(500) == 0 {
                     state.latch(Fault::JointRange, 2);
-                    model.latched = Some((Fault::JointRange, 2));
+                    model.latch(Some((Fault::JointRange, 2)));
                 }
             }
             assert_eq!(state.commanded().map(|p| i64::from(p.0)), model.command);

@@ -272,3 +272,170 @@ fn a_reset_is_not_heard_where_one_axis_jumps_and_another_is_out_of_travel() {
     bench.cycle(&at(50.0, 109.99));
     assert!(!bench.cycle(&Input { reset: true, ..at(50.04, 110.0) }).stop_requested());
 }
+
+/// The farthest readings that are believed: travel, 0.1 mm of correction in the joint, 1 mm.
+const READABLE: [f64; 2] = [-11.1, 111.1];
+
+/// A counter of nanometres that wraps at 32 bits reads 4.295 m away, on an axis of 120 mm: not in ten seconds either.
+#[test]
+fn a_reading_beyond_the_travel_is_not_believed_however_long_it_lasts() {
+    for off in [-4294.967_296, 4294.967_296, 112.0, -112.0] {
+        let mut bench = standing(50.0);
+        let before = bench.last.unwrap();
+        let (mut x, mut good) = (50.0, 50.0);
+        for n in 0..100_000_u32 {
+            x += if n / 2000 % 2 == 0 { 0.02 } else { -0.02 };
+            let out = bench.cycle(&Input { feedback: [x + off, 50.0, 50.0], ..input([x, 50.0, 50.0]) });
+            let told = (out.record.fault, out.record.fault_axis, out.record.feedback[0]);
+            assert_eq!(told, (Fault::FeedbackJump, 0, good), "{off} mm, cycle {n}");
+            assert_eq!(out.record.correction, before.record.correction);
+            assert!(!out.stop_requested());
+        }
+        // It ends as soon as the reading is back.
+        good = x;
+        let out = bench.cycle(&input([x, 50.0, 50.0]));
+        assert_eq!((out.record.fault, out.record.feedback[0]), (Fault::None, good), "{off} mm");
+    }
+}
+
+#[test]
+fn readings_are_believed_a_millimetre_beyond_the_joint() {
+    let [low, high] = READABLE;
+    for (end, reading, believed) in
+        [(-10.0, low + 1e-6, true), (-10.0, low - 1e-6, false), (110.0, high - 1e-6, true), (110.0, high + 1e-6, false)]
+    {
+        let mut bench = standing(end);
+        // An axis that coasts beyond its end while the command stands there, 0.1 mm a cycle.
+        let mut at = end;
+        for _ in 0..11 {
+            at += 0.1 * (reading - end).signum();
+            let out = bench.cycle(&Input { feedback: [end, at, end], ..input([end; 3]) });
+            assert_eq!((out.record.fault, out.record.feedback[1]), (Fault::None, at));
+        }
+        let out = bench.cycle(&Input { feedback: [end, reading, end], ..input([end; 3]) });
+        let expected = if believed { (Fault::None, 0, reading) } else { (Fault::FeedbackJump, 1, at) };
+        assert_eq!((out.record.fault, out.record.fault_axis, out.record.feedback[1]), expected, "{reading}");
+    }
+}
+
+/// Before homing and while switched off any number is a reading; what is then left of them is not believed when the
+/// plugin becomes active.
+#[test]
+fn where_readings_may_be_counts_from_homed_and_enabled_on() {
+    let far = [-4284.0, 50.0, 50.0];
+    for [homed, enable] in [[false, true], [true, false], [false, false]] {
+        let off = |feedback| Input { homed, enable, feedback, ..input([50.0; 3]) };
+        let mut bench = Bench::new();
+        for _ in 0..10 {
+            let out = bench.cycle(&off(far));
+            assert_eq!((out.record.fault, out.record.feedback), (Fault::None, far));
+        }
+        // The command stands in for a reading that is none, in the first cycle of all too.
+        for mut bench in [bench, Bench::new()] {
+            for _ in 0..10 {
+                let out = bench.cycle(&Input { feedback: far, ..input([50.0; 3]) });
+                let told = (out.record.fault, out.record.fault_axis, out.record.feedback[0]);
+                assert_eq!(told, (Fault::FeedbackJump, 0, 50.0));
+                assert!(!out.record.status.has(Status::ACTIVE));
+            }
+            let out = bench.cycle(&input([50.0; 3]));
+            assert_eq!((out.record.fault, out.record.feedback), (Fault::None, [50.0; 3]));
+        }
+    }
+    // Nor is it a place to hold at before the first command.
+    let mut bench = Bench::new();
+    let nowhere = |feedback| Input { feedback, ..input([f64::NAN, 50.0, 50.0]) };
+    assert!(!bench.cycle(&nowhere(far)).has_drive());
+    assert_eq!(bench.cycle(&nowhere([60.0; 3])).drive, [60.0; 3]);
+    // A travel that is not declared ends at 1 km: readings with it.
+    let servo = servo_loop_with(1.0, |axis| (axis.travel, axis.joint) = ([-1e6, 1e6], [-1e6 - 0.1, 1e6 + 0.1]));
+    let mut bench = Bench::on(servo);
+    for (x, believed) in [(1_000_001.0, true), (1_000_001.2, false), (-1_000_001.2, false)] {
+        bench.state = servo.start();
+        bench.last = None;
+        let out = bench.cycle(&Input { feedback: [x, 50.0, 50.0], ..input([50.0; 3]) });
+        assert_eq!(out.record.fault == Fault::None, believed, "{x}");
+    }
+}
+
+/// Steps of the encoder in the tests below, 1 µm.
+const COUNT: f64 = 1e-3;
+
+/// A bench at rest whose encoders have these steps.
+fn with_encoders(step: f64, backlash: f64) -> Bench {
+    let mut bench = Bench::on(servo_loop_with(1.0, |axis| {
+        (axis.encoder_resolution, axis.backlash, axis.hysteresis) = (Some(step), backlash, 3e-3);
+    }));
+    bench.settle([50.0; 3]);
+    bench
+}
+
+/// Cycles until X is found to stand, going by `command(n)` and reading `reading(n)`; `None`: not in 20,000.
+fn found(bench: &mut Bench, command: impl Fn(u32) -> f64, reading: impl Fn(u32) -> f64) -> Option<u32> {
+    (1..=20_000).find(|n| {
+        let given = Input { feedback: [reading(*n), 50.0, 50.0], ..input([command(*n), 50.0, 50.0]) };
+        let fault = bench.cycle(&given).record.fault;
+        assert!(matches!(fault, Fault::None | Fault::EncoderStuck), "{n}: {fault}");
+        fault == Fault::EncoderStuck
+    })
+}
+
+/// Dead encoders that are not quite still: a count to either side, a last digit that drifts.
+#[test]
+fn a_dead_encoder_that_is_not_quite_still_is_found_by_its_resolution() {
+    let noise = |n: u32| [0.0, COUNT, -COUNT, COUNT, 0.0, -COUNT][n as usize % 6];
+    let drift = |n: u32| 1e-6 * f64::from(n);
+    let to_and_fro = |n: u32| 50.0 + 0.005 * f64::from((n % 20).abs_diff(10)) - 0.05;
+    let on = |n: u32| 50.0 + 0.01 * f64::from(n % 5000);
+    for dead in [noise, drift] {
+        for sign in [1.0, -1.0] {
+            let going = |n: u32| 50.0 + sign * (on(n) - 50.0);
+            let mut bench = with_encoders(COUNT, 0.0);
+            let cycle = found(&mut bench, going, |n| 50.0 + dead(n));
+            // 0.2 mm by 0.01 mm, and what a first move has to be.
+            assert!(cycle.is_some_and(|n| (20..=24).contains(&n)), "{cycle:?}");
+            // It lasts as long as the encoder is dead, and the last reading before it stands in.
+            for n in 25..4000 {
+                let given = Input { feedback: [50.0 + noise(n), 50.0, 50.0], ..input([going(n), 50.0, 50.0]) };
+                let out = bench.cycle(&given);
+                assert_eq!(out.record.fault, Fault::EncoderStuck, "{n}");
+                assert!((out.record.feedback[0] - 50.0).abs() <= COUNT);
+            }
+            // Alive again.
+            let back = Input { feedback: [going(3999), 50.0, 50.0], ..input([going(3999), 50.0, 50.0]) };
+            assert_eq!(bench.cycle(&back).record.fault, Fault::None);
+        }
+    }
+    let mut bench = with_encoders(COUNT, 0.0);
+    let cycle = found(&mut bench, to_and_fro, |n| 50.0 + noise(n));
+    assert!(cycle.is_some_and(|n| n < 80), "{cycle:?}");
+    // Without a stated resolution any change is one.
+    let mut bench = standing(50.0);
+    assert_eq!(found(&mut bench, |n| 50.0 + 0.002 * f64::from(n), |n| 50.0 + noise(n)), None);
+}
+
+/// Healthy encoders that show little: none of them is dead.
+#[test]
+fn what_a_resolution_cannot_show_is_no_death() {
+    let noise = |n: u32| [0.0, COUNT, -COUNT, COUNT, 0.0, -COUNT][n as usize % 6];
+    let read = |x: f64, step: f64| (x / step).round() * step;
+    // At rest, and at a feed of a hundredth of a count a cycle.
+    let mut bench = with_encoders(COUNT, 0.0);
+    assert_eq!(found(&mut bench, |_| 50.0, |n| 50.0 + noise(n)), None);
+    let slow = |n: u32| 50.0 + 0.01 * COUNT * f64::from(n);
+    let mut bench = with_encoders(COUNT, 0.0);
+    assert_eq!(found(&mut bench, slow, |n| read(slow(n), COUNT) + noise(n)), None);
+    // A command that trembles by less than three counts: 60 mm of way.
+    let tremble = |n: u32| 50.0 + 1.5 * COUNT * if n.is_multiple_of(2) { 1.0 } else { -1.0 };
+    let mut bench = with_encoders(COUNT, 0.0);
+    assert_eq!(found(&mut bench, tremble, |n| 50.0 + noise(n)), None);
+    // To and fro within the backlash of a rack, read behind it.
+    let within = |n: u32| 50.0 + 0.0025 * f64::from((n % 40).abs_diff(20)) - 0.05;
+    let mut bench = with_encoders(COUNT, 0.05);
+    assert_eq!(found(&mut bench, within, |n| 50.0 + noise(n)), None);
+    // An encoder so coarse that three of its steps are more than the stated way.
+    let fast = |n: u32| 50.0 + 0.002 * f64::from((n % 8000).abs_diff(4000)) - 8.0;
+    let mut bench = with_encoders(0.1, 0.0);
+    let start = |n: u32| if n <= 4000 { 50.0 } else { fast(n - 4000 + 8000) };
+    assert_eq!(found(&mut bench, start, |n| read(start(n), 0.1)), None);
+}
