@@ -283,7 +283,7 @@
 /// The encoder interface reports an alarm (dropout).
 #define TRUEAXIS_FAULT_ENCODER_ALARM 4
 
-/// `elapsed_ns` is longer than the period by more than a quarter.
+/// `elapsed_ns` is more than a quarter off the period, or too many cycles came early.
 #define TRUEAXIS_FAULT_LATE_CYCLE 5
 
 /// A command is not finite. From here to 31: the output holds, a stop is requested.
@@ -503,8 +503,10 @@ typedef int32_t trueaxis_position_t;
 typedef struct trueaxis_input_t {
     /// `sizeof(trueaxis_input_t)`.
     uint32_t size;
-    /// Time since the last cycle, ns. More than a quarter off the period, the correction freezes for this cycle. From a
-    /// 64-bit time by `trueaxis_elapsed_ns`.
+    /// Time since the last cycle, ns, as measured, or the period. More than a quarter off the period, or where less than
+    /// 0.999 of a period has passed for every cycle's worth that the correction has moved (up to one is in hand), it freezes
+    /// for this cycle, with `TRUEAXIS_FAULT_LATE_CYCLE`: its limits hold by the second, however cycles come. 0: no time has
+    /// passed, nothing moves. That of the first cycle does not count. From a 64-bit time by `trueaxis_elapsed_ns`.
     uint32_t elapsed_ns;
     /// Commanded positions, uncorrected.
     trueaxis_position_t command[TRUEAXIS_AXES_MAX];

@@ -18,8 +18,10 @@ use trueaxis::{Dynamics, Fault};
 pub struct Input {
     /// `sizeof(trueaxis_input_t)`.
     pub size: u32,
-    /// Time since the last cycle, ns. More than a quarter off the period, the correction freezes for this cycle. From a
-    /// 64-bit time by `trueaxis_elapsed_ns`.
+    /// Time since the last cycle, ns, as measured, or the period. More than a quarter off the period, or where less than
+    /// 0.999 of a period has passed for every cycle's worth that the correction has moved (up to one is in hand), it freezes
+    /// for this cycle, with `TRUEAXIS_FAULT_LATE_CYCLE`: its limits hold by the second, however cycles come. 0: no time has
+    /// passed, nothing moves. That of the first cycle does not count. From a 64-bit time by `trueaxis_elapsed_ns`.
     pub elapsed_ns: u32,
     /// Commanded positions, uncorrected.
     pub command: [Position; AXES_MAX],

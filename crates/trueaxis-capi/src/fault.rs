@@ -10,7 +10,7 @@ pub const FAULT_FEEDBACK_JUMP: u8 = 2;
 pub const FAULT_ENCODER_STUCK: u8 = 3;
 /// The encoder interface reports an alarm (dropout).
 pub const FAULT_ENCODER_ALARM: u8 = 4;
-/// `elapsed_ns` is longer than the period by more than a quarter.
+/// `elapsed_ns` is more than a quarter off the period, or too many cycles came early.
 pub const FAULT_LATE_CYCLE: u8 = 5;
 /// A command is not finite. From here to 31: the output holds, a stop is requested.
 pub const FAULT_COMMAND_NOT_FINITE: u8 = 16;

@@ -113,7 +113,8 @@ pub enum Fault {
     EncoderStuck = 3,
     /// The encoder interface reports an alarm (dropout).
     EncoderAlarm = 4,
-    /// The cycle came late, by more than a quarter of its period.
+    /// The cycle came late or early by more than a quarter of its period, or cycles come faster than the period for so long
+    /// that the corrections have to stand ([`crate::Input::elapsed_ns`]).
     LateCycle = 5,
     /// A command is infinite or not a number.
     CommandNotFinite = 16,
@@ -149,7 +150,9 @@ impl fmt::Display for Fault {
             }
             Fault::EncoderStuck => "an encoder reading stands still although the axis is commanded to move",
             Fault::EncoderAlarm => "an encoder interface reports an alarm",
-            Fault::LateCycle => "the cycle came late by more than a quarter of its period",
+            Fault::LateCycle => {
+                "the cycle came late or early by more than a quarter of its period, or too many came early"
+            }
             Fault::CommandNotFinite => "a command is not a finite number",
             Fault::CommandOutOfTravel => "a command lies outside the travel of its axis",
             Fault::CommandJump => "a command changed more in a cycle than the axis can move",

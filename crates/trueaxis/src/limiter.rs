@@ -7,8 +7,10 @@
 //! |c| <= C      |Δc| <= V      |Δ²c| <= a
 //! ```
 //!
-//! and c = r bit for bit from the cycle in which it locks on, for every r that stays inside the three limits itself.
-//! While c differs from r it approaches with the braking law
+//! and c = r bit for bit from the cycle in which it locks on, for every r that stays inside the three limits itself. The
+//! scalar holds the limits rounded towards zero, and c to some units in the last place of C. Positions in nanometres round
+//! what is sent to a step: C is a whole number of steps there, and no drive goes beyond it (C up to 1 mm); its Δc may be a
+//! step more than V, over any time too, its Δ²c two. While c differs from r it approaches with the braking law
 //!
 //! ```text
 //! g    = r − c − Δr                               distance to the target, in its moving frame
@@ -23,6 +25,9 @@
 //!
 //! While a drive is held, c stays the difference between drive and held command: its speed is cut to zero,
 //! and it goes on from there ([`Limiter::hold`]).
+//!
+//! A cycle of this law takes a period of time: cycles that come too early are none of it, the state stays as it is
+//! ([`crate::Input::elapsed_ns`]). So the limits in seconds hold however cycles come.
 
 #![deny(clippy::indexing_slicing)]
 
@@ -125,10 +130,10 @@ impl<R: Real> Limiter<R> {
             }
         }
         let limiter = Limiter {
-            magnitude: R::of(c),
-            velocity: R::of(v),
-            acceleration: R::of(a),
-            open: R::of(c - v - v * v / (2.0 * a)),
+            magnitude: towards_zero(c),
+            velocity: towards_zero(v),
+            acceleration: towards_zero(a),
+            open: towards_zero(c - v - v * v / (2.0 * a)),
             approach: R::of(8.0 / (APPROACH * a)),
             brake: R::of(8.0 / a),
             far: R::of(2.0 * v * (v / (APPROACH * a) + 1.0)),
@@ -157,6 +162,12 @@ impl<R: Real> Limiter<R> {
             return false;
         }
         self.approach(state, wanted)
+    }
+
+    /// [`Limiter::follow`] where a cycle is due; where no time has passed for one, nothing is changed.
+    #[inline(always)]
+    pub(crate) fn follow_when(&self, due: bool, state: &mut LimiterState<R>, wanted: R) -> bool {
+        if due { self.follow(state, wanted) } else { state.sent != wanted }
     }
 
     /// Locked on, and the target itself keeps the limits: [`Limiter::follow`] sends `wanted` as it is, without root or
@@ -247,6 +258,12 @@ pub fn lead_in_s(limits: &Limits, way: f64) -> f64 {
     let both = (1.0 + 1.0 / APPROACH) / limits.acceleration_per_s2;
     let ramps = 0.5 * top * top * both;
     if way <= ramps { libm::sqrt(2.0 * way * both) } else { top * both + (way - ramps) / top }
+}
+
+/// A limit in the scalar, not above it.
+fn towards_zero<R: Real>(limit: f64) -> R {
+    let nearest = R::of(limit);
+    if nearest.to_f64().abs() > limit.abs() { R::of(limit * (1.0 - R::EPSILON.to_f64())) } else { nearest }
 }
 
 /// U(d, b): the largest speed from which whole cycles of deceleration `b` stop within `d`; `eight_over_b` = 8/b.

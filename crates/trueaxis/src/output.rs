@@ -86,8 +86,11 @@ impl<R: Real, P: Position, const N: usize> OutputStage<R, P, N> {
         let settings = order.settings(machine);
         for ((settings, limiter), joint) in settings.into_iter().zip(&mut stage.limiters).zip(&mut stage.joint) {
             if let Some(settings) = settings {
-                *limiter = Limiter::new(&settings.limits, period_s).map_err(|error| error.on(settings.axis))?;
-                *joint = settings.joint.map(P::nearest);
+                // What is sent is rounded to a step: neither limit nor range lies between two of them.
+                let limits = Limits { magnitude: P::whole_steps(settings.limits.magnitude), ..settings.limits };
+                *limiter = Limiter::new(&limits, period_s).map_err(|error| error.on(settings.axis))?;
+                let [least, most] = settings.joint;
+                *joint = [P::within_end(least, false), P::within_end(most, true)];
                 // As they are compared: integers may end before the travel does.
                 let ([low, high], [least, most]) =
                     (settings.travel.map(|end| P::nearest(end).to_f64()), joint.map(P::to_f64));
@@ -130,7 +133,7 @@ impl<R: Real, P: Position, const N: usize> OutputStage<R, P, N> {
         sample: &Sample<P, N>,
         wanted: &[R; N],
     ) -> Option<OutputState<R, P, N>> {
-        if sample.verdict != Verdict::Active || sample.first || !state.locked {
+        if sample.verdict != Verdict::Active || sample.first || !sample.due || !state.locked {
             return None;
         }
         for ((limiter, limited), wanted) in self.limiters.iter().zip(&state.limited).zip(wanted) {
@@ -162,9 +165,10 @@ impl<R: Real, P: Position, const N: usize> OutputStage<R, P, N> {
         let mut flags = 0u8;
         match sample.verdict {
             _ if sample.first => {}
-            Verdict::Active => flags = self.follow(state, wanted),
-            Verdict::Freeze if !freezes => flags = self.follow(state, wanted),
-            Verdict::Inactive => flags = self.follow(state, &[R::ZERO; N]),
+            Verdict::Active => flags = self.follow(state, wanted, sample.due),
+            Verdict::Freeze if !freezes => flags = self.follow(state, wanted, sample.due),
+            Verdict::Inactive => flags = self.follow(state, &[R::ZERO; N], sample.due),
+            Verdict::Freeze if !sample.due => {}
             Verdict::Freeze => self.limiters.iter().zip(&mut state.limited).for_each(|(l, limited)| l.freeze(limited)),
             Verdict::Hold | Verdict::Nowhere => {
                 self.limiters.iter().zip(&mut state.limited).for_each(|(l, limited)| l.hold(limited));
@@ -196,12 +200,13 @@ impl<R: Real, P: Position, const N: usize> OutputStage<R, P, N> {
         Applied { limited: flags, outside, status: Status(0) }
     }
 
-    /// The corrections go on towards the wanted ones; a bit for every axis where there is a difference left.
-    fn follow(&self, state: &mut OutputState<R, P, N>, wanted: &[R; N]) -> u8 {
+    /// The corrections go on towards the wanted ones, where they are `due`; a bit for every axis where there is a
+    /// difference left.
+    fn follow(&self, state: &mut OutputState<R, P, N>, wanted: &[R; N], due: bool) -> u8 {
         let mut flags = 0;
         let axes = self.limiters.iter().zip(&mut state.limited).zip(wanted);
         for (slot, ((limiter, limited), wanted)) in axes.enumerate() {
-            flags |= u8::from(limiter.follow(limited, *wanted)) << (slot & 7);
+            flags |= u8::from(limiter.follow_when(due, limited, *wanted)) << (slot & 7);
         }
         flags
     }

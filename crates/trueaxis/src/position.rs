@@ -20,6 +20,21 @@ pub trait Position: Copy + Debug + Default + PartialEq + PartialOrd + Send + Syn
     fn nearest(x: f64) -> Self {
         Self::of(x)
     }
+    /// The farthest usable position that is not beyond the end of a range (mm or deg), `upper` or lower.
+    fn within_end(end: f64, upper: bool) -> Self {
+        let nearest = Self::nearest(end);
+        let beyond = if upper { nearest.to_f64() > end } else { nearest.to_f64() < end };
+        match (beyond, upper) {
+            (false, _) => nearest,
+            (true, true) => Self::nearest(end - Self::STEP),
+            (true, false) => Self::nearest(end + Self::STEP),
+        }
+    }
+    /// The largest correction that is a whole number of steps and not above a limit (mm or deg), at least a step; for
+    /// doubles the limit. A limit counts as whole that rounding leaves 1e-6 of a step below.
+    fn whole_steps(limit: f64) -> f64 {
+        limit
+    }
     /// As a double (mm or deg).
     fn to_f64(self) -> f64;
     /// `self - origin`, rounded once.
@@ -152,6 +167,9 @@ impl Position for Nanometres {
     }
     fn nearest(x: f64) -> Nanometres {
         Nanometres(Nanometres::of(x).0.clamp(i32::MIN + 1, i32::MAX - 1))
+    }
+    fn whole_steps(limit: f64) -> f64 {
+        libm::floor(limit * 1e6 + 1e-6).max(1.0) / 1e6
     }
     #[inline(always)]
     fn to_f64(self) -> f64 {

@@ -25,6 +25,16 @@ pub struct Input<P, const N: usize> {
     /// A bit for every axis whose encoder interface reports an alarm.
     pub encoder_alarm: u8,
     /// Time since the last cycle in nanoseconds, as the host measured or knows it.
+    ///
+    /// More than a quarter off the period, or corrections that have to stand: [`Fault::LateCycle`], frozen. They stand where
+    /// too little time has passed since they moved last; with e this time, T 0.999 of the period and t the time in hand,
+    ///
+    /// ```text
+    /// t <- min(t + e, 2 T − 1 ns)      t >= T: they move by a cycle's worth, t <- t − T;  else they stand
+    /// ```
+    ///
+    /// so that in any time they move by no more than their slope allows in it, and a cycle's worth. What stands goes on as
+    /// it went. 0: no time has passed, nothing moves. That of the first cycle does not count.
     pub elapsed_ns: u32,
     /// All axes are homed: positions are machine positions.
     pub homed: bool,
@@ -114,6 +124,8 @@ pub(crate) struct Sample<'s, P, const N: usize> {
     pub(crate) fault: Fault,
     /// Slot of the axis that the fault belongs to.
     pub(crate) axis: u8,
+    /// A period has passed since the corrections moved last ([`Input::elapsed_ns`]): in this cycle they may.
+    pub(crate) due: bool,
     /// No cycle before this one had a command that was accepted.
     pub(crate) first: bool,
     /// The positions are machine positions.
@@ -132,6 +144,7 @@ impl<'s, P, const N: usize> Sample<'s, P, N> {
             verdict: Verdict::Active,
             fault: Fault::None,
             axis: 0,
+            due: true,
             first: false,
             homed: true,
             input,
@@ -185,7 +198,12 @@ impl<R: Real, P: Position> Plausible<R, P> {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sampler<R, P: Position, const N: usize> {
     axes: [Plausible<R, P>; N],
+    earliest_ns: u32,
+    /// From the earliest to the latest.
+    tolerance_ns: u32,
     latest_ns: u32,
+    /// Time that the corrections take for a cycle's worth of movement.
+    pace_ns: u32,
     /// From here on a cycle counts as [`LONGEST`] periods.
     longest_ns: u32,
     per_period: R,
@@ -215,6 +233,8 @@ pub(crate) struct SampleState<P: Position, const N: usize> {
     /// The last cycle was active and nothing was wrong with it: no stop, no reading missing, no reset held.
     calm: bool,
     started: bool,
+    /// Time in which the corrections have not moved yet, below [`Sampler::pace_ns`].
+    time_ns: u32,
     /// While holding before the first command: a bit for every axis whose position is known.
     known: u8,
     active: bool,
@@ -233,6 +253,7 @@ impl<P: Position, const N: usize> SampleState<P, N> {
         SampleState {
             calm: false,
             started: false,
+            time_ns: 0,
             known: 0,
             active: false,
             reset: false,
@@ -273,6 +294,10 @@ impl<P: Position, const N: usize> SampleState<P, N> {
 
 /// A period longer than this multiple of the configured one is a late cycle.
 const LATE: f64 = 1.25;
+/// A shorter one is an early cycle.
+const EARLY: f64 = 0.75;
+/// Share of a period by which a host's clock may be fast: [`crate::ServoLoop::check_period`].
+const FAST: u32 = 1000;
 /// The farthest usable position of any type, mm (deg).
 const FARTHEST: f64 = 1e9;
 /// A reading is believed as far beyond the range of the joint, mm (deg): overshoot at the end of the travel, and an axis that
@@ -326,9 +351,14 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
                 }
             })
         });
+        let latest_ns = (LATE * f64::from(period_ns)) as u32;
+        let earliest_ns = libm::ceil(EARLY * f64::from(period_ns)) as u32;
         Sampler {
             axes: limits,
-            latest_ns: (LATE * f64::from(period_ns)) as u32,
+            earliest_ns,
+            tolerance_ns: latest_ns.saturating_sub(earliest_ns),
+            latest_ns,
+            pace_ns: period_ns - period_ns / FAST,
             longest_ns: period_ns.saturating_mul(LONGEST),
             per_period: R::of(1.0 / f64::from(period_ns)),
         }
@@ -343,39 +373,51 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
     /// into ([`Sampler::look`]), nothing is changed that it would not change in the same way.
     #[inline(always)]
     pub(crate) fn glance(&self, state: &mut SampleState<P, N>, input: &Input<P, N>) -> bool {
-        if !self.is_calm(state, input) {
-            return false;
-        }
+        let Some(time_ns) = self.calm_time(state, input) else { return false };
         let positions = input.feedback.iter().zip(&input.command);
         for ((axis, suspicion), (reading, command)) in self.axes.iter().zip(&mut state.suspicions).zip(positions) {
             if axis.is_stuck(suspicion, *reading, *command) {
                 return false;
             }
         }
-        state.feedback = input.feedback;
+        (state.feedback, state.time_ns) = (input.feedback, time_ns);
         true
     }
 
-    /// Whether a calm cycle is one in which [`Sampler::look`] too finds nothing wrong, but for a reading that stands.
+    /// The time left after a calm cycle in which [`Sampler::look`] too finds nothing wrong, but for a reading that stands.
     #[inline(always)]
-    fn is_calm(&self, state: &SampleState<P, N>, input: &Input<P, N>) -> bool {
+    fn calm_time(&self, state: &SampleState<P, N>, input: &Input<P, N>) -> Option<u32> {
         let switched = input.homed && input.enable && !input.reset;
         let in_order = input.encoder_alarm == 0 && input.refusal.fault == Fault::None;
-        if !(state.calm && switched && in_order && input.elapsed_ns <= self.latest_ns) {
-            return false;
+        let in_time = input.elapsed_ns.wrapping_sub(self.earliest_ns) <= self.tolerance_ns;
+        if !(state.calm && switched && in_order && in_time) {
+            return None;
         }
+        let (time_ns, true) = self.passed(state.time_ns.wrapping_add(input.elapsed_ns)) else { return None };
         let before = state.command.iter().zip(&state.feedback);
         let now = input.command.iter().zip(&input.feedback);
         for ((axis, (command, reading)), (last, good)) in self.axes.iter().zip(now).zip(before) {
             if !(command.is_within(&axis.travel) && command.apart(*last) <= axis.command_jump) {
-                return false;
+                return None;
             }
             // Nothing that is readable is unusable.
             if !(reading.is_within(&axis.readable) && reading.apart(*good) <= axis.feedback_jump) {
-                return false;
+                return None;
             }
         }
-        true
+        Some(time_ns)
+    }
+
+    /// The time left after a cycle, of that before and its own, and whether the corrections may move in it.
+    #[inline(always)]
+    fn passed(&self, time_ns: u32) -> (u32, bool) {
+        // Less than a movement takes is left over, however long the time was.
+        let most = self.pace_ns.wrapping_mul(2).wrapping_sub(1);
+        let time = time_ns.min(most);
+        match time.checked_sub(self.pace_ns) {
+            Some(left) => (left, true),
+            None => (time, false),
+        }
     }
 
     /// The whole decision about a cycle. `believed` gets the positions of command and feedback.
@@ -390,6 +432,11 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         let first = !state.started;
         let active = input.homed && input.enable;
         let late = input.elapsed_ns > self.latest_ns;
+        // Nothing is known of the time before the first cycle.
+        let due;
+        (state.time_ns, due) =
+            self.passed(if first { u32::MAX } else { state.time_ns.saturating_add(input.elapsed_ns) });
+        let early = input.elapsed_ns < self.earliest_ns || !due;
         let (command_fault, command_axis) = match input.refusal.fault {
             Fault::None => self.command_fault(state, input, active, late),
             refused => (refused, input.refusal.slot),
@@ -398,10 +445,10 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         state.reset = input.reset;
 
         if state.latched != Fault::None || command_fault != Fault::None {
-            return self.stopped(state, input, reset, (command_fault, command_axis), first, believed);
+            return self.stopped(state, input, reset, (command_fault, command_axis), (first, due), believed);
         }
         let (feedback_fault, feedback_axis) = self.feedback_fault(state, input, &input.command, active && !first);
-        let (fault, axis) = match (feedback_fault, late && active && !first) {
+        let (fault, axis) = match (feedback_fault, (late || early) && active && !first) {
             (Fault::None, true) => (Fault::LateCycle, 0),
             _ => (feedback_fault, feedback_axis),
         };
@@ -415,7 +462,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         state.calm = verdict == Verdict::Active && !input.reset;
         *believed = [input.command, state.feedback];
         let [command, feedback] = believed;
-        Sample { command, feedback, verdict, fault, axis, first, homed: input.homed, input }
+        Sample { command, feedback, verdict, fault, axis, due, first, homed: input.homed, input }
     }
 
     /// Periods that a cycle took, for what may have moved meanwhile: 1 in time, at most 16.
@@ -529,7 +576,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         input: &'s Input<P, N>,
         reset: bool,
         (fault, axis): (Fault, u8),
-        first: bool,
+        (first, due): (bool, bool),
         believed: &'s mut [[P; N]; 2],
     ) -> Sample<'s, P, N> {
         let was_latched = state.latched != Fault::None;
@@ -569,6 +616,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
                 verdict,
                 fault: Fault::None,
                 axis: 0,
+                due,
                 first,
                 homed: input.homed,
                 input,
@@ -582,6 +630,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
             verdict: if placed { Verdict::Hold } else { Verdict::Nowhere },
             fault: state.latched,
             axis: state.latched_axis,
+            due,
             first,
             homed: input.homed,
             input,

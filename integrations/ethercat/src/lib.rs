@@ -7,7 +7,7 @@
 //! |---|---|
 //! | a frame is lost, or its working counter is short | readings are old: the correction freezes, commands pass |
 //! | [`LOST_MAX`] frames in a row | quick stop, until [`Cycle::reset`] |
-//! | the cycle came late by more than a quarter, by the distributed clock | the correction freezes in it |
+//! | the cycle came late or early by more than a quarter, by the distributed clock | the correction freezes in it |
 //! | a drive reports a fault | quick stop of all |
 //! | a command is no number, jumps, leaves the travel | the step holds; quick stop of all |
 

@@ -152,13 +152,14 @@ fn a_lost_frame_freezes_the_correction_and_the_command_passes() {
 }
 
 #[test]
-fn a_late_frame_freezes_one_cycle() {
+fn a_late_frame_freezes_one_cycle_and_so_does_an_early_one() {
     moving(|_, cycle, drives, n| {
         for (elapsed, fault) in [
             (PERIOD_NS * 5 / 4 - 1000, Fault::None),
             (PERIOD_NS * 13 / 10, Fault::LateCycle),
             (PERIOD_NS, Fault::None),
-            (PERIOD_NS / 2, Fault::None), // the one after a late one comes early
+            (PERIOD_NS / 2, Fault::LateCycle), // the one after a late one comes early
+            (PERIOD_NS, Fault::None),
         ] {
             *n += 1;
             let report = drives.cycle(cycle, command(*n), elapsed, false);

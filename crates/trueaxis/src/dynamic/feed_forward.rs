@@ -116,6 +116,13 @@ impl<R: Real> FeedForward<R> {
         law
     }
 
+    /// The offset of a cycle that takes no time: that of the last one.
+    #[inline(always)]
+    pub(super) fn standing(&self, state: &Drift<R>) -> R {
+        // Zero where there is no law, whatever one before the exchange of a loop has left.
+        if self.gain == R::ZERO { R::ZERO } else { state.offset }
+    }
+
     /// The offset of a cycle in which the axis is to move by `way`. `anew`: what the force is now, the drive supplies
     /// already.
     #[inline(always)]

@@ -101,7 +101,7 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
     pub(crate) fn lead(&self, led: &mut [LimiterState<R>; N], wanted: &[R; N], sample: &Sample<P, N>) -> u8 {
         let which = usize::from(sample.input.dynamics.has(Dynamics::ACCELERATION));
         let mut flags = 0;
-        if sample.verdict == Verdict::Active {
+        if sample.verdict == Verdict::Active && sample.due {
             for (slot, ((act, led), wanted)) in self.axes.iter().zip(led).zip(wanted).enumerate() {
                 flags |= u8::from(act.lead(which).follow(led, *wanted)) << (slot & 7);
             }
@@ -109,8 +109,9 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         }
         for (slot, (act, led)) in self.axes.iter().zip(led).enumerate() {
             match sample.verdict {
-                Verdict::Freeze => act.lead(which).freeze(led),
                 Verdict::Hold | Verdict::Nowhere => act.lead(which).hold(led),
+                _ if !sample.due => {}
+                Verdict::Freeze => act.lead(which).freeze(led),
                 _ => flags |= u8::from(act.lead(which).follow(led, R::ZERO)) << (slot & 7),
             }
         }
@@ -145,7 +146,7 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
                 }
             }
         }
-        self.follow(state, parts)
+        self.follow(state, parts, sample.due)
     }
 
     /// Cycles in which nothing is wanted; whether nothing moves either.
@@ -172,15 +173,15 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         false
     }
 
-    /// The limiters follow the sum of the parts.
+    /// The limiters follow the sum of the parts, where they are `due`.
     #[inline(always)]
-    fn follow(&self, state: &mut DynamicState<R, P, N>, parts: &mut DynamicParts<R, N>) -> u8 {
+    fn follow(&self, state: &mut DynamicState<R, P, N>, parts: &mut DynamicParts<R, N>, due: bool) -> u8 {
         let mut flags = 0;
         let wanted = parts.feed_forward.iter().zip(&parts.feedback).zip(parts.crosstalk.iter().zip(&parts.learned));
         let axes = self.axes.iter().zip(&mut state.limited).zip(&mut parts.sent);
         for (slot, (((act, limited), sent), ((law, feedback), (crosstalk, learned)))) in axes.zip(wanted).enumerate() {
             let sum = *law + *feedback + *crosstalk + *learned;
-            flags |= u8::from(act.limiter.follow(limited, sum)) << (slot & 7);
+            flags |= u8::from(act.limiter.follow_when(due, limited, sum)) << (slot & 7);
             *sent = limited.sent();
         }
         flags
@@ -196,10 +197,12 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         on: Dynamics,
         parts: &mut DynamicParts<R, N>,
     ) {
-        let fresh = core::mem::replace(&mut state.fresh, false);
+        let fresh = state.fresh;
         // What is switched on in motion, the drive supplies already.
         let anew = fresh || state.parts != on;
-        state.parts = on;
+        if sample.due {
+            (state.fresh, state.parts) = (false, on);
+        }
         let mut changes = [R::ZERO; N];
         let memory = state.drift.iter_mut().zip(&mut state.command).zip(&mut state.geometric_before);
         let moved = sample.command.iter().zip(moment.geometric).zip(&mut changes);
@@ -217,6 +220,11 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
                 command.since_near::<R>(*before) + (*geometric - *led_before)
             };
             (*before, *led_before) = (*command, *geometric);
+            if !sample.due {
+                // Drives have had no time to move in: their laws stand, ways are counted from here.
+                *offset = act.law.standing(drift);
+                continue;
+            }
             *change = way - was;
             *offset = act.law.offset(drift, way, on, anew);
         }
@@ -257,7 +265,7 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         }
         let linear = state.drift.iter().zip(&self.axes).filter(|(_, act)| act.is_linear);
         let slow = feedback.reaches(linear.map(|(drift, _)| drift.velocity()));
-        let error = moment.error.filter(|_| slow && sample.verdict == Verdict::Active);
+        let error = moment.error.filter(|_| slow && sample.verdict == Verdict::Active && sample.due);
         let errors = error.unwrap_or_default();
         // One axis that cannot follow throws the tool off in the directions of all: none of them learns from that.
         let limited = moment.limited != 0;

@@ -5,6 +5,7 @@ mod combinations;
 mod dynamic;
 mod faults;
 mod finite;
+mod pace;
 mod plausibility;
 mod rtcp;
 mod tool;
@@ -94,7 +95,25 @@ pub(super) fn input(command: [f64; 3]) -> Input<f64, 3> {
     }
 }
 
-/// Runs cycles and holds every one against the limits of the correction.
+/// When corrections may move, by the rule that [`Input::elapsed_ns`] states.
+#[derive(Default)]
+struct Clock {
+    time_ns: u64,
+}
+
+impl Clock {
+    const PACE_NS: u64 = PERIOD_NS as u64 * 999 / 1000;
+
+    fn due(&mut self, elapsed_ns: u32, first: bool) -> bool {
+        let elapsed = if first { u64::MAX / 2 } else { elapsed_ns.into() };
+        self.time_ns = (self.time_ns + elapsed).min(2 * Clock::PACE_NS - 1);
+        let due = self.time_ns >= Clock::PACE_NS;
+        self.time_ns -= if due { Clock::PACE_NS } else { 0 };
+        due
+    }
+}
+
+/// Runs cycles and holds every one against the limits of the correction, of which a cycle that is not due moves nothing.
 ///
 /// While the output holds, drive and correction stay bit for bit, and the next motion starts from rest.
 struct Bench {
@@ -103,6 +122,9 @@ struct Bench {
     correction: [f64; 3],
     velocity: [f64; 3],
     last: Option<Out>,
+    clock: Clock,
+    due: bool,
+    started: bool,
 }
 
 impl Bench {
@@ -112,7 +134,8 @@ impl Bench {
 
     fn on(active: &'static Loop) -> Self {
         let state = active.start();
-        Bench { active, state, correction: [0.0; 3], velocity: [0.0; 3], last: None }
+        let (clock, due, started) = (Clock::default(), true, false);
+        Bench { active, state, correction: [0.0; 3], velocity: [0.0; 3], last: None, clock, due, started }
     }
 
     fn cycle(&mut self, input: &Input<f64, 3>) -> Out {
@@ -120,6 +143,8 @@ impl Bench {
         let out = self.active.step(&mut self.state, input, none.on(Reference { span: 0, t: 0.0 }), ());
         let held = out.stop_requested();
         let last = self.last.replace(out).filter(Out::has_drive);
+        self.due = self.clock.due(input.elapsed_ns, !self.started);
+        self.started |= !held;
         for k in 0..3 {
             let c = out.record.correction[k];
             assert!(out.drive[k].is_finite() && out.feedback[k].is_finite());
@@ -139,6 +164,10 @@ impl Bench {
             }
             assert_eq!(command.to_bits(), input.command[k].to_bits());
             let v = c - self.correction[k];
+            if !self.due {
+                assert_eq!(c.to_bits(), self.correction[k].to_bits(), "a correction moves in no time");
+                continue;
+            }
             assert!(v.abs() <= 5.0 * T * (1.0 + 1e-6), "slope {v}");
             assert!(
                 (v - self.velocity[k]).abs() <= 5000.0 * T * T * (1.0 + 1e-6),

@@ -204,7 +204,8 @@ fn followed(built: Built, before: Running, input: &Input, output: &Output, resul
     let crc = (record.machine_id, record.tables_crc);
     assert!(crc == (built.machine_id, built.tables_crc), "{crc:?}");
     let quiet = STATUS_FROZEN | STATUS_STOP_REQUEST | STATUS_NO_OUTPUT;
-    let plain = record.fault == FAULT_NONE && record.status & quiet == 0;
+    // In a cycle that takes no time nothing moves, switched off too.
+    let plain = record.fault == FAULT_NONE && record.status & quiet == 0 && input.elapsed_ns == PERIOD_NS;
     let mut after = Running { cycles: before.cycles + 1, plain: if plain { before.plain + 1 } else { 0 }, ..before };
     // A loop without a dynamic part goes on with what was sent as its geometric correction: the sum keeps its limits.
     let taken_over = record.dynamic.sent[..axes].iter().all(|sent| *sent == 0.0);

@@ -75,6 +75,12 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
                 moving.lowered::<R>(&axis.dynamic);
             }
             let before = *moving;
+            if !self.senses.due {
+                let stands = (sent - before.c).abs() <= 8.0 * R::EPSILON.to_f64() * (sent.abs() + geometric.abs());
+                let found = || format!("axis {k}: {before:?} to {sent} in no time");
+                self.tally.that(Rule::Pace, stands || seen.exchanged, found)?;
+                continue;
+            }
             let keeps = moving.keeps::<R>(sent, geometric, &axis.dynamic);
             for (rule, keeps) in
                 [Rule::DynamicMagnitude, Rule::DynamicSlope, Rule::DynamicAcceleration].into_iter().zip(keeps)

@@ -17,6 +17,9 @@ pub(super) struct Senses<P, const N: usize> {
     pub(super) started: bool,
     active: bool,
     reset: bool,
+    /// Time in which corrections have not moved yet, ns, and whether they may in this cycle.
+    time: f64,
+    pub(super) due: bool,
     pub(super) latched: Option<(Fault, u8)>,
     known: u8,
     /// The command in force.
@@ -36,6 +39,8 @@ impl<P: Place, const N: usize> Default for Senses<P, N> {
             started: false,
             active: false,
             reset: false,
+            time: 0.0,
+            due: true,
             latched: None,
             known: 0,
             held: zero,
@@ -84,6 +89,7 @@ impl<P: Place, const N: usize> Senses<P, N> {
         let stops = record.status.has(Status::STOP_REQUEST);
         let active = input.homed && input.enable;
         let late = f64::from(input.elapsed_ns) > 1.25 * f64::from(facts.period_ns);
+        let off = self.off(facts.period_ns, input.elapsed_ns);
         let told = (record.fault, record.fault_axis);
         let due = self.command_faults(seen, active, late);
         let any = due.iter().any(|fault| *fault != Fault::None) || input.refusal.fault != Fault::None;
@@ -99,14 +105,14 @@ impl<P: Place, const N: usize> Senses<P, N> {
             let joint = stops && told.0 == Fault::JointRange;
             tally.that(Rule::StopsOnlyWhenDue, !stops || joint, || format!("{told:?} for {input:?}"))?;
             (self.started, self.active) = (true, active);
-            let frozen = active && !first && late || readings.iter().any(|fault| *fault != Fault::None);
+            let frozen = active && !first && off || readings.iter().any(|fault| *fault != Fault::None);
             if !joint {
                 let fits = |(fault, axis): (Fault, u8)| {
-                    let late = fault == Fault::LateCycle && late && active && !first;
+                    let late = fault == Fault::LateCycle && off && active && !first;
                     late || fault != Fault::None && readings.get(usize::from(axis)) == Some(&fault)
                 };
                 if frozen {
-                    tally.that(Rule::Reading, fits(told), || format!("{told:?}, due {readings:?}, late: {late}"))?;
+                    tally.that(Rule::Reading, fits(told), || format!("{told:?}, due {readings:?}, off: {off}"))?;
                 } else {
                     tally
                         .that(Rule::ReadingOnlyWhenDue, told.0 == Fault::None, || format!("{told:?} for {input:?}"))?;
@@ -163,6 +169,17 @@ impl<P: Place, const N: usize> Senses<P, N> {
     /// From now on the command in force is held.
     pub(super) fn latch(&mut self, fault: (Fault, u8)) {
         (self.latched, self.counted) = (Some(fault), self.held);
+    }
+
+    /// Whether a cycle is off its time, by more than a quarter of the period or so that corrections have to stand: each
+    /// movement takes 0.999 of a period, and less than that is left over of any time.
+    fn off(&mut self, period_ns: u32, elapsed_ns: u32) -> bool {
+        let pace = f64::from(period_ns - period_ns / 1000);
+        let passed = if self.started { self.time + f64::from(elapsed_ns) } else { f64::INFINITY };
+        self.time = passed.min(2.0 * pace - 1.0);
+        self.due = self.time >= pace;
+        self.time -= if self.due { pace } else { 0.0 };
+        !self.due || !(0.75..=1.25).contains(&(f64::from(elapsed_ns) / f64::from(period_ns)))
     }
 
     /// What is wrong with the command of each axis.

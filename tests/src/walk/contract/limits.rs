@@ -183,6 +183,14 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
             moving.lowered::<R>(&axis.sum);
         }
         let before = *moving;
+        if !self.senses.due {
+            // Split into other parts and added up again, a sum that stands may be rounded anew.
+            let rounding = 8.0 * R::EPSILON.to_f64() * (before.c.abs() + before.beside().max(beside.abs()));
+            let dynamic = seen.exchanged || seen.facts.dynamic;
+            let stands = (c.to_f64() - before.c).abs() <= if dynamic { rounding } else { 0.0 };
+            let found = || format!("axis {k}: {before:?} to {c:?} in no time, {verdict:?}");
+            return self.tally.that(Rule::Pace, stands, found);
+        }
         let keeps = moving.keeps::<R>(c.to_f64(), beside, &axis.sum);
         let holds = keeps == [true; 3];
         let found = || format!("axis {k}: {before:?} to {moving:?} of {:?}, {verdict:?}", axis.sum);
@@ -219,7 +227,7 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
                 motion.may = motion.may.max(motion.dark + way_out(moving, axis, seen.facts.dynamic));
             }
         }
-        motion.dark += 1.0;
+        motion.dark += f64::from(u8::from(self.senses.due));
         // The feed-forward of a drive dies away like what it makes up for.
         let gone = if seen.facts.dynamic { 1e-9 } else { 0.0 };
         if total.iter().any(|c| c.to_f64().abs() > gone) {

@@ -47,6 +47,7 @@ fn machine() -> MachineSettings {
 struct Decided {
     verdict: Verdict,
     fault: (Fault, u8),
+    due: bool,
     first: bool,
     command: [Nanometres; AXES],
     feedback: [Nanometres; AXES],
@@ -61,6 +62,8 @@ struct Model {
     command: [i64; AXES],
     feedback: [i64; AXES],
     read: [bool; AXES],
+    /// Since corrections moved last, ns.
+    time: u64,
     missing: [i64; AXES],
     /// Where the reading stands, up to where the command is counted, and how far it has gone.
     stands: [i64; AXES],
@@ -160,22 +163,28 @@ impl Model {
     fn cycle(&mut self, input: &Input<Nanometres, AXES>) -> Decided {
         let command = input.command.map(|p| i64::from(p.0));
         let (first, active) = (!self.started, input.homed && input.enable);
-        let late = f64::from(input.elapsed_ns) > 1.25 * f64::from(PERIOD_NS);
+        let periods = f64::from(input.elapsed_ns) / f64::from(PERIOD_NS);
+        // 0.999 of a period is one; of a longer time there is less than two left.
+        let pace = u64::from(PERIOD_NS) * 999 / 1000;
+        let passed = if first { 2 * pace } else { self.time + u64::from(input.elapsed_ns) };
+        self.time = passed.min(2 * pace - 1);
+        let due = self.time >= pace;
+        self.time -= if due { pace } else { 0 };
+        let off = !(0.75..=1.25).contains(&periods) || !due;
         let bad = self.command_fault(input);
         let rising = input.reset && !self.reset && input.refusal.fault == Fault::None;
         self.reset = input.reset;
         let was_latched = self.latched.is_some();
         if !was_latched && bad.is_none() {
             let found = self.readings(input, command, active && !first);
-            let late = (late && active && !first).then_some((Fault::LateCycle, 0));
-            let fault = found.or(late);
+            let fault = found.or((off && active && !first).then_some((Fault::LateCycle, 0)));
             (self.started, self.active, self.command) = (true, active, command);
             let verdict = match (active, fault) {
                 (false, _) => Verdict::Inactive,
                 (true, None) => Verdict::Active,
                 (true, Some(_)) => Verdict::Freeze,
             };
-            return self.decided(verdict, fault, first);
+            return self.decided(verdict, fault, (first, due));
         }
         if !was_latched {
             self.latch(bad);
@@ -198,9 +207,9 @@ impl Model {
         if was_latched && rising && placed && near && fits {
             (self.latched, self.started, self.active, self.unmoved) = (None, true, active, [0; AXES]);
             (self.command, self.counted, self.stands) = (command, command, self.feedback);
-            return self.decided(if active { Verdict::Active } else { Verdict::Inactive }, None, first);
+            return self.decided(if active { Verdict::Active } else { Verdict::Inactive }, None, (first, due));
         }
-        self.decided(if placed { Verdict::Hold } else { Verdict::Nowhere }, self.latched, first)
+        self.decided(if placed { Verdict::Hold } else { Verdict::Nowhere }, self.latched, (first, due))
     }
 
     /// From now on the command in force is held.
@@ -208,11 +217,12 @@ impl Model {
         (self.latched, self.counted) = (fault, self.command);
     }
 
-    fn decided(&self, verdict: Verdict, fault: Option<(Fault, u8)>, first: bool) -> Decided {
+    fn decided(&self, verdict: Verdict, fault: Option<(Fault, u8)>, (first, due): (bool, bool)) -> Decided {
         let positions = |x: [i64; AXES]| x.map(|x| Nanometres(x as i32));
         Decided {
             verdict,
             fault: fault.unwrap_or((Fault::None, 0)),
+            due,
             first,
             command: positions(self.command),
             feedback: positions(self.feedback),
@@ -281,8 +291,11 @@ fn random_cycle(random: &mut Noise, model: &Model, stretch: &Stretch) -> Input<N
         encoder_alarm: if alarm { random.below(16) as u8 } else { 0 },
         refusal: if refused { Refusal { fault: Fault::ToolUnreachable, slot: 3 } } else { Refusal::NONE },
         ..Input::at_rest(match late {
-            // In time to the last nanosecond, just late, as late as counts, and later.
-            true => [0, 156_250, 156_251, 250_000, 16 * PERIOD_NS, 17 * PERIOD_NS, u32::MAX][random.below(7)],
+            // Early and in time to the last nanosecond, just late, as late as counts, and later.
+            true => {
+                [[0, 93_749, 93_750, 112_000, 156_250], [156_251, 250_000, 16 * PERIOD_NS, 17 * PERIOD_NS, u32::MAX]]
+                    [random.below(2)][random.below(5)]
+            }
             false => PERIOD_NS,
         })
     }
@@ -313,6 +326,7 @@ fn every_decision_is_the_models() {
             let decided = Decided {
                 verdict: found.verdict,
                 fault: (found.fault, found.axis),
+                due: found.due,
                 first: found.first,
                 command: *found.command,
                 feedback: *found.feedback,

@@ -285,7 +285,7 @@ pub(super) enum Do {
     OutOfTravel,
     Dropout,
     Alarm,
-    Late(u32),
+    Takes(u32),
     Disable,
     Unhomed,
     Exchange,
@@ -303,7 +303,8 @@ pub(super) fn any_doing() -> impl Strategy<Value = (Do, u16)> {
         1 => (Just(Do::OutOfTravel), 1..3u16),
         2 => (Just(Do::Dropout), 1..200u16),
         1 => (Just(Do::Alarm), 1..200u16),
-        1 => ((0..u32::MAX).prop_map(Do::Late), 1..3u16),
+        1 => ((0..u32::MAX).prop_map(Do::Takes), 1..3u16),
+        1 => ((0..3 * PERIOD_NS).prop_map(Do::Takes), 1..30u16),
         2 => (Just(Do::Disable), 1..300u16),
         1 => (Just(Do::Unhomed), 1..300u16),
         3 => (Just(Do::Exchange), 1..2u16),
@@ -348,7 +349,7 @@ proptest! {
                         at[1] = (at[1] + 0.05).clamp(-10.0, 110.0);
                         given = Input { encoder_alarm: 0b110, ..input(at) };
                     }
-                    Do::Late(ns) => given.elapsed_ns = ns,
+                    Do::Takes(ns) => given.elapsed_ns = ns,
                     Do::Disable => given.enable = false,
                     Do::Unhomed => given.homed = false,
                     Do::Exchange => {
@@ -372,11 +373,65 @@ proptest! {
                     prop_assert!(c.abs() <= 0.1 + 1e-9);
                     prop_assert!(!held || last.is_none_or(|last| last.drive[k].to_bits() == out.drive[k].to_bits()));
                     prop_assert!(held || v.abs() <= 5e-4 + 1e-9, "slope {v} after {what:?}");
-                    prop_assert!(held || (v - before[k]).abs() <= 5e-5 + 1e-9, "acceleration after {what:?}");
-                    (sent[k], before[k]) = (c, if held { 0.0 } else { v });
+                    prop_assert!(held || bench.due || v.abs() <= 1e-13, "{v} in no time, {what:?}");
+                    let second = if bench.due && !held { v - before[k] } else { 0.0 };
+                    prop_assert!(second.abs() <= 5e-5 + 1e-9, "acceleration after {what:?}");
+                    before[k] = if held { 0.0 } else if bench.due { v } else { before[k] };
+                    sent[k] = c;
                 }
                 last = Some(out);
             }
+        }
+    }
+}
+
+/// A limit between two steps of the position, as stated: nothing beyond it is sent, for all that is rounded. Nor is
+/// anything beyond a joint that ends between two steps.
+#[test]
+fn no_rounding_goes_beyond_a_limit_as_it_is_stated() {
+    use crate::position::Nanometres;
+    let mut noise = crate::testing::noise::Noise::new(18);
+    for round in 0..60 {
+        // 12.35 µm and some part of a nanometre; the third time a whole number of them.
+        let part = [0.53, 0.97, 0.0, 0.49][round % 4];
+        let limit = (12_345.0 + 1000.0 * (round / 4) as f64 + part) * 1e-6;
+        let set = |axis: &mut AxisSettings| {
+            axis.limits = crate::machine::Limits { magnitude: limit, ..axis.limits };
+        };
+        let servo = servo_loop_with::<f32, Nanometres>(9.0, set);
+        let mut state = servo.start();
+        let mut most = 0;
+        for n in 0..2000 {
+            let command = [0, 1, 2].map(|k| Nanometres(30_000_000 + 2000 * n + 1000 * k + (3.0 * noise.unit()) as i32));
+            let out = servo.step(&mut state, &servo.input(command, command), (), ());
+            for k in 0..3 {
+                let sent = out.drive[k].0 - command[k].0;
+                most = most.max(sent.abs());
+                assert!(f64::from(sent.abs()) <= limit * 1e6 + 1e-6, "{sent} nm of {}", limit * 1e6);
+                // In single precision a sum is rounded once.
+                let told = f64::from(out.record.correction[k]).abs();
+                assert!(told <= limit * (1.0 + 1e-7), "{told} of {limit}");
+            }
+        }
+        assert_eq!(most, (limit * 1e6 + 1e-6) as i32, "all that is permitted");
+    }
+    for (end, last) in [(100.000_000_6, 100_000_000), (99.999_999_6, 99_999_999), (100.0, 100_000_000)] {
+        for sign in [1.0, -1.0] {
+            let set = |axis: &mut AxisSettings| {
+                (axis.travel, axis.joint) = ([-99.95, 99.95], [-110.0, 110.0]);
+                axis.joint[usize::from(sign > 0.0)] = sign * end;
+            };
+            let servo = servo_loop_with::<f32, Nanometres>(-sign * 9.0, set);
+            let mut state = servo.start();
+            let mut most = 0;
+            for n in 0..4000 {
+                // The correction of 0.1 mm led in, then a nanometre in a cycle.
+                let x = sign as i32 * (99_899_000 + (n - 2000).max(0));
+                let command = [x, 0, 0].map(Nanometres);
+                let out = servo.step(&mut state, &servo.input(command, command), (), ());
+                most = most.max(out.drive[0].0.abs());
+            }
+            assert_eq!(most, last, "of {end}, {sign}");
         }
     }
 }
