@@ -61,6 +61,27 @@ fn the_report_has_the_circle_and_reversals_where_there_are_some() {
     assert!(run["contour_error_um"]["servo_only"].is_object() && run["contour_error_um"].get("full").is_none());
 }
 
+/// A bed that rises by 0.2 mm under a limit of 0.1 mm: the run says what is missing and where; with a limit that lets it pass, nothing.
+#[test]
+fn what_a_limit_takes_away_is_told() {
+    let directory = Folder::new(SIMULATOR);
+    directory.write("flat.ngc", "G21 G90 G94\nG0 X30 Y30 Z0.2\nG1 X200 F3000\nG1 Y150\nM2\n");
+    directory.write("m/grid.csv", "X_mm,Y_mm,EZ_um\n0,0,0\n0,200,0\n200,0,-200\n200,200,-200\n");
+    let notes = |limit: f64| {
+        let toml = "name = \"m\"\nchain = \"w b X Y Z t\"\n[[grid]]\naxes = [\"X\", \"Y\"]\ntable = \"grid.csv\"\n";
+        directory.write("m/machine.toml", format!("{toml}[axis.Z.limits]\nmagnitude_um = {limit}\n"));
+        let run =
+            ["run", "--json", "--program", "flat.ngc", "--origin-mm", "0,0,0", "--rate-hz", "1000", "--machine", "m"];
+        directory.json(&run)["notes"].as_array().unwrap().iter().map(|note| note.to_string()).collect::<Vec<_>>()
+    };
+    let told = notes(100.0);
+    let note = told.iter().find(|note| note.contains("axis Z: the magnitude limit takes up to 100 µm off")).unwrap();
+    for part in ["cycles, most at X200 ", "[axis.Z.limits] magnitude_um is 100, 200 lets all of it pass"] {
+        assert!(note.contains(part), "{note}");
+    }
+    assert!(notes(240.0).iter().all(|note| !note.contains("limit")));
+}
+
 #[test]
 fn other_programs_machines_and_rates_run() {
     for (program, machine, rate) in [

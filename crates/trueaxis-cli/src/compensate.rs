@@ -9,8 +9,9 @@ use std::path::PathBuf;
 use trueaxis::machine::{AXES, Axis, ErrorModel};
 use trueaxis_evaluation::compensate::{Arrival, NoCorrection, PoseError, Settings, with_model};
 use trueaxis_evaluation::positions::{COLUMNS, next};
-use trueaxis_tables::Machine;
+use trueaxis_tables::limits::Clipped;
 use trueaxis_tables::text::counted;
+use trueaxis_tables::{Machine, Warning};
 
 pub(crate) const HELP: &str = "\
 POSITIONS.csv: x_mm,y_mm,z_mm[,a_deg,b_deg,c_deg], commanded positions, columns in any order.
@@ -24,6 +25,7 @@ and with --orientation (volumetric and exact)
 Without --orientation only X, Y and Z are corrected (nine: whatever the tables say of them).
 A two-sided table is read in positive travel, every position for itself; with --reverse in negative travel, backlash
 included; with --in-order in the direction in which the drive, position and correction, has come from the rows before.
+Corrections are as the tables want them. A note says where the step's limit of their magnitude would take something off.
 
 Example: trueaxis compensate compensation-tables/mill-3axis positions.csv -o corrected.csv";
 
@@ -71,6 +73,9 @@ pub(crate) struct Arguments {
 
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let mut machine = model::machine(&arguments.machine)?;
+    if !machine.states_errors() {
+        tell(format_args!("note: {}", Warning::NoErrorsStated));
+    }
     let mut positions = csv_in::open(&arguments.positions, &COLUMNS, "positions")?;
     for (column, present) in COLUMNS.iter().zip(positions.present).skip(3) {
         let letter = column.name.chars().next().map(|c| c.to_ascii_uppercase());
@@ -91,7 +96,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let model = arguments.model.unwrap_or(own);
     machine.settings.compensation.orientation = arguments.orientation;
     let inputs = model::files(&arguments.machine).into_iter().chain([arguments.positions.clone()]);
-    let mut result = Written { out: Writer::new(arguments.output.as_deref(), inputs)?, rotary: Vec::new(), clamped: 0 };
+    let mut result = Written {
+        out: Writer::new(arguments.output.as_deref(), inputs)?,
+        rotary: Vec::new(),
+        clamped: 0,
+        clipped: Clipped::default(),
+    };
     match model {
         Model::Nine if arguments.orientation => {
             let found = if arguments.model.is_some() { "--model nine" } else { "model nine of the machine" };
@@ -119,11 +129,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
             let at = arrival.at(model, row.values).map_err(refused)?;
             let correction = model.correction(&at).map_err(refused)?;
             let corrected = std::array::from_fn(|axis| row.values[axis] + correction[axis]);
+            result.clipped.add(&machine.settings, &row.values, &correction);
             result.row(arguments, &positions, &model.error(&at), &corrected)?;
         }
         Ok(())
     })?;
-    result.finish(positions.count)
+    result.finish(&machine, positions.count)
 }
 
 /// The result on its way out.
@@ -133,6 +144,8 @@ struct Written<'p> {
     rotary: Vec<Axis>,
     /// Positions beyond a table's end.
     clamped: usize,
+    /// Corrections beyond their limits.
+    clipped: Clipped,
 }
 
 impl Written<'_> {
@@ -172,13 +185,16 @@ impl Written<'_> {
         self.out.put(format_args!("\n"))
     }
 
-    fn finish(self, count: usize) -> Result<()> {
+    fn finish(self, machine: &Machine, count: usize) -> Result<()> {
         if self.clamped > 0 {
             tell(format_args!(
                 "note: {} of {} beyond a table's end, where its edge value is clamped",
                 self.clamped,
                 counted(count, "position")
             ));
+        }
+        for note in self.clipped.notes(&machine.settings, "position") {
+            tell(format_args!("note: {note}"));
         }
         self.out.finish()
     }

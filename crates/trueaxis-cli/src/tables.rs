@@ -65,7 +65,8 @@ pub(crate) enum Command {
         /// COMP_FILE_TYPE of a LinuxCNC file.
         #[arg(long, value_name = "0|1", value_parser = clap::value_parser!(u8).range(0..=1))]
         comp_file_type: Option<u8>,
-        /// Folder of the machine; where one stands, its tables of these axes are added or replaced and the rest stays.
+        /// Folder of the machine; where one stands, its tables of these axes are added or replaced and the rest stays. Limits that
+        /// the corrections need above the defaults are set.
         #[arg(short, long, value_name = "DIR")]
         output: PathBuf,
         /// Make a new machine; a folder that exists is refused.

@@ -90,6 +90,73 @@ fn an_import_replaces_a_table_in_its_place_and_says_what_was_there() {
     assert_eq!(directory.read("m/machine.toml"), once);
 }
 
+/// A bed that rises by 0.2 mm: the import sets the limit that it needs and says so; where a limit takes something off, the commands that
+/// show corrections say how much.
+#[test]
+fn what_limits_take_away_is_told() {
+    let directory = Folder::new(TRUEAXIS);
+    let row = "#*# \t0.0, 0.1, 0.2\n";
+    directory.write(
+        "printer.cfg",
+        format!(
+            "#*# [bed_mesh default]\n#*# points =\n{row}{row}#*# x_count = 3\n#*# y_count = 2\n#*# min_x = 20\n#*# max_x = 220\n\
+             #*# min_y = 20\n#*# max_y = 180\n"
+        ),
+    );
+    let said = directory.reported(&["tables", "import", "--from", "bed-mesh", "printer.cfg", "-o", "t"]);
+    assert!(said.contains("limits.magnitude_um of axis Z set to 240, as the corrections reach 200"), "{said}");
+    directory.write("p.csv", "x_mm,y_mm,z_mm\n20,100,0\n220,100,0\n");
+    let compensate = ["compensate", "t", "p.csv"];
+    assert_eq!(directory.reported(&compensate), "");
+    assert!(directory.read("t/machine.toml").contains("[axis.Z.limits]\nmagnitude_um = 240"));
+    directory.write("t/machine.toml", directory.read("t/machine.toml").replace("= 240", "= 100"));
+    let note = "note: axis Z: the magnitude limit takes up to 100 µm off the correction in 1 position, most at X220 Y100 Z0; \
+                [axis.Z.limits] magnitude_um is 100, 200 lets all of it pass";
+    assert_eq!(directory.reported(&compensate).trim(), note);
+    let correct = ["correct", "t", "--at", "220,100,0"];
+    assert_eq!(directory.reported(&correct).trim(), note);
+    assert_eq!(directory.json(&[&correct[..], &["--json"]].concat())["clipped"], serde_json::json!(["Z"]));
+}
+
+/// What the settings state needs no table; kinematics need nothing but the chain.
+#[test]
+fn a_machine_needs_no_table() {
+    let directory = Folder::new(TRUEAXIS);
+    let machine = |more: &str| {
+        format!(
+            "name = \"m\"\nchain = \"w b X Y Z t\"\n[axis.Y]\ntravel_mm = [-200.0, 200.0]\nhysteresis_um = 1.0\n{more}\n"
+        )
+    };
+    directory.write("a/machine.toml", machine("backlash_um = 20.0"));
+    directory.write("b/machine.toml", machine("backlash_um = 20.0\ntable = \"y.csv\""));
+    directory.write("b/y.csv", "Y_mm,EYY_um\n-200,0\n200,0\n");
+    directory.write("p.csv", "x_mm,y_mm,z_mm\n0,0,0\n10,-30.1,5\n");
+    for model in ["nine", "volumetric", "exact"] {
+        for side in [&[][..], &["--reverse"], &["--in-order"]] {
+            let [a, b] =
+                ["a", "b"].map(|m| directory.csv(&[&["compensate", m, "p.csv", "--model", model], side].concat()));
+            assert_eq!(a, b, "{model} {side:?}");
+            let back = if side == ["--reverse"] { -0.02 } else { 0.0 };
+            assert!((a.1[0][7] - back).abs() < 1e-9, "{model} {side:?}: {a:?}");
+        }
+    }
+    assert!(!directory.reported(&["tables", "check", "a"]).contains("without a table"));
+    directory.good(&["tables", "compile", "a", "-o", "a.tcomp"]);
+    // Squareness alone, 100 µrad over 200 mm.
+    directory.write("s/machine.toml", machine("[location]\nC0Y_urad = 100.0"));
+    directory.good(&["tables", "check", "s"]);
+    directory.write("p.csv", "x_mm,y_mm,z_mm\n0,200,0\n");
+    let (_, rows) = directory.csv(&["compensate", "s", "p.csv"]);
+    assert!((rows[0][6] - 0.02).abs() < 1e-9, "{rows:?}");
+    // Nothing but a chain.
+    directory.write("k/machine.toml", "name = \"m\"\nchain = \"w C' A' b X Y Z t\"\n");
+    directory.write("joints.csv", "x_mm,y_mm,z_mm,a_deg,c_deg\n1,2,3,0,0\n");
+    let (_, rows) = directory.csv(&["kinematics", "forward", "--machine", "k", "joints.csv"]);
+    assert!((rows[0][5..8].iter().zip([1.0, 2.0, 3.0])).all(|(found, truth)| (found - truth).abs() < 1e-9), "{rows:?}");
+    let told = directory.both(&["tables", "check", "k"]).concat();
+    assert!(told.contains("no errors are stated"), "{told}");
+}
+
 #[test]
 fn windows_line_ends_and_inline_sections_stay() {
     let directory = Folder::new(TRUEAXIS);

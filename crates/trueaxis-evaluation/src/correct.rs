@@ -6,6 +6,7 @@ use anyhow::{Result, anyhow};
 use trueaxis::compensation::{Direction, PoseError, Query};
 use trueaxis::machine::{AXES, Axis, AxisOrder, ErrorModel};
 use trueaxis_tables::Machine;
+use trueaxis_tables::limits::Clipped;
 use trueaxis_tables::text::counted;
 
 /// A query. Lists are in the order X, Y, Z, A, B, C.
@@ -63,6 +64,8 @@ pub struct Found {
     pub clamped: Vec<Axis>,
     /// Axes outside their declared travel.
     pub out_of_travel: Vec<Axis>,
+    /// Axes whose magnitude limit takes something off the correction.
+    pub clipped: Clipped,
 }
 
 /// Error and correction of the machine's own model at a position; `N` axes of the step.
@@ -85,11 +88,13 @@ pub fn at<const N: usize>(machine: &Machine, asked: &Asked) -> Result<Found> {
         contributions,
         clamped: (0..N).filter(|slot| clamped >> slot & 1 == 1).map(|slot| axes[slot]).collect(),
         out_of_travel: Vec::new(),
+        clipped: Clipped::default(),
         axes: axes.to_vec(),
     };
     for (axis, correction) in axes.into_iter().zip(correction) {
         found.correction[axis.index()] = correction;
     }
+    found.clipped.add(&machine.settings, &found.at, &found.correction);
     for own in &machine.settings.axes {
         let (q, [low, high]) = (asked.at[own.axis.index()], own.travel);
         if q < low || q > high {

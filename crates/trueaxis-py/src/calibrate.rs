@@ -21,7 +21,7 @@ struct Read {
 fn read(path: &Path, notes: &mut Vec<String>) -> Result<Read> {
     let task = Task::read(&read_text(path, &['#', ';'])?, path)?;
     let (folder, name) = Folder::of_machine(&path.parent().unwrap_or(Path::new("")).join(&task.machine));
-    let machine = Machine::read_untabled(&folder, &name, &mut |note| notes.push(note))?;
+    let machine = Machine::read_from(&folder, &name, &mut |note| notes.push(note))?;
     Ok(Read { task, folder, name, machine })
 }
 

@@ -1,10 +1,11 @@
 //! What a calibration adds to the errors that a machine's files hold already.
 
-use crate::edit::{Edited, as_before, section, set, table_name};
+use crate::edit::{Edited, section, set, table_name};
 use crate::error::FileError;
 use crate::exact::table::ErrorTable;
-use crate::files::{Edit, Memory, Source};
+use crate::files::Source;
 use crate::formats::{stated, write_axis_csv_known};
+use crate::limits::widened;
 use crate::origin::Origin;
 use crate::read::{Standing, beside};
 use crate::uncertainty::Uncertainties;
@@ -40,7 +41,7 @@ impl Additions {
     /// A machine that cannot be read, a table that cannot be written under its name, or a result that the controller would
     /// refuse.
     pub fn edit(&self, machine: &dyn Source, name: &Path) -> Result<Edited, FileError> {
-        let before = Machine::read_untabled(machine, name, &mut |_| {})?;
+        let before = Machine::read_from(machine, name, &mut |_| {})?;
         let standing = Standing::read(machine, name)?;
         let known = Uncertainties::read_from(machine, name)?;
         let origin = Origin::new(&machine.path(name));
@@ -84,12 +85,13 @@ impl Additions {
             }
             set(at, last, rounded(*value));
         }
-        edited.files.push((name.into(), as_before(document.to_string(), &standing.text)));
-        let changed = Memory::new(edited.files.iter().map(|(name, text)| (name, text.as_str())));
-        Machine::read_untabled(&Edit { changed, beneath: machine }, name, &mut |_| {}).map_err(|error| FileError {
-            needed: format!("{} (in the machine with what was found; nothing is written)", error.needed),
-            ..error
-        })?;
+        let Edited { files, notes } = &mut edited;
+        let text =
+            widened(&document, &standing.text, files, (machine, name), Some(&before), notes).map_err(|error| {
+                let needed = format!("{} (in the machine with what was found; nothing is written)", error.needed);
+                FileError { needed, ..error }
+            })?;
+        edited.files.push((name.into(), text));
         Ok(edited)
     }
 }

@@ -1,9 +1,10 @@
 //! An import into an existing machine: tables and settings of the imported axes change, everything else stays.
 
 use crate::error::FileError;
-use crate::files::{Edit, Entry, Memory, Source};
+use crate::files::{Entry, Source};
 use crate::formats::grid_csv::grid_section;
 use crate::formats::{Imported, axis_csv_name, grid_csv_name, stated, write_axis_csv, write_grid_csv};
+use crate::limits::widened;
 use crate::origin::Origin;
 use crate::read::{Standing, beside};
 use crate::{Grid, Machine, Table};
@@ -50,7 +51,7 @@ impl Imported {
                 ));
             }
             let section = section(&mut document, *axis, &origin)?;
-            let is_new = section.is_empty();
+            let is_new = section.iter().all(|(key, _)| key == "limits");
             let mut settings = vec![(String::from("table"), Value::from(csv.as_str()))];
             if is_new {
                 settings.extend(stated::of_new_axis(*axis, table));
@@ -69,17 +70,18 @@ impl Imported {
         if let Some(stated) = &self.settings {
             edited.notes.extend(left(stated, &standing.settings));
         }
-        let text = as_before(document.to_string(), &standing.text);
+        let before = Machine::read_from(machine, name, &mut |_| {}).ok();
+        let Edited { files, notes } = &mut edited;
+        let text =
+            widened(&document, &standing.text, files, (machine, name), before.as_ref(), notes).map_err(|error| {
+                let needed = format!("{} (in the machine with the import; nothing is written)", error.needed);
+                FileError { needed, ..error }
+            })?;
         if text == standing.text {
             edited.notes.push(format!("{} stays as it is", origin.file().display()));
         } else {
             edited.files.push((name.into(), text));
         }
-        let changed = Memory::new(edited.files.iter().map(|(name, text)| (name, text.as_str())));
-        Machine::read_from(&Edit { changed, beneath: machine }, name, &mut |_| {}).map_err(|error| FileError {
-            needed: format!("{} (in the machine with the import; nothing is written)", error.needed),
-            ..error
-        })?;
         Ok(edited)
     }
 
@@ -106,7 +108,10 @@ fn add_grid(
         let needed = "a machine without a grid over these axes, as the two would add up: take the old one out of this file first";
         return Err(origin.at(old.line, &old.key, format!("the grid {:?}", old.file), needed));
     }
-    let free = |number: &usize| standing.files.entry(&beside(&standing.name, &grid_csv_name(*number))) == Entry::Absent;
+    let free = |number: &usize| {
+        let csv = beside(&standing.name, &grid_csv_name(*number));
+        standing.files.entry(&csv) == Entry::Absent && edited.files.iter().all(|(own, _)| *own != csv)
+    };
     let csv = grid_csv_name((0..).find(free).unwrap_or(0));
     let mut text = String::new();
     grid_section(&mut text, grid, &csv);

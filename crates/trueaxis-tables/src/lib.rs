@@ -10,6 +10,7 @@ pub mod exact;
 pub mod files;
 pub mod formats;
 mod grid;
+pub mod limits;
 mod lost_motion;
 mod margins;
 mod merge;
@@ -43,7 +44,7 @@ pub use summary::{
 };
 pub use warning::{Warning, check};
 
-use trueaxis::machine::{AxisSettings, GridData, MachineSettings, Row};
+use trueaxis::machine::{AxisSettings, GridData, LocationErrors, MachineSettings, Row};
 use trueaxis::tcomp::Tcomp;
 
 /// An axis' error table in source form: mm and radians, positions in mm or degrees, strictly increasing.
@@ -90,6 +91,17 @@ impl Machine {
         }
         self.grids.iter_mut().for_each(|grid| *grid = grid.scaled(share));
         self
+    }
+
+    /// Whether tables, grids or settings (location errors, lost motion, thermal growth) state any error.
+    pub fn states_errors(&self) -> bool {
+        let axis = |own: &AxisSettings| {
+            own.backlash != 0.0 || own.thermal.offset_per_k != 0.0 || own.thermal.expansion_per_k != 0.0
+        };
+        self.tables.iter().any(Option::is_some)
+            || !self.grids.is_empty()
+            || self.settings.location != LocationErrors::default()
+            || self.settings.axes.iter().any(axis)
     }
 
     /// The grids as the controller reads them.

@@ -31,13 +31,8 @@ pub enum Warning {
         /// Declared travel, mm.
         travel: [f64; 2],
     },
-    /// Backlash is corrected by way of the axis' table, and there is none.
-    BacklashWithoutTable {
-        /// The axis.
-        axis: Axis,
-        /// Its backlash, mm.
-        backlash: f64,
-    },
+    /// No table, grid, squareness, location error, lost motion or growth is stated: there is no geometry to correct.
+    NoErrorsStated,
     /// At top feed of all axes the correction of a drive changes faster than its slope limit lets it.
     SlopeAboveLimit {
         /// The drive.
@@ -148,13 +143,10 @@ impl fmt::Display for Warning {
                      beyond its ends the edge value is clamped"
                 )
             }
-            Warning::BacklashWithoutTable { axis, backlash } => {
-                let (letter, value) = (axis.letter(), Length { axis, value: backlash });
-                write!(
-                    f,
-                    "axis {letter}: a backlash of {value} is not corrected without a table; one of zeros would do"
-                )
-            }
+            Warning::NoErrorsStated => f.write_str(
+                "no errors are stated (no table, grid, squareness, location error, lost motion or growth): no geometry is \
+                 corrected",
+            ),
             Warning::SlopeAboveLimit { axis, rate, limit, moving, part } => {
                 let (letter, unit) = (axis.letter(), unit(axis));
                 write!(
@@ -231,6 +223,9 @@ impl fmt::Display for Warning {
 pub fn check(machine: &Machine, servo_rate_hz: f64) -> Vec<Warning> {
     let mut warnings = Vec::new();
     let grids = check::GridBounds::of(&machine.grids());
+    if !machine.states_errors() {
+        warnings.push(Warning::NoErrorsStated);
+    }
     if machine.settings.compensation.model == ErrorModel::Nine {
         let tip = check::angular_tip_error(&machine.settings, |axis| machine.rows(axis), &grids);
         if tip > NEGLIGIBLE_MM {
@@ -249,9 +244,6 @@ pub fn check(machine: &Machine, servo_rate_hz: f64) -> Vec<Warning> {
             && (low > settings.travel[0] || high < settings.travel[1])
         {
             warnings.push(Warning::TravelNotCovered { axis, table: [low, high], travel: settings.travel });
-        }
-        if settings.backlash != 0.0 && table.is_none() {
-            warnings.push(Warning::BacklashWithoutTable { axis, backlash: settings.backlash });
         }
         if let Some(warning) = slope(machine, settings) {
             warnings.push(warning);

@@ -10,7 +10,7 @@ use trueaxis::{Conditions, Nanometres, Position, Real, ServoLoop};
 use trueaxis_tables::collapse::{CollapseOptions, collapse};
 use trueaxis_tables::error::FileError;
 use trueaxis_tables::exact::Geometry;
-use trueaxis_tables::files::Folder;
+use trueaxis_tables::files::{Folder, Memory};
 use trueaxis_tables::formats::{Format, import, machine_files};
 use trueaxis_tables::{Grid, GridSource, Machine, Table, Warning, check, compile, summary};
 use trueaxis_testing::noise::Noise;
@@ -93,7 +93,7 @@ fn bad_grids_are_refused_with_their_place() {
     line(&format!("{CSV}100,50,7,0\n"), "grid.csv:6:", "it stands in line 5 already");
     line(&CSV.replace("100,50,3,-0.001\n", ""), "grid.csv:", "found 3 of 4 nodes, none at X 100, Y 50");
     line(&CSV.replace("100,50,3", "100.0005,50,3"), "grid.csv:5: column X_mm:", "a node at least 0.001 mm from it");
-    line(&CSV.replace("100,-50,4", "100,-50,1000.1"), "grid.csv:2: column EZ_um:", "-1000 to 1000 um");
+    line(&CSV.replace("100,-50,4", "100,-50,10000.1"), "grid.csv:2: column EZ_um:", "-10000 to 10000 um");
     line(&CSV.replace("100,-50,4", "1e7,-50,4"), "grid.csv:2: column X_mm:", "-1e6 to 1e6 mm");
     line(&CSV.replace("100,-50,4", "100,-50,x"), "grid.csv:2: column EZ_um:", "a number");
     line("X_mm,Y_mm,EZ_um\n0,0,1\n0,9,1\n", "grid.csv: column X_mm:", "2 to 1000 nodes");
@@ -452,12 +452,14 @@ fn mesh(text: &str) -> Result<trueaxis_tables::formats::Imported, FileError> {
 /// Where the bed is high the nozzle is low above it: EZ = −height, and the correction lifts it.
 #[test]
 fn a_bed_mesh_becomes_a_surface() {
-    let imported = mesh(MESH).unwrap();
+    let imported = mesh(&MESH.replace("speed: 100", "fade_target: 0")).unwrap();
+    assert_eq!(imported.grids.len(), 1);
     let source = imported.grids[0].source();
     assert_eq!(source.nodes, [vec![20.0, 120.0, 220.0], vec![30.0, 130.0], vec![]]);
     let ez: Vec<f64> = source.values.iter().map(|value| value[2]).collect();
     assert_eq!(ez, [-0.1, -0.2, 0.0, -0.03, 0.05, 0.0]);
-    assert_eq!(source.fade_mm, Some([0.5, 8.0]));
+    // Raised by the mean of Klipper's mesh, 0.036 mm rounded.
+    assert_eq!(source.fade_mm, Some([0.54, 8.0]));
     // A machine of its own.
     let alone = TempDir::new().unwrap();
     for (name, text) in imported.machine_files("printer") {
@@ -469,7 +471,6 @@ fn a_bed_mesh_becomes_a_surface() {
     // Into one that is there: added once, and never over another.
     let there = folder(&format!("# mine\n{TOML}"), CSV);
     let standing = Folder::new(there.path());
-    assert!(Machine::read(there.path()).is_err(), "no table yet");
     let edited = imported.edit(&standing, Path::new("machine.toml")).unwrap();
     // grid.csv is there already, although nobody names it.
     assert_eq!(edited.files[0].0, Path::new("grid-2.csv"));
@@ -483,6 +484,122 @@ fn a_bed_mesh_becomes_a_surface() {
     assert!(error.to_string().contains("take the old one out"), "{error}");
 }
 
+/// A machine that uses what was imported, and what was said of it.
+fn alone(imported: &trueaxis_tables::formats::Imported) -> (Machine, Vec<String>) {
+    let made = imported.new_machine("printer");
+    let files = made.files.iter().map(|(name, text)| (name, text.as_str()));
+    (Machine::read_from(&Memory::new(files), Path::new("machine.toml"), &mut |_| {}).unwrap(), made.notes)
+}
+
+/// 3 by 3 points over 200 × 160 mm, columns of one height each.
+fn columns(heights: [f64; 3], section: &str) -> String {
+    let row = format!("#*# \t{}, {}, {}\n", heights[0], heights[1], heights[2]);
+    format!(
+        "[bed_mesh]\n{section}\n#*# [bed_mesh default]\n#*# points =\n{row}{row}{row}#*# x_count = 3\n#*# y_count = 3\n#*# \
+         mesh_x_pps = 2\n#*# mesh_y_pps = 2\n#*# algo = lagrange\n#*# min_x = 20.0\n#*# max_x = 220.0\n#*# min_y = 20.0\n\
+         #*# max_y = 180.0\n"
+    )
+}
+
+/// Klipper (bed_mesh.py, `set_mesh`, `move`): below the fade Z goes by the height of the mesh, above it by fade_target; of default the
+/// mean of the interpolated mesh, rounded to 0.01 mm.
+#[test]
+fn a_mesh_fades_to_its_mean() {
+    let fade = "fade_start: 1\nfade_end: 10";
+    for (heights, section, target) in [
+        ([0.7, 0.8, 0.9], fade.to_owned(), 0.8),
+        ([0.7, 0.8, 0.9], format!("{fade}\nfade_target: 0"), 0.0),
+        ([0.7, 0.8, 0.9], format!("{fade}\nfade_target = 0.75"), 0.75),
+        ([0.7, 0.8, 0.9], String::new(), f64::NAN),
+        // Lagrange's parabola through 0, 0.3, 0 in seven places: (0, 5, 8, 9, 8, 5, 0) / 30, on average 35/210.
+        ([0.0, 0.3, 0.0], fade.to_owned(), 0.17),
+    ] {
+        let (machine, _) = alone(&mesh(&columns(heights, &section)).unwrap());
+        for (x, height) in [(20.0, heights[0]), (120.0, heights[1]), (220.0, heights[2])] {
+            for z in [0.2, 20.0] {
+                let wanted = if z < 1.0 || target.is_nan() { height } else { target };
+                let found = modelled::<3>(&machine, [x, 100.0, z]).0[2];
+                assert!((found - wanted).abs() < 2e-5, "{heights:?} {section} {x} {z}: {found}, not {wanted}");
+            }
+            // Half of it half-way, but for how far the height is off the mean.
+            if !target.is_nan() {
+                let found = modelled::<3>(&machine, [x, 100.0, 5.5]).0[2];
+                let wanted = target + 0.5 * (height - target);
+                assert!((found - wanted).abs() < 0.04 * (height - target).abs() + 2e-5, "{found}, not {wanted}");
+            }
+        }
+    }
+}
+
+/// What is imported passes its own limits; a limit that is stated stays, and the note says what it takes away.
+#[test]
+fn limits_let_an_import_pass() {
+    let above = |machine: &Machine| {
+        let above = |warning: &Warning| {
+            matches!(warning, Warning::MagnitudeAboveLimit { .. } | Warning::SlopeAboveLimit { .. })
+        };
+        check(machine, 1000.0).iter().any(above)
+    };
+    let (machine, notes) = alone(&mesh(&columns([0.0, 0.1, 0.2], "fade_start: 1\nfade_end: 10")).unwrap());
+    assert!(!above(&machine));
+    assert_eq!(machine.settings.axis(Axis::Z).unwrap().limits.magnitude, 0.24);
+    let said = [
+        "limits.magnitude_um of axis Z set to 240, as the corrections reach 200; the default is 100",
+        // The fade at 500 mm/s, 0.1 mm on 9 mm, and 1 µm/mm along X.
+        "limits.slope_mm_per_s of axis Z set to 7.3, as the corrections reach 6.056; the default is 5",
+    ];
+    assert_eq!(notes, said);
+    // 2 mm of offset, 0.1 mm of shape: with steep flanks the slope too, 0.4 mm on 5 mm at 500 mm/s.
+    let (machine, _) = alone(&mesh(&columns([1.9, 2.0, 2.1], "fade_start: 1\nfade_end: 10")).unwrap());
+    assert!(!above(&machine));
+    let steep = "X_mm,Y_mm,EZ_um\n0,0,0\n0,100,0\n5,0,400\n5,100,400\n";
+    let (machine, notes) = alone(&import(Format::Grid, steep, Path::new("g.csv"), None).unwrap());
+    assert!(!above(&machine));
+    assert!(notes.iter().any(|note| note.starts_with("limits.slope_mm_per_s of axis Z set to 48,")), "{notes:?}");
+    // A rack.
+    let rack = "-300 -300.400 -300.380\n0 0.000 0.02\n300 300.300 300.320\n";
+    let rack = import(Format::from_name("linuxcnc-0").unwrap(), rack, Path::new("x.comp"), Some(Axis::X)).unwrap();
+    let (machine, notes) = alone(&rack);
+    assert!(!above(&machine) && notes[0].starts_with("limits.magnitude_um of axis X set to 480,"), "{notes:?}");
+    // Into machines that are there: one with the default, one that states its limit, one whose joint has no more room.
+    let short = "-300 -299.6 -299.6\n0 0 0\n300 299.7 299.7\n";
+    let rack = import(Format::from_name("linuxcnc-0").unwrap(), short, Path::new("x.comp"), Some(Axis::X)).unwrap();
+    for (more, said, limit) in [
+        ("", "limits.magnitude_um of axis X set to 480, as the corrections reach 400; the default is 100", 0.48),
+        (
+            "limits = { magnitude_um = 50.0 }",
+            "limits.magnitude_um of axis X stays at 50, as it is stated, though the corrections reach 400: raise it to 480",
+            0.05,
+        ),
+        ("joint_mm = [-300.2, 300.2]", "limits stay as they are, as with higher ones", 0.1),
+    ] {
+        let toml = format!("name = \"m\"\nchain = \"w b X Y Z t\"\n[axis.X]\ntravel_mm = [-300.0, 300.0]\n{more}\n");
+        let standing = Memory::new([("machine.toml", toml)]);
+        let edited = rack.edit(&standing, Path::new("machine.toml")).unwrap();
+        assert!(edited.notes.iter().any(|note| note.starts_with(said)), "{:?}", edited.notes);
+        let files = edited.files.iter().map(|(name, text)| (name, text.as_str()));
+        let machine = Machine::read_from(&Memory::new(files), Path::new("machine.toml"), &mut |_| {}).unwrap();
+        assert_eq!(machine.settings.axis(Axis::X).unwrap().limits.magnitude, limit, "{more}");
+    }
+}
+
+/// A bed that is 2 mm off with its probe offset is imported, and the offset named.
+#[test]
+fn a_mesh_above_a_millimetre_is_imported() {
+    let imported = mesh(&columns([1.9, 2.0, 2.1], "")).unwrap();
+    let note = "the heights are 2 mm on average: moved into the Z offset of the machine, it leaves 0.1 mm to correct";
+    assert!(imported.notes.iter().any(|own| own == note), "{:?}", imported.notes);
+    let (machine, _) = alone(&imported);
+    assert!((modelled::<3>(&machine, [220.0, 100.0, 0.2]).0[2] - 2.1).abs() < 5e-5);
+    let bytes = compile(&machine).unwrap();
+    let tables = Tcomp::parse(&bytes).unwrap();
+    let mut memory = vec![0.0_f32; tables.requirement()];
+    let servo = ServoLoop::<f32, Nanometres, 3>::load(&tables, 1_000_000, &mut memory).unwrap();
+    let at = [220.0, 100.0, 0.2].map(<Nanometres as Position>::of);
+    let correction = servo.correction_at(&at, &Conditions::default()).unwrap();
+    assert!((correction[2] - 2.1).abs() < 5e-5, "{correction:?}");
+}
+
 #[test]
 fn damaged_meshes_are_refused_with_their_line() {
     for (from, to, place, words) in [
@@ -492,10 +609,16 @@ fn damaged_meshes_are_refused_with_their_line() {
         ("x_count = 3", "x_count = 2.5", "printer.cfg:14: column x_count", "a whole number"),
         ("x_count = 3", "x_count = 1e9", "printer.cfg:14: column x_count", "a whole number"),
         ("0.030000", "soft", "printer.cfg:13: column points", "a number"),
-        ("0.030000", "30.0", "printer.cfg:13: column points", "-1000 to 1000 um"),
+        ("0.030000", "30.0", "printer.cfg:13: column points", "-10000 to 10000 um"),
         ("max_x = 220.0", "max_x = 20.0", "printer.cfg:20: column max_x", "more than min_x"),
         ("#*# min_y = 30.0\n", "", "printer.cfg:9: column min_y", "a number in the section"),
         ("fade_end = 8", "fade_end = 0.2", "printer.cfg:4: column fade_end", "more than fade_start"),
+        (
+            "speed: 100",
+            "fade_target: 0.3",
+            "printer.cfg:2: column fade_target",
+            "a height of the mesh, -0.05 to 0.2, or 0",
+        ),
     ] {
         assert!(MESH.contains(from));
         let error = mesh(&MESH.replace(from, to)).unwrap_err().to_string();

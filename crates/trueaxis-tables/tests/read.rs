@@ -328,7 +328,6 @@ fn bad_machines_are_refused_with_their_line() {
             MACHINE.replace("name =", "reference_temperature_c = -300\nname ="),
             "machine.toml:1: key reference_temperature_c: found -300",
         ),
-        (MACHINE.replace("table = \"x.csv\"", ""), "machine.toml: found no axis with a table"),
         (
             MACHINE.replace("x.csv", "gone.csv"),
             "machine.toml:4: key axis.X.table: found \"gone.csv\", which is no file at",

@@ -11,6 +11,7 @@ use trueaxis::machine::{
 };
 use trueaxis::roundness::{Arm, ArmSettings, Band, GaugeSettings, InfeedSettings, ProbeAngles};
 use trueaxis::tcomp::{Tcomp, TcompError, checksum, machine_id};
+use trueaxis_tables::files::Memory;
 use trueaxis_tables::{Machine, Warning, check, compile, summary};
 use trueaxis_testing::noise::Noise;
 
@@ -372,7 +373,6 @@ fn the_compiler_refuses_what_the_file_cannot_hold() {
     table(refused(|m| m.tables[0].as_mut().unwrap().bidirectional = false));
     table(refused(|m| m.tables[0].as_mut().unwrap().rows.truncate(1)));
     assert_eq!(refused(|m| m.tables.truncate(2)).field, Field::Axes);
-    assert_eq!(refused(|m| m.tables = vec![None; 3]).field, Field::Table);
     assert_eq!(refused(|m| m.settings.location.b0z = 1.5).field, Field::LocationB0Z);
     let steep = refused(|m| {
         let row = &mut m.tables[0].as_mut().unwrap().rows[1];
@@ -479,19 +479,71 @@ fn the_summary_tells_the_figures() {
     }
 }
 
-/// The step adds backlash to the reverse side of a table.
+/// What its settings state makes a machine, each alone; with nothing at all it is told to correct nothing.
 #[test]
-fn backlash_without_a_table_is_told() {
-    let mut machine = crate::small_machine::machine();
-    let told = |machine: &Machine| {
-        check(machine, 1000.0).into_iter().any(|w| matches!(w, Warning::BacklashWithoutTable { axis: Axis::X, .. }))
+fn a_machine_needs_no_table() {
+    let text = |more: &str| format!("name = \"m\"\nchain = \"w C' b X Y Z t\"\n{more}\n");
+    let read = |more: &str| {
+        Machine::read_from(
+            &Memory::new([("machine.toml", text(more).as_str())]),
+            Path::new("machine.toml"),
+            &mut |_| {},
+        )
     };
-    machine.settings.axes[0].backlash = 0.002;
-    assert!(!told(&machine));
-    machine.tables[0] = None;
+    let told = |machine: &Machine| check(machine, 1000.0).contains(&Warning::NoErrorsStated);
+    let states = [
+        "[axis.Y]\nbacklash_um = 20.0",
+        "[axis.C]\nbacklash_urad = 20.0",
+        "[axis.X.thermal]\nexpansion_um_per_m_k = 11.5",
+        "[axis.X.thermal]\noffset_um_per_k = 2.0",
+        "[location]\nC0Y_urad = 100.0",
+        "[location]\nEX0C_um = 10.0",
+    ];
+    for more in states {
+        let machine = read(more).unwrap();
+        assert!(!told(&machine), "{more}");
+        let bytes = compile(&machine).unwrap();
+        assert_eq!(Machine::from_tcomp(&Tcomp::parse(&bytes).unwrap()), machine, "{more}");
+    }
+    let machine = read("").unwrap();
     assert!(told(&machine));
-    machine.settings.axes[0].backlash = 0.0;
-    assert!(!told(&machine));
+    assert!(Tcomp::parse(&compile(&machine).unwrap()).is_ok());
+}
+
+/// The same bits out of the compiled file with a table of zeros over the travel and without.
+#[test]
+fn lost_motion_of_an_axis_needs_no_table_of_zeros() {
+    let text = |table: &str| {
+        format!(
+            "name = \"m\"\nchain = \"w b X Y Z t\"\n[axis.X]\ntravel_mm = [-300.0, 300.0]\n[axis.Y]\ntravel_mm = \
+             [-200.0, 200.0]\nbacklash_um = 20.0\nhysteresis_um = 1.0\n{table}\n[axis.Z]\ntravel_mm = [-100.0, 100.0]\n"
+        )
+    };
+    let (without, with) = (text(""), text("table = \"y.csv\""));
+    let machines = [
+        vec![("machine.toml", without.as_str())],
+        vec![("y.csv", "Y_mm,EYY_um\n-200,0\n200,0\n"), ("machine.toml", with.as_str())],
+    ]
+    .map(|files| Machine::read_from(&Memory::new(files), Path::new("machine.toml"), &mut |_| {}).unwrap());
+    let found = machines.map(|machine| {
+        let bytes = compile(&machine).unwrap();
+        let tables = Tcomp::parse(&bytes).unwrap();
+        let mut memory = vec![0.0; tables.requirement()];
+        let servo = trueaxis::HostServo::<3>::load(&tables, 1_000_000, &mut memory).unwrap();
+        let mut state = servo.start();
+        let path = trueaxis::contour::Path::new(&[], 0, false);
+        // To 10 mm and back to −20 mm at 16.7 mm/s, then at rest.
+        let way = (0..600).chain((-1200..600).rev()).chain([-1200; 100]).map(|n| f64::from(n) / 60.0);
+        way.map(|y| {
+            let reference = trueaxis::contour::Reference { span: 0, t: 0.0 };
+            let input = servo.input([0.0, y, 0.0], [0.0, y, 0.0]);
+            servo.step(&mut state, &input, path.on(reference), ()).drive.map(f64::to_bits)
+        })
+        .collect::<Vec<_>>()
+    });
+    assert_eq!(found[0], found[1]);
+    let [_, last, _] = found[0].last().unwrap().map(f64::from_bits);
+    assert!((last - (-20.0 - 0.02)).abs() < 1e-9, "{last}");
 }
 
 /// The small machine's warnings, worked out by hand.

@@ -257,8 +257,8 @@ pub fn rows(settings: &AxisSettings, rows: &(impl Rows + ?Sized)) -> Result<(), 
     })
 }
 
-/// A whole machine: [`settings`], [`rows`] of every table, at least one table or grid, [`grids`], [`joint_range`], [`reversal`]; returns the
-/// look-ups that its exact inverse takes.
+/// A whole machine: [`settings`], [`rows`] of every table, [`grids`], [`joint_range`], [`reversal`]; returns the look-ups that
+/// its exact inverse takes. No axis needs a table for what its settings state, nor does a machine.
 ///
 /// # Errors
 /// The first thing that is wrong.
@@ -268,15 +268,11 @@ pub fn machine<'r, T: Rows + ?Sized + 'r>(
     grids: &[GridData<'_>],
 ) -> Result<u8, ConfigError> {
     settings(machine)?;
-    let mut count = 0;
     for axis in &machine.axes {
         if let Some(table) = tables(axis.axis) {
             rows(axis, table)?;
-            count += 1;
         }
     }
-    let some = count > 0 || !grids.is_empty();
-    need(some, ConfigError::new(Field::Table, 0.0, "at least one axis with a table"))?;
     self::grids(machine, grids)?;
     let grids = GridBounds::of(grids);
     joint_range(machine, &tables, &grids)?;

@@ -86,6 +86,9 @@ pub const LEAST_PITCH: f64 = 1e-3;
 /// A translation in a table, and a location error. Machines that are corrected have some 0.3 mm at most; above 1 mm the
 /// unit is wrong (3.1 µm written as 3,100) or the machine is.
 pub const TRANSLATION: Range = Range::new(-1.0, 1.0, "-1000 to 1000 um (1 mm; is the unit right?)");
+/// A translation at a node of a grid: the bed of a printer is a few millimetres off before its Z offset is set. As much as the
+/// largest magnitude limit lets pass.
+pub const GRID_TRANSLATION: Range = Range::new(-10.0, 10.0, "-10000 to 10000 um (10 mm; is the unit right?)");
 /// A rotation in a table, and a squareness: 10 mrad are 10 mm on a metre, a hundred times what standards permit.
 pub const ROTATION: Range = Range::new(-0.01, 0.01, "-10000 to 10000 urad (10 mrad; is the unit right?)");
 /// What a stored 1 of a grid means: a thousandth of a nanometre to a micrometre, of which 16 bits hold 33 mm.
@@ -102,7 +105,7 @@ pub const HYSTERESIS: ByKind = ByKind::new(
     Range::new(0.0, 0.1, "0 to 100 um (0.1 mm)"),
     Range::new(0.0, degrees(2_000.0), "0 to 2000 urad (0.11 degrees)"),
 );
-/// Magnitude limit of the correction: ten times the largest table value; at least a nanometre.
+/// Magnitude limit of the correction: ten times the largest value of an axis table, the largest of a grid; at least a nanometre.
 pub const MAGNITUDE: ByKind = ByKind::new(
     Range::new(1e-6, 10.0, "0.001 to 10000 um (10 mm)"),
     Range::new(degrees(0.001), degrees(100_000.0), "0.001 to 100000 urad (5.7 degrees)"),

@@ -35,7 +35,7 @@ fn servo(
         inverse_passes: 8,
         method: Method::Guarded,
     };
-    let rows = |axis: Axis| Some(tables[axis.index()].as_slice());
+    let rows = |axis: Axis| Some(tables[axis.index()].as_slice()).filter(|rows| !rows.is_empty());
     let memory = vec![0.0; config.requirement(rows)].leak();
     config.build(rows, memory)
 }
@@ -235,6 +235,32 @@ fn a_correction_against_the_travel_needs_a_wider_band() {
 fn any_steps() -> impl Strategy<Value = [[f64; 3]; 3]> {
     let step = prop_oneof![2 => Just(0.0), 3 => -1.5..1.5f64, 1 => 0.0..8.0f64];
     prop::array::uniform3(prop::array::uniform3(step))
+}
+
+/// Y is known by its play alone, X and Z by nothing: a table of zeros says no more, and the step sends the same bits. The play is
+/// taken off the command once Y travels in negative direction.
+#[test]
+fn play_is_corrected_without_a_table() {
+    const PLAY_MM: f64 = 0.02;
+    let mut machine = settings();
+    machine.axes[1].backlash = PLAY_MM;
+    let none = || Vec::new();
+    let zeros = rows_both_ways([-500.0, 500.0], |_, _| [0.0; 6]);
+    let mut with = Run::new(&machine, &[none(), zeros, none()]);
+    let mut without = Run::new(&machine, &[none(), none(), none()]);
+    let mut leg = |from: f64, to: f64| {
+        let mut last = 0.0;
+        for n in 0..=4000 {
+            let y = from + (to - from) * f64::from(n.min(2000)) / 2000.0;
+            let [a, b] = [&mut without, &mut with].map(|run| run.at([0.0, y, 0.0]));
+            assert_eq!(a.drive.map(f64::to_bits), b.drive.map(f64::to_bits), "{y}");
+            last = a.drive[1] - y;
+        }
+        last
+    };
+    assert_eq!(leg(0.0, 10.0), 0.0);
+    assert!((leg(10.0, -5.0) + PLAY_MM).abs() < 1e-12);
+    assert_eq!(leg(-5.0, 0.0), 0.0);
 }
 
 proptest! {

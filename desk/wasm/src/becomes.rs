@@ -1,6 +1,6 @@
 //! What of a measurement becomes settings of the machine on the page.
 
-use crate::files::{DESCRIPTION, Texts, texts, untabled};
+use crate::files::{DESCRIPTION, Texts, machine_of, texts};
 use anyhow::Result;
 use serde::Serialize;
 use std::collections::BTreeSet;
@@ -70,8 +70,8 @@ impl Becomes {
     }
 
     fn between(before: &Texts, files: Texts, notes: Vec<String>, stated: &[(String, f64)]) -> Result<Becomes> {
-        let before = values(&untabled(before, &mut Vec::new())?);
-        let after = values(&untabled(&files, &mut Vec::new())?);
+        let before = values(&machine_of(before, &mut Vec::new())?);
+        let after = values(&machine_of(&files, &mut Vec::new())?);
         let of = |all: &[(String, f64)], key: &str| all.iter().find(|own| own.0 == key).map_or(0.0, |own| own.1);
         let keys: BTreeSet<&str> = before.iter().chain(&after).map(|(key, _)| key.as_str()).collect();
         let settings = keys.into_iter().filter_map(|key| {

@@ -1,7 +1,7 @@
 //! Calibration with a touch probe: from a task to a program, from its log to errors and the machine with them.
 
 use crate::becomes::Becomes;
-use crate::files::{texts, untabled};
+use crate::files::{machine_of, texts};
 use crate::{Refused, json, told};
 use anyhow::Result;
 use serde::Serialize;
@@ -33,7 +33,7 @@ struct Found {
 }
 
 fn read(files: &str, name: &str, task: &str, notes: &mut Vec<String>) -> Result<(Task, Machine)> {
-    Ok((Task::read(task, Path::new(name))?, untabled(&texts(files)?, notes)?))
+    Ok((Task::read(task, Path::new(name))?, machine_of(&texts(files)?, notes)?))
 }
 
 fn plan(files: &str, name: &str, task: &str) -> Result<String> {

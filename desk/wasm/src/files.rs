@@ -36,12 +36,6 @@ pub(crate) fn machine_of(texts: &Texts, notes: &mut Vec<String>) -> Result<Machi
     read(&Memory::new(texts.clone()), notes)
 }
 
-/// A machine that need not have tables yet.
-pub(crate) fn untabled(texts: &Texts, notes: &mut Vec<String>) -> Result<Machine> {
-    let memory = Memory::new(texts.clone());
-    Ok(Machine::read_untabled(&memory, Path::new(DESCRIPTION), &mut |note| notes.push(note))?)
-}
-
 fn read(memory: &Memory, notes: &mut Vec<String>) -> Result<Machine> {
     Ok(Machine::read_from(memory, Path::new(DESCRIPTION), &mut |note| notes.push(note))?)
 }

@@ -10,6 +10,7 @@ use arguments::Asked;
 pub(crate) use arguments::{Arguments, position};
 use trueaxis::machine::Axis;
 use trueaxis_evaluation::correct::{self, Found};
+use trueaxis_tables::Warning;
 
 pub(crate) const HELP: &str = "\
 Evaluates the machine's own error model at one position, as the servo step does. Without --at the position is the middle of
@@ -20,16 +21,19 @@ the declared travel of every axis, else the middle of its table, else zero.
   command            position + correction
 
 Two-sided tables and backlash depend on the direction of travel. Beyond the end of a table its edge value is clamped, and a
-note says so.
+note says so. Another says where the step's limit of the magnitude would take something off the correction.
 
 --json: machine, model, at_mm, error_um, correction_mm, command_mm (each [x, y, z]), contributions [{source, error_um}],
-clamped, out_of_travel (letters of axes). With rotary axes also at_deg, correction_deg, command_deg (by letter), and with the
+clamped, out_of_travel, clipped (letters of axes). With rotary axes also at_deg, correction_deg, command_deg (by letter), and with the
 volumetric model error_urad: rotation of the tool about [x, y, z], actual − ideal.
 
 Example: trueaxis correct compensation-tables/mill-3axis --at 120,-40,-200 --direction +x,-y";
 
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let machine = model::machine(&arguments.machine)?;
+    if !machine.states_errors() {
+        tell(format_args!("note: {}", Warning::NoErrorsStated));
+    }
     let asked = Asked::new(arguments, &machine)?;
     let found: Found = by_axes!(machine.settings.step_axes().count(), correct::at(&machine, &asked.query))?;
     for (letters, what) in [
@@ -39,6 +43,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
         if !letters.is_empty() {
             tell(format_args!("note: {} {what}", axes(letters)));
         }
+    }
+    for note in found.clipped.notes(&machine.settings, "position") {
+        tell(format_args!("note: {note}"));
     }
     if arguments.json {
         json(&table::document(&machine, &found))

@@ -37,6 +37,7 @@ pub(super) fn document(machine: &Machine, found: &Found) -> Value {
             .collect::<Vec<_>>(),
         "clamped": letters(&found.clamped),
         "out_of_travel": letters(&found.out_of_travel),
+        "clipped": letters(&found.clipped.axes().collect::<Vec<_>>()),
     });
     if let Some(rad) = found.orientation {
         document["error_urad"] = json!(rad.map(|rad| rad * 1e6));

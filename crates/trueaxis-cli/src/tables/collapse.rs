@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 use trueaxis::Axis;
 use trueaxis_tables::collapse::{CollapseError, CollapseOptions, Collapsed, Deviation, GridAdvice, collapse};
 use trueaxis_tables::formats::machine_files;
+use trueaxis_tables::limits::raise;
 use trueaxis_tables::output::Outputs;
 
 pub(crate) const HELP: &str = "\
@@ -61,8 +62,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
         CollapseError::Option { .. } => anyhow!("--{error}"),
         error => anyhow!("{}: {error}", arguments.machine.display()),
     })?;
-    let files = machine_files(&collapsed.machine, &comment(&collapsed, &options));
+    let mut written = collapsed.machine.clone();
+    let limits = raise(&mut written);
+    let files = machine_files(&written, &comment(&collapsed, &options));
     write(&arguments.machine, &arguments.output, &files)?;
+    limits.iter().for_each(|note| tell(note));
     if arguments.json { json(&document(&collapsed)) } else { print(&report(&collapsed)) }
 }
 

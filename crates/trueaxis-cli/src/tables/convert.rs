@@ -19,8 +19,8 @@ Formats, and what they hold for an error E = actual − ideal:
   isg         ISG/Beckhoff volumetric CSV, all six errors (mm, rad; rotary arguments in degrees); chain and offsets as comments
   iso230-2    measured deviations (µm, µrad), one row per approach, or one per target with a column per run:
               X_mm,+1,-1,+2,-2,… or X_mm,fwd_1_um,rev_1_um,…
-  bed-mesh    [bed_mesh NAME] of Klipper's printer.cfg, a grid over X and Y: EZ = −height of the bed; fade_start and fade_end
-              of [bed_mesh] become its fade. Read only
+  bed-mesh    [bed_mesh NAME] of Klipper's printer.cfg, a grid over X and Y: EZ = −height of the bed; fade_start, fade_end
+              and fade_target of [bed_mesh] (the mesh's mean unless given) become its fade. Read only
   grid        X_mm,Y_mm[,Z_mm],EX_um,…,EC_urad, +E, a line for every node in any order. Read only";
 
 /// A format by its name on the command line.
@@ -56,7 +56,7 @@ pub(super) fn import(
         model::tell_left(output);
         imported.edit(&Folder::new(output), Path::new("machine.toml"))?
     } else {
-        Edited { files: new_machine(&imported, file, output)?, notes: Vec::new() }
+        new_machine(&imported, file, output)?
     };
     let mut outputs = Outputs::of([file]);
     outputs.folder(output)?;
@@ -75,18 +75,18 @@ pub(super) fn import(
 }
 
 /// A machine with the imported axes alone; existing files are never overwritten.
-fn new_machine(imported: &Imported, file: &Path, output: &Path) -> Result<Vec<(PathBuf, String)>> {
+fn new_machine(imported: &Imported, file: &Path, output: &Path) -> Result<Edited> {
     let name = file.file_stem().map_or_else(|| "imported".into(), |stem| stem.to_string_lossy().into_owned());
-    let mut files: Vec<(PathBuf, String)> =
-        imported.machine_files(&name).into_iter().map(|(name, text)| (name.into(), text)).collect();
-    // A machine.toml is only there with all of its tables.
-    files.rotate_left(1);
-    if let Some(path) = files.iter().map(|(name, _)| output.join(name)).find(|path| path.symlink_metadata().is_ok()) {
+    // A machine.toml comes last: it is only there with all of its tables.
+    let made = imported.new_machine(&name);
+    let mut paths = made.files.iter().map(|(name, _)| output.join(name));
+    if let Some(path) = paths.find(|path| path.symlink_metadata().is_ok()) {
         bail!("{}: found a file and no machine.toml beside it, needed another folder", path.display());
     }
-    Machine::read_from(&Memory::new(files.clone()), Path::new("machine.toml"), &mut |_| {})
+    let files = made.files.iter().map(|(name, text)| (name, text.as_str()));
+    Machine::read_from(&Memory::new(files), Path::new("machine.toml"), &mut |_| {})
         .map_err(|error| anyhow!("{}: as a machine: {error} (nothing is written)", file.display()))?;
-    Ok(files)
+    Ok(made)
 }
 
 pub(super) fn export(format: Format, path: &Path, options: &ExportOptions, output: &Path) -> Result<()> {

@@ -41,7 +41,7 @@ impl State {
         name: PathBuf,
         note: &mut dyn FnMut(String),
     ) -> Result<State> {
-        let machine = Machine::read_untabled(source.as_ref(), &name, note)?;
+        let machine = Machine::read_from(source.as_ref(), &name, note)?;
         keep.fits(&machine)?;
         let mut files = BTreeMap::new();
         for own in Machine::files_of(source.as_ref(), &name)?.into_iter().chain(keep.thermal.iter().map(PathBuf::from))

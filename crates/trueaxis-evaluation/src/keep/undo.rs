@@ -44,7 +44,7 @@ impl State {
         let after = self.with(&new);
         new.retain(|(file, bytes)| self.files.get(file) != bytes.as_ref());
         let memory = Memory::new(after.iter().map(|(name, bytes)| (name, bytes.clone())));
-        let machine = Machine::read_untabled(&memory, &self.name, &mut |_| {})?;
+        let machine = Machine::read_from(&memory, &self.name, &mut |_| {})?;
         let mut away: Vec<String> = new.iter().filter(|(_, new)| new.is_none()).map(|(file, _)| file.clone()).collect();
         away.extend(self.keep.tcomp.iter().filter(|_| !is_compilable(&machine)).cloned());
         let entry = Entry {

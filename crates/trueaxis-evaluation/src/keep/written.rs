@@ -64,7 +64,7 @@ impl State {
             return Ok(());
         }
         let memory = Memory::new(files.iter().map(|(name, bytes)| (name, bytes.clone())));
-        let machine = Machine::read_untabled(&memory, &self.name, &mut |_| {})?;
+        let machine = Machine::read_from(&memory, &self.name, &mut |_| {})?;
         // An undo takes it away.
         let away = deed == Deed::Undo && !is_compilable(&machine);
         if let Some(tcomp) = self.keep.tcomp.as_ref().filter(|_| !away) {

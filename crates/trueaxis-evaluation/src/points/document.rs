@@ -194,5 +194,6 @@ fn notes(points: &Points, found: &Found) -> Vec<String> {
     if found.errors.sigma > 2.0 && points.stated {
         notes.push(format!("what is left is {:.1} times what the stated uncertainties allow", found.errors.sigma));
     }
+    notes.extend(found.limits.iter().cloned());
     notes
 }

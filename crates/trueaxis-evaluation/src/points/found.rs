@@ -6,6 +6,7 @@ use anyhow::{Result, anyhow, bail};
 use trueaxis::Axis;
 use trueaxis::machine::{AXES, ErrorModel, Row};
 use trueaxis_metrology::volumetric::{Basis, COMPONENTS, Found as Errors, LEAST_LEVER_MM, Observation, fit};
+use trueaxis_tables::limits::raise;
 use trueaxis_tables::{Machine, Table};
 
 const LINEAR: [Axis; 3] = [Axis::X, Axis::Y, Axis::Z];
@@ -56,6 +57,8 @@ pub struct Found {
     pub unseen: Vec<String>,
     /// The machine with the errors, model volumetric.
     pub machine: Machine,
+    /// Limits of the corrections that it needs, a sentence each.
+    pub limits: Vec<String>,
 }
 
 /// The 21 errors of the linear axes of `machine`, whose own tables and squarenesses are not used; rotary axes at zero.
@@ -88,8 +91,9 @@ pub fn identify(points: &Points, machine: &Machine, options: &Options) -> Result
     }
     let left_mm = left(points, &filled(&bare, &basis, &errors), &errors)?;
     let deviations_mm = points.points.iter().map(|point| placed(point, &errors)).collect();
-    let written = filled(machine, &basis, &errors);
-    Ok(Found { errors, basis, left_mm, held_out_mm, deviations_mm, unseen, machine: written })
+    let mut written = filled(machine, &basis, &errors);
+    let limits = raise(&mut written);
+    Ok(Found { errors, basis, left_mm, held_out_mm, deviations_mm, unseen, machine: written, limits })
 }
 
 fn place(of: [f64; 3]) -> [f64; AXES] {

@@ -16,11 +16,12 @@ use crate::scenario::Scenario;
 use crate::servo::{Axes, Compiled, step};
 use crate::truth::{self, Truth};
 use glam::DVec3;
+use trueaxis::compensation::ThermalLine;
 use trueaxis::contour::OrientationError;
 use trueaxis::kinematics::Kinematics;
 use trueaxis::machine::{AXES, AxisOrder};
 use trueaxis::sample::Refusal;
-use trueaxis::{Axis, Dynamics, Fault, Input, OnToolPath, Output, ServoLoop, State};
+use trueaxis::{Axis, Conditions, Dynamics, Fault, Input, OnToolPath, Output, ServoLoop, State};
 
 /// Cycles of a stopped run that are still simulated, to show that the output holds.
 const CYCLES_AFTER_STOP: u64 = 200;
@@ -56,6 +57,8 @@ pub(super) struct Cell<const N: usize> {
     truth: Truth,
     /// For programs with rotary axes.
     pub(super) kinematics: Option<Kinematics<f64>>,
+    /// Thermal growth that the plugin was told.
+    thermal: [ThermalLine<f64>; N],
     /// The plugin's switches; an uncompensated machine has it off whatever they say.
     enabled: bool,
     dynamics: Dynamics,
@@ -93,6 +96,7 @@ where
             origin: DVec3::from(scenario.origin_mm),
             truth: Truth::default(),
             kinematics: None,
+            thermal: about.thermal,
             enabled: kind.enables_the_plugin(),
             dynamics: Dynamics::ALL,
             feedback: [0.0; N],
@@ -110,6 +114,7 @@ where
             self.state.set_thermal(slot, *line);
         }
         self.kinematics = about.kinematics;
+        self.thermal = about.thermal;
     }
 
     /// Switches the plugin or a part of it, where the machine is driven with it.
@@ -252,12 +257,30 @@ where
         }
         if record.limited != 0 {
             self.sums.limited_cycles += 1;
+            self.clip(&record.correction, commanded, shared);
         }
         if record.fault != Fault::None {
             let axis = self.axes.get(usize::from(record.fault_axis)).copied().unwrap_or(Axis::X);
             self.sums.fault(record.fault, axis, &commanded.moment);
         }
         self.sample(&measured, &stepped)
+    }
+
+    /// What the limits of the magnitude take off, where a correction stands at one.
+    fn clip(&mut self, sent: &[f64; N], commanded: &Commanded, shared: &Shared<'_, N>) {
+        let settings = &shared.scenario.machine.settings;
+        let limit = |axis: Axis| settings.axis(axis).map_or(f64::INFINITY, |own| own.limits.magnitude);
+        if self.axes.iter().zip(sent).all(|(axis, sent)| sent.abs() < 0.999 * limit(*axis)) {
+            return;
+        }
+        let conditions = Conditions { thermal: self.thermal, ..Conditions::default() };
+        if let Ok(wanted) = shared.servo.correction_at(&self.to_step(commanded), &conditions) {
+            let mut all = [0.0; AXES];
+            for (axis, wanted) in self.axes.iter().zip(wanted) {
+                all[axis.index()] = wanted;
+            }
+            self.sums.clipped.add(settings, &commanded.positions, &all);
+        }
     }
 
     fn add(&mut self, measured: &Measured, stepped: &Stepped<N>) {

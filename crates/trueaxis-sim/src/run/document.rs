@@ -7,6 +7,7 @@ use crate::program::Note;
 use crate::scenario::Scenario;
 use crate::settings::Settings;
 use serde::Serialize;
+use trueaxis_tables::Warning;
 use trueaxis_tables::text::counted;
 
 /// Figures of a run that has ended, with what it was a run of. `T`: what a host adds that has measured time.
@@ -63,9 +64,14 @@ pub fn notes(scenario: &Scenario, machines: &[(Kind, Tallies)]) -> Vec<String> {
     let of = |kind| machines.iter().find(|(own, _)| *own == kind).map(|(_, tallies)| tallies);
     let (compensated, full) = (of(Kind::Compensated), of(Kind::Full));
     let mut notes = Vec::new();
+    if !scenario.machine.states_errors() {
+        notes.push(Warning::NoErrorsStated.to_string());
+    }
     if compensated.is_some_and(|compensated| compensated.stopped) {
         notes.push("the compensated run was ended by a stop request".into());
     }
+    let clipped = compensated.map(|compensated| compensated.clipped.notes(&scenario.machine.settings, "cycle"));
+    notes.extend(clipped.into_iter().flatten());
     let refused = full.and_then(|_| feedback_refused(&scenario.machine.settings, scenario.period_s()));
     notes.extend(refused.map(|why| format!("the full run has no contour feedback: {why}")));
     notes.extend(full.zip(compensated).and_then(|(full, compensated)| note_of_full(full, compensated)));

@@ -3,6 +3,7 @@
 use super::sample::Moment;
 use trueaxis::{Axis, Fault};
 use trueaxis_recording::adversary::Digest;
+use trueaxis_tables::limits::Clipped;
 
 /// Size of an error over a run, in µm.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -57,6 +58,8 @@ pub struct Tallies {
     pub more_faults: u64,
     /// Cycles in which an axis' correction was limited.
     pub limited_cycles: u64,
+    /// What the magnitude limits took off the corrections.
+    pub clipped: Clipped,
     /// Stopped by a stop request.
     pub stopped: bool,
     /// Of every output of the step since the program began ([`Digest`]).
@@ -106,6 +109,7 @@ pub(super) struct Sums {
     pub(super) estimated: Tally,
     pub(super) estimated_orientation: Tally,
     pub(super) limited_cycles: u64,
+    pub(super) clipped: Clipped,
     pub(super) stopped: bool,
     pub(super) digest: Digest,
     faults: Vec<FaultSpan>,
@@ -135,6 +139,7 @@ impl Sums {
             faults: self.faults.clone(),
             more_faults: self.more_faults,
             limited_cycles: self.limited_cycles,
+            clipped: self.clipped.clone(),
             stopped: self.stopped,
             digest: self.digest.value(),
         }

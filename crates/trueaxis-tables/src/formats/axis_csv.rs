@@ -3,8 +3,12 @@
 use super::decimal::{shortest, toml_value};
 use super::grid_csv::{grid_csv_name, grid_section, write_grid_csv};
 use super::{Imported, own_comments, stated};
-use crate::Table;
+use crate::files::Memory;
+use crate::limits::widened;
+use crate::{Edited, Table};
 use std::fmt::Write;
+use std::path::{Path, PathBuf};
+use toml_edit::DocumentMut;
 use trueaxis::machine::{Axis, LocationErrors, MachineSettings, NAME_CAPACITY};
 
 /// File name of an axis' table, `x.csv`.
@@ -68,7 +72,7 @@ fn value(twist: &[f64; 6], component: usize) -> f64 {
     twist.get(component).copied().unwrap_or(0.0)
 }
 
-pub(super) fn machine_files(imported: &Imported, name: &str) -> Vec<(String, String)> {
+pub(super) fn new_machine(imported: &Imported, name: &str) -> Edited {
     let mut end = name.len().min(NAME_CAPACITY);
     while !name.is_char_boundary(end) {
         end -= 1;
@@ -88,10 +92,17 @@ pub(super) fn machine_files(imported: &Imported, name: &str) -> Vec<(String, Str
     if !location.is_empty() {
         let _ = write!(text, "\n[location]\n{location}");
     }
-    let mut files = vec![(String::from("machine.toml"), text)];
-    files.extend(imported.tables.iter().map(|(axis, table)| (axis_csv_name(*axis), write_axis_csv(table, *axis))));
-    files.extend(grids);
-    files
+    let tables = imported.tables.iter().map(|(axis, table)| (axis_csv_name(*axis), write_axis_csv(table, *axis)));
+    let mut files: Vec<(PathBuf, String)> = tables.chain(grids).map(|(name, text)| (name.into(), text)).collect();
+    let mut notes = Vec::new();
+    let (nowhere, toml) = (Memory::default(), Path::new("machine.toml"));
+    // What cannot be read as a machine is left for its reader to refuse.
+    let wide = text
+        .parse::<DocumentMut>()
+        .ok()
+        .and_then(|document| widened(&document, &text, &files, (&nowhere, toml), None, &mut notes).ok());
+    files.push((toml.into(), wide.unwrap_or(text)));
+    Edited { files, notes }
 }
 
 /// A machine of which only the tables are known.

@@ -21,9 +21,18 @@
 //! EZ = −m
 //! ```
 //!
-//! and the correction +m lifts the nozzle, as Klipper does. Of the section `[bed_mesh]` fade_start and fade_end become the heights
-//! of the fade; it fades to nothing, where Klipper may fade to a `fade_target`. Klipper's own interpolation between the points
-//! (`mesh_x_pps`, `algo`) is not taken over: between them the surface is bilinear.
+//! and the correction +m lifts the nozzle, as Klipper does. With a fade (`fade_start`, `fade_end` of the section `[bed_mesh]`) the
+//! mesh does not fade to nothing but to the height t = `fade_target`, of default the mean of Klipper's interpolated mesh, to
+//! 0.01 mm, so that a part is not scaled in Z:
+//!
+//! ```text
+//! correction = t + f(z) (m − t)        f = 1 up to fade_start, 0 from fade_end on
+//! ```
+//!
+//! It becomes two grids, of −(m − t) with the fade, and of −t without. Klipper fades by the height that is commanded, z, grids by
+//! where the axis stands, z + t + f(z) (m − t): that is linear in z, from m above fade_start to t above fade_end, and the heights
+//! of the fade are raised by as much, with the mean for m. Klipper's own interpolation between the points
+//! (`mesh_x_pps`, `algo`) is taken for that mean alone: between the points the surface is bilinear.
 //!
 //! Source: Klipper, docs/Bed_Mesh.md and klippy/extras/bed_mesh.py.
 
@@ -123,23 +132,50 @@ pub(super) fn import(text: &str, origin: &Origin) -> Result<Imported, FileError>
         *nodes = along(mesh, letter, origin)?;
     }
     let heights = heights(mesh, [nodes[0].len(), nodes[1].len()], origin)?;
-    // Lines of one Y each become nodes with Y innermost.
-    let values =
-        (0..nodes[0].len()).flat_map(|x| heights.iter().map(move |row| [0.0, 0.0, 0.0 - row[x], 0.0, 0.0, 0.0]));
     let mut notes =
         vec![format!("[{}]: EZ = −height; bilinear between the {} points", mesh.name, nodes[0].len() * nodes[1].len())];
-    let fade_mm = fade(&sections, origin, &mut notes)?;
-    let source = GridSource {
-        values: values.collect(),
-        nodes,
-        given: [false, false, true, false, false, false],
-        fade_mm,
-        ..GridSource::default()
-    };
-    match Grid::new(source) {
-        Ok(grid) => Ok(imported(grid, notes)),
-        Err(error) => Err(origin.whole(format!("{error:?}"), "heights that 16 bits hold")),
+    let mean = mean(mesh, &heights, origin)?;
+    let fade = fade(&sections, &heights, origin)?;
+    let target = fade.as_ref().map_or(0.0, |fade| fade.target.unwrap_or(mean));
+    if let Some(Fade { heights: [start, end], .. }) = fade {
+        let to = if target == 0.0 { String::from("nothing") } else { format!("the height {}", Figure(target)) };
+        notes.push(format!("fades from Z {} to {to} at Z {}", Figure(start), Figure(end)));
     }
+    if mean.abs() >= LARGE_MEAN {
+        let left = heights.iter().flatten().fold(0.0, |most: f64, height| most.max((height - mean).abs()));
+        notes.push(format!(
+            "the heights are {} mm on average: moved into the Z offset of the machine, it leaves {} mm to correct",
+            Figure(mean),
+            Figure(rounded(left))
+        ));
+    }
+    let given = [false, false, true, false, false, false];
+    let whole = (target != 0.0).then(|| {
+        let ends = |nodes: &[f64]| nodes.first().into_iter().chain(nodes.last()).copied().collect();
+        let nodes = [ends(&nodes[0]), ends(&nodes[1]), Vec::new()];
+        GridSource { values: vec![[0.0, 0.0, -target, 0.0, 0.0, 0.0]; 4], nodes, given, ..GridSource::default() }
+    });
+    // Lines of one Y each become nodes with Y innermost.
+    let values = (0..nodes[0].len())
+        .flat_map(|x| heights.iter().map(move |row| [0.0, 0.0, rounded(target - row[x]), 0.0, 0.0, 0.0]));
+    let fade_mm = fade.map(|Fade { heights: [start, end], .. }| {
+        let raised = [start + mean, end + target];
+        // A mesh higher than the fade is long: refused as too steep, as Klipper does.
+        if raised[1] - raised[0] < range::LEAST_PITCH { [start, end] } else { raised }
+    });
+    let source = GridSource { values: values.collect(), nodes, given, fade_mm, ..GridSource::default() };
+    let grids = std::iter::once(source).chain(whole).map(|source| {
+        Grid::new(source).map_err(|error| origin.whole(format!("{error:?}"), "heights that 16 bits hold"))
+    });
+    Ok(imported(grids.collect::<Result<_, _>>()?, notes))
+}
+
+/// A mean height from which on it is told that it belongs into an offset, mm.
+const LARGE_MEAN: f64 = 0.5;
+
+/// To a nanometre, below what heights are written with; −0 is 0.
+fn rounded(height: f64) -> f64 {
+    (height * 1e6).round() / 1e6 + 0.0
 }
 
 /// The nodes along an axis.
@@ -179,8 +215,9 @@ fn heights(mesh: &Section<'_>, [columns, rows]: [usize; 2], origin: &Origin) -> 
         let mut values = Vec::new();
         for text in row {
             let height = origin.number(*line, "points", text)?;
-            if !range::TRANSLATION.contains(height) {
-                return Err(origin.at(*line, "points", format!("{} mm", Figure(height)), range::TRANSLATION.needed));
+            if !range::GRID_TRANSLATION.contains(height) {
+                let found = format!("{} mm", Figure(height));
+                return Err(origin.at(*line, "points", found, range::GRID_TRANSLATION.needed));
             }
             values.push(height);
         }
@@ -193,8 +230,69 @@ fn heights(mesh: &Section<'_>, [columns, rows]: [usize; 2], origin: &Origin) -> 
     Ok(heights)
 }
 
-/// Heights of the fade, where `[bed_mesh]` has one.
-fn fade(sections: &[Section<'_>], origin: &Origin, notes: &mut Vec<String>) -> Result<Option<[f64; 2]>, FileError> {
+/// Mean of the mesh as Klipper interpolates it, to 0.01 mm: `Σ u_i v_j m_ij`, the weights of [`weights`] along X and Y.
+fn mean(mesh: &Section<'_>, heights: &[Vec<f64>], origin: &Origin) -> Result<f64, FileError> {
+    let bicubic = mesh.item("algo").and_then(|item| item.values.first()).is_some_and(|(_, text)| *text == "bicubic");
+    // Klipper's default.
+    let tension = if mesh.item("tension").is_some() { mesh.number("tension", origin)?.1 } else { 0.2 };
+    let tension = bicubic.then_some(tension);
+    let along = |key: &str, count: usize| -> Result<Vec<f64>, FileError> {
+        // Klipper's default.
+        let between = if mesh.item(key).is_some() { mesh.number(key, origin)?.1 } else { 2.0 };
+        Ok(weights(count, between.clamp(0.0, MOST_BETWEEN) as usize, tension))
+    };
+    let u = along("mesh_x_pps", heights.first().map_or(0, Vec::len))?;
+    let v = along("mesh_y_pps", heights.len())?;
+    let row = |row: &Vec<f64>| row.iter().zip(&u).map(|(height, weight)| weight * height).sum::<f64>();
+    let sum: f64 = heights.iter().zip(&v).map(|(heights, weight)| weight * row(heights)).sum();
+    Ok((sum * 100.0).round() / 100.0 + 0.0)
+}
+
+/// Most points between two of the mesh that are counted.
+const MOST_BETWEEN: f64 = 100.0;
+/// Most points that Klipper lays a polynomial of Lagrange through.
+const MOST_OF_LAGRANGE: usize = 6;
+
+/// Share of each of `count` points in the mean over them and `between` points in every interval, by Lagrange's polynomial or a
+/// cardinal spline of a tension.
+fn weights(count: usize, between: usize, tension: Option<f64>) -> Vec<f64> {
+    let step = between + 1;
+    let total = (count.max(1) - 1) * step + 1;
+    let mut weights = vec![0.0; count];
+    for place in 0..total {
+        let (index, t) = (place / step, (place % step) as f64 / step as f64);
+        if t == 0.0 {
+            weights[index] += 1.0;
+        } else if let Some(tension) = tension {
+            let (t2, t3) = (t * t, t * t * t);
+            let (rise, fall) = (tension * (t3 - 2.0 * t2 + t), tension * (t3 - t2));
+            // Beyond the ends the outermost points again.
+            let of = [index.max(1) - 1, index, index + 1, (index + 2).min(count - 1)];
+            let share = [-rise, 2.0 * t3 - 3.0 * t2 + 1.0 - fall, 3.0 * t2 - 2.0 * t3 + rise, fall];
+            of.into_iter().zip(share).for_each(|(of, share)| weights[of] += share);
+        } else if count <= MOST_OF_LAGRANGE {
+            let at = index as f64 + t;
+            for (own, weight) in weights.iter_mut().enumerate() {
+                let others = (0..count).filter(|other| *other != own);
+                *weight += others.map(|other| (at - other as f64) / (own as f64 - other as f64)).product::<f64>();
+            }
+        } else {
+            weights[index] += 1.0 - t;
+            weights[index + 1] += t;
+        }
+    }
+    weights.iter_mut().for_each(|weight| *weight /= total as f64);
+    weights
+}
+
+/// Heights between which the mesh fades, and to what, where that is stated.
+struct Fade {
+    heights: [f64; 2],
+    target: Option<f64>,
+}
+
+/// The fade, where `[bed_mesh]` has one.
+fn fade(sections: &[Section<'_>], mesh: &[Vec<f64>], origin: &Origin) -> Result<Option<Fade>, FileError> {
     let Some(section) = sections.iter().find(|section| section.name == "bed_mesh") else { return Ok(None) };
     if section.item("fade_end").is_none() {
         return Ok(None);
@@ -213,6 +311,18 @@ fn fade(sections: &[Section<'_>], origin: &Origin, notes: &mut Vec<String>) -> R
             format!("more than fade_start = {}, or 0", Figure(start)),
         ));
     }
-    notes.push(format!("fades from Z {} to nothing at Z {}, whatever fade_target says", Figure(start), Figure(end)));
-    Ok(Some([start, end]))
+    let mut target = None;
+    if section.item("fade_target").is_some() {
+        let (line, stated) = section.number("fade_target", origin)?;
+        let [low, high] = mesh
+            .iter()
+            .flatten()
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], height| [low.min(*height), high.max(*height)]);
+        if stated != 0.0 && !(low..=high).contains(&stated) {
+            let needed = format!("a height of the mesh, {} to {}, or 0", Figure(low), Figure(high));
+            return Err(origin.at(line, "fade_target", Figure(stated), needed));
+        }
+        target = Some(stated);
+    }
+    Ok(Some(Fade { heights: [start, end], target }))
 }

@@ -79,10 +79,10 @@ pub(super) fn import(text: &str, origin: &Origin) -> Result<Imported, FileError>
     }
     drop(sheet);
     let file = grid_table::read(text.as_bytes(), origin, &GridReference::of_axes(axes))?;
-    Ok(imported(file.grid, file.dialect.map(String::from).into_iter().collect()))
+    Ok(imported(vec![file.grid], file.dialect.map(String::from).into_iter().collect()))
 }
 
-/// A file that holds nothing but a grid.
-pub(super) fn imported(grid: Grid, notes: Vec<String>) -> Imported {
-    Imported { tables: Vec::new(), grids: vec![grid], location: LocationErrors::default(), settings: None, notes }
+/// A file that holds nothing but grids.
+pub(super) fn imported(grids: Vec<Grid>, notes: Vec<String>) -> Imported {
+    Imported { tables: Vec::new(), grids, location: LocationErrors::default(), settings: None, notes }
 }

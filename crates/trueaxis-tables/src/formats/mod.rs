@@ -43,7 +43,7 @@ pub use stated::location_values;
 use crate::error::FileError;
 use crate::origin::Origin;
 use crate::sheet::Sheet;
-use crate::{Grid, Machine, Table};
+use crate::{Edited, Grid, Machine, Table};
 use linuxcnc::CompFileType;
 use std::path::{Path, PathBuf};
 use trueaxis::error::Figure;
@@ -112,13 +112,21 @@ impl Imported {
         Imported { tables: Vec::new(), grids: Vec::new(), location, settings: None, notes: Vec::new() }
     }
 
-    /// The files of a machine that uses these tables: `machine.toml` and one CSV per axis, as (file name, text).
+    /// The files of a machine that uses these tables: one CSV per axis and grid and, last, `machine.toml`; and what was set in it
+    /// beside them.
     ///
     /// With [`Imported::settings`], the machine that they describe. Else the file does not tell how the axes follow one another:
     /// `chain` puts all of them on the tool side and says so in a comment, and interpolation is linear, as in the controls the
-    /// files come from.
+    /// files come from. Limits that the corrections need above the defaults are set ([`Edited::notes`]).
+    pub fn new_machine(&self, name: &str) -> Edited {
+        axis_csv::new_machine(self, name)
+    }
+
+    /// The files of [`Imported::new_machine`], `machine.toml` first, as (file name, text).
     pub fn machine_files(&self, name: &str) -> Vec<(String, String)> {
-        axis_csv::machine_files(self, name)
+        let mut files = self.new_machine(name).files;
+        files.rotate_right(1);
+        files.into_iter().map(|(name, text)| (name.to_string_lossy().into_owned(), text)).collect()
     }
 }
 

@@ -111,7 +111,7 @@ pub(crate) fn read(text: &[u8], origin: &Origin, reference: &GridReference) -> R
                 Content::Error(component) => {
                     let value = given / if *component < 3 { 1e3 } else { 1e6 };
                     line.errors[*component] = value;
-                    (if *component < 3 { &range::TRANSLATION } else { &range::ROTATION }, value)
+                    (if *component < 3 { &range::GRID_TRANSLATION } else { &range::ROTATION }, value)
                 }
             };
             if !range.contains(value) {

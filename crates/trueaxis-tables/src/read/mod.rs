@@ -41,25 +41,12 @@ impl Machine {
     }
 
     /// [`Machine::read`] from any source of files; `name` is that of the `machine.toml`. Every table with other separators
-    /// than commas, or with decimal commas, is reported to `tell`.
+    /// than commas, or with decimal commas, is reported to `tell`. A machine without any table has the errors that its settings
+    /// state, or none.
     ///
     /// # Errors
     /// As [`Machine::read`].
     pub fn read_from(files: &dyn Source, name: &Path, tell: &mut dyn FnMut(String)) -> Result<Machine, FileError> {
-        let (origin, description) = described(files, name)?;
-        let machine = Machine::read_described(files, name, &origin, &description, tell)?;
-        if machine.tables.iter().all(Option::is_none) && machine.grids.is_empty() {
-            return Err(origin.whole("no axis with a table", "a table in at least one [axis.…] section, or a [[grid]]"));
-        }
-        machine.hold_together(&origin, &description)?;
-        Ok(machine)
-    }
-
-    /// [`Machine::read_from`], but a machine without any table is one without errors: what a calibration begins with.
-    ///
-    /// # Errors
-    /// As [`Machine::read`].
-    pub fn read_untabled(files: &dyn Source, name: &Path, tell: &mut dyn FnMut(String)) -> Result<Machine, FileError> {
         let (origin, description) = described(files, name)?;
         let machine = Machine::read_described(files, name, &origin, &description, tell)?;
         machine.hold_together(&origin, &description)?;

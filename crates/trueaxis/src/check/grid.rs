@@ -41,7 +41,7 @@ fn one(machine: &MachineSettings, grid: &GridData<'_>) -> Result<(), ConfigError
         need(!along.is_there() || at == 0.0, ConfigError::new(Field::GridMeasuredAt, at, needed).on(axis))?;
     }
     for (component, values) in grid.extremes().values.into_iter().enumerate() {
-        let range = if component < 3 { range::TRANSLATION } else { range::ROTATION };
+        let range = if component < 3 { range::GRID_TRANSLATION } else { range::ROTATION };
         for value in values {
             range.check(value, Field::GridTable, None)?;
         }

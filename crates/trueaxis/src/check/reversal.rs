@@ -15,10 +15,9 @@ pub const HYSTERESIS_PER_STEP: f64 = 3.0;
 const NOTHING: f64 = 1e-9;
 
 /// Lost motion of an axis: smallest and largest of its own error in negative travel against that in positive, mm (deg),
-/// backlash included. Zero for an axis without a table, which is not corrected.
+/// backlash included; the backlash alone of an axis without a table.
 pub fn lost_motion<T: Rows + ?Sized>(settings: &AxisSettings, rows: Option<&T>) -> [f64; 2] {
-    let Some(rows) = rows else { return [0.0; 2] };
-    let (least, most) = lost(settings, rows, settings.axis.index());
+    let (least, most) = rows.map_or((0.0, 0.0), |rows| lost(settings, rows, settings.axis.index()));
     let own = |error: f64| if settings.axis.is_rotary() { error.to_degrees() } else { error };
     [own(least) + settings.backlash, own(most) + settings.backlash]
 }
@@ -131,9 +130,9 @@ fn steps_of<'r, T: Rows + ?Sized + 'r>(
     moving: &AxisSettings,
 ) -> [Step; AXES] {
     let mut steps = [[0.0; 2]; AXES];
-    let Some(table) = rows(moving.axis) else { return steps };
+    let table = rows(moving.axis);
     let twist: [Step; 6] = core::array::from_fn(|component| {
-        let (least, most) = lost(moving, table, component);
+        let (least, most) = table.map_or((0.0, 0.0), |table| lost(moving, table, component));
         let own = component == moving.axis.index();
         let lost = match (own, moving.axis.is_rotary()) {
             (false, _) => 0.0,

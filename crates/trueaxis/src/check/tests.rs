@@ -202,8 +202,9 @@ fn defaults_of_any_chain_are_sound() {
     for chain in ["w X' b Y Z t", "w C' A' X' b Y Z t", "w b X Y Z C B t", "wX'bt"] {
         assert_eq!(settings(&machine_of(chain)), Ok(()));
     }
+    // No table is needed: what is stated nowhere is zero.
     let machine = machine_of("w b X Y t");
-    assert_eq!(super::machine(&machine, |_| None::<&[Row]>, &[]).unwrap_err().field, Field::Table);
+    assert!(super::machine(&machine, |_| None::<&[Row]>, &[]).is_ok());
 }
 
 /// The step's own evaluation at random positions never leaves the range checked at build, and reaches most of it.

@@ -8,7 +8,8 @@
 //! dz = EZX(x) + EZY(y) + EZZ(z)
 //! ```
 //!
-//! Each linear axis' own error also carries thermal growth `K0 + k·(q − q0)` and, in negative travel, its backlash. A
+//! Each linear axis' own error also carries thermal growth `K0 + k·(q − q0)` and, in negative travel, its backlash, with or
+//! without a table. A
 //! rotary axis adds its three translations (turned by the nominal pose of the rotary axes that carry it) and has its
 //! own angular error corrected in its own position. Lever arms of angular errors are not part of this form.
 //!
@@ -22,7 +23,9 @@ use super::table::{AxisTable, Contribution, own_component, requirement_of_all};
 use super::thermal::ThermalLine;
 use super::trig::cos_sin_deg;
 use crate::error::{ConfigError, Field};
-use crate::machine::{AXES, Axis, AxisOrder, Lookup, MOST_CARRIERS, MachineSettings, Rows, carries_workpiece, links};
+use crate::machine::{
+    AXES, Axis, AxisOrder, Lines, Lookup, MOST_CARRIERS, MachineSettings, Rows, carries_workpiece, links,
+};
 use crate::position::Position;
 use crate::real::Real;
 
@@ -152,8 +155,8 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
             let Some(settings) = machine.axis(axis) else { continue };
             let sense =
                 f64::from(settings.direction) * if carries_workpiece(&machine.chain, axis) { -1.0 } else { 1.0 };
-            let table: AxisTable<'a, R, P> = match rows(axis) {
-                Some(rows) => AxisTable::build(settings, rows, sense, &mut memory)?,
+            let table: AxisTable<'a, R, P> = match Lines::of(machine, &rows, settings) {
+                Some((lines, settings)) => AxisTable::build(&settings, &lines, sense, &mut memory)?,
                 None => AxisTable::zero(),
             };
             let feedback = (settings.lookup == Lookup::Feedback, settings.cross_lookup == Lookup::Feedback);

@@ -2,7 +2,7 @@
 
 use super::reversal::Direction;
 use crate::error::{ConfigError, Field};
-use crate::machine::{Axis, AxisSettings, Interpolation, MachineSettings, Row, Rows, pchip, wraps};
+use crate::machine::{Axis, AxisSettings, Interpolation, Lines, MachineSettings, Row, Rows, pchip, wraps};
 use crate::position::Position;
 use crate::real::Real;
 
@@ -681,7 +681,8 @@ pub(super) fn requirement_of_all<'r, const W: usize, T: Rows + ?Sized + 'r>(
     rows: impl Fn(Axis) -> Option<&'r T>,
 ) -> usize {
     let need = |settings: &AxisSettings| {
-        rows(settings.axis).map_or(0, |rows| AxisTable::<f64, f64, W>::requirement(settings, rows))
+        let lines = Lines::of(machine, &rows, settings);
+        lines.map_or(0, |(lines, settings)| AxisTable::<f64, f64, W>::requirement(&settings, &lines))
     };
     machine.axes.iter().map(need).sum()
 }

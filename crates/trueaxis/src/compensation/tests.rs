@@ -8,6 +8,7 @@ use crate::testing::share::share;
 use std::{vec, vec::Vec};
 
 mod pieces;
+mod stated;
 
 /// Lent memory that a test leaks: it needs no owner.
 fn lent<R: Real>(scalars: usize) -> &'static mut [R] {

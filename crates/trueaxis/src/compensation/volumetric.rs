@@ -42,7 +42,7 @@ use super::thermal::ThermalLine;
 use super::trig::coarse_cos_sin_deg;
 use crate::error::ConfigError;
 use crate::machine::{Axis, Lookup, MachineSettings};
-use crate::machine::{AxisOrder, Rows, Twist};
+use crate::machine::{AxisOrder, Lines, Rows, Twist};
 use crate::position::Position;
 use crate::real::Real;
 use crate::vector::{About, V3};
@@ -178,8 +178,10 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
         for (slot, (axis, lever)) in axes.into_iter().zip(levers).enumerate() {
             let Some(settings) = machine.axis(axis) else { continue };
             let located = machine.location.of(axis).copied().unwrap_or_default();
-            let (table, apart): (AxisTable<'a, R, P, 6>, _) = match rows(axis) {
-                Some(rows) => (AxisTable::build_twists(settings, rows, lever, located, &mut memory)?, [0.0; 6]),
+            let (table, apart): (AxisTable<'a, R, P, 6>, _) = match Lines::of(machine, &rows, settings) {
+                Some((lines, settings)) => {
+                    (AxisTable::build_twists(&settings, &lines, lever, located, &mut memory)?, [0.0; 6])
+                }
                 None => (AxisTable::zero(), located),
             };
             if let Some(most) = most.get_mut(slot) {

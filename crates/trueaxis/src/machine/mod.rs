@@ -18,6 +18,7 @@ pub(crate) use curve::lost;
 pub use curve::{Curve, wraps};
 pub use grid::{GRID_NODES, GRIDS, GridAxis, GridData, GridExtremes, GridHeader};
 pub use order::AxisOrder;
+pub(crate) use rows::Lines;
 pub use rows::Rows;
 pub use servo::{
     AxisServo, CROSSTALK_CAPACITY, CROSSTALK_POINTS, CrosstalkSettings, DriveFigures, DynamicSettings,
@@ -107,7 +108,7 @@ pub struct AxisSettings {
     pub measured_at_mm: [f64; 3],
     /// Highest feed of the axis, mm/s (deg/s).
     pub max_feed_per_s: f64,
-    /// Added to the axis' own error while it travels in negative direction, mm (deg); positive = lost motion.
+    /// Added to the axis' own error while it travels in negative direction, mm (deg); positive = lost motion. Needs no table.
     pub backlash: f64,
     /// A reversal counts once the drive, command plus correction, has come back by more than this, mm (deg). Of an axis
     /// with lost motion it must be at least [`crate::check::HYSTERESIS_PER_STEP`] steps of the encoder, where those are

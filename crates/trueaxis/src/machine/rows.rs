@@ -1,6 +1,6 @@
 //! Lines of an error table, wherever they are stored.
 
-use super::Row;
+use super::{Axis, AxisSettings, Interpolation, MachineSettings, Row};
 
 /// A table's lines by number: implemented for slices and for the lines of a compiled file.
 pub trait Rows {
@@ -20,5 +20,65 @@ impl Rows for [Row] {
     }
     fn row(&self, index: usize) -> Option<Row> {
         self.get(index).copied()
+    }
+}
+
+/// Lines that the step looks an axis up in: those of its table or, of an axis without one that loses motion, zeros.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Lines<'r, T: ?Sized> {
+    /// A table.
+    Table(&'r T),
+    /// Two lines of zeros at these positions, mm (deg).
+    Zeros([f64; 2]),
+}
+
+/// Ends of the zeros of a linear axis that declares no travel, mm: in single precision its coordinates keep 0.1 µm.
+const UNDECLARED: [f64; 2] = [-1000.0, 1000.0];
+
+impl<'r, T: Rows + ?Sized + 'r> Lines<'r, T> {
+    /// The lines of an axis, and its settings as they hold for them; `None` where the direction of travel says nothing and there
+    /// is no table.
+    ///
+    /// Zeros span the declared travel, a full circle where that of a rotary axis is longer. They are interpolated as the
+    /// machine's first table, so that they take the loop of the others.
+    pub(crate) fn of(
+        machine: &MachineSettings,
+        rows: impl Fn(Axis) -> Option<&'r T>,
+        settings: &AxisSettings,
+    ) -> Option<(Self, AxisSettings)> {
+        if let Some(table) = rows(settings.axis) {
+            return Some((Lines::Table(table), *settings));
+        }
+        if settings.backlash == 0.0 {
+            return None;
+        }
+        let [low, high] = settings.travel;
+        let ends = if settings.axis.is_rotary() {
+            if high - low >= 360.0 { [0.0, 360.0] } else { [low, high] }
+        } else if settings.travel == AxisSettings::with_defaults(settings.axis, false).travel {
+            UNDECLARED
+        } else {
+            [low, high]
+        };
+        let first = machine.axes.iter().find(|other| rows(other.axis).is_some());
+        let interpolation = first.map_or(Interpolation::Linear, |other| other.interpolation);
+        Some((Lines::Zeros(ends), AxisSettings { interpolation, ..*settings }))
+    }
+}
+
+impl<T: Rows + ?Sized> Rows for Lines<'_, T> {
+    fn len(&self) -> usize {
+        match self {
+            Lines::Table(table) => table.len(),
+            Lines::Zeros(ends) => ends.len(),
+        }
+    }
+    fn row(&self, index: usize) -> Option<Row> {
+        match self {
+            Lines::Table(table) => table.row(index),
+            Lines::Zeros(ends) => {
+                ends.get(index).map(|position| Row { position: *position, forward: [0.0; 6], reverse: [0.0; 6] })
+            }
+        }
     }
 }

@@ -1,7 +1,7 @@
 //! Key of a machine's volumetric model.
 
 use crate::compensation::key::Key;
-use crate::machine::{Axis, AxisOrder, Interpolation, Lookup, MachineSettings, Rows};
+use crate::machine::{Axis, AxisOrder, Interpolation, Lines, Lookup, MachineSettings, Rows};
 
 /// Key of everything that the volumetric model is built from; never 0.
 pub(super) fn of<'r, T: Rows + ?Sized + 'r, const N: usize>(
@@ -19,15 +19,15 @@ pub(super) fn of<'r, T: Rows + ?Sized + 'r, const N: usize>(
     for (axis, settings) in order.axes().into_iter().zip(order.settings(machine)) {
         key.add(axis.index() as u64);
         let Some(settings) = settings else { continue };
-        key.add(u64::from(settings.interpolation == Interpolation::Cubic));
         key.add(
             u64::from(settings.lookup == Lookup::Feedback) + 2 * u64::from(settings.cross_lookup == Lookup::Feedback),
         );
         key.add_all(&[f64::from(settings.direction), settings.backlash, settings.thermal.datum]);
         key.add_all(&settings.offset_mm);
         key.add_all(&settings.measured_at_mm);
-        let Some(rows) = rows(axis) else { continue };
-        for row in (0..rows.len()).filter_map(|index| rows.row(index)) {
+        let Some((lines, settings)) = Lines::of(machine, &rows, settings) else { continue };
+        key.add(u64::from(settings.interpolation == Interpolation::Cubic));
+        for row in (0..lines.len()).filter_map(|index| lines.row(index)) {
             key.add_all(&[row.position]);
             key.add_all(row.forward.iter().chain(&row.reverse));
         }

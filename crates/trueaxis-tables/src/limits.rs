@@ -1,0 +1,289 @@
+//! Limits of the corrections: what the errors that a machine states need, and their keys set where files change.
+
+use crate::edit::set;
+use crate::error::FileError;
+use crate::files::{Edit, Memory, Source};
+use crate::origin::Origin;
+use crate::rates::drive_rate;
+use crate::text::counted;
+use crate::{Machine, edit};
+use std::path::{Path, PathBuf};
+use toml_edit::{DocumentMut, Value};
+use trueaxis::check;
+use trueaxis::machine::{AXES, Axis, AxisSettings, MachineSettings, carries_workpiece};
+use trueaxis::range;
+
+/// Share of the need that a limit is set above it: growth and lost motion to come.
+const ROOM: f64 = 1.2;
+
+/// A limit of an axis' correction beside what the machine's errors need, in the unit of its key.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Need {
+    axis: Axis,
+    key: &'static str,
+    needed: f64,
+    limit: f64,
+    most: f64,
+}
+
+impl Need {
+    fn exceeds(&self) -> bool {
+        self.needed > self.limit * (1.0 + 1e-9)
+    }
+
+    /// What the key is set to: two digits, rounded up.
+    fn set_to(&self) -> f64 {
+        two_digits_up(ROOM * self.needed).min(self.most)
+    }
+
+    fn is_set(&self) -> String {
+        let (name, value) = (self.name(), self.set_to());
+        let most = if value < self.needed { ", the most there is" } else { "" };
+        let (needed, limit) = (short(self.needed), short(self.limit));
+        format!("{name} set to {value}{most}, as the corrections reach {needed}; the default is {limit}")
+    }
+
+    fn stays(&self) -> String {
+        let (needed, limit, value) = (short(self.needed), short(self.limit), self.set_to());
+        let name = self.name();
+        format!("{name} stays at {limit}, as it is stated, though the corrections reach {needed}: raise it to {value}")
+    }
+
+    /// `limits.magnitude_um of axis Z`.
+    fn name(&self) -> String {
+        format!("limits.{} of axis {}", self.key, self.axis.letter())
+    }
+}
+
+/// The least number of two digits that is no less.
+fn two_digits_up(value: f64) -> f64 {
+    let power = 10f64.powi(value.log10().floor() as i32 - 1);
+    // Two decimals whose quotient is a whole number stay what they are.
+    let digits = (value / power * (1.0 - 1e-9)).ceil();
+    if power < 1.0 { digits / (1.0 / power).round() } else { digits * power.round() }
+}
+
+/// All limits of all drives: magnitude over the reach, slope and acceleration with every axis at its top feed.
+fn needs(machine: &Machine) -> Vec<Need> {
+    let grids = check::GridBounds::of(&machine.grids());
+    let mut needs = Vec::new();
+    for drive in &machine.settings.axes {
+        let axis = drive.axis;
+        let micro = |value: f64| in_micro(axis, value);
+        let own = check::reach(drive, machine.rows(axis));
+        let (least, most) = check::error_range(&machine.settings, |axis| machine.rows(axis), &grids, drive, own);
+        let [magnitude, slope, acceleration] = keys(axis);
+        let need = |key, needed, limit, most| Need { axis, key, needed, limit, most };
+        let largest = least.abs().max(most.abs());
+        needs.push(need(
+            magnitude,
+            micro(largest),
+            micro(drive.limits.magnitude),
+            micro(range::MAGNITUDE.of(axis).most),
+        ));
+        let Some(rate) = drive_rate(machine, drive) else { continue };
+        needs.push(need(slope, rate.rate, rate.limit, range::SLOPE.of(axis).most));
+        if let Some(bent) = rate.acceleration {
+            needs.push(need(acceleration, bent, rate.acceleration_limit, range::ACCELERATION.of(axis).most));
+        }
+    }
+    needs
+}
+
+/// Keys of the limits of an axis.
+fn keys(axis: Axis) -> [&'static str; 3] {
+    if axis.is_rotary() {
+        ["magnitude_urad", "slope_deg_per_s", "acceleration_deg_per_s2"]
+    } else {
+        ["magnitude_um", "slope_mm_per_s", "acceleration_mm_per_s2"]
+    }
+}
+
+/// What the magnitude limits take off wanted corrections, axis by axis.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Clipped([Option<Cut>; AXES]);
+
+/// What is taken off the corrections of one axis, mm (deg).
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Cut {
+    limit: f64,
+    /// Corrections beyond it.
+    count: u64,
+    /// Largest of them, and the position at which it is wanted.
+    largest: f64,
+    at: [f64; AXES],
+}
+
+impl Clipped {
+    /// Takes in the correction that is wanted at a position; mm and degrees, lists in the order X, Y, Z, A, B, C.
+    pub fn add(&mut self, settings: &MachineSettings, at: &[f64; AXES], wanted: &[f64; AXES]) {
+        for own in &settings.axes {
+            let (limit, wanted) = (own.limits.magnitude, wanted[own.axis.index()].abs());
+            if wanted > limit * (1.0 + 1e-9) {
+                let cut = self.0[own.axis.index()].get_or_insert(Cut { limit, count: 0, largest: 0.0, at: *at });
+                cut.count += 1;
+                if wanted > cut.largest {
+                    (cut.largest, cut.at) = (wanted, *at);
+                }
+            }
+        }
+    }
+
+    /// The axes whose limits take something away.
+    pub fn axes(&self) -> impl Iterator<Item = Axis> + '_ {
+        Axis::ALL.into_iter().zip(&self.0).filter(|(_, cut)| cut.is_some()).map(|(axis, _)| axis)
+    }
+
+    /// A sentence for each of these axes; `what` is one position that was taken in, "cycle".
+    pub fn notes(&self, settings: &MachineSettings, what: &str) -> Vec<String> {
+        let note = |(axis, cut): (Axis, &Option<Cut>)| {
+            let cut = cut.as_ref()?;
+            let (unit, micro) = (if axis.is_rotary() { "µrad" } else { "µm" }, in_micro(axis, 1.0));
+            let [key, ..] = keys(axis);
+            let letter = axis.letter();
+            let at: Vec<String> = settings
+                .axes
+                .iter()
+                .map(|own| format!("{}{}", own.axis.letter(), (cut.at[own.axis.index()] * 1e3).round() / 1e3))
+                .collect();
+            Some(format!(
+                "axis {letter}: the magnitude limit takes up to {} {unit} off the correction in {}, most at {}; [axis.{letter}.limits] \
+                 {key} is {}, {} lets all of it pass",
+                short((cut.largest - cut.limit) * micro),
+                counted(usize::try_from(cut.count).unwrap_or(usize::MAX), what),
+                at.join(" "),
+                short(cut.limit * micro),
+                two_digits_up(cut.largest * micro)
+            ))
+        };
+        Axis::ALL.into_iter().zip(&self.0).filter_map(note).collect()
+    }
+}
+
+/// A value of mm (deg) in µm (µrad).
+fn in_micro(axis: Axis, value: f64) -> f64 {
+    if axis.is_rotary() { value.to_radians() * 1e6 } else { value * 1e3 }
+}
+
+/// The text of a changed `machine.toml` with the limits that the change needs, so far as the machine is then accepted; what was
+/// said of them is added to `notes`. `changed` are the other files that change, `standing` is the text as it was.
+///
+/// # Errors
+/// A changed machine that the controller would refuse.
+pub(crate) fn widened(
+    document: &DocumentMut,
+    standing: &str,
+    changed: &[(PathBuf, String)],
+    (files, name): (&dyn Source, &Path),
+    before: Option<&Machine>,
+    notes: &mut Vec<String>,
+) -> Result<String, FileError> {
+    let read = |text: &str| {
+        let all = changed.iter().map(|(name, text)| (name.as_path(), text.as_str())).chain([(name, text)]);
+        Machine::read_from(&Edit { changed: Memory::new(all), beneath: files }, name, &mut |_| {})
+    };
+    let text = edit::as_before(document.to_string(), standing);
+    let after = read(&text)?;
+    let (mut wide, mut said) = (document.clone(), Vec::new());
+    widen(&mut wide, before, &after, &Origin::new(&files.path(name)), &mut said)?;
+    let wide = edit::as_before(wide.to_string(), standing);
+    if wide == text {
+        notes.append(&mut said);
+        return Ok(text);
+    }
+    match read(&wide) {
+        Ok(_) => {
+            notes.append(&mut said);
+            Ok(wide)
+        }
+        Err(error) => {
+            notes.extend(check_limits(&after));
+            notes.push(format!("limits stay as they are, as with higher ones {error}"));
+            Ok(text)
+        }
+    }
+}
+
+/// Raises the limits of a machine that is to be written whole, where they stand at their defaults and the machine is then accepted; what
+/// to say of it, a sentence each.
+pub fn raise(machine: &mut Machine) -> Vec<String> {
+    let (mut raised, mut notes) = (machine.clone(), Vec::new());
+    for need in needs(machine).into_iter().filter(Need::exceeds) {
+        let carries = carries_workpiece(&machine.settings.chain, need.axis);
+        let default = AxisSettings::with_defaults(need.axis, carries).limits;
+        let Some(own) = raised.settings.axes.iter_mut().find(|own| own.axis == need.axis) else { continue };
+        let [magnitude, slope, _] = keys(need.axis);
+        let (limit, default) = match need.key {
+            key if key == magnitude => (&mut own.limits.magnitude, default.magnitude),
+            key if key == slope => (&mut own.limits.slope_per_s, default.slope_per_s),
+            _ => (&mut own.limits.acceleration_per_s2, default.acceleration_per_s2),
+        };
+        if *limit != default {
+            notes.push(need.stays());
+            continue;
+        }
+        notes.push(need.is_set());
+        let before = std::mem::replace(limit, need.set_to() * (default / need.limit));
+        if need.key == magnitude && own.joint == [own.travel[0] - before, own.travel[1] + before] {
+            own.joint = [own.travel[0] - own.limits.magnitude, own.travel[1] + own.limits.magnitude];
+        }
+    }
+    match check::machine(&raised.settings, |axis| raised.rows(axis), &raised.grids()) {
+        Ok(_) => {
+            *machine = raised;
+            notes
+        }
+        Err(_) => check_limits(machine),
+    }
+}
+
+/// What limits take away, a sentence each.
+fn check_limits(machine: &Machine) -> Vec<String> {
+    let beyond = needs(machine).into_iter().filter(Need::exceeds);
+    beyond
+        .map(|need| format!("{} is {}, the corrections reach {}", need.name(), short(need.limit), short(need.needed)))
+        .collect()
+}
+
+/// Sets the limits that a change of a machine's files needs, where they stand at their defaults. A limit that is stated stays, and a
+/// note says what it takes away.
+fn widen(
+    document: &mut DocumentMut,
+    before: Option<&Machine>,
+    after: &Machine,
+    origin: &Origin,
+    notes: &mut Vec<String>,
+) -> Result<(), FileError> {
+    let standing = before.map(needs).unwrap_or_default();
+    for need in needs(after).into_iter().filter(Need::exceeds) {
+        let old = standing.iter().find(|old| (old.axis, old.key) == (need.axis, need.key));
+        // What was told before this change is none of its.
+        if old.is_some_and(|old| need.needed <= old.needed * (1.0 + 1e-9)) {
+            continue;
+        }
+        if is_stated(document, &need) {
+            notes.push(need.stays());
+            continue;
+        }
+        let section = edit::section(document, need.axis, origin)?;
+        let limits = section.entry("limits").or_insert_with(toml_edit::table).as_table_like_mut();
+        let no_section = || origin.whole("limits that are no section", "[axis.….limits]");
+        set(limits.ok_or_else(no_section)?, need.key, Value::from(need.set_to()));
+        notes.push(need.is_set());
+    }
+    Ok(())
+}
+
+/// The key stands in the file.
+fn is_stated(document: &DocumentMut, need: &Need) -> bool {
+    let letter = need.axis.letter().to_string();
+    let path = ["axis", &letter, "limits", need.key];
+    let found = path.iter().try_fold(document.as_item(), |item, key| item.get(*key));
+    found.is_some_and(|item| !item.is_none())
+}
+
+/// Four digits of a number above zero.
+fn short(value: f64) -> f64 {
+    let scale = 10f64.powf(3.0 - value.log10().floor());
+    (value * scale).round() / scale
+}
