@@ -7,10 +7,12 @@ import check_friction
 import check_hosts
 import check_machines
 import check_motion
+import check_units
 
 MODULES = (
     check_files,
     check_motion,
+    check_units,
     check_dynamics,
     check_faults,
     check_machines,

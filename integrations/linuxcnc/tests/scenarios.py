@@ -254,6 +254,24 @@ def probing(pilot):
         json.dump(marks, f)
 
 
+STANDS = ((100, 50, -100), (-120, 80, -200), (40, -150, -20), (0, 0, 0))
+
+
+def stands(pilot):
+    """At some places, in mm: commands, outputs to the drives and corrections once the machine stands."""
+    pilot.on()
+    pilot.home()
+    found = []
+    for place in STANDS:
+        pilot.mdi("G21 G90 G0 X%g Y%g Z%g" % place)
+        since = hal.get_value("ta.sequence")
+        pilot.wait(lambda: not hal.get_value("ta.limited") and hal.get_value("ta.sequence") > since + 200, "rest")
+        found.append({pin: [hal.get_value(pin % j) for j in range(3)]
+                      for pin in ("joint.%d.pos-cmd", "ta.joint.%d.motor-pos-cmd-out", "ta.joint.%d.correction")})
+    with open("stands.json", "w") as f:
+        json.dump({"stands": found, "fault": hal.get_value("ta.fault-code")}, f)
+
+
 def side_by_side(pilot):
     """LinuxCNC's own compensation and ours on the same table, in the same cycles."""
     pilot.record(["joint.0.pos-cmd", "joint.0.vel-cmd", "joint.0.backlash-corr", "joint.0.motor-pos-cmd", "ta.x.correction",
@@ -276,6 +294,15 @@ def contour(pilot):
     pilot.start("contour.ngc")
     pilot.finish()
     pilot.save("run")
+
+
+def circles_in_inches(pilot):
+    """record-circles.py on a machine in inches."""
+    pilot.on()
+    pilot.home()
+    script = os.path.join(os.path.dirname(os.path.realpath(__file__)), "..", "record-circles.py")
+    words = ["--centre", "0,0", "--radius-mm", "10.0037", "--feeds", "6000,4000", "--turns", "1", "-o", "record.csv"]
+    subprocess.run([script, *words, "--no-evaluation"], check=True, timeout=140)
 
 
 def friction(pilot):
