@@ -1,4 +1,5 @@
 """All tests by name."""
+import check_calibration
 import check_cost
 import check_dynamics
 import check_faults
@@ -13,6 +14,7 @@ MODULES = (
     check_files,
     check_motion,
     check_units,
+    check_calibration,
     check_dynamics,
     check_faults,
     check_machines,

@@ -254,6 +254,36 @@ def probing(pilot):
         json.dump(marks, f)
 
 
+def calibration(pilot):
+    """A probing program run, solved, its tables taken over while the machine is on, and the program run again."""
+    pilot.on()
+    pilot.home()
+
+    def probe(log):
+        pilot.start("probe.ngc")
+        # M0: the artefact is to be set up.
+        pilot.wait(lambda: pilot.stat.interp_state == linuxcnc.INTERP_PAUSED, "pause for the artefact")
+        pilot.command.auto(linuxcnc.AUTO_RESUME)
+        pilot.finish(100.0)
+        logs = [name for name in os.listdir(".") if name.startswith("trueaxis-") and name.endswith(".log")]
+        os.rename(logs[0], log)
+
+    probe("first.log")
+    words = [os.environ["TRUEAXIS"]]
+    with open("first.json", "w") as f:
+        subprocess.run(words + ["calibrate", "solve", "first.toml", "first.log", "-o", "machine", "--json"], check=True, stdout=f)
+    subprocess.run(words + ["tables", "compile", "machine", "-o", "new.tcomp"], check=True)
+    os.replace("new.tcomp", "mill-3axis.tcomp")
+    done = hal.get_value("ta.reloads")
+    hal.set_p("ta.reload", "1")
+    pilot.wait(lambda: hal.get_value("ta.reloads") != done, "reload")
+    if hal.get_value("ta.reload-failed"):
+        raise RuntimeError("reload refused with %d" % hal.get_value("ta.reload-code"))
+    probe("second.log")
+    if hal.get_value("ta.fault-code"):
+        raise RuntimeError("fault %d" % hal.get_value("ta.fault-code"))
+
+
 STANDS = ((100, 50, -100), (-120, 80, -200), (40, -150, -20), (0, 0, 0))
 
 
