@@ -4,7 +4,7 @@
 #   test.sh            all tests
 #   test.sh NAME...    some of them (names: tests/checks.py)
 #
-# Installs LinuxCNC 2.9 from Debian where root may; some six minutes. TRUEAXIS_KEEP=DIR keeps recordings there.
+# Installs LinuxCNC 2.9 from Debian where root may; some eight minutes. TRUEAXIS_KEEP=DIR keeps recordings there.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 exec </dev/null
