@@ -8,7 +8,8 @@ The machine is on, homed and idle; nothing stands in the way of circles of --rad
 the first point at feed, then twice round in either direction at each of two feeds, and leaves the axes there. Every servo
 cycle, `sampler` takes what the drives are sent and what the encoders read; `trueaxis friction` evaluates it.
 
-RECORD.csv: t_s,x_cmd_mm,x_mm,y_cmd_mm,y_mm. A reading is taken at the start of a cycle, before the new command: the rows
+RECORD.csv: t_s,x_cmd_mm,x_mm,y_cmd_mm,y_mm, in mm on a machine in inches too ([TRAJ]LINEAR_UNITS; `sampler` then resolves
+25 nm). A reading is taken at the start of a cycle, before the new command: the rows
 pair each command with the reading of the cycle after it. Exit code 0: done; 2: refused, with what was found and needed.
 """
 import argparse
@@ -111,6 +112,10 @@ class Machine:
         if self.stat.interp_state != linuxcnc.INTERP_IDLE:
             raise Refused("machine: found a program under way, needed it idle")
 
+    def mm_per_unit(self):
+        """Of the pins: LinuxCNC tells machine units in a millimetre."""
+        return 1.0 / self.stat.linear_units
+
     def mdi(self, line, seconds):
         self.command.mode(linuxcnc.MODE_MDI)
         self.command.wait_complete()
@@ -143,8 +148,8 @@ def circles(axes, centre, radius, feeds, turns):
             yield "%s %s %s P%d F%g" % (code, target, arc, turns, feed), 2.0 * seconds + 20.0
 
 
-def rows(path, columns, period_s):
-    """Time, command and following reading of each axis; gaps are refused."""
+def rows(path, columns, period_s, mm_per_unit):
+    """Time, command and following reading of each axis, mm; gaps are refused."""
     samples, last = [], None
     with open(path) as f:
         for line in f:
@@ -155,7 +160,7 @@ def rows(path, columns, period_s):
             if last is not None and number != last + 1:
                 raise Refused("halsampler: found sample %d after %d, needed every cycle" % (number, last))
             last = number
-            samples.append([float(word) for word in words[1:]])
+            samples.append([mm_per_unit * float(word) for word in words[1:]])
     for k in range(len(samples) - 1):
         row = ["%.6f" % (k * period_s)]
         for axis in range(columns // 2):
@@ -194,7 +199,7 @@ def record(options):
             sampler.stop()
         names = ["%s%s_mm" % (a.lower(), what) for a in axes for what in ("_cmd", "")]
         text = ",".join(["t_s"] + names) + "\n"
-        text += "".join(",".join(row) + "\n" for row in rows(raw, len(pins), period_s))
+        text += "".join(",".join(row) + "\n" for row in rows(raw, len(pins), period_s, machine.mm_per_unit()))
     finally:
         os.remove(raw)
     write(options.output, text)

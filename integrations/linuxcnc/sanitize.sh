@@ -59,7 +59,7 @@ drive() { # program, cycles, call of HAL that fails, words of loadrt, files to e
     shift 3
     timeout 300 "$out/$program" "$cycles" 1 "$fails" "$period" "$@"
 }
-gantry=(tables="$out/live.tcomp" joints=XYYZ joint_tables="1=$out/left.tcomp,2=$out/right.tcomp")
+gantry=(units=mm tables="$out/live.tcomp" joints=XYYZ joint_tables="1=$out/left.tcomp,2=$out/right.tcomp")
 exchanged=(-- "$out/gantry.tcomp" "$out/other.tcomp" "$out/mill.tcomp")
 put_gantry() {
     rm -rf "$out/live.tcomp"
@@ -93,15 +93,15 @@ machines() { # sanitizer of the library that was built last, program
     compile "$1" "$2" component
     run_gantry "$2" "$cycles"
     {
-        drive "$2" "$cycles" 0 names=left,right tables="$out/stream.tcomp,$out/gantry.tcomp" joints=XYZ,XYYZ \
+        drive "$2" "$cycles" 0 units=mm names=left,right tables="$out/stream.tcomp,$out/gantry.tcomp" joints=XYZ,XYYZ \
             joint_tables="right:1=$out/left.tcomp"
         drive "$2" "$cycles" 0 tables="$out/gauge.tcomp" inch=1
-        drive "$2" "$cycles" 0 tables="$out/trt.tcomp"
+        drive "$2" "$cycles" 0 tables="$out/trt.tcomp" units=mm angular_units=degree
         # The thread has another period than was said.
-        drive "$2" 200 0 tables="$out/mill.tcomp" servo_period_nsec=500000
+        drive "$2" 200 0 units=mm tables="$out/mill.tcomp" servo_period_nsec=500000
         # Also where 32 bits of it are what was said.
-        period=4295967296 drive "$2" 2000 0 tables="$out/mill.tcomp"
-        period=-4293967296 drive "$2" 2000 0 tables="$out/mill.tcomp"
+        period=4295967296 drive "$2" 2000 0 units=mm tables="$out/mill.tcomp"
+        period=-4293967296 drive "$2" 2000 0 units=mm tables="$out/mill.tcomp"
     } >"$out/$2.txt" || { cat "$out/$2.txt"; return 1; }
     cat "$out/$2.txt"
 }
@@ -120,15 +120,18 @@ hal=()
 diff <(grep digest "$out/address.txt") <(grep digest "$out/handles.txt")
 echo 'against 2.9 and against the double of 2.10: the same outputs'
 head -c 3000 "$out/mill.tcomp" >"$out/cut.tcomp"
+refused tables="$out/mill.tcomp"
+refused tables="$out/mill.tcomp" units=mm inch=1
+refused tables="$out/trt.tcomp" units=mm
 refused count=5 tables=x
-refused tables="$out/cut.tcomp"
-refused tables="$out/none.tcomp"
-refused tables="$(printf '%01024d' 7)"
-refused names="$(printf '%022d' 7)" tables="$out/mill.tcomp"
-refused tables="$out/mill.tcomp" joints=XYZABCXYZA
-refused tables="$out/mill.tcomp" joints=XXYYZZABC
-refused tables="$out/mill.tcomp" joints=XYZ joint_tables="9=$out/left.tcomp"
-refused tables="$out/gantry.tcomp" joints=XYYZ joint_tables="1=$out/mill.tcomp"
+refused units=mm tables="$out/cut.tcomp"
+refused units=mm tables="$out/none.tcomp"
+refused units=mm tables="$(printf '%01024d' 7)"
+refused units=mm names="$(printf '%022d' 7)" tables="$out/mill.tcomp"
+refused units=mm tables="$out/mill.tcomp" joints=XYZABCXYZA
+refused units=mm tables="$out/mill.tcomp" joints=XXYYZZABC
+refused units=mm tables="$out/mill.tcomp" joints=XYZ joint_tables="9=$out/left.tcomp"
+refused units=mm tables="$out/gantry.tcomp" joints=XYYZ joint_tables="1=$out/mill.tcomp"
 # The first seven calls of HAL and every so many of the others fail, one in each run.
 put_gantry
 calls=$(drive address 2000 0 "${gantry[@]}" | sed -n 's/ calls of HAL.*//p')

@@ -4,7 +4,7 @@
 #   test.sh            all tests
 #   test.sh NAME...    some of them (names: tests/checks.py)
 #
-# Installs LinuxCNC 2.9 from Debian where root may; some six minutes. TRUEAXIS_KEEP=DIR keeps recordings there.
+# Installs LinuxCNC 2.9 from Debian where root may; some eight minutes. TRUEAXIS_KEEP=DIR keeps recordings there.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 exec </dev/null
@@ -28,7 +28,7 @@ clean_up() {
     else
         ./install.sh --uninstall >/dev/null
     fi
-    rm -f "$(dirname "$module")/dahl.so"
+    rm -f "$(dirname "$module")"/{dahl,ballplate}.so
     if [[ -n $user ]]; then
         timeout 20 runuser -u "$user" -- halrun -U >/dev/null 2>&1 || true
         userdel "$user" 2>/dev/null || true
@@ -46,8 +46,10 @@ cp "$target/hosts/machine.tcomp" "$target/hosts/run.csv" "$work/hosts"
 chmod -R a+rX "$work"
 
 ./install.sh
-# The drive with friction of the tests.
-(cd "$work" && cp repository/integrations/linuxcnc/tests/dahl.comp . && halcompile --install dahl.comp >/dev/null)
+# The drive with friction and the ball plate of the tests.
+for name in dahl ballplate; do
+    (cd "$work" && cp "repository/integrations/linuxcnc/tests/$name.comp" . && halcompile --install "$name.comp" >/dev/null)
+done
 # The realtime part may call the library and copy memory, and nothing else: no allocation, no file, no print.
 own='(steps|gauge|thermal|show)_[a-z_]+|pins_parts_off'
 others=$(nm -u "$target/linuxcnc/"{cycle,steps,gauge,thermal,show}.o |

@@ -65,6 +65,9 @@ pub(crate) enum Command {
         /// COMP_FILE_TYPE of a LinuxCNC file.
         #[arg(long, value_name = "0|1", value_parser = clap::value_parser!(u8).range(0..=1))]
         comp_file_type: Option<u8>,
+        /// Unit of lengths in the file, mm or inch: needed with linuxcnc and siemens, whose files do not state it.
+        #[arg(long, value_name = "UNIT")]
+        unit: Option<String>,
         /// Folder of the machine; where one stands, its tables of these axes are added or replaced and the rest stays. Limits that
         /// the corrections need above the defaults are set.
         #[arg(short, long, value_name = "DIR")]
@@ -135,10 +138,11 @@ pub(crate) fn run(command: Command) -> Result<()> {
         Command::Compile { machine, rate_hz, output } => compile::compile(&machine, rate_hz, &output),
         Command::Show { file, json } => compile::show(&file, json),
         Command::Collapse(arguments) => collapse::run(&arguments),
-        Command::Import { from, file, axis, comp_file_type, output, new } => {
+        Command::Import { from, file, axis, comp_file_type, unit, output, new } => {
             let recognise = from == "linuxcnc" && comp_file_type.is_none();
             let format = convert::format("--from", &from, comp_file_type)?;
-            convert::import(format, recognise, &file, axis_of(axis.as_deref())?, &output, new)
+            let unit = unit.as_deref().map(convert::unit).transpose()?;
+            convert::import(format, recognise, &file, axis_of(axis.as_deref())?, unit, &output, new)
         }
         Command::Export { to, machine, axis, comp_file_type, drop, step, output } => {
             let options = ExportOptions {

@@ -186,6 +186,15 @@ fn bad_logs_are_refused_with_their_line() {
     refused(log.replace(&identity, "0000abcd"), &["probe.log:1:", "program 0000abcd", &identity]);
     refused(format!("[PRB:1.0,2.0,3.0:1]\n{log}"), &["probe.log:1:", "grblhal", "linuxcnc"]);
     refused(String::new(), &["probe.log", "no touch 1"]);
+    // A control that reports inches.
+    let inches = lines.iter().map(|line| match line.strip_prefix("touch ") {
+        Some(rest) => {
+            let words: Vec<f64> = rest.split(' ').map(|word| word.parse().unwrap()).collect();
+            format!("touch {} {:.6} {:.6} {:.6} 0 0 0 1\n", words[0], words[1] / 25.4, words[2] / 25.4, words[3] / 25.4)
+        }
+        None => format!("{line}\n"),
+    });
+    refused(inches.collect(), &["probe.log:2:", "touch 1", "were its numbers inches", "a log in mm", "$13=0"]);
     // The ring of another drawer: within the probing moves, but not its size. 150.4 mm, 16 µm by the tip, 4.5 µm by backlash,
     // less 0.75 µm by the scales.
     let other = Bench { ring_mm: 150.4, ..bench() };

@@ -295,19 +295,42 @@ fn tables_travel_to_other_controls_and_back() {
     let truth = column(&directory.good(&["compensate", "m", "p.csv"]), "ex_um");
     for (format, file) in [("linuxcnc", "t.comp"), ("linuxcnc-1", "t1.comp"), ("siemens", "t.mpf"), ("isg", "t.txt")] {
         directory.good(&["tables", "export", "--to", format, "m", "-o", file]);
-        directory.good(&["tables", "import", "--from", format, file, "--axis", "X", "-o", "back"]);
+        let mut import = vec!["tables", "import", "--from", format, file, "--axis", "X", "-o", "back"];
+        if format != "isg" {
+            directory.bad(&import, &[file, "lengths of axis X without a unit", "--unit mm or --unit inch"]);
+            import.extend(["--unit", "mm"]);
+        }
+        directory.good(&import);
         let found = column(&directory.good(&["compensate", "back", "p.csv"]), "ex_um");
         for (found, truth) in found.iter().zip(&truth) {
             assert!((found - truth).abs() < 1e-6, "{format}: {found} {truth}");
         }
         fs::remove_dir_all(directory.join("back")).unwrap();
     }
+    // A control in inches, and what states its own unit.
+    directory.write("inch.comp", "0 0.0001 0.0002\n1.1 1.1003 1.1004\n");
+    let import = ["tables", "import", "--from", "linuxcnc", "inch.comp", "--axis", "X", "--unit", "inch", "-o", "back"];
+    let [_, said] = directory.both(&import);
+    assert!(said.contains("nominal + E, inches or degrees"), "{said}");
+    assert!(directory.read("back/x.csv").ends_with("X_mm,EXX_fwd_um,EXX_rev_um\n0,2.54,5.08\n27.94,7.62,10.16\n"));
+    fs::remove_dir_all(directory.join("back")).unwrap();
+    let import = |unit| ["tables", "import", "--from", "isg", "t.txt", "--unit", unit, "-o", "back"];
+    directory.bad(&import("mm"), &["--unit", "isg, whose files state their units"]);
+    directory.bad(&import("ell"), &["--unit", "ell", "needed mm or inch"]);
+    // Angles are degrees everywhere.
+    directory.write("cut.comp", "0 0.001 0.001\n90 90.002 90.002\n");
+    directory.good(&["tables", "import", "--from", "linuxcnc", "cut.comp", "--axis", "C", "-o", "turn"]);
     directory.write("cut.comp", "0 0 0\n# LinuxCNC would stop reading here without a word\n50 50 50\n");
-    directory
-        .bad(&["tables", "import", "--from", "linuxcnc", "cut.comp", "--axis", "X", "-o", "back"], &["cut.comp:2"]);
+    directory.bad(
+        &["tables", "import", "--from", "linuxcnc", "--unit", "mm", "cut.comp", "--axis", "X", "-o", "back"],
+        &["cut.comp:2"],
+    );
     assert!(!directory.has("back"));
     directory.bad(&["tables", "export", "--to", "fanuc", "m", "-o", "x"], &["--to", "fanuc", "siemens"]);
-    directory.bad(&["tables", "import", "--from", "linuxcnc", "t.comp", "--axis", "Q", "-o", "back"], &["--axis"]);
+    directory.bad(
+        &["tables", "import", "--from", "linuxcnc", "--unit", "mm", "t.comp", "--axis", "Q", "-o", "back"],
+        &["--axis"],
+    );
     let mill = samples().join("mill-3axis");
     let mill = mill.to_str().unwrap();
     directory.bad(&["tables", "export", "--to", "siemens", mill, "-o", "lost.mpf"], &["equidistant"]);
@@ -435,7 +458,7 @@ fn odd_bytes_are_told_with_their_line_and_written_out() {
         &["compensate", &mill, "xyz.csv"],
         &["contour", "latin.json", "latin.csv"],
         &["tables", "accuracy", "latin.csv"],
-        &["tables", "import", "--from", "linuxcnc", "latin.comp", "--axis", "X", "-o", "out"],
+        &["tables", "import", "--from", "linuxcnc", "--unit", "mm", "latin.comp", "--axis", "X", "-o", "out"],
     ];
     for arguments in cases {
         directory.bad(arguments, &[":3: found bytes that are not UTF-8"]);

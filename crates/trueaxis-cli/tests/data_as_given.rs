@@ -214,7 +214,8 @@ fn the_type_of_a_linuxcnc_file_is_seen() {
     directory.write("1.comp", "-200 -0.02 -0.03\n0 -0.01 -0.02\n200 -0.02 -0.03\n");
     directory.write("both.comp", "-0.02 0.01 0.01\n0.02 0.01 0.01\n");
     for (file, into, says) in [("0.comp", "a", "nominal + E"), ("1.comp", "b", "trims = −E")] {
-        let [_, error] = directory.both(&["tables", "import", "--from", "linuxcnc", file, "--axis", "X", "-o", into]);
+        let [_, error] = directory
+            .both(&["tables", "import", "--from", "linuxcnc", "--unit", "mm", file, "--axis", "X", "-o", into]);
         assert!(error.contains(says), "{error}");
     }
     let numbers = |name: &str| -> Vec<f64> {
@@ -228,7 +229,8 @@ fn the_type_of_a_linuxcnc_file_is_seen() {
     let (a, b) = (numbers("a/x.csv"), numbers("b/x.csv"));
     assert!(a.len() == 9 && a.iter().zip(&b).all(|(a, b)| (a - b).abs() < 1e-9), "{a:?} {b:?}");
     let import = |file: &str, option: &[&'static str], parts: &[&str]| {
-        let mut arguments = vec!["tables", "import", "--from", "linuxcnc", file, "--axis", "X", "-o", "c"];
+        let mut arguments =
+            vec!["tables", "import", "--from", "linuxcnc", "--unit", "mm", file, "--axis", "X", "-o", "c"];
         arguments.extend(option);
         directory.bad(&arguments, parts);
         assert!(!directory.has("c/x.csv"));
@@ -241,6 +243,8 @@ fn the_type_of_a_linuxcnc_file_is_seen() {
         "import",
         "--from",
         "linuxcnc",
+        "--unit",
+        "mm",
         "both.comp",
         "--axis",
         "X",
@@ -257,11 +261,14 @@ fn siemens_names_of_the_control_need_the_axis() {
     let text = "CHANDATA(1)\n$AA_ENC_COMP[0,0,AX1]=0.0\n$AA_ENC_COMP[0,1,AX1]=0.003\n$AA_ENC_COMP_STEP[0,AX1]=100.0\n\
         $AA_ENC_COMP_MIN[0,AX1]=0.0\n$AA_ENC_COMP_MAX[0,AX1]=100.0\n$AA_ENC_COMP_IS_MODULO[0,AX1]=0\nM17\n";
     directory.write("x.ini", text);
-    directory.both(&["tables", "import", "--from", "siemens", "x.ini", "--axis", "X", "-o", "x"]);
+    directory.both(&["tables", "import", "--from", "siemens", "--unit", "mm", "x.ini", "--axis", "X", "-o", "x"]);
     assert_eq!(directory.read("x/x.csv"), "X_mm,EXX_um\n0,0\n100,3\n");
-    directory.bad(&["tables", "import", "--from", "siemens", "x.ini", "-o", "y"], &["x.ini:2", "AX1", "--axis"]);
+    directory.bad(
+        &["tables", "import", "--from", "siemens", "--unit", "mm", "x.ini", "-o", "y"],
+        &["x.ini:2", "AX1", "--axis"],
+    );
     directory.write("two.ini", format!("{text}$AA_ENC_COMP[0,0,AX2]=0.0\n"));
-    let arguments = ["tables", "import", "--from", "siemens", "two.ini", "--axis", "X", "-o", "y"];
+    let arguments = ["tables", "import", "--from", "siemens", "--unit", "mm", "two.ini", "--axis", "X", "-o", "y"];
     directory.bad(&arguments, &["two.ini:9", "AX2", "AX1"]);
 }
 

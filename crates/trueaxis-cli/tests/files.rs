@@ -50,7 +50,8 @@ fn hall_2(directory: &Folder) {
 fn an_import_adds_an_axis_and_leaves_the_rest_of_the_machine_as_it_is_written() {
     let directory = Folder::new(TRUEAXIS);
     hall_2(&directory);
-    let said = directory.reported(&["tables", "import", "--from", "linuxcnc", "new.comp", "--axis", "X", "-o", "m"]);
+    let said = directory
+        .reported(&["tables", "import", "--from", "linuxcnc", "--unit", "mm", "new.comp", "--axis", "X", "-o", "m"]);
     for part in ["axis X: table added, 3 lines of EXX", "written m/x.csv", "written m/machine.toml"] {
         assert!(said.contains(part), "{said}");
     }
@@ -60,7 +61,8 @@ fn an_import_adds_an_axis_and_leaves_the_rest_of_the_machine_as_it_is_written() 
     assert_eq!(table(&directory.read("m/x.csv")), "X_mm,EXX_fwd_um,EXX_rev_um\n-100,1,2\n0,1,2\n100,3,4\n");
     assert_eq!(directory.read("m/y-2024.csv"), Y);
     // An axis of the chain without a section gets one.
-    let said = directory.reported(&["tables", "import", "--from", "linuxcnc", "new.comp", "--axis", "Z", "-o", "m"]);
+    let said = directory
+        .reported(&["tables", "import", "--from", "linuxcnc", "--unit", "mm", "new.comp", "--axis", "Z", "-o", "m"]);
     assert!(said.contains("axis Z: table added"), "{said}");
     let with_z = directory.read("m/machine.toml");
     let section = "\n[axis.Z]\ntable = \"z.csv\"\ninterpolation = \"linear\"\ntravel_mm = [-100.0, 100.0]\n";
@@ -73,7 +75,8 @@ fn an_import_adds_an_axis_and_leaves_the_rest_of_the_machine_as_it_is_written() 
 fn an_import_replaces_a_table_in_its_place_and_says_what_was_there() {
     let directory = Folder::new(TRUEAXIS);
     hall_2(&directory);
-    let said = directory.reported(&["tables", "import", "--from", "linuxcnc", "new.comp", "--axis", "Y", "-o", "m"]);
+    let said = directory
+        .reported(&["tables", "import", "--from", "linuxcnc", "--unit", "mm", "new.comp", "--axis", "Y", "-o", "m"]);
     for part in [
         "axis Y: table replaced, 3 lines of EYY instead of 2 lines of EXY EYY",
         "backlash_um set to 0, as both directions",
@@ -85,7 +88,8 @@ fn an_import_replaces_a_table_in_its_place_and_says_what_was_there() {
     assert!(directory.read("m/y-2024.csv").starts_with("Y_mm,EYY_fwd_um,EYY_rev_um\n"));
     // Once more: nothing of machine.toml is left to change.
     let once = directory.read("m/machine.toml");
-    let said = directory.reported(&["tables", "import", "--from", "linuxcnc", "new.comp", "--axis", "Y", "-o", "m"]);
+    let said = directory
+        .reported(&["tables", "import", "--from", "linuxcnc", "--unit", "mm", "new.comp", "--axis", "Y", "-o", "m"]);
     assert!(said.contains("m/machine.toml stays as it is") && !said.contains("written m/machine.toml"), "{said}");
     assert_eq!(directory.read("m/machine.toml"), once);
 }
@@ -162,7 +166,8 @@ fn windows_line_ends_and_inline_sections_stay() {
     let directory = Folder::new(TRUEAXIS);
     hall_2(&directory);
     directory.write("m/machine.toml", format!("\u{feff}{}", MACHINE.replace('\n', "\r\n")));
-    directory.reported(&["tables", "import", "--from", "linuxcnc", "new.comp", "--axis", "X", "-o", "m"]);
+    directory
+        .reported(&["tables", "import", "--from", "linuxcnc", "--unit", "mm", "new.comp", "--axis", "X", "-o", "m"]);
     let expected =
         MACHINE.replace("max_feed_mm_per_min = 15_000\n", "max_feed_mm_per_min = 15_000\ntable = \"x.csv\"\n");
     assert_eq!(directory.read("m/machine.toml"), format!("\u{feff}{}", expected.replace('\n', "\r\n")));
@@ -171,7 +176,8 @@ fn windows_line_ends_and_inline_sections_stay() {
         "name = \"i\"\nchain = \"w b X Y t\"\naxis = { X = { table = \"a.csv\" }, Y = { backlash_um = 1 } } # both\n";
     directory.write("i/machine.toml", inline);
     directory.write("i/a.csv", "X_mm,EXX_um\n0,0\n1,0\n");
-    directory.reported(&["tables", "import", "--from", "linuxcnc", "new.comp", "--axis", "X", "-o", "i"]);
+    directory
+        .reported(&["tables", "import", "--from", "linuxcnc", "--unit", "mm", "new.comp", "--axis", "X", "-o", "i"]);
     assert_eq!(directory.read("i/machine.toml"), inline);
     assert!(table(&directory.read("i/a.csv")).contains("100,3,4"));
 }
@@ -181,7 +187,7 @@ fn an_import_into_a_machine_that_cannot_take_it_is_refused() {
     let directory = Folder::new(TRUEAXIS);
     hall_2(&directory);
     let import = |format: &'static str, file: &'static str, axis: &'static str| {
-        vec!["tables", "import", "--from", format, file, "--axis", axis, "-o", "m"]
+        vec!["tables", "import", "--from", format, "--unit", "mm", file, "--axis", axis, "-o", "m"]
     };
     directory.bad(&import("linuxcnc", "new.comp", "A"), &["machine.toml:3", "chain", "axis A in the chain", "--new"]);
     let mut new = import("linuxcnc", "new.comp", "X");
@@ -202,7 +208,7 @@ fn an_import_into_a_machine_that_cannot_take_it_is_refused() {
     // A folder with a table and no machine.
     directory.write("bare/x.csv", "notes of the owner\n");
     directory.bad(
-        &["tables", "import", "--from", "linuxcnc", "new.comp", "--axis", "X", "-o", "bare"],
+        &["tables", "import", "--from", "linuxcnc", "--unit", "mm", "new.comp", "--axis", "X", "-o", "bare"],
         &["bare/x.csv", "no machine.toml"],
     );
     // A machine that is new leaves no folder when it is refused.
@@ -212,6 +218,8 @@ fn an_import_into_a_machine_that_cannot_take_it_is_refused() {
             "import",
             "--from",
             "linuxcnc",
+            "--unit",
+            "mm",
             "steep.comp",
             "--comp-file-type",
             "0",
@@ -304,7 +312,7 @@ fn an_input_is_never_written() {
     directory.write("new/machine.toml", directory.read("m/machine.toml"));
     fs::copy(directory.join("x.comp"), directory.join("new/x.csv")).unwrap();
     directory.bad(
-        &["tables", "import", "--from", "linuxcnc", "new/x.csv", "--axis", "X", "-o", "new"],
+        &["tables", "import", "--from", "linuxcnc", "--unit", "mm", "new/x.csv", "--axis", "X", "-o", "new"],
         &["input", "is never written"],
     );
     for (arguments, page) in [

@@ -61,7 +61,7 @@ fn measurements_and_other_controls_files() {
         let import = ["tables", "import", "--from", "iso230-2", "d.csv", "-o", "new"];
         bad(&directory, &import, &["d.csv:3", "deviation_um", "is the unit right?"]);
         directory.write("x.comp", format!("0 0 0\n10 {value} {value}\n"));
-        let import = ["tables", "import", "--from", "linuxcnc", "x.comp", "--axis", "X", "-o", "new"];
+        let import = ["tables", "import", "--from", "linuxcnc", "--unit", "mm", "x.comp", "--axis", "X", "-o", "new"];
         bad(&directory, &import, &["x.comp:2", "EXX", "is the unit right?"]);
         assert!(!directory.has("new"));
     }

@@ -146,7 +146,8 @@ struct setup {
     int letter_of_axis[MAX_AXES]; /* among X Y Z A B C */
     int axes;
     int joints_of_axis[MAX_AXES];
-    bool inch;
+    bool inch;    /* linear joints, else mm */
+    bool degrees; /* stated for rotary joints */
     double mm_per_unit[MAX_AXES]; /* degrees of rotary axes */
     uint32_t period_ns;
     bool has_gauge;

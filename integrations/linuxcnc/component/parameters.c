@@ -2,10 +2,15 @@
 #include "component.h"
 
 #include <errno.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 #define MAX_JOINT_TABLE_PARAMETERS (MAX_INSTANCES * MAX_JOINT_TABLES)
+#define NOT_STATED (-1)
+/* How far a unit that is given as a number may be off: INI files have 0.03937 and 0.0394 for an inch. */
+#define UNIT_ROUNDING 1e-3
 
 static int count;
 RTAPI_MP_INT(count, "number of instances, named trueaxis.0, trueaxis.1, ... (1 unless names are given)");
@@ -20,8 +25,12 @@ RTAPI_MP_ARRAY_STRING(joint_tables, MAX_JOINT_TABLE_PARAMETERS,
                       "tables of single joints: [INSTANCE:]JOINT=FILE, e.g. 1=left.tcomp,2=right.tcomp");
 static char *thermal[MAX_INSTANCES];
 RTAPI_MP_ARRAY_STRING(thermal, MAX_INSTANCES, "thermal growth (.ttherm) of every instance that has it; - for none");
-static int inch[MAX_INSTANCES];
-RTAPI_MP_ARRAY_INT(inch, MAX_INSTANCES, "1: linear joints of the instance are in inches, else mm");
+static char *units;
+RTAPI_MP_STRING(units, "[TRAJ]LINEAR_UNITS: mm or inch");
+static char *angular_units;
+RTAPI_MP_STRING(angular_units, "[TRAJ]ANGULAR_UNITS: degree; needed with rotary joints");
+static int inch[MAX_INSTANCES] = {[0 ... MAX_INSTANCES - 1] = NOT_STATED};
+RTAPI_MP_ARRAY_INT(inch, MAX_INSTANCES, "1: linear joints of the instance are in inches, 0: mm; as units= says it");
 static long servo_period_nsec = 1000000;
 RTAPI_MP_LONG(servo_period_nsec, "period of the thread that the functions are added to");
 
@@ -120,6 +129,65 @@ static int joint_table(const char *text)
     return 0;
 }
 
+/* Whether a unit is one of the names, in letters of either case, or the number, as LinuxCNC's own INI file has them. */
+static bool is_unit(const char *text, const char *const *unit_names, double per_unit)
+{
+    for (; *unit_names; unit_names++)
+        if (strcasecmp(text, *unit_names) == 0)
+            return true;
+    char *end = NULL;
+    double number = strtod(text, &end);
+    return end != text && *end == '\0' && fabs(number / per_unit - 1.0) < UNIT_ROUNDING;
+}
+
+/* 1: inches, 0: millimetres; NOT_STATED or a negative errno with a line printed. LinuxCNC has these names, and machine units
+ * in a millimetre. */
+static int inches_stated(void)
+{
+    static const char *const millimetres[] = {"mm", "metric", NULL}, *const inches[] = {"inch", "in", "imperial", NULL};
+    if (!given(&units, 0))
+        return NOT_STATED;
+    if (is_unit(units, millimetres, 1.0))
+        return 0;
+    if (is_unit(units, inches, 1.0 / 25.4))
+        return 1;
+    COMPLAIN("units=%s; needed: mm or inch, as [TRAJ]LINEAR_UNITS of the machine\n", units);
+    return -EINVAL;
+}
+
+static int angles_stated(bool *stated)
+{
+    static const char *const degrees[] = {"degree", "deg", NULL};
+    *stated = given(&angular_units, 0);
+    if (!*stated || is_unit(angular_units, degrees, 1.0))
+        return 0;
+    COMPLAIN("angular_units=%s; needed: degree, and [TRAJ]ANGULAR_UNITS of the machine in degrees\n", angular_units);
+    return -EINVAL;
+}
+
+/* The unit of the instance's linear joints; nothing is taken for granted. */
+static int instance_units(struct instance *instance, int index)
+{
+    int all = inches_stated(), own = inch[index];
+    if (all < NOT_STATED)
+        return all;
+    if (own != NOT_STATED && own != 0 && own != 1) {
+        COMPLAIN("%s: inch=%d; needed: 1 (inches) or 0 (mm)\n", instance->setup.name, own);
+        return -EINVAL;
+    }
+    if (all == NOT_STATED && own == NOT_STATED) {
+        COMPLAIN("%s: found no unit of length; needed: units=[TRAJ]LINEAR_UNITS where trueaxis is loaded, mm or inch\n",
+                 instance->setup.name);
+        return -EINVAL;
+    }
+    if (all != NOT_STATED && own != NOT_STATED && all != own) {
+        COMPLAIN("%s: found units=%s and inch=%d; needed: one unit of length\n", instance->setup.name, units, own);
+        return -EINVAL;
+    }
+    instance->setup.inch = (all == NOT_STATED ? own : all) == 1;
+    return angles_stated(&instance->setup.degrees);
+}
+
 static int instance_read(struct instance *instance, int index)
 {
     if (given(names, index)) {
@@ -144,7 +212,9 @@ static int instance_read(struct instance *instance, int index)
         return -ENAMETOOLONG;
     }
     instance->setup.period_ns = (uint32_t)servo_period_nsec;
-    instance->setup.inch = inch[index] != 0;
+    int refused = instance_units(instance, index);
+    if (refused)
+        return refused;
     for (int j = 0; j < MAX_JOINTS; j++)
         instance->setup.table_of_joint[j] = -1;
     instance->setup.letters_from_file = !given(joints, index);

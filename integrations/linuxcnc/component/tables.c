@@ -152,6 +152,11 @@ uint32_t tables_match(struct instance *instance, const struct tables *tables, ch
                            instance->setup.letters[j], info->chain, instance->setup.letters);
             return REFUSED_JOINTS;
         }
+        if (!strchr("XYZ", instance->setup.letters[j]) && !instance->setup.degrees) {
+            rtapi_snprintf(line, LINE_BYTES, "found no unit of angle for axis %c, needed angular_units=[TRAJ]ANGULAR_UNITS",
+                           instance->setup.letters[j]);
+            return REFUSED_JOINTS;
+        }
         instance->setup.axis_of_joint[j] = slot;
         instance->setup.joints_of_axis[slot]++;
     }

@@ -13,7 +13,7 @@ loadrt threads name1=servo-thread period1=1000000
 loadrt siggen names=move
 loadrt offset names=offset-x,offset-y,offset-z
 loadrt pid names=pid-x
-loadrt trueaxis names=ta tables=%(tables)s
+loadrt trueaxis names=ta tables=%(tables)s units=mm angular_units=degree
 loadrt sampler depth=%(cycles)d cfg=sssss
 setp move.frequency 0.5
 setp move.amplitude 50

@@ -10,7 +10,7 @@ from rig import expect
 STREAM_HAL = """
 loadrt threads name1=servo-thread period1=1000000
 loadrt streamer depth=4000 cfg=fff
-loadrt trueaxis names=ta tables=stream.tcomp joints=XYZ inch=%d
+loadrt trueaxis names=ta tables=stream.tcomp joints=XYZ %s
 loadrt sampler depth=4000 cfg=ffff
 setp ta.enable 1
 setp ta.joint.0.homed 1
@@ -36,17 +36,18 @@ loadusr -w halsampler -n %d
 def stream(folder):
     """streamer -> component -> sampler, against what the straight lines of the tables give in closed form."""
     compile_tables(folder, os.path.join(rig.MACHINES, "stream", "machine.toml"), "stream.tcomp")
-    return "%d samples exact to the sixth decimal, in mm and in inches" % (
-        streamed(folder, 0, 1.0) + streamed(folder, 1, 25.4))
+    stated = (("units=mm", 1.0), ("inch=0", 1.0), ("units=INCH", 25.4), ("inch=1", 25.4), ("units=0.0393700787 inch=1", 25.4))
+    return "%d samples exact to the sixth decimal, in mm and in inches" % sum(
+        streamed(folder, words, unit) for words, unit in stated)
 
 
-def streamed(folder, inch, unit):
+def streamed(folder, words, unit):
     home = 37.0
     way = [0.125 * n for n in range(801)] + [100.0] * 20 + [100.0 - 0.125 * n for n in range(1, 1601)]
     with open(os.path.join(folder, "stream.in"), "w") as f:
         for x in way:
             f.write("%r %r %r\n" % (x / unit, (x + home) / unit, 0.0))
-    code, printed = rig.halrun(folder, STREAM_HAL % (inch, len(way)))
+    code, printed = rig.halrun(folder, STREAM_HAL % (words, len(way)))
     expect(code == 0, "halrun", printed)
     expected, before = [], None
     for x in way:
@@ -68,7 +69,7 @@ def streamed(folder, inch, unit):
 GAUGE_HAL = """
 loadrt threads name1=servo-thread period1=1000000
 loadrt streamer depth=16000 cfg=sbfffffff
-loadrt trueaxis names=ta tables=gauge.tcomp joints=XZ
+loadrt trueaxis names=ta tables=gauge.tcomp joints=XZ units=mm
 loadrt sampler depth=16000 cfg=fuuuffffb
 setp ta.enable 1
 setp ta.joint.0.homed 1
@@ -164,7 +165,7 @@ def gauge(folder):
 
 PAIR_HAL = """
 loadrt threads name1=servo-thread period1=1000000
-loadrt trueaxis names=left,right tables=stream.tcomp,gantry.tcomp joints=XYZ,XYYZ joint_tables=right:1=side.tcomp
+loadrt trueaxis names=left,right tables=stream.tcomp,gantry.tcomp joints=XYZ,XYYZ joint_tables=right:1=side.tcomp units=mm
 addf left.update-feedback servo-thread
 addf right.update-feedback servo-thread
 addf left.update-output servo-thread
@@ -180,7 +181,7 @@ getp left.machine-id
 getp right.machine-id
 stop
 unloadrt trueaxis
-loadrt trueaxis count=2 tables=stream.tcomp,gantry.tcomp
+loadrt trueaxis count=2 tables=stream.tcomp,gantry.tcomp units=mm
 show funct
 """
 
@@ -210,7 +211,7 @@ def instances(folder):
 STOP_HAL = """
 loadrt threads name1=servo-thread period1=1000000
 loadrt streamer depth=4000 cfg=fb
-loadrt trueaxis names=ta tables=gantry.tcomp joints=XYYZ joint_tables=1=short.tcomp
+loadrt trueaxis names=ta tables=gantry.tcomp joints=XYYZ joint_tables=1=short.tcomp units=mm
 loadrt sampler depth=4000 cfg=ffubf
 setp ta.enable 1
 setp ta.joint.0.homed 1
@@ -262,7 +263,7 @@ def joint_stop(folder):
 
 WARM_HAL = """
 loadrt threads name1=servo-thread period1=1000000
-loadrt trueaxis names=ta tables=mill.tcomp
+loadrt trueaxis names=ta tables=mill.tcomp units=mm
 setp ta.enable 1
 setp ta.joint.0.homed 1
 setp ta.joint.1.homed 1
@@ -355,7 +356,7 @@ def thermal(folder):
 
 ACCEPTED_HAL = """
 loadrt threads name1=servo-thread period1=1000000
-loadrt trueaxis names=ta tables=mill.tcomp
+loadrt trueaxis names=ta tables=mill.tcomp units=mm
 setp ta.enable 1
 addf ta.update-feedback servo-thread
 addf ta.update-output servo-thread
@@ -395,7 +396,7 @@ def accepted(folder):
 
 PERIOD_HAL = """
 loadrt threads name1=servo-thread period1=2000000
-loadrt trueaxis names=ta tables=stream.tcomp
+loadrt trueaxis names=ta tables=stream.tcomp units=mm
 setp ta.enable 1
 setp ta.joint.0.motor-pos-cmd-in 12.5
 addf ta.update-feedback servo-thread
@@ -423,7 +424,7 @@ def period(folder):
 
 NOWHERE_HAL = """
 loadrt threads name1=servo-thread period1=1000000
-loadrt trueaxis names=ta tables=mill.tcomp
+loadrt trueaxis names=ta tables=mill.tcomp units=mm
 setp ta.enable 1
 setp ta.joint.0.homed 1
 setp ta.joint.1.homed 1
@@ -514,6 +515,18 @@ def refused(folder):
         ("tables=good.tcomp count=2", "trueaxis.1: no table file", 22),
         ("tables=good.tcomp names=a count=2", "names= and count=", 22),
         ("tables=good.tcomp servo_period_nsec=10", "servo_period_nsec=10", 22),
+    ]
+    cases = [("units=mm " + parameters, line, errno) for parameters, line, errno in cases] + [
+        ("tables=good.tcomp", "found no unit of length; needed: units=[TRAJ]LINEAR_UNITS", 22),
+        ("tables=good.tcomp units=", "found no unit of length; needed: units=[TRAJ]LINEAR_UNITS", 22),
+        ("tables=good.tcomp,good.tcomp count=2 inch=1", "trueaxis.1: found no unit of length", 22),
+        ("tables=good.tcomp units=cm", "units=cm; needed: mm or inch", 22),
+        ("tables=good.tcomp units=25.4", "units=25.4; needed: mm or inch", 22),
+        ("tables=good.tcomp units=mm inch=1", "found units=mm and inch=1; needed: one unit", 22),
+        ("tables=good.tcomp units=imperial inch=0", "found units=imperial and inch=0; needed: one unit", 22),
+        ("tables=good.tcomp inch=2", "inch=2; needed: 1 (inches) or 0 (mm)", 22),
+        ("tables=good.tcomp units=mm angular_units=radian", "angular_units=radian; needed: degree", 22),
+        ("tables=five.tcomp units=mm", "found no unit of angle for axis A, needed angular_units=[TRAJ]ANGULAR_UNITS", 22),
     ]
     for parameters, line, errno in cases:
         code, printed = rig.halrun(folder, "loadrt trueaxis %s\nshow comp\n" % parameters)

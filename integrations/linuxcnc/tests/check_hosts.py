@@ -12,7 +12,7 @@ RECORDING = os.environ["TRUEAXIS_HOSTS"]
 REPLAY_HAL = """
 loadrt threads name1=servo-thread period1=1000000
 loadrt streamer depth=%(depth)d cfg=ffffff
-loadrt trueaxis names=ta tables=machine.tcomp joints=XYZ
+loadrt trueaxis names=ta tables=machine.tcomp joints=XYZ units=mm
 loadrt sampler depth=%(depth)d cfg=fff
 setp ta.enable 1
 %(nets)saddf streamer.0 servo-thread

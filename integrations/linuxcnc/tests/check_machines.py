@@ -37,8 +37,8 @@ def side_by_side(folder):
     rig.copy(folder, os.path.dirname(source), "x.comp")
     rig.copy(folder, rig.HERE, "comp.ngc")
     imported = os.path.join(folder, "imported")
-    subprocess.run([TRUEAXIS, "tables", "import", "--from", "linuxcnc", "--comp-file-type", "1", "--axis", "X", source,
-                    "-o", imported], check=True, capture_output=True, timeout=60)
+    subprocess.run([TRUEAXIS, "tables", "import", "--from", "linuxcnc", "--unit", "mm", "--comp-file-type", "1", "--axis", "X",
+                    source, "-o", imported], check=True, capture_output=True, timeout=60)
     rig.edit(imported, "machine.toml", lambda text: text.replace("w b X t", "w b X Y Z t"))
     compile_tables(folder, os.path.join(imported, "machine.toml"), "mill-3axis.tcomp")
     rig.edit(folder, "mill-3axis.ini", lambda text: rig.with_ini(
@@ -96,8 +96,8 @@ def truncated(folder, source):
         with open(path, "w") as f:
             f.write("\n".join(text) + "\n")
         target = os.path.join(folder, name + ".imported")
-        done = subprocess.run([TRUEAXIS, "tables", "import", "--from", "linuxcnc", "--comp-file-type", "1", "--axis", "X",
-                               path, "-o", target], capture_output=True, text=True, timeout=60)
+        done = subprocess.run([TRUEAXIS, "tables", "import", "--from", "linuxcnc", "--unit", "mm", "--comp-file-type", "1",
+                               "--axis", "X", path, "-o", target], capture_output=True, text=True, timeout=60)
         expect(done.returncode == 2 and not os.path.exists(target), "%s was not refused" % name, done.stdout, done.stderr)
 
 

@@ -1,4 +1,5 @@
 """All tests by name."""
+import check_calibration
 import check_cost
 import check_dynamics
 import check_faults
@@ -7,10 +8,13 @@ import check_friction
 import check_hosts
 import check_machines
 import check_motion
+import check_units
 
 MODULES = (
     check_files,
     check_motion,
+    check_units,
+    check_calibration,
     check_dynamics,
     check_faults,
     check_machines,

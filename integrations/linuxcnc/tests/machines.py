@@ -33,6 +33,15 @@ def mill(folder, change=None):
         compile_tables(folder, os.path.join(SAMPLES, "mill-3axis", "machine.toml"), "mill-3axis.tcomp")
 
 
+LENGTH = re.compile(r"^((?:MAX|MIN|DEFAULT)_\w+|\w*FERROR|HOME\w*) = (-?[\d.]+)$", re.M)
+
+
+def in_inches(text):
+    """Change of an INI file of linear joints: the same machine, told in inches."""
+    text = LENGTH.sub(lambda m: m[0] if m[1] == "HOME_SEQUENCE" else "%s = %r" % (m[1], float(m[2]) / 25.4), text)
+    return rig.with_ini(text, "TRAJ", "LINEAR_UNITS", "inch")
+
+
 DYNAMIC = re.compile(r"^\[+(axis\.\w\.(drive|friction|dynamic)|contour\.feedback|crosstalk)\]+\n([^\[].*\n|\n)*", re.M)
 
 

@@ -78,7 +78,8 @@ def linuxcnc(folder, ini, scenario, seconds=75):
     text = with_ini(text, "DISPLAY", "DISPLAY", os.path.join(HERE, "pilot.py"))
     with open(path, "w") as f:
         f.write(text)
-    code, printed = run(["linuxcnc", "-r", ini], folder, seconds, TRUEAXIS_SCENARIO=scenario)
+    code, printed = run(["linuxcnc", "-r", ini], folder, seconds, TRUEAXIS_SCENARIO=scenario,
+                        TRUEAXIS=os.environ.get("TRUEAXIS", "trueaxis"))
     if not os.path.exists(os.path.join(folder, "done")):
         raise Broken("the scenario %s did not end (exit code %d)" % (scenario, code), printed[-6000:])
     return printed

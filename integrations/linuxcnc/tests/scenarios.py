@@ -254,6 +254,54 @@ def probing(pilot):
         json.dump(marks, f)
 
 
+def calibration(pilot):
+    """A probing program run, solved, its tables taken over while the machine is on, and the program run again."""
+    pilot.on()
+    pilot.home()
+
+    def probe(log):
+        pilot.start("probe.ngc")
+        # M0: the artefact is to be set up.
+        pilot.wait(lambda: pilot.stat.interp_state == linuxcnc.INTERP_PAUSED, "pause for the artefact")
+        pilot.command.auto(linuxcnc.AUTO_RESUME)
+        pilot.finish(100.0)
+        logs = [name for name in os.listdir(".") if name.startswith("trueaxis-") and name.endswith(".log")]
+        os.rename(logs[0], log)
+
+    probe("first.log")
+    words = [os.environ["TRUEAXIS"]]
+    with open("first.json", "w") as f:
+        subprocess.run(words + ["calibrate", "solve", "first.toml", "first.log", "-o", "machine", "--json"], check=True, stdout=f)
+    subprocess.run(words + ["tables", "compile", "machine", "-o", "new.tcomp"], check=True)
+    os.replace("new.tcomp", "mill-3axis.tcomp")
+    done = hal.get_value("ta.reloads")
+    hal.set_p("ta.reload", "1")
+    pilot.wait(lambda: hal.get_value("ta.reloads") != done, "reload")
+    if hal.get_value("ta.reload-failed"):
+        raise RuntimeError("reload refused with %d" % hal.get_value("ta.reload-code"))
+    probe("second.log")
+    if hal.get_value("ta.fault-code"):
+        raise RuntimeError("fault %d" % hal.get_value("ta.fault-code"))
+
+
+STANDS = ((100, 50, -100), (-120, 80, -200), (40, -150, -20), (0, 0, 0))
+
+
+def stands(pilot):
+    """At some places, in mm: commands, outputs to the drives and corrections once the machine stands."""
+    pilot.on()
+    pilot.home()
+    found = []
+    for place in STANDS:
+        pilot.mdi("G21 G90 G0 X%g Y%g Z%g" % place)
+        since = hal.get_value("ta.sequence")
+        pilot.wait(lambda: not hal.get_value("ta.limited") and hal.get_value("ta.sequence") > since + 200, "rest")
+        found.append({pin: [hal.get_value(pin % j) for j in range(3)]
+                      for pin in ("joint.%d.pos-cmd", "ta.joint.%d.motor-pos-cmd-out", "ta.joint.%d.correction")})
+    with open("stands.json", "w") as f:
+        json.dump({"stands": found, "fault": hal.get_value("ta.fault-code")}, f)
+
+
 def side_by_side(pilot):
     """LinuxCNC's own compensation and ours on the same table, in the same cycles."""
     pilot.record(["joint.0.pos-cmd", "joint.0.vel-cmd", "joint.0.backlash-corr", "joint.0.motor-pos-cmd", "ta.x.correction",
@@ -276,6 +324,15 @@ def contour(pilot):
     pilot.start("contour.ngc")
     pilot.finish()
     pilot.save("run")
+
+
+def circles_in_inches(pilot):
+    """record-circles.py on a machine in inches."""
+    pilot.on()
+    pilot.home()
+    script = os.path.join(os.path.dirname(os.path.realpath(__file__)), "..", "record-circles.py")
+    words = ["--centre", "0,0", "--radius-mm", "10.0037", "--feeds", "6000,4000", "--turns", "1", "-o", "record.csv"]
+    subprocess.run([script, *words, "--no-evaluation"], check=True, timeout=140)
 
 
 def friction(pilot):

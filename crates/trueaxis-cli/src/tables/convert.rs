@@ -14,8 +14,9 @@ use trueaxis_tables::{Edited, Machine};
 pub(super) const FORMATS: &str = "\
 Formats, and what they hold for an error E = actual − ideal:
   linuxcnc    COMP_FILE, type 0 (nominal + E, both directions; mm, degrees) or type 1 (−E). Import tells them apart by the
-              numbers and refuses a file that could be either; export writes type 0. --comp-file-type says which
-  siemens     $AA_ENC_COMP, +E in one direction (mm, degrees); a file with AX1 needs --axis
+              numbers and refuses a file that could be either; export writes type 0. --comp-file-type says which; import
+              needs --unit mm or inch, as the machine's LINEAR_UNITS
+  siemens     $AA_ENC_COMP, +E in one direction (mm, degrees); a file with AX1 needs --axis; import needs --unit
   isg         ISG/Beckhoff volumetric CSV, all six errors (mm, rad; rotary arguments in degrees); chain and offsets as comments
   iso230-2    measured deviations (µm, µrad), one row per approach, or one per target with a column per run:
               X_mm,+1,-1,+2,-2,… or X_mm,fwd_1_um,rev_1_um,…
@@ -35,11 +36,47 @@ pub(super) fn format(option: &str, name: &str, comp_file_type: Option<u8>) -> Re
     Ok(format)
 }
 
+/// Unit of lengths in a file that does not state it.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Unit {
+    Millimetre,
+    Inch,
+}
+
+pub(super) fn unit(name: &str) -> Result<Unit> {
+    match name {
+        "mm" => Ok(Unit::Millimetre),
+        "inch" => Ok(Unit::Inch),
+        _ => bail!("--unit: found \"{name}\", needed mm or inch"),
+    }
+}
+
+/// What a file holds, in mm: a format that does not state its unit is read in the one given.
+fn in_millimetres(imported: Imported, format: Format, unit: Option<Unit>, file: &Path) -> Result<Imported> {
+    if !matches!(format, Format::LinuxCnc(_) | Format::Siemens) {
+        if unit.is_some() {
+            bail!("--unit: found it with {}, whose files state their units; needed none", format.name());
+        }
+        return Ok(imported);
+    }
+    let linear = imported.tables.iter().find(|(axis, _)| !axis.is_rotary());
+    match (unit, linear) {
+        (None, Some((axis, _))) => bail!(
+            "{}: found lengths of axis {} without a unit, needed --unit mm or --unit inch, that of the control",
+            file.display(),
+            axis.letter()
+        ),
+        (Some(Unit::Inch), _) => Ok(imported.read_as_inches()),
+        _ => Ok(imported),
+    }
+}
+
 pub(super) fn import(
     format: Format,
     recognise: bool,
     file: &Path,
     axis: Option<Axis>,
+    unit: Option<Unit>,
     output: &Path,
     new: bool,
 ) -> Result<()> {
@@ -48,7 +85,7 @@ pub(super) fn import(
     }
     let text = model::text(file)?;
     let format = if recognise { Format::LinuxCnc(formats::linuxcnc::recognise(&text, file)?) } else { format };
-    let imported = formats::import(format, &text, file, axis)?;
+    let imported = in_millimetres(formats::import(format, &text, file, axis)?, format, unit, file)?;
     for note in &imported.notes {
         tell(format_args!("note: {}: {note}", file.display()));
     }
@@ -70,7 +107,9 @@ pub(super) fn import(
     for (name, _) in &edited.files {
         tell(format_args!("written {}", output.join(name).display()));
     }
-    tell(format_args!("{}: {}", format.name(), meaning(format)));
+    let read_as = meaning(format);
+    let read_as = if unit == Some(Unit::Inch) { read_as.replace("mm", "inches") } else { read_as.to_owned() };
+    tell(format_args!("{}: {read_as}", format.name()));
     Ok(())
 }
 

@@ -12,6 +12,8 @@ use trueaxis_tables::error::FileError;
 const BESIDE: f64 = 0.1;
 /// A trip before this share of the way to the surface is one at the start, mm.
 const AT_START: f64 = 0.02;
+/// A log in inches is told from a trip at another place.
+const MM_PER_INCH: f64 = 25.4;
 /// How far a rotary axis may stand from its pose, degrees.
 const TURNED: f64 = 0.02;
 
@@ -44,7 +46,18 @@ pub fn trips(task: &Task, plan: &Plan, log: &Log, file: &Path) -> Result<Vec<Log
             return Err(error(before, found, format!("all {count} touches, {id} behind this line")));
         };
         before = Some(logged.line);
-        check(task, touch, id, logged).map_err(|(found, needed)| error(Some(logged.line), found, needed))?;
+        check(task, touch, id, logged).map_err(|(found, needed)| {
+            let mut inches = *logged;
+            inches.position[..3].iter_mut().for_each(|q| *q *= MM_PER_INCH);
+            let (found, needed) = match check(task, touch, id, &inches) {
+                Ok(()) => (
+                    format!("touch {id} on its probing move, were its numbers inches"),
+                    "a log in mm (grblHAL: $13=0)".into(),
+                ),
+                Err(_) => (found, needed),
+            };
+            error(Some(logged.line), found, needed)
+        })?;
         // Angles that the log does not state are those of the plan.
         let mut trip = *logged;
         for k in 0..3 {

@@ -208,8 +208,9 @@ pub(super) fn export(
         }
         let decimals = if settings.axis.is_rotary() { 7 } else { 6 };
         let name = format!("{}.comp", letter.to_ascii_lowercase());
+        let unit = if settings.axis.is_rotary() { "" } else { ", LINEAR_UNITS = mm" };
         exported.notes.push(format!(
-            "COMP_FILE = {name} and COMP_FILE_TYPE = {} in the [JOINT_n] of {letter}; BACKLASH is then not used",
+            "COMP_FILE = {name} and COMP_FILE_TYPE = {} in the [JOINT_n] of {letter}{unit}; BACKLASH is then not used",
             file_type.number()
         ));
         exported.files.push((name, file(&points, file_type, decimals)));

@@ -112,6 +112,24 @@ impl Imported {
         Imported { tables: Vec::new(), grids: Vec::new(), location, settings: None, notes: Vec::new() }
     }
 
+    /// What a file of a control in inches holds, in mm: positions of linear axes and translations times 25.4.
+    ///
+    /// [`import`] reads lengths as mm. [`linuxcnc`] and [`siemens`] files do not state their unit, and hold tables alone.
+    #[must_use]
+    pub fn read_as_inches(mut self) -> Imported {
+        // Without what the product of two decimals leaves behind the ninth.
+        let mm = |inches: &mut f64| *inches = (*inches * 25.4e9).round() / 1e9;
+        for (axis, table) in &mut self.tables {
+            for row in &mut table.rows {
+                if !axis.is_rotary() {
+                    mm(&mut row.position);
+                }
+                row.forward[..3].iter_mut().chain(&mut row.reverse[..3]).for_each(mm);
+            }
+        }
+        self
+    }
+
     /// The files of a machine that uses these tables: one CSV per axis and grid and, last, `machine.toml`; and what was set in it
     /// beside them.
     ///

@@ -26,7 +26,7 @@ extern void rtapi_app_exit(void);
 /* As `loadrt` finds the parameters. */
 #define PARAMETER(name) extern void *rtapi_info_address_##name;
 PARAMETER(count) PARAMETER(names) PARAMETER(tables) PARAMETER(joints) PARAMETER(joint_tables) PARAMETER(inch)
-PARAMETER(servo_period_nsec)
+PARAMETER(units) PARAMETER(angular_units) PARAMETER(servo_period_nsec)
 extern int rtapi_info_size_names, rtapi_info_size_tables, rtapi_info_size_joints, rtapi_info_size_joint_tables,
     rtapi_info_size_inch;
 
@@ -76,6 +76,10 @@ static void parameter(char *word)
         *(long *)rtapi_info_address_servo_period_nsec = atol(value);
     else if (strcmp(word, "inch") == 0)
         *(int *)rtapi_info_address_inch = atoi(value);
+    else if (strcmp(word, "units") == 0)
+        *(char **)rtapi_info_address_units = value;
+    else if (strcmp(word, "angular_units") == 0)
+        *(char **)rtapi_info_address_angular_units = value;
     else if (strcmp(word, "names") == 0)
         text_parameter(rtapi_info_address_names, rtapi_info_size_names, value);
     else if (strcmp(word, "tables") == 0)
@@ -231,7 +235,7 @@ int main(int argument_count, char **arguments)
         thread->cycles = cycles;
         thread->period = period;
         thread->motion.random = (uint64_t)(seed + i);
-        thread->motion.unit = ((int *)rtapi_info_address_inch)[i] ? 25.4 : 1.0;
+        thread->motion.unit = ((int *)rtapi_info_address_inch)[i] == 1 ? 25.4 : 1.0;
         if (i == 0 && n < argument_count) {
             thread->path = ((char **)rtapi_info_address_tables)[0];
             thread->files = arguments + n;
