@@ -486,13 +486,14 @@ impl<R: Real> Aim<R> {
         let second_pose @ (cos, sin) = second.cos_sin(&axes);
         let reached = V3::new(a * cos + c * sin, b, c * cos - a * sin);
         let direction_error_deg = degrees(atan2(wanted.cross(reached).norm(), wanted.dot(reached)));
-        if direction_error_deg > self.cone_deg {
+        if direction_error_deg <= self.cone_deg {
+            let step_deg = (position - first_at).abs().max((second_position - second_at).abs());
+            let (poses, margin_deg) = ([first_pose, second_pose], self.margin_deg);
+            Ok(Turned { axes, poses, branch, margin_deg, direction_error_deg, step_deg })
+        } else {
             let (margin_deg, cone_deg) = (self.margin_deg.to_f64(), self.cone_deg.to_f64());
-            return Err(InverseError::SingularPose { margin_deg, cone_deg });
+            Err(InverseError::SingularPose { margin_deg, cone_deg })
         }
-        let step_deg = (position - first_at).abs().max((second_position - second_at).abs());
-        let (poses, margin_deg) = ([first_pose, second_pose], self.margin_deg);
-        Ok(Turned { axes, poses, branch, margin_deg, direction_error_deg, step_deg })
     }
 
     /// The rotary axes' positions on a branch.
