@@ -81,7 +81,7 @@ class Machine:
         start: Sequence[float] | None = None,
         max_step_deg: float | None = None,
         tool_mm: Sequence[float] | None = None,
-    ) -> tuple[NDArray[np.float64], NDArray[np.uint8], NDArray[np.float64]]: ...
+    ) -> tuple[NDArray[np.float64], NDArray[np.uint8], NDArray[np.float64], NDArray[np.float64]]: ...
     def uncertainty(
         self,
         *,

@@ -91,7 +91,7 @@
 
 #if !defined(TRUEAXIS_SINGLE)
 /// Words of a `trueaxis_branch_tracker_t`.
-#define TRUEAXIS_BRANCH_TRACKER_WORDS 16
+#define TRUEAXIS_BRANCH_TRACKER_WORDS 20
 #endif
 
 #if defined(TRUEAXIS_SINGLE)
@@ -301,7 +301,7 @@
 /// No pose of the machine reaches the commanded tip and direction.
 #define TRUEAXIS_FAULT_TOOL_UNREACHABLE 20
 
-/// The commanded direction is too near to the singular pose.
+/// In the singular cone, where a travel keeps the tool further off than the cone.
 #define TRUEAXIS_FAULT_SINGULAR_POSE 21
 
 /// The commanded direction needs the rotary axes' other branch.
@@ -1037,11 +1037,18 @@ trueaxis_result_t trueaxis_branch_tracker_start(struct trueaxis_branch_tracker_t
                                                 double max_step_deg,
                                                 struct trueaxis_error_t *error);
 
+/// The angle between the tool and the one asked for that the tracker's last positions leave, degrees: at most the machine's
+/// `singular_cone_deg`, 0 outside that cone but for the way out. Real-time safe.
+trueaxis_result_t trueaxis_branch_tracker_direction_error(const struct trueaxis_branch_tracker_t *tracker,
+                                                          trueaxis_real_t *error_deg);
+
 /// Writes the axis positions for a tool into `input->command`, on the branch that `tracker` follows, for the next
 /// `trueaxis_step`.
 ///
 /// `input->elapsed_ns` must be set. A tool without such positions goes into `input->refusal`: the step then holds and
-/// reports the fault, and a reset near the held pose releases it. Call it once a cycle, for homed axes.
+/// reports the fault, and a reset near the held pose releases it. Within the machine's `singular_cone_deg` of the singular
+/// pose the axis next to the workpiece stays or is led, with the tip exact and `trueaxis_branch_tracker_direction_error` of the
+/// direction left. Call it once a cycle, for homed axes.
 ///
 /// Real-time safe. `_AXES`, `_STATE` (also: a bypass, which has no axes to find), `_MACHINE`.
 trueaxis_result_t trueaxis_rtcp(const struct trueaxis_loop_t *loop,

@@ -22,7 +22,7 @@ pub const FAULT_COMMAND_JUMP: u8 = 18;
 pub const FAULT_JOINT_RANGE: u8 = 19;
 /// No pose of the machine reaches the commanded tip and direction.
 pub const FAULT_TOOL_UNREACHABLE: u8 = 20;
-/// The commanded direction is too near to the singular pose.
+/// In the singular cone, where a travel keeps the tool further off than the cone.
 pub const FAULT_SINGULAR_POSE: u8 = 21;
 /// The commanded direction needs the rotary axes' other branch.
 pub const FAULT_BRANCH_CHANGE: u8 = 22;

@@ -12,7 +12,7 @@ use trueaxis::kinematics;
 
 /// Words of a `trueaxis_branch_tracker_t`.
 #[cfg(not(feature = "single"))]
-pub const BRANCH_TRACKER_WORDS: usize = 16;
+pub const BRANCH_TRACKER_WORDS: usize = 20;
 /// Words of a `trueaxis_branch_tracker_t`.
 #[cfg(feature = "single")]
 pub const BRANCH_TRACKER_WORDS: usize = 10;
@@ -66,11 +66,34 @@ pub unsafe extern "C" fn trueaxis_branch_tracker_start(
     unsafe { explained(error, work) }
 }
 
+/// The angle between the tool and the one asked for that the tracker's last positions leave, degrees: at most the machine's
+/// `singular_cone_deg`, 0 outside that cone but for the way out. Real-time safe.
+///
+/// # Safety
+/// Pointers are null or point to what their types say.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn trueaxis_branch_tracker_direction_error(
+    tracker: *const BranchTracker,
+    error_deg: *mut Real,
+) -> ResultCode {
+    let work = || {
+        check(error_deg)?;
+        // SAFETY: the caller's promise.
+        let tracker = unsafe { opaque::content(tracker) }?;
+        // SAFETY: checked; writable by the caller's promise.
+        unsafe { error_deg.write(tracker.direction_error_deg()) };
+        Ok(())
+    };
+    result::of(work())
+}
+
 /// Writes the axis positions for a tool into `input->command`, on the branch that `tracker` follows, for the next
 /// `trueaxis_step`.
 ///
 /// `input->elapsed_ns` must be set. A tool without such positions goes into `input->refusal`: the step then holds and
-/// reports the fault, and a reset near the held pose releases it. Call it once a cycle, for homed axes.
+/// reports the fault, and a reset near the held pose releases it. Within the machine's `singular_cone_deg` of the singular
+/// pose the axis next to the workpiece stays or is led, with the tip exact and `trueaxis_branch_tracker_direction_error` of the
+/// direction left. Call it once a cycle, for homed axes.
 ///
 /// Real-time safe. `_AXES`, `_STATE` (also: a bypass, which has no axes to find), `_MACHINE`.
 ///

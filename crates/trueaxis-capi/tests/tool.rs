@@ -84,6 +84,36 @@ fn a_tool_out_of_reach_is_refused_in_the_step() {
     }
 }
 
+/// A from −2 to 2 degrees: nothing is refused, C stays, and what is left of the direction is told.
+#[test]
+fn the_tool_goes_through_the_vertical() {
+    let (servo, kinematics) = (built(five()), kinematics(five()));
+    let mut state = started(&servo.servo);
+    let from = [10.0, 20.0, -100.0, -2.0, 5.0];
+    let mut tracker = tracker(&kinematics, &from);
+    let (mut out, mut most) = (output(), 0.0_f64);
+    let mut c = input([0.0; 6], [from[0], from[1], from[2], from[3], from[4], 0.0]);
+    let tip = forward(&kinematics, &from).tip;
+    for i in -200..=200_i32 {
+        let mut tool = Tool { tip, ..forward(&kinematics, &[0.0, 0.0, 0.0, 0.01 * f64::from(i), 5.0]) };
+        // The sixth decimal, aside of where A turns it.
+        tool.axis[0] += 1e-6 * [1.0, -1.0, 0.0][i.rem_euclid(3) as usize];
+        let mut left = Real::NAN;
+        // SAFETY: everything is as the types say.
+        unsafe {
+            assert_eq!(trueaxis_rtcp(&*servo.servo, &*state, &tool, &mut *tracker, &*kinematics, &mut c), OK);
+            assert_eq!(trueaxis_branch_tracker_direction_error(&*tracker, &mut left), OK);
+            assert_eq!(trueaxis_step(&*servo.servo, &mut *state, &c, null_mut(), null_mut(), &mut out), OK);
+        }
+        assert_eq!((c.refusal, out.record.fault), (0, FAULT_NONE), "{i}");
+        let near = |k: usize, at: f64, most: f64| (c.command[k] - position(at)).abs() < position(most);
+        assert!(near(4, 5.0, 0.1) && near(3, 0.01 * f64::from(i), 1e-3), "{i}: {:?}", c.command);
+        c.feedback = c.command;
+        most = most.max(f64::from(left as f32));
+    }
+    assert!(most > 1e-5 && most < 1e-4, "{most}");
+}
+
 #[test]
 fn kinematics_are_checked() {
     let (three, five_axes) = (kinematics(mill()), kinematics(five()));
@@ -119,6 +149,10 @@ fn kinematics_are_checked() {
         assert_eq!(start(tracker_, tracker_size + 8, AT.as_ptr(), 1.0, null_mut()), ERROR_SIZE);
         assert_eq!(start(tracker_, tracker_size, far.as_ptr(), 1.0, null_mut()), ERROR_ARGUMENT);
         assert_eq!(start(tracker_, tracker_size, AT.as_ptr(), 0.0, null_mut()), ERROR_ARGUMENT);
+        let mut left = Real::NAN;
+        assert_eq!(trueaxis_branch_tracker_direction_error(tracker_, &mut left), ERROR_UNBUILT);
+        assert_eq!(trueaxis_branch_tracker_direction_error(tracker_, null_mut()), ERROR_NULL);
+        assert!(left.is_nan());
         let beyond = [900.0, 0.0, 0.0, 20.0, 0.0];
         assert_eq!(start(tracker_, tracker_size, beyond.as_ptr(), 1.0, &mut error), ERROR_POSE);
         let said = text(&error.text);

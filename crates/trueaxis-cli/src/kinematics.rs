@@ -17,10 +17,12 @@ coincide with the machine's. A machine has X, Y, Z and up to two of A, B, C, eac
   forward  IN.csv: x_mm,y_mm,z_mm[,a_deg,b_deg,c_deg], axes of the machine in any order, 0 where absent
            out: the same + tip_x_mm,tip_y_mm,tip_z_mm,tool_i,tool_j,tool_k,singularity_margin_deg
   inverse  IN.csv: tip_x_mm,tip_y_mm,tip_z_mm,tool_i,tool_j,tool_k
-           out: the same + x_mm,y_mm,z_mm, the rotary axes (a_deg, …), branch, singularity_margin_deg
+           out: the same + x_mm,y_mm,z_mm, the rotary axes (a_deg, …), branch, singularity_margin_deg,
+           direction_error_deg
 
-singularity_margin_deg: angle between the tool and the rotary axis nearest the workpiece (in the code); below the machine's
-singular_cone_deg an inverse is refused. 90 on machines with less than two rotary axes.
+singularity_margin_deg: angle between the tool and the rotary axis nearest the workpiece (in the code). Below the machine's
+singular_cone_deg that axis stays, or is led to where it has to come out, and direction_error_deg is the angle between the
+tool reached and the one asked for; elsewhere 0. 90 on machines with less than two rotary axes.
 
 Example: trueaxis kinematics forward --machine compensation-tables/mill-5axis axes.csv -o tool.csv
          trueaxis kinematics inverse --machine compensation-tables/mill-5axis tool.csv";

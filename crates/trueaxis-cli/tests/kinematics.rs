@@ -19,6 +19,19 @@ travel_deg = [-120.0, 30.0]
 [axis.C]
 ";
 
+/// Its A begins 0.05 degrees beyond the vertical.
+const BEGINNING: &str = "\
+name = \"beginning\"
+chain = \"w C' A' Y' b X Z t\"
+[axis.X]
+table = \"x.csv\"
+[axis.Y]
+[axis.Z]
+[axis.A]
+travel_deg = [0.05, 90.0]
+[axis.C]
+";
+
 fn folder(machine: &str, input: &str) -> Folder {
     let directory = Folder::new(TRUEAXIS);
     directory.write("m/machine.toml", machine);
@@ -69,12 +82,13 @@ fn the_inverse_takes_the_forwards_output_back() {
     let reported = directory.reported(&with("inverse", &["t.csv", tool[0], tool[1], "--max-step-deg", "12"]));
     assert!(reported.contains("x_mm, y_mm, z_mm, a_deg, c_deg"), "{reported}");
     let (header, rows) = directory.csv(&with("inverse", &["t.csv", tool[0], tool[1]]));
-    let expected =
-        "tip_x_mm,tip_y_mm,tip_z_mm,tool_i,tool_j,tool_k,x_mm,y_mm,z_mm,a_deg,c_deg,branch,singularity_margin_deg";
+    let expected = "tip_x_mm,tip_y_mm,tip_z_mm,tool_i,tool_j,tool_k,x_mm,y_mm,z_mm,a_deg,c_deg,branch,singularity_margin_deg,\
+                    direction_error_deg";
     assert_eq!(header, expected);
     for (row, pose) in rows.iter().zip(&poses) {
         near(&row[6..11], &pose[..5]);
-        near(&row[12..], &pose[11..]);
+        near(&row[12..13], &pose[11..]);
+        assert_eq!(row[13], 0.0);
     }
     // C goes on beyond a turn, also from a start many turns away.
     let (_, rows) = directory.csv(&with("inverse", &["t.csv", tool[0], tool[1], "--start", "-1,-3600"]));
@@ -92,12 +106,52 @@ fn both_branches_and_the_one_asked_for() {
     directory.good(&with("forward", &["in.csv", "-o", "t.csv"]));
     let (_, rows) = directory.csv(&with("inverse", &["t.csv", "--both"]));
     assert_eq!(rows.len(), 2);
-    near(&rows[0][9..], &[20.0, 10.0, 1.0, 20.0]);
-    near(&rows[1][9..], &[-20.0, -170.0, 2.0, 20.0]);
+    near(&rows[0][9..], &[20.0, 10.0, 1.0, 20.0, 0.0]);
+    near(&rows[1][9..], &[-20.0, -170.0, 2.0, 20.0, 0.0]);
     for (branch, row) in ["1", "2"].into_iter().zip(&rows) {
         assert_eq!(&directory.csv(&with("inverse", &["t.csv", "--branch", branch])).1[0], row);
     }
     assert_eq!(directory.csv(&with("inverse", &["t.csv"])).1[0], rows[0]);
+}
+
+/// Vectors as a post writes them, through the vertical: C stays but for what the noise asks of it outside the cone, the tip
+/// is exact, the direction is off by what is told. In closed form: tip = Rz(C) Rx(A) (x, y, z), direction = Rz(C) Rx(A) (0, 0, 1).
+#[test]
+fn vectors_through_the_vertical_leave_the_table_where_it_is() {
+    let mut text = String::from("tip_x_mm,tip_y_mm,tip_z_mm,tool_i,tool_j,tool_k\n");
+    let noise = [[1, 1], [-1, 1], [0, -1], [-1, 0], [1, -1], [0, 0]];
+    for i in -200..=200_i32 {
+        let (s, c) = (f64::from(i) * 0.01).to_radians().sin_cos();
+        let [u, v] = noise[i.rem_euclid(6) as usize].map(|unit| 1e-6 * f64::from(unit));
+        text.push_str(&format!("100,0,20,{:.6},{:.6},{c:.6}\n", s + u, v));
+    }
+    let directory = folder(TRUNNION, &text);
+    let start = ["in.csv", "--start", "0,90"];
+    for more in [&[][..], &["--singular-cone-deg", "0.01"], &["--max-step-deg", "0.5"], &["--max-step-deg", "2"]] {
+        let (_, rows) = directory.csv(&with("inverse", &[&start[..], more].concat()));
+        let mut off = 0.0_f64;
+        for row in &rows {
+            let [i, j, k] = [row[3], row[4], row[5]].map(|x| x / row[3].hypot(row[4]).hypot(row[5]));
+            let ((sa, ca), (sc, cc)) = (row[9].to_radians().sin_cos(), row[10].to_radians().sin_cos());
+            let turned = |x: f64, y: f64, z: f64| {
+                let (y, z) = (ca * y - sa * z, sa * y + ca * z);
+                [cc * x - sc * y, sc * x + cc * y, z]
+            };
+            near(&turned(row[6], row[7], row[8]), &[100.0, 0.0, 20.0]);
+            let [x, y, z] = turned(0.0, 0.0, 1.0);
+            let left = (j * z - k * y).hypot(k * x - i * z).hypot(i * y - j * x).asin().to_degrees();
+            assert!((left - row[13]).abs() < 1e-9 && left < 2e-4, "{more:?} {row:?}");
+            // 1.4e-6 over the sine of half the cone.
+            let half = if more.contains(&"0.01") { 0.005 } else { 0.05_f64 };
+            assert!((row[10] - 90.0).abs() < (1.5e-6 / half.to_radians().sin()).to_degrees(), "{more:?} {row:?}");
+            off = off.max(left);
+        }
+        assert!(rows.len() == 401 && off > 1e-5, "{more:?} {off}");
+        assert!((rows[0][9] + rows[400][9]).abs() < 1e-3 && (rows[0][9].abs() - 2.0).abs() < 1e-3);
+    }
+    // Without a cone every vector is followed.
+    let (_, rows) = directory.csv(&with("inverse", &[&start[..], &["--singular-cone-deg", "0"]].concat()));
+    assert!(rows.iter().any(|row| (row[10] - 90.0).abs() > 20.0) && rows.iter().all(|row| row[13] == 0.0));
 }
 
 /// Machine, way, input, more arguments, what the error names.
@@ -109,7 +163,13 @@ fn what_cannot_be_is_refused_with_place_and_figures() {
     let four = "name = \"four\"\nchain = \"w X' b Y Z A t\"\n[axis.X]\ntable = \"x.csv\"\n";
     let two = "name = \"two\"\nchain = \"w X' b Z t\"\n[axis.X]\ntable = \"x.csv\"\n";
     let cases: [Case<'_>; 16] = [
-        (TRUNNION, "inverse", "0,0,0,0,0,1\n", &[], &["in.csv:2", "tool_i", "0 degrees from the singular pose", "0.1"]),
+        (
+            BEGINNING,
+            "inverse",
+            "0,0,0,0,0.001047,0.9999995\n",
+            &["--start", "0.06,0"],
+            &["in.csv:2", "tool_i", "0.05998", "from the singular pose", "cone of 0.1"],
+        ),
         (TRUNNION, "inverse", "0,0,0,0,0.6,0.8\n0,0,0,0,0,2\n", &[], &["in.csv:3", "length 2", "1e-3"]),
         (TRUNNION, "inverse", "0,0,0,0,-0.6,0.8\n0,0,0,0.6,0,0.8\n", &["--max-step-deg", "5"], &["in.csv:3", "5"]),
         (TRUNNION, "inverse", "0,0,0,0,-0.6,0.8\n400,0,0,0,-0.6,0.8\n", &[], &["in.csv:3", "axis X", "-250 to 250"]),

@@ -59,13 +59,17 @@ impl Walk {
     /// The next tool.
     ///
     /// # Errors
-    /// Those of [`Kinematics::solutions`], [`Solutions::choose`] and [`BranchTracker::next`].
+    /// Those of [`Kinematics::inverse`], [`Kinematics::solutions`], [`Solutions::choose`] and [`BranchTracker::next`].
     pub fn next(&mut self, kinematics: &Kinematics<f64>, tool: &Tool<f64>) -> Result<Found, InverseError> {
         if let Some(tracker) = &mut self.tracker {
             return Ok(Found { chosen: tracker.next(kinematics, tool)?, both: None });
         }
         let both = kinematics.solutions(tool, &self.near)?;
-        let chosen = both.choose(self.choice)?;
+        // In the singular cone the nearest is led to neither branch before it has to be.
+        let chosen = match self.choice {
+            Choice::Nearest => kinematics.inverse(tool, &self.near)?,
+            choice => both.choose(choice)?,
+        };
         self.near = chosen.axes;
         self.tracker = self.max_step_deg.map(|step| BranchTracker::new(&chosen, step));
         Ok(Found { chosen, both: Some(both) })

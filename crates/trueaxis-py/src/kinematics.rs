@@ -14,8 +14,9 @@ use trueaxis_evaluation::inverse::Walk;
 
 /// Tips (n, 3), tool axes (n, 3) and margins (n,).
 type Tools<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<f64>>);
-/// Positions (n, columns), branches (n,) and margins (n,).
-type Poses<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<u8>>, Bound<'py, PyArray1<f64>>);
+/// Positions (n, columns), branches (n,), margins (n,) and direction errors (n,).
+type Poses<'py> =
+    (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<u8>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
 
 fn table<'py>(py: Python<'py>, values: Vec<f64>, width: usize) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let rows = values.len() / width;
@@ -52,11 +53,12 @@ impl Machine {
         Ok((table(py, tips, 3)?, table(py, tools, 3)?, PyArray1::from_vec(py, margins)))
     }
 
-    /// Where the axes stand for a tool: positions (n, columns), branch (n,), 1 or 2, and singularity margin (n,), degrees: the
-    /// columns of `trueaxis kinematics inverse`.
+    /// Where the axes stand for a tool: positions (n, columns), branch (n,), 1 or 2, singularity margin (n,) and direction
+    /// error (n,), degrees: the columns of `trueaxis kinematics inverse`. The direction error is 0 outside the machine's
+    /// singular cone.
     ///
     /// tip, tool: (n, 3). branch: "nearest" to the row before (the first to `start`, angles of the rotary axes in the order A,
-    /// B, C), "1" or "2". max_step_deg: refuses a change of branch, and a larger step of a rotary axis from row to row.
+    /// B, C), "1" or "2". max_step_deg: refuses a change of branch (but through the singular pose), and a larger step of a rotary axis from row to row.
     #[pyo3(signature = (tip, tool, *, branch = "nearest", start = None, max_step_deg = None, tool_mm = None))]
     fn inverse<'py>(
         &self,
@@ -101,8 +103,9 @@ impl Machine {
         let positions = found.iter().flat_map(|of| columns.iter().map(|axis| of.axes[axis.index()])).collect();
         let branches = found.iter().map(|of| of.branch as u8);
         let margins = found.iter().map(|of| of.singularity_margin_deg);
+        let left = found.iter().map(|of| of.direction_error_deg);
         let (branches, margins) = (PyArray1::from_iter(py, branches), PyArray1::from_iter(py, margins));
-        Ok((table(py, positions, columns.len())?, branches, margins))
+        Ok((table(py, positions, columns.len())?, branches, margins, PyArray1::from_iter(py, left)))
     }
 }
 

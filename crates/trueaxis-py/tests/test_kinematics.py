@@ -31,12 +31,25 @@ def test_forward_and_inverse_are_those_of_the_command(tmp_path, sample):
     if code:
         assert err.split(": ", 2)[-1].strip().rsplit(": ", 1)[-1] in refused(lambda: machine.inverse(tip, tool, start=start or None))
         return
-    found, branch, margin = machine.inverse(tip, tool, start=start or None)
+    found, branch, margin, left = machine.inverse(tip, tool, start=start or None)
     table = printed("kinematics", "inverse", "--machine", TABLES / sample, file, *options)
     assert (columns(table, *machine.columns) == found).all()
     assert (columns(table, "branch")[:, 0] == branch).all() and (columns(table, "singularity_margin_deg")[:, 0] == margin).all()
+    assert (columns(table, "direction_error_deg")[:, 0] == left).all() and not left.any()
     back, axis, _ = machine.forward(found)
     assert np.abs(back - tip).max() < 1e-9 and np.abs(axis - tool).max() < 1e-12
+
+
+def test_through_the_vertical():
+    machine = trueaxis.Machine.load(TABLES / "mill-5axis")
+    tool = np.array([[0.0, -0.008727, 0.999962], [1e-6, 1e-6, 1.0], [-1e-6, 1e-6, 1.0], [0.0, 0.008727, 0.999962]])
+    tip = np.tile([10.0, 20.0, -30.0], (4, 1))
+    found, _, _, left = machine.inverse(tip, tool, max_step_deg=1.0)
+    back, axis, _ = machine.forward(found)
+    unit = tool / np.linalg.norm(tool, axis=1)[:, None]
+    assert np.ptp(found[:, 4]) < 1e-9 and np.abs(back - tip).max() < 1e-9
+    assert np.allclose(np.degrees(np.linalg.norm(np.cross(axis, unit), axis=1)), left, atol=1e-12)
+    assert left[1] > 0.0 and left.max() < 1e-4 and left[0] == 0.0 and left[3] == 0.0
 
 
 def test_another_tool_and_a_branch():
@@ -46,7 +59,7 @@ def test_another_tool_and_a_branch():
     own, _, _ = machine.forward(at)
     assert np.allclose(np.linalg.norm(tip - own, axis=1), 80.0)
     for branch in ("1", "2"):
-        found, which, _ = machine.inverse(tip, tool, branch=branch, tool_mm=[0.0, 0.0, -80.0])
+        found, which, _, _ = machine.inverse(tip, tool, branch=branch, tool_mm=[0.0, 0.0, -80.0])
         assert (which == int(branch)).all()
     assert "branch" in refused(lambda: machine.inverse(tip, tool, branch="3"))
     assert "start" in refused(lambda: machine.inverse(tip, tool, start=[0.0]))

@@ -126,7 +126,8 @@ pub enum Fault {
     JointRange = 19,
     /// No pose of the machine brings the tool to the commanded tip and direction.
     ToolUnreachable = 20,
-    /// The commanded direction is too near to the one in which a rotary axis turns the tool about itself.
+    /// The commanded direction is near to the one in which a rotary axis turns the tool about itself, and a travel keeps the
+    /// tool further off it than the singular cone.
     SingularPose = 21,
     /// The commanded direction asks the rotary axes to go over to their other solution faster than they can.
     BranchChange = 22,

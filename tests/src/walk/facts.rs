@@ -89,6 +89,8 @@ pub(super) struct Facts<P, const N: usize> {
     pub feedback: bool,
     /// Errors are looked up at the feedback on some axis.
     pub at_feedback: bool,
+    /// Singular cone: largest angle that a commanded tool is left by.
+    pub cone_deg: f64,
 }
 
 impl<P: Position, const N: usize> Facts<P, N> {
@@ -125,6 +127,7 @@ impl<P: Position, const N: usize> Facts<P, N> {
                 use trueaxis::machine::Lookup::Feedback;
                 axis.lookup == Feedback || axis.cross_lookup == Feedback
             }),
+            cone_deg: machine.kinematics.singular_cone_deg,
         }
     }
 }

@@ -119,7 +119,9 @@ impl<'g, 'a, R: Scalar, P: Place, const N: usize> Walker<'g, 'a, R, P, N> {
         let numbers = [tool.tip.into(), tool.axis.into()];
         let finite = numbers.iter().flatten().all(|x| x.is_finite());
         let there = self.there(kinematics, &moment.input);
-        let reached = self.is_at(&there, numbers, self.beyond(&moment.input));
+        let left = tracker.direction_error_deg();
+        let in_cone = left <= R::of(self.ground.facts[0].cone_deg);
+        let reached = in_cone && self.is_at(&there, numbers, self.beyond(&moment.input), left.to_f64());
         let refused = moment.input.refusal.fault;
         let holds = if refused == Fault::None { finite && reached } else { refused.stops() };
         let found = || format!("{tool:?}, not {there:?}: {refused:?}, {:?}", moment.input.command);
@@ -147,13 +149,13 @@ impl<'g, 'a, R: Scalar, P: Place, const N: usize> Walker<'g, 'a, R, P, N> {
     }
 
     /// Whether that is where it was commanded.
-    fn is_at(&self, there: &Tool<R>, [tip, axis]: [[R; 3]; 2], beyond: f64) -> bool {
+    fn is_at(&self, there: &Tool<R>, [tip, axis]: [[R; 3]; 2], beyond: f64, left_deg: f64) -> bool {
         let near =
             |a: [R; 3], b: [R; 3], most: f64| a.iter().zip(b).all(|(a, b)| (a.to_f64() - b.to_f64()).abs() <= most);
         // Whole micro-degrees on a lever of a metre, and rounding of coordinates of as much.
         let rounding = 1e-9 + 40.0 * P::GRAIN + R::EPSILON.to_f64() * 2e4;
         let rounding = rounding + beyond;
-        let turned = 1e-3 * rounding + 1e-7 + beyond.to_radians();
+        let turned = 1e-3 * rounding + 1e-7 + (beyond + left_deg).to_radians();
         near(there.tip.into(), tip, rounding) && near(there.axis.into(), axis, turned)
     }
 

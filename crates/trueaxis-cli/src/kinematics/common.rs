@@ -34,6 +34,7 @@ pub(crate) struct Common {
 pub(super) const AXIS_COLUMNS: [&str; AXES] = ["x_mm", "y_mm", "z_mm", "a_deg", "b_deg", "c_deg"];
 pub(super) const TOOL_COLUMNS: [&str; 6] = ["tip_x_mm", "tip_y_mm", "tip_z_mm", "tool_i", "tool_j", "tool_k"];
 pub(super) const MARGIN: &str = "singularity_margin_deg";
+pub(super) const LEFT: &str = "direction_error_deg";
 pub(super) const BRANCH: &str = "branch";
 
 /// The machine with the tool asked for.

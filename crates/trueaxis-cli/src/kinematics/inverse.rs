@@ -1,6 +1,6 @@
 //! `trueaxis kinematics inverse`: from the tool to axis positions.
 
-use super::common::{AXIS_COLUMNS, BRANCH, Common, MARGIN, TOOL_COLUMNS, kinematics};
+use super::common::{AXIS_COLUMNS, BRANCH, Common, LEFT, MARGIN, TOOL_COLUMNS, kinematics};
 use super::sheet::Sheet;
 
 use crate::csv_in::{self, Column, Row};
@@ -42,19 +42,20 @@ pub(crate) struct Arguments {
     /// Angles of the machine's rotary axes before the first row, in the order A, B, C, degrees [default: zero].
     #[arg(long, value_name = "DEG,…", value_parser = numbers, allow_hyphen_values = true)]
     start: Option<Numbers>,
-    /// Refuse a tool nearer than this to the singular pose, 0 … 45 degrees [default: the machine's].
+    /// Nearer than this to the singular pose the axis nearest the workpiece stays or is led, 0 … 45 degrees [default: the
+    /// machine's].
     #[arg(long, value_name = "D")]
     singular_cone_deg: Option<f64>,
-    /// Refuse a change of branch, and a step of a rotary axis above this, from row to row.
+    /// Refuse a change of branch (but through the singular pose), and a step of a rotary axis above this, from row to row.
     #[arg(long, value_name = "DEG")]
     max_step_deg: Option<f64>,
 }
 
 /// Columns of the input: the tool, then what a forward or an inverse result has besides.
-const COLUMNS: [&str; 14] = {
+const COLUMNS: [&str; 15] = {
     let [x, y, z, i, j, k] = TOOL_COLUMNS;
     let [qx, qy, qz, a, b, c] = AXIS_COLUMNS;
-    [x, y, z, i, j, k, qx, qy, qz, a, b, c, BRANCH, MARGIN]
+    [x, y, z, i, j, k, qx, qy, qz, a, b, c, BRANCH, MARGIN, LEFT]
 };
 
 pub(super) fn run(arguments: &Arguments, settings: &MachineSettings) -> Result<()> {
@@ -87,7 +88,7 @@ pub(super) fn run(arguments: &Arguments, settings: &MachineSettings) -> Result<(
     }
     let kept: Vec<bool> = rows.header.iter().map(is_tool).collect();
     let names = rows.header.iter().filter(|name| is_tool(name)).cloned();
-    let found = used.iter().map(|axis| AXIS_COLUMNS[axis.index()]).chain([BRANCH, MARGIN]).map(str::to_owned);
+    let found = used.iter().map(|axis| AXIS_COLUMNS[axis.index()]).chain([BRANCH, MARGIN, LEFT]).map(str::to_owned);
     let mut sheet = Sheet::new(common, settings, names.chain(found).collect())?;
     while let Some(Row { line, values }) = rows.next()? {
         let [x, y, z, i, j, k, ..] = values;
@@ -103,7 +104,8 @@ pub(super) fn run(arguments: &Arguments, settings: &MachineSettings) -> Result<(
         };
         for solution in solutions.into_iter().flatten() {
             let positions = used.iter().map(|axis| solution.axes[axis.index()]);
-            let more = [f64::from(solution.branch as u8), solution.singularity_margin_deg];
+            let more =
+                [f64::from(solution.branch as u8), solution.singularity_margin_deg, solution.direction_error_deg];
             let cells = rows.cells().zip(&kept).filter(|(_, kept)| **kept).map(|(cell, _)| cell);
             sheet.row(cells, positions.chain(more))?;
         }

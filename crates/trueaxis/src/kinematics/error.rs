@@ -21,7 +21,7 @@ pub enum InverseError {
         /// Angle to the nearest direction within reach.
         by_deg: f64,
     },
-    /// The tool is within the singular cone.
+    /// Within the singular cone, where an end of a rotary travel keeps the tool further off than the cone.
     SingularPose {
         /// Distance from the singular pose.
         margin_deg: f64,
@@ -77,7 +77,11 @@ impl fmt::Display for InverseError {
                 write!(f, "found a tool axis {by_deg} degrees beyond reach, needed one that the rotary axes can reach")
             }
             InverseError::SingularPose { margin_deg, cone_deg } => {
-                write!(f, "found a tool axis {margin_deg} degrees from the singular pose, needed at least {cone_deg}")
+                write!(
+                    f,
+                    "found a tool axis {margin_deg} degrees from the singular pose, where a rotary travel ends more than \
+                     the cone of {cone_deg} before it; needed one outside the cone"
+                )
             }
             InverseError::LinearAxes { volume } => {
                 write!(

@@ -15,13 +15,23 @@
 //! comes nearest to n1. The tip is then linear in X, Y, Z: three equations by Cramer's rule.
 //!
 //! Where w = 0 both branches meet and the rotary axes lose a freedom (with b = 0 the tool lies along n1, and q1 is
-//! anything): the singular pose. An error of 1 µrad in t_w moves q1 by 1 µrad / sin(margin) there.
+//! anything): the singular pose. An error of 1 µrad in t_w moves q1 by 1 µrad / sin(margin) there. Nearer to it than the
+//! singular cone κ the first axis goes on from where it stands, as little as leaves the tool an error of at most
+//!
+//! ```text
+//! L(m) = κ/2 for m ≤ κ/2,   m sin(180° m/κ) from there to κ      m: the margin; L is 0 at κ and at most 0.58 κ
+//! sin(β − L) ≤ h cos(θ1 − atan2(q, p)) ≤ sin(β + L)              h² = p² + q², sin β = b
+//! ```
+//!
+//! and the second axis turns the tool as near to t_w as it comes. L is continuous, so that a path without a jump gives
+//! positions without one, at any spacing of its points; where b = 0 the first axis stands throughout the inner half of the
+//! cone, and the angle that it may be off falls in proportion from 90° to 0 through the outer half.
 
 #![deny(clippy::indexing_slicing)]
 
 use super::chain::Rotary;
 use super::{Branch, InverseError, Kinematics, NO_SINGULAR_POSE, Tool, degrees, in_frame, turned};
-use crate::compensation::trig::atan2;
+use crate::compensation::trig::{atan2, cos_sin_deg};
 use crate::machine::{AXES, Axis};
 use crate::real::Real;
 use crate::vector::{About, V3};
@@ -58,9 +68,12 @@ pub struct Solution<R> {
     pub axes: [R; AXES],
     /// The branch; [`Branch::First`] for machines with less than two rotary axes.
     pub branch: Branch,
-    /// Angle between the tool and the rotary axis nearest the workpiece, 0 … 90 degrees; where the tool axis has a
-    /// component along the other rotary axis at zero, the angle to the plane of both. 90 with less than two rotary axes.
+    /// Angle between the tool asked for and the rotary axis nearest the workpiece, 0 … 90 degrees; where the tool axis has
+    /// a component along the other rotary axis at zero, the angle to the plane of both. 90 with less than two rotary axes.
     pub singularity_margin_deg: R,
+    /// Angle between the tool reached and the tool asked for, degrees: 0 outside the singular cone, in it at most 0.58 of
+    /// the cone unless an end of a travel is in the way, then at most the cone. The tip is exact.
+    pub direction_error_deg: R,
     /// Largest step of a rotary axis from where it was, degrees.
     pub step_deg: R,
 }
@@ -115,6 +128,7 @@ struct Aim<R> {
     /// 1 over the lengths of both axes' cosine and sine.
     inverse: [R; 2],
     margin_deg: R,
+    cone_deg: R,
     /// The first axis may stand anywhere.
     free: bool,
 }
@@ -127,6 +141,7 @@ struct Turned<R> {
     poses: [(R, R); 2],
     branch: Branch,
     margin_deg: R,
+    direction_error_deg: R,
     step_deg: R,
 }
 
@@ -137,11 +152,16 @@ impl<R: Real> Kinematics<R> {
     /// the tool within 1e-12 mm at a metre (f64). Cost: at most three polynomials for angles; linear axes on the nearer
     /// branch only, unless that leaves the travel.
     ///
+    /// In the singular cone the axis nearest the workpiece stays where it is in `near`, or turns as little as keeps the tool
+    /// within [`Solution::direction_error_deg`] of the one asked for; the branch is the one that this leads to.
+    ///
     /// # Errors
-    /// An invalid tool vector, out of reach, in the singular cone, or whose axis positions leave the travel.
+    /// An invalid tool vector, out of reach, or whose axis positions leave the travel; in the singular cone one that the
+    /// travel keeps further off than the cone.
     pub fn inverse(&self, tool: &Tool<R>, near: &[R; AXES]) -> Result<Solution<R>, InverseError> {
         if let [Some(first), Some(second)] = &self.chain.turns
             && let Ok(aim) = self.aim(tool, first, second)
+            && !aim.in_cone()
             && let (Ok(one), Ok(other)) = (aim.turned(Branch::First, near), aim.turned(Branch::Second, near))
             && let Ok(solution) = self.with_linear(aim.tip, if other.step_deg < one.step_deg { &other } else { &one })
         {
@@ -153,31 +173,61 @@ impl<R: Real> Kinematics<R> {
     #[cold]
     #[inline(never)]
     fn nearest(&self, tool: &Tool<R>, near: &[R; AXES]) -> Result<Solution<R>, InverseError> {
+        if let [Some(first), Some(second)] = &self.chain.turns {
+            let aim = self.aim(tool, first, second)?;
+            if aim.in_cone() {
+                return self.with_linear(aim.tip, &aim.led_to_nearest(near)?);
+            }
+        }
         self.solutions(tool, near)?.choose(Choice::Nearest)
     }
 
-    /// Axis positions on one branch, if there are any; why not, [`Kinematics::solutions`] says.
+    /// In the singular cone, or on the way out of it: the first rotary axis turned from `near` towards `goal` by at most so
+    /// many degrees, and the tool within the cone of the one asked for; none where the second one would step further.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn towards(
+        &self,
+        tool: &Tool<R>,
+        near: &[R; AXES],
+        goal: &Solution<R>,
+        most_deg: R,
+    ) -> Option<Solution<R>> {
+        let [Some(first), Some(second)] = &self.chain.turns else { return None };
+        let aim = self.aim(tool, first, second).ok()?;
+        let at = first.position(near);
+        let position = at + (first.position(&goal.axes) - at).limit(-most_deg, most_deg);
+        let turned = aim.held(goal.branch, near, position).ok()?;
+        let step_deg = (second.position(&turned.axes) - second.position(near)).abs();
+        if step_deg <= most_deg { self.with_linear(aim.tip, &turned).ok() } else { None }
+    }
+
+    /// Axis positions on one branch outside the singular cone, if there are any; why not, [`Kinematics::solutions`] says.
     #[inline(always)]
     pub(super) fn on_branch(&self, tool: &Tool<R>, near: &[R; AXES], branch: Branch) -> Option<Solution<R>> {
         let [Some(first), Some(second)] = &self.chain.turns else {
             return self.solutions(tool, near).ok()?.choose(Choice::First).ok();
         };
-        let aim = self.aim(tool, first, second).ok()?;
+        let aim = self.aim(tool, first, second).ok().filter(|aim| !aim.in_cone())?;
         self.with_linear(aim.tip, &aim.turned(branch, near).ok()?).ok()
     }
 
     /// Axis positions on both branches.
     ///
-    /// At the singular pose itself (singular cone 0) the axis nearest the workpiece stays where it is in `near`.
+    /// At the singular pose itself (singular cone 0) the axis nearest the workpiece stays where it is in `near`. In the
+    /// singular cone both are led out to their own branch: the same where that axis stands, and by up to half a turn apart
+    /// towards its border.
     ///
     /// # Errors
-    /// Errors of both branches: an invalid tool vector, out of reach or in the singular cone.
+    /// Errors of both branches: an invalid tool vector or out of reach.
     pub fn solutions(&self, tool: &Tool<R>, near: &[R; AXES]) -> Result<Solutions<R>, InverseError> {
         match &self.chain.turns {
             [Some(first), Some(second)] => {
                 let aim = self.aim(tool, first, second)?;
-                let [first, second] =
-                    [Branch::First, Branch::Second].map(|branch| self.with_linear(aim.tip, &aim.turned(branch, near)?));
+                let [first, second] = [Branch::First, Branch::Second].map(|branch| {
+                    let turned = if aim.in_cone() { aim.led(branch, near, true)? } else { aim.turned(branch, near)? };
+                    self.with_linear(aim.tip, &turned)
+                });
                 Ok(Solutions { first, second })
             }
             [Some(turn), None] | [None, Some(turn)] => {
@@ -200,7 +250,7 @@ impl<R: Real> Kinematics<R> {
         let square = across_square - b * b;
         if square < R::ZERO {
             let most = atan2(b.abs(), (a * a + c * c).sqrt());
-            within_reach(most - atan2(across_square.sqrt(), u.abs()))?;
+            within_reach(most - atan2(across_square.sqrt(), u.abs()), self.cone_deg * R::HALF)?;
         }
         let across = square.sqrt();
         let from_u = atan2(across, u);
@@ -210,11 +260,6 @@ impl<R: Real> Kinematics<R> {
         } else {
             (atan2(across, (u * u + b * b).sqrt()), atan2(across, b))
         };
-        let margin_deg = degrees(margin);
-        if margin_deg < self.cone_deg {
-            let (margin_deg, cone_deg) = (margin_deg.to_f64(), self.cone_deg.to_f64());
-            return Err(InverseError::SingularPose { margin_deg, cone_deg });
-        }
         let along = R::of(ALONG) * R::EPSILON;
         let free = across_square <= along * along;
         let across_square_in_reach = across * across;
@@ -230,7 +275,8 @@ impl<R: Real> Kinematics<R> {
             middle: [atan2(q, p), self.chain.tool_turn],
             apart: [from_b, from_u],
             inverse: lengths.map(|square| R::ONE / square.sqrt()),
-            margin_deg,
+            margin_deg: degrees(margin),
+            cone_deg: self.cone_deg,
             free,
         })
     }
@@ -250,7 +296,7 @@ impl<R: Real> Kinematics<R> {
         let [a, b, c] = in_frame(turn.about, across, self.tool_axis);
         let [u, p, q] = in_frame(turn.about, across, axis);
         let reach = atan2((b * b + c * c).sqrt(), a);
-        within_reach((atan2((p * p + q * q).sqrt(), u) - reach).abs())?;
+        within_reach((atan2((p * p + q * q).sqrt(), u) - reach).abs(), R::ZERO)?;
         let along = R::of(ALONG) * R::EPSILON;
         let angle = if b * b + c * c <= along * along {
             let [low, high] = turn.travel;
@@ -263,17 +309,26 @@ impl<R: Real> Kinematics<R> {
             turn.put(&mut axes, angle);
             let poses = [turn.cos_sin(&axes), (R::ONE, R::ZERO)];
             let step_deg = (angle - turn.position(near)).abs();
-            let margin_deg = R::of(NO_SINGULAR_POSE);
-            self.with_linear(tip, &Turned { axes, poses, branch: Branch::First, margin_deg, step_deg })
+            let (margin_deg, direction_error_deg) = (R::of(NO_SINGULAR_POSE), R::ZERO);
+            self.with_linear(
+                tip,
+                &Turned { axes, poses, branch: Branch::First, margin_deg, direction_error_deg, step_deg },
+            )
         });
         Ok(Solutions { first: solution, second: Err(InverseError::OneBranch) })
     }
 
     fn no_turn(&self, tip: V3<R>, axis: V3<R>) -> Result<Solutions<R>, InverseError> {
-        within_reach(atan2(axis.cross(self.tool_axis).norm(), axis.dot(self.tool_axis)))?;
+        within_reach(atan2(axis.cross(self.tool_axis).norm(), axis.dot(self.tool_axis)), R::ZERO)?;
         let poses = [(R::ONE, R::ZERO); 2];
-        let (margin_deg, step_deg) = (R::of(NO_SINGULAR_POSE), R::ZERO);
-        let still = Turned { axes: [R::ZERO; AXES], poses, branch: Branch::First, margin_deg, step_deg };
+        let still = Turned {
+            axes: [R::ZERO; AXES],
+            poses,
+            branch: Branch::First,
+            margin_deg: R::of(NO_SINGULAR_POSE),
+            direction_error_deg: R::ZERO,
+            step_deg: R::ZERO,
+        };
         Ok(Solutions { first: self.with_linear(tip, &still), second: Err(InverseError::OneBranch) })
     }
 
@@ -313,8 +368,8 @@ impl<R: Real> Kinematics<R> {
                 *place = inside(axis, *place, *travel)?;
             }
         }
-        let Turned { branch, margin_deg, step_deg, .. } = *stand;
-        Ok(Solution { axes, branch, singularity_margin_deg: margin_deg, step_deg })
+        let Turned { branch, margin_deg, direction_error_deg, step_deg, .. } = *stand;
+        Ok(Solution { axes, branch, singularity_margin_deg: margin_deg, direction_error_deg, step_deg })
     }
 
     /// X, Y, Z where rotary axes stand between them: three equations by Cramer's rule.
@@ -343,6 +398,104 @@ impl<R: Real> Kinematics<R> {
 }
 
 impl<R: Real> Aim<R> {
+    /// Nearer to the singular pose than the singular cone.
+    #[inline(always)]
+    fn in_cone(&self) -> bool {
+        self.margin_deg < self.cone_deg
+    }
+
+    /// In the cone: the branch that the first axis stands nearer to, the other one where that leaves the travel.
+    #[cold]
+    #[inline(never)]
+    fn led_to_nearest(&self, near: &[R; AXES]) -> Result<Turned<R>, InverseError> {
+        let [_, p, q] = self.wanted;
+        let (cos, sin) = self.first.cos_sin(near);
+        let (own, other) =
+            if q * cos > p * sin { (Branch::Second, Branch::First) } else { (Branch::First, Branch::Second) };
+        let only = self.second_alone(other, near).is_err();
+        self.led(own, near, only).or_else(|error| {
+            self.led(other, near, true)
+                .map_err(|reached| if matches!(reached, InverseError::SingularPose { .. }) { reached } else { error })
+        })
+    }
+
+    /// In the cone: as little of a turn of the first axis as keeps the tool within L of the head of the file, on the way
+    /// to a branch. From anywhere (`far`) the angle that the axis may be off counts twice: up to half a turn.
+    #[cold]
+    #[inline(never)]
+    fn led(&self, branch: Branch, near: &[R; AXES], far: bool) -> Result<Turned<R>, InverseError> {
+        // Outside the cone the branch is to be reachable.
+        self.second_alone(branch, near)?;
+        let ([a, b, c], [_, p, q]) = (self.tool, self.wanted);
+        let share = self.margin_deg / self.cone_deg;
+        let slack_deg = if share <= R::HALF {
+            self.cone_deg * R::HALF
+        } else {
+            self.margin_deg * cos_sin_deg(share * R::of(180.0)).1
+        };
+        let (cos, sin) = cos_sin_deg(slack_deg);
+        let root = (a * a + c * c).sqrt();
+        // Components across the first axis that the second one leaves, sin(β ∓ L); beyond a right angle there is no bound.
+        let low = if root * cos + b * sin < R::ZERO { -R::ONE } else { b * cos - root * sin };
+        let high = if root * cos - b * sin < R::ZERO { R::ONE } else { b * cos + root * sin };
+        let square = p * p + q * q;
+        let angle = |across: R| atan2((square - across * across).sqrt(), across);
+        // Angles of the first axis from the direction's azimuth, positive on the branch.
+        let sign = if branch == Branch::First { R::ONE } else { -R::ONE };
+        let (cos, sin) = self.first.cos_sin(near);
+        let stands = atan2(sign * (p * sin - q * cos), p * cos + q * sin);
+        let exact = self.apart[0];
+        let times = if far { R::TWO } else { R::ONE };
+        let pi = R::of(core::f64::consts::PI);
+        let off = if stands - exact < -pi { stands - exact + pi * R::TWO } else { stands - exact };
+        let allowed = off.limit(times * (angle(high) - exact), times * (angle(low) - exact));
+        let at = self.first.position(near);
+        let position = if allowed == off {
+            let [low, high] = self.first.travel;
+            at.limit(low, high)
+        } else {
+            self.first.settle(self.middle[0] + sign * (exact + allowed), at)?.0
+        };
+        self.held(branch, near, position)
+    }
+
+    /// The second axis on a branch, wherever the first one stands.
+    fn second_alone(&self, branch: Branch, near: &[R; AXES]) -> Result<(R, bool), InverseError> {
+        let [middle, apart] = [self.middle[1], self.apart[1]];
+        let angle = if branch == Branch::First { middle + apart } else { middle - apart };
+        self.second.settle(angle, self.second.position(near))
+    }
+
+    /// The first axis at a position, and the second one where it brings the tool nearest to the one asked for.
+    #[cold]
+    #[inline(never)]
+    fn held(&self, branch: Branch, near: &[R; AXES], position: R) -> Result<Turned<R>, InverseError> {
+        let ([a, b, c], [u, p, q]) = (self.tool, self.wanted);
+        let (first, second) = (&self.first, &self.second);
+        let mut axes = [R::ZERO; AXES];
+        first.put(&mut axes, position);
+        let first_pose @ (cos, sin) = first.cos_sin(&axes);
+        let wanted = V3::new(u, p * cos + q * sin, q * cos - p * sin);
+        let (first_at, second_at) = (first.position(near), second.position(near));
+        let second_position = match second.settle(atan2(c * u - a * wanted.z, a * u + c * wanted.z), second_at) {
+            Ok((position, _)) => position,
+            Err(InverseError::OutsideTravel { found, low, high, .. }) => R::of(found).limit(R::of(low), R::of(high)),
+            Err(error) => return Err(error),
+        };
+        second.put(&mut axes, second_position);
+        let second_pose @ (cos, sin) = second.cos_sin(&axes);
+        let reached = V3::new(a * cos + c * sin, b, c * cos - a * sin);
+        let direction_error_deg = degrees(atan2(wanted.cross(reached).norm(), wanted.dot(reached)));
+        if direction_error_deg <= self.cone_deg {
+            let step_deg = (position - first_at).abs().max((second_position - second_at).abs());
+            let (poses, margin_deg) = ([first_pose, second_pose], self.margin_deg);
+            Ok(Turned { axes, poses, branch, margin_deg, direction_error_deg, step_deg })
+        } else {
+            let (margin_deg, cone_deg) = (self.margin_deg.to_f64(), self.cone_deg.to_f64());
+            Err(InverseError::SingularPose { margin_deg, cone_deg })
+        }
+    }
+
     /// The rotary axes' positions on a branch.
     #[inline(always)]
     fn turned(&self, branch: Branch, near: &[R; AXES]) -> Result<Turned<R>, InverseError> {
@@ -373,7 +526,8 @@ impl<R: Real> Aim<R> {
             poses = [first.cos_sin(&axes), second.cos_sin(&axes)];
         }
         let step_deg = (q1 - first_at).abs().max((q2 - second_at).abs());
-        Ok(Turned { axes, poses, branch, margin_deg: self.margin_deg, step_deg })
+        let (margin_deg, direction_error_deg) = (self.margin_deg, R::ZERO);
+        Ok(Turned { axes, poses, branch, margin_deg, direction_error_deg, step_deg })
     }
 }
 
@@ -462,9 +616,13 @@ fn inside<R: Real>(axis: Axis, found: R, [low, high]: [R; 2]) -> Result<R, Inver
     }
 }
 
-/// Refuses a direction that is `beyond` (rad) what the rotary axes reach.
+/// Refuses a direction that is `beyond` (rad) what the rotary axes reach, where that is more than rounding and `slack_deg`.
 #[inline(always)]
-fn within_reach<R: Real>(beyond: R) -> Result<(), InverseError> {
+fn within_reach<R: Real>(beyond: R, slack_deg: R) -> Result<(), InverseError> {
     let by = degrees(beyond);
-    if by > R::of(REACH_TOLERANCE_DEG) { Err(InverseError::Unreachable { by_deg: by.to_f64() }) } else { Ok(()) }
+    if by > R::of(REACH_TOLERANCE_DEG).max(slack_deg) {
+        Err(InverseError::Unreachable { by_deg: by.to_f64() })
+    } else {
+        Ok(())
+    }
 }

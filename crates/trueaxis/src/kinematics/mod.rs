@@ -58,7 +58,7 @@ pub struct Kinematics<R> {
     tool: V3<R>,
     /// Tool axis at all axes zero.
     tool_axis: V3<R>,
-    /// Inside this distance from the singular pose an inverse is refused, degrees.
+    /// Inside this distance from the singular pose the axis nearest the workpiece stands or is led, degrees.
     cone_deg: R,
 }
 

@@ -264,7 +264,8 @@ impl Default for CompensationSettings {
 pub struct KinematicsSettings {
     /// Tool axis with all axes at zero, from the tip to the spindle, in bed directions; normalised where it is used.
     pub tool_axis: [f64; 3],
-    /// An inverse is refused where the tool is closer than this to the singular pose: degrees.
+    /// Where the tool is closer than this to the singular pose, the rotary axis nearest the workpiece stands or is led, and
+    /// the tool's direction may be off by at most as much: degrees; 0: exact everywhere.
     pub singular_cone_deg: f64,
 }
 

@@ -17,6 +17,11 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     /// in for `input.command`, which is not looked at. `tracker` starts from the pose that the machine stands in, with the
     /// largest step that a rotary axis makes in a cycle. Hand the result to [`ServoLoop::step`].
     ///
+    /// In the singular cone the axis nearest the workpiece stays, or is led no faster than that step, and the tool is held as
+    /// near to the commanded direction as the other axis brings it: the tip is exact, the angle that is left is
+    /// [`BranchTracker::direction_error_deg`], at most the cone, and part of the record's orientation error where a tool
+    /// path is measured. A path straight through the pole passes.
+    ///
     /// A tool that has no such positions is a bad command ([`Input::refusal`]): the output holds, the stop request is
     /// latched, `tracker` goes back to the held pose at the next call, and a reset is accepted once the tool is back near
     /// it (`resume` of every axis, and within the step of `tracker`). The call is for homed axes: positions have no meaning
@@ -27,14 +32,14 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     /// | tip or direction not finite | [`Fault::CommandNotFinite`] |
     /// | no direction, or one out of reach; linear axes that no longer span space | [`Fault::ToolUnreachable`] |
     /// | an axis would leave its travel | [`Fault::CommandOutOfTravel`], with the axis |
-    /// | within the singular cone | [`Fault::SingularPose`] |
-    /// | goes on only on the other branch | [`Fault::BranchChange`] |
-    /// | a rotary axis would step too far | [`Fault::CommandJump`], with the axis |
+    /// | within the singular cone, where a travel keeps the tool off by more than the cone | [`Fault::SingularPose`] |
+    /// | goes on only on the other branch, not through the pole | [`Fault::BranchChange`] |
+    /// | a rotary axis would step too far, in the cone: or leave more than the cone | [`Fault::CommandJump`], with the axis |
     ///
     /// In single precision the positions found carry the rounding of absolute coordinates, about 30 nm at 500 mm in every
     /// linear command; doubles nothing. A position that lies beyond its travel by rounding, 64 units in the last place of
     /// 360 more than itself (3 µm and 3 millidegrees in single precision, 6e-12 in double), stands at its end. Bounded:
-    /// one inverse a cycle.
+    /// one inverse a cycle; in the singular cone, over the pole and at a refusal at most five.
     #[inline]
     pub fn rtcp(
         &self,

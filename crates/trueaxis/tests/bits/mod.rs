@@ -245,7 +245,7 @@ fn last_commands_as_the_path() {
 
 #[test]
 fn axes_of_a_tool() {
-    check(&[inverse_sum::<f64>(), inverse_sum::<f32>()], &[0xf026_4cd8_aabf_397d, 0xe9a0_971d_8542_28f3]);
+    check(&[inverse_sum::<f64>(), inverse_sum::<f32>()], &[0x71f9_d7c1_42b6_6e65, 0xebb4_a89a_c5d8_23b5]);
 }
 
 #[test]

@@ -91,5 +91,5 @@ fn tools_that_turn() {
 
 #[test]
 fn a_branch_that_is_followed() {
-    check(&[tracker_sum::<f64>(), tracker_sum::<f32>()], &[0x72a3_2d09_da89_3540, 0x32c1_f2eb_efd3_468a]);
+    check(&[tracker_sum::<f64>(), tracker_sum::<f32>()], &[0xf41f_7f1b_7087_2197, 0xd271_2199_6a61_fd6b]);
 }

@@ -113,7 +113,13 @@ fn ends_of_the_travel_belong_to_it_whatever_rounding_says() {
 
 #[test]
 fn of_two_equal_steps_branch_1_is_taken() {
-    let of = |branch, step_deg| Solution { axes: [0.0; AXES], branch, singularity_margin_deg: 30.0, step_deg };
+    let of = |branch, step_deg| Solution {
+        axes: [0.0; AXES],
+        branch,
+        singularity_margin_deg: 30.0,
+        direction_error_deg: 0.0,
+        step_deg,
+    };
     for (second, chosen) in [(10.0, Branch::First), (10.1, Branch::First), (9.9, Branch::Second)] {
         let both = Solutions { first: Ok(of(Branch::First, 10.0)), second: Ok(of(Branch::Second, second)) };
         assert_eq!(both.choose(Choice::Nearest).unwrap().branch, chosen);

@@ -43,15 +43,15 @@ fn round_trip(kind: usize, poses: usize) -> Worst {
             }
             let tool = kinematics.forward(&pose);
             let margin = kinematics.singularity_margin_deg(&pose);
-            let solutions = match kinematics.solutions(&tool, &pose) {
-                Ok(solutions) => solutions,
-                Err(error) => {
-                    assert!(matches!(error, InverseError::SingularPose { .. }) && margin < 0.1001, "{error} {pose:?}");
-                    in_cone += 1;
-                    continue;
-                }
-            };
+            let solutions = kinematics.solutions(&tool, &pose).unwrap();
             let nearest = solutions.choose(Choice::Nearest).unwrap();
+            if nearest.singularity_margin_deg < 0.1 {
+                // tests/kinematics/singular.rs
+                assert!(margin < 0.1001, "{pose:?}");
+                in_cone += 1;
+                continue;
+            }
+            assert_eq!(nearest.direction_error_deg, 0.0);
             assert!((nearest.singularity_margin_deg - margin).abs() < 1e-10 / margin.to_radians().sin());
             let sharp = margin.to_radians().sin();
             for (i, (found, true_q)) in nearest.axes.into_iter().zip(pose).enumerate() {
@@ -164,23 +164,23 @@ fn turns_are_unwound_towards_the_last_position_within_the_travel() {
 }
 
 #[test]
-fn the_singular_pose_is_refused_or_keeps_the_table() {
+fn at_the_singular_pose_the_table_stays() {
     let kinematics = Kinematics::<f64>::new(&machine("w C' A' Y' b X Z t")).unwrap();
     let up = kinematics.forward(&[1.0, 2.0, 3.0, 0.0, 0.0, 33.0]);
     let near = [0.0, 0.0, 0.0, 0.0, 0.0, 12.0];
-    let refused = kinematics.inverse(&up, &near).unwrap_err();
-    assert_eq!(refused, InverseError::SingularPose { margin_deg: 0.0, cone_deg: 0.1 });
-    let open = kinematics.with_singular_cone_deg(0.0);
-    let found = open.inverse(&up, &near).unwrap();
-    assert_eq!(found.axes[5], 12.0);
-    assert_eq!(found.singularity_margin_deg, 0.0);
-    assert!((open.forward(&found.axes).tip - up.tip).length() < 1e-12);
-    // Just outside the cone, just inside.
-    let at = |a: f64| kinematics.inverse(&kinematics.forward(&[0.0, 0.0, 0.0, a, 0.0, 33.0]), &near);
-    assert!((at(0.1001).unwrap().singularity_margin_deg - 0.1001).abs() < 1e-10);
-    assert!(
-        matches!(at(0.0999), Err(InverseError::SingularPose { margin_deg, .. }) if (margin_deg - 0.0999).abs() < 1e-10)
-    );
+    for kinematics in [kinematics, kinematics.with_singular_cone_deg(0.0)] {
+        let found = kinematics.inverse(&up, &near).unwrap();
+        assert_eq!((found.axes[5], found.singularity_margin_deg, found.direction_error_deg), (12.0, 0.0, 0.0));
+        assert!((kinematics.forward(&found.axes).tip - up.tip).length() < 1e-12);
+    }
+    // Just outside the cone, just inside, at half of it: off by 0, 90 (1 − 0.0999/0.1) 2, 21 degrees of C.
+    for (a, off) in [(0.1001, 0.0), (0.0999, 0.18), (0.05, 21.0), (0.01, 21.0)] {
+        let found = kinematics.inverse(&kinematics.forward(&[0.0, 0.0, 0.0, a, 0.0, 33.0]), &near).unwrap();
+        assert!((found.singularity_margin_deg - a).abs() < 1e-10);
+        assert!((33.0 - found.axes[5] - off).abs() < 1e-4, "{found:?}");
+        let left = (a.to_radians().sin() * f64::to_radians(off).sin()).asin().to_degrees();
+        assert!((found.direction_error_deg - left).abs() < 1e-8, "{found:?}");
+    }
 }
 
 #[test]
@@ -234,14 +234,19 @@ fn a_path_is_followed_without_a_jump_or_refused() {
         assert!((kinematics.forward(&found.axes).tip - tip).length() < 1e-11);
         assert_eq!(found.branch, first.branch);
     }
-    // Straight through the pole: A goes on through zero on the other branch only.
+    // Straight through the pole: A goes on through zero on the other branch, and back.
     let open = kinematics.with_singular_cone_deg(0.0);
     let tilt = |a: f64| Tool { tip, axis: kinematics.direction(&[0.0, 0.0, 0.0, a, 0.0, 0.0]) };
-    for i in 0..30 {
-        follow.next(&open, &tilt(f64::from(30 - i))).unwrap();
+    for a in (1..=30).rev().chain([-1]) {
+        let found = follow.next(&open, &tilt(f64::from(a))).unwrap();
+        assert!((found.axes[5] - 720.0).abs() < 1e-9 && (found.axes[3] - f64::from(a)).abs() < 1e-9);
+        assert_eq!((found.branch == first.branch, found.direction_error_deg), (a > 0, 0.0));
     }
+    follow.next(&open, &tilt(1.0)).unwrap();
     let before = *follow.axes();
-    let error = follow.next(&open, &tilt(-1.0)).unwrap_err();
+    // Not in steps of more than 5 degrees, whatever is permitted.
+    let mut wide = BranchTracker::new(&open.inverse(&tilt(4.0), &before).unwrap(), 20.0);
+    let error = wide.next(&open, &tilt(-4.0)).unwrap_err();
     let InverseError::BranchChange { from, step_deg, .. } = error else { panic!("{error}") };
     assert!(from == first.branch && (step_deg - 180.0).abs() < 1e-9, "{error}");
     let error = follow.next(&open, &tilt(60.0)).unwrap_err();

@@ -9,6 +9,7 @@ mod edges;
 mod forward;
 mod inverse;
 mod published;
+mod singular;
 
 /// A machine of the given structural code with the stated defaults.
 fn machine(chain: &str) -> MachineSettings {

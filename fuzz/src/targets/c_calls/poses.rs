@@ -96,6 +96,10 @@ pub(super) fn rtcp(world: &mut World, draw: &mut Draw<'_>) {
     let axes = world.loops.built[servo].map_or(0, |built| built.axes as usize);
     let refused = world.input.refusal != FAULT_NONE;
     assert!(refused || world.input.command[..axes].iter().all(|q| q.is_finite()), "{:?}", world.input);
+    let mut left = f64::NAN;
+    // SAFETY: as above.
+    let result = unsafe { trueaxis_branch_tracker_direction_error(&raw const *world.tracker, &raw mut left) };
+    assert!(result == OK && (0.0..=45.0).contains(&left), "{result} {left}");
 }
 
 /// A learned correction, whole or damaged, and its value.
