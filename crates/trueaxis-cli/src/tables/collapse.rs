@@ -66,7 +66,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let limits = raise(&mut written);
     let files = machine_files(&written, &comment(&collapsed, &options));
     write(&arguments.machine, &arguments.output, &files)?;
-    limits.iter().for_each(|note| tell(note));
+    limits.iter().for_each(tell);
     if arguments.json { json(&document(&collapsed)) } else { print(&report(&collapsed)) }
 }
 
