@@ -114,9 +114,9 @@ impl Model {
                 Some(Fault::FeedbackNotFinite)
             } else if input.encoder_alarm >> k & 1 == 1 {
                 Some(Fault::EncoderAlarm)
-            } else if !readable(reading) {
-                Some(Fault::FeedbackJump)
-            } else if watched && (reading - self.feedback[k]).abs() > farthest * (1 + self.missing[k]) {
+            } else if !readable(reading)
+                || watched && (reading - self.feedback[k]).abs() > farthest * (1 + self.missing[k])
+            {
                 Some(Fault::FeedbackJump)
             } else if watched && self.stands(k, reading, toward[k]) {
                 Some(Fault::EncoderStuck)

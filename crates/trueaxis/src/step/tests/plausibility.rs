@@ -279,7 +279,7 @@ const READABLE: [f64; 2] = [-11.1, 111.1];
 /// A counter of nanometres that wraps at 32 bits reads 4.295 m away, on an axis of 120 mm: not in ten seconds either.
 #[test]
 fn a_reading_beyond_the_travel_is_not_believed_however_long_it_lasts() {
-    for off in [-4294.967_296, 4294.967_296, 112.0, -112.0] {
+    for off in [-4294.967296, 4294.967296, 112.0, -112.0] {
         let mut bench = standing(50.0);
         let before = bench.last.unwrap();
         let (mut x, mut good) = (50.0, 50.0);
