@@ -49,7 +49,7 @@ count() {
     CARGO_TARGET_DIR="$target/$name" CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUSTFLAGS="$(flags "$name")" \
         cargo build --quiet --release --bin count "$@"
     local flash=() file
-    for file in a.tcomp=0x00100000 b.tcomp=0x00140000 run.rec=0x00180000; do
+    for file in a.tcomp=0x00110000 b.tcomp=0x00140000 run.rec=0x00180000; do
         # QEMU separates options by commas and doubles those in names.
         flash+=(-device "loader,file=${inputs//,/,,}/${file%=*},addr=${file#*=},force-raw=on")
     done

@@ -26,7 +26,7 @@ trace() {
         m7) board=(-M mps2-an500 -cpu cortex-m7) ;;
     esac
     options=(-device "loader,addr=0x003ffff8,data=$kind,data-len=4" -device "loader,addr=0x003ffffc,data=$number,data-len=4")
-    for file in a.tcomp=0x00100000 b.tcomp=0x00140000 run.rec=0x00180000; do
+    for file in a.tcomp=0x00110000 b.tcomp=0x00140000 run.rec=0x00180000; do
         options+=(-device "loader,file=${target//,/,,}/count/${file%=*},addr=${file#*=},force-raw=on")
     done
     # The bare step, in each scalar that the image has.

@@ -173,7 +173,7 @@ run() {
         m7) board=(-M mps2-an500 -cpu cortex-m7) ;;
     esac
     mkdir -p "$to"
-    for file in a.tcomp=0x00100000 b.tcomp=0x00140000 warming.bin=0x00178000 run.rec=0x00180000; do
+    for file in a.tcomp=0x00110000 b.tcomp=0x00140000 warming.bin=0x00178000 run.rec=0x00180000; do
         if [[ -f $inputs/${file%=*} ]]; then
             flash+=(-device "loader,file=${inputs//,/,,}/${file%=*},addr=${file#*=},force-raw=on")
         fi

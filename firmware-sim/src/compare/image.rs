@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use trueaxis_tables::output::Outputs;
 
 /// Address and size of a region flashed apart from the image.
-const TABLES_A: (u64, u64) = (0x0010_0000, 0x4_0000);
+const TABLES_A: (u64, u64) = (0x0011_0000, 0x3_0000);
 const TABLES_B: (u64, u64) = (0x0014_0000, 0x3_8000);
 /// Address of thermal growth with its readings and room for them, bytes.
 pub(super) const WARMING: (u64, u64) = (0x0017_8000, 0x0_8000);

@@ -115,6 +115,8 @@ fn cargo(scratch: &Scratch, arguments: &[&str]) -> Result<Vec<Line>> {
         .current_dir(&scratch.workspace)
         .args(arguments)
         .arg("--message-format=json")
+        // Built once and run for every mutant: the core optimised, unlike for a developer.
+        .args(["--config", "profile.dev.package.trueaxis.opt-level=1"])
         .env("CARGO_TARGET_DIR", &scratch.target)
         .stderr(Stdio::inherit())
         .output()?;
