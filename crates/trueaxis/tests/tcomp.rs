@@ -116,8 +116,8 @@ fn what_is_wrong_is_named() {
             let error = refused(&bytes);
             let wanted = match at {
                 0..8 => TcompError::Magic,
-                // One bit makes it the version with grids, which is read.
-                8 if bit == 0 => TcompError::Checksum,
+                // One bit makes it the version with grids or with encoders, which are read.
+                8 if bit < 2 => TcompError::Checksum,
                 8..10 => TcompError::Version,
                 // A length that is too small leaves bytes behind the sum, one that is too large ends too soon.
                 14..18 if error != TcompError::TooLong => TcompError::TooShort,

@@ -136,12 +136,12 @@ struct Aim<R> {
 /// Rotary axes on one branch.
 #[derive(Clone, Copy, Debug)]
 struct Turned<R> {
+    direction_error_deg: R,
     axes: [R; AXES],
     /// Cosine and sine of both turns that the workpiece sees.
     poses: [(R, R); 2],
     branch: Branch,
     margin_deg: R,
-    direction_error_deg: R,
     step_deg: R,
 }
 
@@ -208,8 +208,14 @@ impl<R: Real> Kinematics<R> {
         let [Some(first), Some(second)] = &self.chain.turns else {
             return self.solutions(tool, near).ok()?.choose(Choice::First).ok();
         };
-        let aim = self.aim(tool, first, second).ok().filter(|aim| !aim.in_cone())?;
-        self.with_linear(aim.tip, &aim.turned(branch, near).ok()?).ok()
+        let aim = self.aim(tool, first, second).ok()?;
+        if aim.in_cone() {
+            return None;
+        }
+        match aim.turned(branch, near) {
+            Ok(turned) => self.with_linear(aim.tip, &turned).ok(),
+            Err(_) => None,
+        }
     }
 
     /// Axis positions on both branches.
