@@ -367,7 +367,12 @@ fn what_is_no_grid_is_refused() {
     refused(&|made| made.header.scales[2] = 0.0, Field::GridResolution);
     refused(&|made| made.header.scales[2] = f64::NAN, Field::GridResolution);
     refused(&|made| made.header.scales[0] = 1e-6, Field::GridResolution);
-    refused(&|made| made.header.scales[2] = 1e-2, Field::GridTable);
+    let beyond = |made: &mut Made| {
+        made.header.scales[2] = 1e-3;
+        let last = made.bytes.len() - 2;
+        made.bytes[last..].copy_from_slice(&10_001i16.to_le_bytes());
+    };
+    refused(&beyond, Field::GridTable);
     refused(&|made| made.header.fade = Some([1.0, 1.0]), Field::GridFade);
     refused(&|made| made.header.fade = Some([1.0, f64::INFINITY]), Field::GridFade);
     refused(&|made| made.header.measured_at_mm = [1.0, 0.0, 0.0], Field::GridMeasuredAt);
