@@ -433,11 +433,11 @@ setp ta.joint.0.pos-cmd nan
 setp ta.joint.0.motor-pos-cmd-in nan
 setp ta.joint.1.pos-cmd 8
 setp ta.joint.1.motor-pos-cmd-in 8
-setp ta.joint.2.pos-cmd 9
-setp ta.joint.2.motor-pos-cmd-in 9
+setp ta.joint.2.pos-cmd -9
+setp ta.joint.2.motor-pos-cmd-in -9
 setp ta.joint.0.motor-pos-fb-in 7
 setp ta.joint.1.motor-pos-fb-in nan
-setp ta.joint.2.motor-pos-fb-in 9
+setp ta.joint.2.motor-pos-fb-in -9
 addf ta.update-feedback servo-thread
 addf ta.update-output servo-thread
 start
@@ -464,11 +464,11 @@ def nowhere(folder):
     code, printed = rig.halrun(folder, NOWHERE_HAL)
     found = [line.strip() for line in printed.splitlines() if re.match(r"\s*(-?\d|TRUE|FALSE|nan)", line)]
     wanted = [
-        ["7", "0", "9", "TRUE", "TRUE", "16"],
-        ["7", "0", "9", "TRUE", "TRUE", "16"],
-        ["7", "8.25", "9", "FALSE", "TRUE", "16"],
-        ["7", "8.25", "9", "FALSE", "TRUE", "16"],
-        ["7", "8.25", "9", "FALSE", "FALSE", "0"],
+        ["7", "0", "-9", "TRUE", "TRUE", "16"],
+        ["7", "0", "-9", "TRUE", "TRUE", "16"],
+        ["7", "8.25", "-9", "FALSE", "TRUE", "16"],
+        ["7", "8.25", "-9", "FALSE", "TRUE", "16"],
+        ["7", "8.25", "-9", "FALSE", "FALSE", "0"],
     ]
     expect(code == 0 and found == sum(wanted, []), "pins", found, printed)
     return "no output until the last encoder was read"
