@@ -1,6 +1,7 @@
 //! What a calibration adds to the errors that a machine's files hold already.
 
-use crate::edit::{Edited, section, set, table_name};
+use crate::document::{Edited, section, set};
+use crate::edit::table_name;
 use crate::error::FileError;
 use crate::exact::table::ErrorTable;
 use crate::files::Source;

@@ -1,7 +1,7 @@
 //! Single changes to the files of a machine: a point of a table, a line more or less, a key of `machine.toml`. Comments,
 //! order, and whatever else stands in the files stay.
 
-use crate::edit::{Edited, as_before, set};
+use crate::document::{Edited, as_before, set};
 use crate::error::FileError;
 use crate::files::{Edit, Memory, Source};
 use crate::origin::Origin;

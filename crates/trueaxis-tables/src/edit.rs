@@ -1,5 +1,6 @@
 //! An import into an existing machine: tables and settings of the imported axes change, everything else stays.
 
+use crate::document::{Edited, same, section, set};
 use crate::error::FileError;
 use crate::files::{Entry, Source};
 use crate::formats::grid_csv::grid_section;
@@ -8,20 +9,10 @@ use crate::limits::widened;
 use crate::origin::Origin;
 use crate::read::{Standing, beside};
 use crate::{Grid, Machine, Table};
-use std::path::{Path, PathBuf};
-use toml_edit::{DocumentMut, Item, TableLike, Value};
+use std::path::Path;
+use toml_edit::{DocumentMut, Item, Value};
 use trueaxis::machine::links;
 use trueaxis::machine::{Axis, AxisSettings, ErrorModel, LocationErrors, MachineSettings};
-
-/// Changes that an import makes to an existing machine.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Edited {
-    /// The files that change, by their name in the source, with their new text; `machine.toml` last, and only where it
-    /// changes.
-    pub files: Vec<(PathBuf, String)>,
-    /// Everything added, replaced, set, or left although the file says otherwise; one sentence each.
-    pub notes: Vec<String>,
-}
 
 impl Imported {
     /// The changes that bring these tables into an existing machine; `name` is that of its `machine.toml`.
@@ -131,17 +122,6 @@ fn add_grid(
     Ok(())
 }
 
-/// A text with the line ends and the byte order mark of the one before.
-pub(crate) fn as_before(mut text: String, before: &str) -> String {
-    if before.contains("\r\n") && !text.contains("\r\n") {
-        text = text.replace('\n', "\r\n");
-    }
-    if before.starts_with('\u{feff}') {
-        text.insert(0, '\u{feff}');
-    }
-    text
-}
-
 /// Every axis is in the machine, and where the file states a chain, it is the machine's.
 fn in_chain(imported: &Imported, standing: &Standing<'_>, origin: &Origin) -> Result<(), FileError> {
     let chain = standing.settings.chain.as_str();
@@ -231,52 +211,6 @@ fn outdated(axis: Axis, table: &Table, standing: &Standing<'_>, notes: &mut Vec<
         set.push((String::from("measured_at_mm"), [0.0; 3].into_iter().collect()));
     }
     set
-}
-
-/// The section of an axis, made where there is none.
-pub(crate) fn section<'d>(
-    document: &'d mut DocumentMut,
-    axis: Axis,
-    origin: &Origin,
-) -> Result<&'d mut dyn TableLike, FileError> {
-    let no_section = || origin.whole("an axis that is no section", "[axis.…] sections");
-    let axes = document.entry("axis").or_insert_with(|| {
-        let mut axes = toml_edit::Table::new();
-        axes.set_implicit(true);
-        Item::Table(axes)
-    });
-    let axes = axes.as_table_like_mut().ok_or_else(no_section)?;
-    let letter = axis.letter().to_string();
-    axes.entry(&letter).or_insert_with(toml_edit::table).as_table_like_mut().ok_or_else(no_section)
-}
-
-/// Sets a key and keeps what stands around its value.
-pub(crate) fn set(section: &mut dyn TableLike, key: &str, mut value: Value) {
-    match section.get_mut(key).and_then(Item::as_value_mut) {
-        Some(old) => {
-            if same(old, &value) {
-                return;
-            }
-            *value.decor_mut() = old.decor().clone();
-            *old = value;
-        }
-        None => {
-            section.insert(key, Item::Value(value));
-        }
-    }
-}
-
-/// The same value, however it is written.
-fn same(a: &Value, b: &Value) -> bool {
-    let number = |value: &Value| value.as_float().or_else(|| value.as_integer().map(|integer| integer as f64));
-    match (a, b) {
-        (Value::String(a), Value::String(b)) => a.value() == b.value(),
-        (Value::Array(a), Value::Array(b)) => a.len() == b.len() && a.iter().zip(b).all(|(a, b)| same(a, b)),
-        _ => match (number(a), number(b)) {
-            (Some(a), Some(b)) => a == b,
-            _ => a.to_string().trim() == b.to_string().trim(),
-        },
-    }
 }
 
 /// Location errors that the file gives.

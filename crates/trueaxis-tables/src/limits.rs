@@ -1,12 +1,12 @@
 //! Limits of the corrections: what the errors that a machine states need, and their keys set where files change.
 
-use crate::edit::set;
+use crate::Machine;
+use crate::document::{as_before, section, set};
 use crate::error::FileError;
 use crate::files::{Edit, Memory, Source};
 use crate::origin::Origin;
 use crate::rates::drive_rate;
 use crate::text::counted;
-use crate::{Machine, edit};
 use std::path::{Path, PathBuf};
 use toml_edit::{DocumentMut, Value};
 use trueaxis::check;
@@ -182,11 +182,11 @@ pub(crate) fn widened(
         let all = changed.iter().map(|(name, text)| (name.as_path(), text.as_str())).chain([(name, text)]);
         Machine::read_from(&Edit { changed: Memory::new(all), beneath: files }, name, &mut |_| {})
     };
-    let text = edit::as_before(document.to_string(), standing);
+    let text = as_before(document.to_string(), standing);
     let after = read(&text)?;
     let (mut wide, mut said) = (document.clone(), Vec::new());
     widen(&mut wide, before, &after, &Origin::new(&files.path(name)), &mut said)?;
-    let wide = edit::as_before(wide.to_string(), standing);
+    let wide = as_before(wide.to_string(), standing);
     if wide == text {
         notes.append(&mut said);
         return Ok(text);
@@ -265,7 +265,7 @@ fn widen(
             notes.push(need.stays());
             continue;
         }
-        let section = edit::section(document, need.axis, origin)?;
+        let section = section(document, need.axis, origin)?;
         let limits = section.entry("limits").or_insert_with(toml_edit::table).as_table_like_mut();
         let no_section = || origin.whole("limits that are no section", "[axis.….limits]");
         set(limits.ok_or_else(no_section)?, need.key, Value::from(need.set_to()));

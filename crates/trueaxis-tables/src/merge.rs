@@ -1,6 +1,6 @@
 //! Sections of a servo's figures, as identifications write them, merged into a machine.
 
-use crate::edit::{as_before, set};
+use crate::document::{as_before, set};
 use crate::error::FileError;
 use crate::origin::Origin;
 use crate::read::text_is_sound;

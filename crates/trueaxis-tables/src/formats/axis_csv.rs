@@ -3,9 +3,10 @@
 use super::decimal::{shortest, toml_value};
 use super::grid_csv::{grid_csv_name, grid_section, write_grid_csv};
 use super::{Imported, own_comments, stated};
+use crate::Table;
+use crate::document::Edited;
 use crate::files::Memory;
 use crate::limits::widened;
-use crate::{Edited, Table};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use toml_edit::DocumentMut;

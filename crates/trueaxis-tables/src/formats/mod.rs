@@ -40,10 +40,11 @@ pub use grid_csv::{grid_csv_name, write_grid_csv};
 pub use machine_toml::machine_files;
 pub use stated::location_values;
 
+use crate::document::Edited;
 use crate::error::FileError;
 use crate::origin::Origin;
 use crate::sheet::Sheet;
-use crate::{Edited, Grid, Machine, Table};
+use crate::{Grid, Machine, Table};
 use linuxcnc::CompFileType;
 use std::path::{Path, PathBuf};
 use trueaxis::error::Figure;
