@@ -35,7 +35,7 @@ def test_forward_and_inverse_are_those_of_the_command(tmp_path, sample):
     table = printed("kinematics", "inverse", "--machine", TABLES / sample, file, *options)
     assert (columns(table, *machine.columns) == found).all()
     assert (columns(table, "branch")[:, 0] == branch).all() and (columns(table, "singularity_margin_deg")[:, 0] == margin).all()
-    assert (columns(table, "direction_error_deg")[:, 0] == left).all() and not left.any()
+    assert (columns(table, "direction_error_deg")[:, 0] == left).all() and (left <= 0.1).all()
     back, axis, _ = machine.forward(found)
     assert np.abs(back - tip).max() < 1e-9 and np.abs(axis - tool).max() < 1e-12
 
