@@ -1,18 +1,11 @@
 // The chainable controller in a chain, on a double of ros2_control (double/): a controller before it writes references, drives
 // stand where they are commanded, and a manager without ROS takes both through their lives at 1 kHz, with faults. Exit code 0:
 // all that is asserted here holds. SPDX-License-Identifier: MIT OR Apache-2.0
+#include "check.hpp"
 #include "trueaxis_controller.hpp"
 
 #include <algorithm>
 #include <cstdlib>
-
-#define CHECK(holds)                                                        \
-    do {                                                                    \
-        if (!(holds)) {                                                     \
-            std::printf("FAILED line %d: %s\n", __LINE__, #holds);          \
-            std::exit(1);                                                   \
-        }                                                                   \
-    } while (0)
 
 namespace {
 

@@ -1,5 +1,6 @@
 // The filter where a hardware component has it, without ROS: read, update, write at 1 kHz, with faults. Exit code 0: all
 // that is asserted here holds. SPDX-License-Identifier: MIT OR Apache-2.0
+#include "check.hpp"
 #include "trueaxis_filter.hpp"
 
 #include <cstdio>
@@ -7,14 +8,6 @@
 #include <fstream>
 #include <iterator>
 #include <limits>
-
-#define CHECK(holds)                                                        \
-    do {                                                                    \
-        if (!(holds)) {                                                     \
-            std::printf("FAILED line %d: %s\n", __LINE__, #holds);          \
-            std::exit(1);                                                   \
-        }                                                                   \
-    } while (0)
 
 constexpr std::int64_t period_ns = 1'000'000;
 

@@ -25,8 +25,12 @@ public:
     virtual InterfaceConfiguration state_interface_configuration() const = 0;
     virtual CallbackReturn on_init() = 0;
     virtual return_type update(const rclcpp::Time &time, const rclcpp::Duration &period) = 0;
-    virtual bool set_chained_mode(bool chained_mode) = 0;
-    virtual bool is_in_chained_mode() const = 0;
+    bool set_chained_mode(bool chained_mode) {
+        bool done = life != Life::ACTIVE && on_set_chained_mode(chained_mode);
+        in_chained_mode_ = done ? chained_mode : in_chained_mode_;
+        return done;
+    }
+    bool is_in_chained_mode() const { return in_chained_mode_; }
 
     void assign_interfaces(std::vector<hardware_interface::LoanedCommandInterface> &&commands,
                            std::vector<hardware_interface::LoanedStateInterface> &&states) {
@@ -73,10 +77,13 @@ public:
     Life life = Life::UNCONFIGURED;
 
 protected:
+    virtual bool on_set_chained_mode(bool) { return true; }
+
     std::vector<hardware_interface::LoanedCommandInterface> command_interfaces_;
     std::vector<hardware_interface::LoanedStateInterface> state_interfaces_;
 
 private:
+    bool in_chained_mode_ = false;
     std::shared_ptr<rclcpp_lifecycle::LifecycleNode> node_;
     unsigned int update_rate_ = 0;
 };

@@ -94,23 +94,13 @@ public:
         }
         return references;
     }
-    bool set_chained_mode(bool chained_mode) final {
-        bool done = life != Life::ACTIVE && on_set_chained_mode(chained_mode);
-        in_chained_mode_ = done ? chained_mode : in_chained_mode_;
-        return done;
-    }
-    bool is_in_chained_mode() const final { return in_chained_mode_; }
 
 protected:
     virtual std::vector<hardware_interface::CommandInterface> on_export_reference_interfaces() = 0;
-    virtual bool on_set_chained_mode(bool) { return true; }
     virtual return_type update_reference_from_subscribers() = 0;
     virtual return_type update_and_write_commands(const rclcpp::Time &time, const rclcpp::Duration &period) = 0;
 
     std::vector<double> reference_interfaces_;
-
-private:
-    bool in_chained_mode_ = false;
 };
 
 }  // namespace controller_interface

@@ -147,12 +147,6 @@ public:
         ordered_exported_reference_interfaces_ = references;
         return references;
     }
-    bool set_chained_mode(bool chained_mode) final {
-        bool done = life != Life::ACTIVE && on_set_chained_mode(chained_mode);
-        in_chained_mode_ = done ? chained_mode : in_chained_mode_;
-        return done;
-    }
-    bool is_in_chained_mode() const final { return in_chained_mode_; }
 
 protected:
 #if CONTROLLER_INTERFACE_VERSION_MINOR >= 44
@@ -162,15 +156,11 @@ protected:
 #if CONTROLLER_INTERFACE_VERSION_MINOR >= 44
     virtual std::vector<hardware_interface::CommandInterface::SharedPtr> on_export_reference_interfaces_list() { return {}; }
 #endif
-    virtual bool on_set_chained_mode(bool) { return true; }
     virtual return_type update_reference_from_subscribers(const rclcpp::Time &time, const rclcpp::Duration &period) = 0;
     virtual return_type update_and_write_commands(const rclcpp::Time &time, const rclcpp::Duration &period) = 0;
 
     std::vector<double> reference_interfaces_;
     std::vector<hardware_interface::CommandInterface::SharedPtr> ordered_exported_reference_interfaces_;
-
-private:
-    bool in_chained_mode_ = false;
 };
 
 }  // namespace controller_interface
