@@ -38,7 +38,7 @@ def side_by_side(folder):
     rig.copy(folder, rig.HERE, "comp.ngc")
     imported = os.path.join(folder, "imported")
     subprocess.run([TRUEAXIS, "tables", "import", "--from", "linuxcnc", "--unit", "mm", "--comp-file-type", "1", "--axis", "X",
-                    source, "-o", imported], check=True, capture_output=True, timeout=60)
+                    source, "-o", imported], check=True, capture_output=True, timeout=60 * rig.PATIENCE)
     rig.edit(imported, "machine.toml", lambda text: text.replace("w b X t", "w b X Y Z t"))
     compile_tables(folder, os.path.join(imported, "machine.toml"), "mill-3axis.tcomp")
     rig.edit(folder, "mill-3axis.ini", lambda text: rig.with_ini(
@@ -97,7 +97,7 @@ def truncated(folder, source):
             f.write("\n".join(text) + "\n")
         target = os.path.join(folder, name + ".imported")
         done = subprocess.run([TRUEAXIS, "tables", "import", "--from", "linuxcnc", "--unit", "mm", "--comp-file-type", "1",
-                               "--axis", "X", path, "-o", target], capture_output=True, text=True, timeout=60)
+                               "--axis", "X", path, "-o", target], capture_output=True, text=True, timeout=60 * rig.PATIENCE)
         expect(done.returncode == 2 and not os.path.exists(target), "%s was not refused" % name, done.stdout, done.stderr)
 
 

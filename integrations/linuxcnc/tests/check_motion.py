@@ -15,7 +15,7 @@ REPLAY = os.environ["TRUEAXIS_REPLAY"]
 
 def replayed(folder, tables, joints, name="run"):
     return subprocess.run([REPLAY, "replay", tables, name, "--joints", joints], cwd=folder, capture_output=True,
-                          text=True, timeout=60)
+                          text=True, timeout=60 * rig.PATIENCE)
 
 
 def replay(folder, tables, joints):

@@ -14,13 +14,13 @@ DEFAULT_LIMITS = (0.1, 5.0, 5000.0)
 
 def compile_tables(folder, machine, name):
     subprocess.run([TRUEAXIS, "tables", "compile", machine, "-o", os.path.join(folder, name)], check=True,
-                   capture_output=True, timeout=60)
+                   capture_output=True, timeout=60 * rig.PATIENCE)
 
 
 def compile_thermal(folder, text, machine, name):
     """Thermal growth as the component loads it."""
     words = [TRUEAXIS, "thermal", "compile", os.path.join(folder, text), "--machine", machine]
-    subprocess.run(words + ["-o", os.path.join(folder, name)], check=True, capture_output=True, timeout=60)
+    subprocess.run(words + ["-o", os.path.join(folder, name)], check=True, capture_output=True, timeout=60 * rig.PATIENCE)
 
 
 def mill(folder, change=None):

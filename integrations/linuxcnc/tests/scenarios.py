@@ -7,6 +7,7 @@ import time
 
 import hal
 import linuxcnc
+import rig
 
 
 def joints(count, *what):
@@ -332,7 +333,7 @@ def circles_in_inches(pilot):
     pilot.home()
     script = os.path.join(os.path.dirname(os.path.realpath(__file__)), "..", "record-circles.py")
     words = ["--centre", "0,0", "--radius-mm", "10.0037", "--feeds", "6000,4000", "--turns", "1", "-o", "record.csv"]
-    subprocess.run([script, *words, "--no-evaluation"], check=True, timeout=140)
+    subprocess.run([script, *words, "--no-evaluation"], check=True, timeout=140 * rig.PATIENCE)
 
 
 def friction(pilot):
@@ -343,10 +344,10 @@ def friction(pilot):
     words = [script, "--centre", "0,0", "--radius-mm", "10.0037", "--feeds", "1200,500", "--turns", "1", "-o", "record.csv",
              "--no-evaluation"]
     # Beyond the travel: refused, and HAL is as it was.
-    far = subprocess.run([*words, "--radius-mm", "400"], capture_output=True, text=True, timeout=60)
+    far = subprocess.run([*words, "--radius-mm", "400"], capture_output=True, text=True, timeout=60 * rig.PATIENCE)
     if far.returncode != 2 or os.path.exists("record.csv"):
         raise RuntimeError("circles beyond the travel: exit code %d, %s" % (far.returncode, far.stderr))
-    subprocess.run(words, check=True, timeout=140)
+    subprocess.run(words, check=True, timeout=140 * rig.PATIENCE)
 
 
 ALL = {name: value for name, value in globals().items() if callable(value) and name != "joints"}
