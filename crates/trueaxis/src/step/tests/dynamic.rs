@@ -10,7 +10,7 @@ use crate::machine::{
 };
 use crate::telemetry::Status;
 
-const DRIVE: DriveFigures = DriveFigures {
+pub(super) const DRIVE: DriveFigures = DriveFigures {
     position_gain_per_s: 100.0,
     velocity_gain_per_s: 800.0,
     reset_time_s: 0.006,

@@ -1,8 +1,9 @@
 //! Limits in seconds: cycles that come in a burst, after a stall, too fast for ever, move nothing that their time does not.
 
+use super::dynamic::DRIVE;
 use super::*;
 use crate::dynamic::Dynamics;
-use crate::machine::{AxisServo, DriveFigures, DynamicSettings};
+use crate::machine::{AxisServo, DynamicSettings};
 
 /// Largest change of a correction in a period, and of that.
 const SLOPE: f64 = 5.0 * T;
@@ -144,20 +145,12 @@ fn any_come() -> impl Strategy<Value = (Come, Meanwhile, u32)> {
 
 /// Lag and a learned correction, so that the dynamic part moves too.
 fn dynamic_loop(scale: f64) -> &'static Loop {
-    let drive = DriveFigures {
-        position_gain_per_s: 100.0,
-        velocity_gain_per_s: 800.0,
-        reset_time_s: 0.006,
-        velocity_feed_forward: 0.9,
-        current_loop_s: 2.5e-4,
-        dead_time_s: 0.0,
-    };
     loop_of(
         scale,
         machine(|axis| {
             let own = DynamicSettings::with_defaults(axis.axis);
             let dynamic = DynamicSettings { limits: axis.limits, lag: true, acceleration: true, ..own };
-            axis.servo = AxisServo { drive: Some(drive), friction: None, dynamic: Some(dynamic) };
+            axis.servo = AxisServo { drive: Some(DRIVE), friction: None, dynamic: Some(dynamic) };
         }),
     )
 }

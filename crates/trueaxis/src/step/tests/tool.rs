@@ -1,8 +1,9 @@
 #![allow(clippy::indexing_slicing)]
 
+use super::dynamic::DRIVE;
 use crate::contour::{Flags, Method, OrientationError, Path, Reference, Segment, Span, ToolPath, Turn, convert};
 use crate::kinematics::Kinematics;
-use crate::machine::{Axis, DriveFigures, ErrorModel, FeedbackSettings, MachineSettings, Row};
+use crate::machine::{Axis, ErrorModel, FeedbackSettings, MachineSettings, Row};
 use crate::position::{Nanometres, Position};
 use crate::real::Real;
 use crate::telemetry::Status;
@@ -220,14 +221,7 @@ fn the_feedback_acts_in_machine_directions() {
         let feedback = FeedbackSettings { integral_per_s: 0.0, max_feed_per_s: 1e4, ..FeedbackSettings::default() };
         machine.contour.feedback = Some(feedback);
         for axis in machine.axes.iter_mut().filter(|axis| !axis.axis.is_rotary()) {
-            axis.servo.drive = Some(DriveFigures {
-                position_gain_per_s: 100.0,
-                velocity_gain_per_s: 800.0,
-                reset_time_s: 0.006,
-                velocity_feed_forward: 0.9,
-                current_loop_s: 2.5e-4,
-                dead_time_s: 0.0,
-            });
+            axis.servo.drive = Some(DRIVE);
         }
         let machine = Machine::<f64, f64>::of(chain, machine, |_| [0.0; 6]);
         let stray = [0.004, -0.003, 0.002, 0.0, 0.0];
