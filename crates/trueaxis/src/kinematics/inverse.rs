@@ -136,6 +136,7 @@ struct Aim<R> {
 /// Rotary axes on one branch.
 #[derive(Clone, Copy, Debug)]
 struct Turned<R> {
+    // Ahead of zeros: a number and this 0 side by side become one vector store, by an instruction that Valgrind 3.19 lacks.
     direction_error_deg: R,
     axes: [R; AXES],
     /// Cosine and sine of both turns that the workpiece sees.
@@ -208,14 +209,8 @@ impl<R: Real> Kinematics<R> {
         let [Some(first), Some(second)] = &self.chain.turns else {
             return self.solutions(tool, near).ok()?.choose(Choice::First).ok();
         };
-        let aim = self.aim(tool, first, second).ok()?;
-        if aim.in_cone() {
-            return None;
-        }
-        match aim.turned(branch, near) {
-            Ok(turned) => self.with_linear(aim.tip, &turned).ok(),
-            Err(_) => None,
-        }
+        let aim = self.aim(tool, first, second).ok().filter(|aim| !aim.in_cone())?;
+        self.with_linear(aim.tip, &aim.turned(branch, near).ok()?).ok()
     }
 
     /// Axis positions on both branches.
