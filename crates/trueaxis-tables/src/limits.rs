@@ -6,7 +6,7 @@ use crate::error::FileError;
 use crate::files::{Edit, Memory, Source};
 use crate::origin::Origin;
 use crate::rates::drive_rate;
-use crate::text::counted;
+use crate::text::{counted, micro};
 use std::path::{Path, PathBuf};
 use toml_edit::{DocumentMut, Value};
 use trueaxis::check;
@@ -39,12 +39,12 @@ impl Need {
     fn is_set(&self) -> String {
         let (name, value) = (self.name(), self.set_to());
         let most = if value < self.needed { ", the most there is" } else { "" };
-        let (needed, limit) = (short(self.needed), short(self.limit));
+        let (needed, limit) = (four_digits(self.needed), four_digits(self.limit));
         format!("{name} set to {value}{most}, as the corrections reach {needed}; the default is {limit}")
     }
 
     fn stays(&self) -> String {
-        let (needed, limit, value) = (short(self.needed), short(self.limit), self.set_to());
+        let (needed, limit, value) = (four_digits(self.needed), four_digits(self.limit), self.set_to());
         let name = self.name();
         format!("{name} stays at {limit}, as it is stated, though the corrections reach {needed}: raise it to {value}")
     }
@@ -69,7 +69,6 @@ fn needs(machine: &Machine) -> Vec<Need> {
     let mut needs = Vec::new();
     for drive in &machine.settings.axes {
         let axis = drive.axis;
-        let micro = |value: f64| in_micro(axis, value);
         let own = check::reach(drive, machine.rows(axis));
         let (least, most) = check::error_range(&machine.settings, |axis| machine.rows(axis), &grids, drive, own);
         let [magnitude, slope, acceleration] = keys(axis);
@@ -77,9 +76,9 @@ fn needs(machine: &Machine) -> Vec<Need> {
         let largest = least.abs().max(most.abs());
         needs.push(need(
             magnitude,
-            micro(largest),
-            micro(drive.limits.magnitude),
-            micro(range::MAGNITUDE.of(axis).most),
+            micro(axis, largest),
+            micro(axis, drive.limits.magnitude),
+            micro(axis, range::MAGNITUDE.of(axis).most),
         ));
         let Some(rate) = drive_rate(machine, drive) else { continue };
         needs.push(need(slope, rate.rate, rate.limit, range::SLOPE.of(axis).most));
@@ -138,7 +137,7 @@ impl Clipped {
     pub fn notes(&self, settings: &MachineSettings, what: &str) -> Vec<String> {
         let note = |(axis, cut): (Axis, &Option<Cut>)| {
             let cut = cut.as_ref()?;
-            let (unit, micro) = (if axis.is_rotary() { "µrad" } else { "µm" }, in_micro(axis, 1.0));
+            let (unit, micro) = (if axis.is_rotary() { "µrad" } else { "µm" }, micro(axis, 1.0));
             let [key, ..] = keys(axis);
             let letter = axis.letter();
             let at: Vec<String> = settings
@@ -149,20 +148,15 @@ impl Clipped {
             Some(format!(
                 "axis {letter}: the magnitude limit takes up to {} {unit} off the correction in {}, most at {}; [axis.{letter}.limits] \
                  {key} is {}, {} lets all of it pass",
-                short((cut.largest - cut.limit) * micro),
+                four_digits((cut.largest - cut.limit) * micro),
                 counted(usize::try_from(cut.count).unwrap_or(usize::MAX), what),
                 at.join(" "),
-                short(cut.limit * micro),
+                four_digits(cut.limit * micro),
                 two_digits_up(cut.largest * micro)
             ))
         };
         Axis::ALL.into_iter().zip(&self.0).filter_map(note).collect()
     }
-}
-
-/// A value of mm (deg) in µm (µrad).
-fn in_micro(axis: Axis, value: f64) -> f64 {
-    if axis.is_rotary() { value.to_radians() * 1e6 } else { value * 1e3 }
 }
 
 /// The text of a changed `machine.toml` with the limits that the change needs, so far as the machine is then accepted; what was
@@ -241,7 +235,14 @@ pub fn raise(machine: &mut Machine) -> Vec<String> {
 fn check_limits(machine: &Machine) -> Vec<String> {
     let beyond = needs(machine).into_iter().filter(Need::exceeds);
     beyond
-        .map(|need| format!("{} is {}, the corrections reach {}", need.name(), short(need.limit), short(need.needed)))
+        .map(|need| {
+            format!(
+                "{} is {}, the corrections reach {}",
+                need.name(),
+                four_digits(need.limit),
+                four_digits(need.needed)
+            )
+        })
         .collect()
 }
 
@@ -283,7 +284,7 @@ fn is_stated(document: &DocumentMut, need: &Need) -> bool {
 }
 
 /// Four digits of a number above zero.
-fn short(value: f64) -> f64 {
+fn four_digits(value: f64) -> f64 {
     let scale = 10f64.powf(3.0 - value.log10().floor());
     (value * scale).round() / scale
 }

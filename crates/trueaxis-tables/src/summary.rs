@@ -8,6 +8,7 @@ pub use grid::{GridAxisSummary, GridErrorSummary, GridSummary};
 pub use roundness::RoundnessSummary;
 pub use servo::{CrosstalkSummary, DynamicSummary, FeedbackSummary, FrictionSummary, ServoSummary};
 
+use crate::text::micro;
 use crate::text::short;
 use serde::Serialize;
 use std::fmt;
@@ -150,7 +151,6 @@ pub fn summary(file: &Tcomp<'_>) -> Summary {
 
 fn axis_summary(chain: &str, settings: &AxisSettings, table: Option<TableData<'_>>) -> AxisSummary {
     let axis = settings.axis;
-    let micro = |value: f64| if axis.is_rotary() { value.to_radians() * 1e6 } else { value * 1e3 };
     let declared = settings.travel != AxisSettings::with_defaults(axis, false).travel;
     AxisSummary {
         axis: axis.letter(),
@@ -160,8 +160,8 @@ fn axis_summary(chain: &str, settings: &AxisSettings, table: Option<TableData<'_
         travel: declared.then_some(settings.travel),
         joint: declared.then_some(settings.joint),
         max_feed_per_s: settings.max_feed_per_s,
-        backlash_micro: micro(settings.backlash),
-        magnitude_micro: micro(settings.limits.magnitude),
+        backlash_micro: micro(axis, settings.backlash),
+        magnitude_micro: micro(axis, settings.limits.magnitude),
         slope_per_s: settings.limits.slope_per_s,
         acceleration_per_s2: settings.limits.acceleration_per_s2,
         servo: servo::servo(axis, &settings.servo),

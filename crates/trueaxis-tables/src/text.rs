@@ -5,6 +5,7 @@ pub use crate::printable::{one_line, printable};
 use crate::error::FileError;
 use crate::origin::Origin;
 use std::path::Path;
+use trueaxis::machine::Axis;
 
 /// Reads a file as [`decode`] does.
 ///
@@ -50,6 +51,11 @@ pub fn line_at(text: &str, offset: usize) -> u32 {
 /// A count and what is counted: `1 warning`, `2 warnings`.
 pub fn counted(count: usize, what: &str) -> String {
     if count == 1 { format!("1 {what}") } else { format!("{count} {what}s") }
+}
+
+/// A length of an axis in µm, or an angle in µrad, from mm or degrees.
+pub(crate) fn micro(axis: Axis, value: f64) -> f64 {
+    if axis.is_rotary() { value.to_radians() * 1e6 } else { value * 1e3 }
 }
 
 /// A number with the decimals that it needs, at most six.

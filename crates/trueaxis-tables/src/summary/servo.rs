@@ -1,6 +1,6 @@
 //! Drives, friction, dynamic correction, contour feedback and cross-talk of a compiled file.
 
-use crate::text::short;
+use crate::text::{micro, short};
 use serde::Serialize;
 use std::fmt;
 use trueaxis::machine::{Axis, AxisServo, CrosstalkSettings, DriveFigures, FeedbackSettings};
@@ -80,17 +80,16 @@ pub struct CrosstalkSummary {
 
 /// The servo of an axis that has anything of it.
 pub(super) fn servo(axis: Axis, servo: &AxisServo) -> Option<ServoSummary> {
-    let micro = |value: f64| if axis.is_rotary() { value.to_radians() * 1e6 } else { value * 1e3 };
     let friction = servo.friction.map(|friction| FrictionSummary {
         coulomb_per_s: friction.coulomb_per_s,
-        presliding_micro: micro(friction.presliding),
+        presliding_micro: micro(axis, friction.presliding),
         stribeck_share: friction.stribeck_share,
         stribeck_velocity_per_s: friction.stribeck_velocity_per_s,
         viscous: friction.viscous,
         lead_s: friction.lead_s,
     });
     let dynamic = servo.dynamic.map(|dynamic| DynamicSummary {
-        magnitude_micro: micro(dynamic.limits.magnitude),
+        magnitude_micro: micro(axis, dynamic.limits.magnitude),
         slope_per_s: dynamic.limits.slope_per_s,
         acceleration_per_s2: dynamic.limits.acceleration_per_s2,
         lag: dynamic.lag,
