@@ -503,10 +503,11 @@ typedef int32_t trueaxis_position_t;
 typedef struct trueaxis_input_t {
     /// `sizeof(trueaxis_input_t)`.
     uint32_t size;
-    /// Time since the last cycle, ns, as measured, or the period. More than a quarter off the period, or where less than
-    /// 0.999 of a period has passed for every cycle's worth that the correction has moved (up to one is in hand), it freezes
-    /// for this cycle, with `TRUEAXIS_FAULT_LATE_CYCLE`: its limits hold by the second, however cycles come. 0: no time has
-    /// passed, nothing moves. That of the first cycle does not count. From a 64-bit time by `trueaxis_elapsed_ns`.
+    /// Time since the last cycle, ns: as measured, or the period. The correction freezes for this cycle, with
+    /// `TRUEAXIS_FAULT_LATE_CYCLE`, if the time is more than a quarter off the period, or if less than 0.999 of a period
+    /// has passed for each cycle's worth that the correction has moved (one may be in hand): its limits hold per second,
+    /// however cycles arrive. 0 means that no time has passed, and nothing moves. The first cycle's time is ignored.
+    /// `trueaxis_elapsed_ns` converts a 64-bit time.
     uint32_t elapsed_ns;
     /// Commanded positions, uncorrected.
     trueaxis_position_t command[TRUEAXIS_AXES_MAX];
@@ -1128,8 +1129,8 @@ trueaxis_result_t trueaxis_start(const struct trueaxis_loop_t *loop,
 
 /// `elapsed_ns` of a host that has the time since the last cycle in 64 bits.
 ///
-/// What does not fit becomes `UINT32_MAX`, which is late at every period: the correction freezes for that cycle. So does a
-/// negative time, of a clock that was set back. Real-time safe.
+/// A time that does not fit, or is negative because a clock was set back, becomes `UINT32_MAX`. That is late at any period:
+/// the correction freezes for that cycle. Real-time safe.
 uint32_t trueaxis_elapsed_ns(int64_t host_ns);
 
 /// One servo cycle: drive positions, feedback for the host, contour error.
@@ -1162,14 +1163,14 @@ trueaxis_result_t trueaxis_set_thermal(const struct trueaxis_loop_t *loop,
                                        uint32_t axis,
                                        double kelvin);
 
-/// Starts an encoder: position = `offset` + counts · `resolution`, mm (rotary: degrees), counts followed beyond the end of
-/// the counter.
+/// Starts an encoder: position = `offset` + counts · `resolution`, mm (rotary: degrees). Counts go on beyond the end of the
+/// counter.
 ///
-/// `resolution`: of one count, negative where counts fall as the axis goes on; up to 1. `span`: counts after which the
-/// counter begins again at 0: 65536 of 16 bits, 4294967296 of 32 bits, or the counts of a turn; 4 to 4294967296.
-/// `nearest`: the first reading is taken as the count nearest to this one; with 0 counters of 16 and 32 bits start as signed
-/// numbers. Start again after a loss of counts. Real-time safe. `_ARGUMENT` (resolution, span, an offset that is no usable
-/// position).
+/// `resolution`: size of one count, at most 1; negative if counts fall while the position rises. `span`: number of counts
+/// after which the counter starts again at 0, from 4 to 4294967296: 65536 for 16 bits, 4294967296 for 32 bits, or the counts
+/// of a turn. `nearest`: the first reading is taken as the count nearest to this one; with 0, counters of 16 and 32 bits start
+/// as signed numbers. Start again after counts were lost. Real-time safe. `_ARGUMENT` (resolution or span out of range, or an
+/// offset that is no usable position).
 trueaxis_result_t trueaxis_encoder_start(struct trueaxis_encoder_t *encoder,
                                          size_t encoder_size,
                                          double offset,
@@ -1179,10 +1180,10 @@ trueaxis_result_t trueaxis_encoder_start(struct trueaxis_encoder_t *encoder,
 
 /// Position of the encoder at a reading of its counter, for `trueaxis_input_t.feedback`.
 ///
-/// `counts`: of a power of two the bits that the counter has, the others are ignored. A step of more than a quarter of the
-/// span since the last reading could as well be one the other way round: `position` is then not a number, in single
-/// precision `INT32_MIN`, which the step takes for a dropout, and the counter waits for counts within a quarter of its last.
-/// A reading that is missing is not handed in; while it is, the axis may move a quarter of the span. Real-time safe.
+/// `counts`: the reading; if the span is a power of two, bits above it are ignored. A step of more than a quarter of the span
+/// since the last reading is ambiguous: `position` is then not a number (in single precision `INT32_MIN`), which the step
+/// treats as a dropout, and the counter waits for a reading within a quarter of the last one. Do not pass a missing reading;
+/// until the next one the axis may move by a quarter of the span. Real-time safe.
 trueaxis_result_t trueaxis_encoder_position(struct trueaxis_encoder_t *encoder,
                                             uint32_t counts,
                                             trueaxis_position_t *position);

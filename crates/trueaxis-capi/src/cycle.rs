@@ -18,10 +18,11 @@ use trueaxis::{Dynamics, Fault};
 pub struct Input {
     /// `sizeof(trueaxis_input_t)`.
     pub size: u32,
-    /// Time since the last cycle, ns, as measured, or the period. More than a quarter off the period, or where less than
-    /// 0.999 of a period has passed for every cycle's worth that the correction has moved (up to one is in hand), it freezes
-    /// for this cycle, with `TRUEAXIS_FAULT_LATE_CYCLE`: its limits hold by the second, however cycles come. 0: no time has
-    /// passed, nothing moves. That of the first cycle does not count. From a 64-bit time by `trueaxis_elapsed_ns`.
+    /// Time since the last cycle, ns: as measured, or the period. The correction freezes for this cycle, with
+    /// `TRUEAXIS_FAULT_LATE_CYCLE`, if the time is more than a quarter off the period, or if less than 0.999 of a period
+    /// has passed for each cycle's worth that the correction has moved (one may be in hand): its limits hold per second,
+    /// however cycles arrive. 0 means that no time has passed, and nothing moves. The first cycle's time is ignored.
+    /// `trueaxis_elapsed_ns` converts a 64-bit time.
     pub elapsed_ns: u32,
     /// Commanded positions, uncorrected.
     pub command: [Position; AXES_MAX],
@@ -55,8 +56,8 @@ unsafe impl Sized32 for Input {}
 
 /// `elapsed_ns` of a host that has the time since the last cycle in 64 bits.
 ///
-/// What does not fit becomes `UINT32_MAX`, which is late at every period: the correction freezes for that cycle. So does a
-/// negative time, of a clock that was set back. Real-time safe.
+/// A time that does not fit, or is negative because a clock was set back, becomes `UINT32_MAX`. That is late at any period:
+/// the correction freezes for that cycle. Real-time safe.
 #[unsafe(no_mangle)]
 pub extern "C" fn trueaxis_elapsed_ns(host_ns: i64) -> u32 {
     u32::try_from(host_ns).unwrap_or(u32::MAX)

@@ -29,14 +29,14 @@ unsafe impl Storage for Encoder {
     const MAGIC: u32 = 0x5452_000e;
 }
 
-/// Starts an encoder: position = `offset` + counts · `resolution`, mm (rotary: degrees), counts followed beyond the end of
-/// the counter.
+/// Starts an encoder: position = `offset` + counts · `resolution`, mm (rotary: degrees). Counts go on beyond the end of the
+/// counter.
 ///
-/// `resolution`: of one count, negative where counts fall as the axis goes on; up to 1. `span`: counts after which the
-/// counter begins again at 0: 65536 of 16 bits, 4294967296 of 32 bits, or the counts of a turn; 4 to 4294967296.
-/// `nearest`: the first reading is taken as the count nearest to this one; with 0 counters of 16 and 32 bits start as signed
-/// numbers. Start again after a loss of counts. Real-time safe. `_ARGUMENT` (resolution, span, an offset that is no usable
-/// position).
+/// `resolution`: size of one count, at most 1; negative if counts fall while the position rises. `span`: number of counts
+/// after which the counter starts again at 0, from 4 to 4294967296: 65536 for 16 bits, 4294967296 for 32 bits, or the counts
+/// of a turn. `nearest`: the first reading is taken as the count nearest to this one; with 0, counters of 16 and 32 bits start
+/// as signed numbers. Start again after counts were lost. Real-time safe. `_ARGUMENT` (resolution or span out of range, or an
+/// offset that is no usable position).
 ///
 /// # Safety
 /// Pointers are null or point to what their types and sizes say.
@@ -62,10 +62,10 @@ pub unsafe extern "C" fn trueaxis_encoder_start(
 
 /// Position of the encoder at a reading of its counter, for `trueaxis_input_t.feedback`.
 ///
-/// `counts`: of a power of two the bits that the counter has, the others are ignored. A step of more than a quarter of the
-/// span since the last reading could as well be one the other way round: `position` is then not a number, in single
-/// precision `INT32_MIN`, which the step takes for a dropout, and the counter waits for counts within a quarter of its last.
-/// A reading that is missing is not handed in; while it is, the axis may move a quarter of the span. Real-time safe.
+/// `counts`: the reading; if the span is a power of two, bits above it are ignored. A step of more than a quarter of the span
+/// since the last reading is ambiguous: `position` is then not a number (in single precision `INT32_MIN`), which the step
+/// treats as a dropout, and the counter waits for a reading within a quarter of the last one. Do not pass a missing reading;
+/// until the next one the axis may move by a quarter of the span. Real-time safe.
 ///
 /// # Safety
 /// Pointers are null or point to what their types say; nobody else uses the encoder.

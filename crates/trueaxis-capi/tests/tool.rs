@@ -84,7 +84,7 @@ fn a_tool_out_of_reach_is_refused_in_the_step() {
     }
 }
 
-/// A from −2 to 2 degrees: nothing is refused, C stays, and what is left of the direction is told.
+/// A goes from −2 to 2 degrees: nothing is refused, C stays, and the direction error is reported.
 #[test]
 fn the_tool_goes_through_the_vertical() {
     let (servo, kinematics) = (built(five()), kinematics(five()));

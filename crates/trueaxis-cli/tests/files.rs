@@ -122,7 +122,7 @@ fn what_limits_take_away_is_told() {
     assert_eq!(directory.json(&[&correct[..], &["--json"]].concat())["clipped"], serde_json::json!(["Z"]));
 }
 
-/// What the settings state needs no table; kinematics need nothing but the chain.
+/// Errors that the settings state need no table, and kinematics need only the chain.
 #[test]
 fn a_machine_needs_no_table() {
     let directory = Folder::new(TRUEAXIS);

@@ -58,7 +58,8 @@ impl Machine {
     /// singular cone.
     ///
     /// tip, tool: (n, 3). branch: "nearest" to the row before (the first to `start`, angles of the rotary axes in the order A,
-    /// B, C), "1" or "2". max_step_deg: refuses a change of branch (but through the singular pose), and a larger step of a rotary axis from row to row.
+    /// B, C), "1" or "2". max_step_deg: refuses a change of branch (but through the singular pose), and a larger step of a
+    /// rotary axis from row to row.
     #[pyo3(signature = (tip, tool, *, branch = "nearest", start = None, max_step_deg = None, tool_mm = None))]
     fn inverse<'py>(
         &self,

@@ -1,6 +1,6 @@
 //! Machines, their table files, and the static memory of a C program.
 
-#![allow(dead_code, reason = "every test has this module, and uses a part of it")]
+#![allow(dead_code, reason = "the example has this module too, and uses a part of it")]
 
 pub(crate) mod gauge;
 pub(crate) mod rust;

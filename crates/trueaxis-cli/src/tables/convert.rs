@@ -51,7 +51,7 @@ pub(super) fn unit(name: &str) -> Result<Unit> {
     }
 }
 
-/// What a file holds, in mm: a format that does not state its unit is read in the one given.
+/// The content of a file in mm. A format that does not state its unit is read in the given one.
 fn in_millimetres(imported: Imported, format: Format, unit: Option<Unit>, file: &Path) -> Result<Imported> {
     if !matches!(format, Format::LinuxCnc(_) | Format::Siemens) {
         if unit.is_some() {
