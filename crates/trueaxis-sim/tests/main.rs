@@ -4,6 +4,7 @@ mod common;
 mod events;
 mod friction;
 mod full;
+mod legs;
 mod motion;
 mod program;
 mod run;

@@ -1,6 +1,6 @@
 //! Samples of a cycle, and the sinks that take them.
 
-use trueaxis::contour::Reference;
+use trueaxis::contour::{Flags, Reference};
 use trueaxis::machine::AXES;
 
 /// Command of a cycle, the same on every machine of a run.
@@ -49,6 +49,8 @@ pub struct Sample {
     pub estimated_um: f32,
     /// The same as a vector, tip − foot, in machine directions; none while the foot is not known or the path has ended.
     pub contour_um: Option<[f32; 3]>,
+    /// Flags of its foot.
+    pub contour_flags: Flags,
     /// Contour error that it reports for the plain encoder position, µm.
     pub encoder_um: f64,
     /// Arc length from the tip's foot to the reference, µm.

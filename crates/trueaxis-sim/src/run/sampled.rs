@@ -35,6 +35,7 @@ impl<const N: usize> Cell<N> {
             estimated_orientation_urad: (orientation.angle * 1e6) as f32,
             estimated_um: (record.tip.error * 1e3) as f32,
             contour_um: self.contour(record),
+            contour_flags: record.tip.flags,
             encoder_um: record.encoder.error * 1e3,
             lag_um: record.tip.lag * 1e3,
             fault: record.fault as u8,

@@ -12,6 +12,8 @@
 //! - the step has two points, estimated tip and encoder position, and searches them together
 //!   ([`ContourSearch::update_pair`]): the tip's foot is followed, and the encoder's is the minimum of its distance
 //!   downhill from there. In a hairpin both are on the same leg;
+//! - where the path turns back by almost 180°, the foot goes by order along the path and lag, not by distance alone, and a
+//!   second minimum is flagged while both legs are near;
 //! - with no foot known (first cycle, after a fault, lost) the path around the reference is searched over several cycles,
 //!   first behind it, then ahead;
 //! - a host whose planner is closed lets its own commands be the path ([`CommandWindow`]);
@@ -26,6 +28,7 @@ mod buffer;
 mod command_window;
 mod convert;
 mod kernel;
+mod legs;
 mod nearest;
 mod offline;
 mod orientation;

@@ -1,8 +1,9 @@
 //! The search of every cycle, warm and cold.
 
 use super::kernel::{Foot, foot};
+use super::legs::{Apart, Doubt};
 use super::refine::{Found, descend};
-use super::span::{Path, Reference, dot};
+use super::span::{OnPath, Path, Reference, dot};
 use super::way::{advance, step, way, way_far};
 use super::{ContourError, Flags};
 use crate::error::{ConfigError, Field};
@@ -36,6 +37,8 @@ pub struct ContourState<R> {
     pub(super) reference: Reference<R>,
     /// A foot is known.
     pub(super) warm: bool,
+    /// Another leg lies beside the foot's.
+    pub(super) doubt: Doubt<R>,
     /// Samples of the cold search that have been taken, and the best one.
     pub(super) looked: u16,
     pub(super) best: Sample<R>,
@@ -79,6 +82,8 @@ const WINDOW_PER_PROGRESS: f64 = 4.0;
 const COLD_SAMPLES: u16 = 129;
 /// Those from the reference backwards; the others lead on from it.
 const COLD_BEHIND: u16 = 66;
+/// What a sample's lag adds to its distance, at right angles: of legs side by side the one near the reference is taken.
+const DOUBT_PER_LAG: f64 = 0.05;
 /// Samples of a cold search in one cycle.
 const COLD_PER_CYCLE: u16 = 3;
 /// Evaluations of the descent in a cycle that takes cold samples too.
@@ -158,6 +163,17 @@ impl<R: Real> ContourSearch<R> {
         };
         let Some(span) = path.span(guess.span) else { return self.slow(state, path, reference, point) };
         let window = window(progress);
+        let mut alone = !state.doubt.open;
+        if !alone || state.foot.span != reference.span {
+            let apart = Apart {
+                foot: state.foot.span,
+                reference: reference.span,
+                anew: state.foot.span == state.reference.span,
+                lag: way(path, guess, reference).unwrap_or(R::ZERO),
+                progress,
+            };
+            alone = !state.doubt.follow(path, &apart, window);
+        }
         let found = foot(span, &span.relative(point), guess.t);
         let (place, length) = (span.arc_length(found.t), span.length());
         let squared = dot(&found.vector, &found.vector);
@@ -165,7 +181,7 @@ impl<R: Real> ContourSearch<R> {
         let sight = sight(window, error);
         let clear = place > sight && length - place > sight;
         let near = (place - span.arc_length(guess.t)).abs() <= window;
-        if found.trusted && clear && near {
+        if found.trusted && clear && near && alone {
             let result = Found {
                 place: Reference { span: guess.span, t: found.t },
                 vector: found.vector,
@@ -179,7 +195,7 @@ impl<R: Real> ContourSearch<R> {
         self.beside(state, path, reference, point, guess, window, found)
     }
 
-    /// The kernel's foot is not clear: near a border, beyond it, or not trusted.
+    /// The kernel's foot is not clear: near a border, beyond it, not trusted, or beside another leg.
     #[inline(never)]
     fn beside<P: Position>(
         &self,
@@ -209,18 +225,30 @@ impl<R: Real> ContourSearch<R> {
                 None => return ContourError::none(),
             }
         };
+        let on = OnPath { path: *path, reference };
+        let mut doubt = state.doubt;
+        let resolved = if doubt.open && first.trusted && near {
+            doubt.resolve(&on, window, self.max_lag, &found, |span| span.relative(point), &mut spent)
+        } else {
+            None
+        };
         // One more call of the kernel, at the nearer border; a span so short that both are in sight is left soon.
-        if spent + 2 <= EVALUATIONS
-            && let Some(other) = across(path, &found, point, window, &mut spent)
+        if let Some(other) = resolved {
+            found = other;
+        } else if spent + 2 <= EVALUATIONS
+            && let Some(other) = across(&on, &mut doubt, self.max_lag, &found, point, window, &mut spent)
         {
             found = other;
         }
+        state.doubt = doubt;
         // On short spans at high feed the evaluations may run out just past a border: the next cycle goes on from there.
-        if !(found.flags.has(Flags::BRACKETED) || found.downhill) {
+        if !(found.flags.has(Flags::BRACKETED) || found.downhill) || doubt.is_lost() {
             state.warm = false;
             state.looked = 0;
         }
-        self.report_found(state, path, reference, &found, spent)
+        let mut error = self.report_found(state, path, reference, &found, spent);
+        error.flags = error.flags.and(doubt.flags());
+        error
     }
 
     /// No foot known, or plain bisection.
@@ -321,6 +349,7 @@ impl<R: Real> ContourSearch<R> {
     ) {
         if state.looked == 0 {
             state.best_distance = R::MAX;
+            state.doubt = Doubt::none();
             state.best = Sample { at: reference, lag: R::ZERO };
             state.sample = state.best;
         } else {
@@ -336,12 +365,13 @@ impl<R: Real> ContourSearch<R> {
             if state.looked == COLD_BEHIND {
                 state.sample = Sample { at: reference, lag: R::ZERO }.step(path, spacing);
             }
-            let Sample { at, .. } = state.sample;
+            let Sample { at, lag } = state.sample;
             if let Some(span) = path.span(at.span) {
                 let ([x, y, z], [px, py, pz]) = (span.local(at.t), span.relative(point));
                 let off = [x - px, y - py, z - pz];
                 *spent = spent.saturating_add(1);
-                let distance = dot(&off, &off);
+                let doubtful = R::of(DOUBT_PER_LAG) * lag;
+                let distance = dot(&off, &off) + doubtful * doubtful;
                 if distance < state.best_distance {
                     (state.best_distance, state.best) = (distance, state.sample);
                 }
@@ -432,15 +462,19 @@ pub(super) fn components<R: Real, P: Position>(
     }
 }
 
-/// A minimum behind the nearer border, if the path bends so that there is one on each side: the nearer of the two.
+/// A minimum behind the nearer border, if the path bends so that there is one on each side: the nearer of the two, of
+/// two legs side by side the one that is meant.
 #[inline(never)]
 pub(super) fn across<R: Real, P: Position>(
-    path: &Path<'_, R, P>,
+    on: &OnPath<'_, R, P>,
+    doubt: &mut Doubt<R>,
+    max_lag: R,
     found: &Found<R>,
     point: &[P; 3],
     window: R,
     spent: &mut u8,
 ) -> Option<Found<R>> {
+    let path = &on.path;
     let span = path.span(found.place.span)?;
     let (place, length) = (span.arc_length(found.place.t), span.length());
     let distance = dot(&found.vector, &found.vector);
@@ -461,16 +495,19 @@ pub(super) fn across<R: Real, P: Position>(
         return None;
     }
     let nearer = dot(&other.vector, &other.vector);
-    let both = Flags::BRACKETED.and(Flags::SECOND_MINIMUM);
+    let other = Found {
+        place: Reference { span: number, t: other.t },
+        vector: other.vector,
+        tangent: other.tangent,
+        width: R::ZERO,
+        flags: Flags::BRACKETED.and(Flags::SECOND_MINIMUM),
+        downhill: false,
+    };
+    if let Some(meant) = doubt.at_border(on, window, max_lag, (found, &other), forward) {
+        return Some(meant);
+    }
     if nearer < distance {
-        Some(Found {
-            place: Reference { span: number, t: other.t },
-            vector: other.vector,
-            tangent: other.tangent,
-            width: R::ZERO,
-            flags: both,
-            downhill: false,
-        })
+        Some(other)
     } else {
         Some(Found { flags: found.flags.and(Flags::SECOND_MINIMUM), ..*found })
     }

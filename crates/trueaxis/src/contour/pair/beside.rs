@@ -3,9 +3,10 @@
 use super::frame::{Seen, Start, Tangent, feet, local};
 use super::{PairState, place};
 use crate::contour::kernel::{Evaluation, evaluate, foot};
+use crate::contour::legs::Doubt;
 use crate::contour::refine::{Found, at, descend};
 use crate::contour::search::{BISECTIONS, ContourState, across, components, sight, window};
-use crate::contour::span::{OnPath, Path, Reference, dot};
+use crate::contour::span::{OnPath, Path, Reference, Span, dot};
 use crate::contour::way::{way, way_far};
 use crate::contour::{ContourError, ContourSearch, Flags, Method};
 use crate::position::Position;
@@ -20,6 +21,7 @@ const DESCENT: u8 = 3;
 
 /// The two points in a cycle, and what has been spent on them.
 struct Points<'a, 's, R: Real, P> {
+    on: &'a OnPath<'s, R, P>,
     path: &'a Path<'s, R, P>,
     position: &'a [P; 3],
     d: &'a [R; 3],
@@ -30,6 +32,8 @@ struct Points<'a, 's, R: Real, P> {
     /// A span near the feet, and the arc length from its start to the reference.
     base: u32,
     place: R,
+    doubt: Doubt<R>,
+    max_lag: R,
     /// Evaluations for the tip, or for both, and for the encoder alone.
     spent: [u8; 2],
 }
@@ -76,14 +80,26 @@ impl<R: Real> ContourSearch<R> {
     ) {
         let spent = [2, u8::from(seen.tip())];
         let Start { window, place, .. } = start;
-        let mut points = Points { path: &on.path, position, d, window, reach: window, base: guess.span, place, spent };
+        let mut points = Points {
+            on,
+            path: &on.path,
+            position,
+            d,
+            window,
+            reach: window,
+            base: guess.span,
+            place,
+            doubt: state.tip.doubt,
+            max_lag: self.max_lag,
+            spent,
+        };
         let mut feet = Feet { tip: None, encoder: None };
         points.resolve(&mut feet, guess, seen, along, tip, encoder);
         let Feet { tip: Some(at_tip), encoder: Some(at_encoder) } = &feet else {
             return state.lose(tip, encoder);
         };
         // On short spans at high feed the evaluations may run out just past a border: the next cycle goes on from there.
-        if !(at_tip.flags.has(Flags::BRACKETED) || at_tip.downhill) {
+        if !(at_tip.flags.has(Flags::BRACKETED) || at_tip.downhill) || points.doubt.is_lost() {
             state.tip.warm = false;
             state.tip.looked = 0;
         }
@@ -119,6 +135,7 @@ impl<R: Real> ContourSearch<R> {
         let point = [x.plus(d[0]), y.plus(d[1]), z.plus(d[2])];
         let reach = self.max_lag;
         let mut points = Points {
+            on,
             path: &on.path,
             position,
             d,
@@ -126,6 +143,8 @@ impl<R: Real> ContourSearch<R> {
             reach,
             base: reference.span,
             place: R::ZERO,
+            doubt: Doubt::none(),
+            max_lag: self.max_lag,
             spent: [0; 2],
         };
         let found = match self.method {
@@ -200,7 +219,7 @@ impl<R: Real> ContourSearch<R> {
     ) {
         let [for_tip, for_encoder] = points.spent;
         let lag = points.lag(at_tip.place, self.max_lag);
-        (state.tip.foot, state.tip.reference) = (at_tip.place, reference);
+        (state.tip.foot, state.tip.reference, state.tip.doubt) = (at_tip.place, reference, points.doubt);
         if state.tip.warm && lag.abs() > self.max_lag {
             // The foot has stayed behind: look around afresh.
             state.tip.warm = false;
@@ -211,6 +230,7 @@ impl<R: Real> ContourSearch<R> {
         for (foot, found, lag, spent) in [(tip, at_tip, lag, for_tip), (encoder, at_encoder, behind, for_encoder)] {
             let error = dot(&found.vector, &found.vector).root();
             *foot = components(points.path, found, error, lag, spent);
+            foot.flags = foot.flags.and(points.doubt.flags());
         }
     }
 }
@@ -273,7 +293,9 @@ impl<R: Real, P: Position> Points<'_, '_, R, P> {
         let near = (tip.t.limit(R::ZERO, R::ONE) - guess.t).abs() * along.speed <= self.reach;
         if seen.tip() && near {
             *feet = Feet::of(guess.span, seen, along, tip, encoder);
-            from = self.look_beyond(feet, guess.span, seen, tip, encoder);
+            if !self.look_beside(feet) {
+                from = self.look_beyond(feet, guess.span, seen, tip, encoder);
+            }
         }
         if feet.tip.is_none() {
             feet.tip = self.descend_from(from.tip);
@@ -281,6 +303,23 @@ impl<R: Real, P: Position> Points<'_, '_, R, P> {
         if let (Some(at_tip), None) = (&feet.tip, &feet.encoder) {
             feet.encoder = Some(self.encoder_from(at_tip, from.encoder));
         }
+    }
+
+    /// Looks at the leg beside the tip's foot, if there is one: of both feet the one that is meant, and the encoder's on the
+    /// same leg.
+    fn look_beside(&mut self, found: &mut Feet<R>) -> bool {
+        let (true, Some(at_tip)) = (self.doubt.open, &found.tip) else { return false };
+        let (position, d) = (self.position, self.d);
+        let tip = |span: &Span<R, P>| local(span, position, d);
+        let Some(meant) = self.doubt.resolve(self.on, self.window, self.max_lag, at_tip, tip, &mut self.spent[0])
+        else {
+            return false;
+        };
+        if meant.place.span != at_tip.place.span {
+            found.encoder = None;
+        }
+        found.tip = Some(meant);
+        true
     }
 
     /// Looks behind the border in sight, if there is one: one frame there for both points; where feet are still
@@ -322,8 +361,7 @@ impl<R: Real, P: Position> Points<'_, '_, R, P> {
                 self.spent[0] += 2;
                 self.spent[1] += u8::from(inside.tip());
                 let second = Feet::of(beyond, inside, &along, &to_tip, &to_encoder);
-                keep_nearer(&mut found.tip, &second.tip);
-                keep_nearer(&mut found.encoder, &second.encoder);
+                self.keep_meant(found, second, forward);
                 // Only between two feet beyond it from either side is the border the foot.
                 let begin = Reference { span: beyond, t: entry };
                 let [tip_outside, encoder_outside] = [uphill[0] || inside.tip(), uphill[1] || inside.encoder()];
@@ -341,6 +379,26 @@ impl<R: Real, P: Position> Points<'_, '_, R, P> {
             self.look_at(found, number, outer, forward, missing);
         }
         from
+    }
+
+    /// Keeps the nearer feet of both sides of a border, or those of the leg that is meant.
+    fn keep_meant(&mut self, found: &mut Feet<R>, second: Feet<R>, forward: bool) {
+        let meant = match (&found.tip, &second.tip) {
+            (Some(one), Some(other)) => self.doubt.at_border(self.on, self.window, self.max_lag, (one, other), forward),
+            _ => None,
+        };
+        match meant {
+            Some(meant) => {
+                if found.tip.is_some_and(|one| one.place != meant.place) {
+                    found.encoder = second.encoder;
+                }
+                found.tip = Some(meant);
+            }
+            None => {
+                keep_nearer(&mut found.tip, &second.tip);
+                keep_nearer(&mut found.encoder, &second.encoder);
+            }
+        }
     }
 
     /// The border itself, for the points whose foot is missing: a corner, or the end of an open path.
@@ -394,7 +452,8 @@ impl<R: Real, P: Position> Points<'_, '_, R, P> {
         if self.left() < 4 {
             return Some(found);
         }
-        across(self.path, &found, &point, self.window, &mut self.spent[0]).or(Some(found))
+        let spent = &mut self.spent[0];
+        across(self.on, &mut self.doubt, self.max_lag, &found, &point, self.window, spent).or(Some(found))
     }
 
     /// The encoder's foot by the kernel, from a guess or from the tip's; else that one itself, not bracketed.

@@ -11,6 +11,7 @@
 mod beside;
 mod frame;
 
+use super::legs::Apart;
 use super::search::{ContourSearch, ContourState, Method, window};
 use super::span::{OnPath, Path, Reference, dot};
 use super::way::{Moved, advance, way};
@@ -106,7 +107,8 @@ impl<R: Real> ContourSearch<R> {
         let mut progress = place - state.place;
         let mut guess = state.tip.foot.t + progress / state.along.speed;
         let same = state.tip.foot.span == number && state.tip.reference.span == number;
-        if !(same && guess.is_in_unit()) {
+        let mut max_lag = self.max_lag;
+        if !(same && guess.is_in_unit()) || state.tip.doubt.open {
             let Some(at) = state.cross(&on.path, reference) else {
                 // Out of sight.
                 state.forget();
@@ -117,10 +119,21 @@ impl<R: Real> ContourSearch<R> {
                 return self.pair_anew(state, on, position, d, tip, encoder);
             };
             span = other;
+            let apart = Apart {
+                foot: state.tip.foot.span,
+                reference: reference.span,
+                anew: state.tip.foot.span == state.tip.reference.span,
+                lag: place - span.arc_length(guess),
+                progress,
+            };
+            if state.tip.doubt.follow(&on.path, &apart, window(progress)) {
+                // No lag is so small: never plain.
+                max_lag = -R::ONE;
+            }
             state.tip.foot.span = number;
         }
         (state.place, state.tip.reference) = (place, reference);
-        let start = Start { guess, window: window(progress), place, max_lag: self.max_lag };
+        let start = Start { guess, window: window(progress), place, max_lag };
         let seen = feet(span, position, d, start, tip, encoder, &mut state.along);
         if !seen.plain() {
             let (from, along) = (Reference { span: number, t: guess }, state.along);

@@ -11,6 +11,7 @@ use std::vec::Vec;
 
 mod exact;
 mod follow;
+mod legs;
 mod shapes;
 
 /// A path's both contour errors in a cycle.

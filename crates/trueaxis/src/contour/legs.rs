@@ -1,0 +1,260 @@
+//! Two legs side by side: behind a turn by almost 180°, a tip close to both is on one of them by order along the path.
+//!
+//! The distance alone does not tell which. A tip that lags turns round when the reference has come back to it, so that its
+//! foot
+//!
+//! - is not ahead of the reference by more than the window;
+//! - does not go back along the path by more than the window;
+//! - lags, on the leg before the turn, at most twice as much as when the reference turned;
+//! - is the nearer one where both are possible.
+//!
+//! The doubt begins when the reference has turned against the foot, or the foot goes back; it ends where the leg that was
+//! left is out of sight. Meanwhile no cycle is plain, and a second minimum is flagged while it is near or could not be
+//! looked at.
+
+use super::Flags;
+use super::kernel::{evaluate, foot};
+use super::refine::Found;
+use super::search::sight;
+use super::span::{OnPath, Path, Reference, Span, dot};
+use super::way::{advance, way};
+use crate::position::Position;
+use crate::real::Real;
+
+/// Square of the cosine of the largest angle between legs that lie side by side, 45°. Beyond 28° the border is in sight
+/// for as long as the legs are close.
+const SIDE_BY_SIDE: f64 = 0.5;
+/// Two feet closer than this are the same to whoever acts on them, mm.
+const SAME: f64 = 2e-4;
+
+/// Cycles in a row after which a foot that is not believed is given up.
+const MISSED: u8 = 8;
+
+/// Which leg the foot is on, from cycle to cycle.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Doubt<R> {
+    pub(super) open: bool,
+    /// The foot is on the leg after the turn; the one on the leg before it.
+    left: Option<Reference<R>>,
+    /// Arc length from the furthest place of the foot to the reference, mm.
+    furthest: R,
+    /// Lag in the last cycle, mm.
+    lag: R,
+    /// The largest lag on this leg that is believed, mm.
+    believed: R,
+    /// Span of the reference when it had turned.
+    turned: u32,
+    /// The other leg has not been looked at in this cycle.
+    unresolved: bool,
+    /// Cycles in a row in which the foot is not believed and no other is found.
+    missed: u8,
+}
+
+/// A cycle's start: foot and reference are on two spans.
+pub(super) struct Apart<R> {
+    pub(super) foot: u32,
+    pub(super) reference: u32,
+    /// They were on one span in the last cycle.
+    pub(super) anew: bool,
+    /// Lag in the last cycle, and progress of the reference since.
+    pub(super) lag: R,
+    pub(super) progress: R,
+}
+
+/// Whether a span ends against the direction in which another begins.
+#[inline(always)]
+fn against<R: Real, P>(one: &Span<R, P>, other: &Span<R, P>) -> bool {
+    let [c0, c1, ..] = &one.coefficients;
+    let start: [R; 3] = core::array::from_fn(|k| c1[k] * c0[3] - c0[k] * c1[3]);
+    let (mut at, mut rate, mut power) = ([R::ZERO; 4], [R::ZERO; 4], R::ZERO);
+    for c in &other.coefficients {
+        for k in 0..4 {
+            at[k] += c[k];
+            rate[k] += power * c[k];
+        }
+        power += R::ONE;
+    }
+    let end: [R; 3] = core::array::from_fn(|k| rate[k] * at[3] - at[k] * rate[3]);
+    are_against(&start, &end)
+}
+
+#[inline(always)]
+pub(super) fn are_against<R: Real>(a: &[R; 3], b: &[R; 3]) -> bool {
+    let along = dot(a, b);
+    along < R::ZERO && along * along > R::of(SIDE_BY_SIDE) * (dot(a, a) * dot(b, b))
+}
+
+impl<R: Real> Doubt<R> {
+    /// Whether there is a doubt in this cycle.
+    #[inline(always)]
+    pub(super) fn follow<P: Position>(&mut self, path: &Path<'_, R, P>, apart: &Apart<R>, window: R) -> bool {
+        let Apart { foot, reference, anew, lag, progress } = *apart;
+        self.unresolved = true;
+        if anew || progress < R::ZERO || lag < self.furthest {
+            self.furthest = lag;
+        }
+        let back = lag - self.furthest > window;
+        self.furthest += progress;
+        self.lag = lag;
+        if foot != reference && (back || self.has_turned(path, foot, reference)) {
+            if !self.open || self.left.is_some() {
+                (self.open, self.left, self.turned) = (true, None, reference);
+                self.believed = R::TWO * lag.max(R::ZERO) + window;
+            }
+            self.missed = if back || lag > self.believed { self.missed.saturating_add(1) } else { 0 };
+        } else {
+            self.open &= self.left.is_some_and(|left| left.span != foot);
+            self.missed = 0;
+        }
+        self.open
+    }
+
+    /// Whether the reference goes against the foot's direction, or has done so and the foot is not there yet.
+    #[inline(always)]
+    fn has_turned<P: Position>(&self, path: &Path<'_, R, P>, foot: u32, reference: u32) -> bool {
+        let waits = self.open && self.left.is_none() && (foot.wrapping_sub(self.turned) as i32) < 0;
+        waits || matches!((path.span(foot), path.span(reference)), (Some(one), Some(other)) if against(one, other))
+    }
+
+    /// Of the foot `one` and the minimum on the leg beside it the one that is meant; none where that has no minimum, or a
+    /// border ahead has to be looked at. Three evaluations.
+    pub(super) fn resolve<P: Position>(
+        &mut self,
+        on: &OnPath<'_, R, P>,
+        window: R,
+        max_lag: R,
+        one: &Found<R>,
+        point: impl Fn(&Span<R, P>) -> [R; 3],
+        spent: &mut u8,
+    ) -> Option<Found<R>> {
+        let path = &on.path;
+        let Some(left) = self.left else {
+            let after = beside_reference(on, max_lag, point, spent)?;
+            if after.place.span == one.place.span {
+                // It is the only one.
+                *self = Self::none();
+                return None;
+            }
+            return self.choose(on, window, max_lag, one, &after, self.lag);
+        };
+        let span = path.span(one.place.span)?;
+        let error = dot(&one.vector, &one.vector).root();
+        if span.length() - span.arc_length(one.place.t) <= sight(window, error) {
+            return None;
+        }
+        let Some((before, t)) = minimum(path, left, point, spent) else {
+            *self = Self::none();
+            return None;
+        };
+        if let Some(before) = before {
+            // Over many spans it is out of sight.
+            let lag = way(path, before.place, on.reference).unwrap_or(R::MAX);
+            return self.choose(on, window, max_lag, &before, one, lag);
+        }
+        // It has come to the span beside, or the leg ends there.
+        let beside = if t < R::ZERO { (path.previous(left.span), R::ONE) } else { (path.next(left.span), R::ZERO) };
+        self.left = beside.0.filter(|span| *span != one.place.span).map(|span| Reference { span, t: beside.1 });
+        self.open = self.left.is_some();
+        None
+    }
+
+    /// Of two minima in path order the one that is meant; flagged where the other is near. None where the path is cut off.
+    fn choose<P: Position>(
+        &mut self,
+        on: &OnPath<'_, R, P>,
+        window: R,
+        max_lag: R,
+        before: &Found<R>,
+        after: &Found<R>,
+        lag_before: R,
+    ) -> Option<Found<R>> {
+        let lag_after = way(&on.path, after.place, on.reference)?;
+        let [far, near] = [before, after].map(|found| dot(&found.vector, &found.vector).root());
+        (self.unresolved, self.missed) = (false, 0);
+        let behind = lag_before - self.furthest > window || lag_before > self.believed;
+        let is_after = lag_after >= -window && (behind || near < far);
+        let (one, distance, other) = if is_after { (after, near, far) } else { (before, far, near) };
+        let apart: [R; 3] = core::array::from_fn(|k| after.vector[k] - before.vector[k]);
+        let in_sight = other <= sight(window, distance);
+        let passed = !in_sight || lag_before - lag_after > R::TWO * max_lag;
+        self.left = (is_after && !passed).then_some(before.place);
+        self.open = !(is_after && passed);
+        let said = in_sight && dot(&apart, &apart) > R::of(SAME * SAME);
+        Some(Found { flags: if said { one.flags.and(Flags::SECOND_MINIMUM) } else { one.flags }, ..*one })
+    }
+
+    /// The same of the minima on both sides of a border, `other` behind it; none where its spans are not side by side.
+    pub(super) fn at_border<P: Position>(
+        &mut self,
+        on: &OnPath<'_, R, P>,
+        window: R,
+        max_lag: R,
+        (one, other): (&Found<R>, &Found<R>),
+        forward: bool,
+    ) -> Option<Found<R>> {
+        if !are_against(&one.tangent, &other.tangent) {
+            return None;
+        }
+        let (before, after) = if forward { (one, other) } else { (other, one) };
+        let lag = way(&on.path, before.place, on.reference)?;
+        if !self.open {
+            (self.furthest, self.believed) = (lag, R::MAX);
+        }
+        let found = self.choose(on, window, max_lag, before, after, lag)?;
+        Some(Found { flags: found.flags.and(Flags::SECOND_MINIMUM), ..found })
+    }
+
+    /// The foot has stayed behind on a leg, and no other was found: the path is looked at afresh.
+    pub(super) fn is_lost(&self) -> bool {
+        self.open && self.unresolved && self.missed > MISSED
+    }
+
+    /// What a foot is flagged with while the leg beside it could not be looked at.
+    pub(super) fn flags(&self) -> Flags {
+        if self.open && self.unresolved { Flags::SECOND_MINIMUM } else { Flags::default() }
+    }
+
+    /// No foot is known, or it is known to be the only one.
+    pub(super) fn none() -> Self {
+        Doubt { furthest: R::MAX, ..Doubt::default() }
+    }
+}
+
+/// The minimum near a place, if its span has one, and the parameter of the foot; none where there is no minimum at all.
+fn minimum<R: Real, P: Position>(
+    path: &Path<'_, R, P>,
+    near: Reference<R>,
+    point: impl Fn(&Span<R, P>) -> [R; 3],
+    spent: &mut u8,
+) -> Option<(Option<Found<R>>, R)> {
+    let span = path.span(near.span)?;
+    let found = foot(span, &point(span), near.t);
+    *spent = spent.saturating_add(2);
+    let inside = || Found {
+        place: Reference { t: found.t, ..near },
+        vector: found.vector,
+        tangent: found.tangent,
+        width: R::ZERO,
+        flags: Flags::BRACKETED,
+        downhill: false,
+    };
+    found.converged.then(|| (found.t.is_in_unit().then(inside), found.t))
+}
+
+/// The minimum on the leg that the reference is on.
+fn beside_reference<R: Real, P: Position>(
+    on: &OnPath<'_, R, P>,
+    max_lag: R,
+    point: impl Fn(&Span<R, P>) -> [R; 3],
+    spent: &mut u8,
+) -> Option<Found<R>> {
+    let OnPath { path, reference } = on;
+    let span = path.span(reference.span)?;
+    let e = evaluate(span, &point(span), reference.t);
+    *spent = spent.saturating_add(1);
+    let lag = e.g / e.straight.root();
+    // What is not a number is no lag either.
+    let in_reach = lag.abs() <= max_lag;
+    let near = in_reach.then(|| advance(path, *reference, -lag))??.to;
+    minimum(path, near, point, spent)?.0
+}
