@@ -351,10 +351,10 @@ fn a_second_command_does_not_write_meanwhile() {
     let (folder, program) = begun(&one_ball());
     probe(&folder, &program, Drift { offset_um: [6.0, 0.0, -9.0], ..Drift::default() });
     let before = folder.tree();
-    let first = std::fs::File::open(folder.join("keep.toml")).unwrap();
+    let first = std::fs::File::open(folder.join("mill")).unwrap();
     first.lock().unwrap();
-    folder.bad(&keep("apply", &[]), &["keep.toml", "another `trueaxis keep` at work"]);
-    folder.bad(&["keep", "undo", "keep.toml", "2"], &["keep.toml", "another `trueaxis keep` at work"]);
+    folder.bad(&keep("apply", &[]), &["mill", "another command that changes this machine"]);
+    folder.bad(&["keep", "undo", "keep.toml", "2"], &["mill", "another command that changes this machine"]);
     folder.good(&keep("check", &[]));
     assert_eq!(folder.tree(), before);
     drop(first);
