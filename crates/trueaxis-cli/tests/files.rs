@@ -365,3 +365,50 @@ fn a_refused_command_leaves_nothing_behind() {
     directory.bad(&[&helicoid[..], &["--report", "pages", "-o", "no/where"]].concat(), &["cannot write no/where"]);
     directory.bad(&["tables", "compile", "m", "-o", "no/where.tcomp"], &["cannot write no/where.tcomp"]);
 }
+
+/// Names that would act on a terminal are written out in every message, as in a refusal.
+#[cfg(unix)]
+#[test]
+fn names_do_not_act_on_a_terminal() {
+    let directory = Folder::new(TRUEAXIS);
+    hall_2(&directory);
+    let import =
+        |output| ["tables", "import", "--from", "linuxcnc", "--unit", "mm", "new.comp", "--axis", "X", "-o", output];
+    let acts = |text: &str| text.contains(['\u{1b}', '\u{202e}', '\u{2066}', '\r']);
+    for (name, shown) in [("a\u{1b}[2Jb", "a\\u{1b}[2Jb"), ("a\u{202e}b", "a\\u{202e}b"), ("a\rb", "a\\rb")] {
+        let said = directory.reported(&import(name));
+        assert!(said.contains(&format!("written {shown}/machine.toml")) && !acts(&said), "{said:?}");
+        let [out, said] = directory.both(&["tables", "check", name]);
+        assert!(out.contains(shown) && !acts(&out) && !acts(&said), "{out:?} {said:?}");
+        assert!(!acts(&directory.bad(&["tables", "check", &format!("{name}/none")], &[shown])));
+    }
+    directory.write("m/machine.toml", MACHINE.replace("hall 2\"   #", "hall \u{2066}2\"   #"));
+    let out = directory.good(&["tables", "check", "m"]);
+    assert!(out.contains("hall \\u{2066}2") && !acts(&out), "{out:?}");
+    // What a program reads is as it is.
+    directory.write("m/machine.toml", MACHINE.replace("hall 2\"   #", "hall \u{202e}2\"   #"));
+    assert!(directory.json(&["tables", "check", "m", "--json"]).to_string().contains("hall \u{202e}2"));
+}
+
+/// A link to a file that is not there yet is followed, one that leads nowhere refused.
+#[cfg(unix)]
+#[test]
+fn a_link_stays_one_wherever_it_leads() {
+    let directory = Folder::new(TRUEAXIS);
+    hall_2(&directory);
+    std::os::unix::fs::symlink("kept.tcomp", directory.join("link.tcomp")).unwrap();
+    directory.reported(&["tables", "compile", "m", "-o", "link.tcomp"]);
+    assert!(directory.join("link.tcomp").is_symlink() && directory.join("kept.tcomp").is_file());
+    directory.write("q.csv", "x_mm,y_mm,z_mm\n1,2,3\n");
+    for (link, to, part) in [("astray", "none/kept", "No such file"), ("round", "round", "leads nowhere")] {
+        std::os::unix::fs::symlink(to, directory.join(link)).unwrap();
+        for command in [["tables", "compile", "m", "-o", link], ["compensate", "m", "q.csv", "-o", link]] {
+            let output = directory.run(&command);
+            let said = String::from_utf8(output.stderr).unwrap();
+            assert!(output.status.code() == Some(2) && said.contains(link) && said.contains(part), "{said}");
+            assert!(directory.join(link).is_symlink());
+        }
+    }
+    let through = directory.run(&["tables", "compile", "m", "-o", "/dev/stdout"]);
+    assert_eq!(through.stdout, fs::read(directory.join("kept.tcomp")).unwrap());
+}

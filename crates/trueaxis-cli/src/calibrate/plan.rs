@@ -1,7 +1,7 @@
 //! `trueaxis calibrate plan`.
 
 use super::{PlanArguments, read};
-use crate::output::{json, print, tell};
+use crate::output::{data, json, tell};
 use anyhow::Result;
 use trueaxis_evaluation::calibrate::Planning;
 use trueaxis_report::number::significant;
@@ -12,7 +12,7 @@ pub(super) fn run(arguments: &PlanArguments) -> Result<()> {
     let read = read(&arguments.task)?;
     let Planning { program, foreseen, .. } = Planning::new(&read.task, &read.machine)?;
     match &arguments.output {
-        None => print(&program)?,
+        None => data(&program)?,
         Some(output) => {
             let machine = Machine::files(&read.path).unwrap_or_default();
             let mut outputs = Outputs::of(machine.iter().chain([&arguments.task]));

@@ -2,7 +2,7 @@
 
 use super::PlanArguments;
 use crate::model::note;
-use crate::output::{json, print, tell};
+use crate::output::{data, json, tell};
 use anyhow::Result;
 use trueaxis_evaluation::keep::{Planning, State};
 use trueaxis_report::number::significant;
@@ -12,7 +12,7 @@ pub(super) fn run(arguments: &PlanArguments) -> Result<()> {
     let state = State::read(&arguments.task, &mut note)?;
     let Planning { program, foreseen, .. } = Planning::new(&state.keep, &state.machine)?;
     match &arguments.output {
-        None => print(&program)?,
+        None => data(&program)?,
         Some(output) => {
             let own = state.files.keys().map(|file| state.folder.join(file));
             let mut outputs = Outputs::of(own.chain([arguments.task.clone()]));
