@@ -117,7 +117,9 @@ fn table(d: &Document) -> Result<String> {
     for [name, value, error] in values(d) {
         writeln!(text, "{name:<22} {value:>14} {error}")?;
     }
-    writeln!(text, "\nshares")?;
+    if !d.shares.is_empty() {
+        writeln!(text, "\nshares")?;
+    }
     for share in &d.shares {
         writeln!(
             text,

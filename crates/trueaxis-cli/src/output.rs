@@ -23,7 +23,16 @@ pub(crate) fn data(text: &str) -> Result<()> {
 
 /// Prints one JSON document.
 pub(crate) fn json(document: &impl serde::Serialize) -> Result<()> {
-    data(&format!("{}\n", serde_json::to_string_pretty(document)?))
+    let mut text = String::new();
+    for line in serde_json::to_string_pretty(document)?.lines() {
+        // A number ends its line, a string ends with a quote: the sign of nothing is no information.
+        let (value, comma) = line.strip_suffix(',').map_or((line, ""), |value| (value, ","));
+        match value.strip_suffix(" -0.0") {
+            Some(before) => text.extend([before, " 0.0", comma, "\n"]),
+            None => text.extend([line, "\n"]),
+        }
+    }
+    data(&text)
 }
 
 /// A bar on the standard error; hidden by indicatif where that is no terminal.

@@ -6,14 +6,6 @@ use trueaxis_testing::command::Folder;
 
 const TRUEAXIS: &str = env!("CARGO_BIN_EXE_trueaxis");
 
-/// A table to a nanometre: actual − nominal has the rounding of both.
-fn table(csv: &str) -> String {
-    let mut lines = csv.lines();
-    let cell = |cell: &str| format!("{}", (cell.parse::<f64>().unwrap() * 1e3).round() / 1e3);
-    let rows = lines.clone().skip(1).map(|row| row.split(',').map(cell).collect::<Vec<_>>().join(","));
-    std::iter::once(lines.next().unwrap().to_owned()).chain(rows).map(|line| line + "\n").collect()
-}
-
 /// A machine as its owner keeps it.
 const MACHINE: &str = "\
 # The mill in hall 2; do not touch the chain.
@@ -58,7 +50,7 @@ fn an_import_adds_an_axis_and_leaves_the_rest_of_the_machine_as_it_is_written() 
     let expected =
         MACHINE.replace("max_feed_mm_per_min = 15_000\n", "max_feed_mm_per_min = 15_000\ntable = \"x.csv\"\n");
     assert_eq!(directory.read("m/machine.toml"), expected);
-    assert_eq!(table(&directory.read("m/x.csv")), "X_mm,EXX_fwd_um,EXX_rev_um\n-100,1,2\n0,1,2\n100,3,4\n");
+    assert_eq!(directory.read("m/x.csv"), "X_mm,EXX_fwd_um,EXX_rev_um\n-100,1,2\n0,1,2\n100,3,4\n");
     assert_eq!(directory.read("m/y-2024.csv"), Y);
     // An axis of the chain without a section gets one.
     let said = directory
@@ -179,7 +171,7 @@ fn windows_line_ends_and_inline_sections_stay() {
     directory
         .reported(&["tables", "import", "--from", "linuxcnc", "--unit", "mm", "new.comp", "--axis", "X", "-o", "i"]);
     assert_eq!(directory.read("i/machine.toml"), inline);
-    assert!(table(&directory.read("i/a.csv")).contains("100,3,4"));
+    assert!(directory.read("i/a.csv").contains("100,3,4"));
 }
 
 #[test]
@@ -411,4 +403,32 @@ fn a_link_stays_one_wherever_it_leads() {
     }
     let through = directory.run(&["tables", "compile", "m", "-o", "/dev/stdout"]);
     assert_eq!(through.stdout, fs::read(directory.join("kept.tcomp")).unwrap());
+}
+
+/// A figure is written with the digits that were read, and nothing has no sign.
+#[test]
+fn figures_have_the_digits_that_they_came_with() {
+    let directory = Folder::new(TRUEAXIS);
+    directory.write("new.comp", "-100 -100 -100\n10 10.016312 10.016312\n1000 999.9837 999.9837\n");
+    directory.reported(&[
+        "tables",
+        "import",
+        "--from",
+        "linuxcnc-0",
+        "--unit",
+        "mm",
+        "new.comp",
+        "--axis",
+        "X",
+        "-o",
+        "n",
+    ]);
+    assert_eq!(directory.read("n/x.csv"), "X_mm,EXX_um\n-100,0\n10,16.312\n1000,-16.3\n");
+    let mill = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../compensation-tables/mill-5axis");
+    directory.reported(&["tables", "collapse", mill.to_str().unwrap(), "-o", "c"]);
+    let machine = directory.read("c/machine.toml");
+    assert!(machine.contains("encoder_resolution_urad = 0.21\n"), "{machine}");
+    let mill = mill.with_file_name("mill-3axis");
+    let document = directory.good(&["correct", mill.to_str().unwrap(), "--at", "0,0,0", "--json"]);
+    assert!(document.contains(" 0.0") && !document.contains("-0.0,") && !document.contains("-0.0\n"), "{document}");
 }

@@ -347,6 +347,15 @@ fn a_command_that_was_ended_between_history_and_tables_is_told_and_entered() {
 }
 
 #[test]
+fn a_program_of_one_minute_is_one() {
+    let fast = "probe_feed_mm_per_min = 1000.0\nfeed_mm_per_min = 20000.0\n";
+    let (folder, _) = folder(&format!("{HEAD}{PROBE}{fast}{BALL}{OFFSETS}"));
+    let told = folder.reported(&["keep", "plan", "keep.toml", "-o", "look.ngc"]);
+    assert!(told.contains(" touches, about 1 minute\n"), "{told}");
+    assert!(folder.read("look.ngc").contains("about 1 minute)"));
+}
+
+#[test]
 fn a_second_command_does_not_write_meanwhile() {
     let (folder, program) = begun(&one_ball());
     probe(&folder, &program, Drift { offset_um: [6.0, 0.0, -9.0], ..Drift::default() });
