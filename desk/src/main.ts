@@ -133,7 +133,12 @@ async function start(): Promise<void> {
       if (!(one.view.id in state.views)) continue;
       // A view is built while it is seen: plots need its width.
       await show(one.view.id);
-      await one.view.open(state.views[one.view.id]);
+      try {
+        await one.view.open(state.views[one.view.id]);
+      } catch (thrown) {
+        // Of a part that is not there the browser knows only what it could not do with it.
+        throw thrown instanceof TypeError ? new Error(`views.${one.view.id}: found a state with parts missing or of another kind (${message(thrown)}), needed one that this page saved`) : thrown;
+      }
     }
     await show(state.view);
   }

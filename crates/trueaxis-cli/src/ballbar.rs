@@ -78,6 +78,7 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+    let _alone = arguments.output.as_deref().map(machine_folder::alone).transpose()?;
     let pitches_mm = [arguments.pitch_x_mm, arguments.pitch_y_mm, arguments.pitch_z_mm];
     let options = Options::new(arguments.radius_mm, arguments.axes, pitches_mm).map_err(|wrong| wrong.option())?;
     let record = &arguments.record;
@@ -116,7 +117,9 @@ fn table(d: &Document) -> Result<String> {
     for [name, value, error] in values(d) {
         writeln!(text, "{name:<22} {value:>14} {error}")?;
     }
-    writeln!(text, "\nshares")?;
+    if !d.shares.is_empty() {
+        writeln!(text, "\nshares")?;
+    }
     for share in &d.shares {
         writeln!(
             text,

@@ -7,7 +7,12 @@ use std::path::{Path, PathBuf};
 use trueaxis_tables::Edited;
 use trueaxis_tables::error::FileError;
 use trueaxis_tables::files::Folder;
-use trueaxis_tables::output::Outputs;
+use trueaxis_tables::output::{Alone, Outputs};
+
+/// The folder that a machine is written into, for this command alone until the value is dropped: taken before the machine is read.
+pub(crate) fn alone(output: &Path) -> Result<Alone> {
+    Ok(Alone::in_folder(output, &mut model::note)?)
+}
 
 /// Files of the machine that a command reads and must not write: none where it is to write into the machine's own folder.
 pub(crate) fn inputs(machine: &Path, output: Option<&Path>) -> Vec<PathBuf> {
@@ -45,7 +50,6 @@ pub(crate) fn write(
     let edited = edit(&folder, &name)?;
     let mut notes = edited.notes;
     if !same {
-        outputs.folder(output)?;
         for file in model::files(machine) {
             let of = file.strip_prefix(&own).unwrap_or(&file);
             if edited.files.iter().any(|(changed, _)| changed == of) {
@@ -73,7 +77,6 @@ pub(crate) fn whole(outputs: &mut Outputs, output: &Path, files: &[(String, Stri
     if output.join("machine.toml").exists() {
         bail!("--output: found a machine in {}, needed a folder without one", output.display());
     }
-    outputs.folder(output)?;
     let mut notes = Vec::new();
     for (name, text) in files {
         outputs.put(&output.join(name), text.as_bytes())?;

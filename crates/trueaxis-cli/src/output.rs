@@ -10,15 +10,29 @@ use std::process::ExitCode;
 use trueaxis_tables::output::{Outputs, Staged};
 use trueaxis_tables::text::printable;
 
-/// Writes a text to the standard output.
+/// Writes a text for people to the standard output; what the names in it hold must not act on a terminal.
 pub(crate) fn print(text: &str) -> Result<()> {
+    data(&printable(text))
+}
+
+/// Writes a text for programs to the standard output, as it is.
+pub(crate) fn data(text: &str) -> Result<()> {
     let mut out = std::io::stdout().lock();
     out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(standard_output)
 }
 
 /// Prints one JSON document.
 pub(crate) fn json(document: &impl serde::Serialize) -> Result<()> {
-    print(&format!("{}\n", serde_json::to_string_pretty(document)?))
+    let mut text = String::new();
+    for line in serde_json::to_string_pretty(document)?.lines() {
+        // A number ends its line, a string ends with a quote: the sign of nothing is no information.
+        let (value, comma) = line.strip_suffix(',').map_or((line, ""), |value| (value, ","));
+        match value.strip_suffix(" -0.0") {
+            Some(before) => text.extend([before, " 0.0", comma, "\n"]),
+            None => text.extend([line, "\n"]),
+        }
+    }
+    data(&text)
 }
 
 /// A bar on the standard error; hidden by indicatif where that is no terminal.
@@ -81,7 +95,7 @@ impl<'p> Writer<'p> {
             (none, Some(file)) => none.insert(Begun::File(Staged::create(file).with_context(|| cannot_write(file))?)),
         };
         match begun {
-            Begun::StandardOutput => print(&self.text)?,
+            Begun::StandardOutput => data(&self.text)?,
             Begun::File(staged) => {
                 let file = self.file.unwrap_or(Path::new(""));
                 staged.write_all(self.text.as_bytes()).with_context(|| cannot_write(file))?;
@@ -98,7 +112,7 @@ fn cannot_write(file: &Path) -> String {
 
 /// Says something on the standard error. Nobody listening there is no error, and nothing could be said about it.
 pub(crate) fn tell(line: impl Display) {
-    let _ = writeln!(std::io::stderr().lock(), "{line}");
+    let _ = writeln!(std::io::stderr().lock(), "{}", printable(&line.to_string()));
 }
 
 /// The reader of the standard output has seen enough (`trueaxis … | head`).
@@ -139,7 +153,7 @@ pub(crate) fn exit_code(result: Result<()>) -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) if error.is::<Closed>() => ExitCode::SUCCESS,
         Err(error) => {
-            tell(format_args!("error: {}", printable(&format!("{error:#}"))));
+            tell(format_args!("error: {error:#}"));
             ExitCode::from(if error.is::<NeedsPerson>() { 3 } else { 2 })
         }
     }

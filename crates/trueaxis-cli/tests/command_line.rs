@@ -282,6 +282,12 @@ fn iso_230_2_before_and_after_compensation() {
     for what in ["accuracy", "systematic", "reversal"] {
         assert!(document["compensated"]["both"][what].as_f64().unwrap().abs() < 1e-9, "{document}");
     }
+    // What the standard asks for more of is told.
+    let asked = "asks for five target positions a metre";
+    assert!(!table.contains(asked), "{table}");
+    directory.write("b.csv", "X_mm,+1,-1,+2,-2\n50,11,14,11,14\n");
+    let table = directory.good(&["tables", "accuracy", "b.csv"]);
+    assert!(table.contains(asked) && table.contains("1 target position,"), "{table}");
     directory.write("b.csv", "X_mm,run,direction,deviation_um\n0,1,+,x\n");
     directory.bad(&["tables", "accuracy", "b.csv"], &["b.csv:2", "deviation_um"]);
 }
@@ -471,4 +477,28 @@ fn odd_bytes_are_told_with_their_line_and_written_out() {
         let error = directory.run(&["circle", file]).stderr;
         assert!(error.iter().all(|byte| *byte >= b' ' || *byte == b'\n'), "{}", String::from_utf8_lossy(&error));
     }
+}
+
+/// Files and commands that `--help` shows can be copied from a terminal of 80 columns.
+#[test]
+fn what_help_shows_is_read_as_it_stands_in_a_narrow_terminal() {
+    let folder = Folder::new(TRUEAXIS);
+    let shown = |command: &str| {
+        let output = folder.command(&[command, "--help"]).env("COLUMNS", "80").output().unwrap();
+        let text = String::from_utf8(output.stdout).unwrap();
+        let block = |first: &str| -> String {
+            let lines = text.lines().skip_while(|line| !line.starts_with(first)).take_while(|line| !line.is_empty());
+            lines.map(|line| format!("{line}\n")).collect()
+        };
+        let file = block("  machine = ");
+        assert!(file.contains("[[artefact.place]]"), "{text}");
+        (file, block("  # Once"))
+    };
+    let (file, commands) = shown("keep");
+    let keep = trueaxis_evaluation::keep::Keep::read(&file, Path::new("keep.toml")).unwrap();
+    assert_eq!((keep.every_parts, keep.terms.len()), (10, 2));
+    let is_one = |line: &str| line.starts_with("  # ") || line.starts_with("  trueaxis keep ");
+    assert!(commands.lines().count() == 7 && commands.lines().all(is_one), "{commands}");
+    let (file, _) = shown("calibrate");
+    trueaxis_tables::read_toml(&file, Path::new("task.toml"), |_| Ok(())).unwrap();
 }

@@ -22,9 +22,14 @@ fn a_port_has_no_meaning_for_a_file() {
 mod served {
     use super::{Folder, TRUEAXIS};
     use std::fs;
+    use std::io::ErrorKind::{BrokenPipe, ConnectionReset};
     use std::io::{BufRead, BufReader, Read, Write};
     use std::net::{Ipv4Addr, TcpListener, TcpStream};
     use std::process::{Child, Command, Stdio};
+    use std::time::{Duration, Instant};
+
+    /// What takes longer never comes, on a busy computer too.
+    const PATIENCE: Duration = Duration::from_secs(120);
 
     /// The page as it was given to the build.
     fn page() -> Vec<u8> {
@@ -48,9 +53,16 @@ mod served {
             Desk { child, port: port.unwrap_or_else(|| panic!("{line}")).parse().unwrap() }
         }
 
+        fn connect(&self) -> TcpStream {
+            let stream = TcpStream::connect((Ipv4Addr::LOCALHOST, self.port)).unwrap();
+            stream.set_read_timeout(Some(PATIENCE)).unwrap();
+            stream.set_write_timeout(Some(PATIENCE)).unwrap();
+            stream
+        }
+
         /// Status, headers in lower case, body.
         fn ask(&self, method: &str, path: &str, headers: &str) -> (u16, String, Vec<u8>) {
-            let mut stream = TcpStream::connect((Ipv4Addr::LOCALHOST, self.port)).unwrap();
+            let mut stream = self.connect();
             write!(stream, "{method} {path} HTTP/1.1\r\n{headers}Connection: close\r\n\r\n").unwrap();
             let mut answer = Vec::new();
             stream.read_to_end(&mut answer).unwrap();
@@ -66,7 +78,22 @@ mod served {
 
         fn interrupt(mut self) -> Option<i32> {
             assert!(Command::new("kill").args(["-INT", &self.child.id().to_string()]).status().unwrap().success());
-            self.child.wait().unwrap().code()
+            let end = Instant::now() + PATIENCE;
+            while Instant::now() < end {
+                if let Some(ended) = self.child.try_wait().unwrap() {
+                    return ended.code();
+                }
+                std::thread::sleep(Duration::from_millis(20));
+            }
+            panic!("it goes on after Ctrl-C");
+        }
+
+        /// A figure of `/proc/PID/status`.
+        #[cfg(target_os = "linux")]
+        fn figure(&self, name: &str) -> u64 {
+            let status = fs::read_to_string(format!("/proc/{}/status", self.child.id())).unwrap();
+            let line = status.lines().find_map(|line| line.strip_prefix(name)).unwrap();
+            line.trim_start_matches(':').split_whitespace().next().unwrap().parse().unwrap()
         }
     }
 
@@ -114,6 +141,78 @@ mod served {
             assert!(head.contains("content-security-policy") && body != page(), "{host}");
         }
         assert_eq!(desk.ask("GET", "/", &format!("Host: localhost:{}\r\n", desk.port)).0, 200);
+    }
+
+    /// Clients that begin and do not go on, send no body, or read no answer: the page is there for the others all the same, the
+    /// computer has few threads for them, and Ctrl-C ends the desk while they hold on.
+    #[test]
+    fn clients_that_hold_on_stall_neither_others_nor_the_end() {
+        let desk = Desk::open(&["--port", "0"]);
+        let get = format!("GET / HTTP/1.1\r\n{}\r\n", desk.host());
+        let begun = [
+            String::new(),
+            "GET / HT".into(),
+            format!("POST / HTTP/1.1\r\n{}Content-Length: 1000000\r\n\r\n", desk.host()),
+            format!("POST / HTTP/1.1\r\n{}Transfer-Encoding: chunked\r\n\r\n", desk.host()),
+            get.repeat(500),
+        ];
+        let mut held = Vec::new();
+        for _ in 0..60 {
+            for text in &begun {
+                let mut stream = desk.connect();
+                // It may be ended before it has all of that.
+                let _ = stream.write_all(text.as_bytes());
+                held.push(stream);
+            }
+            assert_eq!(desk.ask("GET", "/", &desk.host()).2, page());
+        }
+        #[cfg(target_os = "linux")]
+        assert!(desk.figure("Threads") < 100, "{} threads", desk.figure("Threads"));
+        assert_eq!(desk.interrupt(), Some(0));
+    }
+
+    /// A request has a length, wherever it is long, and the memory for it too.
+    #[test]
+    fn what_is_longer_than_a_request_is_refused() {
+        let desk = Desk::open(&["--port", "0"]);
+        let padded = |padding: &str| desk.ask("GET", "/", &format!("{}X: {padding}\r\n", desk.host())).0;
+        assert_eq!((padded(&"x".repeat(8000)), padded(&"x".repeat(32_000))), (200, 431));
+        let short = "X: y\r\n".repeat(5000);
+        assert_eq!(desk.ask("GET", "/", &format!("{short}{}", desk.host())).0, 431);
+        for (begin, part) in [("GET / HTTP/1.1\r\nX: ", "xxxx"), ("GET / HTTP/1.1\r\n", "X: y\r\n"), ("", "GET ")] {
+            let mut stream = desk.connect();
+            stream.write_all(begin.as_bytes()).unwrap();
+            let part = part.repeat(1 << 15);
+            // Far more than the system keeps between the two.
+            let refused = (0..1 << 11).find_map(|_| stream.write_all(part.as_bytes()).err());
+            let refused = refused.is_some_and(|error| matches!(error.kind(), ConnectionReset | BrokenPipe));
+            assert!(refused, "it reads {begin:?} for ever");
+        }
+        #[cfg(target_os = "linux")]
+        assert!(desk.figure("VmHWM") < 60_000, "{} kB", desk.figure("VmHWM"));
+    }
+
+    #[test]
+    fn a_request_that_does_not_come_is_given_up() {
+        let desk = Desk::open(&["--port", "0"]);
+        let mut stream = desk.connect();
+        stream.write_all(b"GET / HTTP/1.1\r\n").unwrap();
+        assert_eq!(stream.read_to_end(&mut Vec::new()).unwrap(), 0);
+    }
+
+    #[test]
+    fn what_is_no_request_is_refused() {
+        let desk = Desk::open(&["--port", "0"]);
+        let host = desk.host();
+        for (method, path, headers) in [
+            ("GET", "/ x", host.as_str()),
+            ("GET", "", &host),
+            ("GET", "/", &format!("{host} folded\r\n")),
+            ("GET", "/", &format!("{host}no colon\r\n")),
+        ] {
+            let status = desk.ask(method, path, headers).0;
+            assert!(matches!(status, 400 | 404), "{status} for {path:?} {headers:?}");
+        }
     }
 
     #[test]

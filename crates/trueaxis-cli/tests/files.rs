@@ -6,14 +6,6 @@ use trueaxis_testing::command::Folder;
 
 const TRUEAXIS: &str = env!("CARGO_BIN_EXE_trueaxis");
 
-/// A table to a nanometre: actual − nominal has the rounding of both.
-fn table(csv: &str) -> String {
-    let mut lines = csv.lines();
-    let cell = |cell: &str| format!("{}", (cell.parse::<f64>().unwrap() * 1e3).round() / 1e3);
-    let rows = lines.clone().skip(1).map(|row| row.split(',').map(cell).collect::<Vec<_>>().join(","));
-    std::iter::once(lines.next().unwrap().to_owned()).chain(rows).map(|line| line + "\n").collect()
-}
-
 /// A machine as its owner keeps it.
 const MACHINE: &str = "\
 # The mill in hall 2; do not touch the chain.
@@ -58,7 +50,7 @@ fn an_import_adds_an_axis_and_leaves_the_rest_of_the_machine_as_it_is_written() 
     let expected =
         MACHINE.replace("max_feed_mm_per_min = 15_000\n", "max_feed_mm_per_min = 15_000\ntable = \"x.csv\"\n");
     assert_eq!(directory.read("m/machine.toml"), expected);
-    assert_eq!(table(&directory.read("m/x.csv")), "X_mm,EXX_fwd_um,EXX_rev_um\n-100,1,2\n0,1,2\n100,3,4\n");
+    assert_eq!(directory.read("m/x.csv"), "X_mm,EXX_fwd_um,EXX_rev_um\n-100,1,2\n0,1,2\n100,3,4\n");
     assert_eq!(directory.read("m/y-2024.csv"), Y);
     // An axis of the chain without a section gets one.
     let said = directory
@@ -179,7 +171,7 @@ fn windows_line_ends_and_inline_sections_stay() {
     directory
         .reported(&["tables", "import", "--from", "linuxcnc", "--unit", "mm", "new.comp", "--axis", "X", "-o", "i"]);
     assert_eq!(directory.read("i/machine.toml"), inline);
-    assert!(table(&directory.read("i/a.csv")).contains("100,3,4"));
+    assert!(directory.read("i/a.csv").contains("100,3,4"));
 }
 
 #[test]
@@ -364,4 +356,79 @@ fn a_refused_command_leaves_nothing_behind() {
     directory.bad(&[&helicoid[..], &["--gcode", "one", "-o", "m"]].concat(), &["cannot write m", "folder"]);
     directory.bad(&[&helicoid[..], &["--report", "pages", "-o", "no/where"]].concat(), &["cannot write no/where"]);
     directory.bad(&["tables", "compile", "m", "-o", "no/where.tcomp"], &["cannot write no/where.tcomp"]);
+}
+
+/// Names that would act on a terminal are written out in every message, as in a refusal.
+#[cfg(unix)]
+#[test]
+fn names_do_not_act_on_a_terminal() {
+    let directory = Folder::new(TRUEAXIS);
+    hall_2(&directory);
+    let import =
+        |output| ["tables", "import", "--from", "linuxcnc", "--unit", "mm", "new.comp", "--axis", "X", "-o", output];
+    let acts = |text: &str| text.contains(['\u{1b}', '\u{202e}', '\u{2066}', '\r']);
+    for (name, shown) in [("a\u{1b}[2Jb", "a\\u{1b}[2Jb"), ("a\u{202e}b", "a\\u{202e}b"), ("a\rb", "a\\rb")] {
+        let said = directory.reported(&import(name));
+        assert!(said.contains(&format!("written {shown}/machine.toml")) && !acts(&said), "{said:?}");
+        let [out, said] = directory.both(&["tables", "check", name]);
+        assert!(out.contains(shown) && !acts(&out) && !acts(&said), "{out:?} {said:?}");
+        assert!(!acts(&directory.bad(&["tables", "check", &format!("{name}/none")], &[shown])));
+    }
+    directory.write("m/machine.toml", MACHINE.replace("hall 2\"   #", "hall \u{2066}2\"   #"));
+    let out = directory.good(&["tables", "check", "m"]);
+    assert!(out.contains("hall \\u{2066}2") && !acts(&out), "{out:?}");
+    // What a program reads is as it is.
+    directory.write("m/machine.toml", MACHINE.replace("hall 2\"   #", "hall \u{202e}2\"   #"));
+    assert!(directory.json(&["tables", "check", "m", "--json"]).to_string().contains("hall \u{202e}2"));
+}
+
+/// A link to a file that is not there yet is followed, one that leads nowhere refused.
+#[cfg(unix)]
+#[test]
+fn a_link_stays_one_wherever_it_leads() {
+    let directory = Folder::new(TRUEAXIS);
+    hall_2(&directory);
+    std::os::unix::fs::symlink("kept.tcomp", directory.join("link.tcomp")).unwrap();
+    directory.reported(&["tables", "compile", "m", "-o", "link.tcomp"]);
+    assert!(directory.join("link.tcomp").is_symlink() && directory.join("kept.tcomp").is_file());
+    directory.write("q.csv", "x_mm,y_mm,z_mm\n1,2,3\n");
+    for (link, to, part) in [("astray", "none/kept", "No such file"), ("round", "round", "leads nowhere")] {
+        std::os::unix::fs::symlink(to, directory.join(link)).unwrap();
+        for command in [["tables", "compile", "m", "-o", link], ["compensate", "m", "q.csv", "-o", link]] {
+            let output = directory.run(&command);
+            let said = String::from_utf8(output.stderr).unwrap();
+            assert!(output.status.code() == Some(2) && said.contains(link) && said.contains(part), "{said}");
+            assert!(directory.join(link).is_symlink());
+        }
+    }
+    let through = directory.run(&["tables", "compile", "m", "-o", "/dev/stdout"]);
+    assert_eq!(through.stdout, fs::read(directory.join("kept.tcomp")).unwrap());
+}
+
+/// A figure is written with the digits that were read, and nothing has no sign.
+#[test]
+fn figures_have_the_digits_that_they_came_with() {
+    let directory = Folder::new(TRUEAXIS);
+    directory.write("new.comp", "-100 -100 -100\n10 10.016312 10.016312\n1000 999.9837 999.9837\n");
+    directory.reported(&[
+        "tables",
+        "import",
+        "--from",
+        "linuxcnc-0",
+        "--unit",
+        "mm",
+        "new.comp",
+        "--axis",
+        "X",
+        "-o",
+        "n",
+    ]);
+    assert_eq!(directory.read("n/x.csv"), "X_mm,EXX_um\n-100,0\n10,16.312\n1000,-16.3\n");
+    let mill = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../compensation-tables/mill-5axis");
+    directory.reported(&["tables", "collapse", mill.to_str().unwrap(), "-o", "c"]);
+    let machine = directory.read("c/machine.toml");
+    assert!(machine.contains("encoder_resolution_urad = 0.21\n"), "{machine}");
+    let mill = mill.with_file_name("mill-3axis");
+    let document = directory.good(&["correct", mill.to_str().unwrap(), "--at", "0,0,0", "--json"]);
+    assert!(document.contains(" 0.0") && !document.contains("-0.0,") && !document.contains("-0.0\n"), "{document}");
 }

@@ -347,14 +347,23 @@ fn a_command_that_was_ended_between_history_and_tables_is_told_and_entered() {
 }
 
 #[test]
+fn a_program_of_one_minute_is_one() {
+    let fast = "probe_feed_mm_per_min = 1000.0\nfeed_mm_per_min = 20000.0\n";
+    let (folder, _) = folder(&format!("{HEAD}{PROBE}{fast}{BALL}{OFFSETS}"));
+    let told = folder.reported(&["keep", "plan", "keep.toml", "-o", "look.ngc"]);
+    assert!(told.contains(" touches, about 1 minute\n"), "{told}");
+    assert!(folder.read("look.ngc").contains("about 1 minute)"));
+}
+
+#[test]
 fn a_second_command_does_not_write_meanwhile() {
     let (folder, program) = begun(&one_ball());
     probe(&folder, &program, Drift { offset_um: [6.0, 0.0, -9.0], ..Drift::default() });
     let before = folder.tree();
-    let first = std::fs::File::open(folder.join("keep.toml")).unwrap();
+    let first = std::fs::File::open(folder.join("mill")).unwrap();
     first.lock().unwrap();
-    folder.bad(&keep("apply", &[]), &["keep.toml", "another `trueaxis keep` at work"]);
-    folder.bad(&["keep", "undo", "keep.toml", "2"], &["keep.toml", "another `trueaxis keep` at work"]);
+    folder.bad(&keep("apply", &[]), &["mill", "another command that changes this machine"]);
+    folder.bad(&["keep", "undo", "keep.toml", "2"], &["mill", "another command that changes this machine"]);
     folder.good(&keep("check", &[]));
     assert_eq!(folder.tree(), before);
     drop(first);

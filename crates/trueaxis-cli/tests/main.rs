@@ -22,6 +22,7 @@ mod identify;
 mod keep;
 mod kinematics;
 mod learn;
+mod one_at_a_time;
 mod ranges;
 mod roundness;
 mod telemetry;

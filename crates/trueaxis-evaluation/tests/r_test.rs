@@ -210,6 +210,27 @@ fn a_head_cannot_tell_its_first_axis_from_the_ball() {
     check(&found, &truth, [3e-5, 3e-7]);
 }
 
+/// A pose read once more at the end, as a check of drift: both readings are taken, and how far they are apart is told.
+#[test]
+fn a_pose_read_again_tells_the_drift() {
+    let truth = machine("w C' A' Y' b X Z t", 16, &[Axis::A, Axis::C]);
+    let text = record(&truth, &table_poses(), &[[60.0, 20.0, 80.0]], 0.0);
+    let lines: Vec<&str> = text.lines().collect();
+    let mut cells: Vec<String> = lines[2].split(',').map(String::from).collect();
+    for (cell, um) in cells.iter_mut().rev().take(3).zip([2.0, 0.0, 1.5]) {
+        *cell = (cell.parse::<f64>().unwrap() + um).to_string();
+    }
+    let (once, before) = find(&text, &truth, &Options::default()).unwrap();
+    assert_eq!(once.repeated(), None);
+    let (again, found) = find(&format!("{text}{}\n", cells.join(",")), &truth, &Options::default()).unwrap();
+    let (apart, lines) = again.repeated().unwrap();
+    assert!((apart - 2.5e-3).abs() < 1e-9 && lines == [3, 42], "{apart} {lines:?}");
+    assert_eq!(found.degrees_of_freedom, before.degrees_of_freedom + 3);
+    let document = Document::new(&again, &found, &truth);
+    let told = "a pose that was read again differs by 2.50 µm at most, lines 3 and 42";
+    assert!(document.notes.iter().any(|note| note == told), "{:?}", document.notes);
+}
+
 #[test]
 fn bad_records_are_refused_with_their_line() {
     let truth = machine("w C' A' Y' b X Z t", 15, &[Axis::A, Axis::C]);
@@ -221,7 +242,7 @@ fn bad_records_are_refused_with_their_line() {
     let lines: Vec<&str> = good.lines().collect();
     refused(
         &format!("{good}{}\n", lines[2]),
-        "r.csv:42: column dx_um: found a second row for these angles and this ball, as in line 3",
+        "r.csv:42: column dx_um: found the angles, ball and readings of line 3 again, needed a row for every reading",
     );
     let (head, tail) = lines[7].rsplit_once(',').unwrap();
     refused(&good.replace(&format!("{head},{tail}"), &format!("{head},5000")), "r.csv:8: column dz_um: found 5000");

@@ -82,7 +82,7 @@ pub(crate) fn keep_plan(py: Python<'_>, task: PathBuf) -> PyResult<Bound<'_, PyD
 /// Nothing of the machine changes; keep/history.jsonl in its folder gets a line. time: when it was probed, UTC,
 /// "2026-05-04T06:00:00Z"; parts: made until then, as the control counts them.
 ///
-/// Raises trueaxis.Error as calibrate_solve does, and while another `trueaxis keep` is at work with the task.
+/// Raises trueaxis.Error as calibrate_solve does, and while another command changes the machine.
 #[pyfunction]
 #[pyo3(signature = (task, log, *, time = None, parts = None))]
 pub(crate) fn keep_begin(
@@ -145,7 +145,7 @@ pub(crate) fn keep_check(
 /// are compiled anew. Arguments as those of keep_check.
 ///
 /// Raises trueaxis.NeedsPerson where a term is out of its bounds: nothing is written. Raises trueaxis.Error as keep_check does,
-/// and while another `trueaxis keep` is at work with the task.
+/// and while another command changes the machine.
 #[pyfunction]
 #[pyo3(signature = (task, log, *, time = None, parts = None, accept = Vec::new(), by_hand = false))]
 pub(crate) fn keep_apply(

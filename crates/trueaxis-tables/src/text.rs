@@ -1,6 +1,6 @@
 //! Text in and out: files in UTF-8, counts and numbers in messages.
 
-pub use crate::printable::{one_line, printable};
+pub use crate::printable::{acts, one_line, printable};
 
 use crate::error::FileError;
 use crate::origin::Origin;
@@ -84,6 +84,11 @@ mod tests {
         let numbers = [1e3 / 3.0, 0.1 + 0.2, -0.0, 20.0, 1000.0, -1e-9, 2.5];
         assert_eq!(numbers.map(short), ["333.333333", "0.3", "0", "20", "1000", "0", "2.5"]);
         assert_eq!(printable("a\rb\u{1b}[2J\nc µ"), "a\\rb\\u{1b}[2J\nc µ");
+        assert_eq!(
+            printable("a\u{202e}b\u{2066}\u{61c} \u{200d}\u{2028}ש"),
+            "a\\u{202e}b\\u{2066}\\u{61c} \u{200d}\\u{2028}ש"
+        );
+        assert_eq!(one_line("a\u{202e}b", 20), "a\\u{202e}b");
         assert_eq!([one_line("a\nb µ", 6), one_line("a\nb µm", 6)], ["a\\nb µ", "a\\nb µ…"]);
     }
 

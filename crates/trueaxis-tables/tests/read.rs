@@ -7,6 +7,7 @@ use trueaxis::machine::{Axis, AxisSettings, ErrorModel, Interpolation, Lookup};
 use trueaxis::tcomp::Tcomp;
 use trueaxis_tables::files::Memory;
 use trueaxis_tables::formats::write_axis_csv;
+use trueaxis_tables::output::{OutputError, Outputs};
 use trueaxis_tables::{Machine, Table, Warning, check, compile, write_atomically};
 
 fn sample(name: &str) -> PathBuf {
@@ -402,6 +403,23 @@ fn links_and_pipes_are_written_through() {
     write_atomically(&link, b"new").unwrap();
     assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
     assert_eq!(fs::read_to_string(&file).unwrap(), "new");
+    // Files that are not there yet, by a link beside a link, which counts from its own folder.
+    let inner = folder.path().join("inner");
+    fs::create_dir(&inner).unwrap();
+    symlink("inner/second", folder.path().join("first")).unwrap();
+    symlink("../third", inner.join("second")).unwrap();
+    let mut outputs = Outputs::default();
+    outputs.put(&folder.path().join("first"), b"new").unwrap();
+    assert!(matches!(outputs.put(&folder.path().join("third"), b"new"), Err(OutputError::Twice(_))));
+    outputs.commit().unwrap();
+    assert_eq!(fs::read_to_string(folder.path().join("third")).unwrap(), "new");
+    assert!(folder.path().join("first").is_symlink() && inner.join("second").is_symlink());
+    for (name, to) in [("round", "round"), ("astray", "nothing/file")] {
+        let link = folder.path().join(name);
+        symlink(to, &link).unwrap();
+        write_atomically(&link, b"new").unwrap_err();
+        assert!(link.is_symlink());
+    }
     let pipe = folder.path().join("pipe");
     assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
     let read = std::thread::spawn({

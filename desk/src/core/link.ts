@@ -12,13 +12,30 @@ export interface Kept {
   views: Record<string, unknown>;
 }
 
-async function through(bytes: Uint8Array<ArrayBuffer>, stream: ReadableWritablePair<Uint8Array<ArrayBuffer>, BufferSource>): Promise<Uint8Array<ArrayBuffer>> {
-  return new Uint8Array(await new Response(new Blob([bytes]).stream().pipeThrough(stream)).arrayBuffer());
+/** Most that a link holds once it is unpacked. A text of a few kB can unpack to as many MB. */
+const LARGEST = 16 << 20;
+
+/** What comes out of a stream, of at most `most` bytes: it is read no further than that. */
+async function through(bytes: Uint8Array<ArrayBuffer>, stream: ReadableWritablePair<Uint8Array<ArrayBuffer>, BufferSource>, most: number): Promise<Uint8Array<ArrayBuffer>> {
+  const reader = new Blob([bytes]).stream().pipeThrough(stream).getReader();
+  const parts: Uint8Array<ArrayBuffer>[] = [];
+  let length = 0;
+  for (let part = await reader.read(); !part.done; part = await reader.read()) {
+    length += part.value.length;
+    if (length > most) {
+      await reader.cancel();
+      throw new Error(`found more than ${most >> 20} MB in it, needed at most that`);
+    }
+    parts.push(part.value);
+  }
+  return new Uint8Array(await new Blob(parts).arrayBuffer());
 }
 
 /** The page's address with all of it behind the #. */
 export async function link(kept: Kept): Promise<string> {
-  const bytes = await through(new TextEncoder().encode(JSON.stringify(kept)), new CompressionStream("deflate-raw"));
+  const whole = new TextEncoder().encode(JSON.stringify(kept));
+  if (whole.length > LARGEST) throw new Error(`found ${Math.ceil(whole.length / (1 << 20))} MB, needed at most ${LARGEST >> 20} in a link: Save puts them into a file`);
+  const bytes = await through(whole, new CompressionStream("deflate-raw"), 2 * LARGEST);
   let binary = "";
   for (let at = 0; at < bytes.length; at += 8192) binary += String.fromCharCode(...bytes.subarray(at, at + 8192));
   const text = btoa(binary).replaceAll("+", "-").replaceAll("/", "_").replace(/=+$/, "");
@@ -32,7 +49,7 @@ export async function fromLink(fragment: string): Promise<Kept | undefined> {
   try {
     const binary = atob(text.replaceAll("-", "+").replaceAll("_", "/"));
     const bytes = Uint8Array.from(binary, (letter) => letter.charCodeAt(0));
-    return parse(new TextDecoder().decode(await through(bytes, new DecompressionStream("deflate-raw"))));
+    return parse(new TextDecoder().decode(await through(bytes, new DecompressionStream("deflate-raw"), LARGEST)));
   } catch (error) {
     throw new Error(`the link is damaged or cut off (${message(error)}); needed: a link that this page made`);
   }
@@ -45,7 +62,10 @@ export function parse(text: string): Kept {
   const { view, machine, views } = value;
   const files = machine?.files;
   const texts = typeof files === "object" && files !== null && Object.values(files).every((text) => typeof text === "string");
-  if (typeof view !== "string" || !texts || typeof views !== "object" || views === null)
+  if (typeof view !== "string" || !texts || typeof views !== "object" || views === null || Array.isArray(views))
     throw new Error("found a file without view, machine and views, needed one that this page saved");
+  for (const [id, state] of Object.entries(views))
+    if (typeof state !== "object" || state === null || Array.isArray(state))
+      throw new Error(`views.${id}: found ${state === null ? "null" : `a ${Array.isArray(state) ? "list" : typeof state}`}, needed what this page saved of a view`);
   return { version: 1, view, machine: { name: String(machine?.name ?? "machine"), files: files as Files }, views };
 }

@@ -15,7 +15,7 @@ use trueaxis_tables::files::Folder;
 pub(crate) const HELP: &str = "\
 TASK.toml names the machine's folder, the control, the probe, and artefacts of known size with the places they are set up at:
 
-  machine = \"mill\"                  # folder with machine.toml: chain and travels; tables are not needed yet
+  machine = \"mill\"                  # its folder: chain and travels
   dialect = \"linuxcnc\"              # or grblhal, klipper
   [probe]
   tip_radius_mm = 3.0
@@ -25,7 +25,7 @@ TASK.toml names the machine's folder, the control, the probe, and artefacts of k
   diameter_mm = 150.002
   uncertainty_um = 0.5
   [[artefact.place]]
-  at_mm = [120.0, 90.0, -200.0]     # X, Y, Z of the machine with the tip in its middle
+  at_mm = [120.0, 90.0, -200.0]     # of the machine, the tip in its middle
   normal = \"Z\"                      # how it stands
   [reference]
   artefact = \"ball\"                 # touched again and again against drift

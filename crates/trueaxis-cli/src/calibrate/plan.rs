@@ -1,26 +1,28 @@
 //! `trueaxis calibrate plan`.
 
 use super::{PlanArguments, read};
-use crate::output::{json, print, tell};
+use crate::output::{data, json, tell};
 use anyhow::Result;
 use trueaxis_evaluation::calibrate::Planning;
 use trueaxis_report::number::significant;
 use trueaxis_tables::Machine;
 use trueaxis_tables::output::Outputs;
+use trueaxis_tables::text::counted;
 
 pub(super) fn run(arguments: &PlanArguments) -> Result<()> {
     let read = read(&arguments.task)?;
     let Planning { program, foreseen, .. } = Planning::new(&read.task, &read.machine)?;
     match &arguments.output {
-        None => print(&program)?,
+        None => data(&program)?,
         Some(output) => {
             let machine = Machine::files(&read.path).unwrap_or_default();
             let mut outputs = Outputs::of(machine.iter().chain([&arguments.task]));
             outputs.put(output, program.as_bytes())?;
             outputs.commit()?;
-            let (touches, minutes) = (foreseen.touches, foreseen.minutes.ceil());
+            let minutes = counted(foreseen.minutes.ceil() as usize, "minute");
+            let touches = foreseen.touches;
             let output = output.display();
-            tell(format_args!("written {output}: {touches} touches, about {minutes} minutes without set-ups"));
+            tell(format_args!("written {output}: {touches} touches, about {minutes} without set-ups"));
         }
     }
     if arguments.json {

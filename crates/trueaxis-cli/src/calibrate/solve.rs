@@ -11,6 +11,7 @@ use trueaxis_tables::files::Folder;
 use trueaxis_tables::output::Outputs;
 
 pub(super) fn run(arguments: &SolveArguments) -> Result<()> {
+    let _alone = machine_folder::alone(&arguments.output)?;
     let read = read(&arguments.task)?;
     let text = model::text(&arguments.log)?;
     let bar = progress(0, "solving");

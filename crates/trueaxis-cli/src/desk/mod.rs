@@ -1,6 +1,8 @@
 //! `trueaxis desk`.
 
 #[cfg(feature = "desk")]
+mod answer;
+#[cfg(feature = "desk")]
 mod page;
 #[cfg(feature = "desk")]
 mod server;

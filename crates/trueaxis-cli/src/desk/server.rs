@@ -1,48 +1,47 @@
 //! The page on 127.0.0.1, until Ctrl-C.
+//!
+//! A connection has a thread of its own, one request and bounds on all that it can send or hold up: it stalls neither the others
+//! nor the end.
 
-use super::page;
+use super::{answer, page};
 use crate::output::{print, tell};
 use anyhow::{Context, Result, anyhow};
-use std::io::ErrorKind;
-use std::net::{Ipv4Addr, SocketAddr, TcpListener};
-use std::sync::Arc;
-use tiny_http::{Header, Method, Request, Response, Server};
+use std::collections::VecDeque;
+use std::io::{self, ErrorKind, Read, Write};
+use std::net::{Ipv4Addr, Shutdown, SocketAddr, TcpListener, TcpStream};
+use std::sync::{Arc, Weak, mpsc};
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
 
 /// Where the desk is looked for: a bookmark stays good.
 const USUAL_PORT: u16 = 8471;
 
-/// The page may run its own script, module and workers; it may load and send nothing.
-const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline' 'wasm-unsafe-eval' blob:; worker-src blob:; \
-    style-src 'unsafe-inline'; img-src data: blob:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
-/// Headers of every answer.
-const HEADERS: [(&str, &str); 7] = [
-    ("Content-Security-Policy", POLICY),
-    ("X-Content-Type-Options", "nosniff"),
-    ("X-Frame-Options", "DENY"),
-    ("Referrer-Policy", "no-referrer"),
-    ("Cross-Origin-Opener-Policy", "same-origin"),
-    ("Cross-Origin-Resource-Policy", "same-origin"),
-    ("Cache-Control", "no-store"),
-];
+/// Connections at once. One more ends the oldest: whoever only holds them shuts nobody out.
+const CONNECTIONS: usize = 64;
+/// Longest head of a request, bytes.
+const HEAD: usize = 16 << 10;
+/// What is read behind it and thrown away, bytes: closed with more to read, a connection may lose its answer.
+const BEHIND: u64 = 64 << 10;
+/// Time for a request to come.
+const TO_COME: Duration = Duration::from_secs(10);
+/// Time for its answer to go.
+const TO_GO: Duration = Duration::from_secs(60);
 
 /// Serves the page at `port`, or at the usual one, or at any free one.
 pub(super) fn serve(port: Option<u16>) -> Result<()> {
     let listener = listener(port)?;
     let port = listener.local_addr().context("127.0.0.1")?.port();
-    let plain = page::plain()?;
-    let server = Server::from_listener(listener, None).map_err(|error| anyhow!("127.0.0.1:{port}: {error}"))?;
-    let server = Arc::new(server);
-    let interrupted = Arc::clone(&server);
-    ctrlc::set_handler(move || interrupted.unblock()).context("Ctrl-C")?;
+    let plain: Arc<[u8]> = page::plain()?.into();
+    let (interrupt, interrupted) = mpsc::channel();
+    ctrlc::set_handler(move || {
+        let _ = interrupt.send(());
+    })
+    .context("Ctrl-C")?;
     print(&format!("http://127.0.0.1:{port}/\n"))?;
     tell("note: open this address in a browser; Ctrl-C ends the desk");
-    // Ends when it is unblocked.
-    for request in server.incoming_requests() {
-        let response = answer(&request, port, &plain);
-        // A browser that has gone away needs no answer.
-        let _ = request.respond(response);
-    }
-    Ok(())
+    thread::Builder::new().spawn(move || accept(&listener, port, &plain)).context("127.0.0.1")?;
+    // The process ends with this, and every connection with it.
+    interrupted.recv().context("Ctrl-C")
 }
 
 fn listener(port: Option<u16>) -> Result<TcpListener> {
@@ -57,55 +56,87 @@ fn listener(port: Option<u16>) -> Result<TcpListener> {
     }
 }
 
-type Answer = Response<std::io::Cursor<Vec<u8>>>;
-
-fn answer(request: &Request, port: u16, plain: &[u8]) -> Answer {
-    // A name of another site that points here would otherwise read the page as its own.
-    let own = [format!("127.0.0.1:{port}"), format!("localhost:{port}")];
-    let hosts: Vec<&str> = values(request, "Host").collect();
-    if !matches!(hosts[..], [host] if own.iter().any(|own| own == host)) {
-        return refusal(421, &format!("found the Host {:?}, needed {}\n", hosts.join(", "), own[0]));
+fn accept(listener: &TcpListener, port: u16, plain: &Arc<[u8]>) {
+    // A connection is its thread's: it is closed when that ends.
+    let mut open: VecDeque<(Weak<TcpStream>, JoinHandle<()>)> = VecDeque::new();
+    for stream in listener.incoming() {
+        open.retain(|(_, thread)| !thread.is_finished());
+        if open.len() >= CONNECTIONS
+            && let Some((oldest, thread)) = open.pop_front()
+        {
+            if let Some(oldest) = oldest.upgrade() {
+                let _ = oldest.shutdown(Shutdown::Both);
+            }
+            let _ = thread.join();
+        }
+        // A client that has gone away; a computer without room for one more.
+        let Ok(stream) = stream.map(Arc::new) else { continue };
+        let (held, plain) = (Arc::downgrade(&stream), Arc::clone(plain));
+        if let Ok(thread) = thread::Builder::new().spawn(move || one(&stream, port, &plain)) {
+            open.push_back((held, thread));
+        }
     }
-    if request.url() != "/" {
-        return refusal(404, "there is / and nothing else\n");
+}
+
+/// One request and its answer. A client that goes away or is too slow needs none.
+fn one(stream: &TcpStream, port: u16, plain: &[u8]) {
+    let mut of_client = Until { stream, end: Instant::now() + TO_COME };
+    if let Ok(head) = head(&mut of_client) {
+        let answer = head.map_or_else(|| answer::too_long(HEAD), |head| answer::to(&head, port, plain));
+        of_client.end = Instant::now() + TO_GO;
+        if of_client.write_all(&answer).is_ok() && stream.shutdown(Shutdown::Write).is_ok() {
+            of_client.end = Instant::now() + TO_COME;
+            let _ = io::copy(&mut of_client.take(BEHIND), &mut io::sink());
+        }
     }
-    if !matches!(request.method(), Method::Get | Method::Head) {
-        return header(refusal(405, "needed GET or HEAD\n"), "Allow", "GET, HEAD");
+}
+
+/// The head of a request without the empty line that ends it; none if it is too long.
+fn head(of_client: &mut Until) -> io::Result<Option<Vec<u8>>> {
+    const END: &[u8] = b"\r\n\r\n";
+    let (mut head, mut part) = (Vec::new(), [0; 4096]);
+    while head.len() <= HEAD {
+        let searched = head.len().saturating_sub(END.len() - 1);
+        match of_client.read(&mut part)? {
+            0 => return Err(ErrorKind::UnexpectedEof.into()),
+            read => head.extend_from_slice(&part[..read]),
+        }
+        if let Some(at) = head[searched..].windows(END.len()).position(|four| four == END) {
+            head.truncate(searched + at);
+            return Ok(Some(head));
+        }
     }
-    let gzip = values(request, "Accept-Encoding").any(takes_gzip);
-    let body = if gzip { page::COMPRESSED } else { plain };
-    let page = header(text(200, body), "Content-Type", "text/html; charset=utf-8");
-    let page = header(page, "Vary", "Accept-Encoding");
-    if gzip { header(page, "Content-Encoding", "gzip") } else { page }
+    Ok(None)
 }
 
-/// The values of a header, as often as it was sent.
-fn values<'r>(request: &'r Request, name: &'static str) -> impl Iterator<Item = &'r str> {
-    request.headers().iter().filter(move |header| header.field.equiv(name)).map(|header| header.value.as_str())
+/// A connection up to a moment, however little comes or goes at a time.
+struct Until<'s> {
+    stream: &'s TcpStream,
+    end: Instant,
 }
 
-/// Whether an `Accept-Encoding` header names gzip with a quality above 0.
-fn takes_gzip(value: &str) -> bool {
-    value.split(',').any(|coding| {
-        let (name, quality) = coding.split_once(';').unwrap_or((coding, ""));
-        let quality = quality.trim().strip_prefix("q=").map_or(Ok(1.0), str::parse::<f64>);
-        name.trim().eq_ignore_ascii_case("gzip") && quality.is_ok_and(|quality| quality > 0.0)
-    })
+impl Until<'_> {
+    /// Never zero, which would be a wait without an end.
+    fn left(&self) -> io::Result<Option<Duration>> {
+        let left = self.end.saturating_duration_since(Instant::now());
+        if left.is_zero() { Err(ErrorKind::TimedOut.into()) } else { Ok(Some(left)) }
+    }
 }
 
-fn refusal(status: u16, why: &str) -> Answer {
-    header(text(status, why.as_bytes()), "Content-Type", "text/plain; charset=utf-8")
+impl Read for Until<'_> {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        self.stream.set_read_timeout(self.left()?)?;
+        self.stream.read(bytes)
+    }
 }
 
-fn text(status: u16, body: &[u8]) -> Answer {
-    // In one piece: its length is known.
-    let answer = Response::from_data(body).with_status_code(status).with_chunked_threshold(usize::MAX);
-    HEADERS.into_iter().fold(answer, |answer, (name, value)| header(answer, name, value))
-}
+impl Write for Until<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.stream.set_write_timeout(self.left()?)?;
+        self.stream.write(bytes)
+    }
 
-fn header(answer: Answer, name: &str, value: &str) -> Answer {
-    match Header::from_bytes(name, value) {
-        Ok(header) => answer.with_header(header),
-        Err(()) => answer,
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
     }
 }

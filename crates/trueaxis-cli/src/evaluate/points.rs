@@ -56,6 +56,7 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+    let _alone = arguments.output.as_deref().map(machine_folder::alone).transpose()?;
     let nodes = arguments.nodes.as_deref().map(nodes).transpose().map_err(|wrong| anyhow!("--nodes: {wrong}"))?;
     let points = Points::read(&mut csv_in::open(&arguments.points, &COLUMNS, "points")?)?;
     let machine = model::machine(&arguments.machine)?;

@@ -55,6 +55,7 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+    let _alone = arguments.output.as_deref().map(machine_folder::alone).transpose()?;
     check(arguments.tool_mm).map_err(|wrong| wrong.option())?;
     let record = Record::read(&mut csv_in::open(&arguments.record, &COLUMNS, "readings")?)?;
     let mut machine = model::machine(&arguments.machine)?;

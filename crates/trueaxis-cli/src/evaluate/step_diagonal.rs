@@ -52,6 +52,7 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+    let _alone = arguments.output.as_deref().map(machine_folder::alone).transpose()?;
     check(arguments.alignment_urad).map_err(|wrong| wrong.option())?;
     let test = read(&mut csv_in::open(&arguments.record, &COLUMNS, "readings")?)?;
     let document = Document::new(&test, arguments.alignment_urad);

@@ -4,7 +4,7 @@ mod arguments;
 
 pub(crate) use arguments::{Arguments, HELP};
 
-use crate::output::{json, print, tell};
+use crate::output::{data, json, tell};
 use crate::report;
 use anyhow::Result;
 use trueaxis_evaluation::helicoid::document::csv;
@@ -38,7 +38,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     outputs.commit()?;
     match (arguments.json, &arguments.output) {
         (true, _) => json(&document),
-        (false, None) => print(&table),
+        (false, None) => data(&table),
         (false, Some(_)) => Ok(()),
     }
 }

@@ -15,10 +15,11 @@ use trueaxis_evaluation::keep::time;
 pub(crate) const HELP: &str = "\
 KEEP.toml names the machine, the probe, balls that stay where they are, and what may be changed within which bounds:
 
-  machine = \"mill\"                  # folder with machine.toml; its tables correct the machine while it is probed
+  machine = \"mill\"                  # its folder; its tables are in force
   dialect = \"linuxcnc\"              # or grblhal, klipper
   every_parts = 10                  # parts between two looks
-  tcomp = \"mill.tcomp\"              # in the machine's folder, compiled anew with every change; may be left out
+  # In the machine's folder, compiled anew with every change; may be left out:
+  tcomp = \"mill.tcomp\"
   [probe]
   tip_radius_mm = 3.0
   tip_uncertainty_um = 2.0
@@ -29,19 +30,25 @@ KEEP.toml names the machine, the probe, balls that stay where they are, and what
   uncertainty_um = 0.3
   [[artefact.place]]
   at_mm = [440.0, 340.0, -250.0]
-  rotary_deg = [[0, 0, 0], [0, 0, 90], [0, 0, 180], [0, 0, 270]]   # with rotary axes
+  # With rotary axes:
+  rotary_deg = [[0, 0, 0], [0, 0, 90], [0, 0, 180], [0, 0, 270]]
   [[term]]
-  names = [\"EX0C\", \"EY0C\"]          # C0Y, offset X, scale X, backlash X; growth X, expansion X with thermal = \"thermal.toml\"
-  largest_update_um = 10.0          # more than that at once needs a person
-  largest_total_um = 40.0           # and so does more than that since the beginning
-  significance = 3.0                # a term has moved by more than so many of its standard errors
+  # Or C0Y, offset X, scale X, backlash X; with thermal = \"thermal.toml\" at the
+  # top growth X, expansion X:
+  names = [\"EX0C\", \"EY0C\"]
+  largest_update_um = 10.0          # more at once needs a person
+  largest_total_um = 40.0           # and so does more since the beginning
+  significance = 3.0                # standard errors by which a term has moved
 
 One round, by a script of the control after every so many parts:
 
-  trueaxis keep plan keep.toml -o look.ngc                 # once; run it between parts, compensation on
-  trueaxis keep begin keep.toml trueaxis-1a2b3c4d.log      # the first log: everything is counted from here
-  trueaxis keep check keep.toml trueaxis-1a2b3c4d.log      # what would be changed, and why
-  trueaxis keep apply keep.toml trueaxis-1a2b3c4d.log      # the same, done; undo takes it back
+  # Once; run it between parts, compensation on:
+  trueaxis keep plan keep.toml -o look.ngc
+  # The first log: everything is counted from here:
+  trueaxis keep begin keep.toml trueaxis-1a2b3c4d.log
+  # What would be changed, and why; the same, done; undo takes it back:
+  trueaxis keep check keep.toml trueaxis-1a2b3c4d.log
+  trueaxis keep apply keep.toml trueaxis-1a2b3c4d.log
 
 Exit code 0: done, or nothing to do; 3: a term is out of its bounds, nothing is written and a person has to look; 2: bad input.
 The history stands in keep/history.jsonl of the machine's folder, what was replaced in keep/NUMBER. docs/calibration.md";

@@ -2,24 +2,26 @@
 
 use super::PlanArguments;
 use crate::model::note;
-use crate::output::{json, print, tell};
+use crate::output::{data, json, tell};
 use anyhow::Result;
 use trueaxis_evaluation::keep::{Planning, State};
 use trueaxis_report::number::significant;
 use trueaxis_tables::output::Outputs;
+use trueaxis_tables::text::counted;
 
 pub(super) fn run(arguments: &PlanArguments) -> Result<()> {
     let state = State::read(&arguments.task, &mut note)?;
     let Planning { program, foreseen, .. } = Planning::new(&state.keep, &state.machine)?;
     match &arguments.output {
-        None => print(&program)?,
+        None => data(&program)?,
         Some(output) => {
             let own = state.files.keys().map(|file| state.folder.join(file));
             let mut outputs = Outputs::of(own.chain([arguments.task.clone()]));
             outputs.put(output, program.as_bytes())?;
             outputs.commit()?;
-            let (touches, minutes) = (foreseen.touches, foreseen.minutes.ceil());
-            tell(format_args!("written {}: {touches} touches, about {minutes} minutes", output.display()));
+            let minutes = counted(foreseen.minutes.ceil() as usize, "minute");
+            let touches = foreseen.touches;
+            tell(format_args!("written {}: {touches} touches, about {minutes}", output.display()));
         }
     }
     if arguments.json {

@@ -109,6 +109,9 @@ fn table(document: &Document) -> Result<String> {
     line("B    reversal error", &|a| Some(a.both?.reversal))?;
     line("B̄    mean reversal error", &|a| Some(a.both?.mean_reversal))?;
     bands_text(&mut text, document)?;
+    if measured.positions.len() < 5 {
+        writeln!(text, "\nISO 230-2 asks for five target positions a metre, and five at least.")?;
+    }
     if measured.runs < 5 {
         writeln!(text, "\nISO 230-2 asks for five runs in each direction.")?;
     }

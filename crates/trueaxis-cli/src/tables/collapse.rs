@@ -1,8 +1,8 @@
 //! `trueaxis tables collapse`.
 
-use crate::model;
 use crate::numbers::{number, triple};
 use crate::output::{json, print, tell};
+use crate::{machine_folder, model};
 use anyhow::{Result, anyhow, bail};
 use clap::Args;
 use serde_json::{Value, json};
@@ -121,12 +121,12 @@ fn write(input: &Path, output: &Path, files: &[(String, String)]) -> Result<()> 
     {
         bail!("--output: found {}, needed another folder than the machine's own", output.display());
     }
+    let _alone = machine_folder::alone(output)?;
     let standing = output.join("machine.toml");
     if standing.exists() && !std::fs::read_to_string(&standing).is_ok_and(|text| text.starts_with(MARK)) {
         bail!("--output: found {}, which is not from this command, needed another folder", standing.display());
     }
     let mut outputs = Outputs::of(model::files(input));
-    outputs.folder(output)?;
     for (name, text) in files {
         outputs.put(&output.join(name), text.as_bytes())?;
     }

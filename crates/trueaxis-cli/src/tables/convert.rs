@@ -1,7 +1,7 @@
 //! `trueaxis tables import` and `export`.
 
-use crate::model;
 use crate::output::tell;
+use crate::{machine_folder, model};
 use anyhow::{Result, anyhow, bail};
 use std::path::{Path, PathBuf};
 use trueaxis::Axis;
@@ -80,8 +80,9 @@ pub(super) fn import(
     output: &Path,
     new: bool,
 ) -> Result<()> {
+    let not_new = || anyhow!("--new: found {}, needed a folder that does not exist yet", output.display());
     if new && output.symlink_metadata().is_ok() {
-        bail!("--new: found {}, needed a folder that does not exist yet", output.display());
+        return Err(not_new());
     }
     let text = model::text(file)?;
     let format = if recognise { Format::LinuxCnc(formats::linuxcnc::recognise(&text, file)?) } else { format };
@@ -89,14 +90,17 @@ pub(super) fn import(
     for note in &imported.notes {
         tell(format_args!("note: {}: {note}", file.display()));
     }
+    let _alone = machine_folder::alone(output)?;
     let edited = if output.join("machine.toml").exists() {
+        if new {
+            return Err(not_new());
+        }
         model::tell_left(output);
         imported.edit(&Folder::new(output), Path::new("machine.toml"))?
     } else {
         new_machine(&imported, file, output)?
     };
     let mut outputs = Outputs::of([file]);
-    outputs.folder(output)?;
     for (name, text) in &edited.files {
         outputs.put(&output.join(name), text.as_bytes())?;
     }

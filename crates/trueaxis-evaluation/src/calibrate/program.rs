@@ -5,7 +5,7 @@ use super::task::{Dialect, Task};
 use std::fmt::Write;
 use trueaxis::machine::AXES;
 use trueaxis_tables::Machine;
-use trueaxis_tables::text::fixed;
+use trueaxis_tables::text::{counted, fixed};
 
 const LETTERS: [char; AXES] = ['X', 'Y', 'Z', 'A', 'B', 'C'];
 
@@ -71,9 +71,10 @@ struct Writer {
 
 impl Writer {
     fn head(&self, text: &mut String, task: &Task, machine: &Machine, plan: &Plan, axes: &[usize]) {
-        let (number, count, minutes) = (plan.number(), plan.touches.len(), plan.minutes().ceil());
+        let (number, count) = (plan.number(), plan.touches.len());
+        let minutes = counted(plan.minutes().ceil() as usize, "minute");
         let title = format!(
-            "trueaxis probing program for {}, tip radius {} mm, {count} touches, about {minutes} minutes",
+            "trueaxis probing program for {}, tip radius {} mm, {count} touches, about {minutes}",
             machine.settings.name, task.probe.tip_radius_mm
         );
         let started = format!("trueaxis calibrate {number} touches {count}");

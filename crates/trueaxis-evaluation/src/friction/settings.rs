@@ -6,13 +6,14 @@ use std::path::Path;
 use trueaxis_metrology::friction::{Figure, Identified};
 use trueaxis_report::number::significant;
 use trueaxis_tables::merge_sections;
+use trueaxis_tables::text::acts;
 
 /// The sections `[axis.X.friction]` and, where they were found, `[axis.X.drive]`, as `machine.toml` has them, with the
 /// standard error behind each figure; `record` is named in the first line.
 pub fn sections(record: &Path, found: &[Identified]) -> String {
     let mut text = format!(
         "# Friction found in {} by `trueaxis friction`; behind ± the standard error, which is not read.\n",
-        record.file_name().unwrap_or_default().to_string_lossy().replace(char::is_control, " ")
+        record.file_name().unwrap_or_default().to_string_lossy().replace(acts, " ")
     );
     for axis in found {
         let letter = axis.axis.letter();

@@ -5,12 +5,24 @@ use super::state::{HISTORY, State};
 use super::task::Keep;
 use super::undo::Undone;
 use super::written::Written;
-use anyhow::{Context, Result, bail};
-use std::fs::{self, File, TryLockError};
-use std::path::Path;
+use anyhow::{Context, Result};
+use std::fs;
+use std::path::{Path, PathBuf};
 use trueaxis_tables::files::Folder;
-use trueaxis_tables::output::{Outputs, left_notes};
+use trueaxis_tables::output::{Alone, Outputs, left_notes};
 use trueaxis_tables::text::read_text;
+
+/// A task, and the machine that it names.
+fn task(path: &Path) -> Result<(Keep, PathBuf)> {
+    let keep = Keep::read(&read_text(path, &['#', ';'])?, path)?;
+    let machine = path.parent().unwrap_or(Path::new("")).join(&keep.task.machine);
+    Ok((keep, machine))
+}
+
+/// The folder of a machine that is named by its folder or by its file.
+fn folder_of(machine: &Path) -> &Path {
+    if machine.is_dir() { machine } else { machine.parent().unwrap_or(Path::new("")) }
+}
 
 impl State {
     /// Reads everything; `path` is that of the task, from which the machine's folder counts.
@@ -18,10 +30,9 @@ impl State {
     /// # Errors
     /// A file that cannot be read or is wrong, with its line.
     pub fn read(path: &Path, note: &mut dyn FnMut(String)) -> Result<State> {
-        let keep = Keep::read(&read_text(path, &['#', ';'])?, path)?;
-        let at = path.parent().unwrap_or(Path::new("")).join(&keep.task.machine);
+        let (keep, at) = task(path)?;
         let (source, name) = Folder::of_machine(&at);
-        let folder = if at.is_dir() { at.as_path() } else { at.parent().unwrap_or(Path::new("")) };
+        let folder = folder_of(&at);
         let mut state = State::begun(keep, folder.to_path_buf(), Box::new(source), name, note)?;
         left_notes(state.files.keys().map(|file| folder.join(file))).into_iter().for_each(&mut *note);
         let history = folder.join(HISTORY);
@@ -31,22 +42,15 @@ impl State {
         Ok(state)
     }
 
-    /// The same for a command that writes. A second such command is refused until this is dropped: it would add to tables what
-    /// the first one adds.
+    /// The same for a command that writes. A second command that changes the machine is refused until this is dropped: it would
+    /// add to tables what the first one adds.
     ///
     /// # Errors
     /// As [`State::read`], and another command at work.
     pub fn alone(path: &Path, note: &mut dyn FnMut(String)) -> Result<State> {
-        let file = File::open(path).with_context(|| format!("cannot open {}", path.display()))?;
-        match file.try_lock() {
-            Ok(()) => {}
-            Err(TryLockError::WouldBlock) => {
-                bail!("{}: found another `trueaxis keep` at work with it, needed its end: try again", path.display());
-            }
-            // A file system without locks.
-            Err(TryLockError::Error(error)) => note(format!("{} is not locked: {error}", path.display())),
-        }
-        Ok(State { _alone: Some(file), ..State::read(path, note)? })
+        let (_, at) = task(path)?;
+        let alone = Alone::in_folder(folder_of(&at), note)?;
+        Ok(State { _alone: Some(alone), ..State::read(path, note)? })
     }
 
     /// Stages what a command writes, in its order.

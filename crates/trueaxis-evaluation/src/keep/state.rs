@@ -4,10 +4,10 @@ use super::history::{History, is_plain, sum};
 use super::task::Keep;
 use anyhow::{Context, Result, bail};
 use std::collections::BTreeMap;
-use std::fs::File;
 use std::path::{Path, PathBuf};
 use trueaxis_tables::Machine;
 use trueaxis_tables::files::{Memory, Source};
+use trueaxis_tables::output::Alone;
 
 /// Name of the history in the machine's folder.
 pub const HISTORY: &str = "keep/history.jsonl";
@@ -28,8 +28,8 @@ pub struct State {
     pub files: BTreeMap<String, Vec<u8>>,
     /// Looks, updates and undos so far.
     pub history: History,
-    /// The task's file, locked until this is dropped.
-    pub(super) _alone: Option<File>,
+    /// The machine, locked until this is dropped.
+    pub(super) _alone: Option<Alone>,
 }
 
 impl State {

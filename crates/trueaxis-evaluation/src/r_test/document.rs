@@ -88,6 +88,12 @@ impl Document {
             "the linear axes' own errors and what is not sought are removed, as {} predicts them in positive travel",
             machine.settings.name
         )];
+        if let Some((apart, [first, again])) = record.repeated() {
+            notes.push(format!(
+                "a pose that was read again differs by {:.2} µm at most, lines {first} and {again}",
+                1e3 * apart
+            ));
+        }
         if found.sensor_mm.is_none() {
             notes.push(
                 "the nest is taken to be calibrated to the spindle and tool_mm; --free-sensor leaves its zero open"

@@ -49,19 +49,20 @@ impl Record {
     /// Reads all rows of [`COLUMNS`].
     ///
     /// # Errors
-    /// A row that cannot be read, a pose a second time with the same ball, a displacement beyond the probes' travel, a probe that stands
+    /// A row that cannot be read or stands twice, a displacement beyond the probes' travel, a probe that stands
     /// still.
     pub fn read(rows: &mut Rows<'_, 10>) -> Result<Record> {
-        let (mut readings, mut balls, mut poses) = (Vec::new(), Vec::new(), HashMap::new());
+        let (mut readings, mut balls, mut read) = (Vec::new(), Vec::new(), HashMap::new());
         while let Some(row) = rows.next()? {
             let [x, y, z, a, b, c, dx, dy, dz, ball] = row.values;
             if ball.fract() != 0.0 {
                 return Err(rows.error(row.line, "ball", ball, "the number of a ball"));
             }
-            let key = [a, b, c, ball].map(|value| (value + 0.0).to_bits());
-            if let Some(first) = poses.insert(key, row.line) {
-                let found = format!("a second row for these angles and this ball, as in line {first}");
-                return Err(rows.error(row.line, "dx_um", found, "one row for every pose of a ball"));
+            // A pose may be read again, against drift; the last digits of a probe do not come again.
+            let key = [a, b, c, ball, dx, dy, dz].map(|value| (value + 0.0).to_bits());
+            if let Some(first) = read.insert(key, row.line) {
+                let found = format!("the angles, ball and readings of line {first} again");
+                return Err(rows.error(row.line, "dx_um", found, "a row for every reading"));
             }
             let displacement_mm = [dx, dy, dz].map(|um| 1e-3 * um);
             for (mm, name) in displacement_mm.into_iter().zip(["dx_um", "dy_um", "dz_um"]) {
@@ -84,5 +85,24 @@ impl Record {
             }
         }
         Ok(Record { readings, balls })
+    }
+
+    /// How far the reading of a pose that was read again is from the first one of that pose, mm, at most, and their lines.
+    pub fn repeated(&self) -> Option<(f64, [u32; 2])> {
+        let mut first = HashMap::new();
+        let mut largest: Option<(f64, [u32; 2])> = None;
+        for reading in &self.readings {
+            let [.., a, b, c] = reading.place;
+            let before = first.entry(([a, b, c].map(|deg| (deg + 0.0).to_bits()), reading.ball)).or_insert(reading);
+            if before.line == reading.line {
+                continue;
+            }
+            let squares = (0..3).map(|k| (reading.displacement_mm[k] - before.displacement_mm[k]).powi(2));
+            let apart = squares.sum::<f64>().sqrt();
+            if largest.is_none_or(|(most, _)| apart > most) {
+                largest = Some((apart, [before.line, reading.line]));
+            }
+        }
+        largest
     }
 }

@@ -4,11 +4,11 @@ use super::Found;
 use std::fmt::Write;
 use trueaxis_metrology::thermal::Coefficient;
 use trueaxis_report::number::significant;
-use trueaxis_tables::text::short;
+use trueaxis_tables::text::{acts, short};
 
 /// The text of a `thermal.toml`: what was found, with standard errors behind `±`, which are not read.
 pub fn written(found: &Found) -> String {
-    let file = found.recording.file.file_name().unwrap_or_default().to_string_lossy().replace(char::is_control, " ");
+    let file = found.recording.file.file_name().unwrap_or_default().to_string_lossy().replace(acts, " ");
     let document = found.document();
     let [drift, left] = document.held_out_um;
     let mut text = format!(

@@ -2,12 +2,16 @@
 
 /// The shortest decimal u with u / scale == value, or else the double nearest to value · scale.
 pub(super) fn shortest(value: f64, scale: f64) -> f64 {
-    let micro = value * scale;
+    shortest_read_as(value, value * scale, |micro| micro / scale)
+}
+
+/// The shortest decimal near `micro` that is read as `value`, or else `micro`.
+pub(super) fn shortest_read_as(value: f64, micro: f64, read: impl Fn(f64) -> f64) -> f64 {
     for near in [micro, micro.next_up(), micro.next_down()] {
         for digits in 0..17 {
             let text = format!("{near:.digits$e}");
             if let Ok(candidate) = text.parse::<f64>()
-                && candidate / scale == value
+                && read(candidate) == value
             {
                 // −0 reads back as 0: the sign of nothing is no information.
                 return candidate + 0.0;
@@ -15,6 +19,15 @@ pub(super) fn shortest(value: f64, scale: f64) -> f64 {
         }
     }
     micro
+}
+
+/// a − b of two decimals of at most ten places, without what their binary forms add: 0.016312 of 10.016312 and 10, not
+/// 0.016311999999998; as a table in thousandths is read. Of numbers that are none the difference as it is.
+pub(super) fn difference(a: f64, b: f64) -> f64 {
+    let exact = a - b;
+    let decimal = (exact * 1e10).round() / 1e7 / 1e3;
+    let binary = f64::EPSILON * a.abs().max(b.abs());
+    if (exact - decimal).abs() <= binary { decimal + 0.0 } else { exact }
 }
 
 /// The value of a comment as TOML: a list, a word in quotes, or as it is.

@@ -18,6 +18,7 @@
 //! table there, and `BACKLASH` of the joint is no longer used. Everything that it would cut off, skip or misread is an error
 //! here: lines that are not three numbers, points that do not increase, more than 256 points, lines longer than its buffer.
 
+use super::decimal::difference;
 use super::losses;
 use super::positioning::{self, Point};
 use super::{ExportOptions, Exported, Imported};
@@ -54,7 +55,7 @@ impl CompFileType {
     /// Error for the value of a file.
     fn error(self, nominal: f64, value: f64) -> f64 {
         match self {
-            CompFileType::Positions => value - nominal,
+            CompFileType::Positions => difference(value, nominal),
             CompFileType::Trims => 0.0 - value,
         }
     }

@@ -1,10 +1,12 @@
 //! A whole machine, written.
 
 use super::axis_csv::{axis_csv_name, location_lines, write_axis_csv};
+use super::decimal::shortest_read_as;
 use super::grid_csv::{grid_csv_name, grid_section, write_grid_csv};
 use super::servo_toml;
 use super::toml_lines::{Lines, section};
 use crate::Machine;
+use crate::read::units::degrees_from_urad;
 use std::fmt::Write;
 use trueaxis::machine::{
     AxisSettings, CompensationSettings, ContourSettings, ErrorModel, FaultSettings, Interpolation, KinematicsSettings,
@@ -88,8 +90,6 @@ fn axis(text: &mut String, own: &AxisSettings, table: Option<&str>, carries_work
     let rotary = own.axis.is_rotary();
     let plain = AxisSettings::with_defaults(own.axis, carries_workpiece);
     let (unit, micro) = if rotary { ("deg", "urad") } else { ("mm", "um") };
-    // Degrees that are written as µrad: through rad.
-    let (base, scale) = if rotary { (1f64.to_radians(), 1e6) } else { (1.0, 1e3) };
     let mut lines = Lines::default();
     if let Some(table) = table {
         lines.put("table", format_args!("\"{table}\""));
@@ -111,8 +111,11 @@ fn axis(text: &mut String, own: &AxisSettings, table: Option<&str>, carries_work
     lines.numbers("measured_at_mm", &own.measured_at_mm, &plain.measured_at_mm);
     lines.number(&format!("max_feed_{unit}_per_min"), own.max_feed_per_s * 60.0, plain.max_feed_per_s * 60.0);
     let small = |lines: &mut Lines, key: &str, value: f64, default: f64| {
-        if value != default {
-            lines.scaled(key, value * base, default * base, scale);
+        if !rotary {
+            lines.scaled(key, value, default, 1e3);
+        } else if value != default {
+            let urad = shortest_read_as(value, value.to_radians() * 1e6, degrees_from_urad);
+            lines.put(key, format_args!("{urad:?}"));
         }
     };
     small(&mut lines, &format!("backlash_{micro}"), own.backlash, plain.backlash);

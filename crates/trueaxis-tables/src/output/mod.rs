@@ -24,9 +24,11 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod alone;
 mod left;
 mod staged;
 
+pub use alone::Alone;
 pub use left::{UNFINISHED, left_beside, left_notes};
 pub use staged::{Staged, write_atomically};
 
@@ -50,6 +52,9 @@ pub enum OutputError {
     /// Two outputs in one file.
     #[error("{}: found two outputs for this file, needed a file for each", .0.display())]
     Twice(PathBuf),
+    /// Another command holds the machine's folder, [`Alone`].
+    #[error("{}: found another command that changes this machine, needed its end: try again", .0.display())]
+    Busy(PathBuf),
     /// The file system refused.
     #[error("cannot write {}", .output.display())]
     Io {
@@ -225,13 +230,29 @@ fn is_device(path: &Path) -> bool {
     fs::metadata(path).is_ok_and(|old| !old.is_file() && !old.is_dir())
 }
 
-/// A name that is the same for the same file, whether it exists or its folder alone.
+/// Links that are followed to a file that is not there yet; the kernel of Linux follows as many.
+const LINKS: usize = 40;
+
+/// A link to what is not there. One to a pipe has no name behind it, and leads there: `/dev/stdout`.
+fn leads_nowhere(path: &Path) -> bool {
+    path.is_symlink() && !path.exists()
+}
+
+/// A name that is the same for the same file, behind links, whether it exists or its folder alone. It is itself a link where
+/// links lead nowhere.
 fn resolved(output: &Path) -> PathBuf {
     if let Ok(path) = fs::canonicalize(output) {
         return path;
     }
-    match (fs::canonicalize(folder_of(output)), output.file_name()) {
+    let mut output = output.to_path_buf();
+    for _ in 0..LINKS {
+        match fs::read_link(&output) {
+            Ok(to) if leads_nowhere(&output) => output = folder_of(&output).join(to),
+            _ => break,
+        }
+    }
+    match (fs::canonicalize(folder_of(&output)), output.file_name()) {
         (Ok(folder), Some(name)) => folder.join(name),
-        _ => output.to_path_buf(),
+        _ => output,
     }
 }

@@ -28,12 +28,15 @@ enum To {
 const TRIES: usize = 8;
 
 impl Staged {
-    /// Begins a file that will stand at `path`; behind a link, so that the link stays.
+    /// Begins a file that will stand at `path`; behind a link, also to a file that is not there yet, so that the link stays.
     ///
     /// # Errors
-    /// Those of the file system; the target is a folder.
+    /// Those of the file system; the target is a folder; links lead nowhere.
     pub fn create(path: &Path) -> io::Result<Staged> {
-        let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
+        let target = super::resolved(path);
+        if super::leads_nowhere(&target) {
+            return Err(io::Error::other("it is a link that leads nowhere"));
+        }
         let old = fs::metadata(&target).ok();
         if old.as_ref().is_some_and(fs::Metadata::is_dir) {
             return Err(io::Error::new(io::ErrorKind::IsADirectory, "it is a folder"));

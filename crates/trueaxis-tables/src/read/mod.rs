@@ -12,7 +12,7 @@ pub(crate) mod section;
 mod servo_toml;
 pub(crate) mod table_text;
 mod uncertainty_toml;
-mod units;
+pub(crate) mod units;
 
 use crate::error::FileError;
 use crate::files::{Folder, Source, bytes};

@@ -11,7 +11,7 @@ pub(super) fn from_urad(value: f64) -> f64 {
 }
 
 /// µrad to degrees.
-pub(super) fn degrees_from_urad(value: f64) -> f64 {
+pub(crate) fn degrees_from_urad(value: f64) -> f64 {
     (value / 1e6).to_degrees()
 }
 

@@ -10,6 +10,7 @@ use trueaxis_sim::run::Kind;
 use trueaxis_sim::scenario::choose_model;
 use trueaxis_sim::{Scenario, Settings};
 use trueaxis_tables::Machine;
+use trueaxis_tables::text::acts;
 
 /// Folder of the machine among the files of a scenario, and the scenario's own file.
 pub(super) const MACHINE_FOLDER: &str = "machine";
@@ -130,7 +131,7 @@ pub(super) fn exchange_name(name: &str) -> Result<()> {
 }
 
 fn plain(what: &str, name: &str) -> Result<()> {
-    let bad = |c: char| c.is_control() || matches!(c, '/' | '\\' | ':');
+    let bad = |c: char| acts(c) || matches!(c, '/' | '\\' | ':');
     if name.trim().is_empty() || name.starts_with(['.', '-']) || name.contains(bad) {
         bail!("{what}: found \"{}\", needed a plain file name", name.escape_debug());
     }
