@@ -43,7 +43,7 @@ fn evaluate(name: &str, text: &str, request: &str) -> Result<String> {
     drop(rows);
     notes.extend(readings.note(plan.points()));
     let separations = plan.separate(&readings, || {})?;
-    let evaluation = plan.evaluate(&separations, readings.resampling)?;
+    let evaluation = plan.evaluate(&separations, &readings)?;
     let told = json(&Noted { document: &evaluation.document, notes });
     EVALUATED.set(Evaluated::Readings(Box::new(evaluation)));
     told
