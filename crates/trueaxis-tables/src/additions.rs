@@ -15,6 +15,10 @@ use std::path::Path;
 use toml_edit::{DocumentMut, Item, TableLike, Value};
 use trueaxis::machine::{Axis, LocationErrors, Row};
 
+/// What negative lost motion comes from; said wherever it is found.
+pub const OVERCOMPENSATED: &str = "lost motion below zero is more than a drive can have: the control takes up too much. Lower its \
+                                   backlash compensation by it";
+
 /// Closest two positions of a table, mm or degrees.
 const CLOSEST: f64 = 1e-3;
 
@@ -65,10 +69,22 @@ impl Additions {
             let uncertainty = kept(&known, &before, *axis, &table);
             edited.files.push((beside(name, &csv), write_axis_csv_known(&table, *axis, &uncertainty)));
         }
+        let mut left = Vec::new();
         for (axis, backlash) in self.backlash.iter().filter(|(_, backlash)| *backlash != 0.0) {
-            let own = before.settings.axis(*axis).map_or(0.0, |own| own.backlash);
-            set(section(&mut document, *axis, &origin)?, "backlash_um", micro(own + backlash));
-            edited.notes.push(format!("axis {}: backlash set", axis.letter()));
+            let (own, hysteresis) =
+                before.settings.axis(*axis).map_or((0.0, 0.0), |own| (own.backlash, own.hysteresis));
+            let (sum, letter) = (own + backlash, axis.letter());
+            if -sum > hysteresis {
+                left.push(format!("axis.{letter}.uncertainty.backlash_um"));
+                edited.notes.push(format!(
+                    "axis {letter}: backlash stays as it is, as it would become {} µm: {OVERCOMPENSATED}. To correct it here all the \
+                     same, state a hysteresis_um above that",
+                    micro(sum)
+                ));
+                continue;
+            }
+            set(section(&mut document, *axis, &origin)?, "backlash_um", micro(sum));
+            edited.notes.push(format!("axis {letter}: backlash set"));
         }
         if self.location != LocationErrors::default() {
             let sum = added(&before.settings.location, &self.location);
@@ -78,7 +94,7 @@ impl Additions {
             edited.notes.push(format!("location errors set: {}", names.join(" ")));
             values.into_iter().for_each(|(key, value)| set(to, &key, value));
         }
-        for (key, value) in &self.set {
+        for (key, value) in self.set.iter().filter(|(key, _)| !left.contains(key)) {
             let (path, last) = key.rsplit_once('.').unwrap_or(("", key));
             let mut at: &mut dyn TableLike = document.as_table_mut();
             for part in path.split('.').filter(|part| !part.is_empty()) {

@@ -54,6 +54,12 @@ pub(super) fn contraction(machine: &Machine, origin: &Origin, error: &ConfigErro
     )
 }
 
+/// The hysteresis that is wide enough, in the unit of its key, in thousandths rounded up: the figure itself must be accepted.
+pub(crate) fn least_hysteresis(error: &ConfigError) -> Option<f64> {
+    let (bound, key) = error.bound.zip(error.key())?;
+    Some((key.in_its_unit(bound) * 1e3 - 1e-6).ceil() / 1e3)
+}
+
 fn is_section(field: Field) -> bool {
     matches!(field, Field::Friction | Field::Feedback)
 }
@@ -103,11 +109,10 @@ impl Description {
     pub(super) fn reversal(&self, origin: &Origin, error: &ConfigError) -> FileError {
         let at = self.located(origin, error);
         FileError {
-            needed: match error.bound.zip(error.key()) {
-                // Rounded up: a figure copied from the message must be accepted.
-                Some((bound, key)) => {
+            needed: match least_hysteresis(error) {
+                Some(least) => {
                     let unit = if error.axis.is_some_and(Axis::is_rotary) { "urad" } else { "um" };
-                    format!("{}: {} {unit}", error.needed, (key.in_its_unit(bound) * 1e3 - 1e-6).ceil() / 1e3)
+                    format!("{}: {least} {unit}", error.needed)
                 }
                 None => at.needed,
             },
