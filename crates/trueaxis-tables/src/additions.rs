@@ -88,11 +88,13 @@ impl Additions {
         }
         if self.location != LocationErrors::default() {
             let sum = added(&before.settings.location, &self.location);
-            let to = table_at(document.as_table_mut(), "location", &origin)?;
-            let values = stated::location(&sum);
-            let names: Vec<&str> = values.iter().map(|(key, _)| key.as_str()).collect();
-            edited.notes.push(format!("location errors set: {}", names.join(" ")));
-            values.into_iter().for_each(|(key, value)| set(to, &key, value));
+            let changed = changed(&stated::location_values(&before.settings.location), stated::location_values(&sum));
+            if !changed.is_empty() {
+                let names: Vec<&str> = changed.iter().map(|(key, _)| key.as_str()).collect();
+                edited.notes.push(format!("location errors set: {}", names.join(" ")));
+                let to = table_at(document.as_table_mut(), "location", &origin)?;
+                changed.into_iter().for_each(|(key, value)| set(to, &key, Value::from(value)));
+            }
         }
         for (key, value) in self.set.iter().filter(|(key, _)| !left.contains(key)) {
             let (path, last) = key.rsplit_once('.').unwrap_or(("", key));
@@ -145,6 +147,15 @@ fn added(to: &LocationErrors, what: &LocationErrors) -> LocationErrors {
             std::array::from_fn(|k| sum(to.rotary[axis][k], what.rotary[axis][k], if k < 3 { 1e6 } else { 1e9 }))
         }),
     }
+}
+
+/// Values that are no longer those before; 0 where one is gone.
+fn changed(before: &[(String, f64)], mut now: Vec<(String, f64)>) -> Vec<(String, f64)> {
+    let gone = before.iter().filter(|(key, _)| now.iter().all(|(own, _)| own != key));
+    let gone: Vec<(String, f64)> = gone.map(|(key, _)| (key.clone(), 0.0)).collect();
+    now.retain(|value| !before.contains(value));
+    now.extend(gone);
+    now
 }
 
 /// Standard uncertainties point by point as the axis' CSV states them, at the points of its new table: linear between its own

@@ -92,3 +92,19 @@ fn lost_motion_below_zero_is_named_and_the_rest_is_given() {
     assert!(into("backlash_um = 10\n").0.contains("backlash_um = 2.2"));
     assert!(into("hysteresis_um = 9\n").0.contains("backlash_um = -7.8"));
 }
+
+/// Location errors are told where they change: one that cancels is set to zero, one below a nanoradian is none.
+#[test]
+fn location_errors_that_change_are_set_and_told() {
+    let toml = "name = \"m\"\nchain = \"w b X Y Z t\"\n[location]\nC0Y_urad = 10\nA0Z_urad = 3\n";
+    let with = |c0y: f64, b0z: f64| {
+        let additions =
+            Additions { location: LocationErrors { c0y, b0z, ..Default::default() }, ..Additions::default() };
+        let edited = additions.edit(&Memory::new([("machine.toml", toml)]), Path::new("machine.toml")).unwrap();
+        (edited.files.last().unwrap().1.clone(), edited.notes)
+    };
+    let (text, notes) = with(-10e-6, 1e-13);
+    assert!(text.contains("C0Y_urad = 0.0") && text.contains("A0Z_urad = 3\n") && !text.contains("B0Z"), "{text}");
+    assert_eq!(notes, ["location errors set: C0Y_urad"]);
+    assert_eq!(with(0.0, 1e-13).1, [""; 0]);
+}

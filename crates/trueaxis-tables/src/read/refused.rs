@@ -31,25 +31,43 @@ impl TableFile {
     }
 }
 
-/// All tables together are too steep.
+/// All errors together are too steep: with the source without which they are least steep.
 pub(super) fn contraction(machine: &Machine, origin: &Origin, error: &ConfigError) -> FileError {
     if error.field != Field::Inverse {
         return origin.whole(error.found.to_string(), error.needed);
     }
-    let mut steepest = (0.0, String::from("the squareness errors"));
-    for (settings, table) in machine.axes() {
-        let Some(table) = table else { continue };
-        for (slope, direction) in check::slopes(settings, table.rows.as_slice()).into_iter().zip(Axis::ALL).take(3) {
-            if slope > steepest.0 {
-                steepest = (slope, format!("E{}{}", direction.letter(), settings.axis.letter()));
+    let norm = |machine: &Machine| {
+        check::jacobian_norm(&machine.settings, |axis| machine.rows(axis), &check::GridBounds::of(&machine.grids()))
+    };
+    let (mut least, mut cause) = (norm(machine), String::from("the thermal growth"));
+    let mut without = |name: &dyn Fn() -> String, other: Machine| {
+        let left = norm(&other);
+        if left < least {
+            (least, cause) = (left, name());
+        }
+    };
+    let mut square = machine.clone();
+    square.settings.location = Default::default();
+    without(&|| String::from("the location errors"), square);
+    for (slot, own) in machine.settings.axes.iter().enumerate() {
+        for (component, direction) in Axis::ALL.into_iter().enumerate() {
+            let mut other = machine.clone();
+            let Some(Some(table)) = other.tables.get_mut(slot) else { continue };
+            for twist in table.rows.iter_mut().flat_map(|row| [&mut row.forward, &mut row.reverse]) {
+                twist[component] = 0.0;
             }
+            without(&|| format!("E{}{}", direction.letter(), own.axis.letter()), other);
         }
     }
+    for (number, grid) in machine.grids.iter().enumerate() {
+        let mut other = machine.clone();
+        other.grids.remove(number);
+        let letters =
+            || grid.header().letters().map(|axis| axis.letter().to_string()).collect::<Vec<_>>().join(" and ");
+        without(&|| format!("the grid over {}", letters()), other);
+    }
     origin.whole(
-        format!(
-            "a norm of {:.4} (all tables, thermal growth of 0.001 included), most of it {}",
-            error.found, steepest.1
-        ),
+        format!("a norm of {:.4} (all tables, thermal growth of 0.001 included), most of it {cause}", error.found),
         error.needed,
     )
 }
