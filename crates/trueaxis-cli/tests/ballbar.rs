@@ -171,7 +171,7 @@ fn lost_motion_below_zero_refuses_nothing_else() {
     folder.write("m/machine.toml", "name = \"m\"\nchain = \"w b X Y Z t\"\n");
     let ballbar = ["ballbar", "record.csv", "--radius-mm", "100", "--machine", "m", "-o", "new"];
     let [found, told] = folder.both(&ballbar);
-    let cause = "-8.0 µm: lost motion below zero is more than a drive can have: the control takes up too much";
+    let cause = "-8.0 µm: lost motion below zero is over-compensation: the control takes up too much";
     assert!(
         found.replace('\u{2212}', "-").contains(&format!("note: backlash X is {}", cause.replace("8.0", "8.00"))),
         "{found}"
