@@ -70,13 +70,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
         tell(format_args!("note: {note}"));
     }
     let separations = separate(&plan, &readings)?;
-    for warning in plan.warnings() {
+    for warning in plan.warnings(&separations, &readings) {
         tell(format_args!("warning: {warning}"));
     }
     // Circles, harmonics and motion are nowhere but in the document and on the page.
-    let evaluation = (arguments.json || arguments.report.is_some())
-        .then(|| plan.evaluate(&separations, readings.resampling))
-        .transpose()?;
+    let evaluation =
+        (arguments.json || arguments.report.is_some()).then(|| plan.evaluate(&separations, &readings)).transpose()?;
     let mut outputs = Outputs::of([&arguments.readings]);
     if let (Some(directory), Some(evaluation)) = (&arguments.report, &evaluation) {
         let source = arguments.readings.file_name().unwrap_or_default().to_string_lossy();

@@ -8,12 +8,16 @@ const TRUEAXIS: &str = env!("CARGO_BIN_EXE_trueaxis");
 
 /// 100 mm: C0Y 50 µrad, lost motion of 5 µm in X, the pivot 20 µm off.
 fn record(directions: &[f64]) -> String {
+    record_of(directions, 5.0)
+}
+
+fn record_of(directions: &[f64], lost_um: f64) -> String {
     let mut text = String::from("angle_deg,deviation_um,direction\n");
     for d in directions {
         for k in 0..360 {
             let (sin, cos) = (f64::from(k) + 0.5).to_radians().sin_cos();
             let (x, y) = (100.0 * cos, 100.0 * sin);
-            let x = x - 50e-6 * y + 0.0025 * (d * sin).signum() + 0.02;
+            let x = x - 50e-6 * y + 0.5e-3 * lost_um * (d * sin).signum() + 0.02;
             writeln!(text, "{},{},{d}", f64::from(k) + 0.5, 1e3 * (x.hypot(y) - 100.0)).unwrap();
         }
     }
@@ -157,6 +161,24 @@ fn what_becomes_a_setting_is_written_into_the_machine() {
     assert!((found("new/machine.toml", "backlash_um") - 10.0).abs() < 0.04, "its own folder");
     folder.bad(&call(&["more"]), &["found a machine in more, needed the folder of --machine or one without a machine"]);
     folder.bad(&["ballbar", "record.csv", "--radius-mm", "100", "-o", "x"], &["--machine"]);
+}
+
+/// A control that takes up 8 µm too much: the cause is named, the squareness is written.
+#[test]
+fn lost_motion_below_zero_refuses_nothing_else() {
+    let folder = Folder::new(TRUEAXIS);
+    folder.write("record.csv", record_of(&[1.0, -1.0], -8.0));
+    folder.write("m/machine.toml", "name = \"m\"\nchain = \"w b X Y Z t\"\n");
+    let ballbar = ["ballbar", "record.csv", "--radius-mm", "100", "--machine", "m", "-o", "new"];
+    let [found, told] = folder.both(&ballbar);
+    let cause = "-8.0 µm: lost motion below zero is over-compensation: the control takes up too much";
+    assert!(
+        found.replace('\u{2212}', "-").contains(&format!("note: backlash X is {}", cause.replace("8.0", "8.00"))),
+        "{found}"
+    );
+    assert!(told.contains("axis X: backlash stays as it is, as it would become -8"), "{told}");
+    let text = folder.read("new/machine.toml");
+    assert!(text.contains("C0Y_urad = 50") && !text.contains("backlash"), "{text}");
 }
 
 #[test]

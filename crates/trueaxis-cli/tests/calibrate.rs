@@ -25,6 +25,7 @@ fn whole_task() -> String {
 /// 40 and −30 and 20 ppm; C0Y 50, B0Z −20, A0Z 30 µrad; backlash of X 6 µm, of Y 3 µm; the tip 8 µm smaller.
 struct Bench {
     reverse: [bool; 3],
+    lost_x_um: f64,
     drift_um: f64,
     ring_mm: f64,
 }
@@ -33,7 +34,7 @@ impl Bench {
     fn actual(&self, [x, y, z]: [f64; 3], count: f64) -> [f64; 3] {
         let lost = |axis: usize, um: f64| if self.reverse[axis] { 1e-3 * um } else { 0.0 };
         [
-            x + 40e-6 * x - 50e-6 * y - 20e-6 * z + lost(0, 6.0) + 1e-3 * self.drift_um * count,
+            x + 40e-6 * x - 50e-6 * y - 20e-6 * z + lost(0, self.lost_x_um) + 1e-3 * self.drift_um * count,
             y - 30e-6 * y - 30e-6 * z + lost(1, 3.0),
             z + 20e-6 * z,
         ]
@@ -66,7 +67,7 @@ impl Bench {
 }
 
 fn bench() -> Bench {
-    Bench { reverse: [false; 3], drift_um: 0.002, ring_mm: 150.0 }
+    Bench { reverse: [false; 3], lost_x_um: 6.0, drift_um: 0.002, ring_mm: 150.0 }
 }
 
 /// A folder with machine, task and program.
@@ -118,6 +119,19 @@ fn a_ring_and_a_ball_tell_the_machine() {
     let again = folder.json(&solve("mill", &["--json"]));
     near(&again["location"]["C0Y_urad"], 0.0, 0.05);
     near(&again["axes"]["X"]["scale_ppm"], 0.0, 0.05);
+}
+
+/// A control that takes up 6 µm too much in X.
+#[test]
+fn lost_motion_below_zero_refuses_nothing_else() {
+    let (folder, program) = planned(&whole_task());
+    folder.write("probe.log", Bench { lost_x_um: -6.0, ..bench() }.run(&program));
+    let [found, told] = folder.both(&solve("mill", &[]));
+    assert!(found.contains("note: backlash of X is −6.00 µm: lost motion below zero"), "{found}");
+    assert!(told.contains("axis X: backlash stays as it is, as it would become -6"), "{told}");
+    let text = folder.read("mill/machine.toml");
+    let (x, y) = text.split_once("[axis.Y]").unwrap();
+    assert!(!x.contains("backlash_um") && y.contains("backlash_um = 3") && text.contains("C0Y_urad = 50"), "{text}");
 }
 
 #[test]

@@ -96,6 +96,29 @@ fn both_models_agree_with_homogeneous_transforms() {
     }
 }
 
+/// A machine whose largest errors stand in grids: every model's corrected commands leave what its inverse leaves.
+#[test]
+fn corrected_commands_of_every_model_take_the_grids_in() {
+    let directory = Folder::new(TRUEAXIS);
+    let router = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../compensation-tables/router");
+    let router = router.to_str().unwrap();
+    let at = [[0.0, 0.0, -250.0], [310.0, -220.0, -180.0], [-385.0, 140.0, -30.0], [75.0, 260.0, -205.0]];
+    put_positions(&directory, "p.csv", "x_mm,y_mm,z_mm", &at.map(Vec::from));
+    // The nine terms and the first order are not the transforms: 1 nm and less.
+    for (model, left_um) in [("nine", 1e-3), ("volumetric", 1e-3), ("exact", 1e-8)] {
+        let (_, rows) = directory.csv(&["compensate", router, "p.csv", "--model", model]);
+        let sent: Vec<Vec<f64>> = rows.iter().map(|row| row[6..9].to_vec()).collect();
+        put_positions(&directory, "sent.csv", "x_mm,y_mm,z_mm", &sent);
+        let (_, there) = directory.csv(&["compensate", router, "sent.csv", "--model", "exact"]);
+        for ((at, sent), there) in at.iter().zip(&sent).zip(&there) {
+            for k in 0..3 {
+                let left = (sent[k] - at[k]) * 1e3 + there[3 + k];
+                assert!(left.abs() < left_um, "{model} {at:?}: {left} um");
+            }
+        }
+    }
+}
+
 #[test]
 fn orientation_needs_a_model_that_has_one() {
     let directory = Folder::new(TRUEAXIS);

@@ -377,3 +377,55 @@ fn the_report_of_points_shows_them_with_their_circles() {
     assert!(text.contains("MCC, zone") && !text.contains("MIC, zone"));
     assert!(text.contains(&format!("none: {}", json["refused"]["mic"].as_str().unwrap())), "{text}");
 }
+
+/// 20 µm of eccentricity, motion with and without the revolution, 10 nm of noise; a probe with a factor. The profile is the
+/// sum of four waves, 3.4 µm peak to valley.
+fn warned(directory: &Folder, revolutions: usize, factors: [f64; 3], eccentricity: f64) -> Vec<String> {
+    let mut noise = trueaxis_testing::noise::Noise::new(11);
+    let mut text = String::from("h1_um,h2_um,h3_um\n");
+    for row in 0..1024 * revolutions {
+        let theta = TAU * row as f64 / 1024.0;
+        let profile = |t: f64| {
+            (2.0 * t + 0.3).cos() + 0.5 * (3.0 * t).cos() + 0.3 * (7.0 * t + 1.0).cos() + 0.05 * (31.0 * t).cos()
+        };
+        let x = eccentricity * theta.cos() + 0.4 * (2.0 * theta).cos() + 0.2 * (5.37 * theta).sin();
+        let y = eccentricity * theta.sin() + 0.3 * (3.0 * theta).sin() + 0.2 * (4.61 * theta).cos();
+        let angles = [0.0, BEST[0], BEST[0] + BEST[1]].map(f64::to_radians);
+        let readings: [f64; 3] = std::array::from_fn(|probe| {
+            let phi = angles[probe];
+            factors[probe] * (profile(theta + phi) + y * phi.cos() + x * phi.sin()) + 0.017 * noise.signed()
+        });
+        writeln!(text, "{},{},{}", readings[0], readings[1], readings[2]).unwrap();
+    }
+    directory.write("probes.csv", text);
+    let arguments = ["roundness", "probes.csv", "--n=1024", "--p=188", "--q=667"];
+    let json = directory.json(&[&arguments[..], &["--json", "-o", "out.csv"]].concat());
+    let warnings: Vec<String> =
+        json["warnings"].as_array().unwrap().iter().map(|text| text.as_str().unwrap().to_owned()).collect();
+    // And without --json.
+    let [_, told] = directory.both(&[&arguments[..], &["-o", "out.csv"]].concat());
+    assert!(warnings.iter().all(|warning| told.contains(&format!("warning: {warning}"))), "{told}");
+    warnings
+}
+
+/// What the three probes have to cancel is left by one that counts the other way, or is 2 % off.
+#[test]
+fn probes_that_contradict_one_another_are_told() {
+    let directory = Folder::new(TRUEAXIS);
+    for revolutions in [1, 4] {
+        assert_eq!(warned(&directory, revolutions, [1.0; 3], 20.0), [""; 0]);
+        assert_eq!(warned(&directory, revolutions, [1.0; 3], 0.0), [""; 0]);
+        for probe in 0..3 {
+            let with = |factor: f64| std::array::from_fn(|own| if own == probe { factor } else { 1.0 });
+            let reversed = warned(&directory, revolutions, with(-1.0), 20.0);
+            let named = format!("probe {} has the other polarity", probe + 1);
+            assert!(reversed[0].contains("once-per-revolution") && reversed[0].ends_with(&named), "{reversed:?}");
+            assert_eq!(reversed.len(), revolutions.min(2), "{reversed:?}");
+            let off = warned(&directory, revolutions, with(1.03), 20.0);
+            assert!(off.len() == 1 && off[0].contains("the sensitivity or the angle of a probe"), "{off:?}");
+        }
+    }
+    // A part without eccentricity: the revolutions tell.
+    let centred = warned(&directory, 4, [1.0, -1.0, 1.0], 0.0);
+    assert!(centred.last().unwrap().contains("differs from revolution to revolution by"), "{centred:?}");
+}

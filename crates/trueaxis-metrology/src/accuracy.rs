@@ -119,6 +119,32 @@ impl Measurement {
             .fold((0.0, 0_u32), |(sum, count), deviation| (sum + deviation, count + 1));
         (count > 0).then(|| sum / f64::from(count))
     }
+
+    /// Where both directions differ by no more than the scatter of their runs makes them: the root mean square of B_i, and
+    /// what the scatter alone would make it, µm (µrad). `None` where they differ by more, or where there is nothing to
+    /// judge that by: one run, one direction.
+    ///
+    /// ```text
+    /// v = 2 s²/n,  s² = mean of all s_i↑², s_i↓²,  ν = 2m(n − 1):   |Σ B_i/m| ≤ 2 √(v/m)  and  Σ B_i²/m ≤ v (1 + 2 √(2/m + 2/ν))
+    /// ```
+    ///
+    /// The mean finds lost motion that is the same everywhere, the squares what changes along the axis; both within two
+    /// standard deviations.
+    pub fn reversal_within_scatter(&self) -> Option<[f64; 2]> {
+        let found = evaluate(self).ok()?;
+        let (m, n) = (found.positions.len() as f64, self.runs as f64);
+        let (mut sum, mut squares, mut scatter) = (0.0, 0.0, 0.0);
+        for at in &found.positions {
+            let (reversal, up, down) = (at.reversal?, at.up?, at.down?);
+            sum += reversal;
+            squares += reversal * reversal;
+            scatter += up.s * up.s + down.s * down.s;
+        }
+        let (variance, freedom) = (scatter / (m * n), 2.0 * m * (n - 1.0));
+        let within = (sum / m).abs() <= 2.0 * (variance / m).sqrt()
+            && squares / m <= variance * (1.0 + 2.0 * (2.0 / m + 2.0 / freedom).sqrt());
+        within.then(|| [squares / m, variance].map(f64::sqrt))
+    }
 }
 
 /// Result at one target position, one direction; µm (µrad).

@@ -429,6 +429,53 @@ fn nearly_straight_points_are_fitted_by_a_large_circle_or_refused() {
     }
 }
 
+/// Sum of squares about a centre, with the mean distance as the radius.
+fn squares(points: &[P], c: P) -> f64 {
+    let distances: Vec<f64> = points.iter().map(|p| (p[0] - c[0]).hypot(p[1] - c[1])).collect();
+    let mean = distances.iter().sum::<f64>() / distances.len() as f64;
+    distances.iter().map(|d| (d - mean) * (d - mean)).sum()
+}
+
+/// Points that are hardly a circle have several hollows: no centre that walks downhill from a fine net of places is better.
+#[test]
+fn no_centre_has_a_smaller_sum_than_the_least_squares_circle() {
+    // The algebraic fit of these lies in the wrong hollow.
+    let known = [[23.0, 25.0], [22.0, 15.0], [10.0, 28.0], [26.0, 14.0], [39.0, 26.0], [15.0, 11.0], [10.0, 22.0]];
+    let mut random = Noise::new(17);
+    let drawn = (0..150).map(|k| -> Vec<P> {
+        let n = 4 + random.below(17);
+        (0..n)
+            .map(|_| match k % 3 {
+                0 => [random.range(-1.0, 1.0), random.range(-1.0, 1.0)],
+                1 => [random.range(0.0, 30.0).round(), random.range(0.0, 30.0).round()],
+                _ => [random.range(-1.0, 1.0) + random.signed(), 0.3 * (random.signed() + random.signed())],
+            })
+            .collect()
+    });
+    for points in std::iter::once(known.to_vec()).chain(drawn) {
+        let Ok(found) = least_squares(&points) else { continue };
+        let sum = squares(&points, found.centre);
+        let middle = [0, 1].map(|k| points.iter().map(|p| p[k]).sum::<f64>() / points.len() as f64);
+        let size = points.iter().map(|p| (p[0] - middle[0]).hypot(p[1] - middle[1])).fold(0.0, f64::max);
+        // Downhill by halved steps, from places up to ten sizes away.
+        for (turn, ring) in (0..16).flat_map(|turn| (0..12).map(move |ring| (turn, ring))) {
+            let (sin, cos) = (TAU * (f64::from(turn) + 0.1 * f64::from(ring)) / 16.0).sin_cos();
+            let out = size * 0.05 * 1.62f64.powi(ring);
+            let mut at = [middle[0] + out * cos, middle[1] + out * sin];
+            let (mut step, mut best) = (0.2 * out, squares(&points, at));
+            for _ in 0..100 {
+                let around =
+                    [[step, 0.0], [-step, 0.0], [0.0, step], [0.0, -step]].map(|by| [at[0] + by[0], at[1] + by[1]]);
+                match around.into_iter().find(|place| squares(&points, *place) < best) {
+                    Some(place) => (at, best) = (place, squares(&points, place)),
+                    None => step *= 0.5,
+                }
+            }
+            assert!(sum <= best * (1.0 + 1e-9), "{sum} about {:?}, {best} about {at:?}: {points:?}", found.centre);
+        }
+    }
+}
+
 /// Where rounding at 10⁹ mm hides the inscribed circle, the search ends and says so; the other circles are found.
 #[test]
 fn outliers_at_several_distances_end() {

@@ -68,7 +68,7 @@ pub(crate) fn roundness<'py>(
             }
         };
         let separations = plan.separate(&readings, || {})?;
-        Ok((plan.evaluate(&separations, readings.resampling)?.document, separations))
+        Ok((plan.evaluate(&separations, &readings)?.document, separations))
     }))?;
     let found = dictionary(py, &document)?.cast_into::<PyDict>()?;
     let array = |of: fn(&trueaxis_metrology::separation::Separation) -> &Vec<f64>| {

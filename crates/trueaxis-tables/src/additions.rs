@@ -15,6 +15,10 @@ use std::path::Path;
 use toml_edit::{DocumentMut, Item, TableLike, Value};
 use trueaxis::machine::{Axis, LocationErrors, Row};
 
+/// What negative lost motion comes from; said wherever it is found.
+pub const OVERCOMPENSATED: &str =
+    "lost motion below zero is over-compensation: the control takes up too much. Lower its backlash setting by that";
+
 /// Closest two positions of a table, mm or degrees.
 const CLOSEST: f64 = 1e-3;
 
@@ -65,20 +69,34 @@ impl Additions {
             let uncertainty = kept(&known, &before, *axis, &table);
             edited.files.push((beside(name, &csv), write_axis_csv_known(&table, *axis, &uncertainty)));
         }
+        let mut left = Vec::new();
         for (axis, backlash) in self.backlash.iter().filter(|(_, backlash)| *backlash != 0.0) {
-            let own = before.settings.axis(*axis).map_or(0.0, |own| own.backlash);
-            set(section(&mut document, *axis, &origin)?, "backlash_um", micro(own + backlash));
-            edited.notes.push(format!("axis {}: backlash set", axis.letter()));
+            let (own, hysteresis) =
+                before.settings.axis(*axis).map_or((0.0, 0.0), |own| (own.backlash, own.hysteresis));
+            let (sum, letter) = (own + backlash, axis.letter());
+            if -sum > hysteresis {
+                left.push(format!("axis.{letter}.uncertainty.backlash_um"));
+                edited.notes.push(format!(
+                    "axis {letter}: backlash stays as it is, as it would become {} µm: {OVERCOMPENSATED}. To correct it here all the \
+                     same, state a hysteresis_um above that",
+                    micro(sum)
+                ));
+                continue;
+            }
+            set(section(&mut document, *axis, &origin)?, "backlash_um", micro(sum));
+            edited.notes.push(format!("axis {letter}: backlash set"));
         }
         if self.location != LocationErrors::default() {
             let sum = added(&before.settings.location, &self.location);
-            let to = table_at(document.as_table_mut(), "location", &origin)?;
-            let values = stated::location(&sum);
-            let names: Vec<&str> = values.iter().map(|(key, _)| key.as_str()).collect();
-            edited.notes.push(format!("location errors set: {}", names.join(" ")));
-            values.into_iter().for_each(|(key, value)| set(to, &key, value));
+            let changed = changed(&stated::location_values(&before.settings.location), stated::location_values(&sum));
+            if !changed.is_empty() {
+                let names: Vec<&str> = changed.iter().map(|(key, _)| key.as_str()).collect();
+                edited.notes.push(format!("location errors set: {}", names.join(" ")));
+                let to = table_at(document.as_table_mut(), "location", &origin)?;
+                changed.into_iter().for_each(|(key, value)| set(to, &key, Value::from(value)));
+            }
         }
-        for (key, value) in &self.set {
+        for (key, value) in self.set.iter().filter(|(key, _)| !left.contains(key)) {
             let (path, last) = key.rsplit_once('.').unwrap_or(("", key));
             let mut at: &mut dyn TableLike = document.as_table_mut();
             for part in path.split('.').filter(|part| !part.is_empty()) {
@@ -129,6 +147,15 @@ fn added(to: &LocationErrors, what: &LocationErrors) -> LocationErrors {
             std::array::from_fn(|k| sum(to.rotary[axis][k], what.rotary[axis][k], if k < 3 { 1e6 } else { 1e9 }))
         }),
     }
+}
+
+/// Values that are no longer those before; 0 where one is gone.
+fn changed(before: &[(String, f64)], mut now: Vec<(String, f64)>) -> Vec<(String, f64)> {
+    let gone = before.iter().filter(|(key, _)| now.iter().all(|(own, _)| own != key));
+    let gone: Vec<(String, f64)> = gone.map(|(key, _)| (key.clone(), 0.0)).collect();
+    now.retain(|value| !before.contains(value));
+    now.extend(gone);
+    now
 }
 
 /// Standard uncertainties point by point as the axis' CSV states them, at the points of its new table: linear between its own

@@ -12,7 +12,7 @@ use crate::{Grid, Machine, Table};
 use std::path::Path;
 use toml_edit::{DocumentMut, Item, Value};
 use trueaxis::machine::links;
-use trueaxis::machine::{Axis, AxisSettings, ErrorModel, LocationErrors, MachineSettings};
+use trueaxis::machine::{Axis, AxisSettings, ErrorModel, LocationErrors, MachineSettings, Row};
 
 impl Imported {
     /// The changes that bring these tables into an existing machine; `name` is that of its `machine.toml`.
@@ -200,7 +200,9 @@ fn outdated(axis: Axis, table: &Table, standing: &Standing<'_>, notes: &mut Vec<
     let Some(own) = standing.settings.axis(axis) else { return Vec::new() };
     let mut set = Vec::new();
     let (letter, component) = (axis.letter(), axis.index());
-    if own.backlash != 0.0 && table.rows.iter().any(|row| row.forward.get(component) != row.reverse.get(component)) {
+    let both = |row: &Row| row.forward.get(component) != row.reverse.get(component);
+    let alike = table.rows.iter().all(|row| row.forward == row.reverse);
+    if own.backlash != 0.0 && (table.rows.iter().any(both) || (table.bidirectional && alike)) {
         let key = if axis.is_rotary() { "backlash_urad" } else { "backlash_um" };
         notes.push(format!("axis {letter}: {key} set to 0, as both directions of the table contain the lost motion"));
         set.push((String::from(key), Value::from(0.0)));

@@ -6,10 +6,12 @@ use crate::error::FileError;
 use crate::files::{Edit, Memory, Source};
 use crate::origin::Origin;
 use crate::rates::drive_rate;
+use crate::read::refused::least_hysteresis;
 use crate::text::{counted, micro};
 use std::path::{Path, PathBuf};
 use toml_edit::{DocumentMut, Value};
 use trueaxis::check;
+use trueaxis::error::{ConfigError, Figure};
 use trueaxis::machine::{AXES, Axis, AxisSettings, MachineSettings, carries_workpiece};
 use trueaxis::range;
 
@@ -159,8 +161,8 @@ impl Clipped {
     }
 }
 
-/// The text of a changed `machine.toml` with the limits that the change needs, so far as the machine is then accepted; what was
-/// said of them is added to `notes`. `changed` are the other files that change, `standing` is the text as it was.
+/// The text of a changed `machine.toml` with the hysteresis and the limits that the change needs, so far as the machine is then
+/// accepted; what was said of them is added to `notes`. `changed` are the other files that change, `standing` is the text as it was.
 ///
 /// # Errors
 /// A changed machine that the controller would refuse.
@@ -172,14 +174,17 @@ pub(crate) fn widened(
     before: Option<&Machine>,
     notes: &mut Vec<String>,
 ) -> Result<String, FileError> {
-    let read = |text: &str| {
+    let with = |text: &str| {
         let all = changed.iter().map(|(name, text)| (name.as_path(), text.as_str())).chain([(name, text)]);
-        Machine::read_from(&Edit { changed: Memory::new(all), beneath: files }, name, &mut |_| {})
+        Edit { changed: Memory::new(all), beneath: files }
     };
+    let read = |text: &str| Machine::read_from(&with(text), name, &mut |_| {});
+    let (mut document, origin) = (document.clone(), Origin::new(&files.path(name)));
+    set_hysteresis(&mut document, |text| Machine::narrow_hysteresis(&with(text), name), &origin, notes)?;
     let text = as_before(document.to_string(), standing);
     let after = read(&text)?;
-    let (mut wide, mut said) = (document.clone(), Vec::new());
-    widen(&mut wide, before, &after, &Origin::new(&files.path(name)), &mut said)?;
+    let (mut wide, mut said) = (document, Vec::new());
+    widen(&mut wide, before, &after, &origin, &mut said)?;
     let wide = as_before(wide.to_string(), standing);
     if wide == text {
         notes.append(&mut said);
@@ -246,6 +251,34 @@ fn check_limits(machine: &Machine) -> Vec<String> {
         .collect()
 }
 
+/// Sets the hysteresis of axes whose reversals would take themselves back, where it stands at its default: both columns of a table
+/// that cross, say by the scatter of an instrument.
+fn set_hysteresis(
+    document: &mut DocumentMut,
+    narrow: impl Fn(&str) -> Option<ConfigError>,
+    origin: &Origin,
+    notes: &mut Vec<String>,
+) -> Result<(), FileError> {
+    for _ in 0..AXES {
+        let Some(error) = narrow(&document.to_string()) else { break };
+        let Some(((axis, key), least)) = error.axis.zip(error.key()).zip(least_hysteresis(&error)) else { break };
+        let (full, most) = (key.to_string(), key.in_its_unit(range::HYSTERESIS.of(axis).most));
+        let name = full.rsplit('.').next().unwrap_or_default();
+        if is_stated(document, axis, &[name]) || least > most {
+            break;
+        }
+        set(section(document, axis, origin)?, name, Value::from(least));
+        let default = Figure(key.in_its_unit(error.found));
+        notes.push(format!(
+            "{name} of axis {} set to {least}, as it has to be {}; the default is {default}. A reversal by less keeps the errors of \
+             the direction before",
+            axis.letter(),
+            error.needed
+        ));
+    }
+    Ok(())
+}
+
 /// Sets the limits that a change of a machine's files needs, where they stand at their defaults. A limit that is stated stays, and a
 /// note says what it takes away.
 fn widen(
@@ -262,7 +295,7 @@ fn widen(
         if old.is_some_and(|old| need.needed <= old.needed * (1.0 + 1e-9)) {
             continue;
         }
-        if is_stated(document, &need) {
+        if is_stated(document, need.axis, &["limits", need.key]) {
             notes.push(need.stays());
             continue;
         }
@@ -275,11 +308,11 @@ fn widen(
     Ok(())
 }
 
-/// The key stands in the file.
-fn is_stated(document: &DocumentMut, need: &Need) -> bool {
-    let letter = need.axis.letter().to_string();
-    let path = ["axis", &letter, "limits", need.key];
-    let found = path.iter().try_fold(document.as_item(), |item, key| item.get(*key));
+/// The key of an axis stands in the file.
+fn is_stated(document: &DocumentMut, axis: Axis, key: &[&str]) -> bool {
+    let letter = axis.letter().to_string();
+    let mut path = ["axis", &letter].into_iter().chain(key.iter().copied());
+    let found = path.try_fold(document.as_item(), |item, key| item.get(key));
     found.is_some_and(|item| !item.is_none())
 }
 

@@ -67,3 +67,44 @@ fn uncertainties_of_the_points_stay() {
     let (_, text) = edited.files.iter().find(|(name, _)| name == Path::new("x.csv")).unwrap();
     assert_eq!(text, "X_mm,EXX_um,ECX_urad,EXX_u_um,ECX_u_urad\n0,0,5,1,2\n50,3,5,2,2\n100,6,5,3,2\n");
 }
+
+/// A control that takes up too much: that axis' backlash is left out with its cause, everything else is given.
+#[test]
+fn lost_motion_below_zero_is_named_and_the_rest_is_given() {
+    let additions = Additions {
+        location: LocationErrors { c0y: 20e-6, ..LocationErrors::default() },
+        backlash: vec![(Axis::X, -0.0078), (Axis::Y, 0.002)],
+        set: vec![("axis.X.uncertainty.backlash_um".into(), 0.1), ("axis.Y.uncertainty.backlash_um".into(), 0.2)],
+        ..Additions::default()
+    };
+    let into = |keys: &str| {
+        let toml = format!("name = \"m\"\nchain = \"w b X Y t\"\n[axis.X]\n{keys}");
+        let edited = additions.edit(&Memory::new([("machine.toml", toml)]), Path::new("machine.toml")).unwrap();
+        (edited.files.last().unwrap().1.clone(), edited.notes.join("\n"))
+    };
+    let (text, notes) = into("");
+    assert!(text.contains("C0Y_urad = 20.0") && text.contains("backlash_um = 2.0"), "{text}");
+    assert!(!text.contains("-7.8") && !text.contains("axis.X.uncertainty") && !text.contains("hysteresis"), "{text}");
+    assert!(text.contains("[axis.Y.uncertainty]"), "{text}");
+    let said = "axis X: backlash stays as it is, as it would become -7.8 µm: lost motion below zero";
+    assert!(notes.contains(said) && notes.contains("the control takes up too much"), "{notes}");
+    // Of a backlash that is corrected here 7.8 µm less is left; a hysteresis that is wide enough lets the tables take it back.
+    assert!(into("backlash_um = 10\n").0.contains("backlash_um = 2.2"));
+    assert!(into("hysteresis_um = 9\n").0.contains("backlash_um = -7.8"));
+}
+
+/// Location errors are told where they change: one that cancels is set to zero, one below a nanoradian is none.
+#[test]
+fn location_errors_that_change_are_set_and_told() {
+    let toml = "name = \"m\"\nchain = \"w b X Y Z t\"\n[location]\nC0Y_urad = 10\nA0Z_urad = 3\n";
+    let with = |c0y: f64, b0z: f64| {
+        let additions =
+            Additions { location: LocationErrors { c0y, b0z, ..Default::default() }, ..Additions::default() };
+        let edited = additions.edit(&Memory::new([("machine.toml", toml)]), Path::new("machine.toml")).unwrap();
+        (edited.files.last().unwrap().1.clone(), edited.notes)
+    };
+    let (text, notes) = with(-10e-6, 1e-13);
+    assert!(text.contains("C0Y_urad = 0.0") && text.contains("A0Z_urad = 3\n") && !text.contains("B0Z"), "{text}");
+    assert_eq!(notes, ["location errors set: C0Y_urad"]);
+    assert_eq!(with(0.0, 1e-13).1, [""; 0]);
+}

@@ -9,7 +9,7 @@ use trueaxis::tcomp::{HEADER_BYTES, Tcomp, TcompError, checksum};
 use trueaxis::{Conditions, Nanometres, Position, Real, ServoLoop};
 use trueaxis_tables::collapse::{CollapseOptions, collapse};
 use trueaxis_tables::error::FileError;
-use trueaxis_tables::exact::Geometry;
+use trueaxis_tables::exact::{CorrectionSettings, Geometry};
 use trueaxis_tables::files::{Folder, Memory};
 use trueaxis_tables::formats::{Format, import, machine_files};
 use trueaxis_tables::{Grid, GridSource, Machine, Table, Warning, check, compile, summary};
@@ -323,6 +323,32 @@ fn check_rotations<const N: usize>(machine: &Machine, noise: &mut Noise) {
         let (ideal, actual) = (geometry.ideal_pose(&all(at)), geometry.actual_pose(&all(sent), &[0.0; AXES]));
         let left: f64 = (0..3).map(|k| (ideal.tip_mm[k] - actual.tip_mm[k]).powi(2)).sum::<f64>().sqrt();
         assert!(left < 1.5e-6, "{left}");
+    }
+}
+
+/// The exact inverse takes the grids in: sent to the corrected command, the tool is where it was commanded.
+#[test]
+fn a_command_corrected_by_exact_transforms_leaves_nothing_of_the_grids() {
+    let mut noise = Noise::new(8);
+    for chain in ["w b Y X Z t", "w X' Y' b Z t", "w C' A' Y' b X Z t", "w X' b Y Z C A t"] {
+        let machine = random(&mut noise, chain, "volumetric", &['X', 'Y', 'Z'], 100.0);
+        let (geometry, axes) = (Geometry::new(&machine, 0.0).unwrap(), machine.settings.axes.len());
+        for fade_deg in [None, Some(5.0)] {
+            for _ in 0..100 {
+                // Away from the pose in which A does not tilt the tool.
+                let mut at = all(noise.vector(200.0));
+                (axes > 3).then(|| (at[3], at[4]) = (noise.range(20.0, 90.0), noise.range(-170.0, 170.0)));
+                let settings = CorrectionSettings { passes: None, fade_deg };
+                let correction = geometry.correction(&at, &[0.0; AXES], settings).unwrap();
+                let sent: [f64; AXES] = core::array::from_fn(|slot| at[slot] + correction[slot]);
+                let (ideal, actual) = (geometry.ideal_pose(&at), geometry.actual_pose(&sent, &[0.0; AXES]));
+                for k in 0..3 {
+                    assert!((ideal.tip_mm[k] - actual.tip_mm[k]).abs() < 3e-12, "{chain} {at:?}: {ideal:?} {actual:?}");
+                    let turned = fade_deg.is_some() && axes > 3;
+                    assert!(!turned || (ideal.direction[k] - actual.direction[k]).abs() < 1e-14, "{chain} {at:?}");
+                }
+            }
+        }
     }
 }
 

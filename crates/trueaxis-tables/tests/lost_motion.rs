@@ -3,7 +3,12 @@
 use std::fs;
 use std::path::Path;
 use tempfile::TempDir;
-use trueaxis_tables::{Machine, Warning, check, lost_motion};
+use trueaxis::Axis;
+use trueaxis_tables::files::Memory;
+use trueaxis_tables::formats::linuxcnc::CompFileType;
+use trueaxis_tables::formats::{Format, Imported, import};
+use trueaxis_tables::{Edited, Machine, Warning, check, lost_motion};
+use trueaxis_testing::noise::Noise;
 
 /// `w b X C t`, X with the keys and the table given.
 fn written(keys: &str, table: &str) -> TempDir {
@@ -98,4 +103,98 @@ fn the_way_that_lost_motion_costs_is_told() {
     let slowed = Machine::read(written(keys, table).path()).unwrap();
     let warning = slow(&slowed).unwrap().to_string();
     assert!(warning.contains("within 8.2 ms of a reversal"), "{warning}");
+}
+
+/// A machine of its own with what was imported.
+fn made(imported: &Imported) -> (Machine, Edited) {
+    let made = imported.new_machine("m");
+    let files = made.files.iter().map(|(name, text)| (name, text.as_str()));
+    let machine = Machine::read_from(&Memory::new(files), Path::new("machine.toml"), &mut |_| {});
+    (machine.unwrap_or_else(|error| panic!("{error}")), made)
+}
+
+/// 21 targets, five runs both ways, every approach off by 0.02 µm/mm, in negative travel by the lost motion besides, and by its
+/// scatter (one sigma).
+fn measured(noise: &mut Noise, scatter_um: f64, lost_um: f64) -> String {
+    let mut text = String::from("X_mm,run,direction,deviation_um\n");
+    for (run, target, (direction, lost)) in (1..=5).flat_map(|run| {
+        (1..=21).flat_map(move |target| [("+", 0.0), ("-", lost_um)].map(|way| (run, 20.0 * f64::from(target), way)))
+    }) {
+        let normal = (0..12).map(|_| noise.unit()).sum::<f64>() - 6.0;
+        let deviation = 0.02 * target + lost + scatter_um * normal;
+        text += &format!("{target},{run},{direction},{deviation:.3}\n");
+    }
+    text
+}
+
+/// Columns that cross by scatter alone are one column; where the machine has lost motion both stay, and its hysteresis is what
+/// they need.
+#[test]
+fn every_measurement_of_both_directions_is_imported() {
+    let mut noise = Noise::new(3);
+    for scatter in [0.1, 0.2, 0.3, 0.5, 1.0] {
+        let mut means = 0;
+        for _ in 0..20 {
+            let imported =
+                import(Format::Iso230_2, &measured(&mut noise, scatter, 0.0), Path::new("x.csv"), None).unwrap();
+            let (machine, _) = made(&imported);
+            let table = machine.tables[0].as_ref().unwrap();
+            if !table.bidirectional {
+                means += 1;
+                assert!(imported.notes[0].starts_with("the table is the mean of both directions"), "{imported:?}");
+                assert_eq!(machine.settings.axes[0].hysteresis, 0.3e-3);
+                // Ten approaches a target: the mean is within five standard errors.
+                for row in &table.rows {
+                    let truth = 0.02e-3 * row.position;
+                    assert!((row.forward[0] - truth).abs() < 5.0e-3 * scatter / 10f64.sqrt() + 1e-6, "{row:?}");
+                }
+                // What was measured both ways and shows no lost motion replaces a backlash too.
+                let toml = "name = \"m\"\nchain = \"w b X t\"\n[axis.X]\nbacklash_um = 4\n";
+                let edited = imported.edit(&Memory::new([("machine.toml", toml)]), Path::new("machine.toml")).unwrap();
+                assert!(edited.files.last().unwrap().1.contains("backlash_um = 0.0"), "{edited:?}");
+            }
+            let lost = measured(&mut noise, scatter, 2.0 * scatter);
+            let imported = import(Format::Iso230_2, &lost, Path::new("x.csv"), None).unwrap();
+            assert!(
+                made(&imported).0.tables[0].as_ref().unwrap().bidirectional && imported.notes.is_empty(),
+                "{scatter}"
+            );
+        }
+        // Of two tests at two standard deviations about one in eleven finds what is not there.
+        assert!(means >= 14, "{scatter}: {means} of 20");
+    }
+}
+
+#[test]
+fn columns_that_cross_bring_the_hysteresis_that_they_need() {
+    // At 100 mm the reverse column is 10 µm below the forward one.
+    let file = "0 0 0.02\n50 50.01 50.03\n100 100.02 100.01\n150 150.02 150.04\n200 200.03 200.05\n";
+    let format = Format::LinuxCnc(CompFileType::Positions);
+    let imported = import(format, file, Path::new("x.comp"), Some(Axis::X)).unwrap();
+    let (machine, edited) = made(&imported);
+    let hysteresis_um = machine.settings.axes[0].hysteresis * 1e3;
+    // And what the slope of the table adds.
+    assert!((10.0..10.02).contains(&hysteresis_um), "{hysteresis_um}");
+    let said = format!(
+        "hysteresis_um of axis X set to {hysteresis_um:.3}, as it has to be more than its correction steps against the travel at a \
+         reversal; the default is 0.3"
+    );
+    assert!(edited.notes.iter().any(|note| note.starts_with(&said)), "{said}: {:?}", edited.notes);
+    let into = |hysteresis: &str| {
+        let toml = format!("name = \"m\"\nchain = \"w b X t\"\n[axis.X] # long\n{hysteresis}");
+        imported.edit(&Memory::new([("machine.toml", toml)]), Path::new("machine.toml"))
+    };
+    let text = |edited: &Edited| edited.files.last().unwrap().1.clone();
+    let added = into("").unwrap();
+    assert!(text(&added).contains("[axis.X] # long") && text(&added).contains("hysteresis_um = 10.0"), "{added:?}");
+    // What is stated stays: wide enough, or refused.
+    let stated = into("hysteresis_um = 12\n").unwrap();
+    assert!(
+        text(&stated).contains("hysteresis_um = 12\n") && !stated.notes.iter().any(|note| note.contains("hysteresis"))
+    );
+    let refused = into("hysteresis_um = 1\n").unwrap_err().to_string();
+    assert!(refused.contains("hysteresis_um: found 1, needed more than its correction steps against"), "{refused}");
+    // Three steps of the encoder as well.
+    let encoder = into("encoder_resolution_um = 5\n").unwrap();
+    assert!(text(&encoder).contains("hysteresis_um = 15"), "{encoder:?}");
 }

@@ -265,6 +265,29 @@ fn bad_tables_are_refused_with_their_line() {
     }
 }
 
+/// Errors that are together too steep are blamed on the source without which they are least steep.
+#[test]
+fn the_steepest_source_is_the_one_that_is_named() {
+    let head = "name = \"m\"\nchain = \"w b X Y Z t\"\n";
+    let read = |keys: &str, name: &str, table: &str| {
+        let toml = format!("{head}{keys}");
+        Machine::read_from(
+            &Memory::new([("machine.toml", toml.as_str()), (name, table)]),
+            Path::new("machine.toml"),
+            &mut |_| {},
+        )
+        .unwrap_err()
+        .to_string()
+    };
+    let grid = "[location]\nC0Y_urad = 5\n[[grid]]\naxes = [\"X\", \"Y\"]\ntable = \"g.csv\"\n";
+    let error = read(grid, "g.csv", "X_mm,Y_mm,EZ_um\n0,0,0\n0,5,0\n5,0,9000\n5,5,9000\n");
+    assert!(error.contains("most of it the grid over X and Y, needed a norm"), "{error}");
+    // 1 mrad per mm on a lever of 900 mm.
+    let turned = "tool_mm = [0, 0, -900]\n[compensation]\nmodel = \"volumetric\"\n[axis.X]\ntable = \"x.csv\"\n";
+    let error = read(turned, "x.csv", "X_mm,EXX_um,EBX_urad\n0,0,0\n1,1,1000\n2,0,0\n");
+    assert!(error.contains("most of it EBX, needed a norm"), "{error}");
+}
+
 #[test]
 fn bad_machines_are_refused_with_their_line() {
     let axis = |lines: &str| format!("{MACHINE}{lines}\n");

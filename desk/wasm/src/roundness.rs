@@ -43,7 +43,7 @@ fn evaluate(name: &str, text: &str, request: &str) -> Result<String> {
     drop(rows);
     notes.extend(readings.note(plan.points()));
     let separations = plan.separate(&readings, || {})?;
-    let evaluation = plan.evaluate(&separations, readings.resampling)?;
+    let evaluation = plan.evaluate(&separations, &readings)?;
     let told = json(&Noted { document: &evaluation.document, notes });
     EVALUATED.set(Evaluated::Readings(Box::new(evaluation)));
     told
@@ -199,6 +199,7 @@ mod tests {
         let found: Value = serde_json::from_str(&evaluate("probes.csv", text, &request).unwrap()).unwrap();
         let document = &found["document"];
         assert_eq!((document["n"].as_u64(), document["revolutions"].as_u64()), (Some(1024), Some(8)));
+        assert_eq!(document["warnings"], json!([]));
         // The pin's lobes: 2 µm of the second harmonic, falling with k^1.5.
         for (i, k) in [(0, 2.0_f64), (1, 3.0), (8, 10.0)] {
             let amplitude = document["harmonics"][i]["amplitude_um"].as_f64().unwrap();

@@ -1,12 +1,15 @@
 //! What a circular test tells, as a document.
 
 use super::Test;
+use super::machine::CERTAIN;
 use crate::uncertainty::expanded;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 use trueaxis::Axis;
 use trueaxis_metrology::ballbar::{Cause, Term};
+use trueaxis_report::number::significant;
+use trueaxis_tables::OVERCOMPENSATED;
 
 /// A value of either axis by its letter, `x`, `y` or `z`.
 pub type Pair = BTreeMap<char, Option<f64>>;
@@ -177,6 +180,13 @@ impl Test {
                  servo mismatch"
                     .into(),
             );
+        }
+        for (number, axis) in (0..).zip(self.options.axes) {
+            let Some(term) = found.term(Cause::Backlash(number)) else { continue };
+            if term.value < -CERTAIN * term.standard_error {
+                let um = significant(1e3 * term.value, 3);
+                warnings.push(format!("backlash {} is {um} µm: {OVERCOMPENSATED}", axis.letter()));
+            }
         }
         if found.spikes_unresolved {
             let per_turn = self.readings.len() / if found.both_directions { 2 } else { 1 };

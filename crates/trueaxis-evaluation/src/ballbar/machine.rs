@@ -8,7 +8,7 @@ use trueaxis_metrology::ballbar::{Cause, Term};
 use trueaxis_tables::{Additions, Machine};
 
 /// A value is taken over when it is larger than so many of its standard errors.
-const CERTAIN: f64 = 2.0;
+pub(super) const CERTAIN: f64 = 2.0;
 
 impl Test {
     /// Squareness of the plane and backlash of its axes, as additions to what a machine's files state, with their standard

@@ -7,7 +7,8 @@ use super::terms::Term;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use trueaxis::machine::Axis;
-use trueaxis_tables::{Additions, Machine};
+use trueaxis_report::number::significant;
+use trueaxis_tables::{Additions, Machine, OVERCOMPENSATED};
 
 /// Steps of a table that is made of curves.
 const STEPS: usize = 40;
@@ -15,6 +16,8 @@ const STEPS: usize = 40;
 const PULLED: f64 = 4.0;
 /// A term's effect over the travel is known worse than this, µm: a warning.
 const POOR_UM: f64 = 20.0;
+/// Lost motion below zero by no more than this many standard errors is none.
+const SCATTER: f64 = 3.0;
 
 /// A term with its value.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -181,6 +184,12 @@ impl Calibration {
         }
         for (index, term) in terms.terms.iter().enumerate() {
             let error = solution.standard_errors[index];
+            if let Term::Backlash(_) = term
+                && solution.values[index] < -SCATTER * error
+            {
+                let um = significant(1e3 * solution.values[index], 3);
+                warnings.push(format!("{} is {um} µm: {OVERCOMPENSATED}", term.name()));
+            }
             let travel = |axis: Axis| terms.travel_mm[axis.index() % 3];
             let effect = match *term {
                 Term::Curve { axis, degree, .. } => {
@@ -285,8 +294,8 @@ impl Calibration {
         let mut with_curves: Vec<Axis> = Vec::new();
         for (index, (term, value)) in terms.terms.iter().zip(&solution.values).enumerate() {
             match *term {
-                // Lost motion is never negative; what the scatter makes of none is none.
-                Term::Backlash(_) if *value < 0.0 && *value > -3.0 * solution.standard_errors[index] => {}
+                // What the scatter makes of no lost motion is none.
+                Term::Backlash(_) if *value < 0.0 && *value >= -SCATTER * solution.standard_errors[index] => {}
                 Term::Squareness(0) => additions.location.c0y = *value,
                 Term::Squareness(1) => additions.location.b0z = *value,
                 Term::Squareness(_) => additions.location.a0z = *value,

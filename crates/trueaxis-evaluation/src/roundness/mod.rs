@@ -1,5 +1,6 @@
 //! Roundness and spindle error from three probes.
 
+mod agreement;
 mod document;
 mod orbit;
 mod polar;
@@ -184,8 +185,8 @@ impl Plan {
             .collect()
     }
 
-    /// What about the request is doubtful.
-    pub fn warnings(&self) -> Vec<String> {
+    /// What about the request is doubtful, and what the readings contradict.
+    pub fn warnings(&self, separations: &[Separation], readings: &Readings) -> Vec<String> {
         let mut warnings = Vec::new();
         let suppressed: Vec<String> = self.separator.suppressed().map(|k| k.to_string()).collect();
         if !suppressed.is_empty() {
@@ -206,6 +207,9 @@ impl Plan {
                 warnings.push(format!("the band ends at harmonic {last}, below the cut-off of {cut_off} UPR"));
             }
         }
+        let suppressed: Vec<u16> = self.separator.suppressed().collect();
+        let kept = self.band.iter().filter(|k| !suppressed.contains(k));
+        warnings.extend(agreement::contradictions(self.gain(), &readings.probes, separations, kept));
         warnings
     }
 
@@ -213,10 +217,10 @@ impl Plan {
     ///
     /// # Errors
     /// A profile without a reference circle.
-    pub fn evaluate(&self, separations: &[Separation], resampling: Option<Resampling>) -> Result<Evaluation> {
+    pub fn evaluate(&self, separations: &[Separation], readings: &Readings) -> Result<Evaluation> {
         let mut evaluation = Evaluation::new(&self.separator, separations, self.upr)?;
-        evaluation.document.resampling = resampling;
-        evaluation.document.warnings = self.warnings();
+        evaluation.document.resampling = readings.resampling.clone();
+        evaluation.document.warnings = self.warnings(separations, readings);
         Ok(evaluation)
     }
 }

@@ -7,6 +7,9 @@ use std::vec::Vec;
 /// Steps of the fit; near-round points need about five, short noisy arcs some twenty.
 const STEPS: usize = 200;
 
+/// A circle that leaves more than this share of what the best straight line leaves is hardly one: there may be better hollows.
+const HARDLY: f64 = 0.1;
+
 /// A centre this many times farther away than the set is wide means a straight line.
 const STRAIGHT: f64 = 1e7;
 
@@ -17,7 +20,10 @@ const STRAIGHT: f64 = 1e7;
 /// free of cancellation about the circle found, so that the centre is good to the rounding of the points themselves, also for
 /// short arcs. Radius: the mean; zone: largest less smallest distance from the centre.
 ///
-/// Cost: linear in the points, some ten passes.
+/// Points that are hardly a circle, leaving more than a tenth of what a straight line leaves, have several local minima: the steps
+/// then start from 47 more places in and around them, and the smallest sum is taken.
+///
+/// Cost: linear in the points, some ten passes; some hundreds where they are hardly a circle.
 ///
 /// # Errors
 ///
@@ -40,10 +46,8 @@ pub(super) fn fit(points: &[[f64; 2]]) -> Result<(Local, [f64; 2]), NoCircle> {
 
     let line = Line::new(&unit);
     let mut best = descend(&unit, taubin(&unit));
-    // Worse than a straight line, the fit has stopped in a hollow of its own: nearly straight sets have such.
-    if best.is_none_or(|(_, cost)| cost >= line.cost) {
-        for distance in [-1e5, -1e3, -10.0, 10.0, 1e3, 1e5] {
-            let start = [distance * line.normal[0], distance * line.normal[1]];
+    if best.is_none_or(|(_, cost)| cost >= HARDLY * line.cost) {
+        for start in line.starts() {
             let other = descend(&unit, start);
             best = [best, other].into_iter().flatten().min_by(|a, b| a.1.total_cmp(&b.1));
         }
@@ -112,6 +116,19 @@ impl Line {
         let normal = [angle.cos(), angle.sin()];
         let cost = unit.iter().map(|[x, y]| (x * normal[0] + y * normal[1]).powi(2)).sum();
         Line { normal, cost }
+    }
+
+    /// Where a search for other hollows begins, about points with a mean square distance of 1: a net over them, rings around
+    /// them, and far away on both sides of the line. Off every symmetry, as a search stops on a saddle.
+    fn starts(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
+        let net = (0..25).map(|k| [0.6 * f64::from(k % 5) - 1.1, 0.6 * f64::from(k / 5) - 1.13]);
+        let rings = (0..16).map(|k| {
+            let (sin, cos) = (0.2 + core::f64::consts::FRAC_PI_4 * f64::from(k)).sin_cos();
+            let out = if k < 8 { 3.0 } else { 10.0 };
+            [out * cos, out * sin]
+        });
+        let aside = [-1e5, -1e3, -10.0, 10.0, 1e3, 1e5];
+        net.chain(rings).chain(aside.into_iter().map(|out| [out * self.normal[0], out * self.normal[1]]))
     }
 }
 

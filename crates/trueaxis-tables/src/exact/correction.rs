@@ -29,7 +29,7 @@ struct Directions {
 
 impl Geometry {
     /// The correction `r`, mm and degrees in the order of `settings.axes`: the actual tip at `position + r` is the ideal
-    /// one at `position` in workpiece coordinates.
+    /// one at `position` in workpiece coordinates, grids included.
     ///
     /// `r ← r − J⁺ D(q + r)` with `D = R_w (p_w,actual(q + r) − p_w,ideal(q))` and J the nominal directions of the linear
     /// axes; of a direction that no linear axis has, the nearest is taken. With a fade the rotary axes take the tool's
@@ -59,7 +59,7 @@ impl Geometry {
         for _ in 0..settings.passes.map_or(PASSES, usize::from) {
             let at: [f64; AXES] = std::array::from_fn(|slot| position[slot] + correction[slot]);
             let (_, workpiece_actual) = side(&self.workpiece, &at, reverse);
-            let (_, tool_actual) = side(&self.tool, &at, reverse);
+            let (_, tool_actual) = self.tool_side(&at, reverse);
             let mut change = (0.0_f64, 0.0_f64);
             if let Some(turns) = &turns {
                 let actual = workpiece_actual.matrix3.transpose() * tool_actual.matrix3 * self.tool_axis;
@@ -73,7 +73,7 @@ impl Geometry {
             // The tip that the rotary axes carry along is seen in the next look-up: with a fixed count, in this one.
             let at: [f64; AXES] = std::array::from_fn(|slot| position[slot] + correction[slot]);
             let (_, workpiece_actual) = side(&self.workpiece, &at, reverse);
-            let (_, tool_actual) = side(&self.tool, &at, reverse);
+            let (_, tool_actual) = self.tool_side(&at, reverse);
             let actual = into_frame(&workpiece_actual, tool_actual.transform_point3(self.tool_mm));
             let step = undo * (workpiece.matrix3 * (actual - ideal_tip));
             for (axis, step) in directions.linear.iter().zip(step.to_array()) {

@@ -103,7 +103,7 @@ pub struct Imported {
     /// Chain, offsets, tool and how the tables are used, from the comments of an [`isg`] file that this crate wrote; what the
     /// comments do not say has its default, the name is "imported". `None` from every other file.
     pub settings: Option<MachineSettings>,
-    /// Separators and decimals, where they are not the usual ones: to be reported once.
+    /// Separators and decimals, where they are not the usual ones, and how the file was taken: to be reported once.
     pub notes: Vec<String>,
 }
 

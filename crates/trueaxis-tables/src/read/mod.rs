@@ -6,7 +6,7 @@ pub(crate) mod grid_table;
 pub(crate) mod grid_toml;
 pub(crate) mod keys;
 mod machine_toml;
-mod refused;
+pub(crate) mod refused;
 mod roundness_toml;
 pub(crate) mod section;
 mod servo_toml;
@@ -86,6 +86,14 @@ impl Machine {
         check::machine_passes(&self.settings, rows, &bounds)
             .map_err(|error| refused::contraction(self, origin, &error))?;
         Ok(())
+    }
+
+    /// The hysteresis that [`Machine::read_from`] would refuse as too narrow; none where something else is wrong before.
+    pub(crate) fn narrow_hysteresis(files: &dyn Source, name: &Path) -> Option<ConfigError> {
+        let (origin, description) = described(files, name).ok()?;
+        let machine = Machine::read_described(files, name, &origin, &description, &mut |_| {}).ok()?;
+        let bounds = check::GridBounds::of(&machine.grids());
+        check::reversal(&machine.settings, |axis| machine.rows(axis), &bounds).err()
     }
 
     /// An error of the machine's configuration at its key in `machine.toml`, or of its section without it; in a file that

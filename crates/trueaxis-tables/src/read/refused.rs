@@ -31,27 +31,51 @@ impl TableFile {
     }
 }
 
-/// All tables together are too steep.
+/// All errors together are too steep: with the source without which they are least steep.
 pub(super) fn contraction(machine: &Machine, origin: &Origin, error: &ConfigError) -> FileError {
     if error.field != Field::Inverse {
         return origin.whole(error.found.to_string(), error.needed);
     }
-    let mut steepest = (0.0, String::from("the squareness errors"));
-    for (settings, table) in machine.axes() {
-        let Some(table) = table else { continue };
-        for (slope, direction) in check::slopes(settings, table.rows.as_slice()).into_iter().zip(Axis::ALL).take(3) {
-            if slope > steepest.0 {
-                steepest = (slope, format!("E{}{}", direction.letter(), settings.axis.letter()));
+    let norm = |machine: &Machine| {
+        check::jacobian_norm(&machine.settings, |axis| machine.rows(axis), &check::GridBounds::of(&machine.grids()))
+    };
+    let (mut least, mut cause) = (norm(machine), String::from("the thermal growth"));
+    let mut without = |name: &dyn Fn() -> String, other: Machine| {
+        let left = norm(&other);
+        if left < least {
+            (least, cause) = (left, name());
+        }
+    };
+    let mut square = machine.clone();
+    square.settings.location = Default::default();
+    without(&|| String::from("the location errors"), square);
+    for (slot, own) in machine.settings.axes.iter().enumerate() {
+        for (component, direction) in Axis::ALL.into_iter().enumerate() {
+            let mut other = machine.clone();
+            let Some(Some(table)) = other.tables.get_mut(slot) else { continue };
+            for twist in table.rows.iter_mut().flat_map(|row| [&mut row.forward, &mut row.reverse]) {
+                twist[component] = 0.0;
             }
+            without(&|| format!("E{}{}", direction.letter(), own.axis.letter()), other);
         }
     }
+    for (number, grid) in machine.grids.iter().enumerate() {
+        let mut other = machine.clone();
+        other.grids.remove(number);
+        let letters =
+            || grid.header().letters().map(|axis| axis.letter().to_string()).collect::<Vec<_>>().join(" and ");
+        without(&|| format!("the grid over {}", letters()), other);
+    }
     origin.whole(
-        format!(
-            "a norm of {:.4} (all tables, thermal growth of 0.001 included), most of it {}",
-            error.found, steepest.1
-        ),
+        format!("a norm of {:.4} (all tables, thermal growth of 0.001 included), most of it {cause}", error.found),
         error.needed,
     )
+}
+
+/// The hysteresis that is wide enough, in the unit of its key, in thousandths rounded up: the figure itself must be accepted.
+pub(crate) fn least_hysteresis(error: &ConfigError) -> Option<f64> {
+    let (bound, key) = error.bound.zip(error.key())?;
+    Some((key.in_its_unit(bound) * 1e3 - 1e-6).ceil() / 1e3)
 }
 
 fn is_section(field: Field) -> bool {
@@ -103,11 +127,10 @@ impl Description {
     pub(super) fn reversal(&self, origin: &Origin, error: &ConfigError) -> FileError {
         let at = self.located(origin, error);
         FileError {
-            needed: match error.bound.zip(error.key()) {
-                // Rounded up: a figure copied from the message must be accepted.
-                Some((bound, key)) => {
+            needed: match least_hysteresis(error) {
+                Some(least) => {
                     let unit = if error.axis.is_some_and(Axis::is_rotary) { "urad" } else { "um" };
-                    format!("{}: {} {unit}", error.needed, (key.in_its_unit(bound) * 1e3 - 1e-6).ceil() / 1e3)
+                    format!("{}: {least} {unit}", error.needed)
                 }
                 None => at.needed,
             },

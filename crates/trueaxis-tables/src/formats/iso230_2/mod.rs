@@ -22,7 +22,8 @@
 //! `+` (`↑`, `fwd`) is the approach in positive direction, the number the run; without a unit in the name the deviations are µm,
 //! of a rotary axis µrad.
 //!
-//! As a table: the mean of all runs at each position, both directions apart if both were measured. The scatter is not kept.
+//! As a table: the mean of all runs at each position, both directions apart if both were measured and differ by more than
+//! the scatter of their runs makes them; else the mean of both. The scatter is not kept.
 
 mod columns;
 
@@ -120,19 +121,33 @@ pub(super) fn import(text: &str, origin: &Origin, axis: Option<Axis>) -> Result<
     let MeasurementFile { measurement, dialect } = read(text, origin, axis)?;
     let axis = measurement.axis;
     let scale = if axis.is_rotary() { 1e6 } else { 1e3 };
+    let same = measurement.reversal_within_scatter();
     let mut lines = Vec::with_capacity(measurement.positions.len());
     for &position in &measurement.positions {
         let [up, down] = [Direction::Up, Direction::Down].map(|direction| measurement.mean(position, direction));
-        let (Some(forward), Some(reverse)) = (up.or(down), down.or(up)) else { continue };
+        let (Some(mut forward), Some(mut reverse)) = (up.or(down), down.or(up)) else { continue };
+        if same.is_some() {
+            forward = 0.5 * (forward + reverse);
+            reverse = forward;
+        }
         lines.push((0, super::single(position, axis.index(), forward / scale, reverse / scale)));
     }
-    let table = super::table(axis, super::only(axis.index()), lines, origin)?;
+    let mut table = super::table(axis, super::only(axis.index()), lines, origin)?;
+    // Both directions are in it all the same: a backlash beside it would be corrected on top.
+    table.bidirectional |= same.is_some();
+    let micro = if axis.is_rotary() { "µrad" } else { "µm" };
+    let mean_of_both = same.map(|[found, expected]| {
+        format!(
+            "the table is the mean of both directions: they differ by {found:.2} {micro} RMS, {expected:.2} by the scatter of the \
+             runs alone"
+        )
+    });
     Ok(Imported {
         grids: Vec::new(),
         tables: vec![(axis, table)],
         location: LocationErrors::default(),
         settings: None,
-        notes: dialect.map(str::to_owned).into_iter().collect(),
+        notes: dialect.map(str::to_owned).into_iter().chain(mean_of_both).collect(),
     })
 }
 

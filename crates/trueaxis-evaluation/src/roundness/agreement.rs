@@ -1,0 +1,96 @@
+//! Probes that contradict one another: of a polarity, sensitivity or angle that is not the stated one.
+//!
+//! Whatever the spindle does, s = h1 + k2 h2 + k3 h3 holds the profile alone: it has no first harmonic, and is the same in
+//! every revolution. Both are held against the noise σ of the probes, which their second differences show (variance 6 σ²).
+
+use trueaxis::roundness::Gain;
+use trueaxis_metrology::separation::Separation;
+use trueaxis_report::number::significant;
+
+/// Share of the once-per-revolution signal that may be left in s: what a probe 1 % off in sensitivity or 0.6° in angle leaves.
+const LEFT: f64 = 0.01;
+/// With one probe reversed no more than this share is left: then it is that probe.
+const REVERSED: f64 = 0.05;
+/// Standard deviations of noise that mean nothing.
+const NOISE: f64 = 5.0;
+/// Share of the profile that revolutions may differ by.
+const SPREAD: f64 = 0.05;
+
+/// What the readings of whole revolutions contradict, a sentence each; `kept` are the harmonics of the profile.
+pub(super) fn contradictions(
+    gain: &Gain,
+    probes: &[Vec<f64>; 3],
+    separations: &[Separation],
+    kept: impl Iterator<Item = u16>,
+) -> Vec<String> {
+    let weights = [1.0, gain.k2(), gain.k3()];
+    let noise = weights.iter().zip(probes).map(|(weight, probe)| weight * weight * variance(probe)).sum::<f64>().sqrt();
+    let mut found = Vec::new();
+    found.extend(once_per_revolution(weights, probes, gain.points(), noise));
+    let gains: f64 = kept.map(|k| gain.noise_gain(usize::from(k)).powi(2)).sum();
+    let expected = noise / gain.norm() * (2.0 * gains / gain.points() as f64).sqrt();
+    found.extend(between_revolutions(separations, expected));
+    found
+}
+
+/// Variance of white noise in a smooth signal.
+fn variance(readings: &[f64]) -> f64 {
+    let squares = readings.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).powi(2));
+    squares.sum::<f64>() / (6.0 * readings.len().saturating_sub(2).max(1) as f64)
+}
+
+fn once_per_revolution(weights: [f64; 3], probes: &[Vec<f64>; 3], points: usize, noise: f64) -> Option<String> {
+    let rows = probes[0].len();
+    let per_row = std::f64::consts::TAU / points as f64;
+    // k_i H_i(1), real and imaginary part.
+    let parts: [[f64; 2]; 3] = std::array::from_fn(|probe| {
+        let sums = probes[probe].iter().enumerate().fold([0.0; 2], |[re, im], (row, value)| {
+            let (sin, cos) = (per_row * (row % points) as f64).sin_cos();
+            [re + value * cos, im - value * sin]
+        });
+        sums.map(|sum| 2.0 * weights[probe] * sum / rows as f64)
+    });
+    let left = |reversed: Option<usize>| {
+        let sign = |probe| if reversed == Some(probe) { -1.0 } else { 1.0 };
+        let sum = |k: usize| (0..3).map(|probe| sign(probe) * parts[probe][k]).sum::<f64>();
+        sum(0).hypot(sum(1))
+    };
+    let signal = parts.as_flattened().iter().map(|part| part * part).sum::<f64>().sqrt();
+    if left(None) <= (LEFT * signal).max(NOISE * 2.0 * noise / (rows as f64).sqrt()) {
+        return None;
+    }
+    let reversed = (0..3).find(|probe| left(Some(*probe)) < REVERSED * signal);
+    let cause = match reversed {
+        Some(probe) => format!("probe {} has the other polarity", probe + 1),
+        None => "the polarity, the sensitivity or the angle of a probe is not the stated one".to_owned(),
+    };
+    Some(format!(
+        "{} % of the once-per-revolution signal is left where the three probes have to cancel it: {cause}",
+        significant(100.0 * left(None) / signal, 2)
+    ))
+}
+
+fn between_revolutions(separations: &[Separation], expected: f64) -> Option<String> {
+    let profiles = || separations.iter().map(|parts| parts.profile.as_slice());
+    let (count, points) = (separations.len(), profiles().next()?.len());
+    if count < 2 {
+        return None;
+    }
+    let (mut squares, mut apart) = (0.0, 0.0);
+    for at in 0..points {
+        let values = || profiles().map(|profile| profile[at]);
+        let mean = values().sum::<f64>() / count as f64;
+        squares += mean * mean;
+        apart += values().map(|value| (value - mean).powi(2)).sum::<f64>();
+    }
+    let profile = (squares / points as f64).sqrt();
+    let spread = (apart / (points * (count - 1)) as f64).sqrt();
+    (spread > (NOISE * expected).max(SPREAD * profile)).then(|| {
+        format!(
+            "the profile differs from revolution to revolution by {} µm RMS, of which the probes' noise makes {} µm: a probe of \
+             wrong polarity or sensitivity lets motion of the spindle into it, or a probe or the part has moved",
+            significant(spread, 2),
+            significant(expected, 2)
+        )
+    })
+}
