@@ -48,6 +48,9 @@ pub(super) struct Doubt<R> {
     unresolved: bool,
     /// Cycles in a row in which the foot is not believed and no other is found.
     missed: u8,
+    /// Spans of the foot and of the reference that were compared last, and whether they go against each other.
+    compared: [u32; 2],
+    against: bool,
 }
 
 /// A cycle's start: foot and reference are on two spans.
@@ -62,7 +65,7 @@ pub(super) struct Apart<R> {
 }
 
 /// Whether a span ends against the direction in which another begins.
-#[inline(always)]
+#[inline(never)]
 fn against<R: Real, P>(one: &Span<R, P>, other: &Span<R, P>) -> bool {
     let [c0, c1, ..] = &one.coefficients;
     let start: [R; 3] = core::array::from_fn(|k| c1[k] * c0[3] - c0[k] * c1[3]);
@@ -111,9 +114,14 @@ impl<R: Real> Doubt<R> {
 
     /// Whether the reference goes against the foot's direction, or has done so and the foot is not there yet.
     #[inline(always)]
-    fn has_turned<P: Position>(&self, path: &Path<'_, R, P>, foot: u32, reference: u32) -> bool {
+    fn has_turned<P: Position>(&mut self, path: &Path<'_, R, P>, foot: u32, reference: u32) -> bool {
+        if self.compared != [foot, reference] {
+            self.compared = [foot, reference];
+            self.against =
+                matches!((path.span(foot), path.span(reference)), (Some(one), Some(other)) if against(one, other));
+        }
         let waits = self.open && self.left.is_none() && (foot.wrapping_sub(self.turned) as i32) < 0;
-        waits || matches!((path.span(foot), path.span(reference)), (Some(one), Some(other)) if against(one, other))
+        waits || self.against
     }
 
     /// Of the foot `one` and the minimum on the leg beside it the one that is meant; none where that has no minimum, or a
