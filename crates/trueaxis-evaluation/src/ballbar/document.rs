@@ -1,7 +1,6 @@
 //! What a circular test tells, as a document.
 
 use super::Test;
-use super::machine::CERTAIN;
 use crate::uncertainty::expanded;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
@@ -10,6 +9,9 @@ use trueaxis::Axis;
 use trueaxis_metrology::ballbar::{Cause, Term};
 use trueaxis_report::number::significant;
 use trueaxis_tables::OVERCOMPENSATED;
+
+/// A value larger than so many of its standard errors is certain.
+pub(super) const CERTAIN: f64 = 2.0;
 
 /// A value of either axis by its letter, `x`, `y` or `z`.
 pub type Pair = BTreeMap<char, Option<f64>>;

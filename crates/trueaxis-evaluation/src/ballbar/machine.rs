@@ -1,14 +1,11 @@
 //! Results of a circular test as settings of a machine.
 
 use super::Test;
-use super::document::squareness;
+use super::document::{CERTAIN, squareness};
 use trueaxis::Axis;
 use trueaxis::machine::LocationErrors;
 use trueaxis_metrology::ballbar::{Cause, Term};
 use trueaxis_tables::{Additions, Machine};
-
-/// A value is taken over when it is larger than so many of its standard errors.
-pub(super) const CERTAIN: f64 = 2.0;
 
 impl Test {
     /// Squareness of the plane and backlash of its axes, as additions to what a machine's files state, with their standard

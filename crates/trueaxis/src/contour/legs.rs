@@ -15,9 +15,8 @@
 use super::Flags;
 use super::kernel::{evaluate, foot};
 use super::refine::Found;
-use super::search::sight;
 use super::span::{OnPath, Path, Reference, Span, dot};
-use super::way::{advance, way};
+use super::way::{advance, sight, way};
 use crate::position::Position;
 use crate::real::Real;
 

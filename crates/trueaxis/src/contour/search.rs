@@ -4,7 +4,7 @@ use super::kernel::{Foot, foot};
 use super::legs::{Apart, Doubt};
 use super::refine::{Found, descend};
 use super::span::{OnPath, Path, Reference, dot};
-use super::way::{advance, step, way, way_far};
+use super::way::{advance, sight, step, way, way_far, window};
 use super::{ContourError, Flags};
 use crate::error::{ConfigError, Field};
 use crate::position::Position;
@@ -74,10 +74,6 @@ impl<R: Real> Sample<R> {
 pub(super) const EVALUATIONS: u8 = 6;
 /// The same for the published bisection.
 pub(super) const BISECTIONS: u8 = 60;
-/// Half-window at standstill, mm.
-const STANDSTILL_WINDOW: f64 = 5e-3;
-/// Half-window per progress of the reference.
-const WINDOW_PER_PROGRESS: f64 = 4.0;
 /// Samples of a cold search over ±max_lag.
 const COLD_SAMPLES: u16 = 129;
 /// Those from the reference backwards; the others lead on from it.
@@ -511,17 +507,4 @@ pub(super) fn across<R: Real, P: Position>(
     } else {
         Some(Found { flags: found.flags.and(Flags::SECOND_MINIMUM), ..*found })
     }
-}
-
-/// Borders within this may hide a nearer foot behind them: where a tool cuts a corner of 28° or more by the error, the
-/// foot on the old leg lies within four times that of the corner.
-#[inline(always)]
-pub(super) fn sight<R: Real>(window: R, error: R) -> R {
-    window + R::of(4.0) * error
-}
-
-/// S = 5 µm + 4 × progress.
-#[inline(always)]
-pub(super) fn window<R: Real>(progress: R) -> R {
-    R::of(STANDSTILL_WINDOW) + R::of(WINDOW_PER_PROGRESS) * progress.abs()
 }

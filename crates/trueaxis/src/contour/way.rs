@@ -11,6 +11,11 @@ const STEP: u32 = 3;
 /// The same for the distance between a foot and the reference, off the servo cycle.
 const FAR: u32 = 64;
 
+/// Half-window at standstill, mm.
+const STANDSTILL_WINDOW: f64 = 5e-3;
+/// Half-window per progress of the reference.
+const WINDOW_PER_PROGRESS: f64 = 4.0;
+
 /// Arc length from one point of the path to another, negative backwards; none over more than eight spans.
 #[inline(always)]
 pub(super) fn way<R: Real, P: Position>(path: &Path<'_, R, P>, from: Reference<R>, to: Reference<R>) -> Option<R> {
@@ -72,6 +77,19 @@ fn between<R: Real, P: Position>(path: &Path<'_, R, P>, mut number: u32, count: 
         number = path.following(number)?;
     }
     Some(sum)
+}
+
+/// Borders within this may hide a nearer foot behind them: where a tool cuts a corner of 28° or more by the error, the
+/// foot on the old leg lies within four times that of the corner.
+#[inline(always)]
+pub(super) fn sight<R: Real>(window: R, error: R) -> R {
+    window + R::of(4.0) * error
+}
+
+/// S = 5 µm + 4 × progress.
+#[inline(always)]
+pub(super) fn window<R: Real>(progress: R) -> R {
+    R::of(STANDSTILL_WINDOW) + R::of(WINDOW_PER_PROGRESS) * progress.abs()
 }
 
 /// A point of the path, and how far from another it really is, arc length.

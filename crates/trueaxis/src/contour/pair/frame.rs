@@ -14,8 +14,8 @@
 //! by chance, at an inflection or in the middle of an arc.
 
 use crate::contour::kernel::{Taylor, homogeneous, shifted_cubic, shifted_quintic, third_order};
-use crate::contour::search::sight;
 use crate::contour::span::{Form, Span, dot};
+use crate::contour::way::sight;
 use crate::contour::{ContourError, Flags};
 use crate::position::Position;
 use crate::real::Real;

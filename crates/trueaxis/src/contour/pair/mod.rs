@@ -12,9 +12,9 @@ mod beside;
 mod frame;
 
 use super::legs::Apart;
-use super::search::{ContourSearch, ContourState, Method, window};
+use super::search::{ContourSearch, ContourState, Method};
 use super::span::{OnPath, Path, Reference, dot};
-use super::way::{Moved, advance, way};
+use super::way::{Moved, advance, way, window};
 use super::{ContourError, Flags};
 use crate::position::Position;
 use crate::real::Real;
