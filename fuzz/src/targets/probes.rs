@@ -55,7 +55,7 @@ fn run(bytes: &[u8]) {
         assert!(lengths[0] > 0 && lengths[0].is_multiple_of(POINTS) && lengths == [lengths[0]; 3], "{lengths:?}");
         readings.note(plan.points()).iter().for_each(outcome::refused);
         let separations = plan.separate(&readings, || {})?;
-        plan.evaluate(&separations, readings.resampling)
+        plan.evaluate(&separations, &readings)
     };
     let found = PLANS.with(|plans| alone(|| evaluate(&plans[bytes.len() % 3])));
     match found {
