@@ -1163,8 +1163,8 @@ trueaxis_result_t trueaxis_set_thermal(const struct trueaxis_loop_t *loop,
                                        uint32_t axis,
                                        double kelvin);
 
-/// Starts an encoder: position = `offset` + counts · `resolution`, mm (rotary: degrees). Counts go on beyond the end of the
-/// counter.
+/// Starts an encoder: position = `offset` + counts · `resolution`, mm (rotary: degrees). The position goes on where the counter
+/// wraps.
 ///
 /// `resolution`: size of one count, at most 1; negative if counts fall while the position rises. `span`: number of counts
 /// after which the counter starts again at 0, from 4 to 4294967296: 65536 for 16 bits, 4294967296 for 32 bits, or the counts

@@ -1,4 +1,4 @@
-//! What a request is answered.
+//! Answers to requests.
 
 use super::page;
 
@@ -70,7 +70,7 @@ impl Request<'_> {
         if words.next().is_some() || !matches!(version, "HTTP/1.0" | "HTTP/1.1") {
             return None;
         }
-        // A line that goes on with the one before it has no name.
+        // A folded line continues the header before it: it has no name, and is refused.
         let named = |(name, _): &(&str, &str)| !name.starts_with([' ', '\t']);
         let headers = lines.map(|line| line.split_once(':').filter(named)).collect::<Option<_>>()?;
         Some(Request { method, target, headers })

@@ -1,7 +1,7 @@
 //! The page on 127.0.0.1, until Ctrl-C.
 //!
-//! A connection has a thread of its own, one request and bounds on all that it can send or hold up: it stalls neither the others
-//! nor the end.
+//! Each connection has its own thread, one request, and limits on size and time, so it can delay neither the others nor
+//! Ctrl-C.
 
 use super::{answer, page};
 use crate::output::{print, tell};
@@ -16,11 +16,11 @@ use std::time::{Duration, Instant};
 /// Where the desk is looked for: a bookmark stays good.
 const USUAL_PORT: u16 = 8471;
 
-/// Connections at once. One more ends the oldest: whoever only holds them shuts nobody out.
+/// Most connections at once. A further one ends the oldest, so a client that only holds connections blocks nobody.
 const CONNECTIONS: usize = 64;
 /// Longest head of a request, bytes.
 const HEAD: usize = 16 << 10;
-/// What is read behind it and thrown away, bytes: closed with more to read, a connection may lose its answer.
+/// Bytes read and discarded after the head: closing a connection with unread bytes can discard the answer too.
 const BEHIND: u64 = 64 << 10;
 /// Time for a request to come.
 const TO_COME: Duration = Duration::from_secs(10);
@@ -69,7 +69,7 @@ fn accept(listener: &TcpListener, port: u16, plain: &Arc<[u8]>) {
             }
             let _ = thread.join();
         }
-        // A client that has gone away; a computer without room for one more.
+        // The client has gone away, or no file descriptor is left.
         let Ok(stream) = stream.map(Arc::new) else { continue };
         let (held, plain) = (Arc::downgrade(&stream), Arc::clone(plain));
         if let Ok(thread) = thread::Builder::new().spawn(move || one(&stream, port, &plain)) {
@@ -91,7 +91,7 @@ fn one(stream: &TcpStream, port: u16, plain: &[u8]) {
     }
 }
 
-/// The head of a request without the empty line that ends it; none if it is too long.
+/// The head of a request, without the empty line that ends it; `None` if it is too long.
 fn head(of_client: &mut Until) -> io::Result<Option<Vec<u8>>> {
     const END: &[u8] = b"\r\n\r\n";
     let (mut head, mut part) = (Vec::new(), [0; 4096]);

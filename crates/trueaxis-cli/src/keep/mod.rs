@@ -18,7 +18,7 @@ KEEP.toml names the machine, the probe, balls that stay where they are, and what
   machine = \"mill\"                  # its folder; its tables are in force
   dialect = \"linuxcnc\"              # or grblhal, klipper
   every_parts = 10                  # parts between two looks
-  # In the machine's folder, compiled anew with every change; may be left out:
+  # Optional; in the machine's folder, recompiled after each change:
   tcomp = \"mill.tcomp\"
   [probe]
   tip_radius_mm = 3.0

@@ -30,7 +30,10 @@ impl State {
     /// # Errors
     /// A file that cannot be read or is wrong, with its line.
     pub fn read(path: &Path, note: &mut dyn FnMut(String)) -> Result<State> {
-        let (keep, at) = task(path)?;
+        State::of(task(path)?, note)
+    }
+
+    fn of((keep, at): (Keep, PathBuf), note: &mut dyn FnMut(String)) -> Result<State> {
         let (source, name) = Folder::of_machine(&at);
         let folder = folder_of(&at);
         let mut state = State::begun(keep, folder.to_path_buf(), Box::new(source), name, note)?;
@@ -48,9 +51,9 @@ impl State {
     /// # Errors
     /// As [`State::read`], and another command at work.
     pub fn alone(path: &Path, note: &mut dyn FnMut(String)) -> Result<State> {
-        let (_, at) = task(path)?;
-        let alone = Alone::in_folder(folder_of(&at), note)?;
-        Ok(State { _alone: Some(alone), ..State::read(path, note)? })
+        let task = task(path)?;
+        let alone = Alone::in_folder(folder_of(&task.1), note)?;
+        Ok(State { _alone: Some(alone), ..State::of(task, note)? })
     }
 
     /// Stages what a command writes, in its order.

@@ -1,7 +1,7 @@
 //! Out of line: descend, bracket, refine; across borders and corners, within a window.
 
 use super::Flags;
-use super::kernel::{Evaluation, evaluate, evaluated};
+use super::kernel::{Evaluation, Foot, evaluate, evaluated};
 pub(super) use super::span::dot;
 use super::span::{Path, Reference, Span};
 use crate::position::Position;
@@ -20,6 +20,21 @@ pub(super) struct Found<R> {
     pub(super) flags: Flags,
     /// The evaluations ran out while descending to a minimum: the next cycle can continue from this point.
     pub(super) downhill: bool,
+}
+
+impl<R: Real> Found<R> {
+    /// A foot of the kernel on a span, as a minimum.
+    #[inline(always)]
+    pub(super) fn of(span: u32, foot: &Foot<R>) -> Self {
+        Found {
+            place: Reference { span, t: foot.t },
+            vector: foot.vector,
+            tangent: foot.tangent,
+            width: R::ZERO,
+            flags: Flags::BRACKETED,
+            downhill: false,
+        }
+    }
 }
 
 /// A point of the path counted from the start of the search: spans forward, parameter in the span.

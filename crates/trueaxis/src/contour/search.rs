@@ -178,15 +178,7 @@ impl<R: Real> ContourSearch<R> {
         let clear = place > sight && length - place > sight;
         let near = (place - span.arc_length(guess.t)).abs() <= window;
         if found.trusted && clear && near && alone {
-            let result = Found {
-                place: Reference { span: guess.span, t: found.t },
-                vector: found.vector,
-                tangent: found.tangent,
-                width: R::ZERO,
-                flags: Flags::BRACKETED,
-                downhill: false,
-            };
-            return self.report(state, path, reference, &result, error, 2);
+            return self.report(state, path, reference, &Found::of(guess.span, &found), error, 2);
         }
         self.beside(state, path, reference, point, guess, window, found)
     }
@@ -207,14 +199,7 @@ impl<R: Real> ContourSearch<R> {
         let Some(span) = path.span(guess.span) else { return ContourError::none() };
         let near = (span.arc_length(first.t) - span.arc_length(guess.t)).abs() <= window;
         let mut found = if first.trusted && near {
-            Found {
-                place: Reference { span: guess.span, t: first.t },
-                vector: first.vector,
-                tangent: first.tangent,
-                width: R::ZERO,
-                flags: Flags::BRACKETED,
-                downhill: false,
-            }
+            Found::of(guess.span, &first)
         } else {
             match descend(path, guess, point, window, false, EVALUATIONS - spent, &mut spent) {
                 Some(found) => found,
@@ -222,7 +207,7 @@ impl<R: Real> ContourSearch<R> {
             }
         };
         let on = OnPath { path: *path, reference };
-        let mut doubt = state.doubt;
+        let doubt = &mut state.doubt;
         let resolved = if doubt.open && first.trusted && near {
             doubt.resolve(&on, window, self.max_lag, &found, |span| span.relative(point), &mut spent)
         } else {
@@ -232,18 +217,17 @@ impl<R: Real> ContourSearch<R> {
         if let Some(other) = resolved {
             found = other;
         } else if spent + 2 <= EVALUATIONS
-            && let Some(other) = across(&on, &mut doubt, self.max_lag, &found, point, window, &mut spent)
+            && let Some(other) = across(&on, doubt, self.max_lag, &found, point, window, &mut spent)
         {
             found = other;
         }
-        state.doubt = doubt;
         // On short spans at high feed the evaluations may run out just past a border: the next cycle goes on from there.
-        if !(found.flags.has(Flags::BRACKETED) || found.downhill) || doubt.is_lost() {
+        if !(found.flags.has(Flags::BRACKETED) || found.downhill) || state.doubt.is_lost() {
             state.warm = false;
             state.looked = 0;
         }
         let mut error = self.report_found(state, path, reference, &found, spent);
-        error.flags = error.flags.and(doubt.flags());
+        error.flags = error.flags.and(state.doubt.flags());
         error
     }
 
@@ -491,14 +475,7 @@ pub(super) fn across<R: Real, P: Position>(
         return None;
     }
     let nearer = dot(&other.vector, &other.vector);
-    let other = Found {
-        place: Reference { span: number, t: other.t },
-        vector: other.vector,
-        tangent: other.tangent,
-        width: R::ZERO,
-        flags: Flags::BRACKETED.and(Flags::SECOND_MINIMUM),
-        downhill: false,
-    };
+    let other = Found { flags: Flags::BRACKETED.and(Flags::SECOND_MINIMUM), ..Found::of(number, &other) };
     if let Some(meant) = doubt.at_border(on, window, max_lag, (found, &other), forward) {
         return Some(meant);
     }

@@ -34,13 +34,16 @@ pub(crate) enum Lines<'r, T: ?Sized> {
 
 /// Ends of the zeros of a linear axis that declares no travel, mm: in single precision its coordinates keep 0.1 µm.
 const UNDECLARED: [f64; 2] = [-1000.0, 1000.0];
+/// How far zeros reach beyond a declared travel, mm (deg): farther than a correction leads a look-up, so that no axis is
+/// reported at the edge of a table that it does not have.
+const BEYOND_TRAVEL: f64 = 10.0;
 
 impl<'r, T: Rows + ?Sized + 'r> Lines<'r, T> {
     /// The lines of an axis, and its settings as they hold for them; `None` where the direction of travel says nothing and there
     /// is no table.
     ///
-    /// Zeros span the declared travel, a full circle where that of a rotary axis is longer. They are interpolated as the
-    /// machine's first table, so that they take the loop of the others.
+    /// Zeros reach [`BEYOND_TRAVEL`], or go round a full circle where that of a rotary axis is shorter. They are interpolated
+    /// as the machine's first table, so that they take the loop of the others.
     pub(crate) fn of(
         machine: &MachineSettings,
         rows: impl Fn(Axis) -> Option<&'r T>,
@@ -52,10 +55,12 @@ impl<'r, T: Rows + ?Sized + 'r> Lines<'r, T> {
         if settings.backlash == 0.0 {
             return None;
         }
-        let [low, high] = settings.travel;
-        let ends = if settings.axis.is_rotary() {
-            if high - low >= 360.0 { [0.0, 360.0] } else { [low, high] }
-        } else if settings.travel == AxisSettings::with_defaults(settings.axis, false).travel {
+        let [low, high] = [settings.travel[0] - BEYOND_TRAVEL, settings.travel[1] + BEYOND_TRAVEL];
+        let ends = if settings.axis.is_rotary() && high - low >= 360.0 {
+            [0.0, 360.0]
+        } else if !settings.axis.is_rotary()
+            && settings.travel == AxisSettings::with_defaults(settings.axis, false).travel
+        {
             UNDECLARED
         } else {
             [low, high]

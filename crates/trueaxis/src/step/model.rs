@@ -75,6 +75,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         let believed = matches!(sample.verdict, Verdict::Active | Verdict::Inactive);
         if !(sample.homed && believed) {
             state.cells.forget();
+            state.grids.forget();
             return Modelled::NOTHING;
         }
         let mut near = false;

@@ -98,9 +98,18 @@ pub(crate) struct NearGrids<R, P: Position> {
 }
 
 impl<R: Real, P: Position> NearGrids<R, P> {
+    /// Key of no grids.
+    const NONE: u64 = 0;
+
     /// None yet.
     pub(crate) fn nowhere() -> Self {
-        NearGrids { key: 0, command: Near::nowhere(), feedback: Near::nowhere() }
+        NearGrids { key: Self::NONE, command: Near::nowhere(), feedback: Near::nowhere() }
+    }
+
+    /// From now on they are of no grids.
+    #[inline(always)]
+    pub(crate) fn forget(&mut self) {
+        self.key = Self::NONE;
     }
 
     /// Makes the boxes those about these positions; steps of both from the low corners.

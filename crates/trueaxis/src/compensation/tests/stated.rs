@@ -32,7 +32,8 @@ fn agrees<R: Real, P: Position, const N: usize>(chain: &str, model: ErrorModel, 
     } else {
         Vec::new()
     };
-    let ends = |axis: &AxisSettings| if axis.axis.is_rotary() { [0.0, 360.0] } else { axis.travel };
+    let beyond = |[low, high]: [f64; 2]| [low - 10.0, high + 10.0];
+    let ends = |axis: &AxisSettings| if axis.axis.is_rotary() { [0.0, 360.0] } else { beyond(axis.travel) };
     let zeros = |axis: &AxisSettings| (axis.axis, machine::rows(ends(axis), |_| [0.0; 6]));
     let others = machine.axes.iter().filter(|axis| !with_x || axis.axis != Axis::X);
     let all: Vec<_> = x.iter().cloned().chain(others.map(zeros)).collect();
@@ -80,6 +81,19 @@ fn agrees_for<R: Real, P: Position>() {
 fn lost_motion_needs_no_table() {
     agrees_for::<f64, f64>();
     agrees_for::<f32, Nanometres>();
+}
+
+/// A correction leads the look-up beyond the end of the travel; there is no table there to be at the edge of.
+#[test]
+fn an_axis_without_a_table_is_at_no_edge() {
+    let machine = Machine::new("w C' b X Y Z t").travel([-30.0, 40.0], 1.0).each(|axis| axis.backlash = 0.02);
+    let compensation = build::<f64, f64, 4>(&machine.settings(), &[]);
+    for q in [-30.01, 40.01] {
+        let at = compensation.coordinates(&[q; 4]);
+        let mut clamped = 0;
+        compensation.errors(&Query::at(&at, &[Direction::NEGATIVE; 4], &[ThermalLine::default(); 4]), &mut clamped);
+        assert_eq!(clamped, 0, "{q}");
+    }
 }
 
 /// Without a declared travel nothing counts as beyond a table of a rotary axis, and the value is right everywhere.

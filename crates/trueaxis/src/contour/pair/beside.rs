@@ -6,7 +6,7 @@ use crate::contour::kernel::{Evaluation, evaluate, foot};
 use crate::contour::legs::Doubt;
 use crate::contour::refine::{Found, at, descend};
 use crate::contour::search::{BISECTIONS, ContourState, across, components};
-use crate::contour::span::{OnPath, Path, Reference, Span, dot};
+use crate::contour::span::{OnPath, Reference, Span, dot};
 use crate::contour::way::{sight, way, way_far, window};
 use crate::contour::{ContourError, ContourSearch, Flags, Method};
 use crate::position::Position;
@@ -22,7 +22,6 @@ const DESCENT: u8 = 3;
 /// The two points in a cycle, and what has been spent on them.
 struct Points<'a, 's, R: Real, P> {
     on: &'a OnPath<'s, R, P>,
-    path: &'a Path<'s, R, P>,
     position: &'a [P; 3],
     d: &'a [R; 3],
     /// Borders within this are in sight, whatever the errors.
@@ -82,7 +81,6 @@ impl<R: Real> ContourSearch<R> {
         let Start { window, place, .. } = start;
         let mut points = Points {
             on,
-            path: &on.path,
             position,
             d,
             window,
@@ -136,7 +134,6 @@ impl<R: Real> ContourSearch<R> {
         let reach = self.max_lag;
         let mut points = Points {
             on,
-            path: &on.path,
             position,
             d,
             window: window(R::ZERO),
@@ -170,7 +167,7 @@ impl<R: Real> ContourSearch<R> {
         tip: &mut ContourError<R>,
         encoder: &mut ContourError<R>,
     ) -> Option<(Found<R>, Found<R>)> {
-        let path = points.path;
+        let path = &points.on.path;
         let progress = self.progress(state, path, reference);
         self.look_around(state, path, reference, point, progress, &mut points.spent[0]);
         let sampled = points.spent[0] > 0;
@@ -218,18 +215,18 @@ impl<R: Real> ContourSearch<R> {
         encoder: &mut ContourError<R>,
     ) {
         let [for_tip, for_encoder] = points.spent;
-        let lag = points.lag(at_tip.place, self.max_lag);
+        let lag = points.lag(at_tip.place);
         (state.tip.foot, state.tip.reference, state.tip.doubt) = (at_tip.place, reference, points.doubt);
         if state.tip.warm && lag.abs() > self.max_lag {
             // The foot has stayed behind: look around afresh.
             state.tip.warm = false;
             state.tip.looked = 0;
         }
-        state.keep(self.method, points.path, reference, &at_tip.tangent, lag);
-        let behind = points.lag(at_encoder.place, self.max_lag);
+        state.keep(self.method, &points.on.path, reference, &at_tip.tangent, lag);
+        let behind = points.lag(at_encoder.place);
         for (foot, found, lag, spent) in [(tip, at_tip, lag, for_tip), (encoder, at_encoder, behind, for_encoder)] {
             let error = dot(&found.vector, &found.vector).root();
-            *foot = components(points.path, found, error, lag, spent);
+            *foot = components(&points.on.path, found, error, lag, spent);
             foot.flags = foot.flags.and(points.doubt.flags());
         }
     }
@@ -268,9 +265,9 @@ fn keep_nearer<R: Real>(kept: &mut Option<Found<R>>, other: &Option<Found<R>>) {
 
 impl<R: Real, P: Position> Points<'_, '_, R, P> {
     /// Arc length from a foot to the reference.
-    fn lag(&self, foot: Reference<R>, max_lag: R) -> R {
+    fn lag(&self, foot: Reference<R>) -> R {
         let base = Reference { span: self.base, t: R::ZERO };
-        way(self.path, base, foot).map_or(max_lag + max_lag, |way| self.place - way)
+        way(&self.on.path, base, foot).map_or(self.max_lag + self.max_lag, |way| self.place - way)
     }
 
     fn left(&self) -> u8 {
@@ -332,7 +329,7 @@ impl<R: Real, P: Position> Points<'_, '_, R, P> {
         tip: &ContourError<R>,
         encoder: &ContourError<R>,
     ) -> From<R> {
-        let path = self.path;
+        let path = &self.on.path;
         let held = |t: R| Reference { span: number, t: t.limit(R::ZERO, R::ONE) };
         // An encoder's foot that is not exact yet is a good guess.
         let mut from = From { tip: held(tip.t), encoder: (!seen.encoder()).then(|| held(encoder.t)) };
@@ -439,7 +436,7 @@ impl<R: Real, P: Position> Points<'_, '_, R, P> {
 
     /// The path at `t` of a span, as the tip sees it.
     fn sample(&self, number: u32, t: R) -> Option<Evaluation<R>> {
-        let span = self.path.span(number)?;
+        let span = self.on.path.span(number)?;
         Some(evaluate(span, &local(span, self.position, self.d), t))
     }
 
@@ -448,7 +445,7 @@ impl<R: Real, P: Position> Points<'_, '_, R, P> {
         let ([x, y, z], [dx, dy, dz]) = (self.position, self.d);
         let point = [x.plus(*dx), y.plus(*dy), z.plus(*dz)];
         let budget = self.left().min(DESCENT);
-        let found = descend(self.path, from, &point, self.reach, false, budget, &mut self.spent[0])?;
+        let found = descend(&self.on.path, from, &point, self.reach, false, budget, &mut self.spent[0])?;
         if self.left() < 4 {
             return Some(found);
         }
@@ -459,18 +456,11 @@ impl<R: Real, P: Position> Points<'_, '_, R, P> {
     /// The encoder's foot by the kernel, from a guess or from the tip's; else that one itself, not bracketed.
     fn encoder_from(&mut self, tip: &Found<R>, guess: Option<Reference<R>>) -> Found<R> {
         let from = guess.unwrap_or(tip.place);
-        if let (true, Some(span)) = (self.left() >= 2, self.path.span(from.span)) {
+        if let (true, Some(span)) = (self.left() >= 2, self.on.path.span(from.span)) {
             let near = foot(span, &span.relative(self.position), from.t);
             self.spent[1] += 2;
             if near.trusted {
-                return Found {
-                    place: Reference { t: near.t, ..from },
-                    vector: near.vector,
-                    tangent: near.tangent,
-                    width: R::ZERO,
-                    flags: Flags::BRACKETED,
-                    downhill: false,
-                };
+                return Found::of(from.span, &near);
             }
         }
         self.beside_tip(tip)
@@ -489,8 +479,9 @@ impl<R: Real, P: Position> Points<'_, '_, R, P> {
     /// The encoder's foot by plain bisection from the tip's.
     fn by_halves(&mut self, tip: &Found<R>, reference: Reference<R>) -> Found<R> {
         let base = Reference { span: tip.place.span, t: R::ZERO };
-        (self.base, self.place) = (base.span, way_far(self.path, base, reference, self.reach));
-        let by_halves = descend(self.path, tip.place, self.position, self.reach, true, BISECTIONS, &mut self.spent[1]);
+        (self.base, self.place) = (base.span, way_far(&self.on.path, base, reference, self.reach));
+        let by_halves =
+            descend(&self.on.path, tip.place, self.position, self.reach, true, BISECTIONS, &mut self.spent[1]);
         by_halves.unwrap_or_else(|| self.encoder_from(tip, None))
     }
 }
