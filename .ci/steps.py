@@ -71,6 +71,14 @@ CARGO_TARGET_DIR="$target/lowest" cargo "+$lowest" check --quiet --workspace --e
 rm -rf "$target/lowest"
 """
 
+LICENCES = """
+git ls-files '*Cargo.lock' | while read -r lock; do
+    echo "$lock"
+    cargo deny --manifest-path "$(dirname "$lock")/Cargo.toml" --config deny.toml check --hide-inclusion-graph licenses bans sources
+done
+.ci/advisories
+"""
+
 COMMANDS = r"""
 cargo run --release -- run --json >"$target/run.json"
 python3 - "$target/run.json" <<'PYTHON'
@@ -124,7 +132,7 @@ STEPS = [
     Step("lowest Rust version", LOWEST, BUILDS, varies=True),
     Step("feature matrix", FEATURES, BUILDS),
     Step("mutants on changed lines", "tests/mutants/changed.sh", BUILDS, varies=True),
-    Step("licences and sources", "cargo deny check --hide-inclusion-graph licenses bans sources\n.ci/advisories", BUILDS),
+    Step("licences and sources", LICENCES, BUILDS),
     Step("Klipper", "integrations/klipper/test.sh", BUILDS),
     Step("ROS 2 control", "integrations/ros2/test.sh", BUILDS),
     Step("packages", """

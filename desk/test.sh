@@ -10,6 +10,8 @@ exec </dev/null
 .ci/install chromium
 if [[ -z ${TRUEAXIS_DESK:-} ]]; then
     desk/build.sh
+    # Here the packages of the page lie unpacked.
+    .ci/third-party --check
 fi
 # Optimised: a simulation is compared with the page's.
 export TRUEAXIS_PROFILE=release

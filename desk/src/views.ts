@@ -1,6 +1,7 @@
 // The views, in the order of their tabs.
 
 import type { View } from "./core/desk";
+import { view as about } from "./about/view";
 import { view as ballbar } from "./ballbar/view";
 import { view as calibrate } from "./calibrate/view";
 import { view as evaluate } from "./evaluate/view";
@@ -13,4 +14,4 @@ import { view as scope } from "./scope/view";
 import { view as thermal } from "./thermal/view";
 import { view as uncertainty } from "./uncertainty/view";
 
-export const views: View[] = [machine, scope, helicoid, roundness, calibrate, keep, ballbar, evaluate, thermal, friction, uncertainty];
+export const views: View[] = [machine, scope, helicoid, roundness, calibrate, keep, ballbar, evaluate, thermal, friction, uncertainty, about];

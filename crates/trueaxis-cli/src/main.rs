@@ -40,11 +40,16 @@ use std::process::ExitCode;
 /// relative to the workpiece. Exit code 0: done; 2: bad input, with file, line, column, what was found and what is needed.
 /// A reader that closes the standard output or error early (`| head`) ends the program silently: exit code 0.
 #[derive(Parser)]
-#[command(version, name = "trueaxis")]
+#[command(version, name = "trueaxis", args_conflicts_with_subcommands = true, arg_required_else_help = true)]
 struct Cli {
+    /// Print the licence of this program and those of all that is inside it.
+    #[arg(long)]
+    licences: bool,
     #[command(subcommand)]
-    command: Command,
+    command: Option<Command>,
 }
+
+const LICENCES: &str = include_str!("../THIRD-PARTY.txt");
 
 #[derive(Subcommand)]
 enum Command {
@@ -111,7 +116,10 @@ enum Command {
 }
 
 fn main() -> ExitCode {
-    let result = match Cli::parse().command {
+    let Some(command) = Cli::parse().command else {
+        return output::exit_code(output::data(LICENCES));
+    };
+    let result = match command {
         Command::Tables(command) => tables::run(command),
         Command::Compensate(arguments) => compensate::run(&arguments),
         Command::Correct(arguments) => correct::run(&arguments),

@@ -388,6 +388,18 @@ fn help_teaches() {
     }
 }
 
+/// Licences are printed whole, and stand beside no command.
+#[test]
+fn licences_are_printed() {
+    let folder = Folder::new(TRUEAXIS);
+    let text = folder.good(&["--licences"]);
+    for part in ["The trueaxis developers", "glam ", "Permission is hereby granted", "TERMS AND CONDITIONS", "fflate "]
+    {
+        assert!(text.contains(part), "{part}");
+    }
+    folder.bad(&["--licences", "tables", "check"], &["cannot be used with"]);
+}
+
 /// Margins and servo settings of the sample mill are shown; gains that leave too little margin at a servo rate are refused
 /// with the largest permitted ones, and nothing is written.
 #[test]
