@@ -68,8 +68,11 @@ pub(crate) enum Command {
         /// Unit of lengths in the file, mm or inch: needed with linuxcnc and siemens, whose files do not state it.
         #[arg(long, value_name = "UNIT")]
         unit: Option<String>,
-        /// Folder of the machine; where one stands, its tables of these axes are added or replaced and the rest stays. Limits that
-        /// the corrections need above the defaults are set.
+        /// Name of the mesh in a file of several, with bed-mesh; the one called default unless given.
+        #[arg(long, value_name = "NAME")]
+        mesh: Option<String>,
+        /// Folder of the machine; where one stands, its tables of these axes are added or replaced and the rest stays. A bed mesh
+        /// replaces the one before it. Limits that the corrections need above the defaults are set.
         #[arg(short, long, value_name = "DIR")]
         output: PathBuf,
         /// Make a new machine; a folder that exists is refused.
@@ -138,11 +141,16 @@ pub(crate) fn run(command: Command) -> Result<()> {
         Command::Compile { machine, rate_hz, output } => compile::compile(&machine, rate_hz, &output),
         Command::Show { file, json } => compile::show(&file, json),
         Command::Collapse(arguments) => collapse::run(&arguments),
-        Command::Import { from, file, axis, comp_file_type, unit, output, new } => {
-            let recognise = from == "linuxcnc" && comp_file_type.is_none();
-            let format = convert::format("--from", &from, comp_file_type)?;
-            let unit = unit.as_deref().map(convert::unit).transpose()?;
-            convert::import(format, recognise, &file, axis_of(axis.as_deref())?, unit, &output, new)
+        Command::Import { from, file, axis, comp_file_type, unit, mesh, output, new } => {
+            let options = convert::ImportOptions {
+                format: convert::format("--from", &from, comp_file_type)?,
+                recognise: from == "linuxcnc" && comp_file_type.is_none(),
+                axis: axis_of(axis.as_deref())?,
+                unit: unit.as_deref().map(convert::unit).transpose()?,
+                mesh: mesh.as_deref(),
+                new,
+            };
+            convert::import(&options, &file, &output)
         }
         Command::Export { to, machine, axis, comp_file_type, drop, step, output } => {
             let options = ExportOptions {

@@ -17,7 +17,7 @@ use trueaxis::machine::{Axis, AxisSettings, ErrorModel, LocationErrors, MachineS
 impl Imported {
     /// The changes that bring these tables into an existing machine; `name` is that of its `machine.toml`.
     ///
-    /// A table is added or replaced. Settings that the file states for its axes are set; every other setting, the order and
+    /// A table is added or replaced, a grid added, or replaced where [`Imported::replaces_grids`]. Settings that the file states for its axes are set; every other setting, the order and
     /// the comments of `machine.toml` stay. What results is checked as [`Machine::read`] does. Nothing is written.
     ///
     /// # Errors
@@ -54,14 +54,15 @@ impl Imported {
             }
             edited.files.push((beside(name, &csv), write_axis_csv(table, *axis)));
         }
+        let before = Machine::read_from(machine, name, &mut |_| {}).ok();
+        let mut replaced = self.take_out_grids(&standing, before.as_ref(), &mut document, &mut edited.notes);
         for grid in &self.grids {
-            add_grid(grid, &standing, &mut document, &origin, &mut edited)?;
+            add_grid(grid, &standing, &mut replaced, &mut document, &origin, &mut edited)?;
         }
         location(self, &standing, &mut document, &origin, &mut edited.notes)?;
         if let Some(stated) = &self.settings {
             edited.notes.extend(left(stated, &standing.settings));
         }
-        let before = Machine::read_from(machine, name, &mut |_| {}).ok();
         let Edited { files, notes } = &mut edited;
         let text =
             widened(&document, &standing.text, files, (machine, name), before.as_ref(), notes).map_err(|error| {
@@ -76,6 +77,33 @@ impl Imported {
         Ok(edited)
     }
 
+    /// Takes the grids out of the document that those of the file replace.
+    fn take_out_grids(
+        &self,
+        standing: &Standing<'_>,
+        before: Option<&Machine>,
+        document: &mut DocumentMut,
+        notes: &mut Vec<String>,
+    ) -> Replaced {
+        let mut replaced = Replaced::default();
+        let list = document.get_mut("grid").and_then(Item::as_array_of_tables_mut);
+        let (true, Some(before), Some(list)) = (self.replaces_grids, before, list) else { return replaced };
+        let same = |old: &Grid, new: &Grid| {
+            old.header().letters().eq(new.header().letters()) && old.source().given == new.source().given
+        };
+        for (index, (old, grid)) in standing.grids.iter().zip(&before.grids).enumerate() {
+            if self.grids.iter().any(|new| same(grid, new)) {
+                notes.push(format!("the grid {:?} is replaced", old.file));
+                replaced.numbers.push(index);
+                replaced.files.insert(0, old.file.clone());
+            }
+        }
+        for index in replaced.numbers.iter().rev() {
+            list.remove(*index);
+        }
+        replaced
+    }
+
     /// Settings of an axis that the file states otherwise than the machine.
     fn stated_otherwise(&self, axis: Axis, standing: &Standing<'_>) -> Vec<(String, Value)> {
         let of_axis = |all: &MachineSettings| all.axis(axis).map(stated::of_axis);
@@ -86,16 +114,27 @@ impl Imported {
     }
 }
 
-/// Adds a grid where the machine has none over the same axes: grids add up.
+/// Grids of a machine that others replace.
+#[derive(Default)]
+struct Replaced {
+    /// Their places in the machine.
+    numbers: Vec<usize>,
+    /// Their files that no new grid has taken yet, the first last.
+    files: Vec<String>,
+}
+
+/// Adds a grid where the machine has none over the same axes, but for those that were replaced: grids add up.
 fn add_grid(
     grid: &Grid,
     standing: &Standing<'_>,
+    replaced: &mut Replaced,
     document: &mut DocumentMut,
     origin: &Origin,
     edited: &mut Edited,
 ) -> Result<(), FileError> {
     let axes: Vec<Axis> = grid.header().letters().collect();
-    if let Some(old) = standing.grids.iter().find(|old| old.axes == axes) {
+    let mut stays = standing.grids.iter().enumerate().filter(|(index, _)| !replaced.numbers.contains(index));
+    if let Some((_, old)) = stays.find(|(_, old)| old.axes == axes) {
         let needed = "a machine without a grid over these axes, as the two would add up: take the old one out of this file first";
         return Err(origin.at(old.line, &old.key, format!("the grid {:?}", old.file), needed));
     }
@@ -103,7 +142,7 @@ fn add_grid(
         let csv = beside(&standing.name, &grid_csv_name(*number));
         standing.files.entry(&csv) == Entry::Absent && edited.files.iter().all(|(own, _)| *own != csv)
     };
-    let csv = grid_csv_name((0..).find(free).unwrap_or(0));
+    let csv = replaced.files.pop().unwrap_or_else(|| grid_csv_name((0..).find(free).unwrap_or(0)));
     let mut text = String::new();
     grid_section(&mut text, grid, &csv);
     let no_section = || origin.whole("a grid that is no list of sections", "sections [[grid]]");

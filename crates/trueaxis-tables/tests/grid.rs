@@ -481,9 +481,19 @@ fn a_bed_mesh_becomes_a_surface() {
     let imported = mesh(&MESH.replace("speed: 100", "fade_target: 0")).unwrap();
     assert_eq!(imported.grids.len(), 1);
     let source = imported.grids[0].source();
-    assert_eq!(source.nodes, [vec![20.0, 120.0, 220.0], vec![30.0, 130.0], vec![]]);
-    let ez: Vec<f64> = source.values.iter().map(|value| value[2]).collect();
-    assert_eq!(ez, [-0.1, -0.2, 0.0, -0.03, 0.05, 0.0]);
+    let third = 100.0 / 3.0;
+    let x: Vec<f64> = (0..7).map(|k| 20.0 + third * f64::from(k)).collect();
+    let y = [30.0, 30.0 + third, 30.0 + 2.0 * third, 130.0];
+    let near = |a: &[f64], b: &[f64]| a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-9);
+    assert!(near(&source.nodes[0], &x) && near(&source.nodes[1], &y), "{:?}", source.nodes);
+    for (number, value) in source.values.iter().enumerate() {
+        // Parabolas through three points along X, straight along Y.
+        let (t, s) = ((number / 4) as f64 / 3.0, (number % 4) as f64 / 3.0);
+        let parabola =
+            |a: f64, b: f64, c: f64| 0.5 * (t - 1.0) * (t - 2.0) * a - t * (t - 2.0) * b + 0.5 * t * (t - 1.0) * c;
+        let height = (1.0 - s) * parabola(0.1, 0.0, -0.05) + s * parabola(0.2, 0.03, 0.0);
+        assert!((value[2] + height).abs() < 6e-7, "{number}: {value:?}, not {height}");
+    }
     // Raised by the mean of Klipper's mesh, 0.036 mm rounded.
     assert_eq!(source.fade_mm, Some([0.54, 8.0]));
     // A machine of its own.
@@ -506,8 +516,100 @@ fn a_bed_mesh_becomes_a_surface() {
     let text = fs::read_to_string(there.path().join("machine.toml")).unwrap();
     assert!(text.starts_with("# mine\n") && text.contains("[[grid]]\naxes = [\"X\", \"Y\"]\n"), "{text}");
     assert_eq!(Machine::read(there.path()).unwrap().grids[0].source(), source);
-    let error = imported.edit(&Folder::new(there.path()), Path::new("machine.toml")).unwrap_err();
+    // Another grid over the same axes would add up.
+    let grid = import(Format::Grid, "X_mm,Y_mm,EZ_um\n0,0,1\n0,9,1\n9,0,1\n9,9,1\n", Path::new("g.csv"), None).unwrap();
+    let error = grid.edit(&Folder::new(there.path()), Path::new("machine.toml")).unwrap_err();
     assert!(error.to_string().contains("take the old one out"), "{error}");
+}
+
+/// A mesh that is probed again takes the place and the files of the one before; a grid that gives other errors stays.
+#[test]
+fn a_mesh_that_is_probed_again_replaces_the_old_one() {
+    let name = Path::new("machine.toml");
+    let mut files = std::collections::BTreeMap::from([(
+        "machine.toml".to_owned(),
+        "name = \"m\"\nchain = \"w b X Y Z t\"\n".to_owned(),
+    )]);
+    let mut take = |imported: &trueaxis_tables::formats::Imported| {
+        let edited = imported.edit(&Memory::new(files.clone()), name)?;
+        files.extend(edited.files.into_iter().map(|(name, text)| (name.to_string_lossy().into_owned(), text)));
+        Ok::<_, FileError>((
+            Machine::read_from(&Memory::new(files.clone()), name, &mut |_| {}).unwrap(),
+            edited.notes,
+            files.len(),
+        ))
+    };
+    let fading = columns([0.1, 0.2, 0.3], "fade_end: 10");
+    let (machine, _, count) = take(&mesh(&fading).unwrap()).unwrap();
+    assert_eq!((machine.grids.len(), count), (2, 3));
+    let (machine, notes, count) = take(&mesh(&columns([0.5, 0.6, 0.7], "fade_end: 10")).unwrap()).unwrap();
+    assert_eq!((machine.grids.len(), count), (2, 3));
+    assert!(notes.iter().any(|note| note == "the grid \"grid.csv\" is replaced"), "{notes:?}");
+    assert!((modelled::<3>(&machine, [20.0, 100.0, 0.2]).0[2] - 0.5).abs() < 5e-5);
+    // Without the fade there is one grid less.
+    let (machine, ..) = take(&mesh(&columns([0.5, 0.6, 0.7], "")).unwrap()).unwrap();
+    assert_eq!(machine.grids.len(), 1);
+    let other =
+        import(Format::Grid, "X_mm,Z_mm,EX_um\n0,0,1\n0,9,1\n9,0,1\n9,9,1\n", Path::new("g.csv"), None).unwrap();
+    take(&other).unwrap();
+    let (machine, ..) = take(&mesh(&fading).unwrap()).unwrap();
+    assert_eq!(machine.grids.len(), 3);
+}
+
+/// Of several meshes the one called `default`, or the one that is named.
+#[test]
+fn one_of_several_meshes_is_named() {
+    use trueaxis_tables::formats::bed_mesh;
+    let other = columns([0.5, 0.6, 0.7], "").replace("[bed_mesh]\n\n", "").replace("default", "cold bed");
+    let both = format!("{MESH}{other}");
+    let at = |name| {
+        let imported = bed_mesh::import(&both, Path::new("printer.cfg"), name).unwrap();
+        -imported.grids[0].source().values[0][2]
+    };
+    assert!((at(None) - at(Some("default"))).abs() < 1e-12);
+    // The fade goes to the mean.
+    assert!((at(Some("cold bed")) - (0.5 - 0.6)).abs() < 1e-6, "{}", at(Some("cold bed")));
+    let refused = |text: &str, name| bed_mesh::import(text, Path::new("printer.cfg"), name).unwrap_err().to_string();
+    let error = refused(&both, Some("hot"));
+    assert!(error.contains("no [bed_mesh hot]") && error.contains("default, cold bed"), "{error}");
+    let error = refused(&both.replace("default", "warm"), None);
+    assert!(
+        error.contains("[bed_mesh cold bed] beside [bed_mesh warm]") && error.contains("warm, cold bed"),
+        "{error}"
+    );
+}
+
+/// Points between the probed ones by a cardinal spline, against Hermite's form of it.
+#[test]
+fn a_bicubic_mesh_is_read_as_klipper_lays_it() {
+    let heights = [0.1, -0.05, 0.2, 0.0, 0.07];
+    let row: Vec<String> = heights.iter().map(f64::to_string).collect();
+    let rows = format!("#*# \t{}\n", row.join(", ")).repeat(4);
+    let text = format!(
+        "#*# [bed_mesh default]\n#*# points =\n{rows}#*# x_count = 5\n#*# y_count = 4\n#*# mesh_x_pps = 3\n#*# mesh_y_pps = 0\n\
+         #*# algo = bicubic\n#*# tension = 0.3\n#*# min_x = 0\n#*# max_x = 80\n#*# min_y = 0\n#*# max_y = 60\n"
+    );
+    let imported = mesh(&text).unwrap();
+    let source = imported.grids[0].source();
+    assert_eq!((source.nodes[0].len(), source.nodes[1].len()), (17, 4));
+    for (number, value) in source.values.iter().enumerate().step_by(4) {
+        let (index, t) = ((number / 16).min(3), (number / 4) as f64 / 4.0 - (number / 16).min(3) as f64);
+        let of = |k: isize| heights[(index as isize + k).clamp(0, 4) as usize];
+        let (p0, p1, slope0, slope1) = (of(0), of(1), 0.3 * (of(1) - of(-1)), 0.3 * (of(2) - of(0)));
+        let hermite = (2.0 * t * t * t - 3.0 * t * t + 1.0) * p0
+            + (t * t * t - 2.0 * t * t + t) * slope0
+            + (3.0 * t * t - 2.0 * t * t * t) * p1
+            + (t * t * t - t * t) * slope1;
+        assert!((value[2] + hermite).abs() < 6e-7, "{number}: {value:?}, not {hermite}");
+    }
+    for (from, to) in [
+        ("mesh_x_pps = 3", "mesh_x_pps = -1"),
+        ("mesh_x_pps = 3", "mesh_x_pps = 1e9"),
+        ("mesh_x_pps = 3", "mesh_x_pps = 1.5"),
+    ] {
+        let error = mesh(&text.replace(from, to)).unwrap_err().to_string();
+        assert!(error.contains("column mesh_x_pps") && error.contains("a whole number from 0 to 248"), "{error}");
+    }
 }
 
 /// A machine that uses what was imported, and what was said of it.

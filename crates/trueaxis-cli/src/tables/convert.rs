@@ -20,8 +20,9 @@ Formats, and what they hold for an error E = actual − ideal:
   isg         ISG/Beckhoff volumetric CSV, all six errors (mm, rad; rotary arguments in degrees); chain and offsets as comments
   iso230-2    measured deviations (µm, µrad), one row per approach, or one per target with a column per run:
               X_mm,+1,-1,+2,-2,… or X_mm,fwd_1_um,rev_1_um,…
-  bed-mesh    [bed_mesh NAME] of Klipper's printer.cfg, a grid over X and Y: EZ = −height of the bed; fade_start, fade_end
-              and fade_target of [bed_mesh] (the mesh's mean unless given) become its fade. Read only
+  bed-mesh    [bed_mesh NAME] of Klipper's printer.cfg, a grid over X and Y: EZ = −height of the bed, with the points that
+              Klipper lays between the probed ones (mesh_x_pps, algo); fade_start, fade_end and fade_target of [bed_mesh] (the
+              mesh's mean unless given) become its fade. --mesh names one of several. Read only
   grid        X_mm,Y_mm[,Z_mm],EX_um,…,EC_urad, +E, a line for every node in any order. Read only";
 
 /// A format by its name on the command line.
@@ -71,22 +72,33 @@ fn in_millimetres(imported: Imported, format: Format, unit: Option<Unit>, file: 
     }
 }
 
-pub(super) fn import(
-    format: Format,
-    recognise: bool,
-    file: &Path,
-    axis: Option<Axis>,
-    unit: Option<Unit>,
-    output: &Path,
-    new: bool,
-) -> Result<()> {
+/// How a file is read.
+pub(super) struct ImportOptions<'o> {
+    pub(super) format: Format,
+    /// The type of a LinuxCNC file is told by its numbers.
+    pub(super) recognise: bool,
+    pub(super) axis: Option<Axis>,
+    pub(super) unit: Option<Unit>,
+    /// Name of a mesh.
+    pub(super) mesh: Option<&'o str>,
+    /// The machine must not be there yet.
+    pub(super) new: bool,
+}
+
+pub(super) fn import(options: &ImportOptions<'_>, file: &Path, output: &Path) -> Result<()> {
+    let ImportOptions { format, recognise, axis, unit, mesh, new } = *options;
     let not_new = || anyhow!("--new: found {}, needed a folder that does not exist yet", output.display());
     if new && output.symlink_metadata().is_ok() {
         return Err(not_new());
     }
     let text = model::text(file)?;
     let format = if recognise { Format::LinuxCnc(formats::linuxcnc::recognise(&text, file)?) } else { format };
-    let imported = in_millimetres(formats::import(format, &text, file, axis)?, format, unit, file)?;
+    let imported = match (format, mesh) {
+        (Format::BedMesh, name) => formats::bed_mesh::import(&text, file, name)?,
+        (_, None) => formats::import(format, &text, file, axis)?,
+        _ => bail!("--mesh: found it with {}, needed --from bed-mesh", format.name()),
+    };
+    let imported = in_millimetres(imported, format, unit, file)?;
     for note in &imported.notes {
         tell(format_args!("note: {}: {note}", file.display()));
     }

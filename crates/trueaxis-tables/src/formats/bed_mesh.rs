@@ -31,8 +31,9 @@
 //!
 //! It becomes two grids, of −(m − t) with the fade, and of −t without. Klipper fades by the height that is commanded, z, grids by
 //! where the axis stands, z + t + f(z) (m − t): that is linear in z, from m above fade_start to t above fade_end, and the heights
-//! of the fade are raised by as much, with the mean for m. Klipper's own interpolation between the points
-//! (`mesh_x_pps`, `algo`) is taken for that mean alone: between the points the surface is bilinear.
+//! of the fade are raised by as much, with the mean for m. Between the points Klipper lays `mesh_x_pps` and `mesh_y_pps` more
+//! by the polynomial of Lagrange or the cardinal spline that `algo` names, and is bilinear between all of them: they are the
+//! nodes.
 //!
 //! Source: Klipper, docs/Bed_Mesh.md and klippy/extras/bed_mesh.py.
 
@@ -41,6 +42,7 @@ use super::grid_csv::imported;
 use crate::error::FileError;
 use crate::grid::{Grid, GridSource};
 use crate::origin::{Origin, numbered};
+use std::path::Path;
 use trueaxis::error::Figure;
 use trueaxis::machine::GRID_NODES;
 use trueaxis::range;
@@ -104,45 +106,64 @@ fn sections(text: &str) -> Vec<Section<'_>> {
     sections
 }
 
-/// The only mesh, or that of the profile `default`.
-fn mesh<'s, 't>(sections: &'s [Section<'t>], origin: &Origin) -> Result<&'s Section<'t>, FileError> {
+/// The mesh of a name; without one the only mesh, or `default`.
+fn mesh<'s, 't>(
+    sections: &'s [Section<'t>],
+    wanted: Option<&str>,
+    origin: &Origin,
+) -> Result<&'s Section<'t>, FileError> {
     let profile = |section: &Section<'t>| section.name.strip_prefix("bed_mesh ").map(str::trim);
-    let mut meshes = sections.iter().filter(|section| profile(section).is_some());
-    let Some(first) = meshes.next() else {
-        return Err(origin.whole("no [bed_mesh NAME]", "a mesh, as SAVE_CONFIG writes it after BED_MESH_CALIBRATE"));
-    };
-    let Some(second) = meshes.next() else { return Ok(first) };
-    match sections.iter().find(|section| profile(section) == Some("default")) {
-        Some(default) => Ok(default),
-        None => Err(origin.at(
-            second.line,
-            "",
-            format!("[{}] beside [{}]", second.name, first.name),
-            "one mesh, or [bed_mesh default]",
-        )),
+    let meshes: Vec<_> = sections.iter().filter(|section| profile(section).is_some()).collect();
+    let named = |name: &str| meshes.iter().find(|section| profile(section) == Some(name)).copied();
+    let names = || meshes.iter().filter_map(|section| profile(section)).collect::<Vec<_>>().join(", ");
+    match (wanted, &meshes[..]) {
+        (_, []) => Err(origin.whole("no [bed_mesh NAME]", "a mesh, as SAVE_CONFIG writes it after BED_MESH_CALIBRATE")),
+        (Some(name), _) => named(name).ok_or_else(|| {
+            origin.whole(format!("no [bed_mesh {name}]"), format!("the name of one of its meshes: {}", names()))
+        }),
+        (None, [only]) => Ok(only),
+        (None, [first, second, ..]) => named("default").ok_or_else(|| {
+            let found = format!("[{}] beside [{}]", second.name, first.name);
+            origin.at(second.line, "", found, format!("[bed_mesh default], or --mesh with one of {}", names()))
+        }),
     }
 }
 
-/// Reads the mesh of a `printer.cfg`.
-pub(super) fn import(text: &str, origin: &Origin) -> Result<Imported, FileError> {
+/// Reads a mesh of a `printer.cfg`: that of a name, without one the only mesh or `default`; `file` is only named in errors.
+///
+/// # Errors
+/// No such mesh, several and none of them `default`, or one that a grid cannot hold: file, line, key, found, needed.
+pub fn import(text: &str, file: &Path, name: Option<&str>) -> Result<Imported, FileError> {
+    let origin = &Origin::new(file);
     let sections = sections(text);
-    let mesh = mesh(&sections, origin)?;
+    let mesh = mesh(&sections, name, origin)?;
     let mut nodes: [Vec<f64>; 3] = Default::default();
     for (nodes, letter) in nodes.iter_mut().zip(["x", "y"]) {
         *nodes = along(mesh, letter, origin)?;
     }
-    let heights = heights(mesh, [nodes[0].len(), nodes[1].len()], origin)?;
-    let mut notes =
-        vec![format!("[{}]: EZ = −height; bilinear between the {} points", mesh.name, nodes[0].len() * nodes[1].len())];
-    let mean = mean(mesh, &heights, origin)?;
-    let fade = fade(&sections, &heights, origin)?;
+    let [columns, rows] = [nodes[0].len(), nodes[1].len()];
+    let probed = heights(mesh, [columns, rows], origin)?;
+    let Laid { heights, between, by } = laid(mesh, &probed, origin)?;
+    let mut how = format!("[{}]: EZ = −height; bilinear between the {} points", mesh.name, columns * rows);
+    for (nodes, between) in nodes.iter_mut().zip(between) {
+        *nodes = divided(nodes, between);
+    }
+    if between != [0, 0] {
+        how += &format!(
+            " and those that Klipper lays between them, {} and {} along X and Y, {by}",
+            between[0], between[1]
+        );
+    }
+    let mut notes = vec![how];
+    let mean = mean(&heights);
+    let fade = fade(&sections, &probed, origin)?;
     let target = fade.as_ref().map_or(0.0, |fade| fade.target.unwrap_or(mean));
     if let Some(Fade { heights: [start, end], .. }) = fade {
         let to = if target == 0.0 { String::from("nothing") } else { format!("the height {}", Figure(target)) };
         notes.push(format!("fades from Z {} to {to} at Z {}", Figure(start), Figure(end)));
     }
     if mean.abs() >= LARGE_MEAN {
-        let left = heights.iter().flatten().fold(0.0, |most: f64, height| most.max((height - mean).abs()));
+        let left = probed.iter().flatten().fold(0.0, |most: f64, height| most.max((height - mean).abs()));
         notes.push(format!(
             "the heights are {} mm on average: moved into the Z offset of the machine, it leaves {} mm to correct",
             Figure(mean),
@@ -167,7 +188,7 @@ pub(super) fn import(text: &str, origin: &Origin) -> Result<Imported, FileError>
     let grids = std::iter::once(source).chain(whole).map(|source| {
         Grid::new(source).map_err(|error| origin.whole(format!("{error:?}"), "heights that 16 bits hold"))
     });
-    Ok(imported(grids.collect::<Result<_, _>>()?, notes))
+    Ok(Imported { replaces_grids: true, ..imported(grids.collect::<Result<_, _>>()?, notes) })
 }
 
 /// A mean height from which on it is told that it belongs into an offset, mm.
@@ -230,36 +251,78 @@ fn heights(mesh: &Section<'_>, [columns, rows]: [usize; 2], origin: &Origin) -> 
     Ok(heights)
 }
 
-/// Mean of the mesh as Klipper interpolates it, to 0.01 mm: `Σ u_i v_j m_ij`, the weights of [`weights`] along X and Y.
-fn mean(mesh: &Section<'_>, heights: &[Vec<f64>], origin: &Origin) -> Result<f64, FileError> {
+/// The mesh as Klipper lays it.
+struct Laid {
+    /// A row for every Y.
+    heights: Vec<Vec<f64>>,
+    /// Points laid in every interval along X and Y.
+    between: [usize; 2],
+    /// How they are laid.
+    by: &'static str,
+}
+
+/// Klipper's points between those of the mesh: `Σ u_i v_j m_ij`, the weights of [`weights`] along X and Y.
+fn laid(mesh: &Section<'_>, heights: &[Vec<f64>], origin: &Origin) -> Result<Laid, FileError> {
     let bicubic = mesh.item("algo").and_then(|item| item.values.first()).is_some_and(|(_, text)| *text == "bicubic");
     // Klipper's default.
     let tension = if mesh.item("tension").is_some() { mesh.number("tension", origin)?.1 } else { 0.2 };
     let tension = bicubic.then_some(tension);
-    let along = |key: &str, count: usize| -> Result<Vec<f64>, FileError> {
-        // Klipper's default.
-        let between = if mesh.item(key).is_some() { mesh.number(key, origin)?.1 } else { 2.0 };
-        Ok(weights(count, between.clamp(0.0, MOST_BETWEEN) as usize, tension))
+    let counts = [heights.first().map_or(0, Vec::len), heights.len()];
+    let mut between = [0; 2];
+    for ((between, count), key) in between.iter_mut().zip(counts).zip(["mesh_x_pps", "mesh_y_pps"]) {
+        let Some(item) = mesh.item(key) else {
+            // Klipper's default.
+            *between = 2;
+            continue;
+        };
+        let (line, points) = mesh.number(key, origin)?;
+        debug_assert!(item.line <= line);
+        let most = (GRID_NODES - count) / (count - 1);
+        if points.fract() != 0.0 || !(0.0..=most as f64).contains(&points) {
+            return Err(origin.at(line, key, Figure(points), format!("a whole number from 0 to {most}")));
+        }
+        *between = points as usize;
+    }
+    let [u, v] = [0, 1].map(|axis| weights(counts[axis], between[axis], tension));
+    let sum = |weights: &[f64], of: &[f64]| weights.iter().zip(of).map(|(weight, height)| weight * height).sum::<f64>();
+    let rows: Vec<Vec<f64>> = heights.iter().map(|row| u.iter().map(|weights| sum(weights, row)).collect()).collect();
+    let columns = (0..u.len()).map(|x| rows.iter().map(|row| row[x]).collect::<Vec<f64>>());
+    let columns: Vec<Vec<f64>> =
+        columns.map(|column| v.iter().map(|weights| sum(weights, &column)).collect()).collect();
+    let heights = (0..v.len()).map(|y| columns.iter().map(|column| column[y]).collect()).collect();
+    let by = match tension {
+        Some(_) => "by a cardinal spline (bicubic)",
+        None if counts.iter().any(|count| *count > MOST_OF_LAGRANGE) => "on straight lines",
+        None => "by Lagrange's polynomial",
     };
-    let u = along("mesh_x_pps", heights.first().map_or(0, Vec::len))?;
-    let v = along("mesh_y_pps", heights.len())?;
-    let row = |row: &Vec<f64>| row.iter().zip(&u).map(|(height, weight)| weight * height).sum::<f64>();
-    let sum: f64 = heights.iter().zip(&v).map(|(heights, weight)| weight * row(heights)).sum();
-    Ok((sum * 100.0).round() / 100.0 + 0.0)
+    Ok(Laid { heights, between, by })
 }
 
-/// Most points between two of the mesh that are counted.
-const MOST_BETWEEN: f64 = 100.0;
+/// Every interval between nodes in equal parts.
+fn divided(nodes: &[f64], between: usize) -> Vec<f64> {
+    let parts = between + 1;
+    let inner = nodes
+        .windows(2)
+        .flat_map(|ends| (0..parts).map(move |part| ends[0] + (ends[1] - ends[0]) * part as f64 / parts as f64));
+    inner.chain(nodes.last().copied()).collect()
+}
+
+/// Mean of the mesh as Klipper lays it, to 0.01 mm.
+fn mean(heights: &[Vec<f64>]) -> f64 {
+    let count = heights.iter().map(Vec::len).sum::<usize>().max(1);
+    (heights.iter().flatten().sum::<f64>() / count as f64 * 100.0).round() / 100.0 + 0.0
+}
+
 /// Most points that Klipper lays a polynomial of Lagrange through.
 const MOST_OF_LAGRANGE: usize = 6;
 
-/// Share of each of `count` points in the mean over them and `between` points in every interval, by Lagrange's polynomial or a
-/// cardinal spline of a tension.
-fn weights(count: usize, between: usize, tension: Option<f64>) -> Vec<f64> {
+/// Share of each of `count` points in every one of them and of the `between` points in every interval, by Lagrange's polynomial
+/// or a cardinal spline of a tension.
+fn weights(count: usize, between: usize, tension: Option<f64>) -> Vec<Vec<f64>> {
     let step = between + 1;
     let total = (count.max(1) - 1) * step + 1;
-    let mut weights = vec![0.0; count];
-    for place in 0..total {
+    let mut all = vec![vec![0.0; count]; total];
+    for (place, weights) in all.iter_mut().enumerate() {
         let (index, t) = (place / step, (place % step) as f64 / step as f64);
         if t == 0.0 {
             weights[index] += 1.0;
@@ -281,8 +344,7 @@ fn weights(count: usize, between: usize, tension: Option<f64>) -> Vec<f64> {
             weights[index + 1] += t;
         }
     }
-    weights.iter_mut().for_each(|weight| *weight /= total as f64);
-    weights
+    all
 }
 
 /// Heights between which the mesh fades, and to what, where that is stated.

@@ -84,5 +84,12 @@ pub(super) fn import(text: &str, origin: &Origin) -> Result<Imported, FileError>
 
 /// A file that holds nothing but grids.
 pub(super) fn imported(grids: Vec<Grid>, notes: Vec<String>) -> Imported {
-    Imported { tables: Vec::new(), grids, location: LocationErrors::default(), settings: None, notes }
+    Imported {
+        tables: Vec::new(),
+        grids,
+        location: LocationErrors::default(),
+        settings: None,
+        notes,
+        replaces_grids: false,
+    }
 }

@@ -89,7 +89,14 @@ pub(super) fn import(text: &str, origin: &Origin, only: Option<Axis>) -> Result<
     if let Some(settings) = &mut settings {
         settings.location = location;
     }
-    Ok(Imported { tables: tables.into_iter().collect(), grids: Vec::new(), location, settings, notes: Vec::new() })
+    Ok(Imported {
+        tables: tables.into_iter().collect(),
+        grids: Vec::new(),
+        location,
+        settings,
+        notes: Vec::new(),
+        replaces_grids: false,
+    })
 }
 
 /// In a file that gives the chain, every axis of a header, and every rotary axis with a location error, has to be in it.

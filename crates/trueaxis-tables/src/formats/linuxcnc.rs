@@ -89,6 +89,7 @@ pub(super) fn import(
         location: LocationErrors::default(),
         settings: None,
         notes: Vec::new(),
+        replaces_grids: false,
     })
 }
 

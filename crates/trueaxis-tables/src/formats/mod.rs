@@ -105,12 +105,22 @@ pub struct Imported {
     pub settings: Option<MachineSettings>,
     /// Separators and decimals, where they are not the usual ones, and how the file was taken: to be reported once.
     pub notes: Vec<String>,
+    /// Grids take the place of those over the same axes that give the same errors, as a bed's mesh probed again does, where they
+    /// would else be refused.
+    pub replaces_grids: bool,
 }
 
 impl Imported {
     /// Location errors alone, all of them: what a measurement of these brings into a machine.
     pub fn of_location(location: LocationErrors) -> Imported {
-        Imported { tables: Vec::new(), grids: Vec::new(), location, settings: None, notes: Vec::new() }
+        Imported {
+            tables: Vec::new(),
+            grids: Vec::new(),
+            location,
+            settings: None,
+            notes: Vec::new(),
+            replaces_grids: false,
+        }
     }
 
     /// What a file of a control in inches holds, in mm: positions of linear axes and translations times 25.4.
@@ -221,7 +231,7 @@ pub fn import(format: Format, text: &str, file: &Path, axis: Option<Axis>) -> Re
         Format::Siemens => siemens::import(text, &origin, axis),
         Format::Isg => isg::import(text, &origin, axis),
         Format::Iso230_2 => iso230_2::import(text, &origin, axis),
-        Format::BedMesh => bed_mesh::import(text, &origin),
+        Format::BedMesh => bed_mesh::import(text, file, None),
         Format::Grid => grid_csv::import(text, &origin),
     }
 }

@@ -71,7 +71,14 @@ pub(super) fn import(text: &str, origin: &Origin, only: Option<Axis>) -> Result<
     for (axis, block) in blocks {
         tables.push((axis, block_table(axis, &block, origin)?));
     }
-    Ok(Imported { tables, grids: Vec::new(), location: LocationErrors::default(), settings: None, notes: Vec::new() })
+    Ok(Imported {
+        tables,
+        grids: Vec::new(),
+        location: LocationErrors::default(),
+        settings: None,
+        notes: Vec::new(),
+        replaces_grids: false,
+    })
 }
 
 /// `N10 $AA_…` without its block number.

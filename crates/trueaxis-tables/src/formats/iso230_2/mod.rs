@@ -148,6 +148,7 @@ pub(super) fn import(text: &str, origin: &Origin, axis: Option<Axis>) -> Result<
         location: LocationErrors::default(),
         settings: None,
         notes: dialect.map(str::to_owned).into_iter().chain(mean_of_both).collect(),
+        replaces_grids: false,
     })
 }
 
