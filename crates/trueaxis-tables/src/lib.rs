@@ -43,7 +43,7 @@ pub use summary::{
     AxisSummary, CrosstalkSummary, DynamicSummary, ErrorSummary, FeedbackSummary, FrictionSummary, GridAxisSummary,
     GridErrorSummary, GridSummary, RoundnessSummary, ServoSummary, Summary, TableSummary, summary,
 };
-pub use warning::{Warning, check};
+pub use warning::{Term, Warning, check};
 
 use trueaxis::machine::{AxisSettings, GridData, LocationErrors, MachineSettings, Row};
 use trueaxis::tcomp::Tcomp;

@@ -6,7 +6,7 @@ use crate::{Grid, Machine};
 use std::fmt;
 use trueaxis::check;
 use trueaxis::machine::Curve;
-use trueaxis::machine::{Axis, AxisSettings, ErrorModel, Interpolation};
+use trueaxis::machine::{Axis, AxisSettings, ErrorModel, Interpolation, LocationErrors};
 
 /// A tip error below this needs no remark, mm.
 const NEGLIGIBLE_MM: f64 = 1e-5;
@@ -105,7 +105,36 @@ pub enum Warning {
         correction: f64,
         /// Its limit, mm.
         limit: f64,
+        /// What has the largest part in it.
+        term: Term,
+        /// Largest |correction| that it asks for by itself, mm.
+        part: f64,
     },
+}
+
+/// What a correction is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Term {
+    /// The table of an axis.
+    Table(Axis),
+    /// All grids.
+    Grids,
+    /// Squareness and location errors.
+    Location,
+    /// Lost motion of an axis.
+    Backlash(Axis),
+}
+
+impl fmt::Display for Term {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Term::Table(axis) => write!(f, "the table of {}", axis.letter()),
+            Term::Grids => f.write_str("the grids"),
+            Term::Location => f.write_str("squareness and location errors"),
+            Term::Backlash(axis) => write!(f, "the backlash of {}", axis.letter()),
+        }
+    }
 }
 
 /// Number with its unit, angles in µrad or degrees as the files have them.
@@ -203,13 +232,13 @@ impl fmt::Display for Warning {
                     tip * 1e3
                 )
             }
-            Warning::MagnitudeAboveLimit { axis, correction, limit } => {
+            Warning::MagnitudeAboveLimit { axis, correction, limit, term, part } => {
+                let [correction, limit, part] = [correction, limit, part].map(|value| Length { axis, value });
+                let letter = axis.letter();
                 write!(
                     f,
-                    "axis {}: the correction reaches {}, its magnitude is limited to {}",
-                    axis.letter(),
-                    Length { axis, value: correction },
-                    Length { axis, value: limit }
+                    "axis {letter}: the correction reaches {correction}, its magnitude is limited to {limit}; the largest term is \
+                     {term}, {part} by itself"
                 )
             }
         }
@@ -260,13 +289,46 @@ pub fn check(machine: &Machine, servo_rate_hz: f64) -> Vec<Warning> {
         let (least, most) = check::error_range(&machine.settings, |axis| machine.rows(axis), &grids, settings, own);
         let (correction, limit) = (least.abs().max(most.abs()), settings.limits.magnitude);
         if correction > limit {
-            warnings.push(Warning::MagnitudeAboveLimit { axis, correction, limit });
+            let (term, part) = largest_term(machine, settings, &grids);
+            warnings.push(Warning::MagnitudeAboveLimit { axis, correction, limit, term, part });
         }
     }
     for (number, grid) in machine.grids.iter().enumerate() {
         of_grid(machine, number, grid, &mut warnings);
     }
     warnings
+}
+
+/// The term that asks for the largest correction of a drive by itself, and that correction.
+fn largest_term(machine: &Machine, drive: &AxisSettings, grids: &check::GridBounds) -> (Term, f64) {
+    let mut bare = machine.settings.clone();
+    bare.location = LocationErrors::default();
+    bare.axes.iter_mut().for_each(|axis| axis.backlash = 0.0);
+    let mut located = bare.clone();
+    located.location = machine.settings.location;
+    let axes = machine.settings.axes.iter();
+    let tables = axes.clone().filter(|axis| machine.rows(axis.axis).is_some()).map(|axis| Term::Table(axis.axis));
+    let lost = axes.filter(|axis| axis.backlash != 0.0).map(|axis| Term::Backlash(axis.axis));
+    let part = |term: Term| {
+        let rows = |axis| machine.rows(axis).filter(|_| term == Term::Table(axis));
+        let (settings, grids) = match term {
+            Term::Table(_) => (bare.clone(), &check::GridBounds::NONE),
+            Term::Grids => (bare.clone(), grids),
+            Term::Location => (located.clone(), &check::GridBounds::NONE),
+            Term::Backlash(axis) => {
+                let mut settings = bare.clone();
+                settings.axes.iter_mut().zip(&machine.settings.axes).for_each(|(own, stated)| {
+                    own.backlash = if own.axis == axis { stated.backlash } else { 0.0 };
+                });
+                (settings, &check::GridBounds::NONE)
+            }
+        };
+        let own = check::reach(drive, machine.rows(drive.axis));
+        let (least, most) = check::error_range(&settings, rows, grids, drive, own);
+        (term, least.abs().max(most.abs()))
+    };
+    let terms = tables.chain(lost).chain([Term::Location, Term::Grids]).map(part);
+    terms.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((Term::Location, 0.0))
 }
 
 /// Steps of velocity that a grid causes, and the travel that it leaves uncovered, axis by axis.

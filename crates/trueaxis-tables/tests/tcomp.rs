@@ -12,7 +12,7 @@ use trueaxis::machine::{
 use trueaxis::roundness::{Arm, ArmSettings, Band, GaugeSettings, InfeedSettings, ProbeAngles};
 use trueaxis::tcomp::{Tcomp, TcompError, checksum, machine_id};
 use trueaxis_tables::files::Memory;
-use trueaxis_tables::{Machine, Warning, check, compile, summary};
+use trueaxis_tables::{Machine, Term, Warning, check, compile, summary};
 use trueaxis_testing::noise::Noise;
 
 /// CRC-32 bit by bit, as the polynomial is defined (reflected 0x04C11DB7).
@@ -584,13 +584,14 @@ fn warnings_carry_their_numbers() {
     let expected = Warning::AccelerationBelowResolution { axis: Axis::Z, per_cycle: 1e-9, resolution };
     assert!(found.iter().any(|w| w.to_string() == expected.to_string()), "{found:?}");
     // 20 µm of EXX against −20 µm, C 12 + 2 µm.
-    let Some(Warning::MagnitudeAboveLimit { correction, limit, .. }) =
+    let Some(Warning::MagnitudeAboveLimit { correction, limit, term: Term::Table(Axis::X), part, .. }) =
         found.iter().find(|w| matches!(w, Warning::MagnitudeAboveLimit { axis: Axis::X, .. }))
     else {
         panic!("{found:?}")
     };
     assert_eq!(*limit, 0.02);
     assert!((correction - 0.014 - 0.014).abs() < 1e-12, "{correction}");
+    assert!((part - 0.02).abs() < 1e-3, "{part}");
     for warning in &found {
         let text = warning.to_string();
         assert!(
