@@ -186,7 +186,7 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         if !self.senses.due {
             // Split into other parts and added up again, a sum that stands may be rounded anew.
             let rounding = 8.0 * R::EPSILON.to_f64() * (before.c.abs() + before.beside().max(beside.abs()));
-            let dynamic = seen.exchanged || seen.facts.dynamic;
+            let dynamic = seen.exchanged || seen.facts.dynamic || before.beside() > 0.0;
             let stands = (c.to_f64() - before.c).abs() <= if dynamic { rounding } else { 0.0 };
             let found = || format!("axis {k}: {before:?} to {c:?} in no time, {verdict:?}");
             return self.tally.that(Rule::Pace, stands, found);
