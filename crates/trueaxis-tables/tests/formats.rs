@@ -151,6 +151,14 @@ fn isg_documented_example() {
     assert_eq!((c.rows[1].position, c.rows[1].forward[5]), (90.0, 0.002));
 }
 
+/// Values in mm and rad become those that a table in µm and µrad gives for the same decimals.
+#[test]
+fn isg_values_are_written_as_short_as_they_were() {
+    let imported = read(Format::Isg, "X\tEXX\tEBX\n0\t-0.000952\t0.000016312\n1\t0.009578\t-0.000002671\n", None);
+    let (_, csv) = imported.machine_files("m").into_iter().find(|(name, _)| name == "x.csv").unwrap();
+    assert!(csv.ends_with("\n0,-0.952,16.312\n1,9.578,-2.671\n"), "{csv}");
+}
+
 #[test]
 fn isg_refusals() {
     for (text, line, fragment) in [

@@ -21,6 +21,14 @@ pub(super) fn shortest_read_as(value: f64, micro: f64, read: impl Fn(f64) -> f64
     micro
 }
 
+/// What a table in thousandths or millionths (`scale` 1e3, 1e6) gives for a decimal of at most twelve digits: of 0.000952 mm it is
+/// 0.952 / 1000, one unit in the last place away, and is written as 0.952. Any other number as it is.
+pub(super) fn as_in_a_table(value: f64, scale: f64) -> f64 {
+    let micro = format!("{:.11e}", value * scale).parse::<f64>().unwrap_or(value * scale);
+    let read = micro / scale;
+    if (read - value).abs() <= 2.0 * f64::EPSILON * value.abs() { read + 0.0 } else { value }
+}
+
 /// a − b of two decimals of at most ten places, without what their binary forms add: 0.016312 of 10.016312 and 10, not
 /// 0.016311999999998; as a table in thousandths is read. Of numbers that are none the difference as it is.
 pub(super) fn difference(a: f64, b: f64) -> f64 {

@@ -38,7 +38,7 @@
 //! No direction of travel (the mean is written), no backlash, no thermal growth. Tables over several arguments, constant
 //! component errors and the kinematic parameters of the ISG model are refused.
 
-use super::{ExportOptions, Exported, Imported, isg_notes, losses, measured_at, own_comments, positioning};
+use super::{ExportOptions, Exported, Imported, decimal, isg_notes, losses, measured_at, own_comments, positioning};
 use crate::error::FileError;
 use crate::origin::{Origin, numbered};
 use crate::text::fixed;
@@ -210,7 +210,7 @@ fn component_errors(block: &Block, axis: Axis, origin: &Origin) -> Result<Table,
                 None => position = *value,
                 Some(component) => {
                     if let Some(error) = errors.get_mut(*component) {
-                        *error = *value;
+                        *error = decimal::as_in_a_table(*value, if *component < 3 { 1e3 } else { 1e6 });
                     }
                 }
             }
