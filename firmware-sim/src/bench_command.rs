@@ -42,7 +42,7 @@ pub(crate) fn time(args: &BenchArgs) -> Result<()> {
             "steps_per_s": outcome.steps_per_s,
             "steps_per_s_with_plant": outcome.steps_per_s_with_plant,
         });
-        return put(&format!("{}\n", serde_json::to_string_pretty(&document)?));
+        return put(&trueaxis_evaluation::json::pretty(&document)?);
     }
     put(&format!(
         "{} of {} on {}, wall time on this host\n  \

@@ -75,7 +75,7 @@ pub(crate) fn calibrate(args: &CalibrateArgs) -> Result<()> {
         let document = serde_json::json!({
             "summary": found, "three_axes": three_axes, "five_axes": five_axes, "refused": refused,
         });
-        return put(&format!("{}\n", serde_json::to_string_pretty(&document)?));
+        return put(&trueaxis_evaluation::json::pretty(&document)?);
     }
     put(&text(&machines, &found)?)
 }

@@ -130,7 +130,7 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<bool> {
         None => None,
     };
     if args.json {
-        put(&format!("{}\n", serde_json::to_string_pretty(&outcome.json())?))?;
+        put(&trueaxis_evaluation::json::pretty(&outcome.json())?)?;
     } else {
         let page = page.map_or(String::new(), |page| format!("written  {}\n", page.display()));
         put(&(outcome.summary() + &page))?;

@@ -74,10 +74,7 @@ pub(crate) fn grind(args: &GrindArgs) -> Result<()> {
         None => None,
     };
     if args.json {
-        return put(&format!(
-            "{}\n",
-            serde_json::to_string_pretty(&grinding_text::json(&outcome, &grinding, wall_s)?)?
-        ));
+        return put(&trueaxis_evaluation::json::pretty(&grinding_text::json(&outcome, &grinding, wall_s)?)?);
     }
     let page = page.map_or(String::new(), |page| format!("written  {}\n", page.display()));
     put(&(Summary { outcome: &outcome, grinding: &grinding, wall_s }.to_string() + &page))

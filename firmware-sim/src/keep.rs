@@ -80,7 +80,7 @@ pub(crate) fn keep(args: &KeepArgs) -> Result<()> {
         outputs.commit()?;
     }
     if args.json {
-        return put(&format!("{}\n", serde_json::to_string_pretty(&outcome)?));
+        return put(&trueaxis_evaluation::json::pretty(&outcome)?);
     }
     put(&text(&outcome)?)
 }

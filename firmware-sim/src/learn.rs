@@ -100,7 +100,7 @@ pub(crate) fn learn(args: &LearnArgs) -> Result<()> {
     if args.json {
         let parts = (1..).zip(&parts).map(|(part, made)| Made::of(part, made)).collect();
         let document = Document { machine, program, gain, forget, cutoff_mm, parts };
-        return put(&format!("{}\n", serde_json::to_string_pretty(&document)?));
+        return put(&trueaxis_evaluation::json::pretty(&document)?);
     }
     let written = args.output.iter().map(|file| format!("written  {}\n", file.display()));
     put(&(table(machine, program, &law, &parts) + &written.collect::<String>()))

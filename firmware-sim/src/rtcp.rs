@@ -56,7 +56,7 @@ pub(crate) fn rtcp(args: &RtcpArgs) -> Result<()> {
         None => None,
     };
     if args.json {
-        return put(&format!("{}\n", serde_json::to_string_pretty(&text::json(&outcome, &test))?));
+        return put(&trueaxis_evaluation::json::pretty(&text::json(&outcome, &test))?);
     }
     let page = page.map_or(String::new(), |page| format!("written  {}\n", page.display()));
     put(&format!("{}{page}", text::summary(&outcome, &test)))

@@ -111,7 +111,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     }
     outputs.commit()?;
     if args.json {
-        put(&format!("{}\n", serde_json::to_string_pretty(&outcome.json(&scenario))?))
+        put(&trueaxis_evaluation::json::pretty(&outcome.json(&scenario))?)
     } else {
         let files = written.iter().map(|file| format!("written  {}\n", file.display()));
         put(&(outcome.summary(&scenario).to_string() + &noted(&scenario.program) + &files.collect::<String>()))

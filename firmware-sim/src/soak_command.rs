@@ -63,7 +63,7 @@ pub(crate) fn run(args: &SoakArgs) -> Result<bool> {
         ));
     }
     if args.json {
-        put(&format!("{}\n", serde_json::to_string_pretty(&soak)?))?;
+        put(&trueaxis_evaluation::json::pretty(&soak)?)?;
     } else {
         put(&text(&soak, &scenario, times))?;
     }

@@ -76,7 +76,7 @@ pub(crate) fn thermal(args: &ThermalArgs) -> Result<()> {
         None => None,
     };
     if args.json {
-        return put(&format!("{}\n", serde_json::to_string_pretty(&text::json(&warming, &outcome))?));
+        return put(&trueaxis_evaluation::json::pretty(&text::json(&warming, &outcome))?);
     }
     let page = page.map_or(String::new(), |page| format!("written  {}\n", page.display()));
     put(&format!("{}{page}", text::summary(&warming, &outcome)))

@@ -23,16 +23,7 @@ pub(crate) fn data(text: &str) -> Result<()> {
 
 /// Prints one JSON document.
 pub(crate) fn json(document: &impl serde::Serialize) -> Result<()> {
-    let mut text = String::new();
-    for line in serde_json::to_string_pretty(document)?.lines() {
-        // Only a number can end so, as a string ends with a quote. The sign of zero carries no information.
-        let (value, comma) = line.strip_suffix(',').map_or((line, ""), |value| (value, ","));
-        match value.strip_suffix(" -0.0") {
-            Some(before) => text.extend([before, " 0.0", comma, "\n"]),
-            None => text.extend([line, "\n"]),
-        }
-    }
-    data(&text)
+    data(&trueaxis_evaluation::json::pretty(document)?)
 }
 
 /// A bar on the standard error; hidden by indicatif where that is no terminal.

@@ -19,6 +19,7 @@ pub mod friction;
 pub mod helicoid;
 pub mod identify;
 pub mod inverse;
+pub mod json;
 pub mod keep;
 pub mod learn;
 pub mod model;

@@ -11,7 +11,7 @@ use trueaxis_evaluation::{circle as circles, probe_angles as angles, roundness a
 use trueaxis_metrology::separation::NOISE_GAIN_LIMIT;
 
 pub(crate) fn dictionary<'py>(py: Python<'py>, document: &impl Serialize) -> PyResult<Bound<'py, PyAny>> {
-    let text = told(serde_json::to_string(document).map_err(Into::into))?;
+    let text = told(trueaxis_evaluation::json::compact(document).map_err(Into::into))?;
     py.import("json")?.call_method1("loads", (text,))
 }
 

@@ -119,7 +119,7 @@ mod tests {
         let whole = trueaxis_sim::grinding::simulate(&grinding, &mut |_| {}).unwrap();
         let document = Document::new(&whole, &grinding).unwrap();
         // As texts: numbers that are read back may differ in their last bit.
-        assert_eq!(found, serde_json::to_string(&document).unwrap());
+        assert_eq!(found, trueaxis_evaluation::json::compact(&document).unwrap());
         let found: Value = serde_json::from_str(&found).unwrap();
         assert!(found["corrected"]["evaluated"].as_u64().unwrap() > 0);
     }

@@ -64,7 +64,7 @@ fn told<T>(result: anyhow::Result<T>) -> Result<T, Refused> {
 
 /// A document as JSON.
 fn json(document: &impl Serialize) -> anyhow::Result<String> {
-    Ok(serde_json::to_string(document)?)
+    Ok(trueaxis_evaluation::json::compact(document)?)
 }
 
 #[cfg(test)]

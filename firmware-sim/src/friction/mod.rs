@@ -92,7 +92,7 @@ pub(crate) fn friction(args: &FrictionArgs) -> Result<()> {
     bar.finish_and_clear();
 
     let outcome = Outcome::new(&circles, &settings, [&before, &after], &found)?;
-    if args.json { put(&format!("{}\n", serde_json::to_string_pretty(&outcome)?)) } else { put(&text::text(&outcome)?) }
+    if args.json { put(&trueaxis_evaluation::json::pretty(&outcome)?) } else { put(&text::text(&outcome)?) }
 }
 
 fn circles(args: &FrictionArgs) -> Result<Circles> {
