@@ -15,13 +15,30 @@ pub fn read_text(file: &Path, comments: &[char]) -> Result<String, FileError> {
     decode(std::fs::read(file).map_err(|error| Origin::new(file).unreadable(&error))?, file, comments)
 }
 
-/// Text in UTF-8, without a byte order mark; `file` is only named in errors.
+/// The bytes begin with the byte order mark of UTF-16.
+pub(crate) fn is_utf16(bytes: &[u8]) -> bool {
+    bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff])
+}
+
+/// Text in UTF-16, which begins with its byte order mark.
+pub(crate) fn from_utf16(bytes: &[u8], origin: &Origin) -> Result<String, FileError> {
+    let unit = if bytes.starts_with(&[0xff, 0xfe]) { u16::from_le_bytes } else { u16::from_be_bytes };
+    let (pairs, rest) = bytes.as_chunks::<2>();
+    let text: Option<String> =
+        char::decode_utf16(pairs.iter().skip(1).map(|pair| unit(*pair))).map(Result::ok).collect();
+    text.filter(|_| rest.is_empty()).ok_or_else(|| origin.whole("damaged text in UTF-16", "text in UTF-8 or UTF-16"))
+}
+
+/// Text in UTF-8 or, with its byte order mark, UTF-16; without a byte order mark; `file` is only named in errors.
 ///
 /// Lines that begin with one of `comments` may be in any encoding, as instruments write them.
 ///
 /// # Errors
 /// Other bytes: with the first line that has some.
 pub fn decode(bytes: Vec<u8>, file: &Path, comments: &[char]) -> Result<String, FileError> {
+    if is_utf16(&bytes) {
+        return from_utf16(&bytes, &Origin::new(file));
+    }
     let text = match String::from_utf8(bytes) {
         Ok(text) => text,
         Err(error) => {

@@ -6,6 +6,7 @@
 //! | decimal points or decimal commas | the first decimal number; the other kind is then refused |
 //! | fields in quotes | `"…"`, closed on the same line |
 //! | comments, blank lines, byte order mark | lines that begin with `#` are skipped |
+//! | UTF-8, or UTF-16 as a spreadsheet's "Unicode text" | the byte order mark |
 //!
 //! Nothing is guessed. A decimal comma needs semicolons or tabs between the fields, or quotes. Where it could as well part
 //! thousands (`1,234` in every number of a file without semicolons), the file is refused. Thousands are never parted.
@@ -17,6 +18,7 @@ mod tests;
 
 use crate::error::FileError;
 use crate::origin::Origin;
+use crate::text::{from_utf16, is_utf16};
 use dialect::{AMBIGUOUS, Decimals, HEAD, Separator, Sign, bare, decimals, separator, sign};
 use lines::{LONGEST_LINE, Lines, reader};
 use std::borrow::Cow;
@@ -51,8 +53,9 @@ impl<'r> Sheet<'r> {
         let mut head = Vec::new();
         let mut start = input.by_ref().take(HEAD);
         start.read_to_end(&mut head).map_err(|error| origin.unreadable(&error))?;
-        if head.starts_with(&[0xff, 0xfe]) || head.starts_with(&[0xfe, 0xff]) {
-            return Err(origin.whole("text in UTF-16", "text in UTF-8"));
+        if is_utf16(&head) {
+            input.read_to_end(&mut head).map_err(|error| origin.unreadable(&error))?;
+            head = from_utf16(&head, &origin)?.into_bytes();
         }
         let separator = separator(&head, &origin)?;
         let decimals = decimals(&head, separator, &origin)?;

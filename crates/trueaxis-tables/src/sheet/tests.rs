@@ -67,8 +67,25 @@ fn nothing_is_guessed() {
     }
     let latin = read(b"x,y\n1,2\n\xb5,2\n").unwrap_err();
     assert_eq!((latin.line, latin.found.as_str()), (Some(3), "bytes that are not UTF-8"));
-    assert!(read(b"\xff\xfex\0").unwrap_err().found.contains("UTF-16"));
+    // A byte is missing, and half a character.
+    for damaged in [&b"\xff\xfex\0y"[..], b"\xff\xfe\0\xd8x\0"] {
+        assert!(read(damaged).unwrap_err().found.contains("damaged text in UTF-16"));
+    }
     let mut long = b"x,y\n1,2\n".to_vec();
     long.resize(LONGEST_LINE + 100, b'7');
     assert_eq!(read(&long).unwrap_err().line, Some(3));
+}
+
+/// As Excel writes "Unicode text", and in the other order of bytes.
+#[test]
+fn text_in_utf16_is_read() {
+    let text = "X_mm\tfwd_1_um\n801\t0,002\n781\t−0,779\n".replace('−', "-");
+    for (mark, bytes) in [([0xff, 0xfe], u16::to_le_bytes as fn(u16) -> [u8; 2]), ([0xfe, 0xff], u16::to_be_bytes)] {
+        let file: Vec<u8> = mark.into_iter().chain(text.encode_utf16().flat_map(bytes)).collect();
+        assert_eq!(crate::text::decode(file.clone(), Path::new("t.csv"), &[]).unwrap(), text);
+        let mut sheet = Sheet::new(&file[..], Path::new("t.csv")).unwrap();
+        assert_eq!(sheet.header(), ["X_mm", "fwd_1_um"]);
+        assert!(sheet.advance().unwrap());
+        assert_eq!(sheet.dialect(), Some("read as tab separated with decimal commas"));
+    }
 }
