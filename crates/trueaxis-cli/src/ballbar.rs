@@ -14,22 +14,26 @@ use trueaxis_tables::files::Folder;
 use trueaxis_tables::output::Outputs;
 
 pub(crate) const HELP: &str = "\
-RECORD, whole circles about one centre, best in both directions, in one of four forms that are told apart by themselves:
+RECORD, whole circles about one centre or arcs of 200° and more, best in both directions, in one of four formats, detected
+automatically:
   a bar's CSV     angle_deg,deviation_um,direction: angle of the command on its circle from the first axis (--axes) towards
-                  the second, actual less nominal radius, 1 counterclockwise or -1 clockwise
+                  the second, actual less nominal radius, 1 (+, ccw) counterclockwise or -1 (-, cw) clockwise
   positions       CSV x_cmd_mm,x_mm,y_cmd_mm,y_mm (z_cmd_mm,z_mm), as from a grid encoder or from record-circles.py
   halsampler      LinuxCNC's lines without a header: command and position of the first axis, of the second (-t or not)
   telemetry       what a controller sent, COBS frames: commands and readings of the encoders
 Of positions the way to the circle and from it is left out.
 
-G(b), G, F, H: circular, radial deviation and hysteresis after ISO 230-4, about the least-squares centre. One fit tells the
-causes apart, each with half of its interval of 95 % (d = +1 counterclockwise, -1 clockwise):
+After ISO 230-4: G circular deviation and G(b) bidirectional circular deviation, minimum zone circles (MZC); F radial
+deviation about the least-squares centre (LSC) of its direction; H circular hysteresis. One fit tells the causes apart, each
+with half of its interval of 95 % (d = +1 counterclockwise, -1 clockwise):
   scale mismatch  (R/2)(s_x − s_y) cos 2θ         squareness      −(R/2) C0Y sin 2θ (Y,Z: A0Z; Z,X: −B0Z)
   servo mismatch  (d/2)(l_x − l_y) sin 2θ         straightness    q_x cos²θ sin θ + q_y sin²θ cos θ
   backlash        (d/2)(b_x sgn(sin θ) cos θ − b_y sgn(cos θ) sin θ)
   lateral play    (d/2)(p_x |sin θ| − p_y |cos θ|)
   reversal        spikes of height h after an axis' reversals; cyclic: periodic errors, their pitch searched or given
-One direction cannot tell servo mismatch and lateral play; they are null then.
+One direction cannot tell servo mismatch and lateral play; they are null then, and so is F of an arc. Readings from an axis'
+reversal until its play is taken up are left out of the fit. Spikes of another shape than u/w exp(1 − u/w) widen the
+intervals of what they are like, and are noted.
 -o writes squareness and backlash, where they are above two standard errors, into a machine with their uncertainties; the
 rest has no place in a table.
 

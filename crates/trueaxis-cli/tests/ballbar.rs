@@ -182,13 +182,43 @@ fn lost_motion_below_zero_refuses_nothing_else() {
 }
 
 #[test]
+fn a_direction_is_read_as_people_write_it() {
+    let folder = Folder::new(TRUEAXIS);
+    let text = record(&[1.0, -1.0]);
+    folder.write("numbers.csv", text.clone());
+    let found = folder.json(&["ballbar", "numbers.csv", "--radius-mm", "100", "--json"]);
+    for (counterclockwise, clockwise) in
+        [("+", "-"), ("+1", "\u{2212}1"), ("ccw", "cw"), ("CCW", "\u{2212}"), ("1.0", "-1")]
+    {
+        let written: String = text
+            .lines()
+            .map(|line| match line.strip_suffix(",-1") {
+                Some(begin) => format!("{begin},{clockwise}\n"),
+                None => {
+                    line.strip_suffix(",1").map_or(format!("{line}\n"), |begin| format!("{begin},{counterclockwise}\n"))
+                }
+            })
+            .collect();
+        assert!(written.contains(&format!(",{clockwise}\n")), "{written}");
+        folder.write("words.csv", written);
+        let other = folder.json(&["ballbar", "words.csv", "--radius-mm", "100", "--json"]);
+        assert_eq!(other, found, "{counterclockwise} {clockwise}");
+    }
+    folder.write("left.csv", text.replacen(",-1\n", ",left\n", 1));
+    folder.bad(&["ballbar", "left.csv", "--radius-mm", "100"], &["left.csv:362: column direction: found \"left\""]);
+}
+
+#[test]
 fn what_is_wrong_is_told_with_its_line() {
     let folder = Folder::new(TRUEAXIS);
     let good = record(&[1.0]);
     folder.write("still.csv", good.replacen("2.5,", "2.5,0,0\n3.5,", 1).replace("0,0\n3.5,", "0,0\n#"));
     folder.write("part.csv", good.lines().take(200).fold(String::new(), |text, line| text + line + "\n"));
     for (file, told) in [
-        ("still.csv", "still.csv:4: column direction: found 0, needed 1 counterclockwise or -1 clockwise"),
+        (
+            "still.csv",
+            "still.csv:4: column direction: found 0, needed 1, + or ccw for counterclockwise, -1, - or cw for clockwise",
+        ),
         ("part.csv", "part.csv: found no counterclockwise reading over 162.0° from 198.5° on"),
     ] {
         let refused = folder.run(&["ballbar", file, "--radius-mm", "100"]);

@@ -39,9 +39,13 @@ pub struct Rows<'r, const C: usize> {
     /// Index among the columns asked for, by column of the file.
     order: Vec<usize>,
     gaps: bool,
+    words: Option<Words>,
     reported: Option<&'static str>,
     tell: Box<dyn FnMut(String) + 'r>,
 }
+
+/// A column of which some values are words, and what they mean.
+type Words = (&'static str, fn(&str) -> Option<f64>);
 
 /// Largest size of a value: a metre of deviation, 1e9 of anything else (degrees are counted over many turns).
 fn most(column: &str) -> f64 {
@@ -76,10 +80,23 @@ fn opened<'r>(input: Box<dyn Read + 'r>, file: &Path, columns: &[Column]) -> Res
 }
 
 /// The values of the row read last, in their slots.
-fn read(sheet: &mut Sheet<'_>, header: &[String], order: &[usize], gaps: bool, values: &mut [f64]) -> Result<()> {
+fn read(
+    sheet: &mut Sheet<'_>,
+    header: &[String],
+    order: &[usize],
+    (gaps, words): (bool, Option<Words>),
+    values: &mut [f64],
+) -> Result<()> {
     for (i, (&slot, name)) in order.iter().zip(header).enumerate() {
         if gaps && sheet.field(i).is_empty() {
             values[slot] = f64::NAN;
+            continue;
+        }
+        if let Some((column, meaning)) = words
+            && column == name
+            && let Some(value) = meaning(sheet.field(i))
+        {
+            values[slot] = value;
             continue;
         }
         let value = sheet.number(i)?;
@@ -116,8 +133,18 @@ impl<'r, const C: usize> Rows<'r, C> {
         let (sheet, order) = opened(Box::new(input), file, columns)?;
         let present: [bool; C] = std::array::from_fn(|slot| order.contains(&slot));
         let (header, tell) = (sheet.header().to_vec(), Box::new(tell));
-        let mut rows =
-            Rows { file: file.into(), present, header, count: 0, sheet, order, gaps: false, reported: None, tell };
+        let mut rows = Rows {
+            file: file.into(),
+            present,
+            header,
+            count: 0,
+            sheet,
+            order,
+            gaps: false,
+            words: None,
+            reported: None,
+            tell,
+        };
         rows.tell_dialect();
         Ok(rows)
     }
@@ -125,6 +152,12 @@ impl<'r, const C: usize> Rows<'r, C> {
     /// From here on an empty cell is no value: NaN.
     pub fn with_gaps(mut self) -> Self {
         self.gaps = true;
+        self
+    }
+
+    /// In that column a cell may be a word to which `meaning` gives a value; all others are numbers.
+    pub fn with_words(mut self, column: &'static str, meaning: fn(&str) -> Option<f64>) -> Self {
+        self.words = Some((column, meaning));
         self
     }
 
@@ -140,7 +173,7 @@ impl<'r, const C: usize> Rows<'r, C> {
             return if self.count == 0 { Err(no_rows(&self.file)) } else { Ok(None) };
         }
         self.count += 1;
-        read(&mut self.sheet, &self.header, &self.order, self.gaps, &mut values)?;
+        read(&mut self.sheet, &self.header, &self.order, (self.gaps, self.words), &mut values)?;
         Ok(Some(Row { line: self.sheet.line(), values }))
     }
 

@@ -43,11 +43,11 @@ pub struct Document {
     pub readings: usize,
     /// Nominal radius.
     pub radius_mm: f64,
-    /// G(b): circular deviation of both directions together (ISO 230-4).
+    /// G(b): bidirectional circular deviation (ISO 230-4), minimum zone.
     pub g_b_um: Option<f64>,
-    /// G: circular deviation.
+    /// G: circular deviation, minimum zone.
     pub g_um: Ways,
-    /// F: radial deviation of the largest size.
+    /// F: radial deviation of the largest size, about the least-squares centre of its direction; null for an arc.
     pub f_um: Ways,
     /// F max.
     pub f_max_um: Ways,
@@ -189,6 +189,20 @@ impl Test {
                 let um = significant(1e3 * term.value, 3);
                 warnings.push(format!("backlash {} is {um} µm: {OVERCOMPENSATED}", axis.letter()));
             }
+        }
+        if !found.whole_circles {
+            warnings.push(
+                "an arc, no whole circle: F is not known, as its centre is defined by a whole circle; G, G(b) and H are those of \
+                 the arc, and radius, centre, scale mismatch and straightness are known less well"
+                    .into(),
+            );
+        }
+        if found.spikes_of_another_shape {
+            warnings.push(
+                "the spikes at reversals are not of the shape h (u/w) exp(1 − u/w): the intervals of backlash and scale mismatch \
+                 are wider for it, and the spikes' height is that of what was found"
+                    .into(),
+            );
         }
         if found.spikes_unresolved {
             let per_turn = self.readings.len() / if found.both_directions { 2 } else { 1 };

@@ -45,7 +45,7 @@ impl Test {
             let (positions, lines) = halsampler(bytes, file)?;
             return positions_of(&positions, &lines, file, options);
         }
-        let mut rows = Rows::new(bytes, file, &COLUMNS, tell)?;
+        let mut rows = Rows::new(bytes, file, &COLUMNS, tell)?.with_words("direction", direction);
         let has = |name: &str| COLUMNS.iter().zip(rows.present).any(|(column, present)| present && column.name == name);
         let bar = ["angle_deg", "deviation_um", "direction"];
         let own = options.axes.map(|axis| axis.letter().to_ascii_lowercase());
@@ -62,12 +62,26 @@ impl Test {
     }
 }
 
+/// A direction that is no plain number, as people write one.
+fn direction(word: &str) -> Option<f64> {
+    match word.to_ascii_lowercase().as_str() {
+        "+" | "+1" | "ccw" => Some(1.0),
+        "-" | "\u{2212}" | "\u{2212}1" | "cw" => Some(-1.0),
+        _ => None,
+    }
+}
+
 fn of_bar(rows: &mut Rows<'_, 10>, options: &Options) -> Result<Test> {
     let (mut lines, mut readings) = (Vec::new(), Vec::new());
     while let Some(row) = rows.next()? {
         let [angle_deg, deviation_um, direction, ..] = row.values;
         if direction == 0.0 {
-            return Err(rows.error(row.line, "direction", 0, "1 counterclockwise or -1 clockwise"));
+            return Err(rows.error(
+                row.line,
+                "direction",
+                0,
+                "1, + or ccw for counterclockwise, -1, - or cw for clockwise",
+            ));
         }
         lines.push(row.line);
         readings.push(Reading {

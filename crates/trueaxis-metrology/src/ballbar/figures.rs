@@ -1,7 +1,7 @@
 //! Figures after ISO 230-4.
 
-use super::Reading;
-use crate::circles::minimum_zone;
+use super::{Reading, WIDEST_GAP_DEG};
+use crate::circles::{least_squares, minimum_zone};
 use std::f64::consts::TAU;
 use std::vec::Vec;
 
@@ -9,52 +9,57 @@ use std::vec::Vec;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Figures {
-    /// G(b): circular deviation of both directions together, the narrowest ring that holds them; with one direction none.
+    /// G(b): bidirectional circular deviation, the minimum zone (MZC) of both directions together; with one direction none.
     pub g_b: Option<f64>,
-    /// G: circular deviation counterclockwise and clockwise.
+    /// G: circular deviation counterclockwise and clockwise, the minimum zone (MZC).
     pub g: [Option<f64>; 2],
-    /// F: largest and smallest radial deviation, counterclockwise and clockwise, from the nominal circle about the
-    /// least-squares centre.
+    /// F: largest and smallest radial deviation, counterclockwise and clockwise, from the nominal circle about the least-squares
+    /// centre (LSC) of that direction; of an arc none, as a circle's centre is defined by the whole of it.
     pub f: [Option<[f64; 2]>; 2],
-    /// H: circular hysteresis, the largest difference of both directions at one angle.
+    /// H: circular hysteresis, the largest difference of both directions at one angle, about the least-squares centre of both.
     pub h: Option<f64>,
 }
 
 /// Angles at which both directions are compared.
 const COMPARED: usize = 720;
 
-pub(super) fn figures(radius: f64, centred: &[Reading]) -> Figures {
-    let own = |ccw: bool| centred.iter().filter(move |reading| reading.counterclockwise == ccw);
-    let ring = |readings: &mut dyn Iterator<Item = &Reading>| {
-        let points: Vec<[f64; 2]> = readings
-            .map(|reading| {
-                let (sin, cos) = reading.angle_rad.sin_cos();
-                let r = radius + reading.deviation_mm;
-                [r * cos, r * sin]
-            })
-            .collect();
-        minimum_zone(&points).ok().map(|circle| circle.zone)
+pub(super) fn figures(radius: f64, readings: &[Reading], whole: bool) -> Figures {
+    let own = |ccw: bool| readings.iter().filter(move |reading| reading.counterclockwise == ccw).copied();
+    let points = |readings: &mut dyn Iterator<Item = Reading>| -> Vec<[f64; 2]> {
+        let point = |reading: Reading| {
+            let (sin, cos) = reading.angle_rad.sin_cos();
+            let r = radius + reading.deviation_mm;
+            [r * cos, r * sin]
+        };
+        readings.map(point).collect()
     };
+    let ring =
+        |readings: &mut dyn Iterator<Item = Reading>| minimum_zone(&points(readings)).ok().map(|circle| circle.zone);
+    let centre = |readings: &mut dyn Iterator<Item = Reading>| Some(least_squares(&points(readings)).ok()?.centre);
     let range = |ccw: bool| {
-        let values = own(ccw).map(|reading| reading.deviation_mm);
-        let ends = values.fold([f64::NEG_INFINITY, f64::INFINITY], |[a, b], v| [a.max(v), b.min(v)]);
-        (ends[0] >= ends[1]).then_some(ends)
+        let [x, y] = centre(&mut own(ccw)).filter(|_| whole)?;
+        let values = points(&mut own(ccw)).into_iter().map(|point| (point[0] - x).hypot(point[1] - y) - radius);
+        Some(values.fold([f64::NEG_INFINITY, f64::INFINITY], |[a, b], v| [a.max(v), b.min(v)]))
     };
-    let profiles = [true, false].map(|ccw| profile(own(ccw)));
+    let both = centre(&mut readings.iter().copied()).unwrap_or_default();
+    let profiles = [true, false].map(|ccw| profile(own(ccw).map(|reading| super::fit::about(radius, both, &reading))));
     let h = match &profiles {
-        [Some(ccw), Some(cw)] => Some(ccw.iter().zip(cw).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)),
+        [Some(ccw), Some(cw)] => {
+            let apart = ccw.iter().zip(cw).filter_map(|(a, b)| Some((a.as_ref()? - b.as_ref()?).abs()));
+            Some(apart.fold(0.0, f64::max))
+        }
         _ => None,
     };
     Figures {
-        g_b: h.and_then(|_| ring(&mut centred.iter())),
+        g_b: h.and_then(|_| ring(&mut readings.iter().copied())),
         g: [true, false].map(|ccw| ring(&mut own(ccw))),
         f: [true, false].map(range),
         h,
     }
 }
 
-/// Deviation at even angles, linear between the readings, their mean where several circles were run.
-fn profile<'r>(readings: impl Iterator<Item = &'r Reading>) -> Option<Vec<f64>> {
+/// Deviation at even angles, linear between the readings, their mean where several circles were run; none where an arc ends.
+fn profile(readings: impl Iterator<Item = Reading>) -> Option<Vec<Option<f64>>> {
     let mut sorted: Vec<[f64; 2]> = readings.map(|r| [r.angle_rad.rem_euclid(TAU), r.deviation_mm]).collect();
     crate::order::sort_by_number(&mut sorted, |one| one[0]);
     let (first, last) = (*sorted.first()?, *sorted.last()?);
@@ -69,12 +74,13 @@ fn profile<'r>(readings: impl Iterator<Item = &'r Reading>) -> Option<Vec<f64>> 
         }
         let within = sorted.get(begin..next).unwrap_or_default();
         if !within.is_empty() {
-            return within.iter().map(|point| point[1]).sum::<f64>() / within.len() as f64;
+            return Some(within.iter().map(|point| point[1]).sum::<f64>() / within.len() as f64);
         }
         let before = begin.checked_sub(1).and_then(|i| sorted.get(i)).copied().unwrap_or([last[0] - TAU, last[1]]);
         let after = sorted.get(next).copied().unwrap_or([first[0] + TAU, first[1]]);
-        let share = (angle - before[0]) / (after[0] - before[0]).max(f64::MIN_POSITIVE);
-        before[1] + share * (after[1] - before[1])
+        let gap = after[0] - before[0];
+        let share = (angle - before[0]) / gap.max(f64::MIN_POSITIVE);
+        (gap.to_degrees() <= WIDEST_GAP_DEG).then(|| before[1] + share * (after[1] - before[1]))
     });
     Some(profile.collect())
 }

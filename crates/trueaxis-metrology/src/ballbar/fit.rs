@@ -1,7 +1,8 @@
 //! The fit of all causes.
 
 use super::figures::figures;
-use super::{Cause, Evaluation, LEAST, Reading, Refused, Term, WIDEST_GAP_DEG};
+use super::shape::{HATS, Shaped, fits, hats};
+use super::{Cause, Evaluation, LEAST, LEAST_ARC_DEG, Reading, Refused, Term, WIDEST_GAP_DEG};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use std::f64::consts::{E, FRAC_PI_2, PI, TAU};
 use std::vec;
@@ -22,10 +23,26 @@ const SEEN: f64 = 5.0;
 const SIGNIFICANT: f64 = 4.0;
 /// A width of this likelihood against the best one is none.
 const UNLIKELY: f64 = 1e-4;
+/// Share of the likelihood below which the spikes are not of the fit's own shape.
+const ANOTHER_SHAPE: f64 = 0.05;
+/// An axis stands within this angle of its reversal, rad: what angles of a record are rounded to.
+const AT_TURN: f64 = 1e-3;
+/// Way, in lost motions, after which the other side of the play is certain.
+const TAKEN_UP: f64 = 1.3;
+/// Widest angle after a reversal that is left out because of play, rad.
+const WIDEST_PLAY: f64 = 0.15;
+/// Rounds in which the readings that play leaves out settle.
+const PLAY_ROUNDS: usize = 3;
+/// Of a term's standard error what the other terms add to it, as a factor: beyond, the record does not tell it.
+const NOT_TOLD: f64 = 50.0;
 /// Pitches that are tried for an axis, from some readings to the radius.
 const PITCHES_TRIED: usize = 600;
 /// A periodic error is one when it takes this share of what all others leave; chance takes some 0.5 % of a hundred readings.
 const PERIODIC_SHARE: f64 = 0.15;
+/// Periods over a radius by which a pitch is at most moved when all causes are fitted with it.
+const POLISHED: f64 = 0.05;
+/// A periodic error explains nothing more where without it this much is left.
+const NOTHING_MORE: f64 = 1.05;
 /// Rounds in which the centre settles: each squares what is left of its offset over the radius.
 const ROUNDS: usize = 3;
 
@@ -33,22 +50,35 @@ const ROUNDS: usize = 3;
 ///
 /// `pitches_mm`: pitch of the periodic error of X, of Y, where it is known; else it is searched.
 ///
-/// Cost: some milliseconds for a thousand readings; the exact ring of G in n log n.
+/// Cost: some ten milliseconds for a thousand readings, a tenth of a second where spikes are of another shape; the exact ring of
+/// G in n log n.
 ///
 /// # Errors
 /// [`Refused`].
 pub fn evaluate(radius_mm: f64, readings: &[Reading], pitches_mm: [Option<f64>; 2]) -> Result<Evaluation, Refused> {
-    check(radius_mm, readings)?;
+    let whole = check(radius_mm, readings)?;
     let both = [true, false].map(|ccw| readings.iter().any(|reading| reading.counterclockwise == ccw)) == [true; 2];
     let mut centre = [0.0; 2];
-    let mut fit = Fit { radius: radius_mm, both, width: Some(WIDTHS[0]), unresolved: false, pitches: [None; 2] };
+    let mut fit =
+        Fit { radius: radius_mm, both, width: Some(NOT_SEEN), unresolved: false, pitches: [None; 2], play: [0.0; 2] };
     let mut centred = readings.to_vec();
     for _ in 0..ROUNDS {
-        let solved = fit.solve(&centred);
+        let solved = fit.solve(&fit.told(&centred)?);
         centre = [centre[0] + solved.of(Cause::Centre(0)), centre[1] + solved.of(Cause::Centre(1))];
         centred = readings.iter().map(|reading| about(radius_mm, centre, reading)).collect();
+        fit.play = solved.play();
     }
-    let solved = fit.search(&centred, pitches_mm);
+    let mut told = fit.told(&centred)?;
+    let mut solved = fit.search(&told, pitches_mm);
+    for _ in 1..PLAY_ROUNDS {
+        fit.play = solved.play();
+        let anew = fit.told(&centred)?;
+        if anew == told {
+            break;
+        }
+        told = anew;
+        solved = fit.search(&told, pitches_mm);
+    }
     let mut terms = solved.terms();
     for term in &mut terms {
         if let Cause::Centre(axis) = term.cause {
@@ -58,13 +88,17 @@ pub fn evaluate(radius_mm: f64, readings: &[Reading], pitches_mm: [Option<f64>; 
     Ok(Evaluation {
         spike_width_rad: fit.width.unwrap_or(NOT_SEEN),
         spikes_unresolved: fit.unresolved && terms.iter().any(is_spike),
+        spikes_of_another_shape: solved.shape.as_ref().is_some_and(|shape| shape.own < ANOTHER_SHAPE)
+            && terms.iter().any(is_spike),
         pitches_mm: fit.pitches,
         sigma_mm: solved.sigma,
         degrees_of_freedom: solved.degrees_of_freedom,
         condition: solved.condition,
         both_directions: both,
-        figures: figures(radius_mm, &centred),
-        centred: centred.iter().zip(&solved.left).map(|(reading, left)| [reading.deviation_mm, *left]).collect(),
+        whole_circles: whole,
+        left_out: readings.len() - told.len(),
+        figures: figures(radius_mm, readings, whole),
+        centred: centred.iter().map(|reading| [reading.deviation_mm, fit.left(&solved, reading)]).collect(),
         terms,
     })
 }
@@ -73,7 +107,8 @@ fn is_spike(term: &Term) -> bool {
     matches!(term.cause, Cause::Reversal(_)) && term.value.abs() > SIGNIFICANT * term.standard_error
 }
 
-fn check(radius: f64, readings: &[Reading]) -> Result<(), Refused> {
+/// Whether the circles are whole; else they are arcs.
+fn check(radius: f64, readings: &[Reading]) -> Result<bool, Refused> {
     if readings.len() < LEAST {
         return Err(Refused::TooFew { found: readings.len() });
     }
@@ -81,6 +116,7 @@ fn check(radius: f64, readings: &[Reading]) -> Result<(), Refused> {
     if let Some(index) = readings.iter().position(|reading| !sound(reading)) {
         return Err(Refused::NotAReading { index });
     }
+    let mut whole = true;
     for counterclockwise in [true, false] {
         let own = readings.iter().filter(|reading| reading.counterclockwise == counterclockwise);
         let mut angles: Vec<f64> = own.map(|reading| reading.angle_rad.rem_euclid(TAU)).collect();
@@ -88,17 +124,22 @@ fn check(radius: f64, readings: &[Reading]) -> Result<(), Refused> {
         let Some(first) = angles.first().copied() else { continue };
         let next = angles.iter().skip(1).copied().chain([first + TAU]);
         let gaps = angles.iter().zip(next).map(|(from, to)| (to - from, *from));
-        let (width, from) = gaps.fold((0.0, 0.0), |widest, gap| if gap.0 > widest.0 { gap } else { widest });
-        if width.to_degrees() > WIDEST_GAP_DEG {
+        let wide = |(width, _): &(f64, f64)| width.to_degrees() > WIDEST_GAP_DEG;
+        let mut wide: Vec<(f64, f64)> = gaps.filter(wide).collect();
+        wide.sort_by(|one, other| other.0.total_cmp(&one.0));
+        // One gap leaves an arc; a second one, or too short an arc, is refused.
+        whole &= wide.is_empty();
+        let refused = wide.get(1).or(wide.first().filter(|gap| 360.0 - gap.0.to_degrees() < LEAST_ARC_DEG));
+        if let Some((width, from)) = refused {
             let (from_deg, width_deg) = (from.to_degrees(), width.to_degrees());
             return Err(Refused::Gap { counterclockwise, from_deg, width_deg });
         }
     }
-    Ok(())
+    Ok(whole)
 }
 
 /// The reading of a bar in the circle's centre: of |c + (R + Δ) (cos θ, sin θ)| the part along the command's radius.
-fn about(radius: f64, [x, y]: [f64; 2], reading: &Reading) -> Reading {
+pub(super) fn about(radius: f64, [x, y]: [f64; 2], reading: &Reading) -> Reading {
     let (sin, cos) = reading.angle_rad.sin_cos();
     let (along, across) = (x * cos + y * sin, y * cos - x * sin);
     let r = radius + reading.deviation_mm;
@@ -114,6 +155,17 @@ struct Fit {
     /// The width that fits best is the narrowest that the readings let be tried.
     unresolved: bool,
     pitches: [Option<f64>; 2],
+    /// Lost motion of either axis, as far as it is known, mm.
+    play: [f64; 2],
+}
+
+/// What the spikes' own shape adds.
+struct Shape {
+    best: Shaped,
+    /// Height of either axis' spikes and its variance; mean square of the deviation that they make.
+    spikes: [[f64; 3]; 2],
+    /// Likelihood of the fit's own shape against that of all.
+    own: f64,
 }
 
 struct Solved {
@@ -127,9 +179,48 @@ struct Solved {
     sigma: f64,
     degrees_of_freedom: usize,
     condition: f64,
+    /// Factor by which the other columns widen a standard error.
+    inflation: Vec<f64>,
+    /// Widths of the spikes that were tried; none where no spikes are seen.
+    tried: Vec<f64>,
+    shape: Option<Shape>,
 }
 
 impl Fit {
+    /// Angles since the reversals of both axes, 0 to π.
+    fn since(&self, reading: &Reading) -> [f64; 2] {
+        let d = if reading.counterclockwise { 1.0 } else { -1.0 };
+        [0.0, FRAC_PI_2].map(|at| (d * (reading.angle_rad - at)).rem_euclid(PI))
+    }
+
+    /// Readings at which every axis has come away from its reversal by more than its play. Nearer to it rounding of the angle,
+    /// and what the play does on its way, would decide on which side of it the axis stands.
+    fn told(&self, readings: &[Reading]) -> Result<Vec<Reading>, Refused> {
+        let is_told = |reading: &&Reading| {
+            self.since(reading).into_iter().zip(self.play).all(|(since, play)| {
+                // The way from the reversal: R (1 − cos u).
+                let taken_up = (2.0 * TAKEN_UP * play / self.radius).sqrt().min(WIDEST_PLAY);
+                since > taken_up + AT_TURN && since < PI - AT_TURN
+            })
+        };
+        let told: Vec<Reading> = readings.iter().filter(is_told).copied().collect();
+        if told.len() < LEAST / 2 { Err(Refused::TooFew { found: told.len() }) } else { Ok(told) }
+    }
+
+    /// What the causes leave of a reading.
+    fn left(&self, solved: &Solved, reading: &Reading) -> f64 {
+        let values = solved.shape.as_ref().map_or(&solved.values, |shape| &shape.best.values);
+        let (mut left, mut column) = (reading.deviation_mm, 0);
+        self.row(reading, |_, part| {
+            left -= part * values[column];
+            column += 1;
+        });
+        if let Some(shape) = &solved.shape {
+            hats(self.since(reading), |place, part| left -= part * shape.best.hats[place]);
+        }
+        left
+    }
+
     /// Finds the spikes' width and the pitches, and solves with them.
     fn search(&mut self, readings: &[Reading], pitches: [Option<f64>; 2]) -> Solved {
         self.pitches = pitches;
@@ -139,10 +230,39 @@ impl Fit {
                 && let Some(pitch) = self.pitch(readings, &solved.left, axis)
             {
                 self.pitches[axis] = Some(pitch);
+                self.polish(readings, axis, pitch);
                 solved = self.search_width(readings);
             }
         }
-        solved
+        let Some(shaped) = self.shaped(readings, &solved) else { return solved };
+        if self.pitches == pitches {
+            return shaped;
+        }
+        // What spikes of another shape leave may look periodic. Beside that shape it then explains nothing more.
+        let found = (self.width, self.unresolved, self.pitches);
+        self.pitches = pitches;
+        let solved = self.search_width(readings);
+        if let Some(without) = self.shaped(readings, &solved)
+            && without.sigma < NOTHING_MORE * shaped.sigma
+        {
+            return without;
+        }
+        (self.width, self.unresolved, self.pitches) = found;
+        shaped
+    }
+
+    /// Moves a pitch to where all causes together leave least: what the others took of it bends the first finding.
+    fn polish(&mut self, readings: &[Reading], axis: usize, pitch: f64) {
+        let (mut low, mut high) = (1.0 / pitch - POLISHED / self.radius, 1.0 / pitch + POLISHED / self.radius);
+        for _ in 0..30 {
+            let inner = [high - 0.618_034 * (high - low), low + 0.618_034 * (high - low)];
+            let [a, b] = inner.map(|per_mm| {
+                self.pitches[axis] = Some(1.0 / per_mm);
+                self.left_with(readings, self.width)
+            });
+            if a < b { high = inner[1] } else { low = inner[0] }
+        }
+        self.pitches[axis] = Some(2.0 / (low + high));
     }
 
     /// Finds the spikes' width and solves with it; where no width shows spikes, with [`NOT_SEEN`].
@@ -187,7 +307,76 @@ impl Fit {
         let likely = |left: f64| likelihood(left / best.max(f64::MIN_POSITIVE), solved.degrees_of_freedom) > UNLIKELY;
         let widths = tried.into_iter().zip(lefts).filter(|(_, left)| likely(*left)).map(|(width, _)| width);
         solved.variances = self.variances(readings, &solved, widths.collect());
+        solved.tried = tried.to_vec();
         solved
+    }
+
+    /// The solution where the spikes may be of another shape; none where there are none to be seen, or they need not.
+    fn shaped(&mut self, readings: &[Reading], solved: &Solved) -> Option<Solved> {
+        if solved.tried.is_empty() {
+            return None;
+        }
+        let mut free = DMatrix::zeros(readings.len(), HATS);
+        for (row, reading) in readings.iter().enumerate() {
+            hats(self.since(reading), |place, value| free[(row, place)] = value);
+        }
+        // Columns of spikes differ from width to width; all others are counted from the solution.
+        let mut from = solved.values.clone();
+        let spikes = [0, 1].map(|axis| solved.columns.iter().position(|own| *own == Cause::Reversal(axis)));
+        let [Some(x), Some(y)] = spikes else { return None };
+        (from[x], from[y]) = (0.0, 0.0);
+        let found = self.width;
+        let free_normal = free.transpose() * &free;
+        let fits_of = |fit: &Fit| {
+            let (_, matrix, right) = fit.design(readings);
+            fits(&matrix, [&free, &free_normal], &(right - &matrix * &from))
+        };
+        let first = fits_of(self);
+        let most = |fits: &[Shaped]| fits.iter().map(|fit| fit.likelihood).fold(f64::NEG_INFINITY, f64::max);
+        if most(&first) <= first.first()?.likelihood {
+            return None;
+        }
+        let mut all: Vec<(f64, Shaped)> = first.into_iter().map(|fit| (found.unwrap_or(NOT_SEEN), fit)).collect();
+        for &width in solved.tried.iter().step_by(2) {
+            self.width = Some(width);
+            all.extend(fits_of(self).into_iter().map(|fit| (width, fit)));
+        }
+        let highest = all.iter().map(|(_, fit)| fit.likelihood).fold(f64::NEG_INFINITY, f64::max);
+        let weight = |fit: &Shaped| (fit.likelihood - highest).exp();
+        let sum: f64 = all.iter().map(|(_, fit)| weight(fit)).sum();
+        let own = all.iter().filter(|(_, fit)| !fit.is_free).map(|(_, fit)| weight(fit)).sum::<f64>() / sum;
+        let mean =
+            all.iter().fold(DVector::zeros(from.len()), |mean, (_, fit)| mean + &fit.values * (weight(fit) / sum));
+        let variances = (0..from.len()).map(|column| {
+            let one = |fit: &Shaped| weight(fit) * (fit.variance(column) + (fit.values[column] - mean[column]).powi(2));
+            all.iter().map(|(_, fit)| one(fit)).sum::<f64>() / sum
+        });
+        let variances: Vec<f64> = variances.collect();
+        let (width, mut best) = all.into_iter().max_by(|(_, a), (_, b)| a.likelihood.total_cmp(&b.likelihood))?;
+        self.width = Some(width);
+        let spike = |since: f64| since / width * E * (-since / width).exp();
+        let mut spikes = [x, y].map(|column| (column, [0.0; 3]));
+        for (axis, (column, height)) in spikes.iter_mut().enumerate() {
+            let [value, variance] = best.height(axis, *column, spike);
+            let made = readings.iter().map(|reading| {
+                let since = self.since(reading);
+                let mut made = best.values[*column] * spike(since[axis]);
+                // Of the other axis nothing: its angle is none that a column knows.
+                let mut alone = [0.5 * PI; 2];
+                alone[axis] = since[axis];
+                hats(alone, |place, part| {
+                    made += if place / (HATS / 2) == axis { part * best.hats[place] } else { 0.0 }
+                });
+                made * made
+            });
+            *height = [value, variance, made.sum::<f64>() / readings.len() as f64];
+        }
+        best.values += &from;
+        let anew = self.solve(readings);
+        let mut shaped = Solved { values: mean + from, variances, sigma: best.sigma, ..anew };
+        shaped.shape = Some(Shape { best, spikes: spikes.map(|(_, height)| height), own });
+        shaped.left = readings.iter().map(|reading| self.left(&shaped, reading)).collect();
+        Some(shaped)
     }
 
     /// Sum of squares that is left with a width of the spikes.
@@ -276,8 +465,14 @@ impl Fit {
         put(Cause::Centre(1), sin);
         put(Cause::ScaleMismatch, 0.5 * self.radius * cos_2);
         put(Cause::Squareness, -0.5 * self.radius * sin_2);
-        put(Cause::Backlash(0), 0.5 * d * sin.signum() * cos);
-        put(Cause::Backlash(1), -0.5 * d * cos.signum() * sin);
+        for (axis, at, along) in [(0_u8, 0.0, cos), (1, FRAC_PI_2, sin)] {
+            let turned = (d * (reading.angle_rad - at)).rem_euclid(TAU);
+            let way = if turned < PI { -1.0 } else { 1.0 };
+            // From the side before the reversal to the other one, as the axis takes its play up.
+            let taken_up = 2.0 * self.radius * (1.0 - turned.rem_euclid(PI).cos()) / self.play[usize::from(axis)];
+            let side = if taken_up < 2.0 { way * (taken_up - 1.0) } else { way };
+            put(Cause::Backlash(axis), -0.5 * side * along);
+        }
         put(Cause::Straightness(0), cos * cos * sin);
         put(Cause::Straightness(1), sin * sin * cos);
         for (axis, at) in [(0, 0.0), (1, FRAC_PI_2)] {
@@ -297,7 +492,8 @@ impl Fit {
         }
     }
 
-    fn solve(&self, readings: &[Reading]) -> Solved {
+    /// Causes, what one unit of each makes of every reading, and the readings.
+    fn design(&self, readings: &[Reading]) -> (Vec<Cause>, DMatrix<f64>, DVector<f64>) {
         let mut columns = Vec::new();
         if let Some(first) = readings.first() {
             self.row(first, |cause, _| columns.push(cause));
@@ -309,6 +505,12 @@ impl Fit {
         }
         let matrix = DMatrix::from_row_slice(readings.len(), count, &matrix);
         let right = DVector::from_iterator(readings.len(), readings.iter().map(|reading| reading.deviation_mm));
+        (columns, matrix, right)
+    }
+
+    fn solve(&self, readings: &[Reading]) -> Solved {
+        let (columns, matrix, right) = self.design(readings);
+        let count = columns.len();
         let scale: Vec<f64> = matrix.column_iter().map(|column| column.norm().max(f64::MIN_POSITIVE)).collect();
         let mut scaled = matrix.clone();
         for (mut column, scale) in scaled.column_iter_mut().zip(&scale) {
@@ -317,11 +519,12 @@ impl Fit {
         let normal = scaled.transpose() * &scaled;
         let eigenvalues = normal.symmetric_eigenvalues();
         let condition = (eigenvalues.max() / eigenvalues.min().max(f64::MIN_POSITIVE)).sqrt();
-        // Positive definite to rounding: the columns differ wherever circles are closed.
+        // Positive definite to rounding: the columns differ wherever circles are closed, or arcs long enough.
         let inverse = match Cholesky::<f64, Dyn>::new(normal) {
             Some(factor) => factor.inverse(),
             None => DMatrix::zeros(count, count),
         };
+        let inflation = inverse.diagonal().iter().map(|own| own.max(0.0).sqrt()).collect();
         let inverse = DMatrix::from_fn(count, count, |i, j| inverse[(i, j)] / (scale[i] * scale[j]));
         let values = &inverse * (matrix.transpose() * &right);
         let left = &right - &matrix * &values;
@@ -337,6 +540,9 @@ impl Fit {
             left: left.iter().copied().collect(),
             degrees_of_freedom,
             condition,
+            inflation,
+            tried: Vec::new(),
+            shape: None,
         }
     }
 }
@@ -346,11 +552,27 @@ impl Solved {
         self.columns.iter().position(|own| *own == cause).map_or(0.0, |column| self.values[column])
     }
 
+    /// Lost motion of both axes, with room for what is not known of it.
+    fn play(&self) -> [f64; 2] {
+        [0, 1].map(|axis| {
+            let column = self.columns.iter().position(|own| *own == Cause::Backlash(axis));
+            column.map_or(0.0, |column| self.values[column].abs() + self.variances[column].max(0.0).sqrt())
+        })
+    }
+
     fn terms(&self) -> Vec<Term> {
         let mut terms: Vec<Term> = vec![];
         for (column, &cause) in self.columns.iter().enumerate() {
-            let (value, variance) = (self.values[column], self.variances[column]);
-            let rms_mm = value.abs() * self.rms[column];
+            if self.inflation[column] > NOT_TOLD && !matches!(cause, Cause::Radius | Cause::Centre(_)) {
+                continue;
+            }
+            let (mut value, mut variance) = (self.values[column], self.variances[column]);
+            let mut rms_mm = value.abs() * self.rms[column];
+            if let (Cause::Reversal(axis), Some(shape)) = (cause, &self.shape) {
+                let mean_square;
+                [value, variance, mean_square] = shape.spikes[usize::from(axis != 0)];
+                rms_mm = mean_square.sqrt();
+            }
             match (cause, terms.last_mut()) {
                 // Sine after cosine of one periodic error: its amplitude.
                 (Cause::Cyclic(_), Some(before)) if before.cause == cause => {

@@ -15,12 +15,17 @@
 //! cyclic            Δr = cos θ (a cos(2πx/p) + b sin(2πx/p))     x = R cos θ; Y likewise
 //! ```
 //!
-//! One linear least-squares fit for all; w and the pitches p are searched, w where spikes are seen. Servo mismatch and lateral play need both
-//! directions: with one they cannot be told from squareness and scale mismatch, and are left out.
+//! One linear least-squares fit for all; w and the pitches p are searched, w where spikes are seen. Spikes of another shape are
+//! fitted as a random function beside it, which widens the standard errors of what they are like. Servo mismatch and lateral play
+//! need both directions: with one they cannot be told from squareness and scale mismatch, and are left out.
+//!
+//! Where an axis turns it stands, and its play is taken up only after the way b; readings from the reversal to there are left out of
+//! the fit. Arcs of 200° and more in place of circles tell the same causes, less well.
 
 mod figures;
 mod fit;
 mod positions;
+mod shape;
 
 pub use figures::Figures;
 pub use fit::evaluate;
@@ -90,6 +95,8 @@ pub struct Evaluation {
     pub spike_width_rad: f64,
     /// Whether there are spikes too narrow for readings so far apart: they are higher than is found.
     pub spikes_unresolved: bool,
+    /// Whether the spikes are of another shape than h (u/w) exp(1 − u/w): the standard errors allow for it.
+    pub spikes_of_another_shape: bool,
     /// Pitch of the periodic error of either axis, mm.
     pub pitches_mm: [Option<f64>; 2],
     /// Standard deviation of a reading, from what the causes leave, mm.
@@ -100,6 +107,10 @@ pub struct Evaluation {
     pub condition: f64,
     /// Whether both directions were recorded.
     pub both_directions: bool,
+    /// Whether the circles are whole; else they are arcs.
+    pub whole_circles: bool,
+    /// Readings that are left out of the fit: where an axis turns, before its play is taken up.
+    pub left_out: usize,
     /// After ISO 230-4.
     pub figures: Figures,
     /// Readings about the centre that was found, and what the causes leave of them, mm, in the order given.
@@ -127,7 +138,7 @@ pub enum Refused {
         /// Index of the reading.
         index: usize,
     },
-    /// The circle is not closed.
+    /// The circle is not closed, and no arc of [`LEAST_ARC_DEG`] either.
     Gap {
         /// Counterclockwise or clockwise.
         counterclockwise: bool,
@@ -147,8 +158,10 @@ pub enum Refused {
 
 /// Readings that a fit needs at least.
 pub const LEAST: usize = 72;
-/// Widest gap between neighbouring angles of one direction, degrees.
+/// Widest gap between neighbouring angles of one direction, degrees, but for the one that an arc leaves.
 pub const WIDEST_GAP_DEG: f64 = 10.0;
+/// Shortest arc that is evaluated, degrees.
+pub const LEAST_ARC_DEG: f64 = 200.0;
 
 impl fmt::Display for Refused {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -168,8 +181,8 @@ impl fmt::Display for Refused {
                 let way = if *counterclockwise { "counterclockwise" } else { "clockwise" };
                 write!(
                     f,
-                    "found no {way} reading over {width_deg:.1}° from {from_deg:.1}° on, needed whole circles without a gap \
-                     above {WIDEST_GAP_DEG}°"
+                    "found no {way} reading over {width_deg:.1}° from {from_deg:.1}° on, needed whole circles or arcs of \
+                     {LEAST_ARC_DEG}° and more without a gap above {WIDEST_GAP_DEG}°"
                 )
             }
         }
