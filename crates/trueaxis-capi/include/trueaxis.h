@@ -259,14 +259,17 @@
 /// It has no reading, or one that is no number.
 #define TRUEAXIS_SENSOR_MISSING 1
 
-/// It reads what no machine has.
+/// It reads what no machine has, or jumps to exactly 85 or 0 degrees Celsius, which stand for no reading.
 #define TRUEAXIS_SENSOR_OUT_OF_RANGE 2
 
-/// It has changed more than plausible, and has not come back since.
+/// It has changed more than plausible, and has neither come back since nor stayed for an hour.
 #define TRUEAXIS_SENSOR_JUMPED 3
 
 /// It repeats one reading to the bit although the others move.
 #define TRUEAXIS_SENSOR_STUCK 4
+
+/// It has not yet given three plausible readings that agree, over two seconds at least.
+#define TRUEAXIS_SENSOR_STARTING 5
 
 /// No fault.
 #define TRUEAXIS_FAULT_NONE 0
@@ -750,7 +753,7 @@ typedef struct trueaxis_growth_t {
     uint32_t at_edge;
     /// Axes (bit 0: X) whose growth is beyond what the step takes; the line before stands.
     uint32_t beyond;
-    /// Every sensor has been read once; until then there is no growth.
+    /// Every sensor has started; until then there is no growth.
     uint8_t complete;
     /// The spindle's speed is not known; its share stands still.
     uint8_t spindle_missing;

@@ -21,12 +21,14 @@ const _: () = assert!(THERMAL_SENSORS_MAX == SENSORS);
 pub const SENSOR_GOOD: u8 = 0;
 /// It has no reading, or one that is no number.
 pub const SENSOR_MISSING: u8 = 1;
-/// It reads what no machine has.
+/// It reads what no machine has, or jumps to exactly 85 or 0 degrees Celsius, which stand for no reading.
 pub const SENSOR_OUT_OF_RANGE: u8 = 2;
-/// It has changed more than plausible, and has not come back since.
+/// It has changed more than plausible, and has neither come back since nor stayed for an hour.
 pub const SENSOR_JUMPED: u8 = 3;
 /// It repeats one reading to the bit although the others move.
 pub const SENSOR_STUCK: u8 = 4;
+/// It has not yet given three plausible readings that agree, over two seconds at least.
+pub const SENSOR_STARTING: u8 = 5;
 
 /// Thermal growth, read in place from the bytes of its file (`trueaxis thermal compile`): immutable, may be copied.
 #[repr(C)]
@@ -93,7 +95,7 @@ pub struct Growth {
     pub at_edge: u32,
     /// Axes (bit 0: X) whose growth is beyond what the step takes; the line before stands.
     pub beyond: u32,
-    /// Every sensor has been read once; until then there is no growth.
+    /// Every sensor has started; until then there is no growth.
     pub complete: u8,
     /// The spindle's speed is not known; its share stands still.
     pub spindle_missing: u8,

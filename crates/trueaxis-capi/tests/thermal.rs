@@ -73,12 +73,21 @@ fn updated(thermal: &Thermal, task: &mut ThermalTask, readings: &ThermalReadings
     growth
 }
 
+/// The growth with which a sensor starts that reads this.
+fn begun(thermal: &Thermal, task: &mut ThermalTask, temperature_c: f64) -> Growth {
+    for status in [SENSOR_STARTING; 2] {
+        let growth = updated(thermal, task, &readings(1.0, temperature_c));
+        assert_eq!((growth.sensors[0], growth.complete, growth.good, growth.offset), (status, 0, 0, [0.0; 6]));
+    }
+    updated(thermal, task, &readings(1.0, temperature_c))
+}
+
 #[test]
 fn growth_follows_the_sensor_and_stands_still_without_it() {
     let file = file(7);
     let thermal = read_in(&file, 7).unwrap();
     let mut task = task();
-    let warm = updated(&thermal, &mut task, &readings(1.0, 25.0));
+    let warm = begun(&thermal, &mut task, 25.0);
     assert_eq!((warm.axes, warm.good, warm.complete, warm.sensors[0]), (0b101, 1, 1, SENSOR_GOOD));
     assert!((warm.offset[0] - 0.005).abs() < 1e-12 && (warm.slope[0] - 1e-5).abs() < 1e-15);
     assert!((warm.offset[2] + 0.0025).abs() < 1e-12 && warm.offset[1] == 0.0);
@@ -157,7 +166,7 @@ fn growth_is_led_in_by_the_step_through_its_limiter() {
     let (cold, _) = cycles(&mut state, many);
     let file = file(7);
     let thermal = read_in(&file, 0).unwrap();
-    let growth = updated(&thermal, &mut task(), &readings(1.0, 30.0));
+    let growth = begun(&thermal, &mut task(), 30.0);
     // SAFETY: everything is as the types say.
     unsafe {
         assert_eq!(trueaxis_set_growth(&*servo.servo, &mut *state, &growth), OK);

@@ -3,8 +3,10 @@
 use std::f64::consts::TAU;
 use std::fmt::Write;
 use std::path::Path;
+use trueaxis_evaluation::circle::Evaluation;
 use trueaxis_evaluation::probing::{self, Feature, Record};
-use trueaxis_evaluation::rows::Rows;
+use trueaxis_evaluation::rows::{Column, Rows};
+use trueaxis_evaluation::thermal::{self, Recording};
 use trueaxis_evaluation::thermal_test::{self, Document, Test};
 
 fn thermal(text: &str) -> anyhow::Result<Test> {
@@ -106,6 +108,71 @@ fn a_probe_that_dies_half_way_is_refused_with_its_line() {
     refused(&good.replacen(",20\n", ",4000\n", 1), "drift.csv:2: column spindle_c: found 4000");
 }
 
+#[test]
+fn a_drift_that_no_probe_reads_and_a_position_left_out_are_refused() {
+    let refused = |text: &str, told: &str| {
+        let error = format!("{:#}", thermal(text).unwrap_err());
+        assert!(error.contains(told), "{error} without {told}");
+    };
+    let good = warm_up();
+    let last = good.lines().last().unwrap();
+    let wrong = good.replace(last, "14500,15,16030,39,32");
+    refused(
+        &wrong,
+        "drift.csv:242: column z_um: found 16030, needed at most 2000 um either way, the travel of a probe",
+    );
+    // One probe alone, which dies.
+    let mut alone = String::from("t_s,z_um\n");
+    (0..60).for_each(|k| writeln!(alone, "{},{}", 60 * k, (0.1 * f64::from(k)).min(4.0)).unwrap());
+    refused(&alone, "drift.csv:42: column z_um: found 4 for 20 readings in a row");
+    // A dial of 1 µm at the end of its warming does not stand still.
+    let mut dial = String::from("t_s,z_um\n");
+    (0..60).for_each(|k| writeln!(dial, "{},{}", 60 * k, (0.2 * f64::from(k)).min(8.0).round()).unwrap());
+    assert!(thermal(&dial).is_ok());
+    let mut turns = String::from("t_s,position,z_um\n");
+    (0..60).for_each(|k| writeln!(turns, "{},{},{}", 30 * k, 1 + k % 2, 0.1 * f64::from(k)).unwrap());
+    assert!(thermal(&turns).is_ok());
+    let without: Vec<&str> = turns.lines().enumerate().filter(|(k, _)| *k != 30).map(|(_, line)| line).collect();
+    refused(
+        &without.join("\n"),
+        "drift.csv:31: column position: found 1, needed 2, which follows 1 everywhere else: a row is missing",
+    );
+}
+
+/// Rows of a CSV.
+fn rows<'t, const C: usize>(text: &'t str, columns: &[Column; C]) -> anyhow::Result<Rows<'t, C>> {
+    Rows::new(text.as_bytes(), Path::new("r.csv"), columns, |_| {})
+}
+
+#[test]
+fn every_stream_notices_a_channel_that_dies() {
+    let refused = |found: anyhow::Result<()>, told: &str| {
+        let error = format!("{:#}", found.unwrap_err());
+        assert!(error.contains(told), "{error} without {told}");
+    };
+    // A circle whose second coordinate stays behind.
+    let mut circle = String::from("x_mm,y_mm\n");
+    for k in 0..90 {
+        let angle = TAU * f64::from(k.min(60)) / 90.0;
+        writeln!(circle, "{},{}", 10.0 * (TAU * f64::from(k) / 90.0).cos(), 10.0 * angle.sin()).unwrap();
+    }
+    let found = rows(&circle, &trueaxis_evaluation::circle::COLUMNS).and_then(|mut rows| Evaluation::read(&mut rows));
+    refused(found.map(drop), "r.csv:62: column y_mm: found -8.66");
+    // The drift of a warm-up.
+    let warm_up = |drift: fn(u32) -> f64| {
+        let mut text = String::from("t_s,cycle,ez_um,T1_c\n");
+        (0..120).for_each(|k| writeln!(text, "{},{},{},{}", 60 * k, k / 40, drift(k), 20 + k / 10).unwrap());
+        rows(&text, &thermal::COLUMNS).and_then(|rows| Recording::read(rows, &[])).map(drop)
+    };
+    assert!(warm_up(|k| (0.1 * f64::from(k)).sin()).is_ok());
+    refused(warm_up(|k| (0.1 * f64::from(k.min(70))).sin()), "r.csv:72: column ez_um: found ");
+    refused(warm_up(|k| 3000.0 * (0.1 * f64::from(k)).sin()), "needed at most 2000 um either way");
+    refused(
+        warm_up(|k| 0.02 * (0.1 * f64::from(k)).sin()),
+        "r.csv:1: column ez_um: found a drift of 4.00e-2 um over the whole record",
+    );
+}
+
 /// A ring of 50 mm: tip of 6 mm, three lobes of 2 µm, centre 100, 200; with the tip 8, −5 µm off the spindle's axis.
 fn ring(spindle: &[f64]) -> String {
     let mut text = String::from("x_mm,y_mm,run,spindle_deg\n");
@@ -199,6 +266,13 @@ fn bad_probing_records_are_refused() {
         Feature::Ring,
         None,
         "ring.csv:3: column spindle_deg: found 0, needed 10 as in the run's first line",
+    );
+    refused(&good.replace(lines[20], "100,200,1,0"), Feature::Ring, None, "ring.csv:21: column x_mm: found a point 2");
+    refused(
+        &good.replace(&format!("{}\n", lines[20]), ""),
+        Feature::Ring,
+        None,
+        "ring.csv: run 1: found 35 points, needed 36 as in run 2",
     );
     refused("x_mm,y_mm\n1,2\n2,3\n", Feature::Ring, None, "run 0: found 2 points, needed 4");
     refused("x_mm,y_mm,z_mm\n0,0,0\n1,0,0\n0,1,0\n1,1,0\n2,1,0\n", Feature::Sphere, None, "found points in one plane");

@@ -66,12 +66,20 @@ pub struct Warming<'a> {
     readings: &'a [[u8; 4]],
 }
 
-/// The task between its rows.
-#[derive(Clone, Debug, Default)]
+/// The task between its rows; its sensors have started before the first.
+#[derive(Clone, Debug)]
 pub struct Task {
     state: ThermalState,
     /// The row before.
     last: Option<u32>,
+}
+
+impl Default for Task {
+    fn default() -> Self {
+        let mut state = ThermalState::new();
+        (0..SENSORS).for_each(|sensor| state.believe(sensor));
+        Task { state, last: None }
+    }
 }
 
 fn number<const B: usize>(bytes: &[u8]) -> Result<([u8; B], &[u8]), Refused> {

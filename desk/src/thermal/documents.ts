@@ -16,6 +16,7 @@ export interface Fit {
   spindle_lag_s: number | null;
   axes: { axis: string; curves: Curve[]; rms_um: number; condition: number }[];
   left_out: { name: string; range: number; reason: string }[];
+  unconfirmed: { rpm: number; cycle: number }[];
   predicted_um: [number, number];
   cycles: { axis: string; cycle: number; held_out: boolean; drift_um: number; left_um: number; drift_rms_um: number; left_rms_um: number }[];
   held_out_um: [number, number];

@@ -59,6 +59,9 @@ export class Results {
       table("Curves", ["", "knots / °C or rpm", "offset or growth / µm", "slope / µm/m, tilt / µrad"], curves),
     ];
     if (d.left_out.length > 0) tables.push(table("Left out", ["sensor", "why"], d.left_out.map(({ name, reason }): Cell[] => [name, reason])));
+    const why = (cycle: number): string => `run in cycle ${cycle} only, so that no other cycle predicts it`;
+    const unconfirmed = d.unconfirmed.map(({ rpm, cycle }): Cell[] => [`${rpm} rpm`, why(cycle)]);
+    if (unconfirmed.length > 0) tables.push(table("Unconfirmed", ["speed", "why"], unconfirmed));
     return tables;
   }
 }

@@ -38,6 +38,9 @@ fn run(bytes: &[u8]) {
 /// Readings from the file's own bytes: whatever they are, every line is one that the step takes.
 fn task(thermal: &Thermal<'_>, bytes: &[u8], axes: &[(Axis, f64)]) {
     let mut state = ThermalState::new();
+    // Some sensors have to start, others are believed from their first reading on.
+    let believed = bytes.iter().rev().enumerate().filter(|(_, byte)| *byte & 1 == 0).map(|(sensor, _)| sensor);
+    believed.for_each(|sensor| state.believe(sensor));
     let mut words = bytes.chunks_exact(4).map(|word| u32::from_le_bytes([word[0], word[1], word[2], word[3]])).cycle();
     let mut any = || match words.next().unwrap_or(0) {
         word if word % 17 == 0 => f64::from_bits(u64::from(word) << 32 | u64::from(word)),

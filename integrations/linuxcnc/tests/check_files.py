@@ -318,7 +318,7 @@ slope_um_per_m = [0.0, 20.0]
 THERMAL_HAL = WARM_HAL.split("loadusr")[0].replace("mill.tcomp", "mill.tcomp thermal=mill.ttherm").replace("start\n", """\
 setp ta.thermal.sensor-1 20
 start
-loadusr -w sleep 1.5
+loadusr -w sleep 3.5
 getp ta.x.correction
 setp ta.thermal.sensor-1 22
 loadusr -w sleep 1.8
@@ -335,7 +335,7 @@ getp ta.thermal.sensor-1-status
 
 
 def thermal(folder):
-    """Growth from a sensor on a pin; one that jumps or is missing keeps its share, and is told."""
+    """Growth from a sensor on a pin, once it has started; one that jumps or is missing keeps its share, and is told."""
     edited_tables(folder, os.path.join(SAMPLES, "mill-3axis"), "mill", geometry_alone, None)
     with open(os.path.join(folder, "thermal.toml"), "w") as f:
         f.write(THERMAL_TOML)

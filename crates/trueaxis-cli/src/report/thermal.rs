@@ -34,10 +34,15 @@ pub(crate) fn page(source: &str, found: &Found, document: &Document) -> String {
     });
     let curves = Table::new(["", "knots, °C or rpm", "offset or growth, µm", "slope, µm/m, or tilt, µrad"], curves);
     let left_out = document.left_out.iter().map(|out| Row::new(out.name.clone(), [out.reason.to_owned()]));
+    let unconfirmed = document.unconfirmed.iter().map(|own| {
+        let why = format!("run in cycle {} only, so that no other cycle predicts it", own.cycle);
+        Row::new(format!("{} rpm", own.rpm), [why])
+    });
+    let unconfirmed = Table::new(["speed", "why"], unconfirmed);
     let [drift, left] = document.held_out_um;
     let rows = format!("{} rows", document.rows);
     let axes = &found.recording.record.axes;
-    Page::new("Thermal growth")
+    let page = Page::new("Thermal growth")
         .top(summary([html! { (source) }, html! { (rows) }, html! { "zero at " (document.reference_c) " °C" }]))
         .top(html! {
             p.result {
@@ -52,6 +57,8 @@ pub(crate) fn page(source: &str, found: &Found, document: &Document) -> String {
         )
         .section("What is left", html! { @for axis in axes { (residuals(found, *axis)) } })
         .section("Curves", html! { (Table::new(["cause", "lag, s"], lags)) (curves) })
-        .section("Left out", html! { (Table::new(["sensor", "why"], left_out)) })
-        .document()
+        .section("Left out", html! { (Table::new(["sensor", "why"], left_out)) });
+    let page =
+        if document.unconfirmed.is_empty() { page } else { page.section("Unconfirmed", html! { (unconfirmed) }) };
+    page.document()
 }

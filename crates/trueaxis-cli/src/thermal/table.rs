@@ -54,6 +54,13 @@ pub(super) fn table(d: &Document) -> Result<String> {
     for out in &d.left_out {
         writeln!(text, "left out: {}, {}", out.name, out.reason)?;
     }
+    for own in &d.unconfirmed {
+        writeln!(
+            text,
+            "unconfirmed: {} rpm, run in cycle {} only, so that no other cycle predicts it",
+            own.rpm, own.cycle
+        )?;
+    }
     let [drift, left] = d.held_out_um;
     writeln!(
         text,

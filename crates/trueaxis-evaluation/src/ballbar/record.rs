@@ -2,6 +2,7 @@
 
 use super::telemetry::{is_telemetry, positions};
 use super::{Options, Test};
+use crate::record::{self, Channel};
 use crate::rows::{Column, Rows};
 use anyhow::{Result, anyhow};
 use std::path::Path;
@@ -83,6 +84,7 @@ fn of_bar(rows: &mut Rows<'_, 10>, options: &Options) -> Result<Test> {
                 "1, + or ccw for counterclockwise, -1, - or cw for clockwise",
             ));
         }
+        record::displacement(rows, row.line, "deviation_um", [deviation_um, 0.0])?;
         lines.push(row.line);
         readings.push(Reading {
             angle_rad: angle_deg.to_radians(),
@@ -90,6 +92,8 @@ fn of_bar(rows: &mut Rows<'_, 10>, options: &Options) -> Result<Test> {
             counterclockwise: direction > 0.0,
         });
     }
+    let values: Vec<f64> = readings.iter().map(|reading| reading.deviation_mm).collect();
+    record::alive(rows, &lines, &[Channel { name: "deviation_um", values: &values, scale: 1e3 }])?;
     Test::of(readings, false, options).map_err(|refused| match refused {
         Refused::NotAReading { index } => {
             let line = lines.get(index).copied().unwrap_or(1);
@@ -117,6 +121,17 @@ fn positions_of(positions: &[Position], lines: &[u32], file: &Path, options: &Op
         }
         refused => anyhow!("{}: {refused}", file.display()),
     };
+    for (c, axis) in options.axes.into_iter().enumerate() {
+        let [command, actual] = [|own: &Position| own.command, |own: &Position| own.actual]
+            .map(|of| positions.iter().map(|own| of(own)[c]).collect::<Vec<f64>>());
+        if let Some(stuck) = record::left_behind(&command, &actual) {
+            let (letter, line) = (axis.letter().to_ascii_lowercase(), lines.get(stuck.from));
+            let found = format!("{} for {} readings in a row while the command moves", stuck.value, stuck.count);
+            let needed = "a sensor that does not stand still".into();
+            let column = Some(format!("{letter}_mm"));
+            return Err(FileError { file: file.into(), line: line.copied(), column, found, needed }.into());
+        }
+    }
     let readings = readings(options.radius_mm, positions).map_err(of)?;
     Test::of(readings, true, options).map_err(|refused| match refused {
         Refused::NotAReading { .. } => {

@@ -4,6 +4,7 @@ mod polar;
 
 pub use polar::{Shown, polar};
 
+use crate::record::{self, Channel};
 use crate::rows::{Column, Rows};
 use anyhow::{Result, anyhow};
 use serde::Serialize;
@@ -95,9 +96,13 @@ impl Evaluation {
     /// Reads all rows of [`COLUMNS`] and finds the circles.
     ///
     /// # Errors
-    /// A row that cannot be read, or points that have no circumscribed circle: fewer than three, or on one line.
+    /// A row that cannot be read, a coordinate that stands still half-way, or points that have no circumscribed circle: fewer
+    /// than three, or on one line.
     pub fn read(rows: &mut Rows<'_, 2>) -> Result<Evaluation> {
-        let (lines, points) = rows.all()?.iter().map(|row| (row.line, row.values)).unzip();
+        let (lines, points): (Vec<u32>, Vec<[f64; 2]>) = rows.all()?.iter().map(|row| (row.line, row.values)).unzip();
+        let values = [0, 1].map(|c| points.iter().map(|point| point[c]).collect::<Vec<f64>>());
+        let channels = [0, 1].map(|c| Channel { name: COLUMNS[c].name, values: &values[c], scale: 1.0 });
+        record::alive(rows, &lines, &channels)?;
         Evaluation::of(points, lines, &rows.file)
     }
 

@@ -8,8 +8,8 @@ mod shown;
 pub use document::{DiagonalFigures, Document, Point, Shape, Steps, Value};
 
 use crate::range::OutOfRange;
+use crate::record;
 use crate::rows::{Column, Rows};
-use crate::stuck;
 use anyhow::{Result, anyhow};
 use trueaxis_metrology::accuracy::Direction;
 use trueaxis_metrology::diagonal::{Reading, Refused, Test};
@@ -25,6 +25,11 @@ pub const COLUMNS: [Column; 7] = [
     Column { name: "deviation_um", needed: true },
 ];
 
+/// Largest deviation, µm: 0.5 % of a diagonal of two metres.
+const MOST_UM: f64 = 1e4;
+/// Positions that are nearer to each other, as a share of the box, are one.
+const SAME: f64 = 1e-4;
+
 /// Whether the mirror's alignment is one.
 ///
 /// # Errors
@@ -36,8 +41,8 @@ pub fn check(alignment_urad: Option<f64>) -> Result<(), OutOfRange> {
 /// Reads all rows of [`COLUMNS`].
 ///
 /// # Errors
-/// A row that cannot be read, a diagonal that is not 1 to 4 or is missing, a target a second time, a laser that stands still,
-/// lines that are not the four diagonals of a box.
+/// A row that cannot be read, a diagonal that is not 1 to 4 or is missing, a target a second time or left out that the other
+/// diagonals or runs have, a laser that stands still or reads what none does, lines that are not the four diagonals of a box.
 pub fn read(rows: &mut Rows<'_, 7>) -> Result<Test> {
     let (mut lines, mut readings) = (Vec::new(), Vec::new());
     while let Some(row) = rows.next()? {
@@ -51,6 +56,11 @@ pub fn read(rows: &mut Rows<'_, 7>) -> Result<Test> {
         if !(0.0..=1e6).contains(&run) || run.fract() != 0.0 {
             return Err(rows.error(row.line, "run", run, "a number from 1"));
         }
+        if deviation_um.abs() > MOST_UM {
+            let needed =
+                format!("at most {MOST_UM} um either way: the column has another unit, or the laser lost its beam");
+            return Err(rows.error(row.line, "deviation_um", deviation_um, needed));
+        }
         lines.push(row.line);
         readings.push(Reading {
             diagonal: diagonal as usize - 1,
@@ -61,9 +71,10 @@ pub fn read(rows: &mut Rows<'_, 7>) -> Result<Test> {
         });
     }
     let deviations: Vec<f64> = readings.iter().map(|reading| reading.deviation_mm).collect();
-    if let Some(stuck) = stuck::longest(&deviations) {
+    if let Some(stuck) = record::longest(&deviations) {
         return Err(stuck.error(rows, &lines, "deviation_um", 1e3));
     }
+    whole(rows, &lines, &readings)?;
     Test::new(readings).map_err(|refused| match refused {
         Refused::Twice { index, first } => {
             let [line, before] = [index, first].map(|index| lines.get(index).copied().unwrap_or(1));
@@ -72,4 +83,70 @@ pub fn read(rows: &mut Rows<'_, 7>) -> Result<Test> {
         }
         refused => anyhow!("{}: {refused}", rows.file.display()),
     })
+}
+
+/// Refuses a diagonal or run with fewer readings than the others, with the position that it lacks: where the first one of a
+/// diagonal is missing, another box would come out.
+fn whole(rows: &Rows<'_, 7>, lines: &[u32], readings: &[Reading]) -> Result<()> {
+    let ends = |c: usize| {
+        let all = readings.iter().map(|reading| reading.position_mm[c]);
+        all.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], q| [low.min(q), high.max(q)])
+    };
+    let ends = [0, 1, 2].map(ends);
+    let share = |c: usize, q: f64| (q - ends[c][0]) / (ends[c][1] - ends[c][0]).max(f64::MIN_POSITIVE);
+    let of = |diagonal: usize| readings.iter().filter(move |reading| reading.diagonal == diagonal);
+    // Which way each axis moves along a diagonal, from where it begins: every diagonal has the same way then.
+    let backward = [0, 1, 2, 3].map(|diagonal| {
+        let away = of(diagonal).find(|reading| reading.direction == Direction::Up).or(of(diagonal).last());
+        [0, 1, 2].map(|c| away.is_some_and(|first| share(c, first.position_mm[c]) > 0.5))
+    });
+    let turned =
+        |diagonal: usize, way: [f64; 3]| [0, 1, 2].map(|c| if backward[diagonal][c] { 1.0 - way[c] } else { way[c] });
+    for (direction, word) in [(Direction::Up, "away"), (Direction::Down, "back")] {
+        let (mut names, mut parts) = (Vec::new(), Vec::<Vec<([f64; 3], usize)>>::new());
+        for (index, reading) in readings.iter().enumerate().filter(|(_, reading)| reading.direction == direction) {
+            let name = (reading.diagonal, reading.run);
+            let part = names.iter().position(|known| *known == name).unwrap_or_else(|| {
+                names.push(name);
+                parts.push(Vec::new());
+                names.len() - 1
+            });
+            let way = [0, 1, 2].map(|c| share(c, reading.position_mm[c]));
+            parts[part].push((turned(reading.diagonal, way), index));
+        }
+        let same = |one: &([f64; 3], usize), other: &([f64; 3], usize)| {
+            one.0.iter().zip(other.0).all(|(one, other)| (one - other).abs() < SAME)
+        };
+        if let Some(missing) = record::missing(&parts, same) {
+            let (diagonal, run) = names[missing.part];
+            let [like, row] = missing.like;
+            let (way, index) = parts[like][row];
+            let way = turned(diagonal, way);
+            let [x, y, z] = [0, 1, 2].map(|c| (1e6 * (ends[c][0] + way[c] * (ends[c][1] - ends[c][0]))).round() / 1e6);
+            let [found, needed] = missing.rows;
+            return Err(anyhow!(
+                "{}: diagonal {}, run {run}, {word}: found {found} readings and none at X {x}, Y {y}, Z {z} mm, needed {needed} as \
+                 those of diagonal {}, run {} (line {})",
+                rows.file.display(),
+                diagonal + 1,
+                names[like].0 + 1,
+                names[like].1,
+                lines[index]
+            ));
+        }
+        let runs: Vec<Vec<usize>> =
+            [0, 1, 2, 3].map(|diagonal| (0..names.iter().filter(|name| name.0 == diagonal).count()).collect()).to_vec();
+        let absent =
+            readings.iter().map(|reading| reading.diagonal).collect::<std::collections::HashSet<_>>().len() < 4;
+        if let Some(missing) = record::missing(&runs, |one, other| one == other).filter(|_| !absent) {
+            let [found, needed] = missing.rows;
+            return Err(anyhow!(
+                "{}: diagonal {}: found {found} runs {word}, needed {needed} as of diagonal {}",
+                rows.file.display(),
+                missing.part + 1,
+                missing.like[0] + 1
+            ));
+        }
+    }
+    Ok(())
 }

@@ -1,5 +1,6 @@
 //! A record of circles, read from CSV.
 
+use crate::record;
 use crate::rows::{Column, Rows};
 use anyhow::{Result, anyhow};
 use std::path::PathBuf;
@@ -28,7 +29,8 @@ impl Recording {
     /// Reads the rows of a file opened with [`columns`].
     ///
     /// # Errors
-    /// A row that cannot be read; too few of them, or times that are not even, with the line.
+    /// A row that cannot be read; too few of them, times that are not even, or an axis that stands still while it is
+    /// commanded to move, with the line.
     ///
     /// Cost: memory of 40 bytes a row.
     pub fn read(mut rows: Rows<'_, 7>, axes: [Axis; 2]) -> Result<Recording> {
@@ -42,6 +44,11 @@ impl Recording {
                 let place = 1 + 2 * own.axis.index();
                 own.command.extend(row.values.get(place));
                 own.reading.extend(row.values.get(place + 1));
+            }
+        }
+        for own in &recorded {
+            if let Some(stuck) = record::left_behind(&own.command, &own.reading) {
+                return Err(stuck.error(&rows, &lines, NAMES[2 + 2 * own.axis.index()], 1.0));
             }
         }
         let record = Record::new(&times, recorded).map_err(|refused| match refused {

@@ -1,5 +1,6 @@
 //! MEASURED.csv as a ball test: every set-up at every angle.
 
+use crate::record::{self, Channel};
 use crate::rows::{Column, Row, Rows};
 use anyhow::{Result, anyhow};
 use std::path::Path;
@@ -47,7 +48,7 @@ impl Readings {
     ///
     /// # Errors
     /// A row that cannot be read, angles that do not increase or go beyond a full turn, fewer than three set-ups, a set-up
-    /// without a row at an angle of the others.
+    /// without a row at an angle of the others, a deviation beyond a probe's travel, a probe that stands still half-way.
     pub fn read(rows: &mut Rows<'_, 6>) -> Result<Readings> {
         let file = rows.file.clone();
         let set_ups = by_set_up(rows)?;
@@ -95,8 +96,14 @@ fn same(one: f64, other: f64) -> bool {
 
 fn by_set_up(rows: &mut Rows<'_, 6>) -> Result<Vec<SetUp>> {
     let mut set_ups: Vec<SetUp> = Vec::new();
+    let (mut lines, mut values_um) = (Vec::new(), [const { Vec::new() }; 3]);
     while let Some(Row { line, values }) = rows.next()? {
         let [angle_deg, vertical_mm, horizontal_mm, dx, dy, dz] = values;
+        lines.push(line);
+        for ((values, value), column) in values_um.iter_mut().zip([dx, dy, dz]).zip(&COLUMNS[3..]) {
+            record::displacement(rows, line, column.name, [value, 0.0])?;
+            values.push(value);
+        }
         let ball = Ball { vertical_mm, horizontal_mm };
         let reading = Reading { line, angle_deg, deviation_mm: [dx, dy, dz].map(|value| 1e-3 * value) };
         let Some(set_up) = set_ups.iter_mut().find(|set_up| set_up.ball == ball) else {
@@ -114,6 +121,8 @@ fn by_set_up(rows: &mut Rows<'_, 6>) -> Result<Vec<SetUp>> {
         }
         set_up.readings.push(reading);
     }
+    let channels = [0, 1, 2].map(|c| Channel { name: COLUMNS[3 + c].name, values: &values_um[c], scale: 1.0 });
+    record::alive(rows, &lines, &channels)?;
     Ok(set_ups)
 }
 

@@ -1,5 +1,6 @@
 //! RECORD.csv: the contour error of one part over path length.
 
+use crate::record::{self, Channel};
 use crate::rows::{Column, Row, Rows};
 use anyhow::{Context, Result, anyhow};
 use std::io::{BufRead, BufReader, Read};
@@ -41,7 +42,7 @@ impl Record {
     /// left to the resampling.
     ///
     /// # Errors
-    /// A comment that is missing, there twice or out of range; a row that cannot be read.
+    /// A comment that is missing, there twice or out of range; a row that cannot be read; a component that stands still half-way.
     pub fn read<'r>(comments: impl Read, file: &Path, open: impl FnOnce() -> Result<Rows<'r, 5>>) -> Result<Record> {
         let said = self::comments(comments, file)?;
         let [program_id, machine_id] = [&said[0], &said[1]];
@@ -60,6 +61,10 @@ impl Record {
             rows.push(MeasuredError { length_mm, error_mm });
             lines.push(line);
         }
+        let measured = || rows.iter().zip(&lines).filter_map(|(row, line)| Some((row.error_mm?, *line)));
+        let values = [0, 1, 2].map(|c| measured().map(|(error, _)| error[c]).collect::<Vec<f64>>());
+        let channels = [0, 1, 2].map(|c| Channel { name: COLUMNS[1 + c].name, values: &values[c], scale: 1e3 });
+        record::alive(&sheet, &measured().map(|(_, line)| line).collect::<Vec<u32>>(), &channels)?;
         let identity = Identity { machine_id, program_id, length_mm };
         Ok(Record { file: file.into(), identity, rows, lines })
     }

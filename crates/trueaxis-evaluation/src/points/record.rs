@@ -1,9 +1,9 @@
 //! POINTS.csv.
 
+use crate::record;
 use crate::rows::{Column, Rows};
-use crate::stuck;
-use anyhow::Result;
-use std::collections::HashMap;
+use anyhow::{Result, anyhow};
+use std::collections::{HashMap, HashSet};
 
 /// Columns of the points.
 pub const COLUMNS: [Column; 10] = [
@@ -23,6 +23,36 @@ pub const COLUMNS: [Column; 10] = [
 const MOST_DEVIATION_MM: f64 = 2.0;
 /// Standard uncertainty where none is stated, mm: only its ratio to the others' counts.
 const UNIT_SIGMA_MM: f64 = 1e-3;
+
+/// Share of a lattice from which on points that are left out are its plan.
+const LEFT_OUT: f64 = 0.01;
+
+/// Refuses a lattice of which some points are missing, one in a hundred at most.
+fn lattice(rows: &Rows<'_, 10>, points: &[Point], tools: usize) -> Result<()> {
+    for tool in 0..tools {
+        let own = || points.iter().filter(|point| point.tool == tool).map(|point| point.command_mm);
+        let levels = [0, 1, 2].map(|c| {
+            let mut levels: Vec<f64> = own().map(|command| command[c]).collect();
+            levels.sort_by(f64::total_cmp);
+            levels.dedup();
+            levels
+        });
+        let (found, [nx, ny, nz]) = (own().count(), [0, 1, 2].map(|c| levels[c].len()));
+        let plan = nx.saturating_mul(ny).saturating_mul(nz);
+        if [nx, ny, nz].contains(&1) || found >= plan || (plan - found) as f64 > LEFT_OUT * plan as f64 {
+            continue;
+        }
+        let there: HashSet<[u64; 3]> = own().map(|command| command.map(|mm| (mm + 0.0).to_bits())).collect();
+        let all = (0..plan).map(|k| [levels[0][k % nx], levels[1][k / nx % ny], levels[2][k / nx / ny]]);
+        if let Some([x, y, z]) = all.into_iter().find(|at| !there.contains(&at.map(|mm| (mm + 0.0).to_bits()))) {
+            return Err(anyhow!(
+                "{}: found {found} points and none at X {x}, Y {y}, Z {z} mm, needed the {plan} of {nx} by {ny} by {nz} levels",
+                rows.file.display()
+            ));
+        }
+    }
+    Ok(())
+}
 
 /// A measured point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,7 +85,7 @@ impl Points {
     ///
     /// # Errors
     /// A row that cannot be read, a point a second time, an uncertainty that is none, a deviation of millimetres, coordinates that
-    /// stand still.
+    /// stand still, a lattice with a point left out.
     pub fn read(rows: &mut Rows<'_, 10>) -> Result<Points> {
         let with_tool = rows.present[7..].iter().any(|present| *present);
         let stated = rows.present[6];
@@ -92,16 +122,17 @@ impl Points {
         for (c, name) in ["actual_x_mm", "actual_y_mm", "actual_z_mm"].into_iter().enumerate() {
             // A coordinate that follows its axis differs from point to point; an instrument that died repeats itself while the axis moves.
             let actual: Vec<f64> = points.iter().map(|point| point.command_mm[c] + point.deviation_mm[c]).collect();
-            let moved = |stuck: &stuck::Stuck| {
+            let moved = |stuck: &record::Stuck| {
                 let over = points[stuck.from..stuck.from + stuck.count].iter().map(|point| point.command_mm[c]);
                 let [low, high] = over.fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], q| [l.min(q), h.max(q)]);
                 high > low
             };
-            if let Some(stuck) = stuck::longest(&actual).filter(moved) {
+            if let Some(stuck) = record::longest(&actual).filter(moved) {
                 let lines: Vec<u32> = points.iter().map(|point| point.line).collect();
                 return Err(stuck.error(rows, &lines, name, 1.0));
             }
         }
+        lattice(rows, &points, tools_mm.len())?;
         Ok(Points { points, tools_mm, stated })
     }
 }

@@ -1,8 +1,8 @@
 //! RECORD.csv of a probing test.
 
 use crate::range::OutOfRange;
+use crate::record;
 use crate::rows::{Column, Rows};
-use crate::stuck;
 use anyhow::{Result, anyhow};
 use serde::Deserialize;
 use std::collections::HashMap;
@@ -22,6 +22,9 @@ pub const COLUMNS: [Column; 5] = [
 const LEAST_ON_RING: usize = 4;
 /// Largest part of the nominal diameter by which a measured one may differ.
 const MOST_OFF: f64 = 0.25;
+
+/// Largest distance of a point from its circle, sphere or middle, mm: what is farther off was not probed on the feature.
+const MOST_FORM_MM: f64 = 0.5;
 
 /// What was probed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
@@ -70,8 +73,8 @@ impl Record {
     /// Reads all rows of [`COLUMNS`]; `diameter_mm` of the ring or sphere.
     ///
     /// # Errors
-    /// A row that cannot be read, too few points, points that make no circle or sphere or one of another size, a point a second time, a
-    /// spindle that turns within a run.
+    /// A row that cannot be read, too few points, points that make no circle or sphere or one of another size, a point a second time
+    /// or half a millimetre off the others, a run with fewer points than the others, a spindle that turns within a run.
     pub fn read(rows: &mut Rows<'_, 5>, feature: Feature, diameter_mm: Option<f64>) -> Result<Record> {
         if feature != Feature::Ring && !rows.present[2] {
             return Err(rows.error(1, "z_mm", "no such column", "z_mm for a sphere or a point"));
@@ -110,13 +113,35 @@ impl Record {
         }
         if feature == Feature::Point {
             let sums: Vec<f64> = readings.iter().map(|[x, y, z]| x + y + z).collect();
-            if let Some(stuck) = stuck::longest(&sums) {
+            if let Some(stuck) = record::longest(&sums) {
                 return Err(stuck.error(rows, &lines, "x_mm", 1.0));
             }
         }
         let file = rows.file.display().to_string();
+        let counts: Vec<Vec<usize>> = runs.iter().map(|run| (0..run.points.len()).collect()).collect();
+        if let Some(missing) = record::missing(&counts, |one, other| one == other) {
+            let ([run, like], [found, needed]) = ([missing.part, missing.like[0]].map(|k| runs[k].run), missing.rows);
+            return Err(anyhow!("{file}: run {run}: found {found} points, needed {needed} as in run {like}"));
+        }
         for run in &mut runs {
             solve(run, feature, diameter_mm).map_err(|why| anyhow!("{file}: run {}: {why}", run.run))?;
+            let radius = 0.5 * run.diameter.unwrap_or(0.0);
+            let off = |point: &[f64; 3]| {
+                let flat = feature == Feature::Ring;
+                let [x, y, z] = [0, 1, 2].map(|c| if flat && c == 2 { 0.0 } else { point[c] - run.centre[c] });
+                (x.hypot(y).hypot(z) - radius).abs()
+            };
+            let worst = run.points.iter().max_by(|one, other| off(one).total_cmp(&off(other)));
+            if let Some(worst) = worst.filter(|worst| off(worst) > MOST_FORM_MM) {
+                let line = readings.iter().position(|own| own == worst).map_or(1, |k| lines[k]);
+                let found = format!("a point {:.3} mm off what the others of run {} make", off(worst), run.run);
+                return Err(rows.error(
+                    line,
+                    "x_mm",
+                    found,
+                    format!("at most {MOST_FORM_MM} mm, a point of the feature"),
+                ));
+            }
         }
         Ok(Record { feature, diameter_mm, runs, oriented })
     }

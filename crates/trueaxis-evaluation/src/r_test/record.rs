@@ -1,8 +1,8 @@
 //! RECORD.csv of an R-test.
 
+use crate::record;
 use crate::rows::{Column, Rows};
-use crate::stuck;
-use anyhow::Result;
+use anyhow::{Result, anyhow};
 use std::collections::HashMap;
 use trueaxis::machine::AXES;
 
@@ -19,9 +19,6 @@ pub const COLUMNS: [Column; 10] = [
     Column { name: "dz_um", needed: true },
     Column { name: "ball", needed: false },
 ];
-
-/// Travel of the nest's probes, mm: what is farther off is no reading.
-const PROBE_TRAVEL_MM: f64 = 2.0;
 
 /// One reading.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -66,10 +63,7 @@ impl Record {
             }
             let displacement_mm = [dx, dy, dz].map(|um| 1e-3 * um);
             for (mm, name) in displacement_mm.into_iter().zip(["dx_um", "dy_um", "dz_um"]) {
-                if mm.abs() > PROBE_TRAVEL_MM {
-                    let needed = format!("at most {} um, the travel of a nest's probes", 1e3 * PROBE_TRAVEL_MM);
-                    return Err(rows.error(row.line, name, 1e3 * mm, needed));
-                }
+                record::displacement(rows, row.line, name, [1e3 * mm, 0.0])?;
             }
             let ball = balls.iter().position(|known| *known == ball as i64).unwrap_or_else(|| {
                 balls.push(ball as i64);
@@ -80,9 +74,25 @@ impl Record {
         let lines: Vec<u32> = readings.iter().map(|reading: &Reading| reading.line).collect();
         for (c, name) in ["dx_um", "dy_um", "dz_um"].into_iter().enumerate() {
             let values: Vec<f64> = readings.iter().map(|reading| reading.displacement_mm[c]).collect();
-            if let Some(stuck) = stuck::longest(&values) {
+            if let Some(stuck) = record::longest(&values) {
                 return Err(stuck.error(rows, &lines, name, 1e3));
             }
+        }
+        let poses: Vec<Vec<[f64; 3]>> = (0..balls.len())
+            .map(|ball| {
+                let own = readings.iter().filter(|reading: &&Reading| reading.ball == ball);
+                own.map(|reading| [3, 4, 5].map(|axis| reading.place[axis])).collect()
+            })
+            .collect();
+        if let Some(missing) = record::missing(&poses, |one, other| one == other) {
+            let [like, row] = missing.like;
+            let ([a, b, c], [found, needed]) = (poses[like][row], missing.rows);
+            return Err(anyhow!(
+                "{}: ball {}: found {found} readings and none at A {a}, B {b}, C {c} degrees, needed {needed} as of ball {}",
+                rows.file.display(),
+                balls[missing.part],
+                balls[like]
+            ));
         }
         Ok(Record { readings, balls })
     }

@@ -14,6 +14,7 @@ pub use polar::polar;
 pub use trace::{InterpolationError, Resampling};
 
 use crate::probes::Probes;
+use crate::record::{self, Channel};
 use crate::rows::{Column, Row, Rows};
 use anyhow::{Result, anyhow, bail};
 use serde::{Deserialize, Serialize};
@@ -31,6 +32,11 @@ pub const COLUMNS: [Column; 4] = [
     Column { name: "h3_um", needed: true },
     Column { name: "theta_deg", needed: false },
 ];
+
+/// Readings of the probes as channels.
+fn channels(probes: &[Vec<f64>; 3]) -> [Channel<'_>; 3] {
+    [0, 1, 2].map(|probe| Channel { name: COLUMNS[probe].name, values: &probes[probe], scale: 1.0 })
+}
 
 /// What is asked of readings.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -123,25 +129,26 @@ impl Plan {
     /// Reads all rows of [`COLUMNS`]; those with angles are resampled.
     ///
     /// # Errors
-    /// A row that cannot be read, no whole revolutions, or angles that cannot be resampled.
+    /// A row that cannot be read, no whole revolutions, a probe that stands still half-way, or angles that cannot be
+    /// resampled.
     pub fn read(&self, rows: &mut Rows<'_, 4>) -> Result<Readings> {
         if rows.present[3] {
             let (probes, resampling) = trace::read(rows, self.points, self.band)?;
             return Ok(Readings { probes, resampling: Some(resampling) });
         }
         let mut probes = [const { Vec::new() }; 3];
-        let mut last = None;
+        let mut lines = Vec::new();
         while let Some(Row { line, values }) = rows.next()? {
             for (probe, value) in probes.iter_mut().zip(values) {
                 probe.push(value);
             }
-            last = Some(line);
+            lines.push(line);
         }
         let (points, count) = (self.points, rows.count);
         if !count.is_multiple_of(points) {
             return Err(FileError {
                 file: rows.file.clone(),
-                line: last,
+                line: lines.last().copied(),
                 column: None,
                 found: format!(
                     "{} ({} and {})",
@@ -153,6 +160,7 @@ impl Plan {
             }
             .into());
         }
+        record::alive(rows, &lines, &channels(&probes))?;
         Ok(Readings { probes, resampling: None })
     }
 

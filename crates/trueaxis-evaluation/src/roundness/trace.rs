@@ -1,5 +1,7 @@
 //! Readings with an angle of their own, brought to N equidistant angles a revolution.
 
+use super::channels;
+use crate::record;
 use crate::rows::{Row, Rows};
 use anyhow::{Result, anyhow};
 use serde::Serialize;
@@ -46,6 +48,9 @@ pub(super) trait Given {
     /// The next row.
     fn next(&mut self) -> Result<Option<Row<4>>>;
 
+    /// Refuses a probe that stands still half-way; `lines` of the rows.
+    fn alive(&self, lines: &[u32], probes: &[Vec<f64>; 3]) -> Result<()>;
+
     /// Refuses the angle of a row, or of all of them.
     fn refused(&self, line: Option<u32>, found: String, needed: String) -> anyhow::Error;
 }
@@ -53,6 +58,10 @@ pub(super) trait Given {
 impl Given for Rows<'_, 4> {
     fn next(&mut self) -> Result<Option<Row<4>>> {
         Rows::next(self)
+    }
+
+    fn alive(&self, lines: &[u32], probes: &[Vec<f64>; 3]) -> Result<()> {
+        record::alive(self, lines, &channels(probes))
     }
 
     fn refused(&self, line: Option<u32>, found: String, needed: String) -> anyhow::Error {
@@ -76,6 +85,15 @@ impl Given for InMemory<'_> {
         Ok(Some(Row { line: at as u32, values: [h1, h2, h3, *angle] }))
     }
 
+    fn alive(&self, _: &[u32], probes: &[Vec<f64>; 3]) -> Result<()> {
+        record::dead(&channels(probes)).map_or(Ok(()), |(channel, stuck)| {
+            let (name, record::Stuck { from, count, value }) = (channel.name, stuck);
+            Err(anyhow!(
+                "{name}[{from}]: found {value} for {count} readings in a row, needed a sensor that does not stand still"
+            ))
+        })
+    }
+
     fn refused(&self, line: Option<u32>, found: String, needed: String) -> anyhow::Error {
         let place = line.map(|line| format!("[{line}]")).unwrap_or_default();
         anyhow!("theta_deg{place}: found {found}, needed {needed}")
@@ -89,6 +107,7 @@ impl Given for InMemory<'_> {
 pub(super) fn read(rows: &mut impl Given, points: usize, band: Band) -> Result<([Vec<f64>; 3], Resampling)> {
     let widest = 180.0 / f64::from(band.last);
     let mut trace = Trace::default();
+    let mut lines = Vec::new();
     let mut turns = 0.0;
     let mut gap: f64 = 0.0;
     while let Some(Row { line, values: [h1, h2, h3, angle] }) = rows.next()? {
@@ -110,10 +129,12 @@ pub(super) fn read(rows: &mut impl Given, points: usize, band: Band) -> Result<(
             gap = gap.max(step);
         }
         trace.angles_deg.push(angle + turns);
+        lines.push(line);
         for (probe, value) in trace.probes.iter_mut().zip([h1, h2, h3]) {
             probe.push(value);
         }
     }
+    rows.alive(&lines, &trace.probes)?;
     let count = trace.angles_deg.len();
     let (first, last) = (trace.angles_deg[0], trace.angles_deg[count - 1]);
     let step = 360.0 / points as f64;

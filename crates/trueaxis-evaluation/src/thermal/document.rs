@@ -19,7 +19,10 @@ pub struct Document {
     pub axes: Vec<AxisDocument>,
     /// Sensors that are no part of the model.
     pub left_out: Vec<LeftOutDocument>,
-    /// Root mean square of the drift, µm, and of what is left when every fitted cycle is predicted from the others.
+    /// Speeds that one fitted cycle alone has.
+    pub unconfirmed: Vec<UnconfirmedDocument>,
+    /// Root mean square of the drift, µm, and of what is left when every fitted cycle is predicted from the others; what one
+    /// cycle alone tells of is fitted there.
     pub predicted_um: [f64; 2],
     /// Drift and what is left, in the cycles that took no part in the fit and in the others.
     pub cycles: Vec<CycleDocument>,
@@ -75,6 +78,15 @@ pub struct LeftOutDocument {
     pub range: f64,
     /// Why.
     pub reason: &'static str,
+}
+
+/// A speed that one fitted cycle alone has: no other predicts it.
+#[derive(Clone, Debug, Serialize)]
+pub struct UnconfirmedDocument {
+    /// The speed.
+    pub rpm: f64,
+    /// Number of the cycle.
+    pub cycle: u32,
 }
 
 /// Drift of an axis in a cycle.
@@ -155,6 +167,7 @@ impl Found {
             spindle_lag_s: model.spindle.as_ref().map(|spindle| spindle.lag_s),
             axes: axes.collect(),
             left_out: left_out.collect(),
+            unconfirmed: self.fit.unconfirmed.iter().map(|&(rpm, cycle)| UnconfirmedDocument { rpm, cycle }).collect(),
             predicted_um: self.fit.predicted_mm.map(|mm| 1e3 * mm),
             held_out_um: [most(|own| own.drift_um), most(|own| own.left_um)],
             cycles,

@@ -9,7 +9,9 @@ mod record;
 mod text;
 mod written;
 
-pub use document::{AxisDocument, CurveDocument, CycleDocument, Document, LeftOutDocument, SensorDocument};
+pub use document::{
+    AxisDocument, CurveDocument, CycleDocument, Document, LeftOutDocument, SensorDocument, UnconfirmedDocument,
+};
 pub use figures::{figure, residuals, worst};
 pub use record::{COLUMNS, Recording, with_temperatures};
 pub use text::model;

@@ -1,5 +1,6 @@
 //! A recorded warm-up, read from CSV.
 
+use crate::record::{self, Channel, FINEST_UM};
 use crate::rows::{Column, Rows};
 use anyhow::{Result, anyhow};
 use std::path::PathBuf;
@@ -66,8 +67,8 @@ impl Recording {
     /// Reads the rows of a file opened with [`COLUMNS`], but for the sensors named in `without` (`T3`).
     ///
     /// # Errors
-    /// A row that cannot be read, a cycle that is no number of one, a temperature that no machine has, a sensor to leave out
-    /// that there is not.
+    /// A row that cannot be read, a cycle that is no number of one, a temperature that no machine has, a drift that no probe
+    /// reads or that stands still half-way, a sensor to leave out that there is not.
     pub fn read(mut rows: Rows<'_, 26>, without: &[String]) -> Result<Recording> {
         let file = rows.file.clone();
         let name = |sensor: usize| COLUMNS[TEMPERATURE + sensor].name.trim_end_matches("_c");
@@ -91,6 +92,10 @@ impl Recording {
                     return Err(rows.error(row.line, column, value, "-60 to 200 degrees Celsius"));
                 }
             }
+            for axis in &axes {
+                let column = DRIFT + axis.index();
+                record::displacement(&rows, row.line, COLUMNS[column].name, [row.values[column], 0.0])?;
+            }
             lines.push(row.line);
             samples.push(Sample {
                 t_s,
@@ -102,6 +107,23 @@ impl Recording {
                 error_mm: axes.iter().map(|axis| 1e-3 * row.values[DRIFT + axis.index()]).collect(),
             });
         }
+        let drifts: Vec<Vec<f64>> =
+            (0..axes.len()).map(|axis| samples.iter().map(|sample: &Sample| sample.error_mm[axis]).collect()).collect();
+        let channels = axes.iter().zip(&drifts);
+        let channels =
+            channels.map(|(axis, values)| Channel { name: COLUMNS[DRIFT + axis.index()].name, values, scale: 1e3 });
+        let channels: Vec<Channel<'_>> = channels.collect();
+        for channel in &channels {
+            let ends =
+                channel.values.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], v| [l.min(*v), h.max(*v)]);
+            let range_um = 1e3 * (ends[1] - ends[0]);
+            if range_um > 0.0 && range_um < FINEST_UM {
+                let found = format!("a drift of {range_um:.2e} um over the whole record");
+                let needed = format!("{FINEST_UM} um at least, or a column of zeros: it may be in mm");
+                return Err(rows.error(1, channel.name, found, needed));
+            }
+        }
+        record::alive(&rows, &lines, &channels)?;
         let sensors = sensors.into_iter().map(|sensor| name(sensor).to_owned()).collect();
         Ok(Recording { file, record: Record { sensors, axes, samples }, lines })
     }
@@ -116,6 +138,10 @@ impl Recording {
             Refused::Mixed { .. } => "cycle".to_owned(),
             refused => refused.sensor().map_or_else(|| "t_s".to_owned(), |sensor| format!("{sensor}_c")),
         };
-        anyhow!("{}:{line}: column {column}: {text}", self.file.display())
+        let first = match refused {
+            Refused::Twice { first, .. } => self.lines.get(*first).map(|line| format!(" (first in line {line})")),
+            _ => None,
+        };
+        anyhow!("{}:{line}: column {column}: {text}{}", self.file.display(), first.unwrap_or_default())
     }
 }

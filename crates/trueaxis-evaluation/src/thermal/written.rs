@@ -44,6 +44,13 @@ pub fn written(found: &Found) -> String {
             short((10.0 * spindle.lag_s).round() / 10.0),
             list(&spindle.knots_rpm)
         );
+        for (rpm, cycle) in &found.fit.unconfirmed {
+            let _ = writeln!(
+                text,
+                "# {} rpm was run in cycle {cycle} only: no other cycle confirms its values.",
+                short(*rpm)
+            );
+        }
     }
     for (axis, of) in model.axes.iter().zip(&found.fit.axes) {
         let letter = axis.axis.letter();

@@ -10,8 +10,8 @@ mod shown;
 pub use document::{Channel, Document, Place, Temperature};
 
 use crate::range::OutOfRange;
-use crate::rows::{Column, Rows};
-use crate::stuck;
+use crate::record;
+use crate::rows::{Column, Row, Rows};
 use anyhow::Result;
 
 /// Displacements and temperatures of a record.
@@ -66,8 +66,8 @@ pub fn check(period_min: f64, distance_mm: Option<f64>) -> Result<(), OutOfRange
 /// Reads all rows of [`COLUMNS`].
 ///
 /// # Errors
-/// A row that cannot be read, a time that does not increase, no displacement at all, too few readings, a temperature that is none, a probe
-/// that stands still while another moves.
+/// A row that cannot be read, a time that does not increase, no displacement at all, too few readings, a temperature or displacement
+/// that is none, a probe that stands still half-way, a position left out where they follow one another.
 pub fn read(rows: &mut Rows<'_, 10>) -> Result<Test> {
     let present = rows.present;
     let recorded: Vec<usize> = DISPLACEMENTS.filter(|&c| present[c]).collect();
@@ -115,6 +115,7 @@ pub fn read(rows: &mut Rows<'_, 10>) -> Result<Test> {
         }
     }
     test.positions.sort_unstable();
+    in_turn(rows, &all, &test.positions)?;
     for &number in &test.positions {
         let own: Vec<_> = all.iter().filter(|row| row.values[1] as i64 == number).collect();
         if own.len() < LEAST {
@@ -128,26 +129,38 @@ pub fn read(rows: &mut Rows<'_, 10>) -> Result<Test> {
         }
         let lines: Vec<u32> = own.iter().map(|row| row.line).collect();
         let series = |c: usize| -> Vec<f64> { own.iter().map(|row| row.values[c]).collect() };
-        for &c in &recorded {
-            let values = series(c);
-            if let Some(stuck) = stuck::longest(&values)
-                && recorded
-                    .iter()
-                    .any(|&other| other != c && moves(&series(other)[stuck.from..stuck.from + stuck.count]))
-            {
-                return Err(stuck.error(rows, &lines, COLUMNS[c].name, 1.0));
+        let first = own.first().map_or([0.0; 10], |row| row.values);
+        for row in &own {
+            for &c in &recorded {
+                record::displacement(rows, row.line, COLUMNS[c].name, [row.values[c], first[c]])?;
             }
         }
+        let channels: Vec<(usize, Vec<f64>)> = recorded.iter().map(|&c| (c, series(c))).collect();
+        let channels: Vec<record::Channel<'_>> = (channels.iter())
+            .map(|(c, values)| record::Channel { name: COLUMNS[*c].name, values, scale: 1.0 })
+            .collect();
+        record::alive(rows, &lines, &channels)?;
         test.times_s.push(own.iter().map(|row| row.values[0] - start).collect());
         test.displacements_um.push([2, 3, 4, 5, 6].map(|c| if present[c] { series(c) } else { Vec::new() }));
     }
     Ok(test)
 }
 
-/// Whether another probe takes many values meanwhile: a machine at rest with a coarse probe does not.
-fn moves(values: &[f64]) -> bool {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    sorted.dedup();
-    2 * sorted.len() > values.len()
+/// Share of the rows that may break the order of the positions, from which on there is no order.
+const OUT_OF_TURN: f64 = 0.05;
+
+/// Refuses a row left out where the positions follow one another in a fixed order.
+fn in_turn(rows: &Rows<'_, 10>, all: &[Row<10>], positions: &[i64]) -> Result<()> {
+    let pairs = || all.windows(2).map(|pair| [pair[0].values[1] as i64, pair[1].values[1] as i64]);
+    let behind = |from: i64| positions.iter().max_by_key(|to| pairs().filter(|pair| *pair == [from, **to]).count());
+    let next: Vec<(i64, i64)> = positions.iter().filter_map(|&from| Some((from, *behind(from)?))).collect();
+    let follows = |[from, to]: [i64; 2]| next.contains(&(from, to));
+    let broken = pairs().filter(|pair| !follows(*pair)).count();
+    if next.iter().any(|(from, to)| from == to) || broken as f64 > OUT_OF_TURN * all.len() as f64 {
+        return Ok(());
+    }
+    let Some((k, [from, to])) = pairs().enumerate().find(|(_, pair)| !follows(*pair)) else { return Ok(()) };
+    let needed = next.iter().find(|(own, _)| *own == from).map_or(from, |(_, to)| *to);
+    let needed = format!("{needed}, which follows {from} everywhere else: a row is missing");
+    Err(rows.error(all[k + 1].line, "position", to, needed))
 }

@@ -23,12 +23,17 @@ pub(super) struct Chosen {
     pub(super) bends_c: Vec<f64>,
 }
 
+/// Share of the rows of a speed that are in one cycle, from which on the others tell nothing of it.
+const LONE: f64 = 0.95;
+
 /// A record with what all fits of it share.
 pub(super) struct Problem<'r> {
     pub(super) record: &'r Record,
     pub(super) settings: &'r Settings,
     /// Knots of the spindle's speed; none where it is constant.
     pub(super) speeds_rpm: Vec<f64>,
+    /// For every knot of the speed the one fitted cycle that has it, from 0; none where several have it, nor for rest.
+    pub(super) lone: Vec<Option<usize>>,
     /// Whether the axes were measured at more than one position; with more than one tool.
     slopes: [bool; 3],
     tilts: bool,
@@ -45,10 +50,12 @@ impl<'r> Problem<'r> {
     pub(super) fn new(record: &'r Record, settings: &'r Settings, rows: &[usize]) -> Self {
         let varies = |[low, high]: [f64; 2]| high > low;
         let samples = || record.samples.iter();
+        let speeds_rpm = speeds(record, rows);
         Problem {
             record,
             settings,
-            speeds_rpm: speeds(record, rows),
+            lone: lone(record, rows, &speeds_rpm),
+            speeds_rpm,
             slopes: [0, 1, 2].map(|axis| varies(span(samples().map(|sample| sample.position_mm[axis])))),
             tilts: varies(span(samples().map(|sample| sample.tool_mm))),
             groups: record.groups(),
@@ -98,17 +105,7 @@ impl<'r> Problem<'r> {
             }
             Cause::Spindle => (1..self.speeds_rpm.len())
                 .map(|knot| {
-                    let share = |row: usize| {
-                        let rpm = self.record.samples[row].spindle_rpm.abs();
-                        let (cell, share, _) = place(self.speeds_rpm.iter().copied(), rpm);
-                        if cell == knot {
-                            1.0 - share
-                        } else if cell + 1 == knot {
-                            share
-                        } else {
-                            0.0
-                        }
-                    };
+                    let share = |row: usize| share(&self.speeds_rpm, knot, self.record.samples[row].spindle_rpm);
                     self.lagged(chosen.lag_s, share, Some(0.0))
                 })
                 .collect(),
@@ -159,8 +156,39 @@ impl<'r> Problem<'r> {
     }
 }
 
-/// Knots of the speed: those that were run in `rows` where they are few, else even ones up to the fastest. What was run in
-/// other rows alone would be a knot of which nothing is known.
+/// Share of a knot at a speed.
+fn share(knots_rpm: &[f64], knot: usize, rpm: f64) -> f64 {
+    let (cell, share, _) = place(knots_rpm.iter().copied(), rpm.abs());
+    if cell == knot {
+        1.0 - share
+    } else if cell + 1 == knot {
+        share
+    } else {
+        0.0
+    }
+}
+
+/// The fitted cycle that alone has each knot.
+fn lone(record: &Record, rows: &[usize], knots_rpm: &[f64]) -> Vec<Option<usize>> {
+    let mut cycles: Vec<Vec<f64>> = Vec::new();
+    let mut before = None;
+    for sample in rows.iter().filter_map(|row| record.samples.get(*row)) {
+        if before.replace(sample.cycle) != Some(sample.cycle) {
+            cycles.push(vec![0.0; knots_rpm.len()]);
+        }
+        for (knot, sum) in cycles.last_mut().into_iter().flatten().enumerate() {
+            *sum += share(knots_rpm, knot, sample.spindle_rpm);
+        }
+    }
+    let of = |knot: usize| {
+        let whole = cycles.iter().map(|cycle| cycle[knot]).sum::<f64>();
+        (0..cycles.len()).find(|cycle| knot > 0 && cycles[*cycle][knot] > LONE * whole)
+    };
+    (0..knots_rpm.len()).map(of).collect()
+}
+
+/// Knots of the speed: those that were run in `rows` where they are few, else even ones up to the fastest, but for those that
+/// no row comes near. What was run in other rows alone would be a knot of which nothing is known.
 fn speeds(record: &Record, rows: &[usize]) -> Vec<f64> {
     let run = || rows.iter().filter_map(|row| record.samples.get(*row)).map(|sample| sample.spindle_rpm.abs());
     let mut found: Vec<f64> = Vec::new();
@@ -175,7 +203,46 @@ fn speeds(record: &Record, rows: &[usize]) -> Vec<f64> {
     }
     found.sort_by(f64::total_cmp);
     if found.len() >= KNOTS {
-        found = (1..=4).map(|k| (0.25 * f64::from(k) * high).round()).collect();
+        let even = |k: u32| (0.25 * f64::from(k) * high).round();
+        let near = |k: &u32| run().any(|rpm| even(k - 1) < rpm && rpm < even(k + 1));
+        found = (1..=4).filter(near).map(even).collect();
     }
     core::iter::once(0.0).chain(found).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{lone, speeds};
+    use crate::thermal::{Record, Sample};
+    use std::vec;
+    use std::vec::Vec;
+
+    /// Rows of these speeds, four a cycle.
+    fn record(speeds_rpm: &[f64]) -> Record {
+        let sample = |(row, rpm): (usize, &f64)| Sample {
+            t_s: row as f64,
+            temperatures_c: vec![],
+            spindle_rpm: *rpm,
+            cycle: (row / 4) as u32,
+            position_mm: [0.0; 3],
+            tool_mm: 0.0,
+            error_mm: vec![],
+        };
+        let samples = speeds_rpm.iter().enumerate().map(sample).collect();
+        Record { sensors: vec![], axes: vec![], samples }
+    }
+
+    #[test]
+    fn many_speeds_have_even_knots_where_any_of_them_is_near() {
+        let record = record(&[100.0, 200.0, 300.0, 400.0, 500.0, 600.0, 700.0, 12_000.0]);
+        // 6,000 rpm would be a knot of which no row tells anything; the growth there would be 0.
+        assert_eq!(speeds(&record, &[0, 1, 2, 3, 4, 5, 6, 7]), [0.0, 3000.0, 12_000.0]);
+    }
+
+    #[test]
+    fn a_knot_is_lone_where_one_cycle_has_it() {
+        let record = record(&[0.0, 3e3, 3e3, 0.0, 3e3, 6e3, 6e3, 0.0, 3e3, 9e3, 9e3, 9e3]);
+        let rows: Vec<usize> = (0..12).collect();
+        assert_eq!(lone(&record, &rows, &speeds(&record, &rows)), [None, None, Some(1), Some(2)]);
+    }
 }

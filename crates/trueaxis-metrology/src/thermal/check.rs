@@ -15,6 +15,8 @@ const STUCK_S: f64 = 1_800.0;
 const STUCK_TIMES: f64 = 4.0;
 const STUCK_ROWS: usize = 12;
 const STUCK_ELSEWHERE_K: f64 = 3.0;
+/// Or so many of its own steps while it moves at other times.
+const STUCK_STEPS: f64 = 20.0;
 
 /// Why a record is refused.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,6 +50,13 @@ pub enum Refused {
     Row {
         /// Index of the row.
         index: usize,
+    },
+    /// A row of the moment and measuring point of another.
+    Twice {
+        /// Index of the second.
+        index: usize,
+        /// Index of the first.
+        first: usize,
     },
     /// A pause that is neither short nor a rest.
     Gap {
@@ -113,6 +122,7 @@ impl Refused {
     pub fn row(&self) -> Option<usize> {
         match self {
             Self::Row { index }
+            | Self::Twice { index, .. }
             | Self::Gap { index, .. }
             | Self::Mixed { index, .. }
             | Self::Jump { index, .. }
@@ -144,6 +154,7 @@ impl fmt::Display for Refused {
             Self::Sensors { found } => write!(f, "found {found} sensors, needed 1 to {SENSORS}"),
             Self::NoAxis => f.write_str("found no drift of any axis, needed ex_um, ey_um or ez_um"),
             Self::Row { .. } => f.write_str("found a figure that is not finite or a time that does not ascend"),
+            Self::Twice { .. } => f.write_str("found the moment and the measuring point of another row again, needed each row once"),
             Self::Gap { found_s, .. } => write!(
                 f,
                 "found a pause of {found_s:.0} s, needed at most {LONGEST_GAP_S} s, or a rest of {REST_S} s after which \
@@ -225,6 +236,13 @@ fn rows(record: &Record) -> Result<(), Refused> {
         if !sound || step < 0.0 || sample.temperatures_c.len() != sensors || sample.error_mm.len() != axes {
             return Err(Refused::Row { index });
         }
+        let moment = |row: &usize| record.samples[*row].t_s == sample.t_s;
+        let point = |own: &super::Sample| (own.position_mm, own.tool_mm);
+        if let Some(first) =
+            (0..index).rev().take_while(moment).find(|row| point(&record.samples[*row]) == point(sample))
+        {
+            return Err(Refused::Twice { index, first });
+        }
         if step > LONGEST_GAP_S && step < REST_S {
             return Err(Refused::Gap { index, found_s: step });
         }
@@ -261,30 +279,42 @@ fn others(record: &Record, sensor: usize, row: usize) -> f64 {
 }
 
 fn stuck(record: &Record, sensor: usize) -> Result<(), Refused> {
-    let runs = runs(record, sensor);
+    // Also over a rest: no machine comes back to the same reading to the bit.
+    let runs = runs(record, sensor, true);
     let seconds = |run: &[usize; 2]| record.samples[run[1] - 1].t_s - record.samples[run[0]].t_s;
-    let Some((longest, run)) = runs.iter().enumerate().max_by(|one, other| seconds(one.1).total_cmp(&seconds(other.1)))
-    else {
-        return Ok(());
+    let moved = |run: &[usize; 2]| {
+        let [low, high] = span((run[0]..run[1]).map(|row| others(record, sensor, row)));
+        high - low
     };
-    // What it repeats elsewhere is its resolution: a slow place stands for a while.
-    let usual = runs.iter().enumerate().filter(|(k, _)| *k != longest).map(|(_, run)| seconds(run)).fold(0.0, f64::max);
-    let found_s = seconds(run);
-    let [low, high] = span((run[0]..run[1]).map(|row| others(record, sensor, row)));
-    let elsewhere_k = high - low;
-    if found_s >= STUCK_S.max(STUCK_TIMES * usual) && run[1] - run[0] >= STUCK_ROWS && elsewhere_k >= STUCK_ELSEWHERE_K
-    {
-        return Err(Refused::Stuck { sensor: record.sensors[sensor].clone(), index: run[0], found_s, elsewhere_k });
+    let resolution_k = runs
+        .windows(2)
+        .map(|pair| [pair[0][0], pair[1][0]].map(|row| record.samples[row].temperatures_c[sensor]))
+        .map(|[one, other]| (one - other).abs())
+        .fold(f64::INFINITY, f64::min);
+    let [low, high] = span(record.readings(sensor));
+    let by_time: Vec<f64> = runs.iter().map(seconds).collect();
+    for (k, run) in runs.iter().enumerate() {
+        let (found_s, elsewhere_k) = (by_time[k], moved(run));
+        if found_s < STUCK_S || run[1] - run[0] < STUCK_ROWS || elsewhere_k < STUCK_ELSEWHERE_K {
+            continue;
+        }
+        // What it repeats elsewhere is its resolution: a slow place stands for a while. Where it is told in steps that are
+        // small against what the others moved, and moves at other times, it has no such excuse, however often it sticks.
+        let usual = by_time.iter().enumerate().filter(|(other, _)| *other != k).map(|(_, s)| *s).fold(0.0, f64::max);
+        let fine = resolution_k * STUCK_STEPS <= elsewhere_k && high - low >= LEAST_RANGE_K;
+        if found_s >= STUCK_TIMES * usual || fine {
+            return Err(Refused::Stuck { sensor: record.sensors[sensor].clone(), index: run[0], found_s, elsewhere_k });
+        }
     }
     Ok(())
 }
 
-/// First row and end of every stretch over which a sensor repeats one reading.
-fn runs(record: &Record, sensor: usize) -> Vec<[usize; 2]> {
+/// First row and end of every stretch over which a sensor repeats one reading; over rests, or not.
+fn runs(record: &Record, sensor: usize, over_rests: bool) -> Vec<[usize; 2]> {
     let readings: Vec<f64> = record.readings(sensor).collect();
     let (mut runs, mut from) = (Vec::new(), 0);
     for row in 1..=readings.len() {
-        if row == readings.len() || readings[row] != readings[from] || record.begins(row) {
+        if row == readings.len() || readings[row] != readings[from] || (!over_rests && record.begins(row)) {
             runs.push([from, row]);
             from = row;
         }
@@ -295,7 +325,7 @@ fn runs(record: &Record, sensor: usize) -> Vec<[usize; 2]> {
 /// Longest time over which a sensor repeats one reading, s.
 pub(super) fn longest_run_s(record: &Record, sensor: usize) -> f64 {
     let seconds = |[from, to]: [usize; 2]| record.samples[to - 1].t_s - record.samples[from].t_s;
-    runs(record, sensor).into_iter().map(seconds).fold(0.0, f64::max)
+    runs(record, sensor, false).into_iter().map(seconds).fold(0.0, f64::max)
 }
 
 fn collinear(record: &Record) -> Result<(), Refused> {

@@ -2,10 +2,11 @@
 
 use super::basis::{Cause, Chosen, Problem, slot};
 use super::check::{check, longest_run_s};
-use super::linear::solve;
+use super::linear::{Solved, solve};
 use super::model::{AxisCurves, Model, SensorCurve, Spindle};
-use super::search::{Parts, Search};
+use super::search::{DIFFERENCE, Parts, Search};
 use super::{Record, Refused, Settings, span};
+use nalgebra::{DMatrix, DVector};
 use std::string::String;
 use std::vec;
 use std::vec::Vec;
@@ -13,6 +14,8 @@ use trueaxis::Axis;
 
 /// Condition number from which causes count as not told apart.
 const CONDITION_LIMIT: f64 = 1e4;
+/// What is known of a lag before anything is recorded: the standard deviation of its logarithm. Between 30 s and 6 h.
+const LAG_KNOWN: f64 = 2.0;
 /// Curves go on straight beyond what was recorded by this share of the range.
 const BEYOND: f64 = 0.25;
 /// A sensor is stuck that repeats a reading so many times longer than it ever did in the record, at least so long, s.
@@ -71,6 +74,9 @@ pub struct Fit {
     pub predicted_mm: [f64; 2],
     /// Cycles that took no part.
     pub held_out: Vec<u32>,
+    /// Speeds of the model that one fitted cycle alone has, each with that cycle: no other predicts them, so what is left of
+    /// them in `predicted_mm` is what the fit leaves, and no second cycle confirms their values.
+    pub unconfirmed: Vec<(f64, u32)>,
 }
 
 /// Finds lags and curves; `tell` is called with the name of every cause that comes in.
@@ -103,11 +109,12 @@ pub fn fit(record: &Record, settings: &Settings, tell: &mut dyn FnMut(&str)) -> 
     let predicted_mm = left.map(|squares| (squares / count).sqrt());
 
     let sensors: Vec<usize> = causes.iter().filter_map(|chosen| sensor(chosen.cause)).collect();
-    let mut axes = Vec::new();
-    for axis in 0..record.axes.len() {
-        let parts = search.parts(axis, &causes);
-        axes.push(of_axis(&problem, &rows, axis, &causes, &parts)?);
-    }
+    let linear =
+        (0..record.axes.len()).map(|axis| Linear::of(&problem, &rows, axis, &causes, &search.parts(axis, &causes)));
+    let linear = linear.collect::<Result<Vec<Linear>, Refused>>()?;
+    let lags = lags(&linear, causes.len());
+    let axes: Vec<OfAxis> =
+        (0..record.axes.len()).map(|axis| of_axis(&problem, axis, &causes, &linear[axis], &lags)).collect();
     let curves = |of: &OfAxis| AxisCurves {
         axis: of.axis,
         datum: settings.datum_mm[slot(of.axis)],
@@ -121,7 +128,11 @@ pub fn fit(record: &Record, settings: &Settings, tell: &mut dyn FnMut(&str)) -> 
         axes: axes.iter().map(curves).collect(),
     };
     model.encode(0).map_err(Refused::Encoding)?;
-    Ok(Fit { left_out: left_out(record, &problem, &causes), model, sensors, axes, predicted_mm, held_out })
+    let fitted: Vec<u32> = record.cycles().into_iter().filter(|cycle| !held_out.contains(cycle)).collect();
+    let knots = problem.speeds_rpm.iter().zip(&problem.lone).filter(|_| model.spindle.is_some());
+    let unconfirmed = knots.filter_map(|(rpm, lone)| Some((*rpm, *fitted.get((*lone)?)?))).collect();
+    let left_out = left_out(record, &problem, &causes);
+    Ok(Fit { left_out, model, sensors, axes, predicted_mm, held_out, unconfirmed })
 }
 
 fn held_out(record: &Record, settings: &Settings) -> Result<Vec<u32>, Refused> {
@@ -162,44 +173,106 @@ fn curve(record: &Record, chosen: &Chosen) -> Option<SensorCurve> {
     Some(SensorCurve { stuck_s, ..SensorCurve::new(&record.sensors[sensor], lag_s, knots) })
 }
 
-fn of_axis(
-    problem: &Problem<'_>,
-    rows: &[usize],
-    axis: usize,
-    causes: &[Chosen],
-    parts: &[Parts],
-) -> Result<OfAxis, Refused> {
-    let record = problem.record;
-    let name = record.axes[axis];
-    let (mut columns, mut places) = (Vec::new(), Vec::new());
-    for (which, chosen) in causes.iter().enumerate() {
-        for (k, response) in problem.responses(chosen).iter().enumerate() {
-            for part in [0, 1].into_iter().filter(|part| parts[which][*part]) {
-                let lever = |row| if part == 0 { 1.0 } else { problem.lever(name, chosen.cause, row) };
-                let column = problem.centred(rows, |row| response[row] * lever(row));
-                // Behind its lag a sensor may never have come to where its curve bends.
-                if column.iter().any(|value| *value != 0.0) {
-                    columns.push(column);
-                    places.push((which, k, part));
+/// The linear problem of one axis, solved for the lags found.
+struct Linear {
+    /// Cause, number of its response, and part of every column.
+    places: Vec<(usize, usize, usize)>,
+    values: DVector<f64>,
+    covariance: DMatrix<f64>,
+    condition: f64,
+    rms_mm: f64,
+    /// For every cause: by how much the values move with the logarithm of its lag.
+    slopes: Vec<DVector<f64>>,
+    /// What the axis tells of the logarithms of the lags: the inverse of their covariance.
+    information: DMatrix<f64>,
+}
+
+impl Linear {
+    fn of(
+        problem: &Problem<'_>,
+        rows: &[usize],
+        axis: usize,
+        causes: &[Chosen],
+        parts: &[Parts],
+    ) -> Result<Linear, Refused> {
+        let record = problem.record;
+        let name = record.axes[axis];
+        let lever = |part: usize, cause, row| if part == 0 { 1.0 } else { problem.lever(name, cause, row) };
+        let (mut columns, mut places) = (Vec::new(), Vec::new());
+        for (which, chosen) in causes.iter().enumerate() {
+            for (k, response) in problem.responses(chosen).iter().enumerate() {
+                for part in [0, 1].into_iter().filter(|part| parts[which][*part]) {
+                    let column = problem.centred(rows, |row| response[row] * lever(part, chosen.cause, row));
+                    // Behind its lag a sensor may never have come to where its curve bends.
+                    if column.iter().any(|value| *value != 0.0) {
+                        columns.push(column);
+                        places.push((which, k, part));
+                    }
                 }
             }
         }
+        let right = problem.centred(rows, |row| record.samples[row].error_mm[axis]);
+        let zeros: Vec<usize> = rows.iter().map(|row| problem.groups[*row]).collect();
+        let (lost, step) = zeros_lost(&zeros);
+        let count = causes.len();
+        let solved = match solve(&columns, &right, lost, step) {
+            Some(solved) if solved.condition <= CONDITION_LIMIT => solved,
+            Some(solved) => return Err(Refused::Condition { found: solved.condition }),
+            None if !columns.is_empty() => return Err(Refused::Condition { found: f64::INFINITY }),
+            // No cause predicts this axis.
+            None => {
+                let rms_mm = (right.iter().map(|x| x * x).sum::<f64>() / right.len().max(1) as f64).sqrt();
+                let (values, covariance) = (DVector::zeros(0), DMatrix::zeros(0, 0));
+                let (slopes, information) = (vec![DVector::zeros(0); count], DMatrix::zeros(count, count));
+                return Ok(Linear { places, values, covariance, condition: 1.0, rms_mm, slopes, information });
+            }
+        };
+        // What the drift would change by with the logarithm of every lag, and what of it the values cannot make up for.
+        let (mut slopes, mut left) = (Vec::new(), Vec::new());
+        for (which, chosen) in causes.iter().enumerate() {
+            let at = |factor: f64| problem.responses(&Chosen { lag_s: factor * chosen.lag_s, ..chosen.clone() });
+            let (longer, shorter) = (at(DIFFERENCE.exp()), at((-DIFFERENCE).exp()));
+            let own = || places.iter().zip(solved.values.iter()).filter(|((cause, ..), _)| *cause == which);
+            let change = problem.centred(rows, |row| {
+                let sum = own().map(|(&(_, k, part), value)| {
+                    value * (longer[k][row] - shorter[k][row]) * lever(part, chosen.cause, row)
+                });
+                sum.sum::<f64>() / (2.0 * DIFFERENCE)
+            });
+            let made_up =
+                solve(&columns, &change, lost, step).map_or_else(|| DVector::zeros(columns.len()), |own| own.values);
+            let mut rest = change;
+            for (column, share) in columns.iter().zip(made_up.iter()) {
+                rest.iter_mut().zip(column).for_each(|(rest, value)| *rest -= share * value);
+            }
+            slopes.push(-made_up);
+            left.push(rest);
+        }
+        let dot = |one: &[f64], other: &[f64]| one.iter().zip(other).map(|(a, b)| a * b).sum::<f64>();
+        let variance = solved.variance.max(f64::MIN_POSITIVE);
+        let information = DMatrix::from_fn(count, count, |i, j| dot(&left[i], &left[j]) / variance);
+        let Solved { values, covariance, condition, rms: rms_mm, .. } = solved;
+        Ok(Linear { places, values, covariance, condition, rms_mm, slopes, information })
     }
-    let right = problem.centred(rows, |row| record.samples[row].error_mm[axis]);
-    let zeros: Vec<usize> = rows.iter().map(|row| problem.groups[*row]).collect();
-    let (lost, step) = zeros_lost(&zeros);
-    let (values, covariance, condition, rms_mm) = match solve(&columns, &right, lost, step) {
-        Some(solved) if solved.condition <= CONDITION_LIMIT => {
-            (solved.values, solved.covariance, solved.condition, solved.rms)
+}
+
+/// Covariance of the logarithms of the lags, from what all axes tell of them and what is known beforehand.
+fn lags(axes: &[Linear], count: usize) -> DMatrix<f64> {
+    let beforehand = DMatrix::identity(count, count) / (LAG_KNOWN * LAG_KNOWN);
+    let information = axes.iter().fold(beforehand, |sum, axis| sum + &axis.information);
+    information.cholesky().map_or_else(|| DMatrix::zeros(count, count), |factors| factors.inverse())
+}
+
+fn of_axis(problem: &Problem<'_>, axis: usize, causes: &[Chosen], linear: &Linear, lags: &DMatrix<f64>) -> OfAxis {
+    let record = problem.record;
+    let name = record.axes[axis];
+    let Linear { places, values, condition, rms_mm, .. } = linear;
+    let mut covariance = linear.covariance.clone();
+    for (one, along) in linear.slopes.iter().enumerate() {
+        for (other, across) in linear.slopes.iter().enumerate() {
+            covariance += along * across.transpose() * lags[(one, other)];
         }
-        Some(solved) => return Err(Refused::Condition { found: solved.condition }),
-        None if !columns.is_empty() => return Err(Refused::Condition { found: f64::INFINITY }),
-        // No cause predicts this axis.
-        None => {
-            let rms = (right.iter().map(|x| x * x).sum::<f64>() / right.len().max(1) as f64).sqrt();
-            (nalgebra::DVector::zeros(0), nalgebra::DMatrix::zeros(0, 0), 1.0, rms)
-        }
-    };
+    }
     // A value at a knot is the sum of what the parts have there.
     let at = |which: usize, shares: &[f64]| {
         let mut found = Coefficient { value: [0.0; 2], standard_error: [0.0; 2] };
@@ -219,6 +292,7 @@ fn of_axis(
         found
     };
     let reference = problem.settings.reference_c;
+    let (rms_mm, condition) = (*rms_mm, *condition);
     let mut found = OfAxis { axis: name, sensors: Vec::new(), spindle: Vec::new(), rms_mm, condition };
     for (which, chosen) in causes.iter().enumerate() {
         match chosen.cause {
@@ -237,7 +311,7 @@ fn of_axis(
             }
         }
     }
-    Ok(found)
+    found
 }
 
 /// Number of zeros among the rows, and how many measuring points a moment has.

@@ -12,12 +12,22 @@ pub(super) struct Solved {
     pub(super) condition: f64,
     /// Root mean square of what is left.
     pub(super) rms: f64,
+    /// Variance of a row that counts for one that is independent.
+    pub(super) variance: f64,
+}
+
+/// A column of the linear problem.
+#[derive(Clone, Debug)]
+pub(super) struct Column {
+    pub(super) values: Vec<f64>,
+    /// Number of the cycle, from 0 among those that are fitted, that alone tells of it; no other predicts it.
+    pub(super) lone: Option<usize>,
 }
 
 /// Lengths of the columns; 1 of one that is nothing, so that it stays nothing.
-fn norms(columns: &[Vec<f64>]) -> Vec<f64> {
-    let norm = |column: &Vec<f64>| column.iter().map(|x| x * x).sum::<f64>().sqrt();
-    columns.iter().map(norm).map(|norm| if norm > 0.0 { norm } else { 1.0 }).collect()
+fn norms<'c>(columns: impl Iterator<Item = &'c [f64]>) -> Vec<f64> {
+    let norm = |column: &[f64]| column.iter().map(|x| x * x).sum::<f64>().sqrt();
+    columns.map(norm).map(|norm| if norm > 0.0 { norm } else { 1.0 }).collect()
 }
 
 /// Solves for one value a column; `lost`: degrees of freedom of the means that were taken out, `step`: every so many rows
@@ -30,7 +40,7 @@ pub(super) fn solve(columns: &[Vec<f64>], right: &[f64], lost: usize, step: usiz
     if count == 0 || rows <= count + lost {
         return None;
     }
-    let norms = norms(columns);
+    let norms = norms(columns.iter().map(Vec::as_slice));
     let matrix = DMatrix::from_fn(rows, count, |row, column| columns[column][row] / norms[column]);
     let right = DVector::from_column_slice(right);
     let singular = matrix.singular_values();
@@ -50,18 +60,22 @@ pub(super) fn solve(columns: &[Vec<f64>], right: &[f64], lost: usize, step: usiz
         covariance: DMatrix::from_fn(count, count, |i, j| covariance[(i, j)] / (norms[i] * norms[j])),
         condition,
         rms: (squares / rows as f64).sqrt(),
+        variance,
     })
 }
 
 /// Sum of squares that is left of every cycle when it is predicted from the others; `cycles` are the ends of their rows.
-pub(super) fn predicted(columns: &[Vec<f64>], right: &[f64], cycles: &[usize]) -> f64 {
+///
+/// What a cycle alone tells of, the others cannot predict: there it is fitted to the cycle itself, with everything else as
+/// the others have it. Left undetermined it would count against its cause, and others with wrong lags would stand in for it.
+pub(super) fn predicted(columns: &[Column], right: &[f64], cycles: &[usize]) -> f64 {
     let count = columns.len();
-    let norms = norms(columns);
+    let norms = norms(columns.iter().map(|column| column.values.as_slice()));
     let dot = |one: &[f64], other: &[f64]| one.iter().zip(other).map(|(a, b)| a * b).sum::<f64>();
     let mut parts = Vec::with_capacity(cycles.len());
     let mut from = 0;
     for &to in cycles {
-        let cut = |column: usize| &columns[column][from..to];
+        let cut = |column: usize| &columns[column].values[from..to];
         let mut normal = DMatrix::zeros(count, count);
         for i in 0..count {
             for j in 0..=i {
@@ -84,7 +98,18 @@ pub(super) fn predicted(columns: &[Vec<f64>], right: &[f64], cycles: &[usize]) -
                 others += &part.0;
                 known += &part.1;
             }
-            let values = others.cholesky().map_or_else(|| DVector::zeros(count), |factors| factors.solve(&known));
+            let mut values = others.cholesky().map_or_else(|| DVector::zeros(count), |factors| factors.solve(&known));
+            let lone: Vec<usize> = (0..count).filter(|column| columns[*column].lone == Some(k)).collect();
+            if !lone.is_empty() {
+                let rest = own - normal * &values;
+                let matrix = DMatrix::from_fn(lone.len(), lone.len(), |i, j| {
+                    normal[(lone[i], lone[j])] + if i == j { 1e-9 } else { 0.0 }
+                });
+                let right = DVector::from_fn(lone.len(), |i, _| rest[lone[i]]);
+                if let Some(steps) = matrix.cholesky().map(|factors| factors.solve(&right)) {
+                    lone.iter().zip(steps.iter()).for_each(|(column, step)| values[*column] += step);
+                }
+            }
             (squares - 2.0 * values.dot(own) + values.dot(&(normal * &values))).max(0.0)
         })
         .sum()
@@ -92,17 +117,35 @@ pub(super) fn predicted(columns: &[Vec<f64>], right: &[f64], cycles: &[usize]) -
 
 #[cfg(test)]
 mod tests {
-    use super::predicted;
+    use super::{Column, predicted};
     use std::vec;
+    use std::vec::Vec;
+
+    fn column(values: Vec<f64>, lone: Option<usize>) -> Column {
+        Column { values, lone }
+    }
 
     #[test]
     fn a_column_of_nothing_predicts_nothing() {
         let right = [1.0, 2.0, 3.0, 2.0, 4.0, 6.0, 1.0, 2.0, 3.0];
         let cycles = [3, 6, 9];
-        let useful = vec![1.0, 2.0, 3.0, 1.0, 2.0, 3.0, 1.0, 2.0, 3.0];
+        let useful = column(vec![1.0, 2.0, 3.0, 1.0, 2.0, 3.0, 1.0, 2.0, 3.0], None);
+        let nothing = column(vec![0.0; 9], None);
         let squares = right.iter().map(|value| value * value).sum::<f64>();
-        assert!((predicted(&[vec![0.0; 9]], &right, &cycles) - squares).abs() < 1e-12);
+        assert!((predicted(core::slice::from_ref(&nothing), &right, &cycles) - squares).abs() < 1e-12);
         let alone = predicted(core::slice::from_ref(&useful), &right, &cycles);
-        assert!(alone > 1.0 && (predicted(&[useful, vec![0.0; 9]], &right, &cycles) - alone).abs() < 1e-12);
+        assert!(alone > 1.0 && (predicted(&[useful, nothing], &right, &cycles) - alone).abs() < 1e-12);
+    }
+
+    /// Three cycles of 2 a, the second with 5 b besides, of which the others have nothing.
+    #[test]
+    fn what_one_cycle_alone_has_is_fitted_there_with_the_rest_as_the_others_have_it() {
+        let (a, b) = ([1.0, 2.0, 3.0], [1.0, 1.0, -1.0]);
+        let right: Vec<f64> = (0..9).map(|k| 2.0 * a[k % 3] + if k / 3 == 1 { 5.0 * b[k % 3] } else { 0.0 }).collect();
+        let own: Vec<f64> = (0..9).map(|k| if k / 3 == 1 { b[k % 3] } else { 0.0 }).collect();
+        let all = column((0..9).map(|k| a[k % 3]).collect(), None);
+        let left = |lone| predicted(&[all.clone(), column(own.clone(), lone)], &right, &[3, 6, 9]);
+        assert!(left(Some(1)) < 1e-12);
+        assert!((left(None) - 75.0).abs() < 1e-6, "predicted from cycles that have nothing of it, it is left whole");
     }
 }

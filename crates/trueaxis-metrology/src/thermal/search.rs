@@ -2,7 +2,7 @@
 
 use super::LONGEST_LAG_S;
 use super::basis::{Cause, Chosen, Problem};
-use super::linear::predicted;
+use super::linear::{Column, predicted};
 use crate::cores::*;
 use nalgebra::{DMatrix, DVector};
 use std::vec;
@@ -22,7 +22,7 @@ const STEPS: usize = 8;
 const ROUNDS: usize = 24;
 const SETTLED: f64 = 1e-6;
 /// Difference of a lag's logarithm for its derivatives; the largest step.
-const DIFFERENCE: f64 = 0.02;
+pub(super) const DIFFERENCE: f64 = 0.02;
 const LARGEST_STEP: f64 = 0.5;
 /// Dampings tried in a step, each ten times the one before.
 const TRIES: usize = 8;
@@ -75,16 +75,20 @@ impl<'p, 'r> Search<'p, 'r> {
         self.share
     }
 
-    fn columns(&self, axis: Axis, chosen: &Chosen, parts: Parts) -> Vec<Vec<f64>> {
+    fn columns(&self, axis: Axis, chosen: &Chosen, parts: Parts) -> Vec<Column> {
         let responses = self.problem.responses(chosen);
         let mut columns = Vec::new();
-        for response in &responses {
+        for (k, response) in responses.iter().enumerate() {
+            let lone = match chosen.cause {
+                Cause::Sensor(_) => None,
+                Cause::Spindle => self.problem.lone[k + 1],
+            };
             if parts[0] {
-                columns.push(self.problem.centred(&self.rows, |row| response[row]));
+                columns.push(Column { values: self.problem.centred(&self.rows, |row| response[row]), lone });
             }
             if parts[1] && self.problem.levers(axis, chosen.cause) {
                 let lever = |row| response[row] * self.problem.lever(axis, chosen.cause, row);
-                columns.push(self.problem.centred(&self.rows, lever));
+                columns.push(Column { values: self.problem.centred(&self.rows, lever), lone });
             }
         }
         columns
@@ -93,7 +97,7 @@ impl<'p, 'r> Search<'p, 'r> {
     /// Squares left of one axis.
     fn left_of(&self, axis: usize, all: &[Chosen], parts: &[Parts]) -> f64 {
         let name = self.problem.record.axes[axis];
-        let columns: Vec<Vec<f64>> =
+        let columns: Vec<Column> =
             all.iter().zip(parts).flat_map(|(chosen, parts)| self.columns(name, chosen, *parts)).collect();
         predicted(&columns, &self.right[axis], &self.cycles)
     }
@@ -108,7 +112,7 @@ impl<'p, 'r> Search<'p, 'r> {
     fn best_lag(&self, all: &[Chosen], which: usize, between: Option<[f64; 2]>) -> (f64, f64) {
         // The columns of the others do not change.
         let parts = [true; 2];
-        let kept: Vec<Vec<Vec<f64>>> = (self.problem.record.axes.iter())
+        let kept: Vec<Vec<Column>> = (self.problem.record.axes.iter())
             .map(|axis| {
                 let others = all.iter().enumerate().filter(|(k, _)| *k != which);
                 others.flat_map(|(_, chosen)| self.columns(*axis, chosen, parts)).collect()

@@ -46,7 +46,9 @@ pub(super) fn run(of: &Warming, bodies: &mut Bodies, shift: &Shift, found: &Fit,
         let limits = axes.map(|axis| machine.settings.axis(axis).map(|settings| settings.limits));
         let mut states = JUDGED.map(|_| servo.start());
         let mut sensors = Sensors::new(of.seed ^ 0x5eed, bodies, shift);
+        // The control is on before the shift begins: its sensors have started.
         let mut task = ThermalState::new();
+        (0..found.sensors.len()).for_each(|sensor| task.believe(sensor));
         let zero = JUDGED.map(|point| drift(bodies, point));
         let mut first = [[0.0_f64; 3]; JUDGED.len()];
         let mut judged = Judged::default();

@@ -17,6 +17,9 @@
 //! case of one sensor without lag and a straight curve through zero at the reference temperature. Both set the same line:
 //! the later one replaces the earlier, nothing is added up, and a host uses one of them.
 //!
+//! A sensor starts with [`START_READINGS`] plausible readings that agree, over [`START_S`] at least; until all have started
+//! there is no growth. A step is not believed before it has stayed for [`PERSISTS_S`], and then comes in through the lag.
+//!
 //! # File
 //!
 //! All numbers little-endian, all integers, so that nothing in the file can fail to be a number:
@@ -84,6 +87,17 @@ pub const FASTEST_RPM: u32 = 1_000_000;
 pub const STEEPEST: i32 = 1_000_000_000;
 /// Longest tool that the spindle's tilt is taken to, mm.
 pub const LONGEST_TOOL_MM: f64 = 1e4;
+/// Readings of a sensor that stand for none, °C: the power-on value of a DS18B20, and an input that its driver has not written.
+/// They are believed where they are within the plausible change at once of the last reading believed. −127 °C, a DS18B20 that is
+/// disconnected, is outside every plausible range.
+pub const FAILURES_C: [f64; 2] = [85.0, 0.0];
+/// Readings with which a sensor starts: plausible, each within the plausible change of the one before.
+pub const START_READINGS: u8 = 3;
+/// Time over which they are spread at least, s.
+pub const START_S: f64 = 2.0;
+/// Time after which a step is believed, s, if so many readings as for a start, each within the plausible change of the one
+/// before, confirm it and they are not all the same to the bit.
+pub const PERSISTS_S: f64 = 3600.0;
 /// Longest time between two updates, s: a day; after longer, the task starts anew.
 pub const LONGEST_UPDATE_S: f64 = 86_400.0;
 

@@ -3,7 +3,7 @@
 use super::ThermalError;
 use super::bytes::Bytes;
 use super::lag::{Decay, place};
-use super::{COLDEST_MK, KNOTS, LONGEST_MS, WARMEST_MK};
+use super::{COLDEST_MK, FAILURES_C, KNOTS, LONGEST_MS, PERSISTS_S, START_READINGS, START_S, WARMEST_MK};
 
 /// What is wrong with a sensor. While anything is, its share of the growth stands still.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -16,12 +16,15 @@ pub enum SensorStatus {
     Good = 0,
     /// It has no reading, or one that is no number.
     Missing = 1,
-    /// It reads what no machine has.
+    /// It reads what no machine has, or exactly what stands for no reading ([`super::FAILURES_C`]) and is no step from the last
+    /// one believed.
     OutOfRange = 2,
-    /// It has changed more than plausible, and has not come back since.
+    /// It has changed more than plausible, and has neither come back since nor stayed for [`super::PERSISTS_S`].
     Jumped = 3,
     /// It repeats one reading to the bit although the others move.
     Stuck = 4,
+    /// It has not yet given [`super::START_READINGS`] plausible readings that agree.
+    Starting = 5,
 }
 
 /// Its settings, where they stand in the file.
@@ -96,7 +99,7 @@ pub(super) fn knots(count: u8) -> Result<usize, ThermalError> {
 pub(super) struct SensorState {
     /// The last reading believed, °C.
     pub(super) good: Option<f64>,
-    /// Since then, s.
+    /// Since then, s; of a start or a step, since the first of the readings that agree.
     since_s: f64,
     /// The last reading at all that is a number, °C, and for how long it has been the same, s.
     last: f64,
@@ -105,6 +108,9 @@ pub(super) struct SensorState {
     others: Option<f64>,
     /// It has jumped and not come back.
     jumped: bool,
+    /// Readings of a start or a step that agree, one with the next, and whether they differ at all.
+    agreeing: u8,
+    alive: bool,
     /// The next reading is to be believed.
     trusted: bool,
     /// Temperature behind the lag, °C.
@@ -123,28 +129,44 @@ impl SensorState {
             Some(before) => Decay::new(dt_s, of.lag_s).respond(self.lagged, before, reading),
         };
         self.good = Some(reading);
-        self.since_s = 0.0;
+        (self.since_s, self.agreeing) = (0.0, 0);
         (self.jumped, self.trusted) = (false, false);
     }
 
     fn judge(&mut self, of: &Sensor<'_>, dt_s: f64, reading: Option<f64>, others: Option<f64>) -> SensorStatus {
-        let Some(reading) = reading.filter(|reading| reading.is_finite()) else { return SensorStatus::Missing };
+        let Some(reading) = reading.filter(|reading| reading.is_finite()) else {
+            self.agreeing = 0;
+            return SensorStatus::Missing;
+        };
         let [least, most] = of.plausible;
-        if !(least..=most).contains(&reading) {
+        // No time makes a value of failure plausible, and it is no step from which a sensor has to come back.
+        let a_step = self.good.is_none_or(|good| (reading - good).abs() > of.jump_k);
+        if !(least..=most).contains(&reading) || (a_step && FAILURES_C.contains(&reading)) {
+            self.agreeing = 0;
             return SensorStatus::OutOfRange;
         }
+        let agrees = (reading - self.last).abs() <= of.jump_k + of.rate_k_per_s * dt_s;
+        let differs = reading != self.last;
         if self.good.is_some() && reading == self.last {
             self.unchanged_s += dt_s;
         } else {
             (self.last, self.unchanged_s, self.others) = (reading, 0.0, others);
         }
         self.others = self.others.or(others);
-        let Some(good) = self.good else { return SensorStatus::Good };
-        // What has jumped may be a sensor that has come off: time does not make it plausible.
+        let Some(good) = self.good else {
+            self.follow(agrees, differs);
+            let started = self.agreeing >= START_READINGS && self.since_s >= START_S;
+            return if started || self.trusted { SensorStatus::Good } else { SensorStatus::Starting };
+        };
+        // What has jumped may be a sensor that has come off: time alone does not make it plausible.
         let passed_s = if self.jumped { 0.0 } else { self.since_s };
         if !self.trusted && (reading - good).abs() > of.jump_k + of.rate_k_per_s * passed_s {
+            self.agreeing = if self.jumped { self.agreeing } else { 0 };
             self.jumped = true;
-            return SensorStatus::Jumped;
+            self.follow(agrees, differs);
+            if !(self.agreeing >= START_READINGS && self.since_s >= PERSISTS_S && self.alive) {
+                return SensorStatus::Jumped;
+            }
         }
         let moved = others.zip(self.others).map_or(0.0, |(now, then)| (now - then).abs());
         if of.stuck_s > 0.0 && self.unchanged_s >= of.stuck_s && moved >= of.elsewhere_k {
@@ -153,7 +175,17 @@ impl SensorState {
         SensorStatus::Good
     }
 
-    /// Believes the next reading whatever it is; the lag goes on from where it stands.
+    /// Counts a reading of a start or a step: it goes on from the one before, or begins anew.
+    fn follow(&mut self, agrees: bool, differs: bool) {
+        if agrees && self.agreeing > 0 {
+            self.agreeing = self.agreeing.saturating_add(1);
+            self.alive |= differs;
+        } else {
+            (self.agreeing, self.since_s, self.alive) = (1, 0.0, false);
+        }
+    }
+
+    /// Believes the next plausible reading whatever it is; the lag goes on from where it stands.
     pub(super) fn believe(&mut self) {
         self.trusted = true;
         self.unchanged_s = 0.0;

@@ -34,7 +34,7 @@ pub struct Growth {
     pub spindle_missing: bool,
     /// Axes (bit 0: X) whose growth is beyond what the step takes: the line before stands.
     pub beyond: u8,
-    /// Every sensor has been read once. Until then all lines are zero: what a part of them says is worse than nothing.
+    /// Every sensor has started. Until then all lines are zero: what a part of them says is worse than nothing.
     pub complete: bool,
 }
 
@@ -54,7 +54,7 @@ impl Growth {
 
 /// All that one update hands to the next.
 ///
-/// It starts in equilibrium: temperatures as the first readings say, the spindle at rest for long.
+/// It starts in equilibrium: temperatures as the readings say with which every sensor starts, the spindle at rest for long.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ThermalState {
     sensors: [SensorState; SENSORS],
@@ -70,8 +70,8 @@ impl ThermalState {
         Self::default()
     }
 
-    /// Believes the next reading of a sensor (from 0) that has jumped, as after it was exchanged; the growth changes
-    /// through its lag.
+    /// Believes the next plausible reading of a sensor (from 0) that has jumped, as after it was exchanged, or that is known to
+    /// be sound before its first one; the growth changes through its lag.
     pub fn believe(&mut self, sensor: usize) {
         if let Some(state) = self.sensors.get_mut(sensor) {
             state.believe();

@@ -66,6 +66,13 @@ fn at<'r>(temperatures_c: &'r [Option<f64>], rpm: f64) -> Readings<'r> {
     Readings { temperatures_c, spindle_rpm: Some(rpm), tool_mm: 100.0 }
 }
 
+/// A task whose sensors are believed from their first reading on.
+fn started() -> ThermalState {
+    let mut state = ThermalState::new();
+    (0..SENSORS).for_each(|sensor| state.believe(sensor));
+    state
+}
+
 fn near(found: f64, expected: f64, tolerance: f64) {
     assert!((found - expected).abs() <= tolerance, "{found} for {expected}");
 }
@@ -114,7 +121,7 @@ fn growth_is_the_sum_of_the_curves_and_of_the_spindle() {
     let thermal = Thermal::parse(&bytes).unwrap();
     assert_eq!((thermal.sensors(), thermal.has_spindle(), thermal.machine_id()), (2, true, 0x1234));
     assert_eq!(thermal.axes().collect::<Vec<_>>(), [(Axis::X, 50.0), (Axis::Z, 50.0)]);
-    let mut state = ThermalState::new();
+    let mut state = started();
     let start = thermal.update(&mut state, 1.0, &at(&[Some(20.0), Some(20.0)], 0.0));
     assert_eq!(start.lines[0], Some([0.0, 0.0]));
     assert!(start.is_good() && start.lines[1].is_none() && start.line::<f64>(Axis::Y).is_none());
@@ -148,7 +155,7 @@ fn one_sensor_without_lag_and_a_straight_curve_is_the_growth_of_machine_toml() {
     let thermal = Thermal::parse(&bytes).unwrap();
     for temperature in [7.5, 20.0, 31.0] {
         let readings = Readings { temperatures_c: &[Some(temperature)], spindle_rpm: None, tool_mm: 0.0 };
-        let found = thermal.update(&mut ThermalState::new(), 1.0, &readings).line::<f64>(Axis::X).unwrap();
+        let found = thermal.update(&mut started(), 1.0, &readings).line::<f64>(Axis::X).unwrap();
         let line = crate::compensation::ThermalLine::<f64>::for_axis(&growth, temperature - 20.0).unwrap();
         for from_datum in [-300.0, 0.0, 450.0] {
             near(found.at(from_datum), line.at(from_datum), 1e-12);
@@ -160,7 +167,7 @@ fn one_sensor_without_lag_and_a_straight_curve_is_the_growth_of_machine_toml() {
 fn wrong(readings: &[Option<f64>], told: SensorStatus) {
     let bytes = whole();
     let thermal = Thermal::parse(&bytes).unwrap();
-    let mut state = ThermalState::new();
+    let mut state = started();
     let before = thermal.update(&mut state, 1.0, &at(&[Some(25.0), Some(22.0)], 0.0)).lines[0].unwrap();
     for (k, reading) in readings.iter().enumerate() {
         let growth = thermal.update(&mut state, 60.0, &at(&[*reading, Some(22.0)], 0.0));
@@ -180,11 +187,84 @@ fn a_missing_an_impossible_and_a_jumping_sensor_freezes_its_share_and_is_told() 
     wrong(&[Some(19.0); 300], SensorStatus::Jumped);
 }
 
+/// Status of the first sensor and offset of X after each reading, a minute apart, the second sensor at 20 °C; from nothing.
+fn from_nothing(first: impl IntoIterator<Item = f64>) -> Vec<(SensorStatus, f64)> {
+    let bytes = whole();
+    let thermal = Thermal::parse(&bytes).unwrap();
+    let mut state = ThermalState::new();
+    let update = |reading| {
+        let growth = thermal.update(&mut state, 60.0, &at(&[Some(reading), Some(20.0)], 0.0));
+        assert_eq!(growth.is_good(), growth.sensors.iter().all(|status| *status == SensorStatus::Good));
+        (growth.sensors[0], 1e3 * growth.lines[0].unwrap()[0])
+    };
+    first.into_iter().map(update).collect()
+}
+
+/// Statuses alone.
+fn statuses(found: &[(SensorStatus, f64)]) -> Vec<SensorStatus> {
+    found.iter().map(|(status, _)| *status).collect()
+}
+
+#[test]
+fn a_sensor_starts_with_three_readings_that_agree_over_two_seconds() {
+    use SensorStatus::{Good, OutOfRange, Starting};
+    // 0.5 µm a kelvin above 20 °C.
+    let found = from_nothing([24.0, 24.1, 24.2, 24.4]);
+    assert_eq!(statuses(&found), [Starting, Starting, Good, Good]);
+    assert_eq!(found[1].1, 0.0);
+    near(found[2].1, 2.1, 1e-12);
+    // A first reading far off, also a plausible one, is not believed, and the truth is not shut out.
+    assert_eq!(statuses(&from_nothing([60.0, 24.0, 24.1, 24.2])), [Starting, Starting, Starting, Good]);
+    for failure in [85.0, 0.0, -0.0, -127.0] {
+        let found = from_nothing([failure, failure, failure, failure, 24.0, 24.0, 24.0]);
+        assert_eq!(statuses(&found), [OutOfRange, OutOfRange, OutOfRange, OutOfRange, Starting, Starting, Good]);
+        assert!(found.iter().take(6).all(|(_, um)| *um == 0.0) && found[6].1 == 2.0, "{failure}: {found:?}");
+    }
+    // What reads nothing else than an input that was not written never starts; a winter's morning does.
+    assert!(statuses(&from_nothing([0.0; 500])).iter().all(|status| *status == OutOfRange));
+    assert_eq!(statuses(&from_nothing([-0.5, -0.2, -0.1, 0.0, 0.1])), [Starting, Starting, Good, Good, Good]);
+    // Updates in a servo thread: not the first three milliseconds.
+    let bytes = whole();
+    let thermal = Thermal::parse(&bytes).unwrap();
+    let mut state = ThermalState::new();
+    let updates = |state: &mut ThermalState, seconds| {
+        thermal.update(state, seconds, &at(&[Some(24.0), Some(20.0)], 0.0)).is_good()
+    };
+    assert!((0..2000).all(|_| !updates(&mut state, 1e-3)) && (0..1500).any(|_| updates(&mut state, 1e-3)));
+    // No time that passes is none of a start.
+    let mut state = ThermalState::new();
+    assert!((0..100).all(|_| !updates(&mut state, 0.0)));
+}
+
+#[test]
+fn a_step_that_stays_is_believed_after_an_hour_if_it_lives() {
+    use SensorStatus::{Good, Jumped, OutOfRange};
+    let start = [25.0, 25.0, 25.0];
+    let stays = |k: u32| 35.0 + 0.1 * f64::from(k % 2);
+    let found = from_nothing(start.into_iter().chain((0..62).map(stays)));
+    assert!(statuses(&found[3..63]).iter().all(|status| *status == Jumped));
+    assert_eq!(statuses(&found[63..]), [Good, Good]);
+    assert_eq!(found[62].1, 2.5);
+    near(found[63].1, 7.5, 0.06);
+    // One reading elsewhere, or none, and the hour begins anew.
+    for other in [60.0, f64::NAN, 85.0] {
+        let twice = |k: u32| if k == 40 { other } else { stays(k) };
+        let found = from_nothing(start.into_iter().chain((0..110).map(twice)));
+        let good = statuses(&found[3..]).iter().position(|status| *status == Good);
+        assert_eq!(good, Some(101), "{other}");
+    }
+    // To the bit the same: a dead input, for ever. A value of failure is no step at all.
+    let dead = from_nothing(start.into_iter().chain([35.0; 300]));
+    assert!(statuses(&dead[3..]).iter().all(|status| *status == Jumped));
+    let failed = from_nothing(start.into_iter().chain([85.0; 90]).chain([25.5]));
+    assert!(statuses(&failed[3..93]).iter().all(|status| *status == OutOfRange) && failed[93].0 == Good);
+}
+
 #[test]
 fn what_comes_back_is_believed_again_and_what_was_missing_may_have_moved() {
     let bytes = whole();
     let thermal = Thermal::parse(&bytes).unwrap();
-    let mut state = ThermalState::new();
+    let mut state = started();
     let mut first = |reading, seconds| {
         let growth = thermal.update(&mut state, seconds, &at(&[reading, Some(22.0)], 0.0));
         (growth.sensors[0], growth.lines[0].unwrap()[0])
@@ -206,7 +286,7 @@ fn a_stuck_sensor_is_one_that_repeats_itself_while_the_others_move() {
     let bytes = whole();
     let thermal = Thermal::parse(&bytes).unwrap();
     let run = |other: fn(f64) -> f64| {
-        let mut state = ThermalState::new();
+        let mut state = started();
         (0..40)
             .map(|k| thermal.update(&mut state, 60.0, &at(&[Some(25.0), Some(other(f64::from(k)))], 0.0)))
             .collect::<Vec<_>>()
@@ -224,7 +304,7 @@ fn a_stuck_sensor_is_one_that_repeats_itself_while_the_others_move() {
 fn a_missing_speed_holds_the_spindles_share_and_too_much_growth_the_line() {
     let bytes = whole();
     let thermal = Thermal::parse(&bytes).unwrap();
-    let mut state = ThermalState::new();
+    let mut state = started();
     let temperatures = [Some(20.0), Some(20.0)];
     thermal.update(&mut state, 1.0, &at(&temperatures, 12_000.0));
     let warm = thermal.update(&mut state, 900.0, &at(&temperatures, 12_000.0)).lines[2];
@@ -236,7 +316,7 @@ fn a_missing_speed_holds_the_spindles_share_and_too_much_growth_the_line() {
     let steep = OfAxis(Axis::X, &[curve[0], curve[1], curve[0], curve[1]], &[]);
     let bytes = file(&[Sensor(0.0, &[20.0, 21.0]), Sensor(0.0, &[20.0, 21.0])], (0.0, &[]), &[steep]);
     let thermal = Thermal::parse(&bytes).unwrap();
-    let mut state = ThermalState::new();
+    let mut state = started();
     let taken = thermal.update(&mut state, 1.0, &at(&[Some(20.5), Some(20.0)], 0.0));
     let beyond = thermal.update(&mut state, 60.0, &at(&[Some(21.0), Some(21.0)], 0.0));
     assert!(taken.is_good() && beyond.beyond == 1 && beyond.lines == taken.lines);
@@ -246,7 +326,7 @@ fn a_missing_speed_holds_the_spindles_share_and_too_much_growth_the_line() {
 fn nothing_grows_before_every_sensor_was_read() {
     let bytes = whole();
     let thermal = Thermal::parse(&bytes).unwrap();
-    let mut state = ThermalState::new();
+    let mut state = started();
     let growth = thermal.update(&mut state, 1.0, &at(&[Some(30.0)], 0.0));
     assert!(!growth.complete && growth.lines[0] == Some([0.0; 2]) && growth.sensors[1] == SensorStatus::Missing);
     let growth = thermal.update(&mut state, 1.0, &at(&[Some(30.0), Some(24.0)], 0.0));
@@ -257,7 +337,7 @@ fn nothing_grows_before_every_sensor_was_read() {
 fn beyond_its_curve_the_edge_holds_and_times_that_are_none_change_nothing() {
     let bytes = whole();
     let thermal = Thermal::parse(&bytes).unwrap();
-    let mut state = ThermalState::new();
+    let mut state = started();
     let growth = thermal.update(&mut state, 1.0, &at(&[Some(60.0), Some(20.0)], 0.0));
     assert_eq!((growth.at_edge, growth.lines[0].unwrap()[0]), (1, 0.01));
     for time in [0.0, -1.0, f64::NAN, f64::NEG_INFINITY] {
@@ -265,6 +345,8 @@ fn beyond_its_curve_the_edge_holds_and_times_that_are_none_change_nothing() {
         near(again.lines[0].unwrap()[0], 0.01, 1e-15);
     }
     let anew = thermal.update(&mut state, 2.0 * LONGEST_UPDATE_S, &at(&[Some(20.0), Some(30.0)], 0.0));
+    assert!(!anew.complete && anew.lines[0] == Some([0.0; 2]), "all of it has to start again");
+    let [_, anew] = [0, 1].map(|_| thermal.update(&mut state, 60.0, &at(&[Some(20.0), Some(30.0)], 0.0)));
     near(anew.lines[0].unwrap()[0], 0.004, 1e-15);
 }
 

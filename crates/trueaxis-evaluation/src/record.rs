@@ -1,0 +1,180 @@
+//! What every record has to keep to: values that its instrument can give, channels that live, the rows that its plan has.
+
+use crate::rows::Rows;
+use anyhow::Result;
+
+/// Readings of exactly the same value in a row that no living sensor gives where others differ.
+const LEAST: usize = 8;
+
+/// Travel of a displacement probe, of a ballbar's scale or a nest, µm either way: what is farther off is no reading.
+pub const PROBE_UM: f64 = 2000.0;
+/// A displacement over a whole record that no instrument in a shop resolves, µm: the column has another unit.
+pub const FINEST_UM: f64 = 0.05;
+
+/// Refuses a displacement that no probe reads: farther than [`PROBE_UM`] from where it began, µm.
+///
+/// # Errors
+/// The value with its line.
+pub fn displacement<const C: usize>(
+    rows: &Rows<'_, C>,
+    line: u32,
+    column: &str,
+    [value_um, began_um]: [f64; 2],
+) -> Result<()> {
+    let moved = value_um - began_um;
+    if moved.abs() <= PROBE_UM {
+        return Ok(());
+    }
+    let from = if began_um == 0.0 { String::new() } else { format!(", {moved} from its first reading") };
+    let needed = format!("at most {PROBE_UM} um either way, the travel of a probe");
+    Err(rows.error(line, column, format!("{value_um}{from}"), needed))
+}
+
+/// A stretch of one value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stuck {
+    /// Index of its first reading.
+    pub from: usize,
+    /// Readings.
+    pub count: usize,
+    /// The value.
+    pub value: f64,
+}
+
+/// The longest stretch of one value, where it is long enough to be a sensor that stands still: eight readings and a fifth of
+/// those that there are. A record of one value alone is taken as it is: there is nothing that moved.
+pub fn longest(values: &[f64]) -> Option<Stuck> {
+    let mut from = 0;
+    let mut best: Option<Stuck> = None;
+    for stretch in values.chunk_by(|one, other| one == other) {
+        let (count, value) = (stretch.len(), stretch[0]);
+        if best.is_none_or(|best| count > best.count) {
+            best = Some(Stuck { from, count, value });
+        }
+        from += count;
+    }
+    best.filter(|best| best.count >= LEAST && 5 * best.count >= values.len() && best.count < values.len())
+}
+
+/// A channel of a record.
+#[derive(Clone, Copy, Debug)]
+pub struct Channel<'v> {
+    /// Its column.
+    pub name: &'static str,
+    /// Its values.
+    pub values: &'v [f64],
+    /// From a value to the column's unit.
+    pub scale: f64,
+}
+
+/// The first channel that stands still half-way: [`longest`], while another one takes many values, or where it takes many
+/// itself otherwise. A coarse sensor, and a machine at rest, do neither.
+pub fn dead<'c, 'v>(channels: &'c [Channel<'v>]) -> Option<(&'c Channel<'v>, Stuck)> {
+    channels.iter().enumerate().find_map(|(own, channel)| {
+        let stuck = longest(channel.values)?;
+        let (before, behind) = (&channel.values[..stuck.from], &channel.values[stuck.from + stuck.count..]);
+        let others = channels.iter().enumerate().filter(|(other, _)| *other != own);
+        let meanwhile = |values: &[f64]| values.get(stuck.from..stuck.from + stuck.count).is_some_and(many);
+        let died = others.map(|(_, other)| other.values).any(meanwhile) || many(&[before, behind].concat());
+        died.then_some((channel, stuck))
+    })
+}
+
+/// Refuses a channel that is [`dead`].
+///
+/// # Errors
+/// The first such channel, at the line of the first reading.
+pub fn alive<const C: usize>(rows: &Rows<'_, C>, lines: &[u32], channels: &[Channel<'_>]) -> Result<()> {
+    dead(channels).map_or(Ok(()), |(channel, stuck)| Err(stuck.error(rows, lines, channel.name, channel.scale)))
+}
+
+/// The first reading from which on a position stands still while its own command goes on: [`longest`], over which the command
+/// takes many values. An axis at rest is commanded to be.
+pub fn left_behind(command: &[f64], reading: &[f64]) -> Option<Stuck> {
+    longest(reading).filter(|stuck| command.get(stuck.from..stuck.from + stuck.count).is_some_and(many))
+}
+
+/// Whether more than half of these values are different ones.
+fn many(values: &[f64]) -> bool {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted.dedup();
+    2 * sorted.len() > values.len()
+}
+
+/// What one part of a record lacks that its like have.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Missing {
+    /// Index of the part.
+    pub part: usize,
+    /// Index of a part that has it, and of the row there.
+    pub like: [usize; 2],
+    /// Rows that the part has, and those of its plan.
+    pub rows: [usize; 2],
+}
+
+/// The first part of a record with fewer rows than its plan: what more than half of the parts have, and as many as most of
+/// them. `same` tells whether two rows are the same point of the plan. Parts that differ but have as many are plans of their
+/// own.
+pub fn missing<T>(parts: &[Vec<T>], same: impl Fn(&T, &T) -> bool) -> Option<Missing> {
+    let plan = parts
+        .iter()
+        .map(Vec::len)
+        .max()
+        .filter(|most| 2 * parts.iter().filter(|part| part.len() == *most).count() >= parts.len())?;
+    let has = |part: &[T], row: &T| part.iter().any(|own| same(own, row));
+    parts.iter().enumerate().filter(|(_, own)| own.len() < plan).find_map(|(part, own)| {
+        let whole = parts.iter().enumerate().filter(|(_, like)| like.len() == plan);
+        whole
+            .filter_map(|(like, rows)| Some([like, rows.iter().position(|row| !has(own, row))?]))
+            .next()
+            .map(|like| Missing { part, like, rows: [own.len(), plan] })
+    })
+}
+
+impl Stuck {
+    /// The refusal, at the line of the first reading; `scale` from the value to the column's unit.
+    pub fn error<const C: usize>(&self, rows: &Rows<'_, C>, lines: &[u32], column: &str, scale: f64) -> anyhow::Error {
+        let line = lines.get(self.from).copied().unwrap_or(1);
+        // The value as the file has it: nine decimals undo the change of unit.
+        let value = (1e9 * scale * self.value).round() / 1e9;
+        let found = format!("{value} for {} readings in a row", self.count);
+        rows.error(line, column, found, "a sensor that does not stand still")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_stretch_in_a_record_that_moves_is_found_and_a_record_of_one_value_is_not() {
+        let mut values: Vec<f64> = (0..20).map(f64::from).collect();
+        assert_eq!(longest(&values), None);
+        values[5..17].fill(3.5);
+        assert_eq!(longest(&values), Some(Stuck { from: 5, count: 12, value: 3.5 }));
+        assert_eq!(longest(&[0.0; 30]), None);
+        assert_eq!(longest(&[]), None);
+    }
+
+    #[test]
+    fn a_row_that_its_like_have_is_missed_and_another_plan_is_none() {
+        let same = |one: &i32, other: &i32| one == other;
+        let parts = |third: &[i32]| vec![vec![1, 2, 3], vec![1, 2, 3], third.to_vec(), vec![1, 2, 3]];
+        assert_eq!(missing(&parts(&[1, 2, 3]), same), None);
+        assert_eq!(missing(&parts(&[1, 3]), same), Some(Missing { part: 2, like: [0, 1], rows: [2, 3] }));
+        assert_eq!(missing(&parts(&[2, 3]), same), Some(Missing { part: 2, like: [0, 0], rows: [2, 3] }));
+        assert_eq!(missing(&parts(&[7, 8, 9]), same), None);
+        assert_eq!(missing(&[vec![1, 2, 3], vec![1], vec![1, 2]], same), None, "no two are alike");
+        assert_eq!(missing(&[vec![1, 2], vec![1]], same), Some(Missing { part: 1, like: [0, 1], rows: [1, 2] }));
+    }
+
+    #[test]
+    fn a_reading_that_its_command_leaves_behind_stands_still_and_one_at_rest_does_not() {
+        let command: Vec<f64> = (0..40).map(|k| if k < 12 { 0.0 } else { f64::from(k) }).collect();
+        assert_eq!(left_behind(&command, &command), None);
+        let mut reading = command.clone();
+        reading[25..].fill(25.0);
+        assert_eq!(left_behind(&command, &reading), Some(Stuck { from: 25, count: 15, value: 25.0 }));
+    }
+}
