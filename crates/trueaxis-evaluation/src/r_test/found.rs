@@ -4,7 +4,7 @@ use super::Record;
 use crate::response::{Unit, response, tip_errors, without_errors};
 use anyhow::{Result, bail};
 use trueaxis::Axis;
-use trueaxis::machine::{AXES, LocationErrors, links};
+use trueaxis::machine::{AXES, links};
 use trueaxis_metrology::linear_fit::LinearFit;
 use trueaxis_tables::Machine;
 
@@ -26,8 +26,6 @@ pub struct Options {
 pub struct Found {
     /// The location errors that were sought, with value and standard error in mm or rad.
     pub terms: Vec<((Axis, usize), f64, f64)>,
-    /// All location errors of the machine with those found.
-    pub location: LocationErrors,
     /// Places of the balls off where they were commanded, workpiece's frame, mm.
     pub balls_mm: Vec<[f64; 3]>,
     /// Zero of the nest, tool's frame, mm.
@@ -168,17 +166,14 @@ pub fn identify(record: &Record, file: &str, machine: &Machine, options: &Option
         .map(|(row, value)| value - row.iter().zip(&solution.values).map(|(a, x)| a * x).sum::<f64>())
         .collect();
     let sigma_mm = solution.sigma();
-    let mut location = machine.settings.location;
     let mut terms = Vec::new();
     for (k, &(axis, component)) in sought.iter().enumerate() {
         let value = solution.values[k];
-        location.rotary[axis.index() - 3][component] = value;
         terms.push(((axis, component), value, sigma_mm * solution.error_factors[k]));
     }
     let three = |from: usize| [0, 1, 2].map(|k| solution.values[from + k]);
     Ok(Found {
         terms,
-        location,
         balls_mm: (0..record.balls.len()).map(|ball| three(first_ball + 3 * ball)).collect(),
         sensor_mm: options.free_sensor.then(|| three(first_sensor)),
         known_mm,
