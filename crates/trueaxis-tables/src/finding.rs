@@ -98,7 +98,9 @@ impl fmt::Display for Why {
             Why::Nothing => write!(f, "within {AGREE} standard uncertainties of none"),
             Why::SameRecord => write!(f, "agrees: this record is in it already"),
             Why::Unknown => write!(f, "found without an uncertainty"),
-            Why::OverCompensated => write!(f, "{}", crate::OVERCOMPENSATED),
+            Why::OverCompensated => {
+                write!(f, "{}; to correct it here all the same, state a hysteresis above it", crate::OVERCOMPENSATED)
+            }
             Why::Misfit(left) => write!(f, "misfit: {left}"),
         }
     }

@@ -117,7 +117,7 @@ fn evaluate(test: &str, files: &str, name: &str, bytes: &[u8], request: &str) ->
             let options = r_test::Options { without: request.without, free_sensor: request.free_sensor };
             let found = r_test::identify(&record, name, &machine, &options)?;
             let document = r_test::Document::new(&record, &found, &machine);
-            (document.shown(&record, &found), located(files, bytes, document.additions())?)
+            (document.shown(&record, &found), located(files, bytes, found.additions())?)
         }
         "points" => {
             let nodes = request.nodes.as_deref().map(points::nodes).transpose();

@@ -71,7 +71,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
         Outputs::of(machine_folder::inputs(&arguments.machine, into).into_iter().chain([arguments.record.clone()]));
     let mut written = Vec::new();
     if into.is_some() || arguments.dry_run {
-        let additions = document.additions();
+        let additions = found.additions();
         written = machine_folder::decide(&mut outputs, &arguments.machine, into, &arguments.record, additions)?;
     }
     if arguments.dry_run {

@@ -4,7 +4,7 @@ use super::Test;
 use super::document::squareness;
 use trueaxis_metrology::ballbar::Cause;
 use trueaxis_tables::Additions;
-use trueaxis_tables::finding::{Finding, Fit, Known};
+use trueaxis_tables::finding::{AGREE, Finding, Fit, Known};
 
 impl Test {
     /// Squareness of the plane and backlash of its axes, as findings for a machine. `compensated`: the machine was corrected by
@@ -20,7 +20,12 @@ impl Test {
                 Known::new(factor * term.value, factor.abs() * term.standard_error, self.found.degrees_of_freedom);
             Some(Finding { key, found, on_top: compensated, ..Finding::default() })
         };
-        let mut findings = Vec::from_iter(finding(format!("location.{name}_urad"), Cause::Squareness, 1e6 * sense));
+        // Encoders of the axes are square to one another whatever the machine is: from positions none is no finding.
+        let squareness = finding(format!("location.{name}_urad"), Cause::Squareness, 1e6 * sense);
+        let seen = |own: &Finding| {
+            !self.of_positions || own.found.value.abs() > AGREE * own.found.uncertainty.unwrap_or_default()
+        };
+        let mut findings = Vec::from_iter(squareness.filter(seen));
         for (number, axis) in (0..).zip(self.options.axes) {
             findings.extend(finding(format!("axis.{}.backlash_um", axis.letter()), Cause::Backlash(number), 1e3));
         }

@@ -2,8 +2,7 @@
 
 use super::{Found, Record, name};
 use serde::Serialize;
-use trueaxis_tables::finding::{Finding, Fit, Known};
-use trueaxis_tables::{Additions, Machine};
+use trueaxis_tables::Machine;
 
 /// A location error.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -59,19 +58,6 @@ pub struct Document {
 const DOUBTFUL_CONDITION: f64 = 100.0;
 
 impl Document {
-    /// The location errors that were found, for a machine that was not corrected while it was measured.
-    pub fn additions(&self) -> Additions {
-        let finding = |term: &Term| Finding {
-            key: format!("location.{}_{}", term.name, term.unit),
-            found: Known::new(term.value, term.standard_error, self.degrees_of_freedom),
-            ..Finding::default()
-        };
-        // Of a displacement, three coordinates; a noise is stated of one.
-        let coordinate = |um: f64| 1e-3 * um / 3.0_f64.sqrt();
-        let fit = Fit { before_mm: coordinate(self.rms_um), left_mm: coordinate(self.left_rms_um), noise_mm: None };
-        Additions { findings: self.terms.iter().map(finding).collect(), fit: Some(fit), ..Additions::default() }
-    }
-
     /// Of what was found of a record on a machine.
     pub fn new(record: &Record, found: &Found, machine: &Machine) -> Document {
         let terms = found.terms.iter().map(|&((axis, component), value, error)| {
