@@ -6,7 +6,7 @@ use crate::error::FileError;
 use crate::exact::table::ErrorTable;
 use crate::files::Source;
 use crate::finding::{self, Decision, Finding, Fit, Why};
-use crate::formats::{stated, write_axis_csv_known};
+use crate::formats::write_axis_csv_known;
 use crate::limits::widened;
 use crate::origin::Origin;
 use crate::read::{Standing, beside};
@@ -14,7 +14,7 @@ use crate::uncertainty::Uncertainties;
 use crate::{Machine, Table};
 use std::path::Path;
 use toml_edit::{DocumentMut, Item, TableLike, Value};
-use trueaxis::machine::{Axis, LocationErrors, Row};
+use trueaxis::machine::{Axis, Row};
 
 /// What negative lost motion comes from; said wherever it is found.
 pub const OVERCOMPENSATED: &str =
@@ -34,12 +34,6 @@ type Points = Vec<(f64, [f64; 3])>;
 pub struct Additions {
     /// For an axis: positions, and the translations X, Y, Z at them; between them linear, beyond them as at the end.
     pub curves: Vec<(Axis, Points)>,
-    /// Location errors.
-    pub location: LocationErrors,
-    /// Backlash of axes, mm.
-    pub backlash: Vec<(Axis, f64)>,
-    /// Numbers of `machine.toml` that are set, not added: full names of their keys, like `axis.X.uncertainty.scale_ppm`.
-    pub set: Vec<(String, f64)>,
     /// What a test has found; [`finding::decide`] says what of it is written.
     pub findings: Vec<Finding>,
     /// What the test's fit leaves; a misfit writes nothing of the findings.
@@ -76,6 +70,7 @@ impl Additions {
             let on_top = if finding.on_top { stated.map_or(0.0, |stated| stated.value) } else { 0.0 };
             let found = finding::Known { value: on_top + finding.found.value, ..finding.found };
             let (written, why) = match &misfit {
+                _ if finding.moved => (Some(found.rounded()), Why::Moved),
                 Some(left) => (None, Why::Misfit(left.clone())),
                 None if again && self.compensated => (None, Why::SameRecord),
                 None => finding::decide(stated, found, !again),
@@ -123,41 +118,6 @@ impl Additions {
             edited.notes.push(format!("axis {}: {how}, {} lines", axis.letter(), table.rows.len()));
             let uncertainty = kept(&known, &before, *axis, &table);
             edited.files.push((beside(name, &csv), write_axis_csv_known(&table, *axis, &uncertainty)));
-        }
-        let mut left = Vec::new();
-        for (axis, backlash) in self.backlash.iter().filter(|(_, backlash)| *backlash != 0.0) {
-            let (own, hysteresis) =
-                before.settings.axis(*axis).map_or((0.0, 0.0), |own| (own.backlash, own.hysteresis));
-            let (sum, letter) = (own + backlash, axis.letter());
-            if -sum > hysteresis {
-                left.push(format!("axis.{letter}.uncertainty.backlash_um"));
-                edited.notes.push(format!(
-                    "axis {letter}: backlash stays as it is, as it would become {} µm: {OVERCOMPENSATED}. To correct it here all the \
-                     same, state a hysteresis_um above that",
-                    micro(sum)
-                ));
-                continue;
-            }
-            set(section(&mut document, *axis, &origin)?, "backlash_um", micro(sum));
-            edited.notes.push(format!("axis {letter}: backlash set"));
-        }
-        if self.location != LocationErrors::default() {
-            let sum = added(&before.settings.location, &self.location);
-            let changed = changed(&stated::location_values(&before.settings.location), stated::location_values(&sum));
-            if !changed.is_empty() {
-                let names: Vec<&str> = changed.iter().map(|(key, _)| key.as_str()).collect();
-                edited.notes.push(format!("location errors set: {}", names.join(" ")));
-                let to = table_at(document.as_table_mut(), "location", &origin)?;
-                changed.into_iter().for_each(|(key, value)| set(to, &key, Value::from(value)));
-            }
-        }
-        for (key, value) in self.set.iter().filter(|(key, _)| !left.contains(key)) {
-            let (path, last) = key.rsplit_once('.').unwrap_or(("", key));
-            let mut at: &mut dyn TableLike = document.as_table_mut();
-            for part in path.split('.').filter(|part| !part.is_empty()) {
-                at = table_at(at, part, &origin)?;
-            }
-            set(at, last, rounded(*value));
         }
         write(&self.findings, &decisions, self.record.as_deref(), &mut document, &origin)?;
         let Edited { files, notes } = &mut edited;
@@ -267,38 +227,6 @@ fn table_at<'d>(table: &'d mut dyn TableLike, name: &str, origin: &Origin) -> Re
     };
     let refused = || origin.whole(format!("a {name} that is no section"), format!("a section [{name}]"));
     table.entry(name).or_insert_with(new).as_table_like_mut().ok_or_else(refused)
-}
-
-/// µm with three decimals.
-fn micro(mm: f64) -> Value {
-    Value::from((1e6 * mm).round() / 1e3)
-}
-
-/// Three significant decimals are enough for an uncertainty.
-fn rounded(value: f64) -> Value {
-    Value::from((1e3 * value).round() / 1e3)
-}
-
-fn added(to: &LocationErrors, what: &LocationErrors) -> LocationErrors {
-    // To a nanometre and a nanoradian: more digits say nothing.
-    let sum = |a: f64, b: f64, scale: f64| if b == 0.0 { a } else { ((a + b) * scale).round() / scale };
-    LocationErrors {
-        a0z: sum(to.a0z, what.a0z, 1e9),
-        b0z: sum(to.b0z, what.b0z, 1e9),
-        c0y: sum(to.c0y, what.c0y, 1e9),
-        rotary: std::array::from_fn(|axis| {
-            std::array::from_fn(|k| sum(to.rotary[axis][k], what.rotary[axis][k], if k < 3 { 1e6 } else { 1e9 }))
-        }),
-    }
-}
-
-/// Values that are no longer those before; 0 where one is gone.
-fn changed(before: &[(String, f64)], mut now: Vec<(String, f64)>) -> Vec<(String, f64)> {
-    let gone = before.iter().filter(|(key, _)| now.iter().all(|(own, _)| own != key));
-    let gone: Vec<(String, f64)> = gone.map(|(key, _)| (key.clone(), 0.0)).collect();
-    now.retain(|value| !before.contains(value));
-    now.extend(gone);
-    now
 }
 
 /// Standard uncertainties point by point as the axis' CSV states them, at the points of its new table: linear between its own

@@ -126,7 +126,7 @@ fn a_curve_is_added_by_its_weight() {
     let files = Memory::new([("machine.toml", toml), ("x.csv", "X_mm,EXX_um\n0,0\n100,5\n")]);
     let of = |found: Known| {
         let curve = vec![(0.0, [0.0; 3]), (100.0, [1e-4 * found.value, 0.0, 0.0])];
-        let finding = Finding { key: "axis.X.scale_ppm".into(), found, on_top: true, curve };
+        let finding = Finding { key: "axis.X.scale_ppm".into(), found, on_top: true, curve, ..Finding::default() };
         let additions = Additions { findings: vec![finding], ..Additions::default() };
         let edited = additions.edit(&files, Path::new("machine.toml")).unwrap();
         let file =

@@ -316,6 +316,7 @@ impl Calibration {
                 key: format!("{section}.{}", keyed.key),
                 found: Known::new(value, keyed.standard_error, solution.degrees_of_freedom),
                 on_top: true,
+                moved: false,
                 curve,
             }
         };
