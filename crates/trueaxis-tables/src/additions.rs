@@ -70,9 +70,9 @@ impl Additions {
             let on_top = if finding.on_top { stated.map_or(0.0, |stated| stated.value) } else { 0.0 };
             let found = finding::Known { value: on_top + finding.found.value, ..finding.found };
             let (written, why) = match &misfit {
-                _ if finding.moved => (Some(found.rounded()), Why::Moved),
                 Some(left) => (None, Why::Misfit(left.clone())),
                 None if again && self.compensated => (None, Why::SameRecord),
+                None if finding.moved => (Some(found.rounded()), Why::Moved),
                 None => finding::decide(stated, found, !again),
             };
             let axis = finding::axis_of(&finding.key).and_then(|axis| before.settings.axis(axis));

@@ -80,7 +80,7 @@ pub enum Why {
     SameRecord,
     /// How well the value is known is not known.
     Unknown,
-    /// Found to have moved.
+    /// By the test's own statistics.
     Moved,
     /// Lost motion below zero by more than the hysteresis.
     OverCompensated,
@@ -99,7 +99,7 @@ impl fmt::Display for Why {
             Why::Combined => write!(f, "agrees: both by their weights"),
             Why::Nothing => write!(f, "within {AGREE} standard uncertainties of none"),
             Why::SameRecord => write!(f, "agrees: this record is in it already"),
-            Why::Moved => write!(f, "it has moved"),
+            Why::Moved => write!(f, "by the test's own statistics"),
             Why::Unknown => write!(f, "found without an uncertainty"),
             Why::OverCompensated => {
                 write!(f, "{}; to correct it here all the same, state a hysteresis above it", crate::OVERCOMPENSATED)
@@ -163,7 +163,8 @@ pub struct Finding {
     pub found: Known,
     /// Whether it is what the machine's figures leave, and their value is to be added to it.
     pub on_top: bool,
-    /// Whether the caller has told already that it has moved, by a test against all that was measured before: it is written.
+    /// Whether it is taken as it was found: it has moved by a test against all that was measured before, or it is one of several
+    /// that are known together much better than each alone.
     pub moved: bool,
     /// Of errors of a table: positions, and the translations X, Y, Z at each, mm, that are added to it.
     pub curve: Vec<(f64, [f64; 3])>,
