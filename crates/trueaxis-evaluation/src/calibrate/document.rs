@@ -311,9 +311,8 @@ impl Calibration {
                 terms.grid(axis, STEPS).into_iter().map(|q| (q, terms.error(&own, axis, q))).collect()
             });
             let value = keyed.rms.unwrap_or(keyed.value);
-            // With rotary axes squareness, offsets and tilts are known together much better than each alone: one without the
-            // others does harm.
-            let moved = keyed.of == "location" && terms.terms.iter().any(|term| matches!(term, Term::Location(..)));
+            // With rotary axes all terms together are known much better than each alone: one without the others does harm.
+            let moved = terms.terms.iter().any(|term| matches!(term, Term::Location(..)));
             let section = if keyed.of == "location" { keyed.of } else { format!("axis.{}", keyed.of) };
             Finding {
                 key: format!("{section}.{}", keyed.key),
