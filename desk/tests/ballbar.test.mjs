@@ -110,7 +110,7 @@ test("a bar's record has the figures of trueaxis ballbar, and the machine what i
   assert.deepEqual(Object.keys(settings), ["axis.X.backlash_um", "location.C0Y_urad"]);
   near(settings["location.C0Y_urad"].stands, 38, "C0Y before");
   assert.ok(Math.abs(settings["location.C0Y_urad"]["with what was found"] - 50) < 1, "C0Y after");
-  await panel.getByText("backlash of Y is left as it is").waitFor();
+  await panel.getByText("axis.Y.backlash_um: found").waitFor();
   for (const more of [[], ["--compensated"]]) {
     if (more.length > 0) {
       await view(page, "Machine");

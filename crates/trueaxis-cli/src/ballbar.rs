@@ -1,16 +1,15 @@
 //! `trueaxis ballbar`.
 
 use crate::output::{json, print, tell};
-use crate::{machine_folder, model, report};
+use crate::{machine_folder, report};
 use anyhow::{Context, Result};
 use clap::Args;
 use std::fmt::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use trueaxis::Axis;
 use trueaxis_evaluation::ballbar::{Document, Options, Test, Ways, values};
 use trueaxis_evaluation::friction::pair;
 use trueaxis_report::number::significant;
-use trueaxis_tables::files::Folder;
 use trueaxis_tables::output::Outputs;
 
 pub(crate) const HELP: &str = "\
@@ -34,8 +33,8 @@ with half of its interval of 95 % (d = +1 counterclockwise, -1 clockwise):
 One direction cannot tell servo mismatch and lateral play; they are null then, and so is F of an arc. Readings from an axis'
 reversal until its play is taken up are left out of the fit. Spikes of another shape than u/w exp(1 − u/w) widen the
 intervals of what they are like, and are noted.
--o writes squareness and backlash, where they are above two standard errors, into a machine with their uncertainties; the
-rest has no place in a table.
+-o writes squareness and backlash into a machine with their uncertainties, where they differ from what it states by more than
+two of both together; values that agree become their weighted mean. The rest has no place in a table.
 
 Examples:
   trueaxis ballbar record.csv --radius-mm 100 --report out
@@ -44,6 +43,7 @@ Examples:
   trueaxis ballbar record.csv --radius-mm 100 --machine mymill -o mymill";
 
 #[derive(Args)]
+#[command(group(clap::ArgGroup::new("into").args(["output", "dry_run"]).multiple(true)))]
 pub(crate) struct Arguments {
     /// Recorded circles.
     #[arg(value_name = "RECORD")]
@@ -64,7 +64,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "P")]
     pitch_z_mm: Option<f64>,
     /// The machine that was measured, for -o.
-    #[arg(long, value_name = "M", requires = "output")]
+    #[arg(long, value_name = "M", requires = "into")]
     machine: Option<PathBuf>,
     /// The machine was corrected by its tables while the circles were run: what was found is added to them, in place of
     /// taking their place.
@@ -73,6 +73,9 @@ pub(crate) struct Arguments {
     /// Folder that the machine is written into: its own, or a new one.
     #[arg(short, long, value_name = "MACHINE_DIR", requires = "machine")]
     output: Option<PathBuf>,
+    /// Print what would be written and why, with the old values, and write nothing.
+    #[arg(long, requires = "machine")]
+    dry_run: bool,
     /// One JSON document instead of a table.
     #[arg(long)]
     json: bool,
@@ -82,22 +85,23 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
-    let _alone = arguments.output.as_deref().map(machine_folder::alone).transpose()?;
+    let into = arguments.output.as_deref().filter(|_| !arguments.dry_run);
+    let _alone = into.map(machine_folder::alone).transpose()?;
     let pitches_mm = [arguments.pitch_x_mm, arguments.pitch_y_mm, arguments.pitch_z_mm];
     let options = Options::new(arguments.radius_mm, arguments.axes, pitches_mm).map_err(|wrong| wrong.option())?;
     let record = &arguments.record;
     let bytes = std::fs::read(record).with_context(|| format!("cannot read {}", record.display()))?;
     let test = Test::read(&bytes, record, &options, |note| tell(format_args!("note: {note}")))?;
     let document = test.document();
-    let files =
-        arguments.machine.iter().flat_map(|machine| machine_folder::inputs(machine, arguments.output.as_deref()));
+    let files = arguments.machine.iter().flat_map(|machine| machine_folder::inputs(machine, into));
     let mut outputs = Outputs::of(files.chain([arguments.record.clone()]));
     let mut written = Vec::new();
-    if let (Some(machine), Some(output)) = (&arguments.machine, &arguments.output) {
-        let (additions, left) = test.additions(&model::machine(machine)?, arguments.compensated);
-        let edit = |folder: &Folder, name: &Path| additions.edit(folder, name);
-        written = machine_folder::write(&mut outputs, machine, output, edit)?;
-        written.extend(left);
+    if let Some(machine) = &arguments.machine {
+        let additions = test.additions(arguments.compensated);
+        written = machine_folder::decide(&mut outputs, machine, into, record, additions)?;
+    }
+    if arguments.dry_run {
+        return print(&machine_folder::lines(&written));
     }
     if let Some(directory) = &arguments.report {
         let source = arguments.record.file_name().unwrap_or_default().to_string_lossy();

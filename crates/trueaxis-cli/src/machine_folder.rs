@@ -4,10 +4,11 @@ use crate::model;
 use crate::output::tell;
 use anyhow::{Result, bail};
 use std::path::{Path, PathBuf};
-use trueaxis_tables::Edited;
 use trueaxis_tables::error::FileError;
 use trueaxis_tables::files::Folder;
+use trueaxis_tables::finding::table;
 use trueaxis_tables::output::{Alone, Outputs};
+use trueaxis_tables::{Additions, Edited};
 
 /// The folder that a machine is written into, for this command alone until the value is dropped: taken before the machine is read.
 pub(crate) fn alone(output: &Path) -> Result<Alone> {
@@ -65,6 +66,29 @@ pub(crate) fn write(
         notes.push(format!("written {}", output.join(target).display()));
     }
     Ok(notes)
+}
+
+/// Stages `machine` with what of the additions is written, as [`write`]; what is done about every finding comes first. `record`:
+/// the file that they rest on. Without a folder to write into nothing is staged.
+pub(crate) fn decide(
+    outputs: &mut Outputs,
+    machine: &Path,
+    into: Option<&Path>,
+    record: &Path,
+    additions: Additions,
+) -> Result<Vec<String>> {
+    let additions = additions.of_record(&std::fs::read(record)?);
+    let (folder, name) = Folder::of_machine(machine);
+    let mut notes = Vec::from_iter(Some(table(&additions.decide(&folder, &name)?)).filter(|table| !table.is_empty()));
+    if let Some(output) = into {
+        notes.extend(write(outputs, machine, output, |folder, name| additions.edit(folder, name))?);
+    }
+    Ok(notes)
+}
+
+/// The notes as one text.
+pub(crate) fn lines(notes: &[String]) -> String {
+    notes.iter().map(|note| format!("{note}\n")).collect()
 }
 
 /// Tells what was written.

@@ -46,12 +46,16 @@ fn causes_are_found() {
 /// Command and place on the circle of 40 mm about (7, −3), four places to a degree: the second axis lags by 5 µm and has
 /// 3 µm of lost motion, and moves the first by 30 µrad.
 fn places() -> Vec<[[f64; 2]; 2]> {
+    places_of(30e-6)
+}
+
+fn places_of(squareness: f64) -> Vec<[[f64; 2]; 2]> {
     let turns = |d: f64| (0..=1440).map(move |k| (d, d * f64::from(k) * 0.25));
     let all = turns(1.0).chain(turns(-1.0));
     all.map(|(d, angle)| {
         let (sin, cos) = (angle + 0.1).to_radians().sin_cos();
         let (x, y) = (40.0 * cos, 40.0 * sin);
-        let moved = [x - 30e-6 * y, y - 0.005 * d * cos - 0.0015 * (d * cos).signum()];
+        let moved = [x - squareness * y, y - 0.005 * d * cos - 0.0015 * (d * cos).signum()];
         [[7.0 + x, -3.0 + y], [7.0 + moved[0], -3.0 + moved[1]]]
     })
     .collect()
@@ -157,10 +161,49 @@ fn what_becomes_a_setting_is_written_into_the_machine() {
     assert!((found("more/machine.toml", "C0Y_urad") - 70.0).abs() < 0.1);
     assert!((found("more/machine.toml", "backlash_um") - 6.0).abs() < 0.02);
     folder.good(&["tables", "check", "new"]);
-    folder.good(&["ballbar", "record.csv", "--radius-mm", "100", "--machine", "new", "-o", "new", "--compensated"]);
+    // The same circles do not show twice what the tables leave; others do.
+    let own = ["ballbar", "record.csv", "--radius-mm", "100", "--machine", "new", "-o", "new", "--compensated"];
+    let before = folder.read("new/machine.toml");
+    assert!(folder.both(&own)[1].contains("this record is in it already"));
+    assert_eq!(folder.read("new/machine.toml"), before);
+    folder.write("record.csv", format!("# again\n{}", record(&[1.0, -1.0])));
+    folder.good(&own);
     assert!((found("new/machine.toml", "backlash_um") - 10.0).abs() < 0.04, "its own folder");
     folder.bad(&call(&["more"]), &["found a machine in more, needed the folder of --machine or one without a machine"]);
     folder.bad(&["ballbar", "record.csv", "--radius-mm", "100", "-o", "x"], &["--machine"]);
+}
+
+/// Only what the circle has told is said to be written, and a lost motion that is scatter is not.
+#[test]
+fn what_has_not_changed_is_not_claimed() {
+    let folder = Folder::new(TRUEAXIS);
+    folder.write("record.csv", record(&[1.0, -1.0]));
+    let toml = "name = \"m\"\nchain = \"w b X Y Z t\"\n[location]\nA0Z_urad = 32.123456789\nB0Z_urad = 38.987654321\nC0Y_urad = 20\n";
+    folder.write("m/machine.toml", toml);
+    let [_, told] = folder.both(&["ballbar", "record.csv", "--radius-mm", "100", "--machine", "m", "-o", "new"]);
+    assert!(told.contains("location.C0Y_urad") && !told.contains("A0Z") && !told.contains("B0Z"), "{told}");
+    let text = folder.read("new/machine.toml");
+    assert!(text.contains("A0Z_urad = 32.123456789\nB0Z_urad = 38.987654321\nC0Y_urad = 50"), "{text}");
+    assert!(text.contains("[axis.X]\nbacklash_um = 5") && !text.contains("[axis.Y]"), "{text}");
+    assert!(told.lines().any(|line| line.starts_with("axis.Y.backlash_um") && line.contains("of none")), "{told}");
+}
+
+/// Encoders of the axes do not see the squareness: that they show none does not take away what is stated.
+#[test]
+fn positions_take_no_squareness_away() {
+    let folder = Folder::new(TRUEAXIS);
+    let rows = places_of(0.0).into_iter().enumerate().map(|(k, [command, place])| {
+        // Half a nanometre of an encoder's resolution.
+        let noise = 5e-7 * f64::from([1, -1, 0, -1, 1, 0, 0][k % 7]);
+        format!("{},{},{},{}\n", command[0], place[0] + noise, command[1], place[1] - noise)
+    });
+    folder.write("grid.csv", String::from("x_cmd_mm,x_mm,y_cmd_mm,y_mm\n") + &rows.collect::<String>());
+    let toml =
+        "name = \"m\"\nchain = \"w b X Y Z t\"\n[location]\nC0Y_urad = 38.0\n[uncertainty.location]\nC0Y_urad = 2.0\n";
+    folder.write("m/machine.toml", toml);
+    let [_, told] = folder.both(&["ballbar", "grid.csv", "--radius-mm", "40", "--machine", "m", "-o", "new"]);
+    let text = folder.read("new/machine.toml");
+    assert!(text.contains("[location]\nC0Y_urad = 38.0\n") && text.contains("backlash_um = 3"), "{text} {told}");
 }
 
 /// A control that takes up 8 µm too much: the cause is named, the squareness is written.
@@ -176,7 +219,10 @@ fn lost_motion_below_zero_refuses_nothing_else() {
         found.replace('\u{2212}', "-").contains(&format!("note: backlash X is {}", cause.replace("8.0", "8.00"))),
         "{found}"
     );
-    assert!(told.contains("axis X: backlash stays as it is, as it would become -8"), "{told}");
+    assert!(
+        told.lines().any(|line| line.starts_with("axis.X.backlash_um") && line.contains("lost motion below zero")),
+        "{told}"
+    );
     let text = folder.read("new/machine.toml");
     assert!(text.contains("C0Y_urad = 50") && !text.contains("backlash"), "{text}");
 }

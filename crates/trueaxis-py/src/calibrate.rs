@@ -47,7 +47,8 @@ pub(crate) fn calibrate_plan(py: Python<'_>, task: PathBuf) -> PyResult<Bound<'_
 }
 
 /// The errors of a machine from the log of a probing program: the document of `trueaxis calibrate solve --json`, and with
-/// files=True the machine's changed files under `files`, a dict of texts by name.
+/// files=True the machine's changed files under `files`, a dict of texts by name, and under `decisions` what is done about every
+/// value: key, stated, found, written (None: what is stated stays) and why.
 ///
 /// One least-squares network of touches, places, sizes, tip and drift. Errors are actual − ideal, of the tool relative to the
 /// workpiece: µrad, µm, ppm by their names; standard errors under the same names. task: the one that the program was planned
@@ -63,11 +64,14 @@ pub(crate) fn calibrate_solve(py: Python<'_>, task: PathBuf, log: PathBuf, files
         let read = read(&task, &mut notes)?;
         let text = read_text(&log, &['#', ';'])?;
         let (_, found) = solved(&read.task, &read.machine, &text, &log, |note| notes.push(note))?;
-        let edited = found.additions().edit(&read.folder, &read.name)?;
-        Ok((found.document(&read.task, &read.machine), edited.files))
+        let record = std::fs::read(&log).map_err(|error| anyhow::anyhow!("{}: {error}", log.display()))?;
+        let additions = found.additions(&read.task).of_record(&record);
+        let decisions = additions.decide(&read.folder, &read.name)?;
+        let edited = additions.edit(&read.folder, &read.name)?;
+        Ok((found.document(&read.task, &read.machine), decisions, edited.files))
     });
     notes.iter().try_for_each(|note| warn(py, note))?;
-    let (document, edited) = told(found)?;
+    let (document, decisions, edited) = told(found)?;
     let document = documents::dictionary(py, &document)?.cast_into::<PyDict>()?;
     if files {
         let texts = PyDict::new(py);
@@ -75,6 +79,7 @@ pub(crate) fn calibrate_solve(py: Python<'_>, task: PathBuf, log: PathBuf, files
             texts.set_item(name.to_string_lossy(), text)?;
         }
         document.set_item("files", texts)?;
+        document.set_item("decisions", documents::dictionary(py, &decisions)?)?;
     }
     Ok(document)
 }

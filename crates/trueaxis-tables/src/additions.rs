@@ -5,7 +5,8 @@ use crate::edit::table_name;
 use crate::error::FileError;
 use crate::exact::table::ErrorTable;
 use crate::files::Source;
-use crate::formats::{stated, write_axis_csv_known};
+use crate::finding::{self, Decision, Finding, Fit, Why};
+use crate::formats::write_axis_csv_known;
 use crate::limits::widened;
 use crate::origin::Origin;
 use crate::read::{Standing, beside};
@@ -13,7 +14,7 @@ use crate::uncertainty::Uncertainties;
 use crate::{Machine, Table};
 use std::path::Path;
 use toml_edit::{DocumentMut, Item, TableLike, Value};
-use trueaxis::machine::{Axis, LocationErrors, Row};
+use trueaxis::machine::{Axis, Row};
 
 /// What negative lost motion comes from; said wherever it is found.
 pub const OVERCOMPENSATED: &str =
@@ -21,6 +22,9 @@ pub const OVERCOMPENSATED: &str =
 
 /// Closest two positions of a table, mm or degrees.
 const CLOSEST: f64 = 1e-3;
+
+/// Degrees of freedom of what is well known: the most that the file takes.
+const WELL_KNOWN: f64 = 1e9;
 
 /// Positions of an axis, and the translations X, Y, Z at each.
 type Points = Vec<(f64, [f64; 3])>;
@@ -30,15 +34,63 @@ type Points = Vec<(f64, [f64; 3])>;
 pub struct Additions {
     /// For an axis: positions, and the translations X, Y, Z at them; between them linear, beyond them as at the end.
     pub curves: Vec<(Axis, Points)>,
-    /// Location errors.
-    pub location: LocationErrors,
-    /// Backlash of axes, mm.
-    pub backlash: Vec<(Axis, f64)>,
-    /// Numbers of `machine.toml` that are set, not added: full names of their keys, like `axis.X.uncertainty.scale_ppm`.
-    pub set: Vec<(String, f64)>,
+    /// What a test has found; [`finding::decide`] says what of it is written.
+    pub findings: Vec<Finding>,
+    /// What the test's fit leaves; a misfit writes nothing of the findings.
+    pub fit: Option<Fit>,
+    /// Number of the record that the findings rest on ([`finding::record_number`]); `None`: not to be known again.
+    pub record: Option<String>,
+    /// The record was taken with the machine's tables at work: the same one a second time is not added again.
+    pub compensated: bool,
 }
 
 impl Additions {
+    /// The same, resting on a record of these bytes.
+    #[must_use]
+    pub fn of_record(self, bytes: &[u8]) -> Additions {
+        Additions { record: Some(finding::record_number(bytes)), ..self }
+    }
+
+    /// What is done about every finding in a machine; `name` is that of its `machine.toml`. Nothing is written.
+    ///
+    /// # Errors
+    /// A machine that cannot be read.
+    pub fn decide(&self, machine: &dyn Source, name: &Path) -> Result<Vec<Decision>, FileError> {
+        let before = Machine::read_from(machine, name, &mut |_| {})?;
+        let known = Uncertainties::read_from(machine, name)?;
+        let document = parsed(&Standing::read(machine, name)?.text, &Origin::new(&machine.path(name)))?;
+        Ok(self.decided(&before, &known, &document))
+    }
+
+    fn decided(&self, before: &Machine, known: &Uncertainties, document: &DocumentMut) -> Vec<Decision> {
+        let misfit = self.fit.and_then(|fit| fit.misfit(known.reading()));
+        let again = self.record.as_ref().is_some_and(|record| known.records.contains(record));
+        let decision = |finding: &Finding| {
+            let stated = finding::stated(document.as_table(), finding);
+            let on_top = if finding.on_top { stated.map_or(0.0, |stated| stated.value) } else { 0.0 };
+            let found = finding::Known { value: on_top + finding.found.value, ..finding.found };
+            let (written, why) = match &misfit {
+                Some(left) => (None, Why::Misfit(left.clone())),
+                None if again && self.compensated => (None, Why::SameRecord),
+                None if finding.moved => (Some(found.rounded()), Why::Moved),
+                None => finding::decide(stated, found, !again),
+            };
+            let axis = finding::axis_of(&finding.key).and_then(|axis| before.settings.axis(axis));
+            let below = |written: &finding::Known| {
+                let hysteresis = axis
+                    .map_or(0.0, |own| if own.axis.is_rotary() { own.hysteresis * 1e6 } else { own.hysteresis * 1e3 });
+                finding.key.contains(".backlash_") && -written.value > hysteresis
+            };
+            match written {
+                Some(value) if below(&value) => {
+                    Decision { key: finding.key.clone(), stated, found, written: None, why: Why::OverCompensated }
+                }
+                written => Decision { key: finding.key.clone(), stated, found, written, why },
+            }
+        };
+        self.findings.iter().map(decision).collect()
+    }
+
     /// The changes that bring them into a machine; `name` is that of its `machine.toml`. Comments, order and every other
     /// setting stay. What results is checked as [`Machine::read`] does. Nothing is written.
     ///
@@ -50,12 +102,10 @@ impl Additions {
         let standing = Standing::read(machine, name)?;
         let known = Uncertainties::read_from(machine, name)?;
         let origin = Origin::new(&machine.path(name));
-        let text = standing.text.strip_prefix('\u{feff}').unwrap_or(&standing.text);
-        let mut document = text
-            .parse::<DocumentMut>()
-            .map_err(|error| origin.whole(error.message().to_owned(), "a TOML file that can be edited"))?;
+        let mut document = parsed(&standing.text, &origin)?;
         let mut edited = Edited { files: Vec::new(), notes: Vec::new() };
-        for (axis, curve) in &self.curves {
+        let decisions = self.decided(&before, &known, &document);
+        for (axis, curve) in self.curves.iter().chain(&taken_curves(&self.findings, &decisions)) {
             let table = summed(&before, *axis, curve);
             let csv = table_name(*axis, &standing, &origin)?;
             let new = before.rows(*axis).is_none();
@@ -69,50 +119,103 @@ impl Additions {
             let uncertainty = kept(&known, &before, *axis, &table);
             edited.files.push((beside(name, &csv), write_axis_csv_known(&table, *axis, &uncertainty)));
         }
-        let mut left = Vec::new();
-        for (axis, backlash) in self.backlash.iter().filter(|(_, backlash)| *backlash != 0.0) {
-            let (own, hysteresis) =
-                before.settings.axis(*axis).map_or((0.0, 0.0), |own| (own.backlash, own.hysteresis));
-            let (sum, letter) = (own + backlash, axis.letter());
-            if -sum > hysteresis {
-                left.push(format!("axis.{letter}.uncertainty.backlash_um"));
-                edited.notes.push(format!(
-                    "axis {letter}: backlash stays as it is, as it would become {} µm: {OVERCOMPENSATED}. To correct it here all the \
-                     same, state a hysteresis_um above that",
-                    micro(sum)
-                ));
-                continue;
-            }
-            set(section(&mut document, *axis, &origin)?, "backlash_um", micro(sum));
-            edited.notes.push(format!("axis {letter}: backlash set"));
-        }
-        if self.location != LocationErrors::default() {
-            let sum = added(&before.settings.location, &self.location);
-            let changed = changed(&stated::location_values(&before.settings.location), stated::location_values(&sum));
-            if !changed.is_empty() {
-                let names: Vec<&str> = changed.iter().map(|(key, _)| key.as_str()).collect();
-                edited.notes.push(format!("location errors set: {}", names.join(" ")));
-                let to = table_at(document.as_table_mut(), "location", &origin)?;
-                changed.into_iter().for_each(|(key, value)| set(to, &key, Value::from(value)));
-            }
-        }
-        for (key, value) in self.set.iter().filter(|(key, _)| !left.contains(key)) {
-            let (path, last) = key.rsplit_once('.').unwrap_or(("", key));
-            let mut at: &mut dyn TableLike = document.as_table_mut();
-            for part in path.split('.').filter(|part| !part.is_empty()) {
-                at = table_at(at, part, &origin)?;
-            }
-            set(at, last, rounded(*value));
-        }
+        write(&self.findings, &decisions, self.record.as_deref(), &mut document, &origin)?;
         let Edited { files, notes } = &mut edited;
         let text =
             widened(&document, &standing.text, files, (machine, name), Some(&before), notes).map_err(|error| {
                 let needed = format!("{} (in the machine with what was found; nothing is written)", error.needed);
                 FileError { needed, ..error }
             })?;
-        edited.files.push((name.into(), text));
+        if text != standing.text {
+            edited.files.push((name.into(), text));
+        }
         Ok(edited)
     }
+}
+
+fn parsed(text: &str, origin: &Origin) -> Result<DocumentMut, FileError> {
+    text.strip_prefix('\u{feff}')
+        .unwrap_or(text)
+        .parse::<DocumentMut>()
+        .map_err(|error| origin.whole(error.message().to_owned(), "a TOML file that can be edited"))
+}
+
+/// Curves of the findings that are written, each with the share of it that is, one an axis.
+fn taken_curves(findings: &[Finding], decisions: &[Decision]) -> Vec<(Axis, Points)> {
+    let mut curves: Vec<(Axis, Points)> = Vec::new();
+    for (finding, decision) in findings.iter().zip(decisions).filter(|(finding, _)| !finding.curve.is_empty()) {
+        let (Some(axis), Some(written)) = (finding::axis_of(&finding.key), decision.written) else { continue };
+        if written.value == 0.0 || finding.found.value == 0.0 {
+            continue;
+        }
+        let share = written.value / finding.found.value;
+        let taken = finding.curve.iter().map(|(position, errors)| (*position, errors.map(|error| share * error)));
+        match curves.iter_mut().find(|(own, _)| *own == axis) {
+            None => curves.push((axis, taken.collect())),
+            Some((_, sum)) => {
+                let mut all: Points = taken.collect();
+                for (position, errors) in &mut all {
+                    let own = at(sum, *position);
+                    errors.iter_mut().zip(own).for_each(|(error, own)| *error += own);
+                }
+                let far = |position: f64| all.iter().all(|(other, _)| (other - position).abs() >= CLOSEST);
+                let more: Points = sum.iter().filter(|(position, _)| far(*position)).copied().collect();
+                let more = more.into_iter().map(|(position, own)| {
+                    let new = at(&finding.curve, position);
+                    (position, std::array::from_fn(|k| own[k] + share * new[k]))
+                });
+                all.extend(more.collect::<Vec<_>>());
+                all.sort_by(|a, b| a.0.total_cmp(&b.0));
+                *sum = all;
+            }
+        }
+    }
+    curves
+}
+
+/// What is written of the findings, with its standard uncertainty, the degrees of freedom of that and the record.
+fn write(
+    findings: &[Finding],
+    decisions: &[Decision],
+    record: Option<&str>,
+    document: &mut DocumentMut,
+    origin: &Origin,
+) -> Result<(), FileError> {
+    let put = |document: &mut DocumentMut, key: &str, value: Option<Value>| -> Result<(), FileError> {
+        let (path, last) = key.rsplit_once('.').unwrap_or(("", key));
+        let mut to: &mut dyn TableLike = document.as_table_mut();
+        for part in path.split('.').filter(|part| !part.is_empty()) {
+            to = table_at(to, part, origin)?;
+        }
+        match value {
+            Some(value) => set(to, last, value),
+            None => drop(to.remove(last)),
+        }
+        Ok(())
+    };
+    let mut any = false;
+    for (finding, decision) in findings.iter().zip(decisions) {
+        let Some(written) = decision.written else { continue };
+        any = true;
+        if finding.curve.is_empty() {
+            put(document, &finding.key, Some(Value::from(written.value)))?;
+        }
+        let [uncertainty, degrees] = finding::beside(&finding.key);
+        put(document, &uncertainty, written.uncertainty.map(Value::from))?;
+        // Those of the section would hold for it where it has none of its own.
+        let section = degrees.rsplit_once('.').map_or("", |(section, _)| section);
+        let of_others = finding::number(document.as_table(), &format!("{section}.degrees_of_freedom"));
+        let of = written.degrees_of_freedom.or(of_others.map(|_| WELL_KNOWN));
+        put(document, &degrees, of.map(|of| Value::from(of.min(WELL_KNOWN) as i64)))?;
+    }
+    let Some(record) = record.filter(|_| any) else { return Ok(()) };
+    let section = table_at(document.as_table_mut(), "uncertainty", origin)?;
+    let list = section.entry("records").or_insert_with(|| Item::Value(toml_edit::Array::new().into()));
+    let list = list.as_array_mut().ok_or_else(|| origin.whole("records that are no list", "a list of records"))?;
+    if list.iter().all(|own| own.as_str() != Some(record)) {
+        list.push(record);
+    }
+    Ok(())
 }
 
 /// A section of a table, made where there is none; one that only holds sections gets no header.
@@ -124,38 +227,6 @@ fn table_at<'d>(table: &'d mut dyn TableLike, name: &str, origin: &Origin) -> Re
     };
     let refused = || origin.whole(format!("a {name} that is no section"), format!("a section [{name}]"));
     table.entry(name).or_insert_with(new).as_table_like_mut().ok_or_else(refused)
-}
-
-/// µm with three decimals.
-fn micro(mm: f64) -> Value {
-    Value::from((1e6 * mm).round() / 1e3)
-}
-
-/// Three significant decimals are enough for an uncertainty.
-fn rounded(value: f64) -> Value {
-    Value::from((1e3 * value).round() / 1e3)
-}
-
-fn added(to: &LocationErrors, what: &LocationErrors) -> LocationErrors {
-    // To a nanometre and a nanoradian: more digits say nothing.
-    let sum = |a: f64, b: f64, scale: f64| if b == 0.0 { a } else { ((a + b) * scale).round() / scale };
-    LocationErrors {
-        a0z: sum(to.a0z, what.a0z, 1e9),
-        b0z: sum(to.b0z, what.b0z, 1e9),
-        c0y: sum(to.c0y, what.c0y, 1e9),
-        rotary: std::array::from_fn(|axis| {
-            std::array::from_fn(|k| sum(to.rotary[axis][k], what.rotary[axis][k], if k < 3 { 1e6 } else { 1e9 }))
-        }),
-    }
-}
-
-/// Values that are no longer those before; 0 where one is gone.
-fn changed(before: &[(String, f64)], mut now: Vec<(String, f64)>) -> Vec<(String, f64)> {
-    let gone = before.iter().filter(|(key, _)| now.iter().all(|(own, _)| own != key));
-    let gone: Vec<(String, f64)> = gone.map(|(key, _)| (key.clone(), 0.0)).collect();
-    now.retain(|value| !before.contains(value));
-    now.extend(gone);
-    now
 }
 
 /// Standard uncertainties point by point as the axis' CSV states them, at the points of its new table: linear between its own

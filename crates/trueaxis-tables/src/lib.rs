@@ -9,6 +9,7 @@ mod edit;
 pub mod error;
 pub mod exact;
 pub mod files;
+pub mod finding;
 pub mod formats;
 mod grid;
 pub mod limits;

@@ -37,6 +37,19 @@ pub struct LocationUncertainty {
     pub rotary: [[Option<f64>; 6]; 3],
     /// Degrees of freedom of these figures; `None`: well known.
     pub degrees_of_freedom: Option<f64>,
+    /// Those of single figures, by name as `C0Y`; they go before `degrees_of_freedom`.
+    pub own_degrees_of_freedom: Vec<(String, f64)>,
+}
+
+impl LocationUncertainty {
+    /// Degrees of freedom of a figure, `C0Y` or `EX0C`; `None`: well known.
+    pub fn degrees_of(&self, name: &str) -> Option<f64> {
+        own(&self.own_degrees_of_freedom, name).or(self.degrees_of_freedom)
+    }
+}
+
+fn own(all: &[(String, f64)], name: &str) -> Option<f64> {
+    all.iter().find(|(own, _)| own == name).map(|(_, degrees)| *degrees)
 }
 
 /// An axis; standard uncertainties (k = 1), mm and rad. `None`: not stated.
@@ -56,9 +69,16 @@ pub struct AxisUncertainty {
     pub points: [Option<Vec<f64>>; 6],
     /// Degrees of freedom of these figures; `None`: well known.
     pub degrees_of_freedom: Option<f64>,
+    /// Those of single figures, by name as `backlash` or `EXX`; they go before `degrees_of_freedom`.
+    pub own_degrees_of_freedom: Vec<(String, f64)>,
 }
 
 impl AxisUncertainty {
+    /// Degrees of freedom of a figure, `scale`, `backlash` or `EXX`; `None`: well known.
+    pub fn degrees_of(&self, name: &str) -> Option<f64> {
+        own(&self.own_degrees_of_freedom, name).or(self.degrees_of_freedom)
+    }
+
     /// Nothing stated.
     pub fn unstated(axis: Axis) -> AxisUncertainty {
         AxisUncertainty {
@@ -69,6 +89,7 @@ impl AxisUncertainty {
             columns: [None; 6],
             points: Default::default(),
             degrees_of_freedom: None,
+            own_degrees_of_freedom: Vec::new(),
         }
     }
 
@@ -90,9 +111,23 @@ pub struct Uncertainties {
     pub location: LocationUncertainty,
     /// One entry an axis, in the order of the machine's list.
     pub axes: Vec<AxisUncertainty>,
+    /// Numbers of the records that figures of the machine rest on.
+    pub records: Vec<String>,
 }
 
 impl Uncertainties {
+    /// Standard deviation of a reading of this machine, mm: its instrument, the environment and the largest scatter of an approach of a
+    /// linear axis; `None` where neither environment nor scatter is stated.
+    pub fn reading(&self) -> Option<f64> {
+        let linear = self.axes.iter().filter(|own| !own.axis.is_rotary());
+        let scatter = linear.filter_map(|own| own.repeatability).reduce(f64::max);
+        if self.instrument.eve.is_none() && scatter.is_none() {
+            return None;
+        }
+        let parts = [self.instrument.device, self.instrument.eve, scatter].map(Option::unwrap_or_default);
+        Some(parts.iter().map(|part| part * part).sum::<f64>().sqrt())
+    }
+
     /// Those of an axis.
     pub fn of(&self, axis: Axis) -> Option<&AxisUncertainty> {
         self.axes.iter().find(|own| own.axis == axis)

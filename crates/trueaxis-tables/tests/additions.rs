@@ -2,13 +2,19 @@
 
 use std::path::Path;
 use trueaxis::Axis;
-use trueaxis::machine::LocationErrors;
 use trueaxis_tables::files::Memory;
+use trueaxis_tables::finding::{Finding, Known, table};
 use trueaxis_tables::{Additions, Machine};
 
 const MACHINE: &str = "# mine\nname = \"m\"\nchain = \"w X' Y' b Z t\"\n[axis.Y]\ntable = \"y.csv\" # kept\nbacklash_um = 1.5\n\
                        travel_mm = [0.0, 100.0]\n[axis.X]\ntravel_mm = [0.0, 100.0]\n[axis.Z]\ntravel_mm = [-50.0, 0.0]\n\
                        [location]\nC0Y_urad = 10.0 # before\n";
+
+/// What is added to the stated value.
+fn moved(key: &str, value: f64, uncertainty: f64) -> Finding {
+    let found = Known { value, uncertainty: Some(uncertainty), degrees_of_freedom: None };
+    Finding { key: key.into(), found, on_top: true, moved: true, ..Finding::default() }
+}
 
 #[test]
 fn errors_are_added_and_everything_else_stays() {
@@ -18,9 +24,8 @@ fn errors_are_added_and_everything_else_stays() {
             (Axis::X, vec![(0.0, [0.0; 3]), (100.0, [0.01, 0.002, 0.0])]),
             (Axis::Y, vec![(0.0, [0.0; 3]), (50.0, [0.0, 0.005, 0.0]), (100.0, [0.0, 0.01, 0.001])]),
         ],
-        location: LocationErrors { c0y: 5e-6, ..LocationErrors::default() },
-        backlash: vec![(Axis::Y, 0.0021)],
-        set: vec![("axis.X.uncertainty.scale_ppm".into(), 1.234567), ("uncertainty.location.C0Y_urad".into(), 0.5)],
+        findings: vec![moved("location.C0Y_urad", 5.0, 0.5), moved("axis.Y.backlash_um", 2.1, 0.2)],
+        ..Additions::default()
     };
     let edited = additions.edit(&files, Path::new("machine.toml")).unwrap();
     let file = |name: &str| edited.files.iter().find(|(own, _)| own == Path::new(name)).map(|(_, text)| text.as_str());
@@ -30,8 +35,8 @@ fn errors_are_added_and_everything_else_stays() {
         "table = \"y.csv\" # kept",
         "backlash_um = 3.6",
         "C0Y_urad = 15.0 # before",
-        "scale_ppm = 1.235",
-        "[uncertainty.location]",
+        "[axis.Y.uncertainty]\nbacklash_um = 0.2\n",
+        "[uncertainty.location]\nC0Y_urad = 0.5\n",
     ];
     for part in parts {
         assert!(text.contains(part), "{part} in {text}");
@@ -51,7 +56,7 @@ fn a_machine_without_tables_is_one_without_errors() {
     let files = Memory::new([("machine.toml", bare)]);
     let machine = Machine::read_from(&files, Path::new("machine.toml"), &mut |_| {}).unwrap();
     assert!(machine.tables.iter().all(Option::is_none));
-    let too_much = Additions { backlash: vec![(Axis::X, 5.0)], ..Additions::default() };
+    let too_much = Additions { findings: vec![moved("axis.X.backlash_um", 5000.0, 1.0)], ..Additions::default() };
     let refused = too_much.edit(&files, Path::new("machine.toml")).unwrap_err().to_string();
     assert!(refused.contains("axis.X.backlash_um") && refused.contains("nothing is written"), "{refused}");
 }
@@ -72,39 +77,41 @@ fn uncertainties_of_the_points_stay() {
 #[test]
 fn lost_motion_below_zero_is_named_and_the_rest_is_given() {
     let additions = Additions {
-        location: LocationErrors { c0y: 20e-6, ..LocationErrors::default() },
-        backlash: vec![(Axis::X, -0.0078), (Axis::Y, 0.002)],
-        set: vec![("axis.X.uncertainty.backlash_um".into(), 0.1), ("axis.Y.uncertainty.backlash_um".into(), 0.2)],
+        findings: vec![
+            moved("location.C0Y_urad", 20.0, 0.3),
+            moved("axis.X.backlash_um", -7.8, 0.1),
+            moved("axis.Y.backlash_um", 2.0, 0.2),
+        ],
         ..Additions::default()
     };
     let into = |keys: &str| {
         let toml = format!("name = \"m\"\nchain = \"w b X Y t\"\n[axis.X]\n{keys}");
-        let edited = additions.edit(&Memory::new([("machine.toml", toml)]), Path::new("machine.toml")).unwrap();
-        (edited.files.last().unwrap().1.clone(), edited.notes.join("\n"))
+        let (files, name) = (Memory::new([("machine.toml", toml)]), Path::new("machine.toml"));
+        let edited = additions.edit(&files, name).unwrap();
+        (edited.files.last().unwrap().1.clone(), table(&additions.decide(&files, name).unwrap()))
     };
     let (text, notes) = into("");
     assert!(text.contains("C0Y_urad = 20.0") && text.contains("backlash_um = 2.0"), "{text}");
     assert!(!text.contains("-7.8") && !text.contains("axis.X.uncertainty") && !text.contains("hysteresis"), "{text}");
     assert!(text.contains("[axis.Y.uncertainty]"), "{text}");
-    let said = "axis X: backlash stays as it is, as it would become -7.8 µm: lost motion below zero";
-    assert!(notes.contains(said) && notes.contains("the control takes up too much"), "{notes}");
+    let said = notes.lines().find(|line| line.starts_with("axis.X.backlash_um")).unwrap();
+    assert!(said.contains("-7.8 ± 0.1") && said.contains("the control takes up too much"), "{notes}");
     // Of a backlash that is corrected here 7.8 µm less is left; a hysteresis that is wide enough lets the tables take it back.
     assert!(into("backlash_um = 10\n").0.contains("backlash_um = 2.2"));
     assert!(into("hysteresis_um = 9\n").0.contains("backlash_um = -7.8"));
 }
 
-/// Location errors are told where they change: one that cancels is set to zero, one below a nanoradian is none.
+/// A location error that cancels is set to zero, one below a nanoradian is none.
 #[test]
-fn location_errors_that_change_are_set_and_told() {
+fn location_errors_that_change_are_set() {
     let toml = "name = \"m\"\nchain = \"w b X Y Z t\"\n[location]\nC0Y_urad = 10\nA0Z_urad = 3\n";
-    let with = |c0y: f64, b0z: f64| {
-        let additions =
-            Additions { location: LocationErrors { c0y, b0z, ..Default::default() }, ..Additions::default() };
+    let with = |findings: Vec<Finding>| {
+        let additions = Additions { findings, ..Additions::default() };
         let edited = additions.edit(&Memory::new([("machine.toml", toml)]), Path::new("machine.toml")).unwrap();
-        (edited.files.last().unwrap().1.clone(), edited.notes)
+        edited.files.last().map(|(_, text)| text.clone())
     };
-    let (text, notes) = with(-10e-6, 1e-13);
+    let none = Finding { moved: false, ..moved("location.B0Z_urad", 1e-7, 0.1) };
+    let text = with(vec![moved("location.C0Y_urad", -10.0, 0.1), none.clone()]).unwrap();
     assert!(text.contains("C0Y_urad = 0.0") && text.contains("A0Z_urad = 3\n") && !text.contains("B0Z"), "{text}");
-    assert_eq!(notes, ["location errors set: C0Y_urad"]);
-    assert_eq!(with(0.0, 1e-13).1, [""; 0]);
+    assert_eq!(with(vec![none]), None);
 }

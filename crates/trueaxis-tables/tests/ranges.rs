@@ -201,6 +201,7 @@ fn general(key: &str) -> String {
         ["Y", "Z"].iter().fold(section.to_owned(), |section, axis| section.replace(&format!("axis.{axis}"), "axis.X"));
     let errors = section.ends_with("location") || (section.ends_with("uncertainty") && last.starts_with('E'));
     match last.rsplit_once('_') {
+        _ if last.ends_with("_degrees_of_freedom") => format!("{section}.*_degrees_of_freedom"),
         Some((_, unit)) if errors && last.starts_with(|first: char| first.is_uppercase()) => {
             format!("{section}.*_{unit}")
         }

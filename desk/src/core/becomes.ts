@@ -9,8 +9,8 @@ import { shown } from "./number";
 export interface Becomes {
   files: Files;
   settings: { key: string; before: number; after: number; uncertainty: number | null }[];
+  changes: boolean;
   notes: string[];
-  left?: string[];
   /** Of the machine, where it is not the one that is shown. */
   name?: string;
 }
@@ -51,14 +51,13 @@ export class IntoMachine {
     if (this.taken) return;
     this.becomes = becomes;
     this.status.textContent = why;
-    this.put.disabled = !becomes || (becomes.settings.length === 0 && becomes.notes.length === 0);
+    this.put.disabled = !becomes?.changes;
     this.place.replaceChildren();
     if (!becomes) return;
     const rows = becomes.settings.map(({ key, before, after, uncertainty }): Cell[] => [key, shown(before, 4), shown(after, 4), uncertainty === null ? "" : shown(uncertainty, 4)]);
-    const lines = [...becomes.notes, ...(becomes.left ?? [])];
     this.place.append(
       rows.length > 0 ? table("What becomes a setting", ["key of machine.toml", "stands", "with what was found", "standard uncertainty"], rows) : el("p", {}, "No setting changes."),
-      notes("What is done", lines),
+      notes("What is done", becomes.notes),
     );
   }
 

@@ -3,7 +3,6 @@
 //! The test that was evaluated last is kept for the machine.
 
 use crate::becomes::Becomes;
-use crate::files::machine;
 use crate::{Refused, json, told};
 use anyhow::{Context, Result, anyhow};
 use serde::{Deserialize, Serialize};
@@ -11,6 +10,8 @@ use std::cell::RefCell;
 use std::path::Path;
 use trueaxis_evaluation::ballbar::{Document, Options, Test, Trace, traces, values};
 use trueaxis_evaluation::friction::pair;
+use trueaxis_tables::Additions;
+use trueaxis_tables::finding::record_number;
 use wasm_bindgen::prelude::*;
 
 /// What is to be known beside the record.
@@ -36,17 +37,8 @@ struct Evaluated {
     notes: Vec<String>,
 }
 
-/// What a machine gets of it.
-#[derive(Serialize)]
-struct Settings {
-    #[serde(flatten)]
-    becomes: Becomes,
-    /// What is left as it is, and why.
-    left: Vec<String>,
-}
-
 thread_local! {
-    static TEST: RefCell<Option<Test>> = RefCell::default();
+    static TEST: RefCell<Option<(Test, String)>> = RefCell::default();
 }
 
 fn evaluate(name: &str, bytes: &[u8], request: &str) -> Result<String> {
@@ -58,7 +50,7 @@ fn evaluate(name: &str, bytes: &[u8], request: &str) -> Result<String> {
     let test = Test::read(bytes, Path::new(name), &options, |note| notes.push(note))?;
     let document = test.document();
     let evaluated = Evaluated { values: values(&document), traces: traces(&test), document, notes };
-    TEST.set(Some(test));
+    TEST.set(Some((test, record_number(bytes))));
     json(&evaluated)
 }
 
@@ -71,14 +63,15 @@ pub fn ballbar_evaluate(name: &str, bytes: &[u8], request: &str) -> Result<Strin
 
 fn settings(files: &str, compensated: bool) -> Result<String> {
     TEST.with_borrow(|test| {
-        let test = test.as_ref().ok_or_else(|| anyhow!("found no circular test, needed one that was evaluated"))?;
-        let (additions, left) = test.additions(&machine(files, &mut Vec::new())?, compensated);
-        json(&Settings { becomes: Becomes::new(files, &additions)?, left })
+        let (test, record) =
+            test.as_ref().ok_or_else(|| anyhow!("found no circular test, needed one that was evaluated"))?;
+        let additions = Additions { record: Some(record.clone()), ..test.additions(compensated) };
+        json(&Becomes::new(files, &additions)?)
     })
 }
 
 /// The machine with what of the test becomes settings: `files`, `settings` (`key`, `before`, `after`, `uncertainty`),
-/// `notes`, `left`. `compensated`: its tables corrected it while the circles were run.
+/// `notes`. `compensated`: its tables corrected it while the circles were run.
 #[wasm_bindgen]
 pub fn ballbar_settings(files: &str, compensated: bool) -> Result<String, Refused> {
     told(settings(files, compensated))

@@ -5,10 +5,9 @@ use anyhow::Result;
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::path::Path;
-use trueaxis_tables::error::FileError;
 use trueaxis_tables::files::Memory;
 use trueaxis_tables::formats::location_values;
-use trueaxis_tables::{Additions, Edited, Machine};
+use trueaxis_tables::{Additions, Machine};
 
 /// The machine with what was found.
 #[derive(Debug, Serialize)]
@@ -17,7 +16,9 @@ pub(crate) struct Becomes {
     files: Texts,
     /// Numbers of `machine.toml` that change.
     settings: Vec<Changed>,
-    /// What the files get.
+    /// Whether any file changes.
+    changes: bool,
+    /// What is done about every value, and what else the files get.
     notes: Vec<String>,
 }
 
@@ -35,19 +36,14 @@ struct Changed {
 impl Becomes {
     /// The machine of `files` with `additions`.
     pub(crate) fn new(files: &str, additions: &Additions) -> Result<Becomes> {
-        Becomes::edited(files, |memory| additions.edit(memory, Path::new(DESCRIPTION)), &additions.set)
-    }
-
-    /// The machine of `files` after an edit; `stated`: uncertainties that are stated beside what was found.
-    pub(crate) fn edited(
-        files: &str,
-        edit: impl FnOnce(&Memory) -> Result<Edited, FileError>,
-        stated: &[(String, f64)],
-    ) -> Result<Becomes> {
-        let files = texts(files)?;
-        let edited = edit(&Memory::new(files.clone()))?;
+        let (files, name) = (texts(files)?, Path::new(DESCRIPTION));
+        let memory = Memory::new(files.clone());
+        let decisions = additions.decide(&memory, name)?;
+        let edited = additions.edit(&memory, name)?;
         let changed = edited.files.into_iter().map(|(name, text)| (name.to_string_lossy().into_owned(), text));
-        Becomes::with(files, changed, edited.notes, stated)
+        let notes = decisions.iter().map(ToString::to_string).chain(edited.notes).collect();
+        let written = decisions.iter().filter_map(|of| Some((of.key.clone(), of.written?.uncertainty?)));
+        Becomes::with(files, changed, notes, &written.collect::<Vec<_>>())
     }
 
     /// The machine of `files` with those that changed.
@@ -70,17 +66,18 @@ impl Becomes {
     }
 
     fn between(before: &Texts, files: Texts, notes: Vec<String>, stated: &[(String, f64)]) -> Result<Becomes> {
+        let changes = *before != files;
         let before = values(&machine_of(before, &mut Vec::new())?);
         let after = values(&machine_of(&files, &mut Vec::new())?);
         let of = |all: &[(String, f64)], key: &str| all.iter().find(|own| own.0 == key).map_or(0.0, |own| own.1);
         let keys: BTreeSet<&str> = before.iter().chain(&after).map(|(key, _)| key.as_str()).collect();
         let settings = keys.into_iter().filter_map(|key| {
             let (before, after) = (of(&before, key), of(&after, key));
-            let uncertainty = stated.iter().find(|(stated, _)| stated.replacen("uncertainty.", "", 1) == key);
+            let uncertainty = stated.iter().find(|(stated, _)| stated == key);
             let uncertainty = uncertainty.map(|(_, value)| *value);
             (before != after).then(|| Changed { key: key.to_owned(), before, after, uncertainty })
         });
-        Ok(Becomes { settings: settings.collect(), notes, files })
+        Ok(Becomes { settings: settings.collect(), changes, notes, files })
     }
 }
 

@@ -54,7 +54,7 @@ fn solve(files: &str, name: &str, task: &str, log_name: &str, log: &str) -> Resu
     let mut notes = Vec::new();
     let (task, machine) = read(files, name, task, &mut notes)?;
     let (plan, found) = solved(&task, &machine, log, Path::new(log_name), |note| notes.push(note))?;
-    let becomes = Becomes::new(files, &found.additions())?;
+    let becomes = Becomes::new(files, &found.additions(&task).of_record(log.as_bytes()))?;
     json(&Found {
         document: found.document(&task, &machine),
         residuals: Residuals::of(&task, &plan, &found),

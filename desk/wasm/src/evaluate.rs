@@ -1,7 +1,7 @@
 //! Records of tests with instruments: which test a record is of, what is shown of it, what of it becomes settings.
 
 use crate::becomes::Becomes;
-use crate::files::{DESCRIPTION, machine};
+use crate::files::machine;
 use crate::{Refused, json, told};
 use anyhow::{Context, Result, anyhow};
 use serde::{Deserialize, Serialize};
@@ -9,7 +9,7 @@ use std::path::Path;
 use trueaxis_evaluation::rows::{Column, Rows};
 use trueaxis_evaluation::shown::Shown;
 use trueaxis_evaluation::{diagonal, points, probing, r_test, thermal_test};
-use trueaxis_tables::formats::Imported;
+use trueaxis_tables::Additions;
 use trueaxis_tables::sheet::Sheet;
 use wasm_bindgen::prelude::*;
 
@@ -94,8 +94,8 @@ pub fn evaluate_test(name: &str, bytes: &[u8]) -> Result<String, Refused> {
     told(test(name, bytes))
 }
 
-fn located(files: &str, changed: &Imported) -> Result<Option<Becomes>> {
-    Becomes::edited(files, |memory| changed.edit(memory, Path::new(DESCRIPTION)), &[]).map(Some)
+fn located(files: &str, bytes: &[u8], additions: Additions) -> Result<Option<Becomes>> {
+    Becomes::new(files, &additions.of_record(bytes)).map(Some)
 }
 
 fn evaluate(test: &str, files: &str, name: &str, bytes: &[u8], request: &str) -> Result<String> {
@@ -106,8 +106,7 @@ fn evaluate(test: &str, files: &str, name: &str, bytes: &[u8], request: &str) ->
             diagonal::check(request.alignment_urad).map_err(|wrong| wrong.option())?;
             let test = diagonal::read(&mut Rows::new(bytes, path, &diagonal::COLUMNS, |note| notes.push(note))?)?;
             let document = diagonal::Document::new(&test, request.alignment_urad);
-            let before = machine(files, &mut Vec::new())?.settings.location;
-            (document.shown(&test), located(files, &Imported::of_location(document.location(before)))?)
+            (document.shown(&test), located(files, bytes, diagonal::additions(&test))?)
         }
         "r-test" => {
             r_test::check(request.tool_mm).map_err(|wrong| wrong.option())?;
@@ -118,7 +117,7 @@ fn evaluate(test: &str, files: &str, name: &str, bytes: &[u8], request: &str) ->
             let options = r_test::Options { without: request.without, free_sensor: request.free_sensor };
             let found = r_test::identify(&record, name, &machine, &options)?;
             let document = r_test::Document::new(&record, &found, &machine);
-            (document.shown(&record, &found), located(files, &Imported::of_location(found.location))?)
+            (document.shown(&record, &found), located(files, bytes, found.additions())?)
         }
         "points" => {
             let nodes = request.nodes.as_deref().map(points::nodes).transpose();

@@ -149,7 +149,7 @@ pub fn run<'t>(
         reason: format!("{error:#}"),
     })?;
     let files = Memory::new(machine_files(&nominal, ""));
-    let edited = found.additions().edit(&files, Path::new("machine.toml"))?;
+    let edited = found.additions(&task).edit(&files, Path::new("machine.toml"))?;
     let all = machine_files(&nominal, "").into_iter().map(|(name, text)| (name.into(), text)).chain(edited.files);
     let known = Machine::read_from(&Memory::new(all), Path::new("machine.toml"), &mut |_| {})?;
     Ok(Calibrated { log, found, known })

@@ -67,8 +67,11 @@ pub(crate) struct SolveArguments {
     #[arg(value_name = "LOG")]
     log: PathBuf,
     /// The machine with what was found: the task's own folder, or one that has no machine.toml yet.
-    #[arg(short, value_name = "MACHINE_DIR")]
-    output: PathBuf,
+    #[arg(short, value_name = "MACHINE_DIR", required_unless_present = "dry_run")]
+    output: Option<PathBuf>,
+    /// Print what would be written and why, with the old values, and write nothing.
+    #[arg(long)]
+    dry_run: bool,
     /// One JSON document instead of a table.
     #[arg(long)]
     json: bool,

@@ -5,13 +5,12 @@ use super::{SolveArguments, read};
 use crate::output::{json, print, progress, tell};
 use crate::{machine_folder, model, report};
 use anyhow::Result;
-use std::path::Path;
 use trueaxis_evaluation::calibrate::solved;
-use trueaxis_tables::files::Folder;
 use trueaxis_tables::output::Outputs;
 
 pub(super) fn run(arguments: &SolveArguments) -> Result<()> {
-    let _alone = machine_folder::alone(&arguments.output)?;
+    let into = arguments.output.as_deref().filter(|_| !arguments.dry_run);
+    let _alone = into.map(machine_folder::alone).transpose()?;
     let read = read(&arguments.task)?;
     let text = model::text(&arguments.log)?;
     let bar = progress(0, "solving");
@@ -20,11 +19,13 @@ pub(super) fn run(arguments: &SolveArguments) -> Result<()> {
     })?;
     bar.finish_and_clear();
     let document = found.document(&read.task, &read.machine);
-    let files = machine_folder::inputs(&read.path, Some(&arguments.output));
+    let files = machine_folder::inputs(&read.path, into);
     let mut outputs = Outputs::of(files.into_iter().chain([arguments.task.clone(), arguments.log.clone()]));
-    let additions = found.additions();
-    let edit = |folder: &Folder, name: &Path| additions.edit(folder, name);
-    let written = machine_folder::write(&mut outputs, &read.path, &arguments.output, edit)?;
+    let additions = found.additions(&read.task);
+    let written = machine_folder::decide(&mut outputs, &read.path, into, &arguments.log, additions)?;
+    if arguments.dry_run {
+        return print(&machine_folder::lines(&written));
+    }
     if let Some(directory) = &arguments.report {
         let source = arguments.log.file_name().unwrap_or_default().to_string_lossy();
         let page = report::calibrate::page(&source, &read.task, &plan, &found, &document);

@@ -9,7 +9,6 @@ use std::fmt::Write;
 use std::path::PathBuf;
 use trueaxis_evaluation::r_test::{COLUMNS, Document, Options, Record, check, identify};
 use trueaxis_report::number::significant;
-use trueaxis_tables::formats::Imported;
 use trueaxis_tables::output::Outputs;
 
 pub(crate) const HELP: &str = "\
@@ -22,7 +21,8 @@ EC0B, EX0C EY0C EA0C EB0C) together with where each ball was off its commanded p
 of the ball is taken out first. Poses that cannot tell some of them apart are refused with their names: turn the axis that carries them, or
 leave some as they are with --without (in a head the first axis' offsets are the ball's own place).
 --free-sensor: the nest was not calibrated to the spindle; its zero in the tool's frame is an unknown too.
--o writes what was found into the machine: its own folder, or another one with a copy of it.
+-o writes what was found into the machine: its own folder, or another one with a copy of it; values that agree with stated
+ones become their weighted mean. A record that does not fit the machine writes nothing.
 
 Example: trueaxis evaluate r-test bk1.csv --machine mill-5axis -o mill-5axis-found";
 
@@ -46,6 +46,9 @@ pub(crate) struct Arguments {
     /// Folder that the machine is written into: its own, or a new one.
     #[arg(short, long, value_name = "MACHINE_DIR")]
     output: Option<PathBuf>,
+    /// Print what would be written and why, with the old values, and write nothing.
+    #[arg(long)]
+    dry_run: bool,
     /// One JSON document instead of a table.
     #[arg(long)]
     json: bool,
@@ -55,7 +58,8 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
-    let _alone = arguments.output.as_deref().map(machine_folder::alone).transpose()?;
+    let into = arguments.output.as_deref().filter(|_| !arguments.dry_run);
+    let _alone = into.map(machine_folder::alone).transpose()?;
     check(arguments.tool_mm).map_err(|wrong| wrong.option())?;
     let record = Record::read(&mut csv_in::open(&arguments.record, &COLUMNS, "readings")?)?;
     let mut machine = model::machine(&arguments.machine)?;
@@ -63,16 +67,15 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let options = Options { without: arguments.without.clone(), free_sensor: arguments.free_sensor };
     let found = identify(&record, &arguments.record.display().to_string(), &machine, &options)?;
     let document = Document::new(&record, &found, &machine);
-    let mut outputs = Outputs::of(
-        machine_folder::inputs(&arguments.machine, arguments.output.as_deref())
-            .into_iter()
-            .chain([arguments.record.clone()]),
-    );
+    let mut outputs =
+        Outputs::of(machine_folder::inputs(&arguments.machine, into).into_iter().chain([arguments.record.clone()]));
     let mut written = Vec::new();
-    if let Some(output) = &arguments.output {
-        let changed = Imported::of_location(found.location);
-        written =
-            machine_folder::write(&mut outputs, &arguments.machine, output, |folder, name| changed.edit(folder, name))?;
+    if into.is_some() || arguments.dry_run {
+        let additions = found.additions();
+        written = machine_folder::decide(&mut outputs, &arguments.machine, into, &arguments.record, additions)?;
+    }
+    if arguments.dry_run {
+        return print(&machine_folder::lines(&written));
     }
     if let Some(directory) = &arguments.report {
         let source = arguments.record.file_name().unwrap_or_default().to_string_lossy();

@@ -1,14 +1,13 @@
 //! `trueaxis evaluate step-diagonal`.
 
 use crate::output::{json, print};
-use crate::{csv_in, machine_folder, model, report};
+use crate::{csv_in, machine_folder, report};
 use anyhow::Result;
 use clap::Args;
 use std::fmt::Write;
 use std::path::PathBuf;
-use trueaxis_evaluation::diagonal::{COLUMNS, Document, Value, check, read};
+use trueaxis_evaluation::diagonal::{COLUMNS, Document, Value, additions, check, read};
 use trueaxis_report::number::significant;
-use trueaxis_tables::formats::Imported;
 use trueaxis_tables::output::Outputs;
 
 pub(crate) const HELP: &str = "\
@@ -25,11 +24,13 @@ The slopes of the four diagonals (u: unit vector) give three squarenesses and on
 Steps add the shapes of the nine errors EXX … EZZ with their slopes removed. The scales of X, Y, Z depend on how square the flat
 mirror stands to each diagonal, by as many ppm as it is µrad off: they are given with --alignment-urad, its standard
 uncertainty, and with the standard error that follows from it.
--o writes the squarenesses into the machine of --machine, or into another folder with a copy of it.
+-o writes the squarenesses into the machine of --machine, or into another folder with a copy of it, where they differ from
+those that it states by more than the uncertainties of both; values that agree become their weighted mean.
 
 Example: trueaxis evaluate step-diagonal record.csv --alignment-urad 20 --report out";
 
 #[derive(Args)]
+#[command(group(clap::ArgGroup::new("into").args(["output", "dry_run"]).multiple(true)))]
 pub(crate) struct Arguments {
     /// Readings along the four body diagonals.
     #[arg(value_name = "RECORD.csv")]
@@ -38,11 +39,14 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "U")]
     alignment_urad: Option<f64>,
     /// Machine that gets the squarenesses.
-    #[arg(long, value_name = "M", requires = "output")]
+    #[arg(long, value_name = "M", requires = "into")]
     machine: Option<PathBuf>,
     /// Folder that the machine is written into: its own, or a new one.
     #[arg(short, long, value_name = "MACHINE_DIR", requires = "machine")]
     output: Option<PathBuf>,
+    /// Print what would be written and why, with the old values, and write nothing.
+    #[arg(long, requires = "machine")]
+    dry_run: bool,
     /// One JSON document instead of a table.
     #[arg(long)]
     json: bool,
@@ -52,20 +56,23 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
-    let _alone = arguments.output.as_deref().map(machine_folder::alone).transpose()?;
+    let into = arguments.output.as_deref().filter(|_| !arguments.dry_run);
+    let _alone = into.map(machine_folder::alone).transpose()?;
     check(arguments.alignment_urad).map_err(|wrong| wrong.option())?;
     let test = read(&mut csv_in::open(&arguments.record, &COLUMNS, "readings")?)?;
     let document = Document::new(&test, arguments.alignment_urad);
     let inputs = arguments
         .machine
         .iter()
-        .flat_map(|machine| machine_folder::inputs(machine, arguments.output.as_deref()))
+        .flat_map(|machine| machine_folder::inputs(machine, into))
         .chain([arguments.record.clone()]);
     let mut outputs = Outputs::of(inputs);
     let mut notes = Vec::new();
-    if let (Some(machine), Some(output)) = (&arguments.machine, &arguments.output) {
-        let changed = Imported::of_location(document.location(model::source(machine)?.settings.location));
-        notes = machine_folder::write(&mut outputs, machine, output, |folder, name| changed.edit(folder, name))?;
+    if let Some(machine) = &arguments.machine {
+        notes = machine_folder::decide(&mut outputs, machine, into, &arguments.record, additions(&test))?;
+    }
+    if arguments.dry_run {
+        return print(&machine_folder::lines(&notes));
     }
     if let Some(directory) = &arguments.report {
         let source = arguments.record.file_name().unwrap_or_default().to_string_lossy();

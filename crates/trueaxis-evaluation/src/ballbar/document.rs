@@ -11,7 +11,7 @@ use trueaxis_report::number::significant;
 use trueaxis_tables::OVERCOMPENSATED;
 
 /// A value larger than so many of its standard errors is certain.
-pub(super) const CERTAIN: f64 = 2.0;
+const CERTAIN: f64 = 2.0;
 
 /// A value of either axis by its letter, `x`, `y` or `z`.
 pub type Pair = BTreeMap<char, Option<f64>>;

@@ -1,56 +1,39 @@
 //! Results of a circular test as settings of a machine.
 
 use super::Test;
-use super::document::{CERTAIN, squareness};
-use trueaxis::Axis;
-use trueaxis::machine::LocationErrors;
-use trueaxis_metrology::ballbar::{Cause, Term};
-use trueaxis_tables::{Additions, Machine};
+use super::document::squareness;
+use trueaxis_metrology::ballbar::Cause;
+use trueaxis_tables::Additions;
+use trueaxis_tables::finding::{AGREE, Finding, Fit, Known};
 
 impl Test {
-    /// Squareness of the plane and backlash of its axes, as additions to what a machine's files state, with their standard
-    /// uncertainties; beside them what is left out and why. `compensated`: the machine was corrected by its tables while the
-    /// circles were run, so that they show what those leave; else what was found takes the place of what the files state.
+    /// Squareness of the plane and backlash of its axes, as findings for a machine. `compensated`: the machine was corrected by
+    /// its tables while the circles were run, so that they show what those leave; else what was found is all there is.
     ///
     /// A scale mismatch is the difference of two scales and says nothing of either; where a bow lies along the axis, the test
     /// does not tell; lag, play and cyclic error have no place in a table.
-    pub fn additions(&self, machine: &Machine, compensated: bool) -> (Additions, Vec<String>) {
-        let (mut additions, mut notes) = (Additions::default(), Vec::new());
-        let before = &machine.settings.location;
+    pub fn additions(&self, compensated: bool) -> Additions {
         let (name, sense) = squareness(self.options.axes);
-        let certain = |name: &str, term: Option<&Term>, notes: &mut Vec<String>| {
-            let term = term.copied()?;
-            let certain = term.value.abs() > CERTAIN * term.standard_error;
-            if !certain {
-                notes.push(format!(
-                    "{name} is left as it is: what was found is within {CERTAIN} of its standard errors"
-                ));
-            }
-            certain.then_some(term)
+        let finding = |key: String, cause: Cause, factor: f64| {
+            let term = self.found.term(cause)?;
+            let found =
+                Known::new(factor * term.value, factor.abs() * term.standard_error, self.found.degrees_of_freedom);
+            Some(Finding { key, found, on_top: compensated, ..Finding::default() })
         };
-        if let Some(term) = certain(name, self.found.term(Cause::Squareness), &mut notes) {
-            let found = sense * term.value;
-            let of = |own: f64| if compensated { found } else { found - own };
-            let mut location = LocationErrors::default();
-            match name {
-                "A0Z" => location.a0z = of(before.a0z),
-                "B0Z" => location.b0z = of(before.b0z),
-                _ => location.c0y = of(before.c0y),
-            }
-            additions.location = location;
-            additions.set.push((format!("uncertainty.location.{name}_urad"), 1e6 * term.standard_error));
-        }
+        // Encoders of the axes are square to one another whatever the machine is: from positions none is no finding.
+        let squareness = finding(format!("location.{name}_urad"), Cause::Squareness, 1e6 * sense);
+        let seen = |own: &Finding| {
+            !self.of_positions || own.found.value.abs() > AGREE * own.found.uncertainty.unwrap_or_default()
+        };
+        let mut findings = Vec::from_iter(squareness.filter(seen));
         for (number, axis) in (0..).zip(self.options.axes) {
-            let term = self.found.term(Cause::Backlash(number));
-            let Some(term) = certain(&format!("backlash of {}", axis.letter()), term, &mut notes) else { continue };
-            let own = machine.settings.axis(axis).map_or(0.0, |own| own.backlash);
-            additions.backlash.push((axis, if compensated { term.value } else { term.value - own }));
-            additions.set.push((uncertainty_key(axis), 1e3 * term.standard_error));
+            findings.extend(finding(format!("axis.{}.backlash_um", axis.letter()), Cause::Backlash(number), 1e3));
         }
-        (additions, notes)
+        let rms = |part: usize| {
+            let squares = self.found.centred.iter().map(|deviation| deviation[part].powi(2));
+            (squares.sum::<f64>() / self.found.centred.len().max(1) as f64).sqrt()
+        };
+        let fit = Fit { before_mm: rms(0), left_mm: rms(1), noise_mm: None };
+        Additions { findings, fit: Some(fit), compensated, ..Additions::default() }
     }
-}
-
-fn uncertainty_key(axis: Axis) -> String {
-    format!("axis.{}.uncertainty.backlash_um", axis.letter())
 }

@@ -8,6 +8,7 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use trueaxis::machine::Axis;
 use trueaxis_report::number::significant;
+use trueaxis_tables::finding::{Finding, Fit, Known};
 use trueaxis_tables::{Additions, Machine, OVERCOMPENSATED};
 
 /// Steps of a table that is made of curves.
@@ -265,7 +266,7 @@ impl Calibration {
                     continue;
                 }
             };
-            values.push(Keyed { of, key, value, standard_error, curve: None });
+            values.push(Keyed { of, key, value, standard_error, curve: None, rms: None });
         }
         values
     }
@@ -284,40 +285,50 @@ impl Calibration {
             value: 1e3 * (most - least),
             standard_error: 1e3 * (squares / shape.len() as f64).sqrt(),
             curve: Some((axis, component)),
+            rms: Some(1e3 * (shape.iter().map(|[value, _]| value * value).sum::<f64>() / shape.len() as f64).sqrt()),
         }
     }
 
-    /// What is added to the machine.
-    pub fn additions(&self) -> Additions {
+    /// What was found, on top of what the machine's files state.
+    pub fn additions(&self, task: &Task) -> Additions {
         let (solution, terms) = (&self.solution, &self.observed.terms);
-        let mut additions = Additions::default();
-        let mut with_curves: Vec<Axis> = Vec::new();
-        for (index, (term, value)) in terms.terms.iter().zip(&solution.values).enumerate() {
-            match *term {
-                // What the scatter makes of no lost motion is none.
-                Term::Backlash(_) if *value < 0.0 && *value >= -SCATTER * solution.standard_errors[index] => {}
-                Term::Squareness(0) => additions.location.c0y = *value,
-                Term::Squareness(1) => additions.location.b0z = *value,
-                Term::Squareness(_) => additions.location.a0z = *value,
-                Term::Backlash(axis) => additions.backlash.push((axis, *value)),
-                Term::Location(axis, component) => {
-                    if let Some(to) = additions.location.rotary[axis.index() % 3].get_mut(usize::from(component)) {
-                        *to = *value;
-                    }
+        let finding = |keyed: Keyed| {
+            let axis = Axis::ALL.into_iter().find(|axis| keyed.of == axis.letter().to_string());
+            // Which terms are in its curve: the scale alone, or the shape of a component without it.
+            let is_own = |term: &Term| match (*term, keyed.curve) {
+                (Term::Curve { axis: of, component, degree: 1 }, None) => {
+                    keyed.key == "scale_ppm" && Some(of) == axis && usize::from(component) == of.index()
                 }
-                Term::Curve { axis, .. } if !with_curves.contains(&axis) => with_curves.push(axis),
-                Term::Curve { .. } => {}
+                (Term::Curve { axis: of, component, degree }, Some(curve)) => {
+                    (of, component) == curve && (degree > 1 || usize::from(component) != of.index())
+                }
+                _ => false,
+            };
+            let own = terms.terms.iter().zip(&solution.values);
+            let own: Vec<f64> = own.map(|(term, value)| if is_own(term) { *value } else { 0.0 }).collect();
+            let is_curve = keyed.curve.is_some() || keyed.key == "scale_ppm";
+            let curve = axis.filter(|_| is_curve).map_or_else(Vec::new, |axis| {
+                terms.grid(axis, STEPS).into_iter().map(|q| (q, terms.error(&own, axis, q))).collect()
+            });
+            let value = keyed.rms.unwrap_or(keyed.value);
+            // With rotary axes all terms together are known much better than each alone: one without the others does harm.
+            let moved = terms.terms.iter().any(|term| matches!(term, Term::Location(..)));
+            let section = if keyed.of == "location" { keyed.of } else { format!("axis.{}", keyed.of) };
+            Finding {
+                key: format!("{section}.{}", keyed.key),
+                found: Known::new(value, keyed.standard_error, solution.degrees_of_freedom),
+                on_top: true,
+                moved,
+                curve,
             }
-        }
-        additions.curves = with_curves
-            .into_iter()
-            .map(|axis| {
-                let points = terms.grid(axis, STEPS).into_iter();
-                (axis, points.map(|q| (q, terms.error(&solution.values, axis, q))).collect())
-            })
-            .collect();
-        additions.set = uncertainties(&self.values());
-        additions
+        };
+        let fit = Fit {
+            before_mm: solution.sigma_mm.hypot(solution.signal_mm),
+            left_mm: solution.sigma_mm,
+            noise_mm: Some(task.probe.repeatability_mm),
+        };
+        let findings = self.values().into_iter().map(finding).collect();
+        Additions { findings, fit: Some(fit), compensated: task.compensated, ..Additions::default() }
     }
 }
 
@@ -329,13 +340,6 @@ struct Keyed {
     value: f64,
     standard_error: f64,
     curve: Option<(Axis, u8)>,
-}
-
-/// Keys of `machine.toml` that hold standard uncertainties.
-fn uncertainties(values: &[Keyed]) -> Vec<(String, f64)> {
-    let key = |value: &Keyed| match value.of.as_str() {
-        "location" => format!("uncertainty.location.{}", value.key),
-        axis => format!("axis.{axis}.uncertainty.{}", value.key),
-    };
-    values.iter().map(|value| (key(value), value.standard_error)).collect()
+    /// Of a curve: root of its mean square.
+    rms: Option<f64>,
 }

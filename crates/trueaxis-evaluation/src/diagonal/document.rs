@@ -1,8 +1,9 @@
 //! What a diagonal test tells, as a document.
 
 use serde::Serialize;
-use trueaxis::machine::LocationErrors;
 use trueaxis_metrology::diagonal::{Term, Test, figures};
+use trueaxis_tables::Additions;
+use trueaxis_tables::finding::{Finding, Known};
 
 /// A value with its standard error.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -174,13 +175,28 @@ impl Document {
     }
 }
 
-impl Document {
-    /// Location errors of a machine with the squarenesses that were found.
-    pub fn location(&self, mut location: LocationErrors) -> LocationErrors {
-        let rad = |value: Value| 1e-6 * value.value;
-        (location.a0z, location.b0z, location.c0y) = (rad(self.a0z), rad(self.b0z), rad(self.c0y));
-        location
-    }
+/// The squarenesses that a test tells, for a machine that was not corrected while it was measured.
+///
+/// A slope is no model of its readings: what it leaves is in its standard error, and nothing is held against a noise.
+pub fn additions(test: &Test) -> Additions {
+    let volume = test.volume();
+    // Welch and Satterthwaite: the four slopes have one share in every squareness but for its sign.
+    let variances = volume.slopes.map(|slope| slope.standard_error.powi(2));
+    let of = |k: usize| test.on(k).count().saturating_sub(2).max(1) as f64;
+    let parts: f64 = variances.iter().enumerate().map(|(k, variance)| variance.powi(2) / of(k)).sum();
+    let sum: f64 = variances.iter().sum();
+    let degrees = if parts > 0.0 { sum.powi(2) / parts } else { 1.0 };
+    let finding = |(term, name): (Term, &str)| Finding {
+        key: format!("location.{name}_urad"),
+        found: Known {
+            value: 1e6 * term.value,
+            uncertainty: Some(1e6 * term.standard_error),
+            degrees_of_freedom: Some(degrees),
+        },
+        ..Finding::default()
+    };
+    let findings = volume.squareness.into_iter().zip(["A0Z", "B0Z", "C0Y"]).map(finding);
+    Additions { findings: findings.collect(), ..Additions::default() }
 }
 
 fn shape(of: &trueaxis_metrology::diagonal::Shape) -> Shape {

@@ -5,7 +5,7 @@
 mod document;
 mod shown;
 
-pub use document::{DiagonalFigures, Document, Point, Shape, Steps, Value};
+pub use document::{DiagonalFigures, Document, Point, Shape, Steps, Value, additions};
 
 use crate::range::OutOfRange;
 use crate::record;

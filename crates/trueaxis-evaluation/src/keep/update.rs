@@ -8,6 +8,7 @@ use anyhow::{Result, anyhow};
 use std::path::{Path, PathBuf};
 use trueaxis::machine::Axis;
 use trueaxis_tables::files::Source;
+use trueaxis_tables::finding::{Finding, Known};
 use trueaxis_tables::text::decode;
 use trueaxis_tables::{Additions, Machine};
 
@@ -42,45 +43,43 @@ pub fn changes(keep: &Keep, look: &Look, machine: &Machine, source: &dyn Source,
     let updates = look.updates(keep, Home::Machine);
     if updates.iter().any(|value| *value != 0.0) {
         let errors = look.verdicts.iter().map(|verdict| verdict.standard_error);
-        let edited = additions(terms, &updates, &errors.collect::<Vec<_>>()).edit(source, name)?;
+        let degrees_of_freedom = look.calibration.solution.degrees_of_freedom;
+        let additions = additions(terms, &updates, &errors.collect::<Vec<_>>(), degrees_of_freedom);
+        changes.notes.extend(additions.decide(source, name)?.iter().map(ToString::to_string));
+        let edited = additions.edit(source, name)?;
         changes.notes.extend(edited.notes);
         changes.files.extend(edited.files);
     }
     Ok(changes)
 }
 
-/// Values of terms as additions, with the standard uncertainties of those that change.
-fn additions(terms: &Terms, values: &[f64], errors: &[f64]) -> Additions {
+/// Values of terms that have moved as additions, with their standard uncertainties and the degrees of freedom of those.
+fn additions(terms: &Terms, values: &[f64], errors: &[f64], degrees_of_freedom: usize) -> Additions {
     let mut additions = Additions::default();
     let mut with_curves: Vec<Axis> = Vec::new();
     let changed = terms.terms.iter().zip(values).zip(errors).filter(|((_, value), _)| **value != 0.0);
     for ((term, value), error) in changed {
-        match *term {
+        let (key, factor) = match *term {
             Term::Squareness(which) => {
-                let location = &mut additions.location;
-                let (to, key) = match which {
-                    0 => (&mut location.c0y, "C0Y"),
-                    1 => (&mut location.b0z, "B0Z"),
-                    _ => (&mut location.a0z, "A0Z"),
-                };
-                *to = *value;
-                additions.set.push((format!("uncertainty.location.{key}_urad"), 1e6 * error));
+                (format!("location.{}_urad", ["C0Y", "B0Z", "A0Z"][usize::from(which) % 3]), 1e6)
             }
-            Term::Location(axis, component) => {
-                if let Some(to) = additions.location.rotary[axis.index() % 3].get_mut(usize::from(component)) {
-                    *to = *value;
+            Term::Location(_, component) if component < 3 => (format!("location.{}_um", term.name()), 1e3),
+            Term::Location(..) => (format!("location.{}_urad", term.name()), 1e6),
+            Term::Backlash(axis) => (format!("axis.{}.backlash_um", axis.letter()), 1e3),
+            Term::Curve { axis, .. } => {
+                if !with_curves.contains(&axis) {
+                    with_curves.push(axis);
                 }
-                let unit = if component < 3 { "um" } else { "urad" };
-                let key = format!("uncertainty.location.{}_{unit}", term.name());
-                additions.set.push((key, term.unit().1 * error));
+                continue;
             }
-            Term::Backlash(axis) => {
-                additions.backlash.push((axis, *value));
-                additions.set.push((format!("axis.{}.uncertainty.backlash_um", axis.letter()), 1e3 * error));
-            }
-            Term::Curve { axis, .. } if !with_curves.contains(&axis) => with_curves.push(axis),
-            Term::Curve { .. } => {}
-        }
+        };
+        additions.findings.push(Finding {
+            key,
+            found: Known::new(factor * value, factor * error, degrees_of_freedom),
+            on_top: true,
+            moved: true,
+            ..Finding::default()
+        });
     }
     // Straight lines: both ends of the travel are enough, and no table grows from update to update.
     let line = |axis: Axis| {

@@ -4,9 +4,10 @@ use super::Record;
 use crate::response::{Unit, response, tip_errors, without_errors};
 use anyhow::{Result, bail};
 use trueaxis::Axis;
-use trueaxis::machine::{AXES, LocationErrors, links};
+use trueaxis::machine::{AXES, links};
 use trueaxis_metrology::linear_fit::LinearFit;
-use trueaxis_tables::Machine;
+use trueaxis_tables::finding::{Finding, Fit, Known};
+use trueaxis_tables::{Additions, Machine};
 
 const ROTARY: [Axis; 3] = [Axis::A, Axis::B, Axis::C];
 /// Readings that a fit must have beyond its unknowns.
@@ -26,8 +27,6 @@ pub struct Options {
 pub struct Found {
     /// The location errors that were sought, with value and standard error in mm or rad.
     pub terms: Vec<((Axis, usize), f64, f64)>,
-    /// All location errors of the machine with those found.
-    pub location: LocationErrors,
     /// Places of the balls off where they were commanded, workpiece's frame, mm.
     pub balls_mm: Vec<[f64; 3]>,
     /// Zero of the nest, tool's frame, mm.
@@ -36,6 +35,9 @@ pub struct Found {
     pub known_mm: Vec<[f64; 3]>,
     /// What is left of every reading, mm.
     pub left_mm: Vec<[f64; 3]>,
+    /// Root mean square of a coordinate where only the places of the balls and the nest's zero are taken out, mm: what the
+    /// machine's errors are to explain.
+    pub unexplained_mm: f64,
     /// Standard deviation of a coordinate, mm.
     pub sigma_mm: f64,
     /// Coordinates less unknowns.
@@ -123,6 +125,7 @@ pub fn identify(record: &Record, file: &str, machine: &Machine, options: &Option
     }
     // Angles come in as what they do at a typical lever, so that the rank does not depend on units: the columns are scaled.
     let mut fit = LinearFit::new(unknowns);
+    let mut places_alone = LinearFit::new(unknowns - first_ball);
     let mut rows = Vec::new();
     for (i, reading) in record.readings.iter().enumerate() {
         let workpiece = turned(machine, &reading.place, true);
@@ -140,6 +143,7 @@ pub fn identify(record: &Record, file: &str, machine: &Machine, options: &Option
             }
             let value = reading.displacement_mm[c] - known_mm[i][c];
             fit.add(&row, value, 1.0);
+            places_alone.add(&row[first_ball..], reading.displacement_mm[c], 1.0);
             rows.push((row, value));
         }
     }
@@ -167,28 +171,50 @@ pub fn identify(record: &Record, file: &str, machine: &Machine, options: &Option
         .iter()
         .map(|(row, value)| value - row.iter().zip(&solution.values).map(|(a, x)| a * x).sum::<f64>())
         .collect();
+    let alone = places_alone.solve();
+    let squares = rows.iter().enumerate().map(|(i, (row, _))| {
+        let explained: f64 = row[first_ball..].iter().zip(&alone.values).map(|(a, x)| a * x).sum();
+        (record.readings[i / 3].displacement_mm[i % 3] - explained).powi(2)
+    });
+    let unexplained_mm = (squares.sum::<f64>() / coordinates as f64).sqrt();
     let sigma_mm = solution.sigma();
-    let mut location = machine.settings.location;
     let mut terms = Vec::new();
     for (k, &(axis, component)) in sought.iter().enumerate() {
         let value = solution.values[k];
-        location.rotary[axis.index() - 3][component] = value;
         terms.push(((axis, component), value, sigma_mm * solution.error_factors[k]));
     }
     let three = |from: usize| [0, 1, 2].map(|k| solution.values[from + k]);
     Ok(Found {
         terms,
-        location,
         balls_mm: (0..record.balls.len()).map(|ball| three(first_ball + 3 * ball)).collect(),
         sensor_mm: options.free_sensor.then(|| three(first_sensor)),
         known_mm,
         left_mm: left.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect(),
+        unexplained_mm,
         sigma_mm,
         degrees_of_freedom: solution.degrees_of_freedom(),
         rank: solution.rank,
         condition: solution.condition,
         clamped,
     })
+}
+
+impl Found {
+    /// The location errors that were found, for a machine that was not corrected while it was measured.
+    pub fn additions(&self) -> Additions {
+        let finding = |&((axis, component), value, error): &((Axis, usize), f64, f64)| {
+            let (unit, scale) = if component < 3 { ("um", 1e3) } else { ("urad", 1e6) };
+            Finding {
+                key: format!("location.{}_{unit}", name((axis, component))),
+                found: Known::new(scale * value, scale * error, self.degrees_of_freedom),
+                ..Finding::default()
+            }
+        };
+        let squares: f64 = self.left_mm.iter().flatten().map(|left| left * left).sum();
+        let left_mm = (squares / (3 * self.left_mm.len()).max(1) as f64).sqrt();
+        let fit = Fit { before_mm: self.unexplained_mm, left_mm, noise_mm: None };
+        Additions { findings: self.terms.iter().map(finding).collect(), fit: Some(fit), ..Additions::default() }
+    }
 }
 
 /// Nominal orientation of the workpiece (or of the tool) at a pose, from the bed outwards.

@@ -78,7 +78,6 @@ impl Terms {
         for ((own, table), none) in machine.axes().zip(&unstated) {
             terms.axis(own, table, stated.of(own.axis).unwrap_or(none));
         }
-        let of = stated.location.degrees_of_freedom.unwrap_or(f64::INFINITY);
         for source in Source::locations(machine) {
             let value = match source {
                 Source::Squareness(which) => stated.location.squareness.get(which).copied().flatten(),
@@ -90,6 +89,7 @@ impl Terms {
                 _ => None,
             };
             let key = format!("uncertainty.location.{}", source.name());
+            let of = stated.location.degrees_of(&source.name()).unwrap_or(f64::INFINITY);
             terms.put(key, source.name(), value, of, |u| Effect::Location(source, u));
         }
         if terms.all.is_empty() {
@@ -161,16 +161,22 @@ impl Terms {
 
     fn axis(&mut self, own: &AxisSettings, table: Option<&Table>, stated: &AxisUncertainty) {
         let (axis, letter) = (own.axis, own.axis.letter());
-        let of = stated.degrees_of_freedom.unwrap_or(f64::INFINITY);
+        let of = |name: &str| stated.degrees_of(name).unwrap_or(f64::INFINITY);
         let key = |key: &str| format!("axis.{letter}.uncertainty.{key}");
         if !axis.is_rotary() {
-            self.put(key("scale_ppm"), format!("scale {letter}"), stated.scale, of, |u| {
+            self.put(key("scale_ppm"), format!("scale {letter}"), stated.scale, of("scale"), |u| {
                 Effect::Along(vec![scaled(own, u)])
             });
         }
         let constant = |u: f64| Effect::Along(vec![Along { axis, constant: u, per_length: 0.0, datum: 0.0 }]);
-        self.put(key("backlash"), format!("backlash {letter}"), stated.backlash, of, constant);
-        self.put(key("repeatability"), format!("repeatability {letter}"), stated.repeatability, of, constant);
+        self.put(key("backlash"), format!("backlash {letter}"), stated.backlash, of("backlash"), constant);
+        self.put(
+            key("repeatability"),
+            format!("repeatability {letter}"),
+            stated.repeatability,
+            of("repeatability"),
+            constant,
+        );
         for (component, along) in Axis::ALL.into_iter().enumerate() {
             let name = format!("E{}{letter}", along.letter());
             let given = table.is_some_and(|table| table.given.get(component) == Some(&true));
@@ -180,7 +186,8 @@ impl Terms {
             match points.filter(|_| rows > 0) {
                 Some(of_points) if of_points.iter().any(|u| *u > 0.0) => {
                     let effect = Effect::Points { axis, component, of: of_points };
-                    self.all.push(Term { name: format!("points {name}"), effect, degrees_of_freedom: of });
+                    let degrees_of_freedom = of(&name);
+                    self.all.push(Term { name: format!("points {name}"), effect, degrees_of_freedom });
                 }
                 Some(_) => {}
                 None if said => {

@@ -111,18 +111,6 @@ pub struct Imported {
 }
 
 impl Imported {
-    /// Location errors alone, all of them: what a measurement of these brings into a machine.
-    pub fn of_location(location: LocationErrors) -> Imported {
-        Imported {
-            tables: Vec::new(),
-            grids: Vec::new(),
-            location,
-            settings: None,
-            notes: Vec::new(),
-            replaces_grids: false,
-        }
-    }
-
     /// What a file of a control in inches holds, in mm: positions of linear axes and translations times 25.4.
     ///
     /// [`import`] reads lengths as mm. [`linuxcnc`] and [`siemens`] files do not state their unit, and hold tables alone.

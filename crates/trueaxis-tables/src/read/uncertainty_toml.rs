@@ -45,7 +45,17 @@ fn millionths(value: f64) -> f64 {
 
 /// Degrees of freedom: a scatter of two readings has one.
 fn degrees_of_freedom(section: &Section<'_>) -> Result<Option<f64>, FileError> {
-    let Some(found) = section.number("degrees_of_freedom")? else { return Ok(None) };
+    degrees(section, "degrees_of_freedom")
+}
+
+/// Those of a single figure, `C0Y_degrees_of_freedom` beside `C0Y_urad`, for the list of a section.
+fn own_degrees(section: &Section<'_>, name: &str, to: &mut Vec<(String, f64)>) -> Result<(), FileError> {
+    to.extend(degrees(section, &format!("{name}_degrees_of_freedom"))?.map(|degrees| (name.to_owned(), degrees)));
+    Ok(())
+}
+
+fn degrees(section: &Section<'_>, key: &str) -> Result<Option<f64>, FileError> {
+    let Some(found) = section.number(key)? else { return Ok(None) };
     if !(1.0..=1e9).contains(&found.value) {
         return Err(section.wrong(&found, "1 to 1e9 degrees of freedom"));
     }
@@ -66,6 +76,9 @@ pub(super) fn read(root: &Section<'_>, axes: &[Axis]) -> Result<Uncertainties, F
         eve: stated(&section, "eve_um", &UM, from_um)?,
         degrees_of_freedom: degrees_of_freedom(&section)?,
     };
+    if let Some(records) = section.strings("records")? {
+        found.records = records.value.into_iter().map(str::to_owned).collect();
+    }
     if let Some(section) = section.section("location")? {
         found.location = read_location(section, axes)?;
     }
@@ -86,6 +99,7 @@ fn read_location(section: Section<'_>, axes: &[Axis]) -> Result<LocationUncertai
     let mut found = LocationUncertainty::default();
     for (to, key) in found.squareness.iter_mut().zip(["A0Z_urad", "B0Z_urad", "C0Y_urad"]) {
         *to = stated(&section, key, &URAD, from_urad)?;
+        own_degrees(&section, &key[..3], &mut found.own_degrees_of_freedom)?;
     }
     for (errors, axis) in found.rotary.iter_mut().zip([Axis::A, Axis::B, Axis::C]) {
         if !axes.contains(&axis) {
@@ -94,7 +108,9 @@ fn read_location(section: Section<'_>, axes: &[Axis]) -> Result<LocationUncertai
         for (to, moved) in errors.iter_mut().zip(Axis::ALL) {
             let (unit, bounds, convert): (_, _, fn(f64) -> f64) =
                 if moved.is_rotary() { ("urad", &URAD, from_urad) } else { ("um", &UM, from_um) };
-            *to = stated(&section, &format!("E{}0{}_{unit}", moved.letter(), axis.letter()), bounds, convert)?;
+            let name = format!("E{}0{}", moved.letter(), axis.letter());
+            *to = stated(&section, &format!("{name}_{unit}"), bounds, convert)?;
+            own_degrees(&section, &name, &mut found.own_degrees_of_freedom)?;
         }
     }
     found.degrees_of_freedom = degrees_of_freedom(&section)?;
@@ -110,13 +126,17 @@ pub(super) fn read_axis(axis: &Section<'_>, of: Axis) -> Result<AxisUncertainty,
         if of.is_rotary() { ("urad", &URAD, from_urad) } else { ("um", &UM, from_um) };
     if !of.is_rotary() {
         found.scale = stated(&section, "scale_ppm", &MILLIONTHS, millionths)?;
+        own_degrees(&section, "scale", &mut found.own_degrees_of_freedom)?;
     }
     found.backlash = stated(&section, &format!("backlash_{micro}"), bounds, convert)?;
+    own_degrees(&section, "backlash", &mut found.own_degrees_of_freedom)?;
     found.repeatability = stated(&section, &format!("repeatability_{micro}"), bounds, convert)?;
     for (to, moved) in found.columns.iter_mut().zip(Axis::ALL) {
         let (unit, bounds, convert): (_, _, fn(f64) -> f64) =
             if moved.is_rotary() { ("urad", &URAD, from_urad) } else { ("um", &UM, from_um) };
-        *to = stated(&section, &format!("E{}{}_{unit}", moved.letter(), of.letter()), bounds, convert)?;
+        let name = format!("E{}{}", moved.letter(), of.letter());
+        *to = stated(&section, &format!("{name}_{unit}"), bounds, convert)?;
+        own_degrees(&section, &name, &mut found.own_degrees_of_freedom)?;
     }
     found.degrees_of_freedom = degrees_of_freedom(&section)?;
     section.finish(None)?;

@@ -1,0 +1,141 @@
+//! What is written into a machine of what was found.
+
+use std::path::Path;
+use trueaxis_tables::Additions;
+use trueaxis_tables::files::Memory;
+use trueaxis_tables::finding::{Decision, Finding, Fit, Known, Why, decide, table};
+
+fn known(value: f64, uncertainty: f64) -> Known {
+    Known { value, uncertainty: Some(uncertainty), degrees_of_freedom: None }
+}
+
+fn bare(value: f64) -> Known {
+    Known { value, uncertainty: None, degrees_of_freedom: None }
+}
+
+#[test]
+fn one_rule_decides() {
+    // Farther apart than twice √(3² + 11²) = 11.4.
+    let (written, why) = decide(Some(known(32.0, 3.0)), known(0.2174671317786221, 11.0), true);
+    assert_eq!(written, Some(known(0.0, 11.0)));
+    assert!(matches!(why, Why::Differs(times) if (times - 31.782_532_87 / 11.401_754_25).abs() < 1e-6), "{why:?}");
+    // Scatter against nothing.
+    assert_eq!(decide(None, known(0.12, 0.28), true), (None, Why::Nothing));
+    assert_eq!(decide(None, known(0.6, 0.28), true), (Some(known(0.6, 0.28)), Why::New));
+    // The stated one has no uncertainty: whatever is found is the better known.
+    assert_eq!(decide(Some(bare(20.0)), known(20.04, 0.31), true), (Some(known(20.04, 0.31)), Why::BetterKnown));
+    assert_eq!(decide(Some(known(20.0, 1.0)), bare(30.0), true), (None, Why::Unknown));
+    // (32/9 + 25/121)/(1/9 + 1/121) = 31.515…, (1/9 + 1/121)^(−1/2) = 2.894….
+    let both = decide(Some(known(32.0, 3.0)), known(25.0, 11.0), true);
+    assert_eq!(both, (Some(known(31.5, 2.9)), Why::Combined));
+    assert_eq!(decide(Some(known(32.0, 3.0)), known(25.0, 11.0), false), (None, Why::SameRecord));
+    // Two of one weight: u/√2, and of 8 degrees of freedom each 16 (Welch, Satterthwaite).
+    let of = |value: f64| Known { degrees_of_freedom: Some(8.0), ..known(value, 2.0) };
+    let expected = Known { degrees_of_freedom: Some(16.0), ..known(11.0, 1.4) };
+    assert_eq!(decide(Some(of(10.0)), of(12.0), true).0, Some(expected));
+}
+
+#[test]
+fn figures_have_two_digits_of_their_uncertainty() {
+    for (value, uncertainty, shown) in [
+        (0.2174671317786221, 11.0, "0 ± 11"),
+        (31.5151, 2.894, "31.5 ± 2.9"),
+        (1234.5, 345.0, "1230 ± 350"),
+        (-0.04, 11.0, "0 ± 11"),
+        (0.123456, 0.0123, "0.123 ± 0.012"),
+        (50.000_000_3, 1e-9, "50 ± 0.001"),
+        (4.36, 1.0, "4.4 ± 1"),
+        (4.36, 0.995, "4.36 ± 1"),
+    ] {
+        assert_eq!(known(value, uncertainty).to_string(), shown);
+    }
+}
+
+const MACHINE: &str = "name = \"m\"\nchain = \"w b X Y t\"\n[location] # ours\nC0Y_urad = 10\n[axis.X]\nbacklash_um = 2.0\n[axis.Y]\n\
+                       [uncertainty.location]\nC0Y_urad = 1\ndegrees_of_freedom = 5\n";
+
+fn findings(values: &[(&str, Known)], fit: Option<Fit>) -> Additions {
+    let finding = |(key, found): &(&str, Known)| Finding { key: (*key).into(), found: *found, ..Finding::default() };
+    Additions { findings: values.iter().map(finding).collect(), fit, record: Some("1a".into()), ..Additions::default() }
+}
+
+fn edited(machine: &str, additions: &Additions) -> (String, Vec<Decision>) {
+    let (files, name) = (Memory::new([("machine.toml", machine)]), Path::new("machine.toml"));
+    let text = additions.edit(&files, name).unwrap().files.last().map_or(machine.into(), |(_, text)| text.clone());
+    (text, additions.decide(&files, name).unwrap())
+}
+
+#[test]
+fn values_are_written_with_how_well_they_are_known() {
+    let found = [
+        ("location.C0Y_urad", Known { degrees_of_freedom: Some(40.0), ..known(20.12345, 0.6) }),
+        ("axis.X.backlash_um", known(2.345, 0.1)),
+        ("axis.Y.backlash_um", known(0.12, 0.28)),
+    ];
+    let (text, decisions) = edited(MACHINE, &findings(&found, None));
+    for part in [
+        "[location] # ours\nC0Y_urad = 20.12\n",
+        "backlash_um = 2.35\n",
+        "C0Y_urad = 0.6\ndegrees_of_freedom = 5\nC0Y_degrees_of_freedom = 40\n",
+        "records = [\"1a\"]",
+    ] {
+        assert!(text.contains(part), "{part} in {text}");
+    }
+    assert!(
+        text.contains("[axis.X.uncertainty]\nbacklash_um = 0.1\n[axis.Y]\n\n[uncertainty]"),
+        "nothing of Y: {text}"
+    );
+    let told = table(&decisions);
+    assert!(told.lines().count() == 4 && told.contains("0.12 ± 0.28") && told.contains("10 ± 1"), "{told}");
+    // Read again: how well each is known goes with it.
+    let known = trueaxis_tables::uncertainty::Uncertainties::read_from(
+        &Memory::new([("machine.toml", text.as_str())]),
+        Path::new("machine.toml"),
+    );
+    let known = known.unwrap();
+    assert_eq!((known.location.degrees_of("C0Y"), known.location.degrees_of("A0Z")), (Some(40.0), Some(5.0)));
+    assert_eq!(known.records, ["1a"]);
+    // The same record changes nothing any more.
+    assert_eq!(edited(&text, &findings(&found, None)).0, text);
+}
+
+#[test]
+fn a_misfit_writes_nothing() {
+    let found = [("location.C0Y_urad", known(50.0, 0.1))];
+    let fit = |left_um: f64, noise_um: Option<f64>| {
+        Some(Fit { before_mm: 3.3e-3, left_mm: 1e-3 * left_um, noise_mm: noise_um.map(|um| 1e-3 * um) })
+    };
+    for (fit, writes) in [
+        (fit(3.68, None), false),
+        (fit(2.4, None), false),
+        (fit(2.2, None), true),
+        (fit(3.68, Some(1.0)), false),
+        (fit(3.2, Some(1.2)), true),
+        (None, true),
+    ] {
+        let (text, decisions) = edited(MACHINE, &findings(&found, fit));
+        assert_eq!(text != MACHINE, writes, "{fit:?}");
+        assert_eq!(matches!(decisions[0].why, Why::Misfit(_)), !writes);
+    }
+}
+
+/// Errors of a table go in by the share that is written of them.
+#[test]
+fn a_curve_is_added_by_its_weight() {
+    let toml = "name = \"m\"\nchain = \"w b X t\"\n[axis.X]\ntable = \"x.csv\"\n[axis.X.uncertainty]\nscale_ppm = 10\n";
+    let files = Memory::new([("machine.toml", toml), ("x.csv", "X_mm,EXX_um\n0,0\n100,5\n")]);
+    let of = |found: Known| {
+        let curve = vec![(0.0, [0.0; 3]), (100.0, [1e-4 * found.value, 0.0, 0.0])];
+        let finding = Finding { key: "axis.X.scale_ppm".into(), found, on_top: true, curve, ..Finding::default() };
+        let additions = Additions { findings: vec![finding], ..Additions::default() };
+        let edited = additions.edit(&files, Path::new("machine.toml")).unwrap();
+        let file =
+            |name: &str| edited.files.iter().find(|(own, _)| own == Path::new(name)).map(|(_, text)| text.clone());
+        (file("x.csv"), file("machine.toml"))
+    };
+    // 100 ppm are 10 µm; half of the weight each: 5 µm of 10 ppm.
+    assert_eq!(of(known(100.0, 10.0)).0.unwrap(), "X_mm,EXX_um\n0,0\n100,15\n");
+    let (table, text) = of(known(20.0, 10.0));
+    assert_eq!(table.unwrap(), "X_mm,EXX_um\n0,0\n100,6\n");
+    assert!(text.unwrap().contains("scale_ppm = 7.1\n"));
+}
