@@ -123,9 +123,12 @@ fn without_a_second_position_there_is_no_slope_and_without_a_second_tool_no_tilt
     assert!((growth - 1e-3 * 40.0 * Y_PER_MM_AT_SPEED).abs() < 1e-4, "the tool's tilt is growth then: {growth}");
 }
 
+/// Speeds of the spindle, a row for each warm-up.
+type Speeds = [[u32; 6]; 4];
+
 /// Warm-ups in which a speed, or every speed, was run in one fitted cycle only, so that no other predicts it; these speeds
 /// with their cycles.
-const LONE: [([[u32; 6]; 4], &[(f64, u32)]); 7] = [
+const LONE: [(Speeds, &[(f64, u32)]); 7] = [
     ([[0, 6, 6, 3, 0, 3], [0, 6, 12, 12, 6, 0], [3, 0, 6, 6, 0, 3], [6, 12, 0, 0, 6, 3]], &[(12e3, 2)]),
     ([[0, 12, 12, 0, 12, 3], [0, 6, 0, 6, 6, 3], [3, 0, 6, 6, 0, 3], [6, 3, 0, 12, 6, 3]], &[(12e3, 1)]),
     ([[0, 6, 6, 3, 0, 3], [0, 6, 0, 3, 6, 6], [3, 0, 9, 9, 0, 9], [6, 9, 0, 0, 6, 3]], &[(9e3, 3)]),

@@ -97,7 +97,7 @@ fn whole(rows: &Rows<'_, 7>, lines: &[u32], readings: &[Reading]) -> Result<()> 
     let of = |diagonal: usize| readings.iter().filter(move |reading| reading.diagonal == diagonal);
     // Which way each axis moves along a diagonal, from where it begins: every diagonal has the same way then.
     let backward = [0, 1, 2, 3].map(|diagonal| {
-        let away = of(diagonal).find(|reading| reading.direction == Direction::Up).or(of(diagonal).last());
+        let away = of(diagonal).find(|reading| reading.direction == Direction::Up).or(of(diagonal).next_back());
         [0, 1, 2].map(|c| away.is_some_and(|first| share(c, first.position_mm[c]) > 0.5))
     });
     let turned =
