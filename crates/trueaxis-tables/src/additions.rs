@@ -16,10 +16,6 @@ use std::path::Path;
 use toml_edit::{DocumentMut, Item, TableLike, Value};
 use trueaxis::machine::{Axis, Row};
 
-/// What negative lost motion comes from; said wherever it is found.
-pub const OVERCOMPENSATED: &str =
-    "lost motion below zero is over-compensation: the control takes up too much. Lower its backlash setting by that";
-
 /// Closest two positions of a table, mm or degrees.
 const CLOSEST: f64 = 1e-3;
 

@@ -9,6 +9,9 @@ use trueaxis::machine::Axis;
 pub const AGREE: f64 = 2.0;
 /// What a fit leaves may be so many times the stated noise: by chance one degree of freedom goes beyond it once in 370 fits.
 pub const MISFIT: f64 = 3.0;
+/// What negative lost motion comes from; said wherever it is found.
+pub const OVERCOMPENSATED: &str =
+    "lost motion below zero is over-compensation: the control takes up too much. Lower its backlash setting by that";
 /// Nothing is written finer: a nanometre, a nanoradian, a thousandth of a ppm.
 const FINEST: f64 = 1e-3;
 
@@ -102,7 +105,7 @@ impl fmt::Display for Why {
             Why::Moved => write!(f, "by the test's own statistics"),
             Why::Unknown => write!(f, "found without an uncertainty"),
             Why::OverCompensated => {
-                write!(f, "{}; to correct it here all the same, state a hysteresis above it", crate::OVERCOMPENSATED)
+                write!(f, "{}; to correct it here all the same, state a hysteresis above it", OVERCOMPENSATED)
             }
             Why::Misfit(left) => write!(f, "misfit: {left}"),
         }

@@ -27,7 +27,7 @@ pub mod text;
 pub mod uncertainty;
 mod warning;
 
-pub use additions::{Additions, OVERCOMPENSATED};
+pub use additions::Additions;
 pub use change::{Change, Setting, change};
 pub use compile::{build, compile};
 pub use document::Edited;

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use trueaxis::Axis;
 use trueaxis_metrology::ballbar::{Cause, Term};
 use trueaxis_report::number::significant;
-use trueaxis_tables::OVERCOMPENSATED;
+use trueaxis_tables::finding::OVERCOMPENSATED;
 
 /// A value larger than so many of its standard errors is certain.
 const CERTAIN: f64 = 2.0;

@@ -8,8 +8,9 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use trueaxis::machine::Axis;
 use trueaxis_report::number::significant;
+use trueaxis_tables::finding::OVERCOMPENSATED;
 use trueaxis_tables::finding::{Finding, Fit, Known};
-use trueaxis_tables::{Additions, Machine, OVERCOMPENSATED};
+use trueaxis_tables::{Additions, Machine};
 
 /// Steps of a table that is made of curves.
 const STEPS: usize = 40;

@@ -42,7 +42,7 @@ pub(super) fn figures(radius: f64, readings: &[Reading], whole: bool) -> Figures
         Some(values.fold([f64::NEG_INFINITY, f64::INFINITY], |[a, b], v| [a.max(v), b.min(v)]))
     };
     let both = centre(&mut readings.iter().copied()).unwrap_or_default();
-    let profiles = [true, false].map(|ccw| profile(own(ccw).map(|reading| super::fit::about(radius, both, &reading))));
+    let profiles = [true, false].map(|ccw| profile(own(ccw).map(|reading| about(radius, both, &reading))));
     let h = match &profiles {
         [Some(ccw), Some(cw)] => {
             let apart = ccw.iter().zip(cw).filter_map(|(a, b)| Some((a.as_ref()? - b.as_ref()?).abs()));
@@ -83,4 +83,12 @@ fn profile(readings: impl Iterator<Item = Reading>) -> Option<Vec<Option<f64>>> 
         (gap.to_degrees() <= WIDEST_GAP_DEG).then(|| before[1] + share * (after[1] - before[1]))
     });
     Some(profile.collect())
+}
+
+/// The reading of a bar in the circle's centre: of |c + (R + Δ) (cos θ, sin θ)| the part along the command's radius.
+pub(super) fn about(radius: f64, [x, y]: [f64; 2], reading: &Reading) -> Reading {
+    let (sin, cos) = reading.angle_rad.sin_cos();
+    let (along, across) = (x * cos + y * sin, y * cos - x * sin);
+    let r = radius + reading.deviation_mm;
+    Reading { deviation_mm: (r * r - across * across).max(0.0).sqrt() - along - radius, ..*reading }
 }

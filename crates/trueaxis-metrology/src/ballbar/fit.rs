@@ -1,6 +1,6 @@
 //! The fit of all causes.
 
-use super::figures::figures;
+use super::figures::{about, figures};
 use super::shape::{HATS, Shaped, fits, hats};
 use super::{Cause, Evaluation, LEAST, LEAST_ARC_DEG, Reading, Refused, Term, WIDEST_GAP_DEG};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
@@ -136,14 +136,6 @@ fn check(radius: f64, readings: &[Reading]) -> Result<bool, Refused> {
         }
     }
     Ok(whole)
-}
-
-/// The reading of a bar in the circle's centre: of |c + (R + Δ) (cos θ, sin θ)| the part along the command's radius.
-pub(super) fn about(radius: f64, [x, y]: [f64; 2], reading: &Reading) -> Reading {
-    let (sin, cos) = reading.angle_rad.sin_cos();
-    let (along, across) = (x * cos + y * sin, y * cos - x * sin);
-    let r = radius + reading.deviation_mm;
-    Reading { deviation_mm: (r * r - across * across).max(0.0).sqrt() - along - radius, ..*reading }
 }
 
 /// What is fitted.
