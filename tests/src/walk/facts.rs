@@ -4,6 +4,9 @@ use super::drawn::Drawn;
 use trueaxis::machine::{AxisOrder, AxisSettings, DynamicSettings, GridHeader, Limits, wraps};
 use trueaxis::{Axis, Position};
 
+/// Angular errors of all tables and grids together stay below this as they are drawn, rad.
+const LARGEST_ANGLE: f64 = 5e-4;
+
 /// Magnitude, slope and acceleration in mm (deg) and cycles.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bounds {
@@ -89,6 +92,8 @@ pub(super) struct Facts<P, const N: usize> {
     pub feedback: bool,
     /// Errors are looked up at the feedback on some axis.
     pub at_feedback: bool,
+    /// Largest sum of squareness and angular errors, rad.
+    pub lean: f64,
     /// Singular cone: largest angle that a commanded tool is left by.
     pub cone_deg: f64,
 }
@@ -114,6 +119,7 @@ impl<P: Position, const N: usize> Facts<P, N> {
             let crosstalked = machine.crosstalk.iter().any(|entry| entry.tip == axis);
             AxisFacts { table, crosstalked, ..AxisFacts::of(drawn, settings, period_s) }
         });
+        let location = &machine.location;
         let servo = machine.axes.iter().any(|axis| axis.servo.friction.is_some() || axis.servo.dynamic.is_some());
         Facts {
             axes,
@@ -127,6 +133,7 @@ impl<P: Position, const N: usize> Facts<P, N> {
                 use trueaxis::machine::Lookup::Feedback;
                 axis.lookup == Feedback || axis.cross_lookup == Feedback
             }),
+            lean: LARGEST_ANGLE + [location.a0z, location.b0z, location.c0y].map(f64::abs).iter().sum::<f64>(),
             cone_deg: machine.kinematics.singular_cone_deg,
         }
     }

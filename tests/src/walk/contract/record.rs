@@ -75,15 +75,17 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
             let lever = if slot > 2 { 40.0 } else { 1.0 };
             *reach = lever * from_datum.into_iter().fold(0.0, f64::max);
         }
-        // So far off, squareness alone leads a look-up anywhere.
-        let far = input.command.iter().any(|command| command.to_f64().abs() > 1e5);
+        // Of an axis that the machine does not have, a command may be anything: a long lever for every angle.
+        let farthest = input.command.iter().map(|command| command.to_f64().abs()).fold(0.0, f64::max);
+        let far = farthest > 1e5;
+        let leaning = 1.5 * seen.facts.lean * farthest;
         if verdict != Verdict::Active || record.fault != Fault::None || far {
             return Ok(());
         }
         for (k, axis) in seen.facts.axes.iter().enumerate() {
             let Some([low, high]) = axis.table else { continue };
             // Look-ups lie as far from the command as the correction may.
-            let margin = 2.0 * axis.sum.c + 0.1 + 1.5 * self.grown.iter().sum::<f64>();
+            let margin = 2.0 * axis.sum.c + 0.1 + leaning + 1.5 * self.grown.iter().sum::<f64>();
             let at = [input.command[k], record.feedback[k]].map(P::to_f64);
             let told = record.at_edge >> k & 1 == 1;
             if at.iter().all(|at| *at > low + margin && *at < high - margin) {
