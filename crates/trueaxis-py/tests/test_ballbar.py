@@ -39,7 +39,10 @@ def test_a_test_is_that_of_the_command(tmp_path):
     assert np.allclose(traces.pop("angle_deg"), rows[:, 0]) and np.array_equal(traces.pop("direction"), rows[:, 2])
     assert traces == found and centred.shape == left.shape == (len(rows),)
     assert np.ptp(centred) == pytest.approx(found["g_b_um"], rel=0.01)
-    assert left.std() == pytest.approx(0.05, rel=0.1) and centred.std() > 10 * left.std()
+    # But for the few readings at reversals that the fit leaves out: there the axis has not taken up its play.
+    scatter = np.median(np.abs(left)) / 0.6745
+    assert scatter == pytest.approx(0.05, rel=0.1) and centred.std() > 10 * scatter
+    assert np.mean(np.abs(left) > 0.3) < 0.1
 
 
 def test_positions_in_another_plane_are_those_of_the_command(tmp_path):
