@@ -15,8 +15,10 @@ const STUCK_S: f64 = 1_800.0;
 const STUCK_TIMES: f64 = 4.0;
 const STUCK_ROWS: usize = 12;
 const STUCK_ELSEWHERE_K: f64 = 3.0;
-/// Or so many of its own steps while it moves at other times.
+/// Or so many of its own steps, and it leaps by so many when it comes free, or stands for a whole cycle; a slow place goes on
+/// by single steps.
 const STUCK_STEPS: f64 = 20.0;
+const STUCK_LEAP_STEPS: f64 = 5.0;
 
 /// Why a record is refused.
 #[derive(Clone, Debug, PartialEq)]
@@ -299,10 +301,14 @@ fn stuck(record: &Record, sensor: usize) -> Result<(), Refused> {
             continue;
         }
         // What it repeats elsewhere is its resolution: a slow place stands for a while. Where it is told in steps that are
-        // small against what the others moved, and moves at other times, it has no such excuse, however often it sticks.
+        // small against what the others moved, and makes up for many of them at once, it stuck, however often it did.
         let usual = by_time.iter().enumerate().filter(|(other, _)| *other != k).map(|(_, s)| *s).fold(0.0, f64::max);
         let fine = resolution_k * STUCK_STEPS <= elsewhere_k && high - low >= LEAST_RANGE_K;
-        if found_s >= STUCK_TIMES * usual || fine {
+        let reading = |row: usize| record.samples[row].temperatures_c[sensor];
+        let ends = |row: usize| row == 0 || row == record.samples.len() || record.begins(row);
+        let leaps = !ends(run[1]) && (reading(run[1]) - reading(run[0])).abs() >= STUCK_LEAP_STEPS * resolution_k;
+        let all_along = ends(run[0]) && ends(run[1]);
+        if found_s >= STUCK_TIMES * usual || fine && (leaps || all_along) {
             return Err(Refused::Stuck { sensor: record.sensors[sensor].clone(), index: run[0], found_s, elsewhere_k });
         }
     }
