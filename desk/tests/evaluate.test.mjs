@@ -184,7 +184,7 @@ test("an R-test has the location errors of the command line, and writes none whe
   await panel.locator("code").getByText("trueaxis evaluate r-test bk.csv --machine mill-5axis -o mill-5axis", { exact: true }).waitFor();
   await panel.getByRole("rowheader", { name: "EX0C", exact: true }).waitFor();
   // The ball moves as on no machine with the sample's tables: neither writes anything.
-  await panel.getByText(/^location\.EX0C_um: found .* misfit: /).waitFor();
+  await panel.getByText(/^location\.EX0C_um: found .*misfit: /).waitFor();
   assert.ok(await panel.getByRole("button", { name: "Put into the machine" }).isDisabled());
   for (const name of fs.readdirSync(path.join(folder, "five"))) assert.equal(fs.readFileSync(path.join(folder, "five", name), "utf8"), fs.readFileSync(path.join(sample("mill-5axis"), name), "utf8"), name);
   await close();
