@@ -42,8 +42,8 @@ impl<'r, T: Rows + ?Sized + 'r> Lines<'r, T> {
     /// The lines of an axis, and its settings as they hold for them; `None` where the direction of travel says nothing and there
     /// is no table.
     ///
-    /// Zeros reach [`BEYOND_TRAVEL`], or go round a full circle where that of a rotary axis is shorter. They are interpolated
-    /// as the machine's first table, so that they take the loop of the others.
+    /// Zeros reach [`BEYOND_TRAVEL`] past the declared travel; where a rotary axis then turns right round, they go round once.
+    /// They are interpolated as the machine's first table, so that they take the loop of the others.
     pub(crate) fn of(
         machine: &MachineSettings,
         rows: impl Fn(Axis) -> Option<&'r T>,
