@@ -1,6 +1,6 @@
 //! What a calibration adds to the errors that a machine's files hold already.
 
-use crate::document::{Edited, section, set};
+use crate::document::{Edited, editable, section, set};
 use crate::edit::table_name;
 use crate::error::FileError;
 use crate::exact::table::ErrorTable;
@@ -54,7 +54,7 @@ impl Additions {
     pub fn decide(&self, machine: &dyn Source, name: &Path) -> Result<Vec<Decision>, FileError> {
         let before = Machine::read_from(machine, name, &mut |_| {})?;
         let known = Uncertainties::read_from(machine, name)?;
-        let document = parsed(&Standing::read(machine, name)?.text, &Origin::new(&machine.path(name)))?;
+        let document = editable(&Standing::read(machine, name)?.text, &Origin::new(&machine.path(name)))?;
         Ok(self.decided(&before, &known, &document))
     }
 
@@ -98,7 +98,7 @@ impl Additions {
         let standing = Standing::read(machine, name)?;
         let known = Uncertainties::read_from(machine, name)?;
         let origin = Origin::new(&machine.path(name));
-        let mut document = parsed(&standing.text, &origin)?;
+        let mut document = editable(&standing.text, &origin)?;
         let mut edited = Edited { files: Vec::new(), notes: Vec::new() };
         let decisions = self.decided(&before, &known, &document);
         for (axis, curve) in self.curves.iter().chain(&taken_curves(&self.findings, &decisions)) {
@@ -127,13 +127,6 @@ impl Additions {
         }
         Ok(edited)
     }
-}
-
-fn parsed(text: &str, origin: &Origin) -> Result<DocumentMut, FileError> {
-    text.strip_prefix('\u{feff}')
-        .unwrap_or(text)
-        .parse::<DocumentMut>()
-        .map_err(|error| origin.whole(error.message().to_owned(), "a TOML file that can be edited"))
 }
 
 /// Curves of the findings that are written, each with the share of it that is, one an axis.

@@ -1,7 +1,7 @@
 //! Single changes to the files of a machine: a point of a table, a line more or less, a key of `machine.toml`. Comments,
 //! order, and whatever else stands in the files stay.
 
-use crate::document::{Edited, as_before, set};
+use crate::document::{Edited, as_before, editable, set};
 use crate::error::FileError;
 use crate::files::{Edit, Memory, Source};
 use crate::origin::Origin;
@@ -10,7 +10,7 @@ use crate::{Machine, read};
 use serde::Deserialize;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-use toml_edit::{DocumentMut, Item, TableLike, Value};
+use toml_edit::{Item, TableLike, Value};
 use trueaxis::machine::{Axis, Curve, wraps};
 
 /// A change to the files of a machine, in the units of the files.
@@ -254,11 +254,7 @@ fn key_set(
 ) -> Result<(PathBuf, String), FileError> {
     let origin = Origin::new(&files.path(name));
     let before = read::text(files, name)?;
-    let mut document = before
-        .strip_prefix('\u{feff}')
-        .unwrap_or(&before)
-        .parse::<DocumentMut>()
-        .map_err(|error| origin.whole(error.message().to_owned(), "a TOML file that can be edited"))?;
+    let mut document = editable(&before, &origin)?;
     let (sections, last) = key.rsplit_once('.').unwrap_or(("", key));
     let mut section: &mut dyn TableLike = document.as_table_mut();
     let mut made = sections.split('.').filter(|name| !name.is_empty()).peekable();

@@ -16,6 +16,14 @@ pub struct Edited {
     pub notes: Vec<String>,
 }
 
+/// The document of a text, whose byte order mark is left out.
+pub(crate) fn editable(text: &str, origin: &Origin) -> Result<DocumentMut, FileError> {
+    text.strip_prefix('\u{feff}')
+        .unwrap_or(text)
+        .parse::<DocumentMut>()
+        .map_err(|error| origin.whole(error.message().to_owned(), "a TOML file that can be edited"))
+}
+
 /// A text with the line ends and the byte order mark of the one before.
 pub(crate) fn as_before(mut text: String, before: &str) -> String {
     if before.contains("\r\n") && !text.contains("\r\n") {

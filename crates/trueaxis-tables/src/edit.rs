@@ -1,6 +1,6 @@
 //! An import into an existing machine: tables and settings of the imported axes change, everything else stays.
 
-use crate::document::{Edited, same, section, set};
+use crate::document::{Edited, editable, same, section, set};
 use crate::error::FileError;
 use crate::files::{Entry, Source};
 use crate::formats::grid_csv::grid_section;
@@ -27,10 +27,7 @@ impl Imported {
         let standing = Standing::read(machine, name)?;
         let origin = Origin::new(&machine.path(name));
         in_chain(self, &standing, &origin)?;
-        let text = standing.text.strip_prefix('\u{feff}').unwrap_or(&standing.text);
-        let mut document = text
-            .parse::<DocumentMut>()
-            .map_err(|error| origin.whole(error.message().to_owned(), "a TOML file that can be edited"))?;
+        let mut document = editable(&standing.text, &origin)?;
         let mut edited = Edited { files: Vec::new(), notes: Vec::new() };
         for (axis, table) in &self.tables {
             let csv = table_name(*axis, &standing, &origin)?;
