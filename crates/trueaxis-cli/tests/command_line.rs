@@ -388,7 +388,7 @@ fn help_teaches() {
     }
 }
 
-/// Licences are printed whole, and stand beside no command.
+/// `--licences` prints every licence, and takes no command.
 #[test]
 fn licences_are_printed() {
     let folder = Folder::new(TRUEAXIS);

@@ -75,7 +75,7 @@ fn in_millimetres(imported: Imported, format: Format, unit: Option<Unit>, file: 
 /// How a file is read.
 pub(super) struct ImportOptions<'o> {
     pub(super) format: Format,
-    /// The type of a LinuxCNC file is told by its numbers.
+    /// The numbers of a LinuxCNC file tell its type.
     pub(super) recognise: bool,
     pub(super) axis: Option<Axis>,
     pub(super) unit: Option<Unit>,
