@@ -68,7 +68,7 @@ pub(crate) fn write(
     Ok(notes)
 }
 
-/// Stages `machine` with what of the additions is written, as [`write`]; what is done about every finding comes first. `record`:
+/// Stages `machine` with what of the additions is written, as [`write()`] does; what is done about every finding comes first. `record`:
 /// the file that they rest on. Without a folder to write into nothing is staged.
 pub(crate) fn decide(
     outputs: &mut Outputs,
