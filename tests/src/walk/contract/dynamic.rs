@@ -43,8 +43,7 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
             return Ok(());
         };
         self.own_limits(seen, parts, verdict, first)?;
-        self.switches(seen, parts, verdict, first)?;
-        self.watch(seen, verdict, first)
+        self.switches(seen, parts, verdict, first)
     }
 
     fn own_limits(
@@ -139,7 +138,8 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         Ok(())
     }
 
-    fn watch(&mut self, seen: &Seen<'_, '_, R, P, N>, verdict: Verdict, first: bool) -> Result<(), Broken> {
+    /// Of every cycle; `verdict` is the one before the output was looked at.
+    pub(super) fn watch(&mut self, seen: &Seen<'_, '_, R, P, N>, verdict: Verdict, first: bool) -> Result<(), Broken> {
         let (input, record) = (&seen.moment.input, &seen.outcome.output.record);
         let on = input.dynamics.has(Dynamics::FEEDBACK);
         let out = record.status.has(Status::FEEDBACK_OUT);

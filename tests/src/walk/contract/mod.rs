@@ -98,6 +98,7 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         self.record(seen)?;
         let first = !self.senses.started;
         let mut verdict = self.senses.expect(&mut self.tally, seen)?;
+        let decided = verdict;
         let record = &seen.outcome.output.record;
         if record.fault == Fault::JointRange && !verdict.holds() {
             self.joint_range(seen, verdict, first)?;
@@ -107,6 +108,8 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         self.told(seen, verdict)?;
         self.follow(seen, verdict, first)?;
         self.dynamic(seen, verdict, first)?;
+        // The feedback acted before the output was found to leave a joint's range.
+        self.watch(seen, decided, first)?;
         self.measured(seen, verdict, first)?;
         self.gauged(seen, verdict)?;
         if !verdict.holds() {
