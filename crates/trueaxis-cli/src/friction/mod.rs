@@ -24,6 +24,10 @@ The following error of this model along the recorded commands is fitted to the r
 and K_v, K_vp, τ, k_ff where --machine does not state them. A share, velocity or viscous friction that the record does not
 tell stays at 0, 2 mm/s, 0.
 
+When in its cycle the encoder is read is found where the drive's figures are given. Beside a drive that is found, hardly a
+record tells it, and what is not known of it is in all uncertainties: --reading-lag-us states it. An encoder that is read at
+the end of a cycle of 1 ms whose command goes evenly to the next has -1000, one whose command is held -500.
+
 -o: the sections [axis.X.friction] and, where they were found, [axis.X.drive] of a machine.toml, with standard errors; with
 --merge the machine's whole file with these sections in it, beside the old one.
 
@@ -45,6 +49,9 @@ pub(crate) struct Arguments {
     /// Find the drives' figures even where the machine states them.
     #[arg(long)]
     find_drive: bool,
+    /// When the encoder is read, in microseconds after the command of its row acts; negative: before. Found unless given.
+    #[arg(long, value_name = "US", allow_negative_numbers = true, value_parser = reading_lag)]
+    reading_lag_us: Option<f64>,
     /// One JSON document instead of a table.
     #[arg(long)]
     json: bool,
@@ -71,7 +78,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     }
     let given = if arguments.find_drive { [None; 2] } else { given };
     let rows = csv_in::open(&arguments.record, &friction::columns(arguments.axes), "samples")?;
-    let recording = Recording::read(rows, arguments.axes)?;
+    let mut recording = Recording::read(rows, arguments.axes)?;
+    recording.record.reading_lag_s = arguments.reading_lag_us.map(|lag| 1e-6 * lag);
     let bar = progress(0, "fitting").with_style(indicatif::ProgressStyle::default_spinner());
     let fitted = friction::fit(&recording, given, &mut |axis, step| {
         bar.set_message(format!("fitting axis {}, step {step}", axis.letter()));
@@ -93,6 +101,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     }
     outputs.commit()?;
     if arguments.json { json(&document) } else { print(&table::table(&document)?) }
+}
+
+fn reading_lag(text: &str) -> Result<f64, String> {
+    let lag = text.parse().ok().filter(|lag: &f64| (-20_000.0..=100_000.0).contains(lag));
+    lag.ok_or_else(|| format!("found {text:?}, needed -20000 to 100000 µs"))
 }
 
 /// The machine's file with the settings in it; `output` has to stand beside it, where its tables are found.
