@@ -171,6 +171,11 @@ fn in_chain(imported: &Imported, standing: &Standing<'_>, origin: &Origin) -> Re
             )));
         }
     }
+    let has = |axis: Axis| standing.settings.axes.iter().any(|own| own.axis == axis);
+    if let Some((axis, names)) = stated::of_no_axis(&imported.location, has) {
+        let letter = axis.letter();
+        return Err(at(format!("axis {letter} in the chain, of which the file states {names}; or 0 there")));
+    }
     let stated = imported.settings.as_ref().map(|settings| settings.chain.as_str());
     match stated {
         Some(stated) if links(stated) != links(chain) => {
