@@ -115,7 +115,7 @@ impl<'t> PathFile<'t> {
             }
         }
         if path.total == 0 {
-            return Err(path.wrong(0, "found no length, needed a path".into()));
+            return Err(path.wrong(0, "end: found no length, needed a path".into()));
         }
         Ok(path)
     }
@@ -275,7 +275,7 @@ mod tests {
         );
         assert_eq!(at(2, 1.5), Err([0.0, 1.0]));
         let alone = format!("{{\"segments\":[{}]}}", line(a, a));
-        assert_eq!(refusal(&alone), "path.json:1: segments[0]: found no length, needed a path");
+        assert_eq!(refusal(&alone), "path.json:1: segments[0]: end: found no length, needed a path");
     }
 
     #[test]
