@@ -81,14 +81,17 @@ struct Blocks {
     cross: BTreeMap<usize, CrossBlock>,
 }
 
-/// An error over an axis' position: line, position, value, mm or rad.
+/// Line of the file; position, and error there, mm or rad.
+type Line = (u32, (f64, f64));
+
+/// An error over an axis' position.
 struct Curve {
     axis: Axis,
     /// Axis of its component.
     moved: Axis,
     /// Directions of travel in which it acts, forward and reverse.
     acts: [bool; 2],
-    lines: Vec<(u32, (f64, f64))>,
+    lines: Vec<Line>,
 }
 
 pub(super) fn import(text: &str, origin: &Origin, only: Option<Axis>) -> Result<Imported, FileError> {
@@ -336,13 +339,7 @@ fn cross_curve(number: usize, block: &CrossBlock, origin: &Origin) -> Result<Cur
 
 impl Points {
     /// The points of a table over an axis with their lines, values times a factor; `name` and `of` as errors have them.
-    fn lines(
-        &self,
-        [name, of]: [&str; 2],
-        axis: Axis,
-        factor: f64,
-        origin: &Origin,
-    ) -> Result<Vec<(u32, (f64, f64))>, FileError> {
+    fn lines(&self, [name, of]: [&str; 2], axis: Axis, factor: f64, origin: &Origin) -> Result<Vec<Line>, FileError> {
         let missing = |part: &str| origin.whole(format!("no {name}_{part} for {of}"), "it");
         let (step_line, step) = self.step.ok_or_else(|| missing("STEP"))?;
         let (_, min) = self.min.ok_or_else(|| missing("MIN"))?;
