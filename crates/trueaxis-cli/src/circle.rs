@@ -8,10 +8,12 @@ use clap::Args;
 use std::fmt::Write;
 use std::path::PathBuf;
 use trueaxis_evaluation::circle::{COLUMNS, Document, Evaluation};
+use trueaxis_report::number::significant;
 use trueaxis_tables::output::Outputs;
 
 pub(crate) const HELP: &str = "\
-POINTS.csv: x_mm,y_mm, one row a point, at least three that are not on one line.
+POINTS.csv: x_mm,y_mm, one row a point, at least three that are not on one line. Two other coordinates (x_mm,z_mm) are a
+section in their plane; with all three a plane is fitted to the points first, and the circles lie in it.
 Reference circles after ISO 12181-1, in the plane:
   LSC  least squares of the distances        radius: mean distance
   MZC  narrowest ring that holds all points  radius: mean of inner and outer
@@ -47,26 +49,28 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
         outputs.commit()?;
     }
     let document = found.document();
-    if arguments.json { json(&document) } else { print(&table(&document, &found.lines)?) }
+    if arguments.json { json(&document) } else { print(&table(&document, &found)?) }
 }
 
-fn table(document: &Document, of: &[u32]) -> Result<String> {
-    let mut text = format!("{} points; ISO 12181-1\n\n", document.points);
-    writeln!(
-        text,
-        "{:<5} {:>20} {:>20} {:>20} {:>18}  lines",
-        "", "centre x, mm", "centre y, mm", "radius, mm", "zone, µm"
-    )?;
+fn table(document: &Document, found: &Evaluation) -> Result<String> {
+    let mut text = format!("{} points", document.points);
+    if let Some(plane) = &document.plane {
+        let [x, y, z] = plane.normal.map(|at| format!("{:.6}", at + 0.0));
+        let flat = significant(plane.flatness_um, 4);
+        write!(text, " in the plane fitted to them: normal {x} {y} {z}, flat within {flat} µm")?;
+    }
+    let centre: String =
+        found.section.letters().iter().map(|letter| format!(" {:>20}", format!("centre {letter}, mm"))).collect();
+    writeln!(text, "; ISO 12181-1\n\n{:<5}{centre} {:>20} {:>18}  lines", "", "radius, mm", "zone, µm")?;
     let circles = [("LSC", &document.lsc), ("MZC", &document.mzc), ("MIC", &document.mic), ("MCC", &document.mcc)];
     for (name, circle) in circles {
         match circle {
             Some(circle) => {
-                let lines = circle.contacts.iter().filter_map(|&i| of.get(i)).map(u32::to_string);
+                let lines = circle.contacts.iter().filter_map(|&i| found.lines.get(i)).map(u32::to_string);
+                let centre: String = circle.centre_mm.iter().map(|mm| format!(" {mm:>20.12}")).collect();
                 writeln!(
                     text,
-                    "{name:<5} {:>20.12} {:>20.12} {:>20.12} {:>18.9}  {}",
-                    circle.cx_mm,
-                    circle.cy_mm,
+                    "{name:<5}{centre} {:>20.12} {:>18.9}  {}",
                     circle.radius_mm,
                     circle.zone_um,
                     lines.collect::<Vec<_>>().join(" ")

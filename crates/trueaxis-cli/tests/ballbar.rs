@@ -254,6 +254,25 @@ fn a_direction_is_read_as_people_write_it() {
     folder.bad(&["ballbar", "left.csv", "--radius-mm", "100"], &["left.csv:362: column direction: found \"left\""]);
 }
 
+/// Deviations in mm under a header of µm: no machine is so round.
+#[test]
+fn a_circle_rounder_than_any_is_told() {
+    let folder = Folder::new(TRUEAXIS);
+    let told = |scale: f64| {
+        let text = record(&[1.0, -1.0]).lines().enumerate().fold(String::new(), |text, (k, line)| {
+            let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
+            if k > 0 {
+                cells[1] = format!("{:e}", scale * cells[1].parse::<f64>().unwrap());
+            }
+            text + &cells.join(",") + "\n"
+        });
+        folder.write("scaled.csv", text);
+        let found = folder.json(&["ballbar", "scaled.csv", "--radius-mm", "100", "--json"]);
+        found["warnings"].as_array().unwrap().iter().any(|told| told.as_str().unwrap().contains("may be in mm"))
+    };
+    assert!(told(1e-3) && !told(1.0) && !told(0.1));
+}
+
 #[test]
 fn what_is_wrong_is_told_with_its_line() {
     let folder = Folder::new(TRUEAXIS);

@@ -56,6 +56,44 @@ fn all_four_circles_of_a_round_section() {
     assert!(found.get("refused").is_none());
 }
 
+/// The same section in the plane of X and Z, and in a plane that leans: a circle of 10 mm about (30, −20, 5) with the normal
+/// (2, −1, 2)/3, whose four points alternate by 1 µm on either side of it.
+#[test]
+fn other_planes_and_points_in_space() {
+    let found = document(&round().replace("y_mm", "z_mm"));
+    assert_eq!(found["lsc"]["centre_mm"].as_array().unwrap().len(), 2);
+    near(&found["lsc"]["cx_mm"], 100.0);
+    near(&found["lsc"]["cz_mm"], -50.0);
+    assert!(found["lsc"].get("cy_mm").is_none());
+    let ([one, other], normal) = ([[1.0, 2.0, 0.0], [-4.0, 2.0, 5.0]], [2.0, -1.0, 2.0]);
+    let mut text = String::from("x_mm,y_mm,z_mm\n");
+    for k in 0..8 {
+        let (sin, cos) = (f64::from(k) * std::f64::consts::FRAC_PI_4).sin_cos();
+        let off = if k % 2 == 0 { 1e-3 } else { -1e-3 };
+        let at: [f64; 3] = std::array::from_fn(|axis| {
+            [30.0, -20.0, 5.0][axis]
+                + 10.0 * (cos * one[axis] / 5f64.sqrt() + sin * other[axis] / 45f64.sqrt())
+                + off * normal[axis] / 3.0
+        });
+        text.push_str(&format!("{:?},{:?},{:?}\n", at[0], at[1], at[2]));
+    }
+    let found = document(&text);
+    for (axis, truth) in [30.0, -20.0, 5.0].into_iter().enumerate() {
+        near(&found["lsc"]["centre_mm"][axis], truth);
+        near(&found["plane"]["normal"][axis], normal[axis] / 3.0);
+    }
+    near(&found["lsc"]["radius_mm"], 10.0);
+    near(&found["plane"]["flatness_um"], 2.0);
+    let table = folder(&text).good(&["circle", "points.csv", "--report", "out"]);
+    assert!(
+        table.starts_with(
+            "8 points in the plane fitted to them: normal 0.666667 -0.333333 0.666667, flat within 2.000 µm"
+        ),
+        "{table}"
+    );
+    assert!(table.contains("centre z, mm"), "{table}");
+}
+
 #[test]
 fn the_table_gives_the_same_and_the_lines_in_the_file() {
     let text = folder(&round()).good(&["circle", "points.csv"]);
@@ -88,7 +126,7 @@ fn a_part_arc_has_no_inscribed_circle() {
 
 #[test]
 fn bad_points_are_refused_with_what_is_needed() {
-    let cases: [(&str, &[&str]); 7] = [
+    let cases: [(&str, &[&str]); 8] = [
         ("x_mm,y_mm\n1,2\n3,4\n", &["points.csv", "found 2 points", "needed at least 3"]),
         (
             "x_mm,y_mm\n0.1,0.1\n0.2,0.2\n0.3,0.3\n0.7,0.7\n",
@@ -97,8 +135,9 @@ fn bad_points_are_refused_with_what_is_needed() {
         ("x_mm,y_mm\n1,1\n1,1\n1,1\n", &["points.csv", "found", "needed"]),
         ("x_mm,y_mm\n1,1\nnan,1\n1,5\n", &["points.csv:3", "x_mm", "nan", "a finite number"]),
         ("x_mm,y_mm\n1,1\n2,1\n1,inf\n", &["points.csv:4", "y_mm", "inf"]),
-        ("x_mm,z_mm\n1,1\n2,1\n1,3\n", &["points.csv:1", "z_mm"]),
-        ("x_mm\n1\n2\n3\n", &["points.csv:1", "y_mm"]),
+        ("x_mm,w_mm\n1,1\n2,1\n1,3\n", &["points.csv:1", "w_mm"]),
+        ("x_mm\n1\n2\n3\n", &["points.csv:1", "two or three of x_mm, y_mm, z_mm"]),
+        ("x_mm,y_mm,z_mm\n1,1,1\n2,2,2\n3,3,3\n", &["points.csv", "on one straight line"]),
     ];
     for (text, parts) in cases {
         folder(text).bad(&["circle", "points.csv", "--json"], parts);

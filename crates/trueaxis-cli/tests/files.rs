@@ -174,6 +174,21 @@ fn windows_line_ends_and_inline_sections_stay() {
     assert!(directory.read("i/a.csv").contains("100,3,4"));
 }
 
+/// The names of the ISG manual: Y0A without an axis A. No key of machine.toml is to blame.
+#[test]
+fn location_errors_of_an_axis_that_is_nowhere_name_the_chain() {
+    let directory = Folder::new(TRUEAXIS);
+    hall_2(&directory);
+    directory.write("names.csv", "Y0A\tZ0A\n0.1\t0.2\n#\nX\tEXX\n0\t0.002\n10\t0.001\n");
+    let new = ["tables", "import", "--from", "isg", "names.csv", "-o", "new"];
+    directory
+        .bad(&new, &["names.csv: found location errors of axis A (EY0A EZ0A)", "// trueaxis chain: w b X Y Z A t"]);
+    directory.bad(
+        &["tables", "import", "--from", "isg", "names.csv", "-o", "m"],
+        &["machine.toml", "chain", "axis A in the chain"],
+    );
+}
+
 #[test]
 fn an_import_into_a_machine_that_cannot_take_it_is_refused() {
     let directory = Folder::new(TRUEAXIS);

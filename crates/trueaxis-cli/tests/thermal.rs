@@ -97,8 +97,9 @@ fn bad_records_are_told_with_line_and_figure_and_nothing_is_written() {
     for (file, told) in [
         ("stuck.csv", "stuck.csv:200: column T1_c: found T1 at one reading for"),
         ("jump.csv", "jump.csv:200: column T1_c: found T1 "),
+        ("jump.csv", "is taken with --rate-k-per-min, one that is not needed left out with --without T1"),
         ("gone.csv", "gone.csv:200: column T1_c: found nothing, needed a number"),
-        ("absurd.csv", "absurd.csv:200: column T1_c: found 850, needed -60 to 200 degrees Celsius"),
+        ("absurd.csv", "absurd.csv:200: column T1_c: found 850, needed -60 to 300 degrees Celsius"),
         ("twice.csv", "found T1 and T2 running together (correlation 1.00000)"),
         ("short.csv", "short.csv: found 1 cycles, needed at least 3"),
         (
@@ -112,6 +113,33 @@ fn bad_records_are_told_with_line_and_figure_and_nothing_is_written() {
     folder.write("record.csv", &good);
     folder.bad(&["thermal", "fit", "record.csv", "--hold-out", "9"], &["found no cycle 9 to hold out"]);
     folder.bad(&["thermal", "fit", "record.csv", "--without", "T7"], &["--without: found T7, needed one of T1, T2"]);
+}
+
+/// A hot end at 160 to 270 °C that warms by up to 1.5 K a minute: what it read is plausible to the task, and as fast as it is stated.
+#[test]
+fn a_hot_end_is_a_sensor() {
+    let folder = Folder::new(TRUEAXIS);
+    let hot = record().lines().enumerate().fold(String::new(), |text, (k, line)| {
+        let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
+        if k > 0 {
+            cells[5] = format!("{:.2}", 215.0 + 6.0 * (cells[5].parse::<f64>().unwrap() - 20.0));
+        }
+        text + &cells.join(",") + "\n"
+    });
+    folder.write("hot.csv", hot);
+    let fit = ["thermal", "fit", "hot.csv", "--without", "T2", "--json", "-o", "thermal.toml"];
+    let found = folder.json(&[&fit[..], &["--rate-k-per-min", "8"]].concat());
+    let [drift, left] = [0, 1].map(|k| found["held_out_um"][k].as_f64().unwrap());
+    assert!(drift > 15.0 && left < 0.3, "{left} of {drift} µm");
+    let text = folder.read("thermal.toml");
+    let most = text.split_once("plausible_c = [-30, ").unwrap().1.split_once(']').unwrap().0.parse::<f64>().unwrap();
+    assert!((268.0..=300.0).contains(&most) && text.contains("rate_k_per_min = 8\n"), "{text}");
+    // Every 15 min, between which it moves by up to 12 K.
+    let hot = folder.read("hot.csv");
+    let coarse = hot.lines().enumerate().filter(|(k, _)| *k == 0 || (k - 1) / 2 % 3 == 0);
+    folder.write("hot.csv", coarse.fold(String::new(), |text, (_, line)| text + line + "\n"));
+    folder.bad(&[&fit[..], &["--rate-k-per-min", "0.1"]].concat(), &["column T1_c: found T1 ", "--rate-k-per-min"]);
+    folder.bad(&[&fit[..], &["--rate-k-per-min", "0"]].concat(), &["--rate-k-per-min: found 0, needed 0.1 to 1000"]);
 }
 
 #[test]

@@ -13,6 +13,8 @@ use trueaxis_tables::text::{line_at, one_line};
 
 /// Segments may be this far apart without a word, mm.
 const JOINED: f64 = 1e-6;
+/// A line below has no length, mm: the core takes none.
+const NO_LENGTH: f64 = 1e-9;
 /// Further than this they are no path, mm.
 const GAP: f64 = 1e-3;
 /// Most characters of what is wrong with the text: it may repeat a key of it.
@@ -61,6 +63,11 @@ fn z_axis() -> [f64; 3] {
 }
 
 impl SegmentFile {
+    /// A line from a point to itself, as programs have them that were made by a machine.
+    fn is_a_point(&self) -> bool {
+        matches!(self, SegmentFile::Line { start, end } if distance(*start, *end) < NO_LENGTH)
+    }
+
     fn segment(&self) -> Segment<'_> {
         match self {
             SegmentFile::Line { start, end } => Segment::Line { start: (*start).into(), end: (*end).into() },
@@ -99,13 +106,16 @@ impl<'t> PathFile<'t> {
             bail!("{}: segments: found none, needed at least one", file.display());
         }
         let mut path = PathFile { text, file, segments, total: 0 };
-        for (number, segment) in path.segments.iter().enumerate() {
+        for (number, segment) in path.segments.iter().enumerate().filter(|(_, segment)| !segment.is_a_point()) {
             let count = span_count(&segment.segment()).map_err(|error| path.wrong(number, error.to_string()))?;
             path.total += u64::from(count);
             if path.total > MOST_SPANS {
                 let found = format!("found {} spans of the path up to here, each 16 mm or 30° at most", path.total);
                 return Err(path.wrong(number, format!("{found}, needed at most {MOST_SPANS}")));
             }
+        }
+        if path.total == 0 {
+            return Err(path.wrong(0, "end: found no length, needed a path".into()));
         }
         Ok(path)
     }
@@ -115,7 +125,8 @@ impl<'t> PathFile<'t> {
         self.total
     }
 
-    /// Cuts the segments into spans; `note` hears of segments that start a little off the end of the one before.
+    /// Cuts the segments into spans; `note` hears of segments that start a little off the end of the one before, and of lines
+    /// without length, which keep their number and are left out.
     ///
     /// # Errors
     /// With line and segment: one without length, one that starts more than 1 µm from the end of the one before.
@@ -125,6 +136,10 @@ impl<'t> PathFile<'t> {
         for (number, segment) in self.segments.iter().enumerate() {
             let start = path.spans.len();
             path.first.push(start);
+            if segment.is_a_point() {
+                note(self.wrong(number, "a line without length, left out".into()).to_string());
+                continue;
+            }
             convert(&segment.segment(), number as u32, z_axis(), |span| {
                 path.spans.push(span);
                 Ok(())
@@ -207,6 +222,15 @@ impl ProgrammedPath {
     /// There is no such segment.
     pub fn reference(&self, segment: usize, u: f64) -> Result<Reference<f64>, [f64; 2]> {
         let (first, end) = (self.first[segment], self.first[segment + 1]);
+        if first == end {
+            // A line without length: its place is the end of the one before, or the start of the path.
+            let t = if first == 0 { 0.0 } else { 1.0 };
+            return if (0.0..=1.0).contains(&u) {
+                Ok(Reference { span: first.saturating_sub(1) as u32, t })
+            } else {
+                Err([0.0, 1.0])
+            };
+        }
         let [low, high] = [self.spans[first].u_range()[0], self.spans[end - 1].u_range()[1]];
         // A reference that was printed with fewer digits may lie a hair outside.
         let slack = 1e-9 * (high - low);
@@ -226,6 +250,32 @@ mod tests {
     fn refusal(text: &str) -> String {
         let read = PathFile::read(text, FilePath::new("path.json")).and_then(|path| path.cut(&mut |_| {}));
         read.err().map(|error| error.to_string()).unwrap_or_default()
+    }
+
+    #[test]
+    fn a_line_without_length_is_left_out_and_told() {
+        let line =
+            |start: [f64; 3], end: [f64; 3]| format!("{{\"type\":\"line\",\"start\":{start:?},\"end\":{end:?}}}");
+        let (a, b, c) = ([0.0; 3], [1.0, 0.0, 0.0], [1.0, 2.0, 0.0]);
+        let text = format!("{{\"segments\":[{},\n{},{},{}]}}", line(a, a), line(a, b), line(b, b), line(b, c));
+        let mut told = Vec::new();
+        let path = PathFile::read(&text, FilePath::new("p.json")).unwrap().cut(&mut |note| told.push(note)).unwrap();
+        assert_eq!(
+            told,
+            [
+                "p.json:1: segments[0]: a line without length, left out",
+                "p.json:2: segments[2]: a line without length, left out"
+            ]
+        );
+        assert_eq!((path.segments(), path.spans().len()), (4, 2));
+        let at = |segment, u| path.reference(segment, u).map(|at| (at.span, at.t));
+        assert_eq!(
+            [at(0, 0.5), at(1, 0.5), at(2, 0.5), at(3, 0.5)],
+            [Ok((0, 0.0)), Ok((0, 0.5)), Ok((0, 1.0)), Ok((1, 0.5))]
+        );
+        assert_eq!(at(2, 1.5), Err([0.0, 1.0]));
+        let alone = format!("{{\"segments\":[{}]}}", line(a, a));
+        assert_eq!(refusal(&alone), "path.json:1: segments[0]: end: found no length, needed a path");
     }
 
     #[test]

@@ -3,7 +3,7 @@
 
 use trueaxis::Axis;
 use trueaxis::temperature::Thermal;
-use trueaxis_metrology::thermal::{Record, Refused, Sample, Settings, fit, held_out};
+use trueaxis_metrology::thermal::{RATE_K_PER_MIN, Record, Refused, Sample, Settings, fit, held_out};
 use trueaxis_testing::noise::Noise;
 
 /// Lags of the truth, s: spindle sensor, ambient, and the spindle's own response.
@@ -66,7 +66,7 @@ fn warm_up(duty: &[[u32; 6]], hot_rpm: f64, seed: u64, noise_um: f64) -> Record 
 }
 
 fn settings() -> Settings {
-    Settings { reference_c: 20.0, datum_mm: [0.0; 3], held_out: vec![] }
+    Settings { reference_c: 20.0, datum_mm: [0.0; 3], held_out: vec![], rate_k_per_min: RATE_K_PER_MIN }
 }
 
 #[test]

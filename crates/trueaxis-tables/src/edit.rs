@@ -174,9 +174,19 @@ fn in_chain(imported: &Imported, standing: &Standing<'_>, origin: &Origin) -> Re
     let stated = imported.settings.as_ref().map(|settings| settings.chain.as_str());
     match stated {
         Some(stated) if links(stated) != links(chain) => {
-            Err(at(format!("the chain that the imported file states, {stated:?}; or --new and another folder")))
+            return Err(at(format!(
+                "the chain that the imported file states, {stated:?}; or --new and another folder"
+            )));
         }
-        _ => Ok(()),
+        _ => {}
+    }
+    let has = |axis: Axis| standing.settings.axes.iter().any(|own| own.axis == axis);
+    match stated::of_no_axis(&imported.location, has) {
+        Some((axis, names)) => {
+            let letter = axis.letter();
+            Err(at(format!("axis {letter} in the chain, of which the file states {names}; or 0 there")))
+        }
+        None => Ok(()),
     }
 }
 

@@ -133,6 +133,94 @@ fn siemens_refusals() {
     assert!(refusal(Format::Siemens, &whole, Some(Axis::X)).to_string().contains("axis X"));
 }
 
+/// Sag of Z over Y and straightness of X over Y, each in its own steps, and the own error of Y apart in both directions: one table
+/// of Y, linear between the points of all of them, and Z in the chain to correct it.
+#[test]
+fn siemens_sag_over_another_axis() {
+    let table = |number: u32, output: char, direction: i32, step: f64, values: &[f64]| {
+        let mut text = String::new();
+        for (point, value) in values.iter().enumerate() {
+            text.push_str(&format!("$AN_CEC [{number},{point}]={value} ; point\n"));
+        }
+        text.push_str(&format!("$AN_CEC_INPUT_AXIS[{number}]=(Y1)\n$AN_CEC_OUTPUT_AXIS[{number}] = ({output}1)\n"));
+        text.push_str(&format!("$AN_CEC_STEP[{number}]={step}\n$AN_CEC_MIN[{number}]=0\n$AN_CEC_MAX[{number}]=100\n"));
+        text.push_str(&format!("$AN_CEC_DIRECTION[{number}]={direction}\n$AN_CEC_IS_MODULO[{number}]=0\n"));
+        text + &format!("$AN_CEC_MULT_BY_TABLE[{number}]=0\n")
+    };
+    let sag = table(0, 'Z', 0, 50.0, &[0.0, -0.010, -0.030]);
+    let all = [
+        sag.clone(),
+        table(1, 'X', 0, 100.0, &[0.0, 0.004]),
+        table(2, 'Y', 1, 100.0, &[0.0, 0.002]),
+        table(3, 'Y', -1, 100.0, &[0.005, 0.007]),
+    ];
+    let imported = read(Format::Siemens, &format!("%_N_NC_CEC_INI\nCHANDATA(1)\n{}M17\n", all.concat()), None);
+    let [(Axis::Y, y)] = imported.tables.as_slice() else { panic!("{imported:?}") };
+    assert_eq!((y.given, y.rows.len(), y.bidirectional), ([true, true, true, false, false, false], 3, true));
+    assert_eq!(imported.notes[0], "$AN_CEC table 0, of Z over Y, is EZY");
+    for (row, [x, forward, reverse, z]) in
+        [[0.0, 0.0, 5.0, 0.0], [2.0, 1.0, 6.0, -10.0], [4.0, 2.0, 7.0, -30.0]].iter().enumerate()
+    {
+        micro(y, row, 0, *x, *x);
+        micro(y, row, 1, *forward, *reverse);
+        micro(y, row, 2, *z, *z);
+    }
+    let toml = &read(Format::Siemens, &sag, None).machine_files("m")[0].1;
+    assert!(toml.contains("chain = \"w b Y Z t\""), "{toml}");
+    for (text, fragment) in [
+        (sag.replace("(Y1)", "(AX2)"), "(Y1), also in place of (AX2)"),
+        (sag.replace("MULT_BY_TABLE[0]=0", "MULT_BY_TABLE[0]=2"), "surface over both axes"),
+        (sag.replace("IS_MODULO[0]=0", "IS_MODULO[0]=1"), "a cyclic table of axis Y"),
+        (sag.replace("DIRECTION[0]=0", "DIRECTION[0]=2"), "0, 1 or -1"),
+        (sag.replace("(Z1)", "(C1)"), "rotary axis C over Y"),
+        (sag.replace("$AN_CEC_INPUT_AXIS[0]=(Y1)\n", ""), "no $AN_CEC_INPUT_AXIS[0]"),
+        (format!("{sag}{}", table(1, 'Z', 1, 50.0, &[0.0; 3])), "which the control adds"),
+        (format!("{sag}$AN_CEC_MIN[0]=0\n"), "already on line"),
+    ] {
+        let error = refusal(Format::Siemens, &text, None);
+        assert!(error.to_string().contains(fragment), "{fragment}: {error}");
+    }
+}
+
+/// Two arguments make a grid: EXX and EYX of X as it sags with Z, and what EXZ adds to the first.
+#[test]
+fn isg_over_two_axes_is_a_grid() {
+    let text = "Z X EXX EYX EXZ EAX\n0 0 0.002 0.001 0 0\n0 10 0 -0.01 0 0\n100 10 0.003 -0.009 0.001 0\n100 0 0.001 0.002 0 0\n";
+    let imported = read(Format::Isg, text, None);
+    let [grid] = imported.grids.as_slice() else { panic!("{imported:?}") };
+    let source = grid.source();
+    assert_eq!(source.nodes, [vec![0.0, 10.0], vec![], vec![0.0, 100.0]]);
+    assert_eq!(source.given, [true, true, false, false, false, false]);
+    let values: Vec<[f64; 2]> = source.values.iter().map(|at| [at[0], at[1]]).collect();
+    assert_eq!(values, [[0.002, 0.001], [0.001, 0.002], [0.0, -0.01], [0.004, -0.009]]);
+    assert!(imported.machine_files("m")[0].1.contains("axes = [\"X\", \"Z\"]"));
+}
+
+/// Reports of instruments begin at the far end.
+#[test]
+fn linuxcnc_lines_in_another_order_are_sorted_and_told() {
+    let down = read(TYPE_0, "300 300.010 300.012\n100 100.002 100.004\n0 0 0.002\n", Some(Axis::X));
+    let up = read(TYPE_0, "0 0 0.002\n100 100.002 100.004\n300 300.010 300.012\n", Some(Axis::X));
+    assert_eq!(down.tables, up.tables);
+    assert!(up.notes.is_empty() && down.notes[0].contains("do not increase"), "{:?}", down.notes);
+}
+
+/// One direction of approach is a table for both, and a circle that is a line short of its end stays open: both are told.
+#[test]
+fn what_a_measurement_has_not_got_is_told() {
+    let imported = read(Format::Iso230_2, "C_deg,+1,+2\n0,1,1.5\n90,10,11\n180,3,3\n270,4,5\n350,1,2\n", None);
+    assert!(!imported.tables[0].1.bidirectional);
+    let notes = imported.notes.join("\n");
+    assert!(notes.contains("one direction of approach") && notes.contains("backlash_urad"), "{notes}");
+    assert!(
+        notes.contains("ends at 350 degrees and does not wrap") && notes.contains("a line at 360 degrees"),
+        "{notes}"
+    );
+    for quiet in ["C_deg,+1,-1\n0,1,5\n180,3,8\n360,1,5\n", "C_deg,+1,-1\n-30,1,5\n0,3,8\n30,1,5\n"] {
+        assert!(read(Format::Iso230_2, quiet, None).notes.is_empty());
+    }
+}
+
 /// The examples of the ISG and Beckhoff documentation, with a squareness that exists here.
 #[test]
 fn isg_documented_example() {
@@ -162,7 +250,9 @@ fn isg_values_are_written_as_short_as_they_were() {
 #[test]
 fn isg_refusals() {
     for (text, line, fragment) in [
-        ("Z X EXX\n0 0 0\n0 10 0\n", Some(1), "over Z and X"),
+        ("C X EXX\n0 0 0\n0 10 0\n", Some(1), "over X and C"),
+        ("Z X EXX\n0 0 0\n0 10 0\n9 0 0\n", None, "none at X 10, Z 9"),
+        ("Z X EAX\n0 0 0\n0 10 1e-5\n9 0 0\n9 10 0\n", Some(3), "a table over one axis"),
         ("X EXX EXY\n0 0 0\n1 0 0\n", Some(1), "errors of axis X"),
         ("X EXX\n0 0\n1 0 0\n", Some(3), "3 values"),
         ("X EXX\n0 0,01\n1 0,02\n", Some(2), "3 values"),
@@ -240,16 +330,20 @@ fn names() {
     assert_eq!(Format::from_name("fanuc"), None);
 }
 
-/// The ends of a full circle may differ by 0.01 µm and 0.01 µrad, not more.
+/// The ends of a full circle that was measured twice there may differ by 0.5 µm and 1 µrad, not more, and become their mean.
 #[test]
 fn full_circle() {
     let text = |exc: f64, ecc: f64| format!("C EXC ECC\n0 0.001 1e-5\n90 0 0\n360 {} {}\n", 0.001 + exc, 1e-5 + ecc);
-    read(Format::Isg, &text(0.99e-5, 0.99e-8), None);
-    for wrong in [text(1.01e-5, 0.0), text(0.0, -1.01e-8)] {
-        assert_eq!(refusal(Format::Isg, &wrong, None).line, Some(4));
+    let closed = read(Format::Isg, &text(0.49e-3, 0.99e-6), None).tables.remove(0).1;
+    micro(&closed, 0, 0, 1.245, 1.245);
+    assert_eq!(closed.rows[0].forward, closed.rows[2].forward);
+    for (wrong, found) in [(text(0.51e-3, 0.0), "1.51 um at the end"), (text(0.0, -1.01e-6), "8.99 urad at the end")] {
+        let error = refusal(Format::Isg, &wrong, None);
+        assert!(error.line == Some(4) && error.found.contains(found), "{error}");
     }
-    let measured = "C_deg,run,direction,deviation_urad\n0,1,+,1\n360,1,+,2\n";
-    assert_eq!(refusal(Format::Iso230_2, measured, None).line, None);
+    let measured = |end: f64| format!("C_deg,run,direction,deviation_urad\n0,1,+,1\n90,1,+,2\n360,1,+,{end}\n");
+    micro(&read(Format::Iso230_2, &measured(1.4), None).tables[0].1, 2, 5, 1.2, 1.2);
+    assert_eq!(refusal(Format::Iso230_2, &measured(3.0), None).line, None);
 }
 
 #[test]

@@ -84,6 +84,8 @@ fn seeds() -> Vec<Vec<u8>> {
         "x_mm,y_mm\n3,0\n0,3\n-3,0\n0,-3.002\n2,2\n",
         "y_mm;x_mm\n# comment\n0,5;1,5\n2,5;-1\n-0,25;-1,5\n\n0;0\n",
         "x_mm\ty_mm\r\n1e0\t0\r\n0\t1\r\n-1\t0.001\r\n0.1\t-1\r\n",
+        "x_mm,z_mm\n3,0\n0,3\n-3,0\n0,-3.002\n",
+        "x_mm,y_mm,z_mm\n3,0,1\n0,3,1\n-3,0,1.001\n0,-3.002,1\n",
         "\u{feff}\"x_mm\",\"y_mm\"\n\"1\",\"0\"\n\"0\",\"1\"\n\"-1\",\"0\"\n",
     ]
     .map(|text| text.as_bytes().to_vec())

@@ -9,15 +9,17 @@ use trueaxis_tables::files::{Folder, Memory};
 use trueaxis_tables::formats::linuxcnc::CompFileType;
 use trueaxis_tables::formats::{self, ExportOptions, Format, Imported};
 use trueaxis_tables::output::Outputs;
-use trueaxis_tables::{Edited, Machine};
+use trueaxis_tables::{Edited, Machine, Table};
 
 pub(super) const FORMATS: &str = "\
 Formats, and what they hold for an error E = actual − ideal:
   linuxcnc    COMP_FILE, type 0 (nominal + E, both directions; mm, degrees) or type 1 (−E). Import tells them apart by the
               numbers and refuses a file that could be either; export writes type 0. --comp-file-type says which; import
               needs --unit mm or inch, as the machine's LINEAR_UNITS
-  siemens     $AA_ENC_COMP, +E in one direction (mm, degrees); a file with AX1 needs --axis; import needs --unit
-  isg         ISG/Beckhoff volumetric CSV, all six errors (mm, rad; rotary arguments in degrees); chain and offsets as comments
+  siemens     $AA_ENC_COMP, +E in one direction (mm, degrees); a file with AX1 needs --axis; import needs --unit, and reads
+              $AN_CEC too: sag and angularity, Z over Y is EZY, each direction of travel with a table of its own or not
+  isg         ISG/Beckhoff volumetric CSV, all six errors (mm, rad; rotary arguments in degrees); chain and offsets as comments;
+              import takes a table over two or three linear axes as a grid
   iso230-2    measured deviations (µm, µrad), one row per approach, or one per target with a column per run:
               X_mm,+1,-1,+2,-2,… or X_mm,fwd_1_um,rev_1_um,…
   bed-mesh    [bed_mesh NAME] of Klipper's printer.cfg, a grid over X and Y: EZ = −height of the bed, with the points that
@@ -60,7 +62,8 @@ fn in_millimetres(imported: Imported, format: Format, unit: Option<Unit>, file: 
         }
         return Ok(imported);
     }
-    let linear = imported.tables.iter().find(|(axis, _)| !axis.is_rotary());
+    let lengths = |(axis, table): &&(Axis, Table)| !axis.is_rotary() || table.given.iter().take(3).any(|given| *given);
+    let linear = imported.tables.iter().find(lengths);
     match (unit, linear) {
         (None, Some((axis, _))) => bail!(
             "{}: found lengths of axis {} without a unit, needed --unit mm or --unit inch, that of the control",
@@ -131,6 +134,15 @@ pub(super) fn import(options: &ImportOptions<'_>, file: &Path, output: &Path) ->
 
 /// A machine with the imported axes alone; existing files are never overwritten.
 fn new_machine(imported: &Imported, file: &Path, output: &Path) -> Result<Edited> {
+    if let Some((axis, names)) = imported.axis_without_place() {
+        let letter = axis.letter();
+        bail!(
+            "{}: found location errors of axis {letter} ({names}) and nothing that says where it stands, needed a comment \
+             // trueaxis chain: w b X Y Z {letter} t, that of the machine, in the file; or -o with a machine whose chain has it (nothing \
+             is written)",
+            file.display()
+        );
+    }
     let name = file.file_stem().map_or_else(|| "imported".into(), |stem| stem.to_string_lossy().into_owned());
     // A machine.toml comes last: it is only there with all of its tables.
     let made = imported.new_machine(&name);

@@ -3,10 +3,11 @@
 use super::table::table;
 use crate::output::{json, print, progress};
 use crate::{csv_in, model, report};
-use anyhow::Result;
+use anyhow::{Result, bail};
 use clap::Args;
 use std::path::PathBuf;
 use trueaxis_evaluation::thermal::{COLUMNS, Found, Recording, settings, written};
+use trueaxis_metrology::thermal::{RATE_K_PER_MIN, Settings};
 use trueaxis_tables::output::Outputs;
 
 pub(super) const HELP: &str = "\
@@ -48,6 +49,10 @@ pub(crate) struct Arguments {
     /// Sensors to leave out, by name: T3.
     #[arg(long, value_name = "T,…", value_delimiter = ',')]
     without: Vec<String>,
+    /// Fastest that a sensor warms or cools, K a minute: a faster one is refused as one that jumps. It becomes the
+    /// rate_k_per_min of the sensors where it is above 5.
+    #[arg(long, value_name = "R", default_value_t = RATE_K_PER_MIN)]
+    rate_k_per_min: f64,
     /// One JSON document instead of a table.
     #[arg(long)]
     json: bool,
@@ -66,7 +71,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<()> {
     if let Some(output) = &arguments.output {
         outputs.refuse_input(output)?;
     }
+    let rate_k_per_min = arguments.rate_k_per_min;
+    if !(0.1..=1000.0).contains(&rate_k_per_min) {
+        bail!("--rate-k-per-min: found {rate_k_per_min}, needed 0.1 to 1000");
+    }
     let settings = settings(machine.as_ref().map(|machine| &machine.settings), arguments.hold_out.clone());
+    let settings = Settings { rate_k_per_min, ..settings };
     let recording = Recording::read(csv_in::open(&arguments.record, &COLUMNS, "rows")?, &arguments.without)?;
     let bar = progress(0, "fitting").with_style(indicatif::ProgressStyle::default_spinner());
     let found = Found::of(recording, &settings, &mut |cause| {

@@ -13,6 +13,9 @@ use trueaxis_tables::finding::OVERCOMPENSATED;
 /// A value larger than so many of its standard errors is certain.
 const CERTAIN: f64 = 2.0;
 
+/// No circle of a machine is rounder, µm: its encoders resolve that.
+const ROUNDEST_UM: f64 = 0.1;
+
 /// A value of either axis by its letter, `x`, `y` or `z`.
 pub type Pair = BTreeMap<char, Option<f64>>;
 
@@ -182,6 +185,15 @@ impl Test {
                  servo mismatch"
                     .into(),
             );
+        }
+        let roundest =
+            found.figures.g_b.into_iter().chain(found.figures.g.into_iter().flatten()).fold(0.0, f64::max) * 1e3;
+        if roundest > 0.0 && roundest < ROUNDEST_UM {
+            warnings.push(format!(
+                "the circles are round to {} µm, where machines and bars reach {ROUNDEST_UM} µm at best: found deviations that may \
+                 be in mm, needed µm",
+                significant(roundest, 2)
+            ));
         }
         for (number, axis) in (0..).zip(self.options.axes) {
             let Some(term) = found.term(Cause::Backlash(number)) else { continue };

@@ -1,7 +1,9 @@
 //! Reference circles of a plane trace after ISO 12181-1.
 
+mod plane;
 mod polar;
 
+pub use plane::Plane;
 pub use polar::{Shown, polar};
 
 use crate::record::{self, Channel};
@@ -14,18 +16,52 @@ use trueaxis_metrology::circles::{
     NoCircle, ReferenceCircle, least_squares, maximum_inscribed, minimum_circumscribed, minimum_zone,
 };
 
-/// Columns of the points.
-pub const COLUMNS: [Column; 2] = [Column { name: "x_mm", needed: true }, Column { name: "y_mm", needed: true }];
+/// Columns of the points, two or three of them.
+pub const COLUMNS: [Column; 3] = [
+    Column { name: "x_mm", needed: false },
+    Column { name: "y_mm", needed: false },
+    Column { name: "z_mm", needed: false },
+];
+
+/// Where the points of a section lie.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Section {
+    /// In the plane of two coordinates, by the index of either in [`COLUMNS`].
+    Coordinates([usize; 2]),
+    /// In space, in the plane that was fitted to them.
+    Space(Plane),
+}
+
+impl Section {
+    /// Coordinates of a centre, by index in [`COLUMNS`].
+    pub fn centre(&self, centre: [f64; 2]) -> Vec<(usize, f64)> {
+        match self {
+            Section::Coordinates(of) => of.iter().copied().zip(centre).collect(),
+            Section::Space(plane) => plane.at(centre).into_iter().enumerate().collect(),
+        }
+    }
+
+    /// Letters of its coordinates.
+    pub fn letters(&self) -> Vec<char> {
+        let letter = |(index, _): (usize, f64)| ['x', 'y', 'z'].get(index).copied().unwrap_or('?');
+        self.centre([0.0; 2]).into_iter().map(letter).collect()
+    }
+}
 
 /// A reference circle.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Circle {
-    /// Centre.
-    pub centre_mm: [f64; 2],
+    /// Centre: its coordinates in their order, two or, of points in space, three.
+    pub centre_mm: Vec<f64>,
     /// x of the centre.
-    pub cx_mm: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cx_mm: Option<f64>,
     /// y of the centre.
-    pub cy_mm: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cy_mm: Option<f64>,
+    /// z of the centre.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cz_mm: Option<f64>,
     /// Radius: mean, inner or outer, as the circle has it.
     pub radius_mm: f64,
     /// Twice the radius.
@@ -42,13 +78,16 @@ pub struct Circle {
     pub contacts: Vec<usize>,
 }
 
-impl From<ReferenceCircle> for Circle {
-    fn from(circle: ReferenceCircle) -> Self {
-        let [cx_mm, cy_mm] = circle.centre;
+impl Circle {
+    fn of(circle: ReferenceCircle, section: &Section) -> Self {
+        let centre = section.centre(circle.centre);
+        let [cx_mm, cy_mm, cz_mm] =
+            [0, 1, 2].map(|index| centre.iter().find(|(own, _)| *own == index).map(|(_, mm)| *mm));
         Circle {
-            centre_mm: circle.centre,
+            centre_mm: centre.into_iter().map(|(_, mm)| mm).collect(),
             cx_mm,
             cy_mm,
+            cz_mm,
             radius_mm: circle.radius,
             diameter_mm: 2.0 * circle.radius,
             inner_mm: circle.inner,
@@ -60,11 +99,23 @@ impl From<ReferenceCircle> for Circle {
     }
 }
 
+/// The plane of points in space, as the document has it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PlaneDocument {
+    /// Unit normal.
+    pub normal: [f64; 3],
+    /// Largest less smallest distance of the points from it.
+    pub flatness_um: f64,
+}
+
 /// The JSON document; a circle that does not exist is null.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Document {
     /// Number of points.
     pub points: usize,
+    /// The plane that was fitted to points in space.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub plane: Option<PlaneDocument>,
     /// Least squares.
     pub lsc: Option<Circle>,
     /// Minimum zone.
@@ -84,8 +135,10 @@ pub type Fitted = Result<ReferenceCircle, NoCircle>;
 /// Points and the circles about them.
 #[derive(Clone, Debug)]
 pub struct Evaluation {
-    /// x and y, mm.
+    /// In their plane, mm.
     pub points: Vec<[f64; 2]>,
+    /// That plane.
+    pub section: Section,
     /// Line of the file of every point.
     pub lines: Vec<u32>,
     /// LSC, MZC, MCC, MIC: the order of [`trueaxis_report::CIRCLES`].
@@ -93,17 +146,35 @@ pub struct Evaluation {
 }
 
 impl Evaluation {
-    /// Reads all rows of [`COLUMNS`] and finds the circles.
+    /// Reads all rows of [`COLUMNS`] and finds the circles: of points with three coordinates in the plane that is fitted to
+    /// them first.
     ///
     /// # Errors
     /// A row that cannot be read, a coordinate that stands still half-way, or points that have no circumscribed circle: fewer
     /// than three, or on one line.
-    pub fn read(rows: &mut Rows<'_, 2>) -> Result<Evaluation> {
-        let (lines, points): (Vec<u32>, Vec<[f64; 2]>) = rows.all()?.iter().map(|row| (row.line, row.values)).unzip();
-        let values = [0, 1].map(|c| points.iter().map(|point| point[c]).collect::<Vec<f64>>());
-        let channels = [0, 1].map(|c| Channel { name: COLUMNS[c].name, values: &values[c], scale: 1.0 });
-        record::alive(rows, &lines, &channels)?;
-        Evaluation::of(points, lines, &rows.file)
+    pub fn read(rows: &mut Rows<'_, 3>) -> Result<Evaluation> {
+        let there: Vec<usize> = (0..3).filter(|index| rows.present[*index]).collect();
+        if there.len() < 2 {
+            let only = rows.header.join(", ");
+            return Err(rows.error(1, &only, "no other coordinate", "two or three of x_mm, y_mm, z_mm"));
+        }
+        let (lines, points): (Vec<u32>, Vec<[f64; 3]>) = rows.all()?.iter().map(|row| (row.line, row.values)).unzip();
+        let values: Vec<Vec<f64>> =
+            there.iter().map(|index| points.iter().map(|point| point[*index]).collect()).collect();
+        let channels = there.iter().zip(&values);
+        let channels = channels.map(|(index, values)| Channel { name: COLUMNS[*index].name, values, scale: 1.0 });
+        record::alive(rows, &lines, &channels.collect::<Vec<_>>())?;
+        let (section, points) = match there.as_slice() {
+            [first, second] => (
+                Section::Coordinates([*first, *second]),
+                points.iter().map(|point| [point[*first], point[*second]]).collect(),
+            ),
+            _ => {
+                let (plane, points) = Plane::of(&points);
+                (Section::Space(plane), points)
+            }
+        };
+        Ok(Evaluation { section, ..Evaluation::of(points, lines, &rows.file)? })
     }
 
     /// Finds the circles of points, which stand on these lines of `file`: it is only named in errors.
@@ -123,14 +194,14 @@ impl Evaluation {
             error => anyhow!("{}: {error}", file.display()),
         })?;
         let circles = [least_squares(&points), minimum_zone(&points), Ok(mcc), maximum_inscribed(&points)];
-        Ok(Evaluation { points, lines, circles })
+        Ok(Evaluation { points, section: Section::Coordinates([0, 1]), lines, circles })
     }
 
     /// The document.
     pub fn document(&self) -> Document {
         let mut refused = BTreeMap::new();
         let mut or_reason = |name, circle: &Fitted| match circle {
-            Ok(circle) => Some(circle.clone().into()),
+            Ok(circle) => Some(Circle::of(circle.clone(), &self.section)),
             Err(reason) => {
                 refused.insert(name, reason.to_string());
                 None
@@ -141,6 +212,10 @@ impl Evaluation {
         let mzc = or_reason("mzc", mzc);
         let mic = or_reason("mic", mic);
         let mcc = or_reason("mcc", mcc);
-        Document { points: self.points.len(), lsc, mzc, mic, mcc, refused }
+        let plane = match &self.section {
+            Section::Coordinates(_) => None,
+            Section::Space(plane) => Some(PlaneDocument { normal: plane.normal, flatness_um: 1e3 * plane.flatness_mm }),
+        };
+        Document { points: self.points.len(), plane, lsc, mzc, mic, mcc, refused }
     }
 }

@@ -20,7 +20,7 @@ pub use written::written;
 use anyhow::{Result, anyhow};
 use trueaxis::Axis;
 use trueaxis::machine::MachineSettings;
-use trueaxis_metrology::thermal::{Fit, HeldOut, Series, Settings, fit, held_out};
+use trueaxis_metrology::thermal::{Fit, HeldOut, RATE_K_PER_MIN, Series, Settings, fit, held_out};
 
 /// A record with what was found in it.
 #[derive(Clone, Debug)]
@@ -44,6 +44,7 @@ pub fn settings(machine: Option<&MachineSettings>, held_out: Vec<u32>) -> Settin
         reference_c: machine.map_or(20.0, |machine| machine.reference_temperature_c),
         datum_mm: [Axis::X, Axis::Y, Axis::Z].map(datum),
         held_out,
+        rate_k_per_min: RATE_K_PER_MIN,
     }
 }
 

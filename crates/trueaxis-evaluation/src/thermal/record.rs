@@ -5,7 +5,7 @@ use crate::rows::{Column, Rows};
 use anyhow::{Result, anyhow};
 use std::path::PathBuf;
 use trueaxis::Axis;
-use trueaxis::temperature::SENSORS;
+use trueaxis::temperature::{SENSORS, WARMEST_MK};
 use trueaxis_metrology::thermal::{Record, Refused, Sample};
 
 const fn needed(name: &'static str) -> Column {
@@ -48,6 +48,8 @@ pub const COLUMNS: [Column; TEMPERATURE + SENSORS] = with_temperatures(&[
     free("ez_um"),
     needed("T1_c"),
 ]);
+/// Hottest that the task takes a sensor at, °C: the hot end of a printer.
+const HOTTEST_C: f64 = WARMEST_MK as f64 * 1e-3;
 /// First column of a drift, and of a temperature.
 const DRIFT: usize = 7;
 const TEMPERATURE: usize = 10;
@@ -88,8 +90,9 @@ impl Recording {
             }
             for sensor in &sensors {
                 let (value, column) = (row.values[TEMPERATURE + sensor], COLUMNS[TEMPERATURE + sensor].name);
-                if !(-60.0..=200.0).contains(&value) {
-                    return Err(rows.error(row.line, column, value, "-60 to 200 degrees Celsius"));
+                if !(-60.0..=HOTTEST_C).contains(&value) {
+                    let needed = format!("-60 to {HOTTEST_C} degrees Celsius");
+                    return Err(rows.error(row.line, column, value, needed));
                 }
             }
             for axis in &axes {
@@ -140,6 +143,9 @@ impl Recording {
         };
         let first = match refused {
             Refused::Twice { first, .. } => self.lines.get(*first).map(|line| format!(" (first in line {line})")),
+            Refused::Jump { sensor, .. } => Some(format!(
+                "; a sensor that warms faster is taken with --rate-k-per-min, one that is not needed left out with --without {sensor}"
+            )),
             _ => None,
         };
         anyhow!("{}:{line}: column {column}: {text}{}", self.file.display(), first.unwrap_or_default())

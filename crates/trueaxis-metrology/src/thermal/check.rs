@@ -6,9 +6,10 @@ use std::string::String;
 use std::vec::Vec;
 use trueaxis::temperature::SENSORS;
 
-/// Change of a reading from one row to the next that no machine makes: K at once, and K a second.
+/// Change of a reading from one row to the next that no machine makes: K at once, and, where nothing else is stated, K a minute.
 const JUMP_K: f64 = 5.0;
-const JUMP_K_PER_S: f64 = 0.05;
+/// See [`super::Settings::rate_k_per_min`].
+pub const RATE_K_PER_MIN: f64 = 3.0;
 /// A sensor is stuck that repeats a reading for so long, s, and so many times longer than ever else, in so many rows, while
 /// the others move so far, K.
 const STUCK_S: f64 = 1_800.0;
@@ -195,7 +196,7 @@ impl fmt::Display for Refused {
 
 impl core::error::Error for Refused {}
 
-pub(super) fn check(record: &Record) -> Result<(), Refused> {
+pub(super) fn check(record: &Record, rate_k_per_min: f64) -> Result<(), Refused> {
     let sensors = record.sensors.len();
     if !(1..=SENSORS).contains(&sensors) {
         return Err(Refused::Sensors { found: sensors });
@@ -215,7 +216,7 @@ pub(super) fn check(record: &Record) -> Result<(), Refused> {
         }
     }
     for sensor in 0..sensors {
-        jumps(record, sensor)?;
+        jumps(record, sensor, rate_k_per_min)?;
         stuck(record, sensor)?;
     }
     let ranges = (0..sensors).map(|sensor| span(record.readings(sensor)));
@@ -258,11 +259,11 @@ fn rows(record: &Record) -> Result<(), Refused> {
     Ok(())
 }
 
-fn jumps(record: &Record, sensor: usize) -> Result<(), Refused> {
+fn jumps(record: &Record, sensor: usize, rate_k_per_min: f64) -> Result<(), Refused> {
     let mut before: Option<[f64; 2]> = None;
     for (index, (sample, reading)) in record.samples.iter().zip(record.readings(sensor)).enumerate() {
         if let Some([t_s, last]) = before.filter(|_| !record.begins(index)) {
-            let (found_k, most_k) = ((reading - last).abs(), JUMP_K + JUMP_K_PER_S * (sample.t_s - t_s));
+            let (found_k, most_k) = ((reading - last).abs(), JUMP_K + rate_k_per_min / 60.0 * (sample.t_s - t_s));
             if found_k > most_k {
                 return Err(Refused::Jump { sensor: record.sensors[sensor].clone(), index, found_k, most_k });
             }

@@ -11,6 +11,7 @@ use std::string::String;
 use std::vec;
 use std::vec::Vec;
 use trueaxis::Axis;
+use trueaxis::temperature::{COLDEST_MK, WARMEST_MK};
 
 /// Condition number from which causes count as not told apart.
 const CONDITION_LIMIT: f64 = 1e4;
@@ -86,7 +87,7 @@ pub struct Fit {
 /// # Errors
 /// [`Refused`].
 pub fn fit(record: &Record, settings: &Settings, tell: &mut dyn FnMut(&str)) -> Result<Fit, Refused> {
-    check(record)?;
+    check(record, settings.rate_k_per_min)?;
     let held_out = held_out(record, settings)?;
     let rows: Vec<usize> =
         (0..record.samples.len()).filter(|row| !held_out.contains(&record.samples[*row].cycle)).collect();
@@ -123,7 +124,7 @@ pub fn fit(record: &Record, settings: &Settings, tell: &mut dyn FnMut(&str)) -> 
     };
     let spindle = causes.iter().find(|chosen| chosen.cause == Cause::Spindle);
     let model = Model {
-        sensors: causes.iter().filter_map(|chosen| curve(record, chosen)).collect(),
+        sensors: causes.iter().filter_map(|chosen| curve(record, settings.rate_k_per_min, chosen)).collect(),
         spindle: spindle.map(|chosen| Spindle { lag_s: chosen.lag_s, knots_rpm: problem.speeds_rpm.clone() }),
         axes: axes.iter().map(curves).collect(),
     };
@@ -157,20 +158,28 @@ fn sensor(cause: Cause) -> Option<usize> {
     }
 }
 
-/// Knots of a sensor's curves: beyond both ends of what was recorded, and where they bend.
+/// Knots of a sensor's curves: beyond both ends of what was recorded, as far as the file goes, and where they bend.
 fn knots(record: &Record, sensor: usize, bends: &[f64]) -> Vec<f64> {
     let [low, high] = span(record.readings(sensor));
     let beyond = BEYOND * (high - low);
     let millis = |value: f64| (1e3 * value).round() / 1e3;
-    core::iter::once(low - beyond).chain(bends.iter().copied()).chain([high + beyond]).map(millis).collect()
+    let [coldest, warmest] = [COLDEST_MK, WARMEST_MK].map(|limit| 1e-3 * f64::from(limit));
+    let ends = [(low - beyond).max(coldest), (high + beyond).min(warmest)];
+    core::iter::once(ends[0]).chain(bends.iter().copied()).chain([ends[1]]).map(millis).collect()
 }
 
-fn curve(record: &Record, chosen: &Chosen) -> Option<SensorCurve> {
+fn curve(record: &Record, rate_k_per_min: f64, chosen: &Chosen) -> Option<SensorCurve> {
     let sensor = sensor(chosen.cause)?;
     let lag_s = (10.0 * chosen.lag_s).round() / 10.0;
     let stuck_s = (STUCK_TIMES * longest_run_s(record, sensor)).max(STUCK_LEAST_S).round();
     let knots = knots(record, sensor, &chosen.bends_c);
-    Some(SensorCurve { stuck_s, ..SensorCurve::new(&record.sensors[sensor], lag_s, knots) })
+    let usual = SensorCurve::new(&record.sensors[sensor], lag_s, knots);
+    let [least, most] = usual.plausible_c;
+    let ends = [usual.knots_c.first().copied().unwrap_or(least), usual.knots_c.last().copied().unwrap_or(most)];
+    // What was recorded is plausible, and a machine that is as fast.
+    let plausible_c = [least.min(ends[0]), most.max(ends[1])];
+    let jump_k = [usual.jump_k[0], usual.jump_k[1].max(rate_k_per_min)];
+    Some(SensorCurve { stuck_s, plausible_c, jump_k, ..usual })
 }
 
 /// The linear problem of one axis, solved for the lags found.

@@ -21,7 +21,7 @@ mod linear;
 mod model;
 mod search;
 
-pub use check::Refused;
+pub use check::{RATE_K_PER_MIN, Refused};
 pub use fit::{Coefficient, Fit, LeftOut, OfAxis, fit};
 pub use held_out::{HeldOut, Series, held_out};
 pub use model::{AxisCurves, Model, NotEncoded, SensorCurve, Spindle};
@@ -69,6 +69,9 @@ pub struct Settings {
     pub datum_mm: [f64; 3],
     /// Cycles that take no part in the fit; the last one where none is named.
     pub held_out: Vec<u32>,
+    /// Change of a sensor in a minute, K, above which, with 5 K more, it is refused as one that jumps; it becomes what is
+    /// plausible of every sensor where it is above what is usual. [`RATE_K_PER_MIN`] is that of a machine tool.
+    pub rate_k_per_min: f64,
 }
 
 /// Cycles that a fit needs at least: one held out, and two that predict each other.

@@ -109,7 +109,12 @@ pub(super) fn new_machine(imported: &Imported, name: &str) -> Edited {
 /// A machine of which only the tables are known.
 fn undescribed(imported: &Imported, name: &toml::Value) -> String {
     let of_grids = |axis: Axis| !imported.grids.is_empty() && !axis.is_rotary();
-    let used = |axis: &Axis| imported.tables.iter().any(|(own, _)| own == axis) || of_grids(*axis);
+    // An error along an axis is corrected by that axis.
+    let moves = |table: &Table, k: usize| {
+        k < 3 && table.rows.iter().any(|row| value(&row.forward, k) != 0.0 || value(&row.reverse, k) != 0.0)
+    };
+    let of_tables = |axis: Axis| imported.tables.iter().any(|(own, table)| *own == axis || moves(table, axis.index()));
+    let used = |axis: &Axis| of_tables(*axis) || of_grids(*axis);
     let letters: String = Axis::ALL.into_iter().filter(used).map(|axis| format!(" {}", axis.letter())).collect();
     let mut text = format!(
         "# Imported. The file does not say which axes carry the workpiece: set the chain of your machine.\n\

@@ -35,17 +35,24 @@
 //! The other control skips them: what it needs besides is in [`Exported::notes`]. A file with such comments is refused
 //! where one cannot be read, and where an axis of a comment, table or location error is not in the chain.
 //!
-//! No direction of travel (the mean is written), no backlash, no thermal growth. Tables over several arguments, constant
-//! component errors and the kinematic parameters of the ISG model are refused.
+//! A table over two or three linear axes becomes a grid: its EX, EY and EZ, whichever of them moves, are those of the nodes.
+//! Angles over several axes are refused, as their lever is the other control's. Only read: grids are not written.
+//!
+//! No direction of travel (the mean is written), no backlash, no thermal growth. Tables over several arguments of which one is
+//! rotary, constant component errors and the kinematic parameters of the ISG model are refused.
 
 use super::{ExportOptions, Exported, Imported, decimal, isg_notes, losses, measured_at, own_comments, positioning};
 use crate::error::FileError;
+use crate::grid::Grid;
 use crate::origin::{Origin, numbered};
+use crate::read::grid_table::{self, Node};
+use crate::read::grid_toml::GridReference;
 use crate::text::fixed;
 use crate::{Machine, Table};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use trueaxis::machine::{Axis, LocationErrors, MachineSettings, Row};
+use trueaxis::range;
 
 /// Name of the written file.
 pub const FILE_NAME: &str = "volcomp.csv";
@@ -60,6 +67,7 @@ struct Block {
 pub(super) fn import(text: &str, origin: &Origin, only: Option<Axis>) -> Result<Imported, FileError> {
     let mut tables: BTreeMap<Axis, Table> = BTreeMap::new();
     let mut location = LocationErrors::default();
+    let mut grids: Vec<Grid> = Vec::new();
     let mut settings = own_comments::read(text, origin)?;
     for block in blocks(text, origin)? {
         in_chain(&block, settings.as_ref(), origin)?;
@@ -73,13 +81,19 @@ pub(super) fn import(text: &str, origin: &Origin, only: Option<Axis>) -> Result<
                     return Err(origin.at(block.line, "", found, "one per axis"));
                 }
             }
-            [first, second, ..] => {
-                let found = format!("a table over {} and {}", first.letter(), second.letter());
-                return Err(origin.at(block.line, "", found, "one argument: the axis' own position"));
+            // A grid belongs to no single axis.
+            _ if only.is_some() => {}
+            axes => {
+                let grid = grid(&block, axes, origin)?;
+                if grids.iter().any(|other: &Grid| other.header().letters().eq(grid.header().letters())) {
+                    let needed = "one over the same axes, with the errors of all of them";
+                    return Err(origin.at(block.line, "", "a second table over these axes", needed));
+                }
+                grids.push(grid);
             }
         }
     }
-    if tables.is_empty() {
+    if tables.is_empty() && grids.is_empty() {
         let found = match only {
             Some(axis) => format!("no component errors of axis {}", axis.letter()),
             None => String::from("no component errors"),
@@ -91,7 +105,7 @@ pub(super) fn import(text: &str, origin: &Origin, only: Option<Axis>) -> Result<
     }
     Ok(Imported {
         tables: tables.into_iter().collect(),
-        grids: Vec::new(),
+        grids,
         location,
         settings,
         notes: Vec::new(),
@@ -218,6 +232,58 @@ fn component_errors(block: &Block, axis: Axis, origin: &Origin) -> Result<Table,
         lines.push((*line, Row { position, forward: errors, reverse: errors }));
     }
     super::table(axis, given, lines, origin)
+}
+
+/// A table over several arguments: nodes and their translations.
+fn grid(block: &Block, arguments: &[Axis], origin: &Origin) -> Result<Grid, FileError> {
+    let mut axes = arguments.to_vec();
+    axes.sort_by_key(|axis| axis.index());
+    if axes.iter().any(|axis| axis.is_rotary()) {
+        let letters: Vec<String> = axes.iter().map(|axis| axis.letter().to_string()).collect();
+        let found = format!("a table over {}", letters.join(" and "));
+        return Err(origin.at(block.line, "", found, "linear axes alone, or one argument: the axis' own position"));
+    }
+    let mut given = [false; 6];
+    let mut nodes: Vec<Node> = block.lines.iter().map(|(line, _)| Node { line: *line, ..Node::default() }).collect();
+    for (column, name) in block.names.iter().enumerate() {
+        let values = block.lines.iter().filter_map(|(line, values)| Some((*line, *values.get(column)?)));
+        if let Some(axis) = axis_named(name) {
+            for (node, (line, value)) in nodes.iter_mut().zip(values) {
+                super::within(origin, line, name, value, &range::POSITION.linear)?;
+                // −0 is 0.
+                if let Some(at) = node.at.get_mut(axis.index()) {
+                    *at = value + 0.0;
+                }
+            }
+            continue;
+        }
+        let Some((component, _)) = component_named(name).filter(|(_, moved)| !moved.is_rotary()) else {
+            let needed = "an error of X, Y or Z, such as EXX, in a table over several axes";
+            return Err(origin.at(block.line, name, format!("column {name:?}"), needed));
+        };
+        if component >= 3 {
+            if let Some((line, angle)) = values.into_iter().find(|(_, angle)| *angle != 0.0) {
+                let needed =
+                    "0, or a table over one axis: over several only EX, EY and EZ are taken, as they act at the tool";
+                return Err(origin.at(line, name, angle, needed));
+            }
+            continue;
+        }
+        if let Some(flag) = given.get_mut(component) {
+            *flag = true;
+        }
+        for (node, (line, value)) in nodes.iter_mut().zip(values) {
+            let value = decimal::as_in_a_table(value, 1e3);
+            super::within(origin, line, name, value, &range::GRID_TRANSLATION)?;
+            if let Some(error) = node.errors.get_mut(component) {
+                *error += value;
+            }
+        }
+    }
+    if given == [false; 6] {
+        return Err(origin.at(block.line, "", "no error beside the positions", "at least one of EX, EY and EZ"));
+    }
+    grid_table::of_nodes(&nodes, given, &GridReference::of_axes(axes), |axis| axis.letter().to_string(), origin)
 }
 
 fn location_errors(block: &Block, origin: &Origin, location: &mut LocationErrors) -> Result<(), FileError> {

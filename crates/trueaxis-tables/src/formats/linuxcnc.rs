@@ -16,7 +16,8 @@
 //!
 //! LinuxCNC reads as far as it understands and then stops without a word: a comment, a header, a blank line or a comma ends the
 //! table there, and `BACKLASH` of the joint is no longer used. Everything that it would cut off, skip or misread is an error
-//! here: lines that are not three numbers, points that do not increase, more than 256 points, lines longer than its buffer.
+//! here: lines that are not three numbers, a point twice, more than 256 points, lines longer than its buffer. Lines in another
+//! order than ascending, as reports of instruments have them, are sorted, with a note.
 
 use super::decimal::difference;
 use super::losses;
@@ -75,10 +76,18 @@ pub(super) fn import(
     file_type: CompFileType,
 ) -> Result<Imported, FileError> {
     let axis = axis.ok_or_else(|| origin.whole("no axis: a COMP_FILE does not name its joint", "the axis"))?;
-    contradicts(&points(text, origin)?, file_type, origin)?;
+    let mut points = points(text, origin)?;
+    contradicts(&points, file_type, origin)?;
+    let mut notes = Vec::new();
+    if points.windows(2).any(|pair| matches!(pair, [(_, [before, ..]), (_, [nominal, ..])] if nominal < before)) {
+        points.sort_by(|(_, [one, ..]), (_, [other, ..])| one.total_cmp(other));
+        notes.push(String::from(
+            "the nominals do not increase, which LinuxCNC needs: the lines are taken in their order",
+        ));
+    }
     let to_table = if axis.is_rotary() { std::f64::consts::PI / 180.0 } else { 1.0 };
     let mut lines = Vec::new();
-    for (line, [nominal, forward, reverse]) in points(text, origin)? {
+    for (line, [nominal, forward, reverse]) in points {
         let [forward, reverse] = [forward, reverse].map(|value| file_type.error(nominal, value) * to_table);
         lines.push((line, super::single(nominal, axis.index(), forward, reverse)));
     }
@@ -88,7 +97,7 @@ pub(super) fn import(
         grids: Vec::new(),
         location: LocationErrors::default(),
         settings: None,
-        notes: Vec::new(),
+        notes,
         replaces_grids: false,
     })
 }

@@ -139,6 +139,13 @@ impl Imported {
         axis_csv::new_machine(self, name)
     }
 
+    /// A rotary axis of which the file states location errors and nothing else, and their names: [`Imported::new_machine`] does not
+    /// have it, as nothing says where it stands in the chain.
+    pub fn axis_without_place(&self) -> Option<(Axis, String)> {
+        let stated = |axis| self.settings.as_ref().is_some_and(|settings| settings.axis(axis).is_some());
+        stated::of_no_axis(&self.location, |axis| stated(axis) || self.tables.iter().any(|(own, _)| *own == axis))
+    }
+
     /// The files of [`Imported::new_machine`], `machine.toml` first, as (file name, text).
     pub fn machine_files(&self, name: &str) -> Vec<(String, String)> {
         let mut files = self.new_machine(name).files;
@@ -214,14 +221,34 @@ pub struct Exported {
 /// The first thing that is not exactly as the format wants it, or that a table cannot hold: file, line, column, found, needed.
 pub fn import(format: Format, text: &str, file: &Path, axis: Option<Axis>) -> Result<Imported, FileError> {
     let origin = Origin::new(file);
-    match format {
+    let mut imported = match format {
         Format::LinuxCnc(file_type) => linuxcnc::import(text, &origin, axis, file_type),
         Format::Siemens => siemens::import(text, &origin, axis),
         Format::Isg => isg::import(text, &origin, axis),
         Format::Iso230_2 => iso230_2::import(text, &origin, axis),
         Format::BedMesh => bed_mesh::import(text, file, None),
         Format::Grid => grid_csv::import(text, &origin),
-    }
+    }?;
+    imported.notes.extend(imported.tables.iter().filter_map(|(axis, table)| open_circle(*axis, table)));
+    Ok(imported)
+}
+
+/// A remark on the table of a rotary axis that is one line short of a full circle.
+fn open_circle(axis: Axis, table: &Table) -> Option<String> {
+    let (first, last) = (table.rows.first()?.position, table.rows.last()?.position);
+    let widest = table.rows.windows(2).fold(0.0, |widest: f64, pair| match pair {
+        [before, row] => widest.max(row.position - before.position),
+        _ => widest,
+    });
+    let left = 360.0 - (last - first);
+    (axis.is_rotary() && left >= 1e-9 && left <= widest).then(|| {
+        format!(
+            "axis {}: the table ends at {last} degrees and does not wrap, beyond its ends their values hold; a line at {} degrees with \
+             the values of that at {first} closes it",
+            axis.letter(),
+            first + 360.0
+        )
+    })
 }
 
 /// Writes a machine's tables in a foreign format.
@@ -263,9 +290,12 @@ pub fn export(format: Format, machine: &Machine, options: &ExportOptions) -> Res
     Ok(exported)
 }
 
+/// Ends of a full circle that are closer are one, measured twice: mm and rad.
+const CLOSED: [f64; 2] = [5e-4, 1e-6];
+
 /// A table from its lines, checked as every imported table is: two lines or more, positions strictly increasing, and the
-/// two ends of a full circle equal (within 0.01 µm, 0.01 µrad), because such a table wraps.
-fn table(axis: Axis, given: [bool; 6], lines: Vec<(u32, Row)>, origin: &Origin) -> Result<Table, FileError> {
+/// two ends of a full circle equal, because such a table wraps. Within 0.5 µm, 1 µrad both become their mean.
+fn table(axis: Axis, given: [bool; 6], mut lines: Vec<(u32, Row)>, origin: &Origin) -> Result<Table, FileError> {
     let name = format!("{} position", axis.letter());
     for (line, row) in &lines {
         within(origin, *line, &name, row.position, range::POSITION.of(axis))?;
@@ -292,15 +322,28 @@ fn table(axis: Axis, given: [bool; 6], lines: Vec<(u32, Row)>, origin: &Origin) 
         let ends = [(first.forward, last.forward), (first.reverse, last.reverse)];
         let ends = ends.iter().flat_map(|(low, high)| low.iter().zip(high).enumerate());
         let apart = |(component, (low, high)): &(usize, (&f64, &f64))| {
-            (*low - *high).abs() > if *component < 3 { 1e-5 } else { 1e-8 }
+            let [translation, rotation] = CLOSED;
+            (*low - *high).abs() > if *component < 3 { translation } else { rotation }
         };
-        if let Some((_, (low, high))) = ends.into_iter().find(apart) {
+        if let Some((component, (low, high))) = ends.into_iter().find(apart) {
+            let (scale, unit, within) = if component < 3 { (1e3, "um", CLOSED[0]) } else { (1e6, "urad", CLOSED[1]) };
             return Err(origin.at(
                 *last_line,
                 &name,
-                format!("{high} at the end of the full circle, {low} at its start"),
-                "the same value: a full circle wraps",
+                format!(
+                    "{} {unit} at the end of the full circle, {} at its start",
+                    Figure(high * scale),
+                    Figure(low * scale)
+                ),
+                format!("values within {} {unit} of each other: a full circle wraps", within * scale),
             ));
+        }
+        let mean = |one: [f64; 6], other: [f64; 6]| std::array::from_fn(|k| 0.5 * (one[k] + other[k]));
+        let (forward, reverse) = (mean(first.forward, last.forward), mean(first.reverse, last.reverse));
+        if let [(_, first), .., (_, last)] = lines.as_mut_slice() {
+            for row in [first, last] {
+                (row.forward, row.reverse) = (forward, reverse);
+            }
         }
     }
     let rows: Vec<Row> = lines.into_iter().map(|(_, row)| row).collect();

@@ -41,6 +41,16 @@ pub fn location_values(location: &LocationErrors) -> Vec<(String, f64)> {
     given.map(|(key, value, scale)| (key, shortest(value, scale))).collect()
 }
 
+/// Names, `EY0A`, of the first location errors of a rotary axis that is not among those of a machine, and the axis.
+pub(crate) fn of_no_axis(location: &LocationErrors, axes: impl Fn(Axis) -> bool) -> Option<(Axis, String)> {
+    let [.., a, b, c] = Axis::ALL;
+    let of = location.rotary.iter().zip([a, b, c]).find(|(errors, axis)| !axes(*axis) && **errors != [0.0; 6])?;
+    let (errors, axis) = of;
+    let given = errors.iter().zip(Axis::ALL).filter(|(value, _)| **value != 0.0);
+    let names: Vec<String> = given.map(|(_, moved)| format!("E{}0{}", moved.letter(), axis.letter())).collect();
+    Some((axis, names.join(" ")))
+}
+
 /// The same as values of `machine.toml`.
 pub(crate) fn location(location: &LocationErrors) -> Vec<(String, Value)> {
     location_values(location).into_iter().map(|(key, value)| (key, Value::from(value))).collect()

@@ -85,11 +85,12 @@ fn letters(axes: &[Axis]) -> String {
     axes.iter().map(|axis| axis.letter().to_string()).collect::<Vec<_>>().join(" and ")
 }
 
-/// A node as it was read.
-struct Line {
-    at: [f64; 3],
-    errors: Twist,
-    line: u32,
+/// A node as it was read: mm and rad.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Node {
+    pub(crate) at: [f64; 3],
+    pub(crate) errors: Twist,
+    pub(crate) line: u32,
 }
 
 /// Reads a grid: `X_mm,Y_mm,EX_um,…`, a line for every node in any order, `#` comments and blank lines anywhere.
@@ -98,7 +99,7 @@ pub(crate) fn read(text: &[u8], origin: &Origin, reference: &GridReference) -> R
     let columns = header(&sheet, &reference.axes, origin)?;
     let mut lines = Vec::new();
     while sheet.next_row()? {
-        let mut line = Line { at: [0.0; 3], errors: [0.0; 6], line: sheet.line() };
+        let mut line = Node { at: [0.0; 3], errors: [0.0; 6], line: sheet.line() };
         for (index, content) in columns.iter().enumerate() {
             let given = sheet.number(index)?;
             let name = sheet.header()[index].clone();
@@ -121,15 +122,26 @@ pub(crate) fn read(text: &[u8], origin: &Origin, reference: &GridReference) -> R
         lines.push(line);
     }
     let given = std::array::from_fn(|component| columns.contains(&Content::Error(component)));
+    let grid = of_nodes(&lines, given, reference, position_name, origin)?;
+    Ok(GridFile { grid, dialect: sheet.dialect() })
+}
+
+/// A grid from its nodes in any order; `column` names that of an axis' positions.
+pub(crate) fn of_nodes(
+    nodes: &[Node],
+    given: [bool; 6],
+    reference: &GridReference,
+    column: fn(Axis) -> String,
+    origin: &Origin,
+) -> Result<Grid, FileError> {
     let source = GridSource {
         given,
         fade_mm: reference.fade_mm,
         measured_at_mm: reference.measured_at_mm,
         resolution: reference.resolution,
-        ..complete(&lines, &reference.axes, origin)?
+        ..complete(nodes, &reference.axes, column, origin)?
     };
-    let grid = Grid::new(source).map_err(|error| too_fine(origin, &error))?;
-    Ok(GridFile { grid, dialect: sheet.dialect() })
+    Grid::new(source).map_err(|error| too_fine(origin, &error))
 }
 
 /// A resolution that 16 bits do not reach.
@@ -143,14 +155,19 @@ fn too_fine(origin: &Origin, error: &TooFine) -> FileError {
 }
 
 /// Nodes along every axis, and the errors of each once.
-fn complete(lines: &[Line], axes: &[Axis], origin: &Origin) -> Result<GridSource, FileError> {
+fn complete(
+    lines: &[Node],
+    axes: &[Axis],
+    column: fn(Axis) -> String,
+    origin: &Origin,
+) -> Result<GridSource, FileError> {
     let mut source = GridSource::default();
     for axis in axes {
         let k = axis.index();
         let mut at: Vec<(f64, u32)> = lines.iter().map(|line| (line.at[k], line.line)).collect();
         at.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         at.dedup_by_key(|(at, _)| *at);
-        let name = position_name(*axis);
+        let name = column(*axis);
         for pair in at.windows(2) {
             if pair[1].0 - pair[0].0 < range::LEAST_PITCH * (1.0 - 1e-6) {
                 let needed =
@@ -170,7 +187,7 @@ fn complete(lines: &[Line], axes: &[Axis], origin: &Origin) -> Result<GridSource
             number * source.nodes[k].len() + index
         })
     };
-    let mut known: BTreeMap<usize, &Line> = BTreeMap::new();
+    let mut known: BTreeMap<usize, &Node> = BTreeMap::new();
     for line in lines {
         if let Some(before) = known.insert(number(&line.at), line) {
             let needed = format!("every node once: it stands in line {} already", before.line);

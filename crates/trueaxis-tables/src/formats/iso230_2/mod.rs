@@ -23,7 +23,8 @@
 //! of a rotary axis µrad.
 //!
 //! As a table: the mean of all runs at each position, both directions apart if both were measured and differ by more than
-//! the scatter of their runs makes them; else the mean of both. The scatter is not kept.
+//! the scatter of their runs makes them; else the mean of both. The scatter is not kept. Of one direction the table holds for
+//! both, with a note.
 
 mod columns;
 
@@ -142,12 +143,18 @@ pub(super) fn import(text: &str, origin: &Origin, axis: Option<Axis>) -> Result<
              runs alone"
         )
     });
+    let one_way = (measurement.directions.len() == 1).then(|| {
+        let key = if axis.is_rotary() { "backlash_urad" } else { "backlash_um" };
+        format!(
+            "one direction of approach: the table holds for both, without lost motion, which {key} of the axis states"
+        )
+    });
     Ok(Imported {
         grids: Vec::new(),
         tables: vec![(axis, table)],
         location: LocationErrors::default(),
         settings: None,
-        notes: dialect.map(str::to_owned).into_iter().chain(mean_of_both).collect(),
+        notes: dialect.map(str::to_owned).into_iter().chain(mean_of_both).chain(one_way).collect(),
         replaces_grids: false,
     })
 }

@@ -1,0 +1,70 @@
+//! The plane of points in space.
+
+use trueaxis::glam::DVec3;
+
+/// Sweeps of Jacobi's rotations: three by three are diagonal to the last bit after four or five.
+const SWEEPS: usize = 12;
+
+/// The plane with the least squares of the points' distances from it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plane {
+    /// Unit normal; its largest component is positive.
+    pub normal: [f64; 3],
+    /// Largest less smallest distance of the points from it, mm.
+    pub flatness_mm: f64,
+    /// Unit vectors in the plane, and its distance from the origin along the normal, mm.
+    across: [DVec3; 2],
+    height: f64,
+}
+
+impl Plane {
+    /// The plane of points, mm, and the points in it.
+    pub(super) fn of(points: &[[f64; 3]]) -> (Plane, Vec<[f64; 2]>) {
+        let points: Vec<DVec3> = points.iter().copied().map(DVec3::from).collect();
+        let mean = points.iter().sum::<DVec3>() / points.len().max(1) as f64;
+        let normal = least(points.iter().map(|point| *point - mean));
+        let beside = if normal.x.abs() < 0.9 { DVec3::X } else { DVec3::Y };
+        let first = (beside - normal * beside.dot(normal)).normalize();
+        let across = [first, normal.cross(first)];
+        let heights = points.iter().map(|point| (*point - mean).dot(normal));
+        let [low, high] =
+            heights.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], at| [low.min(at), high.max(at)]);
+        let flat = points.iter().map(|point| across.map(|along| point.dot(along))).collect();
+        let flatness_mm = (high - low).max(0.0);
+        (Plane { normal: normal.to_array(), flatness_mm, across, height: mean.dot(normal) }, flat)
+    }
+
+    /// A point in the plane, in space: mm.
+    pub fn at(&self, [one, other]: [f64; 2]) -> [f64; 3] {
+        let [first, second] = self.across;
+        (first * one + second * other + DVec3::from(self.normal) * self.height).to_array()
+    }
+}
+
+/// The direction along which offsets have the least squares: Jacobi's rotations of their moments.
+fn least(offsets: impl Iterator<Item = DVec3>) -> DVec3 {
+    let mut moments = [[0.0; 3]; 3];
+    for offset in offsets.map(|offset| offset.to_array()) {
+        for (row, one) in moments.iter_mut().zip(offset) {
+            row.iter_mut().zip(offset).for_each(|(moment, other)| *moment += one * other);
+        }
+    }
+    let mut turned = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    for (p, q) in [(0, 1), (0, 2), (1, 2)].into_iter().cycle().take(3 * SWEEPS) {
+        if moments[p][q] == 0.0 {
+            continue;
+        }
+        let (sin, cos) = (0.5 * (2.0 * moments[p][q]).atan2(moments[q][q] - moments[p][p])).sin_cos();
+        let turn = |row: &mut [f64; 3]| (row[p], row[q]) = (cos * row[p] - sin * row[q], sin * row[p] + cos * row[q]);
+        moments.iter_mut().for_each(turn);
+        turned.iter_mut().for_each(turn);
+        let [one, other] = [moments[p], moments[q]];
+        moments[p] = std::array::from_fn(|k| cos * one[k] - sin * other[k]);
+        moments[q] = std::array::from_fn(|k| sin * one[k] + cos * other[k]);
+    }
+    let smallest = (0..3).min_by(|a, b| moments[*a][*a].total_cmp(&moments[*b][*b])).unwrap_or(2);
+    let normal = DVec3::from(turned.map(|row| row[smallest])).normalize();
+    let largest =
+        normal.to_array().into_iter().fold(0.0, |most: f64, at| if at.abs() > most.abs() { at } else { most });
+    if largest < 0.0 { -normal } else { normal }
+}
