@@ -195,7 +195,7 @@ mod tests {
         assert_eq!(radians(&turn(73, std::f64::consts::TAU)), Some(72));
         assert_eq!(radians(&turn(73, 360.0)), None);
         assert_eq!(radians(&turn(73, 6.3)), None);
-        assert_eq!(radians(&[0.0, 6.2832]), None);
+        assert_eq!(radians(&[0.0, std::f64::consts::TAU]), None);
     }
 
     #[test]

@@ -169,12 +169,15 @@ fn what_is_known_only_together_is_written_together() {
     }
     assert!(matches!(decisions[0].why, Why::Differs(_)) && decisions[1].why == Why::Together);
     assert_eq!(decisions[2].written, Some(Known { degrees_of_freedom: Some(8.0), ..bare(0.0) }));
-    // All agree, each found with half of the stated uncertainty: four fifths of the way, and u = √(0.64 u_f² + 0.04 u_s²).
+    // All agree, each found with half of the stated uncertainty: four fifths of the way, and u = √(0.64 u_f² + 0.04 u_s²) = 0.0089.
     let agrees = [known(0.51, 0.01), known(6.1, 0.1), known(0.015, 0.0025)];
     let (text, decisions) = of(agrees, None);
-    for part in
-        ["coulomb_mm_per_s = 0.508\n", "presliding_um = 6.08 # ours", "viscous = 0.014\n", "coulomb_mm_per_s = 0.009"]
-    {
+    for part in [
+        "coulomb_mm_per_s = 0.508\n",
+        "presliding_um = 6.08 # ours",
+        "viscous = 0.014\n",
+        "coulomb_mm_per_s = 0.0089\n",
+    ] {
         assert!(text.contains(part), "{part} in {text}");
     }
     assert!(decisions.iter().all(|of| of.why == Why::Combined));
