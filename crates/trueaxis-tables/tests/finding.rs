@@ -192,7 +192,7 @@ fn what_is_known_only_together_is_written_together() {
         &mut |_| {},
     );
     let refused = refused.unwrap_err().to_string();
-    assert!(refused.contains("machine.toml:14: key axis.X.friction.uncertainty.viscosity"), "{refused}");
+    assert!(refused.contains("machine.toml:15: key axis.X.friction.uncertainty.viscosity"), "{refused}");
 }
 
 /// Small figures keep their digits, in the units that they have.
