@@ -1,6 +1,6 @@
 //! `trueaxis ballbar`.
 
-use crate::output::{json, print, tell};
+use crate::output::{print, tell};
 use crate::{machine_folder, report};
 use anyhow::{Context, Result};
 use clap::Args;
@@ -95,21 +95,21 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let document = test.document();
     let files = arguments.machine.iter().flat_map(|machine| machine_folder::inputs(machine, into));
     let mut outputs = Outputs::of(files.chain([arguments.record.clone()]));
-    let mut written = Vec::new();
+    let mut done = machine_folder::Done::default();
     if let Some(machine) = &arguments.machine {
         let additions = test.additions(arguments.compensated);
-        written = machine_folder::decide(&mut outputs, machine, into, record, additions)?;
+        done = machine_folder::decide(&mut outputs, machine, into, record, additions)?;
     }
     if arguments.dry_run {
-        return print(&machine_folder::lines(&written));
+        return done.dry_run(&document, arguments.json);
     }
     if let Some(directory) = &arguments.report {
         let source = arguments.record.file_name().unwrap_or_default().to_string_lossy();
         report::write(&mut outputs, &report::ballbar::page(&source, &test, &document), directory, "ballbar.html")?;
     }
     outputs.commit()?;
-    machine_folder::tell_written(&written);
-    if arguments.json { json(&document) } else { print(&table(&document)?) }
+    done.tell();
+    if arguments.json { done.json(&document) } else { print(&table(&document)?) }
 }
 
 fn table(d: &Document) -> Result<String> {

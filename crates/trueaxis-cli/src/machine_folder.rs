@@ -1,12 +1,13 @@
 //! Writes results of an identification into a machine's folder, or into a copy of it.
 
 use crate::model;
-use crate::output::tell;
+use crate::output::{json, print, tell};
 use anyhow::{Result, bail};
+use serde::Serialize;
 use std::path::{Path, PathBuf};
 use trueaxis_tables::error::FileError;
 use trueaxis_tables::files::Folder;
-use trueaxis_tables::finding::table;
+use trueaxis_tables::finding::{Decision, table};
 use trueaxis_tables::output::{Alone, Outputs};
 use trueaxis_tables::{Additions, Edited};
 
@@ -19,6 +20,19 @@ pub(crate) fn alone(output: &Path) -> Result<Alone> {
 pub(crate) fn inputs(machine: &Path, output: Option<&Path>) -> Vec<PathBuf> {
     let same = output.is_some_and(|output| own(machine, output).1);
     if same { Vec::new() } else { model::files(machine).into_iter().collect() }
+}
+
+/// What `-o` of a command names that writes either: a file to read, or, with a machine and without the file's extension, the
+/// folder that it is written into.
+pub(crate) fn file_or_folder<'o>(
+    output: Option<&'o Path>,
+    extension: &str,
+    has_machine: bool,
+) -> (Option<&'o Path>, Option<&'o Path>) {
+    let is_file =
+        |path: &Path| path.is_file() || path.extension().is_some_and(|own| own.eq_ignore_ascii_case(extension));
+    let file = output.filter(|path| !has_machine || is_file(path));
+    (file, output.filter(|_| file.is_none()))
 }
 
 /// The machine's own folder, and whether `output` is that.
@@ -68,6 +82,43 @@ pub(crate) fn write(
     Ok(notes)
 }
 
+/// What was decided, and what is to be told of it.
+#[derive(Default)]
+pub(crate) struct Done {
+    /// Nothing without a machine.
+    decisions: Option<Vec<Decision>>,
+    notes: Vec<String>,
+}
+
+/// The document of a command with what was decided, under `written`.
+#[derive(Serialize)]
+struct WithDecisions<'d, D> {
+    #[serde(flatten)]
+    document: &'d D,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    written: Option<&'d [Decision]>,
+}
+
+impl Done {
+    /// Tells what was decided and written.
+    pub(crate) fn tell(&self) {
+        tell_written(&self.notes);
+    }
+
+    /// Prints the document with the decisions as JSON.
+    pub(crate) fn json(&self, document: &impl Serialize) -> Result<()> {
+        json(&WithDecisions { document, written: self.decisions.as_deref() })
+    }
+
+    /// Prints what would be written: with the document as JSON, or alone.
+    pub(crate) fn dry_run(&self, document: &impl Serialize, as_json: bool) -> Result<()> {
+        if as_json {
+            return self.json(document);
+        }
+        print(&self.notes.iter().map(|note| format!("{note}\n")).collect::<String>())
+    }
+}
+
 /// Stages `machine` with what of the additions is written, as [`write()`] does; what is done about every finding comes first. `record`:
 /// the file that they rest on. Without a folder to write into nothing is staged.
 pub(crate) fn decide(
@@ -76,19 +127,15 @@ pub(crate) fn decide(
     into: Option<&Path>,
     record: &Path,
     additions: Additions,
-) -> Result<Vec<String>> {
+) -> Result<Done> {
     let additions = additions.of_record(&std::fs::read(record)?);
     let (folder, name) = Folder::of_machine(machine);
-    let mut notes = Vec::from_iter(Some(table(&additions.decide(&folder, &name)?)).filter(|table| !table.is_empty()));
+    let decisions = additions.decide(&folder, &name)?;
+    let mut notes = Vec::from_iter(Some(table(&decisions)).filter(|table| !table.is_empty()));
     if let Some(output) = into {
         notes.extend(write(outputs, machine, output, |folder, name| additions.edit(folder, name))?);
     }
-    Ok(notes)
-}
-
-/// The notes as one text.
-pub(crate) fn lines(notes: &[String]) -> String {
-    notes.iter().map(|note| format!("{note}\n")).collect()
+    Ok(Done { decisions: Some(decisions), notes })
 }
 
 /// Tells what was written.

@@ -279,7 +279,13 @@ fn what_is_wrong_is_told_with_its_line() {
     let good = record(&[1.0]);
     folder.write("still.csv", good.replacen("2.5,", "2.5,0,0\n3.5,", 1).replace("0,0\n3.5,", "0,0\n#"));
     folder.write("part.csv", good.lines().take(200).fold(String::new(), |text, line| text + line + "\n"));
+    let in_radians = |line: &str| {
+        let (angle, rest) = line.split_once(',').unwrap();
+        angle.parse::<f64>().map_or(format!("{line}\n"), |angle| format!("{:.4},{rest}\n", angle.to_radians()))
+    };
+    folder.write("radians.csv", good.lines().map(in_radians).collect::<String>());
     for (file, told) in [
+        ("radians.csv", "radians.csv:361: column angle_deg: found 6.2745, needed angles in degrees"),
         (
             "still.csv",
             "still.csv:4: column direction: found 0, needed 1, + or ccw for counterclockwise, -1, - or cw for clockwise",

@@ -144,6 +144,11 @@ fn what_is_known_worse_moves_a_value_little_and_what_differs_takes_its_place_wit
     // Only said.
     let ([said, _], _) = run(25.0, "mill", &["--dry-run"]);
     assert!(said.contains("31.5 ± 2.9") && !said.contains("ISO 230-6"), "{said}");
+    let ([said, _], _) = run(25.0, "mill", &["--dry-run", "--json"]);
+    let said: Value = serde_json::from_str(&said).unwrap();
+    let row = said["written"].as_array().unwrap().iter().find(|of| of["key"] == "location.A0Z_urad").unwrap();
+    assert_eq!((&row["old"]["value"], &row["written"]["value"]), (&Value::from(32.0), &Value::from(31.5)), "{row}");
+    assert!(said["a0z_urad"].is_object() && row["why"] == "agrees: both by their weights", "{said}");
     assert_eq!(folder.read("mill/machine.toml"), mill);
     folder.good(&["tables", "check", "agrees"]);
 }

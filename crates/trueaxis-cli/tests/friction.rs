@@ -113,12 +113,6 @@ fn friction_is_found_and_what_is_written_is_a_machine_s() {
     assert!(settings.contains("[axis.X.friction]") && !settings.contains(".drive]"), "{settings}");
     folder.write("joined.toml", format!("{MACHINE}{DRIVES}{settings}"));
     folder.good(&["tables", "check", "joined.toml"]);
-    let machine = folder.read("machine.toml");
-    folder.good(&[&CALL[..], &["--merge", "-o", "with-friction.toml"]].concat());
-    assert!(folder.read("with-friction.toml").starts_with(&machine[..40]));
-    assert!(folder.read("with-friction.toml").contains("[axis.Y.friction]"));
-    assert_eq!(folder.read("machine.toml"), machine);
-    folder.good(&["tables", "check", "with-friction.toml"]);
     let table = folder.good(&CALL);
     assert!(table.contains("axis Y, ") && table.contains(" reversals; ± with 95 %"), "{table}");
     assert!(table.contains("Coulomb friction F_c/K_vp, mm/s") && table.contains("the machine's"), "{table}");
@@ -172,7 +166,51 @@ fn options_that_do_not_fit_are_refused() {
     folder.bad(&["friction", "record.csv", "--axes", "X,Y", "--machine", "flat.toml"], &["found no axis Y"]);
     let over_the_input = ["-o", "record.csv"];
     folder.bad(&[&CALL[..], &over_the_input].concat(), &["an input is never written"]);
-    for (output, needed) in [("machine.toml", "an input is never written"), ("/tmp/m.toml", "needed a file beside")] {
-        folder.bad(&[&CALL[..], &["--merge", "-o", output]].concat(), &[needed]);
+    folder.bad(&[&CALL[..], &["-o", "machine.toml"]].concat(), &["an input is never written"]);
+    folder.bad(&["friction", "record.csv", "--axes", "X,Y", "--dry-run"], &["--machine"]);
+}
+
+/// Decided and written as by every command: an axis' figures together, with how well they are known.
+#[test]
+fn friction_goes_into_a_machine_by_the_rule_of_all_commands() {
+    let folder = folder(record());
+    let stated = "[axis.X.friction] # a guess\ncoulomb_mm_per_s = 0.4\npresliding_um = 9 # ours\n";
+    folder.write("machine.toml", format!("{MACHINE}{DRIVES}{stated}"));
+    let before = folder.tree();
+    let said = folder.json(&[&CALL[..], &["--dry-run", "--json"]].concat());
+    assert_eq!(folder.tree(), before);
+    let written = said["written"].as_array().unwrap();
+    let of = |key: &str| written.iter().find(|of| of["key"] == key).unwrap_or_else(|| panic!("{key}: {said}"));
+    let coulomb = of("axis.X.friction.coulomb_mm_per_s");
+    assert!(coulomb["old"]["value"] == 0.4 && coulomb["why"] == "no uncertainty is stated", "{coulomb}");
+    near(&coulomb["written"]["value"], COULOMB, 0.03);
+    assert!(of("axis.Y.friction.viscous")["old"].is_null() && said["axes"].is_array(), "{said}");
+    assert!(written.iter().all(|of| !of["key"].as_str().unwrap().contains(".drive.")), "the machine's: {said}");
+    let [_, told] = folder.both(&[&CALL[..], &["-o", "found"]].concat());
+    assert!(
+        told.lines().any(|line| line.starts_with("axis.X.friction.presliding_um") && line.contains("9 ")),
+        "{told}"
+    );
+    let text = folder.read("found/machine.toml");
+    for part in [
+        "[axis.X.friction] # a guess\n",
+        " # ours\n",
+        "[axis.X.friction.uncertainty]\n",
+        "[axis.Y.friction]\n",
+        "[axis.Y.friction.uncertainty]\n",
+        "degrees_of_freedom = ",
+        "records = [",
+    ] {
+        assert!(text.contains(part), "{part} in {text}");
     }
+    folder.good(&["tables", "check", "found"]);
+    // The same record is no second measurement.
+    let [_, told] = folder.both(&["friction", "record.csv", "--axes", "X,Y", "--machine", "found", "-o", "found"]);
+    assert!(told.contains("this record is in it already"), "{told}");
+    assert_eq!(folder.read("found/machine.toml"), text);
+    // Spikes of which more is left than three times the noise that the machine states.
+    folder.write("machine.toml", format!("{MACHINE}{DRIVES}{stated}[uncertainty]\neve_um = 0.001\n"));
+    let [_, told] = folder.both(&[&CALL[..], &["-o", "misfit"]].concat());
+    assert!(told.contains("misfit: "), "{told}");
+    assert_eq!(folder.read("misfit/machine.toml"), folder.read("machine.toml"));
 }

@@ -179,6 +179,9 @@ fn rows_that_are_missing_twice_or_out_of_order_are_refused() {
     refused(&twice, &["--axis", "C"], &["m.csv:39: column angle_deg", "a second row", "line 4", "needed one row"]);
     let backwards = measured(2, &[0.0, 60.0, 30.0], &SET_UPS, |_| 0.0);
     refused(&backwards, &["--axis", "C"], &["m.csv:9: column angle_deg", "30", "more than 60 of line 6"]);
+    let radians: Vec<f64> = circle(30).iter().map(|angle| (angle.to_radians() * 1e4).round() / 1e4).collect();
+    let radians = measured(2, &radians, &SET_UPS, |_| 0.0);
+    refused(&radians, &["--axis", "C"], &["m.csv:36: column angle_deg: found 5.7596", "needed angles in degrees"]);
     let beyond = measured(2, &[0.0, 120.0, 240.0, 370.0], &SET_UPS, |_| 0.0);
     refused(&beyond, &["--axis", "C"], &["m.csv:12: column angle_deg", "370", "at most 360"]);
 }
@@ -252,4 +255,74 @@ fn the_linear_axes_own_errors_are_removed() {
     let far = ["identify", "m.csv", "--axis", "C", "--json", "--machine", "machine.toml", "--start-mm", "450,0,0"];
     let far = directory.json(&far);
     assert!(far["warnings"][1].as_str().unwrap().contains("edge value"), "{far}");
+}
+
+/// Decided and written as by every command: what the errors are more than table and location errors, all six together.
+#[test]
+fn errors_of_an_axis_go_into_a_machine_by_the_rule_of_all_commands() {
+    let directory = Folder::new(TRUEAXIS);
+    // Readings with a scatter of 0.2 µm that no two runs share.
+    let scattered = |size: f64, seed: usize| {
+        let text = measured(2, &circle(15), &SET_UPS, |_| 0.0);
+        let mut rows = text.lines().map(str::to_owned);
+        let head: Vec<String> = rows.by_ref().take(2).collect();
+        let rows = rows.enumerate().map(|(i, row)| {
+            let mut cells: Vec<f64> = row.split(',').map(|cell| cell.parse().unwrap()).collect();
+            for (k, cell) in cells[3..].iter_mut().enumerate() {
+                *cell += size * ((7 * i + 3 * k + 5 * seed) as f64 * 2.399).sin() * 1.414;
+            }
+            cells.iter().map(f64::to_string).collect::<Vec<_>>().join(",")
+        });
+        head.into_iter().chain(rows).collect::<Vec<_>>().join("\n") + "\n"
+    };
+    let toml =
+        "name = \"head\"\nchain = \"w b X Y Z C t\"\n[axis.C]\ntable = \"c.csv\" # ours\n[location]\nEX0C_um = 2\n";
+    directory.write("head/machine.toml", toml);
+    directory.write("head/c.csv", "C_deg,EXC_um,ECC_urad\n-180,1,3\n0,-1,-3\n180,1,3\n");
+    directory.write("m.csv", scattered(0.2, 1));
+    let call = ["identify", "m.csv", "--axis", "C", "--machine", "head"];
+    let before = directory.tree();
+    let said = directory.json(&[&call[..], &["--dry-run", "--json"]].concat());
+    assert_eq!(directory.tree(), before);
+    let written = said["written"].as_array().unwrap();
+    assert_eq!((written.len(), &written[0]["key"]), (6, &Value::from("axis.C.EXC_um")), "{said}");
+    assert!(written.iter().all(|of| of["written"].is_object()) && said["angles"].is_array(), "{said}");
+    directory.good(&[&call[..], &["-o", "head"]].concat());
+    // Table and location errors together are what was found.
+    let table = directory.read("head/c.csv");
+    let [first, last] = [1, table.lines().count() - 1].map(|line| table.lines().nth(line).unwrap());
+    assert!(first.starts_with("-180,") && last.starts_with("180,"), "{table}");
+    let found = directory.json(&["identify", "m.csv", "--axis", "C", "--json"]);
+    for line in table.lines().skip(1) {
+        let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
+        let angles = found["angles"].as_array().unwrap();
+        let own = angles.iter().find(|angle| angle["angle_deg"] == cells[0].rem_euclid(360.0)).unwrap();
+        for (k, key) in KEYS.into_iter().enumerate() {
+            let stated = cells[1 + k] + if k == 0 { 2.0 } else { 0.0 };
+            let value = own[key].as_f64().unwrap();
+            assert!((stated - value).abs() < 1e-3, "{key} {stated} for {value} at {}", cells[0]);
+        }
+    }
+    let text = directory.read("head/machine.toml");
+    assert!(text.contains("table = \"c.csv\" # ours") && text.contains("EX0C_um = 2\n"), "{text}");
+    assert!(text.contains("[axis.C.uncertainty]") && text.contains("ECC_degrees_of_freedom = 72"), "{text}");
+    directory.good(&["tables", "check", "head"]);
+    // The same record changes nothing; another one that agrees is averaged, all six by one share.
+    let [_, told] = directory.both(&[&call[..], &["-o", "head"]].concat());
+    assert!(told.contains("this record is in it already") && directory.read("head/c.csv") == table, "{told}");
+    directory.write("m.csv", scattered(0.2, 2));
+    let said = directory.json(&[&call[..], &["-o", "head", "--json"]].concat());
+    let shares = said["written"].as_array().unwrap().iter().map(|of| {
+        assert_eq!(of["why"], "agrees: both by their weights", "{said}");
+        of["written"]["value"].as_f64().unwrap() / of["found"]["value"].as_f64().unwrap()
+    });
+    assert!(shares.clone().all(|share| (share - 0.5).abs() < 0.12), "{:?}", shares.collect::<Vec<_>>());
+    // Readings that are none of six errors write nothing.
+    directory.write("m.csv", scattered(40.0, 3));
+    let before = directory.read("head/c.csv");
+    let [_, told] = directory.both(&[&call[..], &["-o", "head"]].concat());
+    assert!(told.contains("misfit: ") && directory.read("head/c.csv") == before, "{told}");
+    // Without a machine, and for a .csv, the table to read.
+    directory.good(&["identify", "m.csv", "--axis", "C", "--machine", "head", "-o", "own.csv"]);
+    assert!(directory.read("own.csv").starts_with("C_deg,EXC_um"));
 }

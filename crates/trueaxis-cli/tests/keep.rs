@@ -202,6 +202,9 @@ fn two_balls_tell_a_squareness() {
     let found = folder.json(&keep("apply", &["--json"]));
     near(&term(&found, "C0Y")["value"], 40.0, 0.2);
     near(&term(&found, "offset Y")["value"], 5.0, 0.05);
+    let [squareness] = &found["written"].as_array().unwrap()[..] else { panic!("{found}") };
+    assert!(squareness["key"] == "location.C0Y_urad" && squareness["why"] == "by the test's own statistics");
+    near(&squareness["written"]["value"], 40.0, 0.2);
     let toml = folder.read("mill/machine.toml");
     assert!((stated(&toml, "C0Y_urad") - 40.0).abs() < 0.2 && toml.contains("[uncertainty.location]"), "{toml}");
     // 40 µrad are taken: what the tables leave is nothing.

@@ -30,6 +30,25 @@ pub fn displacement<const C: usize>(
     Err(rows.error(line, column, format!("{value_um}{from}"), needed))
 }
 
+/// What is needed where angles are [`radians`].
+pub const DEGREES: &str = "angles in degrees: these go over one turn in radians";
+
+/// The index of the largest of angles that go over one turn in radians: from the least to the largest, or with a step more, 2π to a
+/// thousandth. Nobody stops a test in degrees there.
+pub fn radians(angles: &[f64]) -> Option<usize> {
+    let mut sorted = angles.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted.dedup_by(|next, kept| *next - *kept < 1e-6);
+    let (Some(least), Some(most)) = (sorted.first(), sorted.last()) else { return None };
+    let span = most - least;
+    let step = span / (sorted.len().max(2) - 1) as f64;
+    let turn = |span: f64| (span - std::f64::consts::TAU).abs() < 1e-3;
+    if sorted.len() < LEAST || !(turn(span) || turn(span + step)) {
+        return None;
+    }
+    angles.iter().position(|angle| angle == most)
+}
+
 /// A stretch of one value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stuck {
@@ -167,6 +186,16 @@ mod tests {
         assert_eq!(missing(&parts(&[7, 8, 9]), same), None);
         assert_eq!(missing(&[vec![1, 2, 3], vec![1], vec![1, 2]], same), None, "no two are alike");
         assert_eq!(missing(&[vec![1, 2], vec![1]], same), Some(Missing { part: 1, like: [0, 1], rows: [1, 2] }));
+    }
+
+    #[test]
+    fn a_turn_in_radians_is_none_in_degrees() {
+        let turn = |count: u32, whole: f64| (0..count).map(|k| whole / 72.0 * f64::from(k)).collect::<Vec<_>>();
+        assert_eq!(radians(&turn(72, std::f64::consts::TAU)), Some(71), "a step before the end");
+        assert_eq!(radians(&turn(73, std::f64::consts::TAU)), Some(72));
+        assert_eq!(radians(&turn(73, 360.0)), None);
+        assert_eq!(radians(&turn(73, 6.3)), None);
+        assert_eq!(radians(&[0.0, std::f64::consts::TAU]), None);
     }
 
     #[test]

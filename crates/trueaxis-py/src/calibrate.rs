@@ -47,8 +47,8 @@ pub(crate) fn calibrate_plan(py: Python<'_>, task: PathBuf) -> PyResult<Bound<'_
 }
 
 /// The errors of a machine from the log of a probing program: the document of `trueaxis calibrate solve --json`, and with
-/// files=True the machine's changed files under `files`, a dict of texts by name, and under `decisions` what is done about every
-/// value: key, stated, found, written (None: what is stated stays) and why.
+/// files=True the machine's changed files under `files`, a dict of texts by name, and under `written` what is done about every
+/// value: key, old, found, written (None: what is stated stays) and why.
 ///
 /// One least-squares network of touches, places, sizes, tip and drift. Errors are actual − ideal, of the tool relative to the
 /// workpiece: µrad, µm, ppm by their names; standard errors under the same names. task: the one that the program was planned
@@ -79,7 +79,7 @@ pub(crate) fn calibrate_solve(py: Python<'_>, task: PathBuf, log: PathBuf, files
             texts.set_item(name.to_string_lossy(), text)?;
         }
         document.set_item("files", texts)?;
-        document.set_item("decisions", documents::dictionary(py, &decisions)?)?;
+        document.set_item("written", documents::dictionary(py, &decisions)?)?;
     }
     Ok(document)
 }

@@ -14,7 +14,7 @@ use crate::uncertainty::Uncertainties;
 use crate::{Machine, Table};
 use std::path::Path;
 use toml_edit::{DocumentMut, Item, TableLike, Value};
-use trueaxis::machine::{Axis, Row};
+use trueaxis::machine::{Axis, Row, Twist};
 
 /// Closest two positions of a table, mm or degrees.
 const CLOSEST: f64 = 1e-3;
@@ -22,13 +22,13 @@ const CLOSEST: f64 = 1e-3;
 /// Degrees of freedom of what is well known: the most that the file takes.
 const WELL_KNOWN: f64 = 1e9;
 
-/// Positions of an axis, and the translations X, Y, Z at each.
-type Points = Vec<(f64, [f64; 3])>;
+/// Positions of an axis, and the six errors EX to EC at each.
+type Points = Vec<(f64, Twist)>;
 
 /// Errors found on top of those that the machine's files state: actual − ideal, mm and rad.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Additions {
-    /// For an axis: positions, and the translations X, Y, Z at them; between them linear, beyond them as at the end.
+    /// For an axis: positions, and the six errors EX to EC at them; between them linear, beyond them as at the end.
     pub curves: Vec<(Axis, Points)>,
     /// What a test has found; [`finding::decide`] says what of it is written.
     pub findings: Vec<Finding>,
@@ -84,7 +84,9 @@ impl Additions {
                 written => Decision { key: finding.key.clone(), stated, found, written, why },
             }
         };
-        self.findings.iter().map(decision).collect()
+        let mut decisions: Vec<Decision> = self.findings.iter().map(decision).collect();
+        finding::together(&self.findings, &mut decisions);
+        decisions
     }
 
     /// The changes that bring them into a machine; `name` is that of its `machine.toml`. Comments, order and every other
@@ -137,7 +139,8 @@ fn taken_curves(findings: &[Finding], decisions: &[Decision]) -> Vec<(Axis, Poin
         if written.value == 0.0 || finding.found.value == 0.0 {
             continue;
         }
-        let share = written.value / finding.found.value;
+        let whole = written.value == finding.found.rounded().value;
+        let share = if whole { 1.0 } else { written.value / finding.found.value };
         let taken = finding.curve.iter().map(|(position, errors)| (*position, errors.map(|error| share * error)));
         match curves.iter_mut().find(|(own, _)| *own == axis) {
             None => curves.push((axis, taken.collect())),
@@ -224,14 +227,27 @@ fn kept(known: &Uncertainties, before: &Machine, axis: Axis, table: &Table) -> [
     let (Some(own), Some(rows)) = (known.of(axis), before.rows(axis)) else { return Default::default() };
     std::array::from_fn(|component| {
         let points = own.points.get(component)?.as_ref()?;
-        let stated: Vec<(f64, [f64; 3])> =
-            rows.iter().zip(points).map(|(row, value)| (row.position, [*value, 0.0, 0.0])).collect();
+        let stated: Points =
+            rows.iter().zip(points).map(|(row, value)| (row.position, [*value, 0.0, 0.0, 0.0, 0.0, 0.0])).collect();
         Some(table.rows.iter().map(|row| at(&stated, row.position)[0]).collect())
     })
 }
 
+impl Machine {
+    /// The six errors EX to EC, mm and rad, that the files state of an axis at a position: its table between both directions of travel,
+    /// the edge value outside it, and location errors of a rotary axis.
+    pub fn stated_errors(&self, axis: Axis, position: f64) -> Twist {
+        let found = self.axes().find(|(own, _)| own.axis == axis);
+        let table = found.and_then(|(own, table)| Some(ErrorTable::new(own, &table?.rows).at(position, 0.5)));
+        let mut rotary = self.settings.location.rotary.iter().zip([Axis::A, Axis::B, Axis::C]);
+        let constant = rotary.find(|(_, of)| *of == axis).map_or([0.0; 6], |(errors, _)| *errors);
+        let table = table.unwrap_or_default();
+        std::array::from_fn(|k| table[k] + constant[k])
+    }
+}
+
 /// The axis' table with the curve added, at the positions of both.
-fn summed(machine: &Machine, axis: Axis, curve: &[(f64, [f64; 3])]) -> Table {
+fn summed(machine: &Machine, axis: Axis, curve: &[(f64, Twist)]) -> Table {
     let found = machine.axes().find(|(own, _)| own.axis == axis);
     let old = found.and_then(|(own, table)| Some((ErrorTable::new(own, &table?.rows), table?)));
     let own = old.iter().flat_map(|(_, table)| table.rows.iter().map(|row| row.position));
@@ -240,7 +256,7 @@ fn summed(machine: &Machine, axis: Axis, curve: &[(f64, [f64; 3])]) -> Table {
     positions.extend(curve.iter().map(|(position, _)| *position).filter(far));
     positions.sort_by(f64::total_cmp);
     let mut given: [bool; 6] = old.as_ref().map_or([false; 6], |(_, table)| table.given);
-    for (given, k) in given.iter_mut().zip(0..3) {
+    for (k, given) in given.iter_mut().enumerate() {
         *given |= curve.iter().any(|(_, error)| error[k] != 0.0);
     }
     let rows: Vec<Row> = positions
@@ -249,8 +265,11 @@ fn summed(machine: &Machine, axis: Axis, curve: &[(f64, [f64; 3])]) -> Table {
             let by = at(curve, position);
             let [forward, reverse] = [0.0, 1.0].map(|reverse| {
                 let mut errors = old.as_ref().map_or([0.0; 6], |(table, _)| table.at(position, reverse));
-                // To a hundredth of a nanometre.
-                (0..3).for_each(|k| errors[k] = ((errors[k] + by[k]) * 1e8).round() / 1e8);
+                // To a hundredth of a nanometre or nanoradian.
+                (0..6).for_each(|k| {
+                    let scale = if k < 3 { 1e8 } else { 1e11 };
+                    errors[k] = ((errors[k] + by[k]) * scale).round() / scale;
+                });
                 errors
             });
             Row { position, forward, reverse }
@@ -260,7 +279,7 @@ fn summed(machine: &Machine, axis: Axis, curve: &[(f64, [f64; 3])]) -> Table {
     Table { given, bidirectional, rows }
 }
 
-fn at(curve: &[(f64, [f64; 3])], position: f64) -> [f64; 3] {
+fn at(curve: &[(f64, Twist)], position: f64) -> Twist {
     let right = curve.partition_point(|(q, _)| *q <= position);
     match (right.checked_sub(1).and_then(|left| curve.get(left)), curve.get(right)) {
         (Some((from, a)), Some((to, b))) => {
@@ -268,6 +287,6 @@ fn at(curve: &[(f64, [f64; 3])], position: f64) -> [f64; 3] {
             std::array::from_fn(|k| a[k] + share * (b[k] - a[k]))
         }
         (Some((_, edge)), None) | (None, Some((_, edge))) => *edge,
-        (None, None) => [0.0; 3],
+        (None, None) => [0.0; 6],
     }
 }

@@ -3,7 +3,7 @@
 use serde::{Serialize, Serializer};
 use std::fmt;
 use toml_edit::{Item, TableLike};
-use trueaxis::machine::Axis;
+use trueaxis::machine::{Axis, Twist};
 
 /// Two values agree, and a value is none, within so many standard uncertainties.
 pub const AGREE: f64 = 2.0;
@@ -12,8 +12,10 @@ pub const MISFIT: f64 = 3.0;
 /// What negative lost motion comes from; said wherever it is found.
 pub const OVERCOMPENSATED: &str =
     "lost motion below zero is over-compensation: the control takes up too much. Lower its backlash setting by that";
-/// Nothing is written finer: a nanometre, a nanoradian, a thousandth of a ppm.
+/// Nothing is written finer: a nanometre, a nanoradian, a thousandth of a ppm; of what is below one, a thousandth of itself.
 const FINEST: f64 = 1e-3;
+/// Nothing at all is written finer, in the unit of its key.
+const SMALLEST: f64 = 1e-6;
 
 /// A figure and how well it is known, in the unit of its key.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -33,12 +35,15 @@ impl Known {
         Known { value, uncertainty: Some(uncertainty), degrees_of_freedom }
     }
 
-    /// Value and uncertainty rounded to a tenth of the uncertainty, a power of ten from there down, 0.001 at the finest;
-    /// an uncertainty is never rounded to zero.
+    /// Value and uncertainty rounded to a tenth of the uncertainty, a power of ten from there down; at the finest to 0.001, or
+    /// to a thousandth of what is below one, never below 0.000001. An uncertainty is never rounded to zero.
     #[must_use]
     pub fn rounded(self) -> Known {
-        let tenth = self.uncertainty.map_or(0.0, |u| 0.1 * u);
-        let decimals = if tenth > FINEST { (-(tenth.log10() + 1e-9).floor()) as i32 } else { 3 };
+        let own = self.uncertainty.unwrap_or_default();
+        let size = self.value.abs().max(own);
+        let finest = if size > 0.0 { (FINEST * size).clamp(SMALLEST, FINEST) } else { FINEST };
+        let step = finest.max(0.1 * own);
+        let decimals = (-(step.log10() + 1e-9).floor()) as i32;
         // A step below one is no number in binary: by its reciprocal 0.3 stays 0.3.
         let scale = 10_f64.powi(decimals.abs());
         let round = |value: f64| match decimals >= 0 {
@@ -79,6 +84,8 @@ pub enum Why {
     Combined,
     /// Nothing is stated, and the value is within [`AGREE`] of its standard uncertainties.
     Nothing,
+    /// Known only together with what is written in place of what was stated.
+    Together,
     /// Both agree, and the stated value comes from this record.
     SameRecord,
     /// How well the value is known is not known.
@@ -101,6 +108,7 @@ impl fmt::Display for Why {
             Why::BetterKnown => write!(f, "no uncertainty is stated"),
             Why::Combined => write!(f, "agrees: both by their weights"),
             Why::Nothing => write!(f, "within {AGREE} standard uncertainties of none"),
+            Why::Together => write!(f, "known only together with what differs"),
             Why::SameRecord => write!(f, "agrees: this record is in it already"),
             Why::Moved => write!(f, "by the test's own statistics"),
             Why::Unknown => write!(f, "found without an uncertainty"),
@@ -139,21 +147,61 @@ pub fn decide(stated: Option<Known>, found: Known, independent: bool) -> (Option
     if !independent {
         return (None, Why::SameRecord);
     }
-    (Some(weighted(stated, before, found, own).rounded()), Why::Combined)
+    (Some(mean(stated, found, share(ratio(before, own))).rounded()), Why::Combined)
 }
 
-/// The mean of two values by their weights.
-fn weighted(a: Known, u_a: f64, b: Known, u_b: f64) -> Known {
-    let weight = |u: f64| 1.0 / u.max(1e-6).powi(2);
-    let (to_a, to_b) = (weight(u_a), weight(u_b));
-    let all = to_a + to_b;
-    // Each share of the mean's variance is its weight's share.
-    let part = |weight: f64, known: Known| known.degrees_of_freedom.map_or(0.0, |of| (weight / all).powi(2) / of);
-    let parts = part(to_a, a) + part(to_b, b);
+/// How many times the other uncertainty an uncertainty is.
+fn ratio(before: f64, own: f64) -> f64 {
+    own.max(SMALLEST) / before.max(SMALLEST)
+}
+
+/// The share of a found value in the mean by weights 1/u²; `ratio`: its uncertainty over that of what is stated.
+fn share(ratio: f64) -> f64 {
+    1.0 / (1.0 + ratio.powi(2))
+}
+
+/// The mean of two values with a share of what was found.
+fn mean(stated: Known, found: Known, share: f64) -> Known {
+    let parts = [(stated, 1.0 - share), (found, share)];
+    let squares = parts.map(|(known, share)| (share * known.uncertainty.unwrap_or_default().max(SMALLEST)).powi(2));
+    let all: f64 = squares.iter().sum();
+    let of_each = parts.iter().zip(squares);
+    let inverse: f64 = of_each
+        .map(|((known, _), square)| known.degrees_of_freedom.map_or(0.0, |of| (square / all).powi(2) / of))
+        .sum();
     Known {
-        value: (to_a * a.value + to_b * b.value) / all,
-        uncertainty: Some(all.powf(-0.5)),
-        degrees_of_freedom: (parts > 0.0).then(|| 1.0 / parts),
+        value: stated.value + share * (found.value - stated.value),
+        uncertainty: Some(all.sqrt()),
+        degrees_of_freedom: (inverse > 0.0).then(|| 1.0 / inverse),
+    }
+}
+
+/// Decisions on what is known only together ([`Finding::together`]), made of those on each alone. Where one of a group takes the
+/// place of what is stated, all of it is written as it was found, also what the fit held at its value. Where all agree, all are
+/// combined with one share, that of the geometric mean of their uncertainties' ratios, so that what belongs together stays together.
+pub(crate) fn together(findings: &[Finding], decisions: &mut [Decision]) {
+    let mut groups: Vec<&str> = findings.iter().map(|finding| finding.together.as_str()).collect();
+    groups.sort_unstable();
+    groups.dedup();
+    for group in groups.into_iter().filter(|group| !group.is_empty()) {
+        let own = findings.iter().zip(decisions.iter_mut()).filter(|(finding, _)| finding.together == group);
+        let mut own: Vec<&mut Decision> = own.map(|(_, decision)| decision).collect();
+        let replaces = |of: &Decision| matches!(of.why, Why::New | Why::Differs(_) | Why::BetterKnown);
+        if own.iter().any(|of| replaces(of)) {
+            for of in own {
+                of.written = Some(of.found.rounded());
+                if !replaces(of) {
+                    of.why = Why::Together;
+                }
+            }
+            continue;
+        }
+        own.retain(|of| of.why == Why::Combined);
+        let ratios = own.iter().filter_map(|of| Some(ratio(of.stated?.uncertainty?, of.found.uncertainty?).ln()));
+        let share = share((ratios.sum::<f64>() / own.len().max(1) as f64).exp());
+        for of in own {
+            of.written = of.stated.map(|stated| mean(stated, of.found, share).rounded());
+        }
     }
 }
 
@@ -169,8 +217,10 @@ pub struct Finding {
     /// Whether it is taken as it was found: it has moved by a test against all that was measured before, or it is one of several
     /// that are known together much better than each alone.
     pub moved: bool,
-    /// Of errors of a table: positions, and the translations X, Y, Z at each, mm, that are added to it.
-    pub curve: Vec<(f64, [f64; 3])>,
+    /// Of errors of a table: positions, and the six errors EX to EC at each, mm and rad, that are added to it.
+    pub curve: Vec<(f64, Twist)>,
+    /// What it is known together with: findings of one name are written all or none. Empty: known alone.
+    pub together: String,
 }
 
 /// What a fit leaves of its record: root mean squares, mm.
@@ -204,7 +254,8 @@ impl Fit {
 pub struct Decision {
     /// Full name of the key.
     pub key: String,
-    /// What the machine states; `None`: nothing.
+    /// What the machine states, in JSON `old`; `None`: nothing.
+    #[serde(rename = "old")]
     pub stated: Option<Known>,
     /// What was found, in all.
     pub found: Known,
@@ -254,6 +305,10 @@ pub fn record_number(bytes: &[u8]) -> String {
 pub(crate) fn beside(key: &str) -> [String; 2] {
     let (path, last) = key.rsplit_once('.').unwrap_or(("", key));
     let section = if path == "location" { String::from("uncertainty.location") } else { format!("{path}.uncertainty") };
+    // Figures of a drive or of friction come from one fit.
+    if path.ends_with(".drive") || path.ends_with(".friction") {
+        return [format!("{section}.{last}"), format!("{section}.degrees_of_freedom")];
+    }
     let name = last.rsplit_once('_').map_or(last, |(name, _)| name);
     [format!("{section}.{last}"), format!("{section}.{name}_degrees_of_freedom")]
 }

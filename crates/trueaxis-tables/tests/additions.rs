@@ -10,6 +10,11 @@ const MACHINE: &str = "# mine\nname = \"m\"\nchain = \"w X' Y' b Z t\"\n[axis.Y]
                        travel_mm = [0.0, 100.0]\n[axis.X]\ntravel_mm = [0.0, 100.0]\n[axis.Z]\ntravel_mm = [-50.0, 0.0]\n\
                        [location]\nC0Y_urad = 10.0 # before\n";
 
+/// Translations without rotations.
+fn along([x, y, z]: [f64; 3]) -> [f64; 6] {
+    [x, y, z, 0.0, 0.0, 0.0]
+}
+
 /// What is added to the stated value.
 fn moved(key: &str, value: f64, uncertainty: f64) -> Finding {
     let found = Known { value, uncertainty: Some(uncertainty), degrees_of_freedom: None };
@@ -21,8 +26,8 @@ fn errors_are_added_and_everything_else_stays() {
     let files = Memory::new([("machine.toml", MACHINE), ("y.csv", "Y_mm,EYY_um,ECY_urad\n0,1,5\n40,2,5\n100,4,5\n")]);
     let additions = Additions {
         curves: vec![
-            (Axis::X, vec![(0.0, [0.0; 3]), (100.0, [0.01, 0.002, 0.0])]),
-            (Axis::Y, vec![(0.0, [0.0; 3]), (50.0, [0.0, 0.005, 0.0]), (100.0, [0.0, 0.01, 0.001])]),
+            (Axis::X, vec![(0.0, [0.0; 6]), (100.0, along([0.01, 0.002, 0.0]))]),
+            (Axis::Y, vec![(0.0, [0.0; 6]), (50.0, along([0.0, 0.005, 0.0])), (100.0, along([0.0, 0.01, 0.001]))]),
         ],
         findings: vec![moved("location.C0Y_urad", 5.0, 0.5), moved("axis.Y.backlash_um", 2.1, 0.2)],
         ..Additions::default()
@@ -66,7 +71,7 @@ fn uncertainties_of_the_points_stay() {
     let csv = "X_mm,EXX_um,EXX_u_um,ECX_urad,ECX_u_urad\n0,0,1,5,2\n100,4,3,5,2\n";
     let toml = "name = \"m\"\nchain = \"w X' b t\"\n[axis.X]\ntable = \"x.csv\"\n";
     let files = Memory::new([("machine.toml", toml), ("x.csv", csv)]);
-    let curve = vec![(0.0, [0.0; 3]), (50.0, [0.001, 0.0, 0.0]), (100.0, [0.002, 0.0, 0.0])];
+    let curve = vec![(0.0, [0.0; 6]), (50.0, along([0.001, 0.0, 0.0])), (100.0, along([0.002, 0.0, 0.0]))];
     let additions = Additions { curves: vec![(Axis::X, curve)], ..Additions::default() };
     let edited = additions.edit(&files, Path::new("machine.toml")).unwrap();
     let (_, text) = edited.files.iter().find(|(name, _)| name == Path::new("x.csv")).unwrap();

@@ -125,7 +125,7 @@ fn a_curve_is_added_by_its_weight() {
     let toml = "name = \"m\"\nchain = \"w b X t\"\n[axis.X]\ntable = \"x.csv\"\n[axis.X.uncertainty]\nscale_ppm = 10\n";
     let files = Memory::new([("machine.toml", toml), ("x.csv", "X_mm,EXX_um\n0,0\n100,5\n")]);
     let of = |found: Known| {
-        let curve = vec![(0.0, [0.0; 3]), (100.0, [1e-4 * found.value, 0.0, 0.0])];
+        let curve = vec![(0.0, [0.0; 6]), (100.0, [1e-4 * found.value, 0.0, 0.0, 0.0, 0.0, 0.0])];
         let finding = Finding { key: "axis.X.scale_ppm".into(), found, on_top: true, curve, ..Finding::default() };
         let additions = Additions { findings: vec![finding], ..Additions::default() };
         let edited = additions.edit(&files, Path::new("machine.toml")).unwrap();
@@ -138,4 +138,69 @@ fn a_curve_is_added_by_its_weight() {
     let (table, text) = of(known(20.0, 10.0));
     assert_eq!(table.unwrap(), "X_mm,EXX_um\n0,0\n100,6\n");
     assert!(text.unwrap().contains("scale_ppm = 7.1\n"));
+}
+
+/// What one fit has found is written all or not at all, also what it held; and what agrees is combined with one weight.
+#[test]
+fn what_is_known_only_together_is_written_together() {
+    let machine = "name = \"m\"\nchain = \"w b X t\"\n[axis.X]\n\
+                   [axis.X.drive]\nposition_gain_per_s = 110\nvelocity_gain_per_s = 800\nreset_time_s = 0.006\n\
+                   [axis.X.friction]\ncoulomb_mm_per_s = 0.50\npresliding_um = 6.0 # ours\nviscous = 0.01\n\
+                   [axis.X.friction.uncertainty]\ncoulomb_mm_per_s = 0.02\npresliding_um = 0.2\nviscous = 0.005\n\
+                   degrees_of_freedom = 20\n";
+    let of = |[coulomb, presliding, viscous]: [Known; 3], fit| {
+        let all = [("coulomb_mm_per_s", coulomb), ("presliding_um", presliding), ("viscous", viscous)];
+        let all = all.map(|(key, found)| Finding {
+            key: format!("axis.X.friction.{key}"),
+            found: Known { degrees_of_freedom: Some(8.0), ..found },
+            together: "X".into(),
+            ..Finding::default()
+        });
+        edited(machine, &Additions { findings: all.into(), fit, ..Additions::default() })
+    };
+    // Coulomb friction is off by 5 combined uncertainties: pre-sliding, which agrees, and what the fit held go with it.
+    let differs = [known(0.6, 0.01), known(6.1, 0.1), bare(0.0)];
+    let (text, decisions) = of(differs, None);
+    for part in [
+        "coulomb_mm_per_s = 0.6\npresliding_um = 6.1 # ours\nviscous = 0.0\n",
+        "coulomb_mm_per_s = 0.01\npresliding_um = 0.1\ndegrees_of_freedom = 8\n",
+    ] {
+        assert!(text.contains(part), "{part} in {text}");
+    }
+    assert!(matches!(decisions[0].why, Why::Differs(_)) && decisions[1].why == Why::Together);
+    assert_eq!(decisions[2].written, Some(Known { degrees_of_freedom: Some(8.0), ..bare(0.0) }));
+    // All agree, each found with half of the stated uncertainty: four fifths of the way, and u = √(0.64 u_f² + 0.04 u_s²) = 0.0089.
+    let agrees = [known(0.51, 0.01), known(6.1, 0.1), known(0.015, 0.0025)];
+    let (text, decisions) = of(agrees, None);
+    for part in [
+        "coulomb_mm_per_s = 0.508\n",
+        "presliding_um = 6.08 # ours",
+        "viscous = 0.014\n",
+        "coulomb_mm_per_s = 0.0089\n",
+    ] {
+        assert!(text.contains(part), "{part} in {text}");
+    }
+    assert!(decisions.iter().all(|of| of.why == Why::Combined));
+    // A misfit writes nothing.
+    let fit = Some(Fit { before_mm: 1e-3, left_mm: 9e-4, noise_mm: None });
+    assert_eq!(of(differs, fit).0, machine);
+    // Uncertainties are of figures that the section has.
+    let wrong = machine.replace("viscous = 0.005", "viscosity = 0.005");
+    let refused = trueaxis_tables::Machine::read_from(
+        &Memory::new([("machine.toml", wrong)]),
+        Path::new("machine.toml"),
+        &mut |_| {},
+    );
+    let refused = refused.unwrap_err().to_string();
+    assert!(refused.contains("machine.toml:15: key axis.X.friction.uncertainty.viscosity"), "{refused}");
+}
+
+/// Small figures keep their digits, in the units that they have.
+#[test]
+fn figures_below_one_keep_their_digits() {
+    for (value, uncertainty, shown) in
+        [(0.0062, 0.000_52, "0.0062 ± 0.00052"), (0.0, 1e-5, "0 ± 0.00001"), (0.000_123_4, 2e-5, "0.000123 ± 0.00002")]
+    {
+        assert_eq!(known(value, uncertainty).to_string(), shown);
+    }
 }

@@ -13,7 +13,6 @@ mod grid;
 mod keys;
 mod lost_motion;
 mod margins;
-mod merge;
 mod ranges;
 mod rates;
 mod read;

@@ -31,9 +31,11 @@ measured_at_mm = [0.0, 0.0, 0.0]
 position_gain_per_s = 110
 velocity_gain_per_s = 800
 reset_time_s = 0.006
+[axis.X.drive.uncertainty]
 [axis.X.friction]
 coulomb_mm_per_s = 0.5
 presliding_um = 7.0
+[axis.X.friction.uncertainty]
 [axis.X.dynamic]
 [axis.X.uncertainty]
 [axis.Y]

@@ -164,9 +164,10 @@ export class Friction {
 
   private async merge(): Promise<void> {
     if (!this.found) return;
-    await this.work.merge(this.results.toml);
-    this.desk.tell(`Friction put into ${this.desk.machine.name}: every view has it now. Export it in the view Machine.`);
-    this.status.textContent = `In ${this.desk.machine.name}'s machine.toml now.`;
+    const { changes, notes } = await this.work.merge();
+    if (changes) this.desk.tell(`Friction put into ${this.desk.machine.name}: every view has it now. Export it in the view Machine.`);
+    const done = changes ? `In ${this.desk.machine.name}'s machine.toml now.` : `Nothing of ${this.desk.machine.name} changes.`;
+    this.status.textContent = [done, ...notes].join(" ");
   }
 
   /** The command line of what is shown. */

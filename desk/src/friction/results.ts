@@ -49,11 +49,6 @@ export class Results {
     this.root.hidden = this.closed.hidden = true;
   }
 
-  /** The settings as TOML. */
-  get toml(): string {
-    return this.settings.textContent ?? "";
-  }
-
   show(found: Found, axes: Pair): void {
     this.closed.hidden = true;
     this.root.hidden = false;

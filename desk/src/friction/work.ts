@@ -1,5 +1,6 @@
 // What the module is asked for, one request after the other.
 
+import type { Becomes } from "../core/becomes";
 import type { Desk } from "../core/desk";
 import { adopt } from "../core/machine";
 import type { Closed, Found, RecordRead, Trace } from "./documents";
@@ -66,12 +67,11 @@ export class Work {
     return JSON.parse(await this.desk.runs.call("friction_closed")) as Closed;
   }
 
-  /** Puts sections into the machine that all views share, once it has been read with them. */
-  async merge(settings: string): Promise<void> {
-    const { bench, machine } = this.desk;
-    const before = machine.files["machine.toml"];
-    if (before === undefined) throw new Error(`${machine.name}: found no machine.toml, needed a machine in source form`);
-    const files = { ...machine.files, "machine.toml": await bench.call("friction_merged", before, settings) };
-    await adopt(this.desk, files);
+  /** Puts what of the figures found is written into the machine that all views share; says whether it changes and what is done. */
+  async merge(): Promise<Becomes> {
+    const { runs, machine } = this.desk;
+    const becomes = JSON.parse(await runs.call("friction_becomes", machine.json)) as Becomes;
+    if (becomes.changes) await adopt(this.desk, becomes.files);
+    return becomes;
   }
 }

@@ -290,7 +290,7 @@ fn friction(name: &str, a: &mut Arguments<'_>) {
         "friction_csv" => drop(told(friction_csv())),
         "friction_fit" => json(friction_fit(a.text(), a.switch())),
         "friction_closed" => json(friction_closed()),
-        "friction_merged" => drop(told(friction_merged(a.text(), a.text()))),
+        "friction_becomes" => json(friction_becomes(a.text())),
         _ => {}
     }
 }
@@ -439,11 +439,7 @@ fn seeds() -> Vec<Vec<u8>> {
         message("friction_settings", &[])
             + &message("friction_read", &["r.csv", "t_s,x_cmd_mm,x_mm,y_cmd_mm,y_mm\n0,1,1,2,2\n", "X,Y"])
             + &message("friction_record", &[]),
-        message("friction_settings", &[])
-            + &message(
-                "friction_merged",
-                &[description, "[axis.X.friction]\ncoulomb_mm_per_s = 0.5\npresliding_um = 10.0\n"],
-            ),
+        message("friction_settings", &[]) + &message("friction_becomes", &["{}"]),
         message("helicoid_tool", &[HELICOID, r#"{"X": [-300, 300]}"#, "0.5", "0.5"])
             + &message("helicoid_curve", &[HELICOID, "u", "0.5", "5"]),
         message("helicoid_mesh", &[HELICOID, "3", "4", "0.1"]) + &message("helicoid_document", &[HELICOID]),

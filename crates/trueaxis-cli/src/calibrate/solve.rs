@@ -2,7 +2,7 @@
 
 use super::table::table;
 use super::{SolveArguments, read};
-use crate::output::{json, print, progress, tell};
+use crate::output::{print, progress, tell};
 use crate::{machine_folder, model, report};
 use anyhow::Result;
 use trueaxis_evaluation::calibrate::solved;
@@ -22,9 +22,9 @@ pub(super) fn run(arguments: &SolveArguments) -> Result<()> {
     let files = machine_folder::inputs(&read.path, into);
     let mut outputs = Outputs::of(files.into_iter().chain([arguments.task.clone(), arguments.log.clone()]));
     let additions = found.additions(&read.task);
-    let written = machine_folder::decide(&mut outputs, &read.path, into, &arguments.log, additions)?;
+    let done = machine_folder::decide(&mut outputs, &read.path, into, &arguments.log, additions)?;
     if arguments.dry_run {
-        return print(&machine_folder::lines(&written));
+        return done.dry_run(&document, arguments.json);
     }
     if let Some(directory) = &arguments.report {
         let source = arguments.log.file_name().unwrap_or_default().to_string_lossy();
@@ -32,6 +32,6 @@ pub(super) fn run(arguments: &SolveArguments) -> Result<()> {
         report::write(&mut outputs, &page, directory, "calibrate.html")?;
     }
     outputs.commit()?;
-    machine_folder::tell_written(&written);
-    if arguments.json { json(&document) } else { print(&table(&document)?) }
+    done.tell();
+    if arguments.json { done.json(&document) } else { print(&table(&document)?) }
 }

@@ -1,7 +1,7 @@
 //! `trueaxis evaluate r-test`.
 
 use crate::numbers::triple;
-use crate::output::{json, print};
+use crate::output::print;
 use crate::{csv_in, machine_folder, model, report};
 use anyhow::Result;
 use clap::Args;
@@ -69,13 +69,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let document = Document::new(&record, &found, &machine);
     let mut outputs =
         Outputs::of(machine_folder::inputs(&arguments.machine, into).into_iter().chain([arguments.record.clone()]));
-    let mut written = Vec::new();
+    let mut done = machine_folder::Done::default();
     if into.is_some() || arguments.dry_run {
         let additions = found.additions();
-        written = machine_folder::decide(&mut outputs, &arguments.machine, into, &arguments.record, additions)?;
+        done = machine_folder::decide(&mut outputs, &arguments.machine, into, &arguments.record, additions)?;
     }
     if arguments.dry_run {
-        return print(&machine_folder::lines(&written));
+        return done.dry_run(&document, arguments.json);
     }
     if let Some(directory) = &arguments.report {
         let source = arguments.record.file_name().unwrap_or_default().to_string_lossy();
@@ -83,8 +83,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
         report::write(&mut outputs, &page, directory, "r-test.html")?;
     }
     outputs.commit()?;
-    machine_folder::tell_written(&written);
-    if arguments.json { json(&document) } else { print(&table(&document)?) }
+    done.tell();
+    if arguments.json { done.json(&document) } else { print(&table(&document)?) }
 }
 
 fn table(d: &Document) -> Result<String> {

@@ -1,6 +1,6 @@
 //! `trueaxis evaluate step-diagonal`.
 
-use crate::output::{json, print};
+use crate::output::print;
 use crate::{csv_in, machine_folder, report};
 use anyhow::Result;
 use clap::Args;
@@ -67,12 +67,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
         .flat_map(|machine| machine_folder::inputs(machine, into))
         .chain([arguments.record.clone()]);
     let mut outputs = Outputs::of(inputs);
-    let mut notes = Vec::new();
+    let mut done = machine_folder::Done::default();
     if let Some(machine) = &arguments.machine {
-        notes = machine_folder::decide(&mut outputs, machine, into, &arguments.record, additions(&test))?;
+        done = machine_folder::decide(&mut outputs, machine, into, &arguments.record, additions(&test))?;
     }
     if arguments.dry_run {
-        return print(&machine_folder::lines(&notes));
+        return done.dry_run(&document, arguments.json);
     }
     if let Some(directory) = &arguments.report {
         let source = arguments.record.file_name().unwrap_or_default().to_string_lossy();
@@ -80,8 +80,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
         report::write(&mut outputs, &page, directory, "step-diagonal.html")?;
     }
     outputs.commit()?;
-    machine_folder::tell_written(&notes);
-    if arguments.json { json(&document) } else { print(&table(&document)?) }
+    done.tell();
+    if arguments.json { done.json(&document) } else { print(&table(&document)?) }
 }
 
 fn value(of: Value, unit: &str) -> String {

@@ -2,9 +2,9 @@
 
 mod table;
 
-use crate::output::{json, print, progress};
-use crate::{csv_in, model, report};
-use anyhow::{Context, Result, bail};
+use crate::output::{print, progress};
+use crate::{csv_in, machine_folder, model, report};
+use anyhow::Result;
 use clap::Args;
 use std::path::{Path, PathBuf};
 use trueaxis::Axis;
@@ -28,12 +28,15 @@ When in its cycle the encoder is read is found where the drive's figures are giv
 record tells it, and what is not known of it is in all uncertainties: --reading-lag-us states it. An encoder that is read at
 the end of a cycle of 1 ms whose command goes evenly to the next has -1000, one whose command is held -500.
 
--o: the sections [axis.X.friction] and, where they were found, [axis.X.drive] of a machine.toml, with standard errors; with
---merge the machine's whole file with these sections in it, beside the old one.
+-o friction.toml: the sections [axis.X.friction] and, where they were found, [axis.X.drive] of a machine.toml, with standard
+errors, to read. -o MACHINE_DIR: the machine of --machine with what of them is written, in its own folder or another one with
+a copy of it. An axis' friction and the drive found with it are known together: all are written where one of them differs from
+what is stated by more than two uncertainties of both, or where nothing or no uncertainty is stated; where all agree, their
+means with one weight are; and nothing where the spikes do not fit.
 
 Examples:
   trueaxis friction record.csv --axes X,Y --report out -o friction.toml
-  trueaxis friction record.csv --axes X,Y --machine mymill --merge -o mymill/friction.toml";
+  trueaxis friction record.csv --axes X,Y --machine mymill -o mymill";
 
 #[derive(Args)]
 pub(crate) struct Arguments {
@@ -58,23 +61,26 @@ pub(crate) struct Arguments {
     /// Write friction.html with the spikes before, predicted and after into a folder.
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
-    /// Write the settings found as a TOML file.
-    #[arg(short, long, value_name = "TOML")]
+    /// A .toml file for the settings found, or the folder that the machine is written into: its own, or a new one.
+    #[arg(short, long, value_name = "TOML|MACHINE_DIR")]
     output: Option<PathBuf>,
-    /// The file written is the machine's own with the settings found in it, in the machine's folder under another name.
-    #[arg(long, requires = "machine", requires = "output")]
-    merge: bool,
+    /// Print what would be written into the machine and why, with the old values, and write nothing.
+    #[arg(long, requires = "machine")]
+    dry_run: bool,
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+    let output = arguments.output.as_deref().filter(|_| !arguments.dry_run);
+    let (file, into) = machine_folder::file_or_folder(output, "toml", arguments.machine.is_some());
+    let _alone = into.map(machine_folder::alone).transpose()?;
     let given = match &arguments.machine {
         Some(machine) => drives(machine, arguments.axes)?,
         None => [None; 2],
     };
-    let machine = arguments.machine.iter().flat_map(|machine| model::files(machine));
+    let machine = arguments.machine.iter().flat_map(|machine| machine_folder::inputs(machine, into));
     let mut outputs = Outputs::of(machine.chain([arguments.record.clone()]));
-    if let Some(output) = &arguments.output {
-        outputs.refuse_input(output)?;
+    if let Some(file) = file {
+        outputs.refuse_input(file)?;
     }
     let given = if arguments.find_drive { [None; 2] } else { given };
     let rows = csv_in::open(&arguments.record, &friction::columns(arguments.axes), "samples")?;
@@ -87,39 +93,28 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     });
     bar.finish_and_clear();
     let (found, document) = fitted?;
+    let mut done = machine_folder::Done::default();
+    if let Some(machine) = arguments.machine.as_deref().filter(|_| into.is_some() || arguments.dry_run) {
+        done = machine_folder::decide(&mut outputs, machine, into, &arguments.record, friction::additions(&found))?;
+    }
+    if arguments.dry_run {
+        return done.dry_run(&document, arguments.json);
+    }
     if let Some(directory) = &arguments.report {
         let source = arguments.record.file_name().unwrap_or_default().to_string_lossy();
         report::write(&mut outputs, &report::friction::page(&source, &document, &found), directory, "friction.html")?;
     }
-    if let Some(output) = &arguments.output {
-        let settings = friction::sections(&arguments.record, &found);
-        let text = match &arguments.machine {
-            Some(machine) if arguments.merge => merged(machine, output, &settings)?,
-            _ => settings,
-        };
-        outputs.put(output, text.as_bytes())?;
+    if let Some(file) = file {
+        outputs.put(file, friction::sections(&arguments.record, &found).as_bytes())?;
     }
     outputs.commit()?;
-    if arguments.json { json(&document) } else { print(&table::table(&document)?) }
+    done.tell();
+    if arguments.json { done.json(&document) } else { print(&table::table(&document)?) }
 }
 
 fn reading_lag(text: &str) -> Result<f64, String> {
     let lag = text.parse().ok().filter(|lag: &f64| (-20_000.0..=100_000.0).contains(lag));
     lag.ok_or_else(|| format!("found {text:?}, needed -20000 to 100000 µs"))
-}
-
-/// The machine's file with the settings in it; `output` has to stand beside it, where its tables are found.
-fn merged(machine: &Path, output: &Path, settings: &str) -> Result<String> {
-    let file = if machine.is_dir() { machine.join("machine.toml") } else { machine.to_path_buf() };
-    let folder = |path: &Path| {
-        let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        parent.canonicalize().ok()
-    };
-    if folder(output) != folder(&file) {
-        bail!("--merge: found {}, needed a file beside {}, whose tables it names", output.display(), file.display());
-    }
-    let text = std::fs::read_to_string(&file).with_context(|| format!("cannot read {}", file.display()))?;
-    friction::merged(&text, &file, settings)
 }
 
 /// The drives' figures that a machine states.

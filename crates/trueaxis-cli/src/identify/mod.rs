@@ -2,11 +2,9 @@
 
 mod table;
 
-use crate::csv_in;
-use crate::model;
 use crate::numbers::triple;
-use crate::output::{json, print};
-use crate::report;
+use crate::output::print;
+use crate::{csv_in, machine_folder, model, report};
 use anyhow::{Context, Result};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
@@ -33,7 +31,14 @@ X Y Z α β γ become EXC EYC EZC EAC EBC ECC (EXA … ECA). Three set-ups (L, H
 --free-offsets: the gauges were zeroed in every set-up. Then ΣX = ΣY = ΣZ = 0 over the angles, and for A the patterns
 β = −k1 cos A + k2 sin A, γ = −k1 sin A − k2 cos A, which no reading sees, are at their minimum norm.
 
-Example: trueaxis identify measured.csv --axis C -o c.csv";
+-o c.csv: the errors as the axis' table, to read. -o MACHINE_DIR: the machine of --machine, in its own folder or another one with
+a copy of it, with the errors less those that its table and its location errors state added to that table. The six are known
+together: all are written where one of them differs from what is stated by more than two uncertainties of both; where all
+agree, the share of them by their weights is; and nothing where the readings do not fit.
+
+Examples:
+  trueaxis identify measured.csv --axis C -o c.csv
+  trueaxis identify measured.csv --axis C --machine myhead -o myhead";
 
 #[derive(Args)]
 pub(crate) struct Arguments {
@@ -58,9 +63,12 @@ pub(crate) struct Arguments {
     /// Write a page with plots: a folder (identify.html) or a file that ends in .html.
     #[arg(long, value_name = "DIR|FILE")]
     report: Option<PathBuf>,
-    /// Write the errors as the axis' table.
-    #[arg(short, long, value_name = "CSV")]
+    /// A .csv file for the errors as the axis' table, or the folder that the machine is written into: its own, or a new one.
+    #[arg(short, long, value_name = "CSV|MACHINE_DIR")]
     output: Option<PathBuf>,
+    /// Print what would be written into the machine and why, with the old values, and write nothing.
+    #[arg(long, requires = "machine")]
+    dry_run: bool,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -84,6 +92,9 @@ impl From<Rotary> for Axis {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+    let output = arguments.output.as_deref().filter(|_| !arguments.dry_run);
+    let (file, into) = machine_folder::file_or_folder(output, "csv", arguments.machine.is_some());
+    let _alone = into.map(machine_folder::alone).transpose()?;
     let axis = Axis::from(arguments.axis);
     let readings = Readings::read(&mut csv_in::open(&arguments.measured, &identify::COLUMNS, "readings")?)?;
     let machine =
@@ -97,12 +108,21 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let offsets = if arguments.free_offsets { Offsets::Free } else { Offsets::Known };
     let measured = arguments.measured.display().to_string();
     let mut found = identify::identify(readings, &measured, axis, offsets, known)?;
-    let mut outputs = Outputs::of(
-        arguments.machine.iter().flat_map(|machine| model::files(machine)).chain([arguments.measured.clone()]),
-    );
-    if let Some(output) = &arguments.output {
-        let table = found.table().context(measured)?;
-        outputs.put(output, write_axis_csv(&table, axis).as_bytes())?;
+    let inputs = arguments.machine.iter().flat_map(|machine| machine_folder::inputs(machine, into));
+    let mut outputs = Outputs::of(inputs.chain([arguments.measured.clone()]));
+    if let Some(file) = file {
+        let table = found.table().with_context(|| measured.clone())?;
+        outputs.put(file, write_axis_csv(&table, axis).as_bytes())?;
+    }
+    let mut done = machine_folder::Done::default();
+    if let (Some(path), Some((machine, _))) = (&arguments.machine, &machine)
+        && (into.is_some() || arguments.dry_run)
+    {
+        let additions = found.additions(machine).context(measured)?;
+        done = machine_folder::decide(&mut outputs, path, into, &arguments.measured, additions)?;
+    }
+    if arguments.dry_run {
+        return done.dry_run(&found.document, arguments.json);
     }
     if let Some(to) = &arguments.report {
         let source = arguments.measured.file_name().unwrap_or_default().to_string_lossy();
@@ -110,5 +130,6 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
         report::write_to(&mut outputs, &page, to, "identify.html")?;
     }
     outputs.commit()?;
-    if arguments.json { json(&found.document) } else { print(&table::table(&found.document, axis)?) }
+    done.tell();
+    if arguments.json { done.json(&found.document) } else { print(&table::table(&found.document, axis)?) }
 }

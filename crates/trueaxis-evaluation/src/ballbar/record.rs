@@ -73,9 +73,10 @@ fn direction(word: &str) -> Option<f64> {
 }
 
 fn of_bar(rows: &mut Rows<'_, 10>, options: &Options) -> Result<Test> {
-    let (mut lines, mut readings) = (Vec::new(), Vec::new());
+    let (mut lines, mut readings, mut angles) = (Vec::new(), Vec::new(), Vec::new());
     while let Some(row) = rows.next()? {
         let [angle_deg, deviation_um, direction, ..] = row.values;
+        angles.push(angle_deg);
         if direction == 0.0 {
             return Err(rows.error(
                 row.line,
@@ -91,6 +92,9 @@ fn of_bar(rows: &mut Rows<'_, 10>, options: &Options) -> Result<Test> {
             deviation_mm: 1e-3 * deviation_um,
             counterclockwise: direction > 0.0,
         });
+    }
+    if let Some(most) = record::radians(&angles) {
+        return Err(rows.error(lines[most], "angle_deg", angles[most], record::DEGREES));
     }
     let values: Vec<f64> = readings.iter().map(|reading| reading.deviation_mm).collect();
     record::alive(rows, &lines, &[Channel { name: "deviation_um", values: &values, scale: 1e3 }])?;

@@ -1,7 +1,7 @@
 //! Friction of two axes and their drives' figures from recorded circles.
 //!
 //! ```text
-//! CSV ─► Recording ─► fit ─► Document, sections of a machine.toml, merged machine.toml, curves
+//! CSV ─► Recording ─► fit ─► Document, sections of a machine.toml, additions to a machine, curves
 //! ```
 //!
 //! The mathematics is [`trueaxis_metrology::friction`]; here are the texts around it: a record with its lines, what is
@@ -15,7 +15,7 @@ mod settings;
 pub use curves::{CircleCurves, SpikeCurves, Trace, circles, spikes};
 pub use document::{AxisFound, Deviation, Document, Drive, Errors, Friction, Glitch};
 pub use recording::{Recording, columns};
-pub use settings::{merged, sections};
+pub use settings::{additions, sections};
 
 use anyhow::{Result, anyhow};
 use trueaxis::Axis;

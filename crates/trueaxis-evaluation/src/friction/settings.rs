@@ -1,12 +1,41 @@
-//! What was found as sections of a `machine.toml`.
+//! What was found as sections of a `machine.toml`, and for a machine.
 
-use anyhow::{Result, anyhow};
 use std::fmt::Write;
 use std::path::Path;
 use trueaxis_metrology::friction::{Figure, Identified};
 use trueaxis_report::number::significant;
-use trueaxis_tables::merge_sections;
+use trueaxis_tables::Additions;
+use trueaxis_tables::finding::{Finding, Fit, Known};
 use trueaxis_tables::text::acts;
+
+/// Key in a section of an axis, value, standard error.
+type Entry = (&'static str, f64, Option<f64>);
+
+/// The figures of an axis as its section `friction` has them.
+fn friction(axis: &Identified) -> [Entry; 5] {
+    let of =
+        |key, figure: Figure, scale: f64| (key, scale * figure.value, figure.standard_error.map(|error| scale * error));
+    [
+        of("coulomb_mm_per_s", axis.coulomb_per_s, 1.0),
+        of("presliding_um", axis.presliding, 1e3),
+        of("stribeck_share", axis.stribeck_share, 1.0),
+        of("stribeck_velocity_mm_per_s", axis.stribeck_velocity_per_s, 1.0),
+        of("viscous", axis.viscous, 1.0),
+    ]
+}
+
+/// The figures of an axis as its section `drive` has them, where they were found.
+fn drive(axis: &Identified) -> Option<[Entry; 5]> {
+    let [gain, velocity_gain, reset, feed] = axis.drive_errors?.map(Some);
+    let drive = &axis.drive;
+    Some([
+        ("position_gain_per_s", drive.position_gain_per_s, gain),
+        ("velocity_gain_per_s", drive.velocity_gain_per_s, velocity_gain),
+        ("reset_time_s", drive.reset_time_s, reset),
+        ("velocity_feed_forward", drive.velocity_feed_forward, feed),
+        ("dead_time_s", drive.dead_time_s, axis.reading_lag_s.standard_error),
+    ])
+}
 
 /// The sections `[axis.X.friction]` and, where they were found, `[axis.X.drive]`, as `machine.toml` has them, with the
 /// standard error behind each figure; `record` is named in the first line.
@@ -17,36 +46,39 @@ pub fn sections(record: &Path, found: &[Identified]) -> String {
     );
     for axis in found {
         let letter = axis.axis.letter();
-        if let Some([gain, velocity_gain, reset, feed]) = axis.drive_errors {
-            let drive = &axis.drive;
+        if let Some(drive) = drive(axis) {
             let _ = writeln!(text, "\n[axis.{letter}.drive]");
-            line(&mut text, "position_gain_per_s", drive.position_gain_per_s, Some(gain));
-            line(&mut text, "velocity_gain_per_s", drive.velocity_gain_per_s, Some(velocity_gain));
-            line(&mut text, "reset_time_s", drive.reset_time_s, Some(reset));
-            line(&mut text, "velocity_feed_forward", drive.velocity_feed_forward, Some(feed));
-            if drive.dead_time_s > 0.0 {
-                line(&mut text, "dead_time_s", drive.dead_time_s, axis.reading_lag_s.standard_error);
-            }
+            let given = drive.into_iter().filter(|(key, value, _)| *key != "dead_time_s" || *value > 0.0);
+            given.for_each(|(key, value, error)| line(&mut text, key, value, error));
         }
         let _ = writeln!(text, "\n[axis.{letter}.friction]");
-        let mut put = |key, figure: Figure, scale: f64| {
-            line(&mut text, key, scale * figure.value, figure.standard_error.map(|error| scale * error));
-        };
-        put("coulomb_mm_per_s", axis.coulomb_per_s, 1.0);
-        put("presliding_um", axis.presliding, 1e3);
-        put("stribeck_share", axis.stribeck_share, 1.0);
-        put("stribeck_velocity_mm_per_s", axis.stribeck_velocity_per_s, 1.0);
-        put("viscous", axis.viscous, 1.0);
+        friction(axis).into_iter().for_each(|(key, value, error)| line(&mut text, key, value, error));
     }
     text
 }
 
-/// The text of a `machine.toml`, called `file` in the error, with [`sections`] in it; everything else stays as it is.
-///
-/// # Errors
-/// An axis that the machine has not got, figures that its tables' reader refuses.
-pub fn merged(machine_toml: &str, file: &Path, sections: &str) -> Result<String> {
-    merge_sections(machine_toml, sections).map_err(|error| anyhow!("{}: {error}", file.display()))
+/// What was found, for a machine. The friction of an axis belongs to the drive's figures that it was found with: they are written
+/// together or not at all, with what the record does not tell and the fit held.
+pub fn additions(found: &[Identified]) -> Additions {
+    let of_axis = |axis: &Identified| {
+        let letter = axis.axis.letter();
+        let degrees_of_freedom = axis.reversals.saturating_sub(axis.fitted).max(1) as f64;
+        let drive = drive(axis).into_iter().flatten().map(|entry| ("drive", entry));
+        let all = drive.chain(friction(axis).map(|entry| ("friction", entry)));
+        let finding = move |(section, (key, value, uncertainty)): (&str, Entry)| Finding {
+            key: format!("axis.{letter}.{section}.{key}"),
+            found: Known { value, uncertainty, degrees_of_freedom: Some(degrees_of_freedom) },
+            together: letter.to_string(),
+            ..Finding::default()
+        };
+        all.map(finding).collect::<Vec<_>>()
+    };
+    let fit = |axis: &Identified| {
+        let before_mm = axis.glitch.before.rms;
+        Fit { before_mm, left_mm: before_mm * (1.0 - axis.glitch.explained).max(0.0).sqrt(), noise_mm: None }
+    };
+    let worst = found.iter().map(fit).max_by(|a, b| a.left_mm.total_cmp(&b.left_mm));
+    Additions { findings: found.iter().flat_map(of_axis).collect(), fit: worst, ..Additions::default() }
 }
 
 /// A key with its value to six digits, and what is known about it.

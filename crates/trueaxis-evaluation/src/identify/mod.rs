@@ -2,13 +2,14 @@
 //! the axis' table.
 //!
 //! ```text
-//! MEASURED.csv ─► Readings ─► identify ─► Found: document, table
+//! MEASURED.csv ─► Readings ─► identify ─► Found: document, table, additions to a machine
 //! ```
 //!
 //! The mathematics is [`trueaxis_metrology::identification`].
 
 mod document;
 mod linear_axes;
+mod machine;
 mod readings;
 mod table;
 
@@ -40,7 +41,9 @@ pub struct Known<'m> {
 pub struct Found {
     /// To be printed.
     pub document: Document,
-    angles_deg: Vec<f64>,
+    readings: Readings,
+    offsets: Offsets,
+    direction: f64,
     errors: Identified,
 }
 
@@ -78,7 +81,7 @@ pub fn identify(
         if offsets == Offsets::Known && own.any(|(errors, of)| of == axis && *errors != [0.0; 6]) {
             let letter = axis.letter();
             warnings.push(format!(
-                "{} has location errors of {letter}, which the errors found contain: set EX0{letter} to EC0{letter} to zero with this table",
+                "{} has location errors of {letter}, which the errors found contain: set EX0{letter} to EC0{letter} to zero with a table of these",
                 machine.settings.name
             ));
         }
@@ -91,7 +94,7 @@ pub fn identify(
         ));
     }
     let document = Document::new(&readings, &errors, warnings);
-    Ok(Found { document, angles_deg: readings.angles_deg, errors })
+    Ok(Found { document, readings, offsets, direction, errors })
 }
 
 impl Found {
@@ -100,7 +103,7 @@ impl Found {
     /// # Errors
     /// Angles that no table can be made of.
     pub fn table(&mut self) -> Result<Table> {
-        let (table, note) = table::table(&self.angles_deg, &self.errors)?;
+        let (table, note) = table::table(&self.readings.angles_deg, &self.errors)?;
         self.document.warnings.extend(note);
         Ok(table)
     }

@@ -96,10 +96,11 @@ fn same(one: f64, other: f64) -> bool {
 
 fn by_set_up(rows: &mut Rows<'_, 6>) -> Result<Vec<SetUp>> {
     let mut set_ups: Vec<SetUp> = Vec::new();
-    let (mut lines, mut values_um) = (Vec::new(), [const { Vec::new() }; 3]);
+    let (mut lines, mut angles, mut values_um) = (Vec::new(), Vec::new(), [const { Vec::new() }; 3]);
     while let Some(Row { line, values }) = rows.next()? {
         let [angle_deg, vertical_mm, horizontal_mm, dx, dy, dz] = values;
         lines.push(line);
+        angles.push(angle_deg);
         for ((values, value), column) in values_um.iter_mut().zip([dx, dy, dz]).zip(&COLUMNS[3..]) {
             record::displacement(rows, line, column.name, [value, 0.0])?;
             values.push(value);
@@ -120,6 +121,9 @@ fn by_set_up(rows: &mut Rows<'_, 6>) -> Result<Vec<SetUp>> {
             return Err(rows.error(line, "angle_deg", angle_deg, needed));
         }
         set_up.readings.push(reading);
+    }
+    if let Some(most) = record::radians(&angles) {
+        return Err(rows.error(lines[most], "angle_deg", angles[most], record::DEGREES));
     }
     let channels = [0, 1, 2].map(|c| Channel { name: COLUMNS[3 + c].name, values: &values_um[c], scale: 1.0 });
     record::alive(rows, &lines, &channels)?;

@@ -54,6 +54,8 @@ pub struct Document {
     pub refused: usize,
     /// Whether the files were changed.
     pub applied: bool,
+    /// What is done about every term that has moved and has a figure of its own, unless one is refused.
+    pub written: Vec<trueaxis_tables::finding::Decision>,
     /// What is to be known of the result.
     pub notes: Vec<String>,
 }
@@ -108,6 +110,7 @@ impl Look {
             terms,
             balls: self.balls.clone(),
             applied: false,
+            written: Vec::new(),
             notes,
         }
     }

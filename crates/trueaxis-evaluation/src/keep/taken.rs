@@ -157,6 +157,7 @@ impl State {
         if document.refused > 0 {
             return Ok(Taken { look, document, entry, files: New::new(), changes: changes.notes });
         }
+        document.written = changes.decisions;
         let named = changes.files.into_iter();
         let files: New = named.map(|(name, text)| (name.to_string_lossy().into_owned(), Some(text.into()))).collect();
         entry.totals = look.totals(&self.keep);

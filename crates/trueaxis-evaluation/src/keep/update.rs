@@ -8,13 +8,15 @@ use anyhow::{Result, anyhow};
 use std::path::{Path, PathBuf};
 use trueaxis::machine::Axis;
 use trueaxis_tables::files::Source;
-use trueaxis_tables::finding::{Finding, Known};
+use trueaxis_tables::finding::{Decision, Finding, Known};
 use trueaxis_tables::text::decode;
 use trueaxis_tables::{Additions, Machine};
 
 /// Files as they would be.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Changes {
+    /// What is done about every term that has moved and has a figure of its own.
+    pub decisions: Vec<Decision>,
     /// Names in the machine's folder with the new text; `machine.toml` last of its own.
     pub files: Vec<(PathBuf, String)>,
     /// A sentence on each change.
@@ -45,7 +47,8 @@ pub fn changes(keep: &Keep, look: &Look, machine: &Machine, source: &dyn Source,
         let errors = look.verdicts.iter().map(|verdict| verdict.standard_error);
         let degrees_of_freedom = look.calibration.solution.degrees_of_freedom;
         let additions = additions(terms, &updates, &errors.collect::<Vec<_>>(), degrees_of_freedom);
-        changes.notes.extend(additions.decide(source, name)?.iter().map(ToString::to_string));
+        changes.decisions = additions.decide(source, name)?;
+        changes.notes.extend(changes.decisions.iter().map(ToString::to_string));
         let edited = additions.edit(source, name)?;
         changes.notes.extend(edited.notes);
         changes.files.extend(edited.files);
@@ -84,7 +87,8 @@ fn additions(terms: &Terms, values: &[f64], errors: &[f64], degrees_of_freedom: 
     // Straight lines: both ends of the travel are enough, and no table grows from update to update.
     let line = |axis: Axis| {
         let ends = terms.travel_mm[axis.index() % 3].into_iter();
-        (axis, ends.map(|q| (q, terms.error(values, axis, q))).collect())
+        let six = |[x, y, z]: [f64; 3]| [x, y, z, 0.0, 0.0, 0.0];
+        (axis, ends.map(|q| (q, six(terms.error(values, axis, q)))).collect())
     };
     additions.curves = with_curves.into_iter().map(line).collect();
     additions

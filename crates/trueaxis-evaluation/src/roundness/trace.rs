@@ -142,7 +142,9 @@ pub(super) fn read(rows: &mut impl Given, points: usize, band: Band) -> Result<(
     let revolutions = usize::try_from(end - begin + 1).unwrap_or(0) / points;
     if revolutions == 0 || last - first + widest < 360.0 {
         let found = format!("{:.4} degrees in {count} rows", last - first);
-        return Err(rows.refused(None, found, "a whole revolution".into()));
+        let is_radians = record::radians(&trace.angles_deg).is_some();
+        let needed = if is_radians { record::DEGREES } else { "a whole revolution" };
+        return Err(rows.refused(None, found, needed.into()));
     }
     trace.close();
     let mut readings = [const { Vec::new() }; 3];

@@ -26,7 +26,7 @@ use bodies::Bodies;
 use duty::{Kind, Shift};
 use instruments::{Probe, Sensors};
 use trueaxis::Axis;
-use trueaxis_metrology::thermal::{Record, Sample, Settings, fit, held_out};
+use trueaxis_metrology::thermal::{RATE_K_PER_MIN, Record, Sample, Settings, fit, held_out};
 use trueaxis_tables::Machine;
 
 /// Length of a shift, s.
@@ -93,6 +93,7 @@ impl Warming {
             reference_c: self.machine.settings.reference_temperature_c,
             datum_mm: [Axis::X, Axis::Y, Axis::Z].map(datum),
             held_out: Vec::new(),
+            rate_k_per_min: RATE_K_PER_MIN,
         };
         let found = fit(&record, &settings, &mut |cause| tell(&format!("fitting: {cause}")))?;
         let bytes = found.model.encode(0).map_err(trueaxis_metrology::thermal::Refused::Encoding)?;

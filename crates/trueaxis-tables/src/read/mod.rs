@@ -140,12 +140,6 @@ impl Machine {
     }
 }
 
-/// Refuses a `machine.toml` as [`Machine::read`] does, as far as it goes without the tables.
-pub(crate) fn text_is_sound(text: &str, origin: &Origin) -> Result<(), FileError> {
-    let description = machine_toml::read(text.strip_prefix('\u{feff}').unwrap_or(text), origin)?;
-    check::settings(&description.settings).map_err(|error| description.located(origin, &error))
-}
-
 impl Uncertainties {
     /// Those of a `machine.toml`, or the one in a folder, and of the tables that it names.
     ///

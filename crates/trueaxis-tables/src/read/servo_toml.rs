@@ -1,6 +1,7 @@
 //! `[axis.*.drive]`, `[axis.*.friction]`, `[axis.*.dynamic]` and `[contour.feedback]` of `machine.toml`.
 
 use super::section::Section;
+use super::uncertainty_toml::uncertainties_are_sound;
 use super::units::{degrees_from_urad, from_um, per_second, same};
 use crate::error::FileError;
 use trueaxis::machine::{Axis, AxisServo, DriveFigures, DynamicSettings, FeedbackSettings, FrictionSettings};
@@ -44,6 +45,10 @@ fn read_drive(section: Section<'_>) -> Result<DriveFigures, FileError> {
     section.store(&mut drive.velocity_feed_forward, "velocity_feed_forward", same)?;
     section.store(&mut drive.current_loop_s, "current_loop_s", same)?;
     section.store(&mut drive.dead_time_s, "dead_time_s", same)?;
+    uncertainties_are_sound(
+        &section,
+        &["position_gain_per_s", "velocity_gain_per_s", "reset_time_s", "velocity_feed_forward", "dead_time_s"],
+    )?;
     section.finish(None)?;
     Ok(drive)
 }
@@ -58,6 +63,9 @@ fn read_friction(section: Section<'_>, units: &Units) -> Result<FrictionSettings
     section.store(&mut friction.stribeck_velocity_per_s, &format!("stribeck_velocity_{unit}_per_s"), same)?;
     section.store(&mut friction.viscous, "viscous", same)?;
     section.store(&mut friction.lead_s, "lead_s", same)?;
+    let [coulomb, presliding, velocity] =
+        [format!("coulomb_{unit}_per_s"), format!("presliding_{micro}"), format!("stribeck_velocity_{unit}_per_s")];
+    uncertainties_are_sound(&section, &[&coulomb, &presliding, "stribeck_share", &velocity, "viscous"])?;
     section.finish(None)?;
     Ok(friction)
 }

@@ -12,6 +12,7 @@ pub(super) const UM: Bounds = Bounds { most: MOST_UM, needed: "a standard uncert
 pub(super) const URAD: Bounds = Bounds { most: 10_000.0, needed: "a standard uncertainty of 0 to 10000 urad" };
 const MILLIONTHS: Bounds = Bounds { most: 1000.0, needed: "a standard uncertainty of 0 to 1000 millionths" };
 const MISALIGNMENT: Bounds = Bounds { most: 100.0, needed: "a standard uncertainty of 0 to 100 mm" };
+const SERVO: Bounds = Bounds { most: 1e6, needed: "a standard uncertainty of 0 to 1e6" };
 const KELVIN: Bounds = Bounds { most: 100.0, needed: "a standard uncertainty of 0 to 100 K" };
 
 /// Range of a standard uncertainty: from zero, since there are no negative ones.
@@ -60,6 +61,17 @@ fn degrees(section: &Section<'_>, key: &str) -> Result<Option<f64>, FileError> {
         return Err(section.wrong(&found, "1 to 1e9 degrees of freedom"));
     }
     Ok(Some(found.value))
+}
+
+/// `uncertainty` of a section with these figures: what is written is checked, and no evaluation asks for it but the one that
+/// decides what is written next.
+pub(super) fn uncertainties_are_sound(figures: &Section<'_>, keys: &[&str]) -> Result<(), FileError> {
+    let Some(section) = figures.section("uncertainty")? else { return Ok(()) };
+    for key in keys {
+        stated(&section, key, &SERVO, same)?;
+    }
+    degrees_of_freedom(&section)?;
+    section.finish(None)
 }
 
 /// Instrument and location errors of the machine with these axes; without what the sections of the axes say.

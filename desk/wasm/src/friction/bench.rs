@@ -1,17 +1,20 @@
 //! What the calls share: a record, what was found in it, and the simulation under way.
 
+use crate::becomes::Becomes;
 use crate::files::machine;
 use anyhow::{Result, anyhow, ensure};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 use trueaxis_evaluation::friction::{
-    CircleCurves, Document, Recording, SpikeCurves, circles, columns, drives, fit, pair, sections, spikes,
+    CircleCurves, Document, Recording, SpikeCurves, additions, circles, columns, drives, fit, pair, sections, spikes,
 };
 use trueaxis_evaluation::rows::Rows;
 use trueaxis_metrology::friction::{Identified, Record};
 use trueaxis_sim::Settings;
 use trueaxis_sim::friction::{Circles, Outcome, Pass, Plane, Recorder, configured};
 use trueaxis_sim::run::Kind;
+use trueaxis_tables::Additions;
+use trueaxis_tables::finding::record_number;
 
 /// How the errors name a simulated record, as on the command line.
 const SIMULATED: &str = "the recorded circles";
@@ -20,6 +23,8 @@ const SIMULATED: &str = "the recorded circles";
 #[derive(Default)]
 pub(super) struct Bench {
     recording: Option<Recording>,
+    /// Number of a record that was dropped.
+    number: Option<String>,
     found: Option<[Identified; 2]>,
     simulation: Option<Simulation>,
     before: Option<(Pass, Circles, Settings)>,
@@ -99,7 +104,8 @@ impl Bench {
         let mut notes = Vec::new();
         let rows = Rows::new(text.as_bytes(), Path::new(name), &columns(axes), |note| notes.push(note))?;
         let recording = Recording::read(rows, axes)?;
-        *self = Bench { recording: Some(recording), ..Bench::default() };
+        let number = Some(record_number(text.as_bytes()));
+        *self = Bench { recording: Some(recording), number, ..Bench::default() };
         let record = self.record()?;
         Ok(Read { samples: record.axes[0].command.len(), period_s: record.period_s, notes })
     }
@@ -130,6 +136,10 @@ impl Bench {
         let settings = sections(&recording.file, &found);
         (self.found, self.after) = (Some(found), None);
         Ok(Found { document, spikes, circles, settings })
+    }
+
+    pub(super) fn becomes(&self, files: &str) -> Result<Becomes> {
+        Becomes::new(files, &Additions { record: self.number.clone(), ..additions(self.found()?) })
     }
 
     pub(super) fn start(&mut self, files: &str, request: &str) -> Result<()> {

@@ -8,8 +8,6 @@ use crate::{Refused, json, told};
 use anyhow::Result;
 use bench::Bench;
 use std::cell::RefCell;
-use std::path::Path;
-use trueaxis_evaluation::friction::merged;
 use trueaxis_sim::Settings;
 use wasm_bindgen::prelude::*;
 
@@ -88,8 +86,8 @@ pub fn friction_closed() -> Result<String, Refused> {
     with(|bench| json(&bench.closed()?))
 }
 
-/// A `machine.toml` with settings in it.
+/// The machine of `files` with what of the figures found is written: `files`, `changes`, `notes`.
 #[wasm_bindgen]
-pub fn friction_merged(machine_toml: &str, settings: &str) -> Result<String, Refused> {
-    told(merged(machine_toml, Path::new("machine.toml"), settings))
+pub fn friction_becomes(files: &str) -> Result<String, Refused> {
+    with(|bench| json(&bench.becomes(files)?))
 }
