@@ -24,10 +24,6 @@ The following error of this model along the recorded commands is fitted to the r
 and K_v, K_vp, τ, k_ff where --machine does not state them. A share, velocity or viscous friction that the record does not
 tell stays at 0, 2 mm/s, 0.
 
-When in its cycle the encoder is read is found where the drive's figures are given. Beside a drive that is found, hardly a
-record tells it, and what is not known of it is in all uncertainties: --reading-lag-us states it. An encoder that is read at
-the end of a cycle of 1 ms whose command goes evenly to the next has -1000, one whose command is held -500.
-
 -o friction.toml: the sections [axis.X.friction] and, where they were found, [axis.X.drive] of a machine.toml, with standard
 errors, to read. -o MACHINE_DIR: the machine of --machine with what of them is written, in its own folder or another one with
 a copy of it. An axis' friction and the drive found with it are known together: all are written where one of them differs from
@@ -52,9 +48,6 @@ pub(crate) struct Arguments {
     /// Find the drives' figures even where the machine states them.
     #[arg(long)]
     find_drive: bool,
-    /// When the encoder is read, in microseconds after the command of its row acts; negative: before. Found unless given.
-    #[arg(long, value_name = "US", allow_negative_numbers = true, value_parser = reading_lag)]
-    reading_lag_us: Option<f64>,
     /// One JSON document instead of a table.
     #[arg(long)]
     json: bool,
@@ -84,8 +77,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     }
     let given = if arguments.find_drive { [None; 2] } else { given };
     let rows = csv_in::open(&arguments.record, &friction::columns(arguments.axes), "samples")?;
-    let mut recording = Recording::read(rows, arguments.axes)?;
-    recording.record.reading_lag_s = arguments.reading_lag_us.map(|lag| 1e-6 * lag);
+    let recording = Recording::read(rows, arguments.axes)?;
     let bar = progress(0, "fitting").with_style(indicatif::ProgressStyle::default_spinner());
     let fitted = friction::fit(&recording, given, &mut |axis, step| {
         bar.set_message(format!("fitting axis {}, step {step}", axis.letter()));
@@ -110,11 +102,6 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     outputs.commit()?;
     done.tell();
     if arguments.json { done.json(&document) } else { print(&table::table(&document)?) }
-}
-
-fn reading_lag(text: &str) -> Result<f64, String> {
-    let lag = text.parse().ok().filter(|lag: &f64| (-20_000.0..=100_000.0).contains(lag));
-    lag.ok_or_else(|| format!("found {text:?}, needed -20000 to 100000 µs"))
 }
 
 /// The drives' figures that a machine states.

@@ -11,7 +11,7 @@
 //! Source: K. Madsen, H. B. Nielsen, O. Tingleff, Methods for Non-Linear Least Squares Problems, 2004, section 3.2; H. White,
 //! 10.2307/1912934, for the covariance.
 
-use super::parameters::{COUNT, Problem, READING_LAG, Values};
+use super::parameters::{COUNT, Problem, Values};
 use crate::cores::*;
 use nalgebra::{DMatrix, DVector};
 use std::vec::Vec;
@@ -126,19 +126,9 @@ fn judged(problem: &Problem, values: Values, residuals: &[f64], cost: f64, free:
     let robust = &inverse * spread * &inverse * share;
     let samples = (0..residuals.len()).filter(|k| problem.counts(*k)).count().max(1) as f64;
     let plain = &inverse * (cost / (samples - size as f64).max(1.0));
-    // What is not known of a time that is held is in all others.
-    let unknown = |&(time, ..): &(usize, f64, f64)| {
-        !free.contains(&time) && (time != READING_LAG || problem.reading_lag_s.is_none())
-    };
-    let bent = |(time, _, uncertainty): (usize, f64, f64)| {
-        let column = problem.derivative(&values, residuals, time);
-        let dots = linear.columns.iter().map(|own| own.iter().zip(&column).map(|(a, b)| a * b).sum::<f64>());
-        &inverse * DVector::from_iterator(size, dots) * uncertainty
-    };
-    let bent: Vec<_> = problem.times().into_iter().filter(unknown).map(bent).collect();
     let mut errors = [0.0; COUNT];
     for (i, &parameter) in free.iter().enumerate() {
-        let variance = robust[(i, i)].max(plain[(i, i)]) + bent.iter().map(|bent| bent[i] * bent[i]).sum::<f64>();
+        let variance = robust[(i, i)].max(plain[(i, i)]);
         errors[parameter] = values.unscaled(parameter, variance.max(0.0).sqrt());
     }
     Fit { values, errors, rms: (cost / samples).sqrt(), rank, condition }

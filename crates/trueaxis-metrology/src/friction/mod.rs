@@ -122,7 +122,7 @@ impl Identified {
     /// h <- (h + ΔF/K_vp) e^(−T/τ),   u <- u + T (h − K_v u)/k_ff        (k_ff = 0: u = h/K_v)
     /// ```
     pub fn feed_forward(&self, path: &[f64], period_s: f64) -> Vec<f64> {
-        let axis = drive::Axis { drive: self.drive, friction: self.friction, feed_lag_s: 0.0, rest: 0.0 };
+        let axis = drive::Axis { drive: self.drive, friction: self.friction, rest: 0.0 };
         drive::feed_forward(&axis, path, period_s)
     }
 
@@ -190,7 +190,6 @@ fn problem(
 ) -> (Problem, Vec<Reversal>) {
     let figures = given.unwrap_or(start::DRIVE);
     let mut problem = Problem::new(&recorded.command, &recorded.reading, record.period_s, step_s, figures);
-    problem.reading_lag_s = record.reading_lag_s;
     let sample_s = problem.sample_s();
     if given.is_some() {
         // Starts and stops tell the drive. Where its figures are given, what these are wrong by would bend the friction.

@@ -5,7 +5,7 @@ use std::vec::Vec;
 use trueaxis::machine::{DriveFigures, FrictionSettings};
 
 /// Number of parameters.
-pub(super) const COUNT: usize = 13;
+pub(super) const COUNT: usize = 12;
 pub(super) const POSITION_GAIN: usize = 0;
 pub(super) const RESET_TIME: usize = 1;
 pub(super) const FEED_FORWARD: usize = 2;
@@ -18,8 +18,6 @@ pub(super) const PRESLIDING: usize = 8;
 pub(super) const VISCOUS: usize = 9;
 pub(super) const REST: usize = 10;
 pub(super) const OFFSET: usize = 11;
-/// In cycles of the record.
-pub(super) const FEED_LAG: usize = 12;
 
 /// How a parameter is varied.
 struct Kind {
@@ -49,7 +47,6 @@ const KINDS: [Kind; COUNT] = [
     kind(false, -0.2, 1.0, 1e-5),
     kind(false, -1.0, 1.0, 1e-3),
     kind(false, -1e4, 1e4, 1e-6),
-    kind(false, -0.25, 1.25, 1e-2),
 ];
 
 /// Values of all parameters.
@@ -69,7 +66,6 @@ impl Values {
             friction.stribeck_velocity_per_s,
             friction.presliding,
             friction.viscous,
-            0.0,
             0.0,
             0.0,
         ])
@@ -97,6 +93,10 @@ impl Values {
             viscous: v[VISCOUS],
             lead_s: 0.0,
         }
+    }
+
+    pub(super) fn axis(&self, given: &DriveFigures) -> Axis {
+        Axis { drive: self.drive(given), friction: self.friction(), rest: self.0[REST] }
     }
 
     /// Moved by `by` in the scale in which the parameter is varied, within its range.
@@ -133,10 +133,6 @@ pub(super) struct Problem {
     pub(super) borders: Vec<usize>,
     /// Current loop and dead time, and everything that is not fitted.
     pub(super) given: DriveFigures,
-    /// Time between two samples of the record, s.
-    pub(super) period_s: f64,
-    /// By how much the encoder is read later than the command of its row, s; none where that is to be found.
-    pub(super) reading_lag_s: Option<f64>,
 }
 
 impl Problem {
@@ -152,18 +148,7 @@ impl Problem {
         }
         dense.extend(picked.last());
         let step_s = period_s * coarse as f64 / fine as f64;
-        Problem {
-            command: dense,
-            error,
-            fine,
-            step_s,
-            skip: 0,
-            even: Vec::new(),
-            borders: Vec::new(),
-            given,
-            period_s,
-            reading_lag_s: None,
-        }
+        Problem { command: dense, error, fine, step_s, skip: 0, even: Vec::new(), borders: Vec::new(), given }
     }
 
     /// Time between two samples, s.
@@ -171,27 +156,14 @@ impl Problem {
         self.step_s * self.fine as f64
     }
 
-    /// Times within a cycle that the record may not tell, each with its standard uncertainty: when its encoder was read,
-    /// anywhere from a cycle before the command to one after it, and by how much the feed-forward acts later than the
-    /// command, nothing (commands that go evenly from sample to sample) to one cycle (held ones, loops closed once a cycle).
-    /// Every time in these ranges is equally likely (JCGM 100, 4.3.7).
-    pub(super) fn times(&self) -> [(usize, f64, f64); 2] {
-        [(READING_LAG, 0.0, self.period_s / 3_f64.sqrt()), (FEED_LAG, 0.5, 1.0 / 12_f64.sqrt())]
-    }
-
     /// Whether a sample counts.
     pub(super) fn counts(&self, k: usize) -> bool {
         k >= self.skip && self.even.get(k).copied().unwrap_or(true)
     }
 
-    pub(super) fn axis(&self, values: &Values) -> Axis {
-        let feed_lag_s = self.period_s * values.0[FEED_LAG];
-        Axis { drive: values.drive(&self.given), friction: values.friction(), feed_lag_s, rest: values.0[REST] }
-    }
-
     /// Following error of the model, one value a sample, mm.
     pub(super) fn model(&self, values: &Values) -> Vec<f64> {
-        self.followed(values, &positions(&self.axis(values), &self.command, self.step_s))
+        self.followed(values, &positions(&values.axis(&self.given), &self.command, self.step_s))
     }
 
     /// Following error that positions on the fine grid give.

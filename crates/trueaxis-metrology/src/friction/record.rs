@@ -43,8 +43,6 @@ pub struct Record {
     pub period_s: f64,
     /// The axes of the plane of the circles.
     pub axes: [Recorded; 2],
-    /// By how much the encoder is read later than the command of its row acts, s; negative: earlier. `None`: to be found.
-    pub reading_lag_s: Option<f64>,
 }
 
 /// Where an axis turns in motion.
@@ -80,7 +78,7 @@ impl Record {
         if let Some(index) = steps.iter().position(|step| (step - period_s).abs() > JITTER * period_s) {
             return Err(Refused::Uneven { index, found_s: steps.swap_remove(index), period_s });
         }
-        Ok(Record { period_s: mean, axes, reading_lag_s: None })
+        Ok(Record { period_s: mean, axes })
     }
 
     /// Reversals of both axes, after everything that can be seen without a fit has been checked.

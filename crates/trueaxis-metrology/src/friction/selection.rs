@@ -2,8 +2,8 @@
 
 use super::least_squares::{self, Fit, fit};
 use super::parameters::{
-    COULOMB, FEED_FORWARD, FEED_LAG, OFFSET, POSITION_GAIN, PRESLIDING, Problem, READING_LAG, RESET_TIME, REST,
-    STRIBECK_SHARE, STRIBECK_VELOCITY, VELOCITY_GAIN, VISCOUS, Values,
+    COULOMB, FEED_FORWARD, OFFSET, POSITION_GAIN, PRESLIDING, Problem, READING_LAG, RESET_TIME, REST, STRIBECK_SHARE,
+    STRIBECK_VELOCITY, VELOCITY_GAIN, VISCOUS, Values,
 };
 use super::refused::Refused;
 use std::vec::Vec;
@@ -30,25 +30,14 @@ pub(super) fn reduced(
     let mut free = Vec::from([COULOMB, PRESLIDING, OFFSET]);
     if with_drive {
         free.extend([POSITION_GAIN, RESET_TIME, FEED_FORWARD, VELOCITY_GAIN]);
-    }
-    let is_read_any_time = problem.reading_lag_s.is_none();
-    if is_read_any_time && !with_drive {
+    } else {
         free.push(READING_LAG);
     }
     let rough = fit(coarse, start, &free, tell).ok_or_else(unsettled)?;
     let mut values = rough.values;
     if with_drive {
         values = the_better_order(axis, coarse, &rough, &free, tell)?;
-        if is_read_any_time {
-            // Hardly a record tells it beside the drive: the coarse steps show whether this one does.
-            free.push(READING_LAG);
-            let read =
-                fit(coarse, values, &free, tell).filter(|found| untold(found, &free, true) != Some(&[READING_LAG]));
-            match read {
-                Some(found) => values = found.values,
-                None => free.retain(|parameter| *parameter != READING_LAG),
-            }
-        }
+        free.push(READING_LAG);
     }
     if rests {
         free.push(REST);
@@ -62,10 +51,6 @@ pub(super) fn reduced(
             free.retain(|p| p != parameter);
             values.0[*parameter] = if *parameter == STRIBECK_VELOCITY { 2.0 } else { 0.0 };
         }
-        // What looks like viscous friction and is none is a feed-forward that acts earlier or later in the cycle.
-        if held == [VISCOUS] && !(with_drive && loose(&found)) {
-            free.push(FEED_LAG);
-        }
     }
 }
 
@@ -76,9 +61,9 @@ pub(super) fn reduced(
 fn untold(found: &Fit, free: &[usize], with_drive: bool) -> Option<&'static [usize]> {
     let value = |parameter: usize| found.values.0[parameter];
     let told = |parameter: usize| value(parameter).abs() / found.errors[parameter];
-    let loose = !with_drive || loose(found);
+    let loose = !with_drive || !DRIVE_FIGURES.iter().all(|&p| found.errors[p] <= LOOSE * value(p));
     let is_told = |parameter: usize| match parameter {
-        READING_LAG => !with_drive || told(parameter) >= TOLD,
+        READING_LAG => told(parameter) >= TOLD,
         VISCOUS => value(parameter) > 0.0 && (told(parameter) >= TOLD || !loose),
         _ => value(parameter) > 0.0 && told(parameter) >= TOLD,
     };
@@ -90,11 +75,6 @@ fn untold(found: &Fit, free: &[usize], with_drive: bool) -> Option<&'static [usi
     ];
     let untold = candidates.into_iter().find(|(parameter, _)| free.contains(parameter) && !is_told(*parameter));
     untold.map(|(_, held)| held)
-}
-
-/// Whether a figure of the drive is known to less than [`LOOSE`].
-fn loose(found: &Fit) -> bool {
-    !DRIVE_FIGURES.iter().all(|&parameter| found.errors[parameter] <= LOOSE * found.values.0[parameter])
 }
 
 /// Of a fit and the one from position gain and 1/reset time exchanged, the better.

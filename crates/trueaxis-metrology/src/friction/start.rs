@@ -1,6 +1,6 @@
 //! Starting values: the best of a coarse grid, each with the Coulomb friction that fits it best.
 
-use super::parameters::{COULOMB, PRESLIDING, Problem, READING_LAG, Values};
+use super::parameters::{COULOMB, FEED_FORWARD, POSITION_GAIN, PRESLIDING, Problem, READING_LAG, RESET_TIME, Values};
 use std::vec::Vec;
 use trueaxis::machine::{DriveFigures, FrictionSettings};
 
@@ -29,29 +29,25 @@ const RESET_TIMES: [f64; 3] = [0.004, 0.012, 0.04];
 /// The best starting values on a coarse grid; `given` are the drive's figures where they are known.
 pub(super) fn start(problem: &Problem, given: Option<&DriveFigures>) -> Values {
     let lag_s = lag(problem);
-    let with = |drive: &DriveFigures, reading_lag_s: f64| {
-        let mut values = Values::new(drive, &TYPICAL);
-        problem.times().into_iter().for_each(|(time, at, _)| values.0[time] = at);
-        values.0[READING_LAG] = reading_lag_s;
-        values
-    };
-    let candidates: Vec<Values> = match given {
+    let mut candidates: Vec<Values> = Vec::new();
+    match given {
         Some(drive) => {
-            let own_lag_s = (1.0 - drive.velocity_feed_forward) / drive.position_gain_per_s;
-            Vec::from([with(drive, problem.reading_lag_s.unwrap_or(lag_s - own_lag_s))])
+            let mut values = Values::new(drive, &TYPICAL);
+            values.0[READING_LAG] = lag_s - (1.0 - drive.velocity_feed_forward) / drive.position_gain_per_s;
+            candidates.push(values);
         }
         None => {
-            let read_s = problem.reading_lag_s.unwrap_or(0.0);
-            let drive = |gain: f64, reset: f64| DriveFigures {
-                position_gain_per_s: gain,
-                reset_time_s: reset,
-                velocity_feed_forward: (1.0 - gain * (lag_s - read_s)).clamp(0.0, 1.0),
-                ..DRIVE
-            };
-            let gains = POSITION_GAINS.iter().flat_map(|gain| RESET_TIMES.map(|reset| drive(*gain, reset)));
-            gains.map(|drive| with(&drive, read_s)).collect()
+            for gain in POSITION_GAINS {
+                for reset in RESET_TIMES {
+                    let mut values = Values::new(&DRIVE, &TYPICAL);
+                    values.0[POSITION_GAIN] = gain;
+                    values.0[RESET_TIME] = reset;
+                    values.0[FEED_FORWARD] = (1.0 - gain * lag_s).clamp(0.0, 1.0);
+                    candidates.push(values);
+                }
+            }
         }
-    };
+    }
     let tried = candidates.iter().flat_map(|values| PRESLIDINGS.map(|z| scaled(problem, values, z)));
     let best = tried.min_by(|one, other| one.0.total_cmp(&other.0));
     best.map_or_else(|| Values::new(given.unwrap_or(&DRIVE), &TYPICAL), |(_, values)| values)
