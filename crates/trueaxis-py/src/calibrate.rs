@@ -46,9 +46,9 @@ pub(crate) fn calibrate_plan(py: Python<'_>, task: PathBuf) -> PyResult<Bound<'_
     Ok(document)
 }
 
-/// The errors of a machine from the log of a probing program: the document of `trueaxis calibrate solve --json`, and with
-/// files=True the machine's changed files under `files`, a dict of texts by name, and under `written` what is done about every
-/// value: key, old, found, written (None: what is stated stays) and why.
+/// The errors of a machine from the log of a probing program: the document of `trueaxis calibrate solve --json`, under `written`
+/// what is done about every value (key, old, found, written, None where what is stated stays, and why), and with files=True the
+/// machine's changed files under `files`, a dict of texts by name.
 ///
 /// One least-squares network of touches, places, sizes, tip and drift. Errors are actual − ideal, of the tool relative to the
 /// workpiece: µrad, µm, ppm by their names; standard errors under the same names. task: the one that the program was planned
@@ -73,13 +73,13 @@ pub(crate) fn calibrate_solve(py: Python<'_>, task: PathBuf, log: PathBuf, files
     notes.iter().try_for_each(|note| warn(py, note))?;
     let (document, decisions, edited) = told(found)?;
     let document = documents::dictionary(py, &document)?.cast_into::<PyDict>()?;
+    document.set_item("written", documents::dictionary(py, &decisions)?)?;
     if files {
         let texts = PyDict::new(py);
         for (name, text) in edited {
             texts.set_item(name.to_string_lossy(), text)?;
         }
         document.set_item("files", texts)?;
-        document.set_item("written", documents::dictionary(py, &decisions)?)?;
     }
     Ok(document)
 }
