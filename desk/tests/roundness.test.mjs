@@ -257,11 +257,13 @@ test("probe angles by keyboard, blind ones named, best pairs", async () => {
   // Half a turn and a quarter cannot see some harmonics: the command refuses them by the same list.
   await type(moved, /φ2/, 64);
   await type(moved, /φ3/, 64);
-  const blind = panel.getByRole("status").filter({ hasText: "cannot see harmonics" });
-  await blind.waitFor();
   const { stderr } = await run("trueaxis", given(64, 64));
-  const listed = (text) => text.match(/cannot see harmonics ([\d, and]+)/)[1].match(/\d+/g);
-  assert.deepEqual(listed(await blind.textContent()), listed(stderr));
+  const [list] = stderr.match(/cannot see harmonics [\d, and]+\d/);
+  const harmonics = list.match(/\d+/g);
+  assert.ok(harmonics.length > 30, list);
+  // The first of the two angles alone has a list of its own.
+  const same = new RegExp(`cannot see harmonics ${harmonics.join("[, and]+")}(?!\\d)`);
+  await panel.getByRole("status").filter({ hasText: same }).waitFor();
   await close();
 });
 
