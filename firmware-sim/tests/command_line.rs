@@ -67,19 +67,22 @@ fn what_a_limit_takes_away_is_told() {
     let directory = Folder::new(SIMULATOR);
     directory.write("flat.ngc", "G21 G90 G94\nG0 X30 Y30 Z0.2\nG1 X200 F3000\nG1 Y150\nM2\n");
     directory.write("m/grid.csv", "X_mm,Y_mm,EZ_um\n0,0,0\n0,200,0\n200,0,-200\n200,200,-200\n");
-    let notes = |limit: f64| {
+    let notes = |limit: &str| {
         let toml = "name = \"m\"\nchain = \"w b X Y Z t\"\n[[grid]]\naxes = [\"X\", \"Y\"]\ntable = \"grid.csv\"\n";
-        directory.write("m/machine.toml", format!("{toml}[axis.Z.limits]\nmagnitude_um = {limit}\n"));
+        directory.write("m/machine.toml", format!("{toml}[axis.Z.limits]\n{limit}\n"));
         let run =
             ["run", "--json", "--program", "flat.ngc", "--origin-mm", "0,0,0", "--rate-hz", "1000", "--machine", "m"];
         directory.json(&run)["notes"].as_array().unwrap().iter().map(|note| note.to_string()).collect::<Vec<_>>()
     };
-    let told = notes(100.0);
+    let told = notes("magnitude_um = 100");
     let note = told.iter().find(|note| note.contains("axis Z: the magnitude limit takes up to 100 µm off")).unwrap();
     for part in ["cycles, most at X200 ", "[axis.Z.limits] magnitude_um is 100, 200 lets all of it pass"] {
         assert!(note.contains(part), "{note}");
     }
-    assert!(notes(240.0).iter().all(|note| !note.contains("limit")));
+    assert!(notes("magnitude_um = 240").iter().all(|note| !note.contains("limit")));
+    // At 50 mm/s the bed rises by 0.05 mm/s.
+    let told = notes("magnitude_um = 240\nslope_mm_per_s = 0.02");
+    assert!(told.iter().any(|note| note.contains("limits held the correction back in ")), "{told:?}");
 }
 
 #[test]

@@ -103,7 +103,7 @@ fn pace(scenario: &Arc<Scenario>, budget_ns: u64) -> Result<(Latency, PaceReport
 impl Outcome {
     /// Remarks on how the runs went.
     pub fn notes(&self, scenario: &Scenario) -> Vec<String> {
-        [self.notes_on_time(), run::notes(scenario, &self.machines())].concat()
+        [self.notes_on_time(), run::notes(scenario, self.cycles, &self.machines())].concat()
     }
 
     /// Those on what a clock has measured.

@@ -53,14 +53,18 @@ impl<T> Document<T> {
             timing: None,
             simulated_s: cycles as f64 * scenario.period_s(),
             wall_s: None,
-            notes: notes(scenario, machines),
+            notes: notes(scenario, cycles, machines),
             noted: scenario.program.notes.clone(),
         }
     }
 }
 
-/// Remarks on how the compensated and the full run went, as far as they are among the machines.
-pub fn notes(scenario: &Scenario, machines: &[(Kind, Tallies)]) -> Vec<String> {
+/// Limits that hold a correction back in more than this share of the cycles are too low for the program: corners and reversals
+/// alone come to a quarter of it.
+const HELD_BACK: f64 = 0.01;
+
+/// Remarks on how the compensated and the full run of `cycles` went, as far as they are among the machines.
+pub fn notes(scenario: &Scenario, cycles: u64, machines: &[(Kind, Tallies)]) -> Vec<String> {
     let of = |kind| machines.iter().find(|(own, _)| *own == kind).map(|(_, tallies)| tallies);
     let (compensated, full) = (of(Kind::Compensated), of(Kind::Full));
     let mut notes = Vec::new();
@@ -71,7 +75,16 @@ pub fn notes(scenario: &Scenario, machines: &[(Kind, Tallies)]) -> Vec<String> {
         notes.push("the compensated run was ended by a stop request".into());
     }
     let clipped = compensated.map(|compensated| compensated.clipped.notes(&scenario.machine.settings, "cycle"));
+    let before = notes.len();
     notes.extend(clipped.into_iter().flatten());
+    let held_back = compensated.map_or(0, |compensated| compensated.limited_cycles);
+    if notes.len() == before && held_back as f64 > HELD_BACK * cycles as f64 {
+        notes.push(format!(
+            "limits held the correction back in {held_back} of {}: slope_mm_per_s or acceleration_mm_per_s2 of an axis is too \
+             low for this program (trueaxis tables check names it)",
+            counted(cycles as usize, "cycle")
+        ));
+    }
     let refused = full.and_then(|_| feedback_refused(&scenario.machine.settings, scenario.period_s()));
     notes.extend(refused.map(|why| format!("the full run has no contour feedback: {why}")));
     notes.extend(full.zip(compensated).and_then(|(full, compensated)| note_of_full(full, compensated)));
