@@ -82,7 +82,7 @@ pub(crate) fn write(
     Ok(notes)
 }
 
-/// What was decided, and what is to be told of it.
+/// The decisions of a command, and the notes that it prints about them.
 #[derive(Default)]
 pub(crate) struct Done {
     /// Nothing without a machine.
@@ -119,8 +119,8 @@ impl Done {
     }
 }
 
-/// Stages `machine` with what of the additions is written, as [`write()`] does; what is done about every finding comes first. `record`:
-/// the file that they rest on. Without a folder to write into nothing is staged.
+/// Decides on every finding of the additions, which rest on the file `record`, and stages the machine with what is written, as
+/// [`write()`] does. Without a folder to write into, nothing is staged.
 pub(crate) fn decide(
     outputs: &mut Outputs,
     machine: &Path,

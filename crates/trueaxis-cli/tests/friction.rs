@@ -204,7 +204,7 @@ fn friction_goes_into_a_machine_by_the_rule_of_all_commands() {
         assert!(text.contains(part), "{part} in {text}");
     }
     folder.good(&["tables", "check", "found"]);
-    // The same record is no second measurement.
+    // A record that is in the machine already counts once.
     let [_, told] = folder.both(&["friction", "record.csv", "--axes", "X,Y", "--machine", "found", "-o", "found"]);
     assert!(told.contains("this record is in it already"), "{told}");
     assert_eq!(folder.read("found/machine.toml"), text);

@@ -317,7 +317,7 @@ fn errors_of_an_axis_go_into_a_machine_by_the_rule_of_all_commands() {
         of["written"]["value"].as_f64().unwrap() / of["found"]["value"].as_f64().unwrap()
     });
     assert!(shares.clone().all(|share| (share - 0.5).abs() < 0.12), "{:?}", shares.collect::<Vec<_>>());
-    // Readings that are none of six errors write nothing.
+    // Nothing is written of readings that six errors do not explain.
     directory.write("m.csv", scattered(40.0, 3));
     let before = directory.read("head/c.csv");
     let [_, told] = directory.both(&[&call[..], &["-o", "head"]].concat());

@@ -30,7 +30,7 @@ pub fn displacement<const C: usize>(
     Err(rows.error(line, column, format!("{value_um}{from}"), needed))
 }
 
-/// What is needed where angles are [`radians`].
+/// What a refusal asks for where the angles are in [`radians`].
 pub const DEGREES: &str = "angles in degrees: these go over one turn in radians";
 
 /// The index of the largest of angles that go over one turn in radians: from the least to the largest, or with a step more, 2π to a

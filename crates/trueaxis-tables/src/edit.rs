@@ -162,8 +162,9 @@ fn add_grid(
 fn in_chain(imported: &Imported, standing: &Standing<'_>, origin: &Origin) -> Result<(), FileError> {
     let chain = standing.settings.chain.as_str();
     let at = |needed: String| origin.at(line_of(&standing.text, "chain"), "chain", format!("{chain:?}"), needed);
+    let has = |axis: Axis| standing.settings.axis(axis).is_some();
     for (axis, _) in &imported.tables {
-        if !standing.settings.axes.iter().any(|own| own.axis == *axis) {
+        if !has(*axis) {
             let letter = axis.letter();
             return Err(at(format!(
                 "axis {letter} in the chain, where it is in the machine ({letter}' on the workpiece's side); or --new and \
@@ -172,22 +173,14 @@ fn in_chain(imported: &Imported, standing: &Standing<'_>, origin: &Origin) -> Re
         }
     }
     let stated = imported.settings.as_ref().map(|settings| settings.chain.as_str());
-    match stated {
-        Some(stated) if links(stated) != links(chain) => {
-            return Err(at(format!(
-                "the chain that the imported file states, {stated:?}; or --new and another folder"
-            )));
-        }
-        _ => {}
+    if let Some(stated) = stated.filter(|stated| links(stated) != links(chain)) {
+        return Err(at(format!("the chain that the imported file states, {stated:?}; or --new and another folder")));
     }
-    let has = |axis: Axis| standing.settings.axes.iter().any(|own| own.axis == axis);
-    match stated::of_no_axis(&imported.location, has) {
-        Some((axis, names)) => {
-            let letter = axis.letter();
-            Err(at(format!("axis {letter} in the chain, of which the file states {names}; or 0 there")))
-        }
-        None => Ok(()),
+    if let Some((axis, names)) = stated::of_no_axis(&imported.location, has) {
+        let letter = axis.letter();
+        return Err(at(format!("axis {letter} in the chain, of which the file states {names}; or 0 there")));
     }
+    Ok(())
 }
 
 /// Line of a key at the top of the file.

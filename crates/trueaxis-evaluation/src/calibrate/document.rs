@@ -309,8 +309,7 @@ impl Calibration {
             let own: Vec<f64> = own.map(|(term, value)| if is_own(term) { *value } else { 0.0 }).collect();
             let is_curve = keyed.curve.is_some() || keyed.key == "scale_ppm";
             let curve = axis.filter(|_| is_curve).map_or_else(Vec::new, |axis| {
-                let six = |[x, y, z]: [f64; 3]| [x, y, z, 0.0, 0.0, 0.0];
-                terms.grid(axis, STEPS).into_iter().map(|q| (q, six(terms.error(&own, axis, q)))).collect()
+                terms.grid(axis, STEPS).into_iter().map(|q| (q, terms.error(&own, axis, q))).collect()
             });
             let value = keyed.rms.unwrap_or(keyed.value);
             // With rotary axes all terms together are known much better than each alone: one without the others does harm.

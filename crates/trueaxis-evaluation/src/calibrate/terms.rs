@@ -2,7 +2,7 @@
 
 use super::artefact::Kind;
 use super::task::Task;
-use trueaxis::machine::{AXES, Axis, Row};
+use trueaxis::machine::{AXES, Axis, Row, Twist};
 use trueaxis_tables::exact::{Geometry, GeometryError};
 use trueaxis_tables::{Machine, Table};
 
@@ -133,9 +133,9 @@ impl Terms {
         value(position) - value(self.zero_mm[k])
     }
 
-    /// Error of an axis by its curves with the values of all terms, mm.
-    pub fn error(&self, values: &[f64], axis: Axis, position: f64) -> [f64; 3] {
-        let mut error = [0.0; 3];
+    /// Errors of an axis by its curves with the values of all terms: EX, EY and EZ, mm, and no rotations.
+    pub fn error(&self, values: &[f64], axis: Axis, position: f64) -> Twist {
+        let mut error = [0.0; 6];
         for (term, value) in self.terms.iter().zip(values) {
             if let Term::Curve { axis: of, component, degree } = *term
                 && of == axis

@@ -1,4 +1,4 @@
-//! What was found as sections of a `machine.toml`, and for a machine.
+//! The figures found, as sections of a `machine.toml` and as additions to a machine.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -57,8 +57,8 @@ pub fn sections(record: &Path, found: &[Identified]) -> String {
     text
 }
 
-/// What was found, for a machine. The friction of an axis belongs to the drive's figures that it was found with: they are written
-/// together or not at all, with what the record does not tell and the fit held.
+/// The figures found, as additions to a machine. The friction of an axis holds with the drive's figures it was fitted with: all are
+/// written or none, those that the fit held included.
 pub fn additions(found: &[Identified]) -> Additions {
     let of_axis = |axis: &Identified| {
         let letter = axis.axis.letter();

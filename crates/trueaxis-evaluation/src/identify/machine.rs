@@ -1,4 +1,4 @@
-//! What was found, for a machine.
+//! The errors found, as additions to a machine.
 
 use super::{Found, micro, names, table};
 use anyhow::{Result, anyhow};

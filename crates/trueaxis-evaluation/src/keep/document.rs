@@ -54,7 +54,7 @@ pub struct Document {
     pub refused: usize,
     /// Whether the files were changed.
     pub applied: bool,
-    /// What is done about every term that has moved and has a figure of its own, unless one is refused.
+    /// The decisions on every term that has moved and has a figure of its own; empty where a term is refused.
     pub written: Vec<trueaxis_tables::finding::Decision>,
     /// What is to be known of the result.
     pub notes: Vec<String>,

@@ -15,7 +15,7 @@ use trueaxis_tables::{Additions, Machine};
 /// Files as they would be.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Changes {
-    /// What is done about every term that has moved and has a figure of its own.
+    /// The decisions on every term that has moved and has a figure of its own.
     pub decisions: Vec<Decision>,
     /// Names in the machine's folder with the new text; `machine.toml` last of its own.
     pub files: Vec<(PathBuf, String)>,
@@ -87,8 +87,7 @@ fn additions(terms: &Terms, values: &[f64], errors: &[f64], degrees_of_freedom: 
     // Straight lines: both ends of the travel are enough, and no table grows from update to update.
     let line = |axis: Axis| {
         let ends = terms.travel_mm[axis.index() % 3].into_iter();
-        let six = |[x, y, z]: [f64; 3]| [x, y, z, 0.0, 0.0, 0.0];
-        (axis, ends.map(|q| (q, six(terms.error(values, axis, q)))).collect())
+        (axis, ends.map(|q| (q, terms.error(values, axis, q))).collect())
     };
     additions.curves = with_curves.into_iter().map(line).collect();
     additions

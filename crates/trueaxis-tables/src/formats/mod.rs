@@ -321,12 +321,10 @@ fn table(axis: Axis, given: [bool; 6], mut lines: Vec<(u32, Row)>, origin: &Orig
     if axis.is_rotary() && (last.position - first.position - 360.0).abs() < 1e-9 {
         let ends = [(first.forward, last.forward), (first.reverse, last.reverse)];
         let ends = ends.iter().flat_map(|(low, high)| low.iter().zip(high).enumerate());
-        let apart = |(component, (low, high)): &(usize, (&f64, &f64))| {
-            let [translation, rotation] = CLOSED;
-            (*low - *high).abs() > if *component < 3 { translation } else { rotation }
-        };
+        let closed = |component: usize| if component < 3 { CLOSED[0] } else { CLOSED[1] };
+        let apart = |(component, (low, high)): &(usize, (&f64, &f64))| (*low - *high).abs() > closed(*component);
         if let Some((component, (low, high))) = ends.into_iter().find(apart) {
-            let (scale, unit, within) = if component < 3 { (1e3, "um", CLOSED[0]) } else { (1e6, "urad", CLOSED[1]) };
+            let (scale, unit) = if component < 3 { (1e3, "um") } else { (1e6, "urad") };
             return Err(origin.at(
                 *last_line,
                 &name,
@@ -335,7 +333,7 @@ fn table(axis: Axis, given: [bool; 6], mut lines: Vec<(u32, Row)>, origin: &Orig
                     Figure(high * scale),
                     Figure(low * scale)
                 ),
-                format!("values within {} {unit} of each other: a full circle wraps", within * scale),
+                format!("values within {} {unit} of each other: a full circle wraps", closed(component) * scale),
             ));
         }
         let mean = |one: [f64; 6], other: [f64; 6]| std::array::from_fn(|k| 0.5 * (one[k] + other[k]));
