@@ -1,6 +1,6 @@
 //! Friction and drive figures from circles that an integration of its own has made.
 
-use crate::plant::{Circle, commands, readings};
+use crate::plant::{Circle, Commands, commands, read_within, readings};
 use std::f64::consts::TAU;
 use std::sync::OnceLock;
 use trueaxis::Axis;
@@ -157,6 +157,65 @@ fn at_one_kilohertz_too() {
         near("z", found.presliding, FRICTION.presliding, 0.15);
         assert!(found.glitch.after.rms < 0.15 * found.glitch.before.rms, "{:?}", found.glitch.after);
     }
+}
+
+/// How the drive takes its commands and when in the cycle its encoder is read is no friction: none of it viscous, the rest as
+/// it is.
+#[test]
+fn what_is_found_does_not_depend_on_when_the_encoder_is_read() {
+    let friction = FrictionSettings { viscous: 0.0, ..FRICTION };
+    {
+        for (commands_taken, share) in [(Commands::Sampled, 0.0), (Commands::Held, 1.0), (Commands::Linear, 0.5)] {
+            let [x, y] = commands(&CIRCLES, 1e-3, 0.05);
+            let read =
+                |command: &[f64], seed| read_within(command, 1e-3, (&DRIVE, &friction), seed, (commands_taken, share));
+            let axis = |axis, command: &Vec<f64>, seed| Recorded {
+                axis,
+                command: command.clone(),
+                reading: read(command, seed),
+            };
+            let record = Record::new(&times(x.len(), 1e-3), [axis(Axis::X, &x, 1), axis(Axis::Y, &y, 2)]).unwrap();
+            let what = format!("{commands_taken:?}, read after {share} of the cycle");
+            for found in found(&record, Some(DRIVE)).unwrap() {
+                near(&what, found.coulomb_per_s, friction.coulomb_per_s, 0.03);
+                near(&what, found.presliding, friction.presliding, 0.05);
+                let viscous = found.viscous;
+                let band = 3.0 * viscous.standard_error.unwrap_or(0.0);
+                assert!(viscous.value <= band, "{what}: viscous {viscous:?}");
+                // A held command acts half a cycle later than it came; a loop closed once a cycle stands on readings as old.
+                let acts = if matches!(commands_taken, Commands::Held) { 0.5 } else { 0.0 };
+                let lag = 1e-3 * (acts - share);
+                assert!((found.reading_lag_s.value - lag).abs() < 1e-5, "{what}: {:?}", found.reading_lag_s);
+            }
+        }
+    }
+}
+
+/// Beside a drive that is found the record hardly tells when the encoder is read: what is stated is used, what is not known is in
+/// the uncertainties.
+#[test]
+fn the_drive_found_is_as_uncertain_as_the_time_at_which_the_encoder_is_read() {
+    let period_s = 1e-4;
+    let [x, y] = commands(&CIRCLES, period_s, 0.05);
+    let late = (Commands::Linear, 1.0);
+    let recorded = |axis, command: &Vec<f64>, seed| Recorded {
+        axis,
+        command: command.clone(),
+        reading: read_within(command, period_s, (&DRIVE, &FRICTION), seed, late),
+    };
+    let axes = [recorded(Axis::X, &x, 1), recorded(Axis::Y, &y, 2)];
+    let mut record = Record::new(&times(x.len(), period_s), axes).unwrap();
+    let gain = |record: &Record| {
+        let [found, _] = found(record, None).unwrap();
+        (found.drive.position_gain_per_s - DRIVE.position_gain_per_s, found.drive_errors.unwrap()[0])
+    };
+    let [untimed, timed] = [None, Some(period_s)].map(|read_after_s| {
+        record.read_after_s = read_after_s;
+        gain(&record)
+    });
+    assert!(untimed.0.abs() > 5.0 && untimed.0.abs() < 3.0 * untimed.1, "{untimed:?}");
+    assert!(timed.0.abs() < 5.0 && timed.0.abs() < 2.0 * timed.1, "{timed:?}");
+    assert!(timed.1 < 0.5 * untimed.1, "{timed:?}, {untimed:?}");
 }
 
 #[test]

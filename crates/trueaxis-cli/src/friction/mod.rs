@@ -24,6 +24,10 @@ The following error of this model along the recorded commands is fitted to the r
 and K_v, K_vp, τ, k_ff where --machine does not state them. A share, velocity or viscous friction that the record does not
 tell stays at 0, 2 mm/s, 0.
 
+When in its cycle the encoder is read is found where the drive's figures are given. Beside a drive that is found it acts like
+velocity feed-forward, and the uncertainties hold for every reading within half a cycle of its command. --read-after-us states
+it: an encoder that is read at the end of a cycle of 1 ms has 1000 where commands go evenly to the next, 500 where they are held.
+
 -o friction.toml: the sections [axis.X.friction] and, where they were found, [axis.X.drive] of a machine.toml, with standard
 errors, to read. -o MACHINE_DIR: the machine of --machine with what of them is written, in its own folder or another one with
 a copy of it. An axis' friction and the drive found with it are known together: all are written where one of them differs from
@@ -48,6 +52,9 @@ pub(crate) struct Arguments {
     /// Find the drives' figures even where the machine states them.
     #[arg(long)]
     find_drive: bool,
+    /// Beside a drive that is found: how long after the command of its row takes effect the encoder is read, µs; negative: before.
+    #[arg(long, value_name = "US", allow_negative_numbers = true, value_parser = read_after)]
+    read_after_us: Option<f64>,
     /// One JSON document instead of a table.
     #[arg(long)]
     json: bool,
@@ -77,7 +84,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     }
     let given = if arguments.find_drive { [None; 2] } else { given };
     let rows = csv_in::open(&arguments.record, &friction::columns(arguments.axes), "samples")?;
-    let recording = Recording::read(rows, arguments.axes)?;
+    let mut recording = Recording::read(rows, arguments.axes)?;
+    recording.record.read_after_s = arguments.read_after_us.map(|after| 1e-6 * after);
     let bar = progress(0, "fitting").with_style(indicatif::ProgressStyle::default_spinner());
     let fitted = friction::fit(&recording, given, &mut |axis, step| {
         bar.set_message(format!("fitting axis {}, step {step}", axis.letter()));
@@ -102,6 +110,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     outputs.commit()?;
     done.tell();
     if arguments.json { done.json(&document) } else { print(&table::table(&document)?) }
+}
+
+fn read_after(text: &str) -> Result<f64, String> {
+    let after = text.parse().ok().filter(|after: &f64| (-100_000.0..=20_000.0).contains(after));
+    after.ok_or_else(|| format!("found {text:?}, needed -100000 to 20000 µs"))
 }
 
 /// The drives' figures that a machine states.

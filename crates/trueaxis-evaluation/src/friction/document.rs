@@ -193,6 +193,12 @@ impl Document {
         let mut warnings = Vec::new();
         for own in &axes {
             let letter = &own.axis;
+            if own.drive_found && own.standard_errors.drive.dead_time_s.is_none() && record.read_after_s.is_none() {
+                warnings.push(format!(
+                    "axis {letter}: the record does not tell when in its cycle the encoder was read; the uncertainties hold \
+                     for every time within half a cycle of the command (--read-after-us states it)"
+                ));
+            }
             for (held, name, value) in [
                 (own.standard_errors.friction.stribeck_share.is_none(), "Stribeck share", "0"),
                 (own.standard_errors.friction.stribeck_velocity_mm_per_s.is_none(), "Stribeck velocity", "2 mm/s"),

@@ -1,7 +1,7 @@
 //! The drive of an axis and its friction in continuous time, followed along recorded commands.
 //!
 //! ```text
-//! r  = K_v (c(t − t_d) − x) + k_ff c'(t − t_d)
+//! r  = K_v (c(t − t_d) − x) + k_ff c'(t − t_d − t_f)
 //! q' = (r − v)/τ                                    integrator of the velocity loop
 //! m' = (K_vp (r − v + q) − m)/t_c                   current loop
 //! v' = m − F − d v,   x' = v
@@ -16,15 +16,18 @@ use nalgebra::SMatrix;
 use std::vec::Vec;
 use trueaxis::machine::{DriveFigures, FrictionSettings};
 
-/// States x, v, q, m; then the inputs c, c', F, F'.
-const SIZE: usize = 8;
+/// States x, v, q, m; then the inputs c, c', F, F' and the velocity that is fed forward.
+const SIZE: usize = 9;
 const STATES: usize = 4;
+const INPUTS: usize = SIZE - STATES;
 
 /// An axis as it is simulated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Axis {
     pub(super) drive: DriveFigures,
     pub(super) friction: FrictionSettings,
+    /// t_f: by how much the feed-forward acts later than the command, s.
+    pub(super) feed_lag_s: f64,
     /// State of friction before the first motion, −1 to 1.
     pub(super) rest: f64,
 }
@@ -33,6 +36,7 @@ pub(super) struct Axis {
 pub(super) fn positions(axis: &Axis, command: &[f64], step_s: f64) -> Vec<f64> {
     let late = delayed(command, axis.drive.dead_time_s / step_s);
     let [Some(&first), Some(&second)] = [late.first(), late.get(1)] else { return late };
+    let fed = delayed(command, (axis.drive.dead_time_s + axis.feed_lag_s) / step_s);
     let next = transition(axis, step_s);
     let gain = axis.drive.velocity_gain_per_s;
     let z = axis.friction.presliding;
@@ -44,8 +48,8 @@ pub(super) fn positions(axis: &Axis, command: &[f64], step_s: f64) -> Vec<f64> {
     let mut state = [first - lag, velocity, held / gain, held];
     let mut out = Vec::with_capacity(late.len());
     out.push(state[0]);
-    for pair in late.windows(2) {
-        let mut inputs = [pair[0], (pair[1] - pair[0]) / step_s, force, 0.0];
+    for (pair, fed) in late.windows(2).zip(fed.windows(2)) {
+        let mut inputs = [pair[0], (pair[1] - pair[0]) / step_s, force, 0.0, (fed[1] - fed[0]) / step_s];
         let foretold = row(&next[1], &state, &inputs);
         let mean = 0.5 * (state[1] + foretold);
         let way = mean.signum();
@@ -80,8 +84,8 @@ pub(super) fn delayed(values: &[f64], samples: f64) -> Vec<f64> {
     (0..values.len()).map(at).collect()
 }
 
-fn row(next: &[f64; SIZE], state: &[f64; STATES], inputs: &[f64; STATES]) -> f64 {
-    let [x, v, q, m, c, rate, force, change] = *next;
+fn row(next: &[f64; SIZE], state: &[f64; STATES], inputs: &[f64; INPUTS]) -> f64 {
+    let [x, v, q, m, c, rate, force, change, fed] = *next;
     x * state[0]
         + v * state[1]
         + q * state[2]
@@ -90,6 +94,7 @@ fn row(next: &[f64; SIZE], state: &[f64; STATES], inputs: &[f64; STATES]) -> f64
         + rate * inputs[1]
         + force * inputs[2]
         + change * inputs[3]
+        + fed * inputs[4]
 }
 
 /// Rows x, v, q, m of e^(A h).
@@ -105,9 +110,9 @@ fn transition(axis: &Axis, step_s: f64) -> [[f64; SIZE]; STATES] {
     };
     set(0, &[(1, 1.0)]);
     set(1, &[(1, -axis.friction.viscous * kvp), (3, 1.0), (6, -1.0)]);
-    set(2, &[(0, -kv * per_reset), (1, -per_reset), (4, kv * per_reset), (5, feed * per_reset)]);
+    set(2, &[(0, -kv * per_reset), (1, -per_reset), (4, kv * per_reset), (8, feed * per_reset)]);
     let force = kvp * per_current;
-    set(3, &[(0, -force * kv), (1, -force), (2, force), (3, -per_current), (4, force * kv), (5, force * feed)]);
+    set(3, &[(0, -force * kv), (1, -force), (2, force), (3, -per_current), (4, force * kv), (8, force * feed)]);
     set(4, &[(5, 1.0)]);
     set(6, &[(7, 1.0)]);
     let whole = a.exp();

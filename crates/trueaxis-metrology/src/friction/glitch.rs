@@ -65,7 +65,7 @@ pub struct Deviation {
 }
 
 pub(super) fn deviation(problem: &Problem, values: &Values) -> Deviation {
-    let axis = values.axis(&problem.given);
+    let axis = problem.axis(values);
     let mut smooth = *values;
     (smooth.0[COULOMB], smooth.0[VISCOUS]) = (0.0, 0.0);
     let calm = problem.model(&smooth);

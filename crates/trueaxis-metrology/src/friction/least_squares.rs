@@ -27,6 +27,8 @@ pub(super) struct Fit {
     pub(super) values: Values,
     /// Standard errors in the parameters' units; 0 for those held.
     pub(super) errors: [f64; COUNT],
+    /// The same with what is not known of the times within a cycle.
+    pub(super) uncertainties: [f64; COUNT],
     /// Root mean square of the residuals, mm.
     pub(super) rms: f64,
     pub(super) rank: usize,
@@ -126,10 +128,18 @@ fn judged(problem: &Problem, values: Values, residuals: &[f64], cost: f64, free:
     let robust = &inverse * spread * &inverse * share;
     let samples = (0..residuals.len()).filter(|k| problem.counts(*k)).count().max(1) as f64;
     let plain = &inverse * (cost / (samples - size as f64).max(1.0));
-    let mut errors = [0.0; COUNT];
+    let bent = |(time, uncertainty): (usize, f64)| {
+        let column = problem.derivative(&values, residuals, time);
+        let dots = linear.columns.iter().map(|own| own.iter().zip(&column).map(|(a, b)| a * b).sum::<f64>());
+        &inverse * DVector::from_iterator(size, dots) * uncertainty
+    };
+    let bent: Vec<_> = problem.open_times(free).into_iter().map(bent).collect();
+    let [mut errors, mut uncertainties] = [[0.0; COUNT]; 2];
     for (i, &parameter) in free.iter().enumerate() {
-        let variance = robust[(i, i)].max(plain[(i, i)]);
-        errors[parameter] = values.unscaled(parameter, variance.max(0.0).sqrt());
+        let variance = robust[(i, i)].max(plain[(i, i)]).max(0.0);
+        let of_times: f64 = bent.iter().map(|bent| bent[i] * bent[i]).sum();
+        errors[parameter] = values.unscaled(parameter, variance.sqrt());
+        uncertainties[parameter] = values.unscaled(parameter, (variance + of_times).sqrt());
     }
-    Fit { values, errors, rms: (cost / samples).sqrt(), rank, condition }
+    Fit { values, errors, uncertainties, rms: (cost / samples).sqrt(), rank, condition }
 }

@@ -122,7 +122,7 @@ impl Identified {
     /// h <- (h + ΔF/K_vp) e^(−T/τ),   u <- u + T (h − K_v u)/k_ff        (k_ff = 0: u = h/K_v)
     /// ```
     pub fn feed_forward(&self, path: &[f64], period_s: f64) -> Vec<f64> {
-        let axis = drive::Axis { drive: self.drive, friction: self.friction, rest: 0.0 };
+        let axis = drive::Axis { drive: self.drive, friction: self.friction, feed_lag_s: 0.0, rest: 0.0 };
         drive::feed_forward(&axis, path, period_s)
     }
 
@@ -191,7 +191,9 @@ fn problem(
     let figures = given.unwrap_or(start::DRIVE);
     let mut problem = Problem::new(&recorded.command, &recorded.reading, record.period_s, step_s, figures);
     let sample_s = problem.sample_s();
-    if given.is_some() {
+    if given.is_none() {
+        problem.read_after_s = record.read_after_s;
+    } else {
         // Starts and stops tell the drive. Where its figures are given, what these are wrong by would bend the friction.
         let even = record.even(turns);
         let coarse = (sample_s / record.period_s).round().max(1.0) as usize;
@@ -244,13 +246,14 @@ fn identified(
 ) -> Identified {
     let figure = |parameter: usize| Figure {
         value: found.values.0[parameter],
-        standard_error: free.contains(&parameter).then(|| found.errors[parameter]),
+        standard_error: free.contains(&parameter).then(|| found.uncertainties[parameter]),
     };
-    let errors = [POSITION_GAIN, VELOCITY_GAIN, RESET_TIME, FEED_FORWARD].map(|parameter| found.errors[parameter]);
+    let errors =
+        [POSITION_GAIN, VELOCITY_GAIN, RESET_TIME, FEED_FORWARD].map(|parameter| found.uncertainties[parameter]);
     let mut drive = found.values.drive(&problem.given);
     let with_drive = free.contains(&POSITION_GAIN);
     if with_drive {
-        drive.dead_time_s = found.values.0[READING_LAG].max(0.0);
+        drive.dead_time_s = if problem.read_after_s.is_some() { 0.0 } else { found.values.0[READING_LAG].max(0.0) };
         drive.velocity_feed_forward = drive.velocity_feed_forward.min(1.0);
     }
     Identified {

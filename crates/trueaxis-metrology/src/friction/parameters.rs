@@ -5,7 +5,7 @@ use std::vec::Vec;
 use trueaxis::machine::{DriveFigures, FrictionSettings};
 
 /// Number of parameters.
-pub(super) const COUNT: usize = 12;
+pub(super) const COUNT: usize = 13;
 pub(super) const POSITION_GAIN: usize = 0;
 pub(super) const RESET_TIME: usize = 1;
 pub(super) const FEED_FORWARD: usize = 2;
@@ -18,6 +18,9 @@ pub(super) const PRESLIDING: usize = 8;
 pub(super) const VISCOUS: usize = 9;
 pub(super) const REST: usize = 10;
 pub(super) const OFFSET: usize = 11;
+/// By how much the feed-forward acts later than the command, in cycles of the record: nothing where commands go evenly from
+/// sample to sample, half a cycle where they are held, a whole one where the loop is closed once a cycle.
+pub(super) const FEED_LAG: usize = 12;
 
 /// How a parameter is varied.
 struct Kind {
@@ -47,6 +50,7 @@ const KINDS: [Kind; COUNT] = [
     kind(false, -0.2, 1.0, 1e-5),
     kind(false, -1.0, 1.0, 1e-3),
     kind(false, -1e4, 1e4, 1e-6),
+    kind(false, -0.25, 1.25, 1e-2),
 ];
 
 /// Values of all parameters.
@@ -66,6 +70,7 @@ impl Values {
             friction.stribeck_velocity_per_s,
             friction.presliding,
             friction.viscous,
+            0.0,
             0.0,
             0.0,
         ])
@@ -93,10 +98,6 @@ impl Values {
             viscous: v[VISCOUS],
             lead_s: 0.0,
         }
-    }
-
-    pub(super) fn axis(&self, given: &DriveFigures) -> Axis {
-        Axis { drive: self.drive(given), friction: self.friction(), rest: self.0[REST] }
     }
 
     /// Moved by `by` in the scale in which the parameter is varied, within its range.
@@ -133,6 +134,10 @@ pub(super) struct Problem {
     pub(super) borders: Vec<usize>,
     /// Current loop and dead time, and everything that is not fitted.
     pub(super) given: DriveFigures,
+    /// Time between two samples of the record, s.
+    pub(super) period_s: f64,
+    /// How long after the command of a row takes effect the encoder is read, s; none where that is not known.
+    pub(super) read_after_s: Option<f64>,
 }
 
 impl Problem {
@@ -148,7 +153,18 @@ impl Problem {
         }
         dense.extend(picked.last());
         let step_s = period_s * coarse as f64 / fine as f64;
-        Problem { command: dense, error, fine, step_s, skip: 0, even: Vec::new(), borders: Vec::new(), given }
+        Problem {
+            command: dense,
+            error,
+            fine,
+            step_s,
+            skip: 0,
+            even: Vec::new(),
+            borders: Vec::new(),
+            given,
+            period_s,
+            read_after_s: None,
+        }
     }
 
     /// Time between two samples, s.
@@ -156,14 +172,36 @@ impl Problem {
         self.step_s * self.fine as f64
     }
 
+    /// Times within a cycle that a fit over `free` leaves open, and the standard uncertainty of each: every reading within half a
+    /// cycle of its command, and every lag of the feed-forward up to a cycle, is equally likely (JCGM 100, 4.3.7).
+    pub(super) fn open_times(&self, free: &[usize]) -> Vec<(usize, f64)> {
+        let with_drive = free.contains(&POSITION_GAIN);
+        let is_read_any_time = with_drive && self.read_after_s.is_none();
+        let reading = (READING_LAG, self.period_s / 12_f64.sqrt());
+        let feed = (FEED_LAG, 1.0 / 3_f64.sqrt());
+        let open = [is_read_any_time.then_some(reading), Some(feed)];
+        open.into_iter().flatten().filter(|(time, _)| !free.contains(time)).collect()
+    }
+
+    /// Whether a time is at an end of its range.
+    pub(super) fn is_at_an_end(values: &Values, parameter: usize) -> bool {
+        let Kind { low, high, step, .. } = KINDS[parameter];
+        values.0[parameter] <= low + step || values.0[parameter] >= high - step
+    }
+
     /// Whether a sample counts.
     pub(super) fn counts(&self, k: usize) -> bool {
         k >= self.skip && self.even.get(k).copied().unwrap_or(true)
     }
 
+    pub(super) fn axis(&self, values: &Values) -> Axis {
+        let feed_lag_s = self.period_s * values.0[FEED_LAG];
+        Axis { drive: values.drive(&self.given), friction: values.friction(), feed_lag_s, rest: values.0[REST] }
+    }
+
     /// Following error of the model, one value a sample, mm.
     pub(super) fn model(&self, values: &Values) -> Vec<f64> {
-        self.followed(values, &positions(&values.axis(&self.given), &self.command, self.step_s))
+        self.followed(values, &positions(&self.axis(values), &self.command, self.step_s))
     }
 
     /// Following error that positions on the fine grid give.

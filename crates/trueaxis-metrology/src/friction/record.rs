@@ -43,6 +43,9 @@ pub struct Record {
     pub period_s: f64,
     /// The axes of the plane of the circles.
     pub axes: [Recorded; 2],
+    /// How long after the command of a row takes effect the encoder is read, s; negative: before. `None` where that is not known.
+    /// Where the drive's figures are given it is found in any case.
+    pub read_after_s: Option<f64>,
 }
 
 /// Where an axis turns in motion.
@@ -78,7 +81,7 @@ impl Record {
         if let Some(index) = steps.iter().position(|step| (step - period_s).abs() > JITTER * period_s) {
             return Err(Refused::Uneven { index, found_s: steps.swap_remove(index), period_s });
         }
-        Ok(Record { period_s: mean, axes })
+        Ok(Record { period_s: mean, axes, read_after_s: None })
     }
 
     /// Reversals of both axes, after everything that can be seen without a fit has been checked.

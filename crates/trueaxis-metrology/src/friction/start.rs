@@ -37,12 +37,14 @@ pub(super) fn start(problem: &Problem, given: Option<&DriveFigures>) -> Values {
             candidates.push(values);
         }
         None => {
+            let read_s = problem.read_after_s.map_or(0.0, |after| -after);
             for gain in POSITION_GAINS {
                 for reset in RESET_TIMES {
                     let mut values = Values::new(&DRIVE, &TYPICAL);
                     values.0[POSITION_GAIN] = gain;
                     values.0[RESET_TIME] = reset;
-                    values.0[FEED_FORWARD] = (1.0 - gain * lag_s).clamp(0.0, 1.0);
+                    values.0[READING_LAG] = read_s;
+                    values.0[FEED_FORWARD] = (1.0 - gain * (lag_s - read_s)).clamp(0.0, 1.0);
                     candidates.push(values);
                 }
             }

@@ -44,17 +44,15 @@ impl Encoder {
     }
 }
 
-/// Readings of a drive with a digital position loop of that period; its inside is integrated by Heun's method in steps of
-/// at most 25 µs, friction by the differential equation.
-pub(crate) fn readings(
-    command: &[f64],
-    period_s: f64,
+/// Position, velocity, integrator, torque and friction of a drive, carried on over `h` by Heun's method; `wanted` is the velocity
+/// wanted at the beginning and at the end, by the position there.
+fn carried_on(
+    state: [f64; 5],
+    h: f64,
     drive: &DriveFigures,
     friction: &FrictionSettings,
-    seed: u64,
-) -> Vec<f64> {
-    let steps = (period_s / 25e-6).ceil() as usize;
-    let h = period_s / steps as f64;
+    wanted: [&dyn Fn(f64) -> f64; 2],
+) -> [f64; 5] {
     let kvp = drive.velocity_gain_per_s;
     let slope = |[_, v, q, m, f]: [f64; 5], r: f64| {
         let ratio = v / friction.stribeck_velocity_per_s;
@@ -67,6 +65,23 @@ pub(crate) fn readings(
             (v - v.abs() * f) / friction.presliding,
         ]
     };
+    let one = slope(state, wanted[0](state[0]));
+    let there: [f64; 5] = std::array::from_fn(|i| state[i] + h * one[i]);
+    let two = slope(there, wanted[1](there[0]));
+    std::array::from_fn(|i| state[i] + 0.5 * h * (one[i] + two[i]))
+}
+
+/// Readings of a drive with a digital position loop of that period; its inside is integrated in steps of at most 25 µs,
+/// friction by the differential equation.
+pub(crate) fn readings(
+    command: &[f64],
+    period_s: f64,
+    drive: &DriveFigures,
+    friction: &FrictionSettings,
+    seed: u64,
+) -> Vec<f64> {
+    let steps = (period_s / 25e-6).ceil() as usize;
+    let h = period_s / steps as f64;
     let mut encoder = Encoder(ChaCha8Rng::seed_from_u64(seed));
     let mut state = [command[0], 0.0, 0.0, 0.0, 0.0];
     let mut before = command[0];
@@ -76,14 +91,56 @@ pub(crate) fn readings(
         let r =
             drive.position_gain_per_s * (before - reading) + drive.velocity_feed_forward * (now - before) / period_s;
         for _ in 0..steps {
-            let one = slope(state, r);
-            let there: [f64; 5] = std::array::from_fn(|i| state[i] + h * one[i]);
-            let two = slope(there, r);
-            state = std::array::from_fn(|i| state[i] + 0.5 * h * (one[i] + two[i]));
+            state = carried_on(state, h, drive, friction, [&|_| r, &|_| r]);
         }
         before = now;
         reading = encoder.read(state[0]);
         out.push(reading);
+    }
+    out
+}
+
+/// How a drive takes the commands of a record.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Commands {
+    /// Held for a cycle, the position loop closed once in it.
+    Sampled,
+    /// Held for a cycle, the position loop closed all the time.
+    Held,
+    /// From one to the next in even motion.
+    Linear,
+}
+
+/// Readings of a drive whose encoder is read in each cycle after that share of it.
+pub(crate) fn read_within(
+    command: &[f64],
+    period_s: f64,
+    (drive, friction): (&DriveFigures, &FrictionSettings),
+    seed: u64,
+    (commands, share): (Commands, f64),
+) -> Vec<f64> {
+    let steps = (period_s / 25e-6).ceil() as usize;
+    let (gain, feed) = (drive.position_gain_per_s, drive.velocity_feed_forward / period_s);
+    let mut encoder = Encoder(ChaCha8Rng::seed_from_u64(seed));
+    let mut state = [command[0], 0.0, 0.0, 0.0, 0.0];
+    let mut out = Vec::new();
+    for (k, &now) in command.iter().enumerate() {
+        let [before, next] = [command[k.saturating_sub(1)], command[(k + 1).min(command.len() - 1)]];
+        let sampled = state[0];
+        let wanted = |part: f64| {
+            move |x: f64| match commands {
+                Commands::Sampled => gain * (now - sampled) + feed * (now - before),
+                Commands::Held => gain * (now - x) + feed * (now - before),
+                Commands::Linear => gain * (now + part * (next - now) - x) + feed * (next - now),
+            }
+        };
+        let mut reading = None;
+        for i in 0..steps {
+            let [from, to] = [i, i + 1].map(|i| i as f64 / steps as f64);
+            reading = reading.or((from >= share).then_some(state[0]));
+            state = carried_on(state, period_s / steps as f64, drive, friction, [&wanted(from), &wanted(to)]);
+        }
+        out.push(encoder.read(reading.unwrap_or(state[0])));
     }
     out
 }
