@@ -106,5 +106,5 @@ export function save(name: string, content: string | Uint8Array<ArrayBuffer>, ty
   link.href = url;
   link.download = name;
   link.click();
-  setTimeout(() => URL.revokeObjectURL(url), 10_000);
+  setTimeout(() => URL.revokeObjectURL(url), 120_000);
 }
