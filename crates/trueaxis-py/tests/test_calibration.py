@@ -47,6 +47,11 @@ def test_a_calibration_is_that_of_the_command(task, tmp_path):
     for name, text in files.items():
         assert text == (tmp_path / "new" / name).read_text()
     assert files["machine.toml"].startswith("# of my own hand")
+    code, out, err = command("calibrate", "solve", task, log, "--force", "--dry-run", "--json")
+    assert code == 0, err
+    found = trueaxis.calibrate_solve(task, log, force=True)
+    assert found == json.loads(out)
+    assert all(of["written"] and of["why"].startswith("forced, the rule writes ") for of in found["written"])
 
 
 def test_a_log_that_cannot_be_used_is_refused_in_the_words_of_the_command(task, tmp_path):
