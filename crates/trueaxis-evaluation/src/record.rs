@@ -122,12 +122,12 @@ const ROUNDED_MM: f64 = 1e-9;
 
 /// A position and its command, row after row, in memory that does not grow: [`left_behind`] where the command may rest for most
 /// of the record, as that of an axis beside which the others move.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Followed {
     last: Option<[f64; 2]>,
     /// Rows in which the command moves.
     moving: usize,
-    /// Least change of the reading; none yet: 0.
+    /// Least change of the reading; none yet: infinite.
     resolution: f64,
     stretch: Stretch,
     widest: Stretch,
@@ -153,25 +153,30 @@ impl Stretch {
     }
 }
 
+impl Default for Followed {
+    fn default() -> Self {
+        let [stretch, widest] = [Stretch::default(); 2];
+        Self { last: None, moving: 0, resolution: f64::INFINITY, stretch, widest }
+    }
+}
+
 impl Followed {
     /// Takes a row: its number or line, the command and the reading, mm.
     pub fn put(&mut self, row: usize, command: f64, reading: f64) {
-        let Some([before, read]) = self.last.replace([command, reading]) else { return };
-        let step = (reading - read).abs();
-        if step > 0.0 && (self.resolution == 0.0 || step < self.resolution) {
-            self.resolution = step;
+        let before = self.last.replace([command, reading]);
+        let step = before.map_or(f64::INFINITY, |[_, read]| (reading - read).abs());
+        if step != 0.0 {
+            self.resolution = self.resolution.min(step);
+            self.stretch = Stretch { stuck: Stuck { from: row, count: 0, value: reading }, ..Stretch::default() };
         }
-        if (command - before).abs() <= ROUNDED_MM {
+        if before.is_none_or(|[before, _]| (command - before).abs() <= ROUNDED_MM) {
             return;
         }
         self.moving += 1;
-        if reading != self.stretch.stuck.value {
-            self.stretch = Stretch { stuck: Stuck { from: row, count: 0, value: reading }, ..Stretch::default() };
-        }
         self.stretch.stuck.count += 1;
         let [low, high] = self.stretch.command;
         self.stretch.command = [low.min(command), high.max(command)];
-        if self.stretch.way() > self.widest.way() || self.widest.stuck.count == 0 {
+        if self.stretch.stuck.count >= LEAST && self.stretch.way() >= self.widest.way() {
             self.widest = self.stretch;
         }
     }
@@ -181,7 +186,8 @@ impl Followed {
     pub fn standing(&self) -> Option<(Stuck, f64)> {
         let (stuck, way) = (self.widest.stuck, self.widest.way());
         let stood = stuck.count >= LEAST && 5 * stuck.count >= self.moving;
-        (stood && way > HELD_MM.max(HELD_STEPS * self.resolution)).then_some((stuck, way))
+        let steps = if self.resolution.is_finite() { HELD_STEPS * self.resolution } else { 0.0 };
+        (stood && way > HELD_MM.max(steps)).then_some((stuck, way))
     }
 }
 
@@ -298,6 +304,10 @@ mod tests {
         assert_eq!(along(&|k| [1e-5 * k, (1e-2 * k).round() * 1e-3]), None);
         assert_eq!(along(&|k| [1e-4 * k, (2e-2 * k).round() * 5e-3]), None);
         assert_eq!(along(&|k| [4e-5 * k, (4e-5 * k - 0.015).max(0.0)]), None);
+        // Circles, from the second of which on it is dead, behind one reading that was sent twice at a rapid.
+        let circles = |k: f64| 20.0 * (0.1 * k).sin() - if k < 3.0 { 900.0 } else { 0.0 };
+        let died = along(&|k| [circles(k), circles(if k < 4.0 { k.min(2.0) } else { k.min(70.0) })]);
+        assert_eq!(died.map(|found| (found.0.from, found.0.count)), Some((70, 330)));
         // One that never read anything else, and one of a coarse record that comes free at its end.
         assert_eq!(along(&|k| [0.1 * k, 3.0]).map(|found| found.0.count), Some(399));
         assert_eq!(along(&|k| [k, if k < 390.0 { 0.0 } else { k }]).map(|found| found.0.count), Some(389));

@@ -6,9 +6,9 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::{Path, PathBuf};
 use trueaxis_evaluation::calibrate::{Planning, Task, solved};
-use trueaxis_tables::{Additions, Machine};
 use trueaxis_tables::files::Folder;
 use trueaxis_tables::text::read_text;
+use trueaxis_tables::{Additions, Machine};
 
 /// A task with its machine, whose folder it names from its own.
 struct Read {
@@ -79,7 +79,7 @@ pub(crate) fn calibrate_solve(
     notes.iter().try_for_each(|note| warn(py, note))?;
     let (document, decisions, edited) = told(found)?;
     let document = documents::dictionary(py, &document)?.cast_into::<PyDict>()?;
-    document.set_item("written", documents::dictionary(py, &decisions)?)?;
+    documents::with_decisions(&document, Some(&decisions))?;
     if files {
         let texts = PyDict::new(py);
         for (name, text) in edited {
