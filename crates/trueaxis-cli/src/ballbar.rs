@@ -1,7 +1,8 @@
 //! `trueaxis ballbar`.
 
+use crate::machine_folder::{self, Writing};
 use crate::output::{print, tell};
-use crate::{machine_folder, report};
+use crate::report;
 use anyhow::{Context, Result};
 use clap::Args;
 use std::fmt::Write;
@@ -43,6 +44,7 @@ Examples:
   trueaxis ballbar record.csv --radius-mm 100 --machine mymill -o mymill";
 
 #[derive(Args)]
+#[command(group(clap::ArgGroup::new("decided").args(["dry_run", "force"]).multiple(true).requires("machine")))]
 #[command(group(clap::ArgGroup::new("into").args(["output", "dry_run"]).multiple(true)))]
 pub(crate) struct Arguments {
     /// Recorded circles.
@@ -73,9 +75,8 @@ pub(crate) struct Arguments {
     /// Folder that the machine is written into: its own, or a new one.
     #[arg(short, long, value_name = "MACHINE_DIR", requires = "machine")]
     output: Option<PathBuf>,
-    /// Print what would be written and why, with the old values, and write nothing.
-    #[arg(long, requires = "machine")]
-    dry_run: bool,
+    #[command(flatten)]
+    writing: Writing,
     /// One JSON document instead of a table.
     #[arg(long)]
     json: bool,
@@ -85,7 +86,7 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
-    let into = arguments.output.as_deref().filter(|_| !arguments.dry_run);
+    let into = arguments.writing.output(arguments.output.as_deref());
     let _alone = into.map(machine_folder::alone).transpose()?;
     let pitches_mm = [arguments.pitch_x_mm, arguments.pitch_y_mm, arguments.pitch_z_mm];
     let options = Options::new(arguments.radius_mm, arguments.axes, pitches_mm).map_err(|wrong| wrong.option())?;
@@ -98,9 +99,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let mut done = machine_folder::Done::default();
     if let Some(machine) = &arguments.machine {
         let additions = test.additions(arguments.compensated);
-        done = machine_folder::decide(&mut outputs, machine, into, record, additions)?;
+        done = machine_folder::decide(&mut outputs, machine, into, record, (arguments.writing, additions))?;
     }
-    if arguments.dry_run {
+    if arguments.writing.dry_run {
         return done.dry_run(&document, arguments.json);
     }
     if let Some(directory) = &arguments.report {

@@ -6,7 +6,7 @@ use anyhow::{Result, anyhow};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use trueaxis::contour::{ContourSearch, Method};
-use trueaxis_evaluation::path::{Foot, PathFile};
+use trueaxis_evaluation::path::{Alive, Foot, PathFile, Standing};
 use trueaxis_tables::text::read_text;
 
 pub(crate) const HELP: &str = "\
@@ -18,6 +18,7 @@ ACTUAL.csv: segment,u,x_mm,y_mm,z_mm; u is where the reference is: 0..1 on lines
 Output: segment,u,error_um,ex_um,ey_um,ez_um,evaluations,bracketed: the foot point, its distance, the vector actual − foot.
 A path is cut into spans within 8 mm of their middle that turn by 30° at most; it may have 1,000,000 (16 km straight).
 The nearest point within --max-lag-mm of path length on either side of the reference is found, each row for itself.
+Refused: a coordinate of one value over eight rows and a fifth of those in which the path moves along its axis.
 
 Example: trueaxis contour path.json actual.csv -o error.csv";
 
@@ -68,11 +69,17 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let inputs = [arguments.path.clone(), arguments.actual.clone()];
     let mut out = Writer::new(arguments.output.as_deref(), inputs)?;
     out.put(format_args!("segment,u,error_um,ex_um,ey_um,ez_um,evaluations,bracketed\n"))?;
+    let mut alive = Alive::default();
     while let Some(Row { line, values: [segment, u, x, y, z] }) = actual.next()? {
-        let Foot { segment, u, error_um, vector_um: [ex, ey, ez], evaluations, bracketed } = path
+        let foot = path
             .foot(&search, [segment, u], [x, y, z])
             .map_err(|wrong| actual.error(line, wrong.field, wrong.found, wrong.needed))?;
+        alive.put(line as usize, &foot, [x, y, z]);
+        let Foot { segment, u, error_um, vector_um: [ex, ey, ez], evaluations, bracketed, .. } = foot;
         out.put(format_args!("{segment},{u},{error_um},{ex},{ey},{ez},{evaluations},{bracketed}\n"))?;
     }
+    alive.check().map_err(|standing| {
+        actual.error(standing.row as u32, COLUMNS[2 + standing.axis].name, standing.found, Standing::NEEDED)
+    })?;
     out.finish()
 }

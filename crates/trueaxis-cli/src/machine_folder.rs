@@ -3,6 +3,7 @@
 use crate::model;
 use crate::output::{json, print, tell};
 use anyhow::{Result, bail};
+use clap::Args;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use trueaxis_tables::error::FileError;
@@ -82,6 +83,34 @@ pub(crate) fn write(
     Ok(notes)
 }
 
+/// How a command writes into a machine.
+#[derive(Args, Clone, Copy, Debug)]
+pub(crate) struct Writing {
+    /// Print what would be written into the machine and why, with the old values, and write nothing.
+    #[arg(long)]
+    pub(crate) dry_run: bool,
+    /// Write what was found whatever the rule says: within its scatter of nothing, less well known than what is stated, a misfit.
+    /// The command says what the rule would have written. A figure that the controller would refuse is refused.
+    #[arg(long)]
+    pub(crate) force: bool,
+}
+
+impl Writing {
+    /// What `-o` names; nothing in a dry run.
+    pub(crate) fn output<'o>(&self, output: Option<&'o Path>) -> Option<&'o Path> {
+        output.filter(|_| !self.dry_run)
+    }
+
+    /// Whether the command decides: it writes `into` a machine, or only says what it would write. To force nothing is refused.
+    pub(crate) fn decides(&self, into: Option<&Path>) -> Result<bool> {
+        let decides = into.is_some() || self.dry_run;
+        if self.force && !decides {
+            bail!("--force: found no machine that is written, needed -o MACHINE_DIR or --dry-run");
+        }
+        Ok(decides)
+    }
+}
+
 /// The decisions of a command, and the notes that it prints about them.
 #[derive(Default)]
 pub(crate) struct Done {
@@ -120,20 +149,22 @@ impl Done {
 }
 
 /// Decides on every finding of the additions, which rest on the file `record`, and stages the machine with what is written, as
-/// [`write()`] does. Without a folder to write into, nothing is staged.
+/// [`write()`] does. Without a folder to write into, nothing is staged, but what cannot be written is refused all the same.
 pub(crate) fn decide(
     outputs: &mut Outputs,
     machine: &Path,
     into: Option<&Path>,
     record: &Path,
-    additions: Additions,
+    (writing, additions): (Writing, Additions),
 ) -> Result<Done> {
-    let additions = additions.of_record(&std::fs::read(record)?);
+    let additions = Additions { force: writing.force, ..additions.of_record(&std::fs::read(record)?) };
     let (folder, name) = Folder::of_machine(machine);
     let decisions = additions.decide(&folder, &name)?;
     let mut notes = Vec::from_iter(Some(table(&decisions)).filter(|table| !table.is_empty()));
     if let Some(output) = into {
         notes.extend(write(outputs, machine, output, |folder, name| additions.edit(folder, name))?);
+    } else {
+        additions.edit(&folder, &name)?;
     }
     Ok(Done { decisions: Some(decisions), notes })
 }

@@ -186,6 +186,12 @@ fn what_has_not_changed_is_not_claimed() {
     assert!(text.contains("A0Z_urad = 32.123456789\nB0Z_urad = 38.987654321\nC0Y_urad = 50"), "{text}");
     assert!(text.contains("[axis.X]\nbacklash_um = 5") && !text.contains("[axis.Y]"), "{text}");
     assert!(told.lines().any(|line| line.starts_with("axis.Y.backlash_um") && line.contains("of none")), "{told}");
+    let call = ["ballbar", "record.csv", "--radius-mm", "100", "--machine", "m", "-o", "forced", "--force"];
+    let [_, told] = folder.both(&call);
+    assert!(told.contains("forced, the rule writes nothing: within 2 standard uncertainties of none"), "{told}");
+    let text = folder.read("forced/machine.toml");
+    assert!(text.contains("[axis.Y]\nbacklash_um = ") && text.contains("B0Z_urad = 38.987654321\n"), "{text}");
+    folder.bad(&["ballbar", "record.csv", "--radius-mm", "100", "--force"], &["--machine"]);
 }
 
 /// Encoders of the axes do not see the squareness: that they show none does not take away what is stated.

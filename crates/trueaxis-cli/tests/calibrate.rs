@@ -119,6 +119,13 @@ fn a_ring_and_a_ball_tell_the_machine() {
     let again = folder.json(&solve("mill", &["--json"]));
     near(&again["location"]["C0Y_urad"], 0.0, 0.05);
     near(&again["axes"]["X"]["scale_ppm"], 0.0, 0.05);
+    // A lost motion within its scatter is not written, but where it is forced.
+    let of = |found: &serde_json::Value| {
+        found["written"].as_array().unwrap().iter().find(|of| of["key"] == "axis.Z.backlash_um").unwrap().clone()
+    };
+    let forced = folder.json(&solve("mill", &["--json", "--force", "--dry-run"]));
+    assert!(of(&forced)["why"].as_str().unwrap().starts_with("forced, the rule writes "), "{}", of(&forced));
+    assert!(of(&forced)["written"].is_object());
 }
 
 /// A control that takes up 6 µm too much in X.

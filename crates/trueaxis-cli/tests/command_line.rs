@@ -256,6 +256,47 @@ fn bad_paths_and_positions_are_refused_with_their_place() {
     directory.bad(&["contour", "path.json", "actual.csv", "--max-lag-mm", "0"], &["--max-lag-mm"]);
 }
 
+/// A square of 10 mm, on whose sides one axis rests; X dies on the first of them.
+#[test]
+fn a_coordinate_that_dies_on_the_path_is_refused_with_its_line_and_one_that_rests_is_not() {
+    let directory = Folder::new(TRUEAXIS);
+    let corners = [[0, 0], [10, 0], [10, 10], [0, 10], [0, 0]];
+    let sides: Vec<String> = corners
+        .windows(2)
+        .map(|side| {
+            let [[ax, ay], [bx, by]] = [side[0], side[1]];
+            format!("{{\"type\":\"line\",\"start\":[{ax},{ay},-20],\"end\":[{bx},{by},-20]}}")
+        })
+        .collect();
+    directory.write("path.json", format!("{{\"segments\":[{}]}}", sides.join(",")));
+    // Rows 0.1 mm apart, 2 µm off to the right, and fifty of a dwell in the first corner.
+    let record = |dies: bool| {
+        let mut text = String::from("segment,u,x_mm,y_mm,z_mm\n");
+        for (segment, side) in corners.windows(2).enumerate() {
+            for k in (0..=100).chain((segment == 0).then_some(100).into_iter().cycle().take(50)) {
+                let u = f64::from(k) / 100.0;
+                let [x, y] = [0, 1].map(|c| f64::from(side[0][c]) + u * f64::from(side[1][c] - side[0][c]));
+                let x = if dies && (segment > 0 || k > 40) { 4.002 } else { x + 0.002 };
+                text += &format!("{segment},{u},{x:.4},{y:.4},-20\n");
+            }
+        }
+        text
+    };
+    directory.write("actual.csv", record(false));
+    let error = column(&directory.good(&["contour", "path.json", "actual.csv"]), "error_um");
+    assert!(error.len() == 454 && error.iter().all(|um| *um < 2.001));
+    directory.write("dead.csv", record(true));
+    directory.bad(
+        &["contour", "path.json", "dead.csv", "-o", "out.csv"],
+        &[
+            "dead.csv:42: column x_mm: found 4.002 for ",
+            "while the path goes on by 10.000 mm",
+            "a position that follows the path",
+        ],
+    );
+    assert!(!directory.has("out.csv"));
+}
+
 #[test]
 fn iso_230_2_before_and_after_compensation() {
     let directory = Folder::new(TRUEAXIS);

@@ -151,6 +151,11 @@ fn what_is_known_worse_moves_a_value_little_and_what_differs_takes_its_place_wit
     assert!(said["a0z_urad"].is_object() && row["why"] == "agrees: both by their weights", "{said}");
     assert_eq!(folder.read("mill/machine.toml"), mill);
     folder.good(&["tables", "check", "agrees"]);
+    // Forced, what was found is written although the better known value agrees; alone there is nothing to force.
+    let ([_, told], error) = run(25.0, "forced", &["--force"]);
+    assert_eq!(of(&folder.read("forced/machine.toml"))[..2], [25.0, 11.0], "{error}");
+    assert!(told.contains("forced, the rule writes 31.5 ± 2.9: agrees: both by their weights"), "{told}");
+    folder.bad(&["evaluate", "step-diagonal", "record.csv", "--force"], &["--machine"]);
 }
 
 /// A head-less trunnion without an error of its own, whose table's centre line is off by 10 µm; and the record of another machine.
@@ -194,6 +199,16 @@ fn a_record_of_another_machine_writes_nothing() {
     let [_, told] = folder.both(&[&call[..], &["other"]].concat());
     assert!(told.contains("misfit: ") && told.contains(" RMS are left"), "{told}");
     assert_eq!(folder.read("other/machine.toml"), folder.read("five/machine.toml"));
+    // Unless it is forced, which a dry run shows.
+    let before = folder.tree();
+    let said = folder.json(&[&call[..5], &["--force", "--dry-run", "--json"]].concat());
+    assert_eq!(folder.tree(), before);
+    let row = said["written"].as_array().unwrap().iter().find(|of| of["key"] == "location.EX0C_um").unwrap();
+    assert!(row["why"].as_str().unwrap().starts_with("forced, the rule writes nothing: misfit: "), "{row}");
+    folder.good(&[&call[..], &["forced", "--force"]].concat());
+    let text = folder.read("forced/machine.toml");
+    assert_eq!(number(&text, "location", "EX0C_um"), row["written"]["value"].as_f64(), "{text}");
+    folder.bad(&[&call[..5], &["--force"]].concat(), &["--force: found no machine that is written"]);
     // By the stated noise, though most is explained.
     folder.write("bk.csv", record(2.0));
     folder.good(&[&call[..], &["unstated"]].concat());

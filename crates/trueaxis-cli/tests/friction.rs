@@ -220,4 +220,11 @@ fn friction_goes_into_a_machine_by_the_rule_of_all_commands() {
     let [_, told] = folder.both(&[&CALL[..], &["-o", "misfit"]].concat());
     assert!(told.contains("misfit: "), "{told}");
     assert_eq!(folder.read("misfit/machine.toml"), folder.read("machine.toml"));
+    let said = folder.json(&[&CALL[..], &["-o", "forced", "--force", "--json"]].concat());
+    let forced = |of: &Value| {
+        of["written"].is_object()
+            && of["why"].as_str().unwrap().starts_with("forced, the rule writes nothing: misfit: ")
+    };
+    assert!(said["written"].as_array().unwrap().iter().all(forced), "{said}");
+    assert!(folder.read("forced/machine.toml").contains("[axis.Y.friction]"));
 }

@@ -322,6 +322,10 @@ fn errors_of_an_axis_go_into_a_machine_by_the_rule_of_all_commands() {
     let before = directory.read("head/c.csv");
     let [_, told] = directory.both(&[&call[..], &["-o", "head"]].concat());
     assert!(told.contains("misfit: ") && directory.read("head/c.csv") == before, "{told}");
+    let [_, told] = directory.both(&[&call[..], &["-o", "forced", "--force"]].concat());
+    assert!(told.contains("forced, the rule writes nothing: misfit: "), "{told}");
+    assert!(directory.read("forced/c.csv") != before && directory.read("head/c.csv") == before);
+    directory.bad(&[&call[..], &["-o", "own.csv", "--force"]].concat(), &["--force: found no machine that is written"]);
     // Without a machine, and for a .csv, the table to read.
     directory.good(&["identify", "m.csv", "--axis", "C", "--machine", "head", "-o", "own.csv"]);
     assert!(directory.read("own.csv").starts_with("C_deg,EXC_um"));

@@ -115,6 +115,37 @@ fn bad_records_are_told_with_line_and_figure_and_nothing_is_written() {
     folder.bad(&["thermal", "fit", "record.csv", "--without", "T7"], &["--without: found T7, needed one of T1, T2"]);
 }
 
+#[test]
+fn missing_rows_are_told_with_their_line_and_doubled_ones_are_refused() {
+    let folder = Folder::new(TRUEAXIS);
+    let good = record();
+    let without = |gone: &[usize]| {
+        let kept = good.lines().enumerate().filter(|(k, _)| !gone.contains(&(k + 1)));
+        kept.fold(String::new(), |text, (_, line)| text + line + "\n")
+    };
+    let fit = |file: &str| folder.json(&["thermal", "fit", file, "--json"])["missing"].clone();
+    folder.write("good.csv", &good);
+    assert_eq!(fit("good.csv"), serde_json::json!([]));
+    // Both positions twice in cycle 1, and one position of one time in cycle 2; line 202 is row 100 at X 0.
+    folder.write("gaps.csv", without(&[122, 123, 124, 125, 203]));
+    let [first, second] = [(122, 1, 4, 900.0), (198, 2, 1, 600.0)].map(|(line, cycle, rows, found_s)| {
+        serde_json::json!({ "line": line, "cycle": cycle, "rows": rows, "found_s": found_s, "interval_s": 300.0 })
+    });
+    assert_eq!(fit("gaps.csv"), serde_json::json!([first, second]));
+    let table = folder.good(&["thermal", "fit", "gaps.csv", "--report", "out"]);
+    assert!(table.contains("line 122: 4 rows of cycle 1 are missing, 900 s where rows are 300 s apart\n"), "{table}");
+    assert!(folder.read("out/thermal.html").contains("Missing rows"));
+    // The beginning of a cycle has no plan, and a record that is uneven has none either.
+    folder.write("late.csv", without(&[98, 99]));
+    assert_eq!(fit("late.csv"), serde_json::json!([]));
+    let uneven: Vec<usize> = (2..386_usize).filter(|line| (line / 2).is_multiple_of(4)).collect();
+    folder.write("uneven.csv", without(&uneven));
+    assert_eq!(fit("uneven.csv"), serde_json::json!([]));
+    let line = |number: usize| good.lines().nth(number - 1).unwrap();
+    folder.write("doubled.csv", good.replacen(line(60), &format!("{0}\n{0}", line(60)), 1));
+    folder.bad(&["thermal", "fit", "doubled.csv"], &["doubled.csv:61: column t_s: ", "(first in line 60)"]);
+}
+
 /// A hot end at 160 to 270 °C that warms by up to 1.5 K a minute: what it read is plausible to the task, and as fast as it is stated.
 #[test]
 fn a_hot_end_is_a_sensor() {

@@ -2,7 +2,7 @@
 
 mod foot;
 
-pub use foot::{Foot, NotOnPath};
+pub use foot::{Alive, Foot, NotOnPath, Standing};
 
 use anyhow::{Result, anyhow, bail};
 use serde::Deserialize;

@@ -113,6 +113,84 @@ pub fn left_behind(command: &[f64], reading: &[f64]) -> Option<Stuck> {
     longest(reading).filter(|stuck| command.get(stuck.from..stuck.from + stuck.count).is_some_and(many))
 }
 
+/// Least way of a command over which a position that follows it cannot read one value, mm: friction and play hold an axis for less.
+const HELD_MM: f64 = 0.02;
+/// The same in steps of the position's own resolution: its least change from one row to the next.
+const HELD_STEPS: f64 = 4.0;
+/// A command that changes by less from one row to the next is rounded, mm.
+const ROUNDED_MM: f64 = 1e-9;
+
+/// A position and its command, row after row, in memory that does not grow: [`left_behind`] where the command may rest for most
+/// of the record, as that of an axis beside which the others move.
+#[derive(Clone, Debug)]
+pub struct Followed {
+    last: Option<[f64; 2]>,
+    /// Rows in which the command moves.
+    moving: usize,
+    /// Least change of the reading; none yet: infinite.
+    resolution: f64,
+    stretch: Stretch,
+    widest: Stretch,
+}
+
+/// Readings of one value while the command moves.
+#[derive(Clone, Copy, Debug)]
+struct Stretch {
+    stuck: Stuck,
+    /// Least and largest command.
+    command: [f64; 2],
+}
+
+impl Default for Stretch {
+    fn default() -> Self {
+        Self { stuck: Stuck { from: 0, count: 0, value: f64::NAN }, command: [f64::INFINITY, f64::NEG_INFINITY] }
+    }
+}
+
+impl Stretch {
+    fn way(&self) -> f64 {
+        self.command[1] - self.command[0]
+    }
+}
+
+impl Default for Followed {
+    fn default() -> Self {
+        let [stretch, widest] = [Stretch::default(); 2];
+        Self { last: None, moving: 0, resolution: f64::INFINITY, stretch, widest }
+    }
+}
+
+impl Followed {
+    /// Takes a row: its number or line, the command and the reading, mm.
+    pub fn put(&mut self, row: usize, command: f64, reading: f64) {
+        let before = self.last.replace([command, reading]);
+        let step = before.map_or(f64::INFINITY, |[_, read]| (reading - read).abs());
+        if step != 0.0 {
+            self.resolution = self.resolution.min(step);
+            self.stretch = Stretch { stuck: Stuck { from: row, count: 0, value: reading }, ..Stretch::default() };
+        }
+        if before.is_none_or(|[before, _]| (command - before).abs() <= ROUNDED_MM) {
+            return;
+        }
+        self.moving += 1;
+        self.stretch.stuck.count += 1;
+        let [low, high] = self.stretch.command;
+        self.stretch.command = [low.min(command), high.max(command)];
+        if self.stretch.stuck.count >= LEAST && self.stretch.way() >= self.widest.way() {
+            self.widest = self.stretch;
+        }
+    }
+
+    /// Where the position stood still, and over which way of its command, mm: eight readings and a fifth of those over which the
+    /// command moved, over 0.02 mm and four steps of its resolution at least.
+    pub fn standing(&self) -> Option<(Stuck, f64)> {
+        let (stuck, way) = (self.widest.stuck, self.widest.way());
+        let stood = stuck.count >= LEAST && 5 * stuck.count >= self.moving;
+        let steps = if self.resolution.is_finite() { HELD_STEPS * self.resolution } else { 0.0 };
+        (stood && way > HELD_MM.max(steps)).then_some((stuck, way))
+    }
+}
+
 /// Whether more than half of these values are different ones.
 fn many(values: &[f64]) -> bool {
     let mut sorted = values.to_vec();
@@ -205,5 +283,33 @@ mod tests {
         let mut reading = command.clone();
         reading[25..].fill(25.0);
         assert_eq!(left_behind(&command, &reading), Some(Stuck { from: 25, count: 15, value: 25.0 }));
+    }
+
+    #[test]
+    fn a_position_that_its_command_leaves_behind_stands_still_and_one_that_rests_or_is_coarse_does_not() {
+        let standing = |rows: &[[f64; 2]]| {
+            let mut followed = Followed::default();
+            rows.iter().enumerate().for_each(|(row, [command, reading])| followed.put(row, *command, *reading));
+            followed.standing()
+        };
+        let along = |of: &dyn Fn(f64) -> [f64; 2]| standing(&(0..400).map(|k| of(f64::from(k))).collect::<Vec<_>>());
+        // A square: each axis rests on two of its sides.
+        let square = |k: f64| (0.1 * k).min(10.0) - (0.1 * (k - 200.0)).clamp(0.0, 10.0);
+        assert_eq!(along(&|k| [square(k), square(k) + 0.003]), None);
+        let died = along(&|k| [square(k), square(k.min(50.0))]).unwrap();
+        assert_eq!(died.0, Stuck { from: 50, count: 151, value: 5.0 });
+        assert!((died.1 - 10.0).abs() < 1e-9, "{died:?}");
+        // A dwell of both, an inclined line read in whole micrometres, a stepper's steps of 5 µm, play of 0.015 mm.
+        assert_eq!(along(&|k| [0.1 * k.clamp(100.0, 150.0), 0.1 * k.clamp(100.0, 150.0)]), None);
+        assert_eq!(along(&|k| [1e-5 * k, (1e-2 * k).round() * 1e-3]), None);
+        assert_eq!(along(&|k| [1e-4 * k, (2e-2 * k).round() * 5e-3]), None);
+        assert_eq!(along(&|k| [4e-5 * k, (4e-5 * k - 0.015).max(0.0)]), None);
+        // Circles, from the second of which on it is dead, behind one reading that was sent twice at a rapid.
+        let circles = |k: f64| 20.0 * (0.1 * k).sin() - if k < 3.0 { 900.0 } else { 0.0 };
+        let died = along(&|k| [circles(k), circles(if k < 4.0 { k.min(2.0) } else { k.min(70.0) })]);
+        assert_eq!(died.map(|found| (found.0.from, found.0.count)), Some((70, 330)));
+        // One that never read anything else, and one of a coarse record that comes free at its end.
+        assert_eq!(along(&|k| [0.1 * k, 3.0]).map(|found| found.0.count), Some(399));
+        assert_eq!(along(&|k| [k, if k < 390.0 { 0.0 } else { k }]).map(|found| found.0.count), Some(389));
     }
 }

@@ -3,7 +3,7 @@
 
 use trueaxis::Axis;
 use trueaxis::temperature::Thermal;
-use trueaxis_metrology::thermal::{RATE_K_PER_MIN, Record, Refused, Sample, Settings, fit, held_out};
+use trueaxis_metrology::thermal::{Missing, RATE_K_PER_MIN, Record, Refused, Sample, Settings, fit, held_out};
 use trueaxis_testing::noise::Noise;
 
 /// Lags of the truth, s: spindle sensor, ambient, and the spindle's own response.
@@ -230,6 +230,28 @@ fn sensors_that_fail_half_way_are_told_with_their_row_and_figure() {
     assert_eq!(twice, Refused::Twice { index: 41, first: 40 });
     let missing = refused(|record| record.samples[33].temperatures_c[1] = f64::NAN);
     assert_eq!(missing, Refused::Row { index: 33 });
+}
+
+#[test]
+fn rows_missing_for_less_than_a_lag_are_told_and_for_longer_refused() {
+    // One measuring point, every 120 s; its lags are 900, 5400 and 1500 s.
+    let without = |minutes: f64| {
+        let mut record = record(0.3);
+        record.samples.retain(|sample| sample.tool_mm == 40.0 && sample.position_mm[0] == 0.0);
+        let from = record.samples[150].t_s;
+        record.samples.retain(|sample| !(from..from + 60.0 * minutes).contains(&sample.t_s));
+        fit(&record, &settings(), &mut |_| ())
+    };
+    assert!(without(0.0).unwrap().missing.is_empty());
+    let found = without(10.0).unwrap();
+    let told = Missing { cycle: 2, index: 150, rows: 5, found_s: 720.0, interval_s: 120.0, unknown_s: 720.0 };
+    assert_eq!(found.missing, [told]);
+    let refused = without(16.0).unwrap_err();
+    assert!(
+        matches!(&refused, Refused::Missing { missing, of, lag_s }
+            if missing.unknown_s == 1080.0 && missing.rows == 8 && of == "nose" && (*lag_s / LAGS[0] - 1.0).abs() < 0.1),
+        "{refused}"
+    );
 }
 
 #[test]

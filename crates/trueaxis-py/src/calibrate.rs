@@ -6,9 +6,9 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::{Path, PathBuf};
 use trueaxis_evaluation::calibrate::{Planning, Task, solved};
-use trueaxis_tables::Machine;
 use trueaxis_tables::files::Folder;
 use trueaxis_tables::text::read_text;
+use trueaxis_tables::{Additions, Machine};
 
 /// A task with its machine, whose folder it names from its own.
 struct Read {
@@ -52,20 +52,26 @@ pub(crate) fn calibrate_plan(py: Python<'_>, task: PathBuf) -> PyResult<Bound<'_
 ///
 /// One least-squares network of touches, places, sizes, tip and drift. Errors are actual − ideal, of the tool relative to the
 /// workpiece: µrad, µm, ppm by their names; standard errors under the same names. task: the one that the program was planned
-/// from. log: the control's, or a CSV id, x_mm, y_mm, z_mm[, a_deg, b_deg, c_deg], tripped. Nothing is written.
+/// from. log: the control's, or a CSV id, x_mm, y_mm, z_mm[, a_deg, b_deg, c_deg], tripped. force: as --force, what was found takes the place of what the rule would write. Nothing is written.
 ///
 /// Raises trueaxis.Error with file and line: a log of another task, touches that are missing, doubled or off their artefact, an
 /// artefact outside its size, a drift above what is measured, terms that cannot be told apart.
 #[pyfunction]
-#[pyo3(signature = (task, log, *, files = false))]
-pub(crate) fn calibrate_solve(py: Python<'_>, task: PathBuf, log: PathBuf, files: bool) -> PyResult<Bound<'_, PyDict>> {
+#[pyo3(signature = (task, log, *, files = false, force = false))]
+pub(crate) fn calibrate_solve(
+    py: Python<'_>,
+    task: PathBuf,
+    log: PathBuf,
+    files: bool,
+    force: bool,
+) -> PyResult<Bound<'_, PyDict>> {
     let mut notes = Vec::new();
     let found = py.detach(|| {
         let read = read(&task, &mut notes)?;
         let text = read_text(&log, &['#', ';'])?;
         let (_, found) = solved(&read.task, &read.machine, &text, &log, |note| notes.push(note))?;
         let record = std::fs::read(&log).map_err(|error| anyhow::anyhow!("{}: {error}", log.display()))?;
-        let additions = found.additions(&read.task).of_record(&record);
+        let additions = Additions { force, ..found.additions(&read.task).of_record(&record) };
         let decisions = additions.decide(&read.folder, &read.name)?;
         let edited = additions.edit(&read.folder, &read.name)?;
         Ok((found.document(&read.task, &read.machine), decisions, edited.files))
@@ -73,7 +79,7 @@ pub(crate) fn calibrate_solve(py: Python<'_>, task: PathBuf, log: PathBuf, files
     notes.iter().try_for_each(|note| warn(py, note))?;
     let (document, decisions, edited) = told(found)?;
     let document = documents::dictionary(py, &document)?.cast_into::<PyDict>()?;
-    document.set_item("written", documents::dictionary(py, &decisions)?)?;
+    documents::with_decisions(&document, Some(&decisions))?;
     if files {
         let texts = PyDict::new(py);
         for (name, text) in edited {

@@ -9,10 +9,17 @@ use std::path::Path;
 use trueaxis_evaluation::probes::Probes;
 use trueaxis_evaluation::{circle as circles, probe_angles as angles, roundness as separation};
 use trueaxis_metrology::separation::NOISE_GAIN_LIMIT;
+use trueaxis_tables::finding::Decision;
 
 pub(crate) fn dictionary<'py>(py: Python<'py>, document: &impl Serialize) -> PyResult<Bound<'py, PyAny>> {
     let text = told(trueaxis_evaluation::json::compact(document).map_err(Into::into))?;
     py.import("json")?.call_method1("loads", (text,))
+}
+
+/// What was decided about a machine, under `written` as in the documents of the commands; nothing without one.
+pub(crate) fn with_decisions(document: &Bound<'_, PyDict>, written: Option<&[Decision]>) -> PyResult<()> {
+    let Some(written) = written else { return Ok(()) };
+    document.set_item("written", dictionary(document.py(), &written)?)
 }
 
 /// Reference circles of points of a section after ISO 12181-1: the document of `trueaxis circle --json`.

@@ -15,7 +15,9 @@ use trueaxis_tables::formats::write_axis_csv;
 ///
 /// readings: (n, 6), columns angle_deg, l_mm, h_mm, dx_um, dy_um, dz_um, or a file of these; rows of an array count from line 2.
 /// axis: "A", "B" or "C". machine: its sense of the axis is taken and its linear axes' own errors are removed, with X, Y, Z at
-/// start_mm in the first set-up at the first angle. free_offsets: the gauges were zeroed in every set-up.
+/// start_mm in the first set-up at the first angle. free_offsets: the gauges were zeroed in every set-up. With a machine that is
+/// no compiled file `written` says what would become of every error in it as its files are now: key, old, found, written, None
+/// where what is stated stays, and why. Nothing is written.
 #[pyfunction]
 #[pyo3(signature = (readings, *, axis, machine = None, start_mm = None, free_offsets = false, table = false))]
 pub(crate) fn identify<'py>(
@@ -45,7 +47,7 @@ pub(crate) fn identify<'py>(
     let mut notes = Vec::new();
     let found = py.detach(|| {
         let readings = ball::Readings::read(&mut measured.rows(&ball::COLUMNS, &mut notes)?)?;
-        let known = machine.map(|Machine(machine, _)| ball::Known {
+        let known = machine.map(|Machine(machine, ..)| ball::Known {
             machine,
             file: machine.settings.name.as_str(),
             start_mm: start_mm.unwrap_or_default(),
@@ -53,11 +55,22 @@ pub(crate) fn identify<'py>(
         let name = measured.name().display().to_string();
         let mut found = ball::identify(readings, &name, axis, offsets, known)?;
         let table = if table { Some(write_axis_csv(&found.table()?, axis)) } else { None };
-        Ok((found.document, table))
+        let written = match machine {
+            Some(machine) => match found.additions(&machine.0) {
+                Ok(additions) => machine.decided(&measured, additions)?,
+                Err(error) => {
+                    notes.push(format!("{name}: nothing is decided about the machine: {error}"));
+                    None
+                }
+            },
+            None => None,
+        };
+        Ok((found.document, table, written))
     });
     notes.iter().try_for_each(|note| warn(py, note))?;
-    let (document, table) = told(found)?;
+    let (document, table, written) = told(found)?;
     let found = documents::dictionary(py, &document)?.cast_into::<PyDict>()?;
+    documents::with_decisions(&found, written.as_deref())?;
     if let Some(table) = table {
         found.set_item("table", table)?;
     }
@@ -68,7 +81,8 @@ pub(crate) fn identify<'py>(
 /// toml=True the sections of a machine.toml under `toml`.
 ///
 /// record: (n, 5), time in s, then command and reading in mm of the first axis and of the second, or a file as the command
-/// reads; rows of an array count from line 2. axes: as "X,Y". machine: the figures of its drives are taken, unless find_drive.
+/// reads; rows of an array count from line 2. axes: as "X,Y". machine: the figures of its drives are taken, unless find_drive;
+/// `written` says what would become of every figure in it, as that of `identify` does. Nothing is written.
 #[pyfunction]
 #[pyo3(signature = (record, *, axes, machine = None, find_drive = false, toml = false))]
 pub(crate) fn friction<'py>(
@@ -94,11 +108,16 @@ pub(crate) fn friction<'py>(
         let recording = circles::Recording::read(measured.rows(&columns, &mut notes)?, axes)?;
         let (found, document) = circles::fit(&recording, given, &mut |_, _| {})?;
         let sections = toml.then(|| circles::sections(measured.name(), &found));
-        Ok((document, sections))
+        let written = match machine {
+            Some(machine) => machine.decided(&measured, circles::additions(&found))?,
+            None => None,
+        };
+        Ok((document, sections, written))
     });
     notes.iter().try_for_each(|note| warn(py, note))?;
-    let (document, sections) = told(found)?;
+    let (document, sections, written) = told(found)?;
     let found = documents::dictionary(py, &document)?.cast_into::<PyDict>()?;
+    documents::with_decisions(&found, written.as_deref())?;
     if let Some(sections) = sections {
         found.set_item("toml", sections)?;
     }

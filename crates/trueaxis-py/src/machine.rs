@@ -1,5 +1,6 @@
 //! A machine: its errors and corrections.
 
+use crate::measured::Measured;
 use crate::{Error, arrays, documents, told, warn};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
@@ -11,12 +12,15 @@ use trueaxis_evaluation::compensate::{Arrival, PoseError, Settings};
 use trueaxis_evaluation::correct::position;
 use trueaxis_evaluation::model;
 use trueaxis_evaluation::uncertainty::{Options, evaluate};
+use trueaxis_tables::Additions;
+use trueaxis_tables::files::Folder;
+use trueaxis_tables::finding::Decision;
 use trueaxis_tables::text::counted;
 use trueaxis_tables::uncertainty::Uncertainties;
 
 /// A machine with its tables, read and checked.
 #[pyclass(frozen, module = "trueaxis")]
-pub(crate) struct Machine(pub(crate) trueaxis_tables::Machine, pub(crate) Stated);
+pub(crate) struct Machine(pub(crate) trueaxis_tables::Machine, pub(crate) Stated, pub(crate) PathBuf);
 
 /// Standard uncertainties that the machine's files state; a compiled file states none.
 type Stated = Option<Uncertainties>;
@@ -43,7 +47,7 @@ impl Machine {
         let machine = py.detach(|| {
             let machine = model::machine(&path, &mut |note| notes.push(note))?;
             let stated = if model::is_compiled(&path) { None } else { Some(Uncertainties::read(&path)?) };
-            Ok(Machine(machine, stated))
+            Ok(Machine(machine, stated, path.clone()))
         });
         for note in notes {
             warn(py, &note)?;
@@ -167,7 +171,7 @@ impl Machine {
         trials: usize,
         seed: u64,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let Machine(machine, Some(stated)) = self else {
+        let Machine(machine, Some(stated), _) = self else {
             return Err(Error::new_err(
                 "machine: found a compiled file, which states no uncertainty, needed a machine.toml",
             ));
@@ -208,6 +212,18 @@ pub(crate) fn columns(machine: &trueaxis_tables::Machine) -> impl Iterator<Item 
 }
 
 impl Machine {
+    /// What is done about every finding of a record in the machine as its files are now, by the rule of the commands; nothing for a
+    /// compiled file, which states nothing. Nothing is written.
+    pub(crate) fn decided(&self, record: &Measured, additions: Additions) -> anyhow::Result<Option<Vec<Decision>>> {
+        if self.1.is_none() {
+            return Ok(None);
+        }
+        let (folder, name) = Folder::of_machine(&self.2);
+        let additions = additions.of_record(&record.bytes()?);
+        additions.edit(&folder, &name)?;
+        Ok(Some(additions.decide(&folder, &name)?))
+    }
+
     /// Positions of a call, checked against the declared travel.
     pub(crate) fn asked(
         &self,

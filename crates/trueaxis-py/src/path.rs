@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::{Path as FilePath, PathBuf};
 use trueaxis::contour::{ContourSearch, Method};
-use trueaxis_evaluation::path::{PathFile, ProgrammedPath};
+use trueaxis_evaluation::path::{Alive, PathFile, ProgrammedPath, Standing};
 use trueaxis_tables::text::read_text;
 
 /// A programmed path of lines, arcs and NURBS.
@@ -49,6 +49,9 @@ impl Path {
     ///
     /// actual: (n, 3), mm; segment and u: (n,), where the reference is. Gives the columns of `trueaxis contour` as arrays:
     /// segment and u of the foot, error_um (its distance), vector_um (n, 3; actual − foot), evaluations, bracketed.
+    ///
+    /// Raises trueaxis.Error with the row: a reference that is not on the path, a coordinate that stands still while the path
+    /// goes on along it.
     #[pyo3(signature = (segment, u, actual, *, max_lag_mm = 1.0, method = "guarded"))]
     fn contour_error<'py>(
         &self,
@@ -96,12 +99,13 @@ impl Path {
     }
 
     fn feet(&self, search: &ContourSearch<f64>, segment: &[f64], u: &[f64], actual: &[f64]) -> anyhow::Result<Feet> {
-        let mut feet = Feet::default();
+        let (mut feet, mut alive) = (Feet::default(), Alive::default());
         for (row, ((segment, u), position)) in segment.iter().zip(u).zip(actual.as_chunks::<3>().0).enumerate() {
             let found = self
                 .0
                 .foot(search, [*segment, *u], *position)
                 .map_err(|wrong| anyhow!("{}[{row}]: found {}, needed {}", wrong.field, wrong.found, wrong.needed))?;
+            alive.put(row, &found, *position);
             feet.segment.push(found.segment);
             feet.u.push(found.u);
             feet.error_um.push(found.error_um);
@@ -109,6 +113,9 @@ impl Path {
             feet.evaluations.push(found.evaluations.into());
             feet.bracketed.push(found.bracketed);
         }
+        alive.check().map_err(|Standing { row, axis, found }| {
+            anyhow!("actual[{row}, {axis}]: found {found}, needed {}", Standing::NEEDED)
+        })?;
         Ok(feet)
     }
 }

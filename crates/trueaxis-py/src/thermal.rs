@@ -16,7 +16,10 @@ use trueaxis_evaluation::thermal::{COLUMNS, Found, Recording, settings, written}
 /// temperature and datums, else 20 °C and 0 mm. hold_out: cycles that take no part in the fit, else the last. without: sensors
 /// to leave out, "T3".
 ///
-/// Raises trueaxis.Error with line and column: a sensor that jumps, sticks or is missing, a record in which nothing moves.
+/// Rows missing where the others are even stand under `missing`, each with a warning.
+///
+/// Raises trueaxis.Error with line and column: a sensor that jumps, sticks or is missing, rows missing for longer than a lag, a
+/// record in which nothing moves.
 #[pyfunction]
 #[pyo3(signature = (record, *, machine = None, hold_out = Vec::new(), without = Vec::new(), toml = false))]
 pub(crate) fn thermal_fit<'py>(
@@ -37,7 +40,9 @@ pub(crate) fn thermal_fit<'py>(
     notes.iter().try_for_each(|note| warn(py, note))?;
     // The option of the command line is the argument here.
     let found = found.map_err(|error| Error::new_err(format!("{error:#}").trim_start_matches("--").to_owned()))?;
-    let document = documents::dictionary(py, &found.document())?.cast_into::<PyDict>()?;
+    let document = found.document();
+    document.missing.iter().try_for_each(|own| warn(py, &own.to_string()))?;
+    let document = documents::dictionary(py, &document)?.cast_into::<PyDict>()?;
     if toml {
         document.set_item("toml", written(&found))?;
     }

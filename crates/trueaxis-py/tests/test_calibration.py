@@ -47,6 +47,11 @@ def test_a_calibration_is_that_of_the_command(task, tmp_path):
     for name, text in files.items():
         assert text == (tmp_path / "new" / name).read_text()
     assert files["machine.toml"].startswith("# of my own hand")
+    code, out, err = command("calibrate", "solve", task, log, "--force", "--dry-run", "--json")
+    assert code == 0, err
+    found = trueaxis.calibrate_solve(task, log, force=True)
+    assert found == json.loads(out)
+    assert all(of["written"] and of["why"].startswith("forced, the rule writes ") for of in found["written"])
 
 
 def test_a_log_that_cannot_be_used_is_refused_in_the_words_of_the_command(task, tmp_path):
@@ -96,6 +101,10 @@ def test_a_thermal_fit_is_that_of_the_command(tmp_path):
     text = trueaxis.thermal_fit(file, machine=mill, hold_out=[2], without=["T2"], toml=True).pop("toml")
     assert text == toml.read_text()
     assert refused(lambda: trueaxis.thermal_fit(record, without=["T7"])) == "without: found T7, needed one of T1, T2"
+    gap = {name: np.delete(values, [120, 121]) for name, values in record.items()}
+    with pytest.warns(UserWarning, match="line 122: 2 rows of cycle 1 are missing, 600 s where rows are 300 s apart"):
+        missing = trueaxis.thermal_fit(gap)["missing"]
+    assert missing == [{"line": 122, "cycle": 1, "rows": 2, "found_s": 600.0, "interval_s": 300.0}]
     record["T1_c"][100] = 400.0
     assert refused(lambda: trueaxis.thermal_fit(record)).startswith("record:102: column T1_c: found 400")
 

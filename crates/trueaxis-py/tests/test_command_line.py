@@ -150,6 +150,9 @@ def test_contour_error_is_that_of_contour(tmp_path):
     x, y, z = actual[250:350].T
     distance = np.hypot(np.hypot(x - 10, y - 10) - 10, z)
     assert np.allclose(found["error_um"][250:350], 1e3 * distance, rtol=0, atol=1e-6)
+    # X dies on the arc.
+    actual[300:, 0] = actual[300, 0]
+    assert refused(lambda: path.contour_error(segment, u, actual)).startswith("actual[300, 0]: found ")
 
 
 def test_circle_is_that_of_circle(tmp_path):

@@ -51,10 +51,11 @@ def test_linear_axes_of_a_machine_are_removed(tmp_path):
     file = written(tmp_path / "ball.csv", HEADER, rows)
     machine = trueaxis.Machine.load(TABLES / "mill-5axis")
     options = ["--machine", TABLES / "mill-5axis", "--start-mm", "10,20,-150", "--free-offsets"]
-    code, out, err = command("identify", file, "--axis", "C", "--json", *options)
+    code, out, err = command("identify", file, "--axis", "C", "--json", *options, "--dry-run")
     assert code == 0, err
     found = trueaxis.identify(rows, axis="C", machine=machine, start_mm=[10, 20, -150], free_offsets=True)
     assert found == json.loads(out)
+    assert [of["key"] for of in found["written"]][0] == "axis.C.EXC_um" and len(found["written"]) == 6
     assert found["angles"] != trueaxis.identify(rows, axis="C", free_offsets=True)["angles"]
 
 
@@ -131,7 +132,12 @@ def test_friction_is_that_of_the_command(tmp_path, record):
     code, out, err = command("friction", file, "--axes", "X,Y", "--machine", tmp_path, "--json", "-o", tmp_path / "f.toml")
     assert code == 0, err
     found = trueaxis.friction(record, axes="X,Y", machine=machine)
+    decided = found.pop("written")
     assert found == json.loads(out)
+    code, out, err = command("friction", file, "--axes", "X,Y", "--machine", tmp_path, "--json", "--dry-run")
+    assert code == 0, err
+    assert decided == json.loads(out)["written"]
+    assert all(of["written"] and of["why"] == "nothing is stated" for of in decided if "coulomb" in of["key"])
     for axis in found["axes"]:
         assert axis["friction"]["coulomb_mm_per_s"] == pytest.approx(COULOMB, rel=0.03)
         assert axis["friction"]["presliding_um"] == pytest.approx(1e3 * PRESLIDING, rel=0.03)
@@ -146,3 +152,11 @@ def test_what_friction_refuses(record):
     still = record.copy()
     still[:, 1:] = 1.0
     assert refused(lambda: trueaxis.friction(still, axes="X,Y")).startswith("record: ")
+
+
+def test_a_machine_without_files_decides_nothing(tmp_path):
+    rows, _ = readings(0.05)
+    code, _, err = command("tables", "compile", TABLES / "mill-5axis", "-o", tmp_path / "m.tcomp")
+    assert code == 0, err
+    assert "written" not in trueaxis.identify(rows, axis="C", machine=trueaxis.Machine.load(tmp_path / "m.tcomp"))
+    assert "written" not in trueaxis.identify(rows, axis="C")

@@ -38,6 +38,9 @@ pub struct Additions {
     pub record: Option<String>,
     /// The record was taken with the machine's tables at work: the same one a second time is not added again.
     pub compensated: bool,
+    /// What was found is written whatever the rule says, which is told. Refused as ever: what the controller would refuse, and what is
+    /// in the machine already where it was found on top of it.
+    pub force: bool,
 }
 
 impl Additions {
@@ -61,6 +64,12 @@ impl Additions {
     fn decided(&self, before: &Machine, known: &Uncertainties, document: &DocumentMut) -> Vec<Decision> {
         let misfit = self.fit.and_then(|fit| fit.misfit(known.reading()));
         let again = self.record.as_ref().is_some_and(|record| known.records.contains(record));
+        let below = |key: &str, written: &finding::Known| {
+            let axis = finding::axis_of(key).and_then(|axis| before.settings.axis(axis));
+            let hysteresis =
+                axis.map_or(0.0, |own| if own.axis.is_rotary() { own.hysteresis * 1e6 } else { own.hysteresis * 1e3 });
+            key.contains(".backlash_") && -written.value > hysteresis
+        };
         let decision = |finding: &Finding| {
             let stated = finding::stated(document.as_table(), finding);
             let on_top = if finding.on_top { stated.map_or(0.0, |stated| stated.value) } else { 0.0 };
@@ -71,14 +80,8 @@ impl Additions {
                 None if finding.moved => (Some(found.rounded()), Why::Moved),
                 None => finding::decide(stated, found, !again),
             };
-            let axis = finding::axis_of(&finding.key).and_then(|axis| before.settings.axis(axis));
-            let below = |written: &finding::Known| {
-                let hysteresis = axis
-                    .map_or(0.0, |own| if own.axis.is_rotary() { own.hysteresis * 1e6 } else { own.hysteresis * 1e3 });
-                finding.key.contains(".backlash_") && -written.value > hysteresis
-            };
             match written {
-                Some(value) if below(&value) => {
+                Some(value) if below(&finding.key, &value) => {
                     Decision { key: finding.key.clone(), stated, found, written: None, why: Why::OverCompensated }
                 }
                 written => Decision { key: finding.key.clone(), stated, found, written, why },
@@ -86,6 +89,13 @@ impl Additions {
         };
         let mut decisions: Vec<Decision> = self.findings.iter().map(decision).collect();
         finding::together(&self.findings, &mut decisions);
+        for own in decisions.iter_mut().filter(|_| self.force && !(again && self.compensated)) {
+            if below(&own.key, &own.found) {
+                (own.written, own.why) = (None, Why::OverCompensated);
+            } else {
+                own.force();
+            }
+        }
         decisions
     }
 

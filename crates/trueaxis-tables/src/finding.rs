@@ -96,6 +96,8 @@ pub enum Why {
     OverCompensated,
     /// The record does not fit the machine; what is left of it.
     Misfit(String),
+    /// Written against the rule, or as it has it; what that is and why.
+    Forced(String),
 }
 
 impl fmt::Display for Why {
@@ -116,6 +118,7 @@ impl fmt::Display for Why {
                 write!(f, "{}; to correct it here all the same, state a hysteresis above it", OVERCOMPENSATED)
             }
             Why::Misfit(left) => write!(f, "misfit: {left}"),
+            Why::Forced(rule) => write!(f, "forced, the rule writes {rule}"),
         }
     }
 }
@@ -263,6 +266,21 @@ pub struct Decision {
     pub written: Option<Known>,
     /// Why.
     pub why: Why,
+}
+
+impl Decision {
+    /// Writes what was found whatever was decided; an uncertainty that is no number is not known.
+    pub(crate) fn force(&mut self) {
+        let found = self.found;
+        let forced = Known { uncertainty: found.uncertainty.filter(|own| own.is_finite()), ..found }.rounded();
+        let rule = match self.written {
+            Some(written) if written == forced => String::from("the same"),
+            Some(written) => written.to_string(),
+            None => String::from("nothing"),
+        };
+        self.written = Some(forced);
+        self.why = Why::Forced(format!("{rule}: {}", self.why));
+    }
 }
 
 /// One sentence.

@@ -119,6 +119,49 @@ fn a_misfit_writes_nothing() {
     }
 }
 
+/// Forced, what was found is written whatever the rule says, and what that is is told; what the controller refuses stays refused.
+#[test]
+fn what_is_forced_is_written_and_says_what_the_rule_does() {
+    let found = [
+        ("location.C0Y_urad", known(10.5, 2.0)),
+        ("axis.X.backlash_um", known(2.345, 0.1)),
+        ("axis.Y.backlash_um", known(0.12, 0.28)),
+    ];
+    let forced = |fit| Additions { force: true, ..findings(&found, fit) };
+    let (text, decisions) = edited(MACHINE, &forced(None));
+    for part in ["C0Y_urad = 10.5\n", "backlash_um = 2.35\n", "[axis.Y]\nbacklash_um = 0.12\n", "backlash_um = 0.28\n"]
+    {
+        assert!(text.contains(part), "{part} in {text}");
+    }
+    let why = decisions.iter().map(|of| of.why.to_string()).collect::<Vec<_>>();
+    assert_eq!(
+        why,
+        [
+            "forced, the rule writes 10.1 ± 0.89: agrees: both by their weights",
+            "forced, the rule writes the same: no uncertainty is stated",
+            "forced, the rule writes nothing: within 2 standard uncertainties of none",
+        ]
+    );
+    let misfit = Some(Fit { before_mm: 3.3e-3, left_mm: 3.2e-3, noise_mm: None });
+    let (other, decisions) = edited(MACHINE, &forced(misfit));
+    assert_eq!(other, text);
+    assert!(decisions.iter().all(|of| of.why.to_string().starts_with("forced, the rule writes nothing: misfit: ")));
+    // No figure; one that the controller does not take; lost motion below zero that no hysteresis covers.
+    let files = Memory::new([("machine.toml", MACHINE)]);
+    for value in [f64::NAN, f64::INFINITY, 1e9] {
+        let bad = Additions { force: true, ..findings(&[("location.C0Y_urad", known(value, 1.0))], None) };
+        assert!(bad.edit(&files, Path::new("machine.toml")).is_err(), "{value}");
+    }
+    let below = Additions { force: true, ..findings(&[("axis.Y.backlash_um", known(-3.0, 0.1))], misfit) };
+    let (same, decisions) = edited(MACHINE, &below);
+    assert_eq!((same.as_str(), decisions[0].written, &decisions[0].why), (MACHINE, None, &Why::OverCompensated));
+    // An uncertainty that is no number is none; what was found on top of what is there already is not added again.
+    let vague = Additions { force: true, ..findings(&[("axis.Y.backlash_um", known(3.0, f64::NAN))], None) };
+    assert_eq!(edited(MACHINE, &vague).1[0].written, Some(bare(3.0)));
+    let again = Additions { compensated: true, ..forced(None) };
+    assert_eq!(edited(&text, &again).0, text);
+}
+
 /// Errors of a table go in by the share that is written of them.
 #[test]
 fn a_curve_is_added_by_its_weight() {

@@ -66,9 +66,10 @@ fn fit(files: &str, name: &str, text: &str, request: &str) -> Result<String> {
     let settings = settings(Some(&machine.settings), request.hold_out);
     let rows = Rows::new(text.as_bytes(), Path::new(name), &COLUMNS, |note| notes.push(note))?;
     let found = Found::of(Recording::read(rows, &request.without)?, &settings, &mut |_| {})?;
-    let axes = found.recording.record.axes.iter();
+    let (document, axes) = (found.document(), found.recording.record.axes.iter());
+    notes.extend(document.missing.iter().map(|own| format!("{name}: {own}")));
     json(&Fitted {
-        document: found.document(),
+        document,
         drifts: axes.filter_map(|axis| drift(&found, *axis)).collect(),
         toml: written(&found),
         notes,

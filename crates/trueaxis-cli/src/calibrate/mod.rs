@@ -4,6 +4,7 @@ mod plan;
 mod solve;
 mod table;
 
+use crate::machine_folder::Writing;
 use crate::model;
 use anyhow::Result;
 use clap::{Args, Subcommand};
@@ -69,9 +70,8 @@ pub(crate) struct SolveArguments {
     /// The machine with what was found: the task's own folder, or one that has no machine.toml yet.
     #[arg(short, value_name = "MACHINE_DIR", required_unless_present = "dry_run")]
     output: Option<PathBuf>,
-    /// Print what would be written and why, with the old values, and write nothing.
-    #[arg(long)]
-    dry_run: bool,
+    #[command(flatten)]
+    writing: Writing,
     /// One JSON document instead of a table.
     #[arg(long)]
     json: bool,

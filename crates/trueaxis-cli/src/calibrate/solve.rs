@@ -9,7 +9,7 @@ use trueaxis_evaluation::calibrate::solved;
 use trueaxis_tables::output::Outputs;
 
 pub(super) fn run(arguments: &SolveArguments) -> Result<()> {
-    let into = arguments.output.as_deref().filter(|_| !arguments.dry_run);
+    let into = arguments.writing.output(arguments.output.as_deref());
     let _alone = into.map(machine_folder::alone).transpose()?;
     let read = read(&arguments.task)?;
     let text = model::text(&arguments.log)?;
@@ -21,9 +21,9 @@ pub(super) fn run(arguments: &SolveArguments) -> Result<()> {
     let document = found.document(&read.task, &read.machine);
     let files = machine_folder::inputs(&read.path, into);
     let mut outputs = Outputs::of(files.into_iter().chain([arguments.task.clone(), arguments.log.clone()]));
-    let additions = found.additions(&read.task);
+    let additions = (arguments.writing, found.additions(&read.task));
     let done = machine_folder::decide(&mut outputs, &read.path, into, &arguments.log, additions)?;
-    if arguments.dry_run {
+    if arguments.writing.dry_run {
         return done.dry_run(&document, arguments.json);
     }
     if let Some(directory) = &arguments.report {

@@ -1,8 +1,9 @@
 //! `trueaxis evaluate r-test`.
 
+use crate::machine_folder::{self, Writing};
 use crate::numbers::triple;
 use crate::output::print;
-use crate::{csv_in, machine_folder, model, report};
+use crate::{csv_in, model, report};
 use anyhow::Result;
 use clap::Args;
 use std::fmt::Write;
@@ -46,9 +47,8 @@ pub(crate) struct Arguments {
     /// Folder that the machine is written into: its own, or a new one.
     #[arg(short, long, value_name = "MACHINE_DIR")]
     output: Option<PathBuf>,
-    /// Print what would be written and why, with the old values, and write nothing.
-    #[arg(long)]
-    dry_run: bool,
+    #[command(flatten)]
+    writing: Writing,
     /// One JSON document instead of a table.
     #[arg(long)]
     json: bool,
@@ -58,7 +58,7 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
-    let into = arguments.output.as_deref().filter(|_| !arguments.dry_run);
+    let into = arguments.writing.output(arguments.output.as_deref());
     let _alone = into.map(machine_folder::alone).transpose()?;
     check(arguments.tool_mm).map_err(|wrong| wrong.option())?;
     let record = Record::read(&mut csv_in::open(&arguments.record, &COLUMNS, "readings")?)?;
@@ -70,11 +70,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let mut outputs =
         Outputs::of(machine_folder::inputs(&arguments.machine, into).into_iter().chain([arguments.record.clone()]));
     let mut done = machine_folder::Done::default();
-    if into.is_some() || arguments.dry_run {
-        let additions = found.additions();
+    if arguments.writing.decides(into)? {
+        let additions = (arguments.writing, found.additions());
         done = machine_folder::decide(&mut outputs, &arguments.machine, into, &arguments.record, additions)?;
     }
-    if arguments.dry_run {
+    if arguments.writing.dry_run {
         return done.dry_run(&document, arguments.json);
     }
     if let Some(directory) = &arguments.report {

@@ -1,7 +1,8 @@
 //! `trueaxis evaluate step-diagonal`.
 
+use crate::machine_folder::{self, Writing};
 use crate::output::print;
-use crate::{csv_in, machine_folder, report};
+use crate::{csv_in, report};
 use anyhow::Result;
 use clap::Args;
 use std::fmt::Write;
@@ -30,6 +31,7 @@ those that it states by more than the uncertainties of both; values that agree b
 Example: trueaxis evaluate step-diagonal record.csv --alignment-urad 20 --report out";
 
 #[derive(Args)]
+#[command(group(clap::ArgGroup::new("decided").args(["dry_run", "force"]).multiple(true).requires("machine")))]
 #[command(group(clap::ArgGroup::new("into").args(["output", "dry_run"]).multiple(true)))]
 pub(crate) struct Arguments {
     /// Readings along the four body diagonals.
@@ -44,9 +46,8 @@ pub(crate) struct Arguments {
     /// Folder that the machine is written into: its own, or a new one.
     #[arg(short, long, value_name = "MACHINE_DIR", requires = "machine")]
     output: Option<PathBuf>,
-    /// Print what would be written and why, with the old values, and write nothing.
-    #[arg(long, requires = "machine")]
-    dry_run: bool,
+    #[command(flatten)]
+    writing: Writing,
     /// One JSON document instead of a table.
     #[arg(long)]
     json: bool,
@@ -56,7 +57,7 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
-    let into = arguments.output.as_deref().filter(|_| !arguments.dry_run);
+    let into = arguments.writing.output(arguments.output.as_deref());
     let _alone = into.map(machine_folder::alone).transpose()?;
     check(arguments.alignment_urad).map_err(|wrong| wrong.option())?;
     let test = read(&mut csv_in::open(&arguments.record, &COLUMNS, "readings")?)?;
@@ -69,9 +70,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let mut outputs = Outputs::of(inputs);
     let mut done = machine_folder::Done::default();
     if let Some(machine) = &arguments.machine {
-        done = machine_folder::decide(&mut outputs, machine, into, &arguments.record, additions(&test))?;
+        let additions = (arguments.writing, additions(&test));
+        done = machine_folder::decide(&mut outputs, machine, into, &arguments.record, additions)?;
     }
-    if arguments.dry_run {
+    if arguments.writing.dry_run {
         return done.dry_run(&document, arguments.json);
     }
     if let Some(directory) = &arguments.report {

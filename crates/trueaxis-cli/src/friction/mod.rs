@@ -2,8 +2,9 @@
 
 mod table;
 
+use crate::machine_folder::{self, Writing};
 use crate::output::{print, progress};
-use crate::{csv_in, machine_folder, model, report};
+use crate::{csv_in, model, report};
 use anyhow::Result;
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -39,6 +40,7 @@ Examples:
   trueaxis friction record.csv --axes X,Y --machine mymill -o mymill";
 
 #[derive(Args)]
+#[command(group(clap::ArgGroup::new("decided").args(["dry_run", "force"]).multiple(true).requires("machine")))]
 pub(crate) struct Arguments {
     /// Recorded circles.
     #[arg(value_name = "RECORD.csv")]
@@ -64,13 +66,12 @@ pub(crate) struct Arguments {
     /// A .toml file for the settings found, or the folder that the machine is written into: its own, or a new one.
     #[arg(short, long, value_name = "TOML|MACHINE_DIR")]
     output: Option<PathBuf>,
-    /// Print what would be written into the machine and why, with the old values, and write nothing.
-    #[arg(long, requires = "machine")]
-    dry_run: bool,
+    #[command(flatten)]
+    writing: Writing,
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
-    let output = arguments.output.as_deref().filter(|_| !arguments.dry_run);
+    let output = arguments.writing.output(arguments.output.as_deref());
     let (file, into) = machine_folder::file_or_folder(output, "toml", arguments.machine.is_some());
     let _alone = into.map(machine_folder::alone).transpose()?;
     let given = match &arguments.machine {
@@ -94,10 +95,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     bar.finish_and_clear();
     let (found, document) = fitted?;
     let mut done = machine_folder::Done::default();
-    if let Some(machine) = arguments.machine.as_deref().filter(|_| into.is_some() || arguments.dry_run) {
-        done = machine_folder::decide(&mut outputs, machine, into, &arguments.record, friction::additions(&found))?;
+    if arguments.writing.decides(into)?
+        && let Some(machine) = &arguments.machine
+    {
+        let additions = (arguments.writing, friction::additions(&found));
+        done = machine_folder::decide(&mut outputs, machine, into, &arguments.record, additions)?;
     }
-    if arguments.dry_run {
+    if arguments.writing.dry_run {
         return done.dry_run(&document, arguments.json);
     }
     if let Some(directory) = &arguments.report {

@@ -2,9 +2,10 @@
 
 mod table;
 
+use crate::machine_folder::{self, Writing};
 use crate::numbers::triple;
 use crate::output::print;
-use crate::{csv_in, machine_folder, model, report};
+use crate::{csv_in, model, report};
 use anyhow::{Context, Result};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
@@ -41,6 +42,7 @@ Examples:
   trueaxis identify measured.csv --axis C --machine myhead -o myhead";
 
 #[derive(Args)]
+#[command(group(clap::ArgGroup::new("decided").args(["dry_run", "force"]).multiple(true).requires("machine")))]
 pub(crate) struct Arguments {
     /// Readings of the ball.
     #[arg(value_name = "MEASURED.csv")]
@@ -66,9 +68,8 @@ pub(crate) struct Arguments {
     /// A .csv file for the errors as the axis' table, or the folder that the machine is written into: its own, or a new one.
     #[arg(short, long, value_name = "CSV|MACHINE_DIR")]
     output: Option<PathBuf>,
-    /// Print what would be written into the machine and why, with the old values, and write nothing.
-    #[arg(long, requires = "machine")]
-    dry_run: bool,
+    #[command(flatten)]
+    writing: Writing,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -92,7 +93,7 @@ impl From<Rotary> for Axis {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
-    let output = arguments.output.as_deref().filter(|_| !arguments.dry_run);
+    let output = arguments.writing.output(arguments.output.as_deref());
     let (file, into) = machine_folder::file_or_folder(output, "csv", arguments.machine.is_some());
     let _alone = into.map(machine_folder::alone).transpose()?;
     let axis = Axis::from(arguments.axis);
@@ -115,13 +116,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
         outputs.put(file, write_axis_csv(&table, axis).as_bytes())?;
     }
     let mut done = machine_folder::Done::default();
-    if let (Some(path), Some((machine, _))) = (&arguments.machine, &machine)
-        && (into.is_some() || arguments.dry_run)
+    if arguments.writing.decides(into)?
+        && let (Some(path), Some((machine, _))) = (&arguments.machine, &machine)
     {
-        let additions = found.additions(machine).context(measured)?;
+        let additions = (arguments.writing, found.additions(machine).context(measured)?);
         done = machine_folder::decide(&mut outputs, path, into, &arguments.measured, additions)?;
     }
-    if arguments.dry_run {
+    if arguments.writing.dry_run {
         return done.dry_run(&found.document, arguments.json);
     }
     if let Some(to) = &arguments.report {

@@ -39,6 +39,11 @@ pub(crate) fn page(source: &str, found: &Found, document: &Document) -> String {
         Row::new(format!("{} rpm", own.rpm), [why])
     });
     let unconfirmed = Table::new(["speed", "why"], unconfirmed);
+    let missing = document.missing.iter().map(|own| {
+        let found = [own.rows.to_string(), format!("{:.0}", own.found_s), format!("{:.0}", own.interval_s)];
+        Row::new(format!("line {}, cycle {}", own.line, own.cycle), found)
+    });
+    let missing = Table::new(["where", "rows", "time without a row, s", "elsewhere, s"], missing);
     let [drift, left] = document.held_out_um;
     let rows = format!("{} rows", document.rows);
     let axes = &found.recording.record.axes;
@@ -60,5 +65,6 @@ pub(crate) fn page(source: &str, found: &Found, document: &Document) -> String {
         .section("Left out", html! { (Table::new(["sensor", "why"], left_out)) });
     let page =
         if document.unconfirmed.is_empty() { page } else { page.section("Unconfirmed", html! { (unconfirmed) }) };
+    let page = if document.missing.is_empty() { page } else { page.section("Missing rows", html! { (missing) }) };
     page.document()
 }

@@ -61,6 +61,9 @@ pub(super) fn table(d: &Document) -> Result<String> {
             own.rpm, own.cycle
         )?;
     }
+    for own in &d.missing {
+        writeln!(text, "{own}")?;
+    }
     let [drift, left] = d.held_out_um;
     writeln!(
         text,

@@ -1,6 +1,7 @@
 //! The foot of a position on a programmed path.
 
 use super::ProgrammedPath;
+use crate::record::Followed;
 use trueaxis::contour::{ContourSearch, Flags};
 
 /// The nearest point of a path, and how far from it a position is.
@@ -18,6 +19,8 @@ pub struct Foot {
     pub evaluations: u8,
     /// Whether the search had the foot between two points.
     pub bracketed: bool,
+    /// Where the reference is, mm.
+    pub reference_mm: [f64; 3],
 }
 
 /// A reference that is not on the path.
@@ -61,6 +64,49 @@ impl ProgrammedPath {
             vector_um: found.vector.to_array().map(|mm| mm * 1e3),
             evaluations: found.evaluations,
             bracketed: found.flags.has(Flags::BRACKETED),
+            reference_mm: self.spans[reference.span as usize].position(reference.t),
+        })
+    }
+}
+
+/// A coordinate that stands still while the path goes on along it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Standing {
+    /// 0 to 2: X, Y, Z.
+    pub axis: usize,
+    /// Row or line of its first reading.
+    pub row: usize,
+    /// The value, for how many readings, and over which way of the path along the axis.
+    pub found: String,
+}
+
+impl Standing {
+    /// What a refusal asks for.
+    pub const NEEDED: &'static str = "a position that follows the path";
+}
+
+/// The coordinates of a recorded contour, row after row: whether one of them stands still ([`Followed`]).
+#[derive(Clone, Debug, Default)]
+pub struct Alive([Followed; 3]);
+
+impl Alive {
+    /// Takes a row: its number or line, its foot, and its position, mm.
+    pub fn put(&mut self, row: usize, foot: &Foot, position: [f64; 3]) {
+        for ((axis, command), reading) in self.0.iter_mut().zip(foot.reference_mm).zip(position) {
+            axis.put(row, command, reading);
+        }
+    }
+
+    /// The first coordinate that stands still.
+    ///
+    /// # Errors
+    /// With axis and row. An axis beside which the others move, and a dwell, are none.
+    pub fn check(&self) -> Result<(), Standing> {
+        let standing = self.0.iter().enumerate().find_map(|(axis, followed)| Some((axis, followed.standing()?)));
+        standing.map_or(Ok(()), |(axis, (stuck, way))| {
+            let found =
+                format!("{} for {} readings in a row while the path goes on by {way:.3} mm", stuck.value, stuck.count);
+            Err(Standing { axis, row: stuck.from, found })
         })
     }
 }

@@ -2,6 +2,7 @@
 
 use super::Found;
 use serde::Serialize;
+use std::fmt;
 use trueaxis_metrology::thermal::Coefficient;
 
 /// What `trueaxis thermal fit --json` prints.
@@ -21,6 +22,8 @@ pub struct Document {
     pub left_out: Vec<LeftOutDocument>,
     /// Speeds that one fitted cycle alone has.
     pub unconfirmed: Vec<UnconfirmedDocument>,
+    /// Rows that the record lacks.
+    pub missing: Vec<MissingDocument>,
     /// Root mean square of the drift, µm, and of what is left when every fitted cycle is predicted from the others; what one
     /// cycle alone tells of is fitted there.
     pub predicted_um: [f64; 2],
@@ -87,6 +90,31 @@ pub struct UnconfirmedDocument {
     pub rpm: f64,
     /// Number of the cycle.
     pub cycle: u32,
+}
+
+/// Rows missing in a record whose rows are even.
+#[derive(Clone, Debug, Serialize)]
+pub struct MissingDocument {
+    /// Line of the first row at or behind the moment of the first missing one.
+    pub line: u32,
+    /// Number of the cycle.
+    pub cycle: u32,
+    /// How many, at all measuring points together.
+    pub rows: usize,
+    /// Longest time without a row of one measuring point, s.
+    pub found_s: f64,
+    /// Time between its rows elsewhere, s.
+    pub interval_s: f64,
+}
+
+/// `line 57: 1 row of cycle 2 is missing, 600 s where rows are 300 s apart`.
+impl fmt::Display for MissingDocument {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let MissingDocument { line, cycle, rows, found_s, interval_s } = self;
+        let are =
+            if *rows == 1 { "row of cycle {} is" } else { "rows of cycle {} are" }.replace("{}", &cycle.to_string());
+        write!(f, "line {line}: {rows} {are} missing, {found_s:.0} s where rows are {interval_s:.0} s apart")
+    }
 }
 
 /// Drift of an axis in a cycle.
@@ -168,6 +196,7 @@ impl Found {
             axes: axes.collect(),
             left_out: left_out.collect(),
             unconfirmed: self.fit.unconfirmed.iter().map(|&(rpm, cycle)| UnconfirmedDocument { rpm, cycle }).collect(),
+            missing: self.fit.missing.iter().map(|own| self.recording.missing(own)).collect(),
             predicted_um: self.fit.predicted_mm.map(|mm| 1e3 * mm),
             held_out_um: [most(|own| own.drift_um), most(|own| own.left_um)],
             cycles,

@@ -10,7 +10,8 @@ mod text;
 mod written;
 
 pub use document::{
-    AxisDocument, CurveDocument, CycleDocument, Document, LeftOutDocument, SensorDocument, UnconfirmedDocument,
+    AxisDocument, CurveDocument, CycleDocument, Document, LeftOutDocument, MissingDocument, SensorDocument,
+    UnconfirmedDocument,
 };
 pub use figures::{figure, residuals, worst};
 pub use record::{COLUMNS, Recording, with_temperatures};

@@ -1,12 +1,13 @@
 //! A recorded warm-up, read from CSV.
 
+use super::document::MissingDocument;
 use crate::record::{self, Channel, FINEST_UM};
 use crate::rows::{Column, Rows};
 use anyhow::{Result, anyhow};
 use std::path::PathBuf;
 use trueaxis::Axis;
 use trueaxis::temperature::{SENSORS, WARMEST_MK};
-use trueaxis_metrology::thermal::{Record, Refused, Sample};
+use trueaxis_metrology::thermal::{Missing, Record, Refused, Sample};
 
 const fn needed(name: &'static str) -> Column {
     Column { name, needed: true }
@@ -129,6 +130,12 @@ impl Recording {
         record::alive(&rows, &lines, &channels)?;
         let sensors = sensors.into_iter().map(|sensor| name(sensor).to_owned()).collect();
         Ok(Recording { file, record: Record { sensors, axes, samples }, lines })
+    }
+
+    /// Missing rows with their line.
+    pub(super) fn missing(&self, missing: &Missing) -> MissingDocument {
+        let Missing { cycle, index, rows, found_s, interval_s, .. } = *missing;
+        MissingDocument { line: self.lines.get(index).copied().unwrap_or(1), cycle, rows, found_s, interval_s }
     }
 
     /// A refusal at its line and column.

@@ -68,6 +68,15 @@ pub enum Refused {
         /// Its length, s.
         found_s: f64,
     },
+    /// Rows missing for longer than a lag.
+    Missing {
+        /// Which.
+        missing: super::Missing,
+        /// Name of the sensor, or `spindle`.
+        of: String,
+        /// Its lag, s.
+        lag_s: f64,
+    },
     /// A cycle that is interrupted by another.
     Mixed {
         /// Index of the row at which it comes back.
@@ -130,6 +139,7 @@ impl Refused {
             | Self::Mixed { index, .. }
             | Self::Jump { index, .. }
             | Self::Stuck { index, .. } => Some(*index),
+            Self::Missing { missing, .. } => Some(missing.index),
             _ => None,
         }
     }
@@ -162,6 +172,12 @@ impl fmt::Display for Refused {
                 f,
                 "found a pause of {found_s:.0} s, needed at most {LONGEST_GAP_S} s, or a rest of {REST_S} s after which \
                  the machine is in equilibrium"
+            ),
+            Self::Missing { missing, of, lag_s } => write!(
+                f,
+                "found no temperature for {:.0} s where cycle {} lacks {} of its rows, {:.0} s apart elsewhere, needed one in \
+                 {lag_s:.0} s, the lag of {of}: leave the cycle out, or record it again",
+                missing.unknown_s, missing.cycle, missing.rows, missing.interval_s
             ),
             Self::Mixed { cycle, .. } => write!(f, "found cycle {cycle} again, needed each cycle in one piece"),
             Self::Jump { sensor, found_k, most_k, .. } => {

@@ -3,6 +3,7 @@
 use super::basis::{Cause, Chosen, Problem, slot};
 use super::check::{check, longest_run_s};
 use super::linear::{Solved, solve};
+use super::missing::{Missing, followed, missing};
 use super::model::{AxisCurves, Model, SensorCurve, Spindle};
 use super::search::{DIFFERENCE, Parts, Search};
 use super::{Record, Refused, Settings, span};
@@ -78,6 +79,8 @@ pub struct Fit {
     /// Speeds of the model that one fitted cycle alone has, each with that cycle: no other predicts them, so what is left of
     /// them in `predicted_mm` is what the fit leaves, and no second cycle confirms their values.
     pub unconfirmed: Vec<(f64, u32)>,
+    /// Rows that the record lacks, each of which the fit follows.
+    pub missing: Vec<Missing>,
 }
 
 /// Finds lags and curves; `tell` is called with the name of every cause that comes in.
@@ -133,7 +136,10 @@ pub fn fit(record: &Record, settings: &Settings, tell: &mut dyn FnMut(&str)) -> 
     let knots = problem.speeds_rpm.iter().zip(&problem.lone).filter(|_| model.spindle.is_some());
     let unconfirmed = knots.filter_map(|(rpm, lone)| Some((*rpm, *fitted.get((*lone)?)?))).collect();
     let left_out = left_out(record, &problem, &causes);
-    Ok(Fit { left_out, model, sensors, axes, predicted_mm, held_out, unconfirmed })
+    let missing = missing(record);
+    let fit = Fit { left_out, model, sensors, axes, predicted_mm, held_out, unconfirmed, missing };
+    followed(&fit)?;
+    Ok(fit)
 }
 
 fn held_out(record: &Record, settings: &Settings) -> Result<Vec<u32>, Refused> {

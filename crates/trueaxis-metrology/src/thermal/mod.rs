@@ -18,12 +18,14 @@ mod check;
 mod fit;
 mod held_out;
 mod linear;
+mod missing;
 mod model;
 mod search;
 
 pub use check::{RATE_K_PER_MIN, Refused};
 pub use fit::{Coefficient, Fit, LeftOut, OfAxis, fit};
 pub use held_out::{HeldOut, Series, held_out};
+pub use missing::Missing;
 pub use model::{AxisCurves, Model, NotEncoded, SensorCurve, Spindle};
 
 use std::string::String;

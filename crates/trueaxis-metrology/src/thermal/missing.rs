@@ -1,0 +1,108 @@
+//! Rows that a record lacks where its rows are even.
+
+use super::{Fit, REST_S, Record, Refused};
+use std::string::ToString;
+use std::vec::Vec;
+
+/// Steps of a measuring point in a cycle that tell an interval.
+const LEAST_STEPS: usize = 8;
+/// Share of the interval by which an even step may differ from it.
+const EVEN: f64 = 0.1;
+/// One step in so many may be uneven, and one at least.
+const ONE_IN: usize = 10;
+/// A step of so many intervals lacks a row.
+const LACKS: f64 = 1.5;
+
+/// Rows missing in a record.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Missing {
+    /// Number of the cycle.
+    pub cycle: u32,
+    /// Index of the first row at or behind the moment of the first missing one.
+    pub index: usize,
+    /// How many are missing, at all measuring points together.
+    pub rows: usize,
+    /// Longest time without a row of one measuring point, s.
+    pub found_s: f64,
+    /// Time between its rows elsewhere, s.
+    pub interval_s: f64,
+    /// Longest time without a row of any, in which no temperature is known, s.
+    pub unknown_s: f64,
+}
+
+/// A step of one measuring point that lacks rows.
+struct Step {
+    from: usize,
+    to: usize,
+    missing: Missing,
+}
+
+/// The rows missing at every measuring point whose steps are even in a cycle: all but one in ten, or all but one, within a tenth of
+/// their median. A step of one and a half intervals lacks a row, one of n lacks n − 1. A record that is uneven lacks none, nor do
+/// the ends of a cycle or a rest. What lacks at several points at a time is one of them.
+pub(super) fn missing(record: &Record) -> Vec<Missing> {
+    let groups = record.groups();
+    let count = groups.iter().max().map_or(0, |last| last + 1);
+    let mut rows: Vec<Vec<usize>> = (0..count).map(|_| Vec::new()).collect();
+    groups.iter().enumerate().for_each(|(row, group)| rows[*group].push(row));
+    let mut steps: Vec<Step> = rows.iter().flat_map(|own| of_point(record, own)).collect();
+    steps.sort_by_key(|step| step.from);
+    let mut merged: Vec<Step> = Vec::new();
+    for step in steps {
+        match merged.last_mut().filter(|last| record.samples[step.from].t_s < record.samples[last.to].t_s) {
+            Some(last) => {
+                last.to = last.to.max(step.to);
+                last.missing.rows += step.missing.rows;
+                last.missing.found_s = last.missing.found_s.max(step.missing.found_s);
+            }
+            None => merged.push(step),
+        }
+    }
+    merged
+        .into_iter()
+        .map(|Step { from, to, missing }| {
+            let blanks = record.samples[from..=to].windows(2).map(|pair| pair[1].t_s - pair[0].t_s);
+            Missing { unknown_s: blanks.fold(0.0, f64::max), ..missing }
+        })
+        .collect()
+}
+
+/// The steps of one measuring point in one cycle that lack rows.
+fn of_point(record: &Record, rows: &[usize]) -> Vec<Step> {
+    let t = |row: usize| record.samples[row].t_s;
+    let steps = || rows.windows(2).map(|pair| [pair[0], pair[1]]).filter(|[from, to]| t(*to) - t(*from) < REST_S);
+    let mut sorted: Vec<f64> = steps().map(|[from, to]| t(to) - t(from)).collect();
+    sorted.sort_by(f64::total_cmp);
+    let Some(&interval_s) = sorted.get(sorted.len() / 2).filter(|_| sorted.len() >= LEAST_STEPS) else {
+        return Vec::new();
+    };
+    let uneven = sorted.iter().filter(|step| (*step - interval_s).abs() > EVEN * interval_s).count();
+    if interval_s <= 0.0 || uneven > (sorted.len() / ONE_IN).max(1) {
+        return Vec::new();
+    }
+    steps()
+        .filter(|[from, to]| t(*to) - t(*from) > LACKS * interval_s)
+        .map(|[from, to]| {
+            let (found_s, due_s) = (t(to) - t(from), t(from) + interval_s);
+            let index = (from + 1..to).find(|row| t(*row) >= due_s).unwrap_or(to);
+            let missing = (found_s / interval_s).round() as usize - 1;
+            let missing =
+                Missing { cycle: record.samples[to].cycle, index, rows: missing, found_s, interval_s, unknown_s: 0.0 };
+            Step { from, to, missing }
+        })
+        .collect()
+}
+
+/// Refuses a fit across missing rows that it cannot follow: no temperature is known for longer than a lag, though the record's own
+/// rows are closer than that. 1 − 1/e of the lagged temperature behind them is then what nobody has recorded.
+pub(super) fn followed(fit: &Fit) -> Result<(), Refused> {
+    let sensors = fit.model.sensors.iter().map(|sensor| (sensor.name.as_str(), sensor.lag_s));
+    let lags: Vec<(&str, f64)> = sensors.chain(fit.model.spindle.iter().map(|of| ("spindle", of.lag_s))).collect();
+    for own in &fit.missing {
+        let lost = lags.iter().filter(|(_, lag_s)| (own.interval_s..own.unknown_s).contains(lag_s));
+        if let Some((name, lag_s)) = lost.min_by(|one, other| one.1.total_cmp(&other.1)) {
+            return Err(Refused::Missing { missing: *own, of: name.to_string(), lag_s: *lag_s });
+        }
+    }
+    Ok(())
+}
