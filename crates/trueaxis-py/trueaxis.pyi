@@ -176,6 +176,7 @@ def friction(
     axes: str,
     machine: Machine | None = None,
     find_drive: bool = False,
+    read_after_us: float | None = None,
     toml: bool = False,
 ) -> dict[str, Any]: ...
 def ballbar(

@@ -82,18 +82,22 @@ pub(crate) fn identify<'py>(
 ///
 /// record: (n, 5), time in s, then command and reading in mm of the first axis and of the second, or a file as the command
 /// reads; rows of an array count from line 2. axes: as "X,Y". machine: the figures of its drives are taken, unless find_drive;
-/// `written` says what would become of every figure in it, as that of `identify` does. Nothing is written.
+/// `written` says what would become of every figure in it, as that of `identify` does. Nothing is written. read_after_us: how
+/// long after the command of its row takes effect the encoder is read, beside a drive that is found.
 #[pyfunction]
-#[pyo3(signature = (record, *, axes, machine = None, find_drive = false, toml = false))]
+#[pyo3(signature = (record, *, axes, machine = None, find_drive = false, read_after_us = None, toml = false))]
 pub(crate) fn friction<'py>(
     py: Python<'py>,
     record: &Bound<'py, PyAny>,
     axes: &str,
     machine: Option<Bound<'py, Machine>>,
     find_drive: bool,
+    read_after_us: Option<f64>,
     toml: bool,
 ) -> PyResult<Bound<'py, PyDict>> {
     let axes = circles::pair(axes).map_err(|error| Error::new_err(format!("axes: {error}")))?;
+    let read_after_s = read_after_us.map(circles::read_after_s).transpose();
+    let read_after_s = read_after_s.map_err(|error| Error::new_err(format!("read_after_us: {error}")))?;
     let columns = circles::columns(axes);
     let [first, second] = axes.map(|axis| 1 + 2 * axis.index());
     let names = [0, first, first + 1, second, second + 1].map(|column| columns[column].name);
@@ -105,7 +109,8 @@ pub(crate) fn friction<'py>(
             Some(Machine(machine, ..)) => circles::drives(machine, machine.settings.name.as_str(), axes)?,
             None => [None; 2],
         };
-        let recording = circles::Recording::read(measured.rows(&columns, &mut notes)?, axes)?;
+        let mut recording = circles::Recording::read(measured.rows(&columns, &mut notes)?, axes)?;
+        recording.record.read_after_s = read_after_s;
         let (found, document) = circles::fit(&recording, given, &mut |_, _| {})?;
         let sections = toml.then(|| circles::sections(measured.name(), &found));
         let written = match machine {

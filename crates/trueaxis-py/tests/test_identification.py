@@ -141,6 +141,7 @@ def test_friction_is_that_of_the_command(tmp_path, record):
     for axis in found["axes"]:
         assert axis["friction"]["coulomb_mm_per_s"] == pytest.approx(COULOMB, rel=0.03)
         assert axis["friction"]["presliding_um"] == pytest.approx(1e3 * PRESLIDING, rel=0.03)
+    assert refused(lambda: trueaxis.friction(file, axes="X,Y", read_after_us=1e6)).startswith("read_after_us: found 1000000 µs")
     assert trueaxis.friction(file, axes="X,Y", machine=machine, toml=True)["toml"] == (tmp_path / "f.toml").read_text()
     assert_lock_is_released(lambda: trueaxis.friction(record, axes="X,Y", machine=machine))
 

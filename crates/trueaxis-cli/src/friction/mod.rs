@@ -86,7 +86,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let given = if arguments.find_drive { [None; 2] } else { given };
     let rows = csv_in::open(&arguments.record, &friction::columns(arguments.axes), "samples")?;
     let mut recording = Recording::read(rows, arguments.axes)?;
-    recording.record.read_after_s = arguments.read_after_us.map(|after| 1e-6 * after);
+    recording.record.read_after_s = arguments.read_after_us;
     let bar = progress(0, "fitting").with_style(indicatif::ProgressStyle::default_spinner());
     let fitted = friction::fit(&recording, given, &mut |axis, step| {
         bar.set_message(format!("fitting axis {}, step {step}", axis.letter()));
@@ -117,8 +117,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
 }
 
 fn read_after(text: &str) -> Result<f64, String> {
-    let after = text.parse().ok().filter(|after: &f64| (-100_000.0..=20_000.0).contains(after));
-    after.ok_or_else(|| format!("found {text:?}, needed -100000 to 20000 µs"))
+    friction::read_after_s(text.parse().unwrap_or(f64::NAN))
 }
 
 /// The drives' figures that a machine states.

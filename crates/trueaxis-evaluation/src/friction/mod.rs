@@ -46,6 +46,15 @@ pub fn pair(text: &str) -> Result<[Axis; 2], String> {
     if axes[0] == axes[1] { Err(needed()) } else { Ok(axes) }
 }
 
+/// How long after the command of its row the encoder is read, s, from µs; −100,000 to 20,000 µs.
+///
+/// # Errors
+/// Another time.
+pub fn read_after_s(us: f64) -> Result<f64, String> {
+    let is_possible = (-100_000.0..=20_000.0).contains(&us);
+    is_possible.then_some(1e-6 * us).ok_or_else(|| format!("found {us} µs, needed -100000 to 20000 µs"))
+}
+
 /// The drives' figures that a machine states for the recorded axes; `name` names the machine in the error.
 ///
 /// # Errors
