@@ -3,12 +3,12 @@
 use super::basis::{Cause, Chosen, Problem, slot};
 use super::check::{check, longest_run_s};
 use super::linear::{Solved, solve};
-use super::missing::{Missing, followed, missing};
+use super::missing::{Missing, missing};
 use super::model::{AxisCurves, Model, SensorCurve, Spindle};
 use super::search::{DIFFERENCE, Parts, Search};
 use super::{Record, Refused, Settings, span};
 use nalgebra::{DMatrix, DVector};
-use std::string::String;
+use std::string::{String, ToString};
 use std::vec;
 use std::vec::Vec;
 use trueaxis::Axis;
@@ -357,4 +357,18 @@ fn left_out(record: &Record, problem: &Problem<'_>, causes: &[Chosen]) -> Vec<Le
         left_out.push(LeftOut { name: "spindle".into(), range: high - low, still });
     }
     left_out
+}
+
+/// Refuses a fit across missing rows that it cannot follow: no temperature is known for longer than a lag, though the record's own
+/// rows are closer than that. 1 − 1/e of the lagged temperature behind them is then what nobody has recorded.
+fn followed(fit: &Fit) -> Result<(), Refused> {
+    let sensors = fit.model.sensors.iter().map(|sensor| (sensor.name.as_str(), sensor.lag_s));
+    let lags: Vec<(&str, f64)> = sensors.chain(fit.model.spindle.iter().map(|of| ("spindle", of.lag_s))).collect();
+    for own in &fit.missing {
+        let lost = lags.iter().filter(|(_, lag_s)| (own.interval_s..own.unknown_s).contains(lag_s));
+        if let Some((name, lag_s)) = lost.min_by(|one, other| one.1.total_cmp(&other.1)) {
+            return Err(Refused::Missing { missing: *own, of: name.to_string(), lag_s: *lag_s });
+        }
+    }
+    Ok(())
 }

@@ -1,7 +1,6 @@
 //! Rows that a record lacks where its rows are even.
 
-use super::{Fit, REST_S, Record, Refused};
-use std::string::ToString;
+use super::{REST_S, Record};
 use std::vec::Vec;
 
 /// Steps of a measuring point in a cycle that tell an interval.
@@ -91,18 +90,4 @@ fn of_point(record: &Record, rows: &[usize]) -> Vec<Step> {
             Step { from, to, missing }
         })
         .collect()
-}
-
-/// Refuses a fit across missing rows that it cannot follow: no temperature is known for longer than a lag, though the record's own
-/// rows are closer than that. 1 − 1/e of the lagged temperature behind them is then what nobody has recorded.
-pub(super) fn followed(fit: &Fit) -> Result<(), Refused> {
-    let sensors = fit.model.sensors.iter().map(|sensor| (sensor.name.as_str(), sensor.lag_s));
-    let lags: Vec<(&str, f64)> = sensors.chain(fit.model.spindle.iter().map(|of| ("spindle", of.lag_s))).collect();
-    for own in &fit.missing {
-        let lost = lags.iter().filter(|(_, lag_s)| (own.interval_s..own.unknown_s).contains(lag_s));
-        if let Some((name, lag_s)) = lost.min_by(|one, other| one.1.total_cmp(&other.1)) {
-            return Err(Refused::Missing { missing: *own, of: name.to_string(), lag_s: *lag_s });
-        }
-    }
-    Ok(())
 }
