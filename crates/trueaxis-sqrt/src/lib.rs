@@ -1,8 +1,8 @@
-//! Square roots, correctly rounded on every target, by the instruction of the processor where it has one.
+//! Correctly rounded square roots on every target, using the processor's instruction if it has one.
 //!
-//! `core` has none on stable Rust without std, and `libm` takes some 50 instructions (single precision) or 90 (double) on
-//! a Cortex-M for what its floating-point unit does in one. Both round correctly (IEEE 754), so which of them runs
-//! changes no bit. The one instruction needs assembly, hence a crate of its own: the plugin itself forbids `unsafe`.
+//! `core` has none on stable Rust without std, and `libm` takes some 50 instructions (single precision) or 90 (double) on a
+//! Cortex-M for what its floating-point unit does in one. Both round correctly (IEEE 754), so the result is identical to the
+//! last bit. The instruction needs assembly, hence a separate crate: the plugin itself forbids `unsafe`.
 #![no_std]
 
 /// √x in single precision; NaN for x < 0.
@@ -13,8 +13,8 @@ pub fn sqrt_f32(x: f32) -> f32 {
     #[cfg(all(target_arch = "arm", target_abi = "eabihf"))]
     {
         let mut bits = x.to_bits();
-        // SAFETY: instructions that the ABI guarantees, on registers; s0 is as it was afterwards. The compiler lends
-        // floating-point registers to assembly only where the unit is a full one, so s0 is borrowed by hand.
+        // SAFETY: instructions that the ABI guarantees, on registers; s0 is restored. The compiler provides floating-point
+        // registers to assembly only if the unit is a full one, so s0 is saved by hand.
         unsafe {
             core::arch::asm!(
                 "vmov {kept}, s0",
@@ -33,7 +33,7 @@ pub fn sqrt_f32(x: f32) -> f32 {
     libm::sqrtf(x)
 }
 
-/// √ of both in single precision; NaN for what is negative. One move fewer for each than two calls of [`sqrt_f32`].
+/// √ of both in single precision; NaN for negative values. Saves one move per root over two calls of [`sqrt_f32`].
 #[inline(always)]
 #[must_use]
 pub fn sqrt_two_f32([x, y]: [f32; 2]) -> [f32; 2] {
@@ -70,7 +70,7 @@ pub fn sqrt_f64(x: f64) -> f64 {
     {
         let bits = x.to_bits();
         let (mut low, mut high) = (bits as u32, (bits >> 32) as u32);
-        // SAFETY: as above, with d0; whoever sets the feature says that the core has a double-precision unit.
+        // SAFETY: as above, with d0; enabling the feature asserts that the core has a double-precision unit.
         unsafe {
             core::arch::asm!(
                 "vmov {kept_low}, {kept_high}, d0",
@@ -96,7 +96,7 @@ mod tests {
     extern crate std;
     use super::*;
 
-    /// Everything but 0, NaN and infinity in 4096 steps of the exponent and odd mantissas, against std's root.
+    /// Compares with std's root in 4096 steps over exponents and odd mantissas, without 0, NaN and infinity.
     #[test]
     fn correctly_rounded() {
         for i in 1..4096u32 {
@@ -111,7 +111,7 @@ mod tests {
     }
 }
 
-/// The README's example.
+/// Compiles and runs the README's example.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;

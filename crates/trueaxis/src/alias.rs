@@ -1,23 +1,23 @@
-//! Names for the usual scalars.
+//! Type aliases for the usual scalars.
 
 use crate::contour::PathBuffer;
 use crate::{Input, Nanometres, ServoLoop, State};
 
 /// A servo loop on a host with double precision: positions in mm (degrees).
 pub type HostServo<'a, const N: usize> = ServoLoop<'a, f64, f64, N>;
-/// Its state.
+/// State of a [`HostServo`].
 pub type HostState<const N: usize> = State<f64, f64, N>;
-/// Its input.
+/// Input of a [`HostServo`].
 pub type HostInput<const N: usize> = Input<f64, N>;
 
-/// A path of at most `SPANS` spans for it.
+/// A path of at most `SPANS` spans for a [`HostServo`].
 pub type HostPath<const SPANS: usize> = PathBuffer<f64, f64, SPANS>;
 
 /// A servo loop on a microcontroller with single precision: positions in integers of 1e-6 mm (degrees).
 pub type McuServo<'a, const N: usize> = ServoLoop<'a, f32, Nanometres, N>;
-/// Its state.
+/// State of an [`McuServo`].
 pub type McuState<const N: usize> = State<f32, Nanometres, N>;
-/// Its input.
+/// Input of an [`McuServo`].
 pub type McuInput<const N: usize> = Input<Nanometres, N>;
-/// A path of at most `SPANS` spans for it.
+/// A path of at most `SPANS` spans for an [`McuServo`].
 pub type McuPath<const SPANS: usize> = PathBuffer<f32, Nanometres, SPANS>;

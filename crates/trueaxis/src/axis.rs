@@ -1,11 +1,11 @@
-//! Names of the axes: the ground floor, which imports nothing.
+//! Names of the axes: the lowest module, which imports nothing.
 
 use serde::{Deserialize, Serialize};
 
-/// Most axes of one machine.
+/// Largest number of axes of one machine.
 pub const AXES: usize = 6;
 
-/// A machine axis, named as in ISO 841: X, Y, Z move along, A, B, C turn about X, Y, Z.
+/// A machine axis, named as in ISO 841: X, Y, Z are linear, A, B, C rotate about X, Y, Z.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[repr(u8)]
@@ -45,7 +45,7 @@ impl Axis {
         Axis::ALL.into_iter().find(|axis| axis.letter() == letter)
     }
 
-    /// A, B or C.
+    /// Whether the axis is A, B or C.
     pub const fn is_rotary(self) -> bool {
         self as u8 >= Axis::A as u8
     }

@@ -7,8 +7,8 @@ use critical_section::Mutex;
 
 /// A mailbox with one slot: the task offers a new configuration, the interrupt takes it before its next cycle.
 ///
-/// Both sides spend a critical section of a few instructions. The state of the step goes on with the new tables and
-/// the limiter leads the correction over, so the exchange is bumpless in mid-motion.
+/// Both sides spend a critical section of a few instructions. The step's state continues with the new tables and the
+/// limiter ramps the correction over, so the exchange is bumpless in mid-motion.
 ///
 /// ```
 /// use trueaxis::exchange::Exchange;
@@ -29,10 +29,10 @@ impl<'a, T> Exchange<'a, T> {
         Exchange(Mutex::new(Cell::new(None)))
     }
 
-    /// Offers a configuration.
+    /// Offers a configuration to the interrupt.
     ///
     /// # Errors
-    /// The one offered before has not been taken yet; the new one is handed back.
+    /// The previous offer has not been taken yet; the new one is returned.
     pub fn offer(&self, new: &'a T) -> Result<(), &'a T> {
         critical_section::with(|section| {
             let place = self.0.borrow(section);
@@ -46,8 +46,8 @@ impl<'a, T> Exchange<'a, T> {
         })
     }
 
-    /// Replaces `active` by the configuration offered, if there is one; returns the one replaced, whose memory is free
-    /// for the next build.
+    /// Replaces `active` by the offered configuration, if there is one; returns the replaced one, whose memory is then
+    /// free for the next build.
     pub fn take_into(&self, active: &mut &'a T) -> Option<&'a T> {
         critical_section::with(|section| self.0.borrow(section).take()).map(|new| core::mem::replace(active, new))
     }

@@ -1,10 +1,10 @@
 //! A learned correction: three translations over the path length of one program, read in place from its file.
 //!
-//! Between two parts, the bench learns what is left of the contour error of a program that repeats (`trueaxis learn`). The
-//! host looks the correction up at the path length of its reference and hands it to the step as [`crate::Input::learned`];
+//! Between two parts, the bench learns the remaining contour error of a program that repeats (`trueaxis learn`). The host
+//! looks the correction up at the path length of its reference and passes it to the step as [`crate::Input::learned`];
 //! the step only adds and limits it.
 //!
-//! All numbers little-endian, all integers, so that nothing in the file can fail to be a number:
+//! All numbers are little-endian integers, so that nothing in the file can be NaN or infinite:
 //!
 //! | bytes | what |
 //! |---|---|
@@ -20,10 +20,10 @@
 //! | 6 n | nodes: X, Y, Z as i16, in units of the resolution; node k stands at path length k h |
 //! | 4 | CRC-32/ISO-HDLC of everything before |
 //!
-//! Sixteen bits, because they resolve 50 µm, the largest correction that limits let pass by default, to 1.5 nm, below what
-//! any encoder does, in half the memory of single precision. Translations are in machine directions, as added to the
-//! command. Linear between nodes. The first and the last node are zero and so is everything beyond: the correction does
-//! not jump where a program begins or ends.
+//! Sixteen bits resolve 50 µm, the largest correction that the default limits pass, to 1.5 nm, finer than any encoder, in
+//! half the memory of single precision. Translations are in machine directions, as added to the command, and linear
+//! between nodes. The first and the last node are zero, and so is everything beyond: the correction does not jump at the
+//! ends of a program.
 
 #![deny(clippy::indexing_slicing)]
 
@@ -49,10 +49,10 @@ pub const NODE_BYTES: usize = 6;
 pub const WIDEST_SPACING_NM: u32 = 1_000_000_000;
 /// Coarsest resolution of the nodes, pm.
 pub const COARSEST_RESOLUTION_PM: u32 = 1_000_000;
-/// Path lengths of a program that differ by no more are the same, nm.
+/// Path lengths of a program count as equal within this, nm.
 pub const LENGTH_TOLERANCE_NM: u64 = 1_000;
 
-/// Everything of the file but its nodes.
+/// Header of the file: everything except its nodes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LearnedHeader {
     /// Parts learned from.
@@ -65,12 +65,12 @@ pub struct LearnedHeader {
     pub length_nm: u64,
     /// Spacing of the nodes, nm.
     pub spacing_nm: u32,
-    /// Correction that a node's 1 stands for, pm.
+    /// Correction of a node's 1, pm.
     pub resolution_pm: u32,
 }
 
 impl LearnedHeader {
-    /// Number of nodes: the path length over the spacing, rounded up, and one. None for a spacing of zero.
+    /// Number of nodes: the path length over the spacing, rounded up, plus one. `None` for a spacing of zero.
     pub fn nodes(&self) -> Option<u64> {
         let spacing = NonZeroU64::new(self.spacing_nm.into())?;
         Some(self.length_nm.div_ceil(spacing.get()).saturating_add(1))
@@ -95,18 +95,18 @@ impl LearnedHeader {
     }
 }
 
-/// A learned correction, checked; its nodes stay where the bytes are.
+/// A learned correction, checked; its nodes stay in the file's bytes.
 ///
-/// `R` is the scalar of the step that it goes to.
+/// `R` is the scalar of the step that uses it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Learned<'a, R> {
     header: LearnedHeader,
     spacing: NonZeroU64,
     nodes: &'a [[u8; NODE_BYTES]],
     crc: u32,
-    /// mm in a node's 1.
+    /// mm per unit of a node.
     resolution_mm: R,
-    /// Nodes in a nanometre.
+    /// Nodes per nanometre.
     per_nm: R,
 }
 
@@ -120,7 +120,7 @@ fn counts(node: &[u8; NODE_BYTES]) -> [i16; 3] {
 }
 
 impl<'a, R: Real> Learned<'a, R> {
-    /// Reads and checks a whole file: its form, its sum, its figures.
+    /// Reads and checks a whole file: its form, its checksum, its values.
     ///
     /// Allocates nothing and never panics, whatever the bytes. Cost: linear in the file's length.
     ///
@@ -162,11 +162,11 @@ impl<'a, R: Real> Learned<'a, R> {
         })
     }
 
-    /// Refuses the correction for any program but the one that it was learned on: `id` as of [`ProgramId`], path length in
-    /// mm within [`LENGTH_TOLERANCE_NM`].
+    /// Refuses the correction for any program except the one on which it was learned: `id` as of [`ProgramId`], path
+    /// length in mm within [`LENGTH_TOLERANCE_NM`].
     ///
     /// # Errors
-    /// [`LearnedError::WrongProgram`], [`LearnedError::WrongLength`], with both figures.
+    /// [`LearnedError::WrongProgram`], [`LearnedError::WrongLength`], with both values.
     pub fn expect_program(&self, id: u32, length_mm: f64) -> Result<(), LearnedError> {
         if id != self.header.program_id {
             return Err(LearnedError::WrongProgram { found: self.header.program_id, needed: id });
@@ -178,33 +178,34 @@ impl<'a, R: Real> Learned<'a, R> {
         Ok(())
     }
 
-    /// Refuses the correction on any machine but the one with this id.
+    /// Refuses the correction on any machine except the one with this id.
     ///
     /// # Errors
-    /// [`LearnedError::WrongMachine`], with both.
+    /// [`LearnedError::WrongMachine`], with both ids.
     pub fn expect_machine(&self, id: u32) -> Result<(), LearnedError> {
         let found = self.header.machine_id;
         if found == id { Ok(()) } else { Err(LearnedError::WrongMachine { found, needed: id }) }
     }
 
-    /// Correction in X, Y, Z at a path length in mm, mm; zero beyond the ends, and for what is no number.
+    /// Returns the correction in X, Y, Z at a path length in mm, mm; zero beyond the ends and for NaN.
     ///
-    /// For hosts with double precision; [`Learned::at_nm`] computes in integers and `R` alone.
+    /// For hosts with double precision; [`Learned::at_nm`] computes only in integers and `R`.
     #[inline]
     pub fn at(&self, length_mm: f64) -> [R; 3] {
         self.at_nm(nanometres(length_mm))
     }
 
-    /// Correction in X, Y, Z at a path length in nm, mm; zero beyond the end.
+    /// Returns the correction in X, Y, Z at a path length in nm, mm; zero beyond the end.
     ///
-    /// One integer division, two nodes, linear between them. But for rounding never larger than the larger of the two; no panic.
+    /// One integer division, two nodes, linear between them. Apart from rounding, never larger than the larger of the
+    /// two; no panic.
     #[inline]
     pub fn at_nm(&self, length_nm: u64) -> [R; 3] {
         let (cell, rest) = (length_nm / self.spacing, length_nm % self.spacing);
         let cell = usize::try_from(cell).unwrap_or(usize::MAX);
         let next = cell.saturating_add(1);
         let (Some(here), Some(ahead)) = (self.nodes.get(cell), self.nodes.get(next)) else { return [R::ZERO; 3] };
-        // Below the widest spacing, which fits.
+        // Below the widest spacing, so the cast is lossless.
         let share = R::of_i32(rest as i32) * self.per_nm;
         let ([x, y, z], [xx, yy, zz]) = (counts(here), counts(ahead));
         [(x, xx), (y, yy), (z, zz)].map(|(here, ahead)| {
@@ -218,18 +219,18 @@ impl<'a, R: Real> Learned<'a, R> {
         self.nodes.iter().map(|node| counts(node).map(|count| self.resolution_mm * R::of_i32(count.into())))
     }
 
-    /// Everything but the nodes.
+    /// Everything except the nodes.
     pub fn header(&self) -> &LearnedHeader {
         &self.header
     }
 
-    /// The sum at the end of the file.
+    /// Checksum at the end of the file.
     pub fn crc(&self) -> u32 {
         self.crc
     }
 }
 
-/// Zero for what is negative or no number; saturates.
+/// Converts mm to nm; zero for a negative value or NaN; saturates.
 #[inline]
 fn nanometres(length_mm: f64) -> u64 {
     (length_mm * 1e6 + 0.5) as u64
@@ -265,7 +266,7 @@ fn check(header: &LearnedHeader, count: u32) -> Result<(), LearnedError> {
         return Err(LearnedError::Parts);
     }
     let needed = header.nodes().unwrap_or(0);
-    // Two nodes at least: a path has a length.
+    // At least two nodes: a path has a length.
     if header.length_nm == 0 || u64::from(count) != needed {
         return Err(LearnedError::Nodes { found: count, needed });
     }

@@ -1,4 +1,4 @@
-//! Magnitude, slope and acceleration of a correction: it can never make a machine jump.
+//! Limits magnitude, slope and acceleration of a correction, so that it can never make a machine jump.
 //!
 //! In units of one cycle (T = period): C = magnitude, V = slope·T, a = acceleration·T². With r the wanted correction
 //! (clamped to ±C), c what is sent, Δ backward differences, in every cycle
@@ -8,9 +8,10 @@
 //! ```
 //!
 //! and c = r bit for bit from the cycle in which it locks on, for every r that stays inside the three limits itself. The
-//! scalar holds the limits rounded towards zero, and c to some units in the last place of C. Positions in nanometres round
-//! what is sent to a step: C is a whole number of steps there, and no drive goes beyond it (C up to 1 mm); its Δc may be a
-//! step more than V, over any time too, its Δ²c two. While c differs from r it approaches with the braking law
+//! scalar contains the limits rounded towards zero, and c to some units in the last place of C. Positions in nanometres
+//! round the sent correction to a step: C is a whole number of steps there, and no drive exceeds it (C up to 1 mm); its
+//! Δc may be one step more than V, over any time too, its Δ²c two. While c differs from r it approaches with the braking
+//! law
 //!
 //! ```text
 //! g    = r − c − Δr                               distance to the target, in its moving frame
@@ -19,15 +20,16 @@
 //! Δc   = want clamped to [max(−V, v − a, −U(C + c, a)), min(V, v + a, U(C − c, a))],   v = Δc of the last cycle
 //! ```
 //!
-//! U(d, b) is the largest speed from which whole cycles of deceleration b stop within d. Note: a ramp just below
-//! V started from rest is caught up with slowly, one above V never; a target that jitters by more than a per cycle is
-//! followed with chatter; limits lowered in motion are reached with a. All of it is flagged *limited*.
+//! U(d, b) is the largest speed from which whole cycles of deceleration b stop within d. Note: the limiter catches up
+//! slowly with a ramp just below V that started from rest, and never with one above V; it chatters while following a
+//! target that jitters by more than a per cycle; it reaches limits lowered in motion with a. It flags all of these as
+//! *limited*.
 //!
-//! While a drive is held, c stays the difference between drive and held command: its speed is cut to zero,
-//! and it goes on from there ([`Limiter::hold`]).
+//! While a drive is held, c stays the difference between drive and held command: its speed is cut to zero, and it
+//! continues from there ([`Limiter::hold`]).
 //!
-//! A cycle of this law takes a period of time: cycles that come too early are none of it, the state stays as it is
-//! ([`crate::Input::elapsed_ns`]). So the limits in seconds hold however cycles come.
+//! A cycle of this law takes a period of time: a cycle that comes too early is not counted, and the state does not change
+//! ([`crate::Input::elapsed_ns`]). So the limits in seconds apply however cycles arrive.
 
 #![deny(clippy::indexing_slicing)]
 
@@ -46,9 +48,9 @@ pub struct Limiter<R> {
     /// 8 / (0.8 a) and 8 / a.
     approach: R,
     brake: R,
-    /// From this |g| on the speed of approach is above 2 V: (2V)²/(2 · 0.8 a) + 2 V.
+    /// From this |g| on the approach speed exceeds 2 V: (2V)²/(2 · 0.8 a) + 2 V.
     far: R,
-    /// |g| up to this is rounding: some units in the last place of C.
+    /// |g| up to this counts as rounding: some units in the last place of C.
     rounding: R,
 }
 
@@ -67,39 +69,39 @@ impl<R: Real> LimiterState<R> {
         self.sent
     }
 
-    /// At rest on a correction.
+    /// The state at rest on a correction.
     #[inline(always)]
     pub(crate) fn at_rest(sent: R) -> Self {
         LimiterState { sent, velocity: R::ZERO, target: sent }
     }
 
-    /// The target was sent as it is.
+    /// Whether the target was sent unchanged.
     #[inline(always)]
     pub(crate) fn is_locked(&self) -> bool {
         self.sent == self.target
     }
 
-    /// The state that has sent `wanted` as it is.
+    /// The state after sending `wanted` unchanged.
     #[inline(always)]
     pub(crate) fn passed(&self, wanted: R) -> Self {
         LimiterState { sent: wanted, velocity: wanted - self.target, target: wanted }
     }
 
-    /// Its change in the last cycle.
+    /// Change of the correction in the last cycle.
     #[inline(always)]
     pub fn velocity(&self) -> R {
         self.velocity
     }
 }
 
-/// 0.8 of the permitted acceleration for the approach leaves the rest for a target that accelerates itself.
+/// The approach uses 0.8 of the permitted acceleration; the rest is for a target that accelerates itself.
 const APPROACH: f64 = 0.8;
 
 impl<R: Real> Limiter<R> {
     /// Converts limits in seconds into limits per cycle.
     ///
     /// # Errors
-    /// A limit that is not positive and finite, or that the scalar cannot hold: one that it rounds to zero, above a
+    /// A limit that is not positive and finite, or that the scalar cannot represent: one that it rounds to zero, above a
     /// sixteenth of its largest number (2e37 in f32; sums of limits must not overflow), or a below 1e-7 of C (f32; 1e-15
     /// in f64), which is lost in rounding.
     pub fn new(limits: &Limits, period_s: f64) -> Result<Self, ConfigError> {
@@ -147,14 +149,14 @@ impl<R: Real> Limiter<R> {
         self.magnitude
     }
 
-    /// Below this |r| a stop at full speed always fits: C − V − V²/2a. Beyond it a correction is never passed as it is.
+    /// Below this |r| a stop at full speed always fits: C − V − V²/2a. Beyond it a correction never passes unchanged.
     pub(crate) fn open(&self) -> R {
         self.open
     }
 
-    /// Takes the wanted correction of this cycle, sets the one to send; returns whether they differ (*limited*).
+    /// Takes the wanted correction of this cycle and sets the one to send; returns whether they differ (*limited*).
     ///
-    /// Cost: some 40 host instructions an axis while nothing binds; a square root or two out of line otherwise.
+    /// Cost: some 40 host instructions per axis while no limit binds; otherwise a square root or two out of line.
     #[inline(always)]
     pub fn follow(&self, state: &mut LimiterState<R>, wanted: R) -> bool {
         if self.passes(state, wanted) {
@@ -164,20 +166,20 @@ impl<R: Real> Limiter<R> {
         self.approach(state, wanted)
     }
 
-    /// [`Limiter::follow`] where a cycle is due; where no time has passed for one, nothing is changed.
+    /// [`Limiter::follow`] if a cycle is due; otherwise no time has passed, and the state does not change.
     #[inline(always)]
     pub(crate) fn follow_when(&self, due: bool, state: &mut LimiterState<R>, wanted: R) -> bool {
         if due { self.follow(state, wanted) } else { state.sent != wanted }
     }
 
-    /// Locked on, and the target itself keeps the limits: [`Limiter::follow`] sends `wanted` as it is, without root or
-    /// rounding.
+    /// Whether the state is locked on and the target keeps the limits: [`Limiter::follow`] then sends `wanted` unchanged,
+    /// without root or rounding.
     #[inline(always)]
     fn passes(&self, state: &LimiterState<R>, wanted: R) -> bool {
         state.is_locked() && self.follows(state, wanted)
     }
 
-    /// The same of a state that is known to be locked on.
+    /// Like [`Limiter::passes`], for a state known to be locked on.
     #[inline(always)]
     pub(crate) fn follows(&self, state: &LimiterState<R>, wanted: R) -> bool {
         let change = wanted - state.target;
@@ -186,7 +188,7 @@ impl<R: Real> Limiter<R> {
             && wanted.abs() <= self.open
     }
 
-    /// Takes no new target: comes to rest with the permitted acceleration and stays there.
+    /// Takes no new target: decelerates to rest with the permitted acceleration and stays there.
     #[inline(always)]
     pub fn freeze(&self, state: &mut LimiterState<R>) {
         let velocity = state.velocity - state.velocity.limit(-self.acceleration, self.acceleration);
@@ -194,7 +196,7 @@ impl<R: Real> Limiter<R> {
         *state = LimiterState { sent, velocity, target: sent };
     }
 
-    /// The drive stands, and so does the correction: what comes next starts from rest. The velocity is cut, not braked.
+    /// The drive stops, and so does the correction: the next motion starts from rest. The velocity is cut, not braked.
     #[inline(always)]
     pub fn hold(&self, state: &mut LimiterState<R>) {
         *state = LimiterState::at_rest(state.sent);
@@ -207,7 +209,7 @@ impl<R: Real> Limiter<R> {
         let moves = (r - last).limit(-self.velocity, self.velocity);
         let gap = r - c - moves;
         let (down, up) = self.room(c);
-        // The acceleration comes first, should limits have been lowered in motion.
+        // The acceleration has priority, in case limits were lowered in motion.
         let (slowest, fastest) = (v - self.acceleration, v + self.acceleration);
         let (lowest, highest) = (down.max(slowest).min(fastest), up.min(fastest).max(slowest));
 
@@ -235,7 +237,7 @@ impl<R: Real> Limiter<R> {
         (-speed(self.magnitude + c), speed(self.magnitude - c))
     }
 
-    /// U(|g|, 0.8 a), or a speed that the slope cuts whichever way the target moves.
+    /// U(|g|, 0.8 a), or a speed that the slope limits in any case, whichever way the target moves.
     #[inline(always)]
     fn closing_speed(&self, gap: R) -> R {
         if gap >= self.far {
@@ -247,8 +249,8 @@ impl<R: Real> Limiter<R> {
 
 /// Time to move a correction at rest by the distance `way`, mm (deg), to a target at rest, s.
 ///
-/// With V and A the limits in seconds, by the law above without its rounding to whole cycles: A up to the speed v, 0.8 A
-/// down from it,
+/// With V and A the limits in seconds, by the law above without its rounding to whole cycles: acceleration A up to the
+/// speed v, deceleration 0.8 A from it,
 ///
 /// ```text
 /// B = v²/2 · (1/A + 1/0.8A)     t = v (1/A + 1/0.8A)  + (|way| − B)/V where v = V, B < |way|
@@ -260,7 +262,7 @@ pub fn lead_in_s(limits: &Limits, way: f64) -> f64 {
     if way <= ramps { libm::sqrt(2.0 * way * both) } else { top * both + (way - ramps) / top }
 }
 
-/// A limit in the scalar, not above it.
+/// Rounds a limit to the scalar, towards zero.
 fn towards_zero<R: Real>(limit: f64) -> R {
     let nearest = R::of(limit);
     if nearest.to_f64().abs() > limit.abs() { R::of(limit * (1.0 - R::EPSILON.to_f64())) } else { nearest }

@@ -1,4 +1,4 @@
-//! Last stage: from the wanted correction to drive commands and to the feedback that the host sees.
+//! Last stage: converts the wanted correction to drive commands and to the feedback that the host receives.
 
 #![deny(clippy::indexing_slicing)]
 
@@ -15,7 +15,7 @@ use crate::telemetry::Status;
 pub(crate) struct OutputStage<R, P, const N: usize> {
     limiters: [Limiter<R>; N],
     joint: [[P; 2]; N],
-    /// From no command within its travel does a correction that no limit binds lead out of the joint's range.
+    /// Whether a correction that no limit binds keeps every command within its travel inside the joint's range.
     roomy: bool,
 }
 
@@ -23,10 +23,10 @@ pub(crate) struct OutputStage<R, P, const N: usize> {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct OutputState<R, P: Position, const N: usize> {
     limited: [LimiterState<R>; N],
-    /// The corrections as positions add them.
+    /// The corrections as position offsets.
     offsets: [P::Offset; N],
     drive: [P; N],
-    /// All axes have locked on ([`LimiterState::is_locked`]).
+    /// Whether all axes have locked on ([`LimiterState::is_locked`]).
     locked: bool,
 }
 
@@ -48,13 +48,13 @@ impl<R: Real, P: Position, const N: usize> OutputState<R, P, N> {
         self.limited.map(|limited| limited.sent())
     }
 
-    /// The same, as positions add them.
+    /// The corrections sent last, as position offsets.
     pub(crate) fn offsets(&self) -> &[P::Offset; N] {
         &self.offsets
     }
 }
 
-/// Where a cycle's output goes.
+/// Destinations of a cycle's output.
 pub(crate) struct Outlets<'o, R, P, const N: usize> {
     pub(crate) drive: &'o mut [P; N],
     pub(crate) feedback: &'o mut [P; N],
@@ -64,18 +64,18 @@ pub(crate) struct Outlets<'o, R, P, const N: usize> {
 /// Flags of a cycle's output.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Applied {
-    /// A bit for every axis whose correction differs from the wanted one.
+    /// One bit for every axis whose correction differs from the wanted one.
     pub(crate) limited: u8,
-    /// Slot of an axis that would leave its joint's range: the output holds, and the command was not accepted.
+    /// Slot of an axis that would leave its joint's range: the output is held, and the command was not accepted.
     pub(crate) outside: Option<u8>,
-    /// What there is to add to the state bits.
+    /// Bits to add to the status.
     pub(crate) status: Status,
 }
 
-/// Limits of an axis that the machine does not have: it is never corrected, any positive numbers do.
+/// Limits of an axis that the machine does not have: it is never corrected, so any positive numbers will do.
 const ABSENT: Limits = Limits { magnitude: 1.0, slope_per_s: 1.0, acceleration_per_s2: 1e3 };
 
-/// More than positions are rounded by, mm (deg).
+/// Upper bound on the rounding of positions, mm (deg).
 const ROUNDING: f64 = 1e-5;
 
 impl<R: Real, P: Position, const N: usize> OutputStage<R, P, N> {
@@ -86,12 +86,12 @@ impl<R: Real, P: Position, const N: usize> OutputStage<R, P, N> {
         let settings = order.settings(machine);
         for ((settings, limiter), joint) in settings.into_iter().zip(&mut stage.limiters).zip(&mut stage.joint) {
             if let Some(settings) = settings {
-                // What is sent is rounded to a step: neither limit nor range lies between two of them.
+                // The sent correction is rounded to a step: neither limit nor range may lie between two steps.
                 let limits = Limits { magnitude: P::whole_steps(settings.limits.magnitude), ..settings.limits };
                 *limiter = Limiter::new(&limits, period_s).map_err(|error| error.on(settings.axis))?;
                 let [least, most] = settings.joint;
                 *joint = [P::within_end(least, false), P::within_end(most, true)];
-                // As they are compared: integers may end before the travel does.
+                // Compared as rounded positions: integers may end before the travel does.
                 let ([low, high], [least, most]) =
                     (settings.travel.map(|end| P::nearest(end).to_f64()), joint.map(P::to_f64));
                 let room = ROUNDING + limiter.open().to_f64();
@@ -101,9 +101,9 @@ impl<R: Real, P: Position, const N: usize> OutputStage<R, P, N> {
         Ok(stage)
     }
 
-    /// Command plus limited correction, held where necessary; feedback without the correction. The output is decided
-    /// before anything is remembered: where the output holds, drive and correction of the last cycle stay. While a reading is
-    /// refused the correction `freezes`, or goes on to what is wanted.
+    /// Command plus limited correction, held if necessary; feedback without the correction. The output is decided before
+    /// any state changes: while it is held, drive and correction of the last cycle stay. While a reading is refused, the
+    /// correction `freezes`, or continues to the wanted one.
     #[inline(always)]
     pub(crate) fn apply(
         &self,
@@ -113,7 +113,7 @@ impl<R: Real, P: Position, const N: usize> OutputStage<R, P, N> {
         freezes: bool,
         output: Outlets<'_, R, P, N>,
     ) -> Applied {
-        // The reading of this cycle answers the correction sent before it.
+        // The reading of this cycle responds to the correction sent before it.
         for ((to, reading), offset) in output.feedback.iter_mut().zip(sample.feedback).zip(&state.offsets) {
             *to = reading.moved_back(*offset);
         }
@@ -125,7 +125,7 @@ impl<R: Real, P: Position, const N: usize> OutputStage<R, P, N> {
         Applied { limited: 0, outside: None, status: Status(0) }
     }
 
-    /// The state that sends the wanted corrections as they are, if nothing speaks against it.
+    /// The state that sends the wanted corrections unchanged, if no limit binds and no check fails.
     #[inline(always)]
     fn unlimited(
         &self,
@@ -151,7 +151,7 @@ impl<R: Real, P: Position, const N: usize> OutputStage<R, P, N> {
         (self.roomy || self.outside(&next.drive).is_none()).then_some(next)
     }
 
-    /// The same where a limit binds, nothing is corrected or the output holds.
+    /// [`OutputStage::apply`] if a limit binds, nothing is corrected or the output is held.
     #[inline(never)]
     fn apply_limited(
         &self,
@@ -187,7 +187,7 @@ impl<R: Real, P: Position, const N: usize> OutputStage<R, P, N> {
             }
             match outside {
                 None => (state.drive, state.offsets) = (drive, offsets),
-                // Nothing of this cycle is sent: drives and corrections stay what they were before it.
+                // Nothing of this cycle is sent: drives and corrections keep their previous values.
                 Some(_) => {
                     state.limited = before.map(|limited| LimiterState::at_rest(limited.sent()));
                     flags = 0;
@@ -200,8 +200,8 @@ impl<R: Real, P: Position, const N: usize> OutputStage<R, P, N> {
         Applied { limited: flags, outside, status: Status(0) }
     }
 
-    /// The corrections go on towards the wanted ones, where they are `due`; a bit for every axis where there is a
-    /// difference left.
+    /// Moves the corrections towards the wanted ones if they are `due`; returns one bit for every axis with a remaining
+    /// difference.
     fn follow(&self, state: &mut OutputState<R, P, N>, wanted: &[R; N], due: bool) -> u8 {
         let mut flags = 0;
         let axes = self.limiters.iter().zip(&mut state.limited).zip(wanted);

@@ -1,4 +1,4 @@
-//! Positions at the boundary of the step: doubles on a host, integers where doubles are slow.
+//! Positions at the boundary of the step: doubles on a host, integers on cores with slow doubles.
 
 use crate::real::Real;
 use core::fmt::Debug;
@@ -8,9 +8,9 @@ use serde::{Deserialize, Serialize};
 ///
 /// Unit: mm for linear axes, degrees for rotary ones.
 pub trait Position: Copy + Debug + Default + PartialEq + PartialOrd + Send + Sync + 'static {
-    /// A correction as positions add it: exactly the difference between a drive position and its command.
+    /// A correction as a position offset: exactly the difference between a drive position and its command.
     type Offset: Copy + Debug + Default + PartialEq + Send + Sync;
-    /// A distance in steps of the position, for comparing.
+    /// A distance in steps of the position, for comparisons.
     type Reach: Copy + Debug + Default + PartialEq + PartialOrd + Send + Sync;
     /// A step of the position in mm (deg): 1 for doubles.
     const STEP: f64;
@@ -20,7 +20,7 @@ pub trait Position: Copy + Debug + Default + PartialEq + PartialOrd + Send + Syn
     fn nearest(x: f64) -> Self {
         Self::of(x)
     }
-    /// The farthest usable position that is not beyond the end of a range (mm or deg), `upper` or lower.
+    /// The farthest usable position that does not exceed the end of a range (mm or deg), `upper` or lower.
     fn within_end(end: f64, upper: bool) -> Self {
         let nearest = Self::nearest(end);
         let beyond = if upper { nearest.to_f64() > end } else { nearest.to_f64() < end };
@@ -31,7 +31,7 @@ pub trait Position: Copy + Debug + Default + PartialEq + PartialOrd + Send + Syn
         }
     }
     /// The largest correction that is a whole number of steps and not above a limit (mm or deg), at least a step; for
-    /// doubles the limit. A limit counts as whole that rounding leaves 1e-6 of a step below.
+    /// doubles the limit itself. A limit that rounding leaves up to 1e-6 of a step low counts as whole.
     fn whole_steps(limit: f64) -> f64 {
         limit
     }
@@ -39,42 +39,42 @@ pub trait Position: Copy + Debug + Default + PartialEq + PartialOrd + Send + Syn
     fn to_f64(self) -> f64;
     /// `self - origin`, rounded once.
     fn since<R: Real>(self, origin: Self) -> R;
-    /// The same where the two are near each other, or only their order counts: integers saturate at ±2.147 m, for which a
-    /// Cortex-M4F has an instruction.
+    /// [`Position::since`] for two near positions, or if only their order counts: integers saturate at ±2.147 m, for
+    /// which a Cortex-M4F has an instruction.
     #[inline(always)]
     fn since_near<R: Real>(self, origin: Self) -> R {
         self.since(origin)
     }
     /// `self + d`, rounded once.
     fn plus<R: Real>(self, d: R) -> Self;
-    /// `self - origin` reduced by whole turns to 0 (inclusive) … 360 degrees; the reduction itself is exact, so that
-    /// an angle and the same angle after many turns give the same result. Meant for |self| up to 7e11 degrees.
+    /// `self - origin` reduced by whole turns to 0 (inclusive) … 360 degrees; the reduction itself is exact, so that an
+    /// angle and the same angle many turns later give the same result. Valid for |self| up to 7e11 degrees.
     fn turn_since<R: Real>(self, origin: Self) -> R;
-    /// The offset that a correction of `d` mm (deg) is rounded to. Zero adds nothing to a position, not even a sign.
+    /// Rounds a correction of `d` mm (deg) to an offset. Zero adds nothing to a position, not even a sign.
     fn offset<R: Real>(d: R) -> Self::Offset;
     /// `self + offset`; an integer saturates.
     fn moved(self, offset: Self::Offset) -> Self;
     /// `self - offset`; an integer saturates.
     fn moved_back(self, offset: Self::Offset) -> Self;
-    /// A distance of `d` mm (deg), rounded to whole steps; the longest there is for one beyond the range.
+    /// A distance of `d` mm (deg), rounded to whole steps; the longest possible one if `d` is beyond the range.
     fn reach(d: f64) -> Self::Reach;
-    /// The same in the scalar of the step; an integer is rounded towards zero.
+    /// [`Position::reach`] of a distance in the step's scalar; an integer is rounded towards zero.
     fn reach_of<R: Real>(d: R) -> Self::Reach;
     /// The sum of two distances; an integer saturates.
     fn farther(distance: Self::Reach, more: Self::Reach) -> Self::Reach;
-    /// |self − other|, exact in integers: two positions at opposite ends are far apart. Not a number for a double that is
-    /// none, and no comparison with a reach then holds.
+    /// |self − other|, exact in integers, even for positions at opposite ends. NaN if a double is NaN, so that every
+    /// comparison with a reach is false.
     fn apart(self, other: Self) -> Self::Reach;
-    /// `self - low` in steps, and whether it lies in 0 … `reach`: one comparison of integers. Outside it the distance
-    /// means nothing. `low` and `reach` together must stay below 2.147 m, and `reach` alone too.
+    /// `self - low` in steps, and whether it lies in 0 … `reach`: one comparison of integers. Outside that range the
+    /// distance is meaningless. `low` and `reach` together must stay below 2.147 m, and so must `reach` alone.
     fn steps_above<R: Real>(self, low: Self, reach: Self::Reach) -> (R, bool);
-    /// From the first of two limits to the second, both included.
+    /// Whether it lies from the first of two limits to the second, both included.
     #[inline(always)]
     fn is_within(self, [low, high]: &[Self; 2]) -> bool {
         self >= *low && self <= *high
     }
-    /// A number a machine can mean: neither infinite nor NaN nor beyond 1e9 (so that no later product overflows), nor
-    /// at an end of its range, where integers saturate.
+    /// Whether a machine can use it: not infinite, NaN or beyond 1e9 (so that no later product overflows), and not at an
+    /// end of its range, where integers saturate.
     fn is_usable(self) -> bool;
 }
 
@@ -100,7 +100,7 @@ impl Position for f64 {
     }
     #[inline(always)]
     fn turn_since<R: Real>(self, origin: f64) -> R {
-        // 360 n is exact and the subtraction of nearby values too; the quotient may be off by one turn, never by more.
+        // 360 n is exact, and so is the subtraction of nearby values; the quotient may be off by at most one turn.
         let angle = self - origin;
         let rest = angle - 360.0 * f64::from((angle * (1.0 / 360.0)) as i32);
         let rest = if rest < 0.0 { rest + 360.0 } else { rest };
@@ -147,11 +147,11 @@ impl Position for f64 {
     }
 }
 
-/// A position in whole nanometres, ±2.147 m; of a rotary axis in 1e-6 degree, ±2147 degrees.
+/// A position in whole nanometres, ±2.147 m; on a rotary axis in 1e-6 degree, ±2147 degrees.
 ///
 /// Nothing wraps: a value beyond the range saturates at `i32::MIN` or `i32::MAX`, and neither is usable.
 ///
-/// For cores without a double-precision unit: an f64 subtraction costs about 120 instructions on a Cortex-M4F, this one.
+/// For cores without a double-precision unit: on a Cortex-M4F an f64 subtraction costs about 120 instructions, this one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Nanometres(pub i32);
@@ -162,7 +162,7 @@ impl Position for Nanometres {
     const STEP: f64 = 1e-6;
     #[inline(always)]
     fn of(x: f64) -> Nanometres {
-        // Not a number must not become a position: the cast would make it zero.
+        // NaN must not become a position: the cast would make it zero.
         if x.is_nan() { Nanometres(i32::MIN) } else { Nanometres(libm::rint(x * 1e6) as i32) }
     }
     fn nearest(x: f64) -> Nanometres {
@@ -256,7 +256,7 @@ mod tests {
     }
 
     proptest! {
-        /// Against 64-bit integers, over the whole range, with the ends more often.
+        /// Compared with 64-bit integers, over the whole range, the ends more often.
         #[test]
         fn differences_are_exact(a in any_position(), b in any_position()) {
             let truth = i64::from(a) - i64::from(b);

@@ -5,8 +5,8 @@ use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
 /// A hardware float in which the step computes.
 ///
-/// Only operations that cannot panic, allocate or call a transcendental function are here; results are the same on
-/// every target (the square root is correctly rounded).
+/// Contains only operations that cannot panic, allocate or call a transcendental function; results are identical on every
+/// target (the square root is correctly rounded).
 pub trait Real:
     Copy
     + Debug
@@ -23,7 +23,7 @@ pub trait Real:
     + Sync
     + 'static
 {
-    /// glam's vector of this scalar, in which the public interface gives and takes points and directions.
+    /// glam's vector of this scalar, used for points and directions in the public interface.
     type Vec3: Copy + Debug + Default + PartialEq + From<[Self; 3]> + Into<[Self; 3]> + Send + Sync + 'static;
 
     /// 0.
@@ -51,35 +51,35 @@ pub trait Real:
     fn to_i32(self) -> i32;
     /// Truncates; saturates at the ends of `u32`; NaN gives 0.
     fn to_u32(self) -> u32;
-    /// An index in the room of a scalar, as its bits.
+    /// Stores an index as the bits of a scalar.
     fn of_index(index: u16) -> Self;
-    /// The index that [`Real::of_index`] put there; no arithmetic, one load.
+    /// Reads the index that [`Real::of_index`] stored; no arithmetic, one load.
     fn to_index(self) -> usize;
     /// Square root; 0 for arguments that are not positive.
     fn sqrt(self) -> Self;
-    /// Square root of what cannot be negative, a sum of squares: no test.
+    /// Square root of a value that cannot be negative, such as a sum of squares: without a test.
     fn root(self) -> Self;
-    /// The same of two at once: fewer instructions where the compiler cannot place them.
+    /// Two [`Real::root`]s at once: fewer instructions where the compiler cannot arrange them.
     fn roots(squares: [Self; 2]) -> [Self; 2];
     /// |x|, one instruction.
     fn abs(self) -> Self;
     /// `self + a b`, rounded twice; once with the feature `fma` on a processor that has the instruction.
     fn add_product(self, a: Self, b: Self) -> Self;
-    /// Neither infinite nor NaN.
+    /// Whether it is neither infinite nor NaN.
     fn is_finite(self) -> bool;
-    /// 0 to 1, by one comparison of its bits; not so of −0.
+    /// Whether it lies in 0 to 1, by one comparison of its bits; `false` for −0.
     fn is_in_unit(self) -> bool;
-    /// The smaller one; `other` where `self` is NaN.
+    /// The smaller one; `other` if `self` is NaN.
     #[inline(always)]
     fn min(self, other: Self) -> Self {
         if self < other { self } else { other }
     }
-    /// The larger one; `other` where `self` is NaN.
+    /// The larger one; `other` if `self` is NaN.
     #[inline(always)]
     fn max(self, other: Self) -> Self {
         if self > other { self } else { other }
     }
-    /// `self` limited to `low..=high`; `low` where `self` is NaN. Unlike core's, it cannot panic.
+    /// `self` limited to `low..=high`; `low` if `self` is NaN. Unlike `core`'s `clamp`, it cannot panic.
     #[inline(always)]
     fn limit(self, low: Self, high: Self) -> Self {
         Self::min(Self::max(self, low), high)
@@ -154,7 +154,7 @@ macro_rules! real {
             }
             #[inline(always)]
             fn is_in_unit(self) -> bool {
-                // Bits ascend with the numbers, negative ones and what is none above them.
+                // Bits ascend with the numbers; negative numbers and NaN are above them.
                 self.to_bits() <= <$t>::to_bits(1.0)
             }
         }

@@ -1,4 +1,4 @@
-//! First stage: command and encoder readings become finite, plausible positions, or a fault.
+//! First stage: turns command and encoder readings into finite, plausible positions, or reports a fault.
 
 #![deny(clippy::indexing_slicing)]
 
@@ -19,56 +19,58 @@ use crate::telemetry::Status;
 pub struct Input<P, const N: usize> {
     /// Commanded positions, uncorrected, mm (rotary: degrees).
     pub command: [P; N],
-    /// Raw encoder positions, mm (degrees). A reading that is not a number, beyond 1e9, or in integers at an end of
-    /// their range, is a dropout.
+    /// Raw encoder positions, mm (degrees). A reading that is NaN, beyond 1e9 or, in integers, at an end of their range
+    /// is a dropout.
     pub feedback: [P; N],
-    /// A bit for every axis whose encoder interface reports an alarm.
+    /// One bit for every axis whose encoder interface reports an alarm.
     pub encoder_alarm: u8,
     /// Time since the last cycle in nanoseconds, as the host measured or knows it.
     ///
-    /// More than a quarter off the period, or corrections that have to stand: [`Fault::LateCycle`], frozen. They stand where
-    /// too little time has passed since they moved last; with e this time, T 0.999 of the period and t the time in hand,
+    /// [`Fault::LateCycle`], correction frozen, if it is more than a quarter off the period or if the corrections must
+    /// stand still. They do if too little time has passed since they last moved; with e this time, T 0.999 of the period
+    /// and t the accumulated time,
     ///
     /// ```text
     /// t <- min(t + e, 2 T − 1 ns)      t >= T: they move by a cycle's worth, t <- t − T;  else they stand
     /// ```
     ///
-    /// so that in any time they move by no more than their slope allows in it, and a cycle's worth. What stands goes on as
-    /// it went. 0: no time has passed, nothing moves. That of the first cycle does not count.
+    /// so that over any time they move by at most what their slope allows in it plus one cycle's worth. Afterwards they
+    /// continue at the velocity they had. 0: no time has passed and nothing moves. The value in the first cycle is
+    /// ignored.
     pub elapsed_ns: u32,
-    /// All axes are homed: positions are machine positions.
+    /// All axes are homed, so positions are machine positions.
     pub homed: bool,
-    /// Compensation is wanted.
+    /// The host wants compensation.
     pub enable: bool,
     /// Releases a latched stop request (on its rising edge, near the held position).
     pub reset: bool,
-    /// Why a stage before the step ([`crate::ServoLoop::rtcp`]) has no command in this cycle: the output holds for any
-    /// `command`. [`Refusal::NONE`] otherwise.
+    /// Why a stage before the step ([`crate::ServoLoop::rtcp`]) has no command for this cycle: the output is held,
+    /// whatever `command` says. Otherwise [`Refusal::NONE`].
     pub refusal: Refusal,
-    /// Parts of the dynamic correction that are wanted; what is not configured stays off.
+    /// Parts of the dynamic correction that the host wants; parts that are not configured stay off.
     pub dynamics: Dynamics,
-    /// Correction of X, Y and Z that was learned for this place of the program, mm: as a position counted from 0. A value
-    /// that is no usable position counts as none.
+    /// Learned correction of X, Y and Z at this point of the program, mm, as a position counted from 0. An unusable
+    /// position counts as zero.
     pub learned: [P; 3],
 }
 
-/// A command that was refused before the step.
+/// A command rejected before the step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Refusal {
-    /// Why; [`Fault::None`]: it was not.
+    /// The reason; [`Fault::None`] if the command was not rejected.
     pub fault: Fault,
-    /// Slot of the axis that it belongs to.
+    /// Slot of the axis at fault.
     pub slot: u8,
 }
 
 impl Refusal {
-    /// Nothing was refused.
+    /// No command was rejected.
     pub const NONE: Refusal = Refusal { fault: Fault::None, slot: 0 };
 }
 
 impl<P: Position, const N: usize> Input<P, N> {
-    /// All axes at zero, neither homed nor enabled, the cycle in time: defaults of the other fields.
+    /// All axes at zero, neither homed nor enabled, the cycle on time: defaults for the other fields.
     pub fn at_rest(period_ns: u32) -> Self {
         Input {
             command: [P::default(); N],
@@ -85,57 +87,57 @@ impl<P: Position, const N: usize> Input<P, N> {
     }
 }
 
-/// Treatment of a cycle, decided from its sample.
+/// How the step treats a cycle, decided from its sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub(crate) enum Verdict {
-    /// Not homed or not enabled: the correction goes back to zero.
+    /// Not homed or not enabled: the correction returns to zero.
     Inactive = 0,
     /// Homed, enabled, plausible.
     Active = Status::ACTIVE.0,
-    /// The correction freezes, the command passes.
+    /// The correction freezes; the command passes.
     Freeze = Status::FROZEN.0,
-    /// The output holds.
+    /// The output is held.
     Hold = Status::STOP_REQUEST.0,
-    /// The output would hold, but no command was ever usable and not every axis has been read: there is no output.
+    /// The output would be held, but no command was ever usable and some axis has not been read yet: there is no output.
     Nowhere = Status::STOP_REQUEST.0 | Status::NO_OUTPUT.0,
 }
 
 impl Verdict {
-    /// Its bits of the status.
+    /// The corresponding bits of the status.
     #[inline(always)]
     pub(crate) fn status(self) -> Status {
         Status(self as u8)
     }
 
-    /// Nothing new goes to the drives.
+    /// The drives receive nothing new.
     #[inline(always)]
     pub(crate) fn holds(self) -> bool {
         matches!(self, Verdict::Hold | Verdict::Nowhere)
     }
 }
 
-/// Positions in which the rest of the step believes.
+/// Positions that the rest of the step trusts.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sample<'s, P, const N: usize> {
     pub(crate) command: &'s [P; N],
     pub(crate) feedback: &'s [P; N],
     pub(crate) verdict: Verdict,
     pub(crate) fault: Fault,
-    /// Slot of the axis that the fault belongs to.
+    /// Slot of the axis at fault.
     pub(crate) axis: u8,
-    /// A period has passed since the corrections moved last ([`Input::elapsed_ns`]): in this cycle they may.
+    /// The corrections may move in this cycle: a period has passed since they last moved ([`Input::elapsed_ns`]).
     pub(crate) due: bool,
-    /// No cycle before this one had a command that was accepted.
+    /// No earlier command was accepted.
     pub(crate) first: bool,
     /// The positions are machine positions.
     pub(crate) homed: bool,
-    /// As it came, for what only one stage asks.
+    /// The unmodified input, for fields that only one stage reads.
     pub(crate) input: &'s Input<P, N>,
 }
 
 impl<'s, P, const N: usize> Sample<'s, P, N> {
-    /// Of a cycle in which nothing is wrong.
+    /// The sample of a cycle that passed every check.
     #[inline(always)]
     pub(crate) fn calm(input: &'s Input<P, N>) -> Self {
         Sample {
@@ -152,33 +154,34 @@ impl<'s, P, const N: usize> Sample<'s, P, N> {
     }
 }
 
-/// Limits of an axis; largest changes of a cycle in time.
+/// Limits of an axis; the changes are the largest ones in an on-time cycle.
 #[derive(Clone, Copy, Debug)]
 struct Plausible<R, P: Position> {
     travel: [P; 2],
-    /// Where a reading is believed: the range of the joint and [`READING_MARGIN`].
+    /// Readings within this range are trusted: the joint's range extended by [`READING_MARGIN`].
     readable: [P; 2],
     command_jump: P::Reach,
     feedback_jump: P::Reach,
     stuck: P::Reach,
-    /// A reading that changes by no more stands: [`STILL_STEPS`] of the encoder, 0 where those are not stated.
+    /// A reading that changes by no more counts as unchanged: [`STILL_STEPS`] of the encoder, 0 if its resolution is not
+    /// stated.
     still: P::Reach,
-    /// A command that changes by no more asks for nothing that such a reading would have to show.
+    /// A command that changes by no more need not show in the reading.
     play: P::Reach,
     resume: P::Reach,
-    /// The two jumps once more, mm (deg), to be multiplied by the cycles that are missing.
+    /// The two jumps again, mm (deg), to be multiplied by the number of missing cycles.
     jumps: [R; 2],
 }
 
 impl<R: Real, P: Position> Plausible<R, P> {
-    /// Largest change of a reading that has been missing for some cycles.
+    /// Largest change of a reading after `missing` cycles without one.
     #[inline(always)]
     fn feedback_jump_after(&self, missing: u16) -> P::Reach {
         let [_, jump] = self.jumps;
         if missing == 0 { self.feedback_jump } else { P::reach_of(jump * (R::ONE + R::of_i32(i32::from(missing)))) }
     }
 
-    /// Whether the command has gone on for `stuck` while the reading stands. A second call in a cycle changes nothing.
+    /// Whether the command has moved by more than `stuck` while the reading did not change. Idempotent within a cycle.
     #[inline(always)]
     fn is_stuck(&self, suspicion: &mut Suspicion<P>, reading: P, command: P) -> bool {
         if reading.apart(suspicion.reading) > self.still {
@@ -194,17 +197,17 @@ impl<R: Real, P: Position> Plausible<R, P> {
     }
 }
 
-/// The plausibility limits of every axis: immutable.
+/// Plausibility limits of every axis: immutable.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sampler<R, P: Position, const N: usize> {
     axes: [Plausible<R, P>; N],
     earliest_ns: u32,
-    /// From the earliest to the latest.
+    /// Difference between the latest and the earliest.
     tolerance_ns: u32,
     latest_ns: u32,
-    /// Time that the corrections take for a cycle's worth of movement.
+    /// Time after which the corrections may move by one cycle's worth.
     pace_ns: u32,
-    /// From here on a cycle counts as [`LONGEST`] periods.
+    /// From this time on a cycle counts as [`LONGEST`] periods.
     longest_ns: u32,
     per_period: R,
 }
@@ -212,7 +215,7 @@ pub(crate) struct Sampler<R, P: Position, const N: usize> {
 /// Commanded distance since a reading last moved.
 #[derive(Clone, Copy, Debug, Default)]
 struct Suspicion<P: Position> {
-    /// Where the reading stands since then.
+    /// The reading since then.
     reading: P,
     /// The command up to which the distance is counted.
     command: P,
@@ -220,7 +223,7 @@ struct Suspicion<P: Position> {
 }
 
 impl<P: Position> Suspicion<P> {
-    /// None yet.
+    /// No distance counted yet.
     #[inline(always)]
     fn from(reading: P, command: P) -> Self {
         Suspicion { reading, command, way: P::Reach::default() }
@@ -230,12 +233,12 @@ impl<P: Position> Suspicion<P> {
 /// State of the stage.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SampleState<P: Position, const N: usize> {
-    /// The last cycle was active and nothing was wrong with it: no stop, no reading missing, no reset held.
+    /// The last cycle was active and passed every check: no stop, no reading missing, no reset held.
     calm: bool,
     started: bool,
     /// Time in which the corrections have not moved yet, below [`Sampler::pace_ns`].
     time_ns: u32,
-    /// While holding before the first command: a bit for every axis whose position is known.
+    /// While the output is held before the first command: one bit for every axis whose position is known.
     known: u8,
     active: bool,
     reset: bool,
@@ -243,7 +246,7 @@ pub(crate) struct SampleState<P: Position, const N: usize> {
     latched_axis: u8,
     command: [P; N],
     feedback: [P; N],
-    /// Cycles since the last believed reading.
+    /// Cycles since the last trusted reading.
     missing: [u16; N],
     suspicions: [Suspicion<P>; N],
 }
@@ -266,18 +269,18 @@ impl<P: Position, const N: usize> SampleState<P, N> {
         }
     }
 
-    /// The command of the last cycle, the held one during a stop.
+    /// The command of the last cycle; during a stop, the held one.
     pub(crate) fn commanded(&self) -> [P; N] {
         self.command
     }
 
-    /// This cycle's command goes to the drives.
+    /// Accepts this cycle's command: it goes to the drives.
     #[inline(always)]
     pub(crate) fn accept(&mut self, command: &[P; N]) {
         self.command = *command;
     }
 
-    /// A stop is requested, from the last cycle or longer.
+    /// The last cycle, or an earlier one, requested a stop that is still latched.
     pub(crate) fn is_latched(&self) -> bool {
         self.latched != Fault::None
     }
@@ -285,29 +288,30 @@ impl<P: Position, const N: usize> SampleState<P, N> {
     pub(crate) fn latch(&mut self, fault: Fault, axis: u8) {
         (self.latched, self.latched_axis) = (fault, axis);
         self.calm = false;
-        // The drives stay where they are: a command that was not accepted asked for nothing.
+        // The drives do not move: a rejected command required no motion.
         for (suspicion, held) in self.suspicions.iter_mut().zip(&self.command) {
             suspicion.command = *held;
         }
     }
 }
 
-/// A period longer than this multiple of the configured one is a late cycle.
+/// A cycle longer than this multiple of the configured period is late.
 const LATE: f64 = 1.25;
-/// A shorter one is an early cycle.
+/// A cycle shorter than this multiple is early.
 const EARLY: f64 = 0.75;
 /// Share of a period by which a host's clock may be fast: [`crate::ServoLoop::check_period`].
 const FAST: u32 = 1000;
 /// The farthest usable position of any type, mm (deg).
 const FARTHEST: f64 = 1e9;
-/// A reading is believed as far beyond the range of the joint, mm (deg): overshoot at the end of the travel, and an axis that
-/// coasts after a stop. A counter that wraps is farther away.
+/// Readings are trusted up to this far beyond the range of the joint, mm (deg): an axis overshoots at the end of its
+/// travel or coasts after a stop. A counter that wraps is farther away.
 pub const READING_MARGIN: f64 = 1.0;
-/// Steps of the encoder within which a reading stands: one count to either side of where it died, and one more.
+/// Encoder steps within which a reading counts as unchanged: one count to either side of where it died, and one more.
 pub const STILL_STEPS: f64 = 3.0;
-/// Largest share of `faults.stuck` within which a reading stands: with a coarser encoder it does where it shows one count.
+/// Largest share of `faults.stuck` within which a reading counts as unchanged; a coarser encoder must then show the same
+/// count.
 const STILL_SHARE: f64 = 0.25;
-/// Periods after which a late cycle excuses no larger change.
+/// A late cycle excuses no larger change than this number of periods does.
 const LONGEST: u32 = 16;
 
 impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
@@ -364,13 +368,14 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         }
     }
 
-    /// Every position lies in the declared travel of its axis.
+    /// Whether every position lies in the declared travel of its axis.
     pub(crate) fn within_travel(&self, positions: &[P; N]) -> bool {
         self.axes.iter().zip(positions).all(|(axis, position)| position.is_within(&axis.travel))
     }
 
-    /// Whether nothing is wrong in a cycle after another such: its sample is [`Sample::calm`]. If that has to be looked
-    /// into ([`Sampler::look`]), nothing is changed that it would not change in the same way.
+    /// Quick check: whether this cycle, following one that passed every check, passes them too; its sample is then
+    /// [`Sample::calm`]. `false`: the full check ([`Sampler::look`]) is needed; anything changed here it changes in the
+    /// same way.
     #[inline(always)]
     pub(crate) fn glance(&self, state: &mut SampleState<P, N>, input: &Input<P, N>) -> bool {
         let Some(time_ns) = self.calm_time(state, input) else { return false };
@@ -384,7 +389,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         true
     }
 
-    /// The time left after a calm cycle in which [`Sampler::look`] too finds nothing wrong, but for a reading that stands.
+    /// The time left after a cycle in which [`Sampler::look`] would find no fault either, apart from a stuck reading.
     #[inline(always)]
     fn calm_time(&self, state: &SampleState<P, N>, input: &Input<P, N>) -> Option<u32> {
         let switched = input.homed && input.enable && !input.reset;
@@ -400,7 +405,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
             if !(command.is_within(&axis.travel) && command.apart(*last) <= axis.command_jump) {
                 return None;
             }
-            // Nothing that is readable is unusable.
+            // Every readable position is usable.
             if !(reading.is_within(&axis.readable) && reading.apart(*good) <= axis.feedback_jump) {
                 return None;
             }
@@ -408,10 +413,10 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         Some(time_ns)
     }
 
-    /// The time left after a cycle, of that before and its own, and whether the corrections may move in it.
+    /// Given the time accumulated with this cycle, the time left after it and whether the corrections may move in it.
     #[inline(always)]
     fn passed(&self, time_ns: u32) -> (u32, bool) {
-        // Less than a movement takes is left over, however long the time was.
+        // However long the time was, less than one movement takes is left over.
         let most = self.pace_ns.wrapping_mul(2).wrapping_sub(1);
         let time = time_ns.min(most);
         match time.checked_sub(self.pace_ns) {
@@ -420,7 +425,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         }
     }
 
-    /// The whole decision about a cycle. `believed` gets the positions of command and feedback.
+    /// The full check of a cycle. `believed` receives the positions of command and feedback.
     #[inline(never)]
     pub(crate) fn look<'s>(
         &self,
@@ -432,7 +437,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         let first = !state.started;
         let active = input.homed && input.enable;
         let late = input.elapsed_ns > self.latest_ns;
-        // Nothing is known of the time before the first cycle.
+        // The time before the first cycle is unknown.
         let due;
         (state.time_ns, due) =
             self.passed(if first { u32::MAX } else { state.time_ns.saturating_add(input.elapsed_ns) });
@@ -465,7 +470,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         Sample { command, feedback, verdict, fault, axis, due, first, homed: input.homed, input }
     }
 
-    /// Periods that a cycle took, for what may have moved meanwhile: 1 in time, at most 16.
+    /// Periods that a cycle took, which bound what may have moved in it: 1 if on time, at most 16.
     #[inline(always)]
     pub(crate) fn periods(&self, elapsed_ns: u32) -> R {
         if elapsed_ns <= self.latest_ns {
@@ -474,19 +479,19 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         if elapsed_ns >= self.longest_ns {
             return R::of_i32(LONGEST as i32);
         }
-        // Below 16 periods of at most 0.1 s: fits.
+        // At most 16 periods of 0.1 s: fits.
         R::of_i32(elapsed_ns as i32) * self.per_period
     }
 
-    /// The first thing that is wrong with the command. Travel and jumps count only while the plugin is active:
-    /// before homing, positions have no meaning.
+    /// The first fault of the command. Travel and jumps count only while the step is active: before homing, positions
+    /// have no meaning.
     #[inline(always)]
     fn command_fault(&self, state: &SampleState<P, N>, input: &Input<P, N>, active: bool, late: bool) -> (Fault, u8) {
         let check_jump = state.started && state.active;
         let mut place = 0;
         for ((axis, command), last) in self.axes.iter().zip(&input.command).zip(&state.command) {
             if active {
-                // Nothing that is within the travel is unusable.
+                // Every position within the travel is usable.
                 let [low, high] = axis.travel;
                 if !(*command >= low && *command <= high) {
                     let fault = if command.is_usable() { Fault::CommandOutOfTravel } else { Fault::CommandNotFinite };
@@ -505,8 +510,8 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         (Fault::None, 0)
     }
 
-    /// Believes the readings that are plausible, keeps the last good ones of the others. Their range counts only while the
-    /// plugin is active, as the travel of commands does.
+    /// Accepts the plausible readings and keeps the last good ones of the others. The readings' range counts only while
+    /// the step is active, like the travel of commands.
     #[inline(always)]
     fn feedback_fault(
         &self,
@@ -522,7 +527,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         for (((axis, reading), command), ((good, missing), suspicion)) in
             self.axes.iter().zip(&input.feedback).zip(command).zip(memory)
         {
-            // In the cycle of switching on, the command may have been set anew.
+            // In the cycle of switching on, the host may have set a new command.
             if !state.active {
                 suspicion.command = *command;
             }
@@ -546,7 +551,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
                     *good = *reading;
                     *missing = 0;
                 }
-                // Nothing to fall back on before the first good reading: the command stands in.
+                // Before the first good reading there is no value to fall back on: the command is used.
                 _ if !state.started || active && !good.is_within(&axis.readable) => {
                     *good = *command;
                     suspicion.reading = *command;
@@ -556,7 +561,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
             if !watch {
                 *suspicion = Suspicion::from(*good, *command);
             }
-            // Nothing was to be seen of this way.
+            // The reading could not show this distance.
             if !matches!(fault, Fault::None | Fault::EncoderStuck) {
                 suspicion.command = *command;
             }
@@ -568,7 +573,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         worst
     }
 
-    /// A bad command now or earlier: hold, unless this cycle brings the reset near the held position.
+    /// A bad command now or earlier: holds the output, unless this cycle brings the reset near the held position.
     #[inline(never)]
     fn stopped<'s>(
         &self,
@@ -590,18 +595,18 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
             .zip(&input.command)
             .zip(&state.command)
             .all(|((axis, command), held)| command.is_usable() && command.apart(*held) <= axis.resume);
-        // A jump is measured from the held command, so near excuses it; out of travel stays a fault, on an axis behind the
-        // one that jumps too.
+        // A jump is measured from the held command, so nearness excuses it. Out of travel remains a fault, also on an
+        // axis after the one that jumps.
         let inactive = !(input.homed && input.enable);
         let within = inactive || self.within_travel(&input.command);
         let acceptable = matches!(fault, Fault::None | Fault::CommandJump) && within;
-        // Readings go on being believed or not, quietly: the stop is what is reported.
+        // Readings are still checked, but only the stop is reported.
         let held = state.command;
         let _ = self.feedback_fault(state, input, &held, state.active && !first);
         if was_latched && reset && placed && near && acceptable {
             state.latched = Fault::None;
             state.started = true;
-            // The drives were held: commands in the meantime say nothing about the readings.
+            // The drives were held, so commands during the stop say nothing about the readings.
             for ((suspicion, reading), command) in state.suspicions.iter_mut().zip(&state.feedback).zip(&input.command)
             {
                 *suspicion = Suspicion::from(*reading, *command);
@@ -637,8 +642,8 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         }
     }
 
-    /// Holding before the first command: the position to hold is that of the machine as last read, in the
-    /// cycle in which the last of its axes has been read. Returns whether it is known.
+    /// While the output is held before the first command, holds the machine's last read position, in the cycle in which
+    /// the last of its axes has been read. Returns whether the position is known.
     #[cold]
     fn placed(&self, state: &mut SampleState<P, N>, input: &Input<P, N>) -> bool {
         let known = |known: u8| known.count_ones() as usize == N;

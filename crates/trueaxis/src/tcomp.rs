@@ -1,4 +1,4 @@
-//! The compiled table file, as the controller loads it: read in place, without allocation.
+//! The compiled table file, as loaded by the controller: read in place, without allocation.
 //!
 //! All numbers little-endian:
 //!
@@ -11,12 +11,12 @@
 //! | n | payload |
 //! | 4 | CRC-32 of everything before |
 //!
-//! CRC-32 is that of ISO-HDLC (Ethernet, zlib). The payload is [`MachineSettings`] in postcard, then for every axis, in
-//! their order, [`TableHeader`] in postcard and its lines as raw doubles: position (mm, degrees), the given forward errors
-//! (mm, rad) in the order EX EY EZ EA EB EC, and the reverse ones if the table is bidirectional. From version 5 on the number of
-//! grids follows as one byte, then for each [`GridHeader`] in postcard, the positions of free nodes as raw doubles and the nodes
-//! as 16-bit numbers ([`GridData`]), which stay there. In version 6 a raw double for every axis ends it: the step of its encoder
-//! (mm, degrees), 0 where that is not stated.
+//! CRC-32 is CRC-32/ISO-HDLC (Ethernet, zlib). The payload is [`MachineSettings`] in postcard, then for every axis, in
+//! their order, [`TableHeader`] in postcard and its lines as raw doubles: position (mm, degrees), the given forward
+//! errors (mm, rad) in the order EX EY EZ EA EB EC, and the reverse ones if the table is bidirectional. From version 5
+//! on, the number of grids follows as one byte, then for each grid [`GridHeader`] in postcard, the positions of free
+//! nodes as raw doubles and the nodes as 16-bit numbers ([`GridData`]), which are read in place. In version 6 a raw
+//! double for every axis ends the payload: the step of its encoder (mm, degrees), 0 if not stated.
 
 use crate::check;
 use crate::error::ConfigError;
@@ -29,23 +29,23 @@ use serde::{Deserialize, Serialize};
 
 /// First eight bytes of the file.
 pub const MAGIC: [u8; 8] = *b"TRUEAXIS";
-/// Format version of a machine on which the step of an encoder is stated.
+/// Format version for a machine with a stated encoder step.
 pub const VERSION: u16 = 6;
-/// Format version of a machine without, but with grids: nothing has changed for it, and older controllers load it.
+/// Format version for a machine without stated steps, but with grids: unchanged, so that older controllers load it.
 pub const VERSION_WITHOUT_ENCODERS: u16 = 5;
-/// Format version of a machine with neither.
+/// Format version for a machine with neither.
 pub const VERSION_WITHOUT_GRIDS: u16 = 4;
 /// Bytes before the payload.
 pub const HEADER_BYTES: usize = 18;
 
 pub(crate) static CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
-/// CRC-32/ISO-HDLC, the sum at the end of the file.
+/// Computes CRC-32/ISO-HDLC, the checksum at the end of the file.
 pub fn checksum(bytes: &[u8]) -> u32 {
     CRC.checksum(bytes)
 }
 
-/// Id of a machine: CRC-32/ISO-HDLC of its name, a line feed and its structural code.
+/// Computes the id of a machine: CRC-32/ISO-HDLC of its name, a line feed and its structural code.
 pub fn machine_id(name: &str, chain: &str) -> u32 {
     let mut digest = CRC.digest();
     digest.update(name.as_bytes());
@@ -57,11 +57,11 @@ pub fn machine_id(name: &str, chain: &str) -> u32 {
 /// Header of a table, before its lines.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TableHeader {
-    /// The axis has a table; everything below is zero where it has not.
+    /// Whether the axis has a table; otherwise all fields below are zero.
     pub present: bool,
     /// Which errors are given: bit 0 EX … bit 5 EC.
     pub given: u8,
-    /// Forward and reverse columns.
+    /// Whether the table has forward and reverse columns.
     pub bidirectional: bool,
     /// Number of lines.
     pub rows: u32,
@@ -79,7 +79,7 @@ impl TableHeader {
     }
 }
 
-/// Why a file is refused.
+/// Why a file was refused.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[repr(u8)]
@@ -101,22 +101,22 @@ pub enum TcompError {
     TableHeader = 7,
     /// A table is longer than the payload.
     TableTooLong = 8,
-    /// Bytes behind the last table.
+    /// Bytes after the last item of the payload.
     PayloadTooLong = 9,
-    /// The id does not belong to the name and the chain.
+    /// The id does not match the name and the chain.
     MachineId = 10,
-    /// The decoded content is no valid machine.
+    /// The decoded content is not a valid machine.
     Content(ConfigError) = 11,
-    /// Made for another machine.
+    /// The file was made for another machine.
     WrongMachine = 12,
-    /// The header of a grid cannot be decoded, or there are none or too many.
+    /// The header of a grid cannot be decoded, or the number of grids is too large, or zero in version 5.
     GridHeader = 13,
     /// A grid is longer than the payload.
     GridTooLong = 14,
 }
 
 impl TcompError {
-    /// The code by itself.
+    /// The numeric code.
     pub const fn code(&self) -> u8 {
         match self {
             TcompError::TooShort => 1,
@@ -174,7 +174,7 @@ impl TableData<'_> {
         core::array::from_fn(|component| self.header.given >> component & 1 == 1)
     }
 
-    /// Whether forward and reverse differ; otherwise both are the same.
+    /// Whether forward and reverse differ; otherwise both are equal.
     pub fn bidirectional(&self) -> bool {
         self.header.bidirectional
     }
@@ -184,7 +184,7 @@ impl TableData<'_> {
         self.header.rows as usize
     }
 
-    /// No lines (never in a file that was accepted).
+    /// Whether there are no lines (never in an accepted file).
     pub fn is_empty(&self) -> bool {
         self.header.rows == 0
     }
@@ -225,7 +225,7 @@ impl Rows for TableData<'_> {
     }
 }
 
-/// A compiled table file, checked; its tables and grids stay where the bytes are.
+/// A compiled table file, checked; its tables and grids stay in the file's bytes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tcomp<'a> {
     settings: MachineSettings,
@@ -241,7 +241,7 @@ fn split<const N: usize>(bytes: &[u8]) -> Result<([u8; N], &[u8]), TcompError> {
 }
 
 impl<'a> Tcomp<'a> {
-    /// Reads and checks a whole file: its form, its sum, and everything in [`check::machine`].
+    /// Reads and checks a whole file: its form, its checksum, and everything in [`check::machine`].
     ///
     /// Allocates nothing and never panics, whatever the bytes. Cost: linear in the file's length.
     ///
@@ -275,7 +275,7 @@ impl<'a> Tcomp<'a> {
         for _ in &settings.axes {
             let (table, behind) = table(rest)?;
             rest = behind;
-            // One table for each of at most as many axes.
+            // At most one table for each of at most as many axes.
             let _ = tables.push(table);
         }
         let grids = match version {
@@ -298,7 +298,7 @@ impl<'a> Tcomp<'a> {
         Ok(file)
     }
 
-    /// Refuses the file on any machine but the one with this id.
+    /// Refuses the file on any machine except the one with this id.
     ///
     /// # Errors
     /// [`TcompError::WrongMachine`].
@@ -306,7 +306,7 @@ impl<'a> Tcomp<'a> {
         if id == self.machine_id { Ok(()) } else { Err(TcompError::WrongMachine) }
     }
 
-    /// Everything but the tables.
+    /// The settings: everything except the tables.
     pub fn settings(&self) -> &MachineSettings {
         &self.settings
     }
@@ -316,17 +316,17 @@ impl<'a> Tcomp<'a> {
         self.machine_id
     }
 
-    /// The sum at the end of the file: the version of the tables in every telemetry record.
+    /// Checksum at the end of the file: the version of the tables in every telemetry record.
     pub fn crc(&self) -> u32 {
         self.crc
     }
 
-    /// Look-ups that the exact inverse of these tables takes.
+    /// Look-ups that the exact inverse of these tables needs.
     pub fn inverse_passes(&self) -> u8 {
         self.inverse_passes
     }
 
-    /// Memory that a servo loop takes for these tables, in scalars of the step ([`crate::ServoLoop::load`]).
+    /// Memory that a servo loop needs for these tables, in scalars of the step ([`crate::ServoLoop::load`]).
     pub fn requirement(&self) -> usize {
         crate::compensation::requirement(&self.settings, |axis| self.table(axis))
     }
@@ -361,7 +361,7 @@ fn table(bytes: &[u8]) -> Result<(Option<TableData<'_>>, &[u8]), TcompError> {
     Ok((Some(TableData { header, bytes }), rest))
 }
 
-/// The steps of the encoders, behind the grids; those that are not stated are 0.
+/// Reads the steps of the encoders, after the grids; 0 means not stated.
 fn encoders<'a>(settings: &mut MachineSettings, mut rest: &'a [u8]) -> Result<&'a [u8], TcompError> {
     for axis in &mut settings.axes {
         let (step, behind) = rest.split_first_chunk().ok_or(TcompError::Settings)?;
@@ -372,7 +372,7 @@ fn encoders<'a>(settings: &mut MachineSettings, mut rest: &'a [u8]) -> Result<&'
     Ok(rest)
 }
 
-/// The grids behind the tables: their number, then each; in version 5 at least one.
+/// Reads the grids after the tables: their number, then each; in version 5 at least one.
 fn grids<'a>(rest: &mut &'a [u8], version: u16) -> Result<Vec<GridData<'a>, GRIDS>, TcompError> {
     let ([count], mut behind) = rest.split_first_chunk().ok_or(TcompError::GridHeader)?;
     let mut grids = Vec::new();

@@ -1,9 +1,9 @@
 //! One fixed record per cycle, and its wire form.
 //!
-//! The step fills a [`Record`] in the scalars it computes with. Below the step, a task of lower priority turns records
-//! into [`Frame`]s (SI-near units, the same for every build of the plugin) and those into COBS frames of postcard:
-//! each ends with a zero byte, so that a receiver resynchronizes after a loss, and the sequence number shows how
-//! many are missing. A gauge of three probes adds a [`RoundnessFrame`] for every revolution it has evaluated.
+//! The step fills a [`Record`] in the scalars with which it computes. A task of lower priority converts records into
+//! [`Frame`]s (SI-near units, identical for every build) and those into COBS frames of postcard: each ends with a zero
+//! byte, so that a receiver resynchronizes after a loss, and the sequence number shows how many are missing. A
+//! three-probe gauge adds a [`RoundnessFrame`] for every evaluated revolution.
 
 #![deny(clippy::indexing_slicing)]
 
@@ -20,7 +20,7 @@ use crate::real::Real;
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
-/// State of the plugin in a cycle, as bits.
+/// State of the step in a cycle, as bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Status(pub u8);
@@ -28,16 +28,15 @@ pub struct Status(pub u8);
 impl Status {
     /// Homed, enabled, readings accepted: corrections are applied.
     pub const ACTIVE: Status = Status(1);
-    /// The correction is frozen because a reading was refused.
+    /// A reading was refused, and the correction is frozen.
     pub const FROZEN: Status = Status(2);
-    /// The output is held and the host is asked to stop.
+    /// The output is held, and the step asks the host to stop.
     pub const STOP_REQUEST: Status = Status(4);
     /// The contour error of this cycle was measured.
     pub const CONTOUR: Status = Status(8);
-    /// There is no output: nothing usable was ever commanded, and not every axis has been read. `drive` must not be
-    /// written.
+    /// There is no output: no usable command has arrived, and not every axis has been read. Do not write `drive`.
     pub const NO_OUTPUT: Status = Status(16);
-    /// The contour feedback was found to oscillate and is led out, until the compensation is switched off or a reset comes.
+    /// The contour feedback oscillated and is ramped out, until the compensation is switched off or a reset arrives.
     pub const FEEDBACK_OUT: Status = Status(32);
 
     /// Whether all bits of `other` are set.
@@ -50,13 +49,13 @@ impl Status {
     }
 }
 
-/// Everything about one servo cycle, as the step knows it.
+/// Full data of one servo cycle in the step's own scalars.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Record<R: Real, P, const N: usize> {
-    /// Counts cycles from 0, wrapping.
+    /// Cycle counter from 0, wrapping.
     pub sequence: u32,
-    /// Identity of the machine that the tables belong to.
+    /// Identity of the machine to which the tables belong.
     pub machine_id: u32,
     /// CRC-32 of the table file in force.
     pub tables_crc: u32,
@@ -66,17 +65,17 @@ pub struct Record<R: Real, P, const N: usize> {
     pub fault_axis: u8,
     /// State bits.
     pub status: Status,
-    /// A bit for every axis whose correction differs from the wanted one.
+    /// One bit for every axis whose correction differs from the wanted one.
     pub limited: u8,
-    /// A bit for every axis whose table is at its clamped edge value.
+    /// One bit for every axis whose table is at its clamped edge value.
     pub at_edge: u8,
-    /// Command as it came (the held one during a stop), mm (deg).
+    /// Command as received (the held one during a stop), mm (deg).
     pub command: [P; N],
     /// Raw feedback (last good one during a fault), mm (deg).
     pub feedback: [P; N],
-    /// Correction sent, mm (deg); the geometric part where there is a dynamic one.
+    /// Correction sent, mm (deg); only the geometric part if a dynamic one is configured.
     pub correction: [R; N],
-    /// The dynamic correction and its parts; `None` where nothing of it is configured.
+    /// The dynamic correction and its parts; `None` if no part is configured.
     pub dynamic: Option<DynamicParts<R, N>>,
     /// Contour error of the estimated tool tip.
     pub tip: ContourError<R>,
@@ -84,12 +83,12 @@ pub struct Record<R: Real, P, const N: usize> {
     pub encoder: ContourError<R>,
     /// Orientation contour error of the estimated tool, rad; 0 in a step without tool.
     pub orientation: R,
-    /// Flags of that search; *not found* in a step without tool.
+    /// Flags of the orientation search; *not found* in a step without tool.
     pub orientation_flags: Flags,
 }
 
 impl<R: Real, P: Position, const N: usize> Record<R, P, N> {
-    /// Before the first cycle.
+    /// The record before the first cycle.
     #[inline(always)]
     pub(crate) fn none() -> Self {
         Record {
@@ -121,9 +120,9 @@ pub struct AxisFrame {
     pub command: f64,
     /// Raw feedback, mm (deg).
     pub feedback: f64,
-    /// Correction sent, mm (deg); the geometric part where there is a dynamic one.
+    /// Correction sent, mm (deg); only the geometric part if a dynamic one is configured.
     pub correction: f32,
-    /// The dynamic correction, where any of it is configured.
+    /// The dynamic correction, if any part is configured.
     pub dynamic: Option<DynamicFrame>,
 }
 
@@ -131,7 +130,7 @@ pub struct AxisFrame {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct DynamicFrame {
-    /// Sent, beside the geometric correction.
+    /// Sent in addition to the geometric correction.
     pub sent: f32,
     /// Wanted for friction, lag and acceleration.
     pub feed_forward: f32,
@@ -159,13 +158,13 @@ pub struct ContourFrame {
     pub flags: u8,
 }
 
-/// Wire form of a [`Record`]: the same layout for every build; see `docs/telemetry.md`.
+/// Wire form of a [`Record`]: identical layout in every build; see `docs/telemetry.md`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Frame {
     /// Layout of this record; [`FRAME_VERSION`].
     pub version: u8,
-    /// Counts cycles, wrapping.
+    /// Cycle counter, wrapping.
     pub sequence: u32,
     /// Identity of the machine.
     pub machine_id: u32,
@@ -189,23 +188,23 @@ pub struct Frame {
     pub encoder: ContourFrame,
     /// Orientation contour error of the estimated tool, rad.
     pub orientation: f32,
-    /// Flags of its search ([`crate::contour::Flags`]); *not found* in a step without tool.
+    /// Flags of the orientation search ([`crate::contour::Flags`]); *not found* in a step without tool.
     pub orientation_flags: u8,
 }
 
 /// Version of the layout that [`Frame`] writes.
 pub const FRAME_VERSION: u8 = 3;
-/// A buffer of this size holds the COBS frame of any record.
+/// Buffer size sufficient for the COBS frame of any record.
 pub const FRAME_BYTES: usize = 384;
 
 impl Frame {
-    /// Puts a record into its wire form. Not part of the step: on a core without double precision this costs some
-    /// hundred instructions an axis.
+    /// Converts a record to its wire form. Not part of the step: on a core without double precision this costs some
+    /// hundred instructions per axis.
     pub fn of<R: Real, P: Position, const N: usize>(record: &Record<R, P, N>) -> Frame {
         let mut axes = Vec::new();
         let axes_of_record = record.command.iter().zip(&record.feedback).zip(&record.correction);
         for (slot, ((command, feedback), correction)) in axes_of_record.enumerate() {
-            // N is at most AXES (checked at build); a further axis would be left out, not written wrongly.
+            // N is at most AXES (checked at build); an excess axis would be omitted, not written wrongly.
             let _ = axes.push(AxisFrame {
                 command: command.to_f64(),
                 feedback: feedback.to_f64(),
@@ -234,12 +233,12 @@ impl Frame {
     /// Encodes into `buffer`; returns the part used, its last byte zero.
     ///
     /// # Errors
-    /// The buffer is smaller than the frame ([`FRAME_BYTES`] always do).
+    /// The buffer is smaller than the frame ([`FRAME_BYTES`] always suffice).
     pub fn encode<'b>(&self, buffer: &'b mut [u8]) -> Result<&'b mut [u8], postcard::Error> {
         postcard::to_slice_cobs(self, buffer)
     }
 
-    /// Decodes one frame, with its closing zero byte or without; `bytes` are scratch afterwards.
+    /// Decodes one frame, with or without its closing zero byte; `bytes` is scratch afterwards.
     ///
     /// # Errors
     /// The bytes are not one whole frame, or its version is not [`FRAME_VERSION`].

@@ -1,9 +1,9 @@
-//! The kernels' vector over the scalar of the step: generic arithmetic, which glam's vectors of one scalar each have not.
+//! The kernels' vector over the step's scalar: generic arithmetic, which glam's single-scalar vectors do not offer.
 
 use crate::real::Real;
 use core::ops::{Add, AddAssign, Mul, Neg, Sub, SubAssign};
 
-/// Three components along X, Y, Z. At the public interface they are glam's ([`Real::Vec3`]); the conversions are moves.
+/// Three components along X, Y, Z. The public interface uses glam's vectors ([`Real::Vec3`]); the conversions are moves.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct V3<R> {
     /// Along X.
@@ -29,24 +29,24 @@ impl<R: Real> V3<R> {
     /// The zero vector.
     pub(crate) const ZERO: Self = V3 { x: R::ZERO, y: R::ZERO, z: R::ZERO };
 
-    /// From its components.
+    /// Creates a vector from its components.
     #[inline(always)]
     pub(crate) const fn new(x: R, y: R, z: R) -> Self {
         V3 { x, y, z }
     }
 
-    /// Rounded from doubles.
+    /// Rounds a vector from doubles.
     pub(crate) fn of([x, y, z]: [f64; 3]) -> Self {
         V3::new(R::of(x), R::of(y), R::of(z))
     }
 
-    /// From glam's.
+    /// Converts from glam's vector.
     #[inline(always)]
     pub(crate) fn from_glam(v: R::Vec3) -> Self {
         V3::from(v.into())
     }
 
-    /// As glam's.
+    /// Converts to glam's vector.
     #[inline(always)]
     pub(crate) fn glam(self) -> R::Vec3 {
         self.array().into()
@@ -80,7 +80,7 @@ impl<R: Real> V3<R> {
         self.dot(self).sqrt()
     }
 
-    /// Turned about a machine direction by the angle of that cosine and sine, right-handed.
+    /// Rotates about a machine direction by the angle with this cosine and sine, right-handed.
     #[inline(always)]
     pub(crate) fn turned(self, about: About, (c, s): (R, R)) -> Self {
         let V3 { x, y, z } = self;

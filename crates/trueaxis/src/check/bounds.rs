@@ -20,7 +20,7 @@ pub fn tilt(machine: &MachineSettings, axis: Axis, component: usize) -> f64 {
     }
 }
 
-/// The positions an axis takes: its travel; where that is not declared, the range of its table, or zero.
+/// The range of an axis' positions: its travel; if that is not declared, the range of its table, or zero.
 pub fn reach<T: Rows + ?Sized>(settings: &AxisSettings, rows: Option<&T>) -> [f64; 2] {
     let open = AxisSettings::with_defaults(settings.axis, false).travel;
     if settings.travel != open {
@@ -30,8 +30,8 @@ pub fn reach<T: Rows + ?Sized>(settings: &AxisSettings, rows: Option<&T>) -> [f6
     ends.unwrap_or([0.0; 2])
 }
 
-/// Smallest and largest error of one component that an axis causes over a range of its positions, both directions,
-/// backlash and squareness included; mm (component 3 to 5: rad, an axis' own with backlash).
+/// Smallest and largest error of one component that an axis causes over a range of its positions, in both directions,
+/// including backlash and squareness; mm (components 3 to 5: rad, an axis' own with backlash).
 pub fn contribution<T: Rows + ?Sized>(
     machine: &MachineSettings,
     settings: &AxisSettings,
@@ -55,7 +55,7 @@ pub fn contribution<T: Rows + ?Sized>(
     both
 }
 
-/// Largest length of the translation that an axis causes, location errors of a rotary axis included, mm.
+/// Largest norm of the translation that an axis causes, including the location errors of a rotary axis, mm.
 pub(super) fn length<T: Rows + ?Sized>(
     machine: &MachineSettings,
     settings: &AxisSettings,
@@ -78,10 +78,10 @@ pub(super) fn sense(machine: &MachineSettings, drive: &AxisSettings) -> f64 {
     f64::from(drive.direction) * if carries_workpiece(&machine.chain, drive.axis) { -1.0 } else { 1.0 }
 }
 
-/// Steps of one drive's correction in negative travel against that in positive, smallest and largest: mm (deg).
+/// Smallest and largest step of a drive's correction in negative travel relative to positive travel: mm (deg).
 pub(super) type Step = [f64; 2];
 
-/// Larger of the two, without sign.
+/// The larger of the two magnitudes.
 pub(super) fn width([least, most]: &Step) -> f64 {
     least.abs().max(most.abs())
 }

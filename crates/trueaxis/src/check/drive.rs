@@ -1,4 +1,4 @@
-//! A servo drive as a linear system: its characteristic polynomial, and whether it is stable by itself.
+//! A servo drive as a linear system: its characteristic polynomial, and its stability.
 
 use crate::machine::{DriveFigures, FrictionSettings};
 
@@ -20,7 +20,7 @@ pub(super) fn characteristic(drive: &DriveFigures, stiffness: f64) -> [f64; 5] {
     [kvp * kv, tau * stiffness + kvp * (1.0 + tau * kv), tau * (tc * stiffness + kvp), tau, tau * tc]
 }
 
-/// All roots of the characteristic polynomial to the left of the imaginary axis (Routh).
+/// Whether all roots of the characteristic polynomial lie to the left of the imaginary axis (Routh).
 pub(super) fn is_stable(drive: &DriveFigures, stiffness: f64) -> bool {
     let [a0, a1, a2, a3, a4] = characteristic(drive, stiffness);
     let b = a2 * a3 - a4 * a1;

@@ -1,18 +1,18 @@
-//! Margins of stability of the contour feedback.
+//! Stability margins of the contour feedback.
 
 use super::drive::{characteristic, stiffness};
 use super::open_loop::{Margin, OpenLoop};
 use crate::machine::{DriveFigures, FeedbackSettings, FrictionSettings};
 
-/// Least phase margin of the contour feedback, degrees.
+/// Smallest permitted phase margin of the contour feedback, degrees.
 pub const PHASE_MARGIN_DEG: f64 = 60.0;
-/// Least gain margin of the contour feedback, dB.
+/// Smallest permitted gain margin of the contour feedback, dB.
 pub const GAIN_MARGIN_DB: f64 = 12.0;
 
-/// Margins of the contour feedback on one axis: the least over the loops that the axis may be.
+/// Margins of the contour feedback on one axis: the smallest over the possible loops of the axis.
 ///
-/// The feedback C(s) = K_p + K_i/s closes a loop through the axis' drive and a dead time t_d: that of the drive figures and
-/// the step's own. Three forms of the drive are looked at, and the worst counts:
+/// The feedback C(s) = K_p + K_i/s closes a loop through the axis' drive and a dead time t_d, the sum of the drive's and
+/// the step's. Three forms of the drive are evaluated, and the worst counts:
 ///
 /// ```text
 /// L(s) = C(s) e^(−s t_d) · K_v/((s + K_v)(1 + s t_v)),  t_v = 1/K_vp + t_c                     gains alone
@@ -20,22 +20,22 @@ pub const GAIN_MARGIN_DB: f64 = 12.0;
 ///        k = 0: sliding;  k = F_c (1 + s)/z: held by pre-sliding friction
 /// ```
 ///
-/// A correction is a change of the command, and so goes through the velocity feed-forward: with k_ff near 1 the drive
-/// answers it up to the bandwidth of its *velocity* loop, where the dead time costs the most phase, while the first form
-/// has the gain fall from K_v on. The first form alone is the safe one only where nothing is fed forward; with feed-forward
-/// it is off by up to 20 dB. It stays among the three as it is the worst for an integral gain alone.
+/// A correction changes the command, and so passes through the velocity feed-forward: with k_ff near 1 the drive follows
+/// it up to the bandwidth of its *velocity* loop, where the dead time costs the most phase, while in the first form the
+/// gain falls from K_v on. The first form alone is safe only if nothing is fed forward; with feed-forward it is off by up
+/// to 20 dB. It is still one of the three because it is the worst for a purely integral gain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Margins {
-    /// Phase margin, degrees; `None`: the gain is below 1 everywhere.
+    /// Phase margin, degrees; `None` if the gain is below 1 everywhere.
     pub phase: Option<Margin>,
-    /// Gain margin, dB; `None`: the phase never lags by 180°.
+    /// Gain margin, dB; `None` if the phase never lags by 180°.
     pub gain: Option<Margin>,
-    /// Both gains may grow by this factor until [`PHASE_MARGIN_DEG`] and [`GAIN_MARGIN_DB`] are left; below 1 they are too
-    /// large.
+    /// Factor by which both gains may grow until [`PHASE_MARGIN_DEG`] and [`GAIN_MARGIN_DB`] are reached; below 1 the
+    /// gains are too large.
     pub factor: f64,
 }
 
-/// The margins of a drive with this feedback and a delay beside its dead time, s.
+/// The margins of a drive with this feedback and an additional delay, s.
 ///
 /// Cost: some 3,000 values of a transfer function, at build only.
 pub(super) fn margins(
@@ -85,20 +85,20 @@ fn full(drive: &DriveFigures, stiffness: f64) -> Drive {
     ([kvp * kv, kvp * (ahead + tau * kv), kvp * tau * ahead], characteristic(drive, stiffness))
 }
 
-/// Times K_p s + K_i.
+/// Multiplies by K_p s + K_i.
 fn controlled(feedback: &FeedbackSettings, [a, b, c]: [f64; 3]) -> [f64; 4] {
     let (p, i) = (feedback.proportional, feedback.integral_per_s);
     [i * a, p * a + i * b, p * b + i * c, p * c]
 }
 
-/// Times s.
+/// Multiplies by s.
 fn integrated([a, b, c, d, e]: [f64; 5]) -> [f64; 6] {
     [0.0, a, b, c, d, e]
 }
 
-/// Angular frequencies between which the loop does all that it does: a ten-thousandth of the slowest of its rates to a
-/// hundred times the fastest, 1/s. They follow from the drive and the ratio of the gains, so that loops of one ratio are
-/// looked at in the same places, whatever their gains. A dead time only adds lag where the gain has fallen already.
+/// Angular frequencies that contain all features of the loop: from a ten-thousandth of its slowest rate to a hundred
+/// times its fastest, 1/s. They depend on the drive and the ratio of the gains only, so that loops with one ratio are
+/// evaluated at the same frequencies, whatever their gains. A dead time only adds lag where the gain has already fallen.
 fn frequencies(drive: &DriveFigures, feedback: &FeedbackSettings) -> [f64; 2] {
     let DriveFigures { position_gain_per_s, velocity_gain_per_s, reset_time_s, current_loop_s, .. } = *drive;
     let rates = [position_gain_per_s, velocity_gain_per_s, 1.0 / reset_time_s, 1.0 / current_loop_s];

@@ -1,14 +1,14 @@
-//! Margins of a loop that is given by its open-loop transfer function, a ratio of polynomials and a dead time.
+//! Margins of a loop given by its open-loop transfer function, a ratio of polynomials with a dead time.
 
-/// Frequencies at which the loop is looked at, evenly spaced in their logarithm.
+/// Number of evaluated frequencies, evenly spaced in their logarithm.
 const POINTS: u16 = 512;
-/// Halvings of an interval between two of them: to a part of 10⁹.
+/// Halvings of an interval between two of them: to one part in 10⁹.
 const HALVINGS: u8 = 40;
 
-/// A margin and the frequency at which the loop has it.
+/// A margin and its frequency.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Margin {
-    /// Degrees of a phase margin, decibels of a gain margin.
+    /// Degrees for a phase margin, decibels for a gain margin.
     pub value: f64,
     /// Frequency, Hz.
     pub frequency_hz: f64,
@@ -22,7 +22,7 @@ pub(super) struct OpenLoop {
     pub(super) dead_time_s: f64,
 }
 
-/// What a loop's gain may be multiplied by, and its margins as it is.
+/// Permitted factor of a loop's gain, and its present margins.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Found {
     pub(super) phase: Option<Margin>,
@@ -53,12 +53,13 @@ impl OpenLoop {
         [re * cos + im * sin, im * cos - re * sin]
     }
 
-    /// The margins between two angular frequencies, 1/s. `least_phase_deg` (up to 90) and `least_gain_db` are those wanted.
+    /// The margins between two angular frequencies, 1/s. `least_phase_deg` (up to 90) and `least_gain_db` are the
+    /// required ones.
     ///
-    /// From the frequency on at which the lag first comes within the phase margin of 180°, the gain must stay below 1; from the
-    /// one on at which it first reaches 180°, by the gain margin. Where the gain falls with the frequency these are the
-    /// usual margins at the first crossings; a loop of which the gain rises again beyond them is judged by its peak. A
-    /// loop that keeps to them is stable where N/D is (Nyquist).
+    /// From the first frequency at which the lag comes within the phase margin of 180°, the gain must stay below 1; from
+    /// the first one at which it reaches 180°, below 1 by the gain margin. If the gain falls with the frequency, these
+    /// are the usual margins at the first crossings; a loop whose gain rises again beyond them is judged by its peak. A
+    /// loop that keeps to them is stable if N/D is (Nyquist).
     ///
     /// Cost: some thousand values of the loop.
     pub(super) fn margins(&self, [low, high]: [f64; 2], least_phase_deg: f64, least_gain_db: f64) -> Found {
@@ -69,7 +70,7 @@ impl OpenLoop {
         let mut largest: [Option<[f64; 2]>; 2] = [None; 2];
         let mut phase: Option<Margin> = None;
         let above = |omega: f64| size(self.at(omega)) >= 1.0;
-        // The lag is followed from frequency to frequency, as it may be more than a turn.
+        // The lag is tracked from frequency to frequency, as it may exceed a full turn.
         let (mut before, mut last) = (low, self.at(low));
         let mut angle = libm::atan2(last[1], last[0]);
         for point in 0..=POINTS {
@@ -101,7 +102,7 @@ impl OpenLoop {
         Found { phase, gain, factor: of(at_margin, 1.0).min(of(at_half, allowed)) }
     }
 
-    /// The largest gain between two frequencies, with its frequency, by the golden section.
+    /// The largest gain between two frequencies, with its frequency, by golden-section search.
     fn peak(&self, [mut low, mut high]: [f64; 2]) -> [f64; 2] {
         const SECTION: f64 = 0.381_966_011_250_105_15;
         for _ in 0..HALVINGS {
@@ -126,7 +127,8 @@ fn hertz(omega: f64) -> f64 {
     omega / core::f64::consts::TAU
 }
 
-/// Where a condition that does not hold at the first frequency, or holds already there, begins to hold before the second.
+/// Bisection: the frequency before the second one at which a condition becomes true; the first one if it is already true
+/// there.
 fn halved([mut low, mut high]: [f64; 2], holds: impl Fn(f64) -> bool) -> f64 {
     for _ in 0..HALVINGS {
         let middle = 0.5 * (low + high);
@@ -155,7 +157,7 @@ mod tests {
     /// 12 dB.
     const QUARTER: f64 = 0.251_188_643_150_958;
 
-    /// K/s with a dead time: the gain is 1 at ω = K and the phase there −90° − K T; −180° is reached at π/(2 T), −120° at
+    /// K/s with a dead time: the gain is 1 at ω = K and the phase there −90° − K T; it reaches −180° at π/(2 T), −120° at
     /// π/(6 T).
     #[test]
     fn an_integrator_with_dead_time() {
@@ -190,21 +192,21 @@ mod tests {
         close(found.gain.unwrap().value, 20.0 * libm::log10(4.0));
         close(found.gain.unwrap().frequency_hz, 3_f64.sqrt() / TURN);
         close(found.factor, QUARTER * 4.0);
-        // Unstable: both margins are below zero.
+        // Unstable: both margins are negative.
         let found = self::found([16.0, 0.0, 0.0, 0.0], [1.0, 3.0, 3.0, 1.0, 0.0, 0.0], 0.0);
         assert!(found.phase.unwrap().value < 0.0);
         close(found.gain.unwrap().value, 20.0 * libm::log10(0.5));
     }
 
-    /// A gain below 1 everywhere has no phase margin, and one that never lags by 120° no bound.
+    /// A gain below 1 everywhere has no phase margin; a lag that never reaches 120° sets no bound.
     #[test]
     fn loops_without_margins() {
         let lag = found([0.5, 0.0, 0.0, 0.0], [1.0, 0.1, 0.0, 0.0, 0.0, 0.0], 0.0);
         assert_eq!(lag, Found { phase: None, gain: None, factor: f64::INFINITY });
     }
 
-    /// A resonance beyond the first crossings: its peak decides. K/(s (s²/n² + 2 D s/n + 1)) has phase −180° at n, where
-    /// the gain is K/(2 D n), and its peak there.
+    /// A resonance beyond the first crossings: its peak decides. K/(s (s²/n² + 2 D s/n + 1)) has its phase of −180° and
+    /// its peak at n, where the gain is K/(2 D n).
     #[test]
     fn a_peak_behind_the_crossover() {
         let (n, damping, gain) = (200.0, 0.002, 1.0);

@@ -1,4 +1,4 @@
-//! Every scalar of a machine in its physical range.
+//! Checks every scalar of a machine against its physical range.
 
 use crate::error::{ConfigError, Field};
 use crate::machine::{
@@ -13,7 +13,7 @@ use crate::range::{
     TEMPERATURE, THERMAL_OFFSET, TOOL_AXIS, TRANSLATION, VELOCITY_GAIN, VISCOUS, WATCH,
 };
 
-/// Every scalar of a machine, the gauge's by [`gauge`]. No field is left out: a new one does not compile before it is here.
+/// Checks every scalar of a machine; [`gauge`] checks the gauge's. A new field does not compile until it is listed here.
 pub(super) fn machine(machine: &MachineSettings) -> Result<(), ConfigError> {
     let MachineSettings {
         name: _,
@@ -68,7 +68,7 @@ fn of_axis(settings: &AxisSettings) -> Result<(), ConfigError> {
         interpolation: _,
         lookup: _,
         cross_lookup: _,
-        // One of two words, checked where axes are.
+        // One of two values, checked with the axes.
         direction: _,
         travel,
         joint,
@@ -87,7 +87,7 @@ fn of_axis(settings: &AxisSettings) -> Result<(), ConfigError> {
     LENGTH.all(offset_mm, Field::Offset, on)?;
     LENGTH.all(measured_at_mm, Field::MeasuredAt, on)?;
     FEED.of(axis).check(*max_feed_per_s, Field::MaxFeed, on)?;
-    // Before the joint, whose default is the travel widened by it.
+    // Before the joint, whose default is the travel widened by this limit.
     MAGNITUDE.of(axis).check(*magnitude, Field::Magnitude, on)?;
     SLOPE.of(axis).check(*slope_per_s, Field::Slope, on)?;
     ACCELERATION.of(axis).check(*acceleration_per_s2, Field::Acceleration, on)?;
@@ -147,7 +147,7 @@ fn of_feedback(feedback: &FeedbackSettings) -> Result<(), ConfigError> {
 }
 
 fn of_crosstalk(entry: &CrosstalkSettings) -> Result<(), ConfigError> {
-    // Axes are checked where those of the machine are known.
+    // The axes of an entry are checked where those of the machine are known.
     let CrosstalkSettings { tip: _, from, over, points } = entry;
     let field = if points.len() == 1 { Field::CrosstalkConstant } else { Field::CrosstalkTable };
     points.iter().try_for_each(|[position, k]| {

@@ -74,7 +74,7 @@ fn look_ups_of_the_inverse() {
     assert_eq!(inverse_passes(0.1, f64::NAN).unwrap_err().field, Field::Magnitude);
 }
 
-/// Bound of the iteration itself: after N look-ups no more is left than 1e-6 mm.
+/// Bound of the iteration itself: after N look-ups at most 1e-6 mm remains.
 #[test]
 fn the_look_ups_suffice() {
     for norm in [0.01, 0.05, 0.12, 0.2] {
@@ -128,7 +128,7 @@ fn rotary_errors_count_in_their_own_unit() {
     assert!(rows(&machine.axes[1], &c[..]).is_ok());
     let steep = column(5, &[(0.0, 0.0), (0.5, 0.00875)]);
     assert_eq!(rows(&machine.axes[1], &steep[..]).unwrap_err().field, Field::Table);
-    // About X the same slope is a cross term.
+    // About X, the slope is a cross term.
     let cross = column(3, &[(0.0, 0.0), (0.5, 0.00875)]);
     assert!(rows(&machine.axes[1], &cross[..]).is_ok());
 }
@@ -178,13 +178,14 @@ fn the_joint_has_room_for_the_correction() {
     machine.axes[1].travel = [0.0, 50.0];
     machine.axes[1].joint = [-1.0, 51.0];
     machine.location.c0y = 100e-6;
-    // At X 100 the error is −20 µm, Y adds −C0Y·50 mm = −5 µm: the correction reaches +25 µm there, and at 0 from +10 to +15.
+    // At X 100 the error is −20 µm, and Y adds −C0Y·50 mm = −5 µm: the correction reaches +25 µm there, and +10 to +15 at
+    // 0.
     let x = column(0, &[(0.0, -0.010), (100.0, -0.020)]);
     let tables = |axis| (axis == Axis::X).then_some(&x[..]);
     for (joint, good) in [
         ([0.0, 100.02501], true),
         ([0.0, 100.02499], false),
-        // The corrected position never comes below 0.010.
+        // The corrected position never falls below 0.010.
         ([0.0099, 100.03], true),
         ([0.0101, 100.03], false),
     ] {
@@ -202,12 +203,12 @@ fn defaults_of_any_chain_are_sound() {
     for chain in ["w X' b Y Z t", "w C' A' X' b Y Z t", "w b X Y Z C B t", "wX'bt"] {
         assert_eq!(settings(&machine_of(chain)), Ok(()));
     }
-    // No table is needed: what is stated nowhere is zero.
+    // No table is needed: errors that are not stated are zero.
     let machine = machine_of("w b X Y t");
     assert!(super::machine(&machine, |_| None::<&[Row]>, &[]).is_ok());
 }
 
-/// The step's own evaluation at random positions never leaves the range checked at build, and reaches most of it.
+/// The step's own evaluation at random positions never leaves the range checked at build, and covers most of it.
 #[test]
 fn the_range_of_the_error_holds_what_the_step_computes() {
     use crate::compensation::{Compensation, Direction, ThermalLine, requirement};
@@ -262,7 +263,7 @@ fn the_range_of_the_error_holds_what_the_step_computes() {
     }
 }
 
-/// Forward zero, reverse the given six errors over 0 … 100.
+/// Forward zero, reverse these six errors, over 0 … 100.
 fn lost(reverse: [f64; 6]) -> Vec<Row> {
     [0.0, 50.0, 100.0].map(|position| Row { position, forward: [0.0; 6], reverse }).to_vec()
 }
@@ -271,7 +272,7 @@ fn lost(reverse: [f64; 6]) -> Vec<Row> {
 fn lost_motion_between_the_lines_of_a_cubic_table_counts() {
     let mut machine = machine_of("w b X Y Z t");
     machine.axes[0].interpolation = Interpolation::Cubic;
-    // Equal at the lines; between them the two directions swing differently.
+    // Equal at the lines; between them the two directions differ.
     let values = [(0.0, 0.0), (0.01, 0.0), (0.0, 0.0), (0.02, 0.02), (0.0, 0.0)];
     let rows: Vec<Row> = (0..)
         .zip(values)
@@ -290,7 +291,7 @@ fn lost_motion_between_the_lines_of_a_cubic_table_counts() {
     assert_eq!(lost_motion::<[Row]>(&machine.axes[0], None), [0.0; 2]);
 }
 
-/// Tables of X, Y and Z, errors in negative travel in µm; the band is 0.3 µm.
+/// Tables of X, Y and Z, with errors in negative travel in µm; the band is 0.3 µm.
 fn refused(steps: [[f64; 3]; 3]) -> Option<ConfigError> {
     let machine = machine_of("w b X Y Z t");
     let tables = steps.map(|[x, y, z]| lost([x * 1e-3, y * 1e-3, z * 1e-3, 0.0, 0.0, 0.0]));
@@ -306,13 +307,13 @@ fn a_reversal_that_takes_itself_back_is_refused() {
     assert_eq!(refused([[-0.29, 0.0, 0.0], none, none]), None);
     let error = refused([none, [0.0, -0.31, 0.0], none]).unwrap();
     assert!(error.axis == Some(Axis::Y) && (error.bound.unwrap() - 0.31e-3).abs() < 1e-9, "{error}");
-    // X turns Y round, and Y nothing: no harm. Y turns X round again: only against the first.
+    // X reverses Y, and Y nothing: harmless. If Y reverses X in turn, only a step against the first is refused.
     assert_eq!(refused([[0.0, 2.0, 0.0], none, none]), None);
     assert_eq!(refused([[0.0, 2.0, 0.0], [2.0, 0.0, 0.0], none]), None);
     assert_eq!(refused([[0.0, -2.0, 0.0], [-2.0, 0.0, 0.0], none]), None);
     assert_eq!(refused([[0.0, 2.0, 0.0], [-0.2, 0.0, 0.0], none]), None);
     assert!(refused([[0.0, 2.0, 0.0], [-2.0, 0.0, 0.0], none]).is_some());
-    // By a third axis; and the steps of two add up.
+    // Through a third axis; and the steps of two axes add.
     assert!(refused([[0.0, 2.0, 0.0], [0.0, 0.0, 2.0], [-2.0, 0.0, 0.0]]).is_some());
     assert_eq!(refused([[0.0, 2.0, 0.0], [0.0, 0.0, -2.0], [-2.0, 0.0, 0.0]]), None);
     assert!(refused([[0.0, 2.0, 0.0], [-0.2, 0.0, 0.0], [-0.2, 0.0, 0.0]]).is_some());
@@ -332,7 +333,7 @@ fn the_hysteresis_spans_the_steps_of_the_encoder() {
         }
     };
     let (own, none): (&'static [Row], &'static [Row]) = (own.leak(), none.leak());
-    // Three steps are just enough, and nobody asks for the direction of Z.
+    // Three steps are just enough, and the direction of Z does not matter.
     assert_eq!(reversal(&machine, of(own, none), &GridBounds::NONE), Ok(()));
     let error = reversal(&machine, of(own, own), &GridBounds::NONE).unwrap_err();
     assert_eq!((error.field, error.axis, error.found), (Field::Hysteresis, Some(Axis::Z), 0.3e-3));
@@ -360,7 +361,8 @@ fn angular_errors_step_the_tip_by_their_lever() {
     assert_eq!(reversal(&machine, tables, &GridBounds::NONE), Ok(()));
 }
 
-/// A rotary axis that turns against its convention has its own error in the other sense, its lost motion in its own.
+/// A rotary axis that turns against its convention has its own error in the opposite sense, and its lost motion in its
+/// own sense.
 #[test]
 fn lost_motion_of_a_rotary_axis_counts_in_its_own_sense() {
     let mut machine = machine_of("w C' b X Y Z t");
@@ -374,8 +376,8 @@ fn lost_motion_of_a_rotary_axis_counts_in_its_own_sense() {
     assert_eq!(reversal(&machine, tables, &GridBounds::NONE), Ok(()));
 }
 
-/// With the direction corrected, lost motion of the table alone turns the table alone; what an axis turns beside itself
-/// may turn the others, by much near the singular pose.
+/// With the direction corrected, lost motion in only the own rotation of an axis turns that axis only; additional
+/// rotations may turn the other axes, by large angles near the singular pose.
 #[test]
 fn lost_motion_of_a_rotary_axis_turns_no_other() {
     let mut machine = machine_of("w C' b X Y Z A t");

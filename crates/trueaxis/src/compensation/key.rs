@@ -1,6 +1,6 @@
-//! Numbers by which tables are told from others, so that nothing kept from one look-up is used in the other's.
+//! Keys that distinguish tables, so that a result cached for one is never used for another.
 
-/// A hash of words and numbers in their order.
+/// An order-dependent hash of words and numbers.
 pub(super) struct Key(pub(super) u64);
 
 impl Key {
@@ -24,7 +24,7 @@ impl Key {
     }
 }
 
-/// Every bit of the result depends on all bits of `x` (splitmix64's finish).
+/// Mixes `x` so that every bit of the result depends on all its bits (splitmix64's finish).
 fn mixed(x: u64) -> u64 {
     let x = x.wrapping_add(0x9e37_79b9_7f4a_7c15);
     let x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -37,7 +37,7 @@ mod tests {
     use super::*;
     use std::collections::HashSet;
 
-    /// Of single bits and of pairs of them, in either order, no two keys are the same, and half of their bits differ.
+    /// No two keys of single bits and of pairs of bits, in either order, are equal, and half of their bits differ.
     #[test]
     fn words_that_differ_in_a_bit_have_keys_that_differ_in_half() {
         let of = |words: [u64; 2]| {
@@ -57,7 +57,7 @@ mod tests {
         }
         let mean = f64::from(differ) / f64::from(pairs);
         assert!((mean - 32.0).abs() < 0.3, "{mean}");
-        // splitmix64 from 0, its published first number.
+        // The published first output of splitmix64 from 0.
         assert_eq!(mixed(0), 0xe220_a839_7b1d_cdaf);
     }
 }

@@ -8,10 +8,10 @@
 //! dz = EZX(x) + EZY(y) + EZZ(z)
 //! ```
 //!
-//! Each linear axis' own error also carries thermal growth `K0 + k·(q − q0)` and, in negative travel, its backlash, with or
-//! without a table. A
-//! rotary axis adds its three translations (turned by the nominal pose of the rotary axes that carry it) and has its
-//! own angular error corrected in its own position. Lever arms of angular errors are not part of this form.
+//! The error of each linear axis also includes thermal growth `K0 + k·(q − q0)` and, in negative travel, its backlash,
+//! with or without a table. A rotary axis adds its three translations (turned by the nominal pose of the rotary axes that
+//! carry it), and its own angular error is corrected in its own position. Lever arms of angular errors are not part of
+//! this form.
 //!
 //! Source: Zhang Chong et al., geometric error compensation on an open CNC (2013); the direction of travel, the exact
 //! inverse and the look-up at the feedback are extensions.
@@ -32,15 +32,15 @@ use crate::real::Real;
 /// A rotary axis that turns the carrier of another one.
 #[derive(Clone, Copy, Debug)]
 struct Parent<R> {
-    /// Its slot among the step's axes.
+    /// Slot among the step's axes.
     index: usize,
-    /// 0, 1, 2: it turns about X, Y, Z.
+    /// Machine axis about which it turns: 0, 1, 2 for X, Y, Z.
     about: usize,
-    /// Sense in which it turns.
+    /// Sense of the rotation.
     sense: R,
 }
 
-/// The tables of a machine for the nine-term form and how they are looked up: immutable, built once.
+/// Tables of a machine in the nine-term form, and how they are looked up: immutable, built once.
 ///
 /// `N` axes: X, Y, Z first (an absent linear axis is a zero table), then the rotary axes of the chain.
 #[derive(Clone, Copy, Debug)]
@@ -48,7 +48,7 @@ pub struct NineTerms<'a, R, P, const N: usize> {
     pub(super) tables: [AxisTable<'a, R, P>; N],
     /// Position of each table's origin from machine zero.
     pub(super) origins: [R; N],
-    /// Look-up at the feedback: the axis' own error, its cross terms.
+    /// Whether to look up at the feedback: the axis' own error, its cross terms.
     at_feedback: [(bool, bool); N],
     parents: [[Option<Parent<R>>; 2]; N],
     own: [usize; N],
@@ -59,12 +59,12 @@ pub struct NineTerms<'a, R, P, const N: usize> {
     kind: Kind,
 }
 
-/// Which loop looks the tables up: three axes at the command, all alike, or anything else.
+/// Which loop looks the tables up: three axes at the command, all of one kind, or anything else.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
     /// Equidistant and linear.
     Plain,
-    /// Linear, with free grids among them.
+    /// Linear, some of them on free grids.
     Linear,
     /// Cubic, on any grid.
     Cubic,
@@ -77,7 +77,7 @@ const PLAIN: u8 = 0;
 const LINEAR: u8 = 1;
 const CUBIC: u8 = 2;
 
-/// By a constant and always inlined: a function handed over is called through a shim, with its result in memory.
+/// Selects by a constant and is always inlined: a function argument is called through a shim, with its result in memory.
 #[inline(always)]
 fn look_up<const KIND: u8, R: Real, P: Position>(
     table: &AxisTable<'_, R, P>,
@@ -91,7 +91,7 @@ fn look_up<const KIND: u8, R: Real, P: Position>(
     }
 }
 
-/// The rotary axes between the bed and an axis, from the bed outwards; at most two count.
+/// The rotary axes between the bed and an axis, from the bed outwards; at most two are permitted.
 fn parents_of<R: Real, const N: usize>(
     machine: &MachineSettings,
     order: &AxisOrder<N>,
@@ -119,7 +119,7 @@ fn parents_of<R: Real, const N: usize>(
 }
 
 impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
-    /// Memory that [`NineTerms::build`] takes, in scalars.
+    /// Memory that [`NineTerms::build`] needs, in scalars.
     pub fn requirement<'r, T: Rows + ?Sized + 'r>(
         machine: &MachineSettings,
         rows: impl Fn(Axis) -> Option<&'r T>,
@@ -127,7 +127,7 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
         requirement_of_all::<4, T>(machine, rows)
     }
 
-    /// Builds the tables of a machine into lent memory.
+    /// Builds the tables of a machine in borrowed memory.
     ///
     /// # Errors
     /// A table with fewer than two points or not ascending, memory too small, more axes than `N`.
@@ -194,19 +194,19 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
         Ok(built)
     }
 
-    /// Three axes looked up at the command, which cells serve; and whether their tables are cubic.
+    /// For three axes looked up at the command, which can use cells: whether their tables are cubic. Otherwise `None`.
     pub(crate) fn cells(&self) -> Option<bool> {
         (self.kind != Kind::Any).then_some(self.kind == Kind::Cubic)
     }
 
-    /// Calls `take` with every number that tells these tables from others, where cells serve them.
+    /// Calls `take` with every number that distinguishes these tables from others, for tables that can use cells.
     pub(crate) fn numbers(&self, mut take: impl FnMut(f64)) {
         self.tables.iter().for_each(|table| table.numbers(&mut take));
         let scalars = self.squareness.iter().chain(&self.datum).chain(&self.origins);
         scalars.for_each(|number| take(number.to_f64()));
     }
 
-    /// The positions as the tables count them.
+    /// Converts positions to table coordinates.
     #[inline(always)]
     pub fn coordinates(&self, positions: &[P; N]) -> [R; N] {
         let mut at = [R::ZERO; N];
@@ -216,7 +216,7 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
         at
     }
 
-    /// X, Y, Z from machine zero, mm, at table coordinates.
+    /// X, Y, Z from machine zero, mm, from table coordinates.
     #[inline(always)]
     pub(super) fn slides(&self, at: &[R; N]) -> [R; 3] {
         let mut slides = [R::ZERO; 3];
@@ -226,28 +226,28 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
         slides
     }
 
-    /// Error of the nine terms alone at table coordinates, plain tables: the inner loop of the step.
+    /// Returns the error of the nine terms alone at table coordinates, for plain tables: the inner loop of the step.
     ///
-    /// `clamped` gets a bit for every axis whose edge value is clamped.
+    /// Sets a bit in `clamped` for every axis whose edge value is clamped.
     #[inline(always)]
     pub fn plain_terms(&self, at: &[R; N], reverse: &[Direction; N], clamped: &mut u8) -> Errors<R, N> {
         self.sum_of::<PLAIN>(at, reverse, clamped)
     }
 
-    /// Error of the nine terms alone, linear tables on any grid; apart from [`NineTerms::plain_terms`], so that
-    /// equidistant tables do not carry the search.
+    /// Returns the error of the nine terms alone, for linear tables on any grid; separate from
+    /// [`NineTerms::plain_terms`], so that equidistant tables do not carry the search.
     #[inline(never)]
     pub fn linear_terms(&self, at: &[R; N], reverse: &[Direction; N], clamped: &mut u8) -> Errors<R, N> {
         self.sum_of::<LINEAR>(at, reverse, clamped)
     }
 
-    /// Error of the nine terms alone, cubic tables on any grid.
+    /// Error of the nine terms alone, for cubic tables on any grid.
     #[inline(never)]
     fn cubic_terms(&self, at: &[R; N], reverse: &[Direction; N], clamped: &mut u8) -> Errors<R, N> {
         self.sum_of::<CUBIC>(at, reverse, clamped)
     }
 
-    /// Translations of all tables, for one choice of look-up position.
+    /// Sum of the translations of all tables, all looked up at one position.
     #[inline(always)]
     fn sum_of<const KIND: u8>(&self, at: &[R; N], reverse: &[Direction; N], clamped: &mut u8) -> Errors<R, N> {
         let mut sum = [R::ZERO; 3];
@@ -269,7 +269,7 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
 
     /// Error of any tables, each looked up at the command or the feedback as configured.
     ///
-    /// Not by a [`Query`]: handed to a function that is not inlined, it would have to lie in memory in every cycle.
+    /// Takes no [`Query`]: passed to a function that is not inlined, a `Query` would have to be in memory in every cycle.
     #[inline(never)]
     fn general_terms(
         &self,
@@ -309,7 +309,7 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
             let [x, y, z, turn] = contribution;
             let [cx, cy, cz] = *constant;
             let mut shift = [x + cx, y + cy, z + cz];
-            // From the innermost carrier out to the bed.
+            // From the innermost carrier outwards to the bed.
             for parent in parents.iter().rev().flatten() {
                 let angle = command.get(parent.index).copied().unwrap_or(R::ZERO)
                     + self.origins.get(parent.index).copied().unwrap_or(R::ZERO);
@@ -347,9 +347,9 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
         }
     }
 
-    /// Errors at a position: modelled deviation of the tip from where the axes stand, and of the rotary axes.
+    /// Returns the errors at a position: modelled deviation of the tip from the axis positions, and of the rotary axes.
     ///
-    /// `clamped` gets a bit for every axis whose edge value is clamped.
+    /// Sets a bit in `clamped` for every axis whose edge value is clamped.
     #[inline(always)]
     pub fn errors(&self, query: &Query<'_, R, N>, clamped: &mut u8) -> Errors<R, N> {
         let Query { command, feedback, directions, thermal } = *query;
@@ -366,9 +366,9 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
         errors
     }
 
-    /// The wanted correction: `r` with `q + r + E(q + r) = q`, by `passes` look-ups `r ← −E(q + r)` from `r = 0`.
+    /// Returns the wanted correction: `r` with `q + r + E(q + r) = q`, by `passes` look-ups `r ← −E(q + r)` from `r = 0`.
     ///
-    /// mm, rotary axes in degrees. What is looked up at the feedback needs no inverse and stays as it is read.
+    /// mm, rotary axes in degrees. Errors looked up at the feedback need no inverse and are used as read.
     #[inline(always)]
     pub fn correction(&self, query: &Query<'_, R, N>, passes: u8, clamped: &mut u8) -> [R; N] {
         let command = query.command;
@@ -385,7 +385,7 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
     }
 }
 
-/// A vector turned about X (0), Y (1) or Z (2) by an angle in degrees.
+/// Rotates a vector about X (0), Y (1) or Z (2) by an angle in degrees.
 #[inline(always)]
 fn turned<R: Real>([x, y, z]: [R; 3], about: usize, angle: R) -> [R; 3] {
     let (c, s) = cos_sin_deg(angle);

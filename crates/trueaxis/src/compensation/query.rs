@@ -2,9 +2,9 @@
 
 use super::{Direction, ThermalLine};
 
-/// Everything that the tables' errors depend on: positions in table coordinates
-/// ([`Compensation::coordinates`](super::Compensation::coordinates)), directions of travel and thermal growth, all in
-/// the step's order.
+/// All inputs of the tables' errors: positions in table coordinates
+/// ([`Compensation::coordinates`](super::Compensation::coordinates)), directions of travel and thermal growth, all in the
+/// step's order.
 #[derive(Clone, Copy, Debug)]
 pub struct Query<'q, R, const N: usize> {
     /// Command.
@@ -18,7 +18,7 @@ pub struct Query<'q, R, const N: usize> {
 }
 
 impl<'q, R, const N: usize> Query<'q, R, N> {
-    /// Everything looked up at one position.
+    /// Queries everything at one position.
     #[inline(always)]
     pub const fn at(position: &'q [R; N], directions: &'q [Direction; N], thermal: &'q [ThermalLine<R>; N]) -> Self {
         Query { command: position, feedback: position, directions, thermal }

@@ -5,7 +5,7 @@ use crate::real::Real;
 
 /// Direction of travel of an axis.
 ///
-/// Kept as the mask by which the step chooses the half of a table, so that the choice costs one instruction.
+/// Stored as the mask with which the step selects the half of a table, so that the selection costs one instruction.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Direction(usize);
@@ -21,7 +21,7 @@ impl Direction {
         if is_negative { Direction::NEGATIVE } else { Direction::POSITIVE }
     }
 
-    /// Zero in positive, all ones in negative travel.
+    /// Zero in positive travel, all ones in negative travel.
     #[inline(always)]
     pub(super) const fn mask(self) -> usize {
         self.0
@@ -36,10 +36,10 @@ impl Direction {
 /// Direction in which an axis travels: its drive, not its command, because a correction takes up lost motion like any
 /// other motion.
 ///
-/// The turning point follows the drive while it goes on in its direction; the direction changes once the drive has come
-/// back from the turning point by more than the band, so that a dither within it at standstill toggles nothing. Lost motion
-/// that is positive makes the correction step in the new direction, which confirms it; what steps against it has to stay
-/// within the band ([`crate::check::reversal`]). Cost: one subtraction and two comparisons.
+/// The turning point follows the drive while it moves on in its direction; the direction changes once the drive has moved
+/// back from the turning point by more than the band, so dither within the band at standstill toggles nothing. Positive
+/// lost motion makes the correction step in the new direction, which confirms it; a step against it must stay within the
+/// band ([`crate::check::reversal`]). Cost: one subtraction and two comparisons.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Reversal<P> {
     turning_point: P,
@@ -52,7 +52,7 @@ impl<P: Position> Reversal<P> {
         Reversal { turning_point: position, direction: Direction::POSITIVE }
     }
 
-    /// Takes the drive's position, command plus correction; `band` in mm (deg). Returns the direction.
+    /// Updates with the drive's position, command plus correction; `band` in mm (deg). Returns the direction.
     #[inline(always)]
     pub fn update<R: Real>(&mut self, drive: P, band: R) -> Direction {
         let moved: R = drive.since_near(self.turning_point);
@@ -70,8 +70,8 @@ impl<P: Position> Reversal<P> {
         self.direction
     }
 
-    /// [`Reversal::update`] of a drive that goes on, or has come back by no more than `within`, the band in steps rounded
-    /// down: the direction stays. `false`, and nothing is done, where only the update itself can tell.
+    /// [`Reversal::update`] for a drive that moves on, or has moved back by no more than `within`, the band in steps
+    /// rounded down: the direction stays. Otherwise changes nothing and returns `false`: only the full update can decide.
     #[inline(always)]
     pub(crate) fn goes_on(&mut self, drive: P, within: P::Reach) -> bool {
         let onward = if self.direction == Direction::POSITIVE {
@@ -85,7 +85,7 @@ impl<P: Position> Reversal<P> {
         onward || drive.apart(self.turning_point) <= within
     }
 
-    /// The axis turns here: the next [`Reversal::update`] of a drive that is at `drive`, or goes on from there, says so.
+    /// Forces a reversal: the next [`Reversal::update`] of a drive at `drive`, or farther on, reports it.
     #[inline(always)]
     pub(crate) fn turn<R: Real>(&mut self, drive: P, band: R) {
         let beyond = band + band + R::of(2.0 * P::STEP.min(1e-6));
@@ -93,7 +93,7 @@ impl<P: Position> Reversal<P> {
             if self.direction == Direction::POSITIVE { drive.plus(beyond) } else { drive.plus(-beyond) };
     }
 
-    /// The direction as it stands.
+    /// The current direction.
     #[inline(always)]
     pub fn direction(&self) -> Direction {
         self.direction

@@ -1,4 +1,4 @@
-//! One axis' error table in the form in which the step reads it.
+//! Error table of one axis, in the form that the step reads.
 
 use super::reversal::Direction;
 use crate::error::{ConfigError, Field};
@@ -8,11 +8,12 @@ use crate::real::Real;
 
 /// Contribution of an axis at one position.
 ///
-/// Four numbers: the translations along X, Y, Z in mm and its own rotation in degrees (zero for a linear axis, whose own
-/// positioning error is one of the translations). Six: the translations in mm and the rotations about X, Y, Z in rad.
+/// Four numbers: the translations along X, Y, Z in mm and the axis' own rotation in degrees (zero for a linear axis,
+/// whose positioning error is one of the translations). Six: the translations in mm and the rotations about X, Y, Z in
+/// rad.
 pub type Contribution<R, const W: usize = 4> = [R; W];
 
-/// Refuses memory of `found` scalars where `needed` are.
+/// Refuses memory of `found` scalars if `needed` is more.
 pub(super) fn enough(found: usize, needed: usize) -> Result<(), ConfigError> {
     if found >= needed {
         return Ok(());
@@ -21,7 +22,7 @@ pub(super) fn enough(found: usize, needed: usize) -> Result<(), ConfigError> {
     Err(ConfigError { bound: Some(needed as f64), ..error })
 }
 
-/// Cuts `count` scalars off the memory.
+/// Splits `count` scalars off the memory.
 fn take<'a, R>(memory: &mut &'a mut [R], count: usize) -> Result<&'a mut [R], ConfigError> {
     enough(memory.len(), count)?;
     let (taken, rest) = core::mem::take(memory).split_at_mut_checked(count).unwrap_or_default();
@@ -29,24 +30,24 @@ fn take<'a, R>(memory: &mut &'a mut [R], count: usize) -> Result<&'a mut [R], Co
     Ok(taken)
 }
 
-/// Farthest that an interval is taken to go on beyond its ends, mm.
+/// Farthest extension of an interval beyond its ends, mm.
 const OVERLAP_MM: f64 = 0.02;
 
-/// Polynomials between two points of a table.
+/// Polynomial between two points of a table.
 pub(super) struct Piece<'a, R, const W: usize> {
-    /// Parameter at the coordinate asked for, zero at the start.
+    /// Parameter at the requested coordinate, zero at the start.
     pub(super) t: R,
-    /// The parameter at the end.
+    /// Parameter at the end.
     pub(super) length: R,
     /// Change of the parameter per mm.
     pub(super) rate: R,
     /// mm per change of the parameter.
     pub(super) unit: R,
-    /// Coefficients of a linear table.
+    /// Coefficients, if the table is linear.
     pub(super) linear: Option<&'a [Contribution<R, W>; 2]>,
-    /// Those of a cubic one.
+    /// Coefficients, if the table is cubic.
     pub(super) cubic: Option<&'a [Contribution<R, W>; 4]>,
-    /// It is the table's first, its last.
+    /// Whether it is the table's first, and its last.
     pub(super) ends: [bool; 2],
 }
 
@@ -62,17 +63,17 @@ impl<R: Real> Piece<'_, R, 4> {
     }
 }
 
-/// The translations of a line.
+/// The translations of a contribution.
 #[inline(always)]
 pub(super) fn xyz<R: Real>([x, y, z, _]: &Contribution<R, 4>) -> [R; 3] {
     [*x, *y, *z]
 }
 
-/// The errors of one axis as a function of its position, in the form for the step.
+/// The errors of one axis as a function of its position, in the form that the step reads.
 ///
-/// Equidistant grids cost one multiplication to find the interval, free grids a guide table and a search of fixed
-/// depth without a data-dependent branch. Beyond its ends a table is at its clamped edge value. `W` numbers a line:
-/// [`Contribution`].
+/// Finding the interval costs one multiplication on an equidistant grid; on a free grid it takes a guide table and a
+/// search of fixed depth without a data-dependent branch. Beyond its ends a table has its clamped edge value. `W` is the
+/// count of numbers per line: [`Contribution`].
 #[derive(Clone, Copy, Debug)]
 pub struct AxisTable<'a, R, P, const W: usize = 4> {
     origin: P,
@@ -93,8 +94,8 @@ pub struct AxisTable<'a, R, P, const W: usize = 4> {
 }
 
 impl<'a, R: Real, P: Position> AxisTable<'a, R, P, 4> {
-    /// Builds the table of the nine-term form into lent memory. `own_sign` is the sense in which the axis' own angular
-    /// error adds to its reading (+1 unless the axis turns against its convention); for linear axes it is not used.
+    /// Builds the table of the nine-term form in borrowed memory. `own_sign` is the sense in which the axis' own angular
+    /// error adds to its reading (+1 unless the axis turns against its convention); linear axes ignore it.
     ///
     /// # Errors
     /// Fewer than two rows, rows not ascending or not finite, or memory too small.
@@ -122,9 +123,9 @@ impl<'a, R: Real, P: Position> AxisTable<'a, R, P, 4> {
 }
 
 impl<'a, R: Real, P: Position> AxisTable<'a, R, P, 6> {
-    /// Builds the table of an axis' twist into lent memory: `e − w × lever` in mm and `w` in rad, e and w the
-    /// interpolated columns. The lever is taken off the polynomials, so that it holds between the points too; `constant`
-    /// (mm, rad) is added everywhere.
+    /// Builds the table of an axis' twist in borrowed memory: `e − w × lever` in mm and `w` in rad, e and w the
+    /// interpolated columns. The lever is subtracted from the polynomials, so that it is exact between the points too;
+    /// `constant` (mm, rad) is added everywhere.
     ///
     /// # Errors
     /// Fewer than two rows, rows not ascending or not finite, or memory too small.
@@ -137,7 +138,7 @@ impl<'a, R: Real, P: Position> AxisTable<'a, R, P, 6> {
     ) -> Result<Self, ConfigError> {
         let own = settings.axis.index();
         let swung = |[a, b, c]: [f64; 3]| [b * lz - c * ly, c * lx - a * lz, a * ly - b * lx];
-        // Lost motion is no reading along the measured line: the lever that will be taken off is put on first.
+        // Lost motion is not a reading along the measured line: the lever that is subtracted later is added here first.
         let mut lost = [0.0; 6];
         if let Some(lost) = lost.get_mut(own) {
             *lost = if own < 3 { settings.backlash } else { settings.backlash.to_radians() };
@@ -177,14 +178,14 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
         }
     }
 
-    /// Memory that building this table takes, in scalars.
+    /// Memory needed to build this table, in scalars.
     pub fn requirement(settings: &AxisSettings, rows: &(impl Rows + ?Sized)) -> usize {
         let Need { lines, knots, guide } = Need::of::<W>(settings, rows);
         lines + knots + guide
     }
 
-    /// Builds a table from what is read of each row; `finish` acts on the coefficients of every polynomial,
-    /// `constant` is added to it.
+    /// Builds a table from the `values` of each row; applies `finish` to the coefficients of every polynomial and adds
+    /// `constant`.
     fn build_from(
         settings: &AxisSettings,
         rows: &(impl Rows + ?Sized),
@@ -256,7 +257,8 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
         })
     }
 
-    /// The position as the table counts it: from its first point, reduced by whole turns where the table wraps.
+    /// Converts a position to a table coordinate: from the table's first point, reduced by whole turns if the table
+    /// wraps.
     #[inline(always)]
     pub fn coordinate(&self, position: P) -> R {
         if self.wraps { position.turn_since(self.origin) } else { position.since(self.origin) }
@@ -267,24 +269,25 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
         self.origin
     }
 
-    /// Its first and its last point.
+    /// The table's first and last point.
     pub(super) fn ends(&self) -> [P; 2] {
         [self.origin, self.end]
     }
 
-    /// Zero everywhere.
+    /// Whether the table is zero everywhere.
     pub(super) fn is_empty(&self) -> bool {
         self.linear.is_empty() && self.cubic.is_empty()
     }
 
-    /// Intervals between its points.
+    /// Number of intervals between the table's points.
     fn intervals(&self) -> usize {
         let points =
             if self.reverse_offset > 0 { self.reverse_offset } else { self.linear.len().max(self.cubic.len()) };
         points.saturating_sub(1)
     }
 
-    /// The interval between two points about a coordinate; the first or last one, at its end, for what is beyond them.
+    /// The interval between two points around a coordinate; for a coordinate beyond the table, the end of the first or
+    /// last one.
     #[inline]
     pub(super) fn piece(&self, coordinate: R, direction: Direction) -> Piece<'a, R, W> {
         let last = self.intervals().saturating_sub(1);
@@ -306,8 +309,8 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
         Piece { t, length, rate, unit, linear, cubic, ends: [index == 0, index == last] }
     }
 
-    /// How far an interval may be taken to go on beyond its ends, mm, so that no more than `tolerance` mm of error comes of
-    /// it: at most [`OVERLAP_MM`] and half the shortest interval. Δ the change of a coefficient from an interval to the next,
+    /// How far an interval may extend beyond its ends, mm, with at most `tolerance` mm of error: at most [`OVERLAP_MM`]
+    /// and half the shortest interval. With Δ the change of a coefficient from one interval to the next,
     ///
     /// ```text
     /// |Δc1| o + |Δc2| o² + |Δc3| o³ <= tolerance
@@ -330,7 +333,7 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
         most
     }
 
-    /// Length of an interval, mm, and its first to third power from its start, per mm.
+    /// Length of an interval, mm, and its first to third powers from its start, per mm.
     fn powers(&self, index: usize, direction: Direction) -> (f64, [[f64; W]; 3]) {
         let start = self.knots.get(index).map_or(index as f64 / self.scale.to_f64(), |knot| knot.to_f64());
         let next = self.knots.get(index + 1).map_or((index + 1) as f64 / self.scale.to_f64(), |knot| knot.to_f64());
@@ -346,7 +349,7 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
         (next - start, [per_mm(c1, rate), per_mm(c2, rate * rate), per_mm(c3, rate * rate * rate)])
     }
 
-    /// Calls `take` with every number that tells this table from another.
+    /// Calls `take` with every number that distinguishes this table from another.
     pub(super) fn numbers(&self, take: &mut impl FnMut(f64)) {
         take(self.origin.to_f64());
         take(self.end.to_f64());
@@ -357,18 +360,18 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
         scalars.iter().chain(linear).chain(cubic).chain(self.knots).for_each(|number| take(number.to_f64()));
     }
 
-    /// Equidistant, linear and not wrapping: what [`AxisTable::at_plain`] handles.
+    /// Whether the table is equidistant, linear and does not wrap, as [`AxisTable::at_plain`] requires.
     pub fn is_plain(&self) -> bool {
         self.knots.is_empty() && self.is_linear()
     }
 
-    /// Equidistant and linear: [`AxisTable::at_plain`] handles it wherever [`AxisTable::coordinate`] leads, though it
-    /// does not go on round a seam.
+    /// Whether the table is equidistant and linear: [`AxisTable::at_plain`] accepts every result of
+    /// [`AxisTable::coordinate`], but does not continue across a seam.
     pub fn is_even(&self) -> bool {
         self.knots.is_empty() && self.cubic.is_empty()
     }
 
-    /// Contribution at a coordinate of a *plain* table, and whether its edge value is clamped.
+    /// Returns the contribution at a coordinate of a *plain* table, and whether its edge value is clamped.
     ///
     /// `v + t s` with the interval and `t` from one multiplication.
     #[inline(always)]
@@ -383,12 +386,12 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
         }
     }
 
-    /// Linear and not wrapping: what [`AxisTable::at_linear`] handles.
+    /// Whether the table is linear and does not wrap, as [`AxisTable::at_linear`] requires.
     pub fn is_linear(&self) -> bool {
         !self.wraps && self.cubic.is_empty()
     }
 
-    /// Contribution at a coordinate of a *linear* table on any grid, and whether its edge value is clamped.
+    /// Returns the contribution at a coordinate of a *linear* table on any grid, and whether its edge value is clamped.
     #[inline(always)]
     pub fn at_linear(&self, coordinate: R, direction: Direction) -> (Contribution<R, W>, bool) {
         if self.knots.is_empty() {
@@ -402,12 +405,12 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
         }
     }
 
-    /// Cubic and not wrapping, or no table at all: what [`AxisTable::at_cubic`] handles.
+    /// Whether the table is cubic and does not wrap, or is empty, as [`AxisTable::at_cubic`] requires.
     pub fn is_cubic(&self) -> bool {
         !self.wraps && self.linear.is_empty()
     }
 
-    /// Contribution at a coordinate of a *cubic* table on any grid, and whether its edge value is clamped.
+    /// Returns the contribution at a coordinate of a *cubic* table on any grid, and whether its edge value is clamped.
     #[inline(always)]
     pub fn at_cubic(&self, coordinate: R, direction: Direction) -> (Contribution<R, W>, bool) {
         let (index, t, edge) = if self.knots.is_empty() {
@@ -426,7 +429,7 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
         }
     }
 
-    /// A correction can carry the reduced angle of a table that wraps over the seam: it goes on from the other side.
+    /// A correction can carry the reduced angle of a wrapping table across the seam: it continues from the other side.
     #[inline(always)]
     fn over_the_seam(&self, coordinate: R) -> R {
         if !self.wraps {
@@ -440,7 +443,7 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
         }
     }
 
-    /// Contribution at a coordinate, and whether the table's edge value is clamped; any table.
+    /// Returns the contribution at a coordinate, and whether the table's edge value is clamped, for any table.
     #[inline]
     pub fn at(&self, coordinate: R, direction: Direction) -> (Contribution<R, W>, bool) {
         let coordinate = self.over_the_seam(coordinate);
@@ -465,7 +468,7 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
         }
     }
 
-    /// The interval at a coordinate, to be kept: off the cycle's straight way.
+    /// The interval at a coordinate, for caching: outside the fast path of the cycle.
     #[inline]
     pub(super) fn interval(&self, coordinate: R, direction: Direction) -> Interval<'a, R, W> {
         let mut found = Interval {
@@ -483,7 +486,7 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
         }
         let coordinate = self.over_the_seam(coordinate);
         let clamped = coordinate.limit(R::ZERO, self.span);
-        // Intervals of an equidistant grid count 0 to 1, those of a free one mm.
+        // The parameter of an equidistant interval runs from 0 to 1, that of a free one in mm.
         let (index, t, width) = if self.knots.is_empty() {
             found.per_mm = self.scale;
             let place = (clamped * self.scale).min(self.last);
@@ -509,13 +512,13 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
             return found;
         }
         let mm = R::ONE / found.per_mm;
-        // The table's last point is an interval of its own.
+        // The table's last point is a separate interval.
         (found.below, found.above) = (t * mm, if index < last { (width - t) * mm } else { R::ZERO });
         found.inner = [index > 0 && index < last, index.wrapping_add(1) < last];
         found
     }
 
-    /// Largest |second derivative| within the intervals, per mm² (deg²): of each of the `W` numbers.
+    /// Largest |second derivative| within the intervals, per mm² (deg²), for each of the `W` numbers.
     pub(super) fn largest_bends(&self) -> [R; W] {
         let mut most = [R::ZERO; W];
         for (index, [_, _, c2, c3]) in self.cubic.iter().enumerate() {
@@ -533,13 +536,13 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
         most
     }
 
-    /// Largest change of a slope from one interval to the next, per mm (deg): of each of the `W` numbers.
+    /// Largest change of a slope from one interval to the next, per mm (deg), for each of the `W` numbers.
     pub(super) fn largest_kinks(&self) -> [R; W] {
         let mut most = [R::ZERO; W];
         let count = if self.reverse_offset == 0 { self.linear.len() } else { self.reverse_offset };
         let per_mm = if self.knots.is_empty() { self.scale } else { R::ONE };
         for block in self.linear.chunks(count.max(1)) {
-            // The last line is the constant behind the table, which no interval goes on into.
+            // The last line is the constant beyond the table; no interval continues into it.
             let intervals = block.get(..count.saturating_sub(1)).unwrap_or(&[]);
             for ([_, before], [_, after]) in intervals.iter().zip(intervals.iter().skip(1)) {
                 for ((most, before), after) in most.iter_mut().zip(before).zip(after) {
@@ -550,14 +553,14 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
         most
     }
 
-    /// No cubic table.
+    /// Whether the table is not cubic.
     pub(super) fn is_straight(&self) -> bool {
         self.cubic.is_empty()
     }
 
     /// Interval of a free grid and the distance from its first point.
     ///
-    /// A bucket of the guide holds one point at most, unless the grid is very uneven: one comparison then decides.
+    /// A bucket of the guide contains at most one point, unless the grid is very uneven; one comparison then decides.
     #[inline(always)]
     fn search(&self, coordinate: R) -> (usize, R) {
         let bucket = (coordinate * self.scale).to_u32() as usize;
@@ -571,7 +574,8 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
         }
     }
 
-    /// Point of a crowded bucket, from the one before the bucket on, to the last but one that is not above the coordinate.
+    /// Searches a crowded bucket, starting from the last point before it, for the last point but one not above the
+    /// coordinate.
     #[cold]
     #[inline(never)]
     fn search_on(&self, first: usize, coordinate: R) -> usize {
@@ -588,7 +592,7 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
     }
 }
 
-/// First to third power of a polynomial, taken to a place `u` further on.
+/// First to third powers of a polynomial, shifted by `u`.
 fn at_end<const W: usize>(u: f64, [c1, c2, c3]: [[f64; W]; 3]) -> [[f64; W]; 3] {
     [
         core::array::from_fn(|k| c1[k] + u * (2.0 * c2[k] + 3.0 * u * c3[k])),
@@ -597,7 +601,7 @@ fn at_end<const W: usize>(u: f64, [c1, c2, c3]: [[f64; W]; 3]) -> [[f64; W]; 3] 
     ]
 }
 
-/// Lengths of the differences, power by power.
+/// Norms of the differences, power by power.
 fn changes<const W: usize>(before: [[f64; W]; 3], after: [[f64; W]; 3]) -> [f64; 3] {
     core::array::from_fn(|power| {
         let squares = before[power].iter().zip(after[power]).map(|(a, b)| (b - a) * (b - a));
@@ -609,15 +613,15 @@ fn changes<const W: usize>(before: [[f64; W]; 3], after: [[f64; W]; 3]) -> [f64;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Interval<'a, R, const W: usize> {
     line: Line<'a, R, W>,
-    /// Parameter of the polynomial at the coordinate, and how fast it grows; not at all beyond the table.
+    /// Parameter of the polynomial at the coordinate, and its rate, zero beyond the table.
     pub(super) t: R,
     pub(super) per_mm: R,
-    /// How far the interval goes on to either side, mm (deg).
+    /// Extent of the interval to either side, mm (deg).
     pub(super) below: R,
     pub(super) above: R,
     /// Whether the table has another interval on that side.
     pub(super) inner: [bool; 2],
-    /// Beyond the table: its clamped edge value.
+    /// Whether the coordinate is beyond the table: clamped edge value.
     pub(super) edge: bool,
 }
 
@@ -629,13 +633,13 @@ enum Line<'a, R, const W: usize> {
 }
 
 impl<R: Real, const W: usize> Interval<'_, R, W> {
-    /// How far a form of it may go on to either side, mm (deg): over a point within the table by an overlap.
+    /// How far a form of it may extend to either side, mm (deg): across a point within the table by an overlap.
     pub(super) fn rooms(&self, overlap: R) -> [R; 2] {
         let [below, above] = self.inner;
         [(self.below, below), (self.above, above)].map(|(room, inner)| if inner { room + overlap } else { room })
     }
 
-    /// Coefficients of the polynomial about a parameter, per mm (deg): value and slope, of a cubic table the rest.
+    /// Coefficients of the polynomial around a parameter, per mm (deg): value and slope, and for a cubic table the rest.
     #[inline(always)]
     pub(super) fn powers(&self, t: R) -> ([[R; W]; 2], Option<[[R; W]; 2]>) {
         let (zero, f) = ([R::ZERO; W], self.per_mm);
@@ -653,13 +657,13 @@ impl<R: Real, const W: usize> Interval<'_, R, W> {
     }
 }
 
-/// Scalars that a table takes.
+/// Scalars that a table needs.
 struct Need {
     /// Polynomial coefficients, one line of numbers per power and point.
     lines: usize,
     /// Positions of a free grid.
     knots: usize,
-    /// Its search guide.
+    /// Search guide of a free grid.
     guide: usize,
 }
 
@@ -675,7 +679,7 @@ impl Need {
     }
 }
 
-/// Scalars that the tables of all axes of a machine take, at `W` numbers a line.
+/// Scalars that the tables of all axes of a machine need, with `W` numbers per line.
 pub(super) fn requirement_of_all<'r, const W: usize, T: Rows + ?Sized + 'r>(
     machine: &MachineSettings,
     rows: impl Fn(Axis) -> Option<&'r T>,
@@ -692,7 +696,7 @@ fn along<R: Real, const W: usize>(value: &[R; W], t: R, slope: &[R; W]) -> [R; W
     core::array::from_fn(|k| value[k] + t * slope[k])
 }
 
-/// Constant spacing of the grid, if it has one within 1e-9 of a cell.
+/// Constant spacing of the grid, if its points are equidistant within 1e-9 of a cell.
 fn spacing(rows: &(impl Rows + ?Sized)) -> Option<f64> {
     let count = rows.len();
     let (first, end) = (rows.row(0)?.position, rows.row(count.wrapping_sub(1))?.position);
@@ -707,9 +711,9 @@ fn two_sided(settings: &AxisSettings, rows: &(impl Rows + ?Sized)) -> bool {
     settings.backlash != 0.0 || (0..rows.len()).any(|i| rows.row(i).is_some_and(|row| row.forward != row.reverse))
 }
 
-/// For each bucket the last knot of an earlier bucket. A bucket is found by the same rounded multiplication as in the
-/// search, which is monotone: a knot of an earlier bucket is never above the coordinate, one of a later never below.
-/// Returns how many halvings cover the knots of the fullest bucket.
+/// For each bucket, the last knot of an earlier bucket. Buckets are found by the same rounded multiplication as in the
+/// search, which is monotone: a knot of an earlier bucket is never above the coordinate, one of a later bucket never
+/// below. Returns the number of halvings that cover the knots of the fullest bucket.
 fn fill_guide<R: Real>(knots: &[R], guide: &mut [R], scale: R) -> u32 {
     let mut most = 0;
     let mut next = 0usize;
@@ -764,7 +768,7 @@ impl<T: Rows + ?Sized, const W: usize> Source<'_, T, W> {
         }
     }
 
-    /// Coefficients of the interval that starts at point `index` in its parameter; constant behind the last point.
+    /// Coefficients, in its parameter, of the interval that starts at point `index`; constant beyond the last point.
     fn polynomial(&self, index: usize, reverse: bool) -> Result<[[f64; W]; 4], f64> {
         let Some((q0, v0)) = self.point(index, reverse) else { return Err(index as f64) };
         let zero = [0.0; W];
@@ -774,7 +778,7 @@ impl<T: Rows + ?Sized, const W: usize> Source<'_, T, W> {
             return Err(q1);
         }
         let rise: [f64; W] = core::array::from_fn(|k| v1[k] - v0[k]);
-        // In a parameter 0..1 over the interval, then per mm for free grids.
+        // In a parameter 0..1 over the interval; converted to mm for free grids.
         let unit = match self.settings.interpolation {
             Interpolation::Linear => [v0, rise, zero, zero],
             Interpolation::Cubic => {

@@ -10,7 +10,7 @@ use std::{vec, vec::Vec};
 mod pieces;
 mod stated;
 
-/// Lent memory that a test leaks: it needs no owner.
+/// Memory that a test leaks, so that it needs no owner.
 fn lent<R: Real>(scalars: usize) -> &'static mut [R] {
     vec![R::ZERO; scalars].leak()
 }
@@ -42,7 +42,7 @@ fn linear_tables_agree_with_the_textbook_on_any_grid() {
     let equidistant: Vec<f64> = (0..128).map(|i| -300.0 + 5.0 * f64::from(i)).collect();
     let mut noise = Noise::new(2);
     let mut free: Vec<f64> = (0..97).map(|i| -200.0 + 4.0 * f64::from(i) + 0.5 * noise.signed()).collect();
-    // As uneven as a grid can be: a nanometre beside a hundred millimetres, all in one bucket.
+    // As uneven as a grid can be: a nanometre next to a hundred millimetres, all in one bucket.
     let wild = vec![0.0, 1e-6, 2e-6, 1e-3, 0.5, 0.500001, 100.0, 100.000001, 700.0, 700.1];
     free.push(500.0);
     for grid in [equidistant, free, wild] {
@@ -53,7 +53,7 @@ fn linear_tables_agree_with_the_textbook_on_any_grid() {
         for q in places {
             let (value, held) = table.at(table.coordinate(q), Direction::POSITIVE);
             let truth = plain_linear(&rows, q);
-            // The steepest cell rises 50 µm on a nanometre: there a position in f64 is itself uncertain.
+            // The steepest cell rises 50 µm per nanometre: there a position in f64 is itself uncertain.
             let tolerance = if grid.len() == 10 { 1e-8 } else { 1e-13 };
             for k in 0..3 {
                 assert!((value[k] - truth[k]).abs() < tolerance, "{q}: {} {}", value[k], truth[k]);
@@ -161,7 +161,7 @@ fn a_rotary_table_wraps_and_a_million_degrees_is_the_angle_itself() {
         assert_eq!(at(180.0), at(-180.0));
         let (before, after) = (at(180.0 - 1e-9).0, at(180.0 + 1e-9).0);
         assert!((before[0] - after[0]).abs() < 1e-10 && !at(1234.5).1);
-        // C turns ECC into degrees of its own position.
+        // C converts ECC into degrees of its own position.
         let (own, _) = at(20.0);
         assert!((own[3] - rows[20].forward[5].to_degrees()).abs() < 1e-15);
         if interpolation == Interpolation::Cubic {
@@ -198,7 +198,7 @@ fn dither_within_the_band_does_not_toggle_the_direction() {
     assert_eq!(reversal.update(11.902, 1e-3), Direction::POSITIVE);
 }
 
-/// A drive that wanders about its turning point, by steps about the width of the band: with and without the short look.
+/// A drive that wanders around its turning point, in steps of about the band's width: with and without the quick check.
 fn verdicts_agree<R: Real, P: Position>(seed: u64) {
     let mut noise = Noise::new(seed);
     for band in [0.0, 0.3e-3, 3e-3] {
@@ -257,7 +257,7 @@ fn nine_terms_add_up_and_squareness_tilts_the_travel() {
     for k in 0..3 {
         assert!((error[k] - truth[k]).abs() < 1e-15, "{k}");
     }
-    // Beyond the table its value is clamped, the squareness goes on.
+    // Beyond the table its value is clamped; the squareness continues.
     let at = compensation.coordinates(&[x, 500.0, z]);
     let beyond =
         compensation.errors(&Query::at(&at, &[Direction::POSITIVE; 3], &[ThermalLine::default(); 3]), &mut held);
@@ -271,7 +271,7 @@ fn the_exact_inverse_lands_on_the_command() {
     let axes = LINEAR
         .map(|axis| AxisSettings { interpolation: Interpolation::Cubic, ..AxisSettings::with_defaults(axis, false) });
     let machine = Machine::three_axis().axes(&axes).settings();
-    // Steep: 25 µm on 1 mm.
+    // Steep: 25 µm per 1 mm.
     let grid: Vec<f64> = (0..64).map(f64::from).collect();
     let tables: Vec<_> = LINEAR.iter().map(|axis| (*axis, rows(&grid))).collect();
     let compensation = compensation::<3>(&machine, &tables, 8);
@@ -321,7 +321,7 @@ fn own_and_cross_terms_look_up_where_they_are_told() {
 
 #[test]
 fn a_rotary_carrier_turns_the_translations_it_carries() {
-    // C stands on A, A on the bed: at A = 90° (workpiece side, turns by −q) C's frame is turned by −90° about X.
+    // A carries C, and the bed carries A: at A = 90° (workpiece side, turns by −q) C's frame is turned by −90° about X.
     let machine = Machine::five_axis().settings();
     let flat = |error: [f64; 6]| [0.0, 360.0].map(|position| Row { position, forward: error, reverse: error }).to_vec();
     let tables = vec![(Axis::C, flat([0.001, 0.002, 0.003, 0.0, 0.0, 1e-5]))];

@@ -1,4 +1,4 @@
-//! The volumetric model: the twist of every axis, carried to the tool tip by its lever.
+//! The volumetric model: the twist of every axis, transferred to the tool tip by its lever.
 //!
 //! An axis at its position has three translations e (mm) and three rotations w (rad), tool relative to workpiece, in the
 //! directions of its carrier (its neighbour towards the bed) and at the origin of its moved frame. The tip's error and
@@ -8,19 +8,19 @@
 //! d = Σ_i R_i e_i + (R_i w_i) × (p − o_i)          orientation = Σ_i R_i w_i
 //! ```
 //!
-//! R_i orientation of i's carrier, o_i origin of i's moved frame, p the tip. Formed from either end of the chain inwards:
-//! (v, w) is the twist of what stands further out, at the origin of the current frame. An axis adds its own twist, then
-//! the point of reference moves to its carrier's origin, `v ← v − w × (o_i − o_carrier)`; a rotary axis first turns v, w
-//! (and the tip) by its pose. Tables state the tool relative to the workpiece whichever side moves, so the two sides add:
-//! `d = v_t + v_w + (w_t + w_w) × p`.
+//! R_i is the orientation of i's carrier, o_i the origin of i's moved frame, p the tip. The sum is formed from either end
+//! of the chain inwards: (v, w) is the twist of everything further out, at the origin of the current frame. An axis adds
+//! its own twist, then the point of reference moves to its carrier's origin, `v ← v − w × (o_i − o_carrier)`; a rotary
+//! axis first turns v, w (and the tip) by its pose. Tables state the tool relative to the workpiece whichever side moves,
+//! so the two sides add: `d = v_t + v_w + (w_t + w_w) × p`.
 //!
-//! A table holds, without `measured_at_mm` (zero), at the origin of the axis' moved frame. With it, its translations
-//! are what is read at a tool of length zero with the other slides there, so `e = e_measured − w × l`, l the position of
-//! that point from the axis' frame. The constant part of l is in the table's polynomials; the own position, part of it
-//! where a slide carries the workpiece, cancels the travel of the slide's own twist.
+//! Without `measured_at_mm` (zero), a table applies at the origin of the axis' moved frame. With it, its translations are
+//! the readings at a tool of length zero with the other slides there, so `e = e_measured − w × l`, l the position of that
+//! point from the axis' frame. The constant part of l is in the table's polynomials; the axis' own position, part of l if
+//! a slide carries the workpiece, cancels the travel of the slide's own twist.
 //!
-//! First order in the errors: at 60 µrad and a lever of half a metre what is left out is some nanometres. Squareness
-//! tilts the direction of travel, not the carriage. Rotary poses are the nominal ones, without libm.
+//! First order in the errors: at 60 µrad and a lever of half a metre the neglected terms are some nanometres. Squareness
+//! tilts the direction of travel, not the carriage. Rotary poses are nominal, computed without libm.
 //!
 //! Source: ISO 230-1:2012 (errors, signs), ISO 10791-6:2014 (structural code).
 
@@ -51,39 +51,39 @@ use inverse::Fade;
 pub(crate) use inverse::{LEAST_DETERMINANT, LEAST_FADE};
 pub(crate) use kept::{Cycle, Kept};
 
-/// The tables of a machine for the volumetric form and its chain: immutable, built once.
+/// Tables of a machine in the volumetric form, and its chain: immutable, built once.
 ///
 /// `N` axes: X, Y, Z first (an absent linear axis is a zero table), then the rotary axes of the chain.
 #[derive(Clone, Copy, Debug)]
 pub struct Volumetric<'a, R, P, const N: usize> {
     tables: [AxisTable<'a, R, P, 6>; N],
-    /// Look-up at the feedback: the axis' own error, its cross terms.
+    /// Whether to look up at the feedback: the axis' own error, its cross terms.
     at_feedback: [(bool, bool); N],
     own: [usize; N],
-    /// Position of each table's origin from machine zero, and of the point that does not grow from that origin.
+    /// Position of each table's origin from machine zero, and of the thermal datum from that origin.
     origins: [R; N],
     datum: [R; N],
     /// C0Y, B0Z, A0Z.
     squareness: [R; 3],
     /// Location errors of the rotary axes.
     constant: [Twist<R>; N],
-    /// Every table equidistant and linear and looked up at the command, no rotary axis corrected.
+    /// Whether every table is equidistant, linear and looked up at the command, and no rotary axis is corrected.
     plain: bool,
     chain: Carriages<R, N>,
-    /// The tool's direction is corrected, and how it fades at the singular pose.
+    /// If the tool's direction is corrected: how the correction fades at the singular pose.
     orientation: Option<Fade<R>>,
     /// Largest correction of each axis, mm (deg).
     most: [R; N],
-    /// Key of all this.
+    /// Key of all this data.
     key: u64,
-    /// Everything is looked up at the command.
+    /// Whether everything is looked up at the command.
     at_command: bool,
-    /// The slides stand along the bed's axes, and no rotary axis is corrected.
+    /// Whether the slides run along the bed's axes and no rotary axis is corrected.
     upright: bool,
-    /// Upper bound of every lever, mm, and how far a tangent may go on beyond a point of each table, mm (deg).
+    /// Upper bound of every lever, mm, and how far a tangent may extend beyond a point of each table, mm (deg).
     longest: R,
     overlaps: [R; N],
-    /// Three slides: width of the boxes, mm, and whether anything but products is bent in them.
+    /// For three slides: width of the boxes, mm, and whether anything but products is curved in them.
     width: R,
     curved: bool,
 }
@@ -108,7 +108,7 @@ impl<R: Real> Side<R> {
         self.w += w;
     }
 
-    /// The point of reference moves against a travel along X, Y or Z: `v ← v − w × travel`.
+    /// Moves the point of reference against a travel along X, Y or Z: `v ← v − w × travel`.
     #[inline(always)]
     fn slide(&mut self, axis: Axis, travel: R) {
         let V3 { x, y, z } = self.w;
@@ -119,7 +119,8 @@ impl<R: Real> Side<R> {
         }
     }
 
-    /// A slide that carries the workpiece moves by −q what stands further out, and its own twist unless that is fixed.
+    /// A slide that carries the workpiece shifts everything further out by −q, and its own twist too unless that is
+    /// fixed.
     #[inline(always)]
     fn carry(&mut self, carriage: &Carriage<R>, q: R, twist: (V3<R>, V3<R>)) {
         if carriage.fixed {
@@ -131,7 +132,7 @@ impl<R: Real> Side<R> {
         }
     }
 
-    /// Out of a rotary axis' frame into its carrier's, which adds the axis' own twist on the way.
+    /// Moves from a rotary axis' frame into its carrier's and adds the axis' own twist.
     #[inline(always)]
     fn turn(&mut self, carriage: &Carriage<R>, pose: (R, R), (e, w): (V3<R>, V3<R>)) {
         self.v = self.v.turned(about(carriage.axis), pose) + e;
@@ -143,7 +144,7 @@ impl<R: Real> Side<R> {
 }
 
 impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
-    /// Memory that [`Volumetric::build`] takes, in scalars.
+    /// Memory that [`Volumetric::build`] needs, in scalars.
     pub fn requirement<'r, T: Rows + ?Sized + 'r>(
         machine: &MachineSettings,
         rows: impl Fn(Axis) -> Option<&'r T>,
@@ -151,7 +152,7 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
         requirement_of_all::<6, T>(machine, rows)
     }
 
-    /// Builds the tables of a machine into lent memory.
+    /// Builds the tables of a machine in borrowed memory.
     ///
     /// # Errors
     /// A table with fewer than two points or not ascending, memory too small, a structural code that cannot be read,
@@ -236,7 +237,7 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
         })
     }
 
-    /// The positions as the tables count them.
+    /// Converts positions to table coordinates.
     #[inline(always)]
     pub fn coordinates(&self, positions: &[P; N]) -> [R; N] {
         let mut at = [R::ZERO; N];
@@ -246,7 +247,7 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
         at
     }
 
-    /// X, Y, Z from machine zero, mm, at table coordinates.
+    /// X, Y, Z from machine zero, mm, from table coordinates.
     #[inline(always)]
     pub(crate) fn slides(&self, at: &[R; N]) -> [R; 3] {
         let mut slides = [R::ZERO; 3];
@@ -256,13 +257,13 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
         slides
     }
 
-    /// What grids add at table coordinates.
+    /// Errors that grids add at table coordinates.
     #[inline(never)]
     pub(super) fn of_grids(&self, grids: &Grids<'_, R>, at: &[R; N]) -> Sum<R> {
         if grids.swings() { self.swung(grids, at, &self.chain.poses(at)) } else { grids.of_slides(&self.slides(at)) }
     }
 
-    /// The same where rotary axes turn the levers, in their poses.
+    /// [`Volumetric::of_grids`] if rotary axes turn the levers, in their poses.
     pub(super) fn swung(&self, grids: &Grids<'_, R>, at: &[R; N], poses: &Poses<R, N>) -> Sum<R> {
         let mut tip = self.chain.tool;
         for carriage in self.chain.tool_side() {
@@ -291,15 +292,16 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
         self.chain.directions(&self.chain.poses(at)).1.glam()
     }
 
-    /// Error of the tool's pose at a position: tip in mm, rotation in rad, bed axes.
+    /// Returns the error of the tool's pose at a position: tip in mm, rotation in rad, bed axes.
     ///
-    /// Positions as [`Volumetric::coordinates`] gives them; `clamped` gets a bit for every axis whose edge value is clamped.
+    /// Takes positions from [`Volumetric::coordinates`]; sets a bit in `clamped` for every axis whose edge value is
+    /// clamped.
     #[inline(always)]
     pub fn pose_error(&self, query: &Query<'_, R, N>, clamped: &mut u8) -> PoseError<R> {
         self.pose_error_at(query.command, query.directions, query.thermal, clamped)
     }
 
-    /// All look-ups at one position. In registers over the call, where a [`Query`] would go through memory.
+    /// All look-ups at one position. Arguments stay in registers across the call; a [`Query`] would go through memory.
     #[inline(never)]
     fn pose_error_at(
         &self,
@@ -317,7 +319,7 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
         self.carried(query, &self.chain.poses(query.command), &twists)
     }
 
-    /// Where no axis turns, the lever of every twist is the travels beyond it; the tool is in the tables.
+    /// Without rotary axes the lever of every twist is the sum of the travels beyond it; the tool is in the tables.
     #[inline(always)]
     fn plain_slides(&self, query: &Query<'_, R, N>, clamped: &mut u8) -> PoseError<R> {
         let Query { command: at, directions: reverse, thermal, .. } = *query;
@@ -335,7 +337,7 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
             }
             bit <<= 1;
             let (e, w) = halves(twist);
-            // Terms added one by one, for processors that multiply and add in one instruction.
+            // Terms are added one by one, for processors with a multiply-add instruction.
             let (x, y, z) = (*bx * qx, *by * qy, *bz * qz);
             d = V3::new(d.x + e.x + w.y * z - w.z * y, d.y + e.y + w.z * x - w.x * z, d.z + e.z + w.x * y - w.y * x);
             orientation += w;
@@ -349,7 +351,7 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
         PoseError { tip: d.glam(), orientation: orientation.glam() }
     }
 
-    /// Twist and position of one axis from its plain table, with what does not stand in tables.
+    /// Twist and position of one axis from its plain table, plus the errors outside tables.
     #[inline(always)]
     fn read_plain(&self, carriage: &Carriage<R>, query: &Query<'_, R, N>, clamped: &mut u8) -> (V3<R>, V3<R>, R) {
         let slot = carriage.slot;
@@ -387,7 +389,7 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
         (e, w, q)
     }
 
-    /// [`Volumetric::pose_error`] of plain tables: every twist is used where it is read.
+    /// [`Volumetric::pose_error`] for plain tables: uses every twist as soon as it is read.
     #[inline(always)]
     fn plain_pose_error(&self, query: &Query<'_, R, N>, clamped: &mut u8) -> PoseError<R> {
         if N == 3 {
@@ -475,7 +477,7 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
         }
     }
 
-    /// The twists of all axes, with what does not stand in tables, carried to the tip.
+    /// Transfers the twists of all axes, plus the errors outside tables, to the tip.
     #[inline(always)]
     fn carried(&self, query: &Query<'_, R, N>, poses: &Poses<R, N>, twists: &[Twist<R>; N]) -> PoseError<R> {
         let Query { command: at, thermal, .. } = *query;
@@ -510,7 +512,8 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
         if N == 3 { self.sum_of_slides(&positions, &twists) } else { self.walk(&positions, poses, &twists) }
     }
 
-    /// Where no axis turns, the lever of every twist is the travels beyond it, and the tool is in the tables: no walk.
+    /// Without rotary axes the lever of every twist is the sum of the travels beyond it, and the tool is in the tables:
+    /// no walk.
     #[inline(always)]
     fn sum_of_slides(&self, positions: &[R; N], twists: &[Twist<R>; N]) -> PoseError<R> {
         let (mut d, mut orientation) = (V3::ZERO, V3::ZERO);
@@ -525,7 +528,7 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
         PoseError { tip: d.glam(), orientation: orientation.glam() }
     }
 
-    /// Twists of both sides from their outer ends to the bed.
+    /// Walks the twists of both sides from their outer ends to the bed.
     #[inline(always)]
     fn walk(&self, positions: &[R; N], poses: &Poses<R, N>, twists: &[Twist<R>; N]) -> PoseError<R> {
         let of = |carriage: &Carriage<R>| match (

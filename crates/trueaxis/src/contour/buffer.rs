@@ -6,12 +6,12 @@ use crate::position::Position;
 use crate::real::Real;
 use glam::DVec3;
 
-/// A segment begins within this of the end of the one before, mm: what rounded programs leave.
+/// Largest gap between the end of a segment and the start of the next, mm; rounded programs leave such gaps.
 pub const JOINED_WITHIN_MM: f64 = 0.02;
 
-/// Converts one segment after the other: numbers them from 0, and sees to it that each begins where the one before ends.
+/// Converts segments one after the other: numbers them from 0 and checks that each begins where the previous one ends.
 ///
-/// Spans go wherever the caller keeps them; [`PathBuffer`] brings its own memory.
+/// The caller stores the spans; [`PathBuffer`] contains its own memory.
 #[derive(Clone, Copy, Debug)]
 pub struct PathBuilder<P> {
     segments: u32,
@@ -21,18 +21,18 @@ pub struct PathBuilder<P> {
 }
 
 impl<P: Position> PathBuilder<P> {
-    /// No segment yet; the machining plane is XY (G17).
+    /// A builder without segments; the machining plane is XY (G17).
     pub const fn new() -> Self {
         PathBuilder { segments: 0, plane: [0.0, 0.0, 1.0], end: None }
     }
 
-    /// Segments so far.
+    /// Number of segments so far.
     pub fn segments(&self) -> u32 {
         self.segments
     }
 
-    /// Normal of the machining plane for the segments from now on (G17 to G19), of any length above 1e-6: the signs of the
-    /// contour error's components refer to it.
+    /// Sets the normal of the machining plane for subsequent segments (G17 to G19), of any length above 1e-6; it determines
+    /// the signs of the contour error's components.
     pub fn set_plane(&mut self, normal: [f64; 3]) {
         self.plane = normal;
     }
@@ -40,8 +40,8 @@ impl<P: Position> PathBuilder<P> {
     /// Converts a segment (mm) and hands its spans to `sink` in path order. Not for a servo cycle.
     ///
     /// # Errors
-    /// As [`convert`]; a segment that begins more than [`JOINED_WITHIN_MM`] from the end of the one before. The builder is
-    /// then as it was, whatever `sink` has taken.
+    /// As [`convert`]; a segment that begins more than [`JOINED_WITHIN_MM`] from the end of the previous one. The builder is
+    /// then unchanged, whatever `sink` has received.
     pub fn append<R: Real>(
         &mut self,
         segment: &Segment<'_>,
@@ -68,7 +68,7 @@ impl<P: Position> Default for PathBuilder<P> {
     }
 }
 
-/// Refuses two points that are not the same.
+/// Refuses two points that do not coincide.
 fn joined<P: Position>(field: &'static str, before: [P; 3], after: [P; 3]) -> Result<(), PathError> {
     let squared = before.into_iter().zip(after).fold(0.0, |sum, (a, b)| {
         let difference: f64 = a.since(b);
@@ -81,10 +81,10 @@ fn joined<P: Position>(field: &'static str, before: [P; 3], after: [P; 3]) -> Re
     Err(PathError { field, index: None, found: libm::sqrt(squared), needed })
 }
 
-/// A programmed path of at most `SPANS` spans in memory of its own.
+/// A programmed path of at most `SPANS` spans, stored in the value itself.
 ///
-/// A line takes a span for every 16 mm, an arc one for every 30°, a spline one or more for each of its knot intervals;
-/// [`super::span_count`] tells exactly.
+/// A line takes one span per 16 mm, an arc one per 30°, a spline one or more for each knot interval; [`super::span_count`]
+/// gives an upper bound.
 ///
 /// ```
 /// # use trueaxis::HostPath;
@@ -117,7 +117,7 @@ impl<R: Real, P: Position, const SPANS: usize> PathBuffer<R, P, SPANS> {
     }
 
     /// Appends a circular arc about an axis through `center` along `normal` (right hand), mm; u = 0..1 proportional to the
-    /// angle. A helix where start and end differ along the axis; start and end at the same angle make a full circle.
+    /// angle. It is a helix if start and end differ along the axis; start and end at the same angle make a full circle.
     ///
     /// # Errors
     /// As [`PathBuffer::append`].
@@ -137,8 +137,8 @@ impl<R: Real, P: Position, const SPANS: usize> PathBuffer<R, P, SPANS> {
         })
     }
 
-    /// Appends a spline of degree 1 to 5, mm; u over `knots[degree] ..= knots[points.len()]`. No weights at all: weights of
-    /// one.
+    /// Appends a spline of degree 1 to 5, mm; u over `knots[degree] ..= knots[points.len()]`. An empty `weights` means weights
+    /// of one.
     ///
     /// # Errors
     /// As [`PathBuffer::append`].
@@ -146,10 +146,10 @@ impl<R: Real, P: Position, const SPANS: usize> PathBuffer<R, P, SPANS> {
         self.append(&Segment::Nurbs { degree, knots, points, weights })
     }
 
-    /// Appends a segment; it opens a closed path again. Not for a servo cycle.
+    /// Appends a segment; this reopens a closed path. Not for a servo cycle.
     ///
     /// # Errors
-    /// As [`PathBuilder::append`], or no room for all of its spans; the path is then as it was.
+    /// As [`PathBuilder::append`], or no room for all of its spans; the path is then unchanged.
     pub fn append(&mut self, segment: &Segment<'_>) -> Result<(), PathError> {
         let before = self.spans.len();
         let spans = &mut self.spans;
@@ -162,12 +162,12 @@ impl<R: Real, P: Position, const SPANS: usize> PathBuffer<R, P, SPANS> {
         appended
     }
 
-    /// Normal of the machining plane for the segments from now on; see [`PathBuilder::set_plane`].
+    /// Sets the normal of the machining plane for subsequent segments; see [`PathBuilder::set_plane`].
     pub fn set_plane(&mut self, normal: [f64; 3]) {
         self.builder.set_plane(normal);
     }
 
-    /// The path is closed: behind the last segment the first one follows.
+    /// Closes the path: the first segment follows the last one.
     ///
     /// # Errors
     /// The last segment does not end where the first one begins, within [`JOINED_WITHIN_MM`].
@@ -179,7 +179,7 @@ impl<R: Real, P: Position, const SPANS: usize> PathBuffer<R, P, SPANS> {
         Ok(())
     }
 
-    /// Takes all segments out; the plane stays.
+    /// Removes all segments; the plane stays.
     pub fn clear(&mut self) {
         self.builder = PathBuilder { segments: 0, end: None, ..self.builder };
         self.spans.clear();
@@ -192,7 +192,7 @@ impl<R: Real, P: Position, const SPANS: usize> PathBuffer<R, P, SPANS> {
         Path::new(&self.spans, 0, self.closed)
     }
 
-    /// The point at parameter `u` of a segment, for the step: see [`Path::at`].
+    /// Point at parameter `u` of a segment, for the step: see [`Path::at`].
     #[inline]
     pub fn at(&self, segment: u32, u: f64) -> OnPath<'_, R, P> {
         self.path().at(segment, u)

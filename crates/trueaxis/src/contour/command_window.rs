@@ -1,4 +1,4 @@
-//! The last commands as the path: for a host whose planner does not tell where it is going.
+//! The last commands as the path, for a host whose planner does not reveal its path.
 
 #![deny(clippy::indexing_slicing)]
 
@@ -11,47 +11,47 @@ use crate::vector::V3;
 
 mod nearest;
 
-/// A short window of the last commanded points, joined to a smooth path that ends at the newest command.
+/// A short window of the last commanded points, joined into a smooth path that ends at the newest command.
 ///
-/// Points lie about a *spacing* apart, closer where the path bends; between two of them, with chord c, runs a cubic.
-/// Its direction at a point is that of the circle through it and its two neighbours,
+/// Points lie about a *spacing* apart, closer where the path bends; a cubic joins two of them, with chord c. Its direction at
+/// a point is that of the circle through the point and its two neighbours,
 ///
 /// ```text
 /// t ∝ |v| u/|u| + |u| v/|v|        u, v: chords before and after the point
 /// ```
 ///
-/// and its speed 4|c|/(2 + cos α₀ + cos α₁), α the angles between c and the directions: on a circle it is within 1e-10 of
-/// the radius at 6° a span, falling with the sixth power. Where u and v differ by more than 20° there is
-/// a corner, and the spans on either side are independent of each other.
+/// and its speed is 4|c|/(2 + cos α₀ + cos α₁), with α the angles between c and the directions. On a circle at 6° a span the
+/// cubic is within 1e-10 of the radius; this error falls with the sixth power of the angle. Where u and v differ by more than
+/// 20° there is a corner, and the spans on either side are independent of each other.
 ///
-/// Remaining error: where the curvature jumps, as from a line to an arc of radius R, c²/(27 R) (75 nm for 0.1 mm on 5 mm)
-/// in the two spans beside it; corners and turning points between two commands are cut as the commands cut them, and by
-/// up to spacing/200 more. A tool ahead of the newest command has its foot at the path's end, and `tangential` says how
-/// far ahead it is.
+/// Remaining error: where the curvature jumps, as from a line to an arc of radius R, c²/(27 R) (75 nm for 0.1 mm on 5 mm) in
+/// the two spans beside it; corners and turning points between two commands are cut as the commands cut them, and by up to
+/// spacing/200 more. If the tool is ahead of the newest command, its foot is the path's end, and `tangential` is the distance
+/// ahead.
 ///
-/// K is the number of spans in the window, with memory for 2 K. Span numbers are never reused, so that a
-/// [`super::ContourState`] stays valid. Nothing is allocated.
+/// K is the number of spans in the window, with memory for 2 K. Span numbers are never reused, so a [`super::ContourState`]
+/// stays valid. Nothing is allocated.
 #[derive(Clone, Copy, Debug)]
 pub struct CommandWindow<R, P, const K: usize> {
-    /// Every span is in both halves: any K in a row are contiguous somewhere, and no cycle has to move them.
+    /// Both halves contain every span: any K consecutive spans are contiguous somewhere, and no cycle has to move them.
     spans: [[Span<R, P>; K]; 2],
     /// Slot of the newest span in a half, and its number.
     place: usize,
     number: u32,
-    /// Spans in the window; none before the first command.
+    /// Spans in the window; 0 before the first command.
     count: usize,
-    /// The window has been full since the motion began: its first point may be anywhere on the path.
+    /// Whether the window has been full since the motion began: its first point may then be anywhere on the path.
     cut: bool,
     /// The span before the open one.
     last: Option<Chord<R, P>>,
-    /// Last point that stays.
+    /// Last fixed point.
     from: [P; 3],
     open: Open<R, P>,
     plane: [R; 3],
     spacing: R,
 }
 
-/// A span whose ends stay, while the direction at its end still depends on the next point.
+/// A span with fixed ends, whose direction at its end still depends on the next point.
 #[derive(Clone, Copy, Debug)]
 struct Chord<R, P> {
     from: [P; 3],
@@ -61,41 +61,41 @@ struct Chord<R, P> {
     start: Option<V3<R>>,
 }
 
-/// The span from the last point that stays to the newest command.
+/// The span from the last fixed point to the newest command.
 #[derive(Clone, Copy, Debug)]
 struct Open<R, P> {
     /// Newest command.
     to: [P; 3],
-    /// The span, once it has a length.
+    /// The span, if it has a length.
     chord: Option<Chord<R, P>>,
-    /// Direction in which it set out, once that is known, …
+    /// Initial direction, once it is known, …
     heading: Option<V3<R>>,
-    /// … and how far it got in it.
+    /// … and how far the span has reached in that direction.
     reach: R,
 }
 
-/// Shortest span, per spacing: below, the newest command and the last point are the same.
+/// Shortest span, per spacing: below it, the newest command and the last point count as one.
 const SHORTEST: f64 = 1.0 / 250.0;
-/// Length from which a span has a direction, per spacing.
+/// Length from which a span's direction is used, per spacing.
 const DIRECTED: f64 = 1.0 / 25.0;
-/// Commands that leave the straight on by more than this, or come back, begin a new span: per spacing.
+/// Commands that leave the straight line by more than this, or go back, begin a new span: per spacing.
 const TUBE: f64 = 1.0 / 250.0;
-/// cos 20°: chords that turn by more meet in a corner.
+/// cos 20°: chords that differ by more meet in a corner.
 const CORNER: f64 = 0.94;
-/// A chord that many times shorter than its neighbour says too little of the direction between them: it may be noise.
+/// A chord this many times shorter than its neighbour does not determine the direction between them: it may be noise.
 const UNEVEN: f64 = 8.0;
-/// Commands further apart are no motion, mm.
+/// Commands farther apart are a jump, not a motion, mm.
 const JUMP: f64 = 8.0;
 
 impl<R: Real, P: Position, const K: usize> CommandWindow<R, P, K> {
     /// An empty window.
     ///
-    /// `plane`: normal of the machining plane, for the signed components; any length. `spacing_mm`: distance of two
-    /// points at slow feeds, 0.001 to 1 mm; 0.005 is good. At fast feeds every command is a point. The window must
-    /// hold the largest lag: K ≥ lag / max(spacing, travel in a cycle).
+    /// `plane`: normal of the machining plane, for the signed components; any length. `spacing_mm`: distance between two
+    /// points at slow feeds, 0.001 to 1 mm; 0.005 is a good value. At fast feeds every command is a point. The window must
+    /// cover the largest lag: K ≥ lag / max(spacing, travel in a cycle).
     ///
     /// # Errors
-    /// No direction; a spacing outside the range.
+    /// A `plane` without a direction; a spacing outside the range.
     pub fn new(plane: [f64; 3], spacing_mm: f64) -> Result<Self, ConfigError> {
         const { assert!(K >= 2, "a window of at least two pieces") };
         let size = libm::sqrt(plane.iter().map(|x| x * x).sum());
@@ -121,10 +121,10 @@ impl<R: Real, P: Position, const K: usize> CommandWindow<R, P, K> {
         })
     }
 
-    /// Takes the command of this cycle, mm. One that is not a finite position is passed over.
+    /// Takes the command of this cycle, mm; ignores one that is not a finite position.
     ///
-    /// At standstill nothing changes; after a jump of more than 8 mm the window begins anew. The same every cycle: two
-    /// cubics, eight roots, four spans written.
+    /// At standstill nothing changes; after a jump of more than 8 mm the window starts over. The cost is constant: two cubics,
+    /// eight roots, four spans written.
     #[inline]
     pub fn append(&mut self, command: [P; 3]) {
         if !command.iter().all(|x| x.is_usable()) {
@@ -143,12 +143,12 @@ impl<R: Real, P: Position, const K: usize> CommandWindow<R, P, K> {
         self.draw(command);
     }
 
-    /// Forgets all commands, as after homing: the next one begins anew.
+    /// Forgets all commands, as after homing: the next one starts a new window.
     pub fn restart(&mut self) {
         self.count = 0;
     }
 
-    /// The window as a path; empty before the first command, a point before the first motion.
+    /// The window as a path: empty before the first command, a point before the first motion.
     #[inline]
     pub fn path(&self) -> Path<'_, R, P> {
         let end = self.place + K + 1;
@@ -159,39 +159,38 @@ impl<R: Real, P: Position, const K: usize> CommandWindow<R, P, K> {
     /// Position of the newest command: the end of the path.
     #[inline]
     pub fn reference(&self) -> Reference<R> {
-        // A point becomes the first span's start.
+        // A single point becomes the start of the first span.
         let moved = self.last.is_some() || self.open.chord.is_some();
         Reference { span: self.number, t: if moved { R::ONE } else { R::ZERO } }
     }
 
     /// Contour error of `point` (mm): its distance from the nearest point of the whole window.
     ///
-    /// Without memory, unlike [`super::ContourSearch`], which follows one foot on a path of long spans: here a span is
-    /// often shorter than what the tool moves in a cycle. Where the window passes the same point twice, the later pass
-    /// counts; their chords decide which of two spans is nearer. Without [`super::Flags::BRACKETED`] the tool is
-    /// further behind than the window reaches. Bounded: K distances from a line, twice the kernel, and at corners four
-    /// evaluations more.
+    /// Memoryless, unlike [`super::ContourSearch`], which follows one foot on a path of long spans: here a span is often
+    /// shorter than the tool's motion in a cycle. If the window passes the same point twice, the later pass counts; the chords
+    /// decide which of two spans is nearer. Without [`super::Flags::BRACKETED`] the tool is farther behind than the window
+    /// reaches. Bounded: K distances from a line, twice the kernel, and at corners four evaluations more.
     #[inline]
     pub fn contour_error(&self, point: [P; 3]) -> ContourError<R> {
         nearest::contour_error(&self.path(), self.reference(), !self.cut, &point)
     }
 
-    /// A window of one point.
+    /// Starts a window of one point.
     #[cold]
     fn begin(&mut self, command: [P; 3]) {
-        // A number that no foot can be on; its neighbour neither, or a search would walk across the jump.
+        // A number that no foot can be on, nor next to, or a search would walk across the jump.
         self.number = self.number.wrapping_add(2);
         (self.from, self.open, self.last, self.count) = (command, Open::at(command), None, 1);
         self.cut = false;
         self.put(self.place, Span::turning(command, self.number, self.plane));
     }
 
-    /// The open span ends where it is; the command begins a new one.
+    /// Whether the open span ends at its current point, so that the command begins a new one.
     #[inline(always)]
     fn is_complete(&self, command: &[P; 3], step: R) -> bool {
         let Some(chord) = &self.open.chord else { return false };
         let spacing = self.spacing;
-        // A long step would stretch the open span, and a foot on it, by more than a search looks around.
+        // A long step would stretch the open span, and a foot on it, farther than a search reaches.
         if chord.length >= spacing || step >= spacing * spacing {
             return true;
         }
@@ -203,7 +202,8 @@ impl<R: Real, P: Position, const K: usize> CommandWindow<R, P, K> {
         along < self.open.reach - tube || aside.dot(aside) > tube * tube
     }
 
-    /// Draws the span from the last point to the command, and with the direction between them the span before it.
+    /// Updates the span from the last point to the command, and the span before it, which depends on the direction between
+    /// them.
     #[inline(always)]
     fn draw(&mut self, command: [P; 3]) {
         let was_open = self.open.chord.is_some();
@@ -220,7 +220,7 @@ impl<R: Real, P: Position, const K: usize> CommandWindow<R, P, K> {
         let unit = way * (R::ONE / length);
         let joint = self.last.as_ref().and_then(|last| self.joint(last, unit, length));
         let chord = Chord { from: self.from, way, unit, length, start: joint };
-        // The window's first span takes the number of its first point.
+        // The window's first span keeps the number of its first point.
         let first = self.last.is_none();
         if !was_open && !first {
             self.number = self.number.wrapping_add(1);
@@ -241,7 +241,7 @@ impl<R: Real, P: Position, const K: usize> CommandWindow<R, P, K> {
         self.open.reach = self.open.reach.max(along);
     }
 
-    /// Direction at the last point, unless there is a corner or the new span is too short to tell.
+    /// Direction at the last point; `None` at a corner, or if the new span is too short to determine it.
     #[inline(always)]
     fn joint(&self, last: &Chord<R, P>, unit: V3<R>, length: R) -> Option<V3<R>> {
         let (shorter, longer) = if length < last.length { (length, last.length) } else { (last.length, length) };
@@ -253,7 +253,7 @@ impl<R: Real, P: Position, const K: usize> CommandWindow<R, P, K> {
         Some(direction * (R::ONE / direction.norm()))
     }
 
-    /// The command is back at the last point: the span before it is the newest again, or the first point.
+    /// Handles a command back at the last point: the previous span is the newest again, or else the first point.
     #[cold]
     fn withdraw(&mut self) {
         if self.last.is_none() {
@@ -286,7 +286,7 @@ impl<R: Real, P: Position> Open<R, P> {
 }
 
 impl<R: Real, P: Position> Chord<R, P> {
-    /// The cubic; an unknown direction is what an arc with the known one has, a line where none is known.
+    /// The cubic; an unknown direction is that of an arc with the known one, or of a line if neither is known.
     #[inline(always)]
     fn span(&self, end: Option<V3<R>>, number: u32, plane: [R; 3]) -> Span<R, P> {
         let mirrored = |t: V3<R>| self.unit * (R::TWO * self.unit.dot(t)) - t;

@@ -1,4 +1,4 @@
-//! From lines, arcs, helices and splines to spans: once, outside the step, in double precision.
+//! Converts lines, arcs, helices and splines to spans: once, outside the step, in double precision.
 
 mod arc;
 mod spline;
@@ -12,30 +12,30 @@ use glam::DVec3;
 /// A segment of a programmed path, mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Segment<'a> {
-    /// Straight; u = 0..1 proportional to length.
+    /// Straight line; u = 0..1 proportional to length.
     Line {
         /// Start.
         start: DVec3,
         /// End.
         end: DVec3,
     },
-    /// Circular about `normal` (right hand), a helix where start and end differ along it; u = 0..1 proportional to the
-    /// angle. Start and end at the same angle make a full circle.
+    /// Circular arc about `normal` (right hand), a helix if start and end differ along it; u = 0..1 proportional to the angle.
+    /// Start and end at the same angle make a full circle.
     Arc {
         /// Start.
         start: DVec3,
         /// End.
         end: DVec3,
-        /// A point of the axis.
+        /// A point on the axis.
         center: DVec3,
         /// Direction of the axis, any length.
         normal: DVec3,
         /// Full turns beyond the first arc.
         turns: u32,
     },
-    /// The tip stands while the tool's direction turns; u = 0..1.
+    /// The tip stands still while the tool's direction turns; u = 0..1.
     Turning {
-        /// Where.
+        /// Position of the tip.
         point: DVec3,
     },
     /// Spline with u over `knots[degree] ..= knots[points.len()]`.
@@ -46,7 +46,7 @@ pub enum Segment<'a> {
         knots: &'a [f64],
         /// Control points.
         points: &'a [DVec3],
-        /// As many weights, 1e-9 to 1e9, within a factor of 1e6 of one another; none at all for weights of one.
+        /// As many weights, 1e-9 to 1e9, within a factor of 1e6 of one another; empty for weights of one.
         weights: &'a [f64],
     },
 }
@@ -54,13 +54,13 @@ pub enum Segment<'a> {
 /// Error of a segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathError {
-    /// Which part of the segment.
+    /// Part of the segment with the error.
     pub field: &'static str,
-    /// Which element, where the part is a list.
+    /// Element of the part, if that is a list.
     pub index: Option<usize>,
-    /// Figure found.
+    /// Value found.
     pub found: f64,
-    /// Figure or form needed.
+    /// Value or form needed.
     pub needed: &'static str,
 }
 
@@ -82,11 +82,11 @@ fn refuse<T>(field: &'static str, index: Option<usize>, found: f64, needed: &'st
 
 /// Largest distance of a span from its origin, mm.
 pub(super) const REACH: f64 = 8.0;
-/// Largest angle by which a span's tangent turns, rad (30°, less a hair for rounding).
+/// Largest angle by which a span's tangent turns, rad (30°, minus a margin for rounding).
 const TURN: f64 = 0.523;
-/// Points closer than this are the same, mm.
+/// Points closer than this coincide, mm.
 const SAME_POINT: f64 = 1e-9;
-/// Most spans of a segment.
+/// Most spans per segment.
 const MOST: u32 = 1_000_000;
 const TOO_MANY: &str = "a segment of at most 1000000 spans, each within 8 mm of its middle";
 
@@ -97,14 +97,14 @@ fn finite(field: &'static str, point: DVec3) -> Result<(), PathError> {
     }
 }
 
-/// Converts a segment into spans, handed to `sink` in path order.
+/// Converts a segment into spans and hands them to `sink` in path order.
 ///
-/// `number` is the segment's number, `plane` the normal of the machining plane (G17 to G19) for the signed components.
-/// Lines, circles and splines are exact; a helix' axial coordinate is within 1e-10 mm, a spiral within 8e-6 of the change
-/// of its radius, 1.7e-7 mm.
+/// `number` is the segment's number, `plane` the normal of the machining plane (G17 to G19) for the signed components. Lines,
+/// circles and splines are exact; the axial coordinate of a helix is within 1e-10 mm, a spiral within 8e-6 of the change of
+/// its radius, 1.7e-7 mm.
 ///
 /// # Errors
-/// The segment is no path, or the sink's own refusal.
+/// The segment is not a valid path, or `sink` refuses a span.
 pub fn convert<R: Real, P: Position>(
     segment: &Segment<'_>,
     number: u32,
@@ -122,12 +122,13 @@ pub fn convert<R: Real, P: Position>(
     Maker { number, count: 0, counting: false, plane, sink: &mut sink, position }.segment(segment)
 }
 
-/// Most spans that [`convert`] makes of a segment: known before any is made, so that memory can be lent or refused.
+/// Upper bound on the spans that [`convert`] makes of a segment, known before the conversion so that memory can be provided or
+/// refused.
 ///
-/// In time for lines and arcs that does not grow with the number; splines are cut without their spans being formed.
+/// For lines and arcs the cost does not grow with the number; splines are split without forming the spans.
 ///
 /// # Errors
-/// The segment is no path, or needs more than 1,000,000 spans.
+/// The segment is not a valid path, or needs more than 1,000,000 spans.
 pub fn span_count(segment: &Segment<'_>) -> Result<u32, PathError> {
     let mut none = |_: Span<f64, f64>| Ok(());
     let position = core::marker::PhantomData;
@@ -138,9 +139,9 @@ pub fn span_count(segment: &Segment<'_>) -> Result<u32, PathError> {
 
 struct Maker<'s, R, P, S> {
     number: u32,
-    /// Spans made, or counted, so far.
+    /// Number of spans made, or counted, so far.
     count: u32,
-    /// Whether they are only counted.
+    /// Whether spans are counted instead of made.
     counting: bool,
     plane: [R; 3],
     sink: &'s mut S,
@@ -180,7 +181,7 @@ impl<R: Real, P: Position, S: FnMut(Span<R, P>) -> Result<(), PathError>> Maker<
     }
 
     fn emit(&mut self, mut piece: Piece) -> Result<(), PathError> {
-        // The origin is rounded to what positions can say; the polynomial moves by what that leaves.
+        // The origin is rounded to a representable position; the polynomial absorbs the rounding error.
         let origin = piece.origin.to_array().map(P::of);
         let left: [f64; 3] = core::array::from_fn(|k| piece.origin[k] - origin[k].to_f64());
         for c in &mut piece.coefficients {
@@ -193,7 +194,7 @@ impl<R: Real, P: Position, S: FnMut(Span<R, P>) -> Result<(), PathError>> Maker<
         if length <= 0.0 {
             return Ok(());
         }
-        // a t + b t² + c t³ with the speeds at both ends and the whole length.
+        // a t + b t² + c t³ from the speeds at both ends and the total length.
         let arc = [start, 3.0 * length - 2.0 * start - end, start + end - 2.0 * length];
         (self.sink)(Span {
             origin,
@@ -247,7 +248,7 @@ fn speed(c: &[[f64; 4]; 6], t: f64) -> f64 {
     DVec3::from_array(core::array::from_fn(|k| (v[k] - x[k] / x[3] * v[3]) / x[3])).length()
 }
 
-/// Arc length by Gauss and Legendre's eight points on two halves; the integrand of a short span is smooth.
+/// Arc length by eight-point Gauss-Legendre quadrature on two halves; the integrand of a short span is smooth.
 fn length(c: &[[f64; 4]; 6]) -> f64 {
     const NODES: [(f64, f64); 4] = [
         (0.183_434_642_495_649_8, 0.362_683_783_378_362),

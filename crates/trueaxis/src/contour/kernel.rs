@@ -1,4 +1,4 @@
-//! Foot of a point on one span, from a good guess: the step's fast path.
+//! Foot of a point on one span, from a good guess: the fast path of the step.
 //!
 //! With x(t) = c(t)_xyz − w(t) p the homogeneous vector from the point p to the curve, the squared distance is
 //! x·x/w² and its derivative vanishes with
@@ -7,11 +7,11 @@
 //! g = (x·x') w − (x·x) w'
 //! ```
 //!
-//! The polynomial is shifted to the guess once; there g's series to the second power gives a third-order step
-//! h = y − y·uy(1 − 2uy), y = −g/g', u = g''/2g'; one exact Newton correction follows in the same frame. A trust test
-//! looks at what may be left: curvature of g positive, the series small, the correction's own remainder below a
-//! fraction of a picometre (single precision: of a nanometre), the foot inside the span. Two plain Newton steps are no
-//! substitute: they leave more than a femtometre in some five per cent of queries.
+//! The kernel shifts the polynomial to the guess once. There g's series to the second power gives a third-order step
+//! h = y − y·uy(1 − 2uy), y = −g/g', u = g''/2g'; one exact Newton correction follows in the same frame. A trust test bounds
+//! what remains: g' positive and not halved by the step, the series small, the correction's own remainder below a fraction of
+//! a picometre (single precision: of a nanometre), the foot inside the span. Two plain Newton steps would not do: they leave
+//! more than a femtometre in some five per cent of queries.
 
 use super::span::{Form, Span, dot, mad};
 use crate::position::Position;
@@ -25,19 +25,19 @@ pub(super) struct Foot<R> {
     pub(super) vector: [R; 3],
     /// Derivative of the curve there, mm.
     pub(super) tangent: [R; 3],
-    /// The rest of g is rounding, and the foot is a minimum inside the span.
+    /// The remaining g is rounding, and the foot is a minimum inside the span.
     pub(super) trusted: bool,
-    /// The foot is a minimum, wherever it lies.
+    /// The foot is a minimum, inside the span or not.
     pub(super) converged: bool,
 }
 
-/// The remainder along the path that is left to rounding, 1e-12 mm (single precision: 3e-7 mm): its reciprocal.
+/// Reciprocal of the remainder along the path that counts as rounding: 1e-12 mm (single precision: 3e-7 mm).
 #[inline(always)]
 fn per_tolerance<R: Real>() -> R {
     if R::EPSILON.to_f64() < 1e-10 { R::of(1e12) } else { R::of(3.162_277_660_168_379e6) }
 }
 
-/// Foot near `guess`; `point` relative to the span's origin.
+/// Finds the foot near `guess`; `point` is relative to the span's origin.
 #[inline(always)]
 pub(super) fn foot<R: Real, P: Position>(span: &Span<R, P>, point: &[R; 3], guess: R) -> Foot<R> {
     match span.form {
@@ -49,11 +49,11 @@ pub(super) fn foot<R: Real, P: Position>(span: &Span<R, P>, point: &[R; 3], gues
 }
 
 impl<R: Real, P: Position> Span<R, P> {
-    /// Foot of `point` (mm) near the parameter `guess`: its parameter, and actual − foot. The kernel of the cycle's search
-    /// by itself.
+    /// Finds the foot of `point` (mm) near the parameter `guess` with the search kernel alone: returns its parameter, and
+    /// actual − foot.
     ///
-    /// `None` where its own test does not trust the result: the guess is too far off, the foot beyond an end, or a
-    /// maximum near. Then [`super::ContourSearch`] brackets.
+    /// `None` if the kernel's own test does not trust the result: the guess is too far off, the foot lies beyond an end, or a
+    /// maximum is near. [`super::ContourSearch`] brackets in these cases.
     #[inline(always)]
     pub fn foot_near(&self, point: &[P; 3], guess: R) -> Option<(R, R::Vec3)> {
         let foot = foot(self, &self.relative(point), guess);
@@ -61,7 +61,7 @@ impl<R: Real, P: Position> Span<R, P> {
     }
 }
 
-/// Not inlined: in a driver's loop it runs slower.
+/// Not inlined: inlined into a caller's loop it runs slower.
 #[inline(never)]
 fn cubic<R: Real, const RATIONAL: bool>(c: &[[R; 4]; 6], point: &[R; 3], t: R) -> Foot<R> {
     solve::<R, RATIONAL, 4>(shifted_cubic::<R, RATIONAL>(c, t), point, t)
@@ -72,7 +72,7 @@ fn quintic<R: Real, const RATIONAL: bool>(c: &[[R; 4]; 6], point: &[R; 3], t: R)
     solve::<R, RATIONAL, 6>(shifted_quintic::<R, RATIONAL>(c, t), point, t)
 }
 
-/// Coefficients about `t`.
+/// Polynomial coefficients about `t`.
 #[inline(always)]
 pub(super) fn shifted_cubic<R: Real, const RATIONAL: bool>([c0, c1, c2, c3, ..]: &[[R; 4]; 6], t: R) -> [[R; 4]; 4] {
     let p2 = horner::<R, RATIONAL>(c2, t, c3);
@@ -84,7 +84,7 @@ pub(super) fn shifted_cubic<R: Real, const RATIONAL: bool>([c0, c1, c2, c3, ..]:
     [p0, q1, r2, *c3]
 }
 
-/// Coefficients about `t`.
+/// Polynomial coefficients about `t`.
 #[inline(always)]
 pub(super) fn shifted_quintic<R: Real, const RATIONAL: bool>(c: &[[R; 4]; 6], t: R) -> [[R; 4]; 6] {
     let mut shifted = *c;
@@ -108,14 +108,14 @@ pub(super) fn shifted_quintic<R: Real, const RATIONAL: bool>(c: &[[R; 4]; 6], t:
     shifted
 }
 
-/// `a + t b`, without the weights where there are none.
+/// `a + t b`, skipping the weights if they are constant.
 #[inline(always)]
 fn horner<R: Real, const RATIONAL: bool>(a: &[R; 4], t: R, b: &[R; 4]) -> [R; 4] {
     let lane = |k: usize| a[k].add_product(t, b[k]);
     if RATIONAL { mad(a, t, b) } else { [lane(0), lane(1), lane(2), R::ZERO] }
 }
 
-/// Coefficients about the guess, C of them: the step and its correction.
+/// The step and its correction from the C coefficients about the guess.
 #[inline(always)]
 fn solve<R: Real, const RATIONAL: bool, const C: usize>(s: [[R; 4]; C], p: &[R; 3], t: R) -> Foot<R> {
     let (x, w) = homogeneous::<R, RATIONAL, C>(&s, p);
@@ -124,7 +124,7 @@ fn solve<R: Real, const RATIONAL: bool, const C: usize>(s: [[R; 4]; C], p: &[R; 
     taylor.correct::<RATIONAL>(&step, t)
 }
 
-/// x = shifted − w p; for weight 1 only the constant term is touched.
+/// x = shifted − w p; with weight 1 only the constant term changes.
 #[inline(always)]
 pub(super) fn homogeneous<R: Real, const RATIONAL: bool, const C: usize>(
     s: &[[R; 4]; C],
@@ -145,7 +145,7 @@ pub(super) fn homogeneous<R: Real, const RATIONAL: bool, const C: usize>(
     (x, w)
 }
 
-/// The third-order step h from g's series, with the series' quantities that the trust test looks at.
+/// The third-order step h from g's series, with the quantities that the trust test needs.
 pub(super) struct Step<R> {
     pub(super) h: R,
     pub(super) u: R,
@@ -185,7 +185,7 @@ pub(super) fn third_order<R: Real, const RATIONAL: bool, const C: usize>(
     Some(Step { h, u, uy, g1, s2, w0, sane: g1 > R::ZERO && uy.abs() < R::of(0.2) })
 }
 
-/// Value, derivative and half the second derivative of x and w at the step, exactly.
+/// Exact value, derivative and half the second derivative of x and w at the step.
 pub(super) struct Taylor<R> {
     pub(super) r: [R; 3],
     pub(super) v: [R; 3],
@@ -195,7 +195,7 @@ pub(super) struct Taylor<R> {
     pub(super) zw: R,
 }
 
-/// Value, derivative and half the second derivative of a cubic or quintic at h, no multiplication in vain.
+/// Value, derivative and half the second derivative of a cubic or quintic at h, without redundant multiplications.
 #[inline(always)]
 fn series<R: Real, const C: usize>(c: &[R; C], h: R) -> [R; 3] {
     match &c[..] {
@@ -204,7 +204,7 @@ fn series<R: Real, const C: usize>(c: &[R; C], h: R) -> [R; 3] {
             [a.add_product(h, b.add_product(h, d.add_product(h, *e))), b.add_product(h, *d + z), z]
         }
         [c0, c1, c2, c3, c4, c5] => {
-            // Horner's scheme three times, each from the sums of the one before.
+            // Horner's scheme three times, each on the sums of the previous one.
             let p4 = *c4 + h * *c5;
             let p3 = *c3 + h * p4;
             let p2 = *c2 + h * p3;
@@ -229,7 +229,7 @@ impl<R: Real> Taylor<R> {
         Taylor { r, v, z, rw, vw, zw }
     }
 
-    /// One Newton correction after the step from `t`, and the test whether its result can be trusted.
+    /// Applies one Newton correction after the step from `t` and tests whether the result can be trusted.
     #[inline(always)]
     fn correct<const RATIONAL: bool>(&self, step: &Step<R>, t: R) -> Foot<R> {
         let Taylor { r, v, z, rw, vw, zw } = self;
@@ -243,15 +243,15 @@ impl<R: Real> Taylor<R> {
             slope = slope * *rw - (rv * *vw + two * (rr * *zw));
         }
         let correction = -g / slope;
-        // In tolerances: the square of the remainder itself would be subnormal in single precision, which costs a host
-        // some hundred cycles.
+        // In units of the tolerance: the square of the remainder itself would be subnormal in single precision, which costs a
+        // host some hundred cycles.
         let left = (step.u * per_tolerance::<R>()) * (correction * correction);
         let unit = if RATIONAL { step.w0 * step.w0 } else { one };
         let converged = step.sane && slope > R::HALF * step.g1 && left * left * step.s2.abs() < unit;
 
         let (mut vector, mut tangent) = ([R::ZERO; 3], [R::ZERO; 3]);
         let weight = if RATIONAL { one / (*rw + correction * (*vw + correction * *zw)) } else { one };
-        // The tangent before the correction, which turns it by next to nothing.
+        // Uses the tangent before the correction, which hardly turns it.
         let weight_rate = if RATIONAL { *vw } else { R::ZERO };
         for k in 0..3 {
             vector[k] = r[k].add_product(correction, v[k].add_product(correction, z[k]));
@@ -272,14 +272,14 @@ fn nowhere<R: Real>(t: R) -> Foot<R> {
     Foot { t, vector: [R::ZERO; 3], tangent: [R::ZERO; 3], trusted: false, converged: false }
 }
 
-/// One evaluation for the bracketed search: g, its derivative, and the vectors that go with them.
+/// One evaluation for the bracketed search: g, its derivative, and the vectors at that point.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Evaluation<R> {
-    /// Sign of the distance's derivative; zero at a foot.
+    /// Has the sign of the distance's derivative; zero at a foot.
     pub(super) g: R,
     /// Derivative of g.
     pub(super) slope: R,
-    /// Derivative of g on a straight tangent: positive, so that its step always goes downhill.
+    /// Derivative of g for a straight tangent: positive, so that its step always goes downhill.
     pub(super) straight: R,
     /// From the point to the curve, mm.
     pub(super) vector: [R; 3],
@@ -289,13 +289,13 @@ pub(super) struct Evaluation<R> {
     pub(super) bend: [R; 3],
 }
 
-/// Evaluates a span at `t`, any form.
+/// Evaluates a span of any form at `t`.
 #[inline(never)]
 pub(super) fn evaluate<R: Real, P: Position>(span: &Span<R, P>, point: &[R; 3], t: R) -> Evaluation<R> {
     evaluated(span, point, t)
 }
 
-/// The same inlined.
+/// Inlined version of [`evaluate`].
 #[inline(always)]
 pub(super) fn evaluated<R: Real, P: Position>(span: &Span<R, P>, point: &[R; 3], t: R) -> Evaluation<R> {
     let [c0, c1, c2, c3, c4, c5] = &span.coefficients;

@@ -1,16 +1,15 @@
-//! Two legs side by side: behind a turn by almost 180°, a tip close to both is on one of them by order along the path.
+//! Two legs side by side: after a turn by almost 180°, order along the path determines which leg a tip close to both is on.
 //!
-//! The distance alone does not tell which. A tip that lags turns round when the reference has come back to it, so that its
-//! foot
+//! The distance alone cannot decide. A tip that lags turns when the reference has come back to it, so its foot
 //!
 //! - is not ahead of the reference by more than the window;
 //! - does not go back along the path by more than the window;
 //! - lags, on the leg before the turn, at most twice as much as when the reference turned;
-//! - is the nearer one where both are possible.
+//! - is the nearer one if both are possible.
 //!
-//! The doubt begins when the reference has turned against the foot, or the foot goes back; it ends where the leg that was
-//! left is out of sight. Meanwhile no cycle is plain, and a second minimum is flagged while it is near or could not be
-//! looked at.
+//! The doubt begins when the reference has turned against the foot, or the foot goes back; it ends when the leg that the foot
+//! left is out of sight. Until then no cycle is plain, and a second minimum is flagged while it is near or could not be
+//! tested.
 
 use super::Flags;
 use super::kernel::{evaluate, foot};
@@ -20,51 +19,51 @@ use super::way::{advance, sight, way};
 use crate::position::Position;
 use crate::real::Real;
 
-/// Square of the cosine of the largest angle between legs that lie side by side, 45°. Beyond 28° the border is in sight
+/// Square of the cosine of the largest angle between legs that count as side by side, 45°. Beyond 28° the border is in sight
 /// for as long as the legs are close.
 const SIDE_BY_SIDE: f64 = 0.5;
-/// Two feet closer than this are the same to whoever acts on them, mm.
+/// Two feet closer than this are equivalent to whoever acts on them, mm.
 const SAME: f64 = 2e-4;
 
-/// Cycles in a row after which a foot that is not believed is given up.
+/// Consecutive cycles after which an implausible foot is given up.
 const MISSED: u8 = 8;
 
-/// Which leg the foot is on, from cycle to cycle.
+/// State that decides which leg the foot is on, from cycle to cycle.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Doubt<R> {
     pub(super) open: bool,
-    /// The foot is on the leg after the turn; the one on the leg before it.
+    /// The foot on the leg before the turn, if the tip's foot is on the leg after it.
     left: Option<Reference<R>>,
-    /// Arc length from the furthest place of the foot to the reference, mm.
+    /// Arc length from the foot's furthest position to the reference, mm.
     furthest: R,
     /// Lag in the last cycle, mm.
     lag: R,
-    /// The largest lag on this leg that is believed, mm.
+    /// Largest plausible lag on this leg, mm.
     believed: R,
-    /// Span of the reference when it had turned.
+    /// Span on which the reference was when it turned.
     turned: u32,
-    /// The other leg has not been looked at in this cycle.
+    /// Whether the other leg has not been searched in this cycle.
     unresolved: bool,
-    /// Cycles in a row in which the foot is not believed and no other is found.
+    /// Consecutive cycles in which the foot is implausible and no other is found.
     missed: u8,
-    /// Spans of the foot and of the reference that were compared last, and whether they go against each other.
+    /// Spans of the foot and of the reference that were compared last, and whether they run in opposite directions.
     compared: [u32; 2],
     against: bool,
 }
 
-/// A cycle's start: foot and reference are on two spans.
+/// Start of a cycle in which foot and reference are on two spans.
 pub(super) struct Apart<R> {
     pub(super) foot: u32,
     pub(super) reference: u32,
-    /// They were on one span in the last cycle.
+    /// Whether both were on one span in the last cycle.
     pub(super) anew: bool,
     /// Lag in the last cycle, and progress of the reference since.
     pub(super) lag: R,
     pub(super) progress: R,
 }
 
-/// Whether the direction in which a span begins is against the one in which another ends. Homogeneous, without the points
-/// themselves: half the cost of two evaluations.
+/// Whether the start of one span runs against the end of another. Uses homogeneous coefficients, without computing the points:
+/// half the cost of two evaluations.
 #[inline(never)]
 fn against<R: Real, P>(one: &Span<R, P>, other: &Span<R, P>) -> bool {
     let [c0, c1, ..] = &one.coefficients;
@@ -88,7 +87,7 @@ pub(super) fn are_against<R: Real>(a: &[R; 3], b: &[R; 3]) -> bool {
 }
 
 impl<R: Real> Doubt<R> {
-    /// Whether there is a doubt in this cycle.
+    /// Updates the state for this cycle; returns whether there is a doubt.
     #[inline(always)]
     pub(super) fn follow<P: Position>(&mut self, path: &Path<'_, R, P>, apart: &Apart<R>, window: R) -> bool {
         let Apart { foot, reference, anew, lag, progress } = *apart;
@@ -112,7 +111,7 @@ impl<R: Real> Doubt<R> {
         self.open
     }
 
-    /// Whether the reference goes against the foot's direction, or has done so and the foot is not there yet.
+    /// Whether the reference runs against the foot's direction, or has turned against it and the foot has not yet followed.
     #[inline(always)]
     fn has_turned<P: Position>(&mut self, path: &Path<'_, R, P>, foot: u32, reference: u32) -> bool {
         if self.compared != [foot, reference] {
@@ -124,8 +123,8 @@ impl<R: Real> Doubt<R> {
         waits || self.against
     }
 
-    /// Of the foot `one` and the minimum on the leg beside it the one that is meant; none where that has no minimum, or a
-    /// border ahead has to be looked at. Three evaluations.
+    /// Decides between the foot `one` and the minimum on the leg beside it. `None` if that leg has no minimum, or a border
+    /// ahead must be tested first. Three evaluations.
     pub(super) fn resolve<P: Position>(
         &mut self,
         on: &OnPath<'_, R, P>,
@@ -139,7 +138,7 @@ impl<R: Real> Doubt<R> {
         let Some(left) = self.left else {
             let after = beside_reference(on, max_lag, point, spent)?;
             if after.place.span == one.place.span {
-                // It is the only one.
+                // Both are on one span: the foot is the only one.
                 *self = Self::none();
                 return None;
             }
@@ -155,18 +154,18 @@ impl<R: Real> Doubt<R> {
             return None;
         };
         if let Some(before) = before {
-            // Over many spans it is out of sight.
+            // Over too many spans it is out of sight.
             let lag = way(path, before.place, on.reference).unwrap_or(R::MAX);
             return self.choose(on, window, max_lag, &before, one, lag);
         }
-        // It has come to the span beside, or the leg ends there.
+        // The minimum has moved to the neighbouring span, or the leg ends there.
         let beside = if t < R::ZERO { (path.previous(left.span), R::ONE) } else { (path.next(left.span), R::ZERO) };
         self.left = beside.0.filter(|span| *span != one.place.span).map(|span| Reference { span, t: beside.1 });
         self.open = self.left.is_some();
         None
     }
 
-    /// Of two minima in path order the one that is meant; flagged where the other is near. None where the path is cut off.
+    /// Decides between two minima in path order, and flags the result if the other is near. `None` if the path is cut off.
     fn choose<P: Position>(
         &mut self,
         on: &OnPath<'_, R, P>,
@@ -191,7 +190,8 @@ impl<R: Real> Doubt<R> {
         Some(Found { flags: if said { one.flags.and(Flags::SECOND_MINIMUM) } else { one.flags }, ..*one })
     }
 
-    /// The same of the minima on both sides of a border, `other` behind it; none where its spans are not side by side.
+    /// Like [`Doubt::choose`], for the minima on both sides of a border, `other` behind it. `None` if their spans are not side
+    /// by side.
     pub(super) fn at_border<P: Position>(
         &mut self,
         on: &OnPath<'_, R, P>,
@@ -212,23 +212,23 @@ impl<R: Real> Doubt<R> {
         Some(Found { flags: found.flags.and(Flags::SECOND_MINIMUM), ..found })
     }
 
-    /// The foot has stayed behind on a leg, and no other was found: the path is looked at afresh.
+    /// Whether the foot has stayed behind on a leg and no other was found: the search then starts cold.
     pub(super) fn is_lost(&self) -> bool {
         self.missed > MISSED
     }
 
-    /// What a foot is flagged with while the leg beside it could not be looked at.
+    /// Flags for a foot while the leg beside it could not be searched.
     pub(super) fn flags(&self) -> Flags {
         if self.open && self.unresolved { Flags::SECOND_MINIMUM } else { Flags::default() }
     }
 
-    /// No foot is known, or it is known to be the only one.
+    /// The state if no foot is known, or the foot is known to be the only one.
     pub(super) fn none() -> Self {
         Doubt { furthest: R::MAX, ..Doubt::default() }
     }
 }
 
-/// The minimum near a place, if its span has one, and the parameter of the foot; none where there is no minimum at all.
+/// Minimum near a point, if it lies on that point's span, and its parameter; `None` if there is no minimum at all.
 fn minimum<R: Real, P: Position>(
     path: &Path<'_, R, P>,
     near: Reference<R>,
@@ -241,7 +241,7 @@ fn minimum<R: Real, P: Position>(
     found.converged.then(|| (found.t.is_in_unit().then(|| Found::of(near.span, &found)), found.t))
 }
 
-/// The minimum on the leg that the reference is on.
+/// Minimum on the leg that the reference is on.
 fn beside_reference<R: Real, P: Position>(
     on: &OnPath<'_, R, P>,
     max_lag: R,
@@ -253,7 +253,7 @@ fn beside_reference<R: Real, P: Position>(
     let e = evaluate(span, &point(span), reference.t);
     *spent = spent.saturating_add(1);
     let lag = e.g / e.straight.root();
-    // What is not a number is no lag either.
+    // False for NaN too.
     let in_reach = lag.abs() <= max_lag;
     let near = in_reach.then(|| advance(path, *reference, -lag))??.to;
     minimum(path, near, point, spent)?.0

@@ -1,28 +1,28 @@
-//! Contour error: the true distance of the tool from the programmed path, every servo period.
+//! Contour error: the true distance of the tool from the programmed path, computed every servo period.
 //!
-//! The foot point is where the derivative of the distance changes from − to +: `g(u) = (P(u) − P_a)·P'(u)`, which has the
-//! same zeros as the derivative of |P − P_a|, needs no root and is defined when the tool lies on the path. A change from
-//! + to − is a maximum and never taken.
+//! The foot point is where the derivative of the distance changes from − to +. `g(u) = (P(u) − P_a)·P'(u)` has the same zeros
+//! as the derivative of |P − P_a|, needs no root and is defined when the tool lies on the path. A change from + to − is a
+//! maximum and is never accepted.
 //!
 //! - [`Segment`]s (lines, arcs in any plane, helices, splines to degree 5) are converted once into [`Span`]s;
-//! - in a cycle, the search starts at the last foot plus the reference's progress. As a rule one call of the kernel
-//!   ends it; else it descends, brackets and refines, across borders and corners, within a window of
-//!   `5 µm + 4 × progress`. At most eight evaluations of the path in all, and eight spans between a foot or the
-//!   reference and where it was in the last cycle: what leaps farther is searched afresh;
-//! - the step has two points, estimated tip and encoder position, and searches them together
-//!   ([`ContourSearch::update_pair`]): the tip's foot is followed, and the encoder's is the minimum of its distance
+//! - in each cycle the search starts at the last foot plus the reference's progress. Usually one call of the kernel is enough;
+//!   otherwise the search descends, brackets and refines, across borders and corners, within a window of
+//!   `5 µm + 4 × progress`. A cycle uses at most eight evaluations of the path, and covers at most eight spans between a foot
+//!   or the reference and its position in the last cycle: after a larger jump the search starts cold;
+//! - the step has two points, estimated tip and encoder position, and searches for both feet together
+//!   ([`ContourSearch::update_pair`]): it follows the tip's foot, and the encoder's foot is the minimum of its distance
 //!   downhill from there. In a hairpin both are on the same leg;
-//! - where the path turns back by almost 180°, the foot goes by order along the path and lag, not by distance alone, and a
-//!   second minimum is flagged while both legs are near;
-//! - with no foot known (first cycle, after a fault, lost) the path around the reference is searched over several cycles,
-//!   first behind it, then ahead;
-//! - a host whose planner is closed lets its own commands be the path ([`CommandWindow`]);
-//! - a [`ToolPath`] adds a direction to every span ([`Turn`]): its error is the angle at the tip's foot, and where the
-//!   tip stands while the tool turns ([`Segment::Turning`]), that to the nearest orientation.
+//! - where the path turns back by almost 180°, order along the path and lag decide the foot, not distance alone, and a second
+//!   minimum is flagged while both legs are near;
+//! - with no foot known (first cycle, after a fault, lost) the search samples the path around the reference over several
+//!   cycles, first behind it, then ahead;
+//! - a host whose planner is closed can use its own commands as the path ([`CommandWindow`]);
+//! - a [`ToolPath`] adds a direction to every span ([`Turn`]). The orientation error is the angle at the tip's foot or, where
+//!   the tip stands still while the tool turns ([`Segment::Turning`]), the angle to the nearest orientation.
 //!
-//! Source: Han Jiang et al., CN110161966A, bracket and bisect the derivative of the distance. Corrected: the published rule
-//! takes maxima too, compares signed derivatives where distances count, and searches around the reference instead of the
-//! last foot, which loses the path behind a narrow bend.
+//! Source: Han Jiang et al., CN110161966A, bracket and bisect the derivative of the distance. Corrected here: the published
+//! rule also accepts maxima, compares signed derivatives where distances count, and searches around the reference instead of
+//! the last foot, which loses the path behind a narrow bend.
 
 mod buffer;
 mod command_window;
@@ -62,13 +62,13 @@ impl Flags {
     pub const AT_END: Flags = Flags(2);
     /// The foot is a corner between two spans.
     pub const AT_CORNER: Flags = Flags(4);
-    /// A second minimum may be near.
+    /// A second minimum may be nearby.
     pub const SECOND_MINIMUM: Flags = Flags(8);
-    /// No foot was known from the last cycle; the path around the reference is being searched.
+    /// No foot was known from the last cycle; the search is sampling the path around the reference.
     pub const COLD: Flags = Flags(16);
-    /// There is no path, or the readings are not trusted: nothing was measured.
+    /// There is no path, or the readings are not trusted: no error was measured.
     pub const NOT_FOUND: Flags = Flags(32);
-    /// The reference lay outside its span and was taken at the nearer end; infinite or not a number, nothing was
+    /// The reference lay outside its span and was clamped to the nearer end; if it was infinite or not a number, no error was
     /// measured.
     pub const REFERENCE: Flags = Flags(64);
 
@@ -77,13 +77,13 @@ impl Flags {
         self.0 & other.0 == other.0
     }
 
-    /// Both.
+    /// Union of both sets of flags.
     #[must_use]
     pub const fn and(self, other: Flags) -> Flags {
         Flags(self.0 | other.0)
     }
 
-    /// The bits.
+    /// The flags as bits.
     pub const fn bits(self) -> u8 {
         self.0
     }
@@ -96,23 +96,23 @@ impl Flags {
 pub struct ContourError<R: Real> {
     /// Span on which the foot lies.
     pub span: u32,
-    /// Parameter of the foot in the span.
+    /// Parameter of the foot on the span.
     pub t: R,
     /// Distance from the path: |actual − foot|.
     pub error: R,
-    /// Actual − foot, in machine axes; at ends and corners this is the authority.
+    /// Actual − foot, in machine axes; at ends and corners this vector is authoritative.
     #[cfg_attr(feature = "defmt", defmt(Debug2Format))]
     pub vector: R::Vec3,
-    /// Component along n = b × t: positive to the left of the path, seen against the plane's normal b. Where the path
-    /// runs along b, n is machine X.
+    /// Component along n = b × t: positive to the left of the path, seen against the plane's normal b. Where the path runs
+    /// along b, n is machine X.
     pub normal: R,
     /// Component along t × n: out of the plane.
     pub binormal: R,
-    /// Component along the tangent t: zero but at ends and corners.
+    /// Component along the tangent t: zero except at ends and corners.
     pub tangential: R,
-    /// Arc length from the foot to the reference, positive while the tool lags.
+    /// Arc length from the foot to the reference; positive while the tool lags.
     pub lag: R,
-    /// Remaining width of the bracket, arc length.
+    /// Remaining width of the bracket, mm of arc length.
     pub width: R,
     /// Evaluations of the path used (the kernel counts as two).
     pub evaluations: u8,
@@ -121,7 +121,7 @@ pub struct ContourError<R: Real> {
 }
 
 impl<R: Real> ContourError<R> {
-    /// Nothing measured.
+    /// No error measured.
     pub fn none() -> Self {
         ContourError {
             span: 0,
@@ -138,7 +138,7 @@ impl<R: Real> ContourError<R> {
         }
     }
 
-    /// Whether there is a value.
+    /// Whether an error was measured.
     pub fn is_measured(&self) -> bool {
         !self.flags.has(Flags::NOT_FOUND)
     }

@@ -1,4 +1,4 @@
-//! The nearest foot of a whole path, with nothing known: for planners and files, not for cycles.
+//! The nearest foot on a whole path, without prior knowledge: for planners and files, not for servo cycles.
 
 mod part;
 pub(super) mod survey;
@@ -12,24 +12,24 @@ use crate::position::Position;
 use crate::real::Real;
 use survey::Survey;
 
-/// Added to a span's reach, against rounding, mm.
+/// Allowance for rounding, added to a span's reach, mm.
 const SLACK: f64 = 1e-3;
-/// No point of a span is farther from its origin, in lengths of the span: the origin is the middle between the ends, or
-/// that of an arc, which lies beside it by less than tan(7.5°)/2 of the length.
+/// Largest distance of a span's points from its origin, in lengths of the span: the origin is the middle between the ends or,
+/// of an arc, the middle of the arc, which lies beside it by less than tan(7.5°)/2 of the length.
 const HALF_LENGTH: f64 = 0.57;
 
 impl<R: Real, P: Position> Path<'_, R, P> {
     /// Contour error of `point` (mm): its distance from the nearest foot of the whole path.
     ///
-    /// A minimum of the distance, an end or a corner; of two equally near ones the first. There is no reference: `lag` is
-    /// zero. Without a span, or for a point that is infinite or not a number, nothing is measured. About the centre of an
-    /// arc, where all points are equally far to rounding, it may be any of them, and need not be flagged *bracketed*.
+    /// The foot is a minimum of the distance, an end or a corner; of two equally near ones, the first. There is no reference:
+    /// `lag` is zero. Without a span, or for a point that is infinite or not a number, nothing is measured. Near the centre of
+    /// an arc, where all points are equally far to rounding, the foot may be any of them, and need not be flagged *bracketed*.
     ///
-    /// No foot is missed: a span is left out only where a bound of its distance says so, its length's or that of its
+    /// No foot is missed: a span is skipped only if a lower bound of its distance permits it, from its length or from its
     /// polynomial in Bernstein's basis, and halved until each part holds a single minimum or none.
     ///
-    /// Not for a servo cycle: some thirty instructions for a span that is far, two evaluations and a call of the kernel
-    /// for one that may be nearest, on lines the closed form. `evaluations` saturates at 255.
+    /// Not for a servo cycle: some thirty instructions for a distant span; two evaluations and a call of the kernel for one
+    /// that may be nearest, or the closed form on lines. `evaluations` saturates at 255.
     pub fn nearest(&self, point: [P; 3]) -> ContourError<R> {
         let (Some(first), true) = (self.spans.first(), point.iter().all(|x| x.is_usable())) else {
             return ContourError::none();

@@ -1,4 +1,4 @@
-//! The whole cold search in one call: for files, not for cycles.
+//! The whole cold search in one call: for files, not for servo cycles.
 
 use super::kernel::{Foot, evaluate, foot};
 use super::nearest::survey::Survey;
@@ -10,22 +10,22 @@ use super::{ContourError, Flags};
 use crate::position::Position;
 use crate::real::Real;
 
-/// Spans looked at on either side of the reference.
+/// Most spans searched on either side of the reference.
 const PIECES: usize = 4096;
 /// Steps along the tangent before the whole window is searched.
 const WALKS: usize = 3;
 
-/// A foot by itself, without the components of a [`ContourError`].
+/// A foot alone, without the components of a [`ContourError`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub struct NearFoot<R: Real> {
-    /// Where on the path.
+    /// Position on the path.
     pub at: Reference<R>,
     /// Actual − foot, mm.
     #[cfg_attr(feature = "defmt", defmt(Debug2Format))]
     pub vector: R::Vec3,
-    /// What it is; without *bracketed* the nearest end of the window.
+    /// Flags of the foot; without *bracketed* it is the nearest end of the window.
     pub flags: Flags,
 }
 
@@ -39,14 +39,14 @@ impl<R: Real> NearFoot<R> {
 }
 
 impl<R: Real> ContourSearch<R> {
-    /// Foot of `point` (mm) near `guess`, with nothing known from the cycle before: a local projection.
+    /// Finds the foot of `point` (mm) near `guess` without a known foot: a local projection.
     ///
-    /// The kernel's foot from the guess, or from where the tangent leads from there, if its own test trusts it and it lies
-    /// within a sixteenth of `max_lag_mm` of the point; else the nearest of all feet within `max_lag_mm` of arc length of
-    /// the guess, none missed. `None` where the path has no such span, or the guess or the point is not a number.
+    /// Returns the kernel's foot from the guess, or from where the tangent leads from it, if its own test trusts it and it
+    /// lies within a sixteenth of `max_lag_mm` of the point; otherwise the nearest of all feet within `max_lag_mm` of arc
+    /// length of the guess, missing none. `None` if the path has no such span, or the guess or the point is not a number.
     ///
-    /// Cost: one call of the kernel, over a border or from farther off two and an evaluation; the whole window as a rule
-    /// only at corners and ends.
+    /// Cost: one call of the kernel; across a border or from farther away two calls and an evaluation. The whole window is
+    /// usually searched only at corners and ends.
     #[inline(always)]
     pub fn foot_near<P: Position>(
         &self,
@@ -64,7 +64,7 @@ impl<R: Real> ContourSearch<R> {
         self.foot_farther(path, guess, point)
     }
 
-    /// The kernel does not trust its foot at the guess.
+    /// Continues where the kernel does not trust its foot at the guess.
     #[inline(never)]
     fn foot_farther<P: Position>(
         &self,
@@ -87,13 +87,13 @@ impl<R: Real> ContourSearch<R> {
         Some(NearFoot { at: found.place, vector: found.vector.map(|x| -x).into(), flags: found.flags })
     }
 
-    /// A foot at most so far from the point is not doubted: squared, mm².
+    /// Squared distance up to which a foot is accepted without a search of the window, mm².
     #[inline(always)]
     fn certain(&self) -> R {
         R::of(1.0 / 256.0) * self.max_lag * self.max_lag
     }
 
-    /// Along the tangent, and the kernel there, a few times.
+    /// Steps along the tangent and calls the kernel there, a few times.
     #[inline(always)]
     fn walk<P: Position>(&self, path: &Path<'_, R, P>, guess: Reference<R>, point: &[P; 3]) -> Option<NearFoot<R>> {
         let (mut at, mut left) = (guess, self.max_lag);
@@ -112,12 +112,12 @@ impl<R: Real> ContourSearch<R> {
         None
     }
 
-    /// Contour error of `point` with nothing known but where the reference is: the nearest of all feet within
-    /// `max_lag_mm` of arc length on either side of it.
+    /// Contour error of `point` when only the reference's position is known: distance to the nearest of all feet within
+    /// `max_lag_mm` of arc length on either side of the reference.
     ///
-    /// Every minimum in that window is seen, and flagged if there is a second one; without any its nearer end is the
-    /// answer, without the flag *bracketed*. Not for a servo cycle: two evaluations of every span in the window, and a call
-    /// of the kernel for each minimum; `evaluations` saturates at 255.
+    /// Finds every minimum in that window and flags the result if there is a second one; without any minimum the nearer end of
+    /// the window is the answer, without the flag *bracketed*. Not for a servo cycle: two evaluations of every span in the
+    /// window, and a call of the kernel for each minimum; `evaluations` saturates at 255.
     pub fn nearest<P: Position>(
         &self,
         path: &Path<'_, R, P>,
@@ -147,7 +147,7 @@ impl<R: Real> ContourSearch<R> {
         Survey { path, point, method, counting, guess, minimum: None, end: None, minima: 0, spent: 0 }
     }
 
-    /// Looks at all spans within `max_lag` of the guess, from there outwards on both sides.
+    /// Surveys all spans within `max_lag` of the guess, from there outwards on both sides.
     fn window<P: Position>(&self, survey: &mut Survey<'_, R, P>) {
         let (path, reference) = (survey.path, survey.guess);
         let Some(home) = path.span(reference.span) else { return };
@@ -174,7 +174,8 @@ impl<R: Real> ContourSearch<R> {
         }
     }
 
-    /// One span, as far as it lies in the window; `reference` is its arc length in the span.
+    /// Surveys the part of one span that lies in the window; `reference` is the reference's arc length from the start of the
+    /// span.
     fn piece<P: Position>(&self, survey: &mut Survey<'_, R, P>, number: u32, reference: R) {
         let Some(span) = survey.path.span(number) else { return };
         let (first, last) = (place(span, reference - self.max_lag), place(span, reference + self.max_lag));
@@ -190,7 +191,7 @@ fn near<R: Real>(span: u32, foot: &Foot<R>) -> NearFoot<R> {
     NearFoot { at, vector: foot.vector.map(|x| -x).into(), flags: Flags::BRACKETED }
 }
 
-/// [`Span::t_at`] by Newton's method, where that ends soon.
+/// [`Span::t_at`] by Newton's method if it converges quickly.
 fn place<R: Real, P: Position>(span: &Span<R, P>, arc: R) -> R {
     let length = span.length();
     if arc <= R::ZERO {

@@ -1,14 +1,14 @@
-//! Orientation contour error: the angle between the tool's direction and the one that the path has at the foot.
+//! Orientation contour error: the angle between the tool's direction and the path's direction at the foot.
 //!
-//! A five-axis path has, beside the path of the tip, a direction for every span: a [`Turn`]. The error is
+//! Besides the path of the tip, a five-axis path has a direction for every span: a [`Turn`]. The error is
 //!
 //! ```text
 //! ε = atan2(|a × b|, a · b)        a: direction of the path at the foot of the tip, b: the tool's
 //! ```
 //!
-//! an arc cosine would lose everything below a milliradian in single precision. Where the tip stands and only the
-//! direction turns (P' = 0), the tip's foot is that point and says nothing of how far the turn has come: there the foot
-//! is the nearest orientation of the turn.
+//! An arc cosine would lose everything below a milliradian in single precision. Where the tip stands still and only the
+//! direction turns (P' = 0), the tip's foot is that point and does not show how far the turn has come; the foot is then the
+//! nearest orientation of the turn.
 
 #![deny(clippy::indexing_slicing)]
 
@@ -25,8 +25,8 @@ use glam::DVec3;
 #[derive(Clone, Copy, Debug)]
 pub struct Turn<R> {
     way: Way<R>,
-    /// tan² of a quarter of the span's angle, and the weight that its series is divided by: on arcs the segment's
-    /// parameter is not linear in the span's.
+    /// tan² of a quarter of the span's angle, and the weight by which its series is divided: on arcs the segment's parameter
+    /// is not linear in the span's.
     bend: R,
     scale: R,
 }
@@ -40,24 +40,24 @@ enum Way<R> {
 }
 
 impl<R: Real> Turn<R> {
-    /// Rotary axes that move linearly in the segment's parameter u, which is what a block with rotary words means.
+    /// Rotary axes that move linearly in the segment's parameter u, as a block with rotary words specifies.
     ///
-    /// `span`: the span; `domain`: u at start and end of its segment (0 and 1, or the spline's outer knots); `start`
-    /// and `end`: positions of A, B, C there, degrees, any number of turns.
+    /// `span`: the span; `domain`: u at start and end of its segment (0 and 1, or the spline's outer knots); `start` and
+    /// `end`: positions of A, B, C there, degrees, any number of turns.
     pub fn axes<P: Position>(span: &Span<R, P>, domain: [f64; 2], start: [f64; 3], end: [f64; 3]) -> Self {
         let [from, to] = part(span, domain);
         let (mut first, mut change) = ([R::ZERO; 3], [R::ZERO; 3]);
         for ((first, change), (start, end)) in first.iter_mut().zip(&mut change).zip(start.into_iter().zip(end)) {
             let at = start + (end - start) * from;
-            // Whole turns off, so that single precision keeps the angle.
+            // Removes whole turns so that single precision keeps the angle.
             *first = R::of(at - 360.0 * libm::rint(at / 360.0));
             *change = R::of((end - start) * (to - from));
         }
         Turn::along(span, Way::Axes { start: first, change })
     }
 
-    /// The great circle between two tool directions in workpiece coordinates, at a rate that is constant in the
-    /// segment's parameter; any lengths. `None` for a direction that is none, or two that are opposite.
+    /// The great circle between two tool directions in workpiece coordinates, at a constant rate in the segment's parameter;
+    /// the vectors may have any length. `None` if a vector has no direction, or the two are opposite.
     pub fn directions<P: Position>(
         span: &Span<R, P>,
         domain: [f64; 2],
@@ -89,7 +89,7 @@ impl<R: Real> Turn<R> {
         Turn { way, bend: R::of(k * k), scale: R::of(scale) }
     }
 
-    /// Part of the span's angle at its parameter: ½ + ½ atan(k(2t − 1))/atan k, to 1e-9.
+    /// Fraction of the span's angle at its parameter: ½ + ½ atan(k(2t − 1))/atan k, to 1e-9.
     #[inline(always)]
     fn fraction(&self, t: R) -> R {
         if self.bend == R::ZERO {
@@ -102,7 +102,7 @@ impl<R: Real> Turn<R> {
         R::HALF + R::HALF * x * sum * self.scale
     }
 
-    /// Direction at the span's parameter; `of_axes` gives that of rotary positions, degrees.
+    /// Direction at the span's parameter; `of_axes` gives the direction at rotary positions, degrees.
     #[inline(always)]
     pub fn direction(&self, t: R, of_axes: impl Fn([R; 3]) -> R::Vec3) -> R::Vec3 {
         self.heading(t, of_axes).glam()
@@ -132,13 +132,12 @@ impl<R: Real> Turn<R> {
     }
 }
 
-/// The span's part of its segment, 0 to 1.
+/// Part of the segment that the span covers, 0 to 1.
 fn part<R: Real, P: Position>(span: &Span<R, P>, [low, high]: [f64; 2]) -> [f64; 2] {
     span.u_range().map(|u| if high > low { (u - low) / (high - low) } else { u })
 }
 
-/// A path of the tip and the directions that go with it: one [`Turn`] for every span, in the same order. In workpiece
-/// coordinates.
+/// A path of the tip and its tool directions: one [`Turn`] for every span, in the same order. In workpiece coordinates.
 #[derive(Clone, Copy, Debug)]
 pub struct ToolPath<'a, R, P> {
     pub(crate) path: Path<'a, R, P>,
@@ -146,12 +145,12 @@ pub struct ToolPath<'a, R, P> {
 }
 
 impl<'a, R: Real, P: Position> ToolPath<'a, R, P> {
-    /// From a window of spans and as many turns; a span without one has no orientation error.
+    /// Combines a window of spans with as many turns; a span without a turn has no orientation error.
     pub fn new(path: Path<'a, R, P>, turns: &'a [Turn<R>]) -> Self {
         ToolPath { path: Path { turning: true, ..path }, turns }
     }
 
-    /// Path of the tip, with the spans without length passed over by a search.
+    /// Path of the tip, on which searches skip spans without length.
     pub fn path(&self) -> &Path<'a, R, P> {
         &self.path
     }
@@ -161,11 +160,11 @@ impl<'a, R: Real, P: Position> ToolPath<'a, R, P> {
         self.turns.get(number.wrapping_sub(self.path.first) as usize)
     }
 
-    /// Orientation error of a tool direction (unit vector, workpiece coordinates), given the tip's foot of this cycle.
+    /// Orientation error of a tool direction (unit vector, workpiece coordinates), from the tip's foot in this cycle.
     ///
-    /// `of_axes`: direction of rotary positions, degrees. Spans on which the tip stands compete with the tip's foot for
-    /// the nearest point of the path; a tilt counts as the motion of a point 100 mm up the tool; without them it is
-    /// one evaluation of `of_axes`, with them at most twenty-seven.
+    /// `of_axes`: direction at rotary positions, degrees. Spans on which the tip stands still compete with the tip's foot for
+    /// the nearest point of the path; a tilt counts as the motion of a point 100 mm up the tool. Without such spans the cost
+    /// is one evaluation of `of_axes`, with them at most twenty-seven.
     #[inline(always)]
     pub fn orientation(
         &self,
@@ -185,7 +184,7 @@ impl<'a, R: Real, P: Position> ToolPath<'a, R, P> {
         }
     }
 
-    /// The span without length at the nearer border of a point, from that border.
+    /// The span without length at the nearer border of a point, starting from that border.
     #[inline(always)]
     fn beside(&self, place: Reference<R>) -> Option<Reference<R>> {
         let (number, t) = if place.t > R::HALF {
@@ -196,7 +195,7 @@ impl<'a, R: Real, P: Position> ToolPath<'a, R, P> {
         self.path.stands(number).then_some(Reference { span: number, t })
     }
 
-    /// The nearest orientation of the turns from `start` on, if that is nearer than the one at the tip's foot.
+    /// The nearest orientation on the turns from `start` on, if it is nearer than the one at the tip's foot.
     #[inline(never)]
     fn turning(
         &self,
@@ -213,7 +212,7 @@ impl<'a, R: Real, P: Position> ToolPath<'a, R, P> {
             let Some(turn) = self.turn(from.span) else { break };
             let (t, spent) = nearest(turn, from.t.limit(R::ZERO, R::ONE), actual, of_axes);
             evaluations = evaluations.saturating_add(spent).saturating_add(1);
-            // At a border that is seen at right angles, rounding decides on which side of it the point lies.
+            // At a border seen at right angles, rounding decides on which side of it the point lies.
             let margin = R::of(MARGIN_DEG) / turn.extent().max(R::of(MARGIN_DEG));
             let inside = t > margin && t < R::ONE - margin;
             let flags = if inside { Flags::BRACKETED } else { Flags::AT_CORNER };
@@ -235,7 +234,7 @@ impl<'a, R: Real, P: Position> ToolPath<'a, R, P> {
             }
         }
         let Some(best) = best else { return *at_foot };
-        // A path of turns alone has the tip's foot on one of them already.
+        // On a path of turns alone, the tip's foot is already on one of them.
         let lever = R::of(LEVER_MM);
         let cold = at_foot.flags.has(Flags::COLD);
         let flags = if cold { best.flags.and(Flags::COLD) } else { best.flags };
@@ -254,27 +253,27 @@ impl<'a, R: Real, P: Position> ToolPath<'a, R, P> {
     }
 }
 
-/// Spans without length that a cycle looks at.
+/// Most spans without length that a cycle searches.
 const SPANS: usize = 2;
-/// Steps towards the nearest orientation on each.
+/// Most steps towards the nearest orientation on each.
 const STEPS: u8 = 4;
-/// Distance from the tip at which a tilt is weighed against a motion of the tip, mm.
+/// Distance from the tip at which a tilt is compared with a motion of the tip, mm.
 const LEVER_MM: f64 = 100.0;
 /// Arc length beyond which two points count as far apart, mm.
 const BEYOND_MM: f64 = 1e3;
-/// Half the chord that stands for the tangent, degrees: leaves 1e-5 of it, which the angle at the foot sees squared.
+/// Half the chord that replaces the tangent, degrees: its relative error is 1e-5, which enters the angle at the foot squared.
 const CHORD_DEG: f64 = 0.5;
 /// A foot this close to the end of a turn may lie on the next one, degrees.
 const MARGIN_DEG: f64 = 0.1;
-/// A step shorter than this leaves nothing that the angle shows, degrees.
+/// A step shorter than this does not change the angle noticeably, degrees.
 const DONE_DEG: f64 = 1e-5;
 /// Longest step, degrees.
 const STEP_DEG: f64 = 30.0;
 
-/// Parameter of the orientation nearest to `actual`, and the evaluations that took.
+/// Parameter of the orientation nearest to `actual`, and the evaluations used.
 ///
-/// Gauss and Newton's step on |a − b|², with the chord about the point as its tangent, kept within the span and to 30°:
-/// always downhill, and the error shrinks by about ε + (30°)²/8 a step at worst.
+/// Takes Gauss-Newton steps on |a − b|², with the chord about the point as its tangent, limited to the span and to 30°. Every
+/// step goes downhill, and the error shrinks by about ε + (30°)²/8 per step at worst.
 #[inline(always)]
 fn nearest<R: Real>(turn: &Turn<R>, start: R, actual: V3<R>, of_axes: impl Fn([R; 3]) -> R::Vec3 + Copy) -> (R, u8) {
     let extent = turn.extent();
@@ -292,7 +291,7 @@ fn nearest<R: Real>(turn: &Turn<R>, start: R, actual: V3<R>, of_axes: impl Fn([R
         spent += 3;
         let chord = ahead - behind;
         let square = chord.dot(chord);
-        // The direction hardly changes: the tool turns about itself.
+        // The direction hardly changes: the tool turns about its own axis.
         if square <= R::of(1e-12) || !square.is_finite() {
             break;
         }
@@ -314,22 +313,22 @@ fn nearest<R: Real>(turn: &Turn<R>, start: R, actual: V3<R>, of_axes: impl Fn([R
 pub struct OrientationError<R: Real> {
     /// Angle between the tool and the path's direction at the foot, rad, 0 to π.
     pub angle: R,
-    /// Path × tool, in workpiece coordinates: for small errors the rotation (rad) that takes the path's direction to the
-    /// tool's, actual − ideal; its length is the sine of the angle.
+    /// Path × tool, in workpiece coordinates: for small errors the rotation (rad) from the path's direction to the tool's,
+    /// actual − ideal; its length is the sine of the angle.
     #[cfg_attr(feature = "defmt", defmt(Debug2Format))]
     pub vector: R::Vec3,
     /// Span on which the foot lies.
     pub span: u32,
-    /// Parameter of the foot in the span.
+    /// Parameter of the foot on the span.
     pub t: R,
     /// Evaluations of the path's direction used.
     pub evaluations: u8,
-    /// As the tip's foot was found; on a turn *bracketed* within it, *at corner* at its ends.
+    /// Flags of the tip's foot; on a turn *bracketed* within it, *at corner* at its ends.
     pub flags: Flags,
 }
 
 impl<R: Real> OrientationError<R> {
-    /// Nothing measured.
+    /// No error measured.
     pub fn none() -> Self {
         OrientationError {
             angle: R::ZERO,
@@ -341,7 +340,7 @@ impl<R: Real> OrientationError<R> {
         }
     }
 
-    /// Whether there is a value.
+    /// Whether an error was measured.
     pub fn is_measured(&self) -> bool {
         !self.flags.has(Flags::NOT_FOUND)
     }

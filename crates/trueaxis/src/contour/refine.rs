@@ -1,4 +1,4 @@
-//! Out of line: descend, bracket, refine; across borders and corners, within a window.
+//! Out-of-line search: descends, brackets, refines; across borders and corners, within a window.
 
 use super::Flags;
 use super::kernel::{Evaluation, Foot, evaluate, evaluated};
@@ -7,7 +7,7 @@ use super::span::{Path, Reference, Span};
 use crate::position::Position;
 use crate::real::Real;
 
-/// A foot as the search found it.
+/// A foot and how the search found it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Found<R> {
     pub(super) place: Reference<R>,
@@ -23,7 +23,7 @@ pub(super) struct Found<R> {
 }
 
 impl<R: Real> Found<R> {
-    /// A foot of the kernel on a span, as a minimum.
+    /// The kernel's foot on a span, as a minimum.
     #[inline(always)]
     pub(super) fn of(span: u32, foot: &Foot<R>) -> Self {
         Found {
@@ -37,7 +37,7 @@ impl<R: Real> Found<R> {
     }
 }
 
-/// A point of the path counted from the start of the search: spans forward, parameter in the span.
+/// A point of the path relative to the start of the search: number of spans ahead, parameter in the span.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Spot<R> {
     span: i32,
@@ -51,20 +51,20 @@ impl<R: Real> Spot<R> {
     }
 }
 
-/// Spans that a search looks at on either side of its start.
+/// Most spans that a search covers on either side of its start.
 const SPANS: i32 = 4;
 
-/// A Newton step shorter than this leaves, after its quadratic convergence, nothing but rounding: mm.
+/// A Newton step shorter than this converges quadratically to within rounding, mm.
 #[inline(always)]
 fn short_step<R: Real>() -> R {
     if R::EPSILON.to_f64() < 1e-10 { R::of(1e-7) } else { R::of(2e-5) }
 }
 
-/// Descends from `start` to the minimum that lies downhill, within `window` mm of arc length on either side.
+/// Descends from `start` to the minimum downhill, within `window` mm of arc length on either side.
 ///
-/// Newton steps inside the bracket, guarded by bisection; plain bisection if `bisect`. Every step is one evaluation,
-/// at most `budget`; `spent` counts them. Without a change from − to + the last sample is the answer, and the flag
-/// *bracketed* is missing.
+/// Takes Newton steps inside the bracket, guarded by bisection, or plain bisection if `bisect`. Each step takes one
+/// evaluation, at most `budget` in all; `spent` counts them. If there is no change from − to +, the last sample is the answer,
+/// without the flag *bracketed*.
 #[inline(never)]
 pub(super) fn descend<R: Real, P: Position>(
     path: &Path<'_, R, P>,
@@ -110,7 +110,7 @@ pub(super) fn descend<R: Real, P: Position>(
     None
 }
 
-/// A descent under way: the latest sample, the bracket around the minimum, and how far it has come.
+/// A descent in progress: the latest sample, the bracket around the minimum, and the distance covered.
 struct Descent<'p, 's, R, P> {
     path: &'p Path<'s, R, P>,
     window: R,
@@ -132,18 +132,18 @@ struct Ahead<R> {
     border: R,
 }
 
-/// Newton's step from a sample; where the distance is not convex, the step of a straight tangent.
+/// Newton's step from a sample or, if the distance is not convex there, the step of a straight tangent.
 struct Newton<R> {
     step: R,
     to: R,
     convex: bool,
-    /// It stays on the span.
+    /// Whether it stays on the span.
     inside: bool,
-    /// It stays in the bracket.
+    /// Whether it stays in the bracket.
     bounded: bool,
 }
 
-/// Result of a round: another sample, or the answer.
+/// Result of a round: another sample or the answer.
 enum Next<R> {
     Sample(Spot<R>),
     Foot(Found<R>),
@@ -167,7 +167,7 @@ impl<R: Real, P: Position> Descent<'_, '_, R, P> {
         Ahead { forward, beyond, border: if forward { R::ONE } else { R::ZERO } }
     }
 
-    /// A corner between two samples on either side of the same border, or an end with the minimum beyond it.
+    /// A corner between two samples on either side of one border, or an end with the minimum beyond it.
     #[inline(always)]
     fn at_border(&self, e: &Evaluation<R>, ahead: &Ahead<R>) -> Option<Found<R>> {
         if let (Some(l), Some(h)) = (self.low, self.high)
@@ -196,7 +196,7 @@ impl<R: Real, P: Position> Descent<'_, '_, R, P> {
         Newton { step, to, convex, inside, bounded }
     }
 
-    /// The foot by the series about the latest sample: no further evaluation.
+    /// The foot by the series about the latest sample, without another evaluation.
     #[inline(always)]
     fn series(&self, e: &Evaluation<R>, newton: &Newton<R>) -> Found<R> {
         let step = newton.step;
@@ -209,7 +209,7 @@ impl<R: Real, P: Position> Descent<'_, '_, R, P> {
         done
     }
 
-    /// The evaluations are used up: the latest sample.
+    /// The latest sample, after the last evaluation.
     #[inline(always)]
     fn last(&self, e: &Evaluation<R>, convex: bool) -> Found<R> {
         let (width, flags) = match (self.low, self.high) {
@@ -239,14 +239,14 @@ impl<R: Real, P: Position> Descent<'_, '_, R, P> {
         } else if !self.bisect && newton.inside && newton.bounded && to != at.t && to > R::ZERO && to < R::ONE {
             Spot { t: to, ..at }
         } else if l.t < R::ONE {
-            // The border itself, seen from the lower side, then from the upper.
+            // The border itself, first from the lower side, then from the upper.
             Spot { t: R::ONE, ..*l }
         } else {
             Spot { span: l.span + 1, number: self.path.next(l.number)?, t: R::ZERO }
         }))
     }
 
-    /// Still downhill: Newton's step, but not over a border, and not out of the window.
+    /// Continues downhill by Newton's step, but not over a border and not out of the window.
     #[inline(always)]
     fn downhill(&mut self, e: &Evaluation<R>, speed: R, newton: &Newton<R>, ahead: &Ahead<R>, later: bool) -> Next<R> {
         let (at, border) = (self.at, ahead.border);
@@ -265,7 +265,7 @@ impl<R: Real, P: Position> Descent<'_, '_, R, P> {
         let near = at.span.abs() < SPANS;
         let crosses = !(target > R::ZERO && target < R::ONE);
         if crosses && at.t == border {
-            // At the border already: on in the span beyond it.
+            // At the border already: continue in the span beyond it.
             return match ahead.beyond {
                 Some(number) if near => over(number),
                 _ => Next::Foot(found(at, e, self.window, self.flags)),
@@ -274,7 +274,7 @@ impl<R: Real, P: Position> Descent<'_, '_, R, P> {
         if crosses {
             self.walked += (border - at.t).abs() * speed;
             return match ahead.beyond {
-                // A tangent that goes on smoothly needs no look at both sides of the border.
+                // A smooth tangent makes samples on both sides of the border unnecessary.
                 Some(number) if near && !self.bisect => over(number),
                 _ => Next::Sample(Spot { t: border, ..at }),
             };
@@ -288,7 +288,7 @@ impl<R: Real, P: Position> Descent<'_, '_, R, P> {
     }
 }
 
-/// A bracket narrower than this is a point, mm.
+/// A bracket narrower than this counts as a point, mm.
 #[inline(always)]
 fn resolution<R: Real>() -> R {
     if R::EPSILON.to_f64() < 1e-10 { R::of(1e-12) } else { R::of(1e-6) }
@@ -308,7 +308,7 @@ fn found<R: Real>(spot: Spot<R>, e: &Evaluation<R>, width: R, flags: Flags) -> F
     Found { place, vector: e.vector, tangent: e.tangent, width, flags, downhill: false }
 }
 
-/// Evaluates a span at `t` as a foot.
+/// Evaluates a span at `t` and returns the result as a foot.
 pub(super) fn at<R: Real, P: Position>(span: &Span<R, P>, number: u32, point: &[P; 3], t: R) -> Found<R> {
     let e = evaluate(span, &span.relative(point), t);
     found(Spot { span: 0, number, t }, &e, R::ZERO, Flags::default())

@@ -1,4 +1,4 @@
-//! The search of every cycle, warm and cold.
+//! The search in every cycle, warm and cold.
 
 use super::kernel::{Foot, foot};
 use super::legs::{Apart, Doubt};
@@ -11,7 +11,7 @@ use crate::position::Position;
 use crate::range::LAG;
 use crate::real::Real;
 
-/// Method by which a bracket is narrowed.
+/// Method for narrowing a bracket.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[repr(u8)]
@@ -19,11 +19,11 @@ pub enum Method {
     /// Third-order kernel, then Newton steps guarded by bisection.
     #[default]
     Guarded = 0,
-    /// Plain bisection, as published: the reference. Up to 60 evaluations a cycle.
+    /// Plain bisection, as published, for comparison. Up to 60 evaluations a cycle.
     Bisection = 1,
 }
 
-/// Settings of the search: immutable.
+/// Settings of the search; immutable.
 #[derive(Clone, Copy, Debug)]
 pub struct ContourSearch<R> {
     pub(super) max_lag: R,
@@ -35,11 +35,11 @@ pub struct ContourSearch<R> {
 pub struct ContourState<R> {
     pub(super) foot: Reference<R>,
     pub(super) reference: Reference<R>,
-    /// A foot is known.
+    /// Whether a foot is known.
     pub(super) warm: bool,
-    /// Another leg lies beside the foot's.
+    /// State for a leg that lies beside the foot's.
     pub(super) doubt: Doubt<R>,
-    /// Samples of the cold search that have been taken, and the best one.
+    /// Number of samples taken in the cold search, and the best one.
     pub(super) looked: u16,
     pub(super) best: Sample<R>,
     best_distance: R,
@@ -51,12 +51,12 @@ pub struct ContourState<R> {
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Sample<R> {
     pub(super) at: Reference<R>,
-    /// Arc length from it to the reference.
+    /// Arc length from the sample to the reference.
     pub(super) lag: R,
 }
 
 impl<R: Real> Sample<R> {
-    /// Moves with the reference; where that is out of sight, it is the reference.
+    /// Moves the sample with the reference; where that is beyond the limit of spans, returns the reference itself.
     fn follow<P: Position>(&self, path: &Path<'_, R, P>, reference: Reference<R>, progress: R) -> Self {
         match advance(path, self.at, progress) {
             Some(moved) => Sample { at: moved.to, lag: self.lag + progress - moved.by },
@@ -64,43 +64,44 @@ impl<R: Real> Sample<R> {
         }
     }
 
-    /// The next one.
+    /// The next sample, `by` further along the path.
     fn step<P: Position>(&self, path: &Path<'_, R, P>, by: R) -> Self {
         step(path, self.at, by).map_or(*self, |moved| Sample { at: moved.to, lag: self.lag - moved.by })
     }
 }
 
-/// Evaluations of the path that a cycle may use.
+/// Most evaluations of the path in a cycle.
 pub(super) const EVALUATIONS: u8 = 6;
-/// The same for the published bisection.
+/// Most evaluations in a cycle of the published bisection.
 pub(super) const BISECTIONS: u8 = 60;
 /// Samples of a cold search over ±max_lag.
 const COLD_SAMPLES: u16 = 129;
-/// Those from the reference backwards; the others lead on from it.
+/// Samples from the reference backwards; the others run ahead of it.
 const COLD_BEHIND: u16 = 66;
-/// What a sample's lag adds to its distance, at right angles: of legs side by side the one near the reference is taken.
+/// This fraction of a sample's lag is added to its distance at right angles: of two legs side by side, the one near the
+/// reference wins.
 const DOUBT_PER_LAG: f64 = 0.05;
 /// Samples of a cold search in one cycle.
 const COLD_PER_CYCLE: u16 = 3;
-/// Evaluations of the descent in a cycle that takes cold samples too.
+/// Evaluations of the descent in a cycle that also takes cold samples.
 const COLD_DESCENT: u8 = 2;
 
 impl<R: Real> ContourSearch<R> {
     /// `max_lag_mm`: half-window of a cold search, arc length.
     ///
     /// # Errors
-    /// Not within [`LAG`].
+    /// `max_lag_mm` outside [`LAG`].
     pub fn new(max_lag_mm: f64, method: Method) -> Result<Self, ConfigError> {
         LAG.check(max_lag_mm, Field::MaxLag, None)?;
         Ok(ContourSearch { max_lag: R::of(max_lag_mm), method })
     }
 
-    /// Contour error of `point` (mm) in this cycle; `reference` is where the interpolator is on the path.
+    /// Contour error of `point` (mm) in this cycle; `reference` is the interpolator's position on the path.
     ///
-    /// At most six evaluations of the path. Cost: the kernel, as a rule; at worst some three times that.
+    /// Uses at most six evaluations of the path. Cost: usually the kernel's; at worst some three times that.
     ///
-    /// A reference outside its span is taken at the nearer end, and flagged ([`Flags::REFERENCE`]); with one that is
-    /// infinite or not a number nothing is measured.
+    /// A reference outside its span is clamped to the nearer end and flagged ([`Flags::REFERENCE`]); if it is infinite or not
+    /// a number, no error is measured.
     #[inline(always)]
     pub fn update<P: Position>(
         &self,
@@ -115,7 +116,7 @@ impl<R: Real> ContourSearch<R> {
         self.update_on(state, path, reference, &point)
     }
 
-    /// The reference is off its span.
+    /// Handles a reference off its span.
     #[cold]
     #[inline(never)]
     pub(crate) fn update_off<P: Position>(
@@ -138,7 +139,7 @@ impl<R: Real> ContourSearch<R> {
         error
     }
 
-    /// The reference is on its span.
+    /// Handles a reference on its span.
     #[inline(always)]
     pub(crate) fn update_on<P: Position>(
         &self,
@@ -147,7 +148,7 @@ impl<R: Real> ContourSearch<R> {
         reference: Reference<R>,
         point: &[P; 3],
     ) -> ContourError<R> {
-        // Not warm, or bisection: in one comparison.
+        // Tests "not warm, or bisection" in one comparison.
         if u8::from(state.warm) <= self.method as u8 {
             return self.slow(state, path, reference, point);
         }
@@ -183,7 +184,7 @@ impl<R: Real> ContourSearch<R> {
         self.beside(state, path, reference, point, guess, window, found)
     }
 
-    /// The kernel's foot is not clear: near a border, beyond it, not trusted, or beside another leg.
+    /// Continues where the kernel's foot is not clear: near a border, beyond it, not trusted, or beside another leg.
     #[inline(never)]
     fn beside<P: Position>(
         &self,
@@ -213,7 +214,8 @@ impl<R: Real> ContourSearch<R> {
         } else {
             None
         };
-        // One more call of the kernel, at the nearer border; a span so short that both are in sight is left soon.
+        // One more call of the kernel, at the nearer border; if the span is so short that both are in sight, the foot soon
+        // leaves it.
         if let Some(other) = resolved {
             found = other;
         } else if spent + 2 <= EVALUATIONS
@@ -221,7 +223,7 @@ impl<R: Real> ContourSearch<R> {
         {
             found = other;
         }
-        // On short spans at high feed the evaluations may run out just past a border: the next cycle goes on from there.
+        // On short spans at high feed the evaluations may run out just past a border: the next cycle continues from there.
         if !(found.flags.has(Flags::BRACKETED) || found.downhill) || state.doubt.is_lost() {
             state.warm = false;
             state.looked = 0;
@@ -231,7 +233,7 @@ impl<R: Real> ContourSearch<R> {
         error
     }
 
-    /// No foot known, or plain bisection.
+    /// Searches with no foot known, or by plain bisection.
     #[inline(never)]
     fn slow<P: Position>(
         &self,
@@ -247,7 +249,7 @@ impl<R: Real> ContourSearch<R> {
         }
     }
 
-    /// The same, without the report. `None` without a path there: the state is as new.
+    /// [`slow`](Self::slow) without the report. `None` if there is no path there; this resets the state.
     #[inline(never)]
     pub(super) fn seek<P: Position>(
         &self,
@@ -261,7 +263,7 @@ impl<R: Real> ContourSearch<R> {
             *state = ContourState::default();
             return None;
         }
-        // A reference that has leaped out of sight leaves nothing known.
+        // After a jump of the reference beyond the limit of spans, no foot is known.
         let progress = self.progress(state, path, reference);
         let mut start = if state.warm { advance(path, state.foot, progress).map(|moved| moved.to) } else { None };
         if start.is_none_or(|start| path.span(start.span).is_none()) {
@@ -274,7 +276,7 @@ impl<R: Real> ContourSearch<R> {
             self.look_around(state, path, reference, point, progress, spent);
             start = state.best.at;
         }
-        // A cycle that took samples only touches the best of them up; the one after the last descends.
+        // A cycle that took samples only refines the best of them; the cycle after the last sample descends.
         let sampled = *spent > 0;
         let window = if state.warm { window(progress) } else { self.max_lag };
         let budget = if sampled { COLD_DESCENT } else { EVALUATIONS };
@@ -291,14 +293,14 @@ impl<R: Real> ContourSearch<R> {
             state.warm = false;
             state.looked = 0;
         } else if !state.warm && !sampled {
-            // Looked all over: either it is found, or the search begins again.
+            // All samples are taken: either the foot is found, or the search begins again.
             state.warm = bracketed;
             state.looked = 0;
         }
         Some(found)
     }
 
-    /// Motion of the reference since the last cycle; where it has leaped out of sight, the state is as new.
+    /// Motion of the reference since the last cycle; resets the state if it has jumped beyond the limit of spans.
     #[inline(always)]
     pub(super) fn progress<P: Position>(
         &self,
@@ -315,8 +317,8 @@ impl<R: Real> ContourSearch<R> {
         })
     }
 
-    /// Takes a few samples of the path around the reference, first behind it, then ahead; keeps the nearest. None are
-    /// taken in the cycle after the last, which leaves its evaluations to the descent.
+    /// Takes a few samples of the path around the reference, first behind it, then ahead, and keeps the nearest. Takes none in
+    /// the cycle after the last sample, which leaves its evaluations to the descent.
     #[inline(never)]
     pub(super) fn look_around<P: Position>(
         &self,
@@ -362,7 +364,7 @@ impl<R: Real> ContourSearch<R> {
         }
     }
 
-    /// The same of a foot whose distance is not known yet, out of line.
+    /// Like [`report`](Self::report), out of line, for a foot whose distance is not known yet.
     #[inline(never)]
     pub(super) fn report_found<P: Position>(
         &self,
@@ -391,7 +393,7 @@ impl<R: Real> ContourSearch<R> {
         state.reference = reference;
         let lag = way_far(path, found.place, reference, self.max_lag);
         if state.warm && lag.abs() > self.max_lag {
-            // The foot has stayed behind: look around afresh.
+            // The foot has stayed behind: start a cold search.
             state.warm = false;
             state.looked = 0;
         }
@@ -411,7 +413,7 @@ pub(super) fn components<R: Real, P: Position>(
     let [bx, by, bz] = path.span(found.place.span).map_or([R::ZERO, R::ZERO, R::ONE], |s| s.plane);
     let [tx, ty, tz] = found.tangent;
     let e = [-found.vector[0], -found.vector[1], -found.vector[2]];
-    // n = b × t; components by the unnormalised frame, one root for both lengths.
+    // n = b × t; the components use the unnormalised frame, with one root for both lengths.
     let n = [by * tz - bz * ty, bz * tx - bx * tz, bx * ty - by * tx];
     let (tt, nn) = (dot(&found.tangent, &found.tangent), dot(&n, &n));
     let (n, nn) = if nn > R::of(1e-12) * tt { (n, nn) } else { ([R::ONE, R::ZERO, R::ZERO], R::ONE) };
@@ -421,7 +423,7 @@ pub(super) fn components<R: Real, P: Position>(
     let out = [ty * n[2] - tz * n[1], tz * n[0] - tx * n[2], tx * n[1] - ty * n[0]];
     let binormal = dot(&e, &out) * i;
     let along = dot(&e, &found.tangent);
-    // At a plain foot the tangential part is rounding, and what is not out of the plane is in it.
+    // At a plain foot the tangential part is rounding, so everything that is not out of the plane is in it.
     let special =
         found.flags.has(Flags::AT_END) || found.flags.has(Flags::AT_CORNER) || !found.flags.has(Flags::BRACKETED);
     let tangential = if special && tt > R::of(1e-30) { along / tt.sqrt() } else { R::ZERO };
@@ -442,8 +444,8 @@ pub(super) fn components<R: Real, P: Position>(
     }
 }
 
-/// A minimum behind the nearer border, if the path bends so that there is one on each side: the nearer of the two, of
-/// two legs side by side the one that is meant.
+/// Finds a minimum behind the nearer border, if the path bends so that there is one on each side: returns the nearer of the
+/// two or, of two legs side by side, the one intended.
 #[inline(never)]
 pub(super) fn across<R: Real, P: Position>(
     on: &OnPath<'_, R, P>,
@@ -470,7 +472,7 @@ pub(super) fn across<R: Real, P: Position>(
     let local = beyond.relative(point);
     *spent = spent.saturating_add(2);
     let other = foot(beyond, &local, entry);
-    // Downhill into the neighbour, or no minimum there.
+    // Unless the distance falls into the neighbour, there is no minimum there.
     if !(other.converged && other.t > R::ZERO && other.t < R::ONE) {
         return None;
     }

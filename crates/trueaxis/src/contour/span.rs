@@ -1,11 +1,11 @@
-//! A path in the form in which the step searches it.
+//! A path in the form that the step searches.
 
 use crate::position::Position;
 use crate::real::Real;
 use crate::vector::V3;
 use serde::{Deserialize, Serialize};
 
-/// Which terms of a span's polynomial are there, so that the kernel computes no others.
+/// Terms that a span's polynomial has, so that the kernel computes no others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Form {
@@ -21,34 +21,35 @@ pub enum Form {
 
 /// A short polynomial part of a line, arc, helix or spline.
 ///
-/// In a parameter t = 0..1 of its own and about an origin of its own, homogeneous, in power basis:
+/// Each span has its own parameter t = 0..1 and its own origin; homogeneous, in power basis:
 ///
 /// ```text
 /// P(t) = origin + (Σ c_k t^k)_xyz / (Σ c_k t^k)_w
 /// ```
 ///
-/// mm. Every span lies within 8 mm of its origin and its tangent turns by less than 30°: single precision then keeps
-/// about a nanometre, and the foot-point kernel's series converges.
+/// In mm. Every span lies within 8 mm of its origin and its tangent turns by less than 30°: single precision then keeps about
+/// a nanometre, and the foot-point kernel's series converges.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Span<R, P> {
     pub(super) origin: [P; 3],
     pub(super) coefficients: [[R; 4]; 6],
-    /// Arc length from the start: `a t + b t² + c t³`, with the speeds at both ends and the length exact.
+    /// Arc length from the start: `a t + b t² + c t³`, exact in the speeds at both ends and in the length.
     pub(super) arc: [R; 3],
     /// Normal of the machining plane.
     pub(super) plane: [R; 3],
     pub(super) form: Form,
     pub(super) segment: u32,
     pub(super) u: [f64; 2],
-    /// tan of a quarter of the turned angle where u is proportional to an angle, 0 where t is linear in u.
+    /// tan of a quarter of the span's angle if u is proportional to an angle, 0 if t is linear in u.
     pub(super) quarter_tangent: f64,
 }
 
 impl Span<f64, f64> {
-    /// The same span in the scalar and the positions of a step: a host plans in doubles, the servo's core gets this.
+    /// Converts the span to the scalar and positions of a step: a host plans in doubles and hands the result to the servo's
+    /// core.
     ///
-    /// Bit for bit what [`super::convert`] makes there: the origin is rounded to what positions can say, the polynomial
-    /// moves by what that leaves.
+    /// Equal bit for bit to the span that [`super::convert`] makes for them: the origin is rounded to a representable
+    /// position, and the polynomial absorbs the rounding error.
     pub fn rounded<R: Real, P: Position>(&self) -> Span<R, P> {
         let origin = self.origin.map(P::of);
         let mut coefficients = self.coefficients;
@@ -71,10 +72,11 @@ impl Span<f64, f64> {
 }
 
 impl<R: Real, P: Position> Span<R, P> {
-    /// A span without length: the tip stands at `point` (mm) while the tool's direction turns.
+    /// A span without length: the tip stays at `point` (mm) while the tool's direction turns.
     ///
-    /// In a [`super::ToolPath`] the search of the tip passes over it to the spans on either side; what turns is a
-    /// [`super::Turn`] of the same number. In a plain [`Path`] it is a point like any other, and holds the foot. `number` is the segment's, `plane` the unit normal of the machining plane; u = 0..1.
+    /// In a [`super::ToolPath`] the search of the tip skips it and continues on the spans on either side; the [`super::Turn`]
+    /// with the same number describes the turn. In a plain [`Path`] it is an ordinary point and can be the foot. `number` is
+    /// the segment's number, `plane` the unit normal of the machining plane; u = 0..1.
     pub fn turning(point: [P; 3], number: u32, plane: [R; 3]) -> Self {
         let mut coefficients = [[R::ZERO; 4]; 6];
         coefficients[0][3] = R::ONE;
@@ -90,16 +92,18 @@ impl<R: Real, P: Position> Span<R, P> {
         }
     }
 
-    /// A cubic from one point over a distance vector, with the derivatives at both ends (all mm); rest as above.
+    /// A cubic from a point over a distance vector, with the derivatives at both ends (all mm); other parameters as in
+    /// [`Span::turning`].
     ///
-    /// Real-time: some sixty multiplications and three roots. The arc length is Simpson's, 1e-6 of itself at 20° of turn.
+    /// Real-time: some sixty multiplications and three roots. The arc length is by Simpson's rule, to 1e-6 of its value at 20°
+    /// of turn.
     #[inline(always)]
     pub(super) fn hermite(from: &[P; 3], way: V3<R>, start: V3<R>, end: V3<R>, number: u32, plane: [R; 3]) -> Self {
         let [x, y, z] = from;
         let half = way * R::HALF;
         let origin = [x.plus(half.x), y.plus(half.y), z.plus(half.z)];
         let [ox, oy, oz] = origin;
-        // The rounding error of the origin goes into the polynomial.
+        // The polynomial absorbs the rounding error of the origin.
         let first = V3::new(x.since_near(ox), y.since_near(oy), z.since_near(oz));
         let square = way * R::THREE - start * R::TWO - end;
         let cube = start + end - way * R::TWO;
@@ -123,15 +127,15 @@ impl<R: Real, P: Position> Span<R, P> {
         }
     }
 
-    /// Whether the tip stands still on it ([`Span::turning`]).
+    /// Whether the tip stands still on this span ([`Span::turning`]).
     #[inline(always)]
     pub fn stands(&self) -> bool {
-        // Every other span starts with a speed: a cusp's is still a whole length's cubic.
+        // Every other span has a speed at its start; a cusp's cubic at least contains the whole length.
         let [a, b, c] = self.arc;
         a == R::ZERO && b == R::ZERO && c == R::ZERO
     }
 
-    /// Number of the segment that it belongs to.
+    /// Number of the segment to which the span belongs.
     pub fn segment(&self) -> u32 {
         self.segment
     }
@@ -149,21 +153,21 @@ impl<R: Real, P: Position> Span<R, P> {
 
     /// Arc length from the start of the span to `t`, mm.
     ///
-    /// Cubic in t: exact at both ends, on lines and circles to 1e-4 of the span's length, on splines to some 1e-3.
+    /// Cubic in t: exact at both ends, elsewhere to 1e-4 of the span's length on lines and circles, to some 1e-3 on splines.
     #[inline(always)]
     pub fn arc_length(&self, t: R) -> R {
         let [a, b, c] = self.arc;
         t * (a + t * (b + t * c))
     }
 
-    /// d(arc length)/dt at `t`, mm, never below a tenth of the mean.
+    /// d(arc length)/dt at `t`, mm, at least a tenth of the mean.
     #[inline(always)]
     pub(super) fn arc_speed(&self, t: R) -> R {
         let [a, b, c] = self.arc;
         (a + t * (R::TWO * b + R::THREE * t * c)).max(R::of(0.1) * self.length())
     }
 
-    /// Parameter at an arc length from the start: the inverse of [`Span::arc_length`], clamped at both ends. Forty
+    /// Parameter at an arc length from the start: the inverse of [`Span::arc_length`], clamped at both ends. Takes forty
     /// halvings: not for a servo cycle.
     pub fn t_at(&self, arc_length: R) -> R {
         let (mut low, mut high) = (R::ZERO, R::ONE);
@@ -174,10 +178,10 @@ impl<R: Real, P: Position> Span<R, P> {
         if arc_length >= self.length() { R::ONE } else { low }
     }
 
-    /// Span parameter at the segment's parameter `u`: without libm, 1e-13 of the range.
+    /// Span parameter at the segment's parameter `u`, to 1e-13 of the range, without libm.
     ///
-    /// On arcs u is proportional to the angle θ = 2 atan(k(2t − 1)), |θ| < 15°, so that
-    /// t = (1 + tan(θ/2)/k)/2 with the tangent's series to the 13th power.
+    /// On arcs u is proportional to the angle θ = 2 atan(k(2t − 1)), |θ| < 15°, so t = (1 + tan(θ/2)/k)/2, with the tangent's
+    /// series to the 13th power.
     pub fn t_of(&self, u: f64) -> R {
         let [u0, u1] = self.u;
         let linear = Real::limit((u - u0) / (u1 - u0), 0.0, 1.0);
@@ -206,7 +210,7 @@ impl<R: Real, P: Position> Span<R, P> {
         [x * i, y * i, z * i]
     }
 
-    /// Start, relative to the origin, and the vector to the end, mm; of a cubic.
+    /// Start of a cubic, relative to the origin, and the vector from there to its end, mm.
     #[inline(always)]
     pub(super) fn chord(&self) -> ([R; 4], V3<R>) {
         let [start, [x1, y1, z1, _], [x2, y2, z2, _], [x3, y3, z3, _], ..] = self.coefficients;
@@ -220,7 +224,7 @@ impl<R: Real, P: Position> Span<R, P> {
         [ox.plus(x), oy.plus(y), oz.plus(z)]
     }
 
-    /// A point relative to the origin, from which a span reaches a few millimetres.
+    /// Point relative to the origin, for points within a few millimetres of the span.
     #[inline(always)]
     pub(super) fn relative(&self, point: &[P; 3]) -> [R; 3] {
         let ([x, y, z], [ox, oy, oz]) = (point, &self.origin);
@@ -228,7 +232,7 @@ impl<R: Real, P: Position> Span<R, P> {
     }
 }
 
-/// Most spans without length in a row that the search of the tip passes over; a single one may turn by any angle.
+/// Most consecutive spans without length that the search of the tip skips; one alone may turn by any angle.
 const TURNS_IN_A_ROW: u32 = 8;
 
 /// a·b.
@@ -257,7 +261,7 @@ fn tan(x: f64) -> f64 {
     x * C.iter().rev().fold(0.0, |sum, c| sum * z + c)
 }
 
-/// The path of the interpolator: spans in path order, each beginning where the one before ends.
+/// The interpolator's path: spans in path order, each beginning where the previous one ends.
 ///
 /// A host with a long program slides a window over it: `first` is the sequence number of the window's first span.
 #[derive(Clone, Copy, Debug)]
@@ -265,37 +269,37 @@ pub struct Path<'a, R, P> {
     pub(super) spans: &'a [Span<R, P>],
     pub(super) first: u32,
     pub(super) closed: bool,
-    /// There may be spans without length to be passed over; a path of the tip alone is not asked.
+    /// Whether spans without length may have to be skipped; false for a path of the tip alone, to save the test.
     pub(super) turning: bool,
 }
 
 impl<'a, R: Real, P: Position> Path<'a, R, P> {
-    /// A window of spans; `closed` where the last one ends at the first one's start.
+    /// A window of spans; `closed` if the last span ends at the first one's start.
     pub fn new(spans: &'a [Span<R, P>], first: u32, closed: bool) -> Self {
         Path { spans, first, closed, turning: false }
     }
 
-    /// The point at parameter `u` of a segment, for the step: 0 to 1 on lines and arcs, the knots' domain on splines, and
-    /// beyond them the end.
+    /// Point at parameter `u` of a segment, for the step: 0 to 1 on lines and arcs, the knots' domain on splines; outside, the
+    /// nearer end.
     ///
-    /// Of a segment that the window does not hold, and of a `u` that is not a number, there is no such point: nothing is
-    /// measured there, and that is flagged.
+    /// If the window does not contain the segment, or `u` is not a number, there is no such point: the step measures no
+    /// contour error and flags that.
     ///
-    /// Cost: a search by halves, some ten instructions for each doubling of the spans.
+    /// Cost: a binary search, some ten instructions for each doubling of the spans.
     pub fn at(&self, segment: u32, u: f64) -> OnPath<'a, R, P> {
         let before = self.spans.partition_point(|span| (span.segment, span.u[0]) <= (segment, u));
         let held = |index: usize| {
             let span = self.spans.get(index).filter(|span| span.segment == segment && !u.is_nan())?;
             Some(Reference { span: self.first.wrapping_add(index as u32), t: span.t_of(u) })
         };
-        // Below the segment's first parameter it is the next span.
+        // Below the segment's first parameter the search ends on the span before: use the next one.
         let reference = held(before.saturating_sub(1))
             .or_else(|| held(before))
             .unwrap_or(Reference { span: self.first, t: R::of(f64::NAN) });
         self.on(reference)
     }
 
-    /// A point known by span and parameter, for the step.
+    /// Point given by span and parameter, for the step.
     #[inline(always)]
     pub fn on(&self, reference: Reference<R>) -> OnPath<'a, R, P> {
         OnPath { path: *self, reference }
@@ -309,14 +313,14 @@ impl<'a, R: Real, P: Position> Path<'a, R, P> {
         self.spans.get(number.wrapping_sub(self.first) as usize)
     }
 
-    /// The number after `number` on which the tip moves, if there is one.
+    /// Number of the next span after `number` on which the tip moves, if there is one.
     #[inline(always)]
     pub(super) fn next(&self, number: u32) -> Option<u32> {
         let next = self.following(number)?;
         if self.turning { self.pass(next, Self::following) } else { Some(next) }
     }
 
-    /// The number before `number` on which the tip moves, if there is one.
+    /// Number of the last span before `number` on which the tip moves, if there is one.
     #[inline(always)]
     pub(super) fn previous(&self, number: u32) -> Option<u32> {
         let previous = self.preceding(number)?;
@@ -329,7 +333,7 @@ impl<'a, R: Real, P: Position> Path<'a, R, P> {
         self.span(number).is_some_and(Span::stands)
     }
 
-    /// Over spans without length, at most [`TURNS_IN_A_ROW`] of them.
+    /// Skips spans without length, at most [`TURNS_IN_A_ROW`] of them.
     #[inline(never)]
     fn pass(&self, mut number: u32, onwards: impl Fn(&Self, u32) -> Option<u32>) -> Option<u32> {
         for _ in 0..TURNS_IN_A_ROW {
@@ -341,7 +345,7 @@ impl<'a, R: Real, P: Position> Path<'a, R, P> {
         (!self.stands(number)).then_some(number)
     }
 
-    /// The same point on a span on which the tip moves, if the path has one nearby.
+    /// Equivalent of a point on a span on which the tip moves, if there is one nearby; otherwise the point itself.
     #[inline(always)]
     pub(super) fn moving(&self, at: Reference<R>) -> Reference<R> {
         if self.turning && self.stands(at.span) { self.beside(at) } else { at }
@@ -357,7 +361,7 @@ impl<'a, R: Real, P: Position> Path<'a, R, P> {
         }
     }
 
-    /// The number after `number`, if there is one.
+    /// Number of the span after `number`, if there is one.
     #[inline(always)]
     pub(super) fn following(&self, number: u32) -> Option<u32> {
         let next = number.wrapping_add(1);
@@ -368,7 +372,7 @@ impl<'a, R: Real, P: Position> Path<'a, R, P> {
         }
     }
 
-    /// The number before `number`, if there is one.
+    /// Number of the span before `number`, if there is one.
     #[inline(always)]
     pub(super) fn preceding(&self, number: u32) -> Option<u32> {
         if number == self.first {
@@ -380,7 +384,7 @@ impl<'a, R: Real, P: Position> Path<'a, R, P> {
     }
 }
 
-/// A path, and where on it the command of this cycle lies.
+/// A path and the position of this cycle's command on it.
 #[derive(Clone, Copy, Debug)]
 pub struct OnPath<'a, R, P> {
     /// The path.
@@ -390,7 +394,7 @@ pub struct OnPath<'a, R, P> {
 }
 
 impl<R: Real, P: Position> OnPath<'_, R, P> {
-    /// The point of the path there, mm; none if the path has no such position.
+    /// Point of the path at the reference, mm; `None` if the path has no such position.
     pub fn position(&self) -> Option<[P; 3]> {
         let Reference { span, t } = self.reference;
         self.path.span(span).filter(|_| t.is_finite()).map(|span| span.position(t))
@@ -408,7 +412,7 @@ pub struct Reference<R> {
 }
 
 impl<R: Real> Reference<R> {
-    /// The parameter is one of the span and not −0; not so if it is not a number.
+    /// Whether the parameter is within 0 to 1 and not −0; false if it is not a number.
     #[inline(always)]
     pub(crate) fn is_on_its_span(&self) -> bool {
         self.t.is_in_unit()

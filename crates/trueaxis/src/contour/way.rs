@@ -4,19 +4,19 @@ use super::span::{Path, Reference, Span};
 use crate::position::Position;
 use crate::real::Real;
 
-/// Spans that a motion goes over in a cycle, at most: what goes farther is lost sight of.
+/// Most spans that the foot or the reference may cross in one cycle; after a larger motion the foot is lost.
 const SPANS: u32 = 8;
-/// Spans between two samples of a cold search, at most.
+/// Most spans between two samples of a cold search.
 const STEP: u32 = 3;
-/// The same for the distance between a foot and the reference, off the servo cycle.
+/// Most spans between a foot and the reference, outside the servo cycle.
 const FAR: u32 = 64;
 
 /// Half-window at standstill, mm.
 const STANDSTILL_WINDOW: f64 = 5e-3;
-/// Half-window per progress of the reference.
+/// Half-window per unit of the reference's progress.
 const WINDOW_PER_PROGRESS: f64 = 4.0;
 
-/// Arc length from one point of the path to another, negative backwards; none over more than eight spans.
+/// Arc length from one point of the path to another, negative backwards; `None` over more than eight spans.
 #[inline(always)]
 pub(super) fn way<R: Real, P: Position>(path: &Path<'_, R, P>, from: Reference<R>, to: Reference<R>) -> Option<R> {
     match path.span(from.span) {
@@ -25,7 +25,7 @@ pub(super) fn way<R: Real, P: Position>(path: &Path<'_, R, P>, from: Reference<R
     }
 }
 
-/// The same over up to 64 spans; beyond them it is more than `beyond`.
+/// Like [`way`], over up to 64 spans; beyond them the result exceeds `beyond`.
 #[inline(never)]
 pub(super) fn way_far<R: Real, P: Position>(
     path: &Path<'_, R, P>,
@@ -39,7 +39,7 @@ pub(super) fn way_far<R: Real, P: Position>(
     }
 }
 
-/// Whichever way is over fewer spans.
+/// Arc length in the direction that crosses fewer spans; `None` over more than `most`.
 #[inline(never)]
 fn across<R: Real, P: Position>(path: &Path<'_, R, P>, from: Reference<R>, to: Reference<R>, most: u32) -> Option<R> {
     let part = |place: Reference<R>| Some(path.span(place.span)?.arc_length(place.t));
@@ -66,7 +66,7 @@ fn across<R: Real, P: Position>(path: &Path<'_, R, P>, from: Reference<R>, to: R
     }
 }
 
-/// Length of `number` and the spans after it, `count` in all.
+/// Total length of `count` spans, starting with `number`; `None` for more than `most`.
 fn between<R: Real, P: Position>(path: &Path<'_, R, P>, mut number: u32, count: u32, most: u32) -> Option<R> {
     if count > most {
         return None;
@@ -79,8 +79,8 @@ fn between<R: Real, P: Position>(path: &Path<'_, R, P>, mut number: u32, count: 
     Some(sum)
 }
 
-/// Borders within this may hide a nearer foot behind them: where a tool cuts a corner of 28° or more by the error, the
-/// foot on the old leg lies within four times that of the corner.
+/// Distance within which a border may hide a nearer foot behind it: where a tool cuts a corner of 28° or more by the error,
+/// the foot on the old leg lies within four times the error from the corner.
 #[inline(always)]
 pub(super) fn sight<R: Real>(window: R, error: R) -> R {
     window + R::of(4.0) * error
@@ -92,28 +92,28 @@ pub(super) fn window<R: Real>(progress: R) -> R {
     R::of(STANDSTILL_WINDOW) + R::of(WINDOW_PER_PROGRESS) * progress.abs()
 }
 
-/// A point of the path, and how far from another it really is, arc length.
+/// A point of the path and its exact arc length from the starting point.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Moved<R> {
     pub(super) to: Reference<R>,
     pub(super) by: R,
 }
 
-/// The point at a distance further along the path, within the speed's change on the way; held at the ends of an open one.
-/// None over more than eight spans.
+/// The point at arc length `by` along the path, to within the change of speed on the way; clamped at the ends of an open path.
+/// `None` over more than eight spans.
 #[inline(always)]
 pub(super) fn advance<R: Real, P: Position>(path: &Path<'_, R, P>, from: Reference<R>, by: R) -> Option<Moved<R>> {
     let (moved, there) = walk(path, from, by, SPANS)?;
     there.then_some(moved)
 }
 
-/// The same for a step between two samples: over three spans at most, where it stays.
+/// Like [`advance`], for a step between two samples: stops after three spans.
 #[inline(always)]
 pub(super) fn step<R: Real, P: Position>(path: &Path<'_, R, P>, from: Reference<R>, by: R) -> Option<Moved<R>> {
     Some(walk(path, from, by, STEP)?.0)
 }
 
-/// Over `most` spans at most, and whether that was enough.
+/// Advances by `by` over at most `most` spans; also returns whether they were enough.
 #[inline(never)]
 fn walk<R: Real, P: Position>(path: &Path<'_, R, P>, from: Reference<R>, by: R, most: u32) -> Option<(Moved<R>, bool)> {
     let mut span: &Span<R, P> = path.span(from.span)?;
@@ -124,7 +124,7 @@ fn walk<R: Real, P: Position>(path: &Path<'_, R, P>, from: Reference<R>, by: R, 
     }
     let mut length = span.length();
     let mut place = begin + by;
-    // Lengths passed, negative backwards.
+    // Length of the spans passed, negative backwards.
     let mut passed = R::ZERO;
     let (mut left, mut there) = (most, true);
     while place > length || place < R::ZERO {
@@ -132,7 +132,7 @@ fn walk<R: Real, P: Position>(path: &Path<'_, R, P>, from: Reference<R>, by: R, 
         let next = if ahead { path.following(number) } else { path.preceding(number) };
         there = left > 0 || next.is_none();
         let (true, Some(next)) = (left > 0, next) else {
-            // An end of the path, or of what is looked at.
+            // An end of the path, or the limit of spans.
             place = if ahead { length } else { R::ZERO };
             break;
         };
@@ -154,7 +154,7 @@ fn walk<R: Real, P: Position>(path: &Path<'_, R, P>, from: Reference<R>, by: R, 
     Some((Moved { to: Reference { span: number, t }, by: passed + span.arc_length(t) - begin }, there))
 }
 
-/// The same over up to 64 spans, where it stays: off the servo cycle.
+/// Like [`advance`], but stops after 64 spans; for use outside the servo cycle.
 pub(super) fn advance_far<R: Real, P: Position>(path: &Path<'_, R, P>, from: Reference<R>, by: R) -> Reference<R> {
     walk(path, from, by, FAR).map_or(from, |(moved, _)| moved.to)
 }

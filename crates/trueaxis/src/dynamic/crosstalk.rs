@@ -15,7 +15,7 @@ struct Knot<R, P> {
     slope: R,
 }
 
-/// One entry, by slots.
+/// One entry, with axes as slots.
 #[derive(Clone, Copy, Debug)]
 struct Entry<R, P> {
     tip: usize,
@@ -46,7 +46,7 @@ impl<R: Real, P: Position> Entry<R, P> {
         Ok(Entry { tip: slot(settings.tip)?, from: slot(settings.from)?, over: slot(settings.over)?, knots })
     }
 
-    /// k at a position: that of the last knot below it, and its slope.
+    /// k at a position, from the value and slope of the last knot below it.
     #[inline(always)]
     fn at(&self, position: P) -> R {
         let mut found = R::ZERO;
@@ -76,7 +76,7 @@ impl<R: Real, P: Position> Crosstalk<R, P> {
         Ok(Crosstalk(entries))
     }
 
-    /// Adds what makes up for it; `changes`: of the ways in a period, by slot.
+    /// Adds the compensation of the cross-talk; `changes`: changes of the distances per period, by slot.
     #[inline(always)]
     pub(super) fn subtract<const N: usize>(&self, wanted: &mut [R; N], changes: &[R; N], places: &[P; N]) {
         for entry in self.0.iter().flatten() {

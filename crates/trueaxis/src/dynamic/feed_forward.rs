@@ -1,7 +1,7 @@
-//! Feed-forward of an axis: friction, lag and acceleration as the position offset that makes the drive supply them.
+//! Feed-forward of an axis: the position offset that makes the drive supply friction, lag and acceleration.
 //!
-//! With v the velocity of command and geometric correction, a their acceleration, T the period and the drive figures of the
-//! axis, in velocities (a force divided by the moved mass and K_vp):
+//! With v the velocity of command plus geometric correction, a their acceleration, T the period and the drive figures of
+//! the axis, in velocities (a force divided by the moved mass and K_vp):
 //!
 //! ```text
 //! f  <- (f + v T/z) / (1 + |v| T/z)                      friction state, −1 … 1; Dahl, implicit: cannot overshoot
@@ -10,9 +10,10 @@
 //! u  <- k u + (h + (1 − k_ff) v) g                       k = e^(−K_v T/k_ff),  g = (1 − k)/K_v
 //! ```
 //!
-//! The geometric correction counts as it is led in, before the limiter of the axis: what that holds back would come back
-//! through a, with a gain of 1/(K_vp T). The last line is k_ff u' = h + (1 − k_ff) v − K_v u, exact for inputs that hold over
-//! a period; for k_ff = 0 it is u = (h + v)/K_v. Cost: two divisions and some 20 multiplications and additions an axis.
+//! The geometric correction enters rate-limited, ahead of the axis limiter: the part withheld by that limiter would
+//! return through a, with a gain of 1/(K_vp T). The last line is k_ff u' = h + (1 − k_ff) v − K_v u, exact for inputs
+//! that are constant over a period; for k_ff = 0 it is u = (h + v)/K_v. Cost: two divisions and some 20 multiplications
+//! and additions per axis.
 
 #![deny(clippy::indexing_slicing)]
 
@@ -30,9 +31,9 @@ pub(super) struct FeedForward<R> {
     coulomb: R,
     stribeck: R,
     viscous: R,
-    /// Periods.
+    /// In periods.
     lead: R,
-    /// 1/(K_vp T): from a change of the velocity to a share of it.
+    /// 1/(K_vp T): multiplies a change of the velocity.
     acceleration: R,
     /// 1 − k_ff.
     lag: R,
@@ -45,10 +46,10 @@ pub(super) struct FeedForward<R> {
 /// State of an axis.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Drift<R> {
-    /// −1 … 1.
+    /// Friction state f, −1 … 1.
     friction: R,
     force: R,
-    /// What the integrator does not supply yet.
+    /// Force that the integrator does not supply yet.
     missing: R,
     /// The position offset, mm (deg).
     offset: R,
@@ -57,7 +58,7 @@ pub(super) struct Drift<R> {
 }
 
 impl<R: Real> Drift<R> {
-    /// Standing from now on.
+    /// The axis is at rest from now on.
     #[inline(always)]
     pub(super) fn stand(&mut self) {
         (self.velocity, self.missing) = (R::ZERO, R::ZERO);
@@ -71,7 +72,7 @@ impl<R: Real> Drift<R> {
 }
 
 impl<R: Real> FeedForward<R> {
-    /// Of an axis that has none.
+    /// The law of an axis without feed-forward.
     pub(super) fn none() -> Self {
         let zero = R::ZERO;
         FeedForward {
@@ -89,12 +90,12 @@ impl<R: Real> FeedForward<R> {
         }
     }
 
-    /// Of an axis; nothing without its drive figures.
+    /// The law of an axis; zero without its drive figures.
     pub(super) fn new(servo: &AxisServo, dynamic: &DynamicSettings, period_s: f64) -> Self {
         let mut law = FeedForward::none();
         let Some(drive) = servo.drive else { return law };
         let shared = drive.velocity_feed_forward;
-        // Without feed-forward the offset follows at once.
+        // Without feed-forward the offset follows immediately.
         let keep = if shared > 0.0 { libm::exp(-drive.position_gain_per_s * period_s / shared) } else { 0.0 };
         law.keep = R::of(keep);
         law.gain = R::of((1.0 - keep) / (drive.position_gain_per_s * period_s));
@@ -116,15 +117,14 @@ impl<R: Real> FeedForward<R> {
         law
     }
 
-    /// The offset of a cycle that takes no time: that of the last one.
+    /// The offset of a cycle that takes no time: the previous one.
     #[inline(always)]
     pub(super) fn standing(&self, state: &Drift<R>) -> R {
-        // Zero where there is no law, whatever one before the exchange of a loop has left.
+        // Zero without a law, whatever offset a loop before an exchange has left.
         if self.gain == R::ZERO { R::ZERO } else { state.offset }
     }
 
-    /// The offset of a cycle in which the axis is to move by `way`. `anew`: what the force is now, the drive supplies
-    /// already.
+    /// The offset of a cycle in which the axis moves by `way`. `anew`: the drive already supplies the present force.
     #[inline(always)]
     pub(super) fn offset(&self, state: &mut Drift<R>, way: R, parts: Dynamics, anew: bool) -> R {
         let change = way - state.velocity;

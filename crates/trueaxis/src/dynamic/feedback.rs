@@ -1,20 +1,20 @@
 //! Contour feedback: u = −(K_p e + K_i ∫e dt), e the contour error of the estimated tip in machine directions.
 //!
-//! While the error says nothing that could be acted on (foot not bracketed, a corner or an end, ambiguous, cold, in rapid
-//! motion, under a fault) the integral holds and K_p e is led out; while an axis is limited its integral holds (anti-windup).
+//! If the error cannot be acted on (foot not bracketed, a corner or an end, ambiguous, cold, in rapid motion, under a
+//! fault), the integral is held and K_p e ramped out; while an axis is limited, its integral is held (anti-windup).
 
 #![deny(clippy::indexing_slicing)]
 
 use crate::machine::FeedbackSettings;
 use crate::real::Real;
 
-/// Gains and the fastest motion with feedback.
+/// Gains, and the fastest motion with feedback.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Feedback<R> {
     proportional: R,
     /// Per period.
     integral: R,
-    /// Square of the largest way in a period.
+    /// Square of the largest distance per period.
     fastest: R,
 }
 
@@ -28,7 +28,7 @@ impl<R: Real> Feedback<R> {
         }
     }
 
-    /// Not faster than there is feedback for; `ways` of a cycle.
+    /// Whether the motion is slow enough for feedback; `ways`: distances of a cycle.
     #[inline(always)]
     pub(super) fn reaches(&self, ways: impl Iterator<Item = R>) -> bool {
         let mut square = R::ZERO;
@@ -38,7 +38,7 @@ impl<R: Real> Feedback<R> {
         square <= self.fastest
     }
 
-    /// The wanted offset of an axis; `error` is `None` where there is none to act on.
+    /// The wanted offset of an axis; `error` is `None` if it cannot be acted on.
     #[inline(always)]
     pub(super) fn offset(&self, integral: &mut R, error: Option<R>, limited: bool, most: R) -> R {
         let Some(error) = error else { return -*integral };

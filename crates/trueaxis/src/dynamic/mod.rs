@@ -1,14 +1,15 @@
-//! The dynamic correction: what the step adds to a command so that the servo, and not only the geometry, comes out true.
+//! The dynamic correction: added by the step to a command to correct the errors of the servo, not only those of the
+//! geometry.
 //!
-//! Each part is off unless it is configured, and is switched in any cycle ([`Dynamics`]):
+//! Each part is off unless it is configured, and can be switched in any cycle ([`Dynamics`]):
 //!
-//! - [`feed_forward`]: friction at reversals, following error, acceleration, from where the axes are to go;
+//! - [`feed_forward`]: friction at reversals, following error, acceleration, from the intended motion of the axes;
 //! - [`feedback`]: the contour error of the estimated tip as a control input;
-//! - [`crosstalk`]: what an axis' acceleration moves in the others' directions;
+//! - [`crosstalk`]: displacement by an axis' acceleration in the directions of other axes;
 //! - a learned correction that the host looks up along its path ([`crate::Input::learned`]).
 //!
-//! Their sum d has a limiter of its own; the geometric correction and d together pass that of the axis. Neither of them, nor
-//! any switch, exchange or fault, makes a drive jump.
+//! A separate limiter limits their sum d; the axis limiter then limits the geometric correction and d together. Neither
+//! correction, nor any switch, exchange or fault, makes a drive jump.
 //!
 //! Source: Dahl's pre-sliding friction and Stribeck's curve; contour feedback after Y. Koren, Cross-coupled biaxial computer
 //! control for manufacturing systems, J. Dyn. Syst. Meas. Control 102 (1980), here on the true distance from the path.

@@ -1,20 +1,20 @@
-//! The parts of the dynamic correction: switched by the host, told apart in the record.
+//! The parts of the dynamic correction: switched by the host, listed separately in the record.
 
 use crate::real::Real;
 
-/// Parts of the dynamic correction that the host wants in a cycle, as bits. What is not configured stays off.
+/// Parts of the dynamic correction that the host wants in a cycle, as bits. Parts that are not configured stay off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Dynamics(pub u8);
 
 impl Dynamics {
-    /// None.
+    /// No part.
     pub const NONE: Dynamics = Dynamics(0);
     /// Friction at reversals.
     pub const FRICTION: Dynamics = Dynamics(1);
-    /// Velocity that the drive does not feed forward itself.
+    /// Velocity that the drive does not feed forward.
     pub const LAG: Dynamics = Dynamics(2);
-    /// Acceleration that the velocity loop would have to be off for.
+    /// Velocity error that an acceleration requires of the velocity loop.
     pub const ACCELERATION: Dynamics = Dynamics(4);
     /// Contour feedback.
     pub const FEEDBACK: Dynamics = Dynamics(8);
@@ -22,9 +22,9 @@ impl Dynamics {
     pub const CROSSTALK: Dynamics = Dynamics(16);
     /// Learned correction.
     pub const LEARNED: Dynamics = Dynamics(32);
-    /// Lost motion from the reversal of the command.
+    /// Lost motion, taken up from the reversal of the command.
     pub const TAKE_UP: Dynamics = Dynamics(64);
-    /// Everything that is configured.
+    /// Every configured part.
     pub const ALL: Dynamics = Dynamics(127);
 
     /// Whether all bits of `other` are set.
@@ -41,13 +41,13 @@ impl Dynamics {
 }
 
 impl Default for Dynamics {
-    /// Everything that is configured.
+    /// Every configured part.
     fn default() -> Self {
         Dynamics::ALL
     }
 }
 
-/// The dynamic correction of a cycle and what asked for it, mm (deg), by slot.
+/// The dynamic correction of a cycle and the parts that requested it, mm (deg), by slot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct DynamicParts<R, const N: usize> {

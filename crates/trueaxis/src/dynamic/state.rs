@@ -1,4 +1,4 @@
-//! State of the dynamic correction from cycle to cycle.
+//! State of the dynamic correction, carried from cycle to cycle.
 
 #![deny(clippy::indexing_slicing)]
 
@@ -9,36 +9,36 @@ use crate::limiter::LimiterState;
 use crate::position::Position;
 use crate::real::Real;
 
-/// The mutable half of the stage, and the geometric part of what the output stage sends.
+/// Mutable half of the stage, and the geometric part of the corrections sent by the output stage.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DynamicState<R, P: Position, const N: usize> {
     pub(super) drift: [Drift<R>; N],
     pub(super) limited: [LimiterState<R>; N],
     pub(super) integral: [R; N],
     pub(super) swing: [Swing; N],
-    /// The watch has led the feedback out.
+    /// The watch has ramped the feedback out.
     pub(super) out: bool,
     /// The parts of the last cycle.
     pub(super) parts: Dynamics,
-    /// The next cycle starts from rest: ways are counted from there.
+    /// The next cycle starts from rest, with distances measured from there.
     pub(super) fresh: bool,
-    /// Command that the last way led to, and the geometric correction as it was led in there.
+    /// Command at the end of the last move, and the rate-limited geometric correction there.
     pub(super) command: [P; N],
     pub(super) geometric_before: [R; N],
     /// Change of the command in the last cycle.
     pub(super) trend: [R; N],
-    /// Geometric correction as it is led in, before the limiter of the axis.
+    /// Geometric correction, rate-limited ahead of the axis limiter.
     led: [LimiterState<R>; N],
-    /// Geometric correction sent last, mm (deg), as positions add it, and where it led.
+    /// Geometric correction sent last, mm (deg), also as a position offset, and the resulting drive position.
     pub(super) geometric: [R; N],
     offsets: [P::Offset; N],
     drive: [P; N],
-    /// Number of the cycle that this state is for.
+    /// Number of the cycle for which this state is valid.
     next: u32,
 }
 
 impl<R: Real, P: Position, const N: usize> DynamicState<R, P, N> {
-    /// Before the first cycle.
+    /// The state before the first cycle.
     pub(crate) fn new() -> Self {
         DynamicState {
             drift: [Drift::default(); N],
@@ -59,20 +59,20 @@ impl<R: Real, P: Position, const N: usize> DynamicState<R, P, N> {
         }
     }
 
-    /// Whether this state is that of the cycle before `cycle`: not so after cycles of a loop without dynamic correction.
+    /// Whether this state is from the cycle before `cycle`: `false` after cycles of a loop without dynamic correction.
     #[inline(always)]
     pub(crate) fn is_for(&self, cycle: u32) -> bool {
         self.next == cycle
     }
 
-    /// From nothing: all that is sent is geometric.
+    /// Restarts: the entire correction sent is geometric.
     #[cold]
     pub(crate) fn begin(&mut self, sent: [R; N], offsets: &[P::Offset; N], drive: &[P; N]) {
         let led = sent.map(LimiterState::at_rest);
         *self = DynamicState { led, geometric: sent, offsets: *offsets, drive: *drive, ..DynamicState::new() };
     }
 
-    /// The cycle is done: what the limiter of the axis sends, less the dynamic part, is geometric.
+    /// Ends the cycle: the correction sent by the axis limiter, minus the dynamic part, is geometric.
     #[inline(always)]
     pub(crate) fn settle(&mut self, sent: [R; N], command: Option<&[P; N]>, cycle: u32) {
         self.next = cycle.wrapping_add(1);
@@ -93,7 +93,7 @@ impl<R: Real, P: Position, const N: usize> DynamicState<R, P, N> {
         self.rest();
     }
 
-    /// The drives stand: the next way is counted from there.
+    /// The drives are at rest: the next distance is measured from here.
     pub(super) fn rest(&mut self) {
         self.fresh = true;
         self.trend = [R::ZERO; N];
@@ -106,7 +106,7 @@ impl<R: Real, P: Position, const N: usize> DynamicState<R, P, N> {
         self.limited.map(|limited| limited.sent())
     }
 
-    /// Geometric corrections as they are led in.
+    /// Rate-limited geometric corrections.
     #[inline(always)]
     pub(crate) fn led_mut(&mut self) -> &mut [LimiterState<R>; N] {
         &mut self.led
@@ -118,7 +118,7 @@ impl<R: Real, P: Position, const N: usize> DynamicState<R, P, N> {
         &self.geometric
     }
 
-    /// The same, as positions add them.
+    /// Geometric corrections sent last, as position offsets.
     #[inline(always)]
     pub(crate) fn offsets(&self) -> &[P::Offset; N] {
         &self.offsets
@@ -136,7 +136,7 @@ impl<R: Real, P: Position, const N: usize> DynamicState<R, P, N> {
         &mut self.trend
     }
 
-    /// The watch has led the feedback out.
+    /// The watch has ramped the feedback out.
     #[inline(always)]
     pub(crate) fn is_out(&self) -> bool {
         self.out

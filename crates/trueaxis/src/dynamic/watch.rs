@@ -1,9 +1,8 @@
-//! A watch over the contour feedback: an error that goes from one side to the other again and again, each time beyond a
-//! level, is an oscillation.
+//! Watch on the contour feedback: an error that repeatedly changes sides, each time exceeding a level, is an oscillation.
 //!
-//! A reversal or a corner throws the tool to one side; only a loop without margin throws it back and forth. The feedback is
-//! led out after [`TURNS`] changes of sign that follow each other within a quarter of a second; it stays out until the
-//! compensation is switched off or a reset comes.
+//! A reversal or a corner throws the tool to one side; only a loop without margin throws it back and forth. The feedback
+//! is ramped out after [`TURNS`] sign changes, each within a quarter of a second of the previous one; it stays out until
+//! the compensation is switched off or a reset arrives.
 
 #![deny(clippy::indexing_slicing)]
 
@@ -12,7 +11,7 @@ use crate::real::Real;
 
 /// Changes of sign that make an oscillation.
 const TURNS: u8 = 8;
-/// Longest time between two of them, s.
+/// Longest time between two sign changes, s.
 const APART_S: f64 = 0.25;
 
 /// Level and time.
@@ -23,10 +22,10 @@ pub(super) struct Watch<R> {
     apart: u32,
 }
 
-/// One direction's state.
+/// State of one direction.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Swing {
-    /// Side on which the error was beyond the level last: −1, 1; 0 before.
+    /// Side on which the error last exceeded the level: −1, 1; initially 0.
     side: i8,
     turns: u8,
     /// Cycles since the last change.
@@ -38,7 +37,7 @@ impl<R: Real> Watch<R> {
         Watch { level: R::of(settings.watch_mm), apart: (APART_S / period_s) as u32 }
     }
 
-    /// Whether the error has swung once too often.
+    /// Whether the error has changed sides too often.
     #[inline(always)]
     pub(super) fn swings(&self, swing: &mut Swing, error: R) -> bool {
         swing.since = swing.since.saturating_add(1);
@@ -64,7 +63,7 @@ mod tests {
         Watch::new(&FeedbackSettings { watch_mm: 0.01, ..FeedbackSettings::default() }, 1e-3)
     }
 
-    /// Cycles until the watch speaks, of an error over the cycles.
+    /// Number of cycles until the watch detects an oscillation in an error over the cycles.
     fn trips(error: impl Fn(u32) -> f64) -> Option<u32> {
         let mut swing = Swing::default();
         (0..20_000).find(|k| watch().swings(&mut swing, error(*k)))
@@ -84,7 +83,7 @@ mod tests {
         assert_eq!(trips(wave(20.0, 0.0099)), None);
         assert_eq!(trips(wave(1.5, 0.5)), None);
         assert_eq!(trips(|k| if k % 50 < 10 { 0.05 } else { 0.0 }), None);
-        // Three swings of a corner now and then.
+        // Occasional corners with three swings each.
         assert_eq!(trips(|k| if k % 1000 < 150 { wave(10.0, 0.05)(k) } else { 0.0 }), None);
     }
 }

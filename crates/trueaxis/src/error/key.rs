@@ -1,11 +1,11 @@
-//! Names of the keys of `machine.toml`, and the units that they end with.
+//! Names of the keys of `machine.toml`, and their unit suffixes.
 
 use super::field::Field;
 use crate::axis::Axis;
 use core::fmt;
 
 impl Field {
-    /// Its key in `machine.toml`, of an axis where it belongs to one; `None` where the setting is not in the file.
+    /// Returns the key in `machine.toml`, with the axis if it belongs to one; `None` if the setting is not in the file.
     ///
     /// ```
     /// use trueaxis::{error::Field, machine::Axis};
@@ -27,7 +27,7 @@ pub struct Key {
 }
 
 impl Key {
-    /// A value of the core (mm, degrees, rad, seconds) in the unit that the name ends with, to twelve digits.
+    /// Converts a value of the core (mm, degrees, rad, seconds) to the unit of the name's suffix, to twelve digits.
     pub fn in_its_unit(&self, value: f64) -> f64 {
         let name = self.pattern.strip_suffix("_per_k").unwrap_or(self.pattern);
         let is_of_axis = name.starts_with("axis.");
@@ -64,7 +64,7 @@ impl fmt::Display for Key {
         match (self.pattern.split_once('*'), self.axis) {
             (None, _) => f.write_str(self.pattern),
             (Some((before, behind)), Some(axis)) => write!(f, "{before}{}{behind}", axis.letter()),
-            // Of no axis in particular: the section of all.
+            // Without an axis: the section of all axes.
             (Some((before, _)), None) => f.write_str(before.split('.').next().unwrap_or(before)),
         }
     }

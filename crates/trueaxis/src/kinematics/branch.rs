@@ -1,13 +1,13 @@
-//! Name of a solution of the inverse.
+//! Names of the inverse's solutions.
 
-/// Which of the two poses of the rotary axes.
+/// One of the two poses of the rotary axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[repr(u8)]
 pub enum Branch {
-    /// The rotary axis nearest the tool has turned it by 0 … 180 degrees, right-handed (as the workpiece sees it), from
-    /// where it comes nearest to the other axis.
+    /// The rotary axis nearest the tool has turned the tool by 0 … 180 degrees, right-handed (relative to the workpiece), from
+    /// the position where the tool comes nearest to the other axis.
     First = 1,
-    /// By 0 … −180 degrees.
+    /// The rotary axis nearest the tool has turned it by 0 … −180 degrees.
     Second = 2,
 }

@@ -1,4 +1,4 @@
-//! The inverse along a path, without a jump.
+//! The inverse along a path, without jumps.
 
 #![deny(clippy::indexing_slicing)]
 
@@ -6,28 +6,28 @@ use super::{Branch, InverseError, Kinematics, Solution, Tool};
 use crate::machine::{AXES, Axis};
 use crate::real::Real;
 
-/// Largest rotary step, degrees, in which a path passes the singular pose on to the other branch.
+/// Largest rotary step, degrees, with which a path may pass the singular pose to the other branch.
 const PASS_DEG: f64 = 5.0;
 
-/// Follows a path on one branch, each call near the last solution.
+/// Follows a path on one branch; each call starts from the last solution.
 ///
-/// In the singular cone the axis nearest the workpiece stands or is led ([`Kinematics::inverse`]), and the tool may come out
-/// on either branch. Where that axis would have to turn faster than the limit, there and on the way out, it turns as fast as
-/// the limit lets it while the tool stays within the cone's angle of the one asked for; the angle that is left is
+/// In the singular cone the axis nearest the workpiece stays still or is guided ([`Kinematics::inverse`]), and the tool may
+/// come out on either branch. If that axis would have to turn faster than the limit, there and on the way out, it turns as
+/// fast as the limit permits while the tool stays within the cone's angle of the requested one; the remaining angle is
 /// [`BranchTracker::direction_error_deg`].
 ///
-/// A call that would change the branch elsewhere, or step a rotary axis by more than the limit, is refused and leaves the
-/// last solution as it was: the host stops, slows down, or starts anew on the other branch. With any cone, also 0, a path
-/// that passes the singular pose goes on on the other branch where that takes no step above the limit and 5 degrees.
+/// A call that would change the branch elsewhere, or step a rotary axis by more than the limit, is refused and leaves the last
+/// solution unchanged: the host stops, slows down, or restarts on the other branch. With any cone, including 0, a path that
+/// passes the singular pose continues on the other branch if no step there exceeds the limit or 5 degrees.
 #[derive(Clone, Copy, Debug)]
 pub struct BranchTracker<R> {
     last: Pose<R>,
-    /// The one before the last call, restored if the pose is not accepted.
+    /// The pose before the last call, restored if the last one is not accepted.
     before: Pose<R>,
     max_step_deg: R,
 }
 
-/// What is known of a solution at the next call.
+/// The part of a solution that the next call needs.
 #[derive(Clone, Copy, Debug)]
 struct Pose<R> {
     axes: [R; AXES],
@@ -44,7 +44,7 @@ impl<R: Real> Pose<R> {
 }
 
 impl<R: Real> BranchTracker<R> {
-    /// From a pose that the machine stands in; `max_step_deg`: largest step of a rotary axis in one call.
+    /// Starts from the machine's present pose; `max_step_deg`: largest step of a rotary axis in one call.
     pub fn new(start: &Solution<R>, max_step_deg: R) -> Self {
         let last = Pose::of(start);
         BranchTracker { last, before: last, max_step_deg }
@@ -55,13 +55,13 @@ impl<R: Real> BranchTracker<R> {
         &self.last.axes
     }
 
-    /// The branch that is followed.
+    /// The branch being followed.
     pub fn branch(&self) -> Branch {
         self.last.branch
     }
 
-    /// Angle that the last solution leaves between the tool and the one asked for, degrees: at most the singular cone, 0
-    /// outside it but for the way out ([`Solution::direction_error_deg`]).
+    /// Angle between the tool of the last solution and the requested one, degrees: at most the singular cone, and 0 outside it
+    /// except on the way out ([`Solution::direction_error_deg`]).
     pub fn direction_error_deg(&self) -> R {
         self.last.direction_error_deg
     }
@@ -69,13 +69,13 @@ impl<R: Real> BranchTracker<R> {
     /// The next pose.
     ///
     /// # Errors
-    /// As [`Kinematics::inverse`]; [`InverseError::BranchChange`] where only the other branch goes on;
-    /// [`InverseError::TooFast`] where neither does within the limit.
+    /// As [`Kinematics::inverse`]; [`InverseError::BranchChange`] if only the other branch continues;
+    /// [`InverseError::TooFast`] if neither does within the limit.
     pub fn next(&mut self, kinematics: &Kinematics<R>, tool: &Tool<R>) -> Result<Solution<R>, InverseError> {
         self.next_after(kinematics, tool, R::ONE)
     }
 
-    /// The next pose, so many calls after the last one: the largest step counts as many times.
+    /// The next pose, `calls` calls after the last one: multiplies the largest step by `calls`.
     ///
     /// # Errors
     /// As [`BranchTracker::next`].
@@ -95,7 +95,8 @@ impl<R: Real> BranchTracker<R> {
         Ok(solution)
     }
 
-    /// In the singular cone, on the way out of it, or over the singular pose to the other branch; or why not.
+    /// Handles a pose in the singular cone, on the way out of it, or over the singular pose to the other branch; or gives the
+    /// reason for a refusal.
     #[cold]
     #[inline(never)]
     fn by_the_singular_pose(
@@ -120,7 +121,7 @@ impl<R: Real> BranchTracker<R> {
         kinematics.towards(tool, axes, &found, max_step_deg).ok_or_else(|| self.too_fast(&found, max_step_deg))
     }
 
-    /// Why the path does not go on on its branch.
+    /// The reason why the path does not continue on its branch.
     #[cold]
     #[inline(never)]
     fn refusal(
@@ -148,7 +149,7 @@ impl<R: Real> BranchTracker<R> {
         }
     }
 
-    /// The last pose was not taken up: back to the one before it.
+    /// Restores the pose before the last one, which was not accepted.
     pub fn take_back(&mut self) {
         self.last = self.before;
     }
@@ -158,7 +159,7 @@ impl<R: Real> BranchTracker<R> {
         InverseError::TooFast { axis, step_deg: solution.step_deg.to_f64(), limit_deg: max_step_deg.to_f64() }
     }
 
-    /// The rotary axis of the largest step.
+    /// The rotary axis with the largest step.
     fn fastest(&self, solution: &Solution<R>) -> Axis {
         let steps = Axis::ALL.into_iter().zip(self.last.axes).zip(solution.axes);
         let rotary = steps.filter(|((axis, _), _)| axis.is_rotary());

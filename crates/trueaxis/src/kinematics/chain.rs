@@ -1,4 +1,4 @@
-//! The structural code of a machine reduced to two turns and three shifts.
+//! Reduces a machine's structural code to two turns and three shifts.
 
 use super::in_frame;
 use crate::error::{ConfigError, Field};
@@ -7,22 +7,22 @@ use crate::machine::{Axis, MachineSettings};
 use crate::real::Real;
 use crate::vector::{About, V3};
 
-/// A second rotary axis has to turn the tool axis by more than this, rad.
+/// A second rotary axis must have at least this lever on the tool axis, rad.
 const LEAST_LEVER: f64 = 1e-3;
 
-/// A rotary axis as the workpiece sees it.
+/// A rotary axis in the frame of the workpiece.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rotary<R> {
     pub(super) axis: Axis,
     pub(super) about: About,
-    /// +1 or −1: sense in which a positive command turns the tool over the workpiece.
+    /// +1 or −1: sense in which a positive command turns the tool relative to the workpiece.
     pub(super) sense: R,
     pub(super) carries_workpiece: bool,
     /// Travel, degrees.
     pub(super) travel: [R; 2],
 }
 
-/// The part between two rotary axes: a constant shift, and the linear axes (1 where the axis stands here, else 0).
+/// The part between two rotary axes: a constant shift, and the linear axes in it (1 for each one present, else 0).
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Section<R> {
     pub(super) offset: V3<R>,
@@ -45,9 +45,9 @@ pub(super) struct Chain<R> {
     pub(super) sections: [Section<R>; 3],
     /// Travel of X, Y, Z, mm.
     pub(super) travel: [[R; 2]; 3],
-    /// Section in which X, Y and Z all stand, if it is one.
+    /// Section that contains all of X, Y and Z, if there is one.
     pub(super) together: Option<u8>,
-    /// Angle of the tool axis about the second rotary axis, from the first one, rad: atan2(c, a) of the inverse.
+    /// Angle of the tool axis about the second rotary axis, measured from the first one, rad: atan2(c, a) of the inverse.
     pub(super) tool_turn: R,
 }
 
@@ -73,7 +73,7 @@ impl<R: Real> Chain<R> {
             }
             let travel = settings.travel.map(R::of);
             let offset = V3::of(settings.offset_mm);
-            // On the workpiece side the carrier lies behind the axis, and the point is carried back through it.
+            // On the workpiece side the carrier lies behind the axis, and the transformation goes back through it.
             let offset = if link.carries_workpiece { -offset } else { offset };
             let about = match link.axis {
                 Axis::X | Axis::Y | Axis::Z => {

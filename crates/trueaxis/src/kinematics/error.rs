@@ -1,19 +1,19 @@
-//! Why a tool has no axis positions.
+//! Reasons why a tool pose has no axis positions.
 
 use super::branch::Branch;
 use crate::machine::Axis;
 use core::fmt;
 
-/// Why an inverse was refused, with the figures; mm and degrees.
+/// Reason why an inverse was refused, with the values; mm and degrees.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum InverseError {
-    /// The tip has a coordinate that is infinite or no number.
+    /// The tip has a coordinate that is infinite or NaN.
     TipNotFinite,
-    /// The tool axis is no unit vector (1e-3).
+    /// The tool axis is not a unit vector (to 1e-3).
     NotADirection {
-        /// Its length.
+        /// Length of the vector.
         length: f64,
     },
     /// No rotary axis can turn the tool there.
@@ -21,14 +21,14 @@ pub enum InverseError {
         /// Angle to the nearest direction within reach.
         by_deg: f64,
     },
-    /// Within the singular cone, where an end of a rotary travel keeps the tool further off than the cone.
+    /// The pose is within the singular cone, and an end of a rotary travel keeps the tool farther off than the cone.
     SingularPose {
         /// Distance from the singular pose.
         margin_deg: f64,
         /// The cone.
         cone_deg: f64,
     },
-    /// The rotary axes stand so that the linear ones between them no longer span space.
+    /// At these rotary positions the linear axes between the rotary ones no longer span space.
     LinearAxes {
         /// Volume of the three unit directions of travel.
         volume: f64,
@@ -37,29 +37,29 @@ pub enum InverseError {
     OutsideTravel {
         /// The axis.
         axis: Axis,
-        /// Position it would have to take.
+        /// Position that the solution needs.
         found: f64,
-        /// Low end of its travel.
+        /// Low end of the axis's travel.
         low: f64,
-        /// High end.
+        /// High end of the axis's travel.
         high: f64,
     },
-    /// There is only one solution where the other branch was asked for.
+    /// The other branch was requested, but there is only one solution.
     OneBranch,
-    /// The path goes on continuously only on the other branch.
+    /// Only the other branch continues the path without a jump.
     BranchChange {
         /// The branch that the path was on.
         from: Branch,
-        /// The rotary step that staying on it would take; infinite where it leaves the travel.
+        /// Rotary step needed to stay on that branch; infinite if it leaves the travel.
         step_deg: f64,
         /// Largest permitted step.
         limit_deg: f64,
     },
-    /// A rotary axis would have to step too far.
+    /// A rotary axis would have to take too large a step.
     TooFast {
         /// The axis.
         axis: Axis,
-        /// Its step.
+        /// Step of the axis.
         step_deg: f64,
         /// Largest permitted step.
         limit_deg: f64,

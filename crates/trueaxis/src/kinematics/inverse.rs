@@ -1,7 +1,7 @@
-//! From the tool in workpiece coordinates to axis positions.
+//! Transforms the tool in workpiece coordinates to axis positions.
 //!
-//! In the frame of n1, n2, n1 × n2 let t0 = (a, b, c), t_w = (u, p, q). The second turn leaves b and has to bring the first
-//! component to u; the third is then
+//! In the frame of n1, n2, n1 × n2 let t0 = (a, b, c), t_w = (u, p, q). The second turn leaves b unchanged and must bring the
+//! first component to u; the third is then
 //!
 //! ```text
 //! w = ∓√(p² + q² − b²)                                          − on branch 1, + on branch 2
@@ -9,23 +9,24 @@
 //! ```
 //!
 //! As sums, with one angle of each kind for both branches: `θ2 = atan2(c, a) ± atan2(|w|, u)`,
-//! `θ1 = atan2(q, p) ± atan2(|w|, b)`, + on branch 1. Their cosines and sines are the arguments above over their lengths.
+//! `θ1 = atan2(q, p) ± atan2(|w|, b)`, + on branch 1. Their cosines and sines are the arguments above divided by their lengths.
 //!
-//! Branch 1 is the pose in which the second axis has turned the tool by 0 … 180 degrees, right-handed, from where it
-//! comes nearest to n1. The tip is then linear in X, Y, Z: three equations by Cramer's rule.
+//! Branch 1 is the pose in which the second axis has turned the tool by 0 … 180 degrees, right-handed, from the position where
+//! the tool comes nearest to n1. The tip is then linear in X, Y, Z: three equations, solved by Cramer's rule.
 //!
-//! Where w = 0 both branches meet and the rotary axes lose a freedom (with b = 0 the tool lies along n1, and q1 is
-//! anything): the singular pose. An error of 1 µrad in t_w moves q1 by 1 µrad / sin(margin) there. Nearer to it than the
-//! singular cone κ the first axis goes on from where it stands, as little as leaves the tool an error of at most
+//! Where w = 0 both branches meet and the rotary axes lose a degree of freedom (with b = 0 the tool lies along n1, and q1 is
+//! arbitrary): the singular pose. Near it an error of 1 µrad in t_w moves q1 by 1 µrad / sin(margin). Nearer to it than the
+//! singular cone κ, the first axis continues from its present position and turns as little as leaves the tool an error of at
+//! most
 //!
 //! ```text
 //! L(m) = κ/2 for m ≤ κ/2,   m sin(180° m/κ) from there to κ      m: the margin; L is 0 at κ and at most 0.58 κ
 //! sin(β − L) ≤ h cos(θ1 − atan2(q, p)) ≤ sin(β + L)              h² = p² + q², sin β = b
 //! ```
 //!
-//! and the second axis turns the tool as near to t_w as it comes. L is continuous, so that a path without a jump gives
-//! positions without one, at any spacing of its points; where b = 0 the first axis stands throughout the inner half of the
-//! cone, and the angle that it may be off falls in proportion from 90° to 0 through the outer half.
+//! The second axis turns the tool as near to t_w as possible. L is continuous, so a path without a jump gives positions
+//! without one, at any spacing of its points. If b = 0, the first axis stays still throughout the inner half of the cone, and
+//! the angle that it may be off falls in proportion from 90° to 0 through the outer half.
 
 #![deny(clippy::indexing_slicing)]
 
@@ -36,22 +37,22 @@ use crate::machine::{AXES, Axis};
 use crate::real::Real;
 use crate::vector::{About, V3};
 
-/// Length of a tool axis may differ from 1 by this; it is normalised.
+/// Permitted deviation of a tool axis's length from 1; the axis is then normalised.
 const UNIT_TOLERANCE: f64 = 1e-3;
-/// A direction this far beyond reach is taken for the nearest one within: rounding of the input, 1.7 µm at a metre.
+/// A direction this far beyond reach is replaced by the nearest reachable one: rounding of the input, 1.7 µm at a metre.
 const REACH_TOLERANCE_DEG: f64 = 1e-4;
-/// Below this volume of their directions the linear axes no longer span space.
+/// Volume of their directions below which the linear axes no longer span space.
 const LEAST_VOLUME: f64 = 1e-3;
-/// A position this many units in the last place beyond the travel stands at its end.
+/// A position this many units in the last place beyond the travel counts as at its end.
 const TRAVEL_ROUNDING: f64 = 64.0;
-/// Below this many EPSILON a component across an axis is nothing but rounding.
+/// Below this many EPSILON a component across an axis is only rounding.
 const ALONG: f64 = 8.0;
 
 /// Choice of a branch.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Choice {
-    /// The one whose larger rotary step is smaller; one outside the travel does not count.
+    /// The branch whose largest rotary step is smaller, among those within the travel.
     #[default]
     Nearest,
     /// Branch 1.
@@ -60,39 +61,40 @@ pub enum Choice {
     Second,
 }
 
-/// Axis positions for a tool.
+/// Axis positions that place a tool.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Solution<R> {
     /// X Y Z A B C, mm and degrees; 0 for axes that the machine does not have.
     pub axes: [R; AXES],
-    /// The branch; [`Branch::First`] for machines with less than two rotary axes.
+    /// The branch; [`Branch::First`] for machines with fewer than two rotary axes.
     pub branch: Branch,
-    /// Angle between the tool asked for and the rotary axis nearest the workpiece, 0 … 90 degrees; where the tool axis has
-    /// a component along the other rotary axis at zero, the angle to the plane of both. 90 with less than two rotary axes.
+    /// Angle between the requested tool and the rotary axis nearest the workpiece, 0 … 90 degrees; if the tool axis has a
+    /// component along the other rotary axis at zero, the angle to the plane of both. 90 with fewer than two rotary axes.
     pub singularity_margin_deg: R,
-    /// Angle between the tool reached and the tool asked for, degrees: 0 outside the singular cone, in it at most 0.58 of
-    /// the cone unless an end of a travel is in the way, then at most the cone. The tip is exact.
+    /// Angle between the reached and the requested tool, degrees: 0 outside the singular cone; inside it at most 0.58 of the
+    /// cone or, if an end of a travel is in the way, at most the cone. The tip is exact.
     pub direction_error_deg: R,
-    /// Largest step of a rotary axis from where it was, degrees.
+    /// Largest step of a rotary axis from its previous position, degrees.
     pub step_deg: R,
 }
 
-/// The two poses of the rotary axes, or why there is none.
+/// The two poses of the rotary axes, or the reasons why they do not exist.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Solutions<R> {
     /// Branch 1.
     pub first: Result<Solution<R>, InverseError>,
-    /// Branch 2; [`InverseError::OneBranch`] for machines with less than two rotary axes.
+    /// Branch 2; [`InverseError::OneBranch`] for machines with fewer than two rotary axes.
     pub second: Result<Solution<R>, InverseError>,
 }
 
 impl<R: Real> Solutions<R> {
-    /// One of the two.
+    /// Selects one of the two.
     ///
     /// # Errors
-    /// Why there is none; with [`Choice::Nearest`], why one of them has none, a linear axis named before a rotary one.
+    /// The selected branch's error; with [`Choice::Nearest`] the error of one of them, preferring a linear axis to a rotary
+    /// one.
     pub fn choose(self, choice: Choice) -> Result<Solution<R>, InverseError> {
         match (choice, self.first, self.second) {
             (Choice::First, first, _) => first,
@@ -101,7 +103,7 @@ impl<R: Real> Solutions<R> {
                 Ok(if second.step_deg < first.step_deg { second } else { first })
             }
             (Choice::Nearest, Ok(found), Err(_)) | (Choice::Nearest, Err(_), Ok(found)) => Ok(found),
-            // The branch that the rotary axes could reach says more.
+            // The branch that the rotary axes can reach has the more informative error.
             (Choice::Nearest, Err(InverseError::OutsideTravel { axis, .. }), Err(second))
                 if axis.is_rotary() && second != InverseError::OneBranch =>
             {
@@ -112,34 +114,35 @@ impl<R: Real> Solutions<R> {
     }
 }
 
-/// Two rotary axes that point the tool: what both branches have in common.
+/// Quantities common to both branches, for two rotary axes that point the tool.
 #[derive(Clone, Copy, Debug)]
 struct Aim<R> {
     tip: V3<R>,
     first: Rotary<R>,
     second: Rotary<R>,
-    /// a, b, c and u, p, q of the head of the file, and |w|.
+    /// a, b, c and u, p, q as in the module documentation, and |w|.
     tool: [R; 3],
     wanted: [R; 3],
     across: R,
-    /// Angles in the middle between the branches, and from there to either of them.
+    /// Angles midway between the branches, and from there to either branch.
     middle: [R; 2],
     apart: [R; 2],
-    /// 1 over the lengths of both axes' cosine and sine.
+    /// Reciprocals of the lengths of both axes' cosine and sine.
     inverse: [R; 2],
     margin_deg: R,
     cone_deg: R,
-    /// The first axis may stand anywhere.
+    /// Whether the first axis may have any position.
     free: bool,
 }
 
-/// Rotary axes on one branch.
+/// Positions of the rotary axes on one branch.
 #[derive(Clone, Copy, Debug)]
 struct Turned<R> {
-    // Ahead of zeros: a number and this 0 side by side become one vector store, by an instruction that Valgrind 3.19 lacks.
+    // Placed before zeros: next to a number, this 0 is merged with it into one vector store, with an instruction that Valgrind
+    // 3.19 lacks.
     direction_error_deg: R,
     axes: [R; AXES],
-    /// Cosine and sine of both turns that the workpiece sees.
+    /// Cosine and sine of both turns relative to the workpiece.
     poses: [(R, R); 2],
     branch: Branch,
     margin_deg: R,
@@ -149,16 +152,16 @@ struct Turned<R> {
 impl<R: Real> Kinematics<R> {
     /// Axis positions for a tool, nearest to `near` (X Y Z A B C, mm and degrees).
     ///
-    /// Rotary axes take the nearest angle, by whole turns, in their travel. Error: rounding; forward of the result is
-    /// the tool within 1e-12 mm at a metre (f64). Cost: at most three polynomials for angles; linear axes on the nearer
-    /// branch only, unless that leaves the travel.
+    /// Rotary axes take the nearest angle within their travel, by whole turns. Error: rounding; forward of the result gives
+    /// the tool within 1e-12 mm at a metre (f64). Cost: at most three polynomials for angles; linear axes on the nearer branch
+    /// only, unless that leaves the travel.
     ///
-    /// In the singular cone the axis nearest the workpiece stays where it is in `near`, or turns as little as keeps the tool
-    /// within [`Solution::direction_error_deg`] of the one asked for; the branch is the one that this leads to.
+    /// In the singular cone the axis nearest the workpiece keeps its position in `near`, or turns as little as keeps the tool
+    /// within [`Solution::direction_error_deg`] of the requested one; the branch is the one that this leads to.
     ///
     /// # Errors
-    /// An invalid tool vector, out of reach, or whose axis positions leave the travel; in the singular cone one that the
-    /// travel keeps further off than the cone.
+    /// The tool vector is invalid or out of reach, or its axis positions leave the travel; in the singular cone, the travel
+    /// keeps the tool farther off than the cone.
     pub fn inverse(&self, tool: &Tool<R>, near: &[R; AXES]) -> Result<Solution<R>, InverseError> {
         if let [Some(first), Some(second)] = &self.chain.turns
             && let Ok(aim) = self.aim(tool, first, second)
@@ -183,8 +186,8 @@ impl<R: Real> Kinematics<R> {
         self.solutions(tool, near)?.choose(Choice::Nearest)
     }
 
-    /// In the singular cone, or on the way out of it: the first rotary axis turned from `near` towards `goal` by at most so
-    /// many degrees, and the tool within the cone of the one asked for; none where the second one would step further.
+    /// In the singular cone, or on the way out of it: turns the first rotary axis from `near` towards `goal` by at most
+    /// `most_deg`, with the tool within the cone of the requested one; `None` if the second axis would take a larger step.
     #[cold]
     #[inline(never)]
     pub(super) fn towards(
@@ -203,7 +206,8 @@ impl<R: Real> Kinematics<R> {
         if step_deg <= most_deg { self.with_linear(aim.tip, &turned).ok() } else { None }
     }
 
-    /// Axis positions on one branch outside the singular cone, if there are any; why not, [`Kinematics::solutions`] says.
+    /// Axis positions on one branch outside the singular cone, if there are any; [`Kinematics::solutions`] gives the reason if
+    /// not.
     #[inline(always)]
     pub(super) fn on_branch(&self, tool: &Tool<R>, near: &[R; AXES], branch: Branch) -> Option<Solution<R>> {
         let [Some(first), Some(second)] = &self.chain.turns else {
@@ -215,12 +219,12 @@ impl<R: Real> Kinematics<R> {
 
     /// Axis positions on both branches.
     ///
-    /// At the singular pose itself (singular cone 0) the axis nearest the workpiece stays where it is in `near`. In the
-    /// singular cone both are led out to their own branch: the same where that axis stands, and by up to half a turn apart
-    /// towards its border.
+    /// At the singular pose itself (singular cone 0) the axis nearest the workpiece keeps its position in `near`. In the
+    /// singular cone both solutions are guided out to their branches: they coincide where that axis stays still, and differ by
+    /// up to half a turn towards the cone's border.
     ///
     /// # Errors
-    /// Errors of both branches: an invalid tool vector or out of reach.
+    /// Errors common to both branches: the tool vector is invalid or out of reach.
     pub fn solutions(&self, tool: &Tool<R>, near: &[R; AXES]) -> Result<Solutions<R>, InverseError> {
         match &self.chain.turns {
             [Some(first), Some(second)] => {
@@ -333,7 +337,7 @@ impl<R: Real> Kinematics<R> {
         Ok(Solutions { first: self.with_linear(tip, &still), second: Err(InverseError::OneBranch) })
     }
 
-    /// X, Y, Z that bring the tip to its position, the rotary axes standing as they do.
+    /// X, Y, Z that bring the tip to its position with the rotary axes as they are.
     #[inline(always)]
     fn with_linear(&self, tip: V3<R>, stand: &Turned<R>) -> Result<Solution<R>, InverseError> {
         let [first_pose, second_pose] = stand.poses;
@@ -345,7 +349,7 @@ impl<R: Real> Kinematics<R> {
         let back = |turn: &Option<Rotary<R>>, (cos, sin): (R, R), v: V3<R>| turned(turn, (cos, -sin), v);
         let [before, between, behind] = &self.chain.sections;
         let tool = behind.offset + self.tool;
-        // The slides of one section move at right angles, turned as a whole.
+        // The slides of one section are at right angles and turn as a whole.
         let found = match self.chain.together {
             Some(0) => {
                 tip - before.offset - turned(first, first_pose, between.offset + turned(second, second_pose, tool))
@@ -373,7 +377,7 @@ impl<R: Real> Kinematics<R> {
         Ok(Solution { axes, branch, singularity_margin_deg: margin_deg, direction_error_deg, step_deg })
     }
 
-    /// X, Y, Z where rotary axes stand between them: three equations by Cramer's rule.
+    /// X, Y, Z if rotary axes lie between them: three equations, solved by Cramer's rule.
     #[inline(never)]
     fn along_slides(&self, tip: V3<R>, stand: &Turned<R>) -> Result<V3<R>, InverseError> {
         let [first_pose, second_pose] = stand.poses;
@@ -399,13 +403,13 @@ impl<R: Real> Kinematics<R> {
 }
 
 impl<R: Real> Aim<R> {
-    /// Nearer to the singular pose than the singular cone.
+    /// Whether the pose is nearer to the singular pose than the singular cone.
     #[inline(always)]
     fn in_cone(&self) -> bool {
         self.margin_deg < self.cone_deg
     }
 
-    /// In the cone: the branch that the first axis stands nearer to, the other one where that leaves the travel.
+    /// In the cone: takes the branch to which the first axis is nearer, or the other one if that leaves the travel.
     #[cold]
     #[inline(never)]
     fn led_to_nearest(&self, near: &[R; AXES]) -> Result<Turned<R>, InverseError> {
@@ -420,12 +424,12 @@ impl<R: Real> Aim<R> {
         })
     }
 
-    /// In the cone: as little of a turn of the first axis as keeps the tool within L of the head of the file, on the way
-    /// to a branch. From anywhere (`far`) the angle that the axis may be off counts twice: up to half a turn.
+    /// In the cone, on the way to a branch: turns the first axis as little as keeps the tool within L (see the
+    /// module documentation). From any position (`far`) the angle that the axis may be off counts twice: up to half a turn.
     #[cold]
     #[inline(never)]
     fn led(&self, branch: Branch, near: &[R; AXES], far: bool) -> Result<Turned<R>, InverseError> {
-        // Outside the cone the branch is to be reachable.
+        // The branch must be reachable outside the cone.
         self.second_alone(branch, near)?;
         let ([a, b, c], [_, p, q]) = (self.tool, self.wanted);
         let share = self.margin_deg / self.cone_deg;
@@ -441,7 +445,7 @@ impl<R: Real> Aim<R> {
         let high = if root * cos - b * sin < R::ZERO { R::ONE } else { b * cos + root * sin };
         let square = p * p + q * q;
         let angle = |across: R| atan2((square - across * across).sqrt(), across);
-        // Angles of the first axis from the direction's azimuth, positive on the branch.
+        // Angles of the first axis from the direction's azimuth, positive towards the branch.
         let sign = if branch == Branch::First { R::ONE } else { -R::ONE };
         let (cos, sin) = self.first.cos_sin(near);
         let stands = atan2(sign * (p * sin - q * cos), p * cos + q * sin);
@@ -460,14 +464,14 @@ impl<R: Real> Aim<R> {
         self.held(branch, near, position)
     }
 
-    /// The second axis on a branch, wherever the first one stands.
+    /// The second axis's position on a branch, whatever the first axis's position.
     fn second_alone(&self, branch: Branch, near: &[R; AXES]) -> Result<(R, bool), InverseError> {
         let [middle, apart] = [self.middle[1], self.apart[1]];
         let angle = if branch == Branch::First { middle + apart } else { middle - apart };
         self.second.settle(angle, self.second.position(near))
     }
 
-    /// The first axis at a position, and the second one where it brings the tool nearest to the one asked for.
+    /// Puts the first axis at a position, and the second one where it brings the tool nearest to the requested one.
     #[cold]
     #[inline(never)]
     fn held(&self, branch: Branch, near: &[R; AXES], position: R) -> Result<Turned<R>, InverseError> {
@@ -497,7 +501,7 @@ impl<R: Real> Aim<R> {
         }
     }
 
-    /// The rotary axes' positions on a branch.
+    /// Positions of the rotary axes on a branch.
     #[inline(always)]
     fn turned(&self, branch: Branch, near: &[R; AXES]) -> Result<Turned<R>, InverseError> {
         let ([a, b, c], [u, p, q]) = (self.tool, self.wanted);
@@ -533,8 +537,8 @@ impl<R: Real> Aim<R> {
 }
 
 impl<R: Real> Rotary<R> {
-    /// The command for a turn (rad) that the workpiece sees: nearest to the position `near`, by whole turns within the
-    /// travel, and whether it was moved to the travel's end.
+    /// Command for a turn (rad) relative to the workpiece: nearest to the position `near`, by whole turns within the travel;
+    /// also returns whether it was moved to the travel's end.
     #[inline(always)]
     fn settle(&self, angle: R, near: R) -> Result<(R, bool), InverseError> {
         let whole = R::of(360.0);
@@ -561,12 +565,12 @@ impl<R: Real> Rotary<R> {
         } else {
             nearest
         };
-        // Reported is the position nearest to where the axis was, not the one at the far end.
+        // Reports the position nearest to where the axis was, not the one at the far end.
         let position = inside(self.axis, found, self.travel).or_else(|_| inside(self.axis, nearest, self.travel))?;
         Ok((position, true))
     }
 
-    /// Writes this axis' position.
+    /// Stores this axis's position.
     #[inline(always)]
     fn put(&self, axes: &mut [R; AXES], position: R) {
         let [_, _, _, a, b, c] = axes;
@@ -578,13 +582,13 @@ impl<R: Real> Rotary<R> {
     }
 }
 
-/// The position lies in the travel; no number does.
+/// Whether the position lies within the travel; false for NaN.
 #[inline(always)]
 fn within<R: Real>(position: R, [low, high]: &[R; 2]) -> bool {
     (position >= *low) & (position <= *high)
 }
 
-/// Tip and direction, the direction normalised.
+/// Tip and normalised direction, if both are valid.
 #[inline(always)]
 fn valid<R: Real>(tool: &Tool<R>) -> Result<(V3<R>, V3<R>), InverseError> {
     let [tip, axis] = [tool.tip, tool.axis].map(V3::<R>::from_glam);
@@ -600,13 +604,13 @@ fn valid<R: Real>(tool: &Tool<R>) -> Result<(V3<R>, V3<R>), InverseError> {
     }
 }
 
-/// Rounding error of a position of this size.
+/// Rounding error of a position of this magnitude.
 #[inline(always)]
 fn rounding<R: Real>(position: R) -> R {
     R::of(TRAVEL_ROUNDING) * R::EPSILON * (position.abs() + R::of(360.0))
 }
 
-/// The position where it is within the travel (up to rounding).
+/// Returns the position if it is within the travel (up to rounding).
 #[cold]
 fn inside<R: Real>(axis: Axis, found: R, [low, high]: [R; 2]) -> Result<R, InverseError> {
     if found >= low - rounding(low) && found <= high + rounding(high) {
@@ -617,7 +621,7 @@ fn inside<R: Real>(axis: Axis, found: R, [low, high]: [R; 2]) -> Result<R, Inver
     }
 }
 
-/// Refuses a direction that is `beyond` (rad) what the rotary axes reach, where that is more than rounding and `slack_deg`.
+/// Refuses a direction that is `beyond` (rad) the reach of the rotary axes by more than rounding and `slack_deg`.
 #[inline(always)]
 fn within_reach<R: Real>(beyond: R, slack_deg: R) -> Result<(), InverseError> {
     let by = degrees(beyond);

@@ -1,20 +1,20 @@
-//! From axis positions to the tool in workpiece coordinates, and back.
+//! Transforms axis positions to the tool in workpiece coordinates, and back.
 //!
-//! With the structural code read from the workpiece to the tool, and the offsets of all carriages between two rotary
-//! axes added up, every machine with up to two rotary axes is
+//! With the structural code read from the workpiece to the tool, and the offsets of all carriages between two rotary axes
+//! added up, every machine with up to two rotary axes satisfies
 //!
 //! ```text
 //! p_w = k0 + L0 + Rot(n1, s1 q1) · (k1 + L1 + Rot(n2, s2 q2) · (k2 + L2 + tool))
 //! t_w =           Rot(n1, s1 q1) ·            Rot(n2, s2 q2) · t0
 //! ```
 //!
-//! n1 is the rotary axis nearest the workpiece *in the code*, whichever side of the bed it stands on; L0, L1, L2 are the
-//! positions of the linear axes that stand before, between and behind the rotary ones; k their offsets. A positive
-//! command moves the tool along +n over the workpiece on both sides. s is the axis' `direction` on the tool side and
-//! its opposite on the workpiece side, where the carriage turns and the tool turns oppositely over the workpiece.
+//! n1 is the rotary axis nearest the workpiece *in the code*, whichever side of the bed it is on; L0, L1, L2 are the positions
+//! of the linear axes before, between and behind the rotary ones; k are their offsets. A positive command moves the tool along
+//! +n over the workpiece on both sides. s is the axis's `direction` on the tool side and the opposite on the workpiece side,
+//! where the carriage turns and the tool turns oppositely over the workpiece.
 //!
-//! Positions are six numbers in the order X Y Z A B C, mm and degrees; axes that the machine does not have are ignored.
-//! Everything is bounded, allocates nothing and calls no transcendental function of a library.
+//! Positions are six numbers in the order X Y Z A B C, mm and degrees; axes that the machine does not have are ignored. Every
+//! function is bounded, allocates nothing and calls no transcendental function of a library.
 //!
 //! Source: ISO 10791-6:2014 (structural code).
 
@@ -50,15 +50,15 @@ pub struct Tool<R: Real> {
     pub axis: R::Vec3,
 }
 
-/// A machine's chain of axes, ready for transformations in both directions; immutable but for its tool.
+/// A machine's chain of axes, ready for transformations in both directions; immutable except for its tool.
 #[derive(Clone, Copy, Debug)]
 pub struct Kinematics<R> {
     chain: Chain<R>,
-    /// Tip from the last tool-side frame at all axes zero, mm.
+    /// Tip relative to the last tool-side frame at all axes zero, mm.
     tool: V3<R>,
     /// Tool axis at all axes zero.
     tool_axis: V3<R>,
-    /// Inside this distance from the singular pose the axis nearest the workpiece stands or is led, degrees.
+    /// Within this distance from the singular pose the axis nearest the workpiece stays still or is guided, degrees.
     cone_deg: R,
 }
 
@@ -66,8 +66,8 @@ impl<R: Real> Kinematics<R> {
     /// Reads the chain of a machine with X, Y, Z and up to two rotary axes.
     ///
     /// # Errors
-    /// A structural code that cannot be read or does not fit the axes; a linear axis missing; three rotary axes; a second
-    /// rotary axis that the tool axis lies along, so that it cannot turn the tool.
+    /// A structural code that cannot be parsed or does not fit the axes; a missing linear axis; three rotary axes; a second
+    /// rotary axis parallel to the tool axis, so that it cannot turn the tool.
     pub fn new(machine: &MachineSettings) -> Result<Self, ConfigError> {
         let [x, y, z] = machine.kinematics.tool_axis;
         let length = libm::sqrt(x * x + y * y + z * z);
@@ -90,23 +90,23 @@ impl<R: Real> Kinematics<R> {
         })
     }
 
-    /// The same machine with another tool: its tip from the last tool-side frame at all axes zero, mm.
+    /// Replaces the tool: `tool_mm` is its tip relative to the last tool-side frame at all axes zero, mm.
     pub fn with_tool(self, tool_mm: impl Into<R::Vec3>) -> Self {
         Kinematics { tool: V3::from_glam(tool_mm.into()), ..self }
     }
 
-    /// The same machine with a tool that lies on the tool axis through the origin of the last tool-side frame, its tip
-    /// `length_mm` before it: −length · tool axis. On a swivelling head without offset behind it, that is the pivot length.
+    /// Replaces the tool by one on the tool axis through the origin of the last tool-side frame, with its tip `length_mm`
+    /// before the origin: −length · tool axis. On a swivelling head without offset behind it, that is the pivot length.
     pub fn with_tool_length(self, length_mm: R) -> Self {
         Kinematics { tool: self.tool_axis * -length_mm, ..self }
     }
 
-    /// The same machine with another singular cone, degrees; limited to 0 … 45.
+    /// Replaces the singular cone, degrees; clamped to 0 … 45.
     pub fn with_singular_cone_deg(self, cone_deg: R) -> Self {
         Kinematics { cone_deg: cone_deg.limit(R::ZERO, R::of(45.0)), ..self }
     }
 
-    /// Tip from the last tool-side frame at all axes zero, mm.
+    /// Tip relative to the last tool-side frame at all axes zero, mm.
     pub fn tool_mm(&self) -> R::Vec3 {
         self.tool.glam()
     }
@@ -135,14 +135,14 @@ impl<R: Real> Kinematics<R> {
         Tool { tip: tip.glam(), axis: turned(first, turned(second, self.tool_axis)).glam() }
     }
 
-    /// Direction of the tool in workpiece coordinates, from the tip to the spindle; only rotary axes matter.
+    /// Direction of the tool in workpiece coordinates, from the tip to the spindle; depends on the rotary axes only.
     #[inline]
     pub fn direction(&self, axes: &[R; AXES]) -> R::Vec3 {
         let [first, second] = self.chain.turns.map(|turn| turn.map(|turn| (turn, turn.cos_sin(axes))));
         turned(first, turned(second, self.tool_axis)).glam()
     }
 
-    /// A direction of the bed in workpiece coordinates.
+    /// Converts a direction from bed to workpiece coordinates.
     #[inline]
     pub fn to_workpiece(&self, axes: &[R; AXES], bed: R::Vec3) -> R::Vec3 {
         let [first, second] = self.chain.turns.map(|turn| {
@@ -152,7 +152,7 @@ impl<R: Real> Kinematics<R> {
         turned(first, turned(second, V3::from_glam(bed))).glam()
     }
 
-    /// A direction of the workpiece in bed coordinates: what [`Kinematics::to_workpiece`] undoes.
+    /// Converts a direction from workpiece to bed coordinates: the inverse of [`Kinematics::to_workpiece`].
     #[inline]
     pub fn to_bed(&self, axes: &[R; AXES], workpiece: R::Vec3) -> R::Vec3 {
         let [first, second] = self.chain.turns.map(|turn| {
@@ -164,11 +164,11 @@ impl<R: Real> Kinematics<R> {
     }
 }
 
-/// Margin of a machine without a singular pose, degrees.
+/// Margin reported for a machine without a singular pose, degrees.
 const NO_SINGULAR_POSE: f64 = 90.0;
 
 impl<R: Real> Kinematics<R> {
-    /// Distance of a pose from the singular one, 0 … 90 degrees; see [`Solution::singularity_margin_deg`].
+    /// Distance of a pose from the singular pose, 0 … 90 degrees; see [`Solution::singularity_margin_deg`].
     pub fn singularity_margin_deg(&self, axes: &[R; AXES]) -> R {
         let [Some(first), Some(second)] = self.chain.turns else { return R::of(NO_SINGULAR_POSE) };
         let inner = self.tool_axis.turned(second.about, second.cos_sin(axes));
@@ -195,7 +195,7 @@ fn degrees<R: Real>(radians: R) -> R {
     radians * R::of(180.0 / core::f64::consts::PI)
 }
 
-/// `v` turned by an axis, where there is one.
+/// `v` turned by an axis, if there is one.
 #[inline(always)]
 fn turned<R: Real>(turn: Option<(Rotary<R>, (R, R))>, v: V3<R>) -> V3<R> {
     match turn {
@@ -216,7 +216,7 @@ impl<R: Real> Rotary<R> {
         }
     }
 
-    /// Cosine and sine of the turn that the workpiece sees.
+    /// Cosine and sine of the turn relative to the workpiece.
     #[inline(always)]
     fn cos_sin(&self, axes: &[R; AXES]) -> (R, R) {
         cos_sin_deg(self.sense * self.position(axes))

@@ -1,8 +1,8 @@
-//! Why a file with a learned correction is refused.
+//! Reasons for refusing a file with a learned correction.
 
 use core::fmt;
 
-/// Why a file is refused.
+/// Why a file was refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[repr(u8)]
@@ -22,42 +22,42 @@ pub enum LearnedError {
     Spacing(u32) = 6,
     /// Resolution of the nodes out of range, pm.
     Resolution(u32) = 7,
-    /// Learned from no part.
+    /// Learned from zero parts.
     Parts = 8,
-    /// The number of nodes is not that of the path length and the spacing.
+    /// The number of nodes does not match the path length and the spacing.
     Nodes {
-        /// In the file.
+        /// Number in the file.
         found: u32,
-        /// By length and spacing.
+        /// Number from length and spacing.
         needed: u64,
     } = 9,
     /// The first or the last node is not zero.
     Ends = 10,
-    /// Learned on another program.
+    /// The correction was learned on another program.
     WrongProgram {
         /// Id in the file.
         found: u32,
-        /// Id of the program at hand.
+        /// Id of the program in use.
         needed: u32,
     } = 11,
-    /// The program at hand has another length.
+    /// The program in use has another length.
     WrongLength {
-        /// In the file, nm.
+        /// Length in the file, nm.
         found_nm: u64,
-        /// Of the program at hand, nm.
+        /// Length of the program in use, nm.
         needed_nm: u64,
     } = 12,
-    /// Learned on another machine.
+    /// The correction was learned on another machine.
     WrongMachine {
         /// Id in the file.
         found: u32,
-        /// Id of the machine at hand.
+        /// Id of the machine in use.
         needed: u32,
     } = 13,
 }
 
 impl LearnedError {
-    /// The code by itself.
+    /// The numeric code.
     pub const fn code(&self) -> u8 {
         match self {
             LearnedError::TooShort => 1,

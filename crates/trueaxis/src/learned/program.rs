@@ -2,17 +2,18 @@
 
 use crate::tcomp::CRC;
 
-/// Distance between the points of the path that go into the id, mm of path length.
+/// Distance between the path points that enter the id, mm of path length.
 pub const POINTS_EVERY_MM: u32 = 1;
 
-/// Makes the id of a program: CRC-32/ISO-HDLC over its path, as integers, little-endian, eight bytes each:
+/// Computes the id of a program: CRC-32/ISO-HDLC over its path, as integers, little-endian, eight bytes each:
 ///
 /// 1. the path length in µm;
-/// 2. of the points at every whole mm of path length from 0, and of the end: X, Y, Z in µm and A, B, C in thousandths of a
-///    degree, rounded to the nearest, in the coordinates in which the program is commanded; 0 for an axis that is not.
+/// 2. for the points at every whole mm of path length from 0, and for the end: X, Y, Z in µm and A, B, C in thousandths
+///    of a degree, rounded to the nearest, in the coordinates in which the program is commanded; 0 for an axis that is not
+///    commanded.
 ///
-/// How the path is divided into lines and arcs makes no difference; where it lies on the machine does, since that is where
-/// its errors are. Made once when a program is loaded, not in a cycle.
+/// The division of the path into lines and arcs does not matter; its place on the machine does, since the errors depend
+/// on it. Computed once when a program is loaded, not in a cycle.
 ///
 /// ```
 /// use trueaxis::learned::ProgramId;
@@ -27,19 +28,19 @@ pub const POINTS_EVERY_MM: u32 = 1;
 pub struct ProgramId(crc::Digest<'static, u32>);
 
 impl ProgramId {
-    /// Of a path of this length, mm.
+    /// Starts the id of a path of this length, mm.
     pub fn new(length_mm: f64) -> Self {
         let mut digest = CRC.digest();
         digest.update(&thousandths(length_mm).to_le_bytes());
         ProgramId(digest)
     }
 
-    /// The next point: X, Y, Z in mm, A, B, C in degrees.
+    /// Adds the next point: X, Y, Z in mm, A, B, C in degrees.
     pub fn point(&mut self, coordinates: [f64; 6]) {
         coordinates.map(thousandths).iter().for_each(|value| self.0.update(&value.to_le_bytes()));
     }
 
-    /// The id.
+    /// Returns the id.
     pub fn finish(self) -> u32 {
         self.0.finalize()
     }

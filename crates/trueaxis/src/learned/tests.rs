@@ -45,14 +45,14 @@ fn nodes_come_back_and_the_correction_is_linear_between_them() {
         assert!(found.iter().zip(mm(node)).all(|(a, b)| (a - b).abs() < 1e-15), "{k}: {found:?}");
     }
     assert_eq!(learned.nodes().len(), 4);
-    // A quarter of the way from the second node to the third.
+    // A quarter of the distance from the second node to the third.
     let [x, y, z] = learned.at(5.0);
     let expected = [0.75 * 100.0 + 0.25 * 32_767.0, -0.75 * 200.0 + 0.25 * 3.0, -0.25 * 32_768.0];
     for (found, expected) in [x, y, z].into_iter().zip(expected) {
         assert!((found - 0.5e-6 * expected).abs() < 1e-15, "{found} {expected}");
     }
     assert_eq!(learned.at_nm(5_000_000), learned.at(5.0));
-    // The same in single precision, to its rounding.
+    // Equal in single precision, to its rounding.
     let single = Learned::<f32>::parse(&bytes).unwrap().at_nm(5_000_000);
     assert!(single.iter().zip([x, y, z]).all(|(a, b)| (f64::from(*a) - b).abs() < 1e-8));
 }
@@ -65,7 +65,7 @@ fn beyond_the_ends_there_is_nothing_and_nothing_jumps() {
         assert_eq!(learned.at(length), [0.0; 3], "{length}");
     }
     assert_eq!(learned.at_nm(u64::MAX), [0.0; 3]);
-    // 0.1 µm on: at most the steepest slope of the nodes.
+    // 0.1 µm further: at most the steepest slope of the nodes.
     let steepest = 0.5e-6 * 32_768.0 / 4.0;
     for i in 0..=130_000 {
         let s = 1e-4 * f64::from(i);
@@ -98,7 +98,7 @@ fn every_damage_is_refused() {
     assert_eq!(Learned::<f32>::parse(&flipped), Err(LearnedError::Checksum));
 }
 
-/// Sound files, as to their sum, with a figure that is wrong.
+/// Files with a correct checksum and a wrong value.
 #[test]
 fn figures_out_of_range_are_refused_with_the_figure() {
     let refused = |header: LearnedHeader, nodes: &[[i16; 3]]| Learned::<f64>::parse(&file(&header, nodes)).unwrap_err();
@@ -159,7 +159,7 @@ fn every_refusal_has_a_code_and_words_of_its_own() {
     }
 }
 
-/// The same bytes through zlib's sum, computed in Python:
+/// These bytes, summed by zlib in Python:
 /// `zlib.crc32(struct.pack("<19q", 2000, 0,0,0,0,0,0, 1000,0,0,0,0,0, 2000,-1,0,0,0,90500))`.
 #[test]
 fn the_id_of_a_program_is_the_stated_sum() {

@@ -7,7 +7,7 @@ use proptest::prelude::*;
 const T: f64 = 1e-4;
 const LIMITS: Limits = Limits { magnitude: 0.1, slope_per_s: 1.0, acceleration_per_s2: 200.0 };
 
-/// Holds every cycle against the three limits.
+/// Checks every cycle against the three limits.
 struct Checker {
     c: f64,
     v: f64,
@@ -109,7 +109,7 @@ fn never_exceeds_a_limit_and_always_settles() {
                 done += length;
             }
             check.assert(relative);
-            // Whatever came before, it settles on a target inside the limits.
+            // Whatever came before, the correction settles on a target inside the limits.
             let rest = R::of(0.5 * limits.magnitude);
             let longest = (3.0 * limits.magnitude / (limits.slope_per_s * T)
                 + 10.0 * limits.slope_per_s / (limits.acceleration_per_s2 * T)) as u32
@@ -173,7 +173,7 @@ fn refuses_limits_that_are_none() {
     assert!(Limiter::<f32>::new(&Limits { acceleration_per_s2: 1e-6, ..LIMITS }, T).is_err());
 }
 
-/// Limits that overflow or vanish in the scalar are no limits: 1e39 is infinite in single precision, 1e-46 is zero.
+/// Limits that overflow or vanish in the scalar are refused: 1e39 is infinite in single precision, 1e-46 is zero.
 #[test]
 fn refuses_limits_that_the_scalar_cannot_hold() {
     use crate::error::Field;
@@ -183,7 +183,7 @@ fn refuses_limits_that_the_scalar_cannot_hold() {
         (Limits { acceleration_per_s2: 1e38 / T / T, ..large(1e39) }, Field::Magnitude),
         (Limits { slope_per_s: 1e39 / T, ..large(1e37) }, Field::Slope),
         (Limits { acceleration_per_s2: 1e39 / T / T, ..large(1e37) }, Field::Acceleration),
-        // Finite, but the sum of two limits would not be safe from overflow.
+        // Finite, but the sum of two limits could overflow.
         (large(3e37), Field::Magnitude),
         (small, Field::Magnitude),
         (Limits { slope_per_s: 1e-46 / T, ..LIMITS }, Field::Slope),
@@ -202,7 +202,7 @@ fn refuses_limits_that_the_scalar_cannot_hold() {
 }
 
 proptest! {
-    /// A target inside all three limits is passed bit for bit from the first cycle.
+    /// A target inside all three limits passes bit for bit from the first cycle.
     #[test]
     fn passes_what_keeps_the_limits(amplitude in 0.0..0.09f64, rate in 0.0..10.0f64) {
         let limiter = Limiter::<f64>::new(&LIMITS, T).unwrap();
@@ -233,7 +233,7 @@ fn the_time_to_lead_a_step_in_is_the_one_stated() {
     }
 }
 
-/// The law as it stands in the module's documentation, without any of the shortcuts.
+/// The law as documented in the module, without any of the shortcuts.
 fn law(limiter: &Limiter<f64>, state: &LimiterState<f64>, wanted: f64) -> LimiterState<f64> {
     let Limiter { magnitude, velocity: top, acceleration, rounding, .. } = *limiter;
     let LimiterState { sent: c, velocity: v, target: last } = *state;
@@ -266,7 +266,7 @@ fn the_shortcuts_change_no_bit() {
             acceleration_per_s2: 10f64.powf(noise.range(1.0, 4.0)),
         };
         let limiter = Limiter::<f64>::new(&limits, T).unwrap();
-        // Faster than the limits, as after tables with lower ones came in motion.
+        // Faster than the limits, as after an exchange for tables with lower ones in motion.
         let mut state = LimiterState { velocity: 3.0 * noise.signed() * limiter.velocity, ..LimiterState::default() };
         let mut wanted = 0.0;
         for cycle in 0..1000 {

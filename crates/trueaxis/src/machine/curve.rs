@@ -1,11 +1,11 @@
-//! One column of an error table as the function that the step evaluates.
+//! One column of an error table as the function evaluated by the step.
 
 use super::rows::Rows;
 use super::{Axis, AxisSettings, Interpolation, pchip};
 
 /// Error of one component in one direction of travel as a function of position.
 ///
-/// mm or rad over mm or degrees. Costs a few look-ups of lines for every interval: meant for build, not for the step.
+/// mm or rad over mm or degrees. Costs a few line look-ups per interval: meant for build, not for the step.
 #[derive(Clone, Copy, Debug)]
 pub struct Curve<'r, T: ?Sized> {
     rows: &'r T,
@@ -25,7 +25,7 @@ struct Cell {
     slopes: [f64; 2],
 }
 
-/// Whether a table is a full circle, so that it goes on at its start.
+/// Whether a table covers a full circle, so that its end continues at its start.
 ///
 /// 360 degrees within 1e-9: the difference of two decimals need not be exact.
 pub fn wraps(axis: Axis, rows: &(impl Rows + ?Sized)) -> bool {
@@ -36,7 +36,7 @@ pub fn wraps(axis: Axis, rows: &(impl Rows + ?Sized)) -> bool {
 }
 
 impl<'r, T: Rows + ?Sized> Curve<'r, T> {
-    /// The column of `component` (0 to 5: EX EY EZ EA EB EC) in positive or negative travel. Backlash is not in it.
+    /// Creates the column of `component` (0 to 5: EX EY EZ EA EB EC) in positive or negative travel, without backlash.
     pub fn new(settings: &AxisSettings, rows: &'r T, component: usize, reverse: bool) -> Self {
         Curve {
             rows,
@@ -88,19 +88,20 @@ impl<'r, T: Rows + ?Sized> Curve<'r, T> {
         (0..self.rows.len().saturating_sub(1)).filter_map(|index| self.cell(index))
     }
 
-    /// Largest |slope| over the whole table, exactly, and the line at which its interval starts.
+    /// Largest |slope| over the whole table, exact, and the line at which its interval starts.
     pub fn steepest(&self) -> (f64, usize) {
         let slopes = self.cells().map(|cell| cell.steepest()).enumerate();
-        // Overflow may leave no number: it counts as the steepest.
+        // An overflow may give NaN: it counts as the steepest.
         slopes.fold((0.0, 0), |(most, at), (index, slope)| if slope <= most { (most, at) } else { (slope, index) })
     }
 
-    /// Largest |second derivative| over the whole table, exactly; `None` for a linear table, whose slope steps at its points.
+    /// Largest |second derivative| over the whole table, exact; `None` for a linear table, whose slope steps at its
+    /// points.
     pub fn most_bent(&self) -> Option<f64> {
         self.cubic.then(|| self.cells().map(|cell| cell.most_bent()).fold(0.0, f64::max))
     }
 
-    /// Largest step of the slope between two intervals, the seam of a full circle included; 0 for a cubic table.
+    /// Largest step of the slope between two intervals, including the seam of a full circle; 0 for a cubic table.
     pub fn slope_step(&self) -> f64 {
         if self.cubic {
             return 0.0;
@@ -113,7 +114,7 @@ impl<'r, T: Rows + ?Sized> Curve<'r, T> {
         secants().zip(secants().skip(1)).fold(seam, |most, (before, after)| most.max((after - before).abs()))
     }
 
-    /// Value at a position; beyond the ends the edge value, or round the circle where the table wraps.
+    /// Value at a position; beyond the ends the edge value, or around the circle if the table wraps.
     pub fn at(&self, position: f64) -> Option<f64> {
         let last = self.rows.len().checked_sub(1)?;
         let ((low, first), (high, end)) = (self.point(0)?, self.point(last)?);
@@ -133,13 +134,14 @@ impl<'r, T: Rows + ?Sized> Curve<'r, T> {
         Some(cell.at((position - cell.start) / cell.width))
     }
 
-    /// Smallest and largest value of `E(q) + tilt · q` over `[low, high]`, taken at the lines between and at both ends.
+    /// Smallest and largest value of `E(q) + tilt · q` over `[low, high]`, evaluated at the lines in between and at both
+    /// ends.
     ///
     /// Exact without tilt (no curve leaves its interval's end values) and for linear tables.
     pub fn extremes(&self, low: f64, high: f64, tilt: f64) -> Option<(f64, f64)> {
         let ends = [low, high].map(|q| self.at(q).map(|value| value + tilt * q));
         let [Some(a), Some(b)] = ends else { return None };
-        // Round the circle any line may be met, wherever the range lies.
+        // On a circle the range may contain any line, wherever it lies.
         let inside = |q: f64| self.wraps || (low..=high).contains(&q);
         let between = (0..self.rows.len()).filter_map(|index| self.point(index)).filter(|(q, _)| inside(*q));
         let values = between.map(|(q, value)| value + tilt * q);
@@ -147,7 +149,7 @@ impl<'r, T: Rows + ?Sized> Curve<'r, T> {
     }
 }
 
-/// Smallest and largest difference reverse − forward of a component over a whole table; exact. Backlash is not in it.
+/// Smallest and largest difference reverse − forward of a component over a whole table; exact, without backlash.
 pub(crate) fn lost(settings: &AxisSettings, rows: &(impl Rows + ?Sized), component: usize) -> (f64, f64) {
     let [forward, reverse] = [false, true].map(|reverse| Curve::new(settings, rows, component, reverse));
     let mut both = (f64::INFINITY, f64::NEG_INFINITY);
@@ -167,11 +169,11 @@ pub(crate) fn lost(settings: &AxisSettings, rows: &(impl Rows + ?Sized), compone
 }
 
 impl Cell {
-    /// Smallest and largest value on 0…1: at the ends or where the derivative vanishes.
+    /// Smallest and largest value on 0…1: at the ends or at zeros of the derivative.
     fn range(&self) -> (f64, f64) {
         let [m0, m1] = self.slopes;
         let (linear, square) = (2.0 * (3.0 * self.secant - 2.0 * m0 - m1), 3.0 * (m0 + m1 - 2.0 * self.secant));
-        // m0 + linear t + square t² = 0, in the form that does not cancel; no number where there is no root.
+        // m0 + linear t + square t² = 0, in the form without cancellation; NaN if there is no root.
         let root = libm::sqrt(linear * linear - 4.0 * square * m0);
         let half = -0.5 * (linear + if linear < 0.0 { -root } else { root });
         let (a, b) = (self.at(0.0), self.at(1.0));
@@ -188,7 +190,7 @@ impl Cell {
         if vertex > 0.0 && vertex < 1.0 { ends.max((m0 + vertex * linear / 2.0).abs()) } else { ends }
     }
 
-    /// The derivative of p' is linear: largest at an end.
+    /// The derivative of p' is linear, so its extreme is at an end.
     fn most_bent(&self) -> f64 {
         let [m0, m1] = self.slopes;
         let (linear, square) = (2.0 * (3.0 * self.secant - 2.0 * m0 - m1), 3.0 * (m0 + m1 - 2.0 * self.secant));

@@ -1,28 +1,28 @@
-//! Errors on a grid over two or three linear axes, read where a compiled file has them.
+//! Errors on a grid over two or three linear axes, read in place from a compiled file.
 
 use super::Twist;
 use crate::axis::Axis;
 use serde::{Deserialize, Serialize};
 
-/// Most grids of a machine.
+/// Largest number of grids of a machine.
 pub const GRIDS: usize = 4;
-/// Most nodes along one axis of a grid.
+/// Largest number of nodes along one axis of a grid.
 pub const GRID_NODES: usize = 1000;
 
 /// Nodes of a grid along one linear axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct GridAxis {
-    /// Number of nodes; 0 where the grid does not stand over this axis.
+    /// Number of nodes; 0 if the grid does not span this axis.
     pub nodes: u16,
     /// First and last node, mm.
     pub ends: [f64; 2],
-    /// The nodes are not equidistant; their positions are stored.
+    /// Whether the nodes are not equidistant, so that their positions are stored.
     pub free: bool,
 }
 
 impl GridAxis {
-    /// The grid stands over this axis.
+    /// Whether the grid spans this axis.
     pub const fn is_there(&self) -> bool {
         self.nodes > 0
     }
@@ -31,13 +31,13 @@ impl GridAxis {
         if self.nodes == 0 { 1 } else { self.nodes as usize }
     }
 
-    /// Nodes whose positions are stored.
+    /// Number of nodes whose positions are stored.
     const fn stored(&self) -> usize {
         if self.free { self.nodes as usize } else { 0 }
     }
 }
 
-/// A grid without its nodes.
+/// Header of a grid: everything except its nodes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct GridHeader {
@@ -45,34 +45,33 @@ pub struct GridHeader {
     pub axes: [GridAxis; 3],
     /// Which errors a node has: bit 0 EX … bit 5 EC.
     pub given: u8,
-    /// What a stored 1 means, mm (EX EY EZ) and rad (EA EB EC): the resolution; zero for errors that are not given.
+    /// Value of a stored 1, mm (EX EY EZ) and rad (EA EB EC): the resolution; zero for errors that are not given.
     pub scales: Twist,
-    /// Heights Z, mm, up to which the errors are whole and from which on there are none; linear between.
+    /// Heights Z, mm, up to which the errors apply fully and from which on they are zero; linear in between.
     pub fade: Option<[f64; 2]>,
-    /// Position of the linear axes over which the grid does not stand while its errors were measured, mm; zero for the
-    /// others.
+    /// Position, during measurement, of the linear axes that the grid does not span, mm; zero for the others.
     pub measured_at_mm: [f64; 3],
 }
 
 impl GridHeader {
-    /// Errors of a node.
+    /// Number of errors per node.
     pub const fn columns(&self) -> usize {
         (self.given & 63).count_ones() as usize
     }
 
-    /// Nodes in all; `None` where that is no number.
+    /// Total number of nodes; `None` on overflow.
     pub fn count(&self) -> Option<usize> {
         self.axes.iter().try_fold(1usize, |count, axis| count.checked_mul(axis.count()))
     }
 
-    /// Bytes of the positions of free nodes, and of the nodes; `None` where that is no number.
+    /// Bytes of the positions of free nodes, and of the nodes; `None` on overflow.
     pub fn bytes(&self) -> Option<[usize; 2]> {
         let positions = self.axes.iter().map(GridAxis::stored).sum::<usize>().checked_mul(8)?;
         let nodes = self.count()?.checked_mul(self.columns())?.checked_mul(2)?;
         Some([positions, nodes])
     }
 
-    /// The linear axes over which it stands.
+    /// The linear axes that the grid spans.
     pub fn letters(&self) -> impl Iterator<Item = Axis> + '_ {
         [Axis::X, Axis::Y, Axis::Z]
             .into_iter()
@@ -82,10 +81,10 @@ impl GridHeader {
     }
 }
 
-/// A grid inside a compiled file: the nodes stay where the bytes are.
+/// A grid inside a compiled file: the nodes stay in the file's bytes.
 ///
-/// An error of a node is its stored 16-bit number times the scale. Nodes stand in the order of their positions, those of X
-/// outermost, those of Z next to each other; a node's errors in the order EX EY EZ EA EB EC.
+/// An error of a node is its stored 16-bit number times the scale. Nodes are ordered by position, with X outermost and
+/// the nodes along Z contiguous; a node's errors are in the order EX EY EZ EA EB EC.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct GridData<'a> {
     header: GridHeader,
@@ -94,8 +93,8 @@ pub struct GridData<'a> {
 }
 
 impl<'a> GridData<'a> {
-    /// A grid from its header and what follows it: positions of free nodes as doubles, then the nodes; and the bytes behind.
-    /// `None` where there are not enough.
+    /// Creates a grid from its header and the bytes after it: positions of free nodes as doubles, then the nodes. Also
+    /// returns the remaining bytes; `None` if there are too few.
     pub fn new(header: GridHeader, bytes: &'a [u8]) -> Option<(Self, &'a [u8])> {
         let [positions, nodes] = header.bytes()?;
         let (positions, rest) = bytes.split_at_checked(positions)?;
@@ -103,27 +102,27 @@ impl<'a> GridData<'a> {
         Some((GridData { header, positions, nodes }, rest))
     }
 
-    /// Everything but the nodes.
+    /// Everything except the nodes.
     pub fn header(&self) -> &GridHeader {
         &self.header
     }
 
-    /// What follows the header: positions of free nodes, then the nodes.
+    /// The bytes after the header: positions of free nodes, then the nodes.
     pub fn stored_bytes(&self) -> [&'a [u8]; 2] {
         [self.positions, self.nodes]
     }
 
-    /// Bytes of positions and nodes.
+    /// Number of bytes of positions and nodes.
     pub fn size(&self) -> usize {
         self.positions.len() + self.nodes.len()
     }
 
-    /// The nodes as they are stored, two bytes a number.
+    /// The nodes as stored, two bytes per number.
     pub(crate) fn nodes(&self) -> &'a [u8] {
         self.nodes
     }
 
-    /// Positions of the nodes along X (0), Y or Z as they are stored; none where they are equidistant.
+    /// Stored positions of the nodes along X (0), Y or Z; empty if the nodes are equidistant.
     pub(crate) fn stored(&self, axis: usize) -> &'a [u8] {
         let before = self.header.axes.iter().take(axis).map(GridAxis::stored).sum::<usize>();
         let count = self.header.axes.get(axis).map_or(0, GridAxis::stored);
@@ -144,7 +143,7 @@ impl<'a> GridData<'a> {
         Some(first + (last - first) / f64::from(cells.max(1)) * index as f64)
     }
 
-    /// Number of a node by its indices along X, Y and Z.
+    /// Index of a node from its indices along X, Y and Z.
     fn place(&self, [x, y, z]: [usize; 3]) -> Option<usize> {
         let [along_x, along_y, along_z] = self.header.axes.map(|axis| axis.count());
         (x < along_x && y < along_y && z < along_z).then_some((x * along_y + y) * along_z + z)
@@ -172,16 +171,16 @@ impl<'a> GridData<'a> {
         }))
     }
 
-    /// Indices of all nodes in their order.
+    /// Indices of all nodes, in storage order.
     pub fn indices(&self) -> impl Iterator<Item = [usize; 3]> + use<> {
         let [x, y, z] = self.header.axes.map(|axis| axis.count());
         (0..x).flat_map(move |i| (0..y).flat_map(move |j| (0..z).map(move |k| [i, j, k])))
     }
 
-    /// Largest |∂E/∂q| of each error along X, Y and Z within the cells: mm or rad per mm; exact, as the slope along an axis is
-    /// largest at an edge of a cell. Smallest and largest value of each error.
+    /// Largest |∂E/∂q| of each error along X, Y and Z within the cells, mm or rad per mm; exact, as the slope along an
+    /// axis is largest at an edge of a cell. Smallest and largest value of each error.
     ///
-    /// Cost: every node once.
+    /// Cost: visits every node once.
     pub fn extremes(&self) -> GridExtremes {
         let mut found = GridExtremes { slopes: [[0.0; 3]; 6], values: [[f64::INFINITY, f64::NEG_INFINITY]; 6] };
         for index in self.indices() {

@@ -1,4 +1,4 @@
-//! Settings of a machine, as they stand in a compiled table file: axes, limits, location errors.
+//! Settings of a machine, as stored in a compiled table file: axes, limits, location errors.
 //!
 //! Lengths are mm, angles of rotary *positions* are degrees, angular *errors* are radians; time is seconds.
 //! For a rotary axis every `mm` of an axis-own quantity (travel, backlash, correction limits) reads `degree`.
@@ -29,19 +29,20 @@ use crate::roundness::GaugeSettings;
 use heapless::{String, Vec};
 use serde::{Deserialize, Serialize};
 
-/// Longest machine name, in bytes of UTF-8.
+/// Largest length of a machine name, in bytes of UTF-8.
 pub const NAME_CAPACITY: usize = 64;
-/// Longest structural code, in bytes.
+/// Largest length of a structural code, in bytes.
 pub const CHAIN_CAPACITY: usize = 48;
 
 /// Interpolation between the points of a table.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Interpolation {
-    /// Straight between the points; the slope steps at every point.
+    /// Straight lines between the points; the slope steps at every point.
     #[default]
     Linear,
-    /// Monotone cubic (PCHIP, Fritsch and Butland's weighted harmonic mean): continuous slope, never beyond the points.
+    /// Monotone cubic (PCHIP, Fritsch and Butland's weighted harmonic mean): continuous slope, no overshoot of the
+    /// points.
     Cubic,
 }
 
@@ -81,7 +82,7 @@ pub struct ThermalGrowth {
     pub datum: f64,
 }
 
-/// Everything about one axis but its table values.
+/// Settings of one axis, without its table values.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct AxisSettings {
@@ -95,28 +96,28 @@ pub struct AxisSettings {
     pub cross_lookup: Lookup,
     /// Sense of a rotary axis, +1 or −1 (linear: +1).
     pub direction: i8,
-    /// Declared travel, low and high, mm (deg). A command outside is a fault; so is a reading more than 1 mm (1°) outside the
-    /// joint.
+    /// Declared travel, low and high, mm (deg). A command outside it is a fault; so is a reading more than 1 mm (1°)
+    /// outside the joint.
     pub travel: [f64; 2],
     /// Range in which command + correction must stay, mm (deg).
     pub joint: [f64; 2],
     /// Origin of the axis' frame from its carrier's, in bed directions with all axes at zero, mm. For a rotary axis: a
     /// point of its axis of rotation.
     pub offset_mm: [f64; 3],
-    /// Position of the *other* linear axes (and of the measuring point) when the table was measured, mm. Zero: none
-    /// in particular; its translations are those of the origin of the axis' moved frame.
+    /// Position of the *other* linear axes (and of the measuring point) when the table was measured, mm. Zero: none in
+    /// particular; the table's translations apply at the origin of the axis' moved frame.
     pub measured_at_mm: [f64; 3],
     /// Highest feed of the axis, mm/s (deg/s).
     pub max_feed_per_s: f64,
-    /// Added to the axis' own error while it travels in negative direction, mm (deg); positive = lost motion. Needs no table.
+    /// Added to the axis' own error during negative travel, mm (deg); positive = lost motion. Needs no table.
     pub backlash: f64,
-    /// A reversal counts once the drive, command plus correction, has come back by more than this, mm (deg). Of an axis
-    /// with lost motion it must be at least [`crate::check::HYSTERESIS_PER_STEP`] steps of the encoder, where those are
+    /// A reversal counts once the drive, command plus correction, has moved back by more than this, mm (deg). On an axis
+    /// with lost motion it must be at least [`crate::check::HYSTERESIS_PER_STEP`] steps of the encoder, if they are
     /// known, and wider than any step that a correction makes against the travel: see [`crate::check::reversal`].
     pub hysteresis: f64,
-    /// Smallest step of the position reading, mm (deg), or its noise from peak to peak where that is larger; `None`: not
-    /// stated. Bounds the hysteresis from below, and is what a dead encoder may show ([`FaultSettings::stuck`]). Stands at
-    /// the end of a compiled file ([`crate::tcomp`]).
+    /// Smallest step of the position reading, mm (deg), or its peak-to-peak noise if that is larger; `None` if not
+    /// stated. Bounds the hysteresis from below, and is what a dead encoder may show ([`FaultSettings::stuck`]). Stored
+    /// at the end of a compiled file ([`crate::tcomp`]).
     #[serde(skip)]
     pub encoder_resolution: Option<f64>,
     /// Limits of the correction.
@@ -128,8 +129,8 @@ pub struct AxisSettings {
 }
 
 impl AxisSettings {
-    /// The table holds what is read along a line in the machine: of a slide that carries the workpiece, whose frame
-    /// moves away from that line, its own travel then contributes no lever.
+    /// Whether the table contains readings along a line in the machine. On a slide that carries the workpiece, whose
+    /// frame moves away from that line, its own travel then contributes no lever.
     pub fn is_measured_along_a_line(&self) -> bool {
         self.measured_at_mm != [0.0; 3]
     }
@@ -139,9 +140,9 @@ impl AxisSettings {
     /// Travel not declared (±1e6 mm, ±1e9 degrees), linear interpolation, look-up at the command, 0.3 µm (6 µrad) of
     /// reversal hysteresis, limits 100 µm, 5 mm/s, 5 m/s² (rotary 2000 µrad, 5 deg/s, 5000 deg/s²).
     ///
-    /// The limits bring an axis across 2 µm of lost motion within 1.5 ms; lower ones leave more of it uncorrected after a
-    /// reversal than they protect from. Those of a rotary axis are the same on a radius of some 50 mm. In single precision
-    /// the acceleration is 10 times the resolution of the correction at servo rates up to 200 kHz.
+    /// With these limits an axis crosses 2 µm of lost motion within 1.5 ms; lower ones leave more of it uncorrected after
+    /// a reversal than they protect from. The rotary limits correspond to a radius of some 50 mm. In single
+    /// precision the acceleration is 10 times the resolution of the correction at servo rates up to 200 kHz.
     pub fn with_defaults(axis: Axis, carries_workpiece: bool) -> Self {
         let rotary = axis.is_rotary();
         let reach = if rotary { 1e9 } else { 1e6 };
@@ -182,17 +183,18 @@ pub struct LocationErrors {
 }
 
 impl LocationErrors {
-    /// Those of a rotary axis: `EX0r, EY0r, EZ0r` (mm), `EA0r, EB0r, EC0r` (rad); `None` for a linear one.
+    /// Returns the location errors of a rotary axis: `EX0r, EY0r, EZ0r` (mm), `EA0r, EB0r, EC0r` (rad); `None` for a
+    /// linear one.
     pub fn of(&self, axis: Axis) -> Option<&Twist> {
         self.rotary.get(axis.index().checked_sub(Axis::A.index())?)
     }
 }
 
-/// When a reading or a command is accepted. Pairs are for linear (mm) and rotary (degrees) axes.
+/// Conditions for accepting a reading or a command. Pairs are for linear (mm) and rotary (degrees) axes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct FaultSettings {
-    /// After a stop request the step resumes only if the command is within this of the held one: mm, degrees.
+    /// After a stop request the step resumes only if the command is within this distance of the held one: mm, degrees.
     pub resume: [f64; 2],
     /// Largest plausible change of the command as a multiple of `max_feed · period`.
     pub command_jump_factor: f64,
@@ -200,8 +202,8 @@ pub struct FaultSettings {
     pub feedback_jump: [f64; 2],
     /// The encoder is stuck when the command has moved this far without a change of the reading: mm, degrees.
     ///
-    /// Where the step of the encoder is stated, a reading that stays within three of them (at most a quarter of this) has not
-    /// changed, and a command has not moved that stays within as much and the backlash.
+    /// If the resolution of the encoder is stated, a reading that stays within three steps of it (at most a quarter of
+    /// this) has not changed, and a command has not moved if it stays within that distance plus the backlash.
     pub stuck: [f64; 2],
 }
 
@@ -217,7 +219,7 @@ impl Default for FaultSettings {
 pub struct ContourSettings {
     /// Half-window of a cold search, arc length, mm.
     pub max_lag_mm: f64,
-    /// Contour feedback, where there is one.
+    /// Contour feedback, if configured.
     pub feedback: Option<FeedbackSettings>,
 }
 
@@ -231,24 +233,23 @@ impl Default for ContourSettings {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ErrorModel {
-    /// Axis-wise: the translations of every axis, and a rotary axis' own error; angular errors have no lever.
+    /// Axis-wise: the translations of every axis and a rotary axis' own error; angular errors have no lever.
     #[default]
     Nine,
-    /// Volumetric: the twist of every axis, carried to the tool tip by its lever.
+    /// Volumetric: the twist of every axis, transferred to the tool tip by its lever.
     Volumetric,
 }
 
-/// Which errors are corrected, and through which axes.
+/// Which errors are corrected, and by which axes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct CompensationSettings {
     /// The error model.
     pub model: ErrorModel,
-    /// Volumetric: the direction of the tool is corrected through the rotary axes. The tip always is, through the linear
-    /// ones.
+    /// Volumetric: whether the rotary axes correct the direction of the tool. The linear axes always correct the tip.
     pub orientation: bool,
-    /// The correction of the direction is whole while the tool is at least this far from the axis of the rotary axis next
-    /// to the workpiece (its singular pose), and fades to nothing towards it: degrees.
+    /// The correction of the direction is full while the tool is at least this far from the axis of the rotary axis next
+    /// to the workpiece (its singular pose), and fades to zero towards it: degrees.
     pub fade_deg: f64,
 }
 
@@ -262,10 +263,10 @@ impl Default for CompensationSettings {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct KinematicsSettings {
-    /// Tool axis with all axes at zero, from the tip to the spindle, in bed directions; normalised where it is used.
+    /// Tool axis with all axes at zero, from the tip to the spindle, in bed directions; normalised at use.
     pub tool_axis: [f64; 3],
-    /// Where the tool is closer than this to the singular pose, the rotary axis nearest the workpiece stands or is led, and
-    /// the tool's direction may be off by at most as much: degrees; 0: exact everywhere.
+    /// If the tool is closer than this to the singular pose, the rotary axis nearest the workpiece stops or is limited,
+    /// and the tool's direction may deviate by at most as much: degrees; 0: exact everywhere.
     pub singular_cone_deg: f64,
 }
 
@@ -275,7 +276,7 @@ impl Default for KinematicsSettings {
     }
 }
 
-/// Everything about a machine but its table values.
+/// Settings of a machine, without its table values.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct MachineSettings {
@@ -285,7 +286,7 @@ pub struct MachineSettings {
     pub chain: String<CHAIN_CAPACITY>,
     /// Tool tip from the last tool-side frame at all axes zero, mm.
     pub tool_mm: [f64; 3],
-    /// Temperature at which the tables hold, °C.
+    /// Temperature at which the tables are valid, °C.
     pub reference_temperature_c: f64,
     /// Location errors.
     pub location: LocationErrors,
@@ -293,13 +294,13 @@ pub struct MachineSettings {
     pub faults: FaultSettings,
     /// Contour search.
     pub contour: ContourSettings,
-    /// Error model and how it is corrected.
+    /// Error model and its correction.
     pub compensation: CompensationSettings,
     /// Tool axis and singular pose.
     pub kinematics: KinematicsSettings,
-    /// The axes that the chain names, each once, in the order X Y Z A B C.
+    /// The axes in the chain, each once, in the order X Y Z A B C.
     pub axes: Vec<AxisSettings, AXES>,
-    /// Gauge of three probes, where the machine has one.
+    /// Three-probe gauge, if the machine has one.
     pub roundness: Option<GaugeSettings>,
     /// Acceleration cross-talk.
     pub crosstalk: Vec<CrosstalkSettings, CROSSTALK_CAPACITY>,
@@ -316,6 +317,6 @@ pub struct Row {
     pub position: f64,
     /// Errors in positive travel (or without regard to it).
     pub forward: Twist,
-    /// Errors in negative travel; equal to `forward` where the table is not bidirectional.
+    /// Errors in negative travel; equal to `forward` unless the table is bidirectional.
     pub reverse: Twist,
 }

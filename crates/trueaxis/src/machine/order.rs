@@ -1,13 +1,13 @@
-//! The order of a machine's axes: that of its list, of the step's slots, and of the six letters.
+//! The order of a machine's axes: in its list, in the step's slots, and in the six letters.
 
 use super::{AxisSettings, MachineSettings};
 use crate::axis::{AXES, Axis};
 use crate::error::{ConfigError, Field};
 
-/// The axes of a step with `N` axes by their slots: X, Y, Z, always all three, then the machine's rotary axes in
-/// alphabetical order.
+/// The axes of a step with `N` axes by slot: X, Y, Z, always all three, then the machine's rotary axes in alphabetical
+/// order.
 ///
-/// Made once, where a machine's settings are read; everything that depends on the order is asked here.
+/// Created once, when a machine's settings are read; all code that depends on the order uses it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct AxisOrder<const N: usize>([Axis; N]);
@@ -40,18 +40,18 @@ impl<const N: usize> AxisOrder<N> {
         self.0.iter().position(|known| *known == axis)
     }
 
-    /// Settings by slot; `None` for a linear axis that the machine does not have.
+    /// Settings by slot; `None` for an absent linear axis.
     pub fn settings<'m>(&self, machine: &'m MachineSettings) -> [Option<&'m AxisSettings>; N] {
         self.0.map(|axis| machine.axis(axis))
     }
 
-    /// From the six letters, as [`Axis::index`] counts them, to slots.
+    /// Maps the six letters, in the order of [`Axis::index`], to slots.
     #[inline(always)]
     pub fn slots<T>(&self, of: impl FnMut(Axis) -> T) -> [T; N] {
         self.0.map(of)
     }
 
-    /// From slots to the six letters; `empty` for axes that the step does not have.
+    /// Maps slots to the six letters; `empty` for axes that the step does not have.
     #[inline(always)]
     pub fn letters<S, T: Copy>(&self, slots: &[S; N], empty: T, of: impl Fn(Axis, &S) -> T) -> [T; AXES] {
         let mut letters = [empty; AXES];
@@ -65,13 +65,13 @@ impl<const N: usize> AxisOrder<N> {
 }
 
 impl MachineSettings {
-    /// The axes of the machine's step by their slots, for a caller that does not know their number yet; see [`AxisOrder`].
+    /// The axes of the machine's step by slot, for a caller that does not know their number yet; see [`AxisOrder`].
     pub fn step_axes(&self) -> impl Iterator<Item = Axis> + '_ {
         let rotary = self.axes.iter().map(|known| known.axis).filter(|axis| axis.is_rotary());
         [Axis::X, Axis::Y, Axis::Z].into_iter().chain(rotary)
     }
 
-    /// Settings of an axis, where the machine has it.
+    /// Settings of an axis, if the machine has it.
     pub fn axis(&self, axis: Axis) -> Option<&AxisSettings> {
         self.axes.iter().find(|known| known.axis == axis)
     }

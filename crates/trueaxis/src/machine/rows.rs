@@ -1,14 +1,14 @@
-//! Lines of an error table, wherever they are stored.
+//! Lines of an error table, independent of their storage.
 
 use super::{Axis, AxisSettings, Interpolation, MachineSettings, Row};
 
-/// A table's lines by number: implemented for slices and for the lines of a compiled file.
+/// The lines of a table by index: implemented for slices and for the lines of a compiled file.
 pub trait Rows {
     /// Number of lines.
     fn len(&self) -> usize;
     /// Line `index`, in ascending order of position.
     fn row(&self, index: usize) -> Option<Row>;
-    /// No lines at all.
+    /// Whether there are no lines.
     fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -23,7 +23,7 @@ impl Rows for [Row] {
     }
 }
 
-/// Lines that the step looks an axis up in: those of its table or, of an axis without one that loses motion, zeros.
+/// Lines in which the step looks an axis up: those of its table, or zeros for an axis with lost motion but no table.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Lines<'r, T: ?Sized> {
     /// A table.
@@ -32,18 +32,18 @@ pub(crate) enum Lines<'r, T: ?Sized> {
     Zeros([f64; 2]),
 }
 
-/// Ends of the zeros of a linear axis that declares no travel, mm: in single precision its coordinates keep 0.1 µm.
+/// Ends of the zeros of a linear axis without a declared travel, mm: in single precision its coordinates keep 0.1 µm.
 const UNDECLARED: [f64; 2] = [-1000.0, 1000.0];
-/// How far zeros reach beyond a declared travel, mm (deg): farther than a correction leads a look-up, so that no axis is
+/// Extent of the zeros beyond a declared travel, mm (deg): farther than a correction moves a look-up, so that no axis is
 /// reported at the edge of a table that it does not have.
 const BEYOND_TRAVEL: f64 = 10.0;
 
 impl<'r, T: Rows + ?Sized + 'r> Lines<'r, T> {
-    /// The lines of an axis, and its settings as they hold for them; `None` where the direction of travel says nothing and there
-    /// is no table.
+    /// The lines of an axis, and its settings adapted to them; `None` if there is no table and the direction of travel
+    /// does not matter.
     ///
-    /// Zeros reach [`BEYOND_TRAVEL`] past the declared travel; where a rotary axis then turns right round, they go round once.
-    /// They are interpolated as the machine's first table, so that they take the loop of the others.
+    /// Zeros extend [`BEYOND_TRAVEL`] past the declared travel, or over one turn if a rotary axis can then rotate fully.
+    /// They are interpolated like the machine's first table, so that they use the same loop as the others.
     pub(crate) fn of(
         machine: &MachineSettings,
         rows: impl Fn(Axis) -> Option<&'r T>,

@@ -1,18 +1,18 @@
-//! Settings of what acts on the servo itself: drive figures, friction, feed-forward, contour feedback, cross-talk.
+//! Settings of the servo: drive figures, friction, feed-forward, contour feedback, cross-talk.
 //!
-//! For a rotary axis every `mm` reads `degree`. Everything here is off unless it is given.
+//! For a rotary axis every `mm` reads `degree`. Every part is off unless it is configured.
 
 use super::Limits;
 use crate::axis::Axis;
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
-/// Most entries of the cross-talk of a machine.
+/// Largest number of cross-talk entries of a machine.
 pub const CROSSTALK_CAPACITY: usize = 6;
-/// Most points of one entry's table.
+/// Largest number of points in one entry's table.
 pub const CROSSTALK_POINTS: usize = 8;
 
-/// Figures of an axis' servo drive: position loop around a velocity loop around a current loop.
+/// Figures of an axis' servo drive: a position loop around a velocity loop around a current loop.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct DriveFigures {
@@ -22,17 +22,17 @@ pub struct DriveFigures {
     pub velocity_gain_per_s: f64,
     /// Reset time of the velocity loop τ, s.
     pub reset_time_s: f64,
-    /// Share of the commanded velocity that is fed forward k_ff, 0 to 1.
+    /// Share k_ff of the commanded velocity that is fed forward, 0 to 1.
     pub velocity_feed_forward: f64,
     /// Time constant of the current loop, s.
     pub current_loop_s: f64,
-    /// Dead time from a command to the position loop and back through the reading t_d, s.
+    /// Dead time t_d from a command to the position loop and back through the reading, s.
     pub dead_time_s: f64,
 }
 
 impl DriveFigures {
-    /// A drive of these gains (1/s) and this reset time (s), all else at its default: no feed-forward, a current loop of
-    /// 0.25 ms, no dead time.
+    /// Creates a drive with these gains (1/s) and this reset time (s), the rest at its defaults: no feed-forward, a
+    /// current loop of 0.25 ms, no dead time.
     pub const fn with_defaults(position_gain_per_s: f64, velocity_gain_per_s: f64, reset_time_s: f64) -> DriveFigures {
         DriveFigures {
             position_gain_per_s,
@@ -45,8 +45,8 @@ impl DriveFigures {
     }
 }
 
-/// Friction of an axis, as the reversal feed-forward takes it. Forces are divided by the moved mass and by K_vp, so that
-/// they are velocities: what the velocity loop has to be off by until its integrator supplies them.
+/// Friction of an axis for the reversal feed-forward. Forces are divided by the moved mass and by K_vp, so that they are
+/// velocities: the error of the velocity loop until its integrator supplies the force.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct FrictionSettings {
@@ -54,19 +54,19 @@ pub struct FrictionSettings {
     pub coulomb_per_s: f64,
     /// Static friction above Coulomb friction as a share of it, s.
     pub stribeck_share: f64,
-    /// Velocity at which half of that share is left v_s, mm/s.
+    /// Velocity v_s at which half of that share remains, mm/s.
     pub stribeck_velocity_per_s: f64,
     /// Pre-sliding z: travel over which friction reverses by 63 %, mm.
     pub presliding: f64,
     /// Viscous friction d/K_vp, mm/s per mm/s.
     pub viscous: f64,
-    /// The friction of the velocity that is commanded this much later, s; extrapolated with the commanded acceleration.
+    /// Friction is computed for the velocity commanded this much later, s, extrapolated with the commanded acceleration.
     pub lead_s: f64,
 }
 
 impl FrictionSettings {
-    /// Coulomb friction F_c/K_vp (mm/s) and pre-sliding (mm), all else at its default: no Stribeck and no viscous part,
-    /// no lead.
+    /// Creates friction from Coulomb friction F_c/K_vp (mm/s) and pre-sliding (mm), the rest at its defaults: no Stribeck
+    /// and no viscous part, no lead.
     pub const fn with_defaults(coulomb_per_s: f64, presliding: f64) -> FrictionSettings {
         FrictionSettings {
             coulomb_per_s,
@@ -79,23 +79,23 @@ impl FrictionSettings {
     }
 }
 
-/// What the step adds to an axis' command beside the correction of geometry.
+/// Dynamic correction that the step adds to an axis' command in addition to the geometric correction.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct DynamicSettings {
-    /// Limits of the dynamic correction; the sum with the geometric one keeps those of the axis besides.
+    /// Limits of the dynamic correction; its sum with the geometric one also keeps the limits of the axis.
     pub limits: Limits,
-    /// Following error of the velocity that the drive does not feed forward is made up for.
+    /// Compensates the following error of the velocity that the drive does not feed forward.
     pub lag: bool,
-    /// The velocity that the commanded acceleration asks of the velocity loop is fed forward.
+    /// Feeds forward the velocity error that the commanded acceleration requires of the velocity loop.
     pub acceleration: bool,
-    /// Lost motion is taken up from the reversal that the command shows, without waiting for the hysteresis.
+    /// Takes up lost motion from the reversal of the command, without waiting for the hysteresis.
     pub take_up: bool,
 }
 
 impl DynamicSettings {
-    /// The stated defaults, which also hold where an axis has friction, cross-talk or feedback and no such section: limits
-    /// of 50 µm, 5 mm/s, 5 m/s² (rotary 1000 µrad, 5 deg/s, 5000 deg/s²), everything off.
+    /// The stated defaults, also used if an axis has friction, cross-talk or feedback but no such section: limits of
+    /// 50 µm, 5 mm/s, 5 m/s² (rotary 1000 µrad, 5 deg/s, 5000 deg/s²), everything off.
     pub fn with_defaults(axis: Axis) -> DynamicSettings {
         let magnitude = if axis.is_rotary() { 1000e-6_f64.to_degrees() } else { 0.05 };
         DynamicSettings {
@@ -107,7 +107,7 @@ impl DynamicSettings {
     }
 }
 
-/// The servo of an axis: each part is off where it is `None`.
+/// The servo of an axis: each part is off if it is `None`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct AxisServo {
@@ -127,15 +127,16 @@ pub struct FeedbackSettings {
     pub proportional: f64,
     /// Integral gain K_i, 1/s.
     pub integral_per_s: f64,
-    /// Above this speed of the command there is no feedback (rapid motion), mm/s.
+    /// Highest speed of the command with feedback, mm/s; above it (rapid motion) there is none.
     pub max_feed_per_s: f64,
-    /// A contour error that changes its sign again and again, and each time by more than this, is an oscillation: the
-    /// feedback is led out, mm.
+    /// A contour error that repeatedly changes its sign, each time exceeding this, is an oscillation: the feedback is
+    /// ramped out, mm.
     pub watch_mm: f64,
 }
 
 impl Default for FeedbackSettings {
-    /// K_p 0.3 and K_i 10/s, for position loops of about 110/s; up to 10 m/min; the watch looks for more than 10 µm.
+    /// K_p 0.3 and K_i 10/s, for position loops of about 110/s; up to 10 m/min; the watch detects
+    /// oscillations above 10 µm.
     fn default() -> Self {
         FeedbackSettings { proportional: 0.3, integral_per_s: 10.0, max_feed_per_s: 1e4 / 60.0, watch_mm: 0.01 }
     }
@@ -149,10 +150,10 @@ pub struct CrosstalkSettings {
     pub tip: Axis,
     /// Axis that accelerates.
     pub from: Axis,
-    /// Axis over whose position k is given.
+    /// Axis whose position determines k.
     pub over: Axis,
-    /// Position (mm, deg) and k (s²: mm per mm/s²; mm per deg/s²), positions increasing, linear between, constant beyond the
-    /// ends. One point: a constant.
+    /// Position (mm, deg) and k (s²: mm per mm/s²; mm per deg/s²), positions increasing, linear between points, constant
+    /// beyond the ends. A single point is a constant.
     #[cfg_attr(feature = "defmt", defmt(Debug2Format))]
     pub points: Vec<[f64; 2], CROSSTALK_POINTS>,
 }

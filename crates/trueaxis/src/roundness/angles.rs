@@ -6,14 +6,14 @@
 //! noise gain(k) = √(1 + k2² + k3²) / |G(k)|
 //! ```
 //!
-//! The weighted sum h1 + k2 h2 + k3 h3 no longer contains the motion of the centre; harmonic k of the profile is in it
-//! G(k) times. G(0) ≠ 0 in general, G(±1) = 0 always: a first harmonic of the profile is a displacement of its centre.
+//! The weighted sum h1 + k2 h2 + k3 h3 no longer contains the motion of the centre; it contains harmonic k of the profile
+//! multiplied by G(k). G(0) ≠ 0 in general, G(±1) = 0 always: a first harmonic of the profile is a displacement of its centre.
 
 use crate::error::{ConfigError, Field};
 use crate::range;
 use core::f64::consts::{PI, TAU};
 
-/// From this noise gain on an angle set cannot see a harmonic at all.
+/// Noise gain from which an angle set cannot see a harmonic at all.
 const SINGULAR: f64 = 1e8;
 
 /// A band of harmonics, undulations per revolution.
@@ -32,7 +32,7 @@ impl Band {
         self.first..=self.last
     }
 
-    /// Whether a harmonic lies in it.
+    /// Whether a harmonic lies in the band.
     pub const fn contains(self, harmonic: u16) -> bool {
         self.first <= harmonic && harmonic <= self.last
     }
@@ -67,7 +67,7 @@ pub enum ProbeAngles {
         /// φ3 = 2π q/N.
         q: u16,
     },
-    /// Any angles, as a gauge was calibrated, degrees.
+    /// Any angles, as calibrated on the gauge, degrees.
     Degrees {
         /// φ2.
         phi2: f64,
@@ -77,7 +77,7 @@ pub enum ProbeAngles {
 }
 
 impl ProbeAngles {
-    /// The setting that gives them.
+    /// The setting that contains the angles.
     pub(super) const fn field(self) -> Field {
         match self {
             ProbeAngles::Slots { .. } => Field::ProbeSlots,
@@ -85,10 +85,10 @@ impl ProbeAngles {
         }
     }
 
-    /// Checks the angles against the number of points and works out the weights.
+    /// Checks the angles against the number of points and computes the weights.
     ///
     /// # Errors
-    /// Slots outside 1..N, angles that are not finite or outside ±360°, two probes on one line through the centre.
+    /// Slots outside 1..N, angles that are not finite or outside ±360°, or two probes on one line through the centre.
     pub fn resolve(self, points: usize) -> Result<Gain, ConfigError> {
         let [phi2, phi3] = match self {
             ProbeAngles::Slots { p, q } => {
@@ -169,7 +169,7 @@ impl Gain {
         self.points
     }
 
-    /// φ2 in whole slots, where the angles were given so.
+    /// φ2 and φ3 in whole slots, if the angles were given that way.
     pub fn slots(&self) -> Option<[usize; 2]> {
         self.slots
     }
@@ -186,7 +186,7 @@ impl Gain {
         self.phasor(harmonic, self.slots.map(|[p, _]| p), self.phi2)
     }
 
-    /// Whole slots are reduced as integers: no rounding grows with the harmonic.
+    /// Reduces whole slots as integers so that no rounding grows with the harmonic.
     fn phasor(&self, harmonic: usize, slots: Option<usize>, angle: f64) -> [f64; 2] {
         let angle = match slots {
             Some(slots) => TAU * (slots * harmonic).checked_rem(self.points).unwrap_or(0) as f64 / self.points as f64,
@@ -195,7 +195,7 @@ impl Gain {
         [libm::cos(angle), libm::sin(angle)]
     }
 
-    /// √(1 + k2² + k3²): standard deviation of the weighted sum where every probe has 1.
+    /// √(1 + k2² + k3²): standard deviation of the weighted sum if that of every probe is 1.
     pub fn norm(&self) -> f64 {
         libm::sqrt(1.0 + self.k2 * self.k2 + self.k3 * self.k3)
     }
@@ -234,7 +234,7 @@ mod tests {
         ProbeAngles::Degrees { phi2, phi3 }.resolve(1024).unwrap()
     }
 
-    /// Worst normalised gains of the arrangements in CN1927535, and of the best by full search.
+    /// Worst normalised gains of the arrangements in CN1927535, and of the best found by full search.
     #[test]
     fn known_arrangements() {
         assert_eq!((degrees(90.0, 181.05).worst(BAND) * 1e3).round(), 52.0);
@@ -249,7 +249,7 @@ mod tests {
     fn singular_harmonics_are_all_named() {
         let singular = |phi2, phi3| degrees(phi2, phi3).singular(Band { first: 2, last: 10 }).collect::<Vec<_>>();
         assert_eq!(singular(90.0, 135.0), [7, 9]);
-        // Three probes at equal angles see multiples of three only.
+        // Three probes at equal angles see only multiples of three.
         assert_eq!(singular(120.0, 120.0), [2, 4, 5, 7, 8, 10]);
         assert!(degrees(66.093_75, 234.492_187_5).is_singular(1));
         let slots = ProbeAngles::Slots { p: 256, q: 384 }.resolve(1024).unwrap();

@@ -1,13 +1,13 @@
-//! The arm that rocks about the grinding wheel's centre and carries the probes along with a circling pin.
+//! The arm that swings about the grinding wheel's centre and carries the probes along with an orbiting pin.
 //!
 //! ```text
 //! R sin α = (R_S + R_W) sin β      λ = R/(R_S + R_W)
 //! θ = α + β                        e^{jβ} = (1 + λ e^{jθ}) / |1 + λ e^{jθ}|
 //! ```
 //!
-//! R crank throw, R_S wheel radius, R_W pin radius; α spindle angle, β arm angle, θ angle over the pin's surface. The
-//! second line follows from the triangle of crank centre, pin and wheel; it gives β at any θ in closed form, with one
-//! square root and no inverse function. λ = 0 is an arm that stands still, an ordinary shaft.
+//! R crank throw, R_S wheel radius, R_W pin radius; α spindle angle, β arm angle, θ angle over the pin's surface. The second
+//! line follows from the triangle of crank centre, pin and wheel; it gives β at any θ in closed form, with one square root and
+//! no inverse function. λ = 0 describes an arm that stands still, for an ordinary shaft.
 
 use crate::error::{ConfigError, Field};
 use crate::range::{CRANK, RADIUS};
@@ -19,14 +19,14 @@ use crate::real::Real;
 pub struct Arm {
     /// Crank throw R: distance of the pin's centre from the spindle's axis.
     pub crank_mm: f64,
-    /// Radius R_S of the grinding wheel, as it is now.
+    /// Present radius R_S of the grinding wheel.
     pub wheel_mm: f64,
     /// Radius R_W of the pin.
     pub pin_mm: f64,
 }
 
 impl Arm {
-    /// Every length in its range.
+    /// Checks that every length is in its range.
     pub(super) fn check(&self) -> Result<(), ConfigError> {
         let Arm { crank_mm, wheel_mm, pin_mm } = *self;
         CRANK.check(crank_mm, Field::ArmCrank, None)?;
@@ -37,8 +37,7 @@ impl Arm {
     /// λ = R/(R_S + R_W).
     ///
     /// # Errors
-    /// A length outside its range ([`CRANK`], [`RADIUS`]), a linkage that cannot close
-    /// (R >= R_S + R_W).
+    /// A length outside its range ([`CRANK`], [`RADIUS`]), or a linkage that cannot close (R >= R_S + R_W).
     pub fn ratio(&self) -> Result<f64, ConfigError> {
         self.check()?;
         if self.crank_mm >= self.wheel_mm + self.pin_mm {

@@ -1,15 +1,15 @@
-//! Encoder counts to angles.
+//! Converts encoder counts to angles.
 //!
-//! Angles are 32-bit fractions of a turn: 2^32 is 360°, one unit 1.5 nrad. They add and wrap as the angles do, over any
-//! number of revolutions, without a division and without losing anything.
+//! Angles are 32-bit fractions of a turn: 2^32 is 360°, one unit 1.5 nrad. They add and wrap like physical angles, over any
+//! number of revolutions, without a division and without loss.
 
 use super::flags::GaugeFlags;
 use super::settings::{ArmSettings, SpindleEncoder};
 
-/// Counts of one turn to a fraction of 2^32: x + x·f/2^32 of x = counts · 2^k, f = ⌊2^(64−k)/counts per turn − 2^32⌉.
+/// Converts counts of one turn to a fraction of 2^32: x + x·f/2^32 of x = counts · 2^k, f = ⌊2^(64−k)/counts per turn − 2^32⌉.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Scale {
-    /// 2^k, as far as the counts of a turn can be shifted in 32 bits.
+    /// 2^k, as far as the counts of a turn can be shifted within 32 bits.
     power: u32,
     factor: u32,
 }
@@ -23,7 +23,7 @@ impl Scale {
         Scale { power: 1 << shift, factor: u32::try_from(factor).unwrap_or(u32::MAX) }
     }
 
-    /// Within two units.
+    /// Angle of a count, to within two units.
     #[inline(always)]
     fn angle(self, counts: u32) -> u32 {
         let x = counts.wrapping_mul(self.power);
@@ -31,22 +31,22 @@ impl Scale {
     }
 }
 
-/// Follows the spindle's encoder from cycle to cycle: immutable half.
+/// Tracks the spindle encoder from cycle to cycle: immutable half.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct SpindleCounter {
     scale: Scale,
     /// ±1.
     direction: i32,
     counts: u32,
-    /// Counts of a cycle beyond which the encoder has jumped.
+    /// Counts per cycle beyond which the encoder has jumped.
     most: u32,
-    /// Counts without an index pulse after which one is missing.
+    /// Counts without an index pulse after which the pulse is missing.
     overdue: u32,
     index: bool,
     tolerance: u32,
 }
 
-/// Follows the spindle's encoder from cycle to cycle: its state. Counts are in the sense of θ and wrap.
+/// Tracks the spindle encoder from cycle to cycle: its state. Counts are in the sense of θ and wrap.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct SpindleState {
     last: i32,
@@ -56,9 +56,9 @@ pub(super) struct SpindleState {
     pulse: i32,
     pub(super) started: bool,
     referenced: bool,
-    /// Zero was known, and the count has gone on since: good enough to hold a correction by, not to measure.
+    /// Zero was known, and counting has continued since: good enough to apply a correction, not to measure.
     counting: bool,
-    /// The last index pulse contradicted the one before: the next has to agree.
+    /// The last index pulse contradicted the previous one: the next must agree.
     doubtful: bool,
 }
 
@@ -94,7 +94,7 @@ impl SpindleCounter {
         }
     }
 
-    /// Count in the sense of θ, and those since α = 0.
+    /// Count in the sense of θ, and the counts since α = 0.
     #[inline(always)]
     pub(super) fn read(&self, state: &SpindleState, raw: i32) -> (i32, u32) {
         let raw = raw.wrapping_mul(self.direction);
@@ -113,14 +113,14 @@ impl SpindleCounter {
         raw.wrapping_sub(state.last) as u32 <= self.most
     }
 
-    /// Takes over a count below [`SpindleCounter::plain`].
+    /// Accepts a count below [`SpindleCounter::plain`].
     #[inline(always)]
     pub(super) fn follow(state: &mut SpindleState, raw: i32) {
         state.last = raw;
     }
 
-    /// Counts from α = 0 below which a count that goes on needs no other look, until a pulse comes: the turn does not
-    /// end there, and no pulse is missing. 0 where zero is in doubt.
+    /// Counts from α = 0 below which a count that continues needs no further test until a pulse comes: the turn does not end
+    /// there, and no pulse is missing. 0 while zero is in doubt.
     pub(super) fn plain(&self, state: &SpindleState) -> u32 {
         if !state.referenced {
             return 0;
@@ -135,7 +135,7 @@ impl SpindleCounter {
         u32::try_from(until_overdue).map_or(0, |counts| counts.min(self.counts))
     }
 
-    /// α of this cycle, if it is known, if only by counting on; what is wrong is added to the flags.
+    /// α in this cycle, if known, if only by counting on; adds flags for any fault.
     #[inline(always)]
     pub(super) fn update(
         &self,
@@ -158,7 +158,7 @@ impl SpindleCounter {
         Some(self.scale.angle(state.in_turn()))
     }
 
-    /// No index pulse is missing.
+    /// Whether no index pulse is missing.
     #[inline(always)]
     fn is_in_time(&self, state: &SpindleState) -> bool {
         state.last.wrapping_sub(state.pulse).unsigned_abs() <= self.overdue
@@ -177,8 +177,8 @@ impl SpindleCounter {
         }
     }
 
-    /// Everything but a plain motion: first cycle, jump, index pulse, missing pulse. True where zero has moved: the
-    /// angles before and after do not belong together.
+    /// Handles everything but a plain motion: first cycle, jump, index pulse, missing pulse. Returns true if zero has moved:
+    /// the angles before and after then do not belong together.
     #[inline(never)]
     fn exceptional(
         &self,
@@ -252,10 +252,10 @@ impl SpindleCounter {
     }
 }
 
-/// The arm's encoder.
+/// Converts the counts of the arm's encoder.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ArmCounter {
-    /// ±2^k, and half the factor of a [`Scale`]: what is signed has a bit less.
+    /// ±2^k, and half the factor of a [`Scale`]: signed numbers have one bit less.
     power: i32,
     factor: i32,
     /// A quarter turn, in counts.
@@ -272,7 +272,7 @@ impl ArmCounter {
         }
     }
 
-    /// β, a signed fraction of 2^32 within four units, if it lies within ±90°.
+    /// β, a signed fraction of 2^32 to within four units, if it lies within ±90°.
     #[inline(always)]
     pub(super) fn angle(&self, raw: i32) -> Option<i32> {
         if raw.wrapping_add(self.most as i32) as u32 > 2 * self.most {
@@ -305,8 +305,8 @@ mod tests {
         }
     }
 
-    /// Every count of every encoder up to 2048 a turn, and every power of two; larger ones by the bound of the two
-    /// roundings, half a unit and one.
+    /// Every count of every encoder up to 2048 a turn, and of 2^12 and 2^16; larger ones by the bound of the two roundings,
+    /// half a unit and one.
     #[test]
     fn every_count_has_an_angle_of_its_own() {
         for counts in (1..=2048).chain([1 << 12, 1 << 16]) {
@@ -322,7 +322,7 @@ mod tests {
         }
     }
 
-    /// Turns at `step` counts a cycle with a pulse whenever `pulse(revolution)`; returns the flags of every cycle.
+    /// Turns at 10 counts a cycle, with the pulse of a revolution `pulse(revolution)` counts late; returns all flags seen.
     fn turn(
         counter: &SpindleCounter,
         state: &mut SpindleState,
@@ -372,7 +372,7 @@ mod tests {
         let counter = SpindleCounter::new(&encoder(1000));
         let mut state = SpindleState::NEW;
         turn(&counter, &mut state, 0, 250, |_| Some(0));
-        // Lost counts: the pulse comes 40 counts late, and stays there.
+        // Lost counts: the pulse comes 4 counts late, and stays there.
         let seen = turn(&counter, &mut state, 2500, 60, |_| Some(4));
         assert!(seen.has(GaugeFlags::INDEX_SHIFTED) && !state.referenced);
         turn(&counter, &mut state, 3100, 100, |_| Some(4));

@@ -1,8 +1,8 @@
-//! The Gaussian filter of ISO 16610-21, by harmonics.
+//! Gaussian filter of ISO 16610-21, applied by harmonics.
 
 use crate::error::{ConfigError, Field};
 
-/// Cut-offs that ISO 12181-2 names, undulations per revolution.
+/// Cut-offs listed in ISO 12181-2, undulations per revolution.
 pub const CUT_OFFS: [u16; 4] = [15, 50, 150, 500];
 
 /// Transmission of harmonic k: H(k) = 2^−(k/k_c)², one half at the cut-off k_c.
@@ -11,15 +11,15 @@ pub fn transmission(harmonic: usize, cut_off: u16) -> f64 {
     libm::exp2(-ratio * ratio)
 }
 
-/// Whether ISO 12181-2's seven points per undulation at the cut-off are there: N >= 7 k_c.
+/// Whether there are the seven points per undulation that ISO 12181-2 requires at the cut-off: N >= 7 k_c.
 pub fn has_enough_points(points: usize, cut_off: u16) -> bool {
     points >= 7 * usize::from(cut_off)
 }
 
-/// Refuses anything but the standard's cut-offs.
+/// Refuses any cut-off that is not in [`CUT_OFFS`].
 ///
 /// # Errors
-/// Another cut-off.
+/// Any other cut-off.
 pub fn check(cut_off: u16) -> Result<(), ConfigError> {
     if CUT_OFFS.contains(&cut_off) {
         return Ok(());

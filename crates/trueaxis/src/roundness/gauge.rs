@@ -1,4 +1,4 @@
-//! The gauge: built once, and its cycle of three stages.
+//! The gauge, built once, and its cycle of three stages.
 
 use super::infeed::Infeed;
 use super::plan::Plan;
@@ -22,10 +22,11 @@ pub struct Gauge<R, const N: usize> {
 }
 
 impl<R: Real, const N: usize> Gauge<R, N> {
-    /// Checks the settings once and precomputes what a cycle needs.
+    /// Checks the settings once and precomputes the values that a cycle needs.
     ///
     /// # Errors
-    /// The first setting that is wrong, with the figure found and the one needed; `N` other than the settings' number of points.
+    /// The first setting that is wrong, with the value found and the one needed; `N` different from the settings' number of
+    /// points.
     pub fn build(settings: &GaugeSettings, period_ns: u32) -> Result<Self, ConfigError> {
         if usize::from(settings.points) != N {
             return Err(ConfigError::new(Field::Points, f64::from(settings.points), "the capacity of this build"));
@@ -52,7 +53,7 @@ impl<R: Real, const N: usize> Gauge<R, N> {
         GaugeState::new()
     }
 
-    /// Makes a state new where it stands: nothing is measured or fed in until another revolution is whole, and the wheel is
+    /// Resets a state in place: the gauge neither measures nor feeds in until another revolution is whole, and the wheel is
     /// that of the settings.
     pub fn restart(&self, state: &mut GaugeState<R, N>) {
         *state = GaugeState::new();
@@ -63,18 +64,18 @@ impl<R: Real, const N: usize> Gauge<R, N> {
         &self.gain
     }
 
-    /// Harmonics of the profile that are separated.
+    /// Harmonics of the profile that the gauge separates.
     pub fn band(&self) -> Band {
         self.band
     }
 
-    /// A harmonic of the band that is left out because of its noise gain.
+    /// Whether a harmonic of the band is left out because of its noise gain.
     pub fn is_suppressed(&self, harmonic: usize) -> bool {
         let noise_gain = self.gain.noise_gain(harmonic);
         noise_gain.is_nan() || noise_gain > self.noise_gain_limit
     }
 
-    /// Cycles that the work on a revolution takes at most; revolutions that are shorter are skipped whole in between.
+    /// Most cycles that the work on a revolution takes; revolutions that end sooner are skipped whole.
     pub fn cycles_of_work(&self) -> usize {
         self.plan.slices().div_ceil(usize::from(self.slices_per_cycle.max(1)))
     }
@@ -84,10 +85,10 @@ impl<R: Real, const N: usize> Gauge<R, N> {
         self.infeed.as_ref().map(|infeed| infeed.slot)
     }
 
-    /// Sets the wheel's radius R_S, mm (wear, dressing); in force from the next revolution that is worked on.
+    /// Sets the wheel's radius R_S, mm (wear, dressing); takes effect with the next revolution that is processed.
     ///
     /// # Errors
-    /// There is no arm, or the linkage could not close.
+    /// There is no arm, or the linkage cannot close.
     pub fn set_wheel(&self, state: &mut GaugeState<R, N>, wheel_mm: f64) -> Result<(), ConfigError> {
         let Some(arm) = self.arm else {
             return Err(ConfigError::new(Field::ArmWheel, wheel_mm, "a gauge with a following arm"));
@@ -96,10 +97,10 @@ impl<R: Real, const N: usize> Gauge<R, N> {
         Ok(())
     }
 
-    /// One servo cycle: cannot fail, panic, allocate, block, or loop without a fixed bound.
+    /// Processes one servo cycle; cannot fail, panic, allocate, block, or loop without a fixed bound.
     ///
-    /// `followed` tells how the infeed of the cycle before was followed: the law learns only from what was. The three stages can be
-    /// called by themselves, [`Gauge::work`] for instance in the background.
+    /// `followed` states how far the drive followed the infeed of the previous cycle: the law learns only where it
+    /// was followed. The three stages can be called separately, for instance [`Gauge::work`] in the background.
     #[inline]
     pub fn update(&self, state: &mut GaugeState<R, N>, probes: &Probes<R>, followed: Followed) -> Cycle<R> {
         let flags = self.sample(state, probes, followed);
@@ -107,11 +108,11 @@ impl<R: Real, const N: usize> Gauge<R, N> {
         Cycle { infeed: self.infeed(state), flags, finished }
     }
 
-    /// Third stage: infeed correction of this cycle, mm in the sense of its axis.
+    /// Third stage: infeed correction in this cycle, mm in the sense of its axis.
     #[inline]
     pub fn infeed(&self, state: &mut GaugeState<R, N>) -> R {
         let (Some(infeed), Some(theta)) = (&self.infeed, state.resampler.theta()) else {
-            // A θ found again says nothing about the speed since.
+            // When θ is known again, it says nothing about the speed since.
             state.speed.theta = None;
             return R::ZERO;
         };

@@ -1,24 +1,24 @@
 //! Infeed correction of the next revolutions from the separated profile.
 //!
-//! An integrating law over the surface, one update per processed revolution:
+//! An integrating law over the surface, with one update per processed revolution:
 //!
 //! ```text
 //! c(θ) ← c(θ) + g r̂(θ)                  r̂: harmonics of the profile in the band, suppressed ones left out
 //! infeed = c(θ + ψ + ωτ) / cos β         ψ from probe 1 to the wheel's contact, τ delay of the drive
 //! ```
 //!
-//! r > 0 is high and needs more infeed. θ is the angle over the surface, α + β, not the spindle's. A revolution in which
-//! the correction was limited, or after which it would pass its bound, changes nothing.
+//! r > 0 is high and needs more infeed. θ is the angle over the surface, α + β, not the spindle's. A revolution in which the
+//! correction was limited, or after which it would exceed its bound, changes nothing.
 
 #![deny(clippy::indexing_slicing)]
 
 use super::settings::InfeedSettings;
 use crate::real::Real;
 
-/// The settings as a cycle needs them.
+/// Infeed settings in the form that a cycle needs.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Infeed<R> {
-    /// Slot of the axis (a linear axis' slot is its index).
+    /// Slot of the axis (for a linear axis, its index).
     pub(super) slot: usize,
     /// g.
     pub(super) gain: R,
@@ -45,9 +45,9 @@ impl<R: Real> Infeed<R> {
         }
     }
 
-    /// Infeed of this cycle, mm in the sense of the axis.
+    /// Infeed in this cycle, mm in the sense of the axis.
     ///
-    /// Between the points c is the cubic through the nearest four: 2e-4 of harmonic N/20, 0.9 % of N/8.
+    /// Between the points c is the cubic through the nearest four: its error is 2e-4 for harmonic N/20, 0.9 % for N/8.
     #[inline(always)]
     pub(super) fn at<const N: usize>(&self, table: &[R; N], cos_beta: impl Fn(usize) -> R, theta: u32, speed: R) -> R {
         let shift = u32::BITS - N.trailing_zeros();

@@ -7,8 +7,8 @@
 //!                  to angles   θ = α + β    is worked on)      size, some a cycle    └► infeed of the next revolutions
 //! ```
 //!
-//! Three displacement probes look at a turning workpiece from angles φ1 = 0, φ2, φ2 + φ3. Each reads the profile r under
-//! it and the motion of the workpiece's centre:
+//! Three displacement probes measure a turning workpiece from angles φ1 = 0, φ2, φ2 + φ3. Each reads the profile r under it
+//! and the motion of the workpiece's centre:
 //!
 //! ```text
 //! h1(θ) = r(θ)           + R_Y cos β            + R_X sin β
@@ -16,19 +16,19 @@
 //! h3(θ) = r(θ + φ2 + φ3) + R_Y cos(φ2 + φ3 + β) + R_X sin(φ2 + φ3 + β)
 //! ```
 //!
-//! Weighted as in [`Gain`], their sum does not contain the centre's motion; divided by G in the frequency
-//! domain it is the profile; two readings less the profile give the motion:
+//! Weighted as in [`Gain`], their sum does not contain the centre's motion; divided by G in the frequency domain it is the
+//! profile; two readings minus the profile give the motion:
 //!
 //! ```text
 //! R_X = [cos β (h2 − r(θ+φ2)) − cos(φ2+β) (h1 − r(θ))] / sin φ2
 //! R_Y = [sin(φ2+β) (h1 − r(θ)) − sin β (h2 − r(θ+φ2))] / sin φ2
 //! ```
 //!
-//! Y lies along probe 1 at β = 0. Lengths here are µm, angles at the interface degrees.
+//! Y lies along probe 1 at β = 0. Lengths are in µm here, angles at the interface in degrees.
 //!
-//! [`Gauge`] is the immutable half, built once; [`GaugeState`] the other. [`Gauge::update`] takes a cycle's
-//! readings in bounded time; a revolution is evaluated while the next one is sampled. A revolution in which anything was
-//! wrong is discarded whole ([`GaugeFlags`]), one that comes while the work is not finished is skipped whole; both are counted.
+//! [`Gauge`] is the immutable half, built once; [`GaugeState`] is the mutable half. [`Gauge::update`] processes a cycle's
+//! readings in bounded time and evaluates one revolution while the next one is sampled. A revolution with any fault is
+//! discarded whole ([`GaugeFlags`]); one that ends before the previous work is finished is skipped whole; both are counted.
 //!
 //! # Example
 //!
@@ -55,7 +55,7 @@
 //! # Ok::<(), trueaxis::ConfigError>(())
 //! ```
 //!
-//! Source: Tian Y., Li M., CN1927535 (arm and separation; R_Y corrected here: the published one does not solve the
+//! Source: Tian Y., Li M., CN1927535 (arm and separation; R_Y corrected here: the published formula does not solve the
 //! equations); ISO 12181-1, ISO 16610-21 (roundness, filter); ISO 230-7 (spindle).
 
 mod angles;
@@ -87,32 +87,32 @@ pub use settings::{
 pub use state::GaugeState;
 pub use work::HARMONICS;
 
-/// Readings of one cycle.
+/// Readings in one cycle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Probes<R> {
-    /// Raw values of the three probes, in the unit of their gain.
+    /// Raw values of the three probes, in the units of their gains.
     pub readings: [R; 3],
-    /// Counts of the spindle's encoder, wrapping.
+    /// Counts of the spindle encoder, wrapping.
     pub spindle: i32,
-    /// Counts latched by an index pulse since the last cycle; without a latch, the counts of this cycle.
+    /// Counts latched by an index pulse since the last cycle; if the hardware has no latch, the counts of this cycle.
     pub index: Option<i32>,
     /// Counts of the arm's encoder, 0 where the arm points along the line of centres, within ±90°; unused without an arm.
     pub arm: i32,
-    /// Another workpiece: correction back to zero (through the limiter), evaluation of the spindle begun anew.
+    /// Another workpiece: returns the correction to zero (through the limiter) and restarts the evaluation of the spindle.
     pub new_part: bool,
-    /// The wheel does not grind: measured all the same, but the infeed is not updated.
+    /// The wheel is not grinding: the gauge still measures, but does not update the infeed.
     pub idle: bool,
 }
 
-/// Extent to which the drive followed the infeed of the cycle before.
+/// How far the drive followed the infeed of the previous cycle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Followed {
-    /// As it was.
+    /// In full.
     #[default]
     Whole,
-    /// As far as the limits of the axis allow.
+    /// As far as the axis's limits permitted.
     Limited,
     /// Not at all: corrections are switched off, frozen or held.
     Not,
@@ -123,11 +123,11 @@ pub enum Followed {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub struct Evaluation<R> {
-    /// Counts whole revolutions that were sampled, from 1, wrapping.
+    /// Number of the revolution, counting those sampled whole from 1, wrapping.
     pub revolution: u32,
     /// Events of this revolution.
     pub flags: GaugeFlags,
-    /// Peak-to-valley roundness about the least-squares circle, after the filter if there is one, µm.
+    /// Peak-to-valley roundness about the least-squares circle, after the filter (if any), µm.
     pub peak_to_valley_um: R,
     /// Error motion along X (across probe 1), over the last full window.
     pub x: ErrorMotion<R>,
@@ -141,11 +141,11 @@ pub struct Evaluation<R> {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Cycle<R> {
-    /// Infeed correction, mm in the sense of its axis; 0 without one, or while θ is unknown.
+    /// Infeed correction, mm in the sense of its axis; 0 without an infeed axis, or while θ is unknown.
     pub infeed: R,
     /// Events of this cycle.
     pub flags: GaugeFlags,
-    /// A revolution has just been evaluated.
+    /// Whether a revolution has just been evaluated.
     pub finished: bool,
 }
 
@@ -157,9 +157,9 @@ pub struct Counts {
     pub sampled: u32,
     /// Evaluated.
     pub evaluated: u32,
-    /// Skipped whole, because the work on one before was not finished.
+    /// Skipped whole because the work on a previous one was not finished.
     pub skipped: u32,
-    /// Discarded whole, because of something in [`GaugeFlags`].
+    /// Discarded whole because of an event in [`GaugeFlags`].
     pub discarded: u32,
 }
 

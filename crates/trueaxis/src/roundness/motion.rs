@@ -1,6 +1,6 @@
 //! Error motion of the spindle over several revolutions (ISO 230-7).
 //!
-//! Of the motion R(θ) of the workpiece's centre in one direction, over M revolutions:
+//! For the motion R(θ) of the workpiece's centre in one direction, over M revolutions:
 //!
 //! ```text
 //! m(θ) = mean over the revolutions       m(θ) = a0 + a cos θ + b sin θ + s(θ)
@@ -22,7 +22,7 @@ pub struct ErrorMotion<R> {
     pub synchronous_um: R,
     /// Asynchronous error motion value; 0 over a single revolution.
     pub asynchronous_um: R,
-    /// Amplitudes of cos θ and sin θ: eccentricity and fundamental, which cannot be told apart.
+    /// Amplitudes of cos θ and sin θ: eccentricity and fundamental, which cannot be distinguished.
     pub once_per_revolution_um: [R; 2],
     /// Total error motion value.
     pub total_um: R,
@@ -40,7 +40,7 @@ impl<R: Real> ErrorMotion<R> {
 /// Sum, smallest and largest value at a point in one direction, over the revolutions of a window.
 pub(super) type Bundle<R> = [R; 3];
 
-/// Adds a value of a revolution; the first revolution of a window begins it.
+/// Adds a revolution's value; the first revolution of a window overwrites the bundle.
 #[inline(always)]
 pub(super) fn gather<R: Real>([sum, low, high]: Bundle<R>, value: R, first: bool) -> Bundle<R> {
     if first { [value; 3] } else { [value + sum, R::min(value, low), R::max(value, high)] }
@@ -61,7 +61,7 @@ impl<R: Real> Direction<R> {
     pub(super) const NEW: Direction<R> =
         Direction { fundamental: [R::ZERO; 3], synchronous: [R::ZERO; 2], total: [R::ZERO; 2], asynchronous: R::ZERO };
 
-    /// Before the points of a full window are evaluated.
+    /// Resets the direction before the points of a full window are evaluated.
     #[inline(always)]
     pub(super) fn begin(&mut self) {
         self.fundamental = [R::ZERO; 3];
@@ -70,7 +70,7 @@ impl<R: Real> Direction<R> {
         self.asynchronous = R::ZERO;
     }
 
-    /// First pass: mean and first harmonic of the mean contour, width of the bundle. The sum becomes the mean.
+    /// First pass: mean and first harmonic of the mean contour, width of the bundle. Replaces the sum by the mean.
     #[inline(always)]
     pub(super) fn evaluate(&mut self, [sum, low, high]: &mut Bundle<R>, [cos, sin]: [R; 2], per_revolution: R) {
         let mean = *sum * per_revolution;
@@ -82,7 +82,7 @@ impl<R: Real> Direction<R> {
         widen(&mut self.asynchronous, *high - *low);
     }
 
-    /// Between the passes: sums to amplitudes.
+    /// Between the passes: converts sums to amplitudes.
     #[inline(always)]
     pub(super) fn express(&mut self, points: usize) {
         let scale = R::of(1.0 / points as f64);
@@ -103,7 +103,7 @@ impl<R: Real> Direction<R> {
         widen(most, high - fundamental);
     }
 
-    /// Results of both passes.
+    /// Combines the results of both passes.
     #[inline(always)]
     pub(super) fn result(&self) -> ErrorMotion<R> {
         let [_, a, b] = self.fundamental;
@@ -117,7 +117,7 @@ impl<R: Real> Direction<R> {
     }
 }
 
-/// Largest so far; it rarely grows, so it is rarely written.
+/// Keeps the largest value so far; it rarely grows, so it is rarely written.
 #[inline(always)]
 fn widen<R: Real>(most: &mut R, value: R) {
     if value > *most {
@@ -125,7 +125,7 @@ fn widen<R: Real>(most: &mut R, value: R) {
     }
 }
 
-/// Smallest so far.
+/// Keeps the smallest value so far.
 #[inline(always)]
 fn deepen<R: Real>(least: &mut R, value: R) {
     if value < *least {

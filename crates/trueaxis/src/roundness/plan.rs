@@ -1,4 +1,4 @@
-//! What the work on a revolution is: the tasks, their order, and the constants they need.
+//! Plan of the work on a revolution: the tasks, their order, and the constants they need.
 
 use super::angles::Gain;
 use super::filter;
@@ -6,7 +6,7 @@ use super::settings::GaugeSettings;
 use super::transform::{Complex, circle, multipliers, slices, slices_of_twos};
 use crate::real::Real;
 
-/// The radius drifts steadily where its change per revolution itself changes by less than this and a quarter, µm.
+/// The radius drifts steadily if its change per revolution varies by less than this plus a quarter of it, µm.
 const STEADY_UM: f64 = 0.2;
 /// Uses of a profile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,7 +17,7 @@ pub(super) enum Use {
     Filtered,
 }
 
-/// Every stage of a transform is a task, so that its distances are constants of a slice.
+/// Every stage of a transform is a separate task, so that its distances are constants in a slice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Task {
     Idle,
@@ -41,7 +41,7 @@ pub(super) enum Task {
     Inverse0,
     Arm,
     Orbit,
-    /// Before, between and after the two passes over a full window, a slice each.
+    /// One slice each before, between and after the two passes over a full window.
     Open,
     Evaluate,
     Scale,
@@ -51,9 +51,9 @@ pub(super) enum Task {
     Commit,
     Clear,
     Range,
-    /// β at every point, for another radius of the wheel.
+    /// Computes β at every point for another radius of the wheel.
     Linkage,
-    /// The drift of the radius out of the weighted sum.
+    /// Removes the drift of the radius from the weighted sum.
     Level,
 }
 
@@ -65,25 +65,25 @@ pub(super) struct Plan<R, const N: usize> {
     pub(super) shifted: Option<[R; N]>,
     pub(super) infeed: Option<[R; N]>,
     pub(super) filtered: Option<[R; N]>,
-    /// Buffer with the profile as probe 2 sees it: one of its own, or the profile itself, φ2 in whole slots further on.
+    /// Buffer with the profile as probe 2 sees it: a separate one, or the profile itself, φ2 further on in whole slots.
     pub(super) ahead: usize,
     pub(super) slots: usize,
     pub(super) cot2: R,
     pub(super) per_sin2: R,
     pub(super) has_arm: bool,
-    /// λ of the arm as set.
+    /// λ of the arm from the settings.
     pub(super) ratio: R,
     pub(super) arm_tolerance: R,
     pub(super) revolutions: u16,
     pub(super) per_revolutions: R,
-    /// 1/G(0), from the mean of the weighted sum to that of the radius; 0 where the probes do not see it.
+    /// 1/G(0), from the mean of the weighted sum to the mean of the radius; 0 if the probes cannot see it.
     pub(super) per_mean: R,
     /// Change of the drift that is treated as zero, in the weighted sum.
     pub(super) steady: R,
 }
 
 impl<R: Real, const N: usize> Plan<R, N> {
-    /// Of settings that have been checked.
+    /// Builds the plan from checked settings.
     pub(super) fn new(settings: &GaugeSettings, gain: &Gain) -> Self {
         let seen = |k: usize| {
             u16::try_from(k).is_ok_and(|k| settings.band.contains(k)) && gain.noise_gain(k) <= settings.noise_gain_limit
@@ -133,7 +133,7 @@ impl<R: Real, const N: usize> Plan<R, N> {
     }
 }
 
-/// The stage of a transform that follows a stage or a pair pass; none behind the last of the forward transform.
+/// Transform stage that follows a stage or a pair pass; `None` after the last of the forward transform.
 pub(super) const fn following<const N: usize>(task: Task) -> Option<Task> {
     match task {
         Task::Forward0 => const { first_of::<N>(&FORWARD, 1) },
@@ -151,7 +151,7 @@ pub(super) const fn following<const N: usize>(task: Task) -> Option<Task> {
     }
 }
 
-/// The first of some stages, from an index on, that N points have.
+/// The first stage, from an index on, that N points have.
 const fn first_of<const N: usize>(stages: &[(Task, Stage); 6], mut index: usize) -> Option<Task> {
     while index < stages.len() {
         let (task, stage) = stages[index];
@@ -167,14 +167,14 @@ const fn first_of<const N: usize>(stages: &[(Task, Stage); 6], mut index: usize)
     None
 }
 
-/// A stage of a transform: one of radix 4, or that of radix 2.
+/// A stage of a transform: one of radix 4, or the one of radix 2.
 #[derive(Clone, Copy, Debug)]
 enum Stage {
     Four(usize),
     Two,
 }
 
-/// The forward transform's stages in their order.
+/// Stages of the forward transform in their order.
 const FORWARD: [(Task, Stage); 6] = [
     (Task::Forward0, Stage::Four(0)),
     (Task::Forward1, Stage::Four(1)),
@@ -184,7 +184,7 @@ const FORWARD: [(Task, Stage); 6] = [
     (Task::ForwardTwos, Stage::Two),
 ];
 
-/// The inverse transform's stages in their order.
+/// Stages of the inverse transform in their order.
 const INVERSE: [(Task, Stage); 6] = [
     (Task::InverseTwos, Stage::Two),
     (Task::Inverse4, Stage::Four(4)),

@@ -1,16 +1,15 @@
-//! Probe readings at equal times become readings at equal angles of the surface.
+//! Converts probe readings at equal times to readings at equal angles of the surface.
 //!
-//! θ = α + β, the angle over the surface, is known in every cycle from the encoders of spindle and arm. Whenever it has
-//! passed one of the N points of a revolution, the three readings there follow from the last three cycles by a parabola
-//! through them:
+//! θ = α + β, the angle over the surface, is known in every cycle from the encoders of spindle and arm. When it has passed one
+//! of the N points of a revolution, a parabola through the last three cycles gives the three readings there:
 //!
 //! ```text
 //! h(θ_n) = Σ w_i h_i      w_i = Π_{j≠i} x_j/(x_j − x_i)      x_i = θ_i − θ_n
 //! ```
 //!
-//! Error of harmonic k of amplitude A at a spacing δ: 0.064 (kδ)³ A, with eight cycles to a point at N = 1024 and k = 50
-//! 3.6e-6 A. The angles need not be equidistant: a changing speed changes nothing. Cycles in which the surface moved by
-//! less than 1/64 of a point are passed over, so that no difference of angles is ever near zero.
+//! Error of harmonic k of amplitude A at a spacing δ: 0.064 (kδ)³ A; with eight cycles to a point at N = 1024 and k = 50,
+//! 3.6e-6 A. The angles need not be equidistant, so a changing speed makes no difference. Cycles in which the surface moved by
+//! less than 1/64 of a point are skipped, so that no difference of angles is ever near zero.
 
 #![deny(clippy::indexing_slicing)]
 
@@ -21,7 +20,7 @@ use super::flags::GaugeFlags;
 use super::settings::GaugeSettings;
 use crate::real::Real;
 
-/// Points that θ may pass in one cycle; beyond, the readings say too little about the surface between them.
+/// Most points that θ may pass in one cycle; beyond, the readings do not determine the surface between them.
 pub(super) const POINTS_PER_CYCLE: usize = 2;
 
 /// Immutable half.
@@ -29,7 +28,7 @@ pub(super) const POINTS_PER_CYCLE: usize = 2;
 pub(super) struct Resampler<R, const N: usize> {
     spindle: SpindleCounter,
     arm: Option<ArmCounter>,
-    /// Middle of every probe's range, and the square of a distance from there within which all readings are inside.
+    /// Middle of every probe's range, and the square of a distance from it within which all readings are inside.
     middle: [R; 3],
     room: R,
     range: [[R; 2]; 3],
@@ -42,19 +41,19 @@ pub(super) struct Resampler<R, const N: usize> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ResamplerState<R> {
     spindle: SpindleState,
-    /// Counts from α = 0 below which a cycle may be as any other; 0 where the next one is looked at in full.
+    /// Counts from α = 0 below which the next cycle may be a normal one; 0 if it needs the full check.
     pub(super) plain: u32,
-    /// Cycles left until the spindle stands, unless a point is passed.
+    /// Cycles left until the spindle counts as stopped, unless θ passes a point.
     left: u32,
-    /// The last two cycles that count, the older one first.
+    /// θ and readings in the last two cycles that count, the older one first.
     theta: [u32; 2],
     readings: [[R; 3]; 2],
-    /// Number of them.
+    /// Number of those cycles.
     known: u8,
-    /// θ of this cycle, where it is known.
+    /// θ in this cycle, if known.
     here: u32,
     is_known: bool,
-    /// Cycles up to the last point, and in which the spindle stood, wrapping.
+    /// Cycles up to the last point, and cycles in which the spindle stood still, wrapping.
     clock: u32,
 }
 
@@ -73,39 +72,39 @@ impl<R: Real> ResamplerState<R> {
         }
     }
 
-    /// θ of this cycle, where it is known.
+    /// θ in this cycle, if known.
     #[inline(always)]
     pub(super) fn theta(&self) -> Option<u32> {
         self.is_known.then_some(self.here)
     }
 
-    /// α of this cycle from its β.
+    /// α in this cycle from its β.
     #[inline(always)]
     pub(super) fn alpha(&self, beta: i32) -> u32 {
         self.here.wrapping_add_signed(beta.wrapping_neg())
     }
 }
 
-/// A cycle at a glance.
+/// Result of the quick check of a cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Glance {
-    /// It needs a full look; nothing has changed.
+    /// The cycle needs the full check; the state is unchanged.
     Look,
-    /// As any other between two points: all is done.
+    /// A normal cycle between two points: completely handled.
     Between,
-    /// As any other, and θ has passed a point, or two; [`Resampler::keep`] has to follow.
+    /// A normal cycle in which θ has passed one point or two; [`Resampler::keep`] must follow.
     Passed {
         /// β in 2^−32 turns.
         beta: i32,
     },
 }
 
-/// A cycle that counts, after a full look: [`Resampler::gather`] has to follow.
+/// A cycle that counts, after the full check: [`Resampler::gather`] must follow.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Counted {
     /// β in 2^−32 turns.
     pub(super) beta: i32,
-    /// θ has passed a point, or two.
+    /// Whether θ has passed one point or two.
     pub(super) passed: bool,
 }
 
@@ -119,11 +118,11 @@ pub(super) struct Point<R> {
 }
 
 impl<R: Real, const N: usize> Resampler<R, N> {
-    /// Of settings that have been checked.
+    /// Builds the resampler from checked settings.
     pub(super) fn new(settings: &GaugeSettings, gain: &Gain, period_s: f64) -> Self {
         let (mut middle, mut room) = ([R::ZERO; 3], f64::INFINITY);
         for (middle, probe) in middle.iter_mut().zip(&settings.probes) {
-            // As they are compared, and clear of their own rounding.
+            // Uses the limits as they are compared, with a margin for their rounding.
             let [low, high] = probe.range.map(|limit| R::of(limit).to_f64());
             *middle = R::of(0.5 * (low + high));
             let clear = 1e-6 * libm::fmax(libm::fabs(low), libm::fabs(high));
@@ -142,12 +141,12 @@ impl<R: Real, const N: usize> Resampler<R, N> {
         }
     }
 
-    /// The shift that makes an index of an angle.
+    /// The shift from an angle to an index.
     const SHIFT: u32 = u32::BITS - N.trailing_zeros();
     /// One point, in 2^−32 turns.
     const WIDTH: i32 = 1 << Self::SHIFT;
 
-    /// Nearly every cycle: all is tested first, and where anything may be out of the ordinary, nothing is done.
+    /// Handles nearly every cycle: first runs every test, and changes nothing if any of them fails.
     #[inline(always)]
     pub(super) fn glance(&self, state: &mut ResamplerState<R>, probes: &Probes<R>) -> Glance {
         let (raw, in_turn) = self.spindle.read(&state.spindle, probes.spindle);
@@ -169,12 +168,12 @@ impl<R: Real, const N: usize> Resampler<R, N> {
         let [_, last] = state.theta;
         let moved = theta.wrapping_sub(last) as i32;
         let between = (theta ^ last) >> Self::SHIFT == 0;
-        // False for what is not a number.
+        // False for NaN.
         let sound = h1 * h1 + h2 * h2 + h3 * h3 <= self.room;
         if !sound {
             return Glance::Look;
         }
-        // Within a point nothing can have jumped.
+        // Within a point no jump is possible.
         if !(between || Self::is_regular(moved) && self.spindle.follows(&state.spindle, raw)) {
             return Glance::Look;
         }
@@ -189,7 +188,7 @@ impl<R: Real, const N: usize> Resampler<R, N> {
         Glance::Between
     }
 
-    /// Points between the last cycle and this one; those of a cycle that counts.
+    /// Number of points between the last cycle and this one, for a cycle that counts.
     #[inline(always)]
     pub(super) fn passed(state: &ResamplerState<R>) -> usize {
         let [_, last] = state.theta;
@@ -202,13 +201,13 @@ impl<R: Real, const N: usize> Resampler<R, N> {
         (state.here >> Self::SHIFT) as usize
     }
 
-    /// A cycle from which a point can be told.
+    /// Whether a cycle's motion is large enough to compute a point, and not too large.
     #[inline(always)]
     fn is_regular(moved: i32) -> bool {
         moved >= Self::WIDTH >> 6 && moved <= Self::WIDTH * POINTS_PER_CYCLE as i32
     }
 
-    /// Takes a cycle's readings. What is wrong is added to the flags. [`Resampler::settle`] comes last.
+    /// Processes a cycle's readings and adds flags for any fault. [`Resampler::settle`] comes last.
     pub(super) fn look(
         &self,
         state: &mut ResamplerState<R>,
@@ -244,7 +243,7 @@ impl<R: Real, const N: usize> Resampler<R, N> {
         }
         let mut sound = true;
         for (reading, [low, high]) in probes.readings.iter().zip(&self.range) {
-            // False for what is not a number.
+            // False for NaN.
             sound &= *reading >= *low && *reading <= *high;
         }
         if !sound {
@@ -260,32 +259,32 @@ impl<R: Real, const N: usize> Resampler<R, N> {
         Some(Counted { beta, passed: state.known == 2 && Self::passed(state) > 0 })
     }
 
-    /// After a full look: whether the next cycle may be taken at a glance.
+    /// After the full check: determines whether the next cycle may use the quick check.
     pub(super) fn settle(&self, state: &mut ResamplerState<R>) {
         let is_plain = state.known == 2 && state.is_known;
         state.plain = if is_plain { self.spindle.plain(&state.spindle) } else { 0 };
     }
 
-    /// No cycle before this one counts.
+    /// Discards all cycles before this one.
     fn begin_anew(&self, state: &mut ResamplerState<R>) {
         state.known = 0;
         self.rest(state);
     }
 
-    /// From here on the spindle has its time to pass a point.
+    /// Restarts the time that the spindle has to pass a point.
     #[inline(always)]
     fn rest(&self, state: &mut ResamplerState<R>) {
         state.clock = self.clock(state);
         state.left = self.patience;
     }
 
-    /// Counts cycles, wrapping.
+    /// Number of cycles so far, wrapping.
     #[inline(always)]
     pub(super) fn clock(&self, state: &ResamplerState<R>) -> u32 {
         state.clock.wrapping_add(self.patience.wrapping_sub(state.left))
     }
 
-    /// θ stands, turns back, or runs too fast to be sampled; true where the cycle counts.
+    /// Handles a θ that stands still, turns back, or runs too fast to be sampled; returns true if the cycle counts.
     fn irregular(&self, state: &mut ResamplerState<R>, moved: i32, flags: &mut GaugeFlags) -> bool {
         if moved > 0 && moved >= Self::WIDTH {
             flags.set(GaugeFlags::TOO_FAST);
@@ -322,13 +321,13 @@ impl<R: Real, const N: usize> Resampler<R, N> {
         Point { h1: first, h2: second, sum: first + k2 * second + k3 * third }
     }
 
-    /// Keeps one more cycle than before.
+    /// Stores the cycle and counts it.
     pub(super) fn gather(state: &mut ResamplerState<R>, readings: &[R; 3]) {
         Self::keep(state, readings);
         state.known = (state.known + 1).min(2);
     }
 
-    /// Keeps the cycle for the points to come.
+    /// Stores the cycle for the next points.
     #[inline(always)]
     pub(super) fn keep(state: &mut ResamplerState<R>, readings: &[R; 3]) {
         let ([_, theta], [_, before]) = (state.theta, state.readings);
@@ -341,7 +340,7 @@ impl<R: Real, const N: usize> Resampler<R, N> {
 mod tests {
     use super::*;
 
-    /// From every point to every other, at the ends of both, for every number of points up to 512; of more at every 37th.
+    /// From every point to every other, at the ends of both, for up to 512 points; for more points, from every 37th.
     #[test]
     fn every_angle_has_its_point_and_every_pair_its_distance() {
         fn points<const N: usize>(stride: usize) {

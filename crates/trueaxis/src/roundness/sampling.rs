@@ -1,4 +1,4 @@
-//! First stage: a cycle's readings become points of a revolution, points become whole revolutions.
+//! First stage: a cycle's readings become points of a revolution, and the points become whole revolutions.
 
 use super::resample::{Counted, Glance, POINTS_PER_CYCLE, Resampler};
 use super::state::{GaugeState, Sampling};
@@ -7,7 +7,7 @@ use super::{Followed, Gauge, GaugeFlags, Probes};
 use crate::real::Real;
 
 impl<R: Real, const N: usize> Gauge<R, N> {
-    /// First stage: a cycle's readings, resampled; gives what it met.
+    /// First stage: resamples a cycle's readings and returns the events found.
     #[inline]
     pub fn sample(&self, state: &mut GaugeState<R, N>, probes: &Probes<R>, followed: Followed) -> GaugeFlags {
         if probes.new_part | probes.idle | probes.index.is_some() | (followed != Followed::Whole) {
@@ -20,7 +20,7 @@ impl<R: Real, const N: usize> Gauge<R, N> {
         }
     }
 
-    /// A cycle in which anything may be out of the ordinary.
+    /// Handles a cycle in which anything may be out of the ordinary.
     #[inline(never)]
     fn look(&self, state: &mut GaugeState<R, N>, probes: &Probes<R>, followed: Followed) -> GaugeFlags {
         if probes.new_part {
@@ -47,7 +47,7 @@ impl<R: Real, const N: usize> Gauge<R, N> {
         flags
     }
 
-    /// θ has passed a point, or two, in a cycle as any other.
+    /// Handles a normal cycle in which θ has passed one point or two.
     #[inline(never)]
     fn pass(&self, state: &mut GaugeState<R, N>, readings: &[R; 3], beta: i32) -> GaugeFlags {
         let alpha = state.resampler.alpha(beta);
@@ -63,7 +63,7 @@ impl<R: Real, const N: usize> Gauge<R, N> {
         flags
     }
 
-    /// The points that θ has passed, with what happens at a quarter of a turn and at a whole one.
+    /// Handles the points that θ has passed, including the events at each quarter turn and each whole turn.
     #[inline(never)]
     fn points(&self, state: &mut GaugeState<R, N>, readings: &[R; 3], beta: i32, flags: &mut GaugeFlags) {
         let alpha = state.resampler.alpha(beta);
@@ -80,7 +80,7 @@ impl<R: Real, const N: usize> Gauge<R, N> {
         }
     }
 
-    /// One point that θ has passed.
+    /// Handles one point that θ has passed.
     #[inline(always)]
     fn point(&self, state: &mut GaugeState<R, N>, readings: &[R; 3], index: usize, beta: i32) {
         let point = self.resampler.point(&mut state.resampler, readings, index);
@@ -109,14 +109,14 @@ impl<R: Real, const N: usize> Gauge<R, N> {
             before = Some(mean);
             state.counts.sampled = state.counts.sampled.wrapping_add(1);
             let mut of_revolution = GaugeFlags::default();
-            // A quarter of the time, and a cycle of rounding at either end.
+            // A quarter of the time, plus a cycle of rounding at either end.
             if sampling.most > sampling.fewest.saturating_add(sampling.fewest / 4).saturating_add(2) {
                 of_revolution.set(GaugeFlags::SPEED);
             }
             let clock = self.resampler.clock(&state.resampler);
             let few = clock.wrapping_sub(sampling.began) / 64;
             let limited = sampling.limited > few;
-            // The drift of this revolution is that between two means: only where it is steady.
+            // The drift of this revolution is the difference between two means, which is valid only if it is steady.
             let drift = sampling.before.map(|before| mean - before);
             let change = match (drift, state.drift) {
                 (Some(drift), Some(before)) => (drift - before).abs() - (drift * R::of(0.25)).abs(),

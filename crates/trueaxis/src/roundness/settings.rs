@@ -1,4 +1,4 @@
-//! Settings of a gauge of three probes, as they stand in a compiled table file.
+//! Settings of a gauge of three probes, as stored in a compiled table file.
 
 use super::angles::{Band, Gain, ProbeAngles};
 use super::arm::Arm;
@@ -8,7 +8,7 @@ use crate::error::{ConfigError, Field};
 use crate::range::{ANGLE, ARM_TOLERANCE, DRIVE_DELAY, INFEED, INFEED_GAIN, NOISE_GAIN, PROBE_GAIN, PROBE_RAW, STOP};
 use serde::{Deserialize, Serialize};
 
-/// Harmonics of a worse noise gain are suppressed unless set otherwise.
+/// Default noise gain above which harmonics are suppressed.
 pub const NOISE_GAIN_LIMIT: f64 = 100.0;
 /// Fewest points of a revolution.
 pub const FEWEST_POINTS: usize = 64;
@@ -21,11 +21,11 @@ pub const MOST_COUNTS: u32 = 1 << 28;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ProbeSettings {
-    /// µm per unit of the raw value; negative where the raw value falls when the surface comes nearer.
+    /// µm per unit of the raw value; negative if the raw value falls as the surface approaches.
     pub gain_um: f64,
     /// Raw value at zero.
     pub zero: f64,
-    /// Raw values that are accepted.
+    /// Range of raw values that are accepted.
     pub range: [f64; 2],
 }
 
@@ -41,11 +41,11 @@ impl Default for ProbeSettings {
 pub struct SpindleEncoder {
     /// Counts per revolution of the workpiece, after quadrature.
     pub counts: u32,
-    /// +1 where counts rise while θ does, −1 otherwise.
+    /// +1 if counts rise with θ, −1 otherwise.
     pub direction: i8,
-    /// The encoder has an index pulse, which is zero of α; without, zero is where the count is zero.
+    /// Whether the encoder has an index pulse, which is zero of α; without one, zero is where the count is zero.
     pub index: bool,
-    /// An index pulse this many counts off its position is an error.
+    /// An index pulse more than this many counts off its position is an error.
     pub index_tolerance: u32,
 }
 
@@ -57,25 +57,25 @@ pub struct ArmSettings {
     pub lengths: Arm,
     /// Counts of the arm's encoder per full turn.
     pub counts: u32,
-    /// +1 where counts rise while β does.
+    /// +1 if counts rise with β.
     pub direction: i8,
-    /// Largest difference between the arm's reading and the linkage, degrees.
+    /// Largest permitted difference between the arm's reading and the linkage, degrees.
     pub tolerance_deg: f64,
 }
 
-/// Infeed correction of the next revolutions from the separated profile.
+/// Settings for the infeed correction of the next revolutions from the separated profile.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct InfeedSettings {
     /// Axis that feeds in.
     pub axis: Axis,
-    /// +1 where the axis moves toward the workpiece in positive direction.
+    /// +1 if the axis moves toward the workpiece in positive direction.
     pub direction: i8,
     /// Harmonics that are corrected.
     pub band: Band,
     /// Gain g of the law c ← c + g r̂.
     pub gain: f64,
-    /// D, revolutions from a change of the correction to the first update that has seen it.
+    /// D, revolutions from a change of the correction to the first update that observes it.
     pub delay_revolutions: u8,
     /// ψ, from probe 1 to the contact with the wheel, in the sense of θ, degrees.
     pub contact_deg: f64,
@@ -83,18 +83,18 @@ pub struct InfeedSettings {
     pub drive_delay_s: f64,
     /// Largest |c|, µm; the command is c/cos β.
     pub limit_um: f64,
-    /// Harmonics of a worse noise gain are measured, but not corrected.
+    /// Harmonics with a higher noise gain are measured, but not corrected.
     pub noise_gain_limit: f64,
 }
 
-/// Harmonics of a worse noise gain are not corrected unless set otherwise: what a probe sees of the surface while it is
-/// being changed enters the profile with as much.
+/// Default noise gain above which harmonics are not corrected: changes of the surface that a probe sees during a revolution
+/// enter the profile with the same gain.
 pub const INFEED_NOISE_GAIN_LIMIT: f64 = 10.0;
 
 /// Stability limit of the gain of an integrating law with D updates of delay: 2 sin(π/(2(2D + 1))).
 ///
-/// c ← c + g r̂ with r̂ = d − c of D updates ago has the characteristic polynomial z^D (z − 1) + g, whose roots leave the
-/// unit circle there: 1, 0.618, 0.445 for D = 1, 2, 3.
+/// c ← c + g r̂ with r̂ = d − c of D updates ago has the characteristic polynomial z^D (z − 1) + g, whose roots leave the unit
+/// circle at this gain: 1, 0.618, 0.445 for D = 1, 2, 3.
 pub fn gain_limit(delay_revolutions: u8) -> f64 {
     2.0 * libm::sin(core::f64::consts::PI / (2.0 * (2.0 * f64::from(delay_revolutions) + 1.0)))
 }
@@ -107,9 +107,9 @@ pub struct GaugeSettings {
     pub points: u16,
     /// Angles between the probes.
     pub angles: ProbeAngles,
-    /// Harmonics of the profile that are separated; the rest of the profile is taken as zero.
+    /// Harmonics of the profile that are separated; the others are treated as zero.
     pub band: Band,
-    /// Harmonics of a worse noise gain are suppressed.
+    /// Harmonics with a higher noise gain are suppressed.
     pub noise_gain_limit: f64,
     /// Probes 1, 2, 3.
     pub probes: [ProbeSettings; 3],
@@ -117,21 +117,21 @@ pub struct GaugeSettings {
     pub spindle: SpindleEncoder,
     /// Following arm; `None` for an ordinary shaft.
     pub arm: Option<ArmSettings>,
-    /// Cut-off of the Gaussian filter before the evaluation of roundness, UPR.
+    /// Cut-off of the Gaussian filter applied before the evaluation of roundness, UPR.
     pub filter: Option<u16>,
     /// Revolutions over which synchronous and asynchronous motion of the spindle are separated.
     pub revolutions: u16,
     /// Slices of work done in a cycle.
     pub slices_per_cycle: u8,
-    /// The spindle stands when no point was passed for so long, s.
+    /// Time without passing a point after which the spindle counts as stopped, s.
     pub stop_s: f64,
     /// Infeed correction; `None` to measure only.
     pub infeed: Option<InfeedSettings>,
 }
 
 impl GaugeSettings {
-    /// The stated defaults: band 2 to 100 (or up to half the points), noise gain limit 100, probes of 1 µm per unit in
-    /// ±1000, index pulse within a thousandth of a turn, eight revolutions, one slice per cycle, stopped after 1 s.
+    /// Returns the documented defaults: band 2 to 100 (or up to half the points), noise gain limit 100, probes of 1 µm per
+    /// unit in ±1000, index pulse within a thousandth of a turn, eight revolutions, one slice per cycle, stopped after 1 s.
     pub fn with_defaults(points: u16, angles: ProbeAngles, counts: u32) -> Self {
         GaugeSettings {
             points,
@@ -152,8 +152,8 @@ impl GaugeSettings {
     /// Checks everything and resolves the angles.
     ///
     /// # Errors
-    /// The first setting that is wrong. A harmonic in the band that the probes cannot see is the angles or slots with
-    /// the harmonic found; [`Gain::singular`] names all of them.
+    /// The first setting that is wrong. For a harmonic in the band that the probes cannot see, the error names the angles or
+    /// slots and the harmonic; [`Gain::singular`] lists all such harmonics.
     pub fn check(&self) -> Result<Gain, ConfigError> {
         let points = usize::from(self.points);
         let need = |holds: bool, field, found: f64, needed| {
@@ -229,7 +229,7 @@ impl InfeedSettings {
             "a direction of +1 or -1",
         )?;
         self.band.check(points).map_err(|error| ConfigError { field: Field::InfeedHarmonics, ..error })?;
-        // Four points carry the correction between the slots: enough up to an eighth of them.
+        // Interpolation between the slots uses four points: accurate enough up to an eighth of them.
         need(
             8 * usize::from(self.band.last) <= points,
             Field::InfeedHarmonics,
@@ -242,13 +242,13 @@ impl InfeedSettings {
             f64::from(self.delay_revolutions),
             "a delay of 1 to 16 revolutions",
         )?;
-        // Half the stability limit: room for what the model of the process leaves out.
+        // Half the stability limit: a margin for effects that the model of the process omits.
         let most = 0.5 * gain_limit(self.delay_revolutions);
         need(self.gain <= most, Field::InfeedGain, self.gain, "a gain above 0 and at most sin(π/(2(2D + 1)))")
     }
 }
 
-/// Every scalar of a gauge that is not a whole number with a check of its own.
+/// Checks every scalar of a gauge except the whole numbers, which are checked separately.
 fn scalars(settings: &GaugeSettings) -> Result<(), ConfigError> {
     let GaugeSettings {
         points: _,

@@ -1,48 +1,49 @@
-//! State of a gauge from cycle to cycle, and its results.
+//! A gauge's state from cycle to cycle, and its results.
 
 use super::resample::ResamplerState;
 use super::work::{Outcome, Revolution, Work};
 use super::{Counts, Evaluation, GaugeFlags};
 use crate::real::Real;
 
-/// The mutable half: state from cycle to cycle, and the results. Large (17 N scalars): keep it in a static.
+/// The mutable half: state from cycle to cycle, and the results. Large (17 N scalars): store it in a static.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct GaugeState<R, const N: usize> {
-    /// The one of the two revolutions that is worked on; the other is being sampled.
+    /// Index of the revolution being processed; the other of the two is being sampled.
     pub(super) worked: usize,
     pub(super) resampler: ResamplerState<R>,
     pub(super) sampling: Sampling<R>,
     pub(super) latest: Outcome<R>,
     pub(super) counts: Counts,
     pub(super) speed: Speed<R>,
-    /// Drift of the weighted sum over the revolution before.
+    /// Drift of the weighted sum over the previous revolution.
     pub(super) drift: Option<R>,
     pub(super) work: Work<R, N>,
     pub(super) revolutions: [Revolution<R, N>; 2],
-    /// Weighted sums of the three probes; of the one that is worked on, their spectrum.
+    /// Weighted sums of the three probes; for the revolution being processed, their spectrum.
     pub(super) sums: [[R; N]; 2],
 }
 
-/// The revolution that is being sampled.
+/// The revolution being sampled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Sampling<R> {
     pub(super) running: bool,
     pub(super) points: usize,
-    /// Whether revolutions before it were skipped.
+    /// Records whether revolutions before it were skipped.
     pub(super) flags: GaugeFlags,
-    /// Weighted sums added up.
+    /// Total of the weighted sums.
     pub(super) total: R,
-    /// Their mean over the revolution before, if that was whole.
+    /// Mean of the weighted sums over the previous revolution, if that was whole.
     pub(super) before: Option<R>,
     /// The cycle in which it began.
     pub(super) began: u32,
-    /// Quarter of a turn of α, from 1 (0: not known), the cycle in which it began, fewest and most cycles that one took.
+    /// Quarter of a turn of α, from 1 (0: unknown), the cycle in which it began, and the fewest and most cycles that a quarter
+    /// took.
     pub(super) quarter: u32,
     pub(super) entered: u32,
     pub(super) fewest: u32,
     pub(super) most: u32,
-    /// Cycles in which the infeed was followed in part, or not at all.
+    /// Number of cycles in which the infeed was followed in part, or not at all.
     pub(super) limited: u32,
     pub(super) unheard: u32,
 }
@@ -63,22 +64,22 @@ impl<R: Real> Sampling<R> {
         unheard: 0,
     };
 
-    /// A cycle from which the infeed does not learn.
+    /// Counts a cycle from which the infeed law does not learn.
     #[inline(never)]
     pub(super) fn count(&mut self, limited: bool) {
         let counter = if limited { &mut self.limited } else { &mut self.unheard };
         *counter = counter.wrapping_add(1);
     }
 
-    /// Still within the quarter of a turn that is being timed.
+    /// Whether α is still within the quarter of a turn being timed.
     #[inline(always)]
     pub(super) fn is_timed(&self, alpha: u32) -> bool {
         (alpha >> 30) + 1 == self.quarter
     }
 
-    /// Follows the speed by the time that every quarter of a turn takes.
+    /// Tracks the speed by timing every quarter of a turn.
     pub(super) fn time(&mut self, alpha: u32, clock: u32) {
-        // The first one seen is not whole.
+        // The first one seen is incomplete.
         if self.quarter != 0 {
             let took = clock.wrapping_sub(self.entered);
             self.fewest = if self.most == 0 { took } else { self.fewest.min(took) };
@@ -91,14 +92,14 @@ impl<R: Real> Sampling<R> {
 /// Speed of the surface.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Speed<R> {
-    /// θ of the last cycle in which it was known.
+    /// θ in the last cycle in which it was known.
     pub(super) theta: Option<u32>,
     /// Change of θ per cycle, 2^−32 turns, smoothed over some 64 cycles.
     pub(super) per_cycle: R,
 }
 
 impl<R: Real, const N: usize> GaugeState<R, N> {
-    /// Before the first cycle. All of it is zero: a static of it takes no flash.
+    /// The state before the first cycle. All of it is zero, so a static of it takes no flash.
     #[allow(clippy::new_without_default)]
     pub const fn new() -> Self {
         GaugeState {
@@ -115,8 +116,8 @@ impl<R: Real, const N: usize> GaugeState<R, N> {
         }
     }
 
-    /// The latest revolution evaluated, of this part; whole while no work is under way
-    /// ([`GaugeState::is_settled`]), like everything below.
+    /// The latest revolution evaluated of this part. Like the results below, it is consistent only while no work is in
+    /// progress ([`GaugeState::is_settled`]).
     pub fn latest(&self) -> Option<Evaluation<R>> {
         let Outcome { revolution, flags, peak_to_valley_um } = self.latest;
         let ([x, y], revolutions) = (self.work.error_motion, self.work.window);
@@ -128,19 +129,19 @@ impl<R: Real, const N: usize> GaugeState<R, N> {
         self.counts
     }
 
-    /// Profile r of the latest revolution, µm, before the filter; whole while no work is under way
+    /// Profile r of the latest revolution, µm, before the filter; consistent only while no work is in progress
     /// ([`GaugeState::is_settled`]).
     pub fn profile(&self) -> &[R; N] {
         self.work.profile()
     }
 
-    /// Amplitudes of cos kθ and sin kθ in the profile, µm; zero outside the band, where suppressed, and from
+    /// Amplitudes of cos kθ and sin kθ in the profile, µm; zero outside the band, for suppressed harmonics, and from
     /// [`super::HARMONICS`] on.
     pub fn harmonic(&self, harmonic: usize) -> [R; 2] {
         self.work.harmonic(harmonic)
     }
 
-    /// Motion of the centre in the latest revolution, R_X and R_Y, µm; while no work is under way and until the next
+    /// Motion of the centre in the latest revolution, R_X and R_Y, µm; valid while no work is in progress, until the next
     /// revolution is whole.
     pub fn motion(&self) -> [&[R; N]; 2] {
         let evaluated = &self.revolutions[self.worked & 1];
@@ -157,7 +158,7 @@ impl<R: Real, const N: usize> GaugeState<R, N> {
         (&mut self.work, &mut self.revolutions[self.worked & 1])
     }
 
-    /// No work is under way: results do not change until the next revolution is whole.
+    /// Whether no work is in progress: results then stay the same until the next revolution is whole.
     pub fn is_settled(&self) -> bool {
         self.work.is_idle()
     }

@@ -1,4 +1,4 @@
-//! Second stage: the work on a whole revolution, some slices a cycle.
+//! Second stage: the work on a whole revolution, some slices per cycle.
 
 use super::plan::{Plan, Task};
 use super::transform::{forward_slice, inverse_slice, quarter, slices, slices_of_twos, twos_slice};
@@ -6,16 +6,16 @@ use super::work::{ARM_CHECKS, POINTS_PER_SLICE, Work};
 use super::{Gauge, GaugeState};
 use crate::real::Real;
 
-/// A row for every task: its pattern, a name, its slices, how often it comes in a revolution under a plan at most, and
-/// its slice of an index. Slices count down.
+/// One row per task: its pattern, a name, its number of slices, how often it occurs in a revolution under a plan at most, and
+/// its slice at an index. Slices count down.
 ///
-/// Every task becomes a function of its own, so that nothing is prepared before it is known which one it is. A table of
-/// functions would do the same by an indirect call, which the bound of the stack could not follow.
+/// Every task becomes a separate function, so that nothing is prepared before the task is known. A table of functions would do
+/// the same by an indirect call, which the stack-bound analysis could not follow.
 macro_rules! tasks {
     (|$gauge:ident, $plan:ident, $state:ident, $at:ident|
      $($task:ident => $name:ident, $slices:expr, $times:expr, $slice:expr;)*) => {
         impl<R: Real, const N: usize> Gauge<R, N> {
-            /// One slice; true when a revolution has just been evaluated.
+            /// Computes one slice; returns true when a revolution has just been evaluated.
             #[inline(always)]
             fn slice(&self, state: &mut GaugeState<R, N>) -> bool {
                 let Some(at) = state.work.left.checked_sub(1) else {
@@ -32,7 +32,7 @@ macro_rules! tasks {
             $(#[inline(never)]
             fn $name(&self, $state: &mut GaugeState<R, N>, $at: usize) {
                 let ($gauge, $plan) = (self, &self.plan);
-                // Not every task needs all of it.
+                // Not every task needs all of them.
                 let _ = ($gauge, $plan, $at);
                 $slice
             })*
@@ -47,7 +47,7 @@ macro_rules! tasks {
                 }
             }
 
-            /// Slices that one revolution takes at most, with one from each task to the next.
+            /// Most slices that one revolution takes, including one for each change of task.
             pub(super) fn slices(&self) -> usize {
                 let $plan = self;
                 [$(($slices, $times)),*].iter().filter(|(slices, _)| *slices > 0).map(|(slices, times)| (slices + 1) * times).sum()
@@ -99,12 +99,12 @@ tasks! { |gauge, plan, state, at|
     Close => close, 1, 1, state.work.close();
     Judge => judge, N / POINTS_PER_SLICE, used(&plan.infeed), state.work.judge(gauge.infeed.as_ref(), at);
     Commit => commit, N / POINTS_PER_SLICE, used(&plan.infeed), state.work.commit(gauge.infeed.as_ref(), at);
-    // Another part: no work on a revolution.
+    // For another part: not part of the work on a revolution.
     Clear => zero, N / POINTS_PER_SLICE, 0, state.work.zero(at);
     Range => measure, N / POINTS_PER_SLICE, 1, state.work.measure(plan, at);
 }
 
-/// One slice of a stage of the forward transform.
+/// Computes one slice of a stage of the forward transform.
 #[inline(always)]
 fn forward<R: Real, const N: usize>(plan: &Plan<R, N>, sum: &mut [R; N], at: usize, stage: usize) {
     if slices::<N>(stage) > 0 {
@@ -112,7 +112,7 @@ fn forward<R: Real, const N: usize>(plan: &Plan<R, N>, sum: &mut [R; N], at: usi
     }
 }
 
-/// One slice of a stage of an inverse transform.
+/// Computes one slice of a stage of an inverse transform.
 #[inline(always)]
 fn inverse<R: Real, const N: usize>(plan: &Plan<R, N>, buffer: &mut [R; N], at: usize, stage: usize) {
     if slices::<N>(stage) > 0 {
@@ -120,20 +120,20 @@ fn inverse<R: Real, const N: usize>(plan: &Plan<R, N>, buffer: &mut [R; N], at: 
     }
 }
 
-/// How often a use of the spectrum comes.
+/// How often a use of the spectrum occurs.
 fn used<T>(of: &Option<T>) -> usize {
     usize::from(of.is_some())
 }
 
 impl<R: Real, const N: usize> Plan<R, N> {
-    /// Uses of the spectrum, with the profile.
+    /// Number of uses of the spectrum, including the profile.
     fn uses(&self) -> usize {
         1 + used(&self.shifted) + used(&self.infeed) + used(&self.filtered)
     }
 }
 
 impl<R: Real, const N: usize> Gauge<R, N> {
-    /// Second stage: the slices of a cycle; true when a revolution has just been evaluated.
+    /// Second stage: computes the slices of a cycle; returns true when a revolution has just been evaluated.
     #[inline]
     pub fn work(&self, state: &mut GaugeState<R, N>) -> bool {
         if self.slices_per_cycle == 1 { self.slice(state) } else { self.slices(state) }
@@ -148,7 +148,7 @@ impl<R: Real, const N: usize> Gauge<R, N> {
         finished
     }
 
-    /// From one task to the next; true when it was the last of a revolution.
+    /// Moves from one task to the next; returns true when it was the last of a revolution.
     #[inline(never)]
     fn finish(&self, state: &mut GaugeState<R, N>) -> bool {
         let finished = state.work.finish(&self.plan, self.infeed.as_ref());

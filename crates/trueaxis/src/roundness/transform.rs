@@ -1,20 +1,21 @@
 //! A real transform of N points that can pause after every few operations.
 //!
-//! N real values are M = N/2 complex ones, z_i = x_2i + j x_2i+1. Forward by decimation in frequency, radix 4: natural
-//! order in, bit-reversed out. Multiplying the real signal's spectrum by C(k) is, in the spectrum Z of z, one pass over the
-//! pairs (k, M − k), without separating and joining:
+//! N real values are M = N/2 complex ones, z_i = x_2i + j x_2i+1. The forward transform is decimation in frequency, radix 4:
+//! natural order in, bit-reversed out. Multiplying the real signal's spectrum by C(k) takes one pass over the pairs (k, M − k)
+//! of z's spectrum Z, without separating and joining:
 //!
 //! ```text
 //! Z'_k = P Z_k + Q (j c Z*_{M−k} − s Z_k)     P = (C(k) + C*(M−k))/2     c − js = e^{−j2πk/N}
 //! Z'*_{M−k} = P Z*_{M−k} + Q (s Z*_{M−k} − j c Z_k)     Q = (C(k) − C*(M−k))/2
 //! ```
 //!
-//! Inverse by decimation in time, radix 4: bit-reversed in, natural out. Nothing is ever permuted: in bit-reversed order
-//! the partner of index i in [b, 2b), b a power of two, is 3b − 1 − i. Where M is not a power of four, one stage of
-//! radix 2 stands next to the pair pass.
+//! The inverse is decimation in time, radix 4: bit-reversed in, natural out. Nothing is ever permuted: in bit-reversed order
+//! the partner of index i in [b, 2b), b a power of two, is 3b − 1 − i. If M is not a power of four, there is one radix-2 stage
+//! next to the pair pass.
 //!
-//! A slice is one radix-4 butterfly, two of the last stage, whose twiddle factors are eighths of a turn, four radix-2 ones,
-//! or one pair: at most 24 multiplications and 44 additions. The whole takes `2·(M/4·(⌊log4 M⌋ − ½) [+ M/8]) + M/2` slices.
+//! A slice is one radix-4 butterfly, two butterflies of the last stage, whose twiddle factors are eighths of a turn, four
+//! radix-2 butterflies, or one pair: at most 24 multiplications and 44 additions. The whole transform takes
+//! `2·(M/4·(⌊log4 M⌋ − ½) [+ M/8]) + M/2` slices.
 //!
 //! Source: radix-4 forms after C. S. Burrus and T. W. Parks, DFT/FFT and Convolution Algorithms, 1985; the real signal as
 //! a half-length complex one after W. H. Press et al., Numerical Recipes, 3rd ed., 12.3.
@@ -69,10 +70,10 @@ pub(crate) fn circle<R: Real, const N: usize>() -> [Complex<R>; N] {
     circle
 }
 
-/// P and Q of the multipliers C(k), `[P.re, P.im, Q.re, Q.im]` pair by pair, the first of [`Pairs`] last, with the scale of
-/// the inverse in them.
+/// P and Q of the multipliers C(k), `[P.re, P.im, Q.re, Q.im]` pair by pair, the first of [`Pairs`] last; they include the
+/// scale of the inverse.
 ///
-/// `of` gives the multiplier of a harmonic, `[re, im]`; mean and Nyquist frequency are always removed.
+/// `of` returns the multiplier of a harmonic, `[re, im]`; mean and Nyquist frequency are always removed.
 pub(crate) fn multipliers<R: Real, const N: usize>(of: impl Fn(usize) -> [f64; 2]) -> [R; N] {
     let mut table = [R::ZERO; N];
     let mut pairs = Pairs::START;
@@ -85,28 +86,28 @@ pub(crate) fn multipliers<R: Real, const N: usize>(of: impl Fn(usize) -> [f64; 2
     table
 }
 
-/// Distance of the values of a butterfly in a stage of radix 4, a quarter of its block; 0 behind the last one. Stages
-/// are numbered as the forward transform goes through them.
+/// Distance between the values of a butterfly in a radix-4 stage, a quarter of its block; 0 after the last stage. Stages are
+/// numbered in the order of the forward transform.
 pub(crate) const fn quarter<const N: usize>(stage: usize) -> usize {
     (N / 8) >> (2 * stage)
 }
 
-/// Slices of a stage of radix 4, where it exists.
+/// Number of slices of a radix-4 stage, 0 if it does not exist.
 pub(crate) const fn slices<const N: usize>(stage: usize) -> usize {
     match quarter::<N>(stage) {
         0 => 0,
-        // The last one: two butterflies a slice.
+        // The last stage: two butterflies a slice.
         1 | 2 => N / 16,
         _ => N / 8,
     }
 }
 
-/// Slices of the stage of radix 2, where there is one.
+/// Number of slices of the radix-2 stage, 0 if there is none.
 pub(crate) const fn slices_of_twos<const N: usize>() -> usize {
     if (N / 2).trailing_zeros() % 2 == 1 { N / 16 } else { 0 }
 }
 
-/// Harmonic at an index in bit-reversed order, and the index of a harmonic.
+/// Harmonic at an index in bit-reversed order; also the index of a harmonic.
 #[inline(always)]
 fn harmonic<const N: usize>(index: usize) -> usize {
     let half = N / 2;
@@ -123,17 +124,17 @@ pub(crate) struct Pairs {
 }
 
 impl Pairs {
-    /// Before anything has begun.
+    /// State before a pass has begun.
     pub(crate) const NONE: Pairs = Pairs { block: 0, at: 0, partner: 0 };
-    /// Before the first pair: index 1, its own partner.
+    /// State before the first pair: index 1, which is its own partner.
     pub(crate) const START: Pairs = Pairs { block: 1, at: 1, partner: 1 };
 
-    /// To the next pair.
+    /// Moves to the next pair.
     #[inline(always)]
     fn next(&mut self) {
         self.at += 1;
         self.partner = self.partner.wrapping_sub(1);
-        // Half of [b, 2b) has met the other half; index 1 has gone past itself.
+        // Half of [b, 2b) has met the other half; or index 1 is done.
         if self.at > self.partner {
             self.block *= 2;
             (self.at, self.partner) = (self.block, 2 * self.block - 1);
@@ -141,7 +142,7 @@ impl Pairs {
     }
 }
 
-/// One slice of a forward stage: a butterfly, or two of the last stage.
+/// Computes one slice of a forward stage: a butterfly, or two of the last stage.
 #[inline(always)]
 pub(crate) fn forward_slice<R: Real, const N: usize>(
     z: &mut [R; N],
@@ -163,7 +164,7 @@ pub(crate) fn forward_slice<R: Real, const N: usize>(
     z[i | (3 * quarter)] = mul(sub(f, h), w3);
 }
 
-/// One slice of an inverse stage: a butterfly, or two of the last stage; unscaled.
+/// Computes one slice of an inverse stage: a butterfly, or two of the last stage; unscaled.
 #[inline(always)]
 pub(crate) fn inverse_slice<R: Real, const N: usize>(
     z: &mut [R; N],
@@ -186,8 +187,8 @@ pub(crate) fn inverse_slice<R: Real, const N: usize>(
     z[i | (3 * quarter)] = add(f, h);
 }
 
-/// Two butterflies of the last stage, whose eight values stand together: the twiddle factors are 1 and, where the
-/// butterflies overlap, eighths of a turn for the second.
+/// Two butterflies of the last stage, on eight adjacent values: the twiddle factors are 1 or, for the second of two
+/// overlapping butterflies, eighths of a turn.
 #[inline(always)]
 fn last_forward<R: Real>(z: &mut [Complex<R>; 8], quarter: usize) {
     let overlap = quarter == 2;
@@ -205,7 +206,7 @@ fn last_forward<R: Real>(z: &mut [Complex<R>; 8], quarter: usize) {
     }
 }
 
-/// [`last_forward`], undone but for the scale.
+/// Inverse of [`last_forward`] except for the scale.
 #[inline(always)]
 fn first_inverse<R: Real>(z: &mut [Complex<R>; 8], quarter: usize) {
     let overlap = quarter == 2;
@@ -222,7 +223,7 @@ fn first_inverse<R: Real>(z: &mut [Complex<R>; 8], quarter: usize) {
     }
 }
 
-/// Indices of the values of two butterflies among eight, the second marked.
+/// Indices of the values of two butterflies among eight; marks the second.
 const fn pairs_of_butterflies(quarter: usize) -> [(bool, [usize; 4]); 2] {
     if quarter == 2 {
         [(false, [0, 2, 4, 6]), (true, [1, 3, 5, 7])]
@@ -251,8 +252,8 @@ fn eighth_back<R: Real>([re, im]: Complex<R>) -> Complex<R> {
     [(re - im) * half_root, (re + im) * half_root]
 }
 
-/// Index of the first of the four values of a butterfly, with zeros where the quarters are counted, and its three
-/// twiddle factors.
+/// Index of the first of a butterfly's four values, with zeros in the bits that count the quarters, and its three twiddle
+/// factors.
 #[inline(always)]
 fn operands<R: Real, const N: usize>(circle: &[Complex<R>; N], at: usize, quarter: usize) -> (usize, [Complex<R>; 3]) {
     let within = at & (quarter - 1);
@@ -261,7 +262,7 @@ fn operands<R: Real, const N: usize>(circle: &[Complex<R>; N], at: usize, quarte
     (index, [circle[turn], circle[2 * turn], circle[3 * turn]])
 }
 
-/// One slice of the radix-2 stage, four butterflies; the same in either direction.
+/// Computes one slice of the radix-2 stage, four butterflies, in either direction.
 #[inline(always)]
 pub(crate) fn twos_slice<R: Real, const N: usize>(z: &mut [R; N], at: usize) {
     let z = z.as_chunks_mut::<2>().0;
@@ -273,8 +274,8 @@ pub(crate) fn twos_slice<R: Real, const N: usize>(z: &mut [R; N], at: usize) {
     }
 }
 
-/// One pair: the spectrum in `from` times the multipliers into `to`. Pairs are numbered downwards. [`without_mean`] follows
-/// the last.
+/// Computes one pair: the spectrum in `from` times the multipliers, into `to`. Pairs are numbered downwards. [`without_mean`]
+/// must follow the last one.
 #[inline(always)]
 pub(crate) fn pair_slice<R: Real, const N: usize>(
     from: &[R; N],
@@ -293,7 +294,7 @@ pub(crate) fn pair_slice<R: Real, const N: usize>(
     let (a, b) = (from[i], conj(from[partner]));
     let x = [s * a[0] - c * b[1], s * a[1] + c * b[0]];
     let y = [c * a[1] - s * b[0], c * a[0] + s * b[1]];
-    // Sums from left to right: a multiply-add each. The second is conjugate.
+    // Sums from left to right become one multiply-add each. The second value is conjugate.
     to[i] =
         [p_re * a[0] - p_im * a[1] + q_re * x[0] - q_im * x[1], p_re * a[1] + p_im * a[0] + q_re * x[1] + q_im * x[0]];
     to[partner] =
@@ -301,12 +302,12 @@ pub(crate) fn pair_slice<R: Real, const N: usize>(
     pairs.next();
 }
 
-/// After the pairs: the mean is not in the product.
+/// Removes the mean after the pairs, which do not include it.
 pub(crate) fn without_mean<R: Real, const N: usize>(z: &mut [R; N]) {
     (z[0], z[1]) = (R::ZERO, R::ZERO);
 }
 
-/// The real signal's spectrum at harmonic k, 0 < k < M, from what the pair pass left, in the scale of the inverse (times
+/// The real signal's spectrum at harmonic k, 0 < k < M, from the result of the pair pass, in the scale of the inverse (times
 /// [`AMPLITUDE_SCALE`]: cosine and negative sine amplitude).
 #[inline(always)]
 pub(crate) fn spectrum<R: Real, const N: usize>(z: &[R; N], circle: &[Complex<R>; N], k: usize) -> Complex<R> {
@@ -316,7 +317,7 @@ pub(crate) fn spectrum<R: Real, const N: usize>(z: &[R; N], circle: &[Complex<R>
     add(add(a, b), mul(turned(sub(a, b)), circle[k & mask]))
 }
 
-/// From the spectrum to an amplitude: x contains a cos kθ − b sin kθ where this times X is `[a, b]`.
+/// Factor from spectrum to amplitude: x contains a cos kθ − b sin kθ if this times X is `[a, b]`.
 pub(crate) const AMPLITUDE_SCALE: f64 = 0.5;
 
 #[cfg(test)]
@@ -327,10 +328,11 @@ mod tests {
     use super::*;
     use std::vec::Vec;
 
-    /// Stages of radix 4 at most: 4096 points.
+    /// Most radix-4 stages: 4096 points.
     const STAGES: usize = 5;
 
-    /// Multiplies a signal's spectrum slice by slice; returns the result, the spectrum seen in the pairs, and the slices.
+    /// Multiplies a signal's spectrum slice by slice; returns the result, the spectrum from the pairs, and the number of
+    /// slices.
     fn run<R: Real, const N: usize>(x: &[f64], of: impl Fn(usize) -> [f64; 2]) -> (Vec<f64>, Vec<[f64; 2]>, usize) {
         let circle = circle::<R, N>();
         let multipliers = multipliers::<R, N>(of);
@@ -376,7 +378,7 @@ mod tests {
         (0..n).map(|i| ((i * i * 7 + 13 * i) % 101) as f64 / 50.0 - 1.0).collect()
     }
 
-    /// The definition, term by term.
+    /// The definition of the product, term by term.
     fn direct(x: &[f64], of: impl Fn(usize) -> [f64; 2]) -> (Vec<f64>, Vec<[f64; 2]>) {
         let n = x.len();
         let (mut out, mut spectrum) = (std::vec![0.0; n], std::vec![[0.0; 2]; n / 2]);
@@ -417,7 +419,7 @@ mod tests {
         assert_eq!(slices, 2 * (half / 4 * (stages - 1) + (1 + left) * half / 8) + half / 2);
     }
 
-    /// The whole of it against rustfft: largest difference over largest value.
+    /// Compares the whole transform with rustfft: largest difference over largest value.
     fn against_rustfft<const N: usize>() {
         let x = signal(N);
         let of = |k: usize| [1.0 / (1.0 + k as f64 / 40.0), 0.3 * (k as f64 * 0.7).sin()];
@@ -438,8 +440,8 @@ mod tests {
         assert!(double < 1e-12 && single < 1e-5, "{N}: {double:e} {single:e}");
     }
 
-    /// Every index but 0 is met once, with the partner that holds the mirrored harmonic; a butterfly's four values are
-    /// its own in every stage.
+    /// Every index but 0 occurs once, with the partner that has the mirrored harmonic; no two butterflies of a stage share a
+    /// value.
     fn maps<const N: usize>() {
         let half = N / 2;
         let (mut met, mut pairs) = (std::vec![0; half], Pairs::START);

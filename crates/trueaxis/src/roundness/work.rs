@@ -1,4 +1,4 @@
-//! The work on one revolution, in slices of a fixed size.
+//! The work on one revolution, in slices of fixed size.
 //!
 //! ```text
 //! Linkage (another wheel) ─► Level (drift) ─► Forward ─► Spread, Inverse (profile at θ + φ2)
@@ -6,8 +6,8 @@
 //!   ─► Spread, Inverse, Judge, Commit (infeed) ─► Spread, Inverse (filter) ─► Range
 //! ```
 //!
-//! The tasks that a gauge needs are chosen when it is built; a slice is bounded for any data. The work of each task in
-//! a slice and its number of slices are in the table of `tasks.rs`; the order of tasks is in `Work::next`.
+//! The tasks that a gauge needs are selected when it is built; a slice is bounded for any data. The table in `tasks.rs` lists
+//! the work of each task in a slice and its number of slices; `Work::next` determines the order of tasks.
 
 use super::arm_angle;
 use super::flags::GaugeFlags;
@@ -17,16 +17,16 @@ use super::plan::{Plan, Task, Use, following};
 use super::transform::{AMPLITUDE_SCALE, Complex, Pairs, pair_slice, spectrum, without_mean};
 use crate::real::Real;
 
-/// Harmonics 0 to 127 of the profile are kept as amplitudes.
+/// Harmonics 0 to 127 of the profile are stored as amplitudes.
 pub const HARMONICS: usize = 128;
 /// Points of a revolution at which the arm's reading is compared with the linkage.
 pub(super) const ARM_CHECKS: usize = 16;
-/// Revolutions in a row in which the infeed axis was limited before the correction is made smaller.
+/// Consecutive revolutions with a limited infeed axis before the correction is reduced.
 const PATIENCE: u8 = 4;
-/// Points in a slice of the passes that only compare or add.
+/// Points per slice in passes that only compare or add.
 pub(super) const POINTS_PER_SLICE: usize = 4;
 
-/// Readings of one revolution; turned into the motion of the centre while it is worked on.
+/// Readings of one revolution; the work replaces them by the motion of the centre.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Revolution<R, const N: usize> {
     /// Probe 1; then R_X.
@@ -43,19 +43,19 @@ impl<R: Real, const N: usize> Revolution<R, N> {
     }
 }
 
-/// A whole revolution as it is handed over.
+/// A whole revolution, as handed over to the work.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Beginning<R> {
     pub(super) revolution: u32,
     pub(super) flags: GaugeFlags,
-    /// The infeed axis could not follow.
+    /// Whether the infeed axis could not follow.
     pub(super) limited: bool,
-    /// Mean of the weighted sum, and its change from the revolution before.
+    /// Mean of the weighted sum, and its change from the previous revolution.
     pub(super) mean: R,
     pub(super) drift: R,
 }
 
-/// Result of a revolution while it is worked on.
+/// Result of the revolution being processed.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Outcome<R> {
     pub(super) revolution: u32,
@@ -67,49 +67,49 @@ impl<R: Real> Outcome<R> {
     pub(super) const NONE: Outcome<R> = Outcome { revolution: 0, flags: GaugeFlags(0), peak_to_valley_um: R::ZERO };
 }
 
-/// State of the work, and its results. What every slice needs stands first, within reach of short offsets.
+/// State of the work, and its results. The fields that every slice needs come first, within reach of short offsets.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub(super) struct Work<R, const N: usize> {
-    /// Slices of the task that are left.
+    /// Slices left in the task.
     pub(super) left: usize,
     pairs: Pairs,
-    /// Buffer in which the inverse goes on: 0 the profile, 1 the other.
+    /// Buffer in which the inverse continues: 0 the profile, 1 the other.
     into: usize,
     pub(super) task: Task,
-    /// Use of the spectrum that is being worked out.
+    /// Use of the spectrum for which it is being computed.
     pub(super) of: Use,
     /// Revolutions in the window of the motion so far.
     pub(super) gathered: u16,
-    /// λ of the arm, where the wheel's radius has been set since, and that for which the linkage holds.
+    /// λ of the arm, if the wheel's radius was set later, and the λ for which the linkage was computed.
     pub(super) ratio: Option<R>,
     linked: R,
-    /// λ for which the linkage is being worked out.
+    /// λ for which the linkage is being computed.
     linking: R,
     /// Smallest and largest value of a pass.
     range: [R; 2],
     worst: R,
     pub(super) result: Outcome<R>,
     clear: bool,
-    /// Revolutions in a row in which the infeed axis was limited.
+    /// Consecutive revolutions in which the infeed axis was limited.
     limited_for: u8,
-    /// Change of the weighted sum in a revolution.
+    /// Change of the weighted sum per revolution.
     pub(super) drift: R,
-    /// Radius at the first point and its change from point to point, against the probes' zeros, µm.
+    /// Radius at the first point and its change from point to point, relative to the probes' zeros, µm.
     radius: [R; 2],
     /// Motion along X and Y, over all points.
     directions: [Direction<R>; 2],
-    /// Error motions along X and Y over the last full window, and its revolutions.
+    /// Error motions along X and Y over the last full window, and the number of its revolutions.
     pub(super) error_motion: [ErrorMotion<R>; 2],
     pub(super) window: u16,
     /// Spectrum of the profile, in the scale of the multipliers.
     harmonics: [Complex<R>; HARMONICS],
-    /// The profile, and what another use of the spectrum gives.
+    /// The profile, and the result of another use of the spectrum.
     buffers: [[R; N]; 2],
     /// X and Y of the motion at every point, over the revolutions of the window.
     bundles: [[Bundle<R>; 2]; N],
     pub(super) correction: [R; N],
-    /// [cos β − 1, sin β] at every point: all zero is an arm that stands still.
+    /// [cos β − 1, sin β] at every point; all zero for an arm that stands still.
     linkage: [Complex<R>; N],
 }
 
@@ -147,12 +147,12 @@ impl<R: Real, const N: usize> Work<R, N> {
         self.task == Task::Idle
     }
 
-    /// The correction is being set to zero, or waits for it.
+    /// Whether the correction is being set to zero, or waits for that.
     pub(super) fn is_cleared(&self) -> bool {
         self.clear
     }
 
-    /// A new part: drops what is being worked on and sets the correction to zero.
+    /// For a new part: drops the work in progress and sets the correction to zero.
     #[cold]
     pub(super) fn clear(&mut self) {
         self.start(Task::Clear);
@@ -160,7 +160,7 @@ impl<R: Real, const N: usize> Work<R, N> {
         (self.error_motion, self.window) = ([ErrorMotion::NONE; 2], 0);
     }
 
-    /// Takes over a revolution.
+    /// Starts the work on a revolution.
     #[inline(always)]
     pub(super) fn begin(&mut self, plan: &Plan<R, N>, beginning: Beginning<R>) {
         let Beginning { revolution, flags, limited, mean, drift } = beginning;
@@ -172,7 +172,7 @@ impl<R: Real, const N: usize> Work<R, N> {
             Task::Forward0
         };
         self.drift = drift;
-        // From the first point on; the mean is that of the middle.
+        // Counts from the first point; the mean is the radius at the middle.
         let step = drift * plan.per_mean * R::of(1.0 / N as f64);
         self.radius = [mean * plan.per_mean - step * R::of((N as f64 - 1.0) / 2.0), step];
         self.limited_for = if limited { self.limited_for.saturating_add(1) } else { 0 };
@@ -181,7 +181,7 @@ impl<R: Real, const N: usize> Work<R, N> {
         self.result = Outcome { revolution, flags, ..Outcome::NONE };
     }
 
-    /// The axis cannot follow the correction, revolution after revolution: frozen for good it would never come free.
+    /// Whether the axis cannot follow the correction, revolution after revolution: freezing it would block it for good.
     pub(super) fn gives_way(&self) -> bool {
         self.limited_for >= PATIENCE
     }
@@ -197,19 +197,19 @@ impl<R: Real, const N: usize> Work<R, N> {
         &self.buffers[0]
     }
 
-    /// Before the first slice of a task.
+    /// Starts a task at its first slice.
     #[inline(always)]
     fn start(&mut self, task: Task) {
         (self.task, self.left) = (task, Plan::<R, N>::slices_of(task));
     }
 
-    /// The buffer in which an inverse goes on.
+    /// The buffer in which an inverse continues.
     #[inline(always)]
     pub(super) fn buffer(&mut self) -> &mut [R; N] {
         &mut self.buffers[self.into & 1]
     }
 
-    /// The task that comes after the one just done, and the use of the spectrum for which it is.
+    /// Task after the one just finished, and the use of the spectrum that it serves.
     fn next(&self, plan: &Plan<R, N>) -> (Task, Use) {
         let task = match self.task {
             Task::Linkage if self.drift != R::ZERO => Task::Level,
@@ -244,7 +244,7 @@ impl<R: Real, const N: usize> Work<R, N> {
         (task, self.of)
     }
 
-    /// From one task to the next; true when the result stands.
+    /// Moves from one task to the next; returns true when the result is complete.
     #[inline(always)]
     pub(super) fn finish(&mut self, plan: &Plan<R, N>, infeed: Option<&Infeed<R>>) -> bool {
         let finished = self.task;
@@ -256,7 +256,7 @@ impl<R: Real, const N: usize> Work<R, N> {
                 self.result.flags.set(GaugeFlags::ARM);
                 self.result.flags.set(GaugeFlags::INFEED_FROZEN);
             }
-            // A motion by a linkage that is contradicted says nothing: the window begins anew.
+            // Motion from a contradicted linkage is meaningless: the window starts over.
             Task::Orbit if self.result.flags.has(GaugeFlags::ARM) => self.gathered = 0,
             Task::Orbit => self.gathered = self.gathered.saturating_add(1),
             Task::Clear => (self.clear, self.limited_for) = (false, 0),
@@ -281,14 +281,14 @@ impl<R: Real, const N: usize> Work<R, N> {
         finished == Task::Range
     }
 
-    /// One pair of the profile.
+    /// Computes one pair of the profile.
     #[inline(always)]
     pub(super) fn spread_profile(&mut self, plan: &Plan<R, N>, sum: &[R; N], at: usize) {
         let [profile, _] = &mut self.buffers;
         pair_slice(sum, profile, &plan.circle, &plan.profile, &mut self.pairs, at);
     }
 
-    /// One pair, for another use.
+    /// Computes one pair for another use.
     #[inline(always)]
     pub(super) fn spread(&mut self, plan: &Plan<R, N>, sum: &[R; N], multipliers: Option<&[R; N]>, at: usize) {
         if let ([_, other], Some(multipliers)) = (&mut self.buffers, multipliers) {
@@ -296,7 +296,7 @@ impl<R: Real, const N: usize> Work<R, N> {
         }
     }
 
-    /// One amplitude of the profile.
+    /// Stores one amplitude of the profile.
     #[inline(always)]
     pub(super) fn keep_harmonic(&mut self, plan: &Plan<R, N>, at: usize) {
         let k = at + 1;
@@ -306,26 +306,26 @@ impl<R: Real, const N: usize> Work<R, N> {
         }
     }
 
-    /// Harmonics that are kept, without the mean.
+    /// Number of harmonics stored, without the mean.
     pub(super) const AMPLITUDES: usize = if HARMONICS < N / 2 { HARMONICS - 1 } else { N / 2 - 1 };
 
-    /// Before the first pass over a full window.
+    /// Prepares the first pass over a full window.
     pub(super) fn open(&mut self) {
         self.directions.iter_mut().for_each(Direction::begin);
     }
 
-    /// Between the passes.
+    /// Prepares the second pass.
     pub(super) fn scale(&mut self) {
         self.directions.iter_mut().for_each(|direction| direction.express(N));
     }
 
-    /// After the passes.
+    /// Stores the results of the passes.
     pub(super) fn close(&mut self) {
         self.error_motion = self.directions.map(|direction| direction.result());
         (self.window, self.gathered) = (self.gathered, 0);
     }
 
-    /// Takes a steady change of the radius out of the weighted sum: it is no harmonic, but would look like all of them.
+    /// Removes a steady change of the radius from the weighted sum: it is not a harmonic, but would look like all of them.
     #[inline(always)]
     pub(super) fn level(&mut self, sum: &mut [R; N], at: usize) {
         for i in 0..POINTS_PER_SLICE {
@@ -334,13 +334,13 @@ impl<R: Real, const N: usize> Work<R, N> {
         }
     }
 
-    /// Fraction of the revolution at a point, from its middle.
+    /// Fraction of the revolution at a point, measured from the middle.
     #[inline(always)]
     fn turned(n: usize) -> R {
         R::of_i32(n as i32) * R::of(1.0 / N as f64) - R::of((N as f64 - 1.0) / (2.0 * N as f64))
     }
 
-    /// β at one point.
+    /// Computes β at one point.
     #[inline(always)]
     pub(super) fn link(&mut self, plan: &Plan<R, N>, at: usize) {
         let n = at & (N - 1);
@@ -349,7 +349,7 @@ impl<R: Real, const N: usize> Work<R, N> {
         self.linkage[n] = [cos - R::ONE, sin];
     }
 
-    /// λ of the arm, as the wheel is now.
+    /// λ of the arm for the present wheel.
     #[inline(always)]
     fn ratio(&self, plan: &Plan<R, N>) -> R {
         self.ratio.unwrap_or(plan.ratio)
@@ -361,7 +361,7 @@ impl<R: Real, const N: usize> Work<R, N> {
         self.linkage.get(index).map_or(R::ONE, |[less, _]| *less + R::ONE)
     }
 
-    /// sin β of the reading against sin β of the linkage, at one of the points compared.
+    /// Compares sin β of the reading with sin β of the linkage, at one of the points to be compared.
     #[inline(always)]
     pub(super) fn compare_arm(&mut self, revolution: &Revolution<R, N>, at: usize) {
         let at = at & (ARM_CHECKS - 1);
@@ -373,7 +373,7 @@ impl<R: Real, const N: usize> Work<R, N> {
         self.worst = R::max((found - expected).abs(), self.worst);
     }
 
-    /// Motion of the centre at one point; it joins those of the window.
+    /// Computes the motion of the centre at one point and adds it to the window.
     ///
     /// With t = (h2 − r(θ + φ2) − cos φ2 (h1 − r(θ)))/sin φ2: R_X = t cos β + (h1 − r) sin β, R_Y = (h1 − r) cos β − t sin β.
     #[inline(always)]
@@ -413,7 +413,7 @@ impl<R: Real, const N: usize> Work<R, N> {
         }
     }
 
-    /// Largest value that the correction would reach.
+    /// Finds the largest value that the correction would reach.
     #[inline(always)]
     pub(super) fn judge(&mut self, infeed: Option<&Infeed<R>>, at: usize) {
         let Some(infeed) = infeed else { return };
@@ -440,7 +440,7 @@ impl<R: Real, const N: usize> Work<R, N> {
         }
     }
 
-    /// Peak to valley about the least-squares circle: mean and first harmonic are not in the profile.
+    /// Measures peak to valley about the least-squares circle: the profile contains no mean and no first harmonic.
     #[inline(always)]
     pub(super) fn measure(&mut self, plan: &Plan<R, N>, at: usize) {
         let profile = &self.buffers[usize::from(plan.filtered.is_some())];

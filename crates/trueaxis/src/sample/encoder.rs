@@ -1,14 +1,14 @@
-//! Positions of encoders that count in integers, beyond the end of their counters too.
+//! Positions of encoders that count in integers, also past the end of their counters.
 
 use crate::error::{ConfigError, Field};
 use crate::position::{Nanometres, Position};
 
 /// Positions of an encoder that counts in integers: `offset + counts · resolution`.
 ///
-/// A count whose position lies beyond what the position type can say gives its end, which is not usable: the step takes
-/// it as a dropout ([`Fault::FeedbackNotFinite`](crate::Fault::FeedbackNotFinite)).
+/// A count whose position is outside the range of the position type gives the end of that range, which is not usable: the
+/// step treats it as a dropout ([`Fault::FeedbackNotFinite`](crate::Fault::FeedbackNotFinite)).
 ///
-/// Counters of 16 or 32 bits, and encoders that count one turn, go on beyond their end through a [`WrappingCounter`].
+/// A [`WrappingCounter`] extends counters of 16 or 32 bits, and encoders that count one turn, past their end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EncoderScale<P> {
     offset: P,
@@ -18,11 +18,11 @@ pub struct EncoderScale<P> {
 }
 
 impl<P: Position> EncoderScale<P> {
-    /// From the position at zero counts and the distance of one count, mm (deg); negative where counts fall as the axis
-    /// goes on.
+    /// From the position at zero counts and the distance of one count, mm (deg); negative if counts fall as the axis
+    /// moves forward.
     ///
     /// # Errors
-    /// A resolution that is zero, not finite or above 1 mm; an offset that is no usable position.
+    /// A resolution that is zero, not finite or above 1 mm; an offset that is not a usable position.
     pub fn new(offset: f64, resolution: f64) -> Result<Self, ConfigError> {
         if !(resolution != 0.0 && resolution.abs() <= 1.0) {
             return Err(ConfigError::new(Field::Encoder, resolution, "a resolution of at most 1 mm, not zero"));
@@ -34,14 +34,14 @@ impl<P: Position> EncoderScale<P> {
         Ok(EncoderScale { offset: P::of(offset), fixed, resolution })
     }
 
-    /// Position of a count, in doubles.
+    /// Position of a count, computed in doubles.
     #[inline(always)]
     pub fn position(&self, counts: i32) -> P {
         P::of(self.offset.to_f64() + f64::from(counts) * self.resolution)
     }
 
-    /// Position of a counter that wraps, in doubles: that of [`WrappingCounter::follow`], or where it finds none, one that
-    /// is not usable, a dropout of this cycle.
+    /// Position of a wrapping counter, computed in doubles from [`WrappingCounter::follow`]. If that is `None`, the
+    /// position is unusable: a dropout in this cycle.
     #[inline(always)]
     pub fn position_beyond(&self, counter: &mut WrappingCounter, counts: u32) -> P {
         let total = counter.follow(counts);
@@ -72,22 +72,22 @@ impl EncoderScale<Nanometres> {
     }
 }
 
-/// A counter that wraps, followed beyond its ends: one of 16 or 32 bits, or one that counts a single turn.
+/// A counter followed past its ends: one of 16 or 32 bits, or one that counts a single turn.
 ///
 /// ```text
 /// step  = counts − last, modulo span, as −span/2 ≤ step < span/2
 /// total = total + step
 /// ```
 ///
-/// A step of more than a quarter of the span could as well be one the other way round: it is refused, and the counter waits
-/// at the last total for counts that come within a quarter of it again. So an axis may move at most span/4 counts between two
-/// readings that are handed in, however many cycles lie between them: 16,384 of 16 bits. A reading that is missing is not
-/// handed in.
+/// A step of more than a quarter of the span could equally be one in the opposite direction: the counter rejects it and
+/// stays at the last total until counts come within a quarter of it again. So an axis may move at most span/4 counts
+/// between two readings passed in, however many cycles lie between them: 16,384 for 16 bits. A missing reading is not
+/// passed in.
 ///
-/// The first reading is taken as the total nearest to a stated one: with 0, unless stated, 16 and 32 bits read as signed
-/// numbers. After a loss of counts [`WrappingCounter::near`] starts it again.
+/// The first reading becomes the total nearest to a stated one. With 0, the default, 16 and 32 bits read as signed
+/// numbers. After a loss of counts [`WrappingCounter::near`] restarts the counter.
 ///
-/// A few comparisons and additions a reading, in integers.
+/// Costs a few integer comparisons and additions per reading.
 ///
 /// ```
 /// use trueaxis::sample::{EncoderScale, WrappingCounter};
@@ -102,7 +102,7 @@ impl EncoderScale<Nanometres> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct WrappingCounter {
     span: i64,
-    /// Bits of a reading that count.
+    /// Mask of the significant bits of a reading.
     mask: u32,
     started: bool,
     /// `total` modulo `span`, once started.
@@ -111,12 +111,12 @@ pub struct WrappingCounter {
 }
 
 impl WrappingCounter {
-    /// A counter of 16 bits; of a reading the lower 16 count.
+    /// A 16-bit counter; only the lower 16 bits of a reading count.
     pub const BITS_16: Self = Self::over(1 << 16);
-    /// A counter of 32 bits.
+    /// A 32-bit counter.
     pub const BITS_32: Self = Self::over(1 << 32);
 
-    /// A counter of `span` counts, after which it begins again at 0: 2^n of n bits, or the counts of a turn.
+    /// A counter that returns to 0 after `span` counts: 2^n for n bits, or the counts of one turn.
     ///
     /// # Errors
     /// A span below 4 or above 2^32.
@@ -132,15 +132,15 @@ impl WrappingCounter {
         WrappingCounter { span, mask, started: false, last: 0, total: 0 }
     }
 
-    /// The same, not yet started: its first reading is taken as the total nearest to this one. Of an absolute encoder the
-    /// counts at which the axis stood when it was switched off.
+    /// This counter before its start: the first reading becomes the total nearest to `total`. For an absolute encoder,
+    /// `total` is the count at which the axis was switched off.
     #[must_use]
     pub const fn near(self, total: i64) -> Self {
         WrappingCounter { started: false, total, ..self }
     }
 
-    /// Counts from zero, beyond the ends of the counter; `None`: the step is ambiguous, or the counter of a turn does not
-    /// reach so far, and nothing has changed.
+    /// Total count from zero, past the ends of the counter. `None`, and nothing has changed, if the step is ambiguous or
+    /// the reading exceeds the span.
     #[inline(always)]
     pub fn follow(&mut self, counts: u32) -> Option<i64> {
         let counts = counts & self.mask;

@@ -1,4 +1,4 @@
-//! Encoder scales, and the glance against the whole decision.
+//! Encoder scales, and the quick check compared with the full one.
 
 #![allow(clippy::indexing_slicing)]
 
@@ -41,7 +41,7 @@ fn counts_beyond_the_range_saturate_and_are_no_reading() {
         assert_eq!((scale.position(counts), scale.nanometres(counts)), (end, end), "{counts}");
         assert!(!end.is_usable());
     }
-    // A coarse encoder over all its counts: 2^32 turns of the integer would be lost.
+    // A coarse encoder over its whole count range: an i32 would lose multiples of 2^32 nm.
     let coarse = EncoderScale::<Nanometres>::new(-1000.0, 1.0).unwrap();
     for counts in [i32::MAX, i32::MIN, 4295, 8590] {
         assert_eq!(coarse.position(counts), coarse.nanometres(counts), "{counts}");
@@ -49,11 +49,11 @@ fn counts_beyond_the_range_saturate_and_are_no_reading() {
     assert_eq!(coarse.nanometres(3000), Nanometres(2_000_000_000));
 }
 
-/// Steps of a walk in counts: anything that is allowed, the largest more often.
+/// Steps of a walk in counts: any allowed step, the largest ones more often.
 fn steps(span: i64) -> impl Strategy<Value = std::vec::Vec<i64>> {
     let most = span / 4;
     let one = prop_oneof![Just(most), Just(-most), Just(0), -most..=most, -3i64.min(most)..=3i64.min(most)];
-    // Now and then on and on, so that it wraps again and again.
+    // Occasionally a long run in one direction, so that the counter wraps repeatedly.
     let straight = (prop_oneof![Just(most), Just(-most)], 1..40usize).prop_map(|(step, n)| std::vec![step; n]);
     prop::collection::vec(prop_oneof![one.prop_map(|step| std::vec![step]), straight], 1..40)
         .prop_map(|walk| walk.concat())
@@ -66,8 +66,8 @@ fn walks() -> impl Strategy<Value = (u64, std::vec::Vec<i64>)> {
 }
 
 proptest! {
-    /// Against a counter of 64 bits: every wrap either way, at the largest speed that is allowed, at start-up, over readings
-    /// that are missing and ones that are refused, and in both senses of the scale.
+    /// Compared with a 64-bit counter: wraps in both directions, at the largest allowed speed, at start-up, across
+    /// missing and rejected readings, and with both signs of the scale.
     #[test]
     fn a_counter_that_wraps_is_one_of_64_bits(
         (span, walk) in walks(),
@@ -78,7 +78,7 @@ proptest! {
         prop_assume!(resolution != 0.0);
         let reading = |truth: i64| {
             let counts = truth.rem_euclid(span as i64) as u32;
-            // Bits above those of the counter do not count: a host may extend the sign or not.
+            // Bits above the counter's are ignored: the host may extend the sign or not.
             if span.is_power_of_two() && span < 1 << 32 { counts | upper & !(span - 1) as u32 } else { counts }
         };
         let scale = EncoderScale::<f64>::new(-3.25, resolution).unwrap();
@@ -94,13 +94,13 @@ proptest! {
             prop_assert_eq!(scale.position_beyond(&mut counter, reading(truth)), exact);
             let found = fixed.nanometres_beyond(&mut other, reading(truth));
             if exact.abs() < 2147.0 {
-                // 2^-33 nm in the factor of a count, over the whole travel.
+                // 2^-33 nm in the factor per count, over the whole travel.
                 let rounding = 0.51 + truth.unsigned_abs() as f64 / 8.5e9;
                 prop_assert!((found.to_f64() - exact).abs() <= rounding * 1e-6, "{found:?} {exact}");
             } else if exact.abs() > 2148.0 {
                 prop_assert!(!found.is_usable());
             }
-            // Just beyond a quarter and as far as it gets: refused, and nothing has changed.
+            // Just beyond a quarter and as far as possible: rejected, with nothing changed.
             let half = span as i64 / 2;
             for away in [span as i64 / 4 + 1, half].map(|away| away.max(1)) {
                 if away <= half && away > span as i64 / 4 {
@@ -130,14 +130,14 @@ fn the_first_reading_of_a_counter_is_the_one_nearest() {
         let scale = EncoderScale::<f64>::new(1.0, 1e-6).unwrap();
         assert_eq!(scale.position_beyond(&mut counter, counts as u32), scale.position(counts));
     }
-    // A turn of 3,600,000 counts, switched off at 5.25 turns and turned back by hand a little.
+    // A turn of 3,600,000 counts, switched off at 5.25 turns and then turned back slightly by hand.
     let turn = WrappingCounter::new(3_600_000).unwrap();
     assert_eq!(turn.near(18_900_000).follow(800_000), Some(18_800_000));
     assert_eq!(turn.near(18_000_010).follow(3_599_990), Some(17_999_990));
     assert_eq!(turn.near(-10).follow(20), Some(20));
-    // No such count.
+    // A count outside the span.
     assert_eq!(turn.near(0).follow(3_600_000), None);
-    // Lost counts: started again.
+    // Counts were lost: the counter is restarted.
     let mut counter = WrappingCounter::BITS_16;
     assert_eq!((counter.follow(100), counter.follow(30_000)), (Some(100), None));
     counter = counter.near(30_000);
@@ -147,7 +147,7 @@ fn the_first_reading_of_a_counter_is_the_one_nearest() {
     }
 }
 
-/// A cycle of a random program: mostly smooth, with every kind of fault now and then.
+/// A cycle of a random program: mostly smooth, occasionally with a fault of any kind.
 fn random_cycle<P: Position>(random: &mut Noise, command: &mut [f64; 3], feedback: &mut [f64; 3]) -> Input<P, 3> {
     let rarely = |random: &mut Noise, share: f64| random.unit() < share;
     let bad = [f64::NAN, f64::INFINITY, -1e12, 2_147.483_647, 1e9, -0.0];
@@ -156,7 +156,7 @@ fn random_cycle<P: Position>(random: &mut Noise, command: &mut [f64; 3], feedbac
         elapsed_ns = (f64::from(PERIOD_NS) * 20.0 * random.unit()) as u32;
     }
     for (command, feedback) in command.iter_mut().zip(feedback.iter_mut()) {
-        // Jumps at the limit of 0.1 mm, and to it from both sides.
+        // Jumps at the limit of 0.1 mm, approached from both sides.
         let way = if rarely(random, 0.02) { 0.1000005 } else { 0.05 };
         *command = (*command + way * random.signed()).clamp(-0.2, 100.2);
         if !rarely(random, 0.3) {
@@ -211,7 +211,7 @@ fn a_glance_says_what_a_look_says<R: Real, P: Position>(seed: u64) {
             thorough.accept(looked.command);
         }
         assert_eq!(format!("{quick:?}"), format!("{thorough:?}"), "{cycle}: {input:?}");
-        // The next command goes on from the held one, so that a reset finds it near.
+        // The next command starts from the held one, so that a reset finds it near.
         command = looked.command.map(P::to_f64);
     }
     assert!((share(10_000)..share(90_000)).contains(&glances), "{glances}");

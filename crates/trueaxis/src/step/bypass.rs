@@ -1,4 +1,4 @@
-//! Replacement of the step when its tables were refused.
+//! Replacement for the step after its tables were refused.
 
 #![deny(clippy::indexing_slicing)]
 
@@ -9,13 +9,13 @@ use crate::real::Real;
 use crate::sample::Input;
 use crate::telemetry::{Record, Status};
 
-/// Passes every command as it comes, and says in every record why it is not corrected.
+/// Passes every command unchanged, and states in every record why it is not corrected.
 ///
-/// For a controller that goes on without its tables: damaged, of another machine, too large
-/// ([`Fault::TablesRefused`], [`Fault::CapacityTooSmall`], [`Fault::AbiMismatch`], [`Fault::PeriodMismatch`]). A command
-/// that is no usable number is not passed: the last one holds, and a stop is requested. Unlike the step's, this request
-/// is not latched: it ends with the next usable command. Before the first one, the position of the machine
-/// holds; until every axis has been read there is none, and no output either ([`Output::has_drive`]).
+/// For a controller that continues without its tables: damaged, of another machine, too large ([`Fault::TablesRefused`],
+/// [`Fault::CapacityTooSmall`], [`Fault::AbiMismatch`], [`Fault::PeriodMismatch`]). It does not pass an unusable command:
+/// it holds the last one and requests a stop. Unlike the step's, this request is not latched: it ends with the next
+/// usable command. Before the first one it holds the position of the machine; until every axis has been read there is no
+/// such position, and no output ([`Output::has_drive`]).
 ///
 /// ```
 /// use trueaxis::{Bypass, Fault, Input};
@@ -29,16 +29,16 @@ use crate::telemetry::{Record, Status};
 pub struct Bypass<P, const N: usize> {
     reason: Fault,
     sequence: u32,
-    /// A bit for every axis whose position to hold is known.
+    /// One bit for every axis whose position to hold is known.
     known: u8,
     held: [P; N],
-    /// Last usable reading of every axis that was ever read; the held position of the others.
+    /// Last usable reading of every axis that has been read; the held position of the others.
     feedback: [P; N],
     read: [bool; N],
 }
 
 impl<P: Position, const N: usize> Bypass<P, N> {
-    /// With the reason that goes into every record.
+    /// Creates a bypass with the reason that goes into every record.
     pub fn new(reason: Fault) -> Self {
         let zero = [P::default(); N];
         Bypass { reason, sequence: 0, known: 0, held: zero, feedback: zero, read: [false; N] }
@@ -49,7 +49,7 @@ impl<P: Position, const N: usize> Bypass<P, N> {
         self.reason
     }
 
-    /// One servo cycle: `drive = command`, `feedback` as read (the last usable reading), nothing measured.
+    /// Runs one servo cycle: `drive = command`, `feedback` is the last usable reading, nothing is measured.
     #[inline]
     pub fn step<R: Real>(&mut self, input: &Input<P, N>) -> Output<R, P, N> {
         let usable = input.command.iter().all(|command| command.is_usable());
@@ -79,7 +79,7 @@ impl<P: Position, const N: usize> Bypass<P, N> {
         Output { drive: self.held, feedback: self.feedback, record }
     }
 
-    /// Before the first command: holds the position of the machine, once every axis has been read.
+    /// Before the first command: holds the position of the machine once every axis has been read.
     #[cold]
     fn stand(&mut self, input: &Input<P, N>) {
         let mut bit = 1u8;
@@ -143,7 +143,7 @@ mod tests {
             assert!(out.record.feedback.iter().chain(&out.feedback).all(|x| x.is_finite()));
         }
         assert!(!bypass.step::<f64>(&at([6.0, 7.0, 8.0], 0b100)).has_drive());
-        // X has gone out again: its last reading counts.
+        // X is no longer readable: its last reading counts.
         let out = bypass.step::<f64>(&at([f64::NAN, 7.5, 8.0], 0));
         assert!(out.has_drive() && out.stop_requested());
         assert_eq!((out.drive, out.record.command), ([6.0, 7.5, 8.0], [6.0, 7.5, 8.0]));

@@ -1,4 +1,4 @@
-//! Settings of a servo loop, and the one call for the usual ones.
+//! Settings of a servo loop, and one call for the usual ones.
 
 #![deny(clippy::indexing_slicing)]
 
@@ -16,15 +16,16 @@ use crate::real::Real;
 use crate::sample::Sampler;
 use crate::tcomp::Tcomp;
 
-/// A drive within this share of its band has not turned, whatever the rounding of the comparison in the step's scalar.
+/// A drive within this share of its band has not reversed, however the comparison rounds in the step's scalar.
 const WITHIN: f64 = 1.0 - 1e-6;
 
-/// Settings of a servo loop, for a host that wants others than [`ServoLoop::load`] takes.
+/// Settings of a servo loop, for a host that needs others than those of [`ServoLoop::load`].
 #[derive(Clone, Copy, Debug)]
 pub struct Config<'m, 'g> {
     /// The machine's settings.
     pub machine: &'m MachineSettings,
-    /// Its grids, up to [`GRIDS`](crate::machine::GRIDS); their nodes are read where they are as long as the loop is used.
+    /// Its grids, at most [`GRIDS`](crate::machine::GRIDS); the loop reads their nodes in place for as long as it is
+    /// used.
     pub grids: &'m [GridData<'g>],
     /// Identity of the machine ([`crate::tcomp::Tcomp::machine_id`]); goes into every record.
     pub machine_id: u32,
@@ -32,14 +33,15 @@ pub struct Config<'m, 'g> {
     pub tables_crc: u32,
     /// Servo period.
     pub period_ns: u32,
-    /// Passes of the exact inverse, 1 to 8; [`crate::check::machine_passes`] tells how many a machine needs.
+    /// Passes of the exact inverse, 1 to 8; [`crate::check::machine_passes`] returns the number that a machine needs.
     pub inverse_passes: u8,
-    /// Method by which the foot point is found.
+    /// Method of the foot-point search.
     pub method: Method,
 }
 
 impl<'m, 'g> Config<'m, 'g> {
-    /// The configuration that a compiled table file describes, with guarded search and as many passes as it needs.
+    /// The configuration described by a compiled table file, with guarded search and the number of passes that the tables
+    /// need.
     pub fn of(file: &'m Tcomp<'g>, period_ns: u32) -> Self {
         Config {
             machine: file.settings(),
@@ -52,10 +54,11 @@ impl<'m, 'g> Config<'m, 'g> {
         }
     }
 
-    /// Checks everything once and precomputes what a cycle needs, in `memory` of at least [`Config::requirement`] scalars.
+    /// Checks all settings once and precomputes the per-cycle data in `memory` of at least [`Config::requirement`]
+    /// scalars.
     ///
     /// # Errors
-    /// The first setting that is wrong, with the figure found and the one needed; [`Field::Memory`] if it is too small.
+    /// The first wrong setting, with the value found and the one needed; [`Field::Memory`] if the memory is too small.
     pub fn build<'a, 'r, R: Real, P: Position, const N: usize, T: Rows + ?Sized + 'r>(
         &self,
         rows: impl Fn(Axis) -> Option<&'r T>,
@@ -105,19 +108,19 @@ impl<'m, 'g> Config<'m, 'g> {
         })
     }
 
-    /// Memory that [`Config::build`] takes, in scalars of the step.
+    /// Memory that [`Config::build`] needs, in scalars of the step.
     pub fn requirement<'r, T: Rows + ?Sized + 'r>(&self, rows: impl Fn(Axis) -> Option<&'r T>) -> usize {
         compensation::requirement(self.machine, rows)
     }
 }
 
 impl<'a, R: Real, P: Position, const N: usize> ServoLoop<'a, R, P, N> {
-    /// The servo loop of a compiled table file at a servo period, in `memory` that is lent to it.
+    /// Builds the servo loop of a compiled table file at a servo period, in borrowed `memory`.
     ///
-    /// Where the machine has grids, their nodes stay where the file's bytes are and are read there in the cycles.
+    /// The nodes of the machine's grids stay in the file's bytes; each cycle reads them there.
     ///
-    /// `memory` takes at least [`Tcomp::requirement`] scalars; `trueaxis tables show` prints the number. [`Config`] has the
-    /// settings that this call chooses: guarded search, as many passes of the inverse as the tables need.
+    /// `memory` needs at least [`Tcomp::requirement`] scalars; `trueaxis tables show` prints the number. [`Config`]
+    /// exposes the settings that this call chooses: guarded search, as many passes of the inverse as the tables need.
     ///
     /// # Errors
     /// As [`Config::build`].

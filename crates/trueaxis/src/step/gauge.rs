@@ -1,4 +1,4 @@
-//! A gauge of three probes riding along with the step.
+//! A three-probe gauge that runs with the step.
 
 #![deny(clippy::indexing_slicing)]
 
@@ -7,11 +7,12 @@ use crate::real::Real;
 use crate::roundness::{Cycle, Followed, Gauge, GaugeState, Probes};
 use crate::sample::{Sample, Verdict};
 
-/// Gauge that runs along with the step, or none: `()`, or `&mut` [`GaugeRide`], resolved at compile time, or `&mut dyn Ride`.
+/// Optional gauge that runs with the step: `()` for none, or `&mut` [`GaugeRide`], resolved at compile time, or
+/// `&mut dyn Ride`.
 pub trait Ride<R> {
     /// Slot of the axis that the infeed moves.
     fn infeed_slot(&self) -> Option<usize>;
-    /// One cycle of the gauge; the infeed it asks for, mm in the sense of its axis.
+    /// Runs one cycle of the gauge; returns the infeed it requests, mm in the sense of its axis.
     fn update(&mut self, followed: Followed) -> R;
 }
 
@@ -26,7 +27,7 @@ impl<R: Real> Ride<R> for () {
     }
 }
 
-/// Any of the others, chosen while it runs.
+/// Any implementation, chosen at run time.
 impl<R: Real> Ride<R> for &mut (dyn Ride<R> + '_) {
     fn infeed_slot(&self) -> Option<usize> {
         (**self).infeed_slot()
@@ -38,9 +39,9 @@ impl<R: Real> Ride<R> for &mut (dyn Ride<R> + '_) {
 
 /// A gauge, its state and the readings of a cycle.
 ///
-/// Some slices of the gauge's work are done in every cycle; its infeed correction is added to that of the tables for
-/// that axis, through the same limiter. While the step is inactive the gauge measures on, without infeed. Motion
-/// due to the infeed is part of the contour error: the programmed path does not contain it.
+/// Every cycle does some slices of the gauge's work and adds its infeed correction to the tables' correction of that
+/// axis, through the same limiter. While the step is inactive the gauge continues to measure, without infeed. Motion due
+/// to the infeed is part of the contour error: the programmed path does not contain it.
 #[derive(Debug)]
 pub struct GaugeRide<'a, R, const POINTS: usize> {
     gauge: &'a Gauge<R, POINTS>,
@@ -50,7 +51,7 @@ pub struct GaugeRide<'a, R, const POINTS: usize> {
 }
 
 impl<'a, R: Real, const POINTS: usize> GaugeRide<'a, R, POINTS> {
-    /// For one cycle.
+    /// Binds a gauge, its state and its probes for one cycle.
     #[inline(always)]
     pub fn new(gauge: &'a Gauge<R, POINTS>, state: &'a mut GaugeState<R, POINTS>, probes: &'a Probes<R>) -> Self {
         GaugeRide { gauge, state, probes, cycle: Cycle::default() }
@@ -75,7 +76,7 @@ impl<R: Real, const POINTS: usize> Ride<R> for &mut GaugeRide<'_, R, POINTS> {
     }
 }
 
-/// A cycle of the gauge: it learns how its infeed was followed, and adds the next one.
+/// A cycle of the gauge: reports to it how its infeed was followed, and adds the next infeed.
 #[inline(always)]
 pub(super) fn ride<R: Real, P: Position, const N: usize>(
     gauge: &mut impl Ride<R>,

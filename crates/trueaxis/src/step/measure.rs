@@ -17,13 +17,13 @@ use crate::vector::V3;
 /// time, or `&mut dyn Measure` of one of them. Implemented for these types only.
 #[allow(private_interfaces)]
 pub trait Measure<R: Real, P: Position, const N: usize> {
-    /// The model has to give the error of the tool's direction too.
+    /// Whether the model must also give the error of the tool's direction.
     #[doc(hidden)]
     #[inline(always)]
     fn needs_tilt(&self) -> bool {
         false
     }
-    /// The contour stage: writes both contour errors and the direction's into the record.
+    /// Contour stage: writes both contour errors and the direction error into the record.
     #[doc(hidden)]
     fn measure(
         &mut self,
@@ -33,7 +33,7 @@ pub trait Measure<R: Real, P: Position, const N: usize> {
         modelled: &Modelled<R, N>,
         record: &mut Record<R, P, N>,
     );
-    /// The contour error of the tip in machine directions.
+    /// Converts the contour error of the tip to machine directions.
     #[doc(hidden)]
     #[inline(always)]
     fn in_machine(&self, _: &ServoLoop<'_, R, P, N>, _: &Sample<P, N>, error: R::Vec3) -> R::Vec3 {
@@ -46,7 +46,7 @@ pub trait Measure<R: Real, P: Position, const N: usize> {
 }
 
 impl<R: Real, P, const N: usize> Record<R, P, N> {
-    /// Contour errors of tip and encoder; the direction is not measured.
+    /// Sets the contour errors of tip and encoder; the direction is not measured.
     #[inline(always)]
     fn set_feet(&mut self, [tip, encoder]: [ContourError<R>; 2]) {
         (self.tip, self.encoder) = (tip, encoder);
@@ -65,7 +65,7 @@ impl<R: Real, P: Position, const N: usize> Measure<R, P, N> for () {
         _: &Modelled<R, N>,
         record: &mut Record<R, P, N>,
     ) {
-        // A path that comes later is searched from the start.
+        // A path that is set later is searched from its start.
         state.feet.forget();
         record.set_feet([ContourError::none(); 2]);
     }
@@ -88,7 +88,7 @@ impl<R: Real, P: Position, const N: usize> Measure<R, P, N> for OnPath<'_, R, P>
                 servo.search.update_pair(&mut state.feet, self, encoder, d, &mut record.tip, &mut record.encoder);
             }
             None => {
-                // After a fault the last foot says nothing about the next one.
+                // After a fault the last foot point gives no start for the next search.
                 state.feet.forget();
                 (record.tip, record.encoder) = (ContourError::none(), ContourError::none());
             }
@@ -96,8 +96,8 @@ impl<R: Real, P: Position, const N: usize> Measure<R, P, N> for OnPath<'_, R, P>
     }
 }
 
-/// The command of the first three axes, once the sample stage accepts it, is appended to the window, from which the
-/// contour errors are taken. After homing call [`CommandWindow::restart`].
+/// Appends the command of the first three axes to the window once the sample stage accepts it; the contour errors are
+/// measured from the window. Call [`CommandWindow::restart`] after homing.
 #[allow(private_interfaces)]
 impl<R: Real, P: Position, const N: usize, const K: usize> Measure<R, P, N> for &mut CommandWindow<R, P, K> {
     #[inline(always)]
@@ -127,7 +127,7 @@ impl<R: Real, P: Position, const N: usize, const K: usize> Measure<R, P, N> for 
     }
 }
 
-/// Any of the others, chosen while it runs: one copy of the step for all of them, in which an absent part costs a call.
+/// Any implementation, chosen at run time: one copy of the step serves all of them, in which an absent part costs a call.
 #[allow(private_interfaces)]
 impl<R: Real, P: Position, const N: usize> Measure<R, P, N> for &mut (dyn Measure<R, P, N> + '_) {
     fn needs_tilt(&self) -> bool {
@@ -154,21 +154,21 @@ impl<R: Real, P: Position, const N: usize> Measure<R, P, N> for &mut (dyn Measur
     }
 }
 
-/// A tool path in workpiece coordinates, where on it the command of this cycle lies, and the machine's kinematics: the
-/// tip's contour error and the direction's.
+/// A tool path in workpiece coordinates, the command's place on it in this cycle, and the machine's kinematics: measures
+/// the contour errors of tip and direction.
 ///
-/// With q the raw feedback, F the forward transformation, e and w the modelled errors of tip and direction there (bed
-/// axes; B turns them into the workpiece's), the estimated tool is
+/// With q the raw feedback, F the forward transformation, e and w the modelled errors of tip and direction there (in bed
+/// axes; B rotates them into the workpiece's), the estimated tool is
 ///
 /// ```text
 /// tip = F(q) + B e        direction = t + B w × t,   t = F(q)'s
 /// ```
 ///
-/// where in the nine-term form a rotary axis' own error belongs to q. The plain encoder position is the tip of F(q).
+/// and in the nine-term form the error of a rotary axis is part of q. The plain encoder position is the tip of F(q).
 ///
 /// In single precision the absolute coordinates of F cost about 30 nm at 500 mm (half a unit in the last place of each of
-/// its sums), and a rotary position up to 0.13 µrad; doubles nothing. One forward transformation (two in the nine-term
-/// form) and one reference direction a cycle; beside a turn on the spot up to 26 more of the latter.
+/// its sums), and a rotary position up to 0.13 µrad; doubles cost nothing. Each cycle takes one forward transformation
+/// (two in the nine-term form) and one reference direction, and up to 26 more of the latter near a turn on the spot.
 #[derive(Clone, Copy, Debug)]
 pub struct OnToolPath<'a, R: Real, P> {
     path: &'a ToolPath<'a, R, P>,
@@ -178,13 +178,13 @@ pub struct OnToolPath<'a, R: Real, P> {
 }
 
 impl<'a, R: Real, P: Position> OnToolPath<'a, R, P> {
-    /// For one cycle.
+    /// Binds path, reference and kinematics for one cycle.
     #[inline(always)]
     pub fn new(path: &'a ToolPath<'a, R, P>, reference: Reference<R>, kinematics: &'a Kinematics<R>) -> Self {
         OnToolPath { path, reference, kinematics, orientation: OrientationError::none() }
     }
 
-    /// The orientation contour error of the cycle, whole; its angle is in the record.
+    /// The full orientation contour error of the cycle; the record contains its angle.
     #[inline(always)]
     pub fn orientation(&self) -> &OrientationError<R> {
         &self.orientation
@@ -230,11 +230,11 @@ impl<R: Real, P: Position, const N: usize> Measure<R, P, N> for &mut OnToolPath<
     }
 }
 
-/// Direction as the model has it, tip by the encoders and by the model.
+/// Modelled direction, tip by the encoders, and modelled tip.
 struct Seen<R: Real> {
     axis: R::Vec3,
     encoder: R::Vec3,
-    /// Tip as the model has it, less that by the encoders.
+    /// Modelled tip − tip by the encoders.
     off: [R; 3],
 }
 
@@ -270,7 +270,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         self.order.letters(positions, R::ZERO, |axis, position| {
             if axis.is_rotary() {
                 let turn: R = position.turn_since(zero);
-                // From the other side: an angle near 360 degrees would be rounded as that.
+                // Subtracted in the opposite order: an angle near 360 degrees would be rounded with the error of 360.
                 if turn > R::of(180.0) { -zero.turn_since::<R>(*position) } else { turn }
             } else {
                 position.since(zero)
@@ -279,7 +279,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     }
 }
 
-/// The plain encoder position, and what the estimated tip is away from it; none while a reading is not believed.
+/// The plain encoder position and the offset of the estimated tip from it; `None` while a reading is not trusted.
 #[inline(always)]
 fn points<'a, R: Real, P: Position, const N: usize>(
     sample: &'a Sample<P, N>,

@@ -1,4 +1,4 @@
-//! The tables' share of a cycle: the wanted correction, and the error where the axes stand.
+//! Model stage of a cycle: the wanted correction, and the error at the actual axis positions.
 
 #![deny(clippy::indexing_slicing)]
 
@@ -10,9 +10,9 @@ use crate::real::Real;
 use crate::sample::{Sample, Verdict};
 use crate::vector::V3;
 
-/// Cells filled in one cycle; others that have been left are looked up without.
+/// Cells filled per cycle; the remaining ones that an axis has left are looked up without a cell.
 const REFILLS: u32 = 2;
-/// The same beside grids, at whose nodes cells end too: without cells a look-up costs more than filling them.
+/// Limit with grids, at whose nodes cells end too: a look-up without cells then costs more than filling them.
 const REFILLS_BESIDE_GRIDS: u32 = 4;
 
 /// Result of the tables in a cycle.
@@ -20,7 +20,7 @@ const REFILLS_BESIDE_GRIDS: u32 = 4;
 pub(super) struct Modelled<R, const N: usize> {
     pub(super) wanted: [R; N],
     pub(super) tip_error: [R; N],
-    /// Small rotation of the tool in bed axes, rad, beside what the rotary axes' own entries in `tip_error` say.
+    /// Small rotation of the tool in bed axes, rad, in addition to the rotary axes' entries in `tip_error`.
     pub(super) tilt: V3<R>,
     pub(super) at_edge: u8,
 }
@@ -28,7 +28,7 @@ pub(super) struct Modelled<R, const N: usize> {
 impl<R: Real, const N: usize> Modelled<R, N> {
     const NOTHING: Self = Modelled { wanted: [R::ZERO; N], tip_error: [R::ZERO; N], tilt: V3::ZERO, at_edge: 0 };
 
-    /// From the errors where the drives stand and at the feedback; rotary axes have none.
+    /// From the errors at the drive positions and at the feedback; rotary axes have none.
     #[inline(always)]
     fn of_errors([at_drives, at_feedback]: [[R; 3]; 2], at_edge: u8) -> Self {
         let mut modelled = Modelled { at_edge, ..Self::NOTHING };
@@ -42,10 +42,10 @@ impl<R: Real, const N: usize> Modelled<R, N> {
 }
 
 impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
-    /// Wanted correction at the command, modelled error at the feedback; that of the direction only for a `tool`.
+    /// Wanted correction at the command, modelled error at the feedback; the direction's error only for a `tool`.
     ///
-    /// Nine terms of three axes looked up at the command are read where the drives were sent last, command plus correction,
-    /// in the cells of the cycle before: nothing else is done while no axis turns or leaves its cell.
+    /// Nine terms of three axes looked up at the command are read at the drive positions sent last, command plus
+    /// correction, in the cells of the previous cycle. Nothing else is done while no axis reverses or leaves its cell.
     #[inline(always)]
     pub(super) fn model(&self, state: &mut State<R, P, N>, sample: &Sample<P, N>, tool: bool) -> Modelled<R, N> {
         if sample.verdict == Verdict::Active
@@ -59,19 +59,19 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         self.model_anew(state, sample, tool)
     }
 
-    /// No drive has turned.
+    /// No drive has reversed.
     #[inline(always)]
     fn all_go_on(&self, state: &mut State<R, P, N>) -> bool {
         let drives = self.targets(&state.output, &state.dynamic, state.sequence).iter().zip(&self.within);
         state.reversal.iter_mut().zip(drives).all(|(reversal, (drive, within))| reversal.goes_on(*drive, *within))
     }
 
-    /// Anything else than a cycle within its cells.
+    /// Every cycle that does not stay within its cells.
     #[inline(never)]
     fn model_anew(&self, state: &mut State<R, P, N>, sample: &Sample<P, N>, tool: bool) -> Modelled<R, N> {
         let before = state.reversal.map(|reversal| reversal.direction());
         let directions = self.travel(state, sample);
-        // Switched off but homed, the tip is still estimated: that is how the errors look without correction.
+        // While switched off but homed, the tip is still estimated: that shows the errors without correction.
         let believed = matches!(sample.verdict, Verdict::Active | Verdict::Inactive);
         if !(sample.homed && believed) {
             state.cells.forget();
@@ -100,8 +100,8 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         self.model_at_large(state, sample, &directions, (tool, near))
     }
 
-    /// Only the axes have moved: cells that have been left are filled, or one of them where there are many, and the errors
-    /// are not known.
+    /// Only the axes have moved: fills the cells that they left. If those are too many, fills one of them and returns
+    /// `None`.
     #[inline(always)]
     fn refill(
         &self,
@@ -136,7 +136,8 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         Some(Modelled::of_errors(errors, at_edge))
     }
 
-    /// Any tables, looked up without cells. `near`: the correction sent last is near enough to look up where it leads.
+    /// Any tables, looked up without cells. `near`: the correction sent last is close enough to look up at the drive
+    /// positions.
     #[inline(always)]
     fn model_at_large(
         &self,
@@ -152,7 +153,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             let cycle = Cycle { command, drive, feedback, directions, thermal };
             let passes = self.compensation.passes();
             let grids = self.compensation.grids().and_then(|grids| {
-                // Cells of other tables lie in boxes, which now become others.
+                // Cells of other tables lie in grid boxes, which now change.
                 state.cells.forget();
                 Beside::new(grids, &mut state.grids, &first(drive)?, &first(feedback)?)
             });
@@ -190,8 +191,8 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         Modelled { wanted, tip_error, tilt, at_edge }
     }
 
-    /// Direction of travel of every drive as it was sent last, command plus correction: while one axis alone is commanded,
-    /// the corrections of the others take up lost motion that their commands do not show. A held drive stands.
+    /// Direction of travel of every drive as last sent, command plus correction: while only one axis is commanded, the
+    /// corrections of the others take up lost motion that their commands do not show. A held drive does not move.
     #[inline(always)]
     fn travel(&self, state: &mut State<R, P, N>, sample: &Sample<P, N>) -> [Direction; N] {
         let begins = sample.first || (sample.homed && !state.homed);
@@ -224,7 +225,7 @@ fn first<P: Position, const N: usize>(positions: &[P; N]) -> Option<[P; 3]> {
 }
 
 impl<R: Real, P: Position, const N: usize> State<R, P, N> {
-    /// Before homing positions have no meaning, and homing moves none of the drives: they travel from here, forward.
+    /// Before homing, positions have no meaning, and homing does not move the drives: they travel from here, forward.
     #[cold]
     fn begin_travel(&mut self, place: [P; N]) {
         self.reversal = place.map(Reversal::at);

@@ -1,4 +1,5 @@
-//! Rotation about the tool centre point: the tool is commanded in workpiece coordinates, the axes are found in the cycle.
+//! Rotation about the tool centre point: the host commands the tool in workpiece coordinates, and each cycle computes the
+//! axes.
 
 #![deny(clippy::indexing_slicing)]
 
@@ -11,21 +12,21 @@ use crate::real::Real;
 use crate::sample::{Input, Refusal};
 
 impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
-    /// The input of a cycle with the tool commanded in workpiece coordinates: the tip (mm) and the direction (unit vector).
+    /// Builds the input of a cycle from the tool's tip (mm) and direction (unit vector) in workpiece coordinates.
     ///
-    /// The inverse transformation gives this cycle's positions of the axes on the branch that `tracker` is on; they stand
-    /// in for `input.command`, which is not looked at. `tracker` starts from the pose that the machine stands in, with the
-    /// largest step that a rotary axis makes in a cycle. Hand the result to [`ServoLoop::step`].
+    /// The inverse transformation gives this cycle's axis positions on the branch of `tracker`; they replace
+    /// `input.command`, which is ignored. `tracker` starts from the machine's current pose, with the largest step of a
+    /// rotary axis per cycle. Pass the result to [`ServoLoop::step`].
     ///
-    /// In the singular cone the axis nearest the workpiece stays, or is led no faster than that step, and the tool is held as
-    /// near to the commanded direction as the other axis brings it: the tip is exact, the angle that is left is
-    /// [`BranchTracker::direction_error_deg`], at most the cone, and part of the record's orientation error where a tool
+    /// In the singular cone the axis nearest the workpiece stays, or turns no faster than that step, and the tool stays
+    /// as near to the commanded direction as the other axis allows: the tip is exact, and the remaining angle is
+    /// [`BranchTracker::direction_error_deg`], at most the cone, and part of the record's orientation error if a tool
     /// path is measured. A path straight through the pole passes.
     ///
-    /// A tool that has no such positions is a bad command ([`Input::refusal`]): the output holds, the stop request is
-    /// latched, `tracker` goes back to the held pose at the next call, and a reset is accepted once the tool is back near
-    /// it (`resume` of every axis, and within the step of `tracker`). The call is for homed axes: positions have no meaning
-    /// before.
+    /// A tool without such positions is a bad command ([`Input::refusal`]): the output is held, the stop request is
+    /// latched, `tracker` returns to the held pose at the next call, and a reset is accepted once the tool is back near
+    /// that pose (`resume` of every axis, and within the step of `tracker`). Call it only with all axes homed: before
+    /// that, positions have no meaning.
     ///
     /// | refused | fault |
     /// |---|---|
@@ -36,10 +37,10 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     /// | goes on only on the other branch, not through the pole | [`Fault::BranchChange`] |
     /// | a rotary axis would step too far, in the cone: or leave more than the cone | [`Fault::CommandJump`], with the axis |
     ///
-    /// In single precision the positions found carry the rounding of absolute coordinates, about 30 nm at 500 mm in every
-    /// linear command; doubles nothing. A position that lies beyond its travel by rounding, 64 units in the last place of
-    /// 360 more than itself (3 µm and 3 millidegrees in single precision, 6e-12 in double), stands at its end. Bounded:
-    /// one inverse a cycle; in the singular cone, over the pole and at a refusal at most five.
+    /// In single precision the computed positions contain the rounding of absolute coordinates, about 30 nm at 500 mm in
+    /// every linear command; doubles contain none. A position beyond its travel by rounding only, 64 units in the last
+    /// place of 360 plus its magnitude (3 µm and 3 millidegrees in single precision, 6e-12 in double), is set to the end
+    /// of the travel. Bounded: one inverse per cycle; in the singular cone, over the pole and at a refusal at most five.
     #[inline]
     pub fn rtcp(
         &self,
@@ -59,7 +60,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         Input { command, refusal, ..*input }
     }
 
-    /// Joints as positions of the step's axes.
+    /// Converts joints to positions of the step's axes.
     #[inline(always)]
     fn positions(&self, joints: &[R; AXES]) -> [P; N] {
         self.order.slots(|axis| joints.get(axis.index()).map_or(P::default(), |joint| P::default().plus(*joint)))

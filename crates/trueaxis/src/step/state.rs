@@ -1,4 +1,4 @@
-//! State carried from one cycle to the next, and the output for the host.
+//! State carried from cycle to cycle, and the output for the host.
 
 #![deny(clippy::indexing_slicing)]
 
@@ -12,9 +12,10 @@ use crate::real::Real;
 use crate::sample::SampleState;
 use crate::telemetry::{Record, Status};
 
-/// The mutable half: state from cycle to cycle.
+/// Mutable half of the servo loop: the state carried from cycle to cycle.
 ///
-/// In this order in memory: what every cycle needs lies first, within the reach of a Cortex-M's load of a float (1020 bytes).
+/// The field order is the memory order: data that every cycle needs comes first, within reach of a Cortex-M's float load
+/// (1020 bytes).
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct State<R, P: Position, const N: usize> {
@@ -30,7 +31,7 @@ pub struct State<R, P: Position, const N: usize> {
     pub(super) cells: Cells<R, P>,
     pub(super) dynamic: DynamicState<R, P, N>,
     pub(super) thermal: [ThermalLine<R>; N],
-    /// The machine's grids about command and feedback.
+    /// The machine's grids around command and feedback.
     pub(super) grids: NearGrids<R, P>,
     /// Tangents of the volumetric model.
     pub(super) poses: Kept<R, P, N>,
@@ -47,20 +48,20 @@ impl<R: Real, P: Position, const N: usize> State<R, P, N> {
     }
 }
 
-/// A stage of the step, in the order in which they run.
+/// A stage of the step, in execution order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum Stage {
-    /// Command and readings looked at ([`crate::sample`]).
+    /// Command and readings checked ([`crate::sample`]).
     Sample,
     /// Errors looked up at command and feedback, inverse solved ([`crate::compensation`]).
     Compensation,
     /// Foot points of the estimated tip and of the plain encoder position ([`crate::contour`]).
     Contour,
-    /// Correction limited and led in, or held ([`crate::limiter`]).
+    /// Correction rate-limited and applied, or output held ([`crate::limiter`]).
     Output,
-    /// The record filled ([`crate::telemetry`]).
+    /// Record filled ([`crate::telemetry`]).
     Telemetry,
 }
 
@@ -69,29 +70,29 @@ pub enum Stage {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub struct Output<R: Real, P, const N: usize> {
-    /// Corrected positions for the drives, mm (deg). Not to be written where [`Output::has_drive`] says no.
+    /// Corrected positions for the drives, mm (deg). Do not write them while [`Output::has_drive`] is false.
     pub drive: [P; N],
-    /// Feedback for the host, without the correction: it sees no following error that is not there.
+    /// Feedback for the host, without the correction, so that the host sees no following error that does not exist.
     pub feedback: [P; N],
     /// The cycle's telemetry: correction, contour error, flags, fault.
     pub record: Record<R, P, N>,
 }
 
 impl<R: Real, P: Position, const N: usize> Output<R, P, N> {
-    /// Before the first cycle: nothing to be written, nothing measured. Room for [`crate::ServoLoop::step_into`].
+    /// The output before the first cycle: nothing to write, nothing measured. Buffer for [`crate::ServoLoop::step_into`].
     #[inline(always)]
     pub fn none() -> Self {
         let zero = [P::default(); N];
         Output { drive: zero, feedback: zero, record: Record::none() }
     }
 
-    /// The output is held and the host must stop the machine.
+    /// Whether the output is held and the host must stop the machine.
     pub fn stop_requested(&self) -> bool {
         self.record.status.has(Status::STOP_REQUEST)
     }
 
-    /// `drive` may be written. Not so from a first cycle without a usable command on, until every axis has been read: then
-    /// that position is held, and a reset near it is accepted. Until then leave the drives off or unchanged.
+    /// Whether `drive` may be written. It may not from a first cycle without a usable command until every axis has been
+    /// read; then that position is held, and a reset near it is accepted. Until then leave the drives off or unchanged.
     pub fn has_drive(&self) -> bool {
         !self.record.status.has(Status::NO_OUTPUT)
     }

@@ -1,4 +1,4 @@
-//! Error and correction at a position, without a state: for hosts that correct in the planner, and for the bench.
+//! Error and correction at a position, without state: for hosts that correct in the planner, and for the bench.
 
 #![deny(clippy::indexing_slicing)]
 
@@ -9,10 +9,10 @@ use crate::error::Fault;
 use crate::position::Position;
 use crate::real::Real;
 
-/// Directions of travel and thermal growth at which errors are looked up, slot by slot.
+/// Directions of travel and thermal growth for error look-ups, slot by slot.
 ///
-/// The step follows both in its state. From one position to the next a planner sets the directions itself; an axis that
-/// stands keeps the one it had.
+/// The step tracks both in its state. A planner sets the directions itself from one position to the next; an axis that
+/// does not move keeps its direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Conditions<R, const N: usize> {
     /// Directions of travel.
@@ -29,13 +29,13 @@ impl<R: Real, const N: usize> Default for Conditions<R, N> {
 }
 
 impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
-    /// Modelled error at a position, actual − ideal: dx, dy, dz of the tip (mm, machine axes), then the rotary axes' own
-    /// (degrees; zero in the volumetric form, see [`ServoLoop::pose_error_at`]).
+    /// Returns the modelled error at a position, actual − ideal: dx, dy, dz of the tip (mm, machine axes), then the
+    /// errors of the rotary axes (degrees; zero in the volumetric form, see [`ServoLoop::pose_error_at`]).
     ///
-    /// `position`: mm (degrees). Outside a table its edge value counts. Bounded: one look-up.
+    /// `position`: mm (degrees). Outside a table its edge value applies. Bounded: one look-up.
     ///
     /// # Errors
-    /// [`Fault::CommandNotFinite`]: a position that is infinite, not a number or beyond the range of its type.
+    /// [`Fault::CommandNotFinite`]: a position that is infinite, NaN or beyond the range of its type.
     ///
     /// ```
     /// # use trueaxis::{Conditions, HostServo, tcomp::Tcomp};
@@ -56,7 +56,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         Ok(self.compensation.errors(&Query::at(&at, &conditions.directions, &conditions.thermal), &mut 0))
     }
 
-    /// Modelled error of the tool's pose at a position: tip (mm) and small rotation (rad), machine axes.
+    /// Returns the modelled error of the tool's pose at a position: tip (mm) and small rotation (rad), machine axes.
     ///
     /// # Errors
     /// As [`ServoLoop::error_at`].
@@ -66,12 +66,12 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         Ok(self.compensation.pose_error(&Query::at(&at, &conditions.directions, &conditions.thermal), &mut 0))
     }
 
-    /// The correction that makes up for the error at a command, mm (degrees): what the step's correction settles to at
-    /// standstill, where no limit binds.
+    /// Returns the correction for the error at a command, mm (degrees): the value that the step's correction settles to
+    /// at standstill if no limit binds.
     ///
-    /// By the exact inverse with the configured number of passes, from nothing (the step's goes on from the correction it
-    /// sent last), not limited in magnitude. Axes that look their errors up
-    /// at the feedback are taken to stand at the command.
+    /// Computed by the exact inverse with the configured number of passes, starting from zero (the step starts from the
+    /// correction it sent last), and not limited in magnitude. Axes that look their errors up at the feedback are assumed
+    /// to be at the command.
     ///
     /// # Errors
     /// [`Fault::CommandNotFinite`] as above; [`Fault::CommandOutOfTravel`]: outside the declared travel of an axis.

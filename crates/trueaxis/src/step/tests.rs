@@ -34,7 +34,7 @@ pub(super) fn servo_loop(scale: f64) -> &'static Loop {
     servo_loop_with(scale, |_| ())
 }
 
-/// The same in other scalars, with other settings of every axis.
+/// [`servo_loop`] in other scalars, with other settings of every axis.
 pub(super) fn servo_loop_with<R: Real, P: Position>(
     scale: f64,
     change: impl Fn(&mut AxisSettings),
@@ -42,7 +42,7 @@ pub(super) fn servo_loop_with<R: Real, P: Position>(
     loop_of(scale, machine(change))
 }
 
-/// The same of a whole machine.
+/// [`servo_loop`] for a whole machine.
 pub(super) fn loop_of<R: Real, P: Position>(
     scale: f64,
     machine: MachineSettings,
@@ -57,7 +57,7 @@ pub(super) fn loop_of<R: Real, P: Position>(
     loop_on(rows.leak(), machine)
 }
 
-/// The same on tables of these rows, one for every axis.
+/// [`loop_of`] with one table of these rows for every axis.
 pub(super) fn loop_on<R: Real, P: Position>(
     rows: &'static [Row],
     machine: MachineSettings,
@@ -75,7 +75,7 @@ pub(super) fn loop_on<R: Real, P: Position>(
     Box::leak(Box::new(config.build(|_| Some(rows), memory).unwrap()))
 }
 
-/// Three linear axes, without their tables.
+/// Settings of a machine with three linear axes, without its tables.
 pub(super) fn machine(change: impl Fn(&mut AxisSettings)) -> MachineSettings {
     let machine = Machine::three_axis().travel([-10.0, 110.0], 0.1);
     machine.each(|axis| axis.interpolation = Interpolation::Cubic).each(change).settings()
@@ -95,7 +95,7 @@ pub(super) fn input(command: [f64; 3]) -> Input<f64, 3> {
     }
 }
 
-/// When corrections may move, by the rule that [`Input::elapsed_ns`] states.
+/// When corrections may move, by the rule of [`Input::elapsed_ns`].
 #[derive(Default)]
 struct Clock {
     time_ns: u64,
@@ -113,9 +113,9 @@ impl Clock {
     }
 }
 
-/// Runs cycles and holds every one against the limits of the correction, of which a cycle that is not due moves nothing.
+/// Runs cycles and checks each against the limits of the correction; a cycle that is not due must not move it.
 ///
-/// While the output holds, drive and correction stay bit for bit, and the next motion starts from rest.
+/// While the output is held, drive and correction stay bit for bit, and the next motion starts from rest.
 struct Bench {
     active: &'static Loop,
     state: State<f64, f64, 3>,
@@ -149,7 +149,7 @@ impl Bench {
             let c = out.record.correction[k];
             assert!(out.drive[k].is_finite() && out.feedback[k].is_finite());
             assert!(c.abs() <= 0.1 * (1.0 + 1e-6), "magnitude {c}");
-            // The record holds the correction that was sent.
+            // The record contains the correction that was sent.
             let command = out.record.command[k];
             let sent = if c == 0.0 { command } else { command + c };
             assert_eq!(out.drive[k].to_bits(), sent.to_bits(), "{command} + {c} is not {}", out.drive[k]);
@@ -320,12 +320,12 @@ fn a_bad_command_holds_until_a_reset_near_the_held_position() {
         assert_eq!(out.record.fault, fault);
         assert!(out.stop_requested());
         assert_eq!(out.drive, before.drive);
-        // Held although the command is good again, and although a reset comes too far away.
+        // Held, although the command is good again and a reset arrives too far away.
         let good = input([60.0; 3]);
         assert_eq!(bench.cycle(&good).drive, before.drive);
         let away = Input { reset: true, ..input([60.2, 60.0, 60.0]) };
         assert!(bench.cycle(&away).stop_requested());
-        // The reset counts on its rising edge only.
+        // Only the rising edge of the reset counts.
         assert!(bench.cycle(&Input { reset: true, ..good }).stop_requested());
         assert!(bench.cycle(&good).stop_requested());
         let out = bench.cycle(&Input { reset: true, ..input([60.04, 60.0, 60.0]) });
@@ -340,7 +340,7 @@ fn readings_that_stood_during_a_stop_are_believed_after_it() {
     let mut bench = Bench::new();
     bench.settle([60.0; 3]);
     bench.cycle(&Input { feedback: [60.0; 3], ..input([60.0, f64::NAN, 60.0]) });
-    // The host stands a little beside the held command for a second: this counts as no commanded distance.
+    // For a second the host commands a point slightly off the held command: this adds no commanded distance.
     let beside = Input { feedback: [60.0; 3], ..input([60.04; 3]) };
     for _ in 0..10_000 {
         assert!(bench.cycle(&beside).stop_requested());
@@ -376,7 +376,7 @@ fn edges_are_flagged_and_hold_their_value() {
     assert_eq!(out.record.at_edge, 0b010);
 }
 
-/// Any 64 bits as a float, with the ordinary ones more often.
+/// Any 64 bits as a float, ordinary values more often.
 fn any_float() -> impl Strategy<Value = f64> {
     prop_oneof![
         4 => -10.0..110.0f64,
@@ -389,7 +389,7 @@ fn any_float() -> impl Strategy<Value = f64> {
 proptest! {
     #![proptest_config(ProptestConfig { cases: crate::testing::share::share(50_000) as u32, ..ProptestConfig::default() })]
 
-    /// Fifty cycles of anything: no panic, nothing that is not finite, nothing beyond a limit, no jump while active.
+    /// Fifty arbitrary cycles: no panic, every output finite and within its limits, no jump while active.
     #[test]
     fn no_sequence_of_floats_makes_the_output_leave_its_limits(
         cycles in prop::collection::vec((any_float(), any_float(), any_float(), any::<u8>()), 50),

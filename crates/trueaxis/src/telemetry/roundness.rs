@@ -5,13 +5,13 @@ use crate::roundness::{Counts, ErrorMotion, Evaluation, Gauge, GaugeFlags, Gauge
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
-/// Version of the layout that [`RoundnessFrame`] writes; apart from those of [`super::Frame`], so that a receiver can
-/// tell the two kinds by their first byte.
+/// Version of the layout that [`RoundnessFrame`] writes; distinct from the versions of [`super::Frame`], so that a
+/// receiver can distinguish the two kinds by their first byte.
 pub const ROUNDNESS_FRAME_VERSION: u8 = 129;
-/// A buffer of this size holds the COBS frame of any revolution.
+/// Buffer size sufficient for the COBS frame of any revolution.
 pub const ROUNDNESS_FRAME_BYTES: usize = 1280;
 
-/// Wire form of the results of a revolution: the same layout for every build; see `docs/telemetry.md`.
+/// Wire form of the results of a revolution: identical layout in every build; see `docs/telemetry.md`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct RoundnessFrame {
@@ -19,19 +19,19 @@ pub struct RoundnessFrame {
     pub version: u8,
     /// Identity of the machine.
     pub machine_id: u32,
-    /// Counts revolutions sampled whole, from 1, wrapping.
+    /// Counter of completely sampled revolutions, from 1, wrapping.
     pub revolution: u32,
     /// Revolutions evaluated so far.
     pub evaluated: u32,
-    /// Revolutions skipped whole so far.
+    /// Completely skipped revolutions so far.
     pub skipped: u32,
-    /// Revolutions discarded whole so far.
+    /// Completely discarded revolutions so far.
     pub discarded: u32,
     /// Events of this revolution.
     pub flags: GaugeFlags,
     /// Peak-to-valley roundness about the least-squares circle, µm.
     pub peak_to_valley_um: f32,
-    /// Revolutions in the window of the error motions; 0 until one is full.
+    /// Revolutions in the window of the error motions; 0 until a window is full.
     pub revolutions: u16,
     /// Error motion along X.
     pub x: ErrorMotion<f32>,
@@ -39,13 +39,13 @@ pub struct RoundnessFrame {
     pub y: ErrorMotion<f32>,
     /// First harmonic of the list below.
     pub first_harmonic: u16,
-    /// Amplitudes of cos kθ and sin kθ, µm, of the band as far as it is kept (k <= 127).
+    /// Amplitudes of cos kθ and sin kθ, µm, for the part of the band that is kept (k <= 127).
     pub harmonics: Vec<[f32; 2], HARMONICS>,
 }
 
 impl RoundnessFrame {
-    /// Puts the latest revolution into its wire form; `None` before the first. Not part of the step; take it while the
-    /// state is settled: with the work on the next revolution under way some of it is already that one's.
+    /// Converts the latest revolution to its wire form; `None` before the first. Not part of the step; call it while the
+    /// state is settled: once work on the next revolution has begun, some of the state belongs to that one.
     pub fn of<R: Real, const POINTS: usize>(
         machine_id: u32,
         gauge: &Gauge<R, POINTS>,
@@ -82,12 +82,12 @@ impl RoundnessFrame {
     /// Encodes into `buffer`; returns the part used, its last byte zero.
     ///
     /// # Errors
-    /// The buffer is smaller than the frame ([`ROUNDNESS_FRAME_BYTES`] always do).
+    /// The buffer is smaller than the frame ([`ROUNDNESS_FRAME_BYTES`] always suffice).
     pub fn encode<'b>(&self, buffer: &'b mut [u8]) -> Result<&'b mut [u8], postcard::Error> {
         postcard::to_slice_cobs(self, buffer)
     }
 
-    /// Decodes one frame, with its closing zero byte or without; `bytes` are scratch afterwards.
+    /// Decodes one frame, with or without its closing zero byte; `bytes` is scratch afterwards.
     ///
     /// # Errors
     /// The bytes are not one whole frame, or its version is not [`ROUNDNESS_FRAME_VERSION`].

@@ -1,8 +1,8 @@
-//! Numbers from the bytes of a file, one after the other.
+//! Reads numbers in sequence from the bytes of a file.
 
 use super::ThermalError;
 
-/// What is left of the bytes.
+/// The bytes that have not been read yet.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bytes<'a>(pub(super) &'a [u8]);
 
@@ -38,7 +38,7 @@ impl<'a> Bytes<'a> {
         self.next()
     }
 
-    /// The next `count` pieces of `N` bytes, where they are.
+    /// Borrows the next `count` pieces of `N` bytes.
     pub(super) fn pieces<const N: usize>(&mut self, count: usize) -> Result<&'a [[u8; N]], ThermalError> {
         let (pieces, rest) = self.0.split_at_checked(count.saturating_mul(N)).ok_or(ThermalError::TooShort)?;
         self.0 = rest;

@@ -1,8 +1,8 @@
-//! Why a file with thermal growth is refused.
+//! Reasons for refusing a file with thermal growth.
 
 use core::fmt;
 
-/// Why a file is refused.
+/// Why a file was refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[repr(u8)]
@@ -18,7 +18,7 @@ pub enum ThermalError {
     Version = 4,
     /// Damaged: the sum over the file is wrong.
     Checksum = 5,
-    /// More sensors than there is room for.
+    /// More sensors than supported.
     Sensors(u8) = 6,
     /// No axis, or more than six.
     Axes(u8) = 7,
@@ -28,25 +28,25 @@ pub enum ThermalError {
     KnotOrder(i32) = 9,
     /// A lag or time out of range, ms.
     Time(u32) = 10,
-    /// The plausible readings of a sensor make no range, or it may not change at all; sensor from 1.
+    /// The plausible readings of a sensor are an empty range, or its permitted change is zero; sensor from 1.
     Plausible(u8) = 11,
-    /// An axis that there is not, or out of order.
+    /// An axis that does not exist, or is out of order.
     Axis(u8) = 12,
     /// A value that should be zero: at 0 rpm, or between the counts.
     NotZero(i32) = 13,
     /// A slope out of range, 10⁻¹².
     Slope(i32) = 14,
-    /// Found on another machine.
+    /// The file belongs to another machine.
     WrongMachine {
         /// Id in the file.
         found: u32,
-        /// Id of the machine at hand.
+        /// Id of the machine in use.
         needed: u32,
     } = 15,
 }
 
 impl ThermalError {
-    /// The code by itself.
+    /// The numeric code.
     pub const fn code(&self) -> u8 {
         match self {
             ThermalError::TooShort => 1,

@@ -7,7 +7,7 @@ use super::{FASTEST_RPM, MAGIC, SENSORS, STEEPEST, VERSION};
 use crate::axis::{AXES, Axis};
 use crate::tcomp::checksum;
 
-/// Settings of the thermal task, checked; curves stay where the bytes are.
+/// Settings of the thermal task, checked; the curves stay in the file's bytes.
 #[derive(Clone, Copy, Debug)]
 pub struct Thermal<'a> {
     machine_id: u32,
@@ -16,23 +16,23 @@ pub struct Thermal<'a> {
     pub(super) speeds: &'a [[u8; 4]],
     sensors: u8,
     axes: u8,
-    /// From the first sensor on.
+    /// The bytes from the first sensor on.
     body: Bytes<'a>,
 }
 
-/// One axis in the file.
+/// Data of one axis in the file.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct OfAxis<'a> {
     pub(super) axis: Axis,
     pub(super) datum: f64,
-    /// Offset and slope of all sensors' knots, one after the other.
+    /// Offset and slope at the knots of all sensors, in sequence.
     pub(super) curves: &'a [[u8; 8]],
     /// Growth and tilt at the speeds.
     pub(super) spindle: &'a [[u8; 8]],
 }
 
 impl<'a> Thermal<'a> {
-    /// Reads and checks a whole file: its form, its sum, its figures.
+    /// Reads and checks a whole file: its form, its checksum, its values.
     ///
     /// Allocates nothing and never panics, whatever the bytes. Cost: linear in the file's length.
     ///
@@ -97,10 +97,10 @@ impl<'a> Thermal<'a> {
         if bytes.0.is_empty() { Ok(()) } else { Err(ThermalError::TooLong) }
     }
 
-    /// Refuses the file on any machine but the one with this id ([`crate::tcomp::machine_id`]).
+    /// Refuses the file on any machine except the one with this id ([`crate::tcomp::machine_id`]).
     ///
     /// # Errors
-    /// [`ThermalError::WrongMachine`], with both.
+    /// [`ThermalError::WrongMachine`], with both ids.
     pub fn expect_machine(&self, id: u32) -> Result<(), ThermalError> {
         let found = self.machine_id;
         if found == id { Ok(()) } else { Err(ThermalError::WrongMachine { found, needed: id }) }
@@ -111,7 +111,7 @@ impl<'a> Thermal<'a> {
         self.machine_id
     }
 
-    /// The sum at the end of the file.
+    /// Checksum at the end of the file.
     pub fn crc(&self) -> u32 {
         self.crc
     }
@@ -121,7 +121,7 @@ impl<'a> Thermal<'a> {
         self.sensors.into()
     }
 
-    /// Whether the spindle's speed has a share.
+    /// Whether the spindle's speed contributes to the growth.
     pub fn has_spindle(&self) -> bool {
         !self.speeds.is_empty()
     }
@@ -131,13 +131,13 @@ impl<'a> Thermal<'a> {
         self.each_axis().map(|of| (of.axis, of.datum))
     }
 
-    /// The sensors in order; all of them, since the file was checked.
+    /// All sensors in order; reading them cannot fail, since the file was checked.
     pub(super) fn each_sensor(&self) -> impl Iterator<Item = Sensor<'a>> + 'a {
         let mut bytes = self.body;
         (1..=self.sensors).map_while(move |number| Sensor::read(&mut bytes, number).ok())
     }
 
-    /// The axes in order; all of them, since the file was checked.
+    /// All axes in order; reading them cannot fail, since the file was checked.
     pub(super) fn each_axis(&self) -> impl Iterator<Item = OfAxis<'a>> + 'a {
         let (mut bytes, mut curves) = (self.body, 0_usize);
         for number in 1..=self.sensors {

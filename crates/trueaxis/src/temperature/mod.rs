@@ -1,7 +1,7 @@
 //! Thermal growth from temperatures: a slow task beside the step, its settings read in place from their file.
 //!
-//! Some times a second or a minute the host hands over what its sensors read; [`Thermal::update`] answers with a growth
-//! line for every axis, which the host sets in the step ([`crate::State::set_thermal`]) and the limiter leads in.
+//! A few times per second or minute the host passes its sensor readings to [`Thermal::update`], which returns a growth
+//! line for every axis. The host sets these in the step ([`crate::State::set_thermal`]), and the limiter ramps them in.
 //!
 //! ```text
 //! θ_j' = (T_j − θ_j)/τ_j                       temperature behind its lag, a sensor each
@@ -9,20 +9,21 @@
 //! K(q) = Σ_j O_j(θ_j) + Σ_k x_k (G_k + Θ_k L) + Σ_j S_j(θ_j) (q − q0)
 //! ```
 //!
-//! O_j offset (mm; degrees on a rotary axis) and S_j slope (1) are curves, linear between knots; G growth and Θ tilt (rad)
-//! where the spindle has turned at knot k for long, L the tool's length in mm. Errors as everywhere: actual − ideal of the
-//! tool relative to the workpiece.
+//! O_j offset (mm; degrees on a rotary axis) and S_j slope (1) are curves, linear between knots; G growth and Θ tilt
+//! (rad) are the steady-state values of a spindle turning at knot k, L the tool's length in mm. Errors as everywhere:
+//! actual − ideal of the tool relative to the workpiece.
 //!
 //! `[axis.X.thermal]` of a machine, one temperature with offset and expansion ([`ThermalLine::for_axis`]), is the special
 //! case of one sensor without lag and a straight curve through zero at the reference temperature. Both set the same line:
-//! the later one replaces the earlier, nothing is added up, and a host uses one of them.
+//! the later one replaces the earlier, they are not added, and a host uses only one of them.
 //!
-//! A sensor starts with [`START_READINGS`] plausible readings that agree, over [`START_S`] at least; until all have started
-//! there is no growth. A step is not believed before it has stayed for [`PERSISTS_S`], and then comes in through the lag.
+//! A sensor starts with [`START_READINGS`] plausible readings that agree, over at least [`START_S`]; until all have
+//! started there is no growth. A step is rejected until it has lasted for [`PERSISTS_S`], and then enters through the
+//! lag.
 //!
 //! # File
 //!
-//! All numbers little-endian, all integers, so that nothing in the file can fail to be a number:
+//! All numbers are little-endian integers, so that nothing in the file can be NaN or infinite:
 //!
 //! | bytes | what |
 //! |---|---|
@@ -85,20 +86,20 @@ pub const WARMEST_MK: i32 = 300_000;
 pub const FASTEST_RPM: u32 = 1_000_000;
 /// Largest slope of a knot, 10⁻¹²: [`crate::compensation::ThermalLine::SLOPE_LIMIT`].
 pub const STEEPEST: i32 = 1_000_000_000;
-/// Longest tool that the spindle's tilt is taken to, mm.
+/// Longest tool used with the spindle's tilt, mm.
 pub const LONGEST_TOOL_MM: f64 = 1e4;
-/// Readings of a sensor that stand for none, °C: the power-on value of a DS18B20, and an input that its driver has not written.
-/// They are believed where they are within the plausible change at once of the last reading believed. −127 °C, a DS18B20 that is
-/// disconnected, is outside every plausible range.
+/// Readings that mean no reading, °C: the power-on value of a DS18B20, and an input that its driver has not written. They
+/// are accepted if they are within the plausible immediate change of the last accepted reading. −127 °C, a disconnected
+/// DS18B20, is outside every plausible range.
 pub const FAILURES_C: [f64; 2] = [85.0, 0.0];
-/// Readings with which a sensor starts: plausible, each within the plausible change of the one before.
+/// Readings with which a sensor starts: plausible, each within the plausible change from the previous one.
 pub const START_READINGS: u8 = 3;
-/// Time over which they are spread at least, s.
+/// Shortest time over which they are spread, s.
 pub const START_S: f64 = 2.0;
-/// Time after which a step is believed, s, if so many readings as for a start, each within the plausible change of the one
-/// before, confirm it and they are not all the same to the bit.
+/// Time after which a step is accepted, s, if as many readings as for a start, each within the plausible change from the
+/// previous one, confirm it and are not all bitwise equal.
 pub const PERSISTS_S: f64 = 3600.0;
-/// Longest time between two updates, s: a day; after longer, the task starts anew.
+/// Longest time between two updates, s: a day; after a longer time the task restarts.
 pub const LONGEST_UPDATE_S: f64 = 86_400.0;
 
 #[cfg(test)]

@@ -1,33 +1,34 @@
-//! One sensor: whether to believe what it reads, and its lag.
+//! One sensor: whether to accept its readings, and its lag.
 
 use super::ThermalError;
 use super::bytes::Bytes;
 use super::lag::{Decay, place};
 use super::{COLDEST_MK, FAILURES_C, KNOTS, LONGEST_MS, PERSISTS_S, START_READINGS, START_S, WARMEST_MK};
 
-/// What is wrong with a sensor. While anything is, its share of the growth stands still.
+/// State of a sensor. Unless it is good, its share of the growth does not change.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[repr(u8)]
 #[non_exhaustive]
 pub enum SensorStatus {
-    /// Nothing.
+    /// No defect.
     #[default]
     Good = 0,
-    /// It has no reading, or one that is no number.
+    /// No reading, or a non-finite one.
     Missing = 1,
-    /// It reads what no machine has, or exactly what stands for no reading ([`super::FAILURES_C`]) and is no step from the last
-    /// one believed.
+    /// The reading is outside the plausible range, or is exactly a value that means no reading ([`super::FAILURES_C`])
+    /// and is a step from the last accepted one.
     OutOfRange = 2,
-    /// It has changed more than plausible, and has neither come back since nor stayed for [`super::PERSISTS_S`].
+    /// The reading has changed by more than is plausible, and has neither returned since nor stayed for
+    /// [`super::PERSISTS_S`].
     Jumped = 3,
-    /// It repeats one reading to the bit although the others move.
+    /// The sensor repeats one bitwise equal reading although the others change.
     Stuck = 4,
-    /// It has not yet given [`super::START_READINGS`] plausible readings that agree.
+    /// The sensor has not yet given [`super::START_READINGS`] plausible readings that agree.
     Starting = 5,
 }
 
-/// Its settings, where they stand in the file.
+/// Settings of a sensor, in place in the file.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sensor<'a> {
     lag_s: f64,
@@ -44,7 +45,7 @@ fn kelvin(mk: i32) -> f64 {
 }
 
 impl<'a> Sensor<'a> {
-    /// Reads and checks the next one; `number` from 1 is for errors.
+    /// Reads and checks the next sensor; `number`, from 1, is for errors.
     pub(super) fn read(bytes: &mut Bytes<'a>, number: u8) -> Result<Sensor<'a>, ThermalError> {
         let lag = time(bytes.u32()?)?;
         let [least, most] = [bytes.i32()?, bytes.i32()?];
@@ -74,12 +75,12 @@ impl<'a> Sensor<'a> {
         })
     }
 
-    /// Number of its knots.
+    /// Number of knots.
     pub(super) fn knots(&self) -> usize {
         self.knots.len()
     }
 
-    /// Where a temperature stands among them, see [`place`].
+    /// Finds a temperature among the knots, see [`place`].
     pub(super) fn place(&self, temperature: f64) -> (usize, f64, bool) {
         place(self.knots.iter().map(|knot| kelvin(i32::from_le_bytes(*knot))), temperature)
     }
@@ -94,24 +95,24 @@ pub(super) fn knots(count: u8) -> Result<usize, ThermalError> {
     if (2..=KNOTS).contains(&size) { Ok(size) } else { Err(ThermalError::Knots(count)) }
 }
 
-/// What a sensor carries from one update to the next.
+/// State of a sensor from one update to the next.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct SensorState {
-    /// The last reading believed, °C.
+    /// The last accepted reading, °C.
     pub(super) good: Option<f64>,
-    /// Since then, s; of a start or a step, since the first of the readings that agree.
+    /// Time since then, s; during a start or a step, since the first of the readings that agree.
     since_s: f64,
-    /// The last reading at all that is a number, °C, and for how long it has been the same, s.
+    /// The last finite reading, °C, and the time for which it has not changed, s.
     last: f64,
     unchanged_s: f64,
-    /// Mean of the others when it changed last, °C; none while no other has been read.
+    /// Mean of the others when this reading last changed, °C; `None` until another sensor has been read.
     others: Option<f64>,
-    /// It has jumped and not come back.
+    /// Whether the reading has jumped and not returned.
     jumped: bool,
-    /// Readings of a start or a step that agree, one with the next, and whether they differ at all.
+    /// Number of successive readings of a start or a step that agree, and whether they differ at all.
     agreeing: u8,
     alive: bool,
-    /// The next reading is to be believed.
+    /// Whether to accept the next reading unconditionally.
     trusted: bool,
     /// Temperature behind the lag, °C.
     pub(super) lagged: f64,
@@ -119,7 +120,7 @@ pub(super) struct SensorState {
 }
 
 impl SensorState {
-    /// Judges a reading and, where it is believed, lets the lag follow it; `others`: mean of the other sensors, °C.
+    /// Judges a reading and, if it is accepted, updates the lag; `others`: mean of the other sensors, °C.
     pub(super) fn update(&mut self, of: &Sensor<'_>, dt_s: f64, reading: Option<f64>, others: Option<f64>) {
         self.since_s += dt_s;
         self.status = self.judge(of, dt_s, reading, others);
@@ -139,7 +140,7 @@ impl SensorState {
             return SensorStatus::Missing;
         };
         let [least, most] = of.plausible;
-        // No time makes a value of failure plausible, and it is no step from which a sensor has to come back.
+        // A failure value never becomes plausible with time, and is not a step from which a sensor has to return.
         let a_step = self.good.is_none_or(|good| (reading - good).abs() > of.jump_k);
         if !(least..=most).contains(&reading) || (a_step && FAILURES_C.contains(&reading)) {
             self.agreeing = 0;
@@ -158,7 +159,7 @@ impl SensorState {
             let started = self.agreeing >= START_READINGS && self.since_s >= START_S;
             return if started || self.trusted { SensorStatus::Good } else { SensorStatus::Starting };
         };
-        // What has jumped may be a sensor that has come off: time alone does not make it plausible.
+        // After a jump the sensor may have come off: time alone does not make its reading plausible.
         let passed_s = if self.jumped { 0.0 } else { self.since_s };
         if !self.trusted && (reading - good).abs() > of.jump_k + of.rate_k_per_s * passed_s {
             self.agreeing = if self.jumped { self.agreeing } else { 0 };
@@ -175,7 +176,7 @@ impl SensorState {
         SensorStatus::Good
     }
 
-    /// Counts a reading of a start or a step: it goes on from the one before, or begins anew.
+    /// Counts a reading of a start or a step: continues the sequence, or restarts it.
     fn follow(&mut self, agrees: bool, differs: bool) {
         if agrees && self.agreeing > 0 {
             self.agreeing = self.agreeing.saturating_add(1);
@@ -185,7 +186,7 @@ impl SensorState {
         }
     }
 
-    /// Believes the next plausible reading whatever it is; the lag goes on from where it stands.
+    /// Accepts the next plausible reading unconditionally; the lag continues from its current value.
     pub(super) fn believe(&mut self) {
         self.trusted = true;
         self.unchanged_s = 0.0;

@@ -1,4 +1,4 @@
-//! The task: readings to growth lines.
+//! The thermal task: converts readings to growth lines.
 
 use super::bytes::pair;
 use super::file::{OfAxis, Thermal};
@@ -9,12 +9,12 @@ use crate::axis::{AXES, Axis};
 use crate::compensation::ThermalLine;
 use crate::real::Real;
 
-/// What an update is given.
+/// Inputs of an update.
 #[derive(Clone, Copy, Debug)]
 pub struct Readings<'r> {
-    /// Temperatures in the order of the file, °C; none where there is no reading. What is not there is missing.
+    /// Temperatures in the order of the file, °C; `None` without a reading. Absent entries count as missing.
     pub temperatures_c: &'r [Option<f64>],
-    /// Speed of the spindle, rpm, either sense; none where it is not known.
+    /// Speed of the spindle, rpm, in either sense; `None` if it is not known.
     pub spindle_rpm: Option<f64>,
     /// Length of the tool from the spindle's nose, mm: the lever of its tilt.
     pub tool_mm: f64,
@@ -24,37 +24,37 @@ pub struct Readings<'r> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Growth {
-    /// For each axis offset, mm (degrees), and slope of its line; none for an axis that the file does not name.
+    /// Offset, mm (degrees), and slope of the line of each axis; `None` for an axis that the file does not name.
     pub lines: [Option<[f64; 2]>; AXES],
-    /// What is wrong with each sensor.
+    /// State of each sensor.
     pub sensors: [SensorStatus; SENSORS],
-    /// Sensors (bit 0: the first) beyond the ends of their curves, where the edge value holds.
+    /// Sensors (bit 0: the first) beyond the ends of their curves, where the edge value applies.
     pub at_edge: u16,
-    /// The spindle's speed is missing: its share stands still.
+    /// The spindle's speed is missing: its share does not change.
     pub spindle_missing: bool,
-    /// Axes (bit 0: X) whose growth is beyond what the step takes: the line before stands.
+    /// Axes (bit 0: X) whose growth exceeds what the step accepts: the previous line is kept.
     pub beyond: u8,
-    /// Every sensor has started. Until then all lines are zero: what a part of them says is worse than nothing.
+    /// Every sensor has started. Until then all lines are zero: a growth from only some sensors is worse than none.
     pub complete: bool,
 }
 
 impl Growth {
-    /// The line of an axis for the step; none for an axis that the file does not name.
+    /// Returns the line of an axis for the step; `None` for an axis that the file does not name.
     pub fn line<R: Real>(&self, axis: Axis) -> Option<ThermalLine<R>> {
         let [offset, slope] = self.lines.get(axis.index()).copied().flatten()?;
         ThermalLine::new(offset, slope)
     }
 
-    /// Whether every sensor and the spindle's speed are good, and every growth within what the step takes.
+    /// Whether every sensor and the spindle's speed are good, and the step accepts every growth.
     pub fn is_good(&self) -> bool {
         let sensors = self.sensors.iter().all(|status| *status == SensorStatus::Good);
         sensors && self.complete && !self.spindle_missing && self.beyond == 0
     }
 }
 
-/// All that one update hands to the next.
+/// State that one update passes to the next.
 ///
-/// It starts in equilibrium: temperatures as the readings say with which every sensor starts, the spindle at rest for long.
+/// It starts in equilibrium: temperatures equal to the readings with which every sensor starts, the spindle long at rest.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ThermalState {
     sensors: [SensorState; SENSORS],
@@ -65,40 +65,40 @@ pub struct ThermalState {
 }
 
 impl ThermalState {
-    /// Before the first update.
+    /// The state before the first update.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Believes the next plausible reading of a sensor (from 0) that has jumped, as after it was exchanged, or that is known to
-    /// be sound before its first one; the growth changes through its lag.
+    /// Accepts the next plausible reading of a sensor (from 0) that has jumped, for example after it was replaced, or
+    /// that is known to be sound before its first reading; the growth changes through its lag.
     pub fn believe(&mut self, sensor: usize) {
         if let Some(state) = self.sensors.get_mut(sensor) {
             state.believe();
         }
     }
 
-    /// Temperatures behind their lags, °C; of a sensor never read, 0.
+    /// Temperatures behind their lags, °C; 0 for a sensor never read.
     pub fn lagged_c(&self) -> [f64; SENSORS] {
         self.sensors.map(|state| state.lagged)
     }
 }
 
-/// Where a sensor's temperature stands on its curves.
+/// Place of a sensor's temperature on its curves.
 #[derive(Clone, Copy)]
 struct Place {
-    /// Of its first knot among all sensors' knots, and its cell.
+    /// Index of the cell's first knot among all sensors' knots, and the fraction within the cell.
     knot: usize,
     share: f64,
 }
 
 impl Thermal<'_> {
-    /// The growth after `dt_s` more seconds with these readings.
+    /// Returns the growth after `dt_s` more seconds with these readings.
     ///
-    /// Readings are taken for linear in time since the last update, so that the interval may be any: from a cycle to
-    /// [`LONGEST_UPDATE_S`]; after longer the task starts anew. An interval that is no number or not above zero changes
-    /// nothing but the status of the sensors and the tool's length. Bounded time: an exponential and a search among 8 knots
-    /// a sensor, a sum over sensors and axes. Allocates nothing, never panics.
+    /// Readings are assumed linear in time since the last update, so the interval may have any length from a cycle to
+    /// [`LONGEST_UPDATE_S`]; after a longer one the task restarts. An interval that is NaN or not above zero changes only
+    /// the status of the sensors and the tool's length. Bounded time: an exponential and a search among 8 knots per
+    /// sensor, a sum over sensors and axes. Allocates nothing, never panics.
     pub fn update(&self, state: &mut ThermalState, dt_s: f64, readings: &Readings<'_>) -> Growth {
         if dt_s > LONGEST_UPDATE_S {
             *state = ThermalState::new();
@@ -129,7 +129,7 @@ impl Thermal<'_> {
         growth
     }
 
-    /// The spindle's response; whether its speed is missing.
+    /// Updates the spindle's response; returns whether its speed is missing.
     fn turn(&self, state: &mut ThermalState, dt_s: f64, rpm: Option<f64>) -> bool {
         if !self.has_spindle() {
             return false;
@@ -152,7 +152,7 @@ impl Thermal<'_> {
         false
     }
 
-    /// Every sensor judged, its lag followed, its place found.
+    /// Judges every sensor, updates its lag and finds its place on the curves.
     fn sense(
         &self,
         state: &mut ThermalState,

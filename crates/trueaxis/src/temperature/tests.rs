@@ -6,7 +6,8 @@ use crate::tcomp::checksum;
 use std::vec::Vec;
 use std::{format, vec};
 
-/// A sensor with a lag, s, and knots, °C; 2 K at once and 1 K a minute are plausible, stuck after 600 s if the others moved 3 K.
+/// A sensor with a lag, s, and knots, °C; 2 K at once and 1 K per minute are plausible; stuck after 600 s if the others
+/// moved 3 K.
 struct Sensor<'k>(f64, &'k [f64]);
 
 const CURVE: &[f64] = &[10.0, 20.0, 40.0];
@@ -66,7 +67,7 @@ fn at<'r>(temperatures_c: &'r [Option<f64>], rpm: f64) -> Readings<'r> {
     Readings { temperatures_c, spindle_rpm: Some(rpm), tool_mm: 100.0 }
 }
 
-/// A task whose sensors are believed from their first reading on.
+/// A task whose sensors are accepted from their first reading on.
 fn started() -> ThermalState {
     let mut state = ThermalState::new();
     (0..SENSORS).for_each(|sensor| state.believe(sensor));
@@ -77,14 +78,14 @@ fn near(found: f64, expected: f64, tolerance: f64) {
     assert!((found - expected).abs() <= tolerance, "{found} for {expected}");
 }
 
-/// Closed solutions of x' = (u − x)/τ, with the exponential of the host.
+/// Closed solutions of x' = (u − x)/τ, with the host's exponential.
 #[test]
 fn a_lag_is_exact_for_steps_and_ramps_however_the_time_is_divided() {
     let lag = 840.0;
     for parts in [1_u32, 7, 600] {
         let dt = 600.0 / f64::from(parts);
         let decay = Decay::new(dt, lag);
-        // Held at 5 from the start, where the output is 2.
+        // Input 5 from the start, with an initial output of 2.
         let held = (0..parts).fold(2.0, |x, _| decay.respond(x, 5.0, 5.0));
         near(held, 5.0 - 3.0 * (-600.0 / lag).exp(), 1e-13);
         // u = 1 + r t, x(0) = 2: x = u − rτ + (1 + rτ) exp(−t/τ).
@@ -95,7 +96,7 @@ fn a_lag_is_exact_for_steps_and_ramps_however_the_time_is_divided() {
         });
         near(ramp, 1.0 + rate * 600.0 - rate * lag + (1.0 + rate * lag) * (-600.0 / lag).exp(), 1e-11);
     }
-    // Without a lag, for no time at all, and for the shortest and the longest of times.
+    // Without a lag, for zero time, and for the shortest and longest times.
     near(Decay::new(1.0, 0.0).respond(3.0, 4.0, 5.0), 5.0, 0.0);
     near(Decay::new(0.0, 10.0).respond(3.0, 4.0, 5.0), 3.0, 1e-15);
     near(Decay::new(1e-9, 1e6).respond(3.0, 4.0, 4.0), 3.0, 1e-13);
@@ -137,12 +138,12 @@ fn growth_is_the_sum_of_the_curves_and_of_the_spindle() {
     near(offset, 1e-3 * (1.25 + 0.4 * second), 1e-12);
     near(slope, 1e-6 * 50.0, 1e-18);
 
-    // 9,000 rpm from one moment to the next, within 1 µs: half way between the knots, after one time constant 63.2 % of it.
+    // 9,000 rpm suddenly, within 1 µs: halfway between the knots; after one time constant 63.2 % of it.
     thermal.update(&mut state, 1e-6, &at(&warm, -9000.0));
     let growth = thermal.update(&mut state, 900.0, &at(&warm, 9000.0));
     let response = 1.0 - (-1.0_f64).exp();
     near(growth.lines[2].unwrap()[0], 1e-3 * 12.5 * response, 1e-9);
-    // 35 µrad on a tool of 100 mm are 3.5 µm.
+    // 35 µrad on a tool of 100 mm give 3.5 µm.
     let second = 1.0 - (1.0 - second) * (-900.0 / lag).exp();
     near(growth.lines[0].unwrap()[0], 1e-3 * (1.25 + 0.4 * second + 3.5 * response), 1e-9);
 }
@@ -163,7 +164,7 @@ fn one_sensor_without_lag_and_a_straight_curve_is_the_growth_of_machine_toml() {
     }
 }
 
-/// Warm, then wrong: what is told, and that the share of the other sensor alone changes.
+/// Warm, then wrong: the status reported, and that only the share of the other sensor changes.
 fn wrong(readings: &[Option<f64>], told: SensorStatus) {
     let bytes = whole();
     let thermal = Thermal::parse(&bytes).unwrap();
@@ -181,13 +182,14 @@ fn wrong(readings: &[Option<f64>], told: SensorStatus) {
 fn a_missing_an_impossible_and_a_jumping_sensor_freezes_its_share_and_is_told() {
     wrong(&[None, None, Some(f64::NAN), Some(f64::INFINITY)], SensorStatus::Missing);
     wrong(&[Some(-21.0), Some(90.5), Some(1e300)], SensorStatus::OutOfRange);
-    // 2 K at once and 1 K in the minute.
+    // 2 K at once and 1 K for the minute.
     wrong(&[Some(28.1), Some(31.0), Some(21.9)], SensorStatus::Jumped);
     // A sensor that has come off reads the air for hours.
     wrong(&[Some(19.0); 300], SensorStatus::Jumped);
 }
 
-/// Status of the first sensor and offset of X after each reading, a minute apart, the second sensor at 20 °C; from nothing.
+/// Status of the first sensor and offset of X after each reading, a minute apart, the second sensor at 20 °C, from a new
+/// state.
 fn from_nothing(first: impl IntoIterator<Item = f64>) -> Vec<(SensorStatus, f64)> {
     let bytes = whole();
     let thermal = Thermal::parse(&bytes).unwrap();
@@ -200,7 +202,7 @@ fn from_nothing(first: impl IntoIterator<Item = f64>) -> Vec<(SensorStatus, f64)
     first.into_iter().map(update).collect()
 }
 
-/// Statuses alone.
+/// Only the statuses.
 fn statuses(found: &[(SensorStatus, f64)]) -> Vec<SensorStatus> {
     found.iter().map(|(status, _)| *status).collect()
 }
@@ -208,22 +210,22 @@ fn statuses(found: &[(SensorStatus, f64)]) -> Vec<SensorStatus> {
 #[test]
 fn a_sensor_starts_with_three_readings_that_agree_over_two_seconds() {
     use SensorStatus::{Good, OutOfRange, Starting};
-    // 0.5 µm a kelvin above 20 °C.
+    // 0.5 µm per kelvin above 20 °C.
     let found = from_nothing([24.0, 24.1, 24.2, 24.4]);
     assert_eq!(statuses(&found), [Starting, Starting, Good, Good]);
     assert_eq!(found[1].1, 0.0);
     near(found[2].1, 2.1, 1e-12);
-    // A first reading far off, also a plausible one, is not believed, and the truth is not shut out.
+    // A first reading far off, even a plausible one, is rejected, and does not block the true ones.
     assert_eq!(statuses(&from_nothing([60.0, 24.0, 24.1, 24.2])), [Starting, Starting, Starting, Good]);
     for failure in [85.0, 0.0, -0.0, -127.0] {
         let found = from_nothing([failure, failure, failure, failure, 24.0, 24.0, 24.0]);
         assert_eq!(statuses(&found), [OutOfRange, OutOfRange, OutOfRange, OutOfRange, Starting, Starting, Good]);
         assert!(found.iter().take(6).all(|(_, um)| *um == 0.0) && found[6].1 == 2.0, "{failure}: {found:?}");
     }
-    // What reads nothing else than an input that was not written never starts; a winter's morning does.
+    // A sensor that reads only the value of an unwritten input never starts; on a winter's morning it does.
     assert!(statuses(&from_nothing([0.0; 500])).iter().all(|status| *status == OutOfRange));
     assert_eq!(statuses(&from_nothing([-0.5, -0.2, -0.1, 0.0, 0.1])), [Starting, Starting, Good, Good, Good]);
-    // Updates in a servo thread: not the first three milliseconds.
+    // Updates from a servo thread: no start in the first three milliseconds.
     let bytes = whole();
     let thermal = Thermal::parse(&bytes).unwrap();
     let mut state = ThermalState::new();
@@ -231,7 +233,7 @@ fn a_sensor_starts_with_three_readings_that_agree_over_two_seconds() {
         thermal.update(state, seconds, &at(&[Some(24.0), Some(20.0)], 0.0)).is_good()
     };
     assert!((0..2000).all(|_| !updates(&mut state, 1e-3)) && (0..1500).any(|_| updates(&mut state, 1e-3)));
-    // No time that passes is none of a start.
+    // Updates without elapsed time do not start a sensor.
     let mut state = ThermalState::new();
     assert!((0..100).all(|_| !updates(&mut state, 0.0)));
 }
@@ -246,14 +248,14 @@ fn a_step_that_stays_is_believed_after_an_hour_if_it_lives() {
     assert_eq!(statuses(&found[63..]), [Good, Good]);
     assert_eq!(found[62].1, 2.5);
     near(found[63].1, 7.5, 0.06);
-    // One reading elsewhere, or none, and the hour begins anew.
+    // One reading elsewhere, or none, restarts the hour.
     for other in [60.0, f64::NAN, 85.0] {
         let twice = |k: u32| if k == 40 { other } else { stays(k) };
         let found = from_nothing(start.into_iter().chain((0..110).map(twice)));
         let good = statuses(&found[3..]).iter().position(|status| *status == Good);
         assert_eq!(good, Some(101), "{other}");
     }
-    // To the bit the same: a dead input, for ever. A value of failure is no step at all.
+    // Bitwise equal readings: a dead input, rejected permanently. A failure value is not a step.
     let dead = from_nothing(start.into_iter().chain([35.0; 300]));
     assert!(statuses(&dead[3..]).iter().all(|status| *status == Jumped));
     let failed = from_nothing(start.into_iter().chain([85.0; 90]).chain([25.5]));
@@ -291,9 +293,9 @@ fn a_stuck_sensor_is_one_that_repeats_itself_while_the_others_move() {
             .map(|k| thermal.update(&mut state, 60.0, &at(&[Some(25.0), Some(other(f64::from(k)))], 0.0)))
             .collect::<Vec<_>>()
     };
-    // At rest for 40 minutes with two quantised sensors: nothing is wrong.
+    // At rest for 40 minutes with two quantised sensors: no defect.
     assert!(run(|_| 22.0).iter().all(|growth| growth.sensors[0] == SensorStatus::Good));
-    // A quarter kelvin a minute: 3 K after 12 minutes.
+    // A quarter kelvin per minute: 3 K after 12 minutes.
     let stuck = run(|minutes| 22.0 + 0.25 * minutes);
     let first = stuck.iter().position(|growth| growth.sensors[0] == SensorStatus::Stuck);
     assert_eq!(first, Some(13), "the others as they were at the update before");
@@ -363,7 +365,7 @@ fn every_damaged_byte_and_every_length_is_refused() {
     }
 }
 
-/// The file with `put` written over its bytes from `k` on, and a sum that fits.
+/// The file with `put` written over its bytes from `k` on, and a matching checksum.
 fn altered(k: usize, put: &[u8]) -> ThermalError {
     let mut bytes = whole();
     bytes.truncate(bytes.len() - 4);
@@ -388,7 +390,7 @@ fn nonsense_with_a_good_sum_is_refused_with_its_figure() {
     assert_eq!(altered(46, &[0; 4]), ThermalError::Plausible(1));
     assert_eq!(altered(62, &[9]), ThermalError::Knots(9));
     assert_eq!(altered(67, &10_000_i32.to_le_bytes()), ThermalError::KnotOrder(10_000));
-    // The axes behind the second, 75 to 111.
+    // The axes after the second, 75 to 111.
     assert_eq!(altered(112, &[6]), ThermalError::Axis(6));
     assert_eq!(altered(112, &[2]), ThermalError::Axis(2), "doubled");
     assert_eq!(altered(125, &i32::MIN.to_le_bytes()), ThermalError::Slope(i32::MIN));

@@ -1,4 +1,4 @@
-//! Settings of a machine and rows of its tables, from a structural code and a test's changes.
+//! Settings of a machine and rows of its tables, from a structural code and the changes of a test.
 
 use std::vec::Vec;
 use trueaxis::machine::{Axis, AxisSettings, Limits, MachineSettings, Row, Twist, links};
@@ -8,7 +8,7 @@ use trueaxis::machine::{Axis, AxisSettings, Limits, MachineSettings, Row, Twist,
 pub struct Machine(MachineSettings);
 
 impl Machine {
-    /// A machine of the structural code; panics where that cannot be read.
+    /// Creates a machine from a structural code; panics if the code cannot be read.
     pub fn new(chain: &str) -> Self {
         let links = links(chain).expect("a readable structural code");
         let of = |axis: Axis| links.iter().find(|link| link.axis == axis);
@@ -34,7 +34,7 @@ impl Machine {
         Machine::new("w b X Y Z t")
     }
 
-    /// The same with a tilting table: `w C' A' b X Y Z t`.
+    /// Adds a tilting table to X, Y and Z: `w C' A' b X Y Z t`.
     pub fn five_axis() -> Self {
         Machine::new("w C' A' b X Y Z t")
     }
@@ -44,7 +44,7 @@ impl Machine {
         self.with(|machine| machine.name = name.parse().expect("a short name"))
     }
 
-    /// Changes anything but the axes.
+    /// Changes any settings except the axes.
     pub fn with(mut self, change: impl FnOnce(&mut MachineSettings)) -> Self {
         change(&mut self.0);
         self
@@ -56,18 +56,18 @@ impl Machine {
         self
     }
 
-    /// Changes one axis; panics where the machine has none of that name.
+    /// Changes one axis; panics if the machine does not have it.
     pub fn axis(mut self, axis: Axis, change: impl FnOnce(&mut AxisSettings)) -> Self {
         change(self.0.axes.iter_mut().find(|settings| settings.axis == axis).expect("an axis of the machine"));
         self
     }
 
-    /// The settings of these axes in place of the defaults.
+    /// Replaces the default axes by these settings.
     pub fn axes(self, axes: &[AxisSettings]) -> Self {
         self.with(|machine| machine.axes = axes.iter().copied().collect())
     }
 
-    /// Travel of every axis, mm (deg); its drive may go `beyond` past either end.
+    /// Sets the travel of every axis, mm (deg); its drive may move `beyond` past either end.
     pub fn travel(self, [low, high]: [f64; 2], beyond: f64) -> Self {
         self.each(|axis| {
             axis.travel = [low, high];
@@ -75,28 +75,28 @@ impl Machine {
         })
     }
 
-    /// Limits of the correction on every axis.
+    /// Sets the limits of the correction on every axis.
     pub fn limits(self, limits: Limits) -> Self {
         self.each(|axis| axis.limits = limits)
     }
 
-    /// Hysteresis of every axis, mm (deg).
+    /// Sets the hysteresis of every axis, mm (deg).
     pub fn hysteresis(self, hysteresis: f64) -> Self {
         self.each(|axis| axis.hysteresis = hysteresis)
     }
 
-    /// Tool tip from the last frame on the tool's side, mm.
+    /// Sets the tool tip from the last frame on the tool's side, mm.
     pub fn tool(self, tool_mm: [f64; 3]) -> Self {
         self.with(|machine| machine.tool_mm = tool_mm)
     }
 
-    /// The settings.
+    /// Returns the settings.
     pub fn settings(self) -> MachineSettings {
         self.0
     }
 }
 
-/// A table whose errors, a function of the position, are the same in both directions of travel.
+/// A table whose errors, a function of the position, are equal in both directions of travel.
 pub fn rows(positions: impl IntoIterator<Item = f64>, mut errors: impl FnMut(f64) -> Twist) -> Vec<Row> {
     let row = |position| {
         let errors = errors(position);
@@ -105,7 +105,7 @@ pub fn rows(positions: impl IntoIterator<Item = f64>, mut errors: impl FnMut(f64
     positions.into_iter().map(row).collect()
 }
 
-/// A table whose errors are a function of the position and of whether the axis travels in negative direction.
+/// A table whose errors are a function of the position and of whether travel is negative.
 pub fn rows_both_ways(
     positions: impl IntoIterator<Item = f64>,
     mut errors: impl FnMut(f64, bool) -> Twist,

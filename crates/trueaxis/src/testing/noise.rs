@@ -1,4 +1,4 @@
-//! Seeded random numbers, the same on every computer.
+//! Seeded random numbers, identical on every computer.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore, SeedableRng};
@@ -8,7 +8,7 @@ use rand_chacha::rand_core::{RngCore, SeedableRng};
 pub struct Noise(ChaCha8Rng);
 
 impl Noise {
-    /// The stream of a seed.
+    /// Creates the stream of a seed.
     pub fn new(seed: u64) -> Self {
         Noise(ChaCha8Rng::seed_from_u64(seed))
     }

@@ -30,7 +30,7 @@ fn chain_of(random: &mut Noise, rotary: usize) -> String {
     code + "t"
 }
 
-/// Offsets, tool and position of measurement often longer than the travels, so that levers come from them.
+/// Offsets, tool and position of measurement, often longer than the travels, so that they dominate the levers.
 fn machine_of(random: &mut Noise, rotary: usize) -> MachineSettings {
     let chain = chain_of(random, rotary);
     let machine = Machine::new(&chain).each(|axis| {
@@ -46,7 +46,7 @@ fn machine_of(random: &mut Noise, rotary: usize) -> MachineSettings {
 
 type Tables = Vec<(Axis, Vec<Row>)>;
 
-/// For every axis one table over its travel, `error` at each of its rows.
+/// For every axis, a table over its travel with `error` at each of its rows.
 fn tables_of(machine: &MachineSettings, mut error: impl FnMut(Axis, f64) -> [f64; 6]) -> Tables {
     let table = |settings: &AxisSettings| {
         let [low, high] = settings.travel;
@@ -73,12 +73,12 @@ fn built<T, const N: usize>(
     user(&Compensation::build(machine, of(tables), &[], 1, &mut memory).unwrap())
 }
 
-/// Travels up to `share` of what the axes reach; slides first, as the step's order is that of [`Axis::ALL`].
+/// Positions up to `share` of the axes' reach; slides first, as the step's order is that of [`Axis::ALL`].
 fn place<const N: usize>(random: &mut Noise, share: f64) -> [f64; N] {
     core::array::from_fn(|i| share * random.signed() * if i < 3 { REACH_MM } else { 180.0 })
 }
 
-/// Errors of up to `mm` and `rad`, closed over the turn.
+/// Errors of up to `mm` and `rad`, periodic over the turn.
 fn waves(random: &mut Noise, machine: &MachineSettings, mm: f64, rad: f64) -> Tables {
     let waves: Vec<[[f64; 3]; 6]> = (0..6).map(|_| [0; 6].map(|_| random.vector(1.0 / 3.0))).collect();
     tables_of(machine, |axis, share| {
@@ -95,7 +95,7 @@ fn no_growth<const N: usize>() -> [ThermalLine<f64>; N] {
     [ThermalLine::default(); N]
 }
 
-/// A constant rotation w of one axis moves the tip by w × lever: of w about X, Y, Z in turn the squares add to 2 lever².
+/// A constant rotation w of one axis moves the tip by w × lever: for w about X, Y, Z in turn the squares sum to 2 lever².
 fn levers<const N: usize>(chains: u64) {
     let mut nearest = 0.0_f64;
     for seed in 0..chains {
@@ -120,7 +120,7 @@ fn levers<const N: usize>(chains: u64) {
                 });
             }
             for square in squares {
-                // The step's sines of plain tables are coarse.
+                // The step's sines for plain tables are coarse.
                 let actual = (square / 2.0).sqrt();
                 assert!(actual <= bound * (1.0 + 1e-6), "{} {:?}: {actual} {bound}", machine.chain, settings.axis);
                 nearest = nearest.max(actual / bound);
@@ -158,7 +158,7 @@ fn steepest<const N: usize>(chains: u64) {
     for seed in 0..chains {
         let mut random = Noise::new(seed * 104_729 + N as u64);
         let machine = machine_of(&mut random, N - 3);
-        // Turns without translations, and both: what the levers do is not to hide behind the tables' own slopes.
+        // Turns without translations, and both: the effect of the levers must not be masked by the tables' own slopes.
         for (mm, level) in [(0.0, true), (0.0, false), (6e-3, false)] {
             let w = [0; 6].map(|_| random.vector(6e-6));
             let tables = if level {
@@ -207,7 +207,7 @@ fn the_errors_change_no_faster_than_their_rates() {
     steepest::<6>(60);
 }
 
-/// Every pass comes nearer to the next by at least the contraction, and no correction leaves its range.
+/// Every pass comes closer to the next by at least the contraction factor, and no correction leaves its range.
 fn contracts<const N: usize>(chains: u64, orientation: bool) {
     for seed in 0..chains {
         let mut random = Noise::new(seed * 15_485_863 + N as u64);

@@ -1,9 +1,9 @@
-//! One cell of one axis.
+//! A cell of one axis.
 
 use crate::position::Position;
 use crate::real::Real;
 
-/// Positions from `low` on.
+/// Positions from `low` to `low + reach`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Window<P: Position> {
     pub(super) low: P,
@@ -11,7 +11,7 @@ pub(super) struct Window<P: Position> {
 }
 
 impl<P: Position> Window<P> {
-    /// No position lies in it.
+    /// A window that contains no position.
     pub(super) fn nowhere() -> Self {
         Window { low: P::of(f64::NAN), reach: P::Reach::default() }
     }
@@ -20,14 +20,14 @@ impl<P: Position> Window<P> {
         Window { low, reach: high.apart(low) }
     }
 
-    /// It does not go on beyond these ends.
+    /// Whether it lies within these ends.
     pub(super) fn is_within(&self, ends: &[P; 2]) -> bool {
         let [_, high] = ends;
         self.low.is_within(ends) && high.apart(self.low) >= self.reach
     }
 }
 
-/// Where it lies and its polynomial of the distance from its start, in steps of the position.
+/// Window of a cell, and its polynomial of the distance from its start, in steps of the position.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cell<R, P: Position> {
     pub(super) window: Window<P>,
@@ -40,13 +40,13 @@ pub(super) struct Cell<R, P: Position> {
 }
 
 impl<R: Real, P: Position> Cell<R, P> {
-    /// No position lies in it.
+    /// A cell that contains no position.
     pub(super) fn nowhere() -> Self {
         let zero = [R::ZERO; 3];
         Cell { window: Window::nowhere(), slope: zero, curve: [zero; 2], start: zero }
     }
 
-    /// Distance of a position from its start, if it lies in the cell.
+    /// Distance of a position from the cell's start if it lies in the cell.
     #[inline(always)]
     pub(super) fn steps(&self, position: P) -> Option<R> {
         let (steps, inside) = position.steps_above(self.window.low, self.window.reach);

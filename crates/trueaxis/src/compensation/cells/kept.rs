@@ -1,4 +1,4 @@
-//! Cells kept from cycle to cycle.
+//! Cells cached from cycle to cycle.
 
 use super::LINEAR;
 use super::cell::{Cell, Window, plus};
@@ -8,7 +8,7 @@ use crate::compensation::thermal::ThermalLine;
 use crate::position::Position;
 use crate::real::Real;
 
-/// The cells of all three axes about one point.
+/// The cells of all three axes around one point.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Point<R, P: Position> {
     pub(super) cells: [Cell<R, P>; LINEAR],
@@ -21,27 +21,28 @@ impl<R: Real, P: Position> Point<R, P> {
         Point { cells: [Cell::nowhere(); LINEAR], base: [R::ZERO; 3] }
     }
 
-    /// A cell has been filled.
+    /// Updates the base after a cell was filled.
     pub(super) fn sum_up(&mut self) {
         let [x, y, z] = &self.cells;
         self.base = plus(plus(x.start, y.start), z.start);
     }
 
-    /// Distances from the starts of the cells, if all three positions lie in theirs.
+    /// Distances from the starts of the cells, if all three positions lie in their cells.
     #[inline(always)]
     fn steps(&self, [x, y, z]: [P; LINEAR]) -> Option<[R; LINEAR]> {
         let [cx, cy, cz] = &self.cells;
         Some([cx.steps(x)?, cy.steps(y)?, cz.steps(z)?])
     }
 
-    /// Errors at a place, if it lies in the cells.
+    /// Errors at a position, if it lies in the cells.
     #[inline(always)]
     pub(super) fn error(&self, at: &[P; LINEAR], cubic: bool) -> Option<[R; 3]> {
         let steps = self.steps(*at)?;
         Some(if cubic { self.sum(steps, true) } else { self.sum(steps, false) })
     }
 
-    /// Cells that have been left; none where the grids' box has, which cannot be where no cell has.
+    /// Number of cells that the position has left. `None` if it has also left the grids' box, which implies at least one
+    /// left cell.
     #[inline(always)]
     fn missing<const N: usize>(&self, near: Option<&Near<R, P>>, positions: &[P; N]) -> Option<u32> {
         let mut missing = 0;
@@ -58,7 +59,7 @@ impl<R: Real, P: Position> Point<R, P> {
         Some(missing)
     }
 
-    /// Forgets the cells that go on beyond the grids' box.
+    /// Drops the cells that extend beyond the grids' box.
     fn keep_within(&mut self, near: &Near<R, P>) {
         for (slot, cell) in self.cells.iter_mut().enumerate() {
             if !near.ends(slot).is_some_and(|ends| cell.window.is_within(&ends)) {
@@ -75,30 +76,30 @@ impl<R: Real, P: Position> Point<R, P> {
     }
 }
 
-/// Cells kept from cycle to cycle; forgotten, they are found again.
+/// Cells cached from cycle to cycle; after [`Cells::forget`] they are recomputed.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Cells<R, P: Position> {
     key: u64,
-    /// Look-ups of the inverse in a cycle.
+    /// Look-ups of the inverse per cycle.
     passes: u8,
     pub(super) command: Point<R, P>,
     pub(super) feedback: Point<R, P>,
-    /// A bit for every axis whose cell at the command lies beyond its table.
+    /// One bit for every axis whose cell at the command lies beyond its table.
     pub(super) at_edge: u8,
 }
 
 impl<R: Real, P: Position> Cells<R, P> {
-    /// Key of no tables.
+    /// The key that belongs to no tables.
     pub(crate) const NONE: u64 = 0;
 
-    /// None yet, of no tables.
+    /// An empty cache, bound to no tables.
     pub(crate) fn none() -> Self {
         Cells { key: Self::NONE, passes: 1, command: Point::nowhere(), feedback: Point::nowhere(), at_edge: 0 }
     }
 
-    /// Makes them cells of these tables, none yet if they were not; returns whether they were.
+    /// Binds the cache to these tables, emptying it if it was bound to others; returns whether it was bound to these.
     pub(crate) fn are_of<const N: usize>(&mut self, tables: &Tables<R, P>, thermal: &[ThermalLine<R>; N]) -> bool {
-        // With more look-ups than one no cycle ends in the cells as they are: they have a key of their own.
+        // With more than one look-up, a cycle cannot use the cells directly: a different key keeps it from doing so.
         if self.key == tables.key || self.key == !tables.key {
             return true;
         }
@@ -108,12 +109,12 @@ impl<R: Real, P: Position> Cells<R, P> {
         false
     }
 
-    /// Look-ups of the inverse in a cycle.
+    /// Look-ups of the inverse per cycle.
     pub(crate) fn passes(&self) -> u8 {
         self.passes
     }
 
-    /// Cells that have been left. Boxes of grids beside the tables that have been left become those about the positions.
+    /// Number of cells left. Moves grid boxes that have been left to the positions.
     #[inline(always)]
     pub(crate) fn missing<const N: usize>(
         &mut self,
@@ -131,7 +132,7 @@ impl<R: Real, P: Position> Cells<R, P> {
         }
     }
 
-    /// The same where a box has been left: no cell goes on beyond the new one.
+    /// [`Cells::missing`] after a grid box was left: moves the boxes and drops every cell that extends beyond them.
     #[cold]
     #[inline(never)]
     fn follow<const N: usize>(
@@ -149,19 +150,19 @@ impl<R: Real, P: Position> Cells<R, P> {
         self.command.missing(None, command).unwrap_or(0) + self.feedback.missing(None, feedback).unwrap_or(0)
     }
 
-    /// Key of the tables that they are of.
+    /// Key of the tables that the cache is bound to.
     #[inline(always)]
     pub(crate) fn key(&self) -> u64 {
         self.key
     }
 
-    /// From now on they are of no tables.
+    /// Unbinds the cache from its tables.
     #[inline(always)]
     pub(crate) fn forget(&mut self) {
         self.key = Self::NONE;
     }
 
-    /// Forgets the cells of an axis.
+    /// Drops the cells of an axis.
     pub(crate) fn forget_axis(&mut self, slot: usize) {
         for point in [&mut self.command, &mut self.feedback] {
             if let Some(cell) = point.cells.get_mut(slot) {
@@ -170,8 +171,8 @@ impl<R: Real, P: Position> Cells<R, P> {
         }
     }
 
-    /// Errors at command and feedback, in mm, and axes at the command beyond their tables or grids; none where one of the axes
-    /// has left its cell.
+    /// Errors at command and feedback, in mm, and the axes whose command is beyond their tables or grids; `None` if any
+    /// axis has left its cell.
     #[inline(always)]
     pub(crate) fn errors(
         &self,
@@ -189,7 +190,7 @@ impl<R: Real, P: Position> Cells<R, P> {
         })
     }
 
-    /// The same out of line, so that a machine without grids keeps its registers.
+    /// Out-of-line [`Cells::errors_beside`], so that a machine without grids keeps its registers.
     #[inline(never)]
     fn errors_beside_apart(
         &self,
@@ -201,7 +202,7 @@ impl<R: Real, P: Position> Cells<R, P> {
         self.errors_beside(tables, near, command, feedback)
     }
 
-    /// The same beside grids.
+    /// [`Cells::errors`] with grids.
     #[inline(always)]
     pub(crate) fn errors_beside(
         &self,
@@ -213,12 +214,12 @@ impl<R: Real, P: Position> Cells<R, P> {
         let (there, back) = (self.command.steps(*command)?, self.feedback.steps(*feedback)?);
         let sums = |cubic| [self.command.sum(there, cubic), self.feedback.sum(back, cubic)];
         let [drive, tip] = if tables.is_cubic() { sums(true) } else { sums(false) };
-        // A cell does not go on beyond the box.
+        // A cell never extends beyond the box.
         let [drive_beside, tip_beside] = near.errors(command, feedback);
         Some(([plus(drive, drive_beside.array()), plus(tip, tip_beside.array())], self.at_edge | near.edge()))
     }
 
-    /// Where the cells lie, those that lie anywhere.
+    /// Windows of the cells that are filled.
     #[cfg(test)]
     pub(crate) fn windows(&self) -> [Option<(P, P::Reach)>; 2 * LINEAR] {
         let [a, b, c] = &self.command.cells;

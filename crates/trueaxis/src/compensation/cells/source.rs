@@ -1,4 +1,4 @@
-//! Cells that have been left are filled anew.
+//! Refills the cells that an axis has left.
 
 use super::cell::{Cell, Window, plus, times};
 use super::kept::{Cells, Point};
@@ -11,11 +11,11 @@ use crate::compensation::thermal::ThermalLine;
 use crate::position::Position;
 use crate::real::Real;
 
-/// Where cells are filled from in one cycle.
+/// Data from which a cycle fills its cells.
 pub(crate) struct Source<'n, R, P: Position, const N: usize> {
     /// The tables.
     pub(crate) terms: &'n NineTerms<'n, R, P, N>,
-    /// Where their cells end.
+    /// Borders of their cells.
     pub(crate) tables: &'n Tables<R, P>,
     /// Directions of travel.
     pub(crate) directions: &'n [Direction; N],
@@ -23,12 +23,12 @@ pub(crate) struct Source<'n, R, P: Position, const N: usize> {
     pub(crate) thermal: &'n [ThermalLine<R>; N],
     /// Boxes of the grids beside the tables.
     pub(crate) near: Option<&'n NearGrids<R, P>>,
-    /// Cells that may still be filled.
+    /// Number of cells that may still be filled.
     pub(crate) left: u32,
 }
 
 impl<R: Real, P: Position, const N: usize> Source<'_, R, P, N> {
-    /// Errors at a place of the command, filling cells; none where one has been left that may not be filled.
+    /// Errors at a position of the command, filling cells; `None` if a left cell may no longer be filled.
     #[inline(never)]
     pub(crate) fn at_command(&mut self, cells: &mut Cells<R, P>, positions: &[P; N]) -> Option<[R; 3]> {
         let near = self.near.map(NearGrids::at_command);
@@ -38,7 +38,7 @@ impl<R: Real, P: Position, const N: usize> Source<'_, R, P, N> {
         Some(near.map_or(error, |near| plus(error, near.error(at).array())))
     }
 
-    /// Fills cells that have been left, as many as may be filled.
+    /// Fills as many left cells as are still permitted.
     #[inline(never)]
     pub(crate) fn fill_left(&mut self, cells: &mut Cells<R, P>, command: &[P; N], feedback: &[P; N]) {
         let [at_command, at_feedback] = [self.near.map(NearGrids::at_command), self.near.map(NearGrids::at_feedback)];
@@ -46,7 +46,7 @@ impl<R: Real, P: Position, const N: usize> Source<'_, R, P, N> {
         self.fill_point(&mut cells.feedback, at_feedback, &mut 0, feedback);
     }
 
-    /// `at_edge`: a bit for every cell beyond its table.
+    /// `at_edge`: one bit for every cell beyond its table.
     #[inline(always)]
     fn fill_point(&mut self, point: &mut Point<R, P>, near: Option<&Near<R, P>>, at_edge: &mut u8, positions: &[P; N]) {
         let (before, mut bit) = (self.left, 1);
@@ -63,7 +63,7 @@ impl<R: Real, P: Position, const N: usize> Source<'_, R, P, N> {
         }
     }
 
-    /// Fills the cell of an axis about a position, within the grids' box; returns whether it lies beyond the table.
+    /// Fills the cell of an axis around a position, clipped to the grids' box; returns whether it lies beyond the table.
     #[inline(never)]
     fn fill(&self, slot: usize, position: P, cell: &mut Cell<R, P>, near: Option<&Near<R, P>>) -> bool {
         let (Some(table), Some(borders), Some(direction), Some(growth)) = (
@@ -93,7 +93,7 @@ impl<R: Real, P: Position, const N: usize> Source<'_, R, P, N> {
         let t = match cell.steps(position) {
             Some(t) => t,
             None => {
-                // The gap beside a table's end, or farther from it than a cell reaches: this position alone.
+                // In the gap at a table's end, or farther out than a cell reaches: the cell is this position alone.
                 cell.window = Window::between([position; 2]);
                 R::ZERO
             }
@@ -131,10 +131,10 @@ impl<R: Real, P: Position, const N: usize> Source<'_, R, P, N> {
     }
 }
 
-/// The part of the error that is linear in the position, all along an axis.
+/// The part of the error that is linear in the position along the whole axis.
 #[derive(Clone, Copy, Default)]
 struct Line<R> {
-    /// Where the table begins.
+    /// At the start of the table.
     at_origin: [R; 3],
     /// Per mm.
     slope: [R; 3],

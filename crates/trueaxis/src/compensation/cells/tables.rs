@@ -1,4 +1,4 @@
-//! Borders of the cells in a machine's tables, and how often the inverse has to look up.
+//! Borders of the cells in a machine's tables, and the number of look-ups of the inverse.
 
 use super::LINEAR;
 use crate::compensation::key::Key;
@@ -8,13 +8,13 @@ use crate::compensation::thermal::ThermalLine;
 use crate::position::Position;
 use crate::real::Real;
 
-/// Error, mm, that the inverse may leave by starting from the last cycle's correction: half of its tolerance.
+/// Error, mm, that the inverse may leave if it starts from the last cycle's correction: half of its tolerance.
 const INVERSE_MM: f64 = 0.5e-6;
 /// Error, mm, that a cell may have beyond its ends: a third of the other half, for three axes.
 const OVERLAP_MM: f64 = 0.5e-6 / 3.0;
-/// How far the cell beyond a table's end reaches, mm.
+/// Extent of the cell beyond a table's end, mm.
 const BEYOND_MM: f64 = 2000.0;
-/// Between a table's end and the cell beyond it, mm: the end itself belongs to the table.
+/// Gap between a table's end and the cell beyond it, mm: the end itself belongs to the table.
 const GAP_MM: f64 = 1e-6;
 
 /// Where the cells of an axis end: immutable.
@@ -24,7 +24,7 @@ pub(super) struct Borders<R, P: Position> {
     pub(super) ends: [P; 2],
     pub(super) below: [P; 2],
     pub(super) above: [P; 2],
-    /// How far a cell goes on beyond a point within the table, mm.
+    /// Extent of a cell beyond a point within the table, mm.
     pub(super) overlap: R,
 }
 
@@ -41,21 +41,21 @@ impl<R: Real, P: Position> Borders<R, P> {
     }
 }
 
-/// What the errors in the cells are.
+/// Form of the errors in the cells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Form {
     /// Linear polynomials.
     Linear,
-    /// Cubic ones.
+    /// Cubic polynomials.
     Cubic,
-    /// Either, and grids beside them.
+    /// Either, with grids beside them.
     BesideGrids,
 }
 
 /// Borders of the cells and bounds of the inverse: immutable, built once.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Tables<R, P: Position> {
-    /// Tells these tables from others; [`Tables::NO_CELLS`] where there are none to keep.
+    /// Distinguishes these tables from others; [`Tables::NO_CELLS`] if they have no cells to cache.
     pub(super) key: u64,
     form: Form,
     cubic: bool,
@@ -66,16 +66,16 @@ pub(crate) struct Tables<R, P: Position> {
     motion: R,
     /// Largest change of the correction in a cycle, mm.
     change: R,
-    /// Most look-ups of the inverse.
+    /// Largest number of look-ups of the inverse.
     most: u8,
 }
 
 impl<R: Real, P: Position> Tables<R, P> {
-    /// Key of tables that cells do not serve.
+    /// Key of tables without cells.
     const NO_CELLS: u64 = 1;
 
-    /// `grids`: the key of those beside the tables. `norm` of the errors' Jacobian, at `most` as many look-ups of the inverse;
-    /// in a cycle, the largest `motion` of the command and `change` of the correction, mm.
+    /// `grids`: key of the grids beside the tables. `norm` of the errors' Jacobian, `most` look-ups of the inverse; per
+    /// cycle, the largest `motion` of the command and `change` of the correction, mm.
     pub(crate) fn new<const N: usize>(
         terms: Option<&NineTerms<'_, R, P, N>>,
         grids: Option<u64>,
@@ -107,7 +107,7 @@ impl<R: Real, P: Position> Tables<R, P> {
         terms.numbers(&mut |number| key.add_number(number));
         key.add_all(&[norm, motion, change, f64::from(most)]);
         key.add(grids.unwrap_or(0));
-        // Neither of the two keys of other meaning, nor is its complement.
+        // Neither the key nor its complement equals one of the two reserved keys.
         built.key = (key.0 | 2) & !(1 << 63);
         built
     }
@@ -118,34 +118,34 @@ impl<R: Real, P: Position> Tables<R, P> {
         self.key
     }
 
-    /// What the errors in the cells are.
+    /// Form of the errors in the cells.
     #[inline(always)]
     pub(crate) fn form(&self) -> Form {
         self.form
     }
 
-    /// Their polynomials are cubic.
+    /// Whether their polynomials are cubic.
     #[inline(always)]
     pub(super) fn is_cubic(&self) -> bool {
         self.cubic
     }
 
-    /// There are cells to keep.
+    /// Whether there are cells to cache.
     pub(crate) fn has_cells(&self) -> bool {
         self.key != Self::NO_CELLS
     }
 
-    /// Look-ups `r ← −E(q + r)` that a cycle starting from the correction c of the cycle before has to make.
+    /// Look-ups `r ← −E(q + r)` needed in a cycle that starts from the correction c of the previous cycle.
     ///
-    /// With κ the norm of dE/dq, r* the fixed point, and r what `p` look-ups give:
+    /// With κ the norm of dE/dq, r* the fixed point, and r the result of `p` look-ups:
     ///
     /// ```text
     /// |r − r*| <= κᵖ |c − r*|       |c − r*| <= |c − r| + |r − r*|       |r − r*| <= κᵖ |c − r| / (1 − κᵖ)
     /// ```
     ///
-    /// Locked on, the limiter sends r, and |c − r| is what r has changed since the last cycle: by motion, at most
-    /// κ |Δq| / (1 − κ), and at most what the limiter lets pass. While the limiter approaches, c − r is what is left of the
-    /// way, and the error vanishes with it. Where anything but motion changes r, the inverse starts from nothing.
+    /// While locked on, the limiter sends r, and |c − r| is the change of r since the last cycle: by motion, at most
+    /// κ |Δq| / (1 − κ), and at most the change that the limiter passes. While the limiter approaches, c − r is the
+    /// remaining distance, and the error vanishes with it. If anything but motion changes r, the inverse starts from zero.
     pub(super) fn passes<const N: usize>(&self, thermal: &[ThermalLine<R>; N]) -> u8 {
         let growth = thermal.iter().fold(R::ZERO, |most, line| most.max(line.slope().abs()));
         let norm = self.norm + growth;

@@ -1,29 +1,29 @@
-//! The nodes along one axis of a grid.
+//! Nodes along one axis of a grid.
 
 use crate::machine::GridData;
 use crate::real::Real;
 
-/// Nodes along an axis, or that the grid does not stand over it.
+/// Nodes along an axis; none if the grid does not span it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Along<'a, R> {
     /// X (0), Y or Z.
     axis: u8,
-    /// Numbers from a node to the next; 0 where the grid does not stand over the axis.
+    /// Stored numbers from one node to the next; 0 if the grid does not span the axis.
     stride: u32,
-    /// Cells; 0 where the grid does not stand over the axis.
+    /// Number of cells; 0 if the grid does not span the axis.
     cells: u16,
     first: R,
     end: R,
     /// Cells per mm of equidistant nodes.
     rate: R,
-    /// Positions of other nodes, mm.
+    /// Positions of free nodes, mm.
     knots: &'a [[u8; 8]],
 }
 
-/// Where a position lies along an axis.
+/// Place of a position along an axis.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Place<R> {
-    /// Number of the cell.
+    /// Index of the cell.
     pub(super) index: usize,
     /// From 0 at its first node to 1 at its second.
     pub(super) t: R,
@@ -54,13 +54,13 @@ impl<'a, R: Real> Along<'a, R> {
         usize::from(self.axis)
     }
 
-    /// Numbers from a node to the next; 0 where the grid does not stand over the axis.
+    /// Stored numbers from one node to the next; 0 if the grid does not span the axis.
     #[inline(always)]
     pub(super) fn stride(&self) -> usize {
         self.stride as usize
     }
 
-    /// The grid stands over the axis.
+    /// Whether the grid spans the axis.
     #[inline(always)]
     pub(super) fn is_there(&self) -> bool {
         self.cells > 0
@@ -70,7 +70,7 @@ impl<'a, R: Real> Along<'a, R> {
         self.knots.get(index).map_or(self.end, |bytes| R::of(f64::from_le_bytes(*bytes)))
     }
 
-    /// The cell of a position; at the edge, the end of the outermost one.
+    /// The cell of a position; beyond the nodes, the end of the outermost cell.
     #[inline(always)]
     pub(super) fn place(&self, q: R) -> Place<R> {
         let edge = (q < self.first) | (q > self.end);
@@ -82,7 +82,7 @@ impl<'a, R: Real> Along<'a, R> {
         self.search(q, edge)
     }
 
-    /// Among free nodes: as many halvings as the number of cells has bits.
+    /// Bisection among free nodes: as many halvings as the number of cells has bits.
     #[inline(never)]
     fn search(&self, q: R, edge: bool) -> Place<R> {
         let (mut index, mut rest) = (0usize, usize::from(self.cells));

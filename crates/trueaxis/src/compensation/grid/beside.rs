@@ -1,4 +1,4 @@
-//! The grids of one cycle beside the tangents of the volumetric model.
+//! The grids in one cycle, beside the tangents of the volumetric model.
 
 use super::kept::Near;
 use super::{Grids, LINEAR, NearGrids, Sum};
@@ -6,20 +6,20 @@ use crate::position::Position;
 use crate::real::Real;
 use crate::vector::V3;
 
-/// A box, and steps from its low corner.
+/// A box, and the steps from its low corner.
 type Place<'s, R, P> = (&'s Near<R, P>, [R; LINEAR]);
 
-/// Grids where the drives stand and at the feedback.
+/// Grids at the drive positions and at the feedback.
 #[derive(Debug)]
 pub(crate) struct Beside<'s, R, P: Position> {
     grids: &'s Grids<'s, R>,
-    /// Boxes, and steps from their low corners; none where rotary axes turn the levers.
+    /// Boxes, and the steps from their low corners; `None` if rotary axes turn the levers.
     near: Option<[Place<'s, R, P>; 2]>,
     edge: u8,
 }
 
 impl<'s, R: Real, P: Position> Beside<'s, R, P> {
-    /// For a cycle with the drives and the feedback there.
+    /// Prepares a cycle with drives and feedback at these positions.
     #[inline(always)]
     pub(crate) fn new(
         grids: &'s Grids<'s, R>,
@@ -42,13 +42,13 @@ impl<'s, R: Real, P: Position> Beside<'s, R, P> {
         self.grids
     }
 
-    /// A bit for every axis beyond the nodes of a grid, where boxes say so.
+    /// One bit for every axis beyond the nodes of a grid; 0 without boxes.
     #[inline(always)]
     pub(crate) fn edge(&self) -> u8 {
         self.edge
     }
 
-    /// Error of the tip, mm, where the drives stand, `moved` mm from there; none where the boxes do not know it.
+    /// Error of the tip, mm, at the drive positions shifted by `moved` mm; `None` without boxes.
     #[inline(always)]
     pub(crate) fn at_drives(&self, moved: [R; LINEAR]) -> Option<V3<R>> {
         let [(near, steps), _] = self.near.as_ref()?;
@@ -59,14 +59,14 @@ impl<'s, R: Real, P: Position> Beside<'s, R, P> {
         Some(near.at(steps))
     }
 
-    /// At the feedback, likewise.
+    /// Error of the tip, mm, at the feedback; `None` without boxes.
     #[inline(always)]
     pub(crate) fn at_feedback(&self) -> Option<V3<R>> {
         let [_, (near, steps)] = self.near.as_ref()?;
         Some(near.at(*steps))
     }
 
-    /// Where the direction is asked for, or the boxes do not know the tip: by a look-up of `direct`.
+    /// Error of tip and direction: looked up by `direct` if the direction is needed or `tip` is not known.
     #[inline(always)]
     pub(crate) fn pose(&self, tip: Option<V3<R>>, turn: bool, direct: impl FnOnce() -> Sum<R>) -> (V3<R>, V3<R>) {
         match tip {

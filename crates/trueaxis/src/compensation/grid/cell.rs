@@ -11,17 +11,17 @@ pub(super) type Corners<R> = [R; 8];
 /// The cells of one grid.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cells<'a, R> {
-    /// The axes over which the grid stands first: the third may be one over which it does not.
+    /// The axes that the grid spans come first; the third may be one that it does not span.
     pub(super) along: [Along<'a, R>; LINEAR],
     nodes: &'a [[u8; 2]],
-    /// Numbers of a node that are read: which error each is, and what a 1 means.
+    /// Which error each stored number of a node is, and the value of a stored 1; only for numbers that are read.
     components: [u8; 6],
     scales: [R; 6],
     given: u8,
 }
 
 impl<'a, R: Real> Cells<'a, R> {
-    /// `rotations`: they are read too, where the grid has them.
+    /// `rotations`: whether to read them too, if the grid has them.
     pub(super) fn new(data: &GridData<'a>, rotations: bool) -> Self {
         let header = data.header();
         let count = |axis: usize| header.axes.get(axis).map_or(1, |along| usize::from(along.nodes.max(1)));
@@ -42,20 +42,20 @@ impl<'a, R: Real> Cells<'a, R> {
         built
     }
 
-    /// The errors that are read, and what a stored 1 of each means.
+    /// The errors that are read, and the value of a stored 1 of each.
     #[inline(always)]
     fn columns(&self) -> impl Iterator<Item = (usize, R)> + '_ {
         let columns = self.components.iter().zip(&self.scales).take(usize::from(self.given));
         columns.map(|(component, scale)| (usize::from(*component), *scale))
     }
 
-    /// The stored number at a place.
+    /// The stored number at an index.
     #[inline(always)]
     fn stored(&self, place: usize) -> i32 {
         self.nodes.get(place).map_or(0, |bytes| i32::from(i16::from_le_bytes(*bytes)))
     }
 
-    /// First number of the first corner of a cell.
+    /// Index of the first number of a cell's first corner.
     #[inline(always)]
     fn corner(&self, [a, b, c]: [usize; LINEAR]) -> usize {
         let [x, y, z] = &self.along;
@@ -83,7 +83,7 @@ impl<'a, R: Real> Cells<'a, R> {
         [a, b, c, d, e, f, g, h]
     }
 
-    /// Where X, Y, Z lie, in the order of the grid's axes, and a bit for every one beyond its nodes.
+    /// Places of X, Y, Z, in the order of the grid's axes, and one bit for every axis beyond its nodes.
     #[inline(always)]
     pub(super) fn places(&self, q: &[R; LINEAR]) -> ([Place<R>; LINEAR], u8) {
         let mut edge = 0;
@@ -95,7 +95,7 @@ impl<'a, R: Real> Cells<'a, R> {
         (places, edge)
     }
 
-    /// Calls `take` with every error that is read, and its polynomial in the cell.
+    /// Calls `take` with every error that is read and its polynomial in the cell.
     #[inline(always)]
     pub(super) fn polynomials(&self, index: [usize; LINEAR], mut take: impl FnMut(usize, Corners<R>)) {
         let corner = self.corner(index);
@@ -105,7 +105,7 @@ impl<'a, R: Real> Cells<'a, R> {
         }
     }
 
-    /// The six errors at X, Y, Z, mm and rad, and a bit for every axis beyond its nodes.
+    /// The six errors at X, Y, Z, mm and rad, and one bit for every axis beyond its nodes.
     #[inline(always)]
     pub(super) fn twist(&self, q: &[R; LINEAR]) -> (Twist<R>, u8) {
         let ([x, y, z], edge) = self.places(q);

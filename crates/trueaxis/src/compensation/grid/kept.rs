@@ -1,22 +1,23 @@
-//! The sum of all grids about command and feedback, kept from cycle to cycle.
+//! Caches, from cycle to cycle, the sum of all grids around command and feedback.
 //!
-//! In a box in which no grid has a node, and none begins or ends to fade, the sum of all of them is one polynomial
+//! In a box without any grid node, and without a height at which a grid begins or ends to fade, the sum of all grids is
+//! one polynomial
 //!
 //! ```text
 //! d = k0 + kx x + ky y + kxy x y + z (kz + kxz x + kyz y + kxyz x y)
 //! ```
 //!
-//! of the distances from the low corner, in steps of the position; levers of rotations, which the slides make longer, included.
-//! It costs the same for one grid as for all of them. A box goes on a little beyond its borders, as far as the jump of the
-//! slopes there stays below a fixed error, so that a reading that dithers about a node does not leave it in every cycle.
-//! Cells of tables end at its borders too: while none of them is left, the box is not.
+//! of the distances from the low corner, in steps of the position, including the levers of rotations, which the slides
+//! lengthen. It costs the same for one grid as for all of them. A box extends slightly beyond its borders, as far as the
+//! jump of the slopes there stays below a fixed error, so that a reading that dithers around a node does not leave it in
+//! every cycle. Cells of tables also end at its borders: an axis that stays in its cells stays in the box.
 
 use super::{Grids, LINEAR};
 use crate::position::Position;
 use crate::real::Real;
 use crate::vector::V3;
 
-/// Half of the widest box, mm: integers count its steps.
+/// Half the width of the widest box, mm: integers count its steps.
 const WIDEST_MM: f64 = 1000.0;
 
 /// The sum of all grids in a box.
@@ -26,9 +27,9 @@ pub(crate) struct Near<R, P: Position> {
     high: [P; LINEAR],
     /// Factors of 1, x, y, xy, z, xz, yz, xyz.
     factors: [V3<R>; 8],
-    /// Axis that nothing depends on, at command and feedback; 3 where there is none.
+    /// Axis on which nothing depends, at both command and feedback; 3 if there is none.
     flat: u8,
-    /// A bit for every axis beyond the nodes of a grid.
+    /// One bit for every axis beyond the nodes of a grid.
     edge: u8,
 }
 
@@ -38,13 +39,13 @@ impl<R: Real, P: Position> Near<R, P> {
         Near { low: nowhere, high: nowhere, factors: [V3::ZERO; 8], flat: 3, edge: 0 }
     }
 
-    /// Where it ends along an axis.
+    /// Ends of the box along an axis.
     #[inline(always)]
     pub(crate) fn ends(&self, axis: usize) -> Option<[P; 2]> {
         Some([*self.low.get(axis)?, *self.high.get(axis)?])
     }
 
-    /// The position is in the box.
+    /// Whether the position is in the box.
     #[inline(always)]
     fn holds(&self, at: &[P; LINEAR]) -> bool {
         at.iter().zip(self.low.iter().zip(&self.high)).all(|(at, (low, high))| at.is_within(&[*low, *high]))
@@ -64,7 +65,7 @@ impl<R: Real, P: Position> Near<R, P> {
         self.at(self.along(at))
     }
 
-    /// Error of the tip so many steps from the low corner, mm.
+    /// Error of the tip at a distance in steps from the low corner, mm.
     #[inline(always)]
     pub(crate) fn at(&self, steps: [R; LINEAR]) -> V3<R> {
         match self.flat {
@@ -75,7 +76,7 @@ impl<R: Real, P: Position> Near<R, P> {
         }
     }
 
-    /// The same where nothing depends on an axis; 3: on all of them.
+    /// [`Near::at`] if nothing depends on axis `FLAT`; 3 if all axes matter.
     #[inline(always)]
     fn over<const FLAT: u8>(&self, [x, y, z]: [R; LINEAR]) -> V3<R> {
         let [k, kx, ky, kxy, kz, kxz, kyz, kxyz] = self.factors;
@@ -89,7 +90,7 @@ impl<R: Real, P: Position> Near<R, P> {
     }
 }
 
-/// Boxes about command and feedback; forgotten, they are found again.
+/// Boxes around command and feedback; after [`NearGrids::forget`] they are recomputed.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct NearGrids<R, P: Position> {
     key: u64,
@@ -98,21 +99,21 @@ pub(crate) struct NearGrids<R, P: Position> {
 }
 
 impl<R: Real, P: Position> NearGrids<R, P> {
-    /// Key of no grids.
+    /// The key that belongs to no grids.
     const NONE: u64 = 0;
 
-    /// None yet.
+    /// Empty boxes, bound to no grids.
     pub(crate) fn nowhere() -> Self {
         NearGrids { key: Self::NONE, command: Near::nowhere(), feedback: Near::nowhere() }
     }
 
-    /// From now on they are of no grids.
+    /// Unbinds the boxes from their grids.
     #[inline(always)]
     pub(crate) fn forget(&mut self) {
         self.key = Self::NONE;
     }
 
-    /// Makes the boxes those about these positions; steps of both from the low corners.
+    /// Moves the boxes to these positions if needed; returns the steps of both from the low corners.
     #[inline(always)]
     pub(crate) fn about(
         &mut self,
@@ -127,12 +128,12 @@ impl<R: Real, P: Position> NearGrids<R, P> {
         (self.command.along(command), self.feedback.along(feedback))
     }
 
-    /// Makes those boxes that have been left the ones about these positions.
+    /// Replaces the boxes that these positions have left.
     #[cold]
     #[inline(never)]
     fn renew(&mut self, grids: &Grids<'_, R>, command: &[P; LINEAR], feedback: &[P; LINEAR]) {
         if !self.command.holds(command) {
-            // The feedback may have been here before.
+            // The feedback's box may already cover the command.
             self.command = if self.feedback.holds(command) { self.feedback } else { grids.near(command) };
         }
         if !self.feedback.holds(feedback) {
@@ -143,7 +144,7 @@ impl<R: Real, P: Position> NearGrids<R, P> {
         (self.command.flat, self.feedback.flat) = (both, both);
     }
 
-    /// Makes them boxes of these grids, none yet if they were not.
+    /// Binds the boxes to these grids, emptying them if they were bound to others.
     #[inline(always)]
     pub(crate) fn are_of(&mut self, grids: &Grids<'_, R>) {
         if self.key != grids.key() {
@@ -160,7 +161,7 @@ impl<R: Real, P: Position> NearGrids<R, P> {
         self.errors_over_more(command, feedback)
     }
 
-    /// The same over other axes than X and Y: apart, so that those wait for no factors but theirs.
+    /// [`NearGrids::errors`] over axes other than X and Y: out of line, so that the X-Y case loads only its own factors.
     #[inline(never)]
     fn errors_over_more(&self, command: &[P; LINEAR], feedback: &[P; LINEAR]) -> [V3<R>; 2] {
         match self.command.flat {
@@ -175,31 +176,31 @@ impl<R: Real, P: Position> NearGrids<R, P> {
         [self.command.over::<FLAT>(there), self.feedback.over::<FLAT>(back)]
     }
 
-    /// The box about the command.
+    /// The box around the command.
     #[inline(always)]
     pub(crate) fn at_command(&self) -> &Near<R, P> {
         &self.command
     }
 
-    /// The box about the feedback.
+    /// The box around the feedback.
     #[inline(always)]
     pub(crate) fn at_feedback(&self) -> &Near<R, P> {
         &self.feedback
     }
 
-    /// Both.
+    /// Both boxes.
     #[inline(always)]
     pub(crate) fn boxes(&self) -> [&Near<R, P>; 2] {
         [&self.command, &self.feedback]
     }
 
-    /// A bit for every axis at the command beyond the nodes of a grid.
+    /// One bit for every axis whose command is beyond the nodes of a grid.
     pub(crate) fn edge(&self) -> u8 {
         self.command.edge
     }
 }
 
-/// A polynomial of three parameters, factors as in [`Near`], written for t = t0 + r s instead of t along one of them.
+/// Rewrites a polynomial of three parameters (factors as in [`Near`]) for t = t0 + r s instead of t along one of them.
 #[inline(always)]
 fn moved<R: Real>(factors: &mut [R; 8], bit: usize, t0: R, rate: R) {
     for index in 0..8usize {
@@ -215,28 +216,28 @@ fn moved<R: Real>(factors: &mut [R; 8], bit: usize, t0: R, rate: R) {
     }
 }
 
-/// Where a box ends along X, Y and Z, mm.
+/// Ends of a box along X, Y and Z, mm.
 struct Room<R> {
     low: [R; LINEAR],
     high: [R; LINEAR],
 }
 
 impl<R: Real> Room<R> {
-    /// Ends it at `[low, high]` along an axis, where it goes farther.
+    /// Clips the box to `[low, high]` along an axis.
     fn end(&mut self, axis: usize, [from, to]: [R; 2]) {
         if let (Some(low), Some(high)) = (self.low.get_mut(axis), self.high.get_mut(axis)) {
             (*low, *high) = (low.max(from), high.min(to));
         }
     }
 
-    /// Ends it at a border above or below a position.
+    /// Clips the box at a border above or below a position.
     fn end_at(&mut self, axis: usize, border: R, at: R) {
         self.end(axis, if border < at { [border, R::MAX] } else { [-R::MAX, border] });
     }
 }
 
 impl<R: Real> Grids<'_, R> {
-    /// The box about a position and the sum of all grids in it. Cost: some 100 operations an error of each grid.
+    /// The box around a position and the sum of all grids in it. Cost: some 100 operations for each error of each grid.
     #[inline(never)]
     pub(crate) fn near<P: Position>(&self, at: &[P; LINEAR]) -> Near<R, P> {
         let q: [R; LINEAR] = at.map(|at| at.since(P::default()));
@@ -246,7 +247,7 @@ impl<R: Real> Grids<'_, R> {
         let ends = near.low.iter_mut().zip(&mut near.high).zip(&mut from);
         for (((low, high), from), (at, (down, up))) in ends.zip(at.iter().zip(room.low.into_iter().zip(room.high))) {
             let (down, up) = (P::default().plus(down), P::default().plus(up));
-            // Whatever the rounding, the position itself is in it.
+            // However the ends are rounded, the box contains the position itself.
             (*low, *high) = (if *at < down { *at } else { down }, if *at > up { *at } else { up });
             *from = at.since(*low);
         }
@@ -285,8 +286,8 @@ impl<R: Real> Grids<'_, R> {
 }
 
 impl<R: Real> super::Grid<'_, R> {
-    /// Adds the grid's polynomial about the position `q`, in steps from a corner `from` mm below it; a bit for every axis beyond
-    /// its nodes.
+    /// Adds the grid's polynomial around the position `q`, in steps from a corner `from` mm below it; returns one bit for
+    /// every axis beyond its nodes.
     fn add_to(&self, factors: &mut [V3<R>; 8], q: &[R; LINEAR], from: &[R; LINEAR], step: R) -> u8 {
         let (places, edge) = self.cells.places(q);
         let mut widths = [R::ONE; LINEAR];
@@ -308,13 +309,13 @@ impl<R: Real> super::Grid<'_, R> {
                 [1usize, 2, 4].into_iter().zip(self.cells.along.iter().zip(&places).zip(&widths))
             {
                 let back = from.get(along.axis()).copied().unwrap_or(R::ZERO);
-                // Beyond its nodes the grid does not change.
+                // Beyond its nodes the grid is constant.
                 let beyond = place.edge || !along.is_there();
                 let (t0, rate) = if beyond { (place.t, R::ZERO) } else { (place.t - back / *width, step / *width) };
                 moved(&mut own, bit, t0, rate);
             }
             if let Some((whole, rate)) = weight {
-                // The grid stands over X and Y, so that nothing depends on the third yet.
+                // The grid spans X and Y, so nothing depends on the third axis yet.
                 for index in 0..4usize {
                     let value = own.get(index).copied().unwrap_or(R::ZERO);
                     if let Some(factor) = own.get_mut(index | 4) {
@@ -350,7 +351,7 @@ impl<R: Real> super::Grid<'_, R> {
         edge
     }
 
-    /// What the rotations do through their levers, which the slides that the grid does not stand over make longer.
+    /// Adds the effect of the rotations through their levers, which the slides outside the grid lengthen.
     fn add_levers(&self, factors: &mut [V3<R>; 8], turns: &[V3<R>; 8], q: &[R; LINEAR], from: &[R; LINEAR], step: R) {
         let ([x, y, z], [fx, fy, fz], [bx, by, bz]) = (*q, *from, self.along);
         let lever = self.lever + V3::new(bx * (x - fx), by * (y - fy), bz * (z - fz));
@@ -373,7 +374,7 @@ impl<R: Real> super::Grid<'_, R> {
     }
 }
 
-/// The axis that nothing depends on, Z before Y before X; 3 where there is none.
+/// The axis on which nothing depends, Z before Y before X; 3 if there is none.
 fn flat<R: Real>(factors: &[V3<R>; 8]) -> u8 {
     for (axis, bit) in [(2, 4usize), (1, 2), (0, 1)] {
         let with = factors.iter().enumerate().filter(|(index, _)| index & bit != 0);

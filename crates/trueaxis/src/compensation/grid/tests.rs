@@ -10,7 +10,7 @@ use crate::testing::machine::{Machine, rows};
 use crate::testing::noise::Noise;
 use std::{vec, vec::Vec};
 
-/// A grid with the bytes that it stands in.
+/// A grid with its bytes.
 #[derive(Clone, Debug)]
 struct Made {
     header: GridHeader,
@@ -18,7 +18,8 @@ struct Made {
 }
 
 impl Made {
-    /// Nodes along X, Y, Z (none: not over that axis), all six errors or the translations, values in steps.
+    /// Nodes along X, Y, Z (empty if the grid does not span that axis), all six errors or the translations, values in
+    /// steps.
     fn new(nodes: [&[f64]; 3], given: u8, scales: [f64; 6], mut value: impl FnMut([f64; 3], usize) -> i16) -> Made {
         let mut header = GridHeader { given, ..GridHeader::default() };
         let mut bytes = Vec::new();
@@ -61,7 +62,7 @@ impl Made {
         GridData::new(self.header, &self.bytes).unwrap().0
     }
 
-    /// Truth: the sum over the corners of the cell, weight by weight.
+    /// Reference: the sum over the corners of the cell, weight by weight.
     fn error(&self, at: [f64; 3]) -> [f64; 6] {
         let data = self.data();
         let places: Vec<Vec<(usize, f64)>> = (0..3)
@@ -198,7 +199,7 @@ fn a_grid_fades_with_height() {
     }
 }
 
-/// Boxes against direct look-ups: several grids at once, rotations with their levers, fading ones.
+/// Boxes compared with direct look-ups: several grids at once, rotations with their levers, fading grids.
 fn boxes_agree<R: Real, P: Position>(seed: u64, tolerance: f64) {
     let mut noise = Noise::new(seed);
     for case in 0..150 {
@@ -240,7 +241,7 @@ fn boxes_agree<R: Real, P: Position>(seed: u64, tolerance: f64) {
                     assert!(off < tolerance, "{case}: {off:e} at {at:?}");
                 }
             }
-            // Next to an end a box reaches to either side of it.
+            // Next to an end, a box extends to either side of it.
             let near_end = made
                 .iter()
                 .flat_map(|m| m.header.axes.iter().enumerate())
@@ -288,7 +289,7 @@ fn the_inverse_takes_the_grid_in() {
     }
 }
 
-/// Half of the steepest cell of a random grid is enough to see that the bound holds, and that it is reached.
+/// Half of the steepest cell of a random grid suffices to show that the bound is valid and that it is reached.
 #[test]
 fn bounds_hold_and_are_reached() {
     let mut noise = Noise::new(32);
@@ -381,7 +382,7 @@ fn what_is_no_grid_is_refused() {
     assert_eq!(error.field, Field::GridTable);
     let without_x = Machine::new("w b Y Z t").settings();
     assert_eq!(check::grids(&without_x, &[good.data()]).unwrap_err().field, Field::GridAxes);
-    // A fade needs Z, a grid without it, and no rotations.
+    // A fade needs Z, a grid that does not span it, and no rotations.
     let faded = |over: [&[f64]; 3], given: u8| {
         let mut made = Made::new(over, given, [1e-6; 6].map(|s| s), |_, _| 10);
         made.header.fade = Some([1.0, 2.0]);
@@ -396,7 +397,7 @@ fn what_is_no_grid_is_refused() {
     assert_eq!(check::grids(&flat, &[faded([few, few, no], 4).data()]).unwrap_err().field, Field::GridFade);
 }
 
-/// Keys tell grids apart, so that no box of one is used for the other.
+/// Keys distinguish grids, so that a box of one is never used for another.
 #[test]
 fn every_number_of_a_grid_is_in_its_key() {
     let machine = nine();
@@ -419,7 +420,7 @@ fn every_number_of_a_grid_is_in_its_key() {
         change(&mut other);
         others.push(key(&other, &machine));
     }
-    // Of the other model rotations count too.
+    // In the other model, rotations count too.
     let mut volumetric = machine.clone();
     volumetric.compensation.model = ErrorModel::Volumetric;
     others.push(key(&made, &volumetric));

@@ -1,17 +1,17 @@
-//! The polynomials of a table against the table itself and its rows: what is kept, and how far it may be used.
+//! The polynomials of a table compared with the table itself and its rows: cached values, and their valid extent.
 
 use super::*;
 
 const BOTH: [Direction; 2] = [Direction::POSITIVE, Direction::NEGATIVE];
 
-/// A table and what it is made of.
+/// A table and its inputs.
 struct Case {
     grid: Vec<f64>,
     rows: Vec<Row>,
     table: AxisTable<'static, f64, f64>,
 }
 
-/// Equidistant and free grids, linear and cubic, with and without values of their own for negative travel.
+/// Equidistant and free grids, linear and cubic, with and without separate values for negative travel.
 fn cases() -> Vec<Case> {
     let mut noise = Noise::new(41);
     let even: Vec<f64> = (0..9).map(|i| -20.0 + 2.5 * f64::from(i)).collect();
@@ -46,7 +46,7 @@ impl Case {
         self.start(self.grid.len() - 1)
     }
 
-    /// Coefficients of an interval per mm, from its start, by four of its values (Newton's divided differences).
+    /// Coefficients of an interval per mm, from its start, from four of its values (Newton's divided differences).
     fn polynomial(&self, index: usize, direction: Direction) -> [[f64; 4]; 4] {
         let (start, width) = (self.start(index), self.start(index + 1) - self.start(index));
         let u = [0.1, 0.35, 0.6, 0.9].map(|share| share * width);
@@ -112,7 +112,7 @@ fn an_interval_says_how_far_it_goes_and_what_it_is_there() {
                 let [low, high] = found.rooms(0.01);
                 assert!((low - below - if index > 0 { 0.01 } else { 0.0 }).abs() < 1e-12);
                 assert!((high - above - if index < last { 0.01 } else { 0.0 }).abs() < 1e-12);
-                // Taylor's series about the place is the table itself, as far as the interval goes.
+                // The Taylor series around the place equals the table within the interval.
                 let ([value, slope], rest) = found.powers(found.t);
                 for share in [-0.99, -0.4, 0.3, 0.99] {
                     let h = share * if share < 0.0 { below } else { above };
@@ -142,7 +142,7 @@ fn beyond_a_table_its_edge_stands_still() {
                 assert_eq!(slope, [0.0; 4]);
                 assert!(rest.is_none_or(|rest| rest == [[0.0; 4]; 2]));
             }
-            // The last point itself: an interval of no length, clamped only beyond it.
+            // The last point itself: an interval of zero length, clamped only beyond it.
             let found = case.table.interval(case.length(), direction);
             assert!(!found.edge && found.above == 0.0 && found.inner == [false; 2]);
         }

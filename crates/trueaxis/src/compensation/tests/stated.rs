@@ -1,4 +1,4 @@
-//! What settings alone state of an axis, against the same beside a table of zeros.
+//! Errors of an axis that only the settings state, compared with the same settings plus a table of zeros.
 
 use super::*;
 use crate::machine::ErrorModel;
@@ -12,7 +12,7 @@ fn build<R: Real, P: Position, const N: usize>(
     Compensation::build(machine, find, &[], 4, memory).unwrap()
 }
 
-/// Lost motion, squareness and, where there are any, location errors of rotary axes; X may have a table, no other axis has.
+/// Lost motion, squareness and any location errors of rotary axes; only X may have a table.
 fn machine(chain: &str, model: ErrorModel, cubic: bool) -> MachineSettings {
     let mut noise = Noise::new(61);
     let machine = Machine::new(chain).travel([-180.0, 180.0], 1.0).each(|axis| {
@@ -83,7 +83,7 @@ fn lost_motion_needs_no_table() {
     agrees_for::<f32, Nanometres>();
 }
 
-/// A correction leads the look-up beyond the end of the travel; there is no table there to be at the edge of.
+/// A correction moves the look-up beyond the end of the travel, but there is no table with an edge.
 #[test]
 fn an_axis_without_a_table_is_at_no_edge() {
     let machine = Machine::new("w C' b X Y Z t").travel([-30.0, 40.0], 1.0).each(|axis| axis.backlash = 0.02);
@@ -96,7 +96,7 @@ fn an_axis_without_a_table_is_at_no_edge() {
     }
 }
 
-/// Without a declared travel nothing counts as beyond a table of a rotary axis, and the value is right everywhere.
+/// Without a declared travel no position of a rotary axis counts as beyond a table, and the value is right everywhere.
 #[test]
 fn lost_motion_needs_no_declared_travel() {
     let machine = Machine::new("w C' b X Y Z t").each(|axis| axis.backlash = 0.02).settings();

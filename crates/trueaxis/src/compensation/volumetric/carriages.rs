@@ -1,4 +1,4 @@
-//! The kinematic chain as the step walks it: poses of the rotary axes, directions of all axes in the bed.
+//! The kinematic chain as the step traverses it: poses of the rotary axes, directions of all axes in the bed.
 
 #![deny(clippy::indexing_slicing)]
 
@@ -12,15 +12,16 @@ use crate::vector::{About, V3};
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Carriage<R> {
     pub(super) axis: Axis,
-    /// Its errors act where its travel starts, not where it ends: see [`Carriages::build`].
+    /// Whether its errors act where its travel starts, not where it ends: see [`Carriages::build`].
     pub(super) fixed: bool,
-    /// Its slot.
+    /// Slot of the axis.
     pub(super) slot: usize,
-    /// Sense of its motion for a positive command: −1 for a slide that carries the workpiece, a rotary axis' direction.
+    /// Sense of its motion for a positive command: −1 for a slide that carries the workpiece; for a rotary axis its
+    /// direction.
     pub(super) motion: R,
-    /// Origin of a rotary axis' frame in its carrier's. A slide has none: see [`Carriages::build`].
+    /// Origin of a rotary axis' frame in its carrier's frame. A slide has none: see [`Carriages::build`].
     pub(super) offset: V3<R>,
-    /// It is not zero.
+    /// Whether the offset is not zero.
     pub(super) is_offset: bool,
     /// Position of its table's origin from machine zero.
     origin: R,
@@ -30,21 +31,21 @@ pub(super) struct Carriage<R> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Carriages<R, const N: usize> {
     carriages: [Option<Carriage<R>>; N],
-    /// Number of those that carry the workpiece.
+    /// Number of carriages that carry the workpiece.
     workpiece: usize,
-    /// Tool tip from the last tool-side frame; of three slides zero, as the tables carry it.
+    /// Tool tip from the last tool-side frame; zero for three slides, whose tables include it.
     pub(super) tool: V3<R>,
     /// Unit vector along the tool, all axes at zero.
     tool_axis: V3<R>,
-    /// A rotary axis carries a slide: corrections of the slides are not along the bed's axes.
+    /// Whether a rotary axis carries a slide, so that the slides' corrections are not along the bed's axes.
     pub(super) turned: bool,
-    /// Of each axis 1 for the slides X, Y, Z that stand between its frame and the tool.
+    /// For each axis, 1 for the slides X, Y, Z between its frame and the tool.
     pub(super) beyond: [[R; 3]; N],
-    /// Which of X, Y, Z the machine has.
+    /// Which of X, Y, Z exist.
     pub(super) present: [bool; 3],
 }
 
-/// Cosine and sine of each rotary axis' nominal turn; slides have (1, 0).
+/// Cosine and sine of each rotary axis' nominal rotation; slides have (1, 0).
 pub(super) type Poses<R, const N: usize> = [(R, R); N];
 
 /// Machine direction along or about which an axis moves.
@@ -65,7 +66,7 @@ fn unit<R: Real>(axis: Axis) -> V3<R> {
     }
 }
 
-/// `(I − Rot(angle · n)) y` to second order in a small angle, rad, without the difference of two near vectors.
+/// `(I − Rot(angle · n)) y` to second order in a small angle, rad, without subtracting two near-equal vectors.
 fn turned_back<R: Real>(n: V3<R>, angle: R, y: V3<R>) -> V3<R> {
     let once = n.cross(y) * angle;
     -once - n.cross(once) * (angle * R::HALF)
@@ -81,7 +82,7 @@ impl<R: Real> Carriage<R> {
         };
         Carriage {
             axis: link.axis,
-            // A slide that carries the workpiece, measured along a line: the reading contains the lever of its travel.
+            // A workpiece slide measured along a line: the reading contains the lever of its travel.
             fixed: !rotary && link.carries_workpiece && settings.is_measured_along_a_line(),
             slot,
             motion: R::of(motion),
@@ -95,9 +96,10 @@ impl<R: Real> Carriage<R> {
 impl<R: Real, const N: usize> Carriages<R, N> {
     /// The carriages and, for every axis, the constant lever that its table carries.
     ///
-    /// Slides do not turn, so the offsets of the slides between two rotary axes act as one, at the outer end of that
-    /// run: in the next rotary axis' offset or the tool (without rotary axes the tool too is in the tables). What they would have added to the lever of a slide's own twist
-    /// is constant and goes into its table, beside the line along which it was measured.
+    /// Slides do not turn, so the offsets of the slides between two rotary axes act as one, at the outer end of that run:
+    /// in the next rotary axis' offset or the tool (without rotary axes the tool too is in the tables). Their
+    /// contribution to the lever of a slide's own twist is constant and goes into its table, together with the line along
+    /// which it was measured.
     pub(super) fn build(order: &AxisOrder<N>, machine: &MachineSettings) -> Result<(Self, [[f64; 3]; N]), ConfigError> {
         let found = links(&machine.chain)?;
         let axis = machine.kinematics.tool_axis;
@@ -126,12 +128,13 @@ impl<R: Real, const N: usize> Carriages<R, N> {
         Ok((chain, levers))
     }
 
-    /// Puts the axis at `index` of the structural code `found` in; gives the constant part of its lever, where its table
-    /// was measured.
+    /// Inserts the axis at `index` of the structural code `found`; returns the constant part of its lever at the point of
+    /// measurement.
     fn add(&mut self, carriage: Carriage<R>, found: &[Link], index: usize, settings: &AxisSettings) -> [f64; 3] {
         let Carriage { axis, fixed, slot, .. } = carriage;
         let on_workpiece = index < self.workpiece;
-        // From the workpiece to the bed as they stand; from the tool to the bed is the code backwards.
+        // The workpiece side is in code order, from the workpiece to the bed; the tool side is reversed, from the tool to
+        // the bed.
         let position = if on_workpiece { index } else { self.workpiece + found.len() - 1 - index };
         if let Some(entry) = self.carriages.get_mut(position) {
             *entry = Some(carriage);
@@ -141,7 +144,7 @@ impl<R: Real, const N: usize> Carriages<R, N> {
         }
         let mut lever = [0.0; 3];
         let Some(slides) = self.beyond.get_mut(slot) else { return lever };
-        // Its own travel lies between the frame that it moves and the tool.
+        // The slide's own travel lies between its moved frame and the tool.
         if !axis.is_rotary()
             && on_workpiece
             && !fixed
@@ -161,7 +164,7 @@ impl<R: Real, const N: usize> Carriages<R, N> {
         lever
     }
 
-    /// Adds the offsets of every run of slides up: see [`Carriages::build`].
+    /// Sums the offsets of every run of slides: see [`Carriages::build`].
     fn add_offsets(&mut self, machine: &MachineSettings, levers: &mut [[f64; 3]; N]) {
         let mut run = [0.0; 3];
         let (before, behind) = self.carriages.split_at_mut(self.workpiece);
@@ -189,7 +192,7 @@ impl<R: Real, const N: usize> Carriages<R, N> {
         let [tx, ty, tz] = machine.tool_mm;
         let tool = [x + tx, y + ty, z + tz];
         if N == 3 {
-            // Without rotary axes it is the same constant part of every lever.
+            // Without rotary axes it is a constant part common to all levers.
             for (lever, tool) in levers.iter_mut().flat_map(|lever| lever.iter_mut().zip(tool)) {
                 *lever -= tool;
             }
@@ -198,7 +201,7 @@ impl<R: Real, const N: usize> Carriages<R, N> {
         }
     }
 
-    /// The own travel of a slide lengthens its lever.
+    /// Whether a slide's own travel lengthens its lever.
     pub(super) fn carries_itself(&self) -> bool {
         self.beyond.iter().enumerate().any(|(slot, slides)| slides.get(slot).is_some_and(|there| *there != R::ZERO))
     }
@@ -229,7 +232,7 @@ impl<R: Real, const N: usize> Carriages<R, N> {
         if tool { of_tool } else { workpiece }.iter().flatten()
     }
 
-    /// The rotary axes' turns at a position in table coordinates.
+    /// Cosine and sine of the rotary axes at a position in table coordinates.
     #[inline(always)]
     pub(super) fn poses(&self, at: &[R; N]) -> Poses<R, N> {
         let mut poses = [(R::ONE, R::ZERO); N];
@@ -241,8 +244,8 @@ impl<R: Real, const N: usize> Carriages<R, N> {
         poses
     }
 
-    /// Direction in the bed in which each axis moves the tool relative to the workpiece: unit vectors, of a rotary axis
-    /// the one it turns the tool about; and the tool axis.
+    /// Unit vectors in the bed along which each axis moves the tool relative to the workpiece (for a rotary axis: about
+    /// which it turns the tool), and the tool axis.
     pub(super) fn directions(&self, poses: &Poses<R, N>) -> ([V3<R>; N], V3<R>) {
         let mut directions = [V3::ZERO; N];
         let mut tool_axis = self.tool_axis;
@@ -272,8 +275,8 @@ impl<R: Real, const N: usize> Carriages<R, N> {
         (directions, tool_axis)
     }
 
-    /// Motion of the tip relative to the workpiece, due to the rotary axes standing `turned_deg` further than at
-    /// `command`, mm in bed axes at the pose where they stand now. To third order in the turns.
+    /// Motion of the tip relative to the workpiece when the rotary axes are `turned_deg` beyond `command`, mm in bed axes
+    /// at their present pose. To third order in the rotations.
     pub(super) fn moved_tip(&self, command: &[R; N], poses: &Poses<R, N>, turned_deg: &[R; N]) -> V3<R> {
         let of = |carriage: &Carriage<R>| {
             let pose = poses.get(carriage.slot).copied().unwrap_or((R::ONE, R::ZERO));

@@ -11,7 +11,7 @@ use crate::vector::V3;
 
 /// Below this |determinant| of the slides' directions the correction fades instead of growing without bound.
 pub(crate) const LEAST_DETERMINANT: f64 = 0.05;
-/// Smallest sine of `fade_deg`: the correction of the direction stays bounded where no fade is wanted.
+/// Smallest sine of `fade_deg`: keeps the correction of the direction bounded even without a configured fade.
 pub(crate) const LEAST_FADE: f64 = 1e-3;
 
 /// Range in which the correction of the direction fades.
@@ -27,8 +27,8 @@ impl<R: Real> Fade<R> {
         Fade { sine: R::of(sine), square: R::of(sine * sine) }
     }
 
-    /// `f/s²` with s² = `square` the square of a singular measure and f its weight: 1 from the fade's sine outwards, below
-    /// it `x² (3 − 2x)`, x = s/sine. Bounded, with a continuous derivative.
+    /// `f/s²` with s² = `square` the square of a singular measure and f its weight: 1 from the fade's sine outwards,
+    /// `x² (3 − 2x)`, x = s/sine, below it. Bounded, with a continuous derivative.
     fn over(&self, square: R) -> R {
         if square >= self.square {
             R::ONE / square
@@ -39,18 +39,19 @@ impl<R: Real> Fade<R> {
 }
 
 impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
-    /// The correction `r` at a commanded position in table coordinates: the tip at `q + r`, errors included, is the ideal
-    /// one at `q` in workpiece coordinates. mm, rotary axes in degrees.
+    /// Returns the correction `r` at a commanded position in table coordinates: the tip at `q + r`, errors included, is
+    /// the ideal tip at `q` in workpiece coordinates. mm, rotary axes in degrees.
     ///
-    /// The slides take the tip: `Σ r_j R_j n_j = −d(q + r)`, their directions as the rotary axes turn them; below a
-    /// determinant of 0.05 the solution fades with it. With `orientation` the rotary axes take the tool's direction t:
-    /// `Σ δ_k a_k × t = −w × t`, least squares over the axes' directions a_k, weighted by 1 where their singular measure
-    /// s = |t · (a_1 × a_2)| (one axis: |a × t|) is at least sin(`fade_deg`), by `x² (3 − 2x)`, x = s / sin(`fade_deg`),
-    /// below; on a machine with two perpendicular rotary axes s is the sine of the angle between the tool and the axis
-    /// next to the workpiece; all together smaller where one would exceed its limit's magnitude. The tip that they carry along is put back by the slides. Without `orientation` rotary axes
-    /// get none. An absent slide is not solved for.
+    /// The slides correct the tip: `Σ r_j R_j n_j = −d(q + r)`, with their directions as turned by the rotary axes; below
+    /// a determinant of 0.05 the solution fades with it. With `orientation` the rotary axes correct the tool's direction
+    /// t: `Σ δ_k a_k × t = −w × t`, least squares over the axes' directions a_k, weighted by 1 where their singular
+    /// measure s = |t · (a_1 × a_2)| (one axis: |a × t|) is at least sin(`fade_deg`), by `x² (3 − 2x)`,
+    /// x = s / sin(`fade_deg`), below; on a machine with two perpendicular rotary axes s is the sine of the angle between the
+    /// tool and the axis next to the workpiece. All are scaled down together if one would exceed its magnitude limit. The
+    /// slides cancel the motion of the tip that the rotary axes cause. Without `orientation` rotary axes get no
+    /// correction. An absent slide is not solved for.
     ///
-    /// `passes` look-ups from `r = 0`; sines, rotary tables and directions once, unless rotary axes are corrected.
+    /// Takes `passes` look-ups from `r = 0`; sines, rotary tables and directions once, unless rotary axes are corrected.
     #[inline(always)]
     pub fn correction(&self, query: &Query<'_, R, N>, passes: u8, clamped: &mut u8) -> [R; N] {
         self.correction_with(query, None, passes, clamped)
@@ -67,7 +68,7 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
     ) -> [R; N] {
         let mut twists = [[R::ZERO; 6]; N];
         let mut first = true;
-        // At the command everything is looked up; after that, what a correction moves.
+        // At the command every axis is looked up; after that, only the axes that a correction moves.
         let slots = if self.orientation.is_some() { 0..N } else { 0..3 };
         self.inverse(query.command, [R::ZERO; N], passes, |at, _, poses| {
             let query = Query { command: at, ..*query };
@@ -91,8 +92,8 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
         })
     }
 
-    /// The correction by `passes` from the one in `correction`; `error` gives the errors of tip and direction at a position
-    /// with a correction and in the poses there (in the first pass those at the command).
+    /// The correction after `passes` from the one in `correction`; `error` returns the errors of tip and direction at a
+    /// position with a correction and in the poses there (in the first pass those at the command).
     #[inline(always)]
     pub(super) fn inverse(
         &self,
@@ -101,7 +102,7 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
         passes: u8,
         mut error: impl FnMut(&[R; N], &[R; N], &Poses<R, N>) -> (V3<R>, V3<R>),
     ) -> [R; N] {
-        // Three slides carry no rotary axis, and need none of the code and the stack for it.
+        // Three slides carry no rotary axis and need none of its code and stack.
         let orientation = if N > 3 { self.orientation.as_ref() } else { None };
         let slides_turn = N > 3 && self.chain.turned;
         let mut poses = self.chain.poses(command);
@@ -132,7 +133,7 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
         correction
     }
 
-    /// Components along the slides that the machine has.
+    /// Components along the slides that exist.
     fn present(&self, error: V3<R>) -> [R; 3] {
         let mut components = error.array();
         for (component, present) in components.iter_mut().zip(self.chain.present) {
@@ -163,7 +164,8 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
                 *wanted = -only.dot(wrong);
             }
         }
-        // Of more than two axes the shortest solution is the mean of all pairs', weighted by their determinants' squares.
+        // With more than two axes the shortest solution is the mean over all pairs, weighted by the squares of their
+        // determinants.
         for (i, first) in columns.iter().enumerate() {
             for (j, second) in columns.iter().enumerate().skip(i + 1) {
                 let determinant = tool.dot(first.cross(*second));
@@ -188,7 +190,7 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
         }
     }
 
-    /// Components of an error along the slides' directions; the nearest to it where slides are absent.
+    /// Components of an error along the slides' directions; the nearest solution if slides are absent.
     fn along(&self, directions: &[V3<R>; N], error: V3<R>) -> [R; 3] {
         let [x, y, z, ..] = directions.as_slice() else { return error.array() };
         let (mut x, mut y, mut z) = (*x, *y, *z);
@@ -217,7 +219,7 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
     }
 }
 
-/// A direction of length 1; zero where there is none.
+/// Normalises a direction; zero if its length is zero.
 fn unit<R: Real>(v: V3<R>) -> V3<R> {
     let length = v.norm();
     if length > R::of(1e-6) { v * (R::ONE / length) } else { V3::ZERO }

@@ -1,4 +1,4 @@
-//! Tangents kept from cycle to cycle, for command and feedback.
+//! Tangents cached from cycle to cycle, for command and feedback.
 
 #![deny(clippy::indexing_slicing)]
 
@@ -11,9 +11,9 @@ use crate::position::Position;
 use crate::real::Real;
 use crate::vector::V3;
 
-/// Two tangents: one where the drive stands, the other for a feedback beyond a point of a table. Each serves both.
+/// Two tangents: one at the drive position, the other for a feedback beyond a point of a table. Each serves both.
 ///
-/// Forgotten when an axis changes its direction of travel, when the thermal growth is set and with other tables.
+/// Dropped when an axis changes its direction of travel, when the thermal growth is set and with other tables.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Kept<R, P: Position, const N: usize> {
     key: u64,
@@ -22,15 +22,15 @@ pub(crate) struct Kept<R, P: Position, const N: usize> {
 }
 
 impl<R: Real, P: Position, const N: usize> Kept<R, P, N> {
-    /// Key of no tables: theirs are odd.
+    /// The key that belongs to no tables: theirs are odd.
     const NONE: u64 = 0;
 
-    /// None yet.
+    /// An empty cache.
     pub(crate) fn nothing() -> Self {
         Kept { key: Self::NONE, directions: [Direction::POSITIVE; N], tangents: [Tangent::nowhere(); 2] }
     }
 
-    /// The next look-up is one of the tables.
+    /// Empties the cache: the next look-up reads the tables.
     #[inline(always)]
     pub(crate) fn forget(&mut self) {
         self.key = Self::NONE;
@@ -53,7 +53,7 @@ pub(crate) struct Cycle<'c, R, P, const N: usize> {
 impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
     /// The wanted correction, and the error of the pose at the feedback (its direction only for a `tool`).
     ///
-    /// Looked up in the kept tangents; where a position is in none, one is made, out of line.
+    /// Looked up in the cached tangents; if a position is outside them, a new one is made, out of line.
     #[inline(always)]
     pub(crate) fn modelled(
         &self,
@@ -118,7 +118,7 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
         (wanted, (tip + of_grids, turn + if tool { more } else { V3::ZERO }))
     }
 
-    /// [`Volumetric::modelled`] where a position is in neither box.
+    /// [`Volumetric::modelled`] if a position is in neither box.
     #[cold]
     #[inline(never)]
     fn renewed(
@@ -159,7 +159,7 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
         let wanted = self.solved(first, &first.steps(cycle.drive).0, cycle, passes, clamped);
         let mut pose = read(back, &back.steps(cycle.feedback).0, tool);
         if N == 3 && tool {
-            // The form of three slides has no direction.
+            // The form for three slides has no direction.
             let feedback = self.coordinates(cycle.feedback);
             let query = Query::at(&feedback, cycle.directions, cycle.thermal);
             pose.1 = V3::from_glam(self.pose_error(&query, &mut 0).orientation);
@@ -167,10 +167,10 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
         (wanted, pose)
     }
 
-    /// The correction from a tangent: `passes` from the correction that was sent last.
+    /// The correction from a tangent: `passes` passes from the correction sent last.
     ///
-    /// With κ the norm of the errors' Jacobian and c the correction sent, what is left after p passes is at most
-    /// `κ^p |c − r*|`, r* the exact correction.
+    /// With κ the norm of the errors' Jacobian, c the correction sent and r* the exact one, the error after p passes is
+    /// at most `κ^p |c − r*|`.
     #[inline(always)]
     fn solved(
         &self,
@@ -199,7 +199,7 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
         correction
     }
 
-    /// [`Volumetric::solved`] where the slides turn or the direction is corrected.
+    /// [`Volumetric::solved`] if the slides turn or the direction is corrected.
     #[inline(never)]
     fn solved_in_poses(
         &self,
@@ -229,7 +229,7 @@ fn sent<R: Real, P: Position, const N: usize>(cycle: &Cycle<'_, R, P, N>) -> [R;
     sent
 }
 
-/// `−error` along the slides that the machine has.
+/// `−error` along the slides that exist.
 #[inline(always)]
 fn keep_present<R: Real>(present: &[bool; 3], error: V3<R>, correction: &mut [R]) {
     for ((correction, error), present) in correction.iter_mut().zip(error.array()).zip(present) {

@@ -1,16 +1,16 @@
-//! Error of the tip in a box, three slides and no rotary axis.
+//! Error of the tip in a box, for three slides without rotary axes.
 //!
-//! With e and w of the tables as polynomials of t, the distances from the low corner of the box, L the levers at that corner,
-//! and n_j the directions of the slides that stand between an axis and the tool,
+//! With e and w the tables' polynomials of t, the distances from the low corner of the box, L the levers at that corner,
+//! and n_j the directions of the slides between an axis and the tool,
 //!
 //! ```text
 //! d = Σ_k  e_k(t_k) + w_k(t_k) × L_k  +  Σ_k Σ_j  w_k(t_k) × n_j t_j
 //! ```
 //!
-//! The first sum is a polynomial of each t alone. Of the second the terms w_k(0), w_k' t_k are taken, which is all of a linear
-//! table. With |w_k''| the largest in the table, T the width of the box and m other slides beyond, a cubic table's
-//! rest is at most `|w_k''| T³ (√m/2 + 1/3)`, the third part where the own travel counts: T keeps the sum below
-//! [`TOLERANCE_MM`]. In the direction of travel the box reaches [`AHEAD`] of its width.
+//! The first sum is a polynomial of each t alone. The second keeps the terms w_k(0), w_k' t_k, which are all of a linear
+//! table. With |w_k''| the largest in the table, T the width of the box and m other slides beyond, the rest of a cubic
+//! table is at most `|w_k''| T³ (√m/2 + 1/3)`, the 1/3 only if the own travel counts: T keeps the sum below
+//! [`TOLERANCE_MM`]. In the direction of travel the box extends over [`AHEAD`] of its width.
 
 use super::tangent::{TOLERANCE_MM, Tangent};
 use super::{Volumetric, halves};
@@ -50,7 +50,7 @@ fn across<R: Real>(w: V3<R>, slide: usize) -> V3<R> {
 /// A slide in its table, from the low corner of the box.
 struct Corner<'a, R> {
     interval: Interval<'a, R, 6>,
-    /// Parameter of its polynomial there.
+    /// Parameter of the interval's polynomial there.
     t: R,
     /// Position from the table's first point, and from machine zero.
     at: R,
@@ -63,12 +63,12 @@ struct Sums<R> {
     slopes: [V3<R>; 3],
     powers: [[V3<R>; 2]; 3],
     products: [V3<R>; 3],
-    /// Of each slide the rotations of the axes that it carries the tool for.
+    /// For each slide, the sum of rotations of the axes for which it carries the tool.
     carried: [V3<R>; 3],
 }
 
 impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
-    /// Makes `form` the one about a position.
+    /// Sets `form` to the one around a position.
     #[inline(never)]
     pub(super) fn of_slides(
         &self,
@@ -130,7 +130,7 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
         Some(Corner { interval, t, at, q: at + *self.origins.get(slot)? })
     }
 
-    /// Adds a slide's polynomials at the levers of the low corner, with what does not stand in its table.
+    /// Adds a slide's polynomials at the levers of the low corner, plus the errors outside its table.
     #[inline(always)]
     fn add(
         &self,

@@ -1,18 +1,18 @@
-//! Error of the pose about a position, to first order: value, derivative and the box in which that is enough.
+//! Error of the pose around a position, to first order: value, derivative and the box in which that is accurate enough.
 //!
-//! With u = e + w × L the contribution of an axis in its carrier's directions, L the lever from its frame to the tip, and
-//! ρ_i the half width of the box along axis i (rad where it turns), λ = √Σρ² over the slides, θ = Σρ over the rotary axes,
-//! the second derivative of the tip's error along any way from the centre to a border is at most
+//! With u = e + w × L the contribution of an axis in its carrier's directions, L the lever from its frame to the tip, ρ_i
+//! the half width of the box along axis i (rad if it is rotary), λ = √Σρ² over the slides and θ = Σρ over the rotary
+//! axes, the second derivative of the tip's error along any line from the centre to a border is at most
 //!
 //! ```text
 //! Σ_k  θ² |u| + 2θ (|e'| ρ_k + |w'| ρ_k Λ + |w| l) + 2 |w'| ρ_k l + |w| (2θλ + θ²Λ)
 //! l = λ + θΛ
 //! ```
 //!
-//! |L| <= Λ, and the tangent is off by half of that. The form is homogeneous in the ρ: a box of a fixed shape is scaled so
-//! that it gives [`TOLERANCE_MM`]. The own second and third powers of a cubic table are kept too; at a point of a linear table the slope
-//! jumps, so a box ends there, but for an overlap in which the jump stays below [`KINK_MM`]. Values and slopes are the
-//! largest in the largest box.
+//! where |L| <= Λ, and the tangent is off by half of that. The form is homogeneous in the ρ: a box of a fixed shape is
+//! scaled to give [`TOLERANCE_MM`]. The axis' own second and third powers of a cubic table are included too; at a point
+//! of a linear table the slope jumps, so a box ends there, except for an overlap in which the jump stays below
+//! [`KINK_MM`]. Values and slopes are the largest in the largest box.
 
 use super::carriages::{Carriage, Poses, about};
 use super::{Volumetric, halves};
@@ -23,13 +23,13 @@ use crate::position::Position;
 use crate::real::Real;
 use crate::vector::{About, V3};
 
-/// What the tangent may be off at the border of its box: of what the inverse may leave, most.
+/// Permitted error of the tangent at the border of its box: most of what the inverse may leave.
 pub(super) const TOLERANCE_MM: f64 = 0.6e-6;
-/// What it may be off in the overlap at a point of a linear table.
+/// Permitted error in the overlap at a point of a linear table.
 const KINK_MM: f64 = 0.1e-6;
 /// Largest overlap.
 const MOST_OVERLAP_MM: f64 = 0.02;
-/// Half widths of the box before it is scaled, mm and degrees, and largest factor.
+/// Half widths of the box before scaling, mm and degrees, and the largest factor.
 const SHAPE_MM: f64 = 1.0;
 const SHAPE_DEG: f64 = 0.1;
 const MOST_SCALE: f64 = 4.0;
@@ -48,21 +48,21 @@ pub(super) struct Tangent<R, P: Position, const N: usize> {
     /// Error of the tip (mm) and of the direction (rad) at the low corner.
     pub(super) tip: V3<R>,
     turn: V3<R>,
-    /// Their derivatives, per step of a position.
+    /// Derivatives of both, per step of a position.
     pub(super) tip_slopes: [V3<R>; N],
     turn_slopes: [V3<R>; N],
-    /// Second and third powers where tables are cubic, of the tip and of the direction.
+    /// Second and third powers, of tip and direction, if tables are cubic.
     pub(super) powers: [[V3<R>; 2]; N],
     turn_powers: [[V3<R>; 2]; N],
     pub(super) curved: bool,
-    /// Of three slides products of X and Y, X and Z, Y and Z: see [`super::slides`].
+    /// For three slides, products of X and Y, X and Z, Y and Z: see [`super::slides`].
     pub(super) products: [V3<R>; 3],
-    /// A bit for every axis whose edge value is clamped.
+    /// One bit for every axis whose edge value is clamped.
     pub(super) edge: u8,
 }
 
 impl<R: Real, P: Position, const N: usize> Tangent<R, P, N> {
-    /// A box that no position is in.
+    /// A box that contains no position.
     pub(super) fn nowhere() -> Self {
         Tangent {
             low: [P::of(f64::NAN); N],
@@ -92,7 +92,7 @@ impl<R: Real, P: Position, const N: usize> Tangent<R, P, N> {
         (steps, inside)
     }
 
-    /// Error of the tip so many steps from the low corner.
+    /// Error of the tip at a distance in steps from the low corner.
     #[inline(always)]
     pub(super) fn tip(&self, steps: &[R; N]) -> V3<R> {
         if let (3, [x, y, z, ..], [along_x, along_y, along_z, ..]) = (N, steps.as_slice(), self.tip_slopes.as_slice()) {
@@ -108,7 +108,7 @@ impl<R: Real, P: Position, const N: usize> Tangent<R, P, N> {
         polynomials(self.tip, &self.tip_slopes, self.curved.then_some(&self.powers), steps)
     }
 
-    /// Error of the direction so many steps from the low corner.
+    /// Error of the direction at a distance in steps from the low corner.
     #[inline(always)]
     pub(super) fn turn(&self, steps: &[R; N]) -> V3<R> {
         polynomials(self.turn, &self.turn_slopes, self.curved.then_some(&self.turn_powers), steps)
@@ -139,7 +139,7 @@ fn polynomials<R: Real, const N: usize>(
     sum
 }
 
-/// The twist of an axis about its position: polynomial, and how far that goes on.
+/// The twist of an axis around its position: polynomial, and its extent.
 #[derive(Clone, Copy, Debug)]
 struct Local<R> {
     powers: [Twist<R>; 4],
@@ -147,7 +147,7 @@ struct Local<R> {
     above: R,
 }
 
-/// Where an axis acts: directions of its carrier and origin of its moved frame, in the bed.
+/// Directions of an axis' carrier and origin of its moved frame, in the bed.
 #[derive(Clone, Copy, Debug)]
 struct Frame<R> {
     turned: bool,
@@ -160,7 +160,7 @@ impl<R: Real> Frame<R> {
         Frame { turned: false, directions: [About::X, About::Y, About::Z].map(along), origin: V3::ZERO }
     }
 
-    /// A vector of the carrier in the bed.
+    /// Converts a vector from the carrier to the bed.
     #[inline(always)]
     fn out(&self, v: V3<R>) -> V3<R> {
         if !self.turned {
@@ -179,7 +179,7 @@ impl<R: Real> Frame<R> {
         }
     }
 
-    /// The frame of what a rotary axis carries.
+    /// The frame of the axes that a rotary axis carries.
     fn rotated(&self, about: About, (c, s): (R, R)) -> Self {
         let [x, y, z] = self.directions;
         let directions = match about {
@@ -191,7 +191,7 @@ impl<R: Real> Frame<R> {
     }
 }
 
-/// Share of an axis in the errors of tip and direction, and the own changes of it.
+/// Share of an axis in the errors of tip and direction, and the axis' own changes of it.
 #[derive(Clone, Copy, Debug)]
 struct Share<R> {
     tip: [V3<R>; 4],
@@ -206,7 +206,7 @@ fn along<R: Real>(about: About) -> V3<R> {
     }
 }
 
-/// Overlap of two neighbouring intervals of an axis: as far as the jumps of all slopes together stay below [`KINK_MM`].
+/// Overlap of two neighbouring intervals of an axis: the jumps of all slopes together stay below [`KINK_MM`] in it.
 pub(super) fn overlap<R: Real>(kinks: Twist<R>, longest: f64) -> R {
     let (e, w) = halves(kinks);
     let kink = e.norm() + w.norm() * R::of(longest);
@@ -234,7 +234,7 @@ pub(super) fn longest<'r, T: Rows + ?Sized + 'r>(
 }
 
 impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
-    /// Twist of the axis at `slot`, all that is added to its table included.
+    /// Twist of the axis at `slot`, including everything added to its table.
     fn local(&self, slot: usize, at: R, direction: Direction, line: &ThermalLine<R>) -> Option<(Local<R>, bool)> {
         let interval = self.tables.get(slot)?.interval(at, direction);
         let ([mut twist, mut slope], bent) = interval.powers(interval.t);
@@ -265,7 +265,7 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
         Some((Local { powers: [twist, slope, second, third], below, above }, interval.edge))
     }
 
-    /// Makes `tangent` the one about a position.
+    /// Sets `tangent` to the one around a position.
     #[inline(never)]
     pub(super) fn tangent(
         &self,
@@ -310,12 +310,12 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
         }
     }
 
-    /// Half width of the box before it is scaled.
+    /// Half width of the box before scaling.
     fn shape(&self, slot: usize) -> R {
         R::of(if self.own.get(slot).is_some_and(|own| *own >= 3) { SHAPE_DEG } else { SHAPE_MM })
     }
 
-    /// Factor of the box's shape: see the head of the file.
+    /// Scale factor of the box's shape: see the module's documentation.
     fn scale(&self, locals: &[Local<R>; N]) -> R {
         let longest = self.longest;
         let turns = self.own.iter().filter(|own| **own >= 3).count();
@@ -329,7 +329,7 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
             let size = |twist| (halves(twist).0.norm(), halves(twist).1.norm());
             let [zeroth, first, second, third] = local.powers;
             let ((e, w), (e1, w1)) = (size(zeroth), size(first));
-            // The largest in the largest box.
+            // Upper bounds within the largest box.
             let far = rho * most;
             let (mut e1, mut w1) = (e1, w1);
             if self.curved {
@@ -349,7 +349,7 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
         if bound * (most * most) > R::of(TOLERANCE_MM) { (R::of(TOLERANCE_MM) / bound).sqrt() } else { most }
     }
 
-    /// Where all axes act, and where the tip is.
+    /// Frames of all axes, and the position of the tip.
     fn frames(&self, at: &[R; N], poses: &Poses<R, N>) -> ([Frame<R>; N], V3<R>) {
         let mut frames = [Frame::bed(); N];
         let mut place = |frame: &mut Frame<R>, carriage: &Carriage<R>| {
@@ -374,15 +374,16 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
         (frames, tool.origin + tool.out(self.chain.tool))
     }
 
-    /// Errors of tip and direction, and their derivatives by every position, per mm (deg): with D, W the sums over the axes
-    /// further out on the same side, a the direction of a rotary axis (rad per deg), n of a slide, p − o the lever to the tip,
+    /// Errors of tip and direction, and their derivatives by every position, per mm (deg): with D, W the sums over the
+    /// axes further out on the same side, a the direction of a rotary axis (rad per deg), n that of a slide, p − o the
+    /// lever to the tip,
     ///
     /// ```text
     /// tool side      a × D + (W_all − W) × (a × (p − o))     (W_all − W − own) × n
     /// workpiece      a × D − W × (a × (p − o))               (W + own) × n
     /// ```
     ///
-    /// besides the change of the own twist. Of a slide whose errors stay where its travel starts, `own` is left out.
+    /// plus the change of the own twist. For a slide whose errors stay where its travel starts, `own` is omitted.
     fn derivatives(&self, at: &[R; N], locals: &[Local<R>; N], tangent: &mut Tangent<R, P, N>) {
         let (frames, tip) = self.frames(at, &self.chain.poses(at));
         let none = Share { tip: [V3::ZERO; 4], turn: [V3::ZERO; 4] };
@@ -439,7 +440,7 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
     }
 }
 
-/// A polynomial about a point `from` mm (deg) above the corner becomes one of steps from the corner.
+/// Converts a polynomial around a point `from` mm (deg) above the corner to one of steps from the corner.
 #[inline(always)]
 fn begin_at_corner<R: Real>(
     start: &mut V3<R>,

@@ -93,7 +93,7 @@ impl Case {
         user(&Volumetric::build(&order, &self.machine, |axis| self.rows(axis), &mut memory).unwrap())
     }
 
-    /// A position within the tables and a little beyond.
+    /// A position within the tables and slightly beyond.
     fn place<const N: usize>(random: &mut Noise) -> [f64; N] {
         core::array::from_fn(
             |slot| if slot < 3 { (REACH_MM + 15.0) * random.signed() } else { 170.0 * random.signed() },
@@ -126,7 +126,7 @@ fn apart(a: [f64; 3], b: [f64; 3]) -> f64 {
     libm::sqrt((0..3).map(|k| (a[k] - b[k]) * (a[k] - b[k])).sum())
 }
 
-/// Largest differences of tip and direction between tangents and look-up, over boxes of random machines.
+/// Largest differences of tip and direction between tangents and look-ups, over boxes of random machines.
 fn in_boxes<R: Real, P: Position, const N: usize>(random: &mut Noise, boxes: usize) -> [f64; 2] {
     let chain = chain(random, N - 3);
     let case = case(random, &chain, false);
@@ -143,7 +143,7 @@ fn in_boxes<R: Real, P: Position, const N: usize>(random: &mut Noise, boxes: usi
             }
             assert!(tangent.steps(&at).1, "{chain}: {at:?}");
             for _ in 0..40 {
-                // In corners too; what rounding leads out of the box again is not asked for.
+                // Also in corners; positions that rounding moves out of the box are skipped.
                 let there = core::array::from_fn(|slot| {
                     let size = if slot < 3 { 8.0 } else { 0.4 } * random.unit() * random.unit();
                     let there = at[slot].plus(R::of(size * random.signed()));
@@ -182,7 +182,7 @@ fn in_its_box_a_tangent_is_the_look_up() {
     }
 }
 
-/// A machine drives about at its highest speed; its limiter follows the wanted correction by `most` a cycle.
+/// Moves a machine at its highest speed; its limiter follows the wanted correction by `most` per cycle.
 fn drive<const N: usize>(random: &mut Noise, case: &Case, passes: u8, most: f64) -> (f64, f64, usize) {
     let norm = check::jacobian_norm(&case.machine, |axis| case.rows(axis), &check::GridBounds::NONE);
     case.with::<f64, f64, N, _>(|model| {

@@ -63,11 +63,11 @@ fn a_gap_and_a_full_buffer_leave_the_path_as_it_was() {
     let before = path.clone();
     let gap = path.line([0.0, 30.021, 5.0], [0.0, 40.0, 5.0]).unwrap_err();
     assert_eq!((gap.field, (gap.found * 1e6).round()), ("start", 21_000.0));
-    // 32 spans hold 26 more of 16 mm, not 63.
+    // 32 spans have room for 26 more of 16 mm, not 63.
     let full = path.line(SPLINE[3], [0.0, 1030.0, 5.0]).unwrap_err();
     assert_eq!(full, PathError { field: "path", index: None, found: 32.0, needed: "room for more spans" });
     assert_eq!((&path.spans, path.builder.segments()), (&before.spans, 3));
-    // The end that counts is still the spline's.
+    // The end that counts is still that of the spline.
     path.line([0.0, 30.019, 5.0], [0.0, 40.0, 5.0]).unwrap();
     assert_eq!(path.builder.segments(), 4);
 }

@@ -11,10 +11,10 @@ use crate::position::Position;
 use crate::real::Real;
 use crate::vector::V3;
 
-/// Evaluations of the descent where the kernel's two feet are not on their spans.
+/// Evaluations of the descent if the kernel's two feet are not on their spans.
 const DESCENT: u8 = 4;
 
-/// `whole`: the path's first point is where the motion began, and not where the window was cut off.
+/// `whole`: the path's first point is where the motion began, not where the window was cut off.
 #[inline(never)]
 pub(super) fn contour_error<R: Real, P: Position>(
     path: &Path<'_, R, P>,
@@ -31,7 +31,7 @@ pub(super) fn contour_error<R: Real, P: Position>(
         && let Some(number) = beyond
         && let Some(next) = path.span(number)
     {
-        // The chord's end was nearest, and the curve's foot lies round the border.
+        // The chord's end was nearest, and the curve's foot lies across the border.
         evaluations += 2;
         found = on(next, Reference { span: number, t: R::ONE - border }, point);
     }
@@ -52,7 +52,7 @@ pub(super) fn contour_error<R: Real, P: Position>(
     components(path, &found, error, lag, evaluations)
 }
 
-/// The span whose chord is nearest, the later one of two, and the point on it.
+/// The span with the nearest chord (the later of two equal ones), and the nearest point on the chord.
 #[inline(always)]
 fn nearest<'a, R: Real, P: Position>(path: &Path<'a, R, P>, point: &[P; 3]) -> Option<(&'a Span<R, P>, Reference<R>)> {
     let (mut least, mut best) = (R::MAX, None);
@@ -87,7 +87,7 @@ fn on<R: Real, P: Position>(span: &Span<R, P>, guess: Reference<R>, point: &[P; 
     })
 }
 
-/// Arc length from a point of the path to the end.
+/// Arc length from a point of the path to its end.
 #[inline(always)]
 fn lag<R: Real, P: Position>(path: &Path<'_, R, P>, from: Reference<R>, end: Reference<R>) -> R {
     let mut lag = R::ZERO;

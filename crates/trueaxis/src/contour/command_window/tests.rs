@@ -9,7 +9,7 @@ use std::vec::Vec;
 
 type V = [f64; 3];
 
-/// Commands go in, positions that follow them come out as contour errors.
+/// Feeds in commands and the positions that follow them; returns contour errors.
 struct Bench<R, P> {
     commanded: CommandWindow<R, P, 128>,
 }
@@ -25,8 +25,8 @@ impl<R: Real, P: Position> Bench<R, P> {
     }
 }
 
-/// Largest differences from the truth, nm, over a circle at `way` mm a cycle, followed `lag` mm behind on a radius larger
-/// by `radial`.
+/// Largest differences from the truth, nm, over a circle at `way` mm a cycle, followed `lag` mm behind on a radius larger by
+/// `radial`.
 fn circle<R: Real, P: Position>(radius: f64, way: f64, lag: f64, radial: f64) -> [f64; 3] {
     let mut bench = Bench::<R, P>::new(0.005);
     let at = |r: f64, angle: f64| [200.0 + r * angle.cos(), -70.0 + r * angle.sin(), 30.0];
@@ -48,7 +48,7 @@ fn circle<R: Real, P: Position>(radius: f64, way: f64, lag: f64, radial: f64) ->
 
 #[test]
 fn on_a_circle_radial_error_and_lag_are_those_that_were_put_in() {
-    // Radius, travel in a cycle (500 mm/s, 100 mm/s, 10 mm/s, 1 mm/s at 1 kHz), lag, radial error; mm.
+    // Radius, travel per cycle (500 mm/s, 100 mm/s, 10 mm/s, 1 mm/s at 1 kHz), lag, radial error; mm.
     for (radius, way, lag, radial) in [
         (5.0, 0.5, 2.0, 0.01),
         (5.0, 0.5, 0.3, -0.02),
@@ -61,7 +61,7 @@ fn on_a_circle_radial_error_and_lag_are_those_that_were_put_in() {
         let double = circle::<f64, f64>(radius, way, lag, radial);
         let single = circle::<f32, Nanometres>(radius, way, lag, radial);
         std::println!("R {radius} way {way}: error, normal, lag off by f64 {double:.6?} nm, f32 {single:.3?} nm");
-        // 0.1 rad a span: a tenth of a picometre, and Simpson's arc length is off by 1e-7 of a span.
+        // 0.1 rad per span: a tenth of a picometre, and Simpson's arc length is off by 1e-7 of a span.
         assert!(double[0] < 1e-3 && double[1] < 1e-3 && double[2] < 0.5, "{radius} {way}: {double:?}");
         // Points in whole nanometres.
         assert!(single[0] < 2.0 && single[1] < 2.0 && single[2] < 3.0, "{radius} {way}: {single:?}");
@@ -71,7 +71,7 @@ fn on_a_circle_radial_error_and_lag_are_those_that_were_put_in() {
 #[test]
 fn where_a_line_meets_an_arc_what_remains_is_as_stated() {
     let (radius, way) = (5.0, 0.1);
-    // Tangentially from a line onto an arc, the border anywhere between two commands.
+    // Tangentially from a line onto an arc, with the border anywhere between two commands.
     let mut worst = 0.0f64;
     for phase in [0.0, 0.25, 0.5, 0.75] {
         let at = |s: f64| {
@@ -113,7 +113,7 @@ fn on_a_line_in_space_nothing_is_lost() {
     }
 }
 
-/// A move along a polyline with the acceleration of a machine: commands at 1 kHz.
+/// A move along a polyline with a machine's acceleration: commands at 1 kHz.
 fn ramped(points: &[V], feed: f64, acceleration: f64) -> Vec<V> {
     let mut commands = Vec::new();
     for leg in points.windows(2) {
@@ -172,7 +172,8 @@ fn round_a_corner_and_back_the_contour_error_is_that_of_the_legs() {
     let points = [[0.0, 0.0, 0.0], [5.0, 0.0, 0.0], [5.0, 5.0, 0.0], [5.0, 1.0, 0.0]];
     let commands = ramped(&points, 50.0, 1000.0);
     let mut bench = Bench::<f64, f64>::new(0.005);
-    // The tool follows with a first-order lag of eight cycles; at the corner it still comes while the command stands.
+    // The tool follows with a first-order lag of eight cycles; at the corner it is still arriving while the command stands
+    // still.
     let (mut actual, mut largest) = (commands[0], 0.0f64);
     for (i, command) in commands.iter().enumerate() {
         for k in 0..3 {
@@ -216,7 +217,7 @@ fn a_tool_behind_the_window_is_said_to_be_so_also_where_a_command_comes_back() {
     let flags = |commanded: &CommandWindow<f64, f64, 16>| commanded.contour_error([0.0, 0.01, 0.0]).flags;
     (0..200).for_each(|i| commanded.append([0.02 * f64::from(i), 0.0, 0.0]));
     assert!(!flags(&commanded).has(Flags::BRACKETED));
-    // A span is begun and withdrawn: the window is shorter by it, and begins no earlier.
+    // After a span is begun and withdrawn, the window is shorter by it and begins no earlier.
     for x in [3.9801, 3.98] {
         commanded.append([x, 0.0, 0.0]);
         assert!(!flags(&commanded).has(Flags::BRACKETED), "at {x}");
@@ -293,7 +294,7 @@ fn random_walk<R: Real, P: Position, const K: usize>(seed: u64, rounds: usize) {
                 places.map(|(s, t)| (aside(s, t), s.length())).fold(far, |a, b| if b.0 < a.0 { b } else { a });
             // The kernel's rounding over spans of 8 mm in single precision.
             let rounding = if R::EPSILON.to_f64() < 1e-10 { 1e-9 } else { 4e-6 };
-            // The nearest span is decided by chords: off by the height of an arc of up to 40° over its chord.
+            // Chords decide which span is nearest: off by the height of an arc of up to 40° over its chord.
             let height = 0.09 * length.max(path.span(e.span).unwrap().length()).to_f64();
             assert!(e.error.to_f64() < nearest + height + rounding, "seed {seed} round {i}: {nearest} {e:?}");
             let found = aside(path.span(e.span).unwrap(), e.t.to_f64());

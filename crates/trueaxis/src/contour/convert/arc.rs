@@ -1,14 +1,14 @@
-//! Circles, helices and spirals as spans.
+//! Converts circles, helices and spirals to spans.
 
 use super::{DVec3, MOST, Maker, PathError, Piece, REACH, SAME_POINT, TOO_MANY, TURN, finite, refuse};
 use crate::contour::span::{Form, Span};
 use crate::position::Position;
 use crate::real::Real;
 
-/// Largest error of a helix' axial coordinate, mm.
+/// Largest error of a helix's axial coordinate, mm.
 const HELIX_ERROR: f64 = 1e-10;
-/// Radii at start and end of an arc may differ by this much, mm (what rounded programs leave); the radius then changes
-/// linearly with the angle.
+/// Largest difference between the radii at start and end of an arc, mm (rounded programs have such differences); the radius
+/// then changes linearly with the angle.
 const RADIUS_TOLERANCE: f64 = 0.02;
 
 impl<R: Real, P: Position, S: FnMut(Span<R, P>) -> Result<(), PathError>> Maker<'_, R, P, S> {
@@ -33,16 +33,16 @@ impl<R: Real, P: Position, S: FnMut(Span<R, P>) -> Result<(), PathError>> Maker<
     }
 }
 
-/// An arc, checked: a circle, helix or spiral about an axis.
+/// A checked arc: a circle, helix or spiral about an axis.
 struct Spiral {
     start: DVec3,
     center: DVec3,
-    /// Direction of the axis, and the two across it: towards the start, and on from there.
+    /// Direction of the axis, and two directions across it: towards the start, and 90° further on.
     n: DVec3,
     e1: DVec3,
     e2: DVec3,
     radius: f64,
-    /// Whole angle, rad; rise over it, mm; rise and growth of the radius per radian.
+    /// Total angle, rad; rise over it, mm; rise and growth of the radius per radian.
     angle: f64,
     rise: f64,
     pitch: f64,
@@ -65,7 +65,7 @@ impl Spiral {
         let across = |p: DVec3| p + n * -p.dot(n);
         let (from, to) = (across(start - center), across(end - center));
         let (radius, end_radius) = (from.length(), to.length());
-        // Neither of a start nor of an end on the axis is there a direction.
+        // Neither a start nor an end on the axis has a direction.
         if radius.min(end_radius) < SAME_POINT {
             return refuse("center", None, radius.min(end_radius), "a radius above 1e-9 mm");
         }
@@ -84,7 +84,7 @@ impl Spiral {
         Ok(Spiral { start, center, n, e1, e2, radius, angle, rise, pitch: rise / angle, growth })
     }
 
-    /// Enough spans for the turn, the reach, and the helix' axial polynomial.
+    /// Number of spans that satisfies the limits of turn, reach, and the helix's axial polynomial.
     fn count(&self) -> Result<f64, PathError> {
         let Spiral { radius, angle, rise, .. } = *self;
         let mut count =
@@ -100,7 +100,7 @@ impl Spiral {
         Ok(count)
     }
 
-    /// The part between two parameters, `k` the tangent of a quarter of its angle.
+    /// The part between two parameters; `k` is the tangent of a quarter of its angle.
     fn piece(&self, u: [f64; 2], k: f64) -> Piece {
         let Spiral { start, center, n, e1, e2, angle, rise, pitch, growth, .. } = *self;
         let middle = angle * 0.5 * (u[0] + u[1]);
@@ -120,7 +120,7 @@ impl Spiral {
                 tau[power][j] += axial * n[j];
             }
         }
-        // A changing radius adds growth θ ((1 − k²τ²) out + 2kτ on); what its series leaves out is 0.8 growth k⁶.
+        // A changing radius adds growth θ ((1 − k²τ²) out + 2kτ on); the truncated series omits 0.8 growth k⁶.
         let (k2, k3, k4, k5) = (k * k, k * k * k, k * k * k * k, k * k * k * k * k);
         let spiral = [
             (1, 2.0 * k, 0.0),
@@ -141,22 +141,22 @@ impl Spiral {
     }
 }
 
-/// θ w = 2 atan(kτ)(1 + k²τ²) = 2(kτ + ⅔k³τ³ − 2/15 k⁵τ⁵ + 2/35 k⁷τ⁷ − …), its τ⁷ spread over the lower odd powers
-/// by the Chebyshev polynomial T₇ = 64τ⁷ − 112τ⁵ + 56τ³ − 7τ: coefficients of τ, τ³, τ⁵.
+/// θ w = 2 atan(kτ)(1 + k²τ²) = 2(kτ + ⅔k³τ³ − 2/15 k⁵τ⁵ + 2/35 k⁷τ⁷ − …), with τ⁷ distributed over the lower odd powers by
+/// the Chebyshev polynomial T₇ = 64τ⁷ − 112τ⁵ + 56τ³ − 7τ: coefficients of τ, τ³, τ⁵.
 fn axial_polynomial(k: f64) -> [f64; 3] {
     let k2 = k * k;
     let (c1, c3, c5, c7) = (2.0 * k, 4.0 / 3.0 * k * k2, -4.0 / 15.0 * k * k2 * k2, 4.0 / 35.0 * k * k2 * k2 * k2);
     [c1 + c7 * 7.0 / 64.0, c3 - c7 * 56.0 / 64.0, c5 + c7 * 112.0 / 64.0]
 }
 
-/// Bound of what that leaves, mm: a 64th of the τ⁷ term, and all of the τ⁹ term.
+/// Bound of the remaining error, mm: a 64th of the τ⁷ term, and all of the τ⁹ term.
 fn axial_error(angle: f64, pitch: f64) -> f64 {
     let k = libm::tan(0.25 * angle);
     let k7 = libm::pow(k, 7.0);
     pitch.abs() * k7 * (4.0 / 35.0 / 64.0 + 4.0 / 63.0 * k * k)
 }
 
-/// A polynomial in τ = 2t − 1 as one in t.
+/// Converts a polynomial in τ = 2t − 1 to one in t.
 fn from_tau(tau: [[f64; 4]; 6]) -> [[f64; 4]; 6] {
     // Horner's scheme with the factor (2t − 1).
     let mut result = [[0.0; 4]; 6];

@@ -1,24 +1,24 @@
-//! Splines as spans: Bézier parts, halved until they are short and straight enough.
+//! Converts splines to spans: Bézier parts, halved until they are short and straight enough.
 
 use super::{DVec3, MOST, Maker, PathError, Piece, REACH, SAME_POINT, TOO_MANY, TURN, finite, refuse};
 use crate::contour::span::{Form, Span};
 use crate::position::Position;
 use crate::real::Real;
 
-/// Weights may differ by this factor: beyond it a light point hardly shapes the curve at all.
+/// Largest ratio between weights: beyond it a light point hardly shapes the curve.
 const WEIGHTS: f64 = 1e6;
-/// Products of smaller weights underflow.
+/// Smallest weight: products of smaller ones underflow.
 const LEAST_WEIGHT: f64 = 1e-9;
-/// A shorter domain leaves the parameter too few numbers to be halved.
+/// Shortest domain: the parameter has too few values to halve a shorter one.
 const LEAST_DOMAIN: f64 = 1e-100;
-/// A spline is halved at most this often for its turn; a cusp is never turned by less.
+/// Most halvings of a spline because of its turn; at a cusp, halving never reduces the turn.
 const HALVINGS: u32 = 24;
-/// A spline is halved at most this often for its reach: its parameter has no finer steps.
+/// Most halvings of a spline because of its reach: its parameter has no finer steps.
 const FINEST: u32 = 48;
-/// Speeds at a spline span's ends may differ from its mean by this factor, …
+/// Largest ratio between the speed at an end of a spline span and its mean, …
 const UNEVEN: f64 = 1.5;
-/// … for as many halvings: at a point without speed they always do. Between very different weights the curve runs through
-/// most of its length in a sliver of the parameter, which takes more halvings to reach.
+/// … enforced for this many halvings: at a point without speed the ratio always exceeds it. Between very different weights the
+/// curve covers most of its length in a sliver of the parameter, which takes more halvings to reach.
 const EVENING: u32 = 8;
 const EVENING_WEIGHTS: u32 = 28;
 
@@ -67,7 +67,7 @@ impl<R: Real, P: Position, S: FnMut(Span<R, P>) -> Result<(), PathError>> Maker<
             return refuse("knots", Some(points.len()), knots[points.len()], "a domain longer than 1e-100");
         }
         for i in degree..points.len() {
-            // A knot within an inner run of more than `degree` breaks the curve.
+            // A knot within an inner run longer than `degree` breaks the curve.
             if i > degree && knots[i + degree] - knots[i] <= 0.0 && i + degree < knots.len() - 1 {
                 return refuse("knots", Some(i), knots[i], "inner knots of at most the degree's multiplicity");
             }
@@ -88,7 +88,7 @@ impl<R: Real, P: Position, S: FnMut(Span<R, P>) -> Result<(), PathError>> Maker<
             for (j, to) in bezier.iter_mut().enumerate().take(degree + 1) {
                 *to = blossom(degree, knots, i, control, u, j);
             }
-            // The spans of a chord are no fewer than its length over theirs: no need to cut a spline to refuse it.
+            // The chord over a span's length is a lower bound on the spans: a spline can be refused without splitting it.
             let ends = [bezier[0], bezier[degree]].map(point);
             let chord = ends[1].distance(ends[0]);
             if chord > 2.0 * REACH * f64::from(MOST) {
@@ -99,7 +99,7 @@ impl<R: Real, P: Position, S: FnMut(Span<R, P>) -> Result<(), PathError>> Maker<
         Ok(())
     }
 
-    /// Halves a Bézier part until it is short and straight enough; recursion is bounded by `FINEST`.
+    /// Halves a Bézier part until it is short and straight enough; `FINEST` bounds the recursion.
     fn split(&mut self, bezier: &Bezier, depth: u32) -> Result<(), PathError> {
         let Shape { middle, far, turn, uneven } = bezier.shape();
         if far > REACH && depth == FINEST {
@@ -136,14 +136,14 @@ struct Bezier {
     rational: bool,
 }
 
-/// Deviation of a part of a spline from a single span.
+/// Deviation of a spline part from a single span.
 struct Shape {
     middle: DVec3,
     /// Distance of the farthest control point from the middle, mm.
     far: f64,
     /// Turn of the control polygon, rad.
     turn: f64,
-    /// The speeds at the ends differ too much from the mean: the arc length's cubic wants them alike.
+    /// Whether the speeds at the ends differ too much from the mean for the cubic of the arc length.
     uneven: bool,
 }
 
@@ -180,7 +180,7 @@ impl Bezier {
         Shape { middle, far, turn, uneven }
     }
 
-    /// Both halves, by de Casteljau.
+    /// Both halves, by de Casteljau's algorithm.
     fn halves(&self) -> [Bezier; 2] {
         let degree = self.degree;
         let (mut left, mut right, mut row) = ([[0.0; 4]; 6], [[0.0; 4]; 6], self.points);
@@ -198,7 +198,8 @@ impl Bezier {
         ]
     }
 
-    /// Origin to the middle, Bernstein to power basis: c_k = C(n,k) Δ^k b_0; weights scaled to about 1.
+    /// Moves the origin to the middle and converts from Bernstein to power basis: c_k = C(n,k) Δ^k b_0; scales the weights to
+    /// about 1.
     fn piece(&self, middle: DVec3) -> Piece {
         let Bezier { degree, points: ref b, origin, u, rational } = *self;
         let scale = 1.0 / b[0][3];

@@ -1,14 +1,14 @@
-//! Part of a span as seen from a point: how many minima of the distance it can hold, and whether any point of it is near.
+//! Part of a span relative to a point: how many minima of the distance it can have, and whether any point of it is near.
 //!
-//! With x(t) = c(t)_xyz − w(t) p on the part, brought to 0..1, both questions are about the sign of a polynomial:
+//! With x(t) = c(t)_xyz − w(t) p on the part, mapped to 0..1, both questions depend on the sign of a polynomial:
 //!
 //! ```text
 //! g(s) = (x·x') w − (x·x) w'      the distance falls where it is negative
 //! n(s) = x·x − d² w²              a point nearer than d where it is negative
 //! ```
 //!
-//! In Bernstein's basis, by Descartes' rule, a polynomial has at most as many zeros in 0..1 as its coefficients change
-//! their sign, and none without a change; a single change is exactly one zero. Coefficients are kept multiplied by their
+//! In Bernstein's basis, by Descartes' rule, a polynomial has at most as many zeros in 0..1 as its coefficients have sign
+//! changes, and none without a change; a single change is exactly one zero. The code keeps coefficients multiplied by their
 //! binomials: signs stay, and products become plain convolutions.
 //!
 //! Source: R. T. Farouki and V. T. Rajan, Algorithms for polynomials in Bernstein form, 1988.
@@ -16,10 +16,10 @@
 use crate::contour::refine::dot;
 use crate::real::Real;
 
-/// Rounding of a coefficient of n, in epsilons of its largest terms.
+/// Rounding error of a coefficient of n, in epsilons of its largest terms.
 const ROUNDING: f64 = 256.0;
 
-/// Coefficients of x and w on the part, C of them.
+/// The C coefficients of x and w on the part.
 pub(super) struct Part<R, const C: usize> {
     x: [[R; 3]; C],
     w: [R; C],
@@ -28,7 +28,7 @@ pub(super) struct Part<R, const C: usize> {
 }
 
 impl<R: Real, const C: usize> Part<R, C> {
-    /// `first..last` of a span with these coefficients; `point` relative to its origin.
+    /// The part `first..last` of a span with these coefficients; `point` is relative to its origin.
     #[inline(always)]
     pub(super) fn new<const RATIONAL: bool>(coefficients: &[[R; 4]; 6], point: &[R; 3], first: R, last: R) -> Self {
         let mut c: [[R; 4]; C] = core::array::from_fn(|k| coefficients[k]);
@@ -84,7 +84,7 @@ impl<R: Real, const C: usize> Part<R, C> {
         Part { x, w, squares }
     }
 
-    /// No point is nearer than the root of `squared`, by more than rounding.
+    /// Whether no point is nearer than √`squared` by more than rounding.
     pub(super) fn is_beyond(&self, squared: R) -> bool {
         let mut n = self.squares;
         for i in 0..C {
@@ -94,13 +94,14 @@ impl<R: Real, const C: usize> Part<R, C> {
         }
         let end = self.squares[2 * (C - 1)];
         let rounding = R::of(ROUNDING) * R::EPSILON * (self.squares[0] + end);
-        // All points as far as the nearest: about the centre of an arc. There a zero is told from rounding by nothing,
-        // and the distance is the same to rounding.
+        // All points are as far as the nearest one: near the centre of an arc. A zero cannot be distinguished from rounding
+        // there, and the distance is the same to rounding.
         let least = if squared > R::of(0.01) * (self.squares[0] + end) { -rounding } else { rounding };
         n.iter().take(2 * C - 1).all(|n| *n >= least)
     }
 
-    /// Changes of sign of g from one end to the other, where its values are `first` and `last`: at most as many zeros.
+    /// Number of sign changes of g from one end to the other, where its values are `first` and `last`: an upper bound on its
+    /// zeros.
     pub(super) fn changes<const RATIONAL: bool>(&self, first: R, last: R) -> u32 {
         let mut g = [R::ZERO; 15];
         for j in 0..C - 1 {

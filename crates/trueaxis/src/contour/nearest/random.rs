@@ -1,4 +1,4 @@
-//! Random paths of all kinds of spans against a dense sampling, which knows nothing of spans but their points.
+//! Random paths of all kinds of spans against dense sampling, which uses only the spans' points.
 
 use crate::contour::{ContourSearch, Flags, Method, NearFoot, Path, Reference, Segment, Span, convert};
 use crate::position::{Nanometres, Position};
@@ -27,7 +27,7 @@ fn add(spans: &mut Vec<Span<f64, f64>>, segment: &Segment<'_>) {
     .unwrap();
 }
 
-/// A spline from `from`: of any degree, rational or not; every third turns back on itself or has a cusp.
+/// A spline from `from`, of any degree, rational or not; every third one turns back on itself or has a cusp.
 fn add_spline(spans: &mut Vec<Span<f64, f64>>, random: &mut Noise, from: DVec3) -> DVec3 {
     let degree = 1 + (random.unit() * 5.0) as usize;
     let count = degree + 1 + (random.unit() * 4.0) as usize;
@@ -60,7 +60,7 @@ fn path(random: &mut Noise) -> Vec<Span<f64, f64>> {
                 at = end;
             }
             1 => {
-                // There and back beside itself.
+                // There and back, side by side.
                 let way = anywhere(random, 20.0);
                 let end = at + DVec3::new(1e-3 * random.signed(), 0.01, 0.0);
                 add(&mut spans, &Segment::Line { start: at, end: at + way });
@@ -87,7 +87,7 @@ fn path(random: &mut Noise) -> Vec<Span<f64, f64>> {
     spans
 }
 
-/// Beside the path, near it, among it, far from it, or on it.
+/// A point beside the path, near it, among its spans, far from it, or on it.
 fn point(random: &mut Noise, spans: &[Span<f64, f64>]) -> [f64; 3] {
     let span = &spans[((random.unit() * spans.len() as f64) as usize).min(spans.len() - 1)];
     let size = [0.0, 1e-5, 0.02, 1.0, 20.0, 1e4][(random.unit() * 6.0) as usize];
@@ -95,7 +95,7 @@ fn point(random: &mut Noise, spans: &[Span<f64, f64>]) -> [f64; 3] {
     (DVec3::from(span.position(t)) + anywhere(random, size)).to_array()
 }
 
-/// The least distance: samples, and golden sections between the neighbours of those that may hold it.
+/// Smallest distance: samples, and golden sections between the neighbours of those that may be nearest.
 fn truth(spans: &[Span<f64, f64>], point: [f64; 3]) -> f64 {
     let at = |span: &Span<f64, f64>, t: f64| away(span.position(t), point);
     let mut samples = Vec::new();
@@ -138,7 +138,7 @@ fn ten_thousand_points_about_random_paths_have_no_nearer_one() {
             let foot = path.span(found.span).unwrap().position(found.t);
             assert!((away(foot, point) - found.error).abs() < slack, "round {round}: {found:?}");
             assert!([found.normal, found.binormal, found.tangential].iter().all(|c| c.is_finite()), "{found:?}");
-            // In single precision, as far as integers reach.
+            // Single precision, within the range of the integers.
             let integers: [Nanometres; 3] = point.map(Position::of);
             if integers.iter().all(|x| x.is_usable()) && truth < 50.0 {
                 let single = Path::new(&rounded, 3, closed).nearest(integers).error.to_f64();
@@ -169,7 +169,7 @@ fn a_window_about_the_nearest_foot_finds_it_again() {
     }
 }
 
-/// Arc length on from a place, over borders.
+/// The point `by` further along the path, across borders.
 fn along(spans: &[Span<f64, f64>], mut span: usize, t: f64, by: f64) -> Reference<f64> {
     let mut place = spans[span].arc_length(t) + by;
     while place > spans[span].length() && span + 1 < spans.len() {

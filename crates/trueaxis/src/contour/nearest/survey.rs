@@ -1,4 +1,4 @@
-//! All minima of the distance on a stretch of path, none missed: each part of a span is halved until it holds one or none.
+//! All minima of the distance on a stretch of path, none missed: each part of a span is halved until it has one or none.
 
 use super::part::Part;
 use crate::contour::Flags;
@@ -10,21 +10,21 @@ use crate::contour::span::{Form, Path, Reference, Span};
 use crate::position::Position;
 use crate::real::Real;
 
-/// Parts of a span narrower than this hold no two minima that differ.
+/// Width of the narrowest parts of a span: narrower parts cannot have two distinct minima.
 const NARROWEST: f64 = 1.0 / 1024.0;
-/// Parts that wait while a span is halved to the narrowest.
+/// Most parts waiting while a span is halved down to the narrowest.
 const WAITING: usize = 12;
-/// Most parts of a span: where the slope is rounding all over, about the centre of an arc, there is no end of them.
+/// Most parts of a span: where the slope is all rounding, near the centre of an arc, halving would not end.
 const PARTS: u32 = 64;
 
-/// Minima so far, seen from a point.
+/// Minima found so far, for one point.
 pub(in crate::contour) struct Survey<'a, R, P> {
     pub(in crate::contour) path: Path<'a, R, P>,
     pub(in crate::contour) point: [P; 3],
     pub(in crate::contour) method: Method,
-    /// Every minimum is counted; else only the nearest is wanted, and what lies beyond it not looked at.
+    /// Counts every minimum; otherwise only the nearest matters, and parts beyond it are skipped.
     pub(in crate::contour) counting: bool,
-    /// Where a foot is likely.
+    /// A likely position of the foot.
     pub(in crate::contour) guess: Reference<R>,
     /// The nearest minimum.
     pub(in crate::contour) minimum: Option<Found<R>>,
@@ -65,7 +65,7 @@ impl<R: Real, P: Position> Survey<'_, R, P> {
         }
     }
 
-    /// Minima and ends of a span between two of its parameters.
+    /// Finds the minima and ends of a span between two of its parameters.
     pub(in crate::contour) fn look(&mut self, number: u32, first: R, last: R) {
         let Some(span) = self.path.span(number) else { return };
         let local = span.relative(&self.point);
@@ -85,16 +85,16 @@ impl<R: Real, P: Position> Survey<'_, R, P> {
         }
     }
 
-    /// An end of a stretch: a minimum where it is a corner or an end of the path.
+    /// Evaluates an end of a stretch: a minimum if it is a corner or an end of the path.
     fn end_of(&mut self, span: &Span<R, P>, number: u32, local: &[R; 3], t: R) -> End<R> {
         let e = evaluate(span, local, t);
         self.spent = self.spent.saturating_add(1);
-        // At the very end the slope is zero, and rises from there.
+        // At the very end the slope is zero and rises from there.
         let g = if e.g == R::ZERO && e.slope > R::ZERO && t == R::ZERO { R::EPSILON } else { e.g };
         let (place, flags) = (Reference { span: number, t }, self.border(number, t, g));
         let found = Found { place, vector: e.vector, tangent: e.tangent, width: R::ZERO, flags, downhill: false };
         if flags.has(Flags::BRACKETED) {
-            // A corner is an end of two spans.
+            // A corner is an end of two spans: count it once.
             let twice = flags.has(Flags::AT_CORNER) && t == R::ZERO;
             self.minima += u32::from(!twice);
             self.keep(found);
@@ -105,7 +105,7 @@ impl<R: Real, P: Position> Survey<'_, R, P> {
         End { t, g: e.g }
     }
 
-    /// Keeps the nearer of two minima; of equal ones that of the earlier span.
+    /// Keeps the nearer of two minima; of equal ones, the one on the earlier span.
     fn keep(&mut self, found: Found<R>) {
         let (new, first) = (squared(&found), found.place.span.wrapping_sub(self.path.first));
         let nearer = self.minimum.as_ref().is_none_or(|held| {
@@ -116,7 +116,7 @@ impl<R: Real, P: Position> Survey<'_, R, P> {
         }
     }
 
-    /// The foot on a straight span, in closed form.
+    /// Finds the foot on a straight span, in closed form.
     fn straight(&mut self, span: &Span<R, P>, number: u32, local: &[R; 3], low: R, high: R) {
         self.minima += 1;
         let [c0, c1, ..] = &span.coefficients;
@@ -127,7 +127,7 @@ impl<R: Real, P: Position> Survey<'_, R, P> {
         self.keep(Found { flags: Flags::BRACKETED, ..at(span, number, &self.point, t) });
     }
 
-    /// Minima between two ends of a curved span.
+    /// Finds the minima between two ends of a curved span.
     #[inline(never)]
     fn parts<const C: usize, const RATIONAL: bool>(
         &mut self,
@@ -173,7 +173,7 @@ impl<R: Real, P: Position> Survey<'_, R, P> {
         }
     }
 
-    /// The minimum between two ends of a part.
+    /// Finds the minimum between two ends of a part.
     fn narrow(&mut self, span: &Span<R, P>, number: u32, local: &[R; 3], low: End<R>, high: End<R>) {
         let inside = |t: R| low.t <= t && t <= high.t;
         let chord = low.t + (high.t - low.t) * (low.g / (low.g - high.g));
@@ -189,7 +189,7 @@ impl<R: Real, P: Position> Survey<'_, R, P> {
         self.bracket(span, number, local, low.t, high.t);
     }
 
-    /// Newton's last step: from a guess farther off than a cycle's, the kernel may leave some 1e-8 mm.
+    /// Takes a last Newton step: from a guess farther off than in a servo cycle, the kernel may leave some 1e-8 mm.
     fn polish(&mut self, span: &Span<R, P>, number: u32, local: &[R; 3], t: R) {
         let e = evaluate(span, local, t);
         self.spent = self.spent.saturating_add(1);
@@ -203,7 +203,7 @@ impl<R: Real, P: Position> Survey<'_, R, P> {
         self.keep(Found { place, vector, tangent, width: R::ZERO, flags: Flags::BRACKETED, downhill: false });
     }
 
-    /// Newton's steps inside the bracket, guarded by bisection; or bisection alone.
+    /// Takes Newton steps inside the bracket, guarded by bisection; or bisects only.
     fn bracket(&mut self, span: &Span<R, P>, number: u32, local: &[R; 3], mut low: R, mut high: R) {
         let mut t = R::HALF * (low + high);
         for _ in 0..80 {
@@ -214,7 +214,8 @@ impl<R: Real, P: Position> Survey<'_, R, P> {
             } else {
                 high = t
             }
-            // Near the centre of curvature the slope nearly vanishes: bisection goes on where Newton's step leads out.
+            // Near the centre of curvature the slope nearly vanishes: bisection continues where Newton's step leaves the
+            // bracket.
             let newton = t - e.g / e.slope;
             let guarded = self.method == Method::Guarded && e.slope > R::ZERO && low < newton && newton < high;
             let next = if guarded { newton } else { R::HALF * (low + high) };
@@ -228,7 +229,7 @@ impl<R: Real, P: Position> Survey<'_, R, P> {
         self.keep(Found { width, flags: Flags::BRACKETED, ..at(span, number, &self.point, t) });
     }
 
-    /// Whether an end of a stretch is a corner's minimum, or the path's end.
+    /// Flags of an end of a stretch: a minimum at a corner, or the path's end, or none.
     #[inline(always)]
     fn border(&self, number: u32, t: R, g: R) -> Flags {
         if (t == R::ONE && g < R::ZERO) || (t == R::ZERO && g > R::ZERO) {
@@ -238,7 +239,7 @@ impl<R: Real, P: Position> Survey<'_, R, P> {
         }
     }
 
-    /// The distance grows inwards from a border: does it outwards too?
+    /// The distance grows inwards from a border: flags for whether it grows outwards too.
     #[inline(never)]
     fn border_beside(&self, number: u32, t: R) -> Flags {
         let outward = t == R::ONE;

@@ -6,7 +6,7 @@ use std::vec::Vec;
 
 const FLAT: [f64; 3] = [0.0, 0.0, 1.0];
 
-/// The butterfly of the test data.
+/// The butterfly curve in the test data.
 pub(super) fn butterfly() -> Vec<Span<f64, f64>> {
     let (mut knots, mut points, mut weights, mut spans) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     let text = include_str!("../../../tests/data/butterfly.csv");
@@ -38,7 +38,7 @@ fn hairpin() -> HostPath<64> {
     path
 }
 
-/// The least distance over many points, to the square of their spacing.
+/// Smallest distance over many points, accurate to the square of their spacing.
 fn sampled(path: &Path<'_, f64, f64>, point: [f64; 3]) -> f64 {
     let mut least = f64::MAX;
     for number in 0.. {
@@ -62,7 +62,7 @@ proptest! {
         prop_assert!((found.error - away).abs() < 1e-9, "{found:?}");
         prop_assert!(found.error <= sampled(&path.path(), point) + 1e-9, "{found:?}");
         prop_assert!(found.flags.has(Flags::BRACKETED), "{found:?}");
-        // The search about the foot finds the same.
+        // The search near the foot gives the same result.
         let search = ContourSearch::new(20.0, Method::Guarded).unwrap();
         let about = search.nearest(&path.path(), Reference { span: found.span, t: found.t }, point);
         prop_assert!((about.error - found.error).abs() < 1e-9, "{about:?} {found:?}");

@@ -14,7 +14,7 @@ use std::{vec, vec::Vec};
 const Z: [f64; 3] = [0.0, 0.0, 1.0];
 const CORNER: [f64; 3] = [10.0, 5.0, 2.0];
 
-/// Head A on C: the tool's direction is R_z(C) R_x(A) z. In doubles, by std.
+/// Head A on C: the tool's direction is R_z(C) R_x(A) z, in doubles, with std.
 fn head([a, _, c]: [f64; 3]) -> [f64; 3] {
     let (a, c) = (a.to_radians(), c.to_radians());
     [a.sin() * c.sin(), -a.sin() * c.cos(), a.cos()]
@@ -43,7 +43,7 @@ fn build<R: Real, P: Position>(segments: &[(Segment<'_>, [f64; 3], [f64; 3])]) -
     (spans, turns)
 }
 
-/// Along X, a turn of 60 degrees of A and 20 of C on the spot, along Y.
+/// Along X, a turn by 60 degrees of A and 20 of C in place, then along Y.
 fn corner<R: Real, P: Position>() -> (Vec<Span<R, P>>, Vec<Turn<R>>) {
     let [x, y, z] = CORNER;
     build(&[
@@ -57,7 +57,7 @@ fn foot<R: Real>(span: u32, t: f64) -> ContourError<R> {
     ContourError { span, t: R::of(t), flags: Flags::BRACKETED, ..ContourError::none() }
 }
 
-/// A tilt of one microradian, about any direction, comes out with its size and sense.
+/// A tilt of one microradian about any direction is found with its size and sign.
 fn resolves_a_microradian<R: Real, P: Position>(permitted: f64) {
     let (spans, turns) = build::<R, P>(&[(
         Segment::Line { start: [0.0; 3].into(), end: DVec3::new(10.0, 0.0, 0.0) },
@@ -142,7 +142,7 @@ fn a_great_circle_is_the_shortest_way_at_a_constant_rate() {
     assert!(Turn::directions(&span, [0.0, 1.0], [f64::NAN, 0.0, 1.0], b).is_none());
 }
 
-/// On the spot the foot is the nearest orientation: against ten thousand samples of the turn.
+/// In a turn in place the foot is the nearest orientation: compared with ten thousand samples of the turn.
 #[test]
 fn the_nearest_orientation_of_a_turn_on_the_spot_is_found() {
     let (spans, turns) = corner::<f64, f64>();
@@ -158,7 +158,7 @@ fn the_nearest_orientation_of_a_turn_on_the_spot_is_found() {
         let found = path.orientation(reference, &foot(0, 1.0), V3::<f64>::of(actual).glam(), of_axes);
         assert!(found.angle <= brute + 1e-10 && found.angle > brute - 2.5e-6, "{s}: {} {brute}", found.angle);
         assert!(found.evaluations <= 27);
-        // With the reference gone on, and with the foot on either side of the point.
+        // With the reference already past the turn, and the foot on either side of the point.
         for at in [foot(0, 1.0), foot(2, 0.0)] {
             let found = path.orientation(Reference { span: 2, t: 1e-3 }, &at, V3::<f64>::of(actual).glam(), of_axes);
             assert!(found.angle <= brute + 1e-6, "{s}: {} {brute}", found.angle);
@@ -166,7 +166,7 @@ fn the_nearest_orientation_of_a_turn_on_the_spot_is_found() {
     }
 }
 
-/// Two axes turning one after the other on the spot, tool and reference on different sides of the border.
+/// Two axes turn one after the other in place, with tool and reference on different sides of the border.
 #[test]
 fn turns_on_the_spot_follow_each_other() {
     let (spans, turns) = build::<f64, f64>(&[
@@ -189,7 +189,7 @@ fn turns_on_the_spot_follow_each_other() {
     }
 }
 
-/// Nearest distance from the two legs of the corner.
+/// Distance from the nearer of the corner's two legs.
 fn to_legs(p: [f64; 3]) -> f64 {
     let [x, y, z] = core::array::from_fn(|k| p[k] - CORNER[k]);
     let (first, second) = (x.min(0.0), y.clamp(0.0, 12.0));
@@ -198,7 +198,7 @@ fn to_legs(p: [f64; 3]) -> f64 {
     a.min(b)
 }
 
-/// A machine that lags with 1 ms and strays by some micrometres follows along X, turns on the spot, leaves along Y.
+/// A machine with a lag of 1 ms and disturbances of some micrometres follows along X, turns in place and leaves along Y.
 fn walks_the_corner<R: Real, P: Position>(permitted_mm: f64) {
     let (spans, turns) = corner::<R, P>();
     let path = ToolPath::new(Path::new(&spans, 0, false), &turns);
@@ -238,10 +238,10 @@ fn walks_the_corner<R: Real, P: Position>(permitted_mm: f64) {
         let angle = found.angle.to_f64();
         on_the_turn += u32::from(found.span == 1);
         if let Some(last_angle) = before {
-            // If the tool moves on before the turn is done, the remaining turn weighs less than the motion of the tip.
+            // If the tool moves on before the turn is complete, the remaining turn counts less than the motion of the tip.
             assert!((angle - last_angle).abs() < 0.6e-3, "{time}: {last_angle} {angle}");
         }
-        // On the spot both axes lag alike: no error, although the reference is 0.2 degrees ahead.
+        // In place both axes lag alike: no error, although the reference is 0.2 degrees ahead.
         if (0.25..0.54).contains(&time) {
             assert!(angle < 2e-6, "{time}: {angle}");
         }
@@ -274,7 +274,8 @@ fn a_path_without_turns_has_no_orientation_error() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: crate::testing::share::share(3000) as u32, ..ProptestConfig::default() })]
 
-    /// Any turns, any direction, any tip, any order of spans: finite, bounded, and the tip search stays the nearest.
+    /// For any turns, directions, tips and orders of spans the result is finite and bounded, and the tip search still finds
+    /// the nearest foot.
     #[test]
     fn nothing_makes_it_fail(
         kinds in prop::collection::vec((any::<bool>(), -400.0..400.0f64, -400.0..400.0f64), 1..6),

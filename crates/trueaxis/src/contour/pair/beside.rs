@@ -1,4 +1,5 @@
-//! Out of line: near borders and corners, not converged, or no foot known. One budget of evaluations for both points.
+//! Out-of-line search near borders and corners, without convergence, or with no foot known. Both points share one budget of
+//! evaluations.
 
 use super::frame::{Seen, Start, Tangent, feet, local};
 use super::{PairState, place};
@@ -12,57 +13,58 @@ use crate::contour::{ContourError, ContourSearch, Flags, Method};
 use crate::position::Position;
 use crate::real::Real;
 
-/// Evaluations of the path for both points.
+/// Most evaluations of the path for both points together.
 const BOTH: u8 = 8;
-/// A look behind a border.
+/// Evaluations needed to search behind a border.
 const BEYOND: u8 = 5;
-/// The tip's own descent, where the first frame did not converge: the encoder's kernel is left.
+/// Evaluations for the tip's own descent if the first frame did not converge: the rest are for the encoder's kernel.
 const DESCENT: u8 = 3;
 
-/// The two points in a cycle, and what has been spent on them.
+/// The two points in a cycle, and the evaluations spent on them.
 struct Points<'a, 's, R: Real, P> {
     on: &'a OnPath<'s, R, P>,
     position: &'a [P; 3],
     d: &'a [R; 3],
-    /// Borders within this are in sight, whatever the errors.
+    /// Borders within this arc length are searched, whatever the errors.
     window: R,
-    /// How far a search goes, arc length.
+    /// How far a search may go, mm of arc length.
     reach: R,
     /// A span near the feet, and the arc length from its start to the reference.
     base: u32,
     place: R,
     doubt: Doubt<R>,
     max_lag: R,
-    /// Evaluations for the tip, or for both, and for the encoder alone.
+    /// Evaluations for the tip or for both points, and for the encoder alone.
     spent: [u8; 2],
 }
 
-/// Both feet, as far as they are known.
+/// Both feet, if known.
 struct Feet<R> {
     tip: Option<Found<R>>,
     encoder: Option<Found<R>>,
 }
 
-/// Where the search of each goes on, if its foot is still missing.
+/// Where the search for each missing foot continues.
 struct From<R> {
     tip: Reference<R>,
-    /// From the tip's foot if there is nothing better.
+    /// `None`: from the tip's foot.
     encoder: Option<Reference<R>>,
 }
 
-/// Parameter of a border in the span, and in the one beyond it.
+/// Parameters of a border on its span and on the span beyond it.
 fn sides<R: Real>(forward: bool) -> [R; 2] {
     if forward { [R::ONE, R::ZERO] } else { [R::ZERO, R::ONE] }
 }
 
-/// Whether the distance of the point `d` behind the tip grows that way.
+/// Whether the distance of the point that lies `d` behind the tip grows in the given direction.
 fn rises<R: Real>(e: &Evaluation<R>, d: &[R; 3], forward: bool) -> bool {
     let g = e.g + dot(d, &e.tangent);
     if forward { g >= R::ZERO } else { g <= R::ZERO }
 }
 
 impl<R: Real> ContourSearch<R> {
-    /// The plain case's tests have failed: near a border or beyond it, at a second minimum, upright, or left behind.
+    /// Continues where a test of the plain case has failed: near or beyond a border, at a second minimum, on an upright path,
+    /// or with the foot left behind.
     #[inline(never)]
     pub(super) fn beside_pair<P: Position>(
         &self,
@@ -96,7 +98,7 @@ impl<R: Real> ContourSearch<R> {
         let Feet { tip: Some(at_tip), encoder: Some(at_encoder) } = &feet else {
             return state.lose(tip, encoder);
         };
-        // On short spans at high feed the evaluations may run out just past a border: the next cycle goes on from there.
+        // On short spans at high feed the evaluations may run out just past a border: the next cycle continues from there.
         if !(at_tip.flags.has(Flags::BRACKETED) || at_tip.downhill) || points.doubt.is_lost() {
             state.tip.warm = false;
             state.tip.looked = 0;
@@ -104,7 +106,7 @@ impl<R: Real> ContourSearch<R> {
         self.report_pair(state, on.reference, &points, at_tip, at_encoder, tip, encoder);
     }
 
-    /// No foot known, or one without a speed, or plain bisection.
+    /// Searches with no foot known, with a foot without a speed, or by plain bisection.
     #[cold]
     #[inline(never)]
     pub(super) fn pair_anew<P: Position>(
@@ -157,7 +159,7 @@ impl<R: Real> ContourSearch<R> {
         self.report_pair(state, reference, &points, &at_tip, &at_encoder, tip, encoder);
     }
 
-    /// Takes a few samples around the reference; both feet from the nearest sample so far.
+    /// Takes a few samples around the reference and finds both feet from the nearest sample so far.
     fn cold_pair<P: Position>(
         &self,
         state: &mut ContourState<R>,
@@ -174,13 +176,13 @@ impl<R: Real> ContourSearch<R> {
         let guess = path.moving(state.best.at);
         (points.base, points.place) = (guess.span, place(path, guess, state.best.lag, reference)?);
         let mut along = Tangent::NONE;
-        // No lag is so small: never plain.
+        // A negative limit that no lag satisfies: never plain.
         let start = Start { guess: guess.t, window: self.max_lag, place: R::ZERO, max_lag: -R::ONE };
         let seen = feet(path.span(guess.span)?, points.position, points.d, start, tip, encoder, &mut along);
         points.spent[0] += 2;
         points.spent[1] += u8::from(seen.tip());
         let (mut at_tip, at_encoder) = if sampled {
-            // The sample itself where the frame has no answer, until all are taken.
+            // Until all samples are taken, the sample itself is the answer if the frame has none.
             let feet = Feet::of(guess.span, seen, &along, tip, encoder);
             let at_tip = match feet.tip {
                 Some(at_tip) => at_tip,
@@ -196,7 +198,7 @@ impl<R: Real> ContourSearch<R> {
             (feet.tip?, feet.encoder?)
         };
         if !sampled {
-            // Looked all over: either it is found, or the search begins again.
+            // All samples are taken: either the foot is found, or the search begins again.
             state.warm = at_tip.flags.has(Flags::BRACKETED);
             state.looked = 0;
         }
@@ -218,7 +220,7 @@ impl<R: Real> ContourSearch<R> {
         let lag = points.lag(at_tip.place);
         (state.tip.foot, state.tip.reference, state.tip.doubt) = (at_tip.place, reference, points.doubt);
         if state.tip.warm && lag.abs() > self.max_lag {
-            // The foot has stayed behind: look around afresh.
+            // The foot has stayed behind: start a cold search.
             state.tip.warm = false;
             state.tip.looked = 0;
         }
@@ -233,7 +235,7 @@ impl<R: Real> ContourSearch<R> {
 }
 
 impl<R: Real> Feet<R> {
-    /// The feet of one frame that lie on its span.
+    /// The feet of one frame, if they lie on its span.
     fn of(span: u32, seen: Seen, along: &Tangent<R>, tip: &ContourError<R>, encoder: &ContourError<R>) -> Self {
         let found = |converged: bool, foot: &ContourError<R>| {
             let vector: [R; 3] = foot.vector.into();
@@ -250,7 +252,7 @@ impl<R: Real> Feet<R> {
     }
 }
 
-/// Keeps the nearer one of two minima, and that there are two.
+/// Keeps the nearer of two minima, and flags it if there are two.
 fn keep_nearer<R: Real>(kept: &mut Option<Found<R>>, other: &Option<Found<R>>) {
     let Some(other) = other else { return };
     let Some(one) = kept else {
@@ -275,7 +277,7 @@ impl<R: Real, P: Position> Points<'_, '_, R, P> {
         BOTH.saturating_sub(tip.saturating_add(encoder))
     }
 
-    /// Both feet, from those of the first frame; none where there is no path.
+    /// Finds both feet, starting from those of the first frame; they stay `None` if there is no path.
     fn resolve(
         &mut self,
         feet: &mut Feet<R>,
@@ -286,7 +288,7 @@ impl<R: Real, P: Position> Points<'_, '_, R, P> {
         encoder: &ContourError<R>,
     ) {
         let mut from = From { tip: guess, encoder: None };
-        // A foot beyond the border counts as the border.
+        // A foot beyond the border counts as lying on it.
         let near = (tip.t.limit(R::ZERO, R::ONE) - guess.t).abs() * along.speed <= self.reach;
         if seen.tip() && near {
             *feet = Feet::of(guess.span, seen, along, tip, encoder);
@@ -302,8 +304,8 @@ impl<R: Real, P: Position> Points<'_, '_, R, P> {
         }
     }
 
-    /// Looks at the leg beside the tip's foot, if there is one: of both feet the one that is meant, and the encoder's on the
-    /// same leg.
+    /// Searches the leg beside the tip's foot, if there is one: keeps the intended foot of the two, with the encoder's foot on
+    /// the same leg.
     fn look_beside(&mut self, found: &mut Feet<R>) -> bool {
         let (true, Some(at_tip)) = (self.doubt.open, &found.tip) else { return false };
         let (position, d) = (self.position, self.d);
@@ -319,8 +321,8 @@ impl<R: Real, P: Position> Points<'_, '_, R, P> {
         true
     }
 
-    /// Looks behind the border in sight, if there is one: one frame there for both points; where feet are still
-    /// missing, the border itself, seen from either side.
+    /// Searches behind the border if it is in sight: one frame there for both points. For feet that are still missing, tests
+    /// the border itself from either side.
     fn look_beyond(
         &mut self,
         found: &mut Feet<R>,
@@ -331,7 +333,7 @@ impl<R: Real, P: Position> Points<'_, '_, R, P> {
     ) -> From<R> {
         let path = &self.on.path;
         let held = |t: R| Reference { span: number, t: t.limit(R::ZERO, R::ONE) };
-        // An encoder's foot that is not exact yet is a good guess.
+        // An inexact foot of the encoder is still a good guess.
         let mut from = From { tip: held(tip.t), encoder: (!seen.encoder()).then(|| held(encoder.t)) };
         let Some(span) = path.span(number) else { return from };
         let (place, other, length) = (span.arc_length(tip.t), span.arc_length(encoder.t), span.length());
@@ -352,14 +354,14 @@ impl<R: Real, P: Position> Points<'_, '_, R, P> {
             if uphill != [true; 2] {
                 let (mut to_tip, mut to_encoder) = (ContourError::none(), ContourError::none());
                 let mut along = Tangent::NONE;
-                // No lag is so small: never plain.
+                // A negative limit that no lag satisfies: never plain.
                 let start = Start { guess: entry, window: self.window, place: R::ZERO, max_lag: -R::ONE };
                 let inside = feet(there, self.position, self.d, start, &mut to_tip, &mut to_encoder, &mut along);
                 self.spent[0] += 2;
                 self.spent[1] += u8::from(inside.tip());
                 let second = Feet::of(beyond, inside, &along, &to_tip, &to_encoder);
                 self.keep_meant(found, second, forward);
-                // Only between two feet beyond it from either side is the border the foot.
+                // The border is the foot only if both spans' feet lie beyond it.
                 let begin = Reference { span: beyond, t: entry };
                 let [tip_outside, encoder_outside] = [uphill[0] || inside.tip(), uphill[1] || inside.encoder()];
                 if !tip_outside {
@@ -378,7 +380,7 @@ impl<R: Real, P: Position> Points<'_, '_, R, P> {
         from
     }
 
-    /// Keeps the nearer feet of both sides of a border, or those of the leg that is meant.
+    /// Keeps the nearer feet from both sides of a border, or those of the intended leg.
     fn keep_meant(&mut self, found: &mut Feet<R>, second: Feet<R>, forward: bool) {
         let meant = match (&found.tip, &second.tip) {
             (Some(one), Some(other)) => self.doubt.at_border(self.on, self.window, self.max_lag, (one, other), forward),
@@ -398,7 +400,7 @@ impl<R: Real, P: Position> Points<'_, '_, R, P> {
         }
     }
 
-    /// The border itself, for the points whose foot is missing: a corner, or the end of an open path.
+    /// Takes the border itself, a corner or the end of an open path, for the points whose foot is missing.
     fn look_at(
         &mut self,
         found: &mut Feet<R>,
@@ -415,7 +417,7 @@ impl<R: Real, P: Position> Points<'_, '_, R, P> {
             if !missing {
                 continue;
             }
-            // Downhill to the border from within, and uphill beyond it.
+            // The border is a foot if the distance falls towards it from within and rises beyond it.
             let downhill = rises(&inner, d, !forward);
             let (place, e, kind, bracketed) = match &outer {
                 Some((span, outer)) => {
@@ -434,13 +436,13 @@ impl<R: Real, P: Position> Points<'_, '_, R, P> {
         }
     }
 
-    /// The path at `t` of a span, as the tip sees it.
+    /// Evaluates the path at `t` of a span, relative to the tip.
     fn sample(&self, number: u32, t: R) -> Option<Evaluation<R>> {
         let span = self.on.path.span(number)?;
         Some(evaluate(span, &local(span, self.position, self.d), t))
     }
 
-    /// The tip's foot by its own search; where evaluations are left, a second one behind the nearer border.
+    /// Finds the tip's foot by a separate descent and, if evaluations are left, a second one behind the nearer border.
     fn descend_from(&mut self, from: Reference<R>) -> Option<Found<R>> {
         let ([x, y, z], [dx, dy, dz]) = (self.position, self.d);
         let point = [x.plus(*dx), y.plus(*dy), z.plus(*dz)];
@@ -453,7 +455,8 @@ impl<R: Real, P: Position> Points<'_, '_, R, P> {
         across(self.on, &mut self.doubt, self.max_lag, &found, &point, self.window, spent).or(Some(found))
     }
 
-    /// The encoder's foot by the kernel, from a guess or from the tip's; else that one itself, not bracketed.
+    /// The encoder's foot by the kernel, from a guess or from the tip's foot; failing that, the tip's foot itself, not
+    /// bracketed.
     fn encoder_from(&mut self, tip: &Found<R>, guess: Option<Reference<R>>) -> Found<R> {
         let from = guess.unwrap_or(tip.place);
         if let (true, Some(span)) = (self.left() >= 2, self.on.path.span(from.span)) {
@@ -466,7 +469,7 @@ impl<R: Real, P: Position> Points<'_, '_, R, P> {
         self.beside_tip(tip)
     }
 
-    /// The encoder seen from the tip's foot.
+    /// The encoder's error, measured at the tip's foot.
     fn beside_tip(&self, tip: &Found<R>) -> Found<R> {
         let mut vector = tip.vector;
         for k in 0..3 {
@@ -476,7 +479,7 @@ impl<R: Real, P: Position> Points<'_, '_, R, P> {
         Found { vector, width, flags: Flags::default(), downhill: true, ..*tip }
     }
 
-    /// The encoder's foot by plain bisection from the tip's.
+    /// The encoder's foot by plain bisection, starting at the tip's foot.
     fn by_halves(&mut self, tip: &Found<R>, reference: Reference<R>) -> Found<R> {
         let base = Reference { span: tip.place.span, t: R::ZERO };
         (self.base, self.place) = (base.span, way_far(&self.on.path, base, reference, self.reach));

@@ -1,17 +1,17 @@
-//! Feet of two points near one another on one span, from one shifted frame.
+//! Feet of two neighbouring points on one span, from one shifted frame.
 //!
-//! The tip's is found as the kernel does it. The encoder lies d = tip − encoder from it, and in the same frame
-//! x + w d is its homogeneous vector: from the tip's foot a step of the second order, then an exact Newton step.
+//! The tip's foot is found as in the kernel. The encoder lies d = tip − encoder from the tip, so in the same frame its
+//! homogeneous vector is x + w d. A second-order step from the tip's foot and an exact Newton step give its foot.
 //!
-//! What a Newton step c leaves along the path is, with T the path's derivative and u = g''/2g',
+//! With T the path's derivative and u = g''/2g', a Newton step c leaves a remainder along the path of
 //!
 //! ```text
 //! τ ≤ |T| c² (|u| + K)        K: what u changes by on the way from the guess
 //! ```
 //!
-//! and the distance e is then off by at most √(e² + τ²) − e, which is below ε exactly where τ² ≤ ε(ε + 2e). K holds where
-//! neither the path's second nor its third derivative is much larger than its first, which is tested too: u may be small
-//! by chance, at an inflection or in the middle of an arc.
+//! and the distance e is then off by at most √(e² + τ²) − e, which is below ε exactly where τ² ≤ ε(ε + 2e). K is valid where
+//! neither the path's second nor its third derivative is much larger than its first. The code tests that too, since u may be
+//! small by chance, at an inflection or in the middle of an arc.
 
 use crate::contour::kernel::{Taylor, homogeneous, shifted_cubic, shifted_quintic, third_order};
 use crate::contour::span::{Form, Span, dot};
@@ -20,16 +20,16 @@ use crate::contour::{ContourError, Flags};
 use crate::position::Position;
 use crate::real::Real;
 
-/// What the distance may be off, mm: 1e-6 nm in doubles, 0.3 nm in single precision.
+/// Permitted error of the distance, mm: 1e-6 nm in doubles, 0.3 nm in single precision.
 #[inline(always)]
 fn tolerance<R: Real>() -> R {
     if R::EPSILON.to_f64() < 1e-10 { R::of(1e-12) } else { R::of(3e-7) }
 }
 
-/// K. So large that |c|³ times the third derivative is below ε as well, and need not be added to the vectors.
+/// K: large enough that |c|³ times the third derivative is below ε as well and need not be added to the vectors.
 const CHANGE_OF_U: f64 = 16.0;
 
-/// A path's normal b × T of less than this times |T|², squared, points nowhere: the path runs along the plane's normal.
+/// If |b × T|² is below this times |T|², the path runs along the plane's normal and b × T has no useful direction.
 const UPRIGHT: f64 = 0.01;
 
 /// Derivative of the path at the tip's foot, and its length.
@@ -43,7 +43,7 @@ impl<R: Real> Tangent<R> {
     pub(super) const NONE: Self = Tangent { tangent: [R::ZERO; 3], speed: R::ZERO };
 }
 
-/// What a frame has found.
+/// Which results of a frame are valid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Seen(u8);
 
@@ -53,25 +53,24 @@ impl Seen {
     const BOTH: Self = Seen(3);
     const PLAIN: Self = Seen(7);
 
-    /// The tip's foot is an exact minimum of the distance, wherever on the span or beyond it: parameter, vector and
-    /// error are written, and the tangent unless all is plain.
+    /// The tip's foot is an exact minimum of the distance, on the span or beyond it: parameter, vector and error are written,
+    /// and the tangent unless all is plain.
     pub(super) const fn tip(self) -> bool {
         self.0 & 1 != 0
     }
 
-    /// The same of the encoder.
+    /// The encoder's foot is an exact minimum too, and its parameter, vector and error are written.
     pub(super) const fn encoder(self) -> bool {
         self.0 & 2 != 0
     }
 
-    /// Both feet are clear of the span's borders and all else is as expected: both errors are written, all but their
-    /// spans.
+    /// Both feet are clear of the span's borders and every other test passed: both errors are complete except for their spans.
     pub(super) const fn plain(self) -> bool {
         self.0 & 4 != 0
     }
 }
 
-/// Where a cycle's search starts and what it expects.
+/// Start of a cycle's search, and its limits.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Start<R> {
     pub(super) guess: R,
@@ -79,11 +78,11 @@ pub(super) struct Start<R> {
     pub(super) window: R,
     /// Arc length from the start of the span to the reference.
     pub(super) place: R,
-    /// A foot farther from the reference than this is not plain.
+    /// A foot farther than this from the reference is not plain.
     pub(super) max_lag: R,
 }
 
-/// Feet of an encoder position and of the tip `d` (mm) from it.
+/// Finds the feet of an encoder position and of the tip, `d` (mm) from it.
 #[inline(always)]
 pub(super) fn feet<R: Real, P: Position>(
     span: &Span<R, P>,
@@ -107,7 +106,7 @@ pub(super) fn feet<R: Real, P: Position>(
     }
 }
 
-// The start by its parts: they stay in registers.
+// Takes the parts of a `Start` one by one so that they stay in registers.
 #[inline(never)]
 fn cubic<R: Real, P: Position, const RATIONAL: bool>(
     span: &Span<R, P>,
@@ -144,7 +143,7 @@ fn quintic<R: Real, P: Position, const RATIONAL: bool>(
     solve::<R, P, RATIONAL, 6>(&shifted, span, &local(span, position, d), d, start, tip, encoder, along)
 }
 
-/// The tip relative to the span's origin: the encoder's distance is exact, and no position is rounded.
+/// The tip relative to the span's origin: the encoder's offset is exact, so no position is rounded.
 #[inline(always)]
 pub(super) fn local<R: Real, P: Position>(span: &Span<R, P>, position: &[P; 3], d: &[R; 3]) -> [R; 3] {
     let [x, y, z] = span.relative(position);
@@ -165,8 +164,8 @@ fn solve<R: Real, P: Position, const RATIONAL: bool, const C: usize>(
     let (x, w) = homogeneous::<R, RATIONAL, C>(shifted, p);
     let Some(step) = third_order::<R, RATIONAL, C>(&x, &w) else { return Seen::NOTHING };
     let ([_, _, bend, twist, ..], [w0, w1, w2, w3, ..]) = (&x[..], &w[..]) else { return Seen::NOTHING };
-    // Second and third derivative against the first: |d|² + |e|² below a few |b|², and as to the weights the same. It
-    // implies that g' is positive.
+    // Compares the second and third derivatives with the first: |d|² + |e|² must be below a few |b|², and the weights
+    // likewise. This implies that g' is positive.
     let mut uneven = dot(bend, bend) + dot(twist, twist);
     if RATIONAL {
         uneven = uneven * *w0 + step.g1 * (*w1 * *w1 + *w2 * *w2 + *w3 * *w3);
@@ -196,7 +195,7 @@ fn solve<R: Real, P: Position, const RATIONAL: bool, const C: usize>(
     let found = Point { t, vector: newton.vector, error };
     found.write(tip);
 
-    // The encoder: g there is d·T, its derivative what it is at the tip's foot.
+    // The encoder: g at the tip's foot is d·T, with the same derivative as for the tip.
     let off = dot(d, &tangent);
     let mut slope = newton.slope;
     if RATIONAL {
@@ -234,7 +233,7 @@ fn solve<R: Real, P: Position, const RATIONAL: bool, const C: usize>(
         && (found.t - start.guess).abs() * speed <= start.window
         && lag.abs() <= start.max_lag
         && nn > R::of(UPRIGHT) * squared;
-    // The next cycle needs the speed too.
+    // The next cycle needs the speed even if this one is not plain.
     along.speed = speed;
     if !plain {
         along.tangent = tangent;
@@ -246,7 +245,7 @@ fn solve<R: Real, P: Position, const RATIONAL: bool, const C: usize>(
     let stretch = speed * inverse;
     tip.normal = -(dot(&found.vector, &n) * inverse);
     tip.binormal = -(dot(&found.vector, &span.plane) * stretch);
-    // The path has turned a little on the way to the encoder's foot: what is not out of the plane is in it.
+    // The path turns slightly on the way to the encoder's foot: everything that is not out of the plane is in it.
     let binormal = -(dot(&other.vector, &span.plane) * stretch);
     let normal = (other.error * other.error - binormal * binormal).sqrt();
     encoder.binormal = binormal;
@@ -289,7 +288,7 @@ impl<'a, R: Real> Length<'a, R> {
     }
 }
 
-/// A foot: its parameter, from the point to the curve, and the distance.
+/// A foot: its parameter, the vector from the point to the curve, and the distance.
 struct Point<R> {
     t: R,
     vector: [R; 3],
@@ -310,7 +309,7 @@ struct Newton<R> {
     correction: R,
     /// g'.
     slope: R,
-    /// One over the weight after the step.
+    /// Reciprocal of the weight after the step.
     weight: R,
     /// From the point to the curve after the step, mm.
     vector: [R; 3],
@@ -348,7 +347,8 @@ impl<R: Real> Newton<R> {
     /// The trust test: `change` bounds |u| from the guess to here, `squared` is |T|².
     #[inline(always)]
     fn leaves_nothing(&self, error: R, change: R, squared: R) -> bool {
-        // Both sides in millions, so that none is subnormal in single precision, which costs a host some hundred cycles.
+        // Both sides are scaled by millions so that neither is subnormal in single precision, which costs a host some hundred
+        // cycles.
         let left = change * R::of(1e6) * (self.correction * self.correction);
         left * left * squared <= tolerance::<R>() * R::of(1e12) * (tolerance::<R>() + error + error)
     }

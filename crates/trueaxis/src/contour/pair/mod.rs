@@ -1,12 +1,12 @@
 //! Contour errors of the estimated tip and of the plain encoder position together.
 //!
-//! The two lie apart by the tip's modelled error, some micrometres, so that one guess and one shifted frame serve both
-//! ([`frame`]). One foot is followed from cycle to cycle, the tip's; the encoder's is the minimum of its distance that
-//! lies downhill from there. In a hairpin, where the nearest leg may be another for each, both are therefore on
-//! the same one.
+//! The two points are only the tip's modelled error apart, some micrometres, so one guess and one shifted frame serve both
+//! ([`frame`]). The search follows one foot from cycle to cycle, the tip's; the encoder's foot is the minimum of its distance
+//! downhill from there. In a hairpin, where each point may have a different nearest leg, both feet therefore stay on the same
+//! leg.
 //!
-//! A cycle's plain case is computed straight: everything is tested, then written. What is not plain goes out of line at
-//! once ([`beside`]).
+//! The plain case of a cycle is straight-line code that runs every test before it writes anything. Any other case goes out of
+//! line at once ([`beside`]).
 
 mod beside;
 mod frame;
@@ -28,23 +28,24 @@ pub struct PairState<R> {
     place: R,
     /// The path's derivative at the foot.
     along: Tangent<R>,
-    /// The foot can be followed.
+    /// Whether the foot can be followed.
     swift: bool,
 }
 
 impl<R: Real> ContourSearch<R> {
-    /// Contour errors of an encoder position (mm) and of the tip, which is `d` (mm) from it, in this cycle; both are written.
+    /// Contour errors of an encoder position (mm) and of the tip, which is `d` (mm) from it, in this cycle; writes both.
     ///
-    /// The tip's is what [`ContourSearch::update`] gives, without rounding it to a position. The encoder's is
-    /// the minimum of its distance that lies downhill from the tip's foot, and its distance is as exact: 1e-6 nm in
-    /// doubles, 2 nm in single precision. In the plain case both vectors are split in the frame of the tip's foot, in
-    /// which the encoder's components are exact on plane paths and on helices about the plane's normal. Elsewhere its
-    /// binormal one is off by up to cot α · κ|d| of itself, κ the curvature and α the angle between path and normal,
-    /// and the normal one is what then remains of the distance.
+    /// The tip's error is the one that [`ContourSearch::update`] gives, without rounding the tip to a position. The encoder's
+    /// foot is the minimum of its distance downhill from the tip's foot, and its distance is as exact: 1e-6 nm in doubles,
+    /// 2 nm in single precision. In the plain case both vectors are split in the frame of the tip's foot, in which the encoder's
+    /// components are exact on plane paths and on helices about the plane's normal. On other paths its binormal component has
+    /// a relative error of up to cot α · κ|d|, with κ the curvature and α the angle between path and normal, and its normal
+    /// component is what then remains of the distance.
     ///
-    /// At most eight evaluations of the path for both; what serves both counts for the tip. If they are used up before
-    /// the encoder's foot is found, its error is counted from the tip's, `width` is |d| and [`Flags::BRACKETED`] is
-    /// missing. A reference off its span: as in [`ContourSearch::update`]. Cost: the kernel's twice and a half, as a rule.
+    /// Uses at most eight evaluations of the path for both; evaluations that serve both count for the tip. If they run out
+    /// before the encoder's foot is found, its error is measured from the tip's foot, `width` is |d| and [`Flags::BRACKETED`]
+    /// is missing. For a reference off its span see [`ContourSearch::update`]. Cost: usually two and a half times the
+    /// kernel's.
     #[inline(always)]
     pub fn update_pair<P: Position>(
         &self,
@@ -62,7 +63,7 @@ impl<R: Real> ContourSearch<R> {
         }
     }
 
-    /// The reference is off its span.
+    /// Handles a reference off its span.
     #[cold]
     #[inline(never)]
     fn pair_off<P: Position>(
@@ -87,7 +88,7 @@ impl<R: Real> ContourSearch<R> {
         }
     }
 
-    /// The reference is on its span.
+    /// Handles a reference on its span.
     #[inline(always)]
     fn pair_on<P: Position>(
         &self,
@@ -110,7 +111,7 @@ impl<R: Real> ContourSearch<R> {
         let mut max_lag = self.max_lag;
         if !(same && guess.is_in_unit()) || state.tip.doubt.open {
             let Some(at) = state.cross(&on.path, reference) else {
-                // Out of sight.
+                // The motion exceeds the limit of spans.
                 state.forget();
                 return self.pair_anew(state, on, position, d, tip, encoder);
             };
@@ -127,7 +128,7 @@ impl<R: Real> ContourSearch<R> {
                 progress,
             };
             if state.tip.doubt.follow(&on.path, &apart, window(progress)) {
-                // No lag is so small: never plain.
+                // A negative limit that no lag satisfies: never plain.
                 max_lag = -R::ONE;
             }
             state.tip.foot.span = number;
@@ -144,7 +145,7 @@ impl<R: Real> ContourSearch<R> {
     }
 }
 
-/// Where a cycle starts whose foot and reference are on two spans, or whose guess is beyond the foot's.
+/// Start of a cycle in which foot and reference are on two spans, or the guess is beyond the foot's span.
 struct Crossed<R> {
     guess: Reference<R>,
     progress: R,
@@ -153,31 +154,31 @@ struct Crossed<R> {
 }
 
 impl<R: Real> PairState<R> {
-    /// None where the reference has leaped out of sight.
+    /// `None` if the reference has jumped beyond the limit of spans.
     #[inline(never)]
     fn cross<P: Position>(&self, path: &Path<'_, R, P>, reference: Reference<R>) -> Option<Crossed<R>> {
         let foot = self.tip.foot;
         let progress = way(path, self.tip.reference, reference)?;
         let Moved { to: guess, by } = advance(path, foot, progress)?;
-        // The distance goes on from cycle to cycle, and is taken anew where there is only one span to look at.
+        // The lag carries over from cycle to cycle; `place` recomputes it where both are on one span.
         let lag = self.place - path.span(foot.span)?.arc_length(foot.t) + progress - by;
         Some(Crossed { guess, progress, place: place(path, guess, lag, reference)? })
     }
 
-    /// The next search starts cold.
+    /// Makes the next search start cold.
     #[inline(always)]
     pub(crate) fn forget(&mut self) {
         (self.tip, self.swift) = (ContourState::default(), false);
     }
 
-    /// Nothing is measured.
+    /// Forgets the foot and reports no error measured.
     #[cold]
     fn lose(&mut self, tip: &mut ContourError<R>, encoder: &mut ContourError<R>) {
         self.forget();
         (*tip, *encoder) = (ContourError::none(), ContourError::none());
     }
 
-    /// What the next cycle starts from, after a search out of line.
+    /// Stores the start of the next cycle after a search out of line.
     fn keep<P: Position>(
         &mut self,
         method: Method,
@@ -192,7 +193,7 @@ impl<R: Real> PairState<R> {
     }
 }
 
-/// Arc length from the start of a foot's span to the reference, which is `lag` ahead of it.
+/// Arc length from the start of a foot's span to the reference, which is `lag` ahead of the foot.
 #[inline(always)]
 fn place<R: Real, P: Position>(
     path: &Path<'_, R, P>,

@@ -6,7 +6,7 @@ use proptest::prelude::*;
 proptest! {
     #![proptest_config(ProptestConfig { cases: crate::testing::share::share(20_000) as u32, ..ProptestConfig::default() })]
 
-    /// No point, reference or state that floats can make gives a panic or a result that is not finite.
+    /// No point, reference or state that floats can represent causes a panic or a result that is not finite.
     #[test]
     fn any_query_is_answered_with_finite_numbers(
         points in prop::collection::vec((-1e9..1e9f64, -1e9..1e9f64, -100.0..100.0f64, any::<u32>(), any::<f64>()), 6),

@@ -12,7 +12,7 @@ fn follows_the_butterfly_like_brute_force() {
     let compared = 0.5 / share(10) as f64;
     follow(&all, false, 2.5e-3, 15e-3, stray, Method::Guarded, |result, p, s| {
         if s < 0.2 || s % compared > 2.5e-3 {
-            // Once warm, every cycle counts for the evaluations.
+            // Once the search is warm, the evaluations of every cycle count.
             if s > 0.2 {
                 most = most.max(result.evaluations);
                 fast += u32::from(result.evaluations == 2);
@@ -49,7 +49,7 @@ fn plain_bisection_in_the_step_agrees_with_the_guarded_search() {
     assert!(n > 500 && differ <= n / 200, "{differ} of {n}");
 }
 
-/// A million warm queries on the butterfly, worst evaluations bounded; the cold start too.
+/// A million warm queries on the butterfly, with bounded evaluations; the cold start too.
 #[test]
 fn a_million_queries_stay_within_eight_evaluations() {
     let all = spans::<f64, f64>(&[Spline::butterfly().segment()]);
@@ -80,9 +80,8 @@ fn a_million_queries_stay_within_eight_evaluations() {
     assert!(lost < 100, "{lost} of a million lost");
 }
 
-/// Fast over spans of some hundredths of a millimetre: feet just past a border, many times. None may send the search
-/// cold, and all but a few beside a second minimum are the nearest that
-/// plain search over the same spans finds.
+/// High speed over spans of some hundredths of a millimetre: many feet just past a border. None may make the search cold, and
+/// all but a few beside a second minimum are the nearest that plain search over the same spans finds.
 #[test]
 fn short_pieces_at_high_feed_leave_the_search_warm() {
     let polynomial = Spline { weights: vec![1.0; Spline::butterfly().points.len()], ..Spline::butterfly() };
@@ -100,7 +99,7 @@ fn short_pieces_at_high_feed_leave_the_search_warm() {
         let phase = [random.unit(), random.unit(), random.unit()].map(|x| 40.0 * x);
         let mut state = ContourState::default();
         let mut reference = way::advance_far(&path, Reference { span: 0, t: 0.0 }, 0.5 + feed * random.unit());
-        // Standing, until the search is warm.
+        // Stands still until the search is warm.
         for _ in 0..100 {
             search.update(&mut state, &path, reference, all[reference.span as usize].position(reference.t));
         }
@@ -119,7 +118,7 @@ fn short_pieces_at_high_feed_leave_the_search_warm() {
             most = most.max(r.evaluations);
             cold += u32::from(r.flags.has(Flags::COLD));
             open += u32::from(!r.flags.has(Flags::BRACKETED));
-            // At those that cost evaluations, and at a few others.
+            // Checks cycles that cost evaluations, and a few others.
             if (n % 61 == 0 || r.evaluations >= 5) && r.flags.has(Flags::BRACKETED) {
                 wrong += u32::from((r.error - brute(&all, r.span, p)).abs() > 1e-8 + r.width);
             }
@@ -127,7 +126,7 @@ fn short_pieces_at_high_feed_leave_the_search_warm() {
     }
     assert!(most <= 6, "{most} evaluations");
     assert_eq!(cold, 0, "of {cycles} cycles");
-    // Of two minima the one that the tool came along with need not be the nearer.
+    // Of two minima, the one that the tool has followed need not be the nearer.
     assert!(wrong <= 2, "{wrong} feet that are not the nearest");
     assert!(open < cycles / 10_000, "{open} of {cycles} cycles without a bracket");
 }

@@ -4,7 +4,7 @@ use super::*;
 use crate::contour::kernel::{evaluate, foot};
 use crate::position::Nanometres;
 
-/// Wherever the kernel trusts itself, its distance is right to 1e-6 nm; compared with bisection of the same span.
+/// Wherever the kernel trusts its result, the distance is correct to 1e-6 nm, compared with bisection of the same span.
 #[test]
 fn the_kernel_is_exact_wherever_it_trusts_itself() {
     let mut random = Noise::new(5);

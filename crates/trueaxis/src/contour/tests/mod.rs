@@ -1,4 +1,5 @@
-//! Shared by the tests of the contour error: spans, splines written apart from the conversion, plain search for truth.
+//! Shared by the tests of the contour error: spans, splines implemented separately from the conversion, plain search for the
+//! truth.
 
 use super::*;
 use crate::position::Position;
@@ -13,7 +14,7 @@ mod segments;
 mod shapes;
 
 std::thread_local! {
-    /// Spans of a path that have been looked up.
+    /// Number of spans looked up on a path.
     pub(super) static LOOKED_AT: core::cell::Cell<u32> = const { core::cell::Cell::new(0) };
 }
 
@@ -42,7 +43,7 @@ pub(super) fn spans<R: Real, P: Position>(segments: &[Segment<'_>]) -> Vec<Span<
     all
 }
 
-/// de Boor's algorithm, written apart from the conversion.
+/// de Boor's algorithm, implemented separately from the conversion.
 pub(super) fn de_boor(degree: usize, knots: &[f64], points: &[DVec3], weights: &[f64], u: f64) -> V {
     let n = points.len();
     let mut i = degree;
@@ -144,7 +145,7 @@ pub(super) fn follow(
     let mut s = lag;
     while s < total {
         let place = |s: f64| way::advance_far(&path, Reference { span: 0, t: 0.0 }, 0.0_f64.max(s));
-        // advance() goes over 64 spans at most: walk.
+        // advance_far() crosses at most 64 spans: walk instead.
         let walk = |mut s: f64| {
             for (i, span) in all.iter().enumerate() {
                 if s <= span.length() {
@@ -172,7 +173,7 @@ pub(super) fn brute(all: &[Span<f64, f64>], near: u32, p: V) -> f64 {
         let mut i =
             (0..=64).min_by(|a, b| distance(f64::from(*a) / 64.0).total_cmp(&distance(f64::from(*b) / 64.0))).unwrap();
         i = i.clamp(1, 63);
-        // Golden section, then parabola-free trust in its own precision of 1e-8.
+        // Golden section; its precision is 1e-8, without a final parabola.
         let (mut a, mut b) = (f64::from(i - 1) / 64.0, f64::from(i + 1) / 64.0);
         for _ in 0..80 {
             let (c, d) = (b - 0.618_033_988_75 * (b - a), a + 0.618_033_988_75 * (b - a));

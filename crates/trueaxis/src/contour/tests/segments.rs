@@ -1,4 +1,4 @@
-//! Segments as spans.
+//! Conversion of segments to spans.
 
 use super::*;
 
@@ -76,8 +76,8 @@ fn arcs_and_helices_are_exact_in_any_plane() {
     }
 }
 
-/// Spans of an arc about the origin from r0 along X to r1 at an angle, and the largest distance of points of theirs, `steps` to
-/// a span, from where the radius grows with the angle.
+/// Spans of an arc about the origin from r0 along X to r1 at an angle, and the largest distance of their points, `steps` per
+/// span, from the curve whose radius grows with the angle.
 fn spiral(r0: f64, r1: f64, angle: f64, steps: i32) -> (usize, f64) {
     let all = spans::<f64, f64>(&[Segment::Arc {
         start: DVec3::new(r0, 0.0, 0.0),
@@ -103,7 +103,7 @@ fn a_rounded_programs_radius_changes_linearly_with_the_angle() {
 
 #[test]
 fn a_spiral_is_within_its_bound_where_it_is_worst() {
-    // One span of the largest turn, and the largest change of the radius: 0.8 of the growth per radian times k⁶.
+    // One span with the largest turn, and the largest change of the radius: 0.8 of the growth per radian times k⁶.
     let (spans, worst) = spiral(10.0, 10.02, 0.5229, 64);
     assert!(spans == 1 && worst < 8e-6 * 0.02 && worst > 7e-6 * 0.02, "{worst}");
 }
@@ -118,7 +118,7 @@ fn segments_that_are_no_path_are_refused() {
     let arc = |start, end, center, normal| Segment::Arc { start, end, center, normal, turns: 0 };
     assert_eq!(refused(arc([1.0, 0.0, 0.0].into(), [0.0, 1.1, 0.0].into(), o.into(), Z.into())).field, "end");
     assert_eq!(refused(arc(o.into(), [0.0, 1.0, 0.0].into(), o.into(), Z.into())).field, "center");
-    // An end on the axis has no direction either, though it is nearer than the tolerance of radii.
+    // An end on the axis has no direction either, although it is within the tolerance of the radii.
     assert_eq!(refused(arc([1e-5, 0.0, 0.0].into(), [0.0, 0.0, 1.0].into(), o.into(), Z.into())).field, "center");
     assert_eq!(refused(arc([1.0, 0.0, 0.0].into(), [0.0, 1.0, 0.0].into(), o.into(), o.into())).field, "normal");
     let p = [o, [1.0, 0.0, 0.0], [2.0, 1.0, 0.0]].map(DVec3::from_array);
@@ -132,7 +132,8 @@ fn segments_that_are_no_path_are_refused() {
     assert_eq!(refused(nurbs(1, &[0.0, 0.0, 0.5, 1.0, 1.0], &[1.0])).field, "weights");
 }
 
-/// Every span within 8 mm of its middle, also where a spline's speed is concentrated; and as many as were announced.
+/// Every span is within 8 mm of its middle, even where a spline's speed is concentrated, and the number of spans is as
+/// announced.
 #[test]
 fn no_span_reaches_farther_than_it_should() {
     let knots = [0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0];
@@ -156,7 +157,7 @@ fn no_span_reaches_farther_than_it_should() {
         let made: Vec<Span<f64, f64>> = spans(std::slice::from_ref(segment));
         assert_eq!(made.len() as u32, span_count(segment).unwrap(), "{segment:?}");
         for span in &made {
-            // The middle of a line and of a spline is that of its chord; of an arc that on the arc.
+            // The middle of a line or a spline is that of its chord; the middle of an arc is on the arc.
             let ends = add(span.position(0.0), span.position(1.0)).map(|x| 0.5 * x);
             let middle = if matches!(segment, Segment::Arc { .. }) { span.position(0.5) } else { ends };
             for i in 0..=16 {
@@ -235,7 +236,7 @@ fn segments_without_end_are_refused_before_a_span_is_made() {
     let knots = [0.0, 0.0, 0.0, 1.0, 1.0, 1.0];
     let far = [[0.0; 3], [9e8, 0.0, 0.0], [9e8, 9e8, 0.0]].map(DVec3::from_array);
     let peak = [[0.0; 3], [9e8, 0.0, 0.0], [1.0, 0.0, 0.0]].map(DVec3::from_array);
-    // Too many spans are refused by their number, before any is made.
+    // Segments with too many spans are refused by the number, before any span is made.
     for segment in [
         Segment::Line { start: [0.0; 3].into(), end: DVec3::new(1e8, 0.0, 0.0) },
         Segment::Arc {
@@ -261,7 +262,7 @@ fn segments_without_end_are_refused_before_a_span_is_made() {
 #[test]
 fn a_segment_and_its_parameter_are_a_place_on_the_path() {
     let [a, b, c] = [[0.0; 3], [10.0, 0.0, 0.0], [10.0, 10.0, 0.0]];
-    // Segments 4, 5 and 7: 6 is not there. The window begins at span 100.
+    // Segments 4, 5 and 7: 6 is missing. The window begins at span 100.
     let segments = [
         (4, Segment::Line { start: a.into(), end: b.into() }),
         (
@@ -300,7 +301,7 @@ fn a_segment_and_its_parameter_are_a_place_on_the_path() {
             assert!(norm(sub(at(segment, u), truth)) < 1e-9, "{segment} at {u}: {:?}", at(segment, u));
         }
     }
-    // Beyond the ends of a segment: its end.
+    // Beyond the ends of a segment: the nearer end.
     for (segment, [start, end]) in [(4, [a, b]), (5, [b, c]), (7, [c, a])] {
         assert!(norm(sub(at(segment, -0.5), start)) < 1e-9, "{segment}");
         assert!(norm(sub(at(segment, 1.5), end)) < 1e-9, "{segment}");

@@ -129,11 +129,11 @@ fn the_tool_on_the_path_and_far_from_it() {
         let left = search(method).nearest(&path, reference, [x, 0.03, 0.04]);
         assert!((left.error - 0.05).abs() < 1e-9);
         assert!((left.normal - 0.03).abs() < 1e-9 && (left.binormal - 0.04).abs() < 1e-9, "{left:?}");
-        // Beyond the window there is no foot: the nearest sample, not bracketed.
+        // Beyond the window there is no foot: the nearest sample is returned, not bracketed.
         let far = search(method).nearest(&path, reference, [x + 5.0, 0.0, 0.0]);
         assert!(!far.flags.has(Flags::BRACKETED) && (far.error - 4.0).abs() < 1e-9, "{far:?}");
     }
-    // The machine's X is the normal where the path runs along the plane's.
+    // The normal is machine X where the path runs along the plane's normal.
     let up = spans::<f64, f64>(&[Segment::Line { start: [0.0; 3].into(), end: DVec3::new(0.0, 0.0, 10.0) }]);
     let r =
         search(Method::Guarded).nearest(&Path::new(&up, 0, false), Reference { span: 0, t: 0.5 }, [-0.01, 0.0, 5.0]);
@@ -144,7 +144,7 @@ fn the_tool_on_the_path_and_far_from_it() {
 
 #[test]
 fn a_maximum_is_never_taken() {
-    // Inside a circle beyond its centre the near side of the window is a maximum of the distance.
+    // Inside a circle, beyond its centre, the near side of the window is a maximum of the distance.
     let all = spans::<f64, f64>(&[Segment::Arc {
         start: DVec3::new(1.0, 0.0, 0.0),
         end: DVec3::new(0.0, 1.0, 0.0),

@@ -1,4 +1,4 @@
-//! Limits of the settings, and what a gauge says of itself.
+//! Limits of the settings, and what a gauge reports about itself.
 
 use super::super::filter::has_enough_points;
 use super::*;
@@ -68,7 +68,7 @@ fn a_gauge_says_what_it_is_built_for() {
     assert!(GaugeFlags::default().is_empty() && !GaugeFlags::ARM.is_empty());
     run.turn(&truth, 2.9, |_| TAU / 2000.0);
     assert!(run.state.latest().is_some() && run.state.is_settled());
-    // Once the next revolution is whole there is work.
+    // Once the next revolution is whole, there is work to do.
     let works = (0..400).any(|_| {
         run.turn(&truth, 0.0005, |_| TAU / 2000.0);
         !run.state.is_settled()
@@ -78,7 +78,7 @@ fn a_gauge_says_what_it_is_built_for() {
     assert!(run.state.latest().is_none() && run.state.is_settled());
 }
 
-/// A quarter of a hundredth of a point a cycle: slow, but neither standing nor fast, at the index pulse too.
+/// A quarter of a hundredth of a point per cycle: slow, but neither stopped nor too fast, at the index pulse too.
 #[test]
 fn a_creeping_spindle_is_not_too_fast() {
     let (settings, truth) = small();

@@ -1,8 +1,8 @@
-//! Readings and counts that are wrong, revolutions that are too short.
+//! Wrong readings and counts, and revolutions that are too short.
 
 use super::*;
 
-/// Disturbs the cycles of a quarter turn in the third revolution; returns flags of that revolution and the counts after.
+/// Disturbs the cycles of a quarter turn in the third revolution; returns that revolution's flags, and the counts afterwards.
 fn disturbed(disturb: impl Fn(&mut Probes<f64>)) -> (GaugeFlags, Counts, Run<f64, 64>) {
     let (settings, truth) = small();
     let mut run = Run::<f64, 64>::new(&settings);
@@ -87,7 +87,7 @@ fn turning_back_discards_the_revolution_and_jitter_does_not() {
     let mut run = Run::<f64, 64>::new(&settings);
     run.turn(&truth, 3.3, |_| TAU / 1000.0);
     run.seen = GaugeFlags::default();
-    // Standing on a count that flickers: half a slot forth and back.
+    // Standing still on a count that flickers: half a slot back and forth.
     for i in 0..100 {
         let flicker = if i % 2 == 0 { 0.04 } else { 0.0 };
         run.cycle(&probes(&truth, run.alpha + flicker, run.alpha));
@@ -119,7 +119,7 @@ fn too_fast_a_spindle_is_flagged() {
 #[test]
 fn revolutions_shorter_than_the_work_are_skipped_whole() {
     let (mut settings, truth) = small();
-    // Every revolution is the same amount of work.
+    // Gives every revolution the same amount of work.
     settings.revolutions = 1;
     let mut run = Run::<f64, 64>::new(&settings);
     let work = run.gauge.cycles_of_work();
@@ -138,7 +138,7 @@ fn revolutions_shorter_than_the_work_are_skipped_whole() {
         assert_eq!(after.discarded, 0);
         assert!(run.profile_error(&truth) < 0.05, "{:e}", run.profile_error(&truth));
     }
-    // Slower again, nothing of it is left.
+    // Slower again: no flag remains.
     run.turn(&truth, 4.0, |_| TAU / (work as f64 + 8.0));
     assert!(run.state.latest().unwrap().flags.is_empty(), "{:?}", run.state.latest().unwrap().flags);
 }

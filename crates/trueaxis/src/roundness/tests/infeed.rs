@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// A plant of one line: what is measured in a revolution was ground in the one before, d − c.
+/// A one-line plant: each revolution measures what the previous one ground, d − c.
 struct Grinding {
     settings: GaugeSettings,
     contact: f64,
@@ -38,7 +38,7 @@ fn the_infeed_is_the_profile_at_the_contact() {
     let grinding = Grinding::new(0.25);
     let (mut run, truth) = grinding.run();
     run.turn(&truth, 3.95, |_| TAU / 5000.0);
-    // One update: c = g r, sent with the sign of the axis, mm.
+    // One update: c = g r, output with the sign of the axis, mm.
     let mut worst = 0.0_f64;
     for _ in 0..240 {
         let before = run.alpha;
@@ -47,7 +47,7 @@ fn the_infeed_is_the_profile_at_the_contact() {
         let wanted = -0.25e-3 * series(&truth.profile, run.alpha + grinding.contact);
         worst = worst.max((cycle.infeed - wanted).abs());
     }
-    // The cubic between points carries harmonic 30 of 256 within 7e-3 of its amplitude, 0.05 µm.
+    // The cubic between points reproduces harmonic 30 of 256 within 7e-3 of its amplitude, 0.05 µm.
     assert!(worst < 4e-7, "{worst:e} mm");
 }
 
@@ -69,7 +69,7 @@ fn the_drive_s_delay_is_led_by() {
 fn the_law_integrates_until_its_bound_and_is_reset_by_a_new_part() {
     let grinding = Grinding::new(0.25);
     let (mut run, truth) = grinding.run();
-    // A surface that never changes: the sum grows by g r a revolution, and stops below 5 µm.
+    // A surface that never changes: the sum grows by g r per revolution, and stops below 5 µm.
     run.turn(&truth, 30.0, |_| TAU / 5000.0);
     let peak = |state: &GaugeState<f64, 256>| state.correction().iter().fold(0.0_f64, |m, c| m.max(c.abs()));
     let profile = (0..256).map(|n| series(&truth.profile, TAU * n as f64 / 256.0).abs()).fold(0.0, f64::max);
@@ -100,7 +100,7 @@ fn while_the_axis_is_limited_the_correction_is_frozen_and_then_gives_way() {
             run.gauge.update(&mut run.state, &probes, Followed::Limited);
         }
     };
-    // The revolution that was limited to its end is the first that does not count.
+    // The revolution that was limited until its end is the first that does not count.
     limited(&mut run, 2.0);
     assert!(run.state.latest().unwrap().flags.has(GaugeFlags::INFEED_FROZEN));
     let frozen = *run.state.correction();
@@ -111,7 +111,7 @@ fn while_the_axis_is_limited_the_correction_is_frozen_and_then_gives_way() {
     for (now, before) in run.state.correction().iter().zip(&frozen) {
         assert!((now - 0.75 * before).abs() < 1e-12, "{now} {before}");
     }
-    // Free again, it goes on.
+    // Once free again, the correction continues.
     run.turn(&truth, 3.0, |_| TAU / 5000.0);
     assert!(run.state.latest().unwrap().flags.is_empty());
 }
@@ -134,7 +134,7 @@ fn harmonics_that_the_probes_see_badly_are_measured_but_not_corrected() {
     assert!(some.profile_error(&truth) < 1e-3, "measured all the same");
 }
 
-/// While pulses are missing nothing is measured, but the correction stays where the count says.
+/// While pulses are missing the gauge measures nothing, but the correction stays where the count puts it.
 #[test]
 fn a_missing_index_does_not_drop_the_correction() {
     let grinding = Grinding::new(0.25);
@@ -160,12 +160,12 @@ fn a_missing_index_does_not_drop_the_correction() {
     }
     assert!(overdue && run.seen.has(GaugeFlags::INDEX_MISSING));
     assert!(run.state.counts().evaluated <= counts + 2, "nothing was measured");
-    // Half a point off at most: the steepest of harmonic 30.
+    // At most half a point off, at the steepest part of harmonic 30.
     assert!(worst < 1e-4, "{worst:e}");
     assert!(run.state.correction().iter().any(|c| c.abs() > 0.2));
 }
 
-/// Turns; `change` sets the input of every cycle.
+/// Turns the spindle; `change` sets the input of every cycle.
 fn turned(run: &mut Run<f64, 256>, truth: &Truth, revolutions: f64, change: impl Fn(&mut Probes<f64>) -> Followed) {
     let end = run.alpha + revolutions * TAU;
     while run.alpha < end {
@@ -194,7 +194,8 @@ fn nothing_is_learnt_while_nothing_is_fed_in_or_ground() {
     }
 }
 
-/// A stylus that sticks is a reading like any other. What comes of it is a wrong profile, and an infeed that keeps its bound.
+/// The readings of a stuck stylus look like any others. They lead to a wrong profile, and to an infeed that stays within its
+/// bound.
 #[test]
 fn a_probe_that_stands_still_is_not_seen_and_the_infeed_keeps_its_bound() {
     let grinding = Grinding::new(0.25);
@@ -233,7 +234,7 @@ fn an_unsteady_size_is_not_learnt_from() {
             run.cycle(&probes);
         }
         let frozen = run.state.latest().unwrap().flags.has(GaugeFlags::INFEED_FROZEN);
-        // The first of them was sampled before the feed began, save for a twentieth.
+        // The first of them was sampled before the feed began, except for a twentieth.
         assert_eq!(frozen, turn > 0, "{turn}");
     }
     assert!(before != *run.state.correction());
@@ -259,7 +260,7 @@ fn a_revolution_found_again_does_not_disturb_the_lead() {
     grinding.settings.infeed.as_mut().unwrap().drive_delay_s = 0.01;
     let (mut run, truth) = grinding.run();
     run.turn(&truth, 4.3, |_| TAU / 5000.0);
-    // The count jumps; zero is known again at the next index.
+    // The count jumps; zero is known again from the next index on.
     let jumped = Probes { spindle: 1 << 30, ..probes(&truth, run.alpha, run.alpha) };
     run.cycle(&jumped);
     run.turn(&truth, 0.9, |_| TAU / 5000.0);
@@ -276,7 +277,7 @@ fn a_revolution_found_again_does_not_disturb_the_lead() {
         let expected = table(&run, run.alpha + grinding.contact + TAU * 100.0 / 5000.0);
         worst = worst.max((cycle.infeed + 1e-3 * expected).abs());
     }
-    // Half a point off, and a speed that is being found again.
+    // Half a point off, and the speed must be found again.
     assert!(worst < 1.5e-4, "{worst:e}");
 }
 

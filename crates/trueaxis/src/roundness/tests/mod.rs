@@ -1,4 +1,4 @@
-//! What the tests of the gauge share: a workpiece, its probes, a run.
+//! Shared by the tests of the gauge: a workpiece, its probes, a run.
 
 mod edges;
 mod faults;
@@ -17,7 +17,7 @@ use std::vec::Vec;
 struct Truth {
     /// (k, amplitude µm, phase rad) over θ.
     profile: Vec<(f64, f64, f64)>,
-    /// The same of R_X and R_Y, over α; k need not be whole (asynchronous motion).
+    /// (k, amplitude µm, phase rad) of R_X and R_Y, over α; k need not be whole (asynchronous motion).
     motion: [Vec<(f64, f64, f64)>; 2],
     ratio: f64,
     phi: [f64; 3],
@@ -136,7 +136,7 @@ impl<R: Real, const N: usize> Run<R, N> {
         cycle
     }
 
-    /// Turns by some revolutions; `speed` gives the step of α at α, rad.
+    /// Turns by the given number of revolutions; `speed` returns the step of α at α, rad.
     fn turn(&mut self, truth: &Truth, revolutions: f64, speed: impl Fn(f64) -> f64) {
         let end = self.alpha + revolutions * TAU;
         while self.alpha < end {
@@ -168,7 +168,7 @@ const BEST_1024: ProbeAngles = ProbeAngles::Slots { p: 188, q: 667 };
 
 const BEST_512: ProbeAngles = ProbeAngles::Slots { p: 155, q: 172 };
 
-/// A small gauge on which faults are tried: 64 points, harmonics up to 12.
+/// A small gauge for testing faults: 64 points, harmonics up to 12.
 fn small() -> (GaugeSettings, Truth) {
     let mut settings = GaugeSettings::with_defaults(64, ProbeAngles::Slots { p: 11, q: 15 }, COUNTS);
     settings.band.last = 12;

@@ -1,4 +1,4 @@
-//! Cycles taken at a glance, and arbitrary input.
+//! Cycles that pass the quick check, and arbitrary input.
 
 use super::*;
 use proptest::prelude::{Just, ProptestConfig, Strategy, any, prop_assert_eq};
@@ -9,19 +9,19 @@ use std::vec;
 /// A stretch of cycles.
 #[derive(Clone, Copy, Debug)]
 enum Stretch {
-    /// At a speed, turns a cycle, backwards where negative.
+    /// Constant speed, turns per cycle; negative is backwards.
     Turn(f64),
-    /// The speed changes evenly to this one.
+    /// The speed changes uniformly to this one.
     Change(f64),
-    /// A flicker of so many turns.
+    /// A flicker of this many turns.
     Flicker(f64),
-    /// So many counts are lost at once.
+    /// This many counts are lost at once.
     Lost(i32),
     /// No index pulses.
     Deaf,
     /// A reading.
     Reading(usize, f64),
-    /// The infeed was not followed, or nothing is ground.
+    /// The infeed was not followed, or the wheel is not grinding.
     Unheard(Followed, bool),
     NewPart,
 }
@@ -44,7 +44,7 @@ fn stretches() -> impl Strategy<Value = Stretch> {
     ]
 }
 
-/// Runs two states over the same cycles, one of them with a full look at each.
+/// Runs two states over the same cycles, one of them with a full check of each.
 struct Both {
     glances: Run<f64, 64>,
     looks: Run<f64, 64>,
@@ -78,8 +78,8 @@ impl Both {
 proptest::proptest! {
     #![proptest_config(ProptestConfig::with_cases(crate::testing::share::share(150) as u32))]
 
-    /// A glance does what a full look does, bit for bit: over random speeds, reversals, lost counts, missing pulses,
-    /// readings outside their range, with arm and without.
+    /// The quick check gives the result of the full check, bit for bit: over random speeds, reversals, lost counts, missing
+    /// pulses, readings outside their range, with and without an arm.
     #[test]
     fn a_glance_is_as_good_as_a_look(
         arm in any::<bool>(), index in any::<bool>(), backward in any::<bool>(), shifted in any::<bool>(),
@@ -134,7 +134,7 @@ proptest::proptest! {
 proptest::proptest! {
     #![proptest_config(ProptestConfig::with_cases(crate::testing::share::share(200) as u32))]
 
-    /// Arbitrary readings and counts: never a panic, never an infeed beyond its bound.
+    /// Arbitrary readings and counts never cause a panic, nor an infeed beyond its bound.
     #[test]
     fn no_input_breaks_the_gauge(
         seed in proptest::collection::vec((proptest::num::f64::ANY, proptest::num::i32::ANY, 0u8..8), 50..400),
@@ -159,7 +159,7 @@ proptest::proptest! {
                 _ => {}
             }
             let cycle = run.cycle(&probes);
-            // Between the points the cubic may stand a little above them.
+            // Between the points the cubic may exceed them slightly.
             proptest::prop_assert!(cycle.infeed.abs() <= 3.0e-3 * 1.3, "{}", cycle.infeed);
         }
     }

@@ -1,9 +1,9 @@
-//! The profile and the motion found, against the sums of harmonics they were made of.
+//! The profile and motion found, compared with the sums of harmonics that generated them.
 
 use super::*;
 use crate::error::Field;
 
-/// Separation from time samples: eight or more to a point, whole and broken angles, arm still and following.
+/// Separation from time samples: eight or more per point, whole-slot and other angles, arm still and following.
 fn separates<const N: usize>(angles: ProbeAngles, arm: bool, noise_gain: f64) {
     let settings = settings(N as u16, angles, arm);
     let truth = Truth::new(&settings, 50);
@@ -14,7 +14,7 @@ fn separates<const N: usize>(angles: ProbeAngles, arm: bool, noise_gain: f64) {
     let (profile, motion) = (run.profile_error(&truth), run.motion_error(&truth));
     std::println!("N {N} {angles:?} arm {arm}: profile {profile:.1e} um, motion {motion:.1e} um");
     assert!(profile < 1e-3 && motion < 1e-3, "{angles:?} {arm}: {profile:e} {motion:e}");
-    // The parabola is worth more than that where the probes see well.
+    // The parabola is more accurate than that where the probes see well.
     assert!(profile < 3e-5 * noise_gain && motion < 3e-5 * noise_gain, "{angles:?} {arm}: {profile:e} {motion:e}");
     for (k, amplitude, phase) in &truth.profile {
         let [a, b] = run.state.harmonic(*k as usize);
@@ -52,7 +52,7 @@ fn a_changing_speed_is_flagged_and_costs_nothing() {
     let settings = settings(512, BEST_512, false);
     let truth = Truth::new(&settings, 50);
     let mut run = Run::<f64, 512>::new(&settings);
-    // From 8 to 24 cycles a point within every turn.
+    // From 8 to 24 cycles per point within every turn.
     run.turn(&truth, 3.95, |alpha| TAU / 512.0 / (16.0 + 8.0 * alpha.sin()));
     assert!(run.state.latest().unwrap().flags.has(GaugeFlags::SPEED));
     let (profile, motion) = (run.profile_error(&truth), run.motion_error(&truth));
@@ -71,7 +71,7 @@ fn peak_to_valley_is_that_of_the_filtered_profile() {
         truth.profile = std::vec![(15.0, 1.0, 0.3)];
         let mut run = Run::<f64, 512>::new(&settings);
         run.turn(&truth, 2.95, |_| TAU / 6000.0);
-        // 512 points do not meet every crest of fifteen waves exactly.
+        // 512 points do not hit every crest of fifteen waves exactly.
         let found = run.state.latest().unwrap().peak_to_valley_um;
         assert!((found - 2.0 * transmission).abs() < 4e-3, "{filter:?} {found}");
         assert!((run.state.profile()[0] - 0.3_f64.cos()).abs() < 1e-4, "the profile itself is not filtered");
@@ -100,7 +100,7 @@ fn blind_harmonics_are_suppressed_and_blind_bands_refused() {
     assert!(Gauge::<f64, 512>::build(&settings, 10).is_err(), "period");
 }
 
-/// A radius that shrinks is no profile, and a radius that is not zero no motion, with the arm as without.
+/// A shrinking radius is not a profile, and a nonzero radius is not a motion, with and without the arm.
 #[test]
 fn size_and_its_change_enter_neither_profile_nor_motion() {
     for arm in [false, true] {

@@ -27,7 +27,7 @@ fn the_arm_is_compared_with_the_linkage() {
 fn the_spindle_is_told_apart_over_the_window() {
     let (mut settings, mut truth) = small();
     settings.revolutions = 4;
-    // Synchronous 2 and 3, eccentricity, and a motion that repeats every four revolutions: ±0.25 µm of amplitude.
+    // Synchronous 2 and 3, eccentricity, and a motion that repeats every four revolutions, with an amplitude of ±0.25 µm.
     truth.motion =
         [std::vec![(1.0, 20.0, 0.4), (2.0, 0.7, 1.0), (0.25, 0.25, 0.0)], std::vec![(1.0, 15.0, 1.4), (3.0, 0.4, 0.3)]];
     let mut run = Run::<f64, 64>::new(&settings);
@@ -41,7 +41,7 @@ fn the_spindle_is_told_apart_over_the_window() {
     assert!((amplitude(found.y.once_per_revolution_um) - 15.0).abs() < 0.01);
     let [a, b] = found.y.once_per_revolution_um;
     assert!(((-b).atan2(a) - 1.4).abs() < 1e-3, "phase");
-    // Four phases a quarter turn apart: the widest pair is 0.25·2 apart where one of them stands at its crest.
+    // Four phases a quarter turn apart: the widest pair differs by 0.25·2 when one of them is at its crest.
     assert!((found.x.asynchronous_um - 0.5).abs() < 0.005, "{:?}", found.x);
     assert!(found.y.asynchronous_um < 1e-3);
     assert!((found.x.total_um - found.x.synchronous_um) > 0.3 && found.x.total_um < 1.9 + 0.01);
@@ -52,7 +52,7 @@ fn a_wheel_set_while_the_linkage_is_worked_out_is_taken_next() {
     let settings = settings(512, BEST_512, true);
     let truth = Truth::new(&settings, 50);
     let mut run = Run::<f64, 512>::new(&settings);
-    // Over the beginning of a job and a few hundred of its units.
+    // Covers the beginning of a job and a few hundred of its slices.
     run.turn(&truth, 3.03, |_| TAU / 6000.0);
     run.gauge.set_wheel(&mut run.state, 200.0).unwrap();
     run.turn(&truth, 1.06, |_| TAU / 6000.0);

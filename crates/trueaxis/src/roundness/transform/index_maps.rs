@@ -1,4 +1,4 @@
-//! The index maps of the transform by exhaustion: every permitted number of points, every stage, every slice.
+//! Exhaustive tests of the transform's index maps: every permitted number of points, every stage, every slice.
 
 use super::*;
 use crate::roundness::settings::{FEWEST_POINTS, MOST_POINTS};
@@ -19,7 +19,7 @@ macro_rules! for_all_sizes {
     }};
 }
 
-/// Each of `0..size` came exactly once.
+/// Checks that each of `0..size` occurs exactly once.
 fn assert_bijection(found: impl IntoIterator<Item = usize>, size: usize, what: &str) {
     let mut times = std::vec![0u8; size];
     for index in found {
@@ -32,7 +32,7 @@ fn assert_bijection(found: impl IntoIterator<Item = usize>, size: usize, what: &
 #[test]
 fn every_stage_of_radix_4_touches_every_value_once() {
     fn stages<const N: usize>() {
-        // Its number instead of a factor: which one is taken is seen.
+        // Each factor is replaced by its number, which shows which one is used.
         let numbered: Vec<Complex<f64>> = (0..N).map(|i| [i as f64, 0.0]).collect();
         let circle: &[Complex<f64>; N] = numbered.as_slice().try_into().unwrap();
         let mut stage = 0;
@@ -62,7 +62,7 @@ fn every_stage_of_radix_4_touches_every_value_once() {
     for_all_sizes!(stages);
 }
 
-/// A slice that was never due is in range all the same: no index of it can panic.
+/// Even a slice that is never due is in range: none of its indices can panic.
 #[test]
 fn no_slice_is_out_of_range() {
     fn slices_beyond<const N: usize>() {
@@ -94,7 +94,7 @@ fn the_stage_of_radix_2_touches_every_value_once() {
     fn stage<const N: usize>() {
         let count = slices_of_twos::<N>();
         assert_eq!(count > 0, (N / 2).ilog2() % 2 == 1, "{N} points");
-        // The sum of a pair stands at the first, the difference at the second: powers of two tell which.
+        // The sum of a pair goes to the first value, the difference to the second: powers of two distinguish them.
         let mut z: Vec<f64> = (0..N).map(|i| (i + 1) as f64).collect();
         let before = z.clone();
         for at in 0..count {

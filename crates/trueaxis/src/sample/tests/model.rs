@@ -1,4 +1,4 @@
-//! The stage as its documentation tells it, in whole nanometres and without a shortcut: random cycles are decided by both.
+//! The stage as documented, in whole nanometres and without shortcuts: both implementations decide random cycles.
 
 use super::*;
 use std::collections::BTreeMap;
@@ -12,14 +12,14 @@ const TRAVEL: [i64; 2] = [-10_000_000, 90_000_000];
 const JUMP: [i64; AXES] = [100_000, 100_000, 100_000, 300_000];
 const READING_MORE: [i64; AXES] = [20_000, 20_000, 20_000, 50_000];
 const STUCK: [i64; AXES] = [200_000, 200_000, 200_000, 700_000];
-/// Where readings are believed: the joint, which is the travel, and 1 mm (1°).
+/// Readings in this range are trusted: the joint, which is the travel, extended by 1 mm (1°).
 const READABLE: [i64; 2] = [TRAVEL[0] - 1_000_000, TRAVEL[1] + 1_000_000];
-/// Step of the encoder, not stated on X; on Z three of them are more than a quarter of the stuck way.
+/// Resolution of the encoder, not stated on X; on Z three steps are more than a quarter of the stuck distance.
 const ENCODER: [i64; AXES] = [0, 2_000, 20_000, 5_000];
 const BACKLASH: i64 = 10_000;
-/// Within this a reading stands.
+/// A reading that changes by no more counts as unchanged.
 const STILL: [i64; AXES] = [0, 6_000, 50_000, 15_000];
-/// On C it is more than a jump.
+/// On C larger than a jump.
 const RESUME: [i64; AXES] = [50_000, 50_000, 50_000, 400_000];
 
 fn machine() -> MachineSettings {
@@ -42,7 +42,7 @@ fn machine() -> MachineSettings {
     machine.with(|machine| machine.faults = faults).settings()
 }
 
-/// What came of a cycle.
+/// Result of a cycle.
 #[derive(Clone, Debug, PartialEq)]
 struct Decided {
     verdict: Verdict,
@@ -62,10 +62,10 @@ struct Model {
     command: [i64; AXES],
     feedback: [i64; AXES],
     read: [bool; AXES],
-    /// Since corrections moved last, ns.
+    /// Time since corrections last moved, ns.
     time: u64,
     missing: [i64; AXES],
-    /// Where the reading stands, up to where the command is counted, and how far it has gone.
+    /// The unchanged reading, the command up to which the distance is counted, and that distance.
     stands: [i64; AXES],
     counted: [i64; AXES],
     unmoved: [i64; AXES],
@@ -76,7 +76,7 @@ fn usable(x: i64) -> bool {
 }
 
 impl Model {
-    /// Periods that a cycle took: 1 up to a quarter late, then what it was, at most 16.
+    /// Periods that a cycle took: 1 up to a quarter late, then the actual number, at most 16.
     fn periods(elapsed_ns: u32) -> f64 {
         let periods = f64::from(elapsed_ns) / f64::from(PERIOD_NS);
         if periods <= 1.25 { 1.0 } else { periods.min(16.0) }
@@ -103,7 +103,7 @@ impl Model {
         })
     }
 
-    /// `toward`: the commands that readings are held against.
+    /// `toward`: the commands with which readings are compared.
     fn readings(&mut self, input: &Input<Nanometres, AXES>, toward: [i64; AXES], watched: bool) -> Option<(Fault, u8)> {
         let mut worst = None;
         let readable = |x: i64| !(input.homed && input.enable) || (READABLE[0]..=READABLE[1]).contains(&x);
@@ -125,13 +125,13 @@ impl Model {
             };
             match fault {
                 None => (self.feedback[k], self.missing[k]) = (reading, 0),
-                // Nothing to fall back on, or nothing that is to be believed.
+                // No value to fall back on, or none that can be trusted.
                 Some(_) if !self.started || !readable(self.feedback[k]) => {
                     (self.feedback[k], self.stands[k]) = (toward[k], toward[k]);
                 }
                 Some(_) => self.missing[k] += 1,
             }
-            // What could not be read, or is not watched, has nothing to show.
+            // A reading that is missing or not monitored cannot show motion.
             if !watched || !matches!(fault, None | Some(Fault::EncoderStuck)) {
                 self.counted[k] = toward[k];
             }
@@ -143,8 +143,7 @@ impl Model {
         worst
     }
 
-    /// A believable reading within three steps of the encoder from where it stood, while the command goes on by moves of
-    /// more than these and the backlash.
+    /// A plausible reading stays within three encoder steps while the command moves by more than these and the backlash.
     fn stands(&mut self, k: usize, reading: i64, toward: i64) -> bool {
         if (reading - self.stands[k]).abs() > STILL[k] {
             (self.stands[k], self.counted[k], self.unmoved[k]) = (reading, toward, 0);
@@ -164,7 +163,7 @@ impl Model {
         let command = input.command.map(|p| i64::from(p.0));
         let (first, active) = (!self.started, input.homed && input.enable);
         let periods = f64::from(input.elapsed_ns) / f64::from(PERIOD_NS);
-        // 0.999 of a period is one; of a longer time there is less than two left.
+        // 0.999 of a period counts as one; a longer time leaves less than two.
         let pace = u64::from(PERIOD_NS) * 999 / 1000;
         let passed = if first { 2 * pace } else { self.time + u64::from(input.elapsed_ns) };
         self.time = passed.min(2 * pace - 1);
@@ -189,7 +188,7 @@ impl Model {
         if !was_latched {
             self.latch(bad);
         }
-        // Before the first command the machine is held where it was read, once all of it has been.
+        // Before the first command the machine is held where it was read, once every axis has been read.
         if !self.started && !self.read.iter().all(|read| *read) {
             for k in 0..AXES {
                 let reading = i64::from(input.feedback[k].0);
@@ -212,7 +211,7 @@ impl Model {
         self.decided(if placed { Verdict::Hold } else { Verdict::Nowhere }, self.latched, (first, due))
     }
 
-    /// From now on the command in force is held.
+    /// From now on the current command is held.
     fn latch(&mut self, fault: Option<(Fault, u8)>) {
         (self.latched, self.counted) = (fault, self.command);
     }
@@ -230,7 +229,7 @@ impl Model {
     }
 }
 
-/// Steps to, at and just beyond every border; what cannot be meant now and then.
+/// Steps to, at and just beyond every limit; occasionally impossible values.
 fn next(random: &mut Noise, from: i64, borders: &[i64], wild: f64) -> Nanometres {
     let border = borders[random.below(borders.len())] + [0, 1][random.below(2)];
     let sign = if random.below(2) == 0 { 1 } else { -1 };
@@ -244,8 +243,8 @@ fn next(random: &mut Noise, from: i64, borders: &[i64], wild: f64) -> Nanometres
     Nanometres(x.clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32)
 }
 
-/// How a stretch of cycles goes: `wild` the share of commands and readings that cannot be meant, `rare` that of everything
-/// else that is out of the ordinary, `stands` an axis whose reading seldom changes.
+/// How a run of cycles behaves: `wild` is the share of impossible commands and readings, `rare` that of every other
+/// unusual event, `stands` an axis whose reading seldom changes.
 struct Stretch {
     wild: f64,
     rare: f64,
@@ -255,7 +254,7 @@ struct Stretch {
 fn random_cycle(random: &mut Noise, model: &Model, stretch: &Stretch) -> Input<Nanometres, AXES> {
     let Stretch { wild, rare, stands } = *stretch;
     let command = std::array::from_fn(|k| {
-        // A multiple of the limit is rounded down: its exact border is left out.
+        // A multiple of the limit is rounded down, so its exact value is not tried.
         let [two, sixteen] = [2, 16].map(|periods| periods * JUMP[k]);
         let borders = [JUMP[k], two - 2, two + 1, sixteen - 2, sixteen + 1, RESUME[k]];
         if model.latched.is_some() && random.below(3) > 0 {
@@ -267,7 +266,7 @@ fn random_cycle(random: &mut Noise, model: &Model, stretch: &Stretch) -> Input<N
         let jump = (JUMP[k] + READING_MORE[k]) * (1 + model.missing[k]);
         let still = STILL[k] as f64;
         if k == stands && random.below(10) > 0 {
-            // To and fro by up to what counts as standing, and a nanometre.
+            // Back and forth by up to what counts as unchanged, and one nanometre more.
             let noise = [0.0, 0.0, still * random.signed(), still, -still, still + 1.0][random.below(6)];
             let from = if random.below(2) == 0 { model.stands[k] } else { model.feedback[k] };
             return Nanometres((from + noise as i64) as i32);
@@ -291,7 +290,7 @@ fn random_cycle(random: &mut Noise, model: &Model, stretch: &Stretch) -> Input<N
         encoder_alarm: if alarm { random.below(16) as u8 } else { 0 },
         refusal: if refused { Refusal { fault: Fault::ToolUnreachable, slot: 3 } } else { Refusal::NONE },
         ..Input::at_rest(match late {
-            // Early and in time to the last nanosecond, just late, as late as counts, and later.
+            // Early and on time to the last nanosecond, just late, as late as counts, and later.
             true => {
                 [[0, 93_749, 93_750, 112_000, 156_250], [156_251, 250_000, 16 * PERIOD_NS, 17 * PERIOD_NS, u32::MAX]]
                     [random.below(2)][random.below(5)]
@@ -336,7 +335,7 @@ fn every_decision_is_the_models() {
             *seen.entry(format!("{:?} {:?}", expected.verdict, expected.fault.0)).or_default() += 1;
             if !expected.verdict.holds() {
                 state.accept(&expected.command);
-                // A later stage finds something now and then: the command was not accepted.
+                // Occasionally a later stage finds a fault: the command was not accepted.
                 if random.below(500) == 0 {
                     state.latch(Fault::JointRange, 2);
                     model.latch(Some((Fault::JointRange, 2)));
@@ -365,7 +364,7 @@ fn a_late_cycle_excuses_as_many_periods_as_it_took() {
         assert!((sampler.periods(elapsed_ns) - periods).abs() < 1e-12, "{elapsed_ns}");
         assert!((Model::periods(elapsed_ns) - periods).abs() < 1e-12, "{elapsed_ns}");
     }
-    // A quarter of the period late, and a nanosecond more.
+    // A quarter of a period late, and one nanosecond more.
     assert!((sampler.periods(156_251) - 1.250_008).abs() < 1e-12);
 }
 
@@ -382,7 +381,8 @@ fn travel_holds_to_its_ends_and_an_absent_axis_has_all_there_is() {
             assert_eq!(sampler.within_travel(&positions), within, "{k} {x}");
         }
     }
-    // X, Y and C alone take the slot of Z with them: it may go anywhere, at any rate, and stand as long as it likes.
+    // With X, Y and C only, the slot of Z is unused: it may take any value, change at any rate and stay unchanged for any
+    // time.
     let two = Machine::new("w C' b X Y t").settings();
     let order = AxisOrder::<4>::of(&two).unwrap();
     let sampler = Sampler::<f64, f64, 4>::new(&order, &two, PERIOD_NS);
@@ -416,7 +416,7 @@ fn encoder_scales_have_borders() {
     assert!(EncoderScale::<f64>::new(0.0, 1.0 + f64::EPSILON).is_err());
     let error = EncoderScale::<f64>::new(2e9, 1.0).unwrap_err();
     assert_eq!((error.field, error.found), (Field::Encoder, 2e9));
-    // Half a nanometre is rounded away from below and up.
+    // Half a nanometre is always rounded upwards.
     let scale = EncoderScale::<Nanometres>::new(0.001, 0.5e-6).unwrap();
     assert_eq!([1, 3, -1, -3].map(|counts| scale.nanometres(counts).0), [1001, 1002, 1000, 999]);
 }

@@ -37,7 +37,7 @@ fn positions_that_are_none_and_commands_beyond_the_travel_are_refused() {
     assert_eq!(servo.error_at(&[0.0, 150.0, 0.0], &forward), servo.error_at(&[0.0, 100.0, 0.0], &forward));
 }
 
-/// Every half of a table is one of two: a direction that were a mask of part of the bits would read beside it.
+/// The half of a table is selected by a mask: one that covered only part of the bits would read outside it.
 #[test]
 fn negative_travel_reads_the_reverse_columns_and_the_backlash() {
     let servo = servo_loop_with::<f64, f64>(1.0, |axis| axis.backlash = 0.004);

@@ -1,4 +1,4 @@
-//! Errors in cells against the tables themselves, looked up directly in doubles.
+//! Errors in cells compared with the tables themselves, looked up directly in doubles.
 
 #![allow(clippy::indexing_slicing)]
 
@@ -16,11 +16,11 @@ use crate::testing::share::share;
 use std::{boxed::Box, vec, vec::Vec};
 
 const T: f64 = 1e-4;
-/// Share of the inverse's tolerance that a cell has for going on beyond its ends, mm.
+/// Share of the inverse's tolerance for a cell that extends beyond its ends, mm.
 const OVERLAP: f64 = 0.5e-6;
 const ENDS: [f64; 2] = [-20.0, 120.0];
 
-/// A machine whose tables end within its travel, and its tables; one axis has none. Grids, where there are any, end there too.
+/// A machine whose tables end within its travel, and its tables; one axis has no table. Grids, if any, end there too.
 #[derive(Clone)]
 struct Tables {
     machine: MachineSettings,
@@ -29,7 +29,7 @@ struct Tables {
 }
 
 impl Tables {
-    /// `steep`: change of an error from a point to the next, 10 mm on, mm.
+    /// `steep`: change of an error from one point to the next, 10 mm further, mm.
     fn new(seed: u64, free: bool, interpolation: Interpolation, steep: f64, table_of_y: bool) -> Self {
         let mut noise = Noise::new(seed);
         let machine = Machine::three_axis().travel([-40.0, 140.0], 0.2);
@@ -56,7 +56,7 @@ impl Tables {
         Tables { machine, rows, grids: &[] }
     }
 
-    /// With a grid over some of the axes, one over X and Y that fades, or both.
+    /// Adds a grid over some of the axes, one over X and Y that fades, or both.
     fn beside(self, seed: u64, over: Option<[bool; 3]>, fade: bool) -> Self {
         let mut noise = Noise::new(seed);
         let mut grid = |over: [bool; 3], fade| {
@@ -75,7 +75,7 @@ impl Tables {
         Tables { grids: grids.leak(), ..self }
     }
 
-    /// Nodes of the grids and heights between which they fade, along an axis.
+    /// Nodes of the grids along an axis, and the heights between which the grids fade.
     fn nodes(&self, slot: usize) -> impl Iterator<Item = f64> {
         let fades = self.grids.iter().filter(move |_| slot == 2).filter_map(|grid| grid.header().fade).flatten();
         let along = move |grid: &GridData<'_>| {
@@ -85,7 +85,7 @@ impl Tables {
         self.grids.iter().flat_map(along).chain(fades)
     }
 
-    /// A position is beyond the table or a grid along an axis.
+    /// Whether a position is beyond the table or a grid along an axis.
     fn is_beyond(&self, slot: usize, place: f64) -> bool {
         let outside = |[first, last]: [f64; 2]| !(first..=last).contains(&place);
         let grids = self.grids.iter().map(|grid| grid.header().axes[slot]);
@@ -109,7 +109,7 @@ impl Tables {
     }
 }
 
-/// Truth: the tables in doubles, looked up directly.
+/// Reference: the tables in doubles, looked up directly.
 #[derive(Clone, Copy)]
 struct Truth {
     servo: &'static ServoLoop<'static, f64, f64, 3>,
@@ -137,7 +137,7 @@ fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     (0..3).map(|k| (a[k] - b[k]) * (a[k] - b[k])).sum::<f64>().sqrt()
 }
 
-/// Commands that move, stand, dither about points and ends of the tables, and turn.
+/// Commands that move, rest, dither around points and ends of the tables, and reverse.
 struct Walk {
     noise: Noise,
     place: [f64; 3],
@@ -182,7 +182,7 @@ impl Walk {
     }
 }
 
-/// What a run found at worst, mm.
+/// Largest deviations in a run, mm.
 #[derive(Debug, Default)]
 struct Worst {
     feedback: f64,
@@ -193,7 +193,7 @@ struct Worst {
     kept: usize,
 }
 
-/// Runs the tables one after the other, exchanged in motion, with growth, faults, and pauses.
+/// Runs the tables one after the other, exchanged in motion, with thermal growth, faults and pauses.
 fn run<R: Real, P: Position>(all: &[Tables], seed: u64, cycles: usize, rounding: f64) -> Worst {
     let servos: Vec<_> = all.iter().map(|tables| (tables.servo::<R, P>(PERIOD_NS), tables.servo(PERIOD_NS))).collect();
     let mut walk = Walk::new(seed, &all[0]);
@@ -279,7 +279,7 @@ fn compare<R: Real, P: Position>(
     for (slot, place) in place.into_iter().enumerate() {
         let near_end = ENDS.iter().any(|end| (place - end).abs() < 2e-6)
             || tables.nodes(slot).any(|node| (place - node).abs() < 0.021);
-        // Where more than the place has changed, the inverse begins at the command, and either counts.
+        // If more than the position has changed, the inverse starts at the command, and either value is correct.
         if only_moved && !near_end {
             let beyond = tables.is_beyond(slot, place);
             assert_eq!(modelled.at_edge >> slot & 1 == 1, beyond, "{cycle}: axis {slot} at {place}");
@@ -313,7 +313,7 @@ fn kept_cells_say_what_the_tables_say() {
     assert!(edges > share(2000) && kept > share(400_000), "{edges} {kept}");
 }
 
-/// A box of the grids is never left without a cell being left too, whatever is exchanged.
+/// A position never leaves a box of the grids without leaving a cell, whatever is exchanged.
 #[test]
 fn kept_cells_beside_grids_say_what_both_say() {
     let of = |seed, interpolation| Tables::new(seed, seed % 3 == 0, interpolation, 2e-3, seed % 2 == 0);
@@ -335,7 +335,7 @@ fn kept_cells_beside_grids_say_what_both_say() {
     ];
     let (mut edges, mut kept) = (0, 0);
     for (seed, tables) in kinds.into_iter().enumerate() {
-        // What a box has for going on beyond a node, twice.
+        // Twice what a box may deviate beyond a node.
         let doubles = run::<f64, f64>(&tables, 40 + seed as u64, share(60_000), 0.2e-6);
         let singles = run::<f32, Nanometres>(&tables, 40 + seed as u64, share(60_000), 0.4e-6);
         for worst in [doubles, singles] {
@@ -347,7 +347,7 @@ fn kept_cells_beside_grids_say_what_both_say() {
     assert!(edges > share(2000) && kept > share(300_000), "{edges} {kept}");
 }
 
-/// Tables so steep that one look-up does not do: whatever the correction does, the inverse is as exact as it says.
+/// Tables so steep that one look-up is not enough: whatever the correction does, the inverse keeps its stated accuracy.
 #[test]
 fn the_inverse_from_the_last_correction_keeps_its_bound() {
     let (mut locked, mut led) = (0, 0);
@@ -365,7 +365,7 @@ fn the_inverse_from_the_last_correction_keeps_its_bound() {
     assert!(locked > share(50_000) && led > share(20_000), "{locked} {led}");
 }
 
-/// Errors of the inverse in a motion, against the converged one, mm.
+/// Deviations of the inverse from the converged one during a motion, mm.
 #[derive(Debug, Default)]
 struct Inverse {
     locked: f64,
@@ -373,7 +373,7 @@ struct Inverse {
     cycles_led: usize,
 }
 
-/// Moves as fast as the correction can just follow, and faster, turning now and then.
+/// Moves as fast as the correction can just follow, and faster, with occasional reversals.
 fn at_the_velocity_limit(tables: &Tables, period_ns: u32) -> Inverse {
     let mut tables = tables.clone();
     for axis in &mut tables.machine.axes {

@@ -6,18 +6,18 @@ use crate::kinematics::Kinematics;
 use crate::roundness::Followed;
 use glam::DVec3;
 
-/// Readings lie beside the line, mm.
+/// Distance of the readings from the line, mm.
 const BESIDE: f64 = 0.002;
-/// Infeed that the gauge asks of Y, mm.
+/// Infeed of Y that the gauge requests, mm.
 const INFEED: f64 = 0.005;
-/// Cycles at rest, in which the correction and then the infeed arrive; then 60 mm/s.
+/// Cycles at rest, in which first the correction and then the infeed is reached; then 60 mm/s.
 const AT_REST: i32 = 2000;
 const CYCLES: i32 = 4000;
-/// The infeed begins.
+/// First cycle with infeed.
 const FROM: i32 = 1000;
 const LENGTH: f64 = 20.0;
 
-/// A gauge that asks for a given infeed.
+/// A gauge that requests a given infeed.
 struct Asking {
     infeed: f64,
     whole: usize,
@@ -33,7 +33,7 @@ impl Ride<f64> for &mut Asking {
     }
 }
 
-/// Along a line in X, the readings beside it in Y; `step` gets the part of the line that is done.
+/// Moves along a line in X, with the readings offset in Y; `step` receives the completed part of the line.
 fn run(mut step: impl FnMut(&Loop, &mut State<f64, f64, 3>, &Input<f64, 3>, f64, &mut Asking) -> Out) -> Vec<Out> {
     let servo = servo_loop(1.0);
     let mut state = servo.start();
@@ -98,7 +98,8 @@ fn a_gauge_adds_its_infeed_and_changes_nothing_else_whatever_is_measured() {
             assert_eq!((a.tip, a.encoder, a.orientation), (b.tip, b.encoder, b.orientation), "{measure}, {i}");
             assert_eq!((a.fault, b.fault, a.status), (Fault::None, Fault::None, b.status), "{measure}, {i}");
             let fed = [0, 1, 2].map(|k| gauged.drive[k] - plain.drive[k]);
-            // The tables are read where the axis stands, infeed included: by less than 1e-4 of it they say something else.
+            // The tables are read at the actual axis position, infeed included: they differ there by less than 1e-4 of
+            // the infeed.
             assert!(fed[0].abs() <= 1e-4 * INFEED && fed[2].abs() <= 1e-4 * INFEED, "{measure}, {i}: {fed:?}");
             if (i as i32) < FROM {
                 assert_eq!(fed[1], 0.0, "{measure}, {i}");

@@ -1,4 +1,4 @@
-//! The dynamic correction in the step: its laws against the continuous ones, its limits over every transition.
+//! The dynamic correction in the step: its laws compared with the continuous ones, its limits across every transition.
 
 use super::transitions::{Do, any_doing};
 use super::*;
@@ -26,14 +26,14 @@ const FRICTION: FrictionSettings = FrictionSettings {
     viscous: 0.005,
     lead_s: 0.0,
 };
-/// Wide enough to bind nowhere here.
+/// Wide enough never to bind here.
 const WIDE: Limits = Limits { magnitude: 0.09, slope_per_s: 5.0, acceleration_per_s2: 5000.0 };
 
 fn dynamic(lag: bool, acceleration: bool, take_up: bool) -> Option<DynamicSettings> {
     Some(DynamicSettings { limits: WIDE, lag, acceleration, take_up })
 }
 
-/// Everything on, on every axis.
+/// Every part on, on every axis.
 fn everything(axis: &mut AxisSettings) {
     axis.servo = AxisServo { drive: Some(DRIVE), friction: Some(FRICTION), dynamic: dynamic(true, true, true) };
 }
@@ -75,7 +75,7 @@ fn the_lag_of_a_constant_speed_is_made_up_for_and_the_host_does_not_see_it() {
     assert_eq!((parts.sent[1], out.record.correction), (0.0, [0.0; 3]));
     assert!((out.drive[0] - out.record.command[0] - parts.sent[0]).abs() < 1e-12);
     assert!((out.record.feedback[0] - out.feedback[0] - parts.sent[0]).abs() < 1e-9);
-    // Standing, it goes back to zero.
+    // At rest it returns to zero.
     let last = out.record.command;
     for _ in 0..5000 {
         out = cycle(servo, &mut state, &input(last));
@@ -83,7 +83,7 @@ fn the_lag_of_a_constant_speed_is_made_up_for_and_the_host_does_not_see_it() {
     assert!(out.record.dynamic.unwrap().sent[0].abs() < 1e-9);
 }
 
-/// The laws as differential equations, by the classical Runge-Kutta method with fifty steps a period.
+/// The laws as differential equations, integrated by the classical Runge-Kutta method with fifty steps per period.
 fn continuous(velocity: impl Fn(f64) -> f64, slope: impl Fn(f64) -> f64, end: f64) -> f64 {
     let force = |t: f64, f: f64| {
         let v = velocity(t);
@@ -127,7 +127,7 @@ fn friction_and_acceleration_follow_the_continuous_law() {
     let mut out = cycle(servo, &mut state, &input([0.0; 3]));
     let mut k = 0;
     let mut largest: f64 = 0.0;
-    // Shortly after the reversals at half a turn, where friction goes over to the other side.
+    // Shortly after the reversals at half a turn, where friction changes sides.
     for end in [1.0, 6.27, 6.30, 6.33, 6.5] {
         while f64::from(k) * T < end {
             k += 1;
@@ -190,7 +190,7 @@ fn what_was_learned_is_added_and_what_is_no_number_is_not() {
     assert_eq!(sent([f64::NAN, f64::INFINITY, 0.001]), [0.0, 0.0, 0.001]);
 }
 
-/// Cycles from the reversal of the command until the correction moves.
+/// Number of cycles from the reversal of the command until the correction moves.
 fn until_taken_up(take_up: bool) -> u32 {
     let servo = loop_of(
         0.0,
@@ -200,7 +200,7 @@ fn until_taken_up(take_up: bool) -> u32 {
         }),
     );
     let mut state = servo.start();
-    // 12.5 mm/s²: that of the circle above.
+    // 12.5 mm/s²: the acceleration of the circle above.
     let at = |k: i32| -6.25 * (T * f64::from(k)) * (T * f64::from(k));
     for k in -500..=0 {
         cycle(servo, &mut state, &input([10.0 + at(k), 0.0, 0.0]));
@@ -233,7 +233,7 @@ fn a_command_that_dithers_turns_nothing() {
     }
 }
 
-/// A straight path along X, and an axis Y that follows its drive as a position loop does, off by a disturbance.
+/// A straight path along X; axis Y follows its drive like a position loop, with a disturbance added.
 fn along_x(
     feedback: bool,
     disturbance: impl Fn(f64) -> f64,
@@ -284,7 +284,7 @@ fn the_watch_leads_an_oscillation_out_and_says_so() {
     assert!((1500..=3500).contains(&out), "{out}");
     assert!(outs[out + 1000..].iter().all(|out| out.record.dynamic.unwrap().feedback == [0.0; 3]));
     assert!(outs[out..].iter().all(|out| out.record.status.has(Status::FEEDBACK_OUT)));
-    // Off and on again, and by a reset.
+    // Switched off and on again, and reset.
     let mut flagged = |input| cycle(servo, &mut state, &input).record.status.has(Status::FEEDBACK_OUT);
     let at = outs.last().unwrap().record.command;
     assert!(flagged(input(at)));
@@ -295,7 +295,7 @@ fn the_watch_leads_an_oscillation_out_and_says_so() {
     assert!(flagged(input(at)));
     assert!(!flagged(Input { dynamics: Dynamics::ALL.without(Dynamics::FEEDBACK), ..input(at) }));
     assert!(!flagged(input(at)));
-    // And in exchange for a loop without feedback.
+    // Exchanged for a loop without feedback.
     let (_, mut state, servo) = along_x(true, swing, 10_000);
     assert!(cycle(servo, &mut state, &input(at)).record.status.has(Status::FEEDBACK_OUT));
     let (_, _, without) = along_x(false, swing, 1);
@@ -307,8 +307,8 @@ fn the_watch_leads_an_oscillation_out_and_says_so() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: crate::testing::share::share(300) as u32, ..ProptestConfig::default() })]
 
-    /// Both corrections keep their limits and everything is finite, whatever comes after whatever: faults, holds, parts
-    /// switched at random, loops with and without dynamic correction exchanged.
+    /// Both corrections keep their limits and every value is finite in any sequence of faults, holds, parts switched at
+    /// random, and exchanges between loops with and without dynamic correction.
     #[test]
     fn both_corrections_keep_their_limits(
         sequence in prop::collection::vec((any_doing(), any::<u8>(), -0.2..0.2f64), 1..40),
@@ -330,7 +330,7 @@ proptest! {
                     Do::Go(speed) => {
                         at = [0, 1, 2].map(|k| (at[k] + speed[k]).clamp(-10.0, 110.0));
                         given = input(at);
-                        // The readings lag behind, for an error to act on.
+                        // The readings lag behind, to give the feedback an error.
                         given.feedback = [0, 1, 2].map(|k| at[k] - 0.1 * speed[(k + 1) % 3]);
                     }
                     Do::NoNumber => given.command[1] = f64::NAN,
@@ -377,12 +377,12 @@ proptest! {
                         rates = rates.map(|mut rate| { rate[k] = 0.0; rate });
                         continue;
                     }
-                    // In a loop without dynamic correction the sum is led on; in the next one it starts from nothing.
+                    // Without a dynamic part the limiter takes over the sum; in the next loop with one it starts at zero.
                     let whole = parts.is_some();
                     for (which, (now, then)) in [(sum, was), (d, sent)].into_iter().enumerate() {
                         let v = now - then;
                         if !due {
-                            // Exchanged, what is called dynamic may change.
+                            // At an exchange, the share that counts as dynamic may change.
                             let renamed = which == 1 && before.record.dynamic.is_some() != whole;
                             prop_assert!(renamed || v.abs() <= 1e-13, "{which} moves by {v} in no time, {what:?}");
                             continue;

@@ -1,4 +1,4 @@
-//! Hosts that go wrong, readings that are noisy or wrap, cycles that come twice, exchanges at the wrong moment.
+//! Faulty hosts, readings that are noisy or wrap, cycles delivered twice, exchanges at the wrong moment.
 
 use super::*;
 use crate::machine::ErrorModel;
@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 const HELD: [f64; 3] = [60.0, 50.0, 40.0];
 
-/// A bench whose output holds since a command that was no number.
+/// A bench whose output is held after a non-numeric command.
 fn stopped() -> (Bench, Out) {
     let mut bench = Bench::new();
     bench.settle(HELD);
@@ -17,7 +17,7 @@ fn stopped() -> (Bench, Out) {
     (bench, out)
 }
 
-/// The host goes on with its program as if nothing had been asked: commands, readings, resets far away.
+/// The host continues its program as if no stop had been requested: commands, readings, resets far away.
 #[test]
 fn a_host_that_ignores_stop_requests_is_held_for_100_000_cycles() {
     let (mut bench, held) = stopped();
@@ -43,8 +43,8 @@ fn a_host_that_ignores_stop_requests_is_held_for_100_000_cycles() {
     assert!(!bench.cycle(&Input { reset: true, ..near }).stop_requested());
 }
 
-/// A reset in every other cycle, with a bad command after each that is heard: the output never moves by more than the way
-/// back that a reset permits, and the correction keeps its limits (looked at by the bench).
+/// A reset in every other cycle, with a bad command after each accepted one: the output never moves by more than the
+/// distance that a reset permits, and the correction keeps its limits (checked by the bench).
 #[test]
 fn a_host_that_resets_in_a_loop_gains_nothing() {
     let (mut bench, mut last) = stopped();
@@ -62,7 +62,7 @@ fn a_host_that_resets_in_a_loop_gains_nothing() {
         last = out;
     }
     assert!(heard > 4000, "{heard}");
-    // A reset that stays on is one.
+    // A reset that stays on counts once.
     let (mut bench, _) = stopped();
     bench.cycle(&Input { feedback: HELD, reset: true, ..input([20.0, 50.0, 40.0]) });
     for _ in 0..1000 {
@@ -70,7 +70,7 @@ fn a_host_that_resets_in_a_loop_gains_nothing() {
     }
 }
 
-/// Noise of the readings below their plausible jump is no fault, and no bit of it is in what goes to the drives.
+/// Reading noise below the plausible jump is not a fault, and none of it reaches the drives.
 #[test]
 fn noisy_readings_change_nothing_that_is_sent() {
     let mut noise = Noise::new(5);
@@ -85,7 +85,8 @@ fn noisy_readings_change_nothing_that_is_sent() {
     }
 }
 
-/// A counter that wraps at 32 bits is a jump of the reading: frozen as long as it lasts, the command passes.
+/// A counter that wraps at 32 bits makes the reading jump: the correction freezes as long as the jump lasts, the command
+/// passes.
 #[test]
 fn a_counter_that_wraps_freezes_until_it_comes_back() {
     let scale = EncoderScale::new(60.0 - 0.1e-3 * f64::from(i32::MAX), 0.1e-3).unwrap();
@@ -109,7 +110,7 @@ fn a_counter_that_wraps_freezes_until_it_comes_back() {
     assert_eq!(bench.cycle(&given).record.fault, Fault::None);
 }
 
-/// The same cycle delivered twice, a cycle lost with and without the host's knowledge.
+/// A cycle delivered twice, and a cycle lost with and without the host's knowledge.
 #[test]
 fn a_doubled_cycle_is_one_more_and_a_lost_one_is_late_or_unseen() {
     let mut bench = Bench::new();
@@ -133,7 +134,7 @@ fn a_doubled_cycle_is_one_more_and_a_lost_one_is_late_or_unseen() {
     }
 }
 
-/// Other tables while the correction is frozen, while the output holds, and twice before a cycle takes them.
+/// Tables exchanged while the correction is frozen, while the output is held, and twice before a cycle takes them.
 #[test]
 fn an_exchange_in_a_fault_in_a_hold_and_twice_waits_for_its_turn() {
     let other = servo_loop(-2.0);
@@ -177,7 +178,7 @@ fn tables_offered_from_another_thread_are_taken_between_two_cycles() {
             }
         });
         let (mut bench, mut taken, mut n) = (Bench::new(), 0, 0_i32);
-        // However busy the computer is, the other thread comes to its turn.
+        // Runs until the other thread has had its turns, however busy the computer is.
         while taken < 200 || n < 30_000 {
             taken += u32::from(mailbox.take_into(&mut bench.active).is_some());
             let there_and_back = 0.002 * f64::from((n % 60_000 - 30_000).abs());
@@ -192,7 +193,8 @@ fn tables_offered_from_another_thread_are_taken_between_two_cycles() {
     });
 }
 
-/// Two hosts on two threads, one loop, a state each: each gets what it would get alone. One state for both does not compile.
+/// Two hosts on two threads share one loop, each with its own state: each gets the same results as alone. One state for
+/// both does not compile.
 #[test]
 fn one_loop_serves_two_threads_with_a_state_each() {
     let servo = servo_loop(1.0);
@@ -210,7 +212,7 @@ fn one_loop_serves_two_threads_with_a_state_each() {
     assert_eq!(alone, beside);
 }
 
-/// A tool that is 200 mm longer comes as other tables, in motion: what its lever asks for is led in.
+/// A tool that is 200 mm longer arrives in motion, as new tables: the limiter ramps in the correction for its lever.
 #[test]
 fn a_tool_change_in_motion_is_led_in() {
     let with = |tool: f64| {
@@ -242,8 +244,8 @@ fn a_tool_change_in_motion_is_led_in() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: crate::testing::share::share(2000) as u32, ..ProptestConfig::default() })]
 
-    /// A host restarted anywhere, in mid-program, whose first input may be anything: the first command that can be used
-    /// goes out as it is, and the correction is led in from zero within its limits (looked at by the bench).
+    /// A host restarted at any point of its program, with any first input: the first usable command goes out unchanged,
+    /// and the correction ramps in from zero within its limits (checked by the bench).
     #[test]
     fn a_cold_start_anywhere_with_any_first_input_is_led_in(
         at in prop::array::uniform3(-10.0..110.0f64),
@@ -266,7 +268,7 @@ proptest! {
         let usable = first.iter().all(|x| x.is_finite() && x.abs() <= 1e9);
         prop_assert!(!out.has_drive() || out.stop_requested() || out.drive.map(f64::to_bits) == first.map(f64::to_bits));
         prop_assert!(usable || out.stop_requested());
-        // The host tries again where the machine stands, and goes on.
+        // The host retries at the machine's position, and continues.
         let mut bench = Bench::new();
         let mut led_in = 0.0_f64;
         for n in 0..400 {

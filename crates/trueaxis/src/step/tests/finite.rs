@@ -1,4 +1,4 @@
-//! Whatever bits come in, every number that goes out is one.
+//! Whatever bits come in, every number that goes out is finite.
 
 use super::*;
 use crate::contour::{CommandWindow, Flags, Segment, Span, convert};
@@ -30,7 +30,7 @@ fn spans<R: Real, P: Position>() -> Vec<Span<R, P>> {
     spans
 }
 
-/// Bits of a cycle: values not taken as they come stay near the machine's position.
+/// Bits of a cycle: values that are not used as they are stay near the machine's position.
 type Bits = ([f64; 3], [f64; 3], f64, u32, u32, u16);
 
 fn any_bits() -> impl Strategy<Value = Bits> {
@@ -40,7 +40,7 @@ fn any_bits() -> impl Strategy<Value = Bits> {
     ([any_float(), any_float(), any_float()], [any_float(), any_float(), any_float()], t, span, elapsed, any::<u16>())
 }
 
-/// Any bits as a position; `f64` bits as an integer are those of its lower half.
+/// Any bits as a position; an integer takes the lower half of an `f64`'s bits.
 trait AnyBits: Position {
     fn any(x: f64) -> Self;
 }
@@ -143,7 +143,8 @@ proptest! {
     }
 }
 
-/// The lag to a reference off its span is that to the span's end, and flagged; to none there is no contour error.
+/// The lag to a reference off its span is measured to the span's end, and flagged; a reference to no span gives no
+/// contour error.
 #[test]
 fn a_reference_off_its_piece_is_taken_at_its_end_or_refused() {
     let servo = servo_loop(0.0);
@@ -179,7 +180,7 @@ fn a_reference_off_its_piece_is_taken_at_its_end_or_refused() {
         assert!(!out.status.has(Status::CONTOUR), "{t}");
         assert!(out.tip.flags.has(Flags::NOT_FOUND) && out.tip.flags.has(Flags::REFERENCE));
         assert_eq!((out.tip.lag, out.encoder.lag, out.tip.error), (0.0, 0.0, 0.0));
-        // And it goes on as after any loss.
+        // The next cycle continues as after any loss.
         let next = servo.step(&mut state, &at, path.on(Reference { span: 0, t: 0.5 }), ()).record;
         assert!(next.status.has(Status::CONTOUR) && next.tip.lag.is_finite());
     }

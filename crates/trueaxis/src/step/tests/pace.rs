@@ -1,15 +1,16 @@
-//! Limits in seconds: cycles that come in a burst, after a stall, too fast for ever, move nothing that their time does not.
+//! Limits in seconds: cycles in a burst, after a stall, or permanently too fast move nothing further than their time
+//! allows.
 
 use super::dynamic::DRIVE;
 use super::*;
 use crate::dynamic::Dynamics;
 use crate::machine::{AxisServo, DynamicSettings};
 
-/// Largest change of a correction in a period, and of that.
+/// Largest change of a correction in a period, and of that change.
 const SLOPE: f64 = 5.0 * T;
 const ACCELERATION: f64 = 5000.0 * T * T;
 
-/// Cycles of a motion along X, each of which takes its time; every one with its number, its time so far and its output.
+/// Cycles of a motion along X, each with its own duration; passes on the number, the time so far and the output of each.
 fn moving(cycles: u32, elapsed: impl Fn(u32) -> u32, mut seen: impl FnMut(u32, f64, &Out)) {
     let mut bench = Bench::new();
     let mut time = 0.0;
@@ -47,7 +48,7 @@ fn a_cycle_more_than_a_quarter_early_freezes_as_a_late_one_does() {
 
 #[test]
 fn cycles_without_time_move_nothing_and_the_correction_goes_on_as_it_went() {
-    // Led in at full slope when the burst comes.
+    // The burst arrives while the correction ramps in at full slope.
     let mut bench = Bench::on(servo_loop(10.0));
     let at = input([30.0, 40.0, 50.0]);
     let mut moved = 0.0;
@@ -62,7 +63,7 @@ fn cycles_without_time_move_nothing_and_the_correction_goes_on_as_it_went() {
         let out = bench.cycle(&Input { elapsed_ns: 0, ..at });
         assert_eq!((out.record.fault, out.drive), (Fault::LateCycle, before.drive));
     }
-    // What the burst left over is a movement at the most; from then on one in a period.
+    // The burst leaves at most one movement over; after that there is one per period.
     let out = bench.cycle(&at);
     assert_eq!(out.record.fault, Fault::None);
     let next = out.record.correction[0] - before.record.correction[0];
@@ -91,18 +92,18 @@ fn jitter_about_a_schedule_is_no_fault() {
     );
 }
 
-/// How cycles come.
+/// How cycles arrive.
 #[derive(Clone, Copy, Debug)]
 enum Come {
-    /// Each took this share of a period.
+    /// Each takes this share of a period.
     Share(f64),
-    /// Between three quarters and five quarters, from this seed.
+    /// Between three quarters and five quarters of a period, from this seed.
     Jitter(u64),
-    /// Many periods once, then nothing.
+    /// Once many periods, then no time.
     Stall(u32),
 }
 
-/// What goes on meanwhile.
+/// What happens during these cycles.
 #[derive(Clone, Copy, Debug)]
 enum Meanwhile {
     Nothing,
@@ -143,7 +144,7 @@ fn any_come() -> impl Strategy<Value = (Come, Meanwhile, u32)> {
     (come, meanwhile, 1..200u32)
 }
 
-/// Lag and a learned correction, so that the dynamic part moves too.
+/// Lag and a learned correction, so that the dynamic part moves as well.
 fn dynamic_loop(scale: f64) -> &'static Loop {
     loop_of(
         scale,
@@ -158,8 +159,8 @@ fn dynamic_loop(scale: f64) -> &'static Loop {
 proptest! {
     #![proptest_config(ProptestConfig { cases: crate::testing::share::share(500) as u32, ..ProptestConfig::default() })]
 
-    /// From any cycle to any later one, what is added to the commands has changed by no more than the slope allows in the
-    /// time between them, and a period's worth; and from one movement to the next by no more than the acceleration.
+    /// Between any two cycles, the sum of corrections changes by no more than the slope allows in the time between them,
+    /// plus one period's worth; and from one movement to the next by no more than the acceleration.
     #[test]
     fn over_any_time_a_correction_moves_by_its_slope_and_a_cycle_at_most(
         sequence in prop::collection::vec(any_come(), 1..30),
@@ -170,7 +171,7 @@ proptest! {
         let (mut which, mut at, mut time) = (0, 30.0, 0.0);
         let (mut clock, mut first) = (Clock::default(), true);
         let (mut sent, mut rate) = ([0.0; 3], [0.0; 3]);
-        // Of c − s t the least so far, of c + s t the greatest, s the slope.
+        // The least c − s t and the greatest c + s t so far, s the slope.
         let (mut least, mut greatest) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
         let slope = SLOPE / 0.999;
         for (come, meanwhile, cycles) in sequence {

@@ -1,4 +1,4 @@
-//! When a command or a reading is believed: each rule by itself, at its limit.
+//! When a command or a reading is trusted: each rule separately, at its limit.
 
 use super::*;
 
@@ -28,7 +28,7 @@ fn a_late_cycle_excuses_as_large_a_step_as_it_took_periods_up_to_sixteen() {
         for (part, fits) in [(0.999, true), (1.001, false), (-0.999, true), (-1.001, false)] {
             let mut bench = standing(50.0);
             let way = part * periods * STEP;
-            // The reading follows by less than its own limit.
+            // The reading moves by less than its own limit.
             let out = bench.cycle(&Input { elapsed_ns, feedback: [50.01; 3], ..input([50.0, 50.0 + way, 50.0]) });
             let late = periods > 1.0;
             let expected = match (fits, late) {
@@ -44,7 +44,7 @@ fn a_late_cycle_excuses_as_large_a_step_as_it_took_periods_up_to_sixteen() {
 
 #[test]
 fn the_plausible_jump_of_a_reading_grows_with_every_one_that_is_missing() {
-    // Largest step of the axis and 0.02 mm.
+    // Largest step of the axis plus 0.02 mm.
     let limit = STEP + 0.02;
     for missing in [0, 1, 2, 7] {
         for sign in [1.0, -1.0] {
@@ -59,13 +59,13 @@ fn the_plausible_jump_of_a_reading_grows_with_every_one_that_is_missing() {
                 let out = bench.cycle(&back);
                 if believed {
                     assert_eq!((out.record.fault, out.record.feedback[2]), (Fault::None, z));
-                    // From here on the limit is that of one cycle again.
+                    // From here on the limit of one cycle applies again.
                     let next = Input { feedback: [50.0, 50.0, z + 1.001 * limit], ..input([50.0; 3]) };
                     assert_eq!(bench.cycle(&next).record.fault, Fault::FeedbackJump);
                 } else {
                     let fault = (out.record.fault, out.record.fault_axis, out.record.feedback[2]);
                     assert_eq!(fault, (Fault::FeedbackJump, 2, 50.0));
-                    // Not believed is missing too: the next cycle has room for it.
+                    // A rejected reading is missing too: the limit of the next cycle covers it.
                     assert_eq!(bench.cycle(&back).record.fault, Fault::None);
                 }
             }
@@ -73,7 +73,7 @@ fn the_plausible_jump_of_a_reading_grows_with_every_one_that_is_missing() {
     }
 }
 
-/// Goes on by as much a cycle while the X encoder stands; returns the fault of the last cycle.
+/// Moves the command by each of `steps` while the X encoder does not change; returns the fault of the last cycle.
 fn stuck(bench: &mut Bench, from: f64, steps: &[f64]) -> Fault {
     let mut x = from;
     let mut fault = Fault::None;
@@ -86,7 +86,7 @@ fn stuck(bench: &mut Bench, from: f64, steps: &[f64]) -> Fault {
 
 #[test]
 fn a_stuck_encoder_is_found_in_either_direction_and_by_the_way_not_the_distance() {
-    // 0.2 mm, as a power of two so that the sums are exact to the cycle.
+    // 0.2 mm in steps of a power of two, so that the sums are exact to the cycle.
     let step = 1.0 / 64.0;
     for sign in [1.0, -1.0] {
         let mut bench = standing(50.0);
@@ -94,7 +94,7 @@ fn a_stuck_encoder_is_found_in_either_direction_and_by_the_way_not_the_distance(
         let mut bench = standing(50.0);
         assert_eq!(stuck(&mut bench, 50.0, &[sign * step; 13]), Fault::EncoderStuck, "0.203 mm");
     }
-    // To and fro.
+    // Back and forth.
     let mut bench = standing(50.0);
     let mut steps = [step; 13];
     steps[6..].fill(-step);
@@ -107,7 +107,7 @@ fn a_stuck_encoder_is_found_in_either_direction_and_by_the_way_not_the_distance(
 #[test]
 fn a_reading_that_moves_or_a_switch_off_ends_the_suspicion() {
     let step = 1.0 / 64.0;
-    // The least change of the reading.
+    // The smallest change of the reading.
     let mut bench = standing(50.0);
     assert_eq!(stuck(&mut bench, 50.0, &[-step; 12]), Fault::None);
     let x = 50.0 - 12.0 * step;
@@ -163,7 +163,7 @@ fn before_homing_positions_mean_nothing() {
         assert_eq!((out.record.fault, out.drive, out.feedback), (Fault::None, command, feedback));
         assert!(!out.record.status.has(Status::ACTIVE));
     }
-    // A NaN is not a position either.
+    // NaN is not a position either.
     let out = bench.cycle(&raw([f64::NAN, 0.0, 0.0], [0.0; 3]));
     assert_eq!(out.record.fault, Fault::CommandNotFinite);
 }
@@ -172,22 +172,22 @@ fn before_homing_positions_mean_nothing() {
 fn enabling_looks_at_travel_and_readings_but_not_back_at_the_command() {
     let off = |at: [f64; 3]| Input { enable: false, ..input(at) };
     for homed in [true, false] {
-        // Homing and switching on may change the command by anything …
+        // Homing and switching on may change the command by any amount …
         let mut bench = Bench::new();
         bench.cycle(&Input { homed, ..off([20.0; 3]) });
         let on = Input { feedback: [20.0; 3], ..input([60.0; 3]) };
         let out = bench.cycle(&on);
         assert_eq!((out.record.fault, out.record.command), (Fault::None, [60.0; 3]));
-        // … from then on it is watched,
+        // … from then on jumps are checked,
         let out = bench.cycle(&Input { feedback: [20.0; 3], ..input([60.0, 60.0, 60.0 + 1.001 * STEP]) });
         assert_eq!((out.record.fault, out.record.fault_axis), (Fault::CommandJump, 2));
-        // and the travel at once.
+        // and the travel immediately.
         let mut bench = Bench::new();
         bench.cycle(&Input { homed, ..off([20.0; 3]) });
         let out = bench.cycle(&input([20.0, 110.001, 20.0]));
         assert_eq!((out.record.fault, out.record.fault_axis), (Fault::CommandOutOfTravel, 1));
     }
-    // A reading is compared with the last one already in that cycle, unless it is the first of all.
+    // A reading is compared with the previous one already in that cycle, unless it is the very first.
     let mut bench = Bench::new();
     bench.cycle(&off([20.0; 3]));
     assert_eq!(
@@ -204,19 +204,19 @@ fn readings_are_watched_while_the_output_holds() {
     let mut bench = standing(50.0);
     let held = |feedback| Input { feedback, ..input([50.0, f64::NAN, 50.0]) };
     bench.cycle(&held([50.0; 3]));
-    // A glitch is not believed, though the fault reported is still the stop's.
+    // A glitch is rejected, although the reported fault is still the stop's.
     let out = bench.cycle(&held([50.0 + 1.001 * limit, 50.0, 50.0]));
     assert_eq!((out.record.fault, out.record.feedback[0]), (Fault::CommandNotFinite, 50.0));
-    // One missing: twice the limit.
+    // One reading missing: twice the limit.
     let out = bench.cycle(&held([50.0 + 1.999 * limit, 50.0, 50.0]));
     assert_eq!(out.record.feedback[0], 50.0 + 1.999 * limit);
-    // An axis that coasts is followed all the way.
+    // An axis that coasts is followed throughout.
     let mut x = 50.0 + 1.999 * limit;
     for _ in 0..100 {
         x -= 0.999 * limit;
         assert_eq!(bench.cycle(&held([x, 50.0, 50.0])).record.feedback[0], x);
     }
-    // After a stop before homing, positions may be set anew: any reading is believed.
+    // After a stop before homing, positions may be redefined: any reading is trusted.
     let mut bench = Bench::new();
     bench.cycle(&Input { homed: false, ..input([50.0; 3]) });
     let unhomed = |x| Input { homed: false, ..held([x, 50.0, 50.0]) };
@@ -230,13 +230,13 @@ fn a_reset_with_a_command_out_of_travel_is_not_heard() {
     let at = |x: f64| input([x, 109.99, 109.99]);
     let before = bench.cycle(&at(109.99));
     bench.cycle(&Input { feedback: [109.99; 3], ..at(f64::NAN) });
-    // Within the 0.05 mm of the held command, but beyond the travel.
+    // Within 0.05 mm of the held command, but beyond the travel.
     let out = bench.cycle(&Input { reset: true, ..at(110.001) });
     assert_eq!((out.record.fault, out.drive), (Fault::CommandNotFinite, before.drive));
     bench.cycle(&at(109.99));
     let out = bench.cycle(&Input { reset: true, ..at(110.0) });
     assert!(!out.stop_requested());
-    // Nor one that is no number, nor one too far away.
+    // A non-numeric command is not accepted either, nor one too far away.
     bench.cycle(&Input { feedback: [109.99; 3], ..at(f64::NAN) });
     for bad in [f64::NAN, f64::INFINITY, 109.949, 1e300] {
         bench.cycle(&at(110.0));
@@ -246,7 +246,7 @@ fn a_reset_with_a_command_out_of_travel_is_not_heard() {
     assert!(!bench.cycle(&Input { reset: true, ..at(109.951) }).stop_requested());
 }
 
-/// An axis so slow that the distance to the held command is a jump: near excuses it.
+/// An axis so slow that the distance to the held command is a jump: nearness excuses it.
 #[test]
 fn a_reset_is_heard_where_the_way_back_is_more_than_a_cycles() {
     let servo = servo_loop_with(1.0, |axis| axis.max_feed_per_s = 100.0);
@@ -258,7 +258,8 @@ fn a_reset_is_heard_where_the_way_back_is_more_than_a_cycles() {
     assert_eq!(out.record.command[0], 50.04);
 }
 
-/// One axis may be farther than a cycle's way from the held command; that excuses no other that is out of its travel.
+/// One axis may be farther from the held command than a cycle's travel; that does not excuse another one out of its
+/// travel.
 #[test]
 fn a_reset_is_not_heard_where_one_axis_jumps_and_another_is_out_of_travel() {
     let servo = servo_loop_with(1.0, |axis| axis.max_feed_per_s = 100.0);
@@ -273,10 +274,10 @@ fn a_reset_is_not_heard_where_one_axis_jumps_and_another_is_out_of_travel() {
     assert!(!bench.cycle(&Input { reset: true, ..at(50.04, 110.0) }).stop_requested());
 }
 
-/// The farthest readings that are believed: travel, 0.1 mm of correction in the joint, 1 mm.
+/// The farthest trusted readings: travel, 0.1 mm of correction in the joint, 1 mm.
 const READABLE: [f64; 2] = [-11.1, 111.1];
 
-/// A counter of nanometres that wraps at 32 bits reads 4.295 m away, on an axis of 120 mm: not in ten seconds either.
+/// A nanometre counter that wraps at 32 bits reads 4.295 m away on an axis of 120 mm: rejected even after ten seconds.
 #[test]
 fn a_reading_beyond_the_travel_is_not_believed_however_long_it_lasts() {
     for off in [-4294.967296, 4294.967296, 112.0, -112.0] {
@@ -291,7 +292,7 @@ fn a_reading_beyond_the_travel_is_not_believed_however_long_it_lasts() {
             assert_eq!(out.record.correction, before.record.correction);
             assert!(!out.stop_requested());
         }
-        // It ends as soon as the reading is back.
+        // The fault ends as soon as the reading returns.
         good = x;
         let out = bench.cycle(&input([x, 50.0, 50.0]));
         assert_eq!((out.record.fault, out.record.feedback[0]), (Fault::None, good), "{off} mm");
@@ -305,7 +306,7 @@ fn readings_are_believed_a_millimetre_beyond_the_joint() {
         [(-10.0, low + 1e-6, true), (-10.0, low - 1e-6, false), (110.0, high - 1e-6, true), (110.0, high + 1e-6, false)]
     {
         let mut bench = standing(end);
-        // An axis that coasts beyond its end while the command stands there, 0.1 mm a cycle.
+        // An axis coasts beyond its end, 0.1 mm per cycle, while the command stays at the end.
         let mut at = end;
         for _ in 0..11 {
             at += 0.1 * (reading - end).signum();
@@ -318,8 +319,8 @@ fn readings_are_believed_a_millimetre_beyond_the_joint() {
     }
 }
 
-/// Before homing and while switched off any number is a reading; what is then left of them is not believed when the
-/// plugin becomes active.
+/// Before homing and while switched off, any number is a reading; those left over are rejected when the step becomes
+/// active.
 #[test]
 fn where_readings_may_be_counts_from_homed_and_enabled_on() {
     let far = [-4284.0, 50.0, 50.0];
@@ -330,7 +331,7 @@ fn where_readings_may_be_counts_from_homed_and_enabled_on() {
             let out = bench.cycle(&off(far));
             assert_eq!((out.record.fault, out.record.feedback), (Fault::None, far));
         }
-        // The command stands in for a reading that is none, in the first cycle of all too.
+        // The command replaces a missing reading, even in the very first cycle.
         for mut bench in [bench, Bench::new()] {
             for _ in 0..10 {
                 let out = bench.cycle(&Input { feedback: far, ..input([50.0; 3]) });
@@ -342,12 +343,12 @@ fn where_readings_may_be_counts_from_homed_and_enabled_on() {
             assert_eq!((out.record.fault, out.record.feedback), (Fault::None, [50.0; 3]));
         }
     }
-    // Nor is it a place to hold at before the first command.
+    // Nor is it a position to hold before the first command.
     let mut bench = Bench::new();
     let nowhere = |feedback| Input { feedback, ..input([f64::NAN, 50.0, 50.0]) };
     assert!(!bench.cycle(&nowhere(far)).has_drive());
     assert_eq!(bench.cycle(&nowhere([60.0; 3])).drive, [60.0; 3]);
-    // A travel that is not declared ends at 1 km: readings with it.
+    // An undeclared travel ends at 1 km, and so do the readings.
     let servo = servo_loop_with(1.0, |axis| (axis.travel, axis.joint) = ([-1e6, 1e6], [-1e6 - 0.1, 1e6 + 0.1]));
     let mut bench = Bench::on(servo);
     for (x, believed) in [(1_000_001.0, true), (1_000_001.2, false), (-1_000_001.2, false)] {
@@ -358,10 +359,10 @@ fn where_readings_may_be_counts_from_homed_and_enabled_on() {
     }
 }
 
-/// Steps of the encoder in the tests below, 1 µm.
+/// Resolution of the encoder in the tests below, 1 µm.
 const COUNT: f64 = 1e-3;
 
-/// A bench at rest whose encoders have these steps.
+/// A bench at rest whose encoders have this resolution.
 fn with_encoders(step: f64, backlash: f64) -> Bench {
     let mut bench = Bench::on(servo_loop_with(1.0, |axis| {
         (axis.encoder_resolution, axis.backlash, axis.hysteresis) = (Some(step), backlash, 3e-3);
@@ -370,7 +371,8 @@ fn with_encoders(step: f64, backlash: f64) -> Bench {
     bench
 }
 
-/// Cycles until X is found to stand, going by `command(n)` and reading `reading(n)`; `None`: not in 20,000.
+/// Number of cycles until X counts as stuck, commanded by `command(n)` and read as `reading(n)`; `None` if not within
+/// 20,000.
 fn found(bench: &mut Bench, command: impl Fn(u32) -> f64, reading: impl Fn(u32) -> f64) -> Option<u32> {
     (1..=20_000).find(|n| {
         let given = Input { feedback: [reading(*n), 50.0, 50.0], ..input([command(*n), 50.0, 50.0]) };
@@ -380,7 +382,7 @@ fn found(bench: &mut Bench, command: impl Fn(u32) -> f64, reading: impl Fn(u32) 
     })
 }
 
-/// Dead encoders that are not quite still: a count to either side, a last digit that drifts.
+/// Dead encoders that still change slightly: a count to either side, a last digit that drifts.
 #[test]
 fn a_dead_encoder_that_is_not_quite_still_is_found_by_its_resolution() {
     let noise = |n: u32| [0.0, COUNT, -COUNT, COUNT, 0.0, -COUNT][n as usize % 6];
@@ -392,16 +394,16 @@ fn a_dead_encoder_that_is_not_quite_still_is_found_by_its_resolution() {
             let going = |n: u32| 50.0 + sign * (on(n) - 50.0);
             let mut bench = with_encoders(COUNT, 0.0);
             let cycle = found(&mut bench, going, |n| 50.0 + dead(n));
-            // 0.2 mm by 0.01 mm, and what a first move has to be.
+            // 0.2 mm at 0.01 mm per cycle, plus the size of a first move.
             assert!(cycle.is_some_and(|n| (20..=24).contains(&n)), "{cycle:?}");
-            // It lasts as long as the encoder is dead, and the last reading before it stands in.
+            // The fault lasts as long as the encoder is dead, and the last reading before it is used.
             for n in 25..4000 {
                 let given = Input { feedback: [50.0 + noise(n), 50.0, 50.0], ..input([going(n), 50.0, 50.0]) };
                 let out = bench.cycle(&given);
                 assert_eq!(out.record.fault, Fault::EncoderStuck, "{n}");
                 assert!((out.record.feedback[0] - 50.0).abs() <= COUNT);
             }
-            // Alive again.
+            // The encoder works again.
             let back = Input { feedback: [going(3999), 50.0, 50.0], ..input([going(3999), 50.0, 50.0]) };
             assert_eq!(bench.cycle(&back).record.fault, Fault::None);
         }
@@ -409,31 +411,31 @@ fn a_dead_encoder_that_is_not_quite_still_is_found_by_its_resolution() {
     let mut bench = with_encoders(COUNT, 0.0);
     let cycle = found(&mut bench, to_and_fro, |n| 50.0 + noise(n));
     assert!(cycle.is_some_and(|n| n < 80), "{cycle:?}");
-    // Without a stated resolution any change is one.
+    // Without a stated resolution any change counts.
     let mut bench = standing(50.0);
     assert_eq!(found(&mut bench, |n| 50.0 + 0.002 * f64::from(n), |n| 50.0 + noise(n)), None);
 }
 
-/// Healthy encoders that show little: none of them is dead.
+/// Healthy encoders that show little motion: none counts as dead.
 #[test]
 fn what_a_resolution_cannot_show_is_no_death() {
     let noise = |n: u32| [0.0, COUNT, -COUNT, COUNT, 0.0, -COUNT][n as usize % 6];
     let read = |x: f64, step: f64| (x / step).round() * step;
-    // At rest, and at a feed of a hundredth of a count a cycle.
+    // At rest, and at a feed of a hundredth of a count per cycle.
     let mut bench = with_encoders(COUNT, 0.0);
     assert_eq!(found(&mut bench, |_| 50.0, |n| 50.0 + noise(n)), None);
     let slow = |n: u32| 50.0 + 0.01 * COUNT * f64::from(n);
     let mut bench = with_encoders(COUNT, 0.0);
     assert_eq!(found(&mut bench, slow, |n| read(slow(n), COUNT) + noise(n)), None);
-    // A command that trembles by less than three counts: 60 mm of way.
+    // A command that trembles by less than three counts, 60 mm in total.
     let tremble = |n: u32| 50.0 + 1.5 * COUNT * if n.is_multiple_of(2) { 1.0 } else { -1.0 };
     let mut bench = with_encoders(COUNT, 0.0);
     assert_eq!(found(&mut bench, tremble, |n| 50.0 + noise(n)), None);
-    // To and fro within the backlash of a rack, read behind it.
+    // Back and forth within the backlash of a rack, with the encoder behind it.
     let within = |n: u32| 50.0 + 0.0025 * f64::from((n % 40).abs_diff(20)) - 0.05;
     let mut bench = with_encoders(COUNT, 0.05);
     assert_eq!(found(&mut bench, within, |n| 50.0 + noise(n)), None);
-    // An encoder so coarse that three of its steps are more than the stated way.
+    // An encoder so coarse that three of its steps exceed the stated distance.
     let fast = |n: u32| 50.0 + 0.002 * f64::from((n % 8000).abs_diff(4000)) - 8.0;
     let mut bench = with_encoders(0.1, 0.0);
     let start = |n: u32| if n <= 4000 { 50.0 } else { fast(n - 4000 + 8000) };

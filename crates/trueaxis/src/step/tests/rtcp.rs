@@ -21,19 +21,19 @@ fn tool<R: Real>(tip: V, direction: V) -> Tool<R> {
     Tool { tip: V3::<R>::of(tip).glam(), axis: V3::<R>::of(direction).glam() }
 }
 
-/// A machine under RTCP whose drives follow their commands at once.
+/// A machine under RTCP whose drives follow their commands immediately.
 struct Bench<R: Real, P: Position> {
     machine: Machine<R, P>,
     state: State<R, P, 5>,
     tracker: BranchTracker<R>,
     feedback: [P; 5],
     drive: Option<[f64; 5]>,
-    /// Largest move of an axis in a cycle: top feed with its factor, or the distance to the held position at a release.
+    /// Largest move of an axis per cycle: top feed with its factor, or the distance to the held position at a release.
     bound: [f64; 5],
 }
 
 impl<R: Real, P: Position> Bench<R, P> {
-    /// Standing with the tip and the rotary axes there.
+    /// At rest with the tip and the rotary axes at this pose.
     fn standing(machine: Machine<R, P>, tip: V, a: f64, c: f64) -> Self {
         let at = joints(machine.chain, tip, a, c);
         let [x, y, z, a, c] = at.map(R::of);
@@ -113,7 +113,7 @@ fn follows_a_line_in_singles() {
     follows_a_line::<f32, Nanometres>(150e-6, 20e-6);
 }
 
-/// The tip stands on a path of one span without length while the direction turns by 50 degrees.
+/// The tip stays on a path of one zero-length span while the direction turns by 50 degrees.
 #[test]
 fn the_tip_stays_while_the_tool_turns_about_it() {
     for chain in [TABLES, HEADS] {
@@ -134,7 +134,8 @@ fn the_tip_stays_while_the_tool_turns_about_it() {
     }
 }
 
-/// Straight through the vertical, the sixth decimal of every vector noise: A goes through, C stays, the tip stands.
+/// Straight through the vertical with noise in the sixth decimal of every vector: A passes through, C and the tip do not
+/// move.
 fn goes_through_the_vertical<R: Real, P: Position>(permitted_mm: f64, permitted_deg: f64) {
     for chain in [TABLES, HEADS] {
         for (cone_deg, decimals) in [(0.1, 1e-6), (0.1, 0.0), (0.0, 0.0)] {
@@ -172,8 +173,8 @@ fn the_tool_goes_through_the_vertical_in_singles() {
     goes_through_the_vertical::<f32, Nanometres>(150e-6, 40e-6);
 }
 
-/// Into the vertical, and out of it aside: what is left is at most the cone, and C turns no faster than it may; where the path
-/// asks for more, it is held with C named.
+/// Into the vertical, and out of it sideways: the remaining angle is at most the cone, and C turns no faster than
+/// permitted; if the path requires more, the output is held and the fault names C.
 #[test]
 fn out_of_the_vertical_aside_within_the_cone_and_the_step_or_held() {
     for chain in [TABLES, HEADS] {
@@ -205,7 +206,7 @@ fn out_of_the_vertical_aside_within_the_cone_and_the_step_or_held() {
     }
 }
 
-/// Every refusal: its code, the output held, no release from afar or without the edge, release near, no jump ever.
+/// Every refusal: its code, output held, no release from afar or without the edge, release nearby, never a jump.
 #[test]
 fn a_tool_that_cannot_be_reached_holds_until_a_reset_near_the_held_pose() {
     let (tip, a, c) = ([25.0, -10.0, 12.0], 19.0, -15.0);
@@ -230,16 +231,16 @@ fn a_tool_that_cannot_be_reached_holds_until_a_reset_near_the_held_pose() {
             narrow.axes.iter_mut().find(|axis| axis.axis == Axis::A).unwrap().travel = travel;
             Machine::of(chain, narrow, |_| [0.0; 6])
         };
-        // A ends: the other branch goes on, with C turned by 180 degrees.
+        // A reaches its end: only the other branch continues, with C turned by 180 degrees.
         let bench = Bench::standing(a_of([-180.0, 19.05]), tip, a, c);
         holds(bench, (Fault::BranchChange, 0), tip, (a, c), tip, turned(Z, a + 0.08, c));
-        // A begins so far from the pole that the tool cannot be held within the cone.
+        // A starts so far from the pole that the tool cannot be held within the cone.
         let bench = Bench::standing(a_of([0.05, 90.0]), tip, 0.06, c);
         holds(bench, (Fault::SingularPose, 0), tip, (0.06, c), tip, turned(Z, -0.06, c));
     }
 }
 
-/// A tool that lies 37 degrees off in the spindle cannot be set upright by A and C.
+/// A tool mounted 37 degrees off in the spindle cannot be set upright by A and C.
 #[test]
 fn a_direction_out_of_reach_holds() {
     let mut tilted = settings(HEADS);
@@ -282,7 +283,7 @@ fn holds(
     // A reset is not accepted while the tool is out of reach …
     assert!(bench.cycle(&bad, true).stop_requested());
     assert!(bench.cycle(&bad, false).stop_requested());
-    // … nor without one, however good the tool; nor from afar, and the pose that is followed stays at the held one.
+    // … nor is a good tool without a reset, or one far away; the tracker stays at the held pose.
     assert_eq!(bench.cycle(&good, false).drive, before.drive);
     let away = tool(add(tip, [0.2, 0.0, 0.0]), turned(Z, a, c));
     assert!(bench.cycle(&away, true).stop_requested());
@@ -306,7 +307,7 @@ fn holds(
 proptest! {
     #![proptest_config(ProptestConfig { cases: crate::testing::share::share(2000) as u32, ..ProptestConfig::default() })]
 
-    /// Any tools: no panic, finite drives that never jump, held ones that never move.
+    /// Any tools: no panic, finite drives that never jump, held drives that never move.
     #[test]
     fn no_sequence_of_tools_makes_a_drive_jump(
         cycles in prop::collection::vec((any::<u64>(), prop::array::uniform3(-1.0..1.0f64), any::<u8>()), 60),
@@ -334,7 +335,7 @@ proptest! {
                 prop_assert!(!out.stop_requested() || out.drive == last.drive);
             }
             if !out.stop_requested() {
-                // The interpolator goes on from where the machine is.
+                // The interpolator continues from the machine's pose.
                 let at = bench.tracker.axes();
                 let reached = bench.machine.kinematics.forward(at);
                 (tip, a, c) = (reached.tip.to_array(), at[Axis::A.index()], at[Axis::C.index()]);

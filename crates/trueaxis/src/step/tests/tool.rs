@@ -41,29 +41,29 @@ fn about_z(v: V, degrees: f64) -> V {
     let (s, c) = degrees.to_radians().sin_cos();
     [c * v[0] - s * v[1], s * v[0] + c * v[1], v[2]]
 }
-/// R_z(C) R_x(A): on both machines what takes the tool's frame to the workpiece's.
+/// R_z(C) R_x(A): on both machines the rotation from the tool's frame to the workpiece's.
 pub(super) fn turned(v: V, a: f64, c: f64) -> V {
     about_z(about_x(v, a), c)
 }
-/// And back.
+/// Inverse of [`turned`].
 fn turned_back(v: V, a: f64, c: f64) -> V {
     about_x(about_z(v, -c), -a)
 }
 
-/// Joints that bring the tip to `tip` (workpiece coordinates) with A and C given; in closed form.
+/// Joints that bring the tip to `tip` (workpiece coordinates) with A and C given, in closed form.
 pub(super) fn joints(chain: &str, tip: V, a: f64, c: f64) -> Pose {
     let [x, y, z] = if chain == HEADS { sub(tip, turned(TOOL, a, c)) } else { sub(turned_back(tip, a, c), TOOL) };
     [x, y, z, a, c]
 }
 
-/// The reverse: tip and direction from joint positions.
+/// Inverse of [`joints`]: tip and direction from joint positions.
 pub(super) fn tool_at(chain: &str, [x, y, z, a, c]: Pose) -> (V, V) {
     let xyz = [x, y, z];
     let tip = if chain == HEADS { add(xyz, turned(TOOL, a, c)) } else { turned(add(xyz, TOOL), a, c) };
     (tip, turned(Z, a, c))
 }
 
-/// A machine and its loop; every table has the same six errors everywhere: µm and µrad.
+/// A machine and its loop; every table has the same six constant errors: µm and µrad.
 pub(super) struct Machine<R: Real, P: Position> {
     pub(super) chain: &'static str,
     pub(super) servo: &'static ServoLoop<'static, R, P, 5>,
@@ -114,7 +114,7 @@ impl<R: Real, P: Position> Machine<R, P> {
         self.servo.start()
     }
 
-    /// One cycle, readings given.
+    /// One cycle with given readings.
     fn cycle(
         &self,
         state: &mut State<R, P, 5>,
@@ -136,7 +136,7 @@ impl<R: Real, P: Position> Machine<R, P> {
     }
 }
 
-/// A straight path of the tip with both rotary axes turning along it, in three spans.
+/// A straight path of the tip in three spans, with both rotary axes turning along it.
 const START: V = [20.0, -30.0, 10.0];
 const END: V = [50.0, 0.0, 15.0];
 const TURN: [V; 2] = [[10.0, 0.0, -20.0], [40.0, 0.0, 25.0]];
@@ -164,7 +164,7 @@ pub(super) fn reference<R: Real, P: Position>(spans: &[Span<R, P>], u: f64) -> R
     Reference { span: span as u32, t: R::of(place - span as f64) }
 }
 
-/// Moves the tool along the path, `stray` added to the readings; calls `seen` once the search is warm.
+/// Moves the tool along the path with `stray` added to the readings; calls `seen` once the search is warm.
 fn follow<R: Real, P: Position>(
     machine: &Machine<R, P>,
     stray: impl Fn(f64) -> Pose,
@@ -174,7 +174,7 @@ fn follow<R: Real, P: Position>(
     let path = ToolPath::new(Path::new(&spans, 0, false), &turns);
     let mut state = machine.start();
     for i in 0..4000 {
-        // Stands first, then 100 mm/s.
+        // First at rest, then 100 mm/s.
         let u = 0.01 + (f64::from(i) - 1000.0).max(0.0) * 0.01 / 43.0;
         let (tip, a, c) = along(u);
         let command = joints(machine.chain, tip, a, c);
@@ -213,7 +213,7 @@ fn perfect_tracking_has_no_error() {
     }
 }
 
-/// The tip's error is found in the workpiece, turned by A and C; the axes that take it out are in the machine.
+/// The tip's error is measured in the workpiece, rotated by A and C; the axes that correct it are in the machine.
 #[test]
 fn the_feedback_acts_in_machine_directions() {
     for chain in [TABLES, HEADS] {
@@ -250,14 +250,15 @@ fn the_feedback_acts_in_machine_directions() {
     }
 }
 
-/// Nearest distance of a point from the whole line, and where, by its projection.
+/// Distance of a point from the whole line, and its foot, by projection.
 fn from_line(p: V) -> (f64, f64) {
     let (way, to) = (sub(END, START), sub(p, START));
     let u = dot(way, to) / dot(way, way);
     (norm(sub(to, way.map(|w| w * u))), u)
 }
 
-/// Readings that stray in every joint: the tip's error is that of the projection, the direction's that at the foot.
+/// Readings that deviate in every joint: the tip's error equals the projection's, the direction's error the one at the
+/// foot.
 fn agrees_with_the_projection<R: Real, P: Position>(chain: &'static str, permitted_mm: f64, permitted_rad: f64) {
     let machine = Machine::<R, P>::perfect(chain);
     let stray = |u: f64| [4e-3 * (9.0 * u).sin(), -3e-3, 2e-3 * u, 3e-4 * (7.0 * u).cos(), -5e-4];
@@ -294,7 +295,7 @@ fn single_precision_costs_some_tens_of_nanometres() {
     agrees_with_the_projection::<f32, Nanometres>(HEADS, 100e-6, 0.5e-6);
 }
 
-/// Tables say 7, -4, 3 µm at the bed; the workpiece sees that turned, across the path; the encoders see nothing.
+/// Tables state 7, -4, 3 µm at the bed; in the workpiece this is rotated, across the path; the encoders show none of it.
 #[test]
 fn the_modelled_tip_error_is_turned_with_the_table() {
     for chain in [TABLES, HEADS] {
@@ -315,7 +316,7 @@ fn the_modelled_tip_error_is_turned_with_the_table() {
                 let across = (dot(seen, seen) - along * along).sqrt();
                 assert!((out.record.tip.error - across).abs() < 1e-9, "{chain} {u}: {} {across}", out.record.tip.error);
                 assert!(out.record.encoder.error < 1e-9);
-                // The tip's foot lies that much ahead, where the path's direction is another.
+                // The tip's foot is ahead by that amount, where the path's direction differs.
                 let turn = [30.0_f64, 45.0].map(|d| d.to_radians() / norm(way));
                 assert!(orientation.angle <= along.abs() * (turn[0] + turn[1]) + 1e-9);
             },
@@ -323,7 +324,8 @@ fn the_modelled_tip_error_is_turned_with_the_table() {
     }
 }
 
-/// A microradian of the inner rotary axis, by its table, while the path keeps its direction: seen with size and sense.
+/// A microradian of the inner rotary axis, from its table, while the path keeps its direction: measured with size and
+/// sign.
 fn resolves_a_microradian<R: Real, P: Position>(permitted: f64) {
     for chain in [TABLES, HEADS] {
         let own = |axis| if axis == Axis::A { [0.0, 0.0, 0.0, 1.0, 0.0, 0.0] } else { [0.0; 6] };
@@ -342,7 +344,8 @@ fn resolves_a_microradian<R: Real, P: Position>(permitted: f64) {
             let (_, with) = machine.cycle(&mut state, at, at, &path, here);
             let (_, without) = perfect.cycle(&mut without, at, at, &path, here);
             assert!(without.angle.to_f64() < permitted);
-            // About x, turned by C; the table's error is the tool's over the workpiece whichever side turns.
+            // About x, turned by C; the table's error is that of the tool relative to the workpiece, whichever side
+            // rotates.
             let truth = about_z([1e-6, 0.0, 0.0], c);
             let found = with.vector.into().map(R::to_f64);
             assert!(norm(sub(found, truth)) < permitted, "{chain} {a} {c}: {found:?} {truth:?}");
@@ -357,7 +360,7 @@ fn a_microradian_of_a_rotary_axis_is_resolved() {
     resolves_a_microradian::<f32, Nanometres>(0.3e-6);
 }
 
-/// The volumetric model: X tilts the tool by 3 and -2 µrad; seen in the table's axes, lever on the tip included.
+/// The volumetric model: X tilts the tool by 3 and -2 µrad; measured in the table's axes, including the lever on the tip.
 #[test]
 fn the_modelled_tilt_is_turned_with_the_table() {
     let w = [3e-6, -2e-6, 0.0];
@@ -379,7 +382,7 @@ fn the_modelled_tilt_is_turned_with_the_table() {
             }
             let (out, orientation) = last.unwrap();
             let (seen, d) = (if chain == HEADS { w } else { turned(w, a, c) }, turned(Z, a, c));
-            // A turn about the tool itself moves nothing.
+            // A rotation about the tool itself has no effect.
             let about_itself = dot(seen, d);
             let truth: V = core::array::from_fn(|k| seen[k] - about_itself * d[k]);
             assert!(
@@ -388,14 +391,14 @@ fn the_modelled_tilt_is_turned_with_the_table() {
                 orientation.vector
             );
             assert!((orientation.angle - norm(truth)).abs() < 1e-11);
-            // The tip moves by the lever from X's frame, 150 mm and more: some tenths of a micrometre.
+            // The tip moves by the lever from X's frame, at least 150 mm: some tenths of a micrometre.
             assert!(out.record.tip.error > 1e-5 && out.record.tip.error < 1e-3, "{}", out.record.tip.error);
             assert!(out.record.encoder.error < 1e-9);
         }
     }
 }
 
-/// The tip stands, the tool turns by 50 degrees about it; both machines lag by a millisecond in every joint.
+/// The tip stays, the tool turns by 50 degrees about it; both machines lag by a millisecond in every joint.
 #[test]
 fn turning_about_a_standing_tip_with_lag() {
     for chain in [TABLES, HEADS] {
@@ -416,11 +419,11 @@ fn turning_about_a_standing_tip_with_lag() {
             }
             let (out, orientation) = machine.cycle(&mut state, command, actual, &path, Reference { span: 0, t: s });
             assert_eq!(out.record.fault, Fault::None);
-            // The linear joints run on arcs and lag to their inside: that is the tip's error, and the whole of it.
+            // The linear joints run on arcs and lag to their inside: that is the entire error of the tip.
             let (truth, axis) = tool_at(chain, actual);
             assert!((out.record.tip.error - norm(sub(truth, tip))).abs() < 1e-9);
             widest = widest.max(out.record.tip.error);
-            // A and C lag alike, so the direction is on its way, 0.05 degrees behind.
+            // A and C lag alike, so the direction stays on its path, 0.05 degrees behind.
             let behind = (actual[3] - 5.0) / 50.0;
             assert!(orientation.angle < 2e-9 + 1e-6 * f64::from(u8::from(i < 100)), "{i}: {orientation:?}");
             assert!((orientation.t - behind).abs() < 1e-6, "{i}: {} {behind}", orientation.t);
@@ -430,7 +433,7 @@ fn turning_about_a_standing_tip_with_lag() {
     }
 }
 
-/// Switched off the errors are still seen; a reading that is not believed is not.
+/// While switched off, the errors are still measured; a rejected reading is not.
 #[test]
 fn nothing_is_measured_while_a_reading_is_not_believed() {
     let machine = Machine::<f64, f64>::perfect(TABLES);
@@ -453,7 +456,7 @@ fn nothing_is_measured_while_a_reading_is_not_believed() {
     assert!(orientation.flags.has(Flags::COLD));
 }
 
-/// Positions count over many turns as within one.
+/// Positions many turns away act like those within one turn.
 #[test]
 fn turns_of_a_rotary_axis_do_not_count() {
     let machine = Machine::<f32, Nanometres>::perfect(TABLES);

@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// X tables of 90 µm, limits of 1 mm/s and 0.2 m/s², enabled for 40 ms, one command that is no number, held for 1,000
+/// X tables of 90 µm, limits of 1 mm/s and 0.2 m/s², enabled for 40 ms, then one non-numeric command, held for 1,000
 /// cycles.
 #[test]
 fn a_held_correction_is_held_and_goes_on_from_there() {
@@ -17,7 +17,7 @@ fn a_held_correction_is_held_and_goes_on_from_there() {
     let before = bench.cycle(&at);
     assert!(before.record.limited != 0, "still on its way");
     for _ in 0..1000 {
-        // Bench looks at every bit.
+        // The bench checks every bit.
         let out = bench.cycle(&Input { feedback: at.feedback, ..input([f64::NAN; 3]) });
         assert_eq!(out.record.correction, before.record.correction);
         assert_eq!(out.feedback, [0, 1, 2].map(|k| at.feedback[k] - before.record.correction[k]));
@@ -32,14 +32,14 @@ fn a_held_correction_is_held_and_goes_on_from_there() {
     assert!((out.record.correction[0] - before.record.correction[0]).abs() > 0.01);
 }
 
-/// A machine whose joints end with the travel: near its end a correction outward has no room.
+/// A machine whose joints end with the travel: near the end there is no room for an outward correction.
 fn tight(scale: f64) -> &'static Loop {
     servo_loop_with(scale, |axis| axis.joint = axis.travel)
 }
 
 #[test]
 fn a_drive_beyond_the_joint_is_not_sent_at_either_end() {
-    // Corrections outward: positive errors pull the command down, negative ones up.
+    // Outward corrections: positive errors pull the command down, negative ones push it up.
     for (scale, end, inward) in [(1.0, -10.0, 1.0), (-1.0, 110.0, -1.0)] {
         let mut bench = Bench::on(tight(scale));
         let far = |way: f64| [end + inward * way, 50.0, 50.0];
@@ -62,17 +62,17 @@ fn a_drive_beyond_the_joint_is_not_sent_at_either_end() {
             last = out;
         }
         assert!((last.drive[0] - end).abs() < 0.0011, "held at {}", last.drive[0]);
-        // Latched: a command that would fit holds too, and a reset with the one that does not fit latches again.
+        // Latched: a command that would fit is held too, and a reset with the one that does not fit latches again.
         let held = bench.cycle(&input(far(0.5)));
         assert!(held.stop_requested() && held.drive == last.drive && held.record.fault == Fault::JointRange);
         let again = bench.cycle(&Input { reset: true, ..input(far(way)) });
         assert_eq!((again.record.fault, again.drive), (Fault::JointRange, last.drive));
-        // Near the held command, and fitting: released.
+        // Near the held command, and within the joint: released.
         bench.cycle(&input(far(way + 0.02)));
         let out = bench.cycle(&Input { reset: true, ..input(far(way + 0.02)) });
         assert!(!out.stop_requested() && out.record.status.has(Status::ACTIVE));
         assert!((out.drive[0] - last.drive[0]).abs() < 0.03);
-        // Away from the end for good, the machine goes on; at the end of the others nothing is in the way.
+        // Farther from the end, the machine continues without a fault.
         let out = bench.cycle(&input(far(way + 0.1)));
         assert_eq!(out.record.fault, Fault::None);
     }
@@ -90,7 +90,7 @@ fn a_drive_beyond_the_joint_is_not_sent_while_frozen_either() {
             assert_eq!((out.record.fault, out.record.fault_axis), (Fault::JointRange, 1));
             assert!(!out.record.status.has(Status::FROZEN));
             assert_eq!((out.drive, out.record.correction), (last.drive, last.record.correction));
-            // The alarm may go or stay: the stop is latched.
+            // The alarm may end or stay: the stop is latched.
             assert!(bench.cycle(&input([50.0, 109.9, 50.0])).stop_requested());
             return;
         }
@@ -122,7 +122,7 @@ fn a_way_that_was_not_sent_is_no_part_of_the_commanded_path() {
     }
     let out = servo.step(&mut state, &input([110.0, 50.0, 50.0]), &mut commanded, ());
     assert_eq!((out.record.fault, out.record.command[0]), (Fault::JointRange, 109.94));
-    // Off again: an axis that stands on the rejected path is beside the accepted one.
+    // Switched off again: an axis on the rejected path is off the accepted one.
     let beside = 109.97;
     let mut measured = 0;
     for n in 0..30 {
@@ -148,7 +148,7 @@ fn a_bad_command_in_the_very_first_cycle_stays_where_the_machine_stands() {
         assert!(out.stop_requested() && out.has_drive());
         assert_eq!((out.drive, out.record.command), (stands, stands));
     }
-    // Elsewhere no reset is accepted; here one is, and it is a first cycle.
+    // Far away a reset is not accepted; here it is, and starts with a first cycle.
     let away = Input { feedback: stands, reset: true, ..input([1.2, 2.0, 3.0]) };
     assert!(bench.cycle(&away).stop_requested());
     bench.cycle(&input(stands));
@@ -175,7 +175,7 @@ fn there_is_no_output_before_a_command_or_every_reading_is_known() {
     assert!(!bench.cycle(&alarm).has_drive());
     let reset = Input { reset: true, encoder_alarm: 0b010, ..input([0.0; 3]) };
     assert!(!bench.cycle(&reset).has_drive());
-    // Y is read at last, while X is out again: the last reading of each is where the machine stands.
+    // Y is read last, while X is unreadable again: the last reading of each gives the machine's position.
     let out = bench.cycle(&blind([f64::NAN, 8.0, 0.0]));
     assert!(out.has_drive() && out.stop_requested());
     let held = [0.0, 8.0, 0.0];
@@ -248,17 +248,17 @@ fn a_jump_of_the_whole_range_of_integers_is_a_jump() {
         let mut state = servo.start();
         step(&mut state, &given(from, from));
         assert_eq!(step(&mut state, &given(from, to)).record.fault, Fault::FeedbackJump);
-        // Saturated it is a dropout.
+        // Saturated, it is a dropout.
         let end = Nanometres(if to == high { i32::MAX } else { i32::MIN });
         assert_eq!(step(&mut state, &given(from, end)).record.fault, Fault::FeedbackNotFinite);
-        // Nor is the other end near where the output holds.
+        // Nor is the other end near the held output.
         step(&mut state, &given(to, from));
         let reset = Input { reset: true, ..given(to, from) };
         assert!(step(&mut state, &reset).stop_requested());
     }
 }
 
-/// A travel declared beyond what integers can say: the joint ends where they do.
+/// A travel declared beyond the integers' range: the joint ends where they do.
 #[test]
 fn integers_are_held_before_a_drive_saturates() {
     use crate::position::Nanometres;
@@ -278,7 +278,7 @@ fn integers_are_held_before_a_drive_saturates() {
 /// Action of a cycle in the random sequence.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Do {
-    /// Goes on at a speed, mm per cycle and axis.
+    /// Moves on at a speed, mm per cycle and axis.
     Go([f64; 3]),
     NoNumber,
     Jump,
@@ -315,14 +315,14 @@ pub(super) fn any_doing() -> impl Strategy<Value = (Do, u16)> {
 proptest! {
     #![proptest_config(ProptestConfig { cases: crate::testing::share::share(2_000) as u32, ..ProptestConfig::default() })]
 
-    /// `drive − command` keeps magnitude, slope and acceleration in every cycle, whatever comes after whatever; while the
-    /// output holds, nothing moves at all.
+    /// `drive − command` keeps magnitude, slope and acceleration in every cycle of any sequence; while the output is
+    /// held, nothing moves.
     #[test]
     fn the_limits_hold_in_every_cycle(
         sequence in prop::collection::vec(any_doing(), 1..40),
         start in (0.0..100.0f64, -9.9..109.9f64, prop_oneof![Just(-10.0), Just(110.0), 0.0..100.0f64]),
     ) {
-        // Ten times the errors: corrections run into their magnitude, and at the ends into the joint.
+        // Ten times the errors: corrections reach their magnitude limit, and at the ends the joint.
         let narrow = |axis: &mut AxisSettings| {
             axis.joint = axis.travel;
             axis.limits = crate::machine::Limits { magnitude: 0.06, slope_per_s: 0.5, ..axis.limits };
@@ -365,7 +365,7 @@ proptest! {
                     }
                 }
                 let out = bench.cycle(&given); // against its own limits and rules
-                // Once more from outside: drive positions against commands.
+                // Checked again from outside: drive positions minus commands.
                 for k in 0..3 {
                     let c = out.drive[k] - out.record.command[k];
                     let v = c - sent[k];
@@ -385,14 +385,14 @@ proptest! {
     }
 }
 
-/// A limit between two steps of the position, as stated: nothing beyond it is sent, for all that is rounded. Nor is
-/// anything beyond a joint that ends between two steps.
+/// A stated limit between two steps of the position: despite rounding, nothing beyond it is sent, nor beyond a joint that
+/// ends between two steps.
 #[test]
 fn no_rounding_goes_beyond_a_limit_as_it_is_stated() {
     use crate::position::Nanometres;
     let mut noise = crate::testing::noise::Noise::new(18);
     for round in 0..60 {
-        // 12.35 µm and some part of a nanometre; the third time a whole number of them.
+        // 12.35 µm and a fraction of a nanometre; in the third of every four rounds a whole number of them.
         let part = [0.53, 0.97, 0.0, 0.49][round % 4];
         let limit = (12_345.0 + 1000.0 * (round / 4) as f64 + part) * 1e-6;
         let set = |axis: &mut AxisSettings| {
@@ -425,7 +425,7 @@ fn no_rounding_goes_beyond_a_limit_as_it_is_stated() {
             let mut state = servo.start();
             let mut most = 0;
             for n in 0..4000 {
-                // The correction of 0.1 mm led in, then a nanometre in a cycle.
+                // The correction of 0.1 mm ramps in, then the command moves a nanometre per cycle.
                 let x = sign as i32 * (99_899_000 + (n - 2000).max(0));
                 let command = [x, 0, 0].map(Nanometres);
                 let out = servo.step(&mut state, &servo.input(command, command), (), ());

@@ -23,7 +23,7 @@ fn on_a_line_it_says_what_the_step_says_with_the_planners_own_path() {
     .unwrap();
     let path = Path::new(&spans, 0, false);
     for i in 0..2500i32 {
-        // A hundred cycles at rest, then off.
+        // A hundred cycles at rest, then moving.
         let s = WAY * f64::from((i - 100).max(0));
         let mut cycle = input([10.0 + s, 10.0, 10.0]);
         cycle.feedback = [10.0 + (s - 0.05).max(0.0), 10.002, 10.0];

@@ -1,4 +1,4 @@
-//! Both models and their corrections against products of homogeneous transforms, which know nothing of the walk.
+//! Both models and their corrections compared with products of homogeneous transforms, which are independent of the walk.
 
 use super::super::*;
 use crate::machine::Row;
@@ -10,7 +10,7 @@ use std::{vec, vec::Vec};
 mod inverse;
 mod nine;
 
-/// Errors so small that what is of their second order lies below this, mm.
+/// Errors so small that their second-order terms lie below this, mm.
 const CLOSE: f64 = 1e-10;
 
 /// A machine with linear, equidistant tables.
@@ -20,7 +20,7 @@ struct Exact {
     lines: [[f64; 2]; 6],
 }
 
-/// Where everything stands.
+/// Pose of the machine.
 struct Pose {
     /// Orientation of the carrier of each axis and origin of its moved frame.
     carriers: Vec<(Axis, bool, DMat3, DVec3)>,
@@ -88,7 +88,7 @@ impl Exact {
         Pose { carriers, workpiece, tip, tool }
     }
 
-    /// An axis' twist from its table, held beyond its ends, with what stands beside it; and whether it is held.
+    /// An axis' twist from its table, clamped beyond its ends, plus the errors outside it; and whether it is clamped.
     fn twist(&self, axis: Axis, q: f64) -> ([f64; 6], bool) {
         let rows = self.rows(axis).unwrap();
         let (first, last) = (rows[0].position, rows[rows.len() - 1].position);
@@ -108,7 +108,7 @@ impl Exact {
         offset + slope * (q - self.machine.axis(axis).unwrap().thermal.datum)
     }
 
-    /// `d` and the rotation of the tool of the volumetric model, and the axes whose table is held.
+    /// `d` and the rotation of the tool in the volumetric model, and the axes whose table is clamped.
     fn volumetric(&self, q: &[f64; 6]) -> (DVec3, DVec3, Vec<Axis>) {
         let pose = self.pose(q);
         let (mut tip, mut turn, mut held) = (DVec3::ZERO, DVec3::ZERO, Vec::new());
@@ -147,7 +147,7 @@ impl Exact {
         })
     }
 
-    /// Positions of its axes, zero for absent ones.
+    /// Positions of the axes, zero for absent ones.
     fn place<const N: usize>(&self, random: &mut Noise, order: &AxisOrder<N>, size: f64) -> ([f64; 6], [f64; N]) {
         let all: [f64; 6] = core::array::from_fn(|k| size * if k < 3 { 220.0 } else { 170.0 } * random.signed());
         let has = |axis: Axis| self.machine.axis(axis).is_some();
@@ -175,7 +175,7 @@ fn poses_of<const N: usize>(chain: &str, seed: u64) {
     let mut random = Noise::new(seed);
     let mut exact = Exact::new(&mut random, chain);
     for plain in [true, false] {
-        // Looked up at the feedback, which is where the command is: another way to the same numbers.
+        // Looked up at the feedback, which equals the command: another code path to the same numbers.
         exact.machine.axes[0].lookup = if plain { Lookup::Command } else { Lookup::Feedback };
         exact.with::<N, _>(|model, order| {
             assert_eq!(model.plain, plain);

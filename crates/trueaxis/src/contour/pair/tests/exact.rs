@@ -1,4 +1,4 @@
-//! Wherever both feet are trusted, their distances are right: against bisection of the same span.
+//! Wherever both feet are trusted, their distances are correct: compared with bisection of the same span.
 
 use super::*;
 use crate::testing::share::share;
@@ -24,13 +24,13 @@ fn kind(random: &mut Noise, kind: usize) -> Vec<Span<f64, f64>> {
             Spline::random(random, 2 + kind / 2 - 1 - usize::from(kind == 10), kind.is_multiple_of(2)).segment()
         ]),
         11 => {
-            // Near a cusp: the middle points of a cubic cross over.
+            // Near a cusp: the inner control points of a cubic cross over.
             let (x, y) = (random.range(0.8, 1.6), 0.3 * random.signed());
             let points = [[0.0; 3], [x, 1.0, y], [1.0 - x, 1.0, -y], [1.0, 0.0, 0.0]].map(|p| p.map(|x| size * x));
             bezier(&points)
         }
         _ => {
-            // Inflections, and feet that start just there.
+            // Inflections, with feet that start exactly there.
             let bend = 0.4 * random.signed();
             let points = [[0.0; 3], [1.0, bend, 0.0], [2.0, -bend, 0.0], [3.0, 0.0, 0.0]].map(|p| p.map(|x| size * x));
             bezier(&points)
@@ -47,7 +47,7 @@ fn bezier(points: &[V; 4]) -> Vec<Span<f64, f64>> {
 const KINDS: usize = 13;
 const QUERIES: usize = 100_000;
 
-/// Distances of one query in the scalar of a step, `None` where not trusted.
+/// Distances of one query in the step's scalar, `None` if not trusted.
 fn query<R: Real, P: Position>(
     span: &Span<R, P>,
     position: [f64; 3],
@@ -116,14 +116,14 @@ fn distances_of_both_feet_agree_with_bisection() {
         }
     }
     for singles in &singles {
-        // One in a thousand, and three standard deviations of such a count.
+        // One in a thousand, plus three standard deviations of that count.
         let allowed = 1e-3 * singles.len() as f64;
         let beyond = singles.iter().filter(|off| **off >= 2e-6).count();
         assert!(beyond as f64 <= allowed + 3.0 * allowed.sqrt(), "f32: {beyond} of {}", singles.len());
     }
     for (number, worst) in worst.iter().enumerate() {
         assert!(worst.iter().all(|worst| *worst < 1e-12), "kind {number}: {worst:?} mm");
-        // More than half, less three standard deviations of such a count.
+        // More than half, minus three standard deviations of that count.
         let (of_encoder, asked) = (f64::from(trusted[number][1]), f64::from(asked[number]));
         assert!(of_encoder > 0.5 * asked - 1.5 * asked.sqrt(), "kind {number}: {of_encoder} of {asked}");
     }

@@ -1,11 +1,11 @@
-//! The pair along whole paths, against a search for each point alone.
+//! The pair along whole paths, compared with a separate search for each point.
 
 use super::*;
 use crate::contour::ContourState;
 use crate::contour::tests::LOOKED_AT;
 use crate::testing::share::share;
 
-/// Feet and arc lengths of both ways agree; counts cycles that differ, and those that are not plain.
+/// Checks that feet and arc lengths of both ways agree; counts the cycles that differ and those that are not plain.
 fn compare(all: &[Span<f64, f64>], feed: f64, lag: f64, mut points: impl FnMut(f64) -> [V; 2]) -> [u32; 3] {
     let mut walk = Walk::new(all, false);
     let total: f64 = all.iter().map(Span::length).sum();
@@ -16,7 +16,7 @@ fn compare(all: &[Span<f64, f64>], feed: f64, lag: f64, mut points: impl FnMut(f
     while s < total - 0.3 {
         let reference = place(all, s);
         let at = position(all, s - lag);
-        // Standing still, nothing strays.
+        // At standstill nothing strays.
         let [off, d] = if standing > 0 { [[0.0; 3]; 2] } else { points(s) };
         let (at_tip, at_encoder) = (add(at, off), sub(add(at, off), d));
         let pair = walk.step(reference, at_tip, at_encoder);
@@ -25,7 +25,7 @@ fn compare(all: &[Span<f64, f64>], feed: f64, lag: f64, mut points: impl FnMut(f
             walk.search.update(&mut encoder, &walk.path, reference, at_encoder),
         ];
         standing -= i32::from(standing > 0);
-        // Cold searches are not compared: the pair's encoder follows the tip there too.
+        // Cold searches are not compared: in them too the pair's encoder follows the tip.
         if pair.iter().chain(&alone).any(|found| found.flags.has(Flags::COLD)) {
             assert!(standing > 0 || !pair[0].flags.has(Flags::COLD), "cold at {s}");
             s += if standing > 0 { 0.0 } else { feed };
@@ -62,14 +62,14 @@ fn on_smooth_paths_the_pair_is_two_searches_and_nearly_always_plain() {
     for (name, all, most_slow) in [("butterfly", &butterfly, 0.15), ("arc", &arc, 0.02)] {
         for (feed, lag, size) in [(0.0025, 0.005, 0.003), (0.01, 0.015, 0.005), (0.01, 0.0, 0.01)] {
             let [cycles, differ, slow] = compare(all, feed, lag, |_| [random.vector(size), random.vector(size)]);
-            // At the sharp tip, where spans are short, the evaluations of a cycle may not do for the encoder.
+            // At the sharp tip, where spans are short, the evaluations of a cycle may not suffice for the encoder.
             assert!(f64::from(differ) < 0.004 * f64::from(cycles), "{name}: {differ} of {cycles} differ");
             assert!(f64::from(slow) < most_slow * f64::from(cycles), "{name}: {slow} of {cycles} out of line");
         }
     }
 }
 
-/// The feet |d| apart, both points on the path: over every border, the one ahead in the next span already.
+/// Both points on the path, their feet |d| apart: across every border, with the leading foot already in the next span.
 #[test]
 fn borders_between_two_points_on_the_path() {
     let line = |a: V, b: V| Segment::Line { start: a.into(), end: b.into() };
@@ -90,20 +90,21 @@ fn borders_between_two_points_on_the_path() {
                 cycles += 1;
                 assert!(at_tip.error < 1e-9, "{name} at {s}, {apart}: {at_tip:?}");
                 lost += u32::from(at_encoder.error > 1e-9);
-                // Whatever is not found is said.
+                // Every foot that is not found is flagged.
                 assert!(
                     at_encoder.error < 1e-9 || !at_encoder.flags.has(Flags::BRACKETED),
                     "{name} at {s}, {apart}: {at_encoder:?}"
                 );
             }
-            // On the butterfly some spans are shorter than that.
+            // Some spans of the butterfly are shorter than that.
             let most = if name == "butterfly" { 0.25 * apart.abs() + 0.005 } else { 0.0 };
             assert!(f64::from(lost) <= most * f64::from(cycles), "{name}, {apart}: {lost} of {cycles} lost");
         }
     }
 }
 
-/// Spans of 15 µm, the reference leaping by up to 1 mm and the tool anywhere near: what a cycle looks at is bounded.
+/// Spans of 15 µm, with the reference jumping by up to 1 mm and the tool anywhere near: a cycle visits a bounded number of
+/// spans.
 #[test]
 fn on_tiny_spans_a_cycle_looks_at_few_of_them() {
     let points: Vec<V> = (0..600).map(|i| [0.015 * f64::from(i), 0.002 * f64::from(i % 2), 0.0]).collect();

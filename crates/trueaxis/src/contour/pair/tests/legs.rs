@@ -1,23 +1,23 @@
-//! Short legs that turn by almost 180°, stopped at: the foot is on the leg that the tip is on, by order along the path.
+//! Short legs that turn by almost 180°, with stops: order along the path decides that the foot is on the tip's leg.
 //!
-//! The tip is the reference through a first-order servo, slower in one axis; the truth is the distance from all legs that
+//! The tip follows the reference through a first-order servo, slower in one axis; the truth is the distance from all legs that
 //! the reference has been on, and the largest lag that such a servo can have.
 
 use super::*;
 use crate::contour::ContourState;
 use core::f64::consts::PI;
 
-/// Paths of a kind at a rate.
+/// Number of paths of each kind at each rate.
 const PATHS: usize = 10;
 
-/// How legs are made.
+/// Construction of the legs.
 #[derive(Clone, Copy, Debug)]
 enum Legs {
-    /// A line each.
+    /// One line each.
     Lines,
     /// Lines joined by arcs of a few micrometres.
     Rounded,
-    /// Of pieces.
+    /// Several pieces each.
     Pieces,
 }
 
@@ -48,7 +48,7 @@ fn path(corners: &[V], legs: Legs) -> Vec<Span<f64, f64>> {
         let [a, b] = [pair[0], pair[1]];
         let (mut to, mut arc) = (b, None);
         if let (Legs::Rounded, Some(c)) = (legs, corners.get(i + 2)) {
-            // Cut off at 20 µm, rounded there.
+            // Cut off at 20 µm and rounded there.
             let [p, q] = [between(b, a, 0.02 / norm(sub(b, a))), between(b, *c, 0.02 / norm(sub(*c, b)))];
             let [u, v] = [sub(a, b), sub(*c, b)].map(DVec3::from_array);
             let (u, v) = (u.normalize(), v.normalize());
@@ -69,7 +69,7 @@ fn path(corners: &[V], legs: Legs) -> Vec<Span<f64, f64>> {
     spans(&segments)
 }
 
-/// From rest to rest over a length: places a period apart.
+/// Motion from rest to rest over a length: positions one period apart.
 fn strokes(length: f64, feed: f64, acceleration: f64, period: f64) -> Vec<f64> {
     let feed = feed.min((acceleration * length).sqrt());
     let (ramp, total) = (feed / acceleration, length / feed + feed / acceleration);
@@ -110,14 +110,15 @@ fn from_part(all: &[Span<f64, f64>], p: V, [begin, end]: [f64; 2]) -> f64 {
     least
 }
 
-/// Cycles in which a foot was wrong and not flagged: by its distance, by its lag; flagged ones, of how many, and cold ones.
+/// Counts cycles in which a foot was wrong and not flagged: by its distance, by its lag; flagged ones, the total, and cold
+/// ones.
 fn follow(random: &mut Noise, legs: Legs, rate: f64) -> [u32; 5] {
     let (gain, slower) = (random.range(60.0, 150.0), random.range(0.7, 1.0));
     let (feed, acceleration) = (10f64.powf(random.range(0.0, 1.3)), random.range(300.0, 3000.0));
     let all = path(&corners(random, 4), legs);
     let total: f64 = all.iter().map(Span::length).sum();
     let mut places = std::vec![0.0; 80];
-    // Legs of a path end where it turns.
+    // A path's legs end where it turns.
     let mut end = 0.0;
     let mut begin = 0.0;
     for (i, span) in all.iter().enumerate() {
@@ -172,8 +173,8 @@ fn the_foot_stays_on_the_leg_that_the_reference_is_on_or_has_just_left() {
                 sum.iter_mut().zip(counts).for_each(|(sum, count)| *sum += count);
             }
             let [off, behind, said, cycles, cold] = sum;
-            // Where the contour error is tens of micrometres a third leg may be nearer, and a rounding of a few micrometres
-            // has minima of its own; at 1 kHz a cycle may go over more spans than are looked at, and the search begins afresh.
+            // If the contour error is tens of micrometres, a third leg may be nearer, and a rounding of a few micrometres has
+            // additional minima; at 1 kHz a cycle may cover more spans than the search permits, so the search starts cold.
             if off * 300 > cycles || behind * 10_000 > cycles || said * 2 > cycles || cold * 6 > cycles {
                 wrong.push((legs, rate, sum));
             }

@@ -1,4 +1,4 @@
-//! Both feet from one frame: against bisection, against two searches, over borders.
+//! Both feet from one frame: compared with bisection and with two searches, and across borders.
 
 use super::*;
 use crate::contour::refine::dot;
@@ -14,7 +14,7 @@ mod follow;
 mod legs;
 mod shapes;
 
-/// A path's both contour errors in a cycle.
+/// Both contour errors along a path, cycle by cycle.
 struct Walk<'a> {
     search: ContourSearch<f64>,
     path: Path<'a, f64, f64>,
@@ -27,7 +27,7 @@ impl<'a> Walk<'a> {
         Walk { search, path: Path::new(all, 0, closed), state: PairState::default() }
     }
 
-    /// Tip and encoder, for positions of both.
+    /// One cycle: contour errors of tip and encoder at the given positions.
     fn step(&mut self, reference: Reference<f64>, tip: V, encoder: V) -> [ContourError<f64>; 2] {
         let mut found = [ContourError::none(); 2];
         let [at_tip, at_encoder] = &mut found;
@@ -38,7 +38,7 @@ impl<'a> Walk<'a> {
         found
     }
 
-    /// Stands at a reference until the search is warm.
+    /// Keeps the reference still until the search is warm.
     fn warm(&mut self, reference: Reference<f64>) {
         let at = self.path.span(reference.span).unwrap().position(reference.t);
         for _ in 0..60 {
@@ -48,7 +48,7 @@ impl<'a> Walk<'a> {
     }
 }
 
-/// The place at an arc length from the start.
+/// The point at an arc length from the start.
 fn place(all: &[Span<f64, f64>], mut s: f64) -> Reference<f64> {
     for (number, span) in all.iter().enumerate() {
         if s <= span.length() || number + 1 == all.len() {
@@ -64,7 +64,7 @@ fn position(all: &[Span<f64, f64>], s: f64) -> V {
     all[span as usize].position(t)
 }
 
-/// Derivative of half the squared distance from `p`, and the distance, at t: powers of t, nothing of the kernel.
+/// Derivative of half the squared distance from `p`, and the distance, at t: computed from powers of t, without the kernel.
 fn slope(span: &Span<f64, f64>, p: V, t: f64) -> (f64, f64) {
     let (mut x, mut v) = ([0.0; 4], [0.0; 4]);
     for (k, c) in span.coefficients.iter().enumerate() {
@@ -80,7 +80,7 @@ fn slope(span: &Span<f64, f64>, p: V, t: f64) -> (f64, f64) {
     (dot(&off, &rate), norm(off))
 }
 
-/// Distance from `p` at the minimum next to `t`, by bisection: the nearest change from − to +.
+/// Distance from `p` at the minimum nearest to `t`, by bisection: the nearest change from − to +.
 fn by_bisection(span: &Span<f64, f64>, p: V, t: f64) -> Option<f64> {
     let mut reach = 1e-7;
     while reach < 0.3 {

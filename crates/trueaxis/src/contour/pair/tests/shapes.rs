@@ -1,4 +1,4 @@
-//! Corners, hairpins, cusps, closed paths, the reference going back, and anything else.
+//! Corners, hairpins, cusps, closed paths, a reference that goes back, and arbitrary input.
 
 use super::*;
 use proptest::prelude::*;
@@ -64,7 +64,7 @@ fn in_a_hairpin_both_feet_are_on_one_leg() {
     }
 }
 
-/// Through cusps nothing is lost for long, and no foot is worse than the reference itself.
+/// At cusps the feet are never lost for long, and no foot is worse than the reference itself.
 #[test]
 fn through_a_cusp_the_search_stays_warm() {
     let knots = [0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0];
@@ -104,7 +104,7 @@ fn closed_paths_wrap_and_references_go_back() {
     let mut walk = Walk::new(&circle, true);
     walk.warm(place(&circle, 1.0));
     let mut s = 1.0_f64;
-    // Twice round, then back over the start, turning round every now and then.
+    // Twice round, then back over the start, reversing now and then.
     for step in 0..30_000 {
         s += if step < 20_000 || step % 700 > 500 { 0.008 } else { -0.009 };
         let reference = place(&circle, s.rem_euclid(total));
@@ -171,8 +171,8 @@ fn plain_bisection_measures_both() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: crate::testing::share::share(5_000) as u32, ..ProptestConfig::default() })]
 
-    /// No points, reference or state that floats can make give a panic or a result that is not finite, and never more than
-    /// eight evaluations.
+    /// No points, reference or state that floats can represent cause a panic, a result that is not finite, or more than eight
+    /// evaluations.
     #[test]
     fn any_query_is_answered_with_finite_numbers(
         points in prop::collection::vec((-1e9..1e9f64, -1e9..1e9f64, -9.0..9.0f64, any::<u32>(), any::<f64>(), -1.0..1.0f64), 6),

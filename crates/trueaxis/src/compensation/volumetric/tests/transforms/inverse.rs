@@ -2,15 +2,15 @@
 
 use super::*;
 
-/// What a step's array says, by axis; zero for absent ones.
+/// Values of a step's array by axis; zero for absent ones.
 fn by_axis<const N: usize>(order: &AxisOrder<N>, values: &[f64; N]) -> [f64; 6] {
     let mut all = [0.0; 6];
     order.axes().into_iter().zip(values).for_each(|(axis, value)| all[axis.index()] = *value);
     all
 }
 
-/// What is left at `q + r`, tip and direction in the bed, with the directions that the present slides and the rotary
-/// axes have there.
+/// Errors left at `q + r`, tip and direction in the bed, with the directions of the present slides and the rotary axes
+/// there.
 fn left<const N: usize>(exact: &Exact, order: &AxisOrder<N>, q: &[f64; 6], r: &[f64; N]) -> (DVec3, DVec3, Pose) {
     let r = by_axis(order, r);
     let there: [f64; 6] = core::array::from_fn(|k| q[k] + r[k]);
@@ -48,7 +48,7 @@ fn corrections_of<const N: usize>(chain: &str, orientation: bool, seed: u64) {
                 continue;
             }
             regular += 1;
-            // What remains of the tip's error is at right angles to every slide.
+            // The remaining error of the tip is perpendicular to every slide.
             let tip = slides.iter().map(|slide| slide.dot(tip).abs()).fold(0.0, f64::max);
             assert!(tip < CLOSE, "{chain} {all:?}: {tip:e}");
             if orientation {
@@ -83,7 +83,7 @@ fn the_corrected_tip_is_the_ideal_one_in_the_workpiece() {
     corrections_of::<6>("w A' b X Y Z C B t", false, 70);
 }
 
-/// Below a determinant of 0.05 the solution fades with it, by the square of what is left.
+/// Below a determinant of 0.05 the solution fades by the square of (determinant / 0.05).
 #[test]
 fn slides_that_hardly_span_space_are_asked_for_less() {
     let mut random = Noise::new(80);

@@ -3,7 +3,7 @@
 use super::*;
 use crate::compensation::nine::NineTerms;
 
-/// The nine terms: translations alone, turned as their carrier stands; each rotary axis' own error in its own position.
+/// The nine terms: translations only, turned with their carrier; each rotary axis' own error in its own position.
 #[test]
 fn nine_terms_of_rotary_machines_are_turned_with_their_carriers() {
     for (seed, chain) in FIVE.into_iter().enumerate() {
@@ -47,7 +47,7 @@ fn nine_terms_of_rotary_machines_are_turned_with_their_carriers() {
     }
 }
 
-/// Of three slides whose tables are of different kinds each keeps its own.
+/// Three slides with tables of different kinds: each uses its own.
 #[test]
 fn nine_terms_of_mixed_tables_are_those_of_each() {
     let mut random = Noise::new(95);
