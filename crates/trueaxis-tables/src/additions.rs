@@ -1,4 +1,4 @@
-//! What a calibration adds to the errors that a machine's files hold already.
+//! Errors that a calibration adds to those in a machine's files.
 
 use crate::document::{Edited, editable, section, set};
 use crate::edit::table_name;
@@ -19,38 +19,38 @@ use trueaxis::machine::{Axis, Row, Twist};
 /// Closest two positions of a table, mm or degrees.
 const CLOSEST: f64 = 1e-3;
 
-/// Degrees of freedom of what is well known: the most that the file takes.
+/// Degrees of freedom of a well-known value: the most that the file accepts.
 const WELL_KNOWN: f64 = 1e9;
 
 /// Positions of an axis, and the six errors EX to EC at each.
 type Points = Vec<(f64, Twist)>;
 
-/// Errors found on top of those that the machine's files state: actual − ideal, mm and rad.
+/// Errors found in addition to those that the machine's files state: actual − ideal, mm and rad.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Additions {
-    /// For an axis: positions, and the six errors EX to EC at them; between them linear, beyond them as at the end.
+    /// For each axis: positions and the six errors EX to EC at them; linear in between, constant beyond the ends.
     pub curves: Vec<(Axis, Points)>,
-    /// What a test has found; [`finding::decide`] says what of it is written.
+    /// Findings of a test; [`finding::decide`] decides which are written.
     pub findings: Vec<Finding>,
-    /// What the test's fit leaves; a misfit writes nothing of the findings.
+    /// Residual of the test's fit; with a misfit no finding is written.
     pub fit: Option<Fit>,
-    /// Number of the record that the findings rest on ([`finding::record_number`]); `None`: not to be known again.
+    /// Number of the record that the findings are based on ([`finding::record_number`]); `None`: not identified.
     pub record: Option<String>,
-    /// The record was taken with the machine's tables at work: the same one a second time is not added again.
+    /// Whether the record was taken with the machine's tables active: the same record is not added a second time.
     pub compensated: bool,
-    /// What was found is written whatever the rule says, which is told. Refused as ever: what the controller would refuse, and what is
-    /// in the machine already where it was found on top of it.
+    /// Whether to write the findings regardless of the rule, which is reported. Still refused: results that the controller
+    /// would refuse, and additions that the machine already includes.
     pub force: bool,
 }
 
 impl Additions {
-    /// The same, resting on a record of these bytes.
+    /// These additions, based on a record of these bytes.
     #[must_use]
     pub fn of_record(self, bytes: &[u8]) -> Additions {
         Additions { record: Some(finding::record_number(bytes)), ..self }
     }
 
-    /// What is done about every finding in a machine; `name` is that of its `machine.toml`. Nothing is written.
+    /// Decides on every finding for a machine; `name` is that of its `machine.toml`. Nothing is written.
     ///
     /// # Errors
     /// A machine that cannot be read.
@@ -99,8 +99,8 @@ impl Additions {
         decisions
     }
 
-    /// The changes that bring them into a machine; `name` is that of its `machine.toml`. Comments, order and every other
-    /// setting stay. What results is checked as [`Machine::read`] does. Nothing is written.
+    /// The changes that add the errors to a machine; `name` is that of its `machine.toml`. Comments, order and all other
+    /// settings stay. The result is checked as [`Machine::read`] does. Nothing is written.
     ///
     /// # Errors
     /// A machine that cannot be read, a table that cannot be written under its name, or a result that the controller would
@@ -141,7 +141,7 @@ impl Additions {
     }
 }
 
-/// Curves of the findings that are written, each with the share of it that is, one an axis.
+/// Curves of the findings that are written, each scaled by the share written, one per axis.
 fn taken_curves(findings: &[Finding], decisions: &[Decision]) -> Vec<(Axis, Points)> {
     let mut curves: Vec<(Axis, Points)> = Vec::new();
     for (finding, decision) in findings.iter().zip(decisions).filter(|(finding, _)| !finding.curve.is_empty()) {
@@ -175,7 +175,7 @@ fn taken_curves(findings: &[Finding], decisions: &[Decision]) -> Vec<(Axis, Poin
     curves
 }
 
-/// What is written of the findings, with its standard uncertainty, the degrees of freedom of that and the record.
+/// Writes the decided values, with their standard uncertainties, degrees of freedom and the record.
 fn write(
     findings: &[Finding],
     decisions: &[Decision],
@@ -204,7 +204,7 @@ fn write(
         }
         let [uncertainty, degrees] = finding::beside(&finding.key);
         put(document, &uncertainty, written.uncertainty.map(Value::from))?;
-        // Those of the section would hold for it where it has none of its own.
+        // Without a separate entry, the value would get the section's degrees of freedom.
         let section = degrees.rsplit_once('.').map_or("", |(section, _)| section);
         let of_others = finding::number(document.as_table(), &format!("{section}.degrees_of_freedom"));
         let of = written.degrees_of_freedom.or(of_others.map(|_| WELL_KNOWN));
@@ -220,7 +220,7 @@ fn write(
     Ok(())
 }
 
-/// A section of a table, made where there is none; one that only holds sections gets no header.
+/// A section of a table, created if absent; one that only contains sections gets no header.
 fn table_at<'d>(table: &'d mut dyn TableLike, name: &str, origin: &Origin) -> Result<&'d mut dyn TableLike, FileError> {
     let new = || {
         let mut new = toml_edit::Table::new();
@@ -231,8 +231,8 @@ fn table_at<'d>(table: &'d mut dyn TableLike, name: &str, origin: &Origin) -> Re
     table.entry(name).or_insert_with(new).as_table_like_mut().ok_or_else(refused)
 }
 
-/// Standard uncertainties point by point as the axis' CSV states them, at the points of its new table: linear between its own
-/// points, beyond them as at the end.
+/// Standard uncertainties of the points in the axis' CSV, at the points of its new table: linear between the old points,
+/// constant beyond the ends.
 fn kept(known: &Uncertainties, before: &Machine, axis: Axis, table: &Table) -> [Option<Vec<f64>>; 6] {
     let (Some(own), Some(rows)) = (known.of(axis), before.rows(axis)) else { return Default::default() };
     std::array::from_fn(|component| {
@@ -244,8 +244,8 @@ fn kept(known: &Uncertainties, before: &Machine, axis: Axis, table: &Table) -> [
 }
 
 impl Machine {
-    /// The six errors EX to EC, mm and rad, that the files state of an axis at a position: its table between both directions of travel,
-    /// the edge value outside it, and location errors of a rotary axis.
+    /// The six errors EX to EC, mm and rad, that the files state for an axis at a position: its table averaged over both
+    /// directions of travel, the edge value outside it, and location errors of a rotary axis.
     pub fn stated_errors(&self, axis: Axis, position: f64) -> Twist {
         let found = self.axes().find(|(own, _)| own.axis == axis);
         let table = found.and_then(|(own, table)| Some(ErrorTable::new(own, &table?.rows).at(position, 0.5)));
@@ -256,7 +256,7 @@ impl Machine {
     }
 }
 
-/// The axis' table with the curve added, at the positions of both.
+/// The axis' table plus the curve, at the positions of both.
 fn summed(machine: &Machine, axis: Axis, curve: &[(f64, Twist)]) -> Table {
     let found = machine.axes().find(|(own, _)| own.axis == axis);
     let old = found.and_then(|(own, table)| Some((ErrorTable::new(own, &table?.rows), table?)));

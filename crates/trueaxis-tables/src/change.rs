@@ -1,5 +1,5 @@
-//! Single changes to the files of a machine: a point of a table, a line more or less, a key of `machine.toml`. Comments,
-//! order, and whatever else stands in the files stay.
+//! Single changes to the files of a machine: a point of a table, an added or removed line, a key of `machine.toml`. Comments,
+//! order and the rest of the files stay as they are.
 
 use crate::document::{Edited, as_before, editable, set};
 use crate::error::FileError;
@@ -19,40 +19,40 @@ use trueaxis::machine::{Axis, Curve, wraps};
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(tag = "change", rename_all = "lowercase")]
 pub enum Change {
-    /// Another value of a table.
+    /// Change a value of a table.
     Point {
-        /// Whose table.
+        /// Axis of the table.
         axis: Axis,
         /// Column by its name in the header.
         column: String,
         /// Row, from 0.
         row: usize,
-        /// mm or degrees in the column of the position, µm or µrad in the others.
+        /// In mm or degrees for the position column, in µm or µrad for the others.
         value: f64,
         /// Other columns of the row that change with it, by name, with their values: the other direction of travel.
         #[serde(default)]
         also: Vec<(String, f64)>,
     },
-    /// A row more, with the errors that the table has at its position, to 0.001 µm (µrad).
+    /// Add a row, with the errors that the table has at its position, to 0.001 µm (µrad).
     Insert {
-        /// Whose table.
+        /// Axis of the table.
         axis: Axis,
-        /// mm or degrees.
+        /// Position in mm or degrees.
         position: f64,
     },
-    /// A row less.
+    /// Remove a row.
     Remove {
-        /// Whose table.
+        /// Axis of the table.
         axis: Axis,
         /// Row, from 0.
         row: usize,
     },
-    /// A key of `machine.toml` by its full name, like `axis.X.backlash_um`; without a value it is taken out, so that its
-    /// default holds.
+    /// Set a key of `machine.toml` by its full name, like `axis.X.backlash_um`; without a value the key is removed, so that
+    /// its default applies.
     Key {
-        /// Its name.
+        /// Full name.
         key: String,
-        /// Its value.
+        /// New value.
         value: Option<Setting>,
     },
 }
@@ -82,8 +82,8 @@ impl From<&Setting> for Value {
     }
 }
 
-/// The files that a change leaves; `name` is that of the `machine.toml`. What results is checked as [`Machine::read`] does.
-/// Nothing is written.
+/// The files after a change; `name` is that of the `machine.toml`. The result is checked as [`Machine::read`] does. Nothing is
+/// written.
 ///
 /// # Errors
 /// No such table, column or row; a machine that the controller would refuse.
@@ -146,7 +146,7 @@ fn point(
     Ok(text)
 }
 
-/// Whether the table goes on at its start.
+/// Whether the table wraps around.
 fn full_circle(table: &TableText, position: usize) -> bool {
     let row = |cells: &Vec<f64>| trueaxis::machine::Row {
         position: cells.get(position).copied().unwrap_or_default(),
@@ -156,13 +156,13 @@ fn full_circle(table: &TableText, position: usize) -> bool {
     wraps(table.axis, table.rows.iter().map(row).collect::<Vec<_>>().as_slice())
 }
 
-/// Line of a row.
+/// Line number of a row.
 fn row_line(table: &TableText, origin: &Origin, row: usize) -> Result<u32, FileError> {
     let needed = || format!("one of its {} rows", table.lines.len());
     table.lines.get(row).copied().ok_or_else(|| origin.whole(format!("row {}", row.saturating_add(1)), needed()))
 }
 
-/// The text with another number in a field of a line.
+/// The text with a new number in a field of a line.
 fn with_field(table: &TableText, text: &str, line: u32, index: usize, value: f64) -> String {
     let lines = (1..).zip(text.split_inclusive('\n'));
     lines
@@ -178,9 +178,9 @@ fn replaced(table: &TableText, line: &str, index: usize, value: f64) -> String {
     format!("{before}{}{after}", written(table, value, field.starts_with('"')))
 }
 
-/// A number as the file writes numbers.
+/// A number in the notation of the file.
 fn written(table: &TableText, value: f64, quoted: bool) -> String {
-    // −0 is no other number than 0.
+    // −0 is written as 0.
     let mut text = (value + 0.0).to_string();
     if table.decimal_commas {
         text = text.replace('.', ",");
@@ -188,7 +188,7 @@ fn written(table: &TableText, value: f64, quoted: bool) -> String {
     if quoted || text.contains(table.separator) { format!("\"{text}\"") } else { text }
 }
 
-/// Where the fields of a line stand, without the blanks around them.
+/// Ranges of the fields of a line, without the blanks around them.
 fn fields(line: &str, separator: char) -> Vec<Range<usize>> {
     let content = line.trim_end_matches(['\n', '\r']);
     let (mut ranges, mut start, mut quoted) = (Vec::new(), 0, false);
@@ -217,7 +217,7 @@ fn inserted(table: &TableText, machine: &Machine, position: f64) -> String {
     };
     let cells = table.columns.iter().enumerate().map(|(index, column)| {
         let error = match column.component {
-            // No less certain than the row beside it.
+            // An uncertainty column takes the value of the adjacent row.
             Some(_) if !column.forward && !column.reverse => {
                 let beside = next.unwrap_or(table.rows.len().saturating_sub(1));
                 table.rows.get(beside).and_then(|cells| cells.get(index)).copied()

@@ -1,4 +1,4 @@
-//! Tables for the controller: the bytes of a `.tcomp` file.
+//! Compiles tables for the controller: the bytes of a `.tcomp` file.
 
 use crate::{Machine, Table};
 use trueaxis::Config;
@@ -10,11 +10,11 @@ use trueaxis::tcomp::{
     MAGIC, TableHeader, VERSION, VERSION_WITHOUT_ENCODERS, VERSION_WITHOUT_GRIDS, checksum, machine_id,
 };
 
-/// The compiled form of a machine, byte by byte as [`trueaxis::tcomp`] describes it. The same machine gives the same bytes.
+/// The compiled form of a machine, byte by byte as in [`trueaxis::tcomp`]. The result is deterministic.
 ///
 /// # Errors
-/// All that [`check::machine`] refuses; a table that holds values in a component that it says is not given, or that tells
-/// two directions apart and says it does not.
+/// Everything that [`check::machine`] refuses; a table with values in a component that it marks as not given, or with two
+/// different directions although it is marked as having one.
 pub fn compile(machine: &Machine) -> Result<Vec<u8>, ConfigError> {
     if machine.tables.len() != machine.settings.axes.len() {
         let found = machine.tables.len() as f64;
@@ -42,7 +42,7 @@ pub fn compile(machine: &Machine) -> Result<Vec<u8>, ConfigError> {
         VERSION_WITHOUT_ENCODERS
     };
     if version != VERSION_WITHOUT_GRIDS {
-        // At most as many as the check lets pass.
+        // The check limits the number of grids.
         payload.push(machine.grids.len() as u8);
     }
     for grid in &machine.grids {
@@ -94,11 +94,11 @@ fn write_row(payload: &mut Vec<u8>, header: &TableHeader, row: &Row) {
     }
 }
 
-/// Builds the servo loop as a controller does at this rate, in single and in double precision, and lets it go again: a
-/// machine accepted here is accepted there.
+/// Builds the servo loop as a controller does at this rate, in single and in double precision, and drops it: a controller
+/// accepts every machine that is accepted here.
 ///
 /// # Errors
-/// All that [`check::machine`] or [`Config::build`] refuses.
+/// Everything that [`check::machine`] or [`Config::build`] refuses.
 pub fn build(machine: &Machine, rate_hz: f64) -> Result<(), ConfigError> {
     let grids = machine.grids();
     let inverse_passes = check::machine(&machine.settings, |axis| machine.rows(axis), &grids)?;

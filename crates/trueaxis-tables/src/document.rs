@@ -1,4 +1,4 @@
-//! `machine.toml` as a document that keeps what stands around a changed value, and the files that change with it.
+//! Edits `machine.toml` while keeping the text around a changed value, together with the files that change with it.
 
 use crate::error::FileError;
 use crate::origin::Origin;
@@ -9,14 +9,13 @@ use trueaxis::machine::Axis;
 /// Changes that an import makes to an existing machine.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Edited {
-    /// The files that change, by their name in the source, with their new text; `machine.toml` last, and only where it
-    /// changes.
+    /// The files that change, by their name in the source, with their new text; `machine.toml` last, and only if it changes.
     pub files: Vec<(PathBuf, String)>,
-    /// Everything added, replaced, set, or left although the file says otherwise; one sentence each.
+    /// Everything added, replaced, set, or kept although the file differs; one sentence each.
     pub notes: Vec<String>,
 }
 
-/// The document of a text, whose byte order mark is left out.
+/// Parses a text as a document, without its byte order mark.
 pub(crate) fn editable(text: &str, origin: &Origin) -> Result<DocumentMut, FileError> {
     text.strip_prefix('\u{feff}')
         .unwrap_or(text)
@@ -24,7 +23,7 @@ pub(crate) fn editable(text: &str, origin: &Origin) -> Result<DocumentMut, FileE
         .map_err(|error| origin.whole(error.message().to_owned(), "a TOML file that can be edited"))
 }
 
-/// A text with the line ends and the byte order mark of the one before.
+/// A text with the line ends and the byte order mark of the previous one.
 pub(crate) fn as_before(mut text: String, before: &str) -> String {
     if before.contains("\r\n") && !text.contains("\r\n") {
         text = text.replace('\n', "\r\n");
@@ -35,7 +34,7 @@ pub(crate) fn as_before(mut text: String, before: &str) -> String {
     text
 }
 
-/// The section of an axis, made where there is none.
+/// The section of an axis, created if absent.
 pub(crate) fn section<'d>(
     document: &'d mut DocumentMut,
     axis: Axis,
@@ -52,7 +51,7 @@ pub(crate) fn section<'d>(
     axes.entry(&letter).or_insert_with(toml_edit::table).as_table_like_mut().ok_or_else(no_section)
 }
 
-/// Sets a key and keeps what stands around its value.
+/// Sets a key and keeps the text around its value.
 pub(crate) fn set(section: &mut dyn TableLike, key: &str, mut value: Value) {
     match section.get_mut(key).and_then(Item::as_value_mut) {
         Some(old) => {
@@ -68,7 +67,7 @@ pub(crate) fn set(section: &mut dyn TableLike, key: &str, mut value: Value) {
     }
 }
 
-/// The same value, however it is written.
+/// Whether two values are equal, however they are written.
 pub(crate) fn same(a: &Value, b: &Value) -> bool {
     let number = |value: &Value| value.as_float().or_else(|| value.as_integer().map(|integer| integer as f64));
     match (a, b) {

@@ -1,4 +1,4 @@
-//! An import into an existing machine: tables and settings of the imported axes change, everything else stays.
+//! Imports into an existing machine: tables and settings of the imported axes change, everything else stays.
 
 use crate::document::{Edited, editable, same, section, set};
 use crate::error::FileError;
@@ -15,14 +15,15 @@ use trueaxis::machine::links;
 use trueaxis::machine::{Axis, AxisSettings, ErrorModel, LocationErrors, MachineSettings, Row};
 
 impl Imported {
-    /// The changes that bring these tables into an existing machine; `name` is that of its `machine.toml`.
+    /// The changes that import these tables into an existing machine; `name` is that of its `machine.toml`.
     ///
-    /// A table is added or replaced, a grid added, or replaced where [`Imported::replaces_grids`]. Settings that the file states for its axes are set; every other setting, the order and
-    /// the comments of `machine.toml` stay. What results is checked as [`Machine::read`] does. Nothing is written.
+    /// A table is added or replaced; a grid is added, or replaced with [`Imported::replaces_grids`]. Settings that the file
+    /// states for its axes are set; every other setting, the order and the comments of `machine.toml` stay. The result is
+    /// checked as [`Machine::read`] does. Nothing is written.
     ///
     /// # Errors
-    /// A machine that cannot be read, or whose chain has not got the axis; a table that stands outside the machine's folder
-    /// under the name of the new one; a result that the controller would refuse.
+    /// A machine that cannot be read, or whose chain lacks the axis; a table outside the machine's folder with the name of the
+    /// new one; a result that the controller would refuse.
     pub fn edit(&self, machine: &dyn Source, name: &Path) -> Result<Edited, FileError> {
         let standing = Standing::read(machine, name)?;
         let origin = Origin::new(&machine.path(name));
@@ -74,7 +75,7 @@ impl Imported {
         Ok(edited)
     }
 
-    /// Takes the grids out of the document that those of the file replace.
+    /// Removes from the document the grids that the file's grids replace.
     fn take_out_grids(
         &self,
         standing: &Standing<'_>,
@@ -101,7 +102,7 @@ impl Imported {
         replaced
     }
 
-    /// Settings of an axis that the file states otherwise than the machine.
+    /// Settings of an axis in which the file differs from the machine.
     fn stated_otherwise(&self, axis: Axis, standing: &Standing<'_>) -> Vec<(String, Value)> {
         let of_axis = |all: &MachineSettings| all.axis(axis).map(stated::of_axis);
         let own = of_axis(&standing.settings).unwrap_or_default();
@@ -111,16 +112,16 @@ impl Imported {
     }
 }
 
-/// Grids of a machine that others replace.
+/// Grids of a machine that are being replaced.
 #[derive(Default)]
 struct Replaced {
-    /// Their places in the machine.
+    /// Their numbers in the machine.
     numbers: Vec<usize>,
-    /// Their files that no new grid has taken yet, the first last.
+    /// Their files that no new grid has reused yet, the first last.
     files: Vec<String>,
 }
 
-/// Adds a grid where the machine has none over the same axes, but for those that were replaced: grids add up.
+/// Adds a grid if the machine has none over the same axes, apart from replaced ones, since grids add up.
 fn add_grid(
     grid: &Grid,
     standing: &Standing<'_>,
@@ -158,7 +159,7 @@ fn add_grid(
     Ok(())
 }
 
-/// Every axis is in the machine, and where the file states a chain, it is the machine's.
+/// Checks that every axis is in the machine and that a chain stated by the file is the machine's.
 fn in_chain(imported: &Imported, standing: &Standing<'_>, origin: &Origin) -> Result<(), FileError> {
     let chain = standing.settings.chain.as_str();
     let at = |needed: String| origin.at(line_of(&standing.text, "chain"), "chain", format!("{chain:?}"), needed);
@@ -190,7 +191,7 @@ fn line_of(text: &str, key: &str) -> u32 {
     (1..).zip(text.lines()).find(|(_, line)| is_key(line)).map_or(0, |(number, _)| number)
 }
 
-/// Name of the new table beside `machine.toml`: that of the old one where it is a file of this folder and of this axis alone.
+/// Name of the new table beside `machine.toml`: the old name if it is a file of this folder that only this axis uses.
 pub(crate) fn table_name(axis: Axis, standing: &Standing<'_>, origin: &Origin) -> Result<String, FileError> {
     let files = standing.files;
     let at = |name: &str| beside(&standing.name, name);
@@ -216,7 +217,7 @@ pub(crate) fn table_name(axis: Axis, standing: &Standing<'_>, origin: &Origin) -
     Ok(name)
 }
 
-/// `EXX EYX`.
+/// Names of a table's errors, like `EXX EYX`.
 fn errors_of(axis: Axis, table: &Table) -> String {
     let given = Axis::ALL.into_iter().zip(table.given).filter(|(_, given)| *given);
     let names: Vec<String> = given.map(|(moved, _)| format!("E{}{}", moved.letter(), axis.letter())).collect();
@@ -254,7 +255,7 @@ fn outdated(axis: Axis, table: &Table, standing: &Standing<'_>, notes: &mut Vec<
     set
 }
 
-/// Location errors that the file gives.
+/// Applies the location errors that the file gives.
 fn location(
     imported: &Imported,
     standing: &Standing<'_>,
@@ -284,7 +285,7 @@ fn location(
     Ok(())
 }
 
-/// Settings of the machine as a whole that the file states otherwise.
+/// Settings of the machine as a whole in which the file differs.
 fn left(stated: &MachineSettings, standing: &MachineSettings) -> Vec<String> {
     let model = |settings: &MachineSettings| settings.compensation.model == ErrorModel::Volumetric;
     let differs = [

@@ -4,9 +4,9 @@ use crate::printable::one_line;
 use std::fmt;
 use std::path::PathBuf;
 
-/// Most characters of a column's or a key's name in a message.
+/// Most characters of a column or key name in a message.
 const LONGEST_NAME: usize = 100;
-/// Most characters of what was found, which may be a list, and of anything else.
+/// Most characters of the found text, which may be a list, and of any other part.
 const LONGEST: usize = 1000;
 
 /// Why a file is refused: line and column, what was found there, what is needed instead.
@@ -16,9 +16,9 @@ const LONGEST: usize = 1000;
 pub struct FileError {
     /// The file.
     pub file: PathBuf,
-    /// Line, counted from 1; `None` where the whole file is meant.
+    /// Line, counted from 1; `None` for the file as a whole.
     pub line: Option<u32>,
-    /// Column or key by name.
+    /// Name of the column or key.
     pub column: Option<String>,
     /// Found text.
     pub found: String,

@@ -1,4 +1,4 @@
-//! Files that a machine is read from: a folder, or texts in memory.
+//! Sources of the files that a machine is read from: a folder, or texts in memory.
 
 use crate::error::FileError;
 use crate::origin::Origin;
@@ -10,7 +10,7 @@ use std::path::{Component, Path, PathBuf};
 /// Kind of a name in a [`Source`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Entry {
-    /// Nothing stands there.
+    /// Nothing has this name.
     Absent,
     /// A file.
     File,
@@ -21,35 +21,35 @@ pub enum Entry {
 }
 
 impl Entry {
-    /// Whether a file can be read there.
+    /// Whether it can be read as a file.
     pub fn is_file(self) -> bool {
         matches!(self, Entry::File | Entry::Link)
     }
 }
 
-/// Named files that a machine is read from. Names are paths relative to the folder of `machine.toml`.
+/// Named files from which a machine is read. Names are paths relative to the folder of `machine.toml`.
 pub trait Source {
     /// Bytes of a file.
     ///
     /// # Errors
-    /// [`io::ErrorKind::NotFound`] where there is none, and whatever else keeps it from being read.
+    /// [`io::ErrorKind::NotFound`] if there is no such file, or any other error that prevents reading it.
     fn read(&self, name: &Path) -> io::Result<Vec<u8>>;
 
     /// Kind of a name.
     fn entry(&self, name: &Path) -> Entry;
 
-    /// The file as errors name it.
+    /// Path of the file for errors.
     fn path(&self, name: &Path) -> PathBuf {
         name.to_path_buf()
     }
 
-    /// Whether two names stand for one file.
+    /// Whether two names denote the same file.
     fn same(&self, one: &Path, other: &Path) -> bool {
         one == other
     }
 }
 
-/// Bytes of a file, for a reader that needs it.
+/// Bytes of a required file.
 pub(crate) fn bytes(files: &dyn Source, name: &Path) -> Result<Vec<u8>, FileError> {
     files.read(name).map_err(|error| Origin::new(&files.path(name)).unreadable(&error))
 }
@@ -59,13 +59,13 @@ pub(crate) fn bytes(files: &dyn Source, name: &Path) -> Result<Vec<u8>, FileErro
 pub struct Folder(PathBuf);
 
 impl Folder {
-    /// The folder.
+    /// The folder with this path.
     pub fn new(folder: impl Into<PathBuf>) -> Folder {
         Folder(folder.into())
     }
 
-    /// The folder of a machine and the name of its description in it. The path is the description's or the folder's; in a
-    /// folder the description is called `machine.toml`.
+    /// The folder of a machine and the name of its description in it. `path` is the description or the folder; in a folder the
+    /// description is `machine.toml`.
     pub fn of_machine(path: &Path) -> (Folder, PathBuf) {
         match (path.is_dir(), path.parent(), path.file_name()) {
             (false, Some(folder), Some(name)) => (Folder::new(folder), name.into()),
@@ -98,7 +98,7 @@ impl Source for Folder {
     }
 }
 
-/// Files in memory, by name: those given to a page, or a machine after an import.
+/// Files in memory, by name, for example those opened in a browser, or a machine after an import.
 ///
 /// ```
 /// use std::path::Path;
@@ -115,13 +115,13 @@ impl Source for Folder {
 pub struct Memory(BTreeMap<PathBuf, Vec<u8>>);
 
 impl Memory {
-    /// Files with their bytes or text; of two with one name the last stands.
+    /// Files with their bytes or text; if two have the same name, the last one is used.
     pub fn new(files: impl IntoIterator<Item = (impl AsRef<Path>, impl Into<Vec<u8>>)>) -> Memory {
         Memory(files.into_iter().map(|(name, bytes)| (plain(name.as_ref()), bytes.into())).collect())
     }
 }
 
-/// `./a/../x.csv` as `x.csv`.
+/// Normalises a path: `./a/../x.csv` becomes `x.csv`.
 fn plain(name: &Path) -> PathBuf {
     let mut plain = PathBuf::new();
     for part in name.components() {
@@ -150,7 +150,7 @@ impl Source for Memory {
     }
 }
 
-/// Some files in memory, the others beneath: a machine as an edit would leave it.
+/// Changed files in memory on top of an underlying source: a machine as an edit would leave it.
 pub(crate) struct Edit<'a> {
     pub(crate) changed: Memory,
     pub(crate) beneath: &'a dyn Source,

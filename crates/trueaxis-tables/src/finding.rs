@@ -1,42 +1,42 @@
-//! What is written into a machine of what a test has found: one rule for every command, the desk and Python.
+//! Decides which results of a test are written into a machine: one rule for every command, the desk and Python.
 
 use serde::{Serialize, Serializer};
 use std::fmt;
 use toml_edit::{Item, TableLike};
 use trueaxis::machine::{Axis, Twist};
 
-/// Two values agree, and a value is none, within so many standard uncertainties.
+/// Two values agree, and a value counts as zero, within this many standard uncertainties.
 pub const AGREE: f64 = 2.0;
-/// What a fit leaves may be so many times the stated noise: by chance one degree of freedom goes beyond it once in 370 fits.
+/// A fit may leave this many times the stated noise: by chance one degree of freedom exceeds it once in 370 fits.
 pub const MISFIT: f64 = 3.0;
-/// What negative lost motion comes from; said wherever it is found.
+/// Cause of negative lost motion; reported wherever it is found.
 pub const OVERCOMPENSATED: &str =
     "lost motion below zero is over-compensation: the control takes up too much. Lower its backlash setting by that";
-/// Nothing is written finer: a nanometre, a nanoradian, a thousandth of a ppm; of what is below one, a thousandth of itself.
+/// Finest step written: a nanometre, a nanoradian, a thousandth of a ppm; for values below one, a thousandth of the value.
 const FINEST: f64 = 1e-3;
-/// Nothing at all is written finer, in the unit of its key.
+/// Absolute lower limit of that step, in the unit of the key.
 const SMALLEST: f64 = 1e-6;
 
-/// A figure and how well it is known, in the unit of its key.
+/// A value and its uncertainty, in the unit of its key.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Known {
     /// The value.
     pub value: f64,
     /// Standard uncertainty (k = 1); `None`: not known.
     pub uncertainty: Option<f64>,
-    /// Degrees of freedom of that; `None`: well known.
+    /// Degrees of freedom of the uncertainty; `None`: well known.
     pub degrees_of_freedom: Option<f64>,
 }
 
 impl Known {
-    /// A value with its standard uncertainty; no degrees of freedom are `None`.
+    /// A value with its standard uncertainty; zero degrees of freedom become `None`.
     pub fn new(value: f64, uncertainty: f64, degrees_of_freedom: usize) -> Known {
         let degrees_of_freedom = Some(degrees_of_freedom as f64).filter(|degrees| *degrees >= 1.0);
         Known { value, uncertainty: Some(uncertainty), degrees_of_freedom }
     }
 
-    /// Value and uncertainty rounded to a tenth of the uncertainty, a power of ten from there down; at the finest to 0.001, or
-    /// to a thousandth of what is below one, never below 0.000001. An uncertainty is never rounded to zero.
+    /// Value and uncertainty rounded to a tenth of the uncertainty, down to the next power of ten; not finer than 0.001, or
+    /// than a thousandth of a value below one, and never finer than 0.000001. An uncertainty is never rounded to zero.
     #[must_use]
     pub fn rounded(self) -> Known {
         let own = self.uncertainty.unwrap_or_default();
@@ -44,7 +44,7 @@ impl Known {
         let finest = if size > 0.0 { (FINEST * size).clamp(SMALLEST, FINEST) } else { FINEST };
         let step = finest.max(0.1 * own);
         let decimals = (-(step.log10() + 1e-9).floor()) as i32;
-        // A step below one is no number in binary: by its reciprocal 0.3 stays 0.3.
+        // A step below one is not exact in binary: with its reciprocal, 0.3 stays 0.3.
         let scale = 10_f64.powi(decimals.abs());
         let round = |value: f64| match decimals >= 0 {
             true => (value * scale).round() / scale,
@@ -59,7 +59,7 @@ impl Known {
     }
 }
 
-/// `32 ± 3`.
+/// Displayed as `32 ± 3`.
 impl fmt::Display for Known {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Known { value, uncertainty, .. } = self.rounded();
@@ -74,29 +74,29 @@ impl fmt::Display for Known {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Why {
-    /// Nothing is stated, and the value is more than its scatter.
+    /// Nothing is stated, and the value exceeds its scatter.
     New,
-    /// Farther from what is stated than [`AGREE`] combined standard uncertainties; how many.
+    /// It differs from the stated value by more than [`AGREE`] combined standard uncertainties; by how many.
     Differs(f64),
-    /// Of what is stated nobody says how well it is known.
+    /// The stated value has no uncertainty.
     BetterKnown,
-    /// Both agree; the mean by their weights 1/u².
+    /// Both agree; written is the mean weighted by 1/u².
     Combined,
     /// Nothing is stated, and the value is within [`AGREE`] of its standard uncertainties.
     Nothing,
-    /// Known only together with what is written in place of what was stated.
+    /// Known only together with a value that replaces a stated one.
     Together,
     /// Both agree, and the stated value comes from this record.
     SameRecord,
-    /// How well the value is known is not known.
+    /// The uncertainty of the value is not known.
     Unknown,
-    /// By the test's own statistics.
+    /// Decided by the test's own statistics.
     Moved,
     /// Lost motion below zero by more than the hysteresis.
     OverCompensated,
-    /// The record does not fit the machine; what is left of it.
+    /// The record does not fit the machine; the residual.
     Misfit(String),
-    /// Written against the rule, or as it has it; what that is and why.
+    /// Written regardless of the rule; what the rule decided and why.
     Forced(String),
 }
 
@@ -129,12 +129,13 @@ impl Serialize for Why {
     }
 }
 
-/// What becomes of a stated value in the light of one that was found: the value to be written, or `None` where what is stated
-/// stays. `independent`: the found value rests on another measurement than the stated one.
+/// Decides on a stated value given a found one: returns the value to write, or `None` if the stated value stays.
+/// `independent`: the found value comes from a different measurement than the stated one.
 ///
-/// With d = |found − stated| and u² = u(found)² + u(stated)²: d > 2 u, or no u(stated), and the found value takes its place; else
-/// both are estimates of one thing, and where they are independent their mean weighted by 1/u² does, of the standard
-/// uncertainty (Σ 1/u²)^(−1/2) and degrees of freedom after Welch and Satterthwaite. Where nothing is stated, what is within 2 u
+/// With d = |found − stated| and u² = u(found)² + u(stated)²: if d > 2 u, or without u(stated), the found value replaces the
+/// stated one. Otherwise both estimate the same quantity; if they are independent, their mean weighted by 1/u² replaces it,
+/// with the standard uncertainty (Σ 1/u²)^(−1/2) and degrees of freedom after Welch and Satterthwaite. If nothing is stated, a
+/// value within 2 u of zero is not written.
 /// of zero is not written.
 pub fn decide(stated: Option<Known>, found: Known, independent: bool) -> (Option<Known>, Why) {
     let Some(own) = found.uncertainty else { return (None, Why::Unknown) };
@@ -153,17 +154,17 @@ pub fn decide(stated: Option<Known>, found: Known, independent: bool) -> (Option
     (Some(mean(stated, found, share(ratio(before, own))).rounded()), Why::Combined)
 }
 
-/// How many times the other uncertainty an uncertainty is.
+/// Ratio of the found uncertainty to the stated one.
 fn ratio(before: f64, own: f64) -> f64 {
     own.max(SMALLEST) / before.max(SMALLEST)
 }
 
-/// The share of a found value in the mean by weights 1/u²; `ratio`: its uncertainty over that of what is stated.
+/// Weight of a found value in the mean weighted by 1/u²; `ratio`: its uncertainty over the stated one's.
 fn share(ratio: f64) -> f64 {
     1.0 / (1.0 + ratio.powi(2))
 }
 
-/// The mean of two values with a share of what was found.
+/// Mean of two values, with the weight of the found one.
 fn mean(stated: Known, found: Known, share: f64) -> Known {
     let parts = [(stated, 1.0 - share), (found, share)];
     let squares = parts.map(|(known, share)| (share * known.uncertainty.unwrap_or_default().max(SMALLEST)).powi(2));
@@ -179,9 +180,10 @@ fn mean(stated: Known, found: Known, share: f64) -> Known {
     }
 }
 
-/// Decisions on what is known only together ([`Finding::together`]), made of those on each alone. Where one of a group takes the
-/// place of what is stated, all of it is written as it was found, also what the fit held at its value. Where all agree, all are
-/// combined with one share, that of the geometric mean of their uncertainties' ratios, so that what belongs together stays together.
+/// Decides on values that are known only together ([`Finding::together`]), starting from the decision on each alone. If one of
+/// a group replaces its stated value, the whole group is written as found, including values that the fit held fixed. If all
+/// agree, all are combined with one weight, from the geometric mean of their uncertainties' ratios, so that the group stays
+/// consistent.
 pub(crate) fn together(findings: &[Finding], decisions: &mut [Decision]) {
     let mut groups: Vec<&str> = findings.iter().map(|finding| finding.together.as_str()).collect();
     groups.sort_unstable();
@@ -213,33 +215,33 @@ pub(crate) fn together(findings: &[Finding], decisions: &mut [Decision]) {
 pub struct Finding {
     /// Full name of the key, `location.C0Y_urad`; errors of a table by `axis.X.scale_ppm` and `axis.X.EYX_um`.
     pub key: String,
-    /// What was found, in the unit of the key; of a curve the root of its mean square.
+    /// The found value, in the unit of the key; for a curve its root mean square.
     pub found: Known,
-    /// Whether it is what the machine's figures leave, and their value is to be added to it.
+    /// Whether it is the residual of the machine's figures, to which their value is to be added.
     pub on_top: bool,
-    /// Whether it is taken as it was found: it has moved by a test against all that was measured before, or it is one of several
-    /// that are known together much better than each alone.
+    /// Whether it is written as found: a test against all earlier measurements shows that it has moved, or it is one of
+    /// several that are known together much better than each alone.
     pub moved: bool,
-    /// Of errors of a table: positions, and the six errors EX to EC at each, mm and rad, that are added to it.
+    /// For errors of a table: positions, and the six errors EX to EC at each, mm and rad, that are added to the table.
     pub curve: Vec<(f64, Twist)>,
-    /// What it is known together with: findings of one name are written all or none. Empty: known alone.
+    /// Name of its group: findings of one group are written all or none. Empty: known alone.
     pub together: String,
 }
 
-/// What a fit leaves of its record: root mean squares, mm.
+/// How well a fit explains its record: root mean squares, mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fit {
-    /// Before anything is explained.
+    /// Before the fit.
     pub before_mm: f64,
-    /// What is left.
+    /// Residual of the fit.
     pub left_mm: f64,
-    /// Standard deviation of a reading as it is stated; `None`: as the machine's `[uncertainty]` has it.
+    /// Stated standard deviation of a reading; `None`: as in the machine's `[uncertainty]`.
     pub noise_mm: Option<f64>,
 }
 
 impl Fit {
-    /// What is wrong where the record does not fit: more than [`MISFIT`] times the noise is left, or, where none is stated,
-    /// more than half of the mean square. `noise_mm`: that of the machine.
+    /// Describes the misfit of a record that does not fit: more than [`MISFIT`] times the noise is left or, if no noise is
+    /// stated, more than half of the mean square. `noise_mm`: the machine's noise.
     pub(crate) fn misfit(&self, noise_mm: Option<f64>) -> Option<String> {
         let um = |mm: f64| format!("{:.2} µm", 1e3 * mm);
         let left = || format!("{} of {} RMS are left", um(self.left_mm), um(self.before_mm));
@@ -252,24 +254,24 @@ impl Fit {
     }
 }
 
-/// What is done about a finding; as JSON `why` is a sentence.
+/// Decision on a finding; in JSON `why` is a sentence.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Decision {
     /// Full name of the key.
     pub key: String,
-    /// What the machine states, in JSON `old`; `None`: nothing.
+    /// The value that the machine states, `old` in JSON; `None`: nothing.
     #[serde(rename = "old")]
     pub stated: Option<Known>,
-    /// What was found, in all.
+    /// The found value in total.
     pub found: Known,
-    /// What is written; `None`: what is stated stays.
+    /// The value written; `None`: the stated value stays.
     pub written: Option<Known>,
-    /// Why.
+    /// Reason.
     pub why: Why,
 }
 
 impl Decision {
-    /// Writes what was found whatever was decided; an uncertainty that is no number is not known.
+    /// Writes the found value regardless of the decision; an uncertainty that is not finite becomes unknown.
     pub(crate) fn force(&mut self) {
         let found = self.found;
         let forced = Known { uncertainty: found.uncertainty.filter(|own| own.is_finite()), ..found }.rounded();
@@ -283,7 +285,7 @@ impl Decision {
     }
 }
 
-/// One sentence.
+/// The decision in one sentence.
 impl fmt::Display for Decision {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Decision { key, stated, found, written, why } = self;
@@ -293,7 +295,7 @@ impl fmt::Display for Decision {
     }
 }
 
-/// The decisions as a table: key, old, found, written and why; no text where there are none.
+/// The decisions as a table: key, old, found, written and why; empty text if there are none.
 pub fn table(decisions: &[Decision]) -> String {
     let shown = |known: &Option<Known>| known.map_or_else(|| String::from("–"), |known| known.to_string());
     let head = ["key", "old", "found", "written", "why"].map(String::from);
@@ -311,7 +313,7 @@ pub fn table(decisions: &[Decision]) -> String {
     rows.iter().map(line).collect::<Vec<_>>().join("\n")
 }
 
-/// Number by which a record is known again: FNV-1a of its bytes.
+/// Number that identifies a record: FNV-1a of its bytes.
 pub fn record_number(bytes: &[u8]) -> String {
     let number = bytes
         .iter()
@@ -319,11 +321,11 @@ pub fn record_number(bytes: &[u8]) -> String {
     format!("{number:016x}")
 }
 
-/// Keys beside a key: its standard uncertainty, and the degrees of freedom of that.
+/// Keys that accompany a key: its standard uncertainty and the degrees of freedom of that.
 pub(crate) fn beside(key: &str) -> [String; 2] {
     let (path, last) = key.rsplit_once('.').unwrap_or(("", key));
     let section = if path == "location" { String::from("uncertainty.location") } else { format!("{path}.uncertainty") };
-    // Figures of a drive or of friction come from one fit.
+    // All values of a drive or of friction come from one fit.
     if path.ends_with(".drive") || path.ends_with(".friction") {
         return [format!("{section}.{last}"), format!("{section}.degrees_of_freedom")];
     }
@@ -337,7 +339,7 @@ pub(crate) fn axis_of(key: &str) -> Option<Axis> {
     Axis::ALL.into_iter().find(|axis| axis.letter() == letter)
 }
 
-/// A number of a document by its full name.
+/// A number of a document by its full key.
 pub(crate) fn number(document: &dyn TableLike, key: &str) -> Option<f64> {
     let mut at = document;
     let (path, last) = key.rsplit_once('.').unwrap_or(("", key));
@@ -348,12 +350,12 @@ pub(crate) fn number(document: &dyn TableLike, key: &str) -> Option<f64> {
     value.as_float().or_else(|| value.as_integer().map(|integer| integer as f64))
 }
 
-/// What a document states for a finding.
+/// The value that a document states for a finding.
 pub(crate) fn stated(document: &dyn TableLike, finding: &Finding) -> Option<Known> {
     let [uncertainty_key, degrees_key] = beside(&finding.key);
     let section = uncertainty_key.rsplit_once('.').map_or("", |(section, _)| section);
     let uncertainty = number(document, &uncertainty_key);
-    // What has an uncertainty and no value is known as zero: a location error that is left out, what a table leaves.
+    // A key with an uncertainty but no value counts as zero: an omitted location error, or the residual of a table.
     let value = number(document, &finding.key).filter(|_| finding.curve.is_empty());
     let value = value.or(uncertainty.map(|_| 0.0))?;
     let degrees = number(document, &degrees_key);

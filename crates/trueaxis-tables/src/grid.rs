@@ -1,26 +1,26 @@
-//! Errors on a grid: as they were given, and as 16-bit numbers with a resolution.
+//! Errors on a grid: as given, and as 16-bit numbers with a resolution.
 
 use trueaxis::machine::{Axis, GridAxis, GridData, GridHeader, Twist};
 
-/// The linear axes over which grids stand.
+/// The linear axes that grids can cover.
 pub(crate) const LINEAR: [Axis; 3] = [Axis::X, Axis::Y, Axis::Z];
-/// Largest number of steps of the resolution that a node holds.
+/// Largest number of resolution steps that a node can store.
 const MOST_STEPS: f64 = 32_767.0;
 
 /// A grid in source form.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GridSource {
-    /// Positions of the nodes along X, Y, Z, mm, ascending; none along an axis over which it does not stand.
+    /// Positions of the nodes along X, Y, Z, mm, ascending; empty along an axis that the grid does not cover.
     pub nodes: [Vec<f64>; 3],
     /// Which of the six errors are given.
     pub given: [bool; 6],
-    /// Errors of the nodes, mm and rad: those along X outermost, those along Z next to each other.
+    /// Errors of the nodes, mm and rad: X outermost, Z innermost.
     pub values: Vec<Twist>,
-    /// Heights Z up to which the errors are whole and from which on there are none, mm.
+    /// Heights Z up to which the errors apply in full and from which they are zero, mm.
     pub fade_mm: Option<[f64; 2]>,
-    /// Position of the other linear axes while it was measured, mm.
+    /// Position of the other linear axes during the measurement, mm.
     pub measured_at_mm: [f64; 3],
-    /// Resolution of translations (mm) and rotations (rad); as fine as 16 bits hold where it is not stated.
+    /// Resolution of translations (mm) and rotations (rad); the finest that 16 bits allow if not stated.
     pub resolution: [Option<f64>; 2],
 }
 
@@ -31,11 +31,11 @@ pub struct TooFine {
     pub component: usize,
     /// Largest error, mm or rad.
     pub largest: f64,
-    /// The finest resolution that holds it, mm or rad.
+    /// The finest resolution that can store it, mm or rad.
     pub needed: f64,
 }
 
-/// A grid: as it was given, and as the controller reads it.
+/// A grid, as given and as the controller reads it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grid {
     source: GridSource,
@@ -48,7 +48,7 @@ impl Grid {
     /// Rounds the errors of every node to the resolution: `|stored − given| <= resolution / 2`.
     ///
     /// # Errors
-    /// A stated resolution with which the largest error is more than 32,767 steps.
+    /// A stated resolution in which the largest error exceeds 32,767 steps.
     pub fn new(source: GridSource) -> Result<Grid, TooFine> {
         let mut header =
             GridHeader { fade: source.fade_mm, measured_at_mm: source.measured_at_mm, ..GridHeader::default() };
@@ -80,7 +80,7 @@ impl Grid {
         Ok(Grid { source, header, bytes })
     }
 
-    /// The grid of a compiled file, byte for byte; its errors are those that are stored.
+    /// The grid of a compiled file, byte for byte, with the stored errors.
     pub fn from_data(data: &GridData<'_>) -> Grid {
         let header = *data.header();
         let nodes = std::array::from_fn(|axis| {
@@ -97,7 +97,7 @@ impl Grid {
         Grid { source, header, bytes: data.stored_bytes().concat() }
     }
 
-    /// As it was given.
+    /// The grid as given.
     pub fn source(&self) -> &GridSource {
         &self.source
     }
@@ -107,16 +107,16 @@ impl Grid {
         &self.header
     }
 
-    /// What follows the header.
+    /// The bytes after the header.
     pub(crate) fn bytes(&self) -> &[u8] {
         &self.bytes
     }
 
-    /// As the controller reads it.
+    /// The grid as the controller reads it.
     pub fn data(&self) -> GridData<'_> {
         match GridData::new(self.header, &self.bytes) {
             Some((data, _)) => data,
-            // Nodes and values that do not belong together: no errors at all, which every check refuses.
+            // Nodes and values that do not match become an empty grid, which every check refuses.
             None => GridData::default(),
         }
     }
@@ -139,23 +139,23 @@ impl Grid {
         most
     }
 
-    /// Every error times a share, as finely as 16 bits hold it.
+    /// The grid with every error times a factor, at the finest resolution that 16 bits allow.
     pub(crate) fn scaled(&self, share: f64) -> Grid {
         let mut source = GridSource { resolution: [None; 2], ..self.source.clone() };
         source.values.iter_mut().flatten().for_each(|error| *error *= share);
-        // Without a stated resolution nothing is too fine.
+        // Without a stated resolution this cannot fail.
         Grid::new(source).unwrap_or_else(|_| self.clone())
     }
 }
 
-/// Equidistant within a billionth of the distance, as tables are.
+/// Whether the nodes are equidistant within a billionth of their distance, as for tables.
 fn is_equidistant(nodes: &[f64]) -> bool {
     let [first, .., last] = nodes else { return true };
     let cell = (last - first) / (nodes.len() - 1) as f64;
     nodes.iter().enumerate().all(|(index, node)| (node - first - cell * index as f64).abs() <= 1e-9 * cell)
 }
 
-/// The finest of 0.001, 0.002, 0.005, 0.01 … µm (µrad) that holds an error.
+/// The finest of 0.001, 0.002, 0.005, 0.01 … µm (µrad) in which 16 bits can store an error.
 fn finest(largest: f64, component: usize) -> f64 {
     let unit = if component < 3 { 1e6 } else { 1e9 };
     let steps = (0..12).flat_map(|power| [1.0, 2.0, 5.0].map(|digit| digit * 10f64.powi(power) / unit));

@@ -1,4 +1,4 @@
-//! Reading, checking, converting and compiling compensation tables.
+//! Reads, checks, converts and compiles compensation tables.
 
 mod additions;
 mod change;
@@ -50,7 +50,7 @@ use trueaxis::tcomp::Tcomp;
 /// An axis' error table in source form: mm and radians, positions in mm or degrees, strictly increasing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
-    /// Which of the six errors the file gives (the others are zero).
+    /// Which of the six errors are given in the file (the others are zero).
     pub given: [bool; 6],
     /// Whether forward and reverse differ in any column.
     pub bidirectional: bool,
@@ -83,7 +83,7 @@ impl Machine {
         Machine { settings: file.settings().clone(), tables: tables.collect(), grids }
     }
 
-    /// The machine with every entry of its tables and grids times `share`: as after an exchange that trusts them only in part. Squareness,
+    /// The machine with every entry of its tables and grids times `share`, as if they were only partly trusted. Squareness,
     /// backlash and everything else stay.
     pub fn with_tables_scaled(mut self, share: f64) -> Machine {
         for row in self.tables.iter_mut().flatten().flat_map(|table| &mut table.rows) {

@@ -1,4 +1,4 @@
-//! Limits of the corrections: what the errors that a machine states need, and their keys set where files change.
+//! Limits of the corrections: what a machine's stated errors need, and the keys to set when files change.
 
 use crate::Machine;
 use crate::document::{as_before, section, set};
@@ -15,10 +15,10 @@ use trueaxis::error::{ConfigError, Figure};
 use trueaxis::machine::{AXES, Axis, AxisSettings, MachineSettings, carries_workpiece};
 use trueaxis::range;
 
-/// Share of the need that a limit is set above it: growth and lost motion to come.
+/// Factor by which a limit is set above the need, for future growth and lost motion.
 const ROOM: f64 = 1.2;
 
-/// A limit of an axis' correction beside what the machine's errors need, in the unit of its key.
+/// A limit of an axis' correction and what the machine's errors need, in the unit of its key.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Need {
     axis: Axis,
@@ -33,7 +33,7 @@ impl Need {
         self.needed > self.limit * (1.0 + 1e-9)
     }
 
-    /// What the key is set to: two digits, rounded up.
+    /// New value of the key: two digits, rounded up.
     fn set_to(&self) -> f64 {
         two_digits_up(ROOM * self.needed).min(self.most)
     }
@@ -51,21 +51,21 @@ impl Need {
         format!("{name} stays at {limit}, as it is stated, though the corrections reach {needed}: raise it to {value}")
     }
 
-    /// `limits.magnitude_um of axis Z`.
+    /// Name of the limit, like `limits.magnitude_um of axis Z`.
     fn name(&self) -> String {
         format!("limits.{} of axis {}", self.key, self.axis.letter())
     }
 }
 
-/// The least number of two digits that is no less.
+/// The smallest two-digit number that is not below `value`.
 fn two_digits_up(value: f64) -> f64 {
     let power = 10f64.powi(value.log10().floor() as i32 - 1);
-    // Two decimals whose quotient is a whole number stay what they are.
+    // A two-digit decimal stays unchanged in spite of rounding.
     let digits = (value / power * (1.0 - 1e-9)).ceil();
     if power < 1.0 { digits / (1.0 / power).round() } else { digits * power.round() }
 }
 
-/// All limits of all drives: magnitude over the reach, slope and acceleration with every axis at its top feed.
+/// All limits of all drives: magnitude over the reach, slope and acceleration with every axis at top feed.
 fn needs(machine: &Machine) -> Vec<Need> {
     let grids = check::GridBounds::of(&machine.grids());
     let mut needs = Vec::new();
@@ -100,23 +100,23 @@ fn keys(axis: Axis) -> [&'static str; 3] {
     }
 }
 
-/// What the magnitude limits take off wanted corrections, axis by axis.
+/// Reduction of wanted corrections by the magnitude limits, axis by axis.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Clipped([Option<Cut>; AXES]);
 
-/// What is taken off the corrections of one axis, mm (deg).
+/// Reduction of one axis' corrections, mm (deg).
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Cut {
     limit: f64,
-    /// Corrections beyond it.
+    /// Number of corrections beyond the limit.
     count: u64,
-    /// Largest of them, and the position at which it is wanted.
+    /// Largest of them, and the position that wants it.
     largest: f64,
     at: [f64; AXES],
 }
 
 impl Clipped {
-    /// Takes in the correction that is wanted at a position; mm and degrees, lists in the order X, Y, Z, A, B, C.
+    /// Adds the correction wanted at a position; mm and degrees, lists in the order X, Y, Z, A, B, C.
     pub fn add(&mut self, settings: &MachineSettings, at: &[f64; AXES], wanted: &[f64; AXES]) {
         for own in &settings.axes {
             let (limit, wanted) = (own.limits.magnitude, wanted[own.axis.index()].abs());
@@ -130,12 +130,12 @@ impl Clipped {
         }
     }
 
-    /// The axes whose limits take something away.
+    /// The axes whose corrections are reduced.
     pub fn axes(&self) -> impl Iterator<Item = Axis> + '_ {
         Axis::ALL.into_iter().zip(&self.0).filter(|(_, cut)| cut.is_some()).map(|(axis, _)| axis)
     }
 
-    /// A sentence for each of these axes; `what` is one position that was taken in, "cycle".
+    /// One sentence for each of these axes; `what` names an added position, for example "cycle".
     pub fn notes(&self, settings: &MachineSettings, what: &str) -> Vec<String> {
         let note = |(axis, cut): (Axis, &Option<Cut>)| {
             let cut = cut.as_ref()?;
@@ -161,8 +161,8 @@ impl Clipped {
     }
 }
 
-/// The text of a changed `machine.toml` with the hysteresis and the limits that the change needs, so far as the machine is then
-/// accepted; what was said of them is added to `notes`. `changed` are the other files that change, `standing` is the text as it was.
+/// Text of a changed `machine.toml` with the hysteresis and limits that the change needs, if the machine is then accepted;
+/// appends remarks to `notes`. `changed` are the other files that change, `standing` is the text before.
 ///
 /// # Errors
 /// A changed machine that the controller would refuse.
@@ -203,8 +203,8 @@ pub(crate) fn widened(
     }
 }
 
-/// Raises the limits of a machine that is to be written whole, where they stand at their defaults and the machine is then accepted; what
-/// to say of it, a sentence each.
+/// Raises limits at their defaults in a machine that will be written whole, if the machine is then accepted; returns one
+/// sentence on each.
 pub fn raise(machine: &mut Machine) -> Vec<String> {
     let (mut raised, mut notes) = (machine.clone(), Vec::new());
     for need in needs(machine).into_iter().filter(Need::exceeds) {
@@ -236,7 +236,7 @@ pub fn raise(machine: &mut Machine) -> Vec<String> {
     }
 }
 
-/// What limits take away, a sentence each.
+/// Reductions by limits, one sentence each.
 fn check_limits(machine: &Machine) -> Vec<String> {
     let beyond = needs(machine).into_iter().filter(Need::exceeds);
     beyond
@@ -251,8 +251,8 @@ fn check_limits(machine: &Machine) -> Vec<String> {
         .collect()
 }
 
-/// Sets the hysteresis of axes whose reversals would take themselves back, where it stands at its default: both columns of a table
-/// that cross, say by the scatter of an instrument.
+/// Sets the hysteresis, if it is at its default, of axes whose reversals would undo themselves: both columns of a table cross,
+/// for example because of an instrument's scatter.
 fn set_hysteresis(
     document: &mut DocumentMut,
     narrow: impl Fn(&str) -> Option<ConfigError>,
@@ -279,8 +279,8 @@ fn set_hysteresis(
     Ok(())
 }
 
-/// Sets the limits that a change of a machine's files needs, where they stand at their defaults. A limit that is stated stays, and a
-/// note says what it takes away.
+/// Sets the limits that a change of a machine's files needs, if they are at their defaults. A stated limit stays, and a note
+/// says how much it takes away.
 fn widen(
     document: &mut DocumentMut,
     before: Option<&Machine>,
@@ -291,7 +291,7 @@ fn widen(
     let standing = before.map(needs).unwrap_or_default();
     for need in needs(after).into_iter().filter(Need::exceeds) {
         let old = standing.iter().find(|old| (old.axis, old.key) == (need.axis, need.key));
-        // What was told before this change is none of its.
+        // A need that existed before this change is not reported again.
         if old.is_some_and(|old| need.needed <= old.needed * (1.0 + 1e-9)) {
             continue;
         }
@@ -308,7 +308,7 @@ fn widen(
     Ok(())
 }
 
-/// The key of an axis stands in the file.
+/// Whether the file states this key of an axis.
 fn is_stated(document: &DocumentMut, axis: Axis, key: &[&str]) -> bool {
     let letter = axis.letter().to_string();
     let mut path = ["axis", &letter].into_iter().chain(key.iter().copied());
@@ -316,7 +316,7 @@ fn is_stated(document: &DocumentMut, axis: Axis, key: &[&str]) -> bool {
     found.is_some_and(|item| !item.is_none())
 }
 
-/// Four digits of a number above zero.
+/// Rounds a positive number to four digits.
 fn four_digits(value: f64) -> f64 {
     let scale = 10f64.powf(3.0 - value.log10().floor());
     (value * scale).round() / scale

@@ -1,4 +1,4 @@
-//! Lost motion of the axes, and the time and distance that leading its correction in takes.
+//! Lost motion of the axes, and the time and distance that its correction takes to ramp in.
 
 use crate::Machine;
 use std::fmt;
@@ -6,23 +6,23 @@ use trueaxis::check;
 use trueaxis::limiter::lead_in_s;
 use trueaxis::machine::{Axis, AxisSettings};
 
-/// Longest time that needs no remark, s: friction disturbs a reversal for about as long.
+/// Longest time without a warning, s: friction disturbs a reversal for about as long.
 pub(crate) const SWIFT_S: f64 = 5e-3;
 
-/// Lost motion of an axis, and how its correction is led in after a reversal.
+/// Lost motion of an axis, and the ramp of its correction after a reversal.
 ///
-/// For a rotary axis every mm reads degrees.
+/// For a rotary axis, read every mm as degrees.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LostMotion {
     /// The axis.
     pub axis: Axis,
     /// Largest |error in negative travel − error in positive travel|, backlash included, mm.
     pub play: f64,
-    /// Time in which the limits of the axis let it be corrected, s.
+    /// Time in which the axis' limits allow it to be corrected, s.
     pub lead_in_s: f64,
     /// Highest feed of the axis, mm/s.
     pub feed_per_s: f64,
-    /// Distance at that feed meanwhile, on which up to all of the play is uncorrected, mm.
+    /// Distance travelled in that time at that feed, during which up to the whole play is uncorrected, mm.
     pub way: f64,
 }
 

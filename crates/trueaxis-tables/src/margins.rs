@@ -1,11 +1,11 @@
-//! Margins of stability of the contour feedback, axis by axis.
+//! Stability margins of the contour feedback, axis by axis.
 
 use crate::Machine;
 use serde::Serialize;
 use std::fmt;
 use trueaxis::check::{self, Margin};
 
-/// Margins of the contour feedback on a linear axis, the worst of the loops that [`trueaxis::check::Margins`] looks at.
+/// Margins of the contour feedback on a linear axis, the worst of the loops in [`trueaxis::check::Margins`].
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FeedbackMargins {
     /// The axis.
@@ -16,15 +16,15 @@ pub struct FeedbackMargins {
     pub phase_margin_hz: Option<f64>,
     /// Gain margin, dB; `None`: the loop never lags by 180°.
     pub gain_margin_db: Option<f64>,
-    /// Frequency from which on it does, Hz.
+    /// Frequency at which the lag reaches 180°, Hz.
     pub gain_margin_hz: Option<f64>,
-    /// Largest K_p that is permitted, with K_i in the same ratio; `None`: any.
+    /// Largest permitted K_p, with K_i in the same ratio; `None`: any.
     pub largest_proportional: Option<f64>,
     /// K_i at that ratio, 1/s.
     pub largest_integral_per_s: Option<f64>,
 }
 
-/// The margins of every linear axis at a servo rate, Hz; none without contour feedback.
+/// The margins of every linear axis at a servo rate, Hz; empty without contour feedback.
 pub fn feedback_margins(machine: &Machine, servo_rate_hz: f64) -> Vec<FeedbackMargins> {
     let Some(feedback) = machine.settings.contour.feedback else { return Vec::new() };
     let of = |(axis, margins): (trueaxis::machine::Axis, check::Margins)| {

@@ -4,7 +4,7 @@ use crate::error::FileError;
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
-/// The file that is being read, for its errors.
+/// The file that is being read, for error messages.
 pub(crate) struct Origin {
     file: PathBuf,
 }
@@ -19,7 +19,7 @@ impl Origin {
         &self.file
     }
 
-    /// An error in one line (0: in no single line); an empty `column` means the line as a whole.
+    /// An error at one line (0: no single line); an empty `column` means the line as a whole.
     pub(crate) fn at(&self, line: u32, column: &str, found: impl Display, needed: impl Into<String>) -> FileError {
         FileError {
             file: self.file.clone(),
@@ -35,7 +35,7 @@ impl Origin {
         FileError { file: self.file.clone(), line: None, column: None, found: found.into(), needed: needed.into() }
     }
 
-    /// The file cannot be read.
+    /// The error for a file that cannot be read.
     pub(crate) fn unreadable(&self, error: &std::io::Error) -> FileError {
         self.whole(error.to_string(), "a readable file")
     }
@@ -51,7 +51,7 @@ impl Origin {
     }
 }
 
-/// A binary file has no line ends: never print a megabyte.
+/// Keeps messages short: a binary file may have no line ends.
 fn shortened(found: &str) -> String {
     if found.chars().count() <= 120 {
         return found.to_owned();

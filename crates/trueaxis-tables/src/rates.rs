@@ -1,12 +1,12 @@
-//! Rates and accelerations of the corrections at a feed, beside their limits.
+//! Rates and accelerations of the corrections at a feed, and their limits.
 
 use crate::{Machine, Table};
 use trueaxis::check;
 use trueaxis::machine::{Axis, AxisSettings, Curve, ErrorModel};
 
-/// Upper bounds of how a drive's correction changes with every axis at a feed, wherever it is worst.
+/// Upper bounds of the change of a drive's correction with every axis at a feed, at its worst position.
 ///
-/// For a rotary axis every mm reads degrees.
+/// For a rotary axis, read every mm as degrees.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct DriveRate {
@@ -14,23 +14,23 @@ pub struct DriveRate {
     pub axis: Axis,
     /// Largest rate of the wanted correction, mm/s.
     pub rate: f64,
-    /// Its slope limit, mm/s.
+    /// Slope limit, mm/s.
     pub limit: f64,
-    /// Moving axis with the largest part.
+    /// Moving axis with the largest share.
     pub moving: Axis,
-    /// That part, mm/s.
+    /// That share, mm/s.
     pub part: f64,
-    /// Largest acceleration at a steady feed, mm/s², from the errors of the tables without their levers; `None` where one of
-    /// them is linear or a grid moves the drive: either steps the velocity.
+    /// Largest acceleration at a steady feed, mm/s², from the errors of the tables without their levers; `None` if one of the
+    /// tables is linear or a grid moves the drive, since both step the velocity.
     pub acceleration: Option<f64>,
-    /// Its acceleration limit, mm/s².
+    /// Acceleration limit, mm/s².
     pub acceleration_limit: f64,
 }
 
-/// The drives whose corrections the tables move, with every axis at `feed_per_s` mm/s, or at its top feed where that is less
-/// or no feed is given.
+/// The drives whose corrections the tables move, with every axis at `feed_per_s` mm/s, or at its top feed if that is lower or
+/// no feed is given.
 ///
-/// Grids are in the rates. `rate = Σ max |dE/dq| · v`, `acceleration = Σ max |d²E/dq²| · v²` over the moving axes.
+/// The rates include grids. `rate = Σ max |dE/dq| · v`, `acceleration = Σ max |d²E/dq²| · v²` over the moving axes.
 pub fn rates(machine: &Machine, feed_per_s: Option<f64>) -> Vec<DriveRate> {
     let mut machine = machine.clone();
     for axis in &mut machine.settings.axes {
@@ -50,7 +50,7 @@ pub(crate) fn drive_rate(machine: &Machine, drive: &AxisSettings) -> Option<Driv
     let grids = check::GridBounds::of(&machine.grids());
     let (mut rate, mut most, mut acceleration) = (0.0, None::<(Axis, f64)>, Some(0.0));
     for (moving, table) in machine.axes() {
-        // Turned by a rotary axis the errors may point anywhere.
+        // A rotary axis may turn the errors into any direction.
         let turned = trueaxis::machine::is_turned(&links, moving.axis) && !drive.axis.is_rotary();
         if drive.axis.is_rotary() && moving.axis != drive.axis {
             continue;
@@ -75,7 +75,7 @@ pub(crate) fn drive_rate(machine: &Machine, drive: &AxisSettings) -> Option<Driv
             most = Some((moving.axis, part));
         }
         let bent = table.map_or(Some(0.0), |table| bent(moving, table, component, turned));
-        // Between the nodes of a grid the slope steps.
+        // The slope of a grid steps at its nodes.
         let bent = bent.filter(|_| drive.axis.is_rotary() || grids.slope(moving.axis, component) == 0.0);
         let own = bent.map(|bent| bent * moving.max_feed_per_s * moving.max_feed_per_s);
         acceleration = acceleration.zip(own).map(|(sum, own)| sum + own);

@@ -1,4 +1,4 @@
-//! Content of a compiled file, for people and for programs.
+//! Summary of a compiled file, for people and for programs.
 
 mod grid;
 mod roundness;
@@ -16,16 +16,16 @@ use trueaxis::machine::carries_workpiece;
 use trueaxis::machine::{Axis, AxisSettings, ErrorModel, Interpolation, Lookup};
 use trueaxis::tcomp::{TableData, Tcomp};
 
-/// A compiled file in figures.
+/// Contents of a compiled file.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Summary {
     /// Name of the machine.
     pub name: String,
     /// Structural code.
     pub chain: String,
-    /// Id of the machine, as telemetry carries it.
+    /// Id of the machine, as in telemetry.
     pub machine_id: u32,
-    /// Sum over the file, as telemetry carries it.
+    /// Checksum over the file, as in telemetry.
     pub crc: u32,
     /// Tool vector, mm.
     pub tool_mm: [f64; 3],
@@ -33,15 +33,15 @@ pub struct Summary {
     pub tool_axis: [f64; 3],
     /// Error model of the step: `nine` or `volumetric`.
     pub model: &'static str,
-    /// The direction of the tool is corrected through the rotary axes.
+    /// Whether the direction of the tool is corrected through the rotary axes.
     pub orientation: bool,
-    /// Temperature at which the tables hold, °C.
+    /// Reference temperature of the tables, °C.
     pub reference_temperature_c: f64,
     /// Squareness A0Z, B0Z, C0Y, µrad.
     pub squareness_urad: [f64; 3],
-    /// Look-ups of the exact inverse.
+    /// Look-up passes of the exact inverse.
     pub inverse_passes: u8,
-    /// Memory that a servo loop takes for the tables, in scalars.
+    /// Memory that a servo loop needs for the tables, in scalars.
     pub memory_scalars: usize,
     /// The axes.
     pub axes: Vec<AxisSummary>,
@@ -54,7 +54,7 @@ pub struct Summary {
     /// Acceleration cross-talk.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub crosstalk: Vec<CrosstalkSummary>,
-    /// Gauge of three probes.
+    /// Three-probe gauge.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub roundness: Option<RoundnessSummary>,
 }
@@ -64,9 +64,9 @@ pub struct Summary {
 pub struct AxisSummary {
     /// X, Y, Z, A, B or C.
     pub axis: char,
-    /// Unit of positions and of everything below that names none: mm or deg.
+    /// Unit of positions and of everything below that states no unit: mm or deg.
     pub unit: &'static str,
-    /// On the workpiece side of the chain.
+    /// Whether the axis is on the workpiece side of the chain.
     pub carries_workpiece: bool,
     /// Sense of a rotary axis.
     pub direction: i8,
@@ -104,20 +104,20 @@ pub struct TableSummary {
     pub lookup: &'static str,
     /// Position at which the other errors are looked up.
     pub cross_lookup: &'static str,
-    /// Forward and reverse columns.
+    /// Whether it has forward and reverse columns.
     pub bidirectional: bool,
     /// The given errors.
     pub errors: Vec<ErrorSummary>,
 }
 
-/// One column of a table.
+/// A column of a table.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ErrorSummary {
     /// EXX and so on.
     pub name: String,
     /// um or urad.
     pub unit: &'static str,
-    /// Largest |value| over both directions, in that unit.
+    /// Largest |value| over both directions, in `unit`.
     pub max_abs: f64,
 }
 

@@ -1,4 +1,4 @@
-//! Text in and out: files in UTF-8, counts and numbers in messages.
+//! Text input and output: files in UTF-8, counts and numbers in messages.
 
 pub use crate::printable::{acts, one_line, printable};
 
@@ -10,17 +10,17 @@ use trueaxis::machine::Axis;
 /// Reads a file as [`decode`] does.
 ///
 /// # Errors
-/// It cannot be read, or is not UTF-8.
+/// The file cannot be read, or is not UTF-8.
 pub fn read_text(file: &Path, comments: &[char]) -> Result<String, FileError> {
     decode(std::fs::read(file).map_err(|error| Origin::new(file).unreadable(&error))?, file, comments)
 }
 
-/// The bytes begin with the byte order mark of UTF-16.
+/// Whether the bytes begin with the byte order mark of UTF-16.
 pub(crate) fn is_utf16(bytes: &[u8]) -> bool {
     bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff])
 }
 
-/// Text in UTF-16, which begins with its byte order mark.
+/// Decodes UTF-16 that begins with its byte order mark.
 pub(crate) fn from_utf16(bytes: &[u8], origin: &Origin) -> Result<String, FileError> {
     let unit = if bytes.starts_with(&[0xff, 0xfe]) { u16::from_le_bytes } else { u16::from_be_bytes };
     let (pairs, rest) = bytes.as_chunks::<2>();
@@ -29,12 +29,12 @@ pub(crate) fn from_utf16(bytes: &[u8], origin: &Origin) -> Result<String, FileEr
     text.filter(|_| rest.is_empty()).ok_or_else(|| origin.whole("damaged text in UTF-16", "text in UTF-8 or UTF-16"))
 }
 
-/// Text in UTF-8 or, with its byte order mark, UTF-16; without a byte order mark; `file` is only named in errors.
+/// Decodes UTF-8 or, with its byte order mark, UTF-16; removes a byte order mark; `file` is only named in errors.
 ///
 /// Lines that begin with one of `comments` may be in any encoding, as instruments write them.
 ///
 /// # Errors
-/// Other bytes: with the first line that has some.
+/// Other bytes, with the first line that has any.
 pub fn decode(bytes: Vec<u8>, file: &Path, comments: &[char]) -> Result<String, FileError> {
     if is_utf16(&bytes) {
         return from_utf16(&bytes, &Origin::new(file));
@@ -59,13 +59,13 @@ pub fn decode(bytes: Vec<u8>, file: &Path, comments: &[char]) -> Result<String, 
     })
 }
 
-/// The line, from 1, of a byte of a text; 1 beyond its end.
+/// The line, from 1, of a byte offset in a text; 1 beyond its end.
 pub fn line_at(text: &str, offset: usize) -> u32 {
     let before = text.as_bytes().get(..offset).unwrap_or_default();
     u32::try_from(1 + before.iter().filter(|byte| **byte == b'\n').count()).unwrap_or(0)
 }
 
-/// A count and what is counted: `1 warning`, `2 warnings`.
+/// A count with its noun: `1 warning`, `2 warnings`.
 pub fn counted(count: usize, what: &str) -> String {
     if count == 1 { format!("1 {what}") } else { format!("{count} {what}s") }
 }
@@ -75,7 +75,7 @@ pub(crate) fn micro(axis: Axis, value: f64) -> f64 {
     if axis.is_rotary() { value.to_radians() * 1e6 } else { value * 1e3 }
 }
 
-/// A number with the decimals that it needs, at most six.
+/// A number with as many decimals as it needs, at most six.
 pub fn short(value: f64) -> String {
     let text = format!("{value:.6}");
     let text = text.trim_end_matches('0').trim_end_matches('.');

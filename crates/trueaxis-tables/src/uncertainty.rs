@@ -1,11 +1,11 @@
-//! How well the figures of a machine are known: standard uncertainties beside its tables.
+//! Standard uncertainties of a machine's figures, stated beside its tables.
 //!
-//! They stand in `[uncertainty]`, `[uncertainty.location]` and `[axis.X.uncertainty]` of `machine.toml`, and in columns like
-//! `EXX_u_um` of an axis' CSV. No controller is told of them: they are never compiled and change no correction.
+//! They are in `[uncertainty]`, `[uncertainty.location]` and `[axis.X.uncertainty]` of `machine.toml`, and in columns like
+//! `EXX_u_um` of an axis' CSV. They are never compiled, so controllers do not know them, and they change no correction.
 
 use trueaxis::machine::Axis;
 
-/// Instrument and set-up that the tables were measured with; standard uncertainties (k = 1). `None`: not stated.
+/// Instrument and set-up with which the tables were measured; standard uncertainties (k = 1). `None`: not stated.
 ///
 /// The terms are those of ISO/TR 230-9 for linear positioning.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -16,9 +16,9 @@ pub struct Instrument {
     pub device: Option<f64>,
     /// Lateral misalignment of instrument and axis over the axis' travel, mm.
     pub misalignment: Option<f64>,
-    /// Temperature of the machine's scales or screws while it was measured, K; the same for all axes.
+    /// Temperature of the machine's scales or screws during the measurement, K; the same for all axes.
     pub temperature_k: Option<f64>,
-    /// How far the temperature stood from the reference, K: no uncertainty, but what `expansion_per_k` counts with.
+    /// Difference of that temperature from the reference, K: not an uncertainty, but the factor for `expansion_per_k`.
     pub temperature_difference_k: Option<f64>,
     /// Coefficient of expansion, 1/K; the same for all axes.
     pub expansion_per_k: Option<f64>,
@@ -37,7 +37,7 @@ pub struct LocationUncertainty {
     pub rotary: [[Option<f64>; 6]; 3],
     /// Degrees of freedom of these figures; `None`: well known.
     pub degrees_of_freedom: Option<f64>,
-    /// Those of single figures, by name as `C0Y`; they go before `degrees_of_freedom`.
+    /// Degrees of freedom of single figures, by name as `C0Y`; they take precedence over `degrees_of_freedom`.
     pub own_degrees_of_freedom: Vec<(String, f64)>,
 }
 
@@ -52,24 +52,24 @@ fn own(all: &[(String, f64)], name: &str) -> Option<f64> {
     all.iter().find(|(own, _)| own == name).map(|(_, degrees)| *degrees)
 }
 
-/// An axis; standard uncertainties (k = 1), mm and rad. `None`: not stated.
+/// Uncertainties of an axis; standard uncertainties (k = 1), mm and rad. `None`: not stated.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxisUncertainty {
     /// The axis.
     pub axis: Axis,
-    /// Of its scale, mm per mm; of linear axes only.
+    /// Scale, mm per mm; linear axes only.
     pub scale: Option<f64>,
-    /// Of its lost motion.
+    /// Lost motion.
     pub backlash: Option<f64>,
     /// Scatter of a single approach.
     pub repeatability: Option<f64>,
-    /// Of every point of a column, independent from point to point.
+    /// Every point of a column, independent from point to point.
     pub columns: [Option<f64>; 6],
-    /// The same point by point, from the columns `…_u_…` of the axis' CSV; they go before `columns`.
+    /// Every point separately, from the columns `…_u_…` of the axis' CSV; these take precedence over `columns`.
     pub points: [Option<Vec<f64>>; 6],
     /// Degrees of freedom of these figures; `None`: well known.
     pub degrees_of_freedom: Option<f64>,
-    /// Those of single figures, by name as `backlash` or `EXX`; they go before `degrees_of_freedom`.
+    /// Degrees of freedom of single figures, by name as `backlash` or `EXX`; they take precedence over `degrees_of_freedom`.
     pub own_degrees_of_freedom: Vec<(String, f64)>,
 }
 
@@ -79,7 +79,7 @@ impl AxisUncertainty {
         own(&self.own_degrees_of_freedom, name).or(self.degrees_of_freedom)
     }
 
-    /// Nothing stated.
+    /// An axis for which nothing is stated.
     pub fn unstated(axis: Axis) -> AxisUncertainty {
         AxisUncertainty {
             axis,
@@ -93,7 +93,7 @@ impl AxisUncertainty {
         }
     }
 
-    /// Of a point of a column, from 0; `None`: not stated.
+    /// Uncertainty of a point of a column, from 0; `None`: not stated.
     pub fn of_point(&self, component: usize, point: usize) -> Option<f64> {
         match self.points.get(component)? {
             Some(points) => points.get(point).copied(),
@@ -109,15 +109,15 @@ pub struct Uncertainties {
     pub instrument: Instrument,
     /// Squareness and location of rotary axes.
     pub location: LocationUncertainty,
-    /// One entry an axis, in the order of the machine's list.
+    /// One entry per axis, in the order of the machine's list.
     pub axes: Vec<AxisUncertainty>,
-    /// Numbers of the records that figures of the machine rest on.
+    /// Numbers of the records that the machine's figures are based on.
     pub records: Vec<String>,
 }
 
 impl Uncertainties {
-    /// Standard deviation of a reading of this machine, mm: its instrument, the environment and the largest scatter of an approach of a
-    /// linear axis; `None` where neither environment nor scatter is stated.
+    /// Standard deviation of a reading of this machine, mm: its instrument, the environment and the largest scatter of an
+    /// approach of a linear axis; `None` if neither environment nor scatter is stated.
     pub fn reading(&self) -> Option<f64> {
         let linear = self.axes.iter().filter(|own| !own.axis.is_rotary());
         let scatter = linear.filter_map(|own| own.repeatability).reduce(f64::max);
@@ -128,7 +128,7 @@ impl Uncertainties {
         Some(parts.iter().map(|part| part * part).sum::<f64>().sqrt())
     }
 
-    /// Those of an axis.
+    /// Uncertainties of an axis.
     pub fn of(&self, axis: Axis) -> Option<&AxisUncertainty> {
         self.axes.iter().find(|own| own.axis == axis)
     }

@@ -1,4 +1,4 @@
-//! Doubtful settings: they work, but not as well as they should.
+//! Warnings about settings that work, but not as well as they should.
 
 use crate::lost_motion::{LostMotion, SWIFT_S, lost_motion};
 use crate::rates::{DriveRate, drive_rate};
@@ -8,21 +8,21 @@ use trueaxis::check;
 use trueaxis::machine::Curve;
 use trueaxis::machine::{Axis, AxisSettings, ErrorModel, Interpolation, LocationErrors};
 
-/// A tip error below this needs no remark, mm.
+/// Tip errors below this cause no warning, mm.
 const NEGLIGIBLE_MM: f64 = 1e-5;
 
-/// A remark on a machine that can be compiled.
+/// A warning about a machine that can be compiled.
 ///
-/// `mm` reads degrees where the axis is rotary.
+/// For a rotary axis, read `mm` as degrees.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Warning {
-    /// No `travel` in the axis' section: no command is ever outside.
+    /// The axis' section has no `travel`, so no command counts as out of range.
     TravelNotDeclared {
         /// The axis.
         axis: Axis,
     },
-    /// The table ends inside the declared travel; beyond it the edge value is clamped.
+    /// The table ends inside the declared travel; beyond it the edge value applies.
     TravelNotCovered {
         /// The axis.
         axis: Axis,
@@ -31,22 +31,22 @@ pub enum Warning {
         /// Declared travel, mm.
         travel: [f64; 2],
     },
-    /// No table, grid, squareness, location error, lost motion or growth is stated: there is no geometry to correct.
+    /// No table, grid, squareness, location error, lost motion or growth is stated, so there is nothing to correct.
     NoErrorsStated,
-    /// At top feed of all axes the correction of a drive changes faster than its slope limit lets it.
+    /// At top feed of all axes the correction of a drive changes faster than its slope limit allows.
     SlopeAboveLimit {
         /// The drive.
         axis: Axis,
         /// Rate of the wanted correction, mm/s.
         rate: f64,
-        /// Its slope limit, mm/s.
+        /// Slope limit of the drive, mm/s.
         limit: f64,
-        /// Moving axis with the largest part.
+        /// Moving axis with the largest share.
         moving: Axis,
-        /// That part, mm/s.
+        /// That share, mm/s.
         part: f64,
     },
-    /// The acceleration limit allows a change per cycle (of the change per cycle) that single precision hardly resolves.
+    /// The acceleration limit allows a change per cycle (of the change per cycle) that single precision barely resolves.
     AccelerationBelowResolution {
         /// The drive.
         axis: Axis,
@@ -55,9 +55,9 @@ pub enum Warning {
         /// Resolution of the correction in single precision, mm.
         resolution: f64,
     },
-    /// A linear table puts steps of velocity into the command at its points.
+    /// A linear table causes velocity steps in the command at its points.
     VelocitySteps {
-        /// The moving axis, whose table it is.
+        /// The moving axis, which has the table.
         axis: Axis,
         /// Component with the largest step, 0 to 5.
         component: usize,
@@ -66,7 +66,7 @@ pub enum Warning {
         /// Top feed, mm/s.
         feed: f64,
     },
-    /// Along an axis the slope of a grid steps at its nodes, and with it the velocity of the command.
+    /// The slope of a grid along an axis steps at its nodes, and with it the velocity of the command.
     GridVelocitySteps {
         /// Number of the grid, from 0.
         grid: usize,
@@ -79,20 +79,20 @@ pub enum Warning {
         /// Top feed, mm/s.
         feed: f64,
     },
-    /// A grid ends inside the declared travel; beyond it the edge value is clamped.
+    /// A grid ends inside the declared travel; beyond it the edge value applies.
     GridNotCovering {
         /// Number of the grid, from 0.
         grid: usize,
         /// The axis.
         axis: Axis,
-        /// Its first and last node, mm.
+        /// First and last node, mm.
         nodes: [f64; 2],
         /// Declared travel, mm.
         travel: [f64; 2],
     },
-    /// The limits lead the correction of lost motion in slowly.
+    /// The limits ramp the correction of lost motion in slowly.
     SlowLeadIn(LostMotion),
-    /// The model takes no notice of the machine's angular errors.
+    /// The error model ignores the machine's angular errors.
     AnglesIgnored {
         /// Upper bound of the tip error that they cause through their levers, mm.
         tip: f64,
@@ -103,16 +103,16 @@ pub enum Warning {
         axis: Axis,
         /// Largest wanted |correction|, mm.
         correction: f64,
-        /// Its limit, mm.
+        /// Magnitude limit, mm.
         limit: f64,
-        /// What has the largest part in it.
+        /// The term with the largest share.
         term: Term,
-        /// Largest |correction| that it asks for by itself, mm.
+        /// Largest |correction| that this term alone asks for, mm.
         part: f64,
     },
 }
 
-/// What a correction is made of.
+/// A part of the correction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Term {
@@ -137,7 +137,7 @@ impl fmt::Display for Term {
     }
 }
 
-/// Number with its unit, angles in µrad or degrees as the files have them.
+/// A number with its unit, angles in µrad or degrees as in the files.
 struct Length {
     axis: Axis,
     value: f64,
@@ -245,10 +245,10 @@ impl fmt::Display for Warning {
     }
 }
 
-/// Everything about a machine that works but not as well as it should, axis by axis.
+/// All warnings about a machine, axis by axis.
 ///
-/// `servo_rate_hz`: cycles per second of the controller. Rates and magnitudes are upper bounds: every axis at its top feed
-/// at once, every other axis wherever it is worst; temperature at its reference.
+/// `servo_rate_hz`: cycles per second of the controller. Rates and magnitudes are upper bounds: every axis at top feed at
+/// once, every other axis at its worst position, temperature at the reference.
 pub fn check(machine: &Machine, servo_rate_hz: f64) -> Vec<Warning> {
     let mut warnings = Vec::new();
     let grids = check::GridBounds::of(&machine.grids());
@@ -299,7 +299,7 @@ pub fn check(machine: &Machine, servo_rate_hz: f64) -> Vec<Warning> {
     warnings
 }
 
-/// The term that asks for the largest correction of a drive by itself, and that correction.
+/// The term that alone asks for the largest correction of a drive, and that correction.
 fn largest_term(machine: &Machine, drive: &AxisSettings, grids: &check::GridBounds) -> (Term, f64) {
     let mut bare = machine.settings.clone();
     bare.location = LocationErrors::default();
@@ -331,7 +331,7 @@ fn largest_term(machine: &Machine, drive: &AxisSettings, grids: &check::GridBoun
     terms.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((Term::Location, 0.0))
 }
 
-/// Steps of velocity that a grid causes, and the travel that it leaves uncovered, axis by axis.
+/// Velocity steps that a grid causes, and the travel that it leaves uncovered, axis by axis.
 fn of_grid(machine: &Machine, number: usize, grid: &Grid, warnings: &mut Vec<Warning>) {
     for axis in grid.header().letters() {
         let Some(settings) = machine.settings.axis(axis) else { continue };
@@ -344,7 +344,7 @@ fn of_grid(machine: &Machine, number: usize, grid: &Grid, warnings: &mut Vec<War
         let steps = (0..3).map(|component| (component, grid.slope_step(axis.index(), component)));
         let Some((component, step)) = steps.max_by(|a, b| a.1.total_cmp(&b.1)) else { continue };
         let (step, feed) = (step * settings.max_feed_per_s, settings.max_feed_per_s);
-        // Below a nanometre per second a step is the rounding of the decimals.
+        // Below a nanometre per second, a step comes from the rounding of the decimals.
         if step > 1e-6 {
             warnings.push(Warning::GridVelocitySteps { grid: number, axis, component, step, feed });
         }
@@ -357,22 +357,22 @@ fn slope(machine: &Machine, drive: &AxisSettings) -> Option<Warning> {
     (rate > limit).then_some(Warning::SlopeAboveLimit { axis, rate, limit, moving, part })
 }
 
-/// Largest step of velocity that a linear table causes.
+/// Largest velocity step that a linear table causes.
 fn velocity_steps(machine: &Machine, settings: &AxisSettings) -> Option<Warning> {
     let rows = machine.rows(settings.axis)?;
     if settings.interpolation != Interpolation::Linear {
         return None;
     }
     let step = |component, reverse| Curve::new(settings, rows, component, reverse).slope_step();
-    // Components that reach a drive: the translations, and the own error of a rotary axis.
+    // Components that reach a drive: the translations, and a rotary axis' own error.
     let own = settings.axis.index();
     let components = (0..3).chain((own >= 3).then_some(own));
     let steps = components.map(|component| (component, step(component, false).max(step(component, true))));
-    // A microradian of a rotary axis beside a micrometre of the tip.
+    // A microradian of a rotary axis weighs as much as a micrometre at the tip.
     let weight = |(component, step): &(usize, f64)| if *component < 3 { step * 1e3 } else { step * 1e6 };
     let (component, step) = steps.max_by(|a, b| weight(a).total_cmp(&weight(b)))?;
     let step = step * settings.max_feed_per_s;
-    // Below a nanometre per second a step is the rounding of the decimals.
+    // Below a nanometre per second, a step comes from the rounding of the decimals.
     (weight(&(component, step)) > 1e-3).then_some(Warning::VelocitySteps {
         axis: settings.axis,
         component,

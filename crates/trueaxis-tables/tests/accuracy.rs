@@ -1,4 +1,4 @@
-//! ISO 230-2 evaluation against a published report and against an independent computation.
+//! Compares the ISO 230-2 evaluation with a published report and with an independent computation.
 
 use serde_json::Value;
 use std::fs;
@@ -28,8 +28,8 @@ fn close(value: f64, reference: f64, tolerance: f64, what: &str) {
 }
 
 /// Input and results of a report published with the open-source test tool of ecmccfg (Paul Scherrer Institut),
-/// examples/test/fat_sat/report.md, in mm there and µm here. Its bidirectional R and E take one of the two directions instead of
-/// both, as the standard has it; R is compared with the largest of its own R(i), E with the range of its own means.
+/// examples/test/fat_sat/report.md, in mm there and µm here. The report's bidirectional R and E use one of the two directions,
+/// whereas the standard uses both; R is compared with the largest of the report's R(i), E with the range of its means.
 #[test]
 fn agrees_with_a_published_report() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden/ecmccfg-iso230-2.csv");
@@ -104,7 +104,7 @@ fn agrees_with_the_independent_script() {
     }
 }
 
-/// A measurement compensated by its own means keeps the scatter and nothing else.
+/// A measurement compensated by its own means keeps only the scatter.
 #[test]
 fn compensation_by_the_means_leaves_the_scatter() {
     let (file, _) = sample();
@@ -123,7 +123,7 @@ fn compensation_by_the_means_leaves_the_scatter() {
     close(both.accuracy, 4.0 * widest, 1e-9, "A");
 }
 
-/// The sample machine's table of X, looked up linearly, takes out what its own sample measurement shows.
+/// The sample machine's table of X, interpolated linearly, removes the errors that its sample measurement shows.
 #[test]
 fn the_sample_table_compensates_the_sample_measurement() {
     let (file, text) = sample();

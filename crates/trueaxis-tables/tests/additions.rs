@@ -1,4 +1,4 @@
-//! What a calibration adds to a machine's files.
+//! Additions of a calibration to a machine's files.
 
 use std::path::Path;
 use trueaxis::Axis;
@@ -15,7 +15,7 @@ fn along([x, y, z]: [f64; 3]) -> [f64; 6] {
     [x, y, z, 0.0, 0.0, 0.0]
 }
 
-/// What is added to the stated value.
+/// A finding to be added to the stated value.
 fn moved(key: &str, value: f64, uncertainty: f64) -> Finding {
     let found = Known { value, uncertainty: Some(uncertainty), degrees_of_freedom: None };
     Finding { key: key.into(), found, on_top: true, moved: true, ..Finding::default() }
@@ -47,7 +47,7 @@ fn errors_are_added_and_everything_else_stays() {
         assert!(text.contains(part), "{part} in {text}");
     }
     assert_eq!(file("x.csv").unwrap(), "X_mm,EXX_um,EYX_um\n0,0,0\n100,10,2\n");
-    // At 40 mm 4 µm more; at 50 mm what the table had between its lines.
+    // At 40 mm 4 µm are added; the new point at 50 mm has the table's interpolated value.
     let table = "Y_mm,EYY_um,EZY_um,ECY_urad\n0,1,0,5\n40,6,0,5\n50,7.33333,0,5\n100,14,1,5\n";
     assert_eq!(file("y.csv").unwrap(), table);
     let all = [("y.csv", file("y.csv").unwrap()), ("x.csv", file("x.csv").unwrap()), ("machine.toml", text)];
@@ -78,7 +78,7 @@ fn uncertainties_of_the_points_stay() {
     assert_eq!(text, "X_mm,EXX_um,ECX_urad,EXX_u_um,ECX_u_urad\n0,0,5,1,2\n50,3,5,2,2\n100,6,5,3,2\n");
 }
 
-/// A control that takes up too much: that axis' backlash is left out with its cause, everything else is given.
+/// A control that over-compensates: that axis' backlash is left out with its cause, everything else is written.
 #[test]
 fn lost_motion_below_zero_is_named_and_the_rest_is_given() {
     let additions = Additions {
@@ -101,12 +101,12 @@ fn lost_motion_below_zero_is_named_and_the_rest_is_given() {
     assert!(text.contains("[axis.Y.uncertainty]"), "{text}");
     let said = notes.lines().find(|line| line.starts_with("axis.X.backlash_um")).unwrap();
     assert!(said.contains("-7.8 ± 0.1") && said.contains("the control takes up too much"), "{notes}");
-    // Of a backlash that is corrected here 7.8 µm less is left; a hysteresis that is wide enough lets the tables take it back.
+    // With a backlash already corrected here, 7.8 µm less remains; a sufficient hysteresis allows a negative backlash.
     assert!(into("backlash_um = 10\n").0.contains("backlash_um = 2.2"));
     assert!(into("hysteresis_um = 9\n").0.contains("backlash_um = -7.8"));
 }
 
-/// A location error that cancels is set to zero, one below a nanoradian is none.
+/// A location error that cancels is set to zero; one below a nanoradian counts as zero.
 #[test]
 fn location_errors_that_change_are_set() {
     let toml = "name = \"m\"\nchain = \"w b X Y Z t\"\n[location]\nC0Y_urad = 10\nA0Z_urad = 3\n";

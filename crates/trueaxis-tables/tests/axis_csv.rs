@@ -1,4 +1,4 @@
-//! The crate's own files as the import writes them.
+//! The crate's own files as written by an import.
 
 use std::fs;
 use std::path::Path;
@@ -7,7 +7,7 @@ use trueaxis_tables::Table;
 use trueaxis_tables::formats::{Format, import, write_axis_csv};
 use trueaxis_testing::noise::Noise;
 
-/// Reads a CSV as the format states it: µm / 1e3, µrad / 1e6.
+/// Reads a CSV as the format specifies: µm / 1e3, µrad / 1e6.
 fn parse(text: &str, axis: Axis) -> (String, Table) {
     let mut lines = text.lines().filter(|line| !line.starts_with('#'));
     let header: Vec<&str> = lines.next().unwrap().split(',').collect();
@@ -49,7 +49,7 @@ fn every_sample_table_is_written_as_it_was_read() {
     }
 }
 
-/// Any value that a CSV can give is written so that it reads back bit for bit; others to 1 unit in the last place.
+/// Any value that a CSV can represent reads back bit for bit after writing; others to 1 unit in the last place.
 #[test]
 fn numbers_read_back_identical() {
     let mut noise = Noise::new(7);
@@ -72,7 +72,7 @@ fn numbers_read_back_identical() {
             }
         }
     }
-    // Of the others 2 to 10 % lie between the quotients of two neighbouring doubles.
+    // 2 to 10 % of the others lie between the quotients of two neighbouring doubles.
     assert!(off < 80_000 / 10, "{off}");
 }
 

@@ -1,4 +1,4 @@
-//! Single changes to a machine's files: what stands around them stays, and what would be refused changes nothing.
+//! Single changes to a machine's files: the surrounding text stays, and a refused change leaves the files as they are.
 
 use std::path::Path;
 use trueaxis::machine::Axis;
@@ -15,7 +15,7 @@ fn files() -> Memory {
     Memory::new([("machine.toml", DESCRIPTION), ("x.csv", X), ("c.csv", C)])
 }
 
-/// The one file that a change leaves.
+/// The single file that a change produces.
 fn changed(of: &Change) -> (String, String) {
     let edited = change(&files(), Path::new("machine.toml"), of).unwrap();
     let [(name, text)] = edited.files.try_into().unwrap();
@@ -52,7 +52,7 @@ fn both_directions_change_as_one() {
 #[test]
 fn separators_decimal_commas_quotes_and_line_ends_stay() {
     assert_eq!(changed(&point(Axis::C, "EXC_um", 1, -0.5)).1, C.replace("2,25", "-0,5"));
-    // Both ends of the circle are one point.
+    // Both ends of the circle are the same point.
     let new = C.replace("\"1,5\"", "\"4,75\"").replace("360;1,5", "360;4,75");
     assert_eq!(changed(&point(Axis::C, "EXC_um", 0, 4.75)).1, new);
     assert_eq!(changed(&point(Axis::C, "EXC_um", 2, 4.75)).1, new);

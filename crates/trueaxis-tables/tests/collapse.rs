@@ -1,4 +1,4 @@
-//! The best nine tables against sums done by hand.
+//! Compares the best nine tables with sums calculated by hand.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -21,14 +21,14 @@ fn machine(columns: &str, low: &str, high: &str) -> Machine {
     Machine::read(directory.path()).unwrap()
 }
 
-/// A pitch of X, k x with k = 10 µrad / 100 mm, moves the tip by k x z: nine tables keep all but k (x − x̄)(z − z̄), whose
-/// RMS is k · 400/√12 · 300/√12 and whose maximum k · 200 · 150 stands in the corners.
+/// A pitch of X, k x with k = 10 µrad / 100 mm, moves the tip by k x z: nine tables express all but k (x − x̄)(z − z̄), whose
+/// RMS is k · 400/√12 · 300/√12 and whose maximum k · 200 · 150 is in the corners.
 #[test]
 fn a_pitch_leaves_the_product() {
     let collapsed = collapse(&machine("EBX_urad", "-20", "20"), &CollapseOptions::default()).unwrap();
     let (max, k) = (collapsed.after.max_mm, 1e-7);
     assert!((max - k * 200.0 * 150.0).abs() < 2e-6, "{max}");
-    // Trapezoids on 43 points: x² is summed too high by the factor 1 + 2/42².
+    // Trapezoids on 43 points overestimate the sum of x² by the factor 1 + 2/42².
     let rms = k * 400.0 * 300.0 / 12.0 * (1.0 + 2.0 / (42.0 * 42.0));
     assert!((collapsed.after.rms_mm - rms).abs() < 2e-7, "{} {rms}", collapsed.after.rms_mm);
     assert_eq!(collapsed.causes.len(), 1);
@@ -51,7 +51,7 @@ fn without_angular_errors_nothing_is_left() {
 fn better_than_the_tables_as_they_are_and_read_back_the_same() {
     let source = Machine::read(&sample("mill-3axis")).unwrap();
     let collapsed = collapse(&source, &CollapseOptions::default()).unwrap();
-    // Its tables were measured in mid-volume: little is left to gain.
+    // The tables were measured in mid-volume, so there is little to gain.
     assert!(collapsed.after.rms_mm < collapsed.original.rms_mm);
     assert!(collapsed.after.rms_mm < 0.5 * collapsed.before.rms_mm);
     let directory = TempDir::new().unwrap();

@@ -1,4 +1,4 @@
-//! What is written into a machine of what was found.
+//! Which findings are written into a machine.
 
 use std::path::Path;
 use trueaxis_tables::Additions;
@@ -15,21 +15,21 @@ fn bare(value: f64) -> Known {
 
 #[test]
 fn one_rule_decides() {
-    // Farther apart than twice √(3² + 11²) = 11.4.
+    // They differ by more than twice √(3² + 11²) = 11.4.
     let (written, why) = decide(Some(known(32.0, 3.0)), known(0.2174671317786221, 11.0), true);
     assert_eq!(written, Some(known(0.0, 11.0)));
     assert!(matches!(why, Why::Differs(times) if (times - 31.782_532_87 / 11.401_754_25).abs() < 1e-6), "{why:?}");
-    // Scatter against nothing.
+    // Scatter compared with nothing stated.
     assert_eq!(decide(None, known(0.12, 0.28), true), (None, Why::Nothing));
     assert_eq!(decide(None, known(0.6, 0.28), true), (Some(known(0.6, 0.28)), Why::New));
-    // The stated one has no uncertainty: whatever is found is the better known.
+    // The stated value has no uncertainty, so any found value is better known.
     assert_eq!(decide(Some(bare(20.0)), known(20.04, 0.31), true), (Some(known(20.04, 0.31)), Why::BetterKnown));
     assert_eq!(decide(Some(known(20.0, 1.0)), bare(30.0), true), (None, Why::Unknown));
     // (32/9 + 25/121)/(1/9 + 1/121) = 31.515…, (1/9 + 1/121)^(−1/2) = 2.894….
     let both = decide(Some(known(32.0, 3.0)), known(25.0, 11.0), true);
     assert_eq!(both, (Some(known(31.5, 2.9)), Why::Combined));
     assert_eq!(decide(Some(known(32.0, 3.0)), known(25.0, 11.0), false), (None, Why::SameRecord));
-    // Two of one weight: u/√2, and of 8 degrees of freedom each 16 (Welch, Satterthwaite).
+    // Two values of equal weight: u/√2, and 8 degrees of freedom each give 16 (Welch, Satterthwaite).
     let of = |value: f64| Known { degrees_of_freedom: Some(8.0), ..known(value, 2.0) };
     let expected = Known { degrees_of_freedom: Some(16.0), ..known(11.0, 1.4) };
     assert_eq!(decide(Some(of(10.0)), of(12.0), true).0, Some(expected));
@@ -87,7 +87,7 @@ fn values_are_written_with_how_well_they_are_known() {
     );
     let told = table(&decisions);
     assert!(told.lines().count() == 4 && told.contains("0.12 ± 0.28") && told.contains("10 ± 1"), "{told}");
-    // Read again: how well each is known goes with it.
+    // Read again, the values come with their uncertainties.
     let known = trueaxis_tables::uncertainty::Uncertainties::read_from(
         &Memory::new([("machine.toml", text.as_str())]),
         Path::new("machine.toml"),
@@ -95,7 +95,7 @@ fn values_are_written_with_how_well_they_are_known() {
     let known = known.unwrap();
     assert_eq!((known.location.degrees_of("C0Y"), known.location.degrees_of("A0Z")), (Some(40.0), Some(5.0)));
     assert_eq!(known.records, ["1a"]);
-    // The same record changes nothing any more.
+    // The same record changes nothing the second time.
     assert_eq!(edited(&text, &findings(&found, None)).0, text);
 }
 
@@ -119,7 +119,8 @@ fn a_misfit_writes_nothing() {
     }
 }
 
-/// Forced, what was found is written whatever the rule says, and what that is is told; what the controller refuses stays refused.
+/// With `force`, the found values are written regardless of the rule, and the reasons state what the rule would write;
+/// refusals of the controller remain.
 #[test]
 fn what_is_forced_is_written_and_says_what_the_rule_does() {
     let found = [
@@ -146,7 +147,7 @@ fn what_is_forced_is_written_and_says_what_the_rule_does() {
     let (other, decisions) = edited(MACHINE, &forced(misfit));
     assert_eq!(other, text);
     assert!(decisions.iter().all(|of| of.why.to_string().starts_with("forced, the rule writes nothing: misfit: ")));
-    // No figure; one that the controller does not take; lost motion below zero that no hysteresis covers.
+    // A value that is not a number; one outside the controller's range; lost motion below zero that no hysteresis covers.
     let files = Memory::new([("machine.toml", MACHINE)]);
     for value in [f64::NAN, f64::INFINITY, 1e9] {
         let bad = Additions { force: true, ..findings(&[("location.C0Y_urad", known(value, 1.0))], None) };
@@ -155,14 +156,15 @@ fn what_is_forced_is_written_and_says_what_the_rule_does() {
     let below = Additions { force: true, ..findings(&[("axis.Y.backlash_um", known(-3.0, 0.1))], misfit) };
     let (same, decisions) = edited(MACHINE, &below);
     assert_eq!((same.as_str(), decisions[0].written, &decisions[0].why), (MACHINE, None, &Why::OverCompensated));
-    // An uncertainty that is no number is none; what was found on top of what is there already is not added again.
+    // An uncertainty that is not a number becomes unknown; a finding on top of what the machine already includes is not added
+    // again.
     let vague = Additions { force: true, ..findings(&[("axis.Y.backlash_um", known(3.0, f64::NAN))], None) };
     assert_eq!(edited(MACHINE, &vague).1[0].written, Some(bare(3.0)));
     let again = Additions { compensated: true, ..forced(None) };
     assert_eq!(edited(&text, &again).0, text);
 }
 
-/// Errors of a table go in by the share that is written of them.
+/// Errors of a table are added with the share that is written.
 #[test]
 fn a_curve_is_added_by_its_weight() {
     let toml = "name = \"m\"\nchain = \"w b X t\"\n[axis.X]\ntable = \"x.csv\"\n[axis.X.uncertainty]\nscale_ppm = 10\n";
@@ -176,14 +178,15 @@ fn a_curve_is_added_by_its_weight() {
             |name: &str| edited.files.iter().find(|(own, _)| own == Path::new(name)).map(|(_, text)| text.clone());
         (file("x.csv"), file("machine.toml"))
     };
-    // 100 ppm are 10 µm; half of the weight each: 5 µm of 10 ppm.
+    // 100 ppm are 10 µm; with half of the weight each, 10 ppm add 5 µm.
     assert_eq!(of(known(100.0, 10.0)).0.unwrap(), "X_mm,EXX_um\n0,0\n100,15\n");
     let (table, text) = of(known(20.0, 10.0));
     assert_eq!(table.unwrap(), "X_mm,EXX_um\n0,0\n100,6\n");
     assert!(text.unwrap().contains("scale_ppm = 7.1\n"));
 }
 
-/// What one fit has found is written all or not at all, also what it held; and what agrees is combined with one weight.
+/// The results of one fit are written all or not at all, including values that it held fixed; if all agree, they are combined
+/// with one weight.
 #[test]
 fn what_is_known_only_together_is_written_together() {
     let machine = "name = \"m\"\nchain = \"w b X t\"\n[axis.X]\n\
@@ -201,7 +204,8 @@ fn what_is_known_only_together_is_written_together() {
         });
         edited(machine, &Additions { findings: all.into(), fit, ..Additions::default() })
     };
-    // Coulomb friction is off by 5 combined uncertainties: pre-sliding, which agrees, and what the fit held go with it.
+    // Coulomb friction is off by 5 combined uncertainties: pre-sliding, which agrees, and the value that the fit held are
+    // written too.
     let differs = [known(0.6, 0.01), known(6.1, 0.1), bare(0.0)];
     let (text, decisions) = of(differs, None);
     for part in [
@@ -212,7 +216,8 @@ fn what_is_known_only_together_is_written_together() {
     }
     assert!(matches!(decisions[0].why, Why::Differs(_)) && decisions[1].why == Why::Together);
     assert_eq!(decisions[2].written, Some(Known { degrees_of_freedom: Some(8.0), ..bare(0.0) }));
-    // All agree, each found with half of the stated uncertainty: four fifths of the way, and u = √(0.64 u_f² + 0.04 u_s²) = 0.0089.
+    // All agree, each found with half of the stated uncertainty: four fifths of the way, and u = √(0.64 u_f² + 0.04
+    // u_s²) = 0.0089.
     let agrees = [known(0.51, 0.01), known(6.1, 0.1), known(0.015, 0.0025)];
     let (text, decisions) = of(agrees, None);
     for part in [
@@ -227,7 +232,7 @@ fn what_is_known_only_together_is_written_together() {
     // A misfit writes nothing.
     let fit = Some(Fit { before_mm: 1e-3, left_mm: 9e-4, noise_mm: None });
     assert_eq!(of(differs, fit).0, machine);
-    // Uncertainties are of figures that the section has.
+    // Uncertainties belong to values that the section has.
     let wrong = machine.replace("viscous = 0.005", "viscosity = 0.005");
     let refused = trueaxis_tables::Machine::read_from(
         &Memory::new([("machine.toml", wrong)]),
@@ -238,7 +243,7 @@ fn what_is_known_only_together_is_written_together() {
     assert!(refused.contains("machine.toml:15: key axis.X.friction.uncertainty.viscosity"), "{refused}");
 }
 
-/// Small figures keep their digits, in the units that they have.
+/// Small values keep their digits, in their own units.
 #[test]
 fn figures_below_one_keep_their_digits() {
     for (value, uncertainty, shown) in

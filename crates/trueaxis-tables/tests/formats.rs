@@ -39,7 +39,7 @@ fn micro(table: &Table, row: usize, component: usize, forward: f64, reverse: f64
     assert!((row.reverse[component] * scale - reverse).abs() < 1e-6, "{:?}", row.reverse);
 }
 
-/// The type 0 example of LinuxCNC's INI documentation, and the same errors as the trims that usrmotLoadComp makes of it.
+/// The type 0 example of LinuxCNC's INI documentation, and the same errors as the trims that usrmotLoadComp derives from it.
 #[test]
 fn linuxcnc_documented_example() {
     let type_0 = "-1.000 -1.005 -0.995\n0.000 0.002 -0.003\n1.000 1.003 0.998\n";
@@ -133,8 +133,8 @@ fn siemens_refusals() {
     assert!(refusal(Format::Siemens, &whole, Some(Axis::X)).to_string().contains("axis X"));
 }
 
-/// Sag of Z over Y and straightness of X over Y, each in its own steps, and the own error of Y apart in both directions: one table
-/// of Y, linear between the points of all of them, and Z in the chain to correct it.
+/// Sag of Z over Y and straightness of X over Y, each in its own steps, and Y's own error separately for each direction: one
+/// table of Y, linear between all points, with Z in the chain to correct it.
 #[test]
 fn siemens_sag_over_another_axis() {
     let table = |number: u32, output: char, direction: i32, step: f64, values: &[f64]| {
@@ -182,7 +182,7 @@ fn siemens_sag_over_another_axis() {
     }
 }
 
-/// Two arguments make a grid: EXX and EYX of X as it sags with Z, and what EXZ adds to the first.
+/// Two arguments make a grid: EXX and EYX of X as it sags with Z, with EXZ added to EXX.
 #[test]
 fn isg_over_two_axes_is_a_grid() {
     let text = "Z X EXX EYX EXZ EAX\n0 0 0.002 0.001 0 0\n0 10 0 -0.01 0 0\n100 10 0.003 -0.009 0.001 0\n100 0 0.001 0.002 0 0\n";
@@ -196,7 +196,7 @@ fn isg_over_two_axes_is_a_grid() {
     assert!(imported.machine_files("m")[0].1.contains("axes = [\"X\", \"Z\"]"));
 }
 
-/// Reports of instruments begin at the far end.
+/// Instrument reports may begin at the far end.
 #[test]
 fn linuxcnc_lines_in_another_order_are_sorted_and_told() {
     let down = read(TYPE_0, "300 300.010 300.012\n100 100.002 100.004\n0 0 0.002\n", Some(Axis::X));
@@ -205,7 +205,7 @@ fn linuxcnc_lines_in_another_order_are_sorted_and_told() {
     assert!(up.notes.is_empty() && down.notes[0].contains("do not increase"), "{:?}", down.notes);
 }
 
-/// One direction of approach is a table for both, and a circle that is a line short of its end stays open: both are told.
+/// One direction of approach gives a table for both, and a circle that lacks its last line stays open: notes report both.
 #[test]
 fn what_a_measurement_has_not_got_is_told() {
     let imported = read(Format::Iso230_2, "C_deg,+1,+2\n0,1,1.5\n90,10,11\n180,3,3\n270,4,5\n350,1,2\n", None);
@@ -221,7 +221,7 @@ fn what_a_measurement_has_not_got_is_told() {
     }
 }
 
-/// The examples of the ISG and Beckhoff documentation, with a squareness that exists here.
+/// The examples of the ISG and Beckhoff documentation, with a squareness that this crate has.
 #[test]
 fn isg_documented_example() {
     let text = "// Location errors\nA0Z\tX0X\tX0C\n0.00002\t0\t0.2\n#\n\
@@ -239,7 +239,7 @@ fn isg_documented_example() {
     assert_eq!((c.rows[1].position, c.rows[1].forward[5]), (90.0, 0.002));
 }
 
-/// Values in mm and rad become those that a table in µm and µrad gives for the same decimals.
+/// Values in mm and rad become the doubles that a table in µm and µrad gives for the same decimals.
 #[test]
 fn isg_values_are_written_as_short_as_they_were() {
     let imported = read(Format::Isg, "X\tEXX\tEBX\n0\t-0.000952\t0.000016312\n1\t0.009578\t-0.000002671\n", None);
@@ -304,7 +304,7 @@ fn measurement_becomes_the_table_of_its_means() {
     micro(&table, 1, 5, 15.0, -3.0);
 }
 
-/// The written files, byte for byte; their content is worked out by hand in `small_machine`.
+/// Compares the written files byte for byte; their content is calculated by hand in `small_machine`.
 #[test]
 fn golden_files() {
     let machine = machine();
@@ -330,7 +330,7 @@ fn names() {
     assert_eq!(Format::from_name("fanuc"), None);
 }
 
-/// The ends of a full circle that was measured twice there may differ by 0.5 µm and 1 µrad, not more, and become their mean.
+/// The two measured ends of a full circle may differ by up to 0.5 µm and 1 µrad, and then become their mean.
 #[test]
 fn full_circle() {
     let text = |exc: f64, ecc: f64| format!("C EXC ECC\n0 0.001 1e-5\n90 0 0\n360 {} {}\n", 0.001 + exc, 1e-5 + ecc);
@@ -372,7 +372,7 @@ fn losses_are_refused_and_named() {
     assert!(named(Format::Siemens, None).contains("between the directions of axis X (up to 4.0000 um"));
     let isg = named(Format::Isg, None);
     assert!(isg.contains("between the directions of axis X") && !isg.contains("location") && !isg.contains("EYX of"));
-    // A format that holds everything refuses nothing.
+    // A format that can hold everything refuses nothing.
     let mut plain = machine.clone();
     plain.settings.axes.iter_mut().for_each(|axis| (axis.backlash, axis.thermal) = (0.0, Default::default()));
     for table in plain.tables.iter_mut().flatten() {
@@ -382,7 +382,7 @@ fn losses_are_refused_and_named() {
     assert!(export(TYPE_0, &plain, &dropping(Some(Axis::Z))).unwrap_err().found.contains("axis Z"));
 }
 
-/// The own error comes back through every format within its written precision: 1 nm, 1e-7 degrees, 1 nrad.
+/// The own error survives every format within its written precision: 1 nm, 1e-7 degrees, 1 nrad.
 #[test]
 fn round_trips() {
     for seed in 0..50 {
@@ -434,7 +434,7 @@ fn isg_carries_the_location_errors() {
     assert_eq!(read(Format::Isg, &text, None).location, machine.settings.location);
 }
 
-/// A free grid needs a step on the Siemens side; a step that hits every point loses nothing.
+/// For Siemens a free grid needs a step; a step that hits every point loses nothing.
 #[test]
 fn siemens_free_grid() {
     let mut machine = machine();
@@ -459,7 +459,7 @@ fn siemens_free_grid() {
     assert!(points(50.0).1);
 }
 
-/// `direction` other than the default turns the sense of a rotary axis' positions against its error table.
+/// A `direction` other than the default reverses the sense of a rotary axis' positions relative to its error table.
 #[test]
 fn rotary_sense() {
     let mut machine = machine();
@@ -475,7 +475,7 @@ fn rotary_sense() {
     assert!((value(&machine) - table).abs() < 1.001e-9);
 }
 
-/// Damaged files are refused or read, never a panic.
+/// Damaged files are refused or read, without a panic.
 #[test]
 fn damaged_files_do_not_panic() {
     let machine = machine();

@@ -1,4 +1,4 @@
-//! Five axes through the formats of other controls: what comes back is the same machine, or its loss is named.
+//! Five-axis machines through the formats of other controls: the same machine is read back, or the loss is listed.
 
 use std::fs;
 use std::path::Path;
@@ -27,14 +27,15 @@ fn files(imported: &Imported) -> Machine {
     Machine::read(folder.path()).unwrap()
 }
 
-/// The machine after its way through an ISG file that must not lose anything.
+/// The machine after export to and import from an ISG file, without any loss.
 fn there_and_back(machine: &Machine) -> (Machine, Vec<String>) {
     let exported = export(Format::Isg, machine, &ExportOptions::default()).unwrap();
     let imported = import(Format::Isg, &exported.files[0].1, Path::new("in"), None).unwrap();
     (files(&imported), exported.notes)
 }
 
-/// Nothing that depends on the direction of travel or the temperature, and no value that the written digits hold exactly.
+/// Removes everything that depends on the direction of travel or the temperature, and perturbs all values so that the written
+/// digits are not exact.
 fn one_way(machine: &mut Machine, seed: u64) {
     let mut noise = Noise::new(seed);
     for (settings, table) in machine.settings.axes.iter_mut().zip(&mut machine.tables) {
@@ -83,7 +84,7 @@ fn same_settings(machine: &Machine, back: &Machine) {
     }
 }
 
-/// A monotone cubic follows its lines with slopes that follow them too: twice their rounding.
+/// A monotone cubic passes through the lines with slopes that depend on them: twice their rounding.
 #[test]
 fn samples_come_back_through_isg() {
     for name in ["mill-5axis", "head-5axis"] {
@@ -96,8 +97,8 @@ fn samples_come_back_through_isg() {
     }
 }
 
-/// Offsets, tool, tool axis, senses and every other setting that is written; tables measured away from zero are moved, so that the
-/// tip errs as before everywhere between linear lines.
+/// Offsets, tool, tool axis, senses and all other settings that are written; tables measured away from zero are converted, so
+/// that the tip error is unchanged everywhere between linear lines.
 #[test]
 fn measured_elsewhere_comes_back_measured_at_zero() {
     for name in ["mill-5axis", "head-5axis"] {
@@ -116,7 +117,7 @@ fn measured_elsewhere_comes_back_measured_at_zero() {
             axis.measured_at_mm = [150.0, -80.0, 210.0 + k as f64];
             axis.direction *= if axis.axis == Axis::C { -1 } else { 1 };
         }
-        // A table of angles alone gets translations by its lever.
+        // A table of angles alone gets translations through its lever.
         let x = machine.tables[0].as_mut().unwrap();
         x.given = [false, false, false, true, true, true];
         for row in &mut x.rows {
@@ -126,7 +127,7 @@ fn measured_elsewhere_comes_back_measured_at_zero() {
         let (back, notes) = there_and_back(&machine);
         same_settings(&machine, &back);
         let found = apart(&machine, &back, 0.0);
-        // The slide X' of the head machine has its travel in the lever: exact at the lines, a parabola between them.
+        // The lever of the head machine's slide X' includes its travel: exact at the lines, a parabola between them.
         let between = if name == "head-5axis" { 5e-5 } else { 0.0 };
         assert!(found < ROUNDING + between, "{name}: {found:e} mm");
         let mut ignored = machine.clone();
@@ -144,7 +145,7 @@ fn measured_elsewhere_comes_back_measured_at_zero() {
     }
 }
 
-/// With both directions and backlash the mean is written: the tip errs as in the middle of the lost motion.
+/// With both directions and backlash the mean is written: the tip error is that in the middle of the lost motion.
 #[test]
 fn the_mean_of_both_directions_comes_back() {
     let mut machine = sample("mill-5axis");
@@ -158,7 +159,7 @@ fn the_mean_of_both_directions_comes_back() {
     assert!(found < ROUNDING, "{found:e} mm");
 }
 
-/// One axis of a five-axis machine: chain and offsets stay, the location errors are named.
+/// One axis of a five-axis machine: chain and offsets stay, the location errors are listed.
 #[test]
 fn a_single_axis_keeps_the_chain() {
     let mut machine = sample("head-5axis");
@@ -170,8 +171,8 @@ fn a_single_axis_keeps_the_chain() {
     assert_eq!(back.tables.iter().flatten().count(), 1);
 }
 
-/// Own positioning goes where the axis goes: a nominal machine at the positions of the LinuxCNC file stands where the true one
-/// is. On either side of the bed, in either sense of a rotary axis.
+/// Own positioning follows the axis: a nominal machine at the positions of the LinuxCNC file is where the true machine is, on
+/// either side of the bed and for either sense of a rotary axis.
 #[test]
 fn own_positioning_is_that_of_the_axis_on_either_side() {
     let half_turn = 180.0 / std::f64::consts::PI;
@@ -197,7 +198,7 @@ fn own_positioning_is_that_of_the_axis_on_either_side() {
                 let exported = export(TYPE_0, &machine, &dropping(Some(axis.axis))).unwrap();
                 let line = exported.files[0].1.lines().nth(9).unwrap();
                 let numbers: Vec<f64> = line.split(' ').map(|number| number.parse().unwrap()).collect();
-                // The other axes where their own errors are wanted out of the way: a machine with this one alone.
+                // A machine with this table alone, so that the other axes' own errors do not interfere.
                 let mut alone = machine.clone();
                 for (other, table) in alone.tables.iter_mut().enumerate() {
                     if other != slot {
@@ -222,7 +223,7 @@ fn own_positioning_is_that_of_the_axis_on_either_side() {
     }
 }
 
-/// The own errors of rotary axes come back from the one-dimensional formats: 1 mdeg/1e4 and 1 nrad.
+/// The own errors of rotary axes survive the one-dimensional formats: 1 mdeg/1e4 and 1 nrad.
 #[test]
 fn rotary_positioning_survives() {
     let mut machine = sample("head-5axis");
@@ -241,7 +242,7 @@ fn rotary_positioning_survives() {
     }
 }
 
-/// The whole list, word for word, for formats that hold positioning only.
+/// The complete list, word for word, for formats that hold positioning only.
 #[test]
 fn losses_of_five_axes_are_named() {
     let mut machine = sample("head-5axis");
@@ -331,7 +332,7 @@ fn nonsense_in_comments_is_refused() {
         assert_eq!(error.line, Some(line), "{error}");
         assert!(error.to_string().contains(fragment), "{fragment}: {error}");
     }
-    // Other comments say nothing, and a file without ours leaves the chain open.
+    // Other comments have no effect, and a file without comments of this crate leaves the chain open.
     let foreign = import(Format::Isg, &format!("// true axis chain: x\n{table}"), Path::new("in.csv"), None).unwrap();
     assert_eq!(foreign.settings, None);
     assert!(foreign.machine_files("m")[0].1.contains("chain = \"w b X t\""));

@@ -35,7 +35,7 @@ fn small() -> Machine {
     read(&format!("{TOML}{GRID}"), CSV).unwrap()
 }
 
-/// Rotations and three axes, free nodes, on a machine of the model and chain.
+/// A machine of this model and chain with rotations, three axes and free nodes.
 fn random(noise: &mut Noise, chain: &str, model: &str, over: &[char], turns: f64) -> Machine {
     let mut csv: String = over.iter().map(|axis| format!("{axis}_mm,")).collect();
     csv += "EX_um,EY_um,EZ_um,EA_urad,EB_urad,EC_urad\n";
@@ -69,7 +69,7 @@ fn lines_stand_in_any_order() {
     let ez: Vec<f64> = source.values.iter().map(|value| value[2] * 1e3).collect();
     assert_eq!(ez, [1.0, 2.0, 4.0, 3.0]);
     assert_eq!(machine.grids[0].data().node([1, 1, 0]).unwrap(), [-1e-6, 0.0, 3e-3, 0.0, 0.0, 0.0]);
-    // What is written is read back as the same machine.
+    // The written files are read back as the same machine.
     let again = TempDir::new().unwrap();
     for (name, text) in machine_files(&machine, "again") {
         fs::write(again.path().join(name), text).unwrap();
@@ -129,12 +129,12 @@ fn bad_grids_are_refused_with_their_place() {
         let error = refused(toml, CSV);
         assert!(error.contains(place) && error.contains(words), "{error}");
     }
-    // Too steep: a millimetre in a millimetre.
+    // Too steep: one millimetre per millimetre.
     let steep = "X_mm,Y_mm,EZ_um\n0,0,-400\n0,1,400\n1,0,-400\n1,1,400\n";
     assert!(refused(GRID, steep).contains("a norm of 0.8"), "{}", refused(GRID, steep));
 }
 
-/// Every stored error is within half of the resolution, whatever it is.
+/// Every stored error is within half of the resolution, whatever the resolution.
 #[test]
 fn rounding_keeps_its_bound() {
     let mut noise = Noise::new(3);
@@ -151,7 +151,7 @@ fn rounding_keeps_its_bound() {
                 assert!((stored[k] - value[k]).abs() <= 0.5000001 * scales[k], "{case} {k}");
             }
         }
-        // No coarser than needed: the next finer of 1, 2, 5 would not hold it.
+        // No coarser than needed: the next finer step of 1, 2, 5 could not store it.
         for k in 0..6 {
             let most = source.values.iter().fold(0.0f64, |most, value| most.max(value[k].abs()));
             let floor = if k < 3 { 1e-6 } else { 1e-9 };
@@ -195,7 +195,7 @@ fn a_compiled_grid_comes_back_and_no_damage_passes() {
     for length in 0..good.len() {
         assert!(Tcomp::parse(&good[..length]).is_err(), "{length}");
     }
-    // With a sum that fits: the number of grids, a grid cut short or with something behind, nonsense in its header.
+    // With a valid checksum: the number of grids, a truncated grid or one with trailing bytes, an invalid header.
     let payload = &good[HEADER_BYTES..good.len() - 4];
     let forged = |payload: &[u8]| {
         let mut bytes = good[..14].to_vec();
@@ -219,7 +219,7 @@ fn a_compiled_grid_comes_back_and_no_damage_passes() {
             let mut other = payload.to_vec();
             other[place] = value;
             if forged(&other).is_none() {
-                // Accepted is only what a grid may be.
+                // Whatever is accepted must be a valid grid.
                 let mut bytes = good[..14].to_vec();
                 bytes.extend((other.len() as u32).to_le_bytes());
                 bytes.extend(&other);
@@ -229,7 +229,7 @@ fn a_compiled_grid_comes_back_and_no_damage_passes() {
             }
         }
     }
-    // Without a grid nothing has changed: version 4. With the steps of encoders it is 6, with grids or without.
+    // Files without grids are unchanged: version 4. With encoder steps it is 6, with or without grids.
     let sample = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../compensation-tables/mill-3axis"));
     let mut table = Machine::read(sample).unwrap();
     assert_eq!(compile(&table).unwrap()[8..10], [6, 0]);
@@ -247,7 +247,7 @@ fn a_compiled_grid_comes_back_and_no_damage_passes() {
     }
 }
 
-/// Error of the tip by the step's model.
+/// Error of the tip according to the step's model.
 fn modelled<const N: usize>(machine: &Machine, position: [f64; N]) -> ([f64; N], [f64; 3], [f64; 3]) {
     let rows = |axis: Axis| machine.rows(axis);
     let mut memory = vec![0.0; requirement(&machine.settings, rows)];
@@ -267,7 +267,7 @@ fn all<const N: usize>(position: [f64; N]) -> [f64; AXES] {
     all
 }
 
-/// The core's look-up of rounded nodes against the plant's of the given ones, translations alone.
+/// Compares the core's look-up of rounded nodes with the plant's look-up of the given ones, translations only.
 #[test]
 fn the_nine_terms_and_the_plant_agree_on_a_grid() {
     let mut noise = Noise::new(5);
@@ -280,7 +280,7 @@ fn the_nine_terms_and_the_plant_agree_on_a_grid() {
                 let (_, tip, _) = modelled::<3>(&machine, at);
                 let exact = geometry.tip_error(&all(at), &[0.0; AXES]);
                 for k in 0..3 {
-                    // Three decimals of µm are held as they are.
+                    // Values with three decimals of µm are stored exactly.
                     assert!((tip[k] - exact[k]).abs() < 1e-12, "{chain} {over:?} {at:?}: {tip:?} {exact:?}");
                 }
             }
@@ -288,7 +288,8 @@ fn the_nine_terms_and_the_plant_agree_on_a_grid() {
     }
 }
 
-/// Rotations, with their levers on slides and on a head, to first order: the products of transforms differ by |w|² times the lever.
+/// Rotations, with their levers on slides and on a head, to first order: the products of transforms differ by |w|² times the
+/// lever.
 #[test]
 fn the_volumetric_rotations_are_those_of_the_transforms() {
     let mut noise = Noise::new(6);
@@ -318,7 +319,7 @@ fn check_rotations<const N: usize>(machine: &Machine, noise: &mut Noise) {
             assert!((tip[k] - exact.tip_mm[k]).abs() < 2e-7, "{chain} {at:?}: {tip:?} {:?}", exact.tip_mm);
             assert!((turn[k] - exact.orientation[k]).abs() < 1e-9, "{chain} {at:?}: {turn:?} {:?}", exact.orientation);
         }
-        // Corrected, the tip is where it was commanded.
+        // With the correction, the tip is where it was commanded.
         let sent: [f64; N] = core::array::from_fn(|k| at[k] + correction[k]);
         let (ideal, actual) = (geometry.ideal_pose(&all(at)), geometry.actual_pose(&all(sent), &[0.0; AXES]));
         let left: f64 = (0..3).map(|k| (ideal.tip_mm[k] - actual.tip_mm[k]).powi(2)).sum::<f64>().sqrt();
@@ -326,7 +327,7 @@ fn check_rotations<const N: usize>(machine: &Machine, noise: &mut Noise) {
     }
 }
 
-/// The exact inverse takes the grids in: sent to the corrected command, the tool is where it was commanded.
+/// The exact inverse includes the grids: at the corrected command, the tool is where it was commanded.
 #[test]
 fn a_command_corrected_by_exact_transforms_leaves_nothing_of_the_grids() {
     let mut noise = Noise::new(8);
@@ -352,7 +353,8 @@ fn a_command_corrected_by_exact_transforms_leaves_nothing_of_the_grids() {
     }
 }
 
-/// Walks through the cells of a machine's grids and stands now and then: there the step's correction is that without a state.
+/// Moves through the cells of a machine's grids with occasional stops, where the step's correction must equal the stateless
+/// one.
 fn walk<R: Real, P: Position, const N: usize>(machine: &Machine, noise: &mut Noise, tolerance: f64) {
     let bytes = compile(machine).unwrap();
     let file = Tcomp::parse(&bytes).unwrap();
@@ -391,7 +393,7 @@ fn the_step_finds_its_way_from_cell_to_cell() {
             [("w b Y X Z t", "nine", 0.0), ("w X' Y' b Z t", "volumetric", 10.0), ("w b Y X Z t", "volumetric", 10.0)]
         {
             let mut machine = random(&mut noise, chain, model, over, turns);
-            // A second grid beside it, and a table, so that the cells of tables are kept too.
+            // A second grid and a table in addition, so that the cells of tables are cached too.
             machine.grids.push(small().grids[0].clone());
             let row = |position: f64| {
                 let errors = [1e-5 * position, 0.0, 2e-5 * position, 0.0, 0.0, 0.0];
@@ -430,8 +432,8 @@ fn the_sample_router_is_described_and_warned_of() {
     assert!(warnings.iter().any(|w| steps(&w)), "{warnings:?}");
 }
 
-/// What is left of the router's error where the drives are corrected, largest and RMS over its volume, µm: nothing corrected, its
-/// tables alone, tables and grids.
+/// Remaining error of the router with corrected drives, largest and RMS over its volume, µm: without correction, with its
+/// tables alone, with tables and grids.
 #[test]
 fn the_sample_router_is_true_with_its_grids() {
     let router =
@@ -475,7 +477,7 @@ fn mesh(text: &str) -> Result<trueaxis_tables::formats::Imported, FileError> {
     import(Format::BedMesh, text, Path::new("printer.cfg"), None)
 }
 
-/// Where the bed is high the nozzle is low above it: EZ = −height, and the correction lifts it.
+/// Where the bed is high the nozzle is too low relative to it: EZ = −height, and the correction lifts it.
 #[test]
 fn a_bed_mesh_becomes_a_surface() {
     let imported = mesh(&MESH.replace("speed: 100", "fade_target: 0")).unwrap();
@@ -487,16 +489,16 @@ fn a_bed_mesh_becomes_a_surface() {
     let near = |a: &[f64], b: &[f64]| a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-9);
     assert!(near(&source.nodes[0], &x) && near(&source.nodes[1], &y), "{:?}", source.nodes);
     for (number, value) in source.values.iter().enumerate() {
-        // Parabolas through three points along X, straight along Y.
+        // Parabolas through three points along X, straight lines along Y.
         let (t, s) = ((number / 4) as f64 / 3.0, (number % 4) as f64 / 3.0);
         let parabola =
             |a: f64, b: f64, c: f64| 0.5 * (t - 1.0) * (t - 2.0) * a - t * (t - 2.0) * b + 0.5 * t * (t - 1.0) * c;
         let height = (1.0 - s) * parabola(0.1, 0.0, -0.05) + s * parabola(0.2, 0.03, 0.0);
         assert!((value[2] + height).abs() < 6e-7, "{number}: {value:?}, not {height}");
     }
-    // Raised by the mean of Klipper's mesh, 0.036 mm rounded.
+    // Raised by the rounded mean of Klipper's mesh, 0.036 mm.
     assert_eq!(source.fade_mm, Some([0.54, 8.0]));
-    // A machine of its own.
+    // As a separate machine.
     let alone = TempDir::new().unwrap();
     for (name, text) in imported.machine_files("printer") {
         fs::write(alone.path().join(name), text).unwrap();
@@ -504,11 +506,11 @@ fn a_bed_mesh_becomes_a_surface() {
     let machine = Machine::read(alone.path()).unwrap();
     let (correction, ..) = modelled::<3>(&machine, [20.0, 130.0, 0.0]);
     assert!((correction[2] - 0.2).abs() < 1e-5, "{correction:?}");
-    // Into one that is there: added once, and never over another.
+    // Into an existing machine: added once, and never over another grid.
     let there = folder(&format!("# mine\n{TOML}"), CSV);
     let standing = Folder::new(there.path());
     let edited = imported.edit(&standing, Path::new("machine.toml")).unwrap();
-    // grid.csv is there already, although nobody names it.
+    // grid.csv already exists, although no file names it.
     assert_eq!(edited.files[0].0, Path::new("grid-2.csv"));
     for (name, text) in &edited.files {
         fs::write(there.path().join(name), text).unwrap();
@@ -516,13 +518,13 @@ fn a_bed_mesh_becomes_a_surface() {
     let text = fs::read_to_string(there.path().join("machine.toml")).unwrap();
     assert!(text.starts_with("# mine\n") && text.contains("[[grid]]\naxes = [\"X\", \"Y\"]\n"), "{text}");
     assert_eq!(Machine::read(there.path()).unwrap().grids[0].source(), source);
-    // Another grid over the same axes would add up.
+    // A second grid over the same axes would add up.
     let grid = import(Format::Grid, "X_mm,Y_mm,EZ_um\n0,0,1\n0,9,1\n9,0,1\n9,9,1\n", Path::new("g.csv"), None).unwrap();
     let error = grid.edit(&Folder::new(there.path()), Path::new("machine.toml")).unwrap_err();
     assert!(error.to_string().contains("take the old one out"), "{error}");
 }
 
-/// A mesh that is probed again takes the place and the files of the one before; a grid that gives other errors stays.
+/// A re-probed mesh replaces the previous one and reuses its files; a grid with other errors stays.
 #[test]
 fn a_mesh_that_is_probed_again_replaces_the_old_one() {
     let name = Path::new("machine.toml");
@@ -546,7 +548,7 @@ fn a_mesh_that_is_probed_again_replaces_the_old_one() {
     assert_eq!((machine.grids.len(), count), (2, 3));
     assert!(notes.iter().any(|note| note == "the grid \"grid.csv\" is replaced"), "{notes:?}");
     assert!((modelled::<3>(&machine, [20.0, 100.0, 0.2]).0[2] - 0.5).abs() < 5e-5);
-    // Without the fade there is one grid less.
+    // Without the fade there is one grid fewer.
     let (machine, ..) = take(&mesh(&columns([0.5, 0.6, 0.7], "")).unwrap()).unwrap();
     assert_eq!(machine.grids.len(), 1);
     let other =
@@ -556,7 +558,7 @@ fn a_mesh_that_is_probed_again_replaces_the_old_one() {
     assert_eq!(machine.grids.len(), 3);
 }
 
-/// Of several meshes the one called `default`, or the one that is named.
+/// With several meshes, `default` or the named one is used.
 #[test]
 fn one_of_several_meshes_is_named() {
     use trueaxis_tables::formats::bed_mesh;
@@ -567,7 +569,7 @@ fn one_of_several_meshes_is_named() {
         -imported.grids[0].source().values[0][2]
     };
     assert!((at(None) - at(Some("default"))).abs() < 1e-12);
-    // The fade goes to the mean.
+    // The mesh fades to the mean.
     assert!((at(Some("cold bed")) - (0.5 - 0.6)).abs() < 1e-6, "{}", at(Some("cold bed")));
     let refused = |text: &str, name| bed_mesh::import(text, Path::new("printer.cfg"), name).unwrap_err().to_string();
     let error = refused(&both, Some("hot"));
@@ -579,7 +581,7 @@ fn one_of_several_meshes_is_named() {
     );
 }
 
-/// Points between the probed ones by a cardinal spline, against Hermite's form of it.
+/// Points between the probed ones by a cardinal spline, compared with its Hermite form.
 #[test]
 fn a_bicubic_mesh_is_read_as_klipper_lays_it() {
     let heights = [0.1, -0.05, 0.2, 0.0, 0.07];
@@ -612,14 +614,14 @@ fn a_bicubic_mesh_is_read_as_klipper_lays_it() {
     }
 }
 
-/// A machine that uses what was imported, and what was said of it.
+/// A machine that uses the import, with the notes about it.
 fn alone(imported: &trueaxis_tables::formats::Imported) -> (Machine, Vec<String>) {
     let made = imported.new_machine("printer");
     let files = made.files.iter().map(|(name, text)| (name, text.as_str()));
     (Machine::read_from(&Memory::new(files), Path::new("machine.toml"), &mut |_| {}).unwrap(), made.notes)
 }
 
-/// 3 by 3 points over 200 × 160 mm, columns of one height each.
+/// 3 by 3 points over 200 × 160 mm, columns of equal height.
 fn columns(heights: [f64; 3], section: &str) -> String {
     let row = format!("#*# \t{}, {}, {}\n", heights[0], heights[1], heights[2]);
     format!(
@@ -629,8 +631,8 @@ fn columns(heights: [f64; 3], section: &str) -> String {
     )
 }
 
-/// Klipper (bed_mesh.py, `set_mesh`, `move`): below the fade Z goes by the height of the mesh, above it by fade_target; of default the
-/// mean of the interpolated mesh, rounded to 0.01 mm.
+/// Klipper (bed_mesh.py, `set_mesh`, `move`): below the fade Z moves by the height of the mesh, above it by fade_target, by
+/// default the mean of the interpolated mesh, rounded to 0.01 mm.
 #[test]
 fn a_mesh_fades_to_its_mean() {
     let fade = "fade_start: 1\nfade_end: 10";
@@ -639,7 +641,7 @@ fn a_mesh_fades_to_its_mean() {
         ([0.7, 0.8, 0.9], format!("{fade}\nfade_target: 0"), 0.0),
         ([0.7, 0.8, 0.9], format!("{fade}\nfade_target = 0.75"), 0.75),
         ([0.7, 0.8, 0.9], String::new(), f64::NAN),
-        // Lagrange's parabola through 0, 0.3, 0 in seven places: (0, 5, 8, 9, 8, 5, 0) / 30, on average 35/210.
+        // Lagrange's parabola through 0, 0.3, 0 at seven points: (0, 5, 8, 9, 8, 5, 0) / 30, mean 35/210.
         ([0.0, 0.3, 0.0], fade.to_owned(), 0.17),
     ] {
         let (machine, _) = alone(&mesh(&columns(heights, &section)).unwrap());
@@ -649,7 +651,7 @@ fn a_mesh_fades_to_its_mean() {
                 let found = modelled::<3>(&machine, [x, 100.0, z]).0[2];
                 assert!((found - wanted).abs() < 2e-5, "{heights:?} {section} {x} {z}: {found}, not {wanted}");
             }
-            // Half of it half-way, but for how far the height is off the mean.
+            // Half of it half-way, apart from the height's difference from the mean.
             if !target.is_nan() {
                 let found = modelled::<3>(&machine, [x, 100.0, 5.5]).0[2];
                 let wanted = target + 0.5 * (height - target);
@@ -659,7 +661,7 @@ fn a_mesh_fades_to_its_mean() {
     }
 }
 
-/// What is imported passes its own limits; a limit that is stated stays, and the note says what it takes away.
+/// An import passes its own limits; a stated limit stays, and the note says how much it takes away.
 #[test]
 fn limits_let_an_import_pass() {
     let above = |machine: &Machine| {
@@ -673,11 +675,11 @@ fn limits_let_an_import_pass() {
     assert_eq!(machine.settings.axis(Axis::Z).unwrap().limits.magnitude, 0.24);
     let said = [
         "limits.magnitude_um of axis Z set to 240, as the corrections reach 200; the default is 100",
-        // The fade at 500 mm/s, 0.1 mm on 9 mm, and 1 µm/mm along X.
+        // The fade at 500 mm/s, 0.1 mm over 9 mm, and 1 µm/mm along X.
         "limits.slope_mm_per_s of axis Z set to 7.3, as the corrections reach 6.056; the default is 5",
     ];
     assert_eq!(notes, said);
-    // 2 mm of offset, 0.1 mm of shape: with steep flanks the slope too, 0.4 mm on 5 mm at 500 mm/s.
+    // 2 mm of offset, 0.1 mm of shape: with steep flanks the slope too, 0.4 mm over 5 mm at 500 mm/s.
     let (machine, _) = alone(&mesh(&columns([1.9, 2.0, 2.1], "fade_start: 1\nfade_end: 10")).unwrap());
     assert!(!above(&machine));
     let steep = "X_mm,Y_mm,EZ_um\n0,0,0\n0,100,0\n5,0,400\n5,100,400\n";
@@ -689,7 +691,7 @@ fn limits_let_an_import_pass() {
     let rack = import(Format::from_name("linuxcnc-0").unwrap(), rack, Path::new("x.comp"), Some(Axis::X)).unwrap();
     let (machine, notes) = alone(&rack);
     assert!(!above(&machine) && notes[0].starts_with("limits.magnitude_um of axis X set to 480,"), "{notes:?}");
-    // Into machines that are there: one with the default, one that states its limit, one whose joint has no more room.
+    // Into existing machines: one with the default, one that states its limit, one whose joint has no room left.
     let short = "-300 -299.6 -299.6\n0 0 0\n300 299.7 299.7\n";
     let rack = import(Format::from_name("linuxcnc-0").unwrap(), short, Path::new("x.comp"), Some(Axis::X)).unwrap();
     for (more, said, limit) in [
@@ -711,7 +713,7 @@ fn limits_let_an_import_pass() {
     }
 }
 
-/// A bed that is 2 mm off with its probe offset is imported, and the offset named.
+/// A bed that is 2 mm off including its probe offset is imported, and a note reports the offset.
 #[test]
 fn a_mesh_above_a_millimetre_is_imported() {
     let imported = mesh(&columns([1.9, 2.0, 2.1], "")).unwrap();
@@ -784,21 +786,21 @@ fn a_collapse_tells_whether_a_grid_is_needed() {
     let machine = pitch("");
     let collapsed = collapse(&machine, &CollapseOptions::default()).unwrap();
     let grid = collapsed.grid.unwrap();
-    // k x z is bilinear: the grid holds it but for rounding.
+    // k x z is bilinear: the grid represents it except for rounding.
     assert!(grid.needed && grid.left.max_mm < 0.02 * collapsed.after.max_mm, "{grid:?} {:?}", collapsed.after);
     assert_eq!((grid.nodes, grid.bytes), ([5, 5, 5], 750));
     let options = CollapseOptions { grid: Some([2, 0, 2]), ..CollapseOptions::default() };
     assert_eq!(collapse(&machine, &options).unwrap().grid.map(|grid| (grid.bytes, grid.needed)), Some((24, true)));
     let options = CollapseOptions { grid: Some([2, 0, 0]), ..CollapseOptions::default() };
     assert_eq!(collapse(&machine, &options).unwrap().grid, None);
-    // Tables alone are enough for what they hold.
+    // Tables alone suffice for errors that they can express.
     let mut straight = machine.clone();
     straight.tables.iter_mut().flatten().flat_map(|table| &mut table.rows).for_each(|row| {
         row.forward[4] = 0.0;
         row.reverse[4] = 0.0;
     });
     assert!(!collapse(&straight, &CollapseOptions::default()).unwrap().grid.unwrap().needed);
-    // A machine's own grid stays, and what it holds is not fitted twice.
+    // A machine's existing grid stays, and its errors are not fitted twice.
     let mut with = straight;
     with.grids = small().grids;
     let collapsed = collapse(&with, &CollapseOptions::default()).unwrap();

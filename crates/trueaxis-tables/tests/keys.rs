@@ -1,4 +1,4 @@
-//! Every key that a `machine.toml` can get wrong is refused at its own line.
+//! Every key of a `machine.toml` that can be wrong is refused at its own line.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -6,7 +6,7 @@ use trueaxis::error::Field;
 use trueaxis::machine::Axis;
 use trueaxis_tables::Machine;
 
-/// A good machine, every key on a line of its own.
+/// A valid machine, every key on a separate line.
 const MACHINE: &str = r#"name = "all keys"
 chain = "w X' C' b t"
 tool_mm = [0, 0, 0]
@@ -165,7 +165,7 @@ over = "X"
 table = [[0, 1], [10, 2]]
 "#;
 
-/// A value that the core, or the reader before it, refuses for each key.
+/// For each key a value that the core, or the reader before it, refuses.
 const WRONG: &[(&str, &str)] = &[
     ("name", "\"\""),
     ("chain", "\"w X' C' b\""),
@@ -294,12 +294,12 @@ const WRONG: &[(&str, &str)] = &[
     ("roundness.infeed.delay_revolutions", "0"),
     ("roundness.infeed.contact_deg", "400"),
     ("roundness.infeed.drive_delay_s", "1"),
-    // Within its range, but beyond what the axis may be corrected by.
+    // Within its range, but beyond the axis' correction limit.
     ("roundness.infeed.limit_um", "60"),
     ("roundness.infeed.noise_gain_limit", "0"),
 ];
 
-/// Reads a machine; its refusal without the folder.
+/// Reads a machine; returns a refusal without the folder.
 fn read(machine: &str) -> Result<Machine, String> {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("machine.toml"), machine).unwrap();
@@ -308,7 +308,7 @@ fn read(machine: &str) -> Result<Machine, String> {
     Machine::read(folder.path()).map_err(|error| error.to_string().replace(&prefix, ""))
 }
 
-/// The machine with another line for a key, and the number of that line.
+/// The machine with a different line for a key, and the number of that line.
 fn edited(key: &str, new: &str) -> (String, usize) {
     let (mut section, mut line) = (String::new(), None);
     let edit = |(index, text): (usize, &'static str)| {
@@ -332,7 +332,7 @@ fn every_key_is_refused_at_its_line() {
     read(MACHINE).unwrap();
     for (key, wrong) in WRONG {
         let (_, name) = key.rsplit_once('.').unwrap_or(("", key));
-        // The angles stand in place of the slots.
+        // The angles replace the slots.
         let replaced = key.replace("probe_angles_deg", "probe_slots");
         let (machine, line) = edited(&replaced, &format!("{name} = {wrong}"));
         let error = read(&machine).expect_err(key);
@@ -348,7 +348,8 @@ fn every_field_of_the_file_is_among_them() {
     for field in Field::ALL {
         for axis in [Axis::X, Axis::C] {
             let Some(key) = field.key(Some(axis)).map(|key| key.to_string()) else { continue };
-            // Keys of grids are refused in `grid.rs`, which has their tables. Sections follow from the chain; only rotary axes have a sense and location errors; C has no table here.
+            // Keys of grids are refused in `grid.rs`, which has their tables. Sections follow from the chain; only rotary axes
+            // have a sense and location errors; C has no table here.
             let absent = ["axis.X", "axis.C", "axis.C.table", "axis.X.direction"].contains(&key.as_str())
                 || key.ends_with(".friction")
                 || key.starts_with("grid.")
@@ -370,13 +371,13 @@ fn a_default_is_refused_at_its_section() {
     assert!(error.starts_with(&expected), "{error}\n{expected}");
 }
 
-/// Two keys of one section with the same value: the wrong one is named.
+/// Two keys of one section with the same value: the error names the wrong one.
 #[test]
 fn equal_values_are_told_apart() {
     let (machine, line) = edited("axis.X.thermal.datum_mm", "datum_mm = 2e6");
     let machine = machine.replace("expansion_um_per_m_k = 11.5", "expansion_um_per_m_k = 0");
     assert!(read(&machine).unwrap_err().starts_with(&format!("machine.toml:{line}: key axis.X.thermal.datum_mm")));
-    // A radius of the arm that is its crank too.
+    // A radius of the arm that equals its crank.
     let (machine, line) = edited("roundness.arm.pin_mm", "pin_mm = 0");
     let machine = machine.replace("crank_mm = 45", "crank_mm = 0");
     assert!(read(&machine).unwrap_err().starts_with(&format!("machine.toml:{line}: key roundness.arm.pin_mm")));

@@ -39,7 +39,7 @@ fn a_hysteresis_that_a_reversal_crosses_is_refused_with_the_figure() {
         message.starts_with("machine.toml:6: key axis.X.hysteresis_um: found 0.5, ") && message.contains(against),
         "{message}"
     );
-    // 1.25 µm, and what the slope of the table adds: thousandths, rounded up.
+    // 1.25 µm, plus a contribution of the table's slope: thousandths, rounded up.
     let bound: f64 = message.rsplit(": ").next().unwrap().trim_end_matches(" um").parse().unwrap();
     assert!((1.25..1.252).contains(&bound), "{message}");
     let folder = written(&format!("backlash_um = -1.25\nhysteresis_um = {bound}"), PLAIN);
@@ -105,7 +105,7 @@ fn the_way_that_lost_motion_costs_is_told() {
     assert!(warning.contains("within 8.2 ms of a reversal"), "{warning}");
 }
 
-/// A machine of its own with what was imported.
+/// A new machine from the import.
 fn made(imported: &Imported) -> (Machine, Edited) {
     let made = imported.new_machine("m");
     let files = made.files.iter().map(|(name, text)| (name, text.as_str()));
@@ -113,7 +113,7 @@ fn made(imported: &Imported) -> (Machine, Edited) {
     (machine.unwrap_or_else(|error| panic!("{error}")), made)
 }
 
-/// 21 targets, five runs both ways, every approach off by 0.02 µm/mm, in negative travel by the lost motion besides, and by its
+/// 21 targets, five runs in both directions, every approach off by 0.02 µm/mm, plus the lost motion in negative travel, plus
 /// scatter (one sigma).
 fn measured(noise: &mut Noise, scatter_um: f64, lost_um: f64) -> String {
     let mut text = String::from("X_mm,run,direction,deviation_um\n");
@@ -127,8 +127,8 @@ fn measured(noise: &mut Noise, scatter_um: f64, lost_um: f64) -> String {
     text
 }
 
-/// Columns that cross by scatter alone are one column; where the machine has lost motion both stay, and its hysteresis is what
-/// they need.
+/// Columns that cross only because of scatter become one column; if the machine has lost motion both stay, and its hysteresis
+/// is set as they need.
 #[test]
 fn every_measurement_of_both_directions_is_imported() {
     let mut noise = Noise::new(3);
@@ -143,12 +143,12 @@ fn every_measurement_of_both_directions_is_imported() {
                 means += 1;
                 assert!(imported.notes[0].starts_with("the table is the mean of both directions"), "{imported:?}");
                 assert_eq!(machine.settings.axes[0].hysteresis, 0.3e-3);
-                // Ten approaches a target: the mean is within five standard errors.
+                // Ten approaches per target: the mean is within five standard errors.
                 for row in &table.rows {
                     let truth = 0.02e-3 * row.position;
                     assert!((row.forward[0] - truth).abs() < 5.0e-3 * scatter / 10f64.sqrt() + 1e-6, "{row:?}");
                 }
-                // What was measured both ways and shows no lost motion replaces a backlash too.
+                // A measurement in both directions without lost motion also replaces a backlash setting.
                 let toml = "name = \"m\"\nchain = \"w b X t\"\n[axis.X]\nbacklash_um = 4\n";
                 let edited = imported.edit(&Memory::new([("machine.toml", toml)]), Path::new("machine.toml")).unwrap();
                 assert!(edited.files.last().unwrap().1.contains("backlash_um = 0.0"), "{edited:?}");
@@ -160,7 +160,7 @@ fn every_measurement_of_both_directions_is_imported() {
                 "{scatter}"
             );
         }
-        // Of two tests at two standard deviations about one in eleven finds what is not there.
+        // Of two tests at two standard deviations, about one in eleven gives a false positive.
         assert!(means >= 14, "{scatter}: {means} of 20");
     }
 }
@@ -173,7 +173,7 @@ fn columns_that_cross_bring_the_hysteresis_that_they_need() {
     let imported = import(format, file, Path::new("x.comp"), Some(Axis::X)).unwrap();
     let (machine, edited) = made(&imported);
     let hysteresis_um = machine.settings.axes[0].hysteresis * 1e3;
-    // And what the slope of the table adds.
+    // Plus a contribution of the table's slope.
     assert!((10.0..10.02).contains(&hysteresis_um), "{hysteresis_um}");
     let said = format!(
         "hysteresis_um of axis X set to {hysteresis_um:.3}, as it has to be more than its correction steps against the travel at a \
@@ -187,14 +187,14 @@ fn columns_that_cross_bring_the_hysteresis_that_they_need() {
     let text = |edited: &Edited| edited.files.last().unwrap().1.clone();
     let added = into("").unwrap();
     assert!(text(&added).contains("[axis.X] # long") && text(&added).contains("hysteresis_um = 10.0"), "{added:?}");
-    // What is stated stays: wide enough, or refused.
+    // A stated value stays: it is sufficient, or the import is refused.
     let stated = into("hysteresis_um = 12\n").unwrap();
     assert!(
         text(&stated).contains("hysteresis_um = 12\n") && !stated.notes.iter().any(|note| note.contains("hysteresis"))
     );
     let refused = into("hysteresis_um = 1\n").unwrap_err().to_string();
     assert!(refused.contains("hysteresis_um: found 1, needed more than its correction steps against"), "{refused}");
-    // Three steps of the encoder as well.
+    // Three steps of the encoder are also needed.
     let encoder = into("encoder_resolution_um = 5\n").unwrap();
     assert!(text(&encoder).contains("hysteresis_um = 15"), "{encoder:?}");
 }

@@ -1,4 +1,4 @@
-//! Margins of the contour feedback against reference values, and what the servo rate does to them.
+//! Margins of the contour feedback compared with reference values, and the effect of the servo rate.
 
 use serde_json::Value;
 use std::path::Path;
@@ -62,7 +62,7 @@ fn margins_are_those_of_the_block_diagram() {
     assert!((3..=25).contains(&refused), "both verdicts occur: {refused} of {}", cases.len());
 }
 
-/// The period adds to the dead time: what is accepted at 10 kHz is refused at 500 Hz, there and only there.
+/// The period adds to the dead time: gains accepted at 10 kHz are refused at 500 Hz, and only there.
 #[test]
 fn the_servo_rate_counts() {
     let sample = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../compensation-tables/mill-3axis");
@@ -73,7 +73,7 @@ fn the_servo_rate_counts() {
     assert_eq!((error.field, error.found), (Field::Proportional, 0.8));
     let bound = error.bound.unwrap();
     assert!(bound > 0.05 && bound < 0.8, "{bound}");
-    // The bound is a setting that is accepted, at the same ratio of the gains.
+    // The bound itself is accepted, at the same ratio of the gains.
     let feedback = machine.settings.contour.feedback.as_mut().unwrap();
     feedback.integral_per_s *= bound / feedback.proportional;
     feedback.proportional = bound;
@@ -83,7 +83,7 @@ fn the_servo_rate_counts() {
     assert!(shown.iter().any(|axis| axis.largest_proportional.is_some_and(|most| most < bound * 1.02)), "{shown:?}");
 }
 
-/// With the velocity fed forward the loop has the bandwidth of the velocity loop: the gains alone would let far more pass.
+/// With velocity feed-forward the loop has the bandwidth of the velocity loop: judged by the gains alone, far more would pass.
 #[test]
 fn feed_forward_costs_margin() {
     let drive = |velocity_feed_forward| DriveFigures {

@@ -180,7 +180,7 @@ fn keys() -> Vec<(String, usize)> {
     keys
 }
 
-/// The list of the README: (key, least, most), `None` where a bound is a rule.
+/// The README's list: (key, least, most), `None` if a bound is a rule.
 fn listed() -> Vec<(String, Option<f64>, Option<f64>)> {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../compensation-tables/README.md");
     let text = fs::read_to_string(file).unwrap();
@@ -196,7 +196,7 @@ fn listed() -> Vec<(String, Option<f64>, Option<f64>)> {
     found
 }
 
-/// The name of a key in the README.
+/// Name of a key in the README.
 fn general(key: &str) -> String {
     let (section, last) = key.rsplit_once('.').unwrap_or(("", key));
     let section =
@@ -252,7 +252,7 @@ fn the_readme_lists_every_key_and_its_range_is_the_one_that_holds() {
                 let (text, line) = with(&key, element, count, &format!("{beyond:?}"));
                 let error = read(&text, TABLE).expect_err(&format!("{key} = {beyond:?}"));
                 assert_eq!((error.line, error.column.as_deref()), (Some(line), Some(&*key)), "{beyond:?}: {error}");
-                // At the bound itself it is accepted, or refused by another rule.
+                // The bound itself is accepted, or refused by another rule.
                 let whole = ["points", "counts", "direction", "upr", "revolutions", "units", "slots"];
                 let at = if whole.iter().any(|part| key.contains(part)) {
                     format!("{bound:.0}")
@@ -286,13 +286,13 @@ fn no_cell_of_a_table_is_absurd() {
             assert!(error.file.ends_with("x.csv") && !error.needed.is_empty() && error.found.len() < 60, "{error}");
         }
     }
-    // A slip of unit, and the hint at it.
+    // A wrong unit, with the hint at it.
     let error = read(WHOLE, "X_mm,EXX_um\n-100,3100\n100,3100\n").unwrap_err();
     assert!(
         error.to_string().ends_with("found 3100 um, needed -1000 to 1000 um (1 mm; is the unit right?)"),
         "{error}"
     );
-    // Uncertainties have no sign.
+    // Uncertainties cannot be negative.
     for (column, value) in [("EXX_u_um", "-0.001"), ("EXX_u_um", "1000.1"), ("EXX_u_um", "nan"), ("EXX_u_um", "")] {
         let error = read(WHOLE, &format!("X_mm,EXX_um,{column}\n-100,1,{value}\n100,2,0\n")).expect_err(value);
         assert_eq!((error.line, error.column.as_deref()), (Some(2), Some(column)), "{error}");
@@ -302,7 +302,7 @@ fn no_cell_of_a_table_is_absurd() {
         error.to_string().ends_with("found an uncertainty without its error, needed a column EYX_um as well"),
         "{error}"
     );
-    // Lines that no instrument can tell apart.
+    // Lines that no instrument can distinguish.
     let error = read(WHOLE, "X_mm,EXX_um\n0,1\n1e-300,1\n").unwrap_err();
     assert!(error.to_string().contains("by at least 0.001"), "{error}");
     assert!(read(WHOLE, "X_mm,EXX_um\n0,1\n0.001,1\n0.002,1\n").is_ok());
@@ -339,7 +339,8 @@ fn no_number_of_another_controls_file_is_absurd() {
     }
 }
 
-/// The controller runs all that the bench passes, in both scalars; here a setting that only the step's stages refuse.
+/// The controller runs everything that the bench accepts, in both scalar types; here a setting that only the step's stages
+/// refuse.
 #[test]
 fn what_the_controller_refuses_the_bench_refuses() {
     let (text, line) = with("contour.max_lag_mm", 0, 1, "5000");
@@ -385,7 +386,7 @@ fn gauged() -> Machine {
     machine
 }
 
-/// Places of all numbers of a JSON document that are no integers.
+/// Paths of all non-integer numbers of a JSON document.
 fn floats(value: &serde_json::Value, path: String, found: &mut Vec<String>) {
     match value {
         serde_json::Value::Number(number) if number.is_f64() => found.push(path),
@@ -399,7 +400,7 @@ fn floats(value: &serde_json::Value, path: String, found: &mut Vec<String>) {
     }
 }
 
-/// A file that a forger made, sum included: every double of the settings, one after the other.
+/// A forged file with a valid checksum: every double of the settings, one after the other.
 #[test]
 fn a_compiled_file_with_a_valid_sum_and_an_absurd_number_is_refused() {
     let machine = gauged();
@@ -437,7 +438,7 @@ fn a_compiled_file_with_a_valid_sum_and_an_absurd_number_is_refused() {
             assert!(matches!(refused, Some(TcompError::Content(_))), "{place} = {value}: {refused:?}");
         }
     }
-    // And every double of a table.
+    // Then every double of a table.
     let header = tables.len();
     for at in (0..header.saturating_sub(8)).filter(|at| {
         let double: [u8; 8] = tables[*at..at + 8].try_into().unwrap();

@@ -1,4 +1,4 @@
-//! How fast the corrections change at a feed, against differences of the looked-up curve.
+//! Compares the rates of the corrections at a feed with differences of the interpolated curve.
 
 use std::path::Path;
 use trueaxis::machine::{Axis, Curve};

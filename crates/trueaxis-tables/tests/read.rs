@@ -1,4 +1,4 @@
-//! Machines read from files: the samples, every key, and everything that is refused.
+//! Reads machines from files: the samples, every key, and every refusal.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -36,7 +36,7 @@ fn the_samples_compile_and_read_back_identical() {
             assert_eq!(read, *written);
         }
         let mut warnings = check(&machine, 10_000.0);
-        // The three-axis samples keep to the nine terms on purpose.
+        // The three-axis samples use the nine terms on purpose.
         warnings.retain(|warning| !matches!(warning, Warning::AnglesIgnored { .. }));
         assert!(warnings.is_empty(), "{name}: {}", warnings[0]);
     }
@@ -75,7 +75,7 @@ fn read(machine: &str, table: &str) -> Result<Machine, String> {
     })
 }
 
-/// Without a filesystem, as on a page.
+/// Without a file system, as in a browser.
 #[test]
 fn a_machine_in_memory_is_the_one_in_its_folder() {
     for name in SAMPLES {
@@ -207,7 +207,7 @@ fn comments_blanks_order_and_line_ends_do_not_matter() {
     assert_eq!(table.rows[1].reverse, [0.003, 0.0, 0.0, 0.0, 0.0, 6e-6]);
 }
 
-/// Every bad table: what is wrong, the text, and how the error starts and what else it says.
+/// Every invalid table: the case, the text, and the beginning and other parts of the error.
 #[test]
 fn bad_tables_are_refused_with_their_line() {
     let cases = [
@@ -265,7 +265,7 @@ fn bad_tables_are_refused_with_their_line() {
     }
 }
 
-/// Errors that are together too steep are blamed on the source without which they are least steep.
+/// If all errors together are too steep, the error names the source whose removal leaves the smallest slope.
 #[test]
 fn the_steepest_source_is_the_one_that_is_named() {
     let head = "name = \"m\"\nchain = \"w b X Y Z t\"\n";
@@ -381,9 +381,9 @@ fn open_circles_are_refused_and_the_tolerance_is_taken() {
     assert!(error.starts_with("x.csv:4: column ECC_urad: found 5.02 urad, needed the value at the start"), "{error}");
     let error = read(machine, &good.replace("1.01", "0.98")).unwrap_err();
     assert!(error.starts_with("x.csv:4: column EXC_um: found 0.98 um"), "{error}");
-    // A sector does not wrap.
+    // A sector does not wrap around.
     assert!(read(machine, &good.replace("180,1.01,5.01", "179,7,8")).is_ok());
-    // 2 degrees of error on one degree.
+    // 2 degrees of error over one degree.
     let error = read(machine, "C_deg,ECC_urad\n0,0\n0.25,8726.65\n").unwrap_err();
     assert!(error.starts_with("x.csv:2: column ECC_urad: found a slope of 2.0000"), "{error}");
 }
@@ -406,7 +406,7 @@ fn writing_leaves_either_the_old_or_the_new_file() {
     let file = folder.path().join("t.tcomp");
     write_atomically(&file, b"new").unwrap();
     assert_eq!(fs::read(&file).unwrap(), b"new");
-    // A directory cannot be replaced by a file: refused, and nothing left beside it.
+    // A directory cannot be replaced by a file: this is refused, and nothing is left beside it.
     fs::create_dir(folder.path().join("d")).unwrap();
     fs::write(folder.path().join("d/in"), "").unwrap();
     assert!(write_atomically(&folder.path().join("d"), b"new").is_err());
@@ -414,7 +414,7 @@ fn writing_leaves_either_the_old_or_the_new_file() {
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2);
 }
 
-/// A link stays a link, and what is no file is written to, not replaced.
+/// A link stays a link, and a target that is not a regular file is written to rather than replaced.
 #[cfg(unix)]
 #[test]
 fn links_and_pipes_are_written_through() {
@@ -426,7 +426,7 @@ fn links_and_pipes_are_written_through() {
     write_atomically(&link, b"new").unwrap();
     assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
     assert_eq!(fs::read_to_string(&file).unwrap(), "new");
-    // Files that are not there yet, by a link beside a link, which counts from its own folder.
+    // Files that do not exist yet, through a link to a link that is relative to its own folder.
     let inner = folder.path().join("inner");
     fs::create_dir(&inner).unwrap();
     symlink("inner/second", folder.path().join("first")).unwrap();

@@ -1,4 +1,4 @@
-//! `[roundness]` of a machine: every key, and everything that is refused.
+//! `[roundness]` of a machine: every key, and every refusal.
 
 use std::fs;
 use trueaxis::machine::Axis;
@@ -118,11 +118,11 @@ fn what_is_wrong_is_refused_with_its_line() {
         (with("spindle_index_tolerance_counts = 900000\n"), ":9: key roundness.spindle_index_tolerance_counts"),
         (with("revolutions = 0\n"), ":9: key roundness.revolutions"),
         (with("units_per_cycle = 17\n"), ":9: key roundness.units_per_cycle"),
-        // The same figure in another key of the field, where it is right.
+        // The same value in another key of the field, where it is valid.
         (with("revolutions = 17\nunits_per_cycle = 17\n"), ":10: key roundness.units_per_cycle: found 17, needed"),
         (with("stop_s = 0\n"), ":9: key roundness.stop_s"),
         (with("probe_gain_um = [1, 0, 1]\n"), ":9: key roundness.probe_gain_um"),
-        // A key that is left out: the line of its section.
+        // A missing key: the line of its section.
         (with("probe_low = [0, 0, 2000]\n"), ":5: key roundness.probe_high: found "),
         (with("probe_low = [0, 0, 2000]\n"), ", the default, needed a range from low to high"),
         (with("probes = 3\n"), ":9: key roundness.probes: found probes, needed one of"),
@@ -149,6 +149,7 @@ fn what_is_wrong_is_refused_with_its_line() {
         ),
         (with(&format!("{infeed}drive_delay_s = 0.2\n")), ":11: key roundness.infeed.drive_delay_s"),
         (with("filter_upr = 0\n"), ":9: key roundness.filter_upr: found 0"),
+        (with("filter_upr = 65535\n"), ":9: key roundness.filter_upr: found 65535"),
         (
             with(&arm.replace("45", "326")),
             ":10: key roundness.arm.crank_mm: found 326, needed a crank throw R of at most 0.99",

@@ -8,7 +8,7 @@ use trueaxis_tables::Machine;
 use trueaxis_tables::files::Memory;
 use trueaxis_tables::formats::machine_files;
 
-/// Every key with a value of its own.
+/// Every key with a distinct value.
 const MACHINE: &str = "\
 name = \"servo\"
 chain = \"w C' X' b Z t\"
@@ -102,7 +102,7 @@ fn every_key_arrives_in_its_unit() {
     );
     let limits = Limits { magnitude: 0.04, slope_per_s: 0.8, acceleration_per_s2: 150.0 };
     assert_eq!(x.dynamic, Some(DynamicSettings { limits, lag: true, acceleration: true, take_up: true }));
-    // What is not given has its default.
+    // Missing keys have their defaults.
     let drive = z.drive.unwrap();
     assert_eq!((drive.velocity_feed_forward, drive.current_loop_s, drive.dead_time_s), (0.0, 0.00025, 0.0));
     assert_eq!((z.friction, z.dynamic), (None, None));
@@ -147,7 +147,7 @@ fn defaults_are_those_stated() {
     assert_eq!(machine.settings.contour.feedback, Some(feedback));
 }
 
-/// The machine again from what is written of it: bit for bit, but for angles that are written as µrad.
+/// Writes the machine and reads it back: bit for bit, except for angles that are written as µrad.
 #[test]
 fn what_is_written_is_read_back() {
     let machine = read(MACHINE).unwrap();
@@ -166,7 +166,7 @@ fn what_is_written_is_read_back() {
     assert_eq!(again, machine);
 }
 
-/// What the reader refuses by itself.
+/// Refusals by the reader.
 #[test]
 fn wrong_sections_are_refused_at_their_lines() {
     let line = |text: &str, found: &str| 1 + text.lines().position(|line| line == found).unwrap();
@@ -231,7 +231,7 @@ fn wrong_sections_are_refused_at_their_lines() {
     );
 }
 
-/// What the controller's checks refuse, at the line of the key.
+/// Refusals by the controller's checks, at the line of the key.
 #[test]
 fn what_the_checks_refuse_is_told_at_its_line() {
     let drive = "position_gain_per_s = 110\nvelocity_gain_per_s = 800\nreset_time_s = 0.006\n\
@@ -305,7 +305,7 @@ fn what_the_checks_refuse_is_told_at_its_line() {
     }
 }
 
-/// Gains that leave too little margin are refused with the largest permitted ones; those, and all below them at the same
+/// Gains that leave too little margin are refused with the largest permitted ones; these, and all lower ones at the same
 /// ratio, are accepted.
 #[test]
 fn gains_are_refused_with_the_largest_permitted_ones() {

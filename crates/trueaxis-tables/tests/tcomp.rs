@@ -1,4 +1,4 @@
-//! The compiled file: its bytes as documented, and whatever is not exactly such a file refused.
+//! The compiled file: its bytes are as documented, and anything else is refused.
 
 use proptest::prelude::*;
 use std::path::Path;
@@ -15,7 +15,7 @@ use trueaxis_tables::files::Memory;
 use trueaxis_tables::{Machine, Term, Warning, check, compile, summary};
 use trueaxis_testing::noise::Noise;
 
-/// CRC-32 bit by bit, as the polynomial is defined (reflected 0x04C11DB7).
+/// CRC-32 bit by bit, from the definition of the polynomial (reflected 0x04C11DB7).
 fn crc32(bytes: &[u8]) -> u32 {
     let mut sum = !0_u32;
     for byte in bytes {
@@ -38,7 +38,7 @@ fn file(id: u32, payload: &[u8]) -> Vec<u8> {
     bytes
 }
 
-/// A sample whose encoders are not stated: version 4 of the format.
+/// A sample without stated encoders: version 4 of the format.
 fn sample() -> Machine {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../compensation-tables/mill-5axis");
     let mut machine = Machine::read(&folder).unwrap();
@@ -46,7 +46,7 @@ fn sample() -> Machine {
     machine
 }
 
-/// The file of the small machine, put together by hand from the page that describes it.
+/// The file of the small machine, assembled by hand from the documentation.
 #[test]
 fn the_bytes_are_those_documented() {
     assert_eq!(crc32(b"123456789"), 0xCBF4_3926);
@@ -98,7 +98,7 @@ fn the_bytes_are_those_documented() {
     assert_eq!(machine_id("small", "w C' X' b Z t"), id);
     assert_eq!(compile(&machine).unwrap(), file(id, &payload));
 
-    // Settings of five axes, each with a value of its own: where they stand shows by the bytes that change.
+    // Settings of five axes, each with a distinct value: the bytes that change show their positions.
     let mut five = crate::small_machine::machine();
     five.settings.compensation =
         CompensationSettings { model: ErrorModel::Volumetric, orientation: true, fade_deg: 7.5 };
@@ -114,7 +114,7 @@ fn the_bytes_are_those_documented() {
     changed.splice(compensation..compensation + bytes.len(), bytes);
     assert_eq!(compile(&five).unwrap(), file(id, &changed));
 
-    // The same machine with a gauge of three probes.
+    // The same machine with a three-probe gauge.
     let mut with = crate::small_machine::machine();
     let mut settings = GaugeSettings::with_defaults(1024, ProbeAngles::Slots { p: 188, q: 667 }, 3_600_000);
     settings.arm = Some(ArmSettings {
@@ -136,7 +136,7 @@ fn the_bytes_are_those_documented() {
         noise_gain_limit: 10.0,
     });
     with.settings.roundness = Some(settings);
-    // Varints: seven bits a byte, lowest first.
+    // Varints: seven bits per byte, lowest first.
     let mut gauge_bytes = vec![1, 0x80, 0x08, 0, 0xbc, 0x01, 0x9b, 0x05, 2, 100];
     numbers(&mut gauge_bytes, &[100.0]);
     for _ in 0..3 {
@@ -158,7 +158,7 @@ fn the_bytes_are_those_documented() {
     assert_eq!(compile(&with).unwrap(), file(id, &gauged));
 }
 
-/// Servo settings, each with a value of its own, stand in the order that the page has.
+/// Servo settings, each with a distinct value, are in the documented order.
 #[test]
 fn servo_settings_stand_where_documented() {
     let plain = compile(&crate::small_machine::machine()).unwrap();
@@ -205,7 +205,7 @@ fn servo_settings_stand_where_documented() {
     let feedback = head + 8 * (3 + 1 + 3 + 18 + 7 + 1);
     let axes = feedback + 1 + 2 + 8 * 5 + 1;
     let axis = 5 + 8 * (4 + 6 + 3 + 6) + 3;
-    // From the end, so that the places before it stay.
+    // From the end, so that the earlier positions stay valid.
     let crosstalk = axes + 3 * axis + 1;
     assert_eq!(expected[crosstalk], 0);
     expected.splice(crosstalk..=crosstalk, bytes(&[1, 0, 2, 5, 2], &[0.0, 1e-6, 300.0, 2e-6], &[]));
@@ -227,7 +227,7 @@ fn every_bit_counts() {
             if place < 8 {
                 assert_eq!(error, TcompError::Magic);
             } else if place < 10 && !(place == 8 && bit < 2) {
-                // 4 becomes 5 or 6, versions with grids or encoders: the sum tells.
+                // 4 becomes 5 or 6, versions with grids or encoders: the checksum fails.
                 assert_eq!(error, TcompError::Version);
             } else if !(14..18).contains(&place) {
                 assert_eq!(error, TcompError::Checksum, "{place}");
@@ -264,7 +264,7 @@ fn a_foreign_machine_is_refused() {
     assert_eq!(Tcomp::parse(&other), Err(TcompError::MachineId));
 }
 
-/// Content that no compiler writes, under a sum that is right.
+/// Content that no compiler writes, with a valid checksum.
 #[test]
 fn nonsense_with_a_good_sum_is_refused() {
     let machine = sample();
@@ -279,7 +279,7 @@ fn nonsense_with_a_good_sum_is_refused() {
     let settings = postcard::to_stdvec(&machine.settings).unwrap().len();
     assert_eq!(wrapped(&payload[..settings]), TcompError::TableHeader);
     let header = |change: &[u8]| wrapped(&[&payload[..settings], change, &payload[settings + change.len()..]].concat());
-    // A model and an orientation that are none: enum and bool beyond their variants.
+    // An invalid model and orientation: enum and bool beyond their variants.
     let feedback = if machine.settings.contour.feedback.is_some() { 1 + 8 * 4 } else { 1 };
     let location = 8 * (3 + 1 + 3 + 18 + 7 + 1) + feedback;
     let compensation = 2 + machine.settings.name.len() + machine.settings.chain.len() + location;
@@ -288,7 +288,7 @@ fn nonsense_with_a_good_sum_is_refused() {
         payload[place] = 2;
         assert_eq!(wrapped(&payload), TcompError::Settings);
     }
-    // No column, a seventh column, absent with lines, no bool.
+    // No column, a seventh column, absent with lines, an invalid bool.
     for change in [[1, 0], [1, 0x40], [0, 1], [2, 1]] {
         assert_eq!(header(&change), TcompError::TableHeader);
     }
@@ -307,7 +307,7 @@ fn gauge(points: u16) -> GaugeSettings {
     GaugeSettings::with_defaults(points, ProbeAngles::Slots { p: 11, q: 15 }, 1 << 20)
 }
 
-/// Bytes of a file whose settings are changed behind the compiler's back.
+/// Bytes of a file whose settings are changed after compilation.
 fn forged(change: impl Fn(&mut MachineSettings)) -> Result<(), TcompError> {
     let machine = sample();
     let bytes = compile(&machine).unwrap();
@@ -407,7 +407,7 @@ fn codes_and_texts() {
     assert!(all.iter().map(TcompError::code).eq(1..=12));
 }
 
-/// Random errors in a machine with every kind of table go through the file bit for bit.
+/// Random errors in a machine with every kind of table pass through the file bit for bit.
 #[test]
 fn numbers_pass_bit_for_bit() {
     let mut noise = Noise::new(3);
@@ -439,7 +439,7 @@ proptest! {
     #[test]
     fn random_bytes_are_refused(bytes in proptest::collection::vec(any::<u8>(), 0..600)) {
         prop_assert!(Tcomp::parse(&bytes).is_err());
-        // Past the header and the sum, so that the decoder itself meets them.
+        // With a valid header and checksum, so that the decoder itself sees the bytes.
         prop_assert!(Tcomp::parse(&file(0, &bytes)).is_err());
     }
 
@@ -452,7 +452,7 @@ proptest! {
         let old = payload[place];
         payload[place] = value;
         if let Ok(read) = Tcomp::parse(&file(id, &payload)) {
-            // Another machine, but a possible one.
+            // A different machine, but a valid one.
             prop_assert!(check::machine(read.settings(), |axis| read.table(axis), read.grids()).is_ok());
         }
         payload[place] = old;
@@ -483,7 +483,7 @@ fn the_summary_tells_the_figures() {
     }
 }
 
-/// What its settings state makes a machine, each alone; with nothing at all it is told to correct nothing.
+/// Each of these settings alone makes a machine with stated errors; without any, the warning says that nothing is corrected.
 #[test]
 fn a_machine_needs_no_table() {
     let text = |more: &str| format!("name = \"m\"\nchain = \"w C' b X Y Z t\"\n{more}\n");
@@ -514,7 +514,7 @@ fn a_machine_needs_no_table() {
     assert!(Tcomp::parse(&compile(&machine).unwrap()).is_ok());
 }
 
-/// The same bits out of the compiled file with a table of zeros over the travel and without.
+/// A compiled file gives the same bits with a table of zeros over the travel and without it.
 #[test]
 fn lost_motion_of_an_axis_needs_no_table_of_zeros() {
     let text = |table: &str| {
@@ -550,7 +550,7 @@ fn lost_motion_of_an_axis_needs_no_table_of_zeros() {
     assert!((last - (-20.0 - 0.02)).abs() < 1e-9, "{last}");
 }
 
-/// The small machine's warnings, worked out by hand.
+/// The small machine's warnings, calculated by hand.
 #[test]
 fn warnings_carry_their_numbers() {
     let mut machine = crate::small_machine::machine();
@@ -583,7 +583,7 @@ fn warnings_carry_their_numbers() {
     let resolution = f64::from(f32::EPSILON) * 0.1;
     let expected = Warning::AccelerationBelowResolution { axis: Axis::Z, per_cycle: 1e-9, resolution };
     assert!(found.iter().any(|w| w.to_string() == expected.to_string()), "{found:?}");
-    // 20 µm of EXX against −20 µm, C 12 + 2 µm.
+    // 20 µm of EXX relative to −20 µm, C 12 + 2 µm.
     let Some(Warning::MagnitudeAboveLimit { correction, limit, term: Term::Table(Axis::X), part, .. }) =
         found.iter().find(|w| matches!(w, Warning::MagnitudeAboveLimit { axis: Axis::X, .. }))
     else {
@@ -602,7 +602,7 @@ fn warnings_carry_their_numbers() {
     }
 }
 
-/// The refusal of another version names the one that is read.
+/// The refusal of another version names the supported one.
 #[test]
 fn another_version_is_refused_with_the_one_that_is_needed() {
     let text = TcompError::Version.to_string();

@@ -1,4 +1,4 @@
-//! Standard uncertainties are read, compiled into nothing, and kept by edits.
+//! Standard uncertainties are read, are not compiled, and are kept by edits.
 
 use std::path::Path;
 use trueaxis::machine::Axis;
@@ -69,13 +69,13 @@ fn edits_keep_it() {
     let key = Change::Key { key: "axis.X.uncertainty.EXX_um".into(), value: Some(Setting::Number(0.5)) };
     let edited = change(&before, Path::new("machine.toml"), &key).unwrap();
     assert_eq!(edited.files[0].1, text.replace("EXX_um = 0.25", "EXX_um = 0.5"));
-    // A new row is no less certain than the one behind it.
+    // A new row gets the uncertainty of the row after it.
     let insert = Change::Insert { axis: Axis::X, position: 5.0 };
     let edited = change(&before, Path::new("machine.toml"), &insert).unwrap();
     assert_eq!(edited.files[0].1, "X_mm,EXX_um,EYX_um,EYX_u_um\n0,1,2,0.5\n5,1.5,2,0.75\n10,2,2,0.75\n");
     let column = &table_texts(&before, Path::new("machine.toml")).unwrap()[0].columns[3];
     assert_eq!((column.component, column.forward, column.reverse), (Some(1), false, false));
-    // Another table: what was stated of the old one stays, and is told.
+    // A new table: the uncertainties stated for the old one stay, and a note says so.
     let imported = import(Format::from_name("isg").unwrap(), "X EXX\n0 0\n10 0.001\n", Path::new("f"), None).unwrap();
     let edited = imported.edit(&before, Path::new("machine.toml")).unwrap();
     assert!(edited.files.iter().all(|(name, new)| name != Path::new("machine.toml") || new.contains(STATED)));

@@ -1,6 +1,6 @@
 //! The best sum of one-dimensional functions on a tensor grid.
 
-/// One level of an axis: where it stands, in which direction it travels, and its share of the volume.
+/// One level of an axis: its position, its direction of travel, and its share of the volume.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Level {
     /// Position, mm.
@@ -11,7 +11,7 @@ pub(super) struct Level {
     pub(super) weight: f64,
 }
 
-/// Levels at the nodes of an axis, in positive travel first and, where `two_sided`, all of them again in negative travel.
+/// Levels at the nodes of an axis, in positive travel first and, if `two_sided`, all of them again in negative travel.
 ///
 /// Weights are those of the trapezoidal rule: sums over the levels are means over the length between the first and last node.
 pub(super) fn levels(nodes: &[f64], two_sided: bool) -> Vec<Level> {
@@ -45,8 +45,8 @@ pub(super) struct MainEffects {
 impl MainEffects {
     /// `d(i, j, k) ≈ grand + Σ (marginal − grand)`, least squares over the levels with product weights.
     ///
-    /// On a full tensor grid the columns of different axes are orthogonal once their means are taken out, so that each
-    /// effect is a mean and no equations have to be solved. Cost: one evaluation of `error` for every cell of the grid.
+    /// On a full tensor grid the columns of different axes are orthogonal once their means are removed, so each effect is a
+    /// mean and no equations have to be solved. Cost: one evaluation of `error` for every cell of the grid.
     ///
     /// Source: analysis of variance of a balanced layout (Scheffé 1959, The Analysis of Variance, chapter 4).
     pub(super) fn of(levels: &[Vec<Level>; 3], error: impl Fn([Level; 3]) -> [f64; 3]) -> MainEffects {
@@ -68,7 +68,7 @@ impl MainEffects {
         effects
     }
 
-    /// The sum that stands for d at one cell of the grid.
+    /// The sum that approximates d at one cell of the grid.
     pub(super) fn sum(&self, [i, j, k]: [usize; 3]) -> [f64; 3] {
         std::array::from_fn(|c| {
             self.marginal[0][i][c] + self.marginal[1][j][c] + self.marginal[2][k][c] - 2.0 * self.grand[c]

@@ -1,4 +1,4 @@
-//! What a grid would take away of the error that nine tables leave.
+//! How much of the error that nine tables leave a grid would remove.
 
 use super::residual::{Deviation, evaluate, with_nine_terms};
 use super::volume::Volume;
@@ -8,27 +8,27 @@ use crate::{Machine, compile};
 use trueaxis::error::ConfigError;
 use trueaxis::machine::GRIDS;
 
-/// Share of the RMS that a grid has to take away, and how much it must be, mm, for it to be called needed.
+/// A grid counts as needed if it removes more than this share of the RMS, and more than this amount, mm.
 const WORTH_SHARE: f64 = 0.5;
 const WORTH_MM: f64 = 1e-4;
 
-/// A grid beside nine tables.
+/// A grid in addition to nine tables.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GridAdvice {
-    /// Nodes along X, Y, Z; 0 along an axis over which it does not stand.
+    /// Nodes along X, Y, Z; 0 along an axis that it does not cover.
     pub nodes: [usize; 3],
-    /// Its size in flash, bytes.
+    /// Size in flash, bytes.
     pub bytes: usize,
-    /// Error left by the nine tables with it.
+    /// Error left by the nine tables and the grid.
     pub left: Deviation,
-    /// It takes away more than half of the RMS that the tables leave, and more than 0.1 µm.
+    /// Whether it removes more than half of the RMS that the tables leave, and more than 0.1 µm.
     pub needed: bool,
 }
 
-/// A grid with nodes at equal distances over the volume, holding there what the tables of `collapsed` leave on the mean of both
-/// directions of travel. `None` where a grid makes no sense: fewer than two axes, four grids already, errors that it may not hold.
+/// A grid with equidistant nodes over the volume that holds the error left by the tables of `collapsed`, averaged over both
+/// directions of travel. `None` if a grid is not possible: fewer than two axes, already four grids, errors outside its limits.
 ///
-/// Cost: that of evaluating the machine once more.
+/// Cost: one more evaluation of the machine.
 pub(super) fn advice(
     volume: &Volume,
     geometry: &Geometry,

@@ -1,33 +1,35 @@
-//! The best nine tables of a machine with angular errors, and what they leave.
+//! The best nine tables for a machine with angular errors, and the error that they leave.
 //!
 //! **Fit.** d(x, y, z) is the exact error of the tool tip for one tool and one pose of the rotary axes. On the tensor grid of
-//! the tables' nodes within the working volume the nearest sum of one-dimensional functions, least squares with the
-//! weights of the trapezoidal rule (each node counts for its share of the length), consists of means:
+//! the tables' nodes within the working volume, the nearest sum of one-dimensional functions consists of means (least squares
+//! with trapezoidal weights: each node counts for its share of the length):
 //!
 //! ```text
 //! d ≈ D + Σ_i (M_i(q_i) − D)     D: mean over the volume,  M_i: mean over the volume's section at q_i
 //! ```
 //!
-//! A two-sided axis has each node twice, once per direction of travel with half the weight; so its columns differ by the mean
-//! of what its reversal does, levers of its angular errors included.
+//! A two-sided axis has each node twice, once per direction of travel with half the weight. Its columns therefore differ by
+//! the mean effect of its reversal, levers of its angular errors included.
 //!
-//! **Constant.** It may stand in any table. Here both cross terms of an axis vanish at the reference position in positive
-//! travel; the own term carries what is left: with f_ci the table of axis i in direction c and r the reference,
-//!
+//! **Constant.** The constant may be in any table. Here both cross terms of an axis vanish at the reference position in
+//! positive travel, and the own term carries the rest: with f_ci the table of axis i in direction c and r the reference,
 //! ```text
 //! f_ci(q) = M_ci(q) − M_ci(r_i)   i ≠ c          f_cc(q) = M_cc(q) + Σ_{i ≠ c} M_ci(r_i) − (n − 1) D_c
 //! ```
 //!
-//! n linear axes; a direction without an axis of its own leaves its constant with the first axis. The choice does not change the sum.
+//! n linear axes; a direction without a linear axis leaves its constant with the first axis. The choice does not change the
+//! sum.
 //!
-//! **What becomes of the rest.** Squareness is in the tables and leaves the location errors; `measured_at_mm` is zero, as the tables
-//! hold for the whole volume. Backlash, thermal growth, limits and the rotary axes stay as they are. The nine-term form corrects a rotary axis'
-//! own angular error in its own position and its translations by its own table: the linear tables take what both leave. The angles are in positive travel.
+//! **Other settings.** Squareness moves from the location errors into the tables; `measured_at_mm` is zero, as the tables hold
+//! for the whole volume. Backlash, thermal growth, limits and the rotary axes stay as they are. The nine-term form corrects a
+//! rotary axis' own angular error in its own position and its translations by its own table; the linear tables take the rest
+//! of both. The angles are in positive travel.
 //!
-//! **Grids.** A machine's own grids stay, and the tables are fitted to what is left without them. Beside the tables a grid of a
-//! stated size is tried on what they leave, and told whether it is needed.
+//! **Grids.** A machine's existing grids stay, and the tables are fitted to the machine's errors without them. A grid of a
+//! stated size is then tried on the error that the tables leave, and the result states whether it is needed.
 //!
-//! The sum is the best *at the nodes*; between them the tables are interpolated as the axis' setting says. Beyond the volume the edge value holds.
+//! The sum is the best *at the nodes*; between them the tables are interpolated as the axis' setting says. Beyond the volume
+//! the edge value applies.
 
 mod additive;
 mod grid;
@@ -51,13 +53,13 @@ use volume::Volume;
 const LINEAR: [Axis; 3] = [Axis::X, Axis::Y, Axis::Z];
 /// Nodes of an axis without a table.
 const FREE_NODES: usize = 11;
-/// Up to so many cells the means are formed over all nodes.
+/// Up to this many cells, the means are formed over all nodes.
 const MOST_CELLS: usize = 4_000_000;
-/// Nodes per axis over which the means are formed beyond that.
+/// Nodes per axis over which the means are formed above that.
 const THINNED: usize = 41;
-/// Nodes along each axis of the grid that is tried beside the tables.
+/// Nodes along each axis of the grid that is tried in addition to the tables.
 const GRID_NODES_TRIED: usize = 5;
-/// Steps in which tables are stored, 1e-7 µm: short decimals.
+/// Tables are stored in steps of 1e-7 µm: short decimals.
 const STEPS_PER_UM: f64 = 1e7;
 
 /// Tool, volume and pose for which the tables are made.
@@ -65,17 +67,18 @@ const STEPS_PER_UM: f64 = 1e7;
 pub struct CollapseOptions {
     /// Tool tip from the last tool-side frame at all axes zero, mm; the machine's own if `None`.
     pub tool_mm: Option<[f64; 3]>,
-    /// Position at which the cross terms are zero, mm; the middle of the volume if `None`. Entries of axes that the machine lacks are not read.
+    /// Position at which the cross terms are zero, mm; the middle of the volume if `None`. Entries for axes that the machine
+    /// lacks are ignored.
     pub reference_mm: Option<[f64; 3]>,
     /// Lower and upper end of the working volume for X, Y, Z, mm; `None`: the declared travel, or the table's range.
     pub volume_mm: [Option<[f64; 2]>; 3],
-    /// Angles of the rotary axes, degrees; zero for an axis that is not named.
+    /// Angles of the rotary axes, degrees; zero for an axis that is not listed.
     pub pose_deg: Vec<(Axis, f64)>,
-    /// Nodes along X, Y, Z of the grid that is tried beside the tables; 5 each if `None`.
+    /// Nodes along X, Y, Z of the grid that is tried in addition to the tables; 5 each if `None`.
     pub grid: Option<[usize; 3]>,
 }
 
-/// Why a machine is not collapsed.
+/// Why a machine cannot be collapsed.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum CollapseError {
@@ -84,17 +87,17 @@ pub enum CollapseError {
     Option {
         /// `volume`, `pose`, `tool` or `reference`.
         option: &'static str,
-        /// The axis, where it is about one.
+        /// The axis, if the option is about one.
         axis: Option<Axis>,
         /// Found value.
         found: String,
         /// Needed value.
         needed: String,
     },
-    /// The structural code makes no sense.
+    /// The structural code is invalid.
     #[error(transparent)]
     Geometry(#[from] GeometryError),
-    /// The collapsed machine is refused by the checks of the controller.
+    /// The controller's checks refuse the collapsed machine.
     #[error("the collapsed tables: {0}")]
     Config(ConfigError),
 }
@@ -114,23 +117,23 @@ pub struct Collapsed {
     pub before: Deviation,
     /// Error left by the collapsed tables.
     pub after: Deviation,
-    /// Error left by the original tables when they are used as nine terms as they are, with the machine's squareness.
+    /// Error left by the original tables if they are used unchanged as nine terms, with the machine's squareness.
     pub original: Deviation,
-    /// Share of each axis' angular errors in the rest that no nine tables can express, largest first.
+    /// Share of each axis' angular errors in the residual that no nine tables can express, largest first.
     pub causes: Vec<Cause>,
-    /// What a grid beside the tables would leave, where one makes sense.
+    /// Residual that an additional grid would leave, if one makes sense.
     pub grid: Option<GridAdvice>,
 }
 
 /// The best nine tables over a working volume.
 ///
-/// Cost: one exact evaluation (about 1 µs) per node of the volume's grid, both directions of every two-sided axis; above
-/// four million of them the means are formed over at most 41 nodes an axis.
+/// Cost: one exact evaluation (about 1 µs) per node of the volume's grid, both directions of every two-sided axis; above four
+/// million evaluations the means are formed over at most 41 nodes an axis.
 ///
 /// # Errors
-/// A volume, reference, tool or pose that the machine does not reach or that is no number; a machine without a linear
-/// axis; a pose other than zero of a rotary axis that carries a linear one (the nine terms would turn with it); tables
-/// that the controller would refuse.
+/// A volume, reference, tool or pose that is not a number or that the machine does not reach; a machine without a linear axis;
+/// a pose other than zero of a rotary axis that carries a linear one (the nine terms would turn with it); tables that the
+/// controller would refuse.
 pub fn collapse(machine: &Machine, options: &CollapseOptions) -> Result<Collapsed, CollapseError> {
     let mut source = machine.clone();
     if let Some(tool) = options.tool_mm {
@@ -146,7 +149,7 @@ pub fn collapse(machine: &Machine, options: &CollapseOptions) -> Result<Collapse
     let mut collapsed = source.clone();
     collapsed.grids.clear();
     collapsed.settings.compensation.model = ErrorModel::Nine;
-    // The nine-term form has no correction of the direction.
+    // The nine-term form cannot correct the tool direction.
     collapsed.settings.compensation.orientation = false;
     let location = &mut collapsed.settings.location;
     (location.a0z, location.b0z, location.c0y) = (0.0, 0.0, 0.0);
@@ -194,7 +197,7 @@ fn wrong(option: &'static str, axis: Option<Axis>, found: impl ToString, needed:
     CollapseError::Option { option, axis, found: found.to_string(), needed: needed.into() }
 }
 
-/// The machine as the tip sees it once the rotary axes' own tables are corrected in their own positions.
+/// The machine as the tip sees it once each rotary axis' own table corrects it in its own position.
 fn corrected_in_rotary_axes(machine: &Machine) -> Machine {
     let mut machine = machine.clone();
     for (own, table) in machine.settings.axes.iter_mut().zip(&mut machine.tables) {
@@ -209,7 +212,7 @@ fn corrected_in_rotary_axes(machine: &Machine) -> Machine {
     machine
 }
 
-/// Backlash of the linear axes is a setting of its own and stays out of the tables.
+/// The backlash of the linear axes is a separate setting and stays out of the tables.
 fn without_backlash(machine: &Machine, volume: &Volume) -> Machine {
     let mut machine = machine.clone();
     for slot in volume.slots.into_iter().flatten() {
@@ -234,7 +237,7 @@ fn means(volume: &Volume, error: impl Fn([Level; 3]) -> [f64; 3]) -> MainEffects
     effects
 }
 
-/// At most `THINNED` of the nodes, evenly taken, ends included.
+/// At most `THINNED` of the nodes, evenly spaced, ends included.
 fn thinned(nodes: &[f64]) -> Vec<f64> {
     if nodes.len() <= THINNED {
         return nodes.to_vec();
@@ -279,7 +282,7 @@ fn fill(machine: &mut Machine, volume: &Volume, effects: &MainEffects) {
     for slot in volume.slots.into_iter().flatten() {
         let Some(table) = machine.tables[slot].as_mut() else { continue };
         for value in table.rows.iter_mut().flat_map(|row| row.forward.iter_mut().chain(&mut row.reverse)) {
-            // In µm and then / 1e3, as a file is read, so that it reads back as the same double; + 0 turns −0 into 0.
+            // In µm and then / 1e3, as the reader does, so that it reads back as the same double; + 0 turns −0 into 0.
             *value = (*value * 1e3 * STEPS_PER_UM).round() / STEPS_PER_UM / 1e3 + 0.0;
         }
         table.bidirectional = table.rows.iter().any(|row| row.forward != row.reverse);

@@ -1,4 +1,4 @@
-//! Error that tables leave, on a grid of its own.
+//! Error that tables leave, on a separate grid.
 
 use super::additive::{Level, MainEffects, levels};
 use super::volume::Volume;
@@ -11,7 +11,8 @@ use trueaxis::error::ConfigError;
 use trueaxis::machine::AxisOrder;
 use trueaxis::machine::{AXES, Axis};
 
-/// Points per axis at which deviations are evaluated, equidistant, ends included: 42 steps rarely fall on a table's lines.
+/// Points per axis at which deviations are evaluated, equidistant, ends included: 42 steps rarely coincide with a table's
+/// lines.
 const POINTS: usize = 43;
 /// Points per axis for the causes.
 const FEW_POINTS: usize = 11;
@@ -31,12 +32,12 @@ pub struct Deviation {
     pub at_mm: [f64; 3],
 }
 
-/// Part of an axis in what no nine tables can hold.
+/// Share of an axis in the error that no nine tables can express.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cause {
     /// The axis.
     pub axis: Axis,
-    /// RMS that the angular errors of this axis alone leave beside the best nine tables, mm.
+    /// RMS that the angular errors of this axis alone leave after the best nine tables, mm.
     pub rms_mm: f64,
 }
 
@@ -68,7 +69,7 @@ impl Sum {
     }
 }
 
-/// Lends out the error of the tip as the controller's nine-term form has it: positions and directions (0, 1) in the order
+/// Passes to `user` the tip error according to the controller's nine-term form: positions and directions (0, 1) in the order
 /// of the machine's axes.
 pub(super) fn with_nine_terms<T>(
     machine: &Machine,
@@ -89,7 +90,7 @@ fn with_step<const N: usize, T>(
     let rows = |axis: Axis| machine.rows(axis);
     let mut memory = vec![0.0; requirement(&machine.settings, rows)];
     let compensation = Compensation::<f64, f64, N>::build(&machine.settings, rows, &machine.grids(), 1, &mut memory)?;
-    // A step has X, Y and Z in any case, a machine need not.
+    // A step always has X, Y and Z; a machine need not.
     let slots: [Option<usize>; N] = AxisOrder::<N>::of(&machine.settings)?
         .axes()
         .map(|axis| machine.settings.axes.iter().position(|own| own.axis == axis));
@@ -109,7 +110,7 @@ pub(super) struct Deviations<const M: usize> {
     pub(super) left: [Deviation; M],
 }
 
-/// The error of `geometry` and what the nine-term forms of two machines leave of it.
+/// The error of `geometry`, and the error left by the nine-term forms of two machines.
 pub(super) fn evaluate(
     volume: &Volume,
     geometry: &Geometry,
@@ -154,7 +155,7 @@ fn grid(volume: &Volume, points: usize, two_sided: [bool; 3]) -> [Vec<Level>; 3]
     })
 }
 
-/// Error that each linear axis' angular errors leave on their own beside the best sum, largest first; axes without are left out.
+/// Error that each linear axis' angular errors alone leave after the best sum, largest first; axes without any are omitted.
 pub(super) fn causes(volume: &Volume, machine: &Machine) -> Result<Vec<Cause>, CollapseError> {
     let levels = grid(volume, FEW_POINTS, volume.two_sided_table);
     let mut causes = Vec::new();

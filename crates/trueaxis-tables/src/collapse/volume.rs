@@ -1,4 +1,4 @@
-//! Volume in which the tables must hold.
+//! Volume for which the tables must be valid.
 
 use super::{CollapseError, CollapseOptions, FREE_NODES, LINEAR, wrong};
 use crate::Machine;
@@ -14,9 +14,9 @@ pub(super) struct Volume {
     /// Nodes of the tables, ends included; one node at zero for an axis that the machine lacks.
     pub(super) nodes: [Vec<f64>; 3],
     pub(super) reference: [f64; 3],
-    /// The axis' table tells directions apart.
+    /// Whether the axis' table distinguishes directions.
     pub(super) two_sided_table: [bool; 3],
-    /// The axis' error depends on the direction, by its table or by backlash.
+    /// Whether the axis' error depends on the direction, through its table or backlash.
     pub(super) two_sided: [bool; 3],
     /// Positions of all axes, the rotary ones at the pose.
     pose: [f64; AXES],
@@ -84,7 +84,7 @@ impl Volume {
     }
 }
 
-/// Whether the travel was declared: it is not the default.
+/// Whether the travel is declared, that is, differs from the default.
 fn declared(own: &AxisSettings) -> bool {
     own.travel != AxisSettings::with_defaults(own.axis, false).travel
 }
@@ -105,7 +105,7 @@ fn ends(own: &AxisSettings, positions: &[f64], wanted: Option<[f64; 2]>) -> Resu
     if !(low.is_finite() && high.is_finite()) {
         return Err(wrong("volume", axis, found, "finite numbers, mm"));
     }
-    // Nodes have to be told apart.
+    // The nodes have to be distinguishable.
     if high - low < 1e-3 {
         return Err(wrong("volume", axis, found, "the lower end first and at least 0.001 mm between the two"));
     }
@@ -121,7 +121,7 @@ fn nodes([low, high]: [f64; 2], positions: &[f64]) -> Vec<f64> {
         let step = (high - low) / (FREE_NODES - 1) as f64;
         return (0..FREE_NODES).map(|k| if k + 1 == FREE_NODES { high } else { low + step * k as f64 }).collect();
     }
-    // A line next to an end would make a cell in which rounding is a slope.
+    // A line next to an end would make a tiny cell, whose slope is rounding noise.
     let inside = positions.iter().copied().filter(|q| *q > low + 1e-6 && *q < high - 1e-6);
     std::iter::once(low).chain(inside).chain(std::iter::once(high)).collect()
 }
@@ -158,7 +158,7 @@ fn pose(machine: &Machine, options: &CollapseOptions) -> Result<[f64; AXES], Col
     Ok(pose)
 }
 
-/// Whether a linear axis stands further from the bed on the same side.
+/// Whether a linear axis is further from the bed on the same side.
 fn carries_linear(chain: &str, axis: Axis) -> bool {
     let (workpiece, tool) = chain.split_once('b').unwrap_or((chain, ""));
     let beyond = match (workpiece.split_once(axis.letter()), tool.split_once(axis.letter())) {

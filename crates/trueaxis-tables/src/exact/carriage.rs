@@ -16,7 +16,7 @@ pub(super) struct Carriage {
     pub(super) offset: DVec3,
     /// Sense of the carriage's motion for a positive command.
     pub(super) motion: f64,
-    /// −1 where the carriage carries the workpiece.
+    /// −1 if the carriage carries the workpiece.
     pub(super) sign: f64,
     table: Option<ErrorTable>,
     constant: Twist,
@@ -71,7 +71,7 @@ impl Carriage {
         self.constant[self.own] += unit * rise_k * growth.offset_per_k - slope * growth.datum;
     }
 
-    /// Its own motion at `q`: the way from the carrier's origin, and of a rotary axis the turn.
+    /// Nominal motion at `q`: the travel from the carrier's origin and, for a rotary axis, the rotation.
     pub(super) fn nominal(&self, q: f64) -> (DVec3, Option<DMat3>) {
         if self.rotary {
             (self.offset, Some(about(self.along, (self.motion * q).to_radians())))

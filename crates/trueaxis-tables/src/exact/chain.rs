@@ -1,4 +1,4 @@
-//! Reading a structural code; the check of the controller has a reader of its own.
+//! Parses a structural code, independently of the controller's check.
 
 use super::GeometryError;
 use trueaxis::machine::Axis;

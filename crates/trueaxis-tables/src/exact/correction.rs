@@ -4,11 +4,11 @@ use super::{Geometry, into_frame, side};
 use glam::{DMat3, DVec3};
 use trueaxis::machine::AXES;
 
-/// Most passes without a fixed count.
+/// Largest number of passes if none is stated.
 const PASSES: usize = 60;
-/// Least determinant of the linear axes' directions, squared.
+/// Smallest determinant of the linear axes' directions, squared.
 const LEAST_SQUARE: f64 = 0.05 * 0.05;
-/// Least sine of the fade: the correction stays bounded where no fade is wanted.
+/// Smallest sine of the fade: the correction stays bounded even without a fade.
 const LEAST_FADE: f64 = 1e-3;
 
 /// Settings of a correction.
@@ -16,8 +16,8 @@ const LEAST_FADE: f64 = 1e-3;
 pub struct CorrectionSettings {
     /// Number of look-ups; `None`: until the correction changes by less than 1e-12 mm (1e-14 rad).
     pub passes: Option<u8>,
-    /// The rotary axes take the direction of the tool, wholly while it is at least so many degrees from its singular
-    /// pose; `None`: the linear axes take the tip and nothing else is corrected.
+    /// The rotary axes correct the tool direction, fully while it is at least this many degrees from its singular pose;
+    /// `None`: the linear axes correct the tip and nothing else is corrected.
     pub fade_deg: Option<f64>,
 }
 
@@ -28,16 +28,17 @@ struct Directions {
 }
 
 impl Geometry {
-    /// The correction `r`, mm and degrees in the order of `settings.axes`: the actual tip at `position + r` is the ideal
-    /// one at `position` in workpiece coordinates, grids included.
+    /// The correction `r`, mm and degrees in the order of `settings.axes`: the actual tip at `position + r` equals the ideal
+    /// tip at `position` in workpiece coordinates, grids included.
     ///
     /// `r ← r − J⁺ D(q + r)` with `D = R_w (p_w,actual(q + r) − p_w,ideal(q))` and J the nominal directions of the linear
-    /// axes; of a direction that no linear axis has, the nearest is taken. With a fade the rotary axes take the tool's
-    /// direction t, `Σ δ_k a_k × t = −(error of t)` in the least-squares sense, weighted by 1 where the singular measure
-    /// s = |t · (a_1 × a_2)| (one axis: |a × t|) is at least sin(`fade_deg`), by `x² (3 − 2x)`, x = s / sin(`fade_deg`),
-    /// below. Cost: two products of the chain a pass, 4 to 6 passes as a rule.
+    /// axes; in a direction that no linear axis has, the result is the nearest possible. With a fade the rotary axes correct
+    /// the tool direction t, `Σ δ_k a_k × t = −(error of t)` in the least-squares sense, weighted by 1 if the singular measure
+    /// s = |t · (a_1 × a_2)| (one axis: |a × t|) is at least sin(`fade_deg`), and by `x² (3 − 2x)`, x = s / sin(`fade_deg`),
+    /// below. Cost: two products of the chain a pass, usually 4 to 6 passes.
     ///
-    /// `None`: the linear axes' directions depend on one another at this pose, or the errors are too steep to be undone.
+    /// `None` if the linear axes' directions are linearly dependent at this pose, or if the errors are too steep to be
+    /// corrected.
     pub fn correction(
         &self,
         position: &[f64; AXES],
@@ -70,7 +71,7 @@ impl Geometry {
                     correction[slot] = degrees;
                 }
             }
-            // The tip that the rotary axes carry along is seen in the next look-up: with a fixed count, in this one.
+            // Looked up again, so that even with a fixed count the linear axes correct the tip motion of the rotary axes.
             let at: [f64; AXES] = std::array::from_fn(|slot| position[slot] + correction[slot]);
             let (_, workpiece_actual) = side(&self.workpiece, &at, reverse);
             let (_, tool_actual) = self.tool_side(&at, reverse);
@@ -108,7 +109,7 @@ impl Geometry {
     }
 }
 
-/// Least-squares inverse of the linear axes' directions, zero lines for absent axes.
+/// Least-squares inverse of the linear axes' directions, zero rows for absent axes.
 fn nearest(linear: &[Option<(usize, DVec3)>; 3]) -> Option<DMat3> {
     let columns = linear.map(|axis| axis.map_or(DVec3::ZERO, |(_, along)| along));
     let j = DMat3::from_cols(columns[0], columns[1], columns[2]);
@@ -117,7 +118,7 @@ fn nearest(linear: &[Option<(usize, DVec3)>; 3]) -> Option<DMat3> {
     (gram.determinant() >= LEAST_SQUARE).then(|| gram.inverse() * j.transpose())
 }
 
-/// The rotary axes as they turn the tool's direction.
+/// Effect of the rotary axes on the tool direction.
 struct Turns {
     axes: Vec<(usize, DVec3)>,
     pointing: DVec3,
@@ -138,16 +139,16 @@ impl Turns {
         Turns { axes, pointing, scale }
     }
 
-    /// Corrections, rad, that take away the error `wrong` of the direction, found with the corrections `so_far` (degrees).
+    /// Corrections, rad, that cancel the direction error `wrong` observed with the corrections `so_far` (degrees).
     fn back(&self, wrong: DVec3, so_far: &[f64; AXES]) -> Vec<(usize, f64)> {
-        // The machine's error is the error seen, less the motion due to the correction itself.
+        // The machine's error is the observed error less the motion due to the correction itself.
         let moved: DVec3 = self.axes.iter().map(|&(slot, column)| column * so_far[slot].to_radians()).sum();
         let error = wrong - moved;
         if let [(slot, only)] = self.axes.as_slice() {
             return vec![(*slot, -only.dot(error) * self.scale)];
         }
         let mut wanted: Vec<(usize, f64)> = self.axes.iter().map(|&(slot, _)| (slot, 0.0)).collect();
-        // Of more than two axes the shortest solution is the mean of all pairs', weighted by their determinants' squares.
+        // For more than two axes the shortest solution is the mean over all pairs, weighted by their squared determinants.
         for (i, a, j, b) in pairs(&self.axes) {
             let determinant = self.pointing.dot(a.cross(b));
             wanted[i].1 -= determinant * self.pointing.dot(error.cross(b)) * self.scale;

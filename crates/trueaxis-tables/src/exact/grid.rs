@@ -1,19 +1,19 @@
-//! Grids of errors, as the simulated machine has them: the values as they were given, by repeated linear interpolation.
+//! Grids of errors of the simulated machine: the values as given, by repeated linear interpolation.
 
 use super::rotation::rotation;
 use crate::grid::{Grid, GridSource, LINEAR};
 use glam::{DAffine3, DMat3, DVec3};
 use trueaxis::machine::{AXES, Axis, MachineSettings, Twist};
 
-/// A grid and the point about which its rotations turn.
+/// A grid and the centre of its rotations.
 #[derive(Clone, Debug)]
 pub(super) struct ErrorGrid {
     source: GridSource,
     /// Slots of X, Y, Z among the machine's axes.
     slots: [Option<usize>; 3],
-    /// That point, but for the travels of the slides that it moves with.
+    /// The centre, without the travels of the slides that move it.
     fixed: DVec3,
-    /// 1 for the slides that it moves with.
+    /// 1 for the slides that move the centre.
     moves: DVec3,
 }
 
@@ -36,7 +36,7 @@ impl ErrorGrid {
         ErrorGrid { source, slots, fixed, moves }
     }
 
-    /// Where it takes a point of the tool's side, in the bed.
+    /// Transform by which it displaces the tool side, in bed coordinates.
     pub(super) fn displacement(&self, position: &[f64; AXES]) -> DAffine3 {
         let at = self.slots.map(|slot| slot.map_or(0.0, |slot| position[slot]));
         let [ex, ey, ez, a, b, c] = self.at(at);
@@ -45,7 +45,7 @@ impl ErrorGrid {
         DAffine3 { matrix3: turn, translation: about + DVec3::new(ex, ey, ez) - turn * about }
     }
 
-    /// Its six errors at X, Y, Z: mm and rad.
+    /// The six errors at X, Y, Z: mm and rad.
     fn at(&self, [x, y, z]: [f64; 3]) -> Twist {
         let weight = self.source.fade_mm.map_or(1.0, |[whole, none]| {
             if z <= whole {
@@ -59,7 +59,7 @@ impl ErrorGrid {
         self.along(0, 0, &[x, y, z]).map(|error| weight * error)
     }
 
-    /// Interpolated along an axis and those behind it; `before`: number of the node that is reached along the axes before.
+    /// Interpolates along an axis and those after it; `before`: number of the node reached along the axes before.
     fn along(&self, axis: usize, before: usize, at: &[f64; 3]) -> Twist {
         let Some(nodes) = self.source.nodes.get(axis) else { return self.source.values[before] };
         if nodes.is_empty() {

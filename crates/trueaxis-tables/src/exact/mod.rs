@@ -1,36 +1,37 @@
 //! The machine's true geometric error, by exact products of rigid transforms along its structural chain.
 //!
-//! Nothing here is shared with the compensation: the two meet only in the machine file.
+//! Shares no code with the compensation: the two have only the machine file in common.
 //!
-//! **Transforms.** With all axes at zero all frames have the bed's directions, and each stands at its axis' `offset_mm` o
-//! from its carrier. From the bed outwards on either side, an axis with the errors e (mm) and w (rad) contributes
+//! **Transforms.** With all axes at zero all frames are parallel to the bed's, and each lies at its axis' `offset_mm` o from
+//! its carrier. From the bed outwards on either side, an axis with the errors e (mm) and w (rad) contributes
 //!
 //! ```text
 //! linear   T(o) · T(±q n) · E(e, w)   the errors act about the moved frame's origin, in the carrier's directions
 //! rotary   T(o) · E(e, w) · Rot(n, direction · q)                the errors come before the axis' own turn
 //! ```
 //!
-//! E is the exact rotation of the rotation vector w, then the shift e. Tables state the tool relative to the workpiece;
-//! so a carriage that carries the workpiece moves by −q (linear) and has the errors (−e, −w).
+//! E is the exact rotation by the rotation vector w, then the shift e. Tables state the tool relative to the workpiece, so a
+//! carriage that carries the workpiece moves by −q (linear) and has the errors (−e, −w).
 //!
 //! **Location errors.** Squareness tilts the direction of travel, not the carriage: EXY −= C0Y·y, EXZ += B0Z·z,
 //! EYZ −= A0Z·z. The location errors `EX0r … EC0r` of a rotary axis r are constants added to its twist, at the origin of
 //! its frame, in its carrier's directions, with the sign of the tables.
 //!
-//! **Where a table holds.** Without `measured_at_mm` (zero) translations are those of the origin of the axis' moved frame.
-//! With it they are what an instrument reads at a tool of length zero while the other linear axes stand
-//! at `measured_at_mm` and the rotary axes at zero. The twist at the axis frame's origin follows to first order:
+//! **Where a table holds.** Without `measured_at_mm` (zero), translations are those of the origin of the axis' moved frame.
+//! With it, they are what an instrument reads at a tool of length zero with the other linear axes at `measured_at_mm` and the
+//! rotary axes at zero. The twist at the axis frame's origin follows to first order:
 //!
 //! ```text
 //! e = e_measured − w × l,   l = p_measured − o_i = Σ m_j n_j over the linear axes j between the moved frame of i and the tool
 //! ```
 //!
-//! m_j is component j of `measured_at_mm`, but q_i where j is the axis i itself (only an axis that carries the
-//! workpiece lies between its own frame and the tool). A machine with this one table alone reads exactly the table
-//! along that line. The offsets are no part of l: like the tool's length they are not travelled.
+//! m_j is component j of `measured_at_mm`, but q_i if j is the axis i itself (only an axis that carries the workpiece lies
+//! between its own frame and the tool). A machine with this table alone reads exactly the table along that line. l does not
+//! include the offsets: like the tool's length they are not travelled.
 //!
 //! **Grids.** A grid's twist (e, w) displaces the whole tool side in the bed, about the point p_m that a tool of length zero
-//! reaches with the grid's axes where they are, the other linear axes at its `measured_at_mm` and the rotary ones at zero:
+//! reaches with the grid's axes where they are, the other linear axes at the grid's `measured_at_mm` and the rotary ones at
+//! zero:
 //!
 //! ```text
 //! T(p_m) · E(e, w) · T(−p_m) · (transforms of the tool side)
@@ -73,7 +74,7 @@ pub enum GeometryError {
         /// Understood characters.
         needed: &'static str,
     },
-    /// The structural code and the list of axes differ.
+    /// The structural code and the list of axes disagree.
     #[error("structural code \"{chain}\": axis {axis} is not among the machine's axes or stands there twice")]
     Axis {
         /// The code as given.
@@ -111,7 +112,7 @@ pub struct Commanded {
 pub struct ToolPose {
     /// Tool tip, mm.
     pub tip_mm: [f64; 3],
-    /// Unit vector along the machine's `tool_axis`, carried along by the last tool-side frame.
+    /// Unit vector along the machine's `tool_axis`, moving with the last tool-side frame.
     pub direction: [f64; 3],
 }
 
@@ -151,7 +152,7 @@ impl Geometry {
             carriages.push((on_workpiece, carriage));
         }
         let side = |which: bool| carriages.iter().filter(move |(on, _)| *on == which).map(|(_, c)| c.clone());
-        // The code runs from the workpiece through the bed to the tool: only the first side has to be turned round.
+        // The code runs from the workpiece through the bed to the tool, so only the workpiece side has to be reversed.
         let workpiece = side(true).rev().collect();
         let tool = side(false).collect();
         let on_tool: Vec<Axis> = links.iter().filter(|(_, on)| !on).map(|(axis, _)| *axis).collect();
@@ -167,9 +168,9 @@ impl Geometry {
 
     /// Error of the tool tip, d = R_w (p_w,actual − p_w,ideal), mm in machine directions.
     ///
-    /// `position`: axis positions in the order of `settings.axes`, mm or degrees. `reverse`: 0 for an axis in positive
-    /// travel, 1 in negative travel (reverse columns, backlash), in between while its lost motion is being traversed.
-    /// Rounding: below 1e-12 mm at positions of a metre.
+    /// `position`: axis positions in the order of `settings.axes`, mm or degrees. `reverse`: 0 for an axis in positive travel,
+    /// 1 in negative travel (reverse columns, backlash), in between while the axis traverses its lost motion. Rounding: below
+    /// 1e-12 mm at positions of a metre.
     pub fn tip_error(&self, position: &[f64; AXES], reverse: &[f64; AXES]) -> [f64; 3] {
         let (workpiece, workpiece_actual) = side(&self.workpiece, position, reverse);
         let (tool, tool_actual) = self.tool_side(position, reverse);
@@ -185,7 +186,7 @@ impl Geometry {
         self.pose_error_of(&self.commanded(position), position, reverse)
     }
 
-    /// A command, for the errors with the axes sent to other positions: [`Geometry::pose_error_of`].
+    /// The ideal pose at a command, for [`Geometry::pose_error_of`] with the axes at other positions.
     pub fn commanded(&self, position: &[f64; AXES]) -> Commanded {
         let workpiece = ideal(&self.workpiece, position);
         let tool = ideal(&self.tool, position);
@@ -193,10 +194,10 @@ impl Geometry {
         Commanded { workpiece: workpiece.matrix3, tip, orientation: workpiece.matrix3.transpose() * tool.matrix3 }
     }
 
-    /// Error against a command while the axes stand at `sent`, say at the corrected command: actual pose at `sent` − ideal
-    /// pose at the command, in the directions of the machine as commanded.
+    /// Error against a command with the axes at `sent`, for example the corrected command: actual pose at `sent` − ideal pose
+    /// at the command, in the directions of the machine as commanded.
     ///
-    /// Rounding as of [`Geometry::tip_error`] and [`Geometry::pose_error`]. Cost: one product of the chain.
+    /// Rounding as for [`Geometry::tip_error`] and [`Geometry::pose_error`]. Cost: one product of the chain.
     pub fn pose_error_of(&self, command: &Commanded, sent: &[f64; AXES], reverse: &[f64; AXES]) -> PoseError {
         let (_, workpiece) = side(&self.workpiece, sent, reverse);
         let (_, tool) = self.tool_side(sent, reverse);
@@ -255,7 +256,7 @@ fn side(carriages: &[Carriage], position: &[f64; AXES], reverse: &[f64; AXES]) -
     (ideal, actual)
 }
 
-/// The ideal one alone.
+/// Ideal transform of [`side`] alone.
 fn ideal(carriages: &[Carriage], position: &[f64; AXES]) -> DAffine3 {
     let mut ideal = DAffine3::IDENTITY;
     for carriage in carriages {
@@ -265,7 +266,7 @@ fn ideal(carriages: &[Carriage], position: &[f64; AXES]) -> DAffine3 {
     ideal
 }
 
-/// A frame as the next carriage's own motion takes it.
+/// Moves a frame by the next carriage's own travel and rotation.
 fn moved(frame: &mut DAffine3, travel: DVec3, turn: Option<DMat3>) {
     frame.translation += frame.matrix3 * travel;
     if let Some(turn) = turn {

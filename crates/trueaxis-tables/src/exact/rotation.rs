@@ -18,7 +18,7 @@ pub(super) fn rotation(w: DVec3) -> DMat3 {
     DMat3::from_diagonal(DVec3::splat(1.0 - b * square)) + cross * a + outer * b
 }
 
-/// Rotation about a unit vector by an angle, rad: with the same sine and cosine on every host.
+/// Rotation about a unit vector by an angle, rad, with the same sine and cosine on every host.
 pub(super) fn about(axis: DVec3, angle: f64) -> DMat3 {
     let (sine, cosine) = libm::sincos(angle);
     let (DVec3 { x, y, z }, rest) = (axis, 1.0 - cosine);
@@ -35,7 +35,7 @@ pub(super) fn rotation_vector(turn: DMat3) -> DVec3 {
     let sine =
         DVec3::new(turn.y_axis.z - turn.z_axis.y, turn.z_axis.x - turn.x_axis.z, turn.x_axis.y - turn.y_axis.x) * 0.5;
     let size = sine.length();
-    // Of a small angle the sine is the angle to rounding, and 0/0 is to be avoided.
+    // For a small angle the sine equals the angle to rounding; this also avoids 0/0.
     if size < 1e-9 {
         return sine;
     }

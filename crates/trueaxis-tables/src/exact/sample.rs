@@ -5,7 +5,7 @@ use trueaxis::machine::{Axis, AxisSettings, Row, Twist};
 
 /// A machine without tables or errors; axes in the order X Y Z A B C.
 pub(super) fn machine(chain: &str) -> Machine {
-    // Codes that make no sense are wanted, too.
+    // Invalid codes are needed, too.
     let carries = |axis: Axis| chain.contains(&format!("{}'", axis.letter()));
     let named = Axis::ALL.into_iter().filter(|axis| chain.contains(axis.letter()));
     let axes: Vec<_> = named.map(|axis| AxisSettings::with_defaults(axis, carries(axis))).collect();

@@ -1,4 +1,4 @@
-//! Values of an error table between its lines, as the simulated machine has them.
+//! Interpolates an error table for the simulated machine.
 
 use trueaxis::machine::{AxisSettings, Interpolation, Row, Twist};
 
@@ -9,7 +9,7 @@ struct Node {
     slope: Twist,
 }
 
-/// An axis' errors as a function of its position and of the side on which its lost motion lies.
+/// An axis' errors as a function of its position and of the side of its lost motion.
 #[derive(Clone, Debug)]
 pub(crate) struct ErrorTable {
     positions: Vec<f64>,
@@ -38,8 +38,8 @@ impl ErrorTable {
         }
     }
 
-    /// The six errors at `position`; `reverse` is 0 in positive and 1 in negative travel, in between while the lost
-    /// motion is being traversed. Outside the table the edge value holds; a full turn repeats.
+    /// The six errors at `position`; `reverse` is 0 in positive and 1 in negative travel, in between while the axis traverses
+    /// its lost motion. Outside the table the edge value applies; a full turn repeats.
     pub(crate) fn at(&self, position: f64, reverse: f64) -> Twist {
         let (Some(&first), Some(&last)) = (self.positions.first(), self.positions.last()) else {
             return [0.0; 6];
@@ -86,9 +86,9 @@ fn nodes(positions: &[f64], values: &[Twist], wraps: bool) -> Vec<Node> {
     nodes
 }
 
-/// Slopes of the monotone cubic: weighted harmonic mean inside (Fritsch and Butland 1984), at the ends the
-/// non-centred three-point formula, kept monotone (Moler 2004, Numerical Computing with MATLAB, section 3.6).
-/// A wrapping table has no ends: its first and last line are one.
+/// Slopes of the monotone cubic: weighted harmonic mean inside (Fritsch and Butland 1984), at the ends the non-centred
+/// three-point formula, kept monotone (Moler 2004, Numerical Computing with MATLAB, section 3.6). A wrapping table has no
+/// ends: its first and last line are the same point.
 fn pchip_slopes(x: &[f64], y: &[f64], wraps: bool) -> Vec<f64> {
     let h: Vec<f64> = x.windows(2).map(|p| p[1] - p[0]).collect();
     let d: Vec<f64> = y.windows(2).zip(&h).map(|(p, h)| (p[1] - p[0]) / h).collect();

@@ -37,31 +37,31 @@ fn roll_of_a_tool_side_axis_turns_the_lever_from_its_carriage_to_the_tip() {
     let mut m = machine("w Y' b X Z t");
     set_constant(&mut m, Axis::X, [0.0, 0.0, 0.0, w, 0.0, 0.0]);
     m.settings.tool_mm = [0.0, 0.0, -100.0];
-    // Lever: Z travel and tool, not Y, which stands on the other side of the bed.
+    // Lever: Z travel and tool, but not Y, which is on the other side of the bed.
     let z = 300.0 - 100.0;
     assert_near(tip(&m, &[150.0, 250.0, 300.0]), [0.0, -w.sin() * z, (w.cos() - 1.0) * z], 1e-12);
 }
 
 #[test]
 fn a_workpiece_carriage_moves_and_errs_the_other_way_round() {
-    // A positioning error reads the same on either side.
+    // A positioning error has the same effect on either side.
     for chain in ["w X' b Y Z t", "w Y' Z' b X t"] {
         let mut m = machine(chain);
         set_constant(&mut m, Axis::X, [5e-3, 1e-3, -2e-3, 0.0, 0.0, 0.0]);
         assert_near(tip(&m, &[100.0, 200.0, 300.0]), [5e-3, 1e-3, -2e-3], 1e-12);
     }
-    // Its yaw acts on the whole distance from workpiece carriage to tip, p_w = R(w) ((x, y, z) + e); its effect along
-    // the line of the measurement, w × (x, 0, 0), is in the table's straightness already: e = (0, −w x, 0).
+    // The yaw acts on the whole distance from workpiece carriage to tip, p_w = R(w) ((x, y, z) + e); its effect along the line
+    // of the measurement, w × (x, 0, 0), is already in the table's straightness: e = (0, −w x, 0).
     let w: f64 = 50e-6;
     let mut m = machine("w X' b Y Z t");
     set_constant(&mut m, Axis::X, [0.0, 0.0, 0.0, 0.0, 0.0, w]);
-    // A line through Y 0, Z 0; where on it X stood says nothing more.
+    // A line through Y 0, Z 0; the position of X on it does not matter.
     m.settings.axes[0].measured_at_mm = [1.0, 0.0, 0.0];
     let (x, y, z) = (100.0, 200.0, 300.0);
     let reach = y - w * x;
     let turned = [w.cos() * x - w.sin() * reach - x, w.sin() * x + w.cos() * reach - y, 0.0];
     assert_near(tip(&m, &[x, y, z]), turned, 1e-12);
-    // On the tool side only the axes beyond it count.
+    // On the tool side only the axes between it and the tool count.
     let mut m = machine("w X' b Y Z t");
     set_constant(&mut m, Axis::Y, [0.0, 0.0, 0.0, w, 0.0, 0.0]);
     assert_near(tip(&m, &[x, y, z]), [0.0, -w.sin() * z, (w.cos() - 1.0) * z], 1e-12);
@@ -78,7 +78,7 @@ fn errors_of_a_rotary_table_stay_in_its_carriers_directions() {
         m.settings.location.rotary[2] = [5e-3, -4e-3, 0.0, 0.0, 0.0, 0.0];
         assert_near(tip(&m, &[120.0, 80.0, 0.0, angle]), [5e-3, -4e-3, 0.0], 1e-12);
 
-        // ECC turns the tip about the table's centre: the tip stands at (x, y) from it.
+        // ECC turns the tip about the table's centre, with the tip at (x, y) from it.
         let w: f64 = 40e-6;
         let mut m = machine("w C' X' Y' b Z t");
         set_constant(&mut m, Axis::C, [0.0, 0.0, 0.0, 0.0, 0.0, w]);
@@ -94,7 +94,7 @@ fn a_swivelling_head_carries_the_tool_before_the_error_of_c_turns_it() {
     let mut m = machine("w X' Y' b Z C A t");
     m.settings.tool_mm = [0.0, 0.0, -200.0];
     set_constant(&mut m, Axis::C, [0.0, 0.0, 0.0, 0.0, 0.0, w]);
-    // A = 90° lays the tool along −y of the tip: R_x(90°) (0, 0, −200) = (0, 200, 0).
+    // A = 90° turns the tool along −y of the tip: R_x(90°) (0, 0, −200) = (0, 200, 0).
     assert_near(tip(&m, &[10.0, 20.0, 30.0, 90.0, 0.0]), [-w.sin() * 200.0, (w.cos() - 1.0) * 200.0, 0.0], 1e-11);
     let error = Geometry::new(&m, 0.0).unwrap().pose_error(&[10.0, 20.0, 30.0, 90.0, 0.0, 0.0], &FORWARD);
     // Tool direction R_x(90°) z = −y, turned by w about z: + sin w x.
@@ -105,7 +105,7 @@ fn a_swivelling_head_carries_the_tool_before_the_error_of_c_turns_it() {
 fn direction_sets_the_sense_of_a_rotary_axis() {
     let mut m = machine("w C' X' Y' b Z t");
     let at = [70.0, 0.0, 5.0, 90.0, 0.0, 0.0];
-    // Default: the table turns by −90°, so the tip moves by +90° as seen from it.
+    // Default: the table turns by −90°, so the tip moves by +90° relative to it.
     assert_near(Geometry::new(&m, 0.0).unwrap().ideal_pose(&at).tip_mm, [0.0, 70.0, 5.0], 1e-12);
     let c = slot(&m, Axis::C);
     m.settings.axes[c].direction = 1;
@@ -130,7 +130,7 @@ fn a_table_reads_itself_along_the_line_of_its_measurement() {
             assert_near(tip(&m, &position), [errors[0], errors[1], errors[2]], 2e-6);
         }
     }
-    // Known by hand: 20 µrad of pitch over 300 mm are 6 µm.
+    // Calculated by hand: 20 µrad of pitch over 300 mm are 6 µm.
     let mut m = machine("w Y' b X Z t");
     set_constant(&mut m, Axis::X, [0.0, 0.0, 0.0, 0.0, 20e-6, 0.0]);
     m.settings.axes[0].measured_at_mm = [0.0, 0.0, -300.0];
@@ -142,7 +142,7 @@ fn a_table_reads_itself_along_the_line_of_its_measurement() {
 fn a_table_without_a_line_is_that_of_the_moved_frame() {
     let mut m = machine("w X' b Y Z t");
     set_constant(&mut m, Axis::X, [0.0, 0.0, 0.0, 10e-6, 20e-6, 30e-6]);
-    // The tip stands at (0, 50, -30), the origin of X's frame at (-100, 0, 0).
+    // The tip is at (0, 50, -30), the origin of X's frame at (-100, 0, 0).
     assert_near(tip(&m, &[100.0, 50.0, -30.0]), [-2.1e-3, 3.3e-3, -1.5e-3], 1e-7);
 }
 
@@ -382,7 +382,7 @@ fn bad_structural_codes_say_what_is_needed() {
 
 #[test]
 fn offsets_move_the_axes_of_rotation_and_nothing_else_when_they_stand_at_zero() {
-    // A trunnion A at (0, 20, 50) from the bed with C above it at (0, 0, 30): the workpiece lies on C.
+    // A trunnion A at (0, 20, 50) from the bed carries C at (0, 0, 30): the workpiece is on C.
     let mut m = machine("w C' A' b X Y Z t");
     let (a, c) = (slot(&m, Axis::A), slot(&m, Axis::C));
     m.settings.axes[a].offset_mm = [0.0, 20.0, 50.0];
@@ -392,16 +392,16 @@ fn offsets_move_the_axes_of_rotation_and_nothing_else_when_they_stand_at_zero() 
     let at = |a: f64, c: f64| [7.0, 20.0, 250.0, a, c, 0.0];
     // Tip from A's axis: (7, 0, 100); from C's frame (7, 0, 70) at zero.
     assert_near(geometry.ideal_pose(&at(0.0, 0.0)).tip_mm, [7.0, 0.0, 70.0], 1e-12);
-    // A at 90° turns the table by −90° about x: what lay along z lies along y of the table.
+    // A at 90° turns the table by −90° about x: the former z direction is the table's y.
     assert_near(geometry.ideal_pose(&at(90.0, 0.0)).tip_mm, [7.0, -100.0, -30.0], 1e-12);
-    // The error of A acts about A's axis: w × (7, 0, 100); that of C about C's.
+    // The error of A acts about A's axis: w × (7, 0, 100); C's error acts about C's axis.
     let w: f64 = 1e-9;
     set_constant(&mut m, Axis::A, [0.0, 0.0, 0.0, w, 0.0, 0.0]);
     assert_near(tip(&m, &at(0.0, 0.0)), [0.0, -w * 100.0, 0.0], 1e-13);
     set_constant(&mut m, Axis::A, [0.0; 6]);
     set_constant(&mut m, Axis::C, [0.0, 0.0, 0.0, 0.0, w, 0.0]);
     assert_near(tip(&m, &at(0.0, 0.0)), [w * 70.0, 0.0, -w * 7.0], 1e-13);
-    // A table reads itself on the line of its measurement wherever the frame's origin is.
+    // A table reproduces its values on the line of its measurement, wherever the frame's origin is.
     let mut m = machine("w Y' b X Z t");
     m.settings.axes[0].offset_mm = [100.0, 200.0, 300.0];
     m.settings.axes[0].measured_at_mm = [0.0, 0.0, -300.0];
@@ -420,7 +420,7 @@ fn the_tool_axis_of_the_machine_is_the_direction_that_errs() {
         error.direction
     };
     assert_near(direction(&m), [w.sin(), 0.0, w.cos() - 1.0], 1e-15);
-    // Its length does not matter; along the axis of the error nothing is seen.
+    // The vector's length does not matter; an error about the tool axis has no effect.
     m.settings.kinematics.tool_axis = [0.0, 2.0, 0.0];
     assert_near(direction(&m), [0.0; 3], 1e-15);
     m.settings.kinematics.tool_axis = [-0.5, 0.0, 0.0];
@@ -444,13 +444,13 @@ fn orientation_stands_in_bed_directions_whatever_the_workpieces_pose() {
         set_constant(&mut m, Axis::B, [0.0; 6]);
         set_constant(&mut m, Axis::C, [0.0, 0.0, 0.0, 0.0, w, 0.0]);
         assert_near(turned(&m), [0.0, w, 0.0], 1e-15);
-        // A rotation of a radian is no small one: still its vector.
+        // A rotation of one radian is not small; its rotation vector is still recovered.
         set_constant(&mut m, Axis::C, [0.0, 0.0, 0.0, 0.3, -0.4, 0.8]);
         assert_near(turned(&m), [0.3, -0.4, 0.8], 1e-14);
     }
 }
 
-/// Errors of every kind in every axis, mm and rad.
+/// Gives every axis errors of every kind, mm and rad.
 fn spoil(m: &mut Machine, random: &mut impl FnMut(f64) -> f64) {
     for own in m.settings.axes.clone() {
         let reach = if own.axis.is_rotary() { 180.0 } else { 400.0 };
@@ -495,7 +495,7 @@ fn a_corrected_command_puts_the_tool_where_it_belongs() {
                 for (own, correction) in m.settings.axes.iter().zip(correction) {
                     assert!(fade_deg.is_some() || !own.axis.is_rotary() || correction == 0.0);
                 }
-                // Away from the singular pose, and with two rotary axes, nothing is left of the direction's error.
+                // Away from the singular pose, two rotary axes remove the direction error completely.
                 let tilt = m.settings.axes.iter().zip(at).find(|(own, _)| matches!(own.axis, Axis::A | Axis::B));
                 if fade_deg.is_some() && tilt.is_some_and(|(_, q)| q.to_radians().sin().abs() > 0.09) {
                     worst.1 = worst.1.max(direction);
@@ -509,7 +509,7 @@ fn a_corrected_command_puts_the_tool_where_it_belongs() {
 
 #[test]
 fn a_count_of_passes_is_kept() {
-    // X errs by a slope of 1e-2: q + r with r ← −1e-2 (q + r) from 0.
+    // The error of X has a slope of 1e-2: q + r with r ← −1e-2 (q + r) from 0.
     let mut m = machine("w b X Y Z t");
     set_table(&mut m, Axis::X, &[(0.0, [0.0; 6]), (100.0, [1.0, 0.0, 0.0, 0.0, 0.0, 0.0])]);
     let geometry = Geometry::new(&m, 0.0).unwrap();
@@ -520,7 +520,7 @@ fn a_count_of_passes_is_kept() {
         let found = geometry.correction(&at, &FORWARD, CorrectionSettings { passes: Some(passes), fade_deg: None });
         assert_near(found.unwrap()[..3].try_into().unwrap(), [expected, 0.0, 0.0], 1e-13);
     }
-    // Linear axes that lie in one another cannot take an error: B at 90° turns X into Z.
+    // Parallel linear axes cannot take up an error: B at 90° turns X into Z.
     let mut m = machine("w Z' b B X Y t");
     set_constant(&mut m, Axis::X, [1e-3; 6]);
     let b = slot(&m, Axis::B);

@@ -1,4 +1,4 @@
-//! The crate's own files, written.
+//! Writes the crate's own files.
 
 use super::decimal::{shortest, toml_value};
 use super::grid_csv::{grid_csv_name, grid_section, write_grid_csv};
@@ -20,14 +20,15 @@ pub fn axis_csv_name(axis: Axis) -> String {
 /// An axis table as CSV: `X_mm,EXX_um,…,ECX_urad`, only the given columns; a column whose directions differ becomes the pair
 /// `EXX_fwd_um,EXX_rev_um`.
 ///
-/// Positions in mm (degrees), errors actual − ideal in µm and µrad. Every number is the shortest decimal from which reading
-/// (micro value divided by 1e6 for µrad, by 1e3 for µm) gives the same double again; a double that no decimal of µm reaches
-/// (possible only for values that did not come from such a file) is written to the nearest, 1 unit in the last place away.
+/// Positions in mm (degrees), errors actual − ideal in µm and µrad. Every number is the shortest decimal that reads back
+/// (micro value divided by 1e6 for µrad, by 1e3 for µm) as the same double. A double that no decimal of µm reproduces
+/// (possible only for values that did not come from such a file) is written as the nearest, 1 unit in the last place away.
 pub fn write_axis_csv(table: &Table, axis: Axis) -> String {
     write_axis_csv_known(table, axis, &Default::default())
 }
 
-/// The same with columns `EXX_u_um` of the standard uncertainty of every point, where it is given: mm and rad, one a row.
+/// [`write_axis_csv`] with columns `EXX_u_um` for the standard uncertainties of single points, if given: mm and rad, one per
+/// row.
 pub(crate) fn write_axis_csv_known(table: &Table, axis: Axis, uncertainty: &[Option<Vec<f64>>; 6]) -> String {
     let unit = if axis.is_rotary() { "deg" } else { "mm" };
     let letter = axis.letter();
@@ -97,7 +98,7 @@ pub(super) fn new_machine(imported: &Imported, name: &str) -> Edited {
     let mut files: Vec<(PathBuf, String)> = tables.chain(grids).map(|(name, text)| (name.into(), text)).collect();
     let mut notes = Vec::new();
     let (nowhere, toml) = (Memory::default(), Path::new("machine.toml"));
-    // What cannot be read as a machine is left for its reader to refuse.
+    // A text that cannot be read as a machine is left for its reader to refuse.
     let wide = text
         .parse::<DocumentMut>()
         .ok()
@@ -129,7 +130,7 @@ fn undescribed(imported: &Imported, name: &toml::Value) -> String {
     text
 }
 
-/// A machine whose file said what it is.
+/// A machine that its file describes.
 fn described(settings: &MachineSettings, imported: &Imported, name: &toml::Value) -> String {
     let chain = toml::Value::from(settings.chain.as_str());
     let mut text =

@@ -14,26 +14,26 @@
 //! #*# max_y = 120.0
 //! ```
 //!
-//! `points`: heights of the bed, mm, a line for every Y from `min_y` up, along it X from `min_x` up. Where the bed is high by m
-//! the nozzle stands m too low above it, so that
+//! `points`: heights of the bed, mm, one line for every Y from `min_y` up, along it X from `min_x` up. Where the bed is high
+//! by m, the nozzle is m too low relative to it, so
 //!
 //! ```text
 //! EZ = −m
 //! ```
 //!
-//! and the correction +m lifts the nozzle, as Klipper does. With a fade (`fade_start`, `fade_end` of the section `[bed_mesh]`) the
-//! mesh does not fade to nothing but to the height t = `fade_target`, of default the mean of Klipper's interpolated mesh, to
+//! and the correction +m lifts the nozzle, as Klipper does. With a fade (`fade_start`, `fade_end` of the section `[bed_mesh]`)
+//! the mesh fades not to zero but to the height t = `fade_target`, by default the mean of Klipper's interpolated mesh to
 //! 0.01 mm, so that a part is not scaled in Z:
 //!
 //! ```text
 //! correction = t + f(z) (m − t)        f = 1 up to fade_start, 0 from fade_end on
 //! ```
 //!
-//! It becomes two grids, of −(m − t) with the fade, and of −t without. Klipper fades by the height that is commanded, z, grids by
-//! where the axis stands, z + t + f(z) (m − t): that is linear in z, from m above fade_start to t above fade_end, and the heights
-//! of the fade are raised by as much, with the mean for m. Between the points Klipper lays `mesh_x_pps` and `mesh_y_pps` more
-//! by the polynomial of Lagrange or the cardinal spline that `algo` names, and is bilinear between all of them: they are the
-//! nodes.
+//! This becomes two grids, −(m − t) with the fade and −t without. Klipper fades by the commanded height z, grids by the axis
+//! position z + t + f(z) (m − t), which is linear in z from m above fade_start to t above fade_end. The heights of the fade
+//! are raised by these amounts, with the mean for m. Between the probed points Klipper interpolates `mesh_x_pps` and
+//! `mesh_y_pps` more, with the Lagrange polynomial or cardinal spline that `algo` selects, and is bilinear between all of
+//! them: these points are the nodes.
 //!
 //! Source: Klipper, docs/Bed_Mesh.md and klippy/extras/bed_mesh.py.
 
@@ -51,7 +51,7 @@ use trueaxis::range;
 struct Item<'t> {
     key: &'t str,
     line: u32,
-    /// The value and the lines that go on with it.
+    /// The value, and any continuation lines.
     values: Vec<(u32, &'t str)>,
 }
 
@@ -77,7 +77,7 @@ impl<'t> Section<'t> {
     }
 }
 
-/// The sections of a configuration of which the mesh may be one, those of SAVE_CONFIG without their marks.
+/// The sections of a configuration, including those of SAVE_CONFIG without their `#*#` prefix.
 fn sections(text: &str) -> Vec<Section<'_>> {
     let mut sections: Vec<Section<'_>> = Vec::new();
     for (line, text) in numbered(text) {
@@ -106,7 +106,7 @@ fn sections(text: &str) -> Vec<Section<'_>> {
     sections
 }
 
-/// The mesh of a name; without one the only mesh, or `default`.
+/// The mesh with this name; without a name the only mesh, or `default`.
 fn mesh<'s, 't>(
     sections: &'s [Section<'t>],
     wanted: Option<&str>,
@@ -129,10 +129,11 @@ fn mesh<'s, 't>(
     }
 }
 
-/// Reads a mesh of a `printer.cfg`: that of a name, without one the only mesh or `default`; `file` is only named in errors.
+/// Reads a mesh of a `printer.cfg`: the one with this name, without a name the only mesh or `default`; `file` is only named in
+/// errors.
 ///
 /// # Errors
-/// No such mesh, several and none of them `default`, or one that a grid cannot hold: file, line, key, found, needed.
+/// No such mesh, several of which none is `default`, or one that a grid cannot hold: file, line, key, found, needed.
 pub fn import(text: &str, file: &Path, name: Option<&str>) -> Result<Imported, FileError> {
     let origin = &Origin::new(file);
     let sections = sections(text);
@@ -176,12 +177,12 @@ pub fn import(text: &str, file: &Path, name: Option<&str>) -> Result<Imported, F
         let nodes = [ends(&nodes[0]), ends(&nodes[1]), Vec::new()];
         GridSource { values: vec![[0.0, 0.0, -target, 0.0, 0.0, 0.0]; 4], nodes, given, ..GridSource::default() }
     });
-    // Lines of one Y each become nodes with Y innermost.
+    // Lines of constant Y become nodes with Y innermost.
     let values = (0..nodes[0].len())
         .flat_map(|x| heights.iter().map(move |row| [0.0, 0.0, rounded(target - row[x]), 0.0, 0.0, 0.0]));
     let fade_mm = fade.map(|Fade { heights: [start, end], .. }| {
         let raised = [start + mean, end + target];
-        // A mesh higher than the fade is long: refused as too steep, as Klipper does.
+        // A mesh higher than the length of its fade is refused as too steep, as in Klipper.
         if raised[1] - raised[0] < range::LEAST_PITCH { [start, end] } else { raised }
     });
     let source = GridSource { values: values.collect(), nodes, given, fade_mm, ..GridSource::default() };
@@ -191,15 +192,15 @@ pub fn import(text: &str, file: &Path, name: Option<&str>) -> Result<Imported, F
     Ok(Imported { replaces_grids: true, ..imported(grids.collect::<Result<_, _>>()?, notes) })
 }
 
-/// A mean height from which on it is told that it belongs into an offset, mm.
+/// Mean height from which a note advises moving it into the Z offset, mm.
 const LARGE_MEAN: f64 = 0.5;
 
-/// To a nanometre, below what heights are written with; −0 is 0.
+/// Rounds to a nanometre, finer than heights are written; turns −0 into 0.
 fn rounded(height: f64) -> f64 {
     (height * 1e6).round() / 1e6 + 0.0
 }
 
-/// The nodes along an axis.
+/// Nodes along an axis.
 fn along(mesh: &Section<'_>, letter: &str, origin: &Origin) -> Result<Vec<f64>, FileError> {
     let [count, low, high] = [format!("{letter}_count"), format!("min_{letter}"), format!("max_{letter}")];
     let (line, points) = mesh.number(&count, origin)?;
@@ -221,7 +222,7 @@ fn along(mesh: &Section<'_>, letter: &str, origin: &Origin) -> Result<Vec<f64>, 
     Ok((0..points as usize).map(node).collect())
 }
 
-/// Heights, a row for every Y.
+/// Heights, one row for every Y.
 fn heights(mesh: &Section<'_>, [columns, rows]: [usize; 2], origin: &Origin) -> Result<Vec<Vec<f64>>, FileError> {
     let Some(points) = mesh.item("points") else {
         return Err(origin.at(mesh.line, "points", "nothing", "the heights of the mesh"));
@@ -251,17 +252,17 @@ fn heights(mesh: &Section<'_>, [columns, rows]: [usize; 2], origin: &Origin) -> 
     Ok(heights)
 }
 
-/// The mesh as Klipper lays it.
+/// The mesh as Klipper interpolates it.
 struct Laid {
-    /// A row for every Y.
+    /// One row for every Y.
     heights: Vec<Vec<f64>>,
-    /// Points laid in every interval along X and Y.
+    /// Points added in every interval along X and Y.
     between: [usize; 2],
-    /// How they are laid.
+    /// Method of interpolation.
     by: &'static str,
 }
 
-/// Klipper's points between those of the mesh: `Σ u_i v_j m_ij`, the weights of [`weights`] along X and Y.
+/// Klipper's mesh with interpolated points: `Σ u_i v_j m_ij`, with the weights of [`weights`] along X and Y.
 fn laid(mesh: &Section<'_>, heights: &[Vec<f64>], origin: &Origin) -> Result<Laid, FileError> {
     let bicubic = mesh.item("algo").and_then(|item| item.values.first()).is_some_and(|(_, text)| *text == "bicubic");
     // Klipper's default.
@@ -298,7 +299,7 @@ fn laid(mesh: &Section<'_>, heights: &[Vec<f64>], origin: &Origin) -> Result<Lai
     Ok(Laid { heights, between, by })
 }
 
-/// Every interval between nodes in equal parts.
+/// Nodes with every interval divided into equal parts.
 fn divided(nodes: &[f64], between: usize) -> Vec<f64> {
     let parts = between + 1;
     let inner = nodes
@@ -307,17 +308,17 @@ fn divided(nodes: &[f64], between: usize) -> Vec<f64> {
     inner.chain(nodes.last().copied()).collect()
 }
 
-/// Mean of the mesh as Klipper lays it, to 0.01 mm.
+/// Mean of the interpolated mesh, to 0.01 mm.
 fn mean(heights: &[Vec<f64>]) -> f64 {
     let count = heights.iter().map(Vec::len).sum::<usize>().max(1);
     (heights.iter().flatten().sum::<f64>() / count as f64 * 100.0).round() / 100.0 + 0.0
 }
 
-/// Most points that Klipper lays a polynomial of Lagrange through.
+/// Most points for which Klipper uses a Lagrange polynomial.
 const MOST_OF_LAGRANGE: usize = 6;
 
-/// Share of each of `count` points in every one of them and of the `between` points in every interval, by Lagrange's polynomial
-/// or a cardinal spline of a tension.
+/// Weights of `count` points at each of them and at the `between` points in every interval, by Lagrange's polynomial or a
+/// cardinal spline with a tension.
 fn weights(count: usize, between: usize, tension: Option<f64>) -> Vec<Vec<f64>> {
     let step = between + 1;
     let total = (count.max(1) - 1) * step + 1;
@@ -329,7 +330,7 @@ fn weights(count: usize, between: usize, tension: Option<f64>) -> Vec<Vec<f64>> 
         } else if let Some(tension) = tension {
             let (t2, t3) = (t * t, t * t * t);
             let (rise, fall) = (tension * (t3 - 2.0 * t2 + t), tension * (t3 - t2));
-            // Beyond the ends the outermost points again.
+            // At the ends the outermost point counts twice.
             let of = [index.max(1) - 1, index, index + 1, (index + 2).min(count - 1)];
             let share = [-rise, 2.0 * t3 - 3.0 * t2 + 1.0 - fall, 3.0 * t2 - 2.0 * t3 + rise, fall];
             of.into_iter().zip(share).for_each(|(of, share)| weights[of] += share);
@@ -347,13 +348,13 @@ fn weights(count: usize, between: usize, tension: Option<f64>) -> Vec<Vec<f64>> 
     all
 }
 
-/// Heights between which the mesh fades, and to what, where that is stated.
+/// Heights between which the mesh fades, and the target height if stated.
 struct Fade {
     heights: [f64; 2],
     target: Option<f64>,
 }
 
-/// The fade, where `[bed_mesh]` has one.
+/// The fade, if `[bed_mesh]` has one.
 fn fade(sections: &[Section<'_>], mesh: &[Vec<f64>], origin: &Origin) -> Result<Option<Fade>, FileError> {
     let Some(section) = sections.iter().find(|section| section.name == "bed_mesh") else { return Ok(None) };
     if section.item("fade_end").is_none() {

@@ -1,11 +1,11 @@
-//! Numbers as they are written into files.
+//! Formats numbers for files.
 
-/// The shortest decimal u with u / scale == value, or else the double nearest to value · scale.
+/// The shortest decimal u with u / scale == value, otherwise the double nearest to value · scale.
 pub(super) fn shortest(value: f64, scale: f64) -> f64 {
     shortest_read_as(value, value * scale, |micro| micro / scale)
 }
 
-/// The shortest decimal near `micro` that is read as `value`, or else `micro`.
+/// The shortest decimal near `micro` that reads back as `value`, otherwise `micro`.
 pub(super) fn shortest_read_as(value: f64, micro: f64, read: impl Fn(f64) -> f64) -> f64 {
     for near in [micro, micro.next_up(), micro.next_down()] {
         for digits in 0..17 {
@@ -13,7 +13,7 @@ pub(super) fn shortest_read_as(value: f64, micro: f64, read: impl Fn(f64) -> f64
             if let Ok(candidate) = text.parse::<f64>()
                 && read(candidate) == value
             {
-                // −0 reads back as 0: the sign of nothing is no information.
+                // −0 reads back as 0; the sign carries no information.
                 return candidate + 0.0;
             }
         }
@@ -21,16 +21,16 @@ pub(super) fn shortest_read_as(value: f64, micro: f64, read: impl Fn(f64) -> f64
     micro
 }
 
-/// What a table in thousandths or millionths (`scale` 1e3, 1e6) gives for a decimal of at most twelve digits: of 0.000952 mm it is
-/// 0.952 / 1000, one unit in the last place away, and is written as 0.952. Any other number as it is.
+/// The double that a table in thousandths or millionths (`scale` 1e3, 1e6) gives for a decimal of at most twelve digits:
+/// 0.000952 mm becomes 0.952 / 1000, one unit in the last place away, and is written as 0.952. Any other number is unchanged.
 pub(super) fn as_in_a_table(value: f64, scale: f64) -> f64 {
     let micro = format!("{:.11e}", value * scale).parse::<f64>().unwrap_or(value * scale);
     let read = micro / scale;
     if (read - value).abs() <= 2.0 * f64::EPSILON * value.abs() { read + 0.0 } else { value }
 }
 
-/// a − b of two decimals of at most ten places, without what their binary forms add: 0.016312 of 10.016312 and 10, not
-/// 0.016311999999998; as a table in thousandths is read. Of numbers that are none the difference as it is.
+/// a − b of two decimals of at most ten places, without binary rounding noise: 10.016312 − 10 gives 0.016312, not
+/// 0.016311999999998, as a table in thousandths is read. For other numbers, the plain difference.
 pub(super) fn difference(a: f64, b: f64) -> f64 {
     let exact = a - b;
     let decimal = (exact * 1e10).round() / 1e7 / 1e3;
@@ -38,7 +38,7 @@ pub(super) fn difference(a: f64, b: f64) -> f64 {
     if (exact - decimal).abs() <= binary { decimal + 0.0 } else { exact }
 }
 
-/// The value of a comment as TOML: a list, a word in quotes, or as it is.
+/// The value of a comment as TOML: a list, a quoted word, or unchanged.
 pub(super) fn toml_value(key: &str, value: &str) -> String {
     match key {
         "interpolation" | "lookup" | "cross_lookup" | "model" => format!("\"{value}\""),

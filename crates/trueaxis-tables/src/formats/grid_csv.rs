@@ -1,4 +1,4 @@
-//! Grids of errors: the CSV of this crate, written and taken over.
+//! Grids of errors: writes and imports the CSV of this crate.
 
 use super::Imported;
 use super::decimal::shortest;
@@ -17,9 +17,9 @@ pub fn grid_csv_name(number: usize) -> String {
     if number == 0 { String::from("grid.csv") } else { format!("grid-{}.csv", number + 1) }
 }
 
-/// A grid as CSV: `X_mm,Y_mm,EX_um,…`, only the given columns, a line for every node.
+/// A grid as CSV: `X_mm,Y_mm,EX_um,…`, only the given columns, one line per node.
 ///
-/// Positions in mm, errors actual − ideal in µm and µrad, as they were given and not as they are rounded for the controller.
+/// Positions in mm, errors actual − ideal in µm and µrad, as given, without the rounding for the controller.
 pub fn write_grid_csv(grid: &Grid) -> String {
     let source = grid.source();
     let axes: Vec<usize> = (0..3).filter(|axis| !source.nodes[*axis].is_empty()).collect();
@@ -43,13 +43,13 @@ pub fn write_grid_csv(grid: &Grid) -> String {
     text
 }
 
-/// The axes of a grid as `machine.toml` has them: `["X", "Y"]`.
+/// The axes of a grid as in `machine.toml`: `["X", "Y"]`.
 fn axes_of(grid: &Grid) -> String {
     let letters: Vec<String> = grid.header().letters().map(|axis| format!("\"{}\"", axis.letter())).collect();
     format!("[{}]", letters.join(", "))
 }
 
-/// A section `[[grid]]`.
+/// Writes a section `[[grid]]`.
 pub(crate) fn grid_section(text: &mut String, grid: &Grid, csv: &str) {
     let source = grid.source();
     let mut lines = Lines::default();
@@ -82,7 +82,7 @@ pub(super) fn import(text: &str, origin: &Origin) -> Result<Imported, FileError>
     Ok(imported(vec![file.grid], file.dialect.map(String::from).into_iter().collect()))
 }
 
-/// A file that holds nothing but grids.
+/// An import of grids only.
 pub(super) fn imported(grids: Vec<Grid>, notes: Vec<String>) -> Imported {
     Imported {
         tables: Vec::new(),

@@ -11,18 +11,18 @@
 //!
 //! Units: errors in mm and rad, arguments in mm and, for rotary axes, degrees (infosys.beckhoff.com, TF5280, "Units of
 //! measure", "ISG CSV format", "List of parameters supported"). Columns are separated by blanks or tabs (written: tabs);
-//! commas and semicolons are read as well.
+//! commas and semicolons are also read.
 //!
 //! Sign: both sides name the errors after ISO 230-1 and the values pass unchanged, error = actual − ideal. The tables of this
-//! crate hold, for every axis, the error of the tool relative to the workpiece. Whether the other control takes an axis that
+//! crate hold, for every axis, the error of the tool relative to the workpiece. Whether the other control treats an axis that
 //! carries the workpiece in the same sense depends on its parameter `workpiece_axes`: check one known error on the machine.
-//! Location errors: `X0C` there is `EX0C` here; only `A0Z`, `B0Z`, `C0Y` of the linear axes and all six of the rotary ones
-//! exist here, others must be 0.
+//! Location errors: `X0C` there is `EX0C` here; this crate has only `A0Z`, `B0Z`, `C0Y` of the linear axes and all six of the
+//! rotary ones, others must be 0.
 //!
-//! The errors hold for a tool of length zero, the other linear and the rotary axes at zero. Tables measured elsewhere
-//! (`measured_at_mm`) are moved there, e = e_measured − w × l at every line.
+//! The errors apply to a tool of length zero, with the other linear and the rotary axes at zero. Tables measured elsewhere
+//! (`measured_at_mm`) are converted to that, e = e_measured − w × l at every line.
 //!
-//! Chain, senses, tool, offsets, interpolation and `[compensation]` have no columns. They are written as comments and read back:
+//! Chain, senses, tool, offsets, interpolation and `[compensation]` have no columns. Comments carry them and are read back:
 //!
 //! ```text
 //! // trueaxis chain: w C' A' Y' b X Z t       w, axes that carry the workpiece, b, axes that carry the tool, t
@@ -32,14 +32,15 @@
 //! // trueaxis axis A offset_mm: 0 0 150
 //! ```
 //!
-//! The other control skips them: what it needs besides is in [`Exported::notes`]. A file with such comments is refused
-//! where one cannot be read, and where an axis of a comment, table or location error is not in the chain.
+//! The other control skips the comments; the settings that it needs in addition are in [`Exported::notes`]. A file with such
+//! comments is refused if one of them cannot be read, or if an axis of a comment, table or location error is not in the chain.
 //!
-//! A table over two or three linear axes becomes a grid: its EX, EY and EZ, whichever of them moves, are those of the nodes.
-//! Angles over several axes are refused, as their lever is the other control's. Only read: grids are not written.
+//! A table over two or three linear axes becomes a grid: its EX, EY and EZ, whichever axis they belong to, are those of the
+//! nodes. Angles over several axes are refused, because their lever is defined by the other control. Read only: grids are not
+//! written.
 //!
-//! No direction of travel (the mean is written), no backlash, no thermal growth. Tables over several arguments of which one is
-//! rotary, constant component errors and the kinematic parameters of the ISG model are refused.
+//! The format has no direction of travel (the mean is written), backlash or thermal growth. Tables over several arguments of
+//! which one is rotary, constant component errors and the kinematic parameters of the ISG model are refused.
 
 use super::{ExportOptions, Exported, Imported, decimal, isg_notes, losses, measured_at, own_comments, positioning};
 use crate::error::FileError;
@@ -81,7 +82,7 @@ pub(super) fn import(text: &str, origin: &Origin, only: Option<Axis>) -> Result<
                     return Err(origin.at(block.line, "", found, "one per axis"));
                 }
             }
-            // A grid belongs to no single axis.
+            // A grid does not belong to any single axis.
             _ if only.is_some() => {}
             axes => {
                 let grid = grid(&block, axes, origin)?;
@@ -113,7 +114,7 @@ pub(super) fn import(text: &str, origin: &Origin, only: Option<Axis>) -> Result<
     })
 }
 
-/// In a file that gives the chain, every axis of a header, and every rotary axis with a location error, has to be in it.
+/// If a file gives the chain, every axis of a header and every rotary axis with a location error has to be in it.
 fn in_chain(block: &Block, settings: Option<&MachineSettings>, origin: &Origin) -> Result<(), FileError> {
     let Some(settings) = settings else { return Ok(()) };
     let values = block.lines.first().map_or(&[][..], |(_, values)| values);
@@ -180,13 +181,13 @@ fn blocks(text: &str, origin: &Origin) -> Result<Vec<Block>, FileError> {
     Ok(blocks)
 }
 
-/// X to C as an argument.
+/// The axis that an argument X to C names.
 fn axis_named(name: &str) -> Option<Axis> {
     let mut letters = name.chars();
     letters.next().and_then(Axis::from_letter).filter(|_| letters.next().is_none())
 }
 
-/// Component and axis of `EXY`-like names: (0, Y).
+/// Component and axis of a name like `EXY`: (0, Y).
 fn component_named(name: &str) -> Option<(usize, Axis)> {
     let letters: Vec<char> = name.chars().collect();
     match letters.as_slice() {
@@ -250,7 +251,7 @@ fn grid(block: &Block, arguments: &[Axis], origin: &Origin) -> Result<Grid, File
         if let Some(axis) = axis_named(name) {
             for (node, (line, value)) in nodes.iter_mut().zip(values) {
                 super::within(origin, line, name, value, &range::POSITION.linear)?;
-                // −0 is 0.
+                // Turns −0 into 0.
                 if let Some(at) = node.at.get_mut(axis.index()) {
                     *at = value + 0.0;
                 }
@@ -308,7 +309,7 @@ fn location_errors(block: &Block, origin: &Origin, location: &mut LocationErrors
     Ok(())
 }
 
-/// `X0Y` and the like.
+/// Whether the name is a location error, like `X0Y`.
 fn is_location_error(name: &str) -> bool {
     let letters: Vec<char> = name.chars().collect();
     matches!(letters.as_slice(), [direction, '0', axis]
@@ -333,7 +334,7 @@ pub(super) fn export(machine: &Machine, options: &ExportOptions, exported: &mut 
     let mut text = own_comments::written(machine);
     let mut location = machine.settings.location;
     if options.axis.is_some() {
-        // The location errors belong to the machine: a file of one axis does not carry them.
+        // The location errors belong to the machine, so a file of one axis does not carry them.
         losses::location_losses(machine, &mut exported.dropped);
         location = LocationErrors::default();
     }
@@ -355,7 +356,7 @@ pub(super) fn export(machine: &Machine, options: &ExportOptions, exported: &mut 
             exported.notes.push(isg_notes::measured(settings));
         }
         one_way(machine, settings, table, &mut exported.dropped);
-        // From the axis' positions to its error table, mm or rad.
+        // From the unit of the axis' positions to that of its error table, mm or rad.
         let backlash = settings.backlash / positioning::to_position_unit(machine, settings);
         axis_block(settings.axis, backlash, table, &mut text);
     }
@@ -379,7 +380,7 @@ fn location_table(location: &mut LocationErrors) -> Vec<(String, f64)> {
         .collect()
 }
 
-/// Names what the mean of both directions loses: in the own error with its backlash, and in the others.
+/// Lists what the mean of both directions loses: in the own error with its backlash, and in the others.
 fn one_way(machine: &Machine, settings: &trueaxis::machine::AxisSettings, table: &Table, dropped: &mut Vec<String>) {
     let points = positioning::points(machine, settings, table);
     positioning::mean_of_directions(settings, &points, dropped);

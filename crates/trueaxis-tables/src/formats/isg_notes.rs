@@ -1,9 +1,9 @@
-//! Settings of the control so that an ISG CSV acts as its tables do here.
+//! Settings with which the other control applies an ISG CSV as this crate applies the tables.
 
 use super::losses;
 use trueaxis::machine::{AxisSettings, Interpolation, MachineSettings};
 
-/// Treatment of the line of measurement.
+/// Note on the line of measurement.
 pub(super) fn measured(settings: &AxisSettings) -> String {
     let cubic = if settings.interpolation == Interpolation::Cubic { "; a cubic differs between the lines" } else { "" };
     format!(
@@ -14,7 +14,7 @@ pub(super) fn measured(settings: &AxisSettings) -> String {
     )
 }
 
-/// Settings that the control needs besides the file.
+/// Settings that the control needs in addition to the file.
 pub(super) fn machine(settings: &MachineSettings, notes: &mut Vec<String>) {
     let links = trueaxis::machine::links(&settings.chain).unwrap_or_default();
     let workpiece: Vec<String> =

@@ -8,16 +8,16 @@
 //! | 0 | actual position, nominal + E, moving in positive and negative direction | nominal − actual = −E |
 //! | 1 | the trim itself, −E | as written |
 //!
-//! That is what `usrmotLoadComp` (src/emc/motion/usrmotintf.cc) and `compute_screw_comp` (control.c) do, in 2.5 to 2.10. The
-//! two examples in LinuxCNC's INI documentation contradict each other in the sign of type 1; the program is followed here.
+//! `usrmotLoadComp` (src/emc/motion/usrmotintf.cc) and `compute_screw_comp` (control.c) do this in 2.5 to 2.10. The two
+//! examples in LinuxCNC's INI documentation contradict each other in the sign of type 1; this module follows the program.
 //!
-//! The file does not say its type. Read as the other one, errors come out as large as the positions: [`recognise`] tells the
-//! types apart by that, and a file that could be either is refused until the type is given.
+//! The file does not state its type. Read as the wrong type, its errors come out as large as its positions: [`recognise`]
+//! detects the type by that, and a file that could be either is refused until the type is given.
 //!
-//! LinuxCNC reads as far as it understands and then stops without a word: a comment, a header, a blank line or a comma ends the
-//! table there, and `BACKLASH` of the joint is no longer used. Everything that it would cut off, skip or misread is an error
-//! here: lines that are not three numbers, a point twice, more than 256 points, lines longer than its buffer. Lines in another
-//! order than ascending, as reports of instruments have them, are sorted, with a note.
+//! LinuxCNC stops reading without a message at the first text it does not understand: a comment, a header, a blank line or a
+//! comma ends the table there, and `BACKLASH` of the joint is no longer used. Everything that it would cut off, skip or
+//! misread is an error here: lines that are not three numbers, a point given twice, more than 256 points, lines longer than
+//! its buffer. Lines that are not in ascending order, as in instrument reports, are sorted, with a note.
 
 use super::decimal::difference;
 use super::losses;
@@ -32,7 +32,7 @@ use trueaxis::machine::{Axis, LocationErrors};
 
 /// Most points of a joint (`EMCMOT_COMP_SIZE`).
 pub const MAX_POINTS: usize = 256;
-/// Longest line, without its end, that LinuxCNC's buffer of 255 bytes takes in one read.
+/// Longest line, without its line end, that LinuxCNC's buffer of 255 bytes takes in one read.
 pub const MAX_LINE: usize = 253;
 
 /// `COMP_FILE_TYPE`.
@@ -40,12 +40,12 @@ pub const MAX_LINE: usize = 253;
 pub enum CompFileType {
     /// 0: nominal, actual position in positive and in negative travel.
     Positions,
-    /// 1: nominal, what is added to the command in positive and in negative travel.
+    /// 1: nominal, trim added to the command in positive and in negative travel.
     Trims,
 }
 
 impl CompFileType {
-    /// Value of a file for the error at a nominal position.
+    /// File value for an error at a nominal position.
     fn written(self, nominal: f64, error: f64) -> f64 {
         match self {
             CompFileType::Positions => nominal + error,
@@ -53,7 +53,7 @@ impl CompFileType {
         }
     }
 
-    /// Error for the value of a file.
+    /// Error for a file value at a nominal position.
     fn error(self, nominal: f64, value: f64) -> f64 {
         match self {
             CompFileType::Positions => difference(value, nominal),
@@ -121,7 +121,7 @@ fn points(text: &str, origin: &Origin) -> Result<Vec<(u32, [f64; 3])>, FileError
             let found = format!("{} bytes: LinuxCNC would read the rest as another line", content.len());
             return Err(origin.at(line, "", found, format!("at most {MAX_LINE} bytes")));
         }
-        // Text after the third number is ignored by LinuxCNC: only what is clearly a comment may be.
+        // LinuxCNC ignores text after the third number; only a clear comment is accepted there.
         let numbers = content.find(['#', ';']).map_or(content, |start| content.split_at(start).0);
         let fields: Vec<&str> = numbers.split_whitespace().collect();
         let [nominal, forward, reverse] = fields.as_slice() else {
@@ -143,9 +143,9 @@ fn points(text: &str, origin: &Origin) -> Result<Vec<(u32, [f64; 3])>, FileError
     Ok(lines)
 }
 
-/// Errors above this are no errors of an axis, mm or degrees.
+/// Values above this cannot be errors of an axis, mm or degrees.
 const LARGEST: f64 = 5.0;
-/// One reading of a file must make its errors smaller than the other by this factor.
+/// One type must make the errors smaller than the other by this factor.
 const CLEARLY: f64 = 10.0;
 
 /// Largest errors of the file as type 0 and as type 1.
@@ -156,10 +156,10 @@ fn largest(points: &[(u32, [f64; 3])]) -> [f64; 2] {
     })
 }
 
-/// The type of a file, from its numbers: read as the other type, its errors are as large as its positions.
+/// Detects the type of a file from its numbers: read as the wrong type, its errors are as large as its positions.
 ///
 /// # Errors
-/// Lines that are none, and a file that could be either: then the type has to be given.
+/// Invalid lines, and a file that could be either type, for which the type has to be given.
 pub fn recognise(text: &str, file: &std::path::Path) -> Result<CompFileType, FileError> {
     let origin = Origin::new(file);
     let [positions, trims] = largest(&points(text, &origin)?);
@@ -170,7 +170,7 @@ pub fn recognise(text: &str, file: &std::path::Path) -> Result<CompFileType, Fil
         return Ok(CompFileType::Trims);
     }
     if positions > LARGEST && trims > LARGEST {
-        // Neither is a table: the range of its numbers refuses it, with the line.
+        // Neither type gives a table: the range check of its numbers refuses the file, with the line.
         return Ok(CompFileType::Positions);
     }
     Err(origin.whole(
@@ -179,7 +179,7 @@ pub fn recognise(text: &str, file: &std::path::Path) -> Result<CompFileType, Fil
     ))
 }
 
-/// A type that was given against what the numbers say beyond doubt.
+/// Refuses a given type that the numbers clearly contradict.
 fn contradicts(points: &[(u32, [f64; 3])], given: CompFileType, origin: &Origin) -> Result<(), FileError> {
     let [positions, trims] = largest(points);
     let (own, other, number) = match given {

@@ -1,4 +1,4 @@
-//! Data that a format cannot hold, one sentence each, with figures.
+//! Lists data that a format cannot hold, one sentence each, with values.
 
 use super::positioning::error_name;
 use crate::{Machine, Table};
@@ -8,12 +8,12 @@ use trueaxis::machine::{
     ThermalGrowth,
 };
 
-/// Three or so numbers with blanks between them, as short as they can be read back.
+/// Numbers separated by blanks, each in the shortest form that reads back.
 pub(super) fn numbers(values: &[f64]) -> String {
     values.iter().map(|value| format!("{}", value + 0.0)).collect::<Vec<String>>().join(" ")
 }
 
-/// Largest magnitude of some components of a table.
+/// Largest magnitude among some components of a table.
 fn largest(table: &Table, components: std::ops::Range<usize>, except: Option<usize>) -> f64 {
     let rows = table.rows.iter().flat_map(|row| [&row.forward, &row.reverse]);
     let values = rows.flat_map(|twist| twist.iter().enumerate());
@@ -22,7 +22,7 @@ fn largest(table: &Table, components: std::ops::Range<usize>, except: Option<usi
         .fold(0.0, |most, (_, value)| f64::max(most, value.abs()))
 }
 
-/// `12 um, 7 urad` of a length in mm and an angle in rad; what is zero is left out.
+/// A length in mm and an angle in rad as `12 um, 7 urad`; zeros are left out.
 fn micro(length: f64, angle: f64) -> String {
     let part = |value: f64, scale: f64, unit: &str| {
         (value != 0.0).then(|| format!("{} {unit}", crate::text::fixed(value * scale, 3)))
@@ -30,7 +30,7 @@ fn micro(length: f64, angle: f64) -> String {
     [part(length, 1e3, "um"), part(angle, 1e6, "urad")].into_iter().flatten().collect::<Vec<_>>().join(", ")
 }
 
-/// Lost in a format without cross terms: the errors of this axis in other directions.
+/// Losses of a format without cross terms: the errors of this axis in other directions.
 pub(super) fn cross_terms(settings: &AxisSettings, table: &Table, dropped: &mut Vec<String>) {
     let axis = settings.axis;
     let names: Vec<String> = (0..6)
@@ -45,7 +45,7 @@ pub(super) fn cross_terms(settings: &AxisSettings, table: &Table, dropped: &mut 
     }
 }
 
-/// Settings that no foreign format has: thermal growth, and backlash of axes without a table.
+/// Settings that no other format has: thermal growth, and backlash of axes without a table.
 pub(super) fn settings_losses(machine: &Machine, only: Option<Axis>, dropped: &mut Vec<String>) {
     for (settings, table) in machine.axes() {
         if only.is_some_and(|axis| axis != settings.axis) {
@@ -60,7 +60,7 @@ pub(super) fn settings_losses(machine: &Machine, only: Option<Axis>, dropped: &m
     }
 }
 
-/// Location errors, where a format has none.
+/// Location errors, for a format without them.
 pub(super) fn location_losses(machine: &Machine, dropped: &mut Vec<String>) {
     let location = &machine.settings.location;
     if *location == LocationErrors::default() {
@@ -83,8 +83,7 @@ pub(super) fn location_losses(machine: &Machine, dropped: &mut Vec<String>) {
     dropped.push(format!("location errors {}", named.join(", ")));
 }
 
-/// Lost in a format of single axes: chain, offsets, levers, tool, and how the tables are
-/// used.
+/// Losses of a format of single axes: chain, offsets, levers, tool, and the use of the tables.
 pub(super) fn machine_losses(machine: &Machine, only: Option<Axis>, dropped: &mut Vec<String>) {
     let settings = &machine.settings;
     location_losses(machine, dropped);

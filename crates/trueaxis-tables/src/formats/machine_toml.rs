@@ -1,4 +1,4 @@
-//! A whole machine, written.
+//! Writes a whole machine.
 
 use super::axis_csv::{axis_csv_name, location_lines, write_axis_csv};
 use super::decimal::shortest_read_as;
@@ -16,9 +16,9 @@ use trueaxis::roundness::{ArmSettings, GaugeSettings, InfeedSettings, ProbeAngle
 
 /// The files of a machine, as (file name, text): the axis tables `x.csv` … and, last, `machine.toml`.
 ///
-/// `comment` stands at the head of `machine.toml`, each line behind a `#`. Settings at their defaults are left out. What is read back
-/// is the machine again; only settings that are kept in other units than they are written in (feeds, a rotary axis' angular limits)
-/// may differ in the last place.
+/// `comment` is written at the head of `machine.toml`, each line after a `#`. Settings at their defaults are left out. Reading
+/// the files gives the machine again; only settings that are stored in other units than they are written in (feeds, a rotary
+/// axis' angular limits) may differ in the last place.
 pub fn machine_files(machine: &Machine, comment: &str) -> Vec<(String, String)> {
     let settings = &machine.settings;
     let mut text = String::new();

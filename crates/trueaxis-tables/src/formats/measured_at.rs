@@ -1,4 +1,4 @@
-//! Tables measured away from zero, moved to where a format without a line of measurement has them.
+//! Converts tables measured away from zero for formats that state no line of measurement.
 
 use crate::Machine;
 use glam::DVec3;
@@ -9,11 +9,12 @@ use trueaxis::machine::{Axis, AxisSettings, Twist};
 use crate::Table;
 
 /// The table as it would have been measured with the other linear axes at zero: e = e_measured − w × l at every line, both
-/// directions, and l from `measured_at_mm`.
+/// directions, with l from `measured_at_mm`.
 ///
-/// l = Σ m_j n_j over the linear axes j between the moved frame of the axis and the tool; it does not change along the table, so
-/// every line is exact (1 ulp), and between lines what is interpolated linearly. A cubic goes through the same lines, with other
-/// slopes. Of a slide that carries the workpiece l contains its own position, so that it is exact at the lines only.
+/// l = Σ m_j n_j over the linear axes j between the moved frame of the axis and the tool; it does not change along the table,
+/// so every line is exact (1 ulp), and so are linearly interpolated values between lines. A cubic passes through the same
+/// lines with other slopes. For a slide that carries the workpiece, l contains its own position, so the result is exact at the
+/// lines only.
 pub(super) fn at_zero<'t>(machine: &Machine, settings: &AxisSettings, table: &'t Table) -> Cow<'t, Table> {
     let links = links(&machine.settings.chain).unwrap_or_default();
     let lever: DVec3 = links

@@ -1,7 +1,7 @@
-//! Compensation data of other controls, read and written.
+//! Reads and writes compensation data of other controls.
 //!
 //! Inside this crate a table holds the *error*, actual − ideal, of the tool relative to the workpiece (mm, rad; ISO 230-1).
-//! The module of each format says what it holds and how it is converted:
+//! The module of each format states what the format holds and how it is converted:
 //!
 //! | format | holds | value for an error E |
 //! |---|---|---|
@@ -13,8 +13,8 @@
 //! | [`bed_mesh`] of Klipper, read only | a surface over X and Y | EZ = −height (mm) |
 //! | grid CSV, read only | errors over two or three linear axes | +E (µm, µrad) |
 //!
-//! Import refuses whatever it would have to ignore. Export refuses whatever the format cannot hold, unless asked to drop it
-//! ([`Loss::Drop`]); then it names what it dropped.
+//! Import refuses whatever it would have to ignore. Export refuses whatever the format cannot hold, unless [`Loss::Drop`]
+//! allows it to be dropped; the result then lists what was dropped.
 
 mod axis_csv;
 pub mod bed_mesh;
@@ -51,25 +51,25 @@ use trueaxis::error::Figure;
 use trueaxis::machine::{Axis, LocationErrors, MachineSettings, Row};
 use trueaxis::range::{self, Range};
 
-/// A foreign format.
+/// A format of another control.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
-    /// LinuxCNC `COMP_FILE`, one axis a file.
+    /// LinuxCNC `COMP_FILE`, one axis per file.
     LinuxCnc(CompFileType),
-    /// Siemens `$AA_ENC_COMP`, any number of axes a file.
+    /// Siemens `$AA_ENC_COMP`, any number of axes per file.
     Siemens,
     /// ISG and Beckhoff volumetric compensation, the whole machine in a file.
     Isg,
-    /// Measured deviations as ISO 230-2 wants them, one axis a file.
+    /// Measured deviations for an ISO 230-2 evaluation, one axis per file.
     Iso230_2,
-    /// Bed mesh of Klipper, a surface over X and Y; only read.
+    /// Bed mesh of Klipper, a surface over X and Y; read only.
     BedMesh,
-    /// Grid CSV, `X_mm,Y_mm,EX_um,…`; only read.
+    /// Grid CSV, `X_mm,Y_mm,EX_um,…`; read only.
     Grid,
 }
 
 impl Format {
-    /// Every format with the name it has on a command line.
+    /// Every format with its command-line name.
     pub const ALL: [(&'static str, Format); 7] = [
         ("linuxcnc-0", Format::LinuxCnc(CompFileType::Positions)),
         ("linuxcnc-1", Format::LinuxCnc(CompFileType::Trims)),
@@ -80,18 +80,18 @@ impl Format {
         ("grid", Format::Grid),
     ];
 
-    /// Its name in [`Format::ALL`].
+    /// Name of the format in [`Format::ALL`].
     pub fn name(self) -> &'static str {
         Format::ALL.iter().find(|(_, format)| *format == self).map_or("", |(name, _)| name)
     }
 
-    /// The format of a name in [`Format::ALL`].
+    /// The format with this name in [`Format::ALL`].
     pub fn from_name(name: &str) -> Option<Format> {
         Format::ALL.iter().find(|(known, _)| *known == name).map(|(_, format)| *format)
     }
 }
 
-/// Content of a foreign file, as tables of this crate.
+/// Content of another control's file, as tables of this crate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Imported {
     /// The tables in the order X Y Z A B C.
@@ -100,23 +100,24 @@ pub struct Imported {
     pub grids: Vec<Grid>,
     /// Location errors (zero unless the file gives them).
     pub location: LocationErrors,
-    /// Chain, offsets, tool and how the tables are used, from the comments of an [`isg`] file that this crate wrote; what the
-    /// comments do not say has its default, the name is "imported". `None` from every other file.
+    /// Chain, offsets, tool and use of the tables, from the comments of an [`isg`] file that this crate wrote. Settings that
+    /// the comments do not give have their defaults, and the name is "imported". `None` for every other file.
     pub settings: Option<MachineSettings>,
-    /// Separators and decimals, where they are not the usual ones, and how the file was taken: to be reported once.
+    /// Unusual separators and decimals, and how the file was interpreted: to be reported once.
     pub notes: Vec<String>,
-    /// Grids take the place of those over the same axes that give the same errors, as a bed's mesh probed again does, where they
-    /// would else be refused.
+    /// Whether the grids replace existing ones over the same axes that give the same errors, as a re-probed bed mesh does.
+    /// Otherwise such grids are refused.
     pub replaces_grids: bool,
 }
 
 impl Imported {
-    /// What a file of a control in inches holds, in mm: positions of linear axes and translations times 25.4.
+    /// Converts a file of an inch control to mm: positions of linear axes and translations times 25.4.
     ///
-    /// [`import`] reads lengths as mm. [`linuxcnc`] and [`siemens`] files do not state their unit, and hold tables alone.
+    /// [`import`] reads lengths as mm. [`linuxcnc`] and [`siemens`] files do not state their unit, and hold nothing but
+    /// tables.
     #[must_use]
     pub fn read_as_inches(mut self) -> Imported {
-        // Without what the product of two decimals leaves behind the ninth.
+        // Rounded to nine decimals: the product of two decimals leaves a rounding error beyond the ninth.
         let mm = |inches: &mut f64| *inches = (*inches * 25.4e9).round() / 1e9;
         for (axis, table) in &mut self.tables {
             for row in &mut table.rows {
@@ -129,18 +130,18 @@ impl Imported {
         self
     }
 
-    /// The files of a machine that uses these tables: one CSV per axis and grid and, last, `machine.toml`; and what was set in it
-    /// beside them.
+    /// The files of a machine that uses these tables, one CSV per axis and grid and, last, `machine.toml`, with notes on what
+    /// else was set.
     ///
-    /// With [`Imported::settings`], the machine that they describe. Else the file does not tell how the axes follow one another:
-    /// `chain` puts all of them on the tool side and says so in a comment, and interpolation is linear, as in the controls the
-    /// files come from. Limits that the corrections need above the defaults are set ([`Edited::notes`]).
+    /// With [`Imported::settings`], it is the machine that they describe. Otherwise the file does not state the order of the
+    /// axes: `chain` puts all of them on the tool side and says so in a comment, and interpolation is linear, as in the
+    /// controls that wrote the files. Limits that the corrections need above the defaults are set ([`Edited::notes`]).
     pub fn new_machine(&self, name: &str) -> Edited {
         axis_csv::new_machine(self, name)
     }
 
-    /// A rotary axis of which the file states location errors and nothing else, and their names: [`Imported::new_machine`] does not
-    /// have it, as nothing says where it stands in the chain.
+    /// A rotary axis for which the file states nothing but location errors, and their names. [`Imported::new_machine`] leaves
+    /// it out because the file does not state its place in the chain.
     pub fn axis_without_place(&self) -> Option<(Axis, String)> {
         let stated = |axis| self.settings.as_ref().is_some_and(|settings| settings.axis(axis).is_some());
         stated::of_no_axis(&self.location, |axis| stated(axis) || self.tables.iter().any(|(own, _)| *own == axis))
@@ -154,7 +155,7 @@ impl Imported {
     }
 }
 
-/// Treatment of data that the format cannot hold.
+/// How an export treats data that the format cannot hold.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Loss {
     /// Refuse to export, naming everything that would be lost.
@@ -167,9 +168,9 @@ pub enum Loss {
 /// Options of an export.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExportOptions {
-    /// Treatment of data that the format cannot hold.
+    /// How to treat data that the format cannot hold.
     pub loss: Loss,
-    /// Only this axis; `None`: every axis with a table.
+    /// Export only this axis; `None`: every axis with a table.
     pub axis: Option<Axis>,
     /// Resample a table onto points this far apart (mm or degrees), linearly, before writing it; [`Format::Siemens`] only,
     /// where free grids need it.
@@ -191,14 +192,14 @@ pub struct Exported {
     pub files: Vec<(String, String)>,
     /// Data that the format could not hold, one sentence each; empty with [`Loss::Refuse`].
     pub dropped: Vec<String>,
-    /// Settings of the control with which the files act.
+    /// Settings of the control that the files need to take effect.
     pub notes: Vec<String>,
 }
 
-/// Reads a foreign file; `file` is only named in errors.
+/// Reads a file of another control; `file` is only named in errors.
 ///
-/// `axis`: which axis the file is for. Needed where the format does not say (LinuxCNC; ISO 230-2 with a `position_mm` column);
-/// where it does, only that axis is taken. Rotary errors are read in the sense of the axis' own positions.
+/// `axis`: the axis that the file is for. Needed if the format does not state it (LinuxCNC; ISO 230-2 with a `position_mm`
+/// column); if it does, only that axis is imported. Rotary errors have the sense of the axis' own positions.
 ///
 /// ```
 /// use std::path::Path;
@@ -218,7 +219,7 @@ pub struct Exported {
 /// ```
 ///
 /// # Errors
-/// The first thing that is not exactly as the format wants it, or that a table cannot hold: file, line, column, found, needed.
+/// The first deviation from the format, or the first value that a table cannot hold: file, line, column, found, needed.
 pub fn import(format: Format, text: &str, file: &Path, axis: Option<Axis>) -> Result<Imported, FileError> {
     let origin = Origin::new(file);
     let mut imported = match format {
@@ -233,7 +234,7 @@ pub fn import(format: Format, text: &str, file: &Path, axis: Option<Axis>) -> Re
     Ok(imported)
 }
 
-/// A remark on the table of a rotary axis that is one line short of a full circle.
+/// A note on the table of a rotary axis that is one line short of a full circle.
 fn open_circle(axis: Axis, table: &Table) -> Option<String> {
     let (first, last) = (table.rows.first()?.position, table.rows.last()?.position);
     let widest = table.rows.windows(2).fold(0.0, |widest: f64, pair| match pair {
@@ -251,10 +252,10 @@ fn open_circle(axis: Axis, table: &Table) -> Option<String> {
     })
 }
 
-/// Writes a machine's tables in a foreign format.
+/// Writes a machine's tables in another control's format.
 ///
 /// # Errors
-/// When the machine has nothing to write, when a table breaks a limit of the format, or when something would be lost and
+/// If the machine has nothing to write, if a table breaks a limit of the format, or if something would be lost and
 /// [`ExportOptions::loss`] does not allow that.
 pub fn export(format: Format, machine: &Machine, options: &ExportOptions) -> Result<Exported, FileError> {
     let origin = Origin::new(&options.source);
@@ -290,11 +291,12 @@ pub fn export(format: Format, machine: &Machine, options: &ExportOptions) -> Res
     Ok(exported)
 }
 
-/// Ends of a full circle that are closer are one, measured twice: mm and rad.
+/// Ends of a full circle that differ by less are one point measured twice: mm and rad.
 const CLOSED: [f64; 2] = [5e-4, 1e-6];
 
-/// A table from its lines, checked as every imported table is: two lines or more, positions strictly increasing, and the
-/// two ends of a full circle equal, because such a table wraps. Within 0.5 µm, 1 µrad both become their mean.
+/// A table from its lines, with the checks of every imported table: two lines or more, positions strictly increasing, and the
+/// two ends of a full circle equal, because such a table wraps. Ends that differ by up to 0.5 µm or 1 µrad both become their
+/// mean.
 fn table(axis: Axis, given: [bool; 6], mut lines: Vec<(u32, Row)>, origin: &Origin) -> Result<Table, FileError> {
     let name = format!("{} position", axis.letter());
     for (line, row) in &lines {
@@ -360,7 +362,7 @@ fn within_sheet(sheet: &Sheet<'_>, column: usize, value: f64, range: &Range) -> 
     if range.contains(value) { Ok(()) } else { Err(sheet.error(name, figure(value, range), range.needed)) }
 }
 
-/// A value with the unit that its range has inside.
+/// A value with the unit of its range.
 fn figure(value: f64, range: &Range) -> String {
     let unit = if *range == range::ROTATION {
         " rad"

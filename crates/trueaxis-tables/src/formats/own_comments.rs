@@ -1,6 +1,6 @@
-//! Settings for which an ISG CSV has no columns, as comment lines that other readers skip and this one reads back.
+//! Settings for which an ISG CSV has no columns, as comment lines that other readers skip and this crate reads back.
 //!
-//! One item a line, each at most once, from a line's beginning; numbers are decimals that give the same double again:
+//! One item per line, each at most once, from the beginning of a line; numbers are decimals that reproduce the same double:
 //!
 //! ```text
 //! // trueaxis chain: w C' A' Y' b X Z t
@@ -30,7 +30,7 @@ const KEYS: &str =
     "chain, tool_mm, tool_axis, singular_cone_deg, reference_temperature_c, model, orientation or fade_deg";
 const AXIS_KEYS: &str = "direction, interpolation, lookup, cross_lookup, travel_mm (travel_deg) or offset_mm";
 
-/// One comment: `axis` is none for a setting of the machine.
+/// One comment; `axis` is `None` for a setting of the machine.
 struct Item<'t> {
     line: u32,
     axis: Option<Axis>,
@@ -67,7 +67,7 @@ pub(super) fn machine_items(settings: &MachineSettings) -> Vec<(&'static str, &'
     items
 }
 
-/// Settings of an axis, as (key, value); the sense of a rotary axis always, the others where they are not the default.
+/// Settings of an axis, as (key, value); the sense of a rotary axis always, the others if they are not at their defaults.
 pub(super) fn axis_items(axis: &AxisSettings) -> Vec<(&'static str, String)> {
     let mut items = Vec::new();
     let default = AxisSettings::with_defaults(axis.axis, false);

@@ -1,7 +1,8 @@
-//! An axis' own positioning error, as the one-dimensional formats want it.
+//! An axis' own positioning error, as one-dimensional formats need it.
 //!
-//! Sign of an axis that carries the workpiece: its carriage moves by −q and errs by −e, so the tool moves over the workpiece by
-//! q + e, as on the tool side: linear, E is the table's own error on either side. Rotary: see [`to_position_unit`].
+//! Sign for an axis that carries the workpiece: its carriage moves by −q with the error −e, so the tool moves relative to the
+//! workpiece by q + e, as on the tool side. For linear axes E is therefore the table's own error on either side. For rotary
+//! axes see [`to_position_unit`].
 
 use crate::{Machine, Table};
 use trueaxis::machine::{Axis, AxisSettings};
@@ -18,7 +19,7 @@ pub(super) struct Point {
 /// Factor from a table's own error (mm or rad, tool relative to workpiece) to the axis' positions (mm or degrees).
 ///
 /// A rotary axis on the tool side turns by direction · q, so an error w moves it by direction · w; on the workpiece side the
-/// carriage turns by direction · q and errs by −w. With the default directions (+1, and −1 if primed) both give +w.
+/// carriage turns by direction · q with the error −w. With the default directions (+1, and −1 if primed) both give +w.
 pub(super) fn to_position_unit(machine: &Machine, settings: &AxisSettings) -> f64 {
     if !settings.axis.is_rotary() {
         return 1.0;
@@ -52,13 +53,13 @@ pub(super) fn chosen(machine: &Machine, only: Option<Axis>) -> impl Iterator<Ite
         .filter_map(|(settings, table)| table.map(|table| (settings, table)))
 }
 
-/// `EYX` and so on.
+/// Name of an error, like `EYX`.
 pub(super) fn error_name(axis: Axis, component: usize) -> String {
     let direction = Axis::ALL.get(component).map_or('?', |direction| direction.letter());
     format!("E{direction}{}", axis.letter())
 }
 
-/// The mean of both directions, for formats without direction; the largest difference is entered as dropped.
+/// The mean of both directions, for formats without direction; lists the largest difference as dropped.
 pub(super) fn mean_of_directions(
     settings: &AxisSettings,
     points: &[Point],

@@ -1,4 +1,4 @@
-//! Drive, friction, dynamic correction, contour feedback and cross-talk, written as they are read.
+//! Writes drive, friction, dynamic correction, contour feedback and cross-talk in the form in which they are read.
 
 use super::decimal::shortest;
 use super::toml_lines::{Lines, section};
@@ -8,10 +8,10 @@ use trueaxis::machine::{
     AxisSettings, CrosstalkSettings, DriveFigures, DynamicSettings, FeedbackSettings, FrictionSettings,
 };
 
-/// What is written always, whatever its value.
+/// Default for values that are always written.
 const NO_DEFAULT: f64 = f64::NAN;
 
-/// The sections of an axis that it has.
+/// Writes those sections of an axis that it has.
 pub(super) fn axis(text: &mut String, own: &AxisSettings) {
     let name = format!("axis.{}", own.axis.letter());
     if let Some(figures) = &own.servo.drive {
@@ -19,7 +19,7 @@ pub(super) fn axis(text: &mut String, own: &AxisSettings) {
     }
     let rotary = own.axis.is_rotary();
     let (unit, micro) = if rotary { ("deg", "urad") } else { ("mm", "um") };
-    // Degrees that are written as µrad: through rad.
+    // Degrees written as µrad are converted through rad.
     let (base, scale) = if rotary { (1f64.to_radians(), 1e6) } else { (1.0, 1e3) };
     if let Some(own) = &own.servo.friction {
         let mut lines = Lines::default();
@@ -43,7 +43,7 @@ pub(super) fn axis(text: &mut String, own: &AxisSettings) {
         lines.number(&format!("slope_{unit}_per_s"), limits.slope_per_s, plain.slope_per_s);
         let acceleration = format!("acceleration_{unit}_per_s2");
         lines.number(&acceleration, limits.acceleration_per_s2, plain.acceleration_per_s2);
-        // All three: a section without a line would be left out.
+        // All three, since a section without a line would be left out.
         for (key, on) in [("lag", dynamic.lag), ("acceleration", dynamic.acceleration), ("take_up", dynamic.take_up)] {
             lines.put(key, on);
         }

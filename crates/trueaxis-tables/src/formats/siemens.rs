@@ -15,20 +15,21 @@
 //! $AN_CEC_IS_MODULO[t]=0        as above;  $AN_CEC_MULT_BY_TABLE[t]=0: not multiplied by another table
 //! ```
 //!
-//! Sign: a *positive* value makes the axis move in *negative* direction (SINUMERIK 808D Function Manual 01/2017, p. 106;
-//! the rest: 840D sl Function Manual Extended Functions, K3 Compensations), so the value is the error itself: value = +E,
-//! E = actual − commanded. Linear interpolation; the first and last value hold outside. There is no direction: reversal error
-//! belongs in MD32450 `BACKLASH`.
+//! Sign: a *positive* value makes the axis move in *negative* direction (SINUMERIK 808D Function Manual 01/2017, p. 106; the
+//! rest: 840D sl Function Manual Extended Functions, K3 Compensations), so the value is the error itself: value = +E,
+//! E = actual − commanded. Linear interpolation; the first and last value apply outside. The values do not depend on the
+//! direction of travel: reversal error belongs in MD32450 `BACKLASH`.
 //!
-//! A file in the control's own names (AX1, AX2, …) does not say which axis it is for: the axis is given, and the file may have
-//! one such name only.
+//! A file with the control's own names (AX1, AX2, …) does not state its axis: the caller gives the axis, and the file may have
+//! only one such name.
 //!
-//! The control keeps the old value of every point that a file does not write; such a file, or one with points outside the
-//! table, is refused. So is a modulo table that is not a full circle of a rotary axis, an axis with two measuring systems, a
-//! table multiplied by another (a surface), and two tables of the same axes and direction, which the control adds.
+//! The control keeps the old value of every point that a file does not write, so a file with missing points is refused, as is
+//! one with points outside the table. Also refused are a modulo table that is not a full circle of a rotary axis, an axis with
+//! two measuring systems, a table multiplied by another (a surface), and two tables of the same axes and direction, which the
+//! control adds.
 //!
-//! Sign and ends of `$AN_CEC` are those of `$AA_ENC_COMP`. Tables over the same axis become one, on the positions of all of
-//! them; a direction of travel without a table has no error there. Only read: errors over another axis are not exported.
+//! `$AN_CEC` treats sign and ends like `$AA_ENC_COMP`. Tables over the same axis become one, on the positions of all of them;
+//! a direction of travel without a table has no error there. Read only: errors over another axis are not exported.
 
 use super::{ExportOptions, Exported, Imported};
 use super::{losses, positioning};
@@ -40,9 +41,9 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use trueaxis::machine::{Axis, LocationErrors, Row};
 
-/// Name of the file, after its first line `%_N_AX_EEC_INI`.
+/// Name of the file, as in its first line `%_N_AX_EEC_INI`.
 pub const FILE_NAME: &str = "AX_EEC.INI";
-/// Most points read: the memory option of the control ends far below.
+/// Most points read; the control's memory option ends far below.
 const MAX_INDEX: usize = 100_000;
 
 /// Points of a table in a file, with their lines.
@@ -81,13 +82,13 @@ struct Blocks {
     cross: BTreeMap<usize, CrossBlock>,
 }
 
-/// Line of the file; position, and error there, mm or rad.
+/// Line number; position and error there, mm or rad.
 type Line = (u32, (f64, f64));
 
-/// An error over an axis' position.
+/// An error as a function of an axis' position.
 struct Curve {
     axis: Axis,
-    /// Axis of its component.
+    /// Axis of the error component.
     moved: Axis,
     /// Directions of travel in which it acts, forward and reverse.
     acts: [bool; 2],
@@ -146,7 +147,7 @@ pub(super) fn import(text: &str, origin: &Origin, only: Option<Axis>) -> Result<
     })
 }
 
-/// `N10 $AA_…` without its block number.
+/// Strips the block number from `N10 $AA_…`.
 fn without_block_number(code: &str) -> &str {
     match code.strip_prefix('N') {
         Some(rest) if rest.starts_with(|first: char| first.is_ascii_digit()) => {
@@ -156,10 +157,10 @@ fn without_block_number(code: &str) -> &str {
     }
 }
 
-/// `NAME[indices]=value`.
+/// An assignment `NAME[indices]=value`.
 struct Assignment<'t> {
     line: u32,
-    /// With its indices, as it stands.
+    /// Name and indices, as written.
     left: &'t str,
     name: &'t str,
     indices: Vec<&'t str>,
@@ -173,7 +174,7 @@ impl Assignment<'_> {
         })
     }
 
-    /// Whether it stood there already.
+    /// Refuses an assignment that the file has already made.
     fn once<T>(&self, before: Option<(u32, T)>, origin: &Origin) -> Result<(), FileError> {
         match before {
             Some((first, _)) => {
@@ -184,7 +185,7 @@ impl Assignment<'_> {
         }
     }
 
-    /// An entry of the points, `part` what follows the name of the table.
+    /// Stores a table entry; `part` is the suffix after the name of the table.
     fn put(&self, part: &str, points: &mut Points, point: usize, origin: &Origin) -> Result<(), FileError> {
         let entry = (self.line, origin.number(self.line, self.name, self.value)?);
         let before = match part {
@@ -230,7 +231,7 @@ fn assignment(
     let axis = match (axis_of(identifier), only) {
         (Some(axis), Some(only)) if axis != only => return Ok(()),
         (Some(axis), _) => axis,
-        // The control's own names do not say which axis it is.
+        // The control's own names do not state the axis.
         (None, Some(only)) if is_number(identifier) => only,
         (None, None) if is_number(identifier) => {
             let needed = "the axis that it is (--axis X)";
@@ -254,7 +255,7 @@ fn assignment(
     of.put(part, &mut block.points, point, origin)
 }
 
-/// An assignment to a table of `$AN_CEC`; none where there is no such.
+/// Stores an assignment to a table of `$AN_CEC`; `None` if it is not one.
 fn cross(
     of: &Assignment<'_>,
     part: &str,
@@ -288,20 +289,20 @@ fn cross(
     Ok(Some(()))
 }
 
-/// Whether it is `AX1`, `AX2` and so on.
+/// Whether the identifier is `AX1`, `AX2` and so on.
 fn is_number(identifier: &str) -> bool {
     let number = identifier.strip_prefix("AX").unwrap_or_default();
     !number.is_empty() && number.bytes().all(|digit| digit.is_ascii_digit())
 }
 
-/// X of `X`, `X1`, `X12`.
+/// The axis X of `X`, `X1`, `X12`.
 fn axis_of(identifier: &str) -> Option<Axis> {
     let mut characters = identifier.chars();
     let axis = characters.next().and_then(Axis::from_letter)?;
     characters.all(|rest| rest.is_ascii_digit()).then_some(axis)
 }
 
-/// From the unit of an axis in the file to that of its error, mm or rad.
+/// Factor from an axis' unit in the file to that of its error, mm or rad.
 fn to_error(axis: Axis) -> f64 {
     if axis.is_rotary() { std::f64::consts::PI / 180.0 } else { 1.0 }
 }
@@ -338,7 +339,7 @@ fn cross_curve(number: usize, block: &CrossBlock, origin: &Origin) -> Result<Cur
 }
 
 impl Points {
-    /// The points of a table over an axis with their lines, values times a factor; `name` and `of` as errors have them.
+    /// Points of a table over an axis with their lines, values times a factor; `name` and `of` appear in errors.
     fn lines(&self, [name, of]: [&str; 2], axis: Axis, factor: f64, origin: &Origin) -> Result<Vec<Line>, FileError> {
         let missing = |part: &str| origin.whole(format!("no {name}_{part} for {of}"), "it");
         let (step_line, step) = self.step.ok_or_else(|| missing("STEP"))?;
@@ -381,7 +382,7 @@ impl Points {
     }
 }
 
-/// The table of an axis from its curves, on the positions of all of them.
+/// The table of an axis from its curves, at the positions of all of them.
 fn axis_table(axis: Axis, curves: &[&Curve], origin: &Origin) -> Result<crate::Table, FileError> {
     let mut places: Vec<(f64, u32)> = Vec::new();
     let mut given = [false; 6];

@@ -1,4 +1,4 @@
-//! Settings that an imported file states of an axis, in the words of `machine.toml`.
+//! Settings that an imported file states for an axis, as keys of `machine.toml`.
 
 use super::decimal::{shortest, toml_value};
 use super::own_comments;
@@ -6,7 +6,7 @@ use crate::Table;
 use toml_edit::Value;
 use trueaxis::machine::{Axis, AxisSettings, LocationErrors, Row};
 
-/// Settings of an axis that a machine had no section for: interpolation as in the controls that the files come from, and the
+/// Settings of an axis for which the machine has no section: interpolation as in the controls that wrote the files, and the
 /// range of the table as the travel.
 pub(crate) fn of_new_axis(axis: Axis, table: &Table) -> Vec<(String, Value)> {
     let mut settings = vec![(String::from("interpolation"), Value::from("linear"))];
@@ -27,7 +27,7 @@ pub(crate) fn of_axis(axis: &AxisSettings) -> Vec<(String, Value)> {
         .collect()
 }
 
-/// The location errors that are not zero, under their keys and in their units, `C0Y_urad`, `EX0C_um`.
+/// The nonzero location errors, with their keys and in their units, `C0Y_urad`, `EX0C_um`.
 pub fn location_values(location: &LocationErrors) -> Vec<(String, f64)> {
     let squareness = [("A0Z", location.a0z), ("B0Z", location.b0z), ("C0Y", location.c0y)];
     let squareness = squareness.into_iter().map(|(name, value)| (format!("{name}_urad"), value, 1e6));
@@ -41,7 +41,7 @@ pub fn location_values(location: &LocationErrors) -> Vec<(String, f64)> {
     given.map(|(key, value, scale)| (key, shortest(value, scale))).collect()
 }
 
-/// Names, `EY0A`, of the first location errors of a rotary axis that is not among those of a machine, and the axis.
+/// The first rotary axis that has location errors but is missing from a machine, and their names, `EY0A`.
 pub(crate) fn of_no_axis(location: &LocationErrors, axes: impl Fn(Axis) -> bool) -> Option<(Axis, String)> {
     let [.., a, b, c] = Axis::ALL;
     let of = location.rotary.iter().zip([a, b, c]).find(|(errors, axis)| !axes(*axis) && **errors != [0.0; 6])?;
@@ -51,7 +51,7 @@ pub(crate) fn of_no_axis(location: &LocationErrors, axes: impl Fn(Axis) -> bool)
     Some((axis, names.join(" ")))
 }
 
-/// The same as values of `machine.toml`.
+/// [`location_values`] as values of `machine.toml`.
 pub(crate) fn location(location: &LocationErrors) -> Vec<(String, Value)> {
     location_values(location).into_iter().map(|(key, value)| (key, Value::from(value))).collect()
 }

@@ -1,9 +1,9 @@
-//! Keys and sections of a TOML file, written.
+//! Writes keys and sections of a TOML file.
 
 use super::decimal::shortest;
 use std::fmt::Write;
 
-/// Keys and values, one a line.
+/// Keys and values, one per line.
 #[derive(Default)]
 pub(super) struct Lines(pub(super) String);
 
@@ -24,7 +24,7 @@ impl Lines {
         }
     }
 
-    /// A number that is written in 1/`scale` of its unit and divided by it when it is read.
+    /// Writes a number in 1/`scale` of its unit, which the reader divides by `scale`.
     pub(super) fn scaled(&mut self, key: &str, value: f64, default: f64, scale: f64) {
         if value != default {
             let _ = writeln!(self.0, "{key} = {:?}", shortest(value, scale));
@@ -32,7 +32,7 @@ impl Lines {
     }
 }
 
-/// A section, where there is something in it.
+/// Writes a section if it is not empty.
 pub(super) fn section(text: &mut String, name: &str, lines: &str) {
     if !lines.is_empty() {
         let _ = write!(text, "\n[{name}]\n{lines}");

@@ -1,26 +1,27 @@
-//! One command at a time changes a machine.
+//! A lock that lets only one command at a time change a machine.
 
 use super::staged::{flush_folder, folder_of};
 use super::{Folders, OutputError};
 use std::fs::{File, TryLockError};
 use std::path::Path;
 
-/// A machine's folder, locked for one command that changes it: from before it reads the machine until it has written, since
-/// another one in between would be taken back by what it writes.
+/// A machine's folder, locked for one command that changes it. The lock lasts from before the machine is read until it is
+/// written, since this command would undo a change made in between.
 ///
-/// The lock ends with the process, however that ends. It keeps out only who takes it too: commands that only read do not.
+/// The lock ends with the process, however that ends. It excludes only commands that also take it; commands that only read do
+/// not.
 #[derive(Debug)]
 pub struct Alone {
     _lock: Option<File>,
-    // After the lock: a folder made for the machine goes if nothing has come into it.
+    // After the lock: a folder created for the machine is removed if it is still empty.
     _made: Folders,
 }
 
 impl Alone {
-    /// Locks a machine's folder, which is made where it does not exist; `note` hears of a file system without locks.
+    /// Locks a machine's folder, creating it if it does not exist; reports a file system without locks to `note`.
     ///
     /// # Errors
-    /// Another command is at work in it, or it cannot be made.
+    /// Another command is using it, or it cannot be created.
     pub fn in_folder(folder: &Path, note: &mut dyn FnMut(String)) -> Result<Alone, OutputError> {
         let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
         let io = |error| OutputError::Io { output: folder.into(), error };
@@ -31,7 +32,7 @@ impl Alone {
         let lock = match locked {
             Ok(open) => Some(open),
             Err(TryLockError::WouldBlock) => {
-                // It is the other's, which may have nothing in it yet.
+                // The folder belongs to the other command, which may not have written anything yet.
                 made.0.clear();
                 return Err(OutputError::Busy(folder.into()));
             }

@@ -1,20 +1,21 @@
-//! Files that a command left behind when it was ended while it wrote: by a kill, a power failure, Ctrl-C.
+//! Leftover files of a command that ended while it wrote: through a kill, a power failure or Ctrl-C.
 //!
-//! A file is written under the name `NAME.XXXXXX.trueaxis-tmp` beside NAME (six letters or digits), and whoever writes holds
-//! a lock on it. The lock ends with the process, so that a file without one belongs to nobody.
+//! A file is written under the name `NAME.XXXXXX.trueaxis-tmp` beside NAME (six letters or digits), and its writer holds a
+//! lock on it. The lock ends with the process, so a file without a lock is a leftover.
 
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::path::{Path, PathBuf};
 
-/// Ending of the name of a file that is being written.
+/// Suffix of the name of a file that is being written.
 pub const UNFINISHED: &str = ".trueaxis-tmp";
 
 /// Letters between the name of the file and [`UNFINISHED`].
 pub(super) const LETTERS: usize = 6;
 
-/// Files that an ended command left beside `output`, which it was to become. That of a command still at work is none.
+/// Leftovers beside `output` from ended commands that were writing it. Files of a command that is still running are not
+/// listed.
 ///
-/// One beside a machine's file says that a command of several files may have ended between two of them.
+/// A leftover beside a machine's file indicates that a command that writes several files may have ended between two of them.
 pub fn left_beside(output: &Path) -> Vec<PathBuf> {
     let mut left = unfinished(output);
     left.retain(|path| nobodys(path).is_some());
@@ -22,7 +23,7 @@ pub fn left_beside(output: &Path) -> Vec<PathBuf> {
     left
 }
 
-/// Files that are to become `output`, whoever writes them.
+/// Unfinished files for `output`, whoever writes them.
 fn unfinished(output: &Path) -> Vec<PathBuf> {
     let target = super::resolved(output);
     let (Some(folder), Some(name)) = (target.parent(), target.file_name().and_then(|name| name.to_str())) else {
@@ -36,7 +37,7 @@ fn unfinished(output: &Path) -> Vec<PathBuf> {
     entries.flatten().filter(of_this).map(|entry| entry.path()).collect()
 }
 
-/// A sentence on every file that an ended command left beside these: what a command that reads them says.
+/// A sentence on every leftover beside these files, for a command that reads them.
 pub fn left_notes(files: impl IntoIterator<Item = PathBuf>) -> Vec<String> {
     let of = |file: PathBuf| left_beside(&file).into_iter().map(move |left| (left, file.clone()));
     let say = |(left, file): (PathBuf, PathBuf)| {
@@ -49,18 +50,18 @@ pub fn left_notes(files: impl IntoIterator<Item = PathBuf>) -> Vec<String> {
     files.into_iter().flat_map(of).map(say).collect()
 }
 
-/// Removes what an ended command left beside `output`: under its lock, since whoever begins a file of that name now would
-/// otherwise take the lock between the look and the removal, and find its file gone at the end.
+/// Removes leftovers beside `output`, each under its lock: otherwise whoever begins a file of that name could take the lock
+/// between the check and the removal, and find the file gone at the end.
 pub(super) fn sweep(output: &Path) {
     for path in unfinished(output) {
         if let Some(_held) = nobodys(&path) {
-            // Another command may have been faster, and one that cannot be removed harms nobody.
+            // Another command may have removed it first, and a file that cannot be removed does no harm.
             let _ = fs::remove_file(path);
         }
     }
 }
 
-/// The name of the file that one of this name is to become.
+/// The name of the target of a file with this name.
 fn becomes(name: &str) -> Option<&str> {
     let stem = name.strip_suffix(UNFINISHED)?;
     let (target, letters) = stem.rsplit_once('.')?;
@@ -68,20 +69,20 @@ fn becomes(name: &str) -> Option<&str> {
     (drawn && !target.is_empty()).then_some(target)
 }
 
-/// The file with its lock, if nobody else holds it.
+/// The file with its lock, if nobody else has locked it.
 fn nobodys(path: &Path) -> Option<File> {
-    // A network's file system locks what is open for writing only; a write-protected file can still be read.
+    // A network file system locks only files open for writing; a write-protected file can still be read.
     let file = OpenOptions::new().write(true).open(path).or_else(|_| File::open(path)).ok()?;
-    // Where locks are unknown, or the file is another user's, nothing is said about it.
+    // If locks are not supported, or the file is another user's, it is not reported.
     file.try_lock().is_ok().then_some(file)
 }
 
-/// Takes the lock that [`left_beside`] looks for. `false`: another command took the file for one that was left, and it is
-/// gone or about to be.
+/// Takes the lock that [`left_beside`] checks. `false`: another command took the file for a leftover and has removed it or is
+/// about to.
 pub(super) fn hold(file: &File, path: &Path) -> bool {
     match file.try_lock() {
         Err(TryLockError::WouldBlock) => false,
-        // Without locks nobody takes it for one that was left.
+        // Without locks nobody takes it for a leftover.
         Err(TryLockError::Error(_)) => true,
         Ok(()) => path.exists(),
     }
@@ -104,7 +105,7 @@ mod tests {
         }
     }
 
-    /// A file that is being written stays, whoever looks; one that nobody writes goes, and nothing else.
+    /// A file that is being written stays, whoever checks; an abandoned one is removed, and nothing else.
     #[test]
     fn only_what_was_left_is_swept() {
         let folder = tempfile::tempdir().unwrap();
@@ -129,7 +130,7 @@ mod tests {
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 3);
     }
 
-    /// Many that begin, sweep and commit the same file at once: none loses the file that it has begun.
+    /// Many threads begin, sweep and commit the same file at once: none loses its file.
     #[test]
     fn nobody_sweeps_what_has_just_been_begun() {
         let folder = tempfile::tempdir().unwrap();

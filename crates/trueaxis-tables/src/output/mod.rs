@@ -1,12 +1,12 @@
 //! Outputs of a command: written whole or not at all, and never over an input.
 //!
-//! Each file is written beside its place, flushed to the disk, renamed, and its folder flushed: a crash or a power failure
-//! at any moment leaves the old one or the new one, never a part. What has not been renamed by then stands as
-//! `NAME.XXXXXX.trueaxis-tmp` ([`UNFINISHED`]), is found by [`left_beside`] and removed by the next command that writes NAME.
+//! Each file is written beside its place, flushed to the disk and renamed, and its folder is flushed: a crash or a power
+//! failure at any moment leaves the old file or the new one, never a part. A file not yet renamed by then remains as
+//! `NAME.XXXXXX.trueaxis-tmp` ([`UNFINISHED`]); [`left_beside`] finds it, and the next command that writes NAME removes it.
 //!
-//! Several files of one command are all on the disk before the first is renamed, and renamed in the order in which they
-//! were put. A crash between two renames leaves the first ones new and the rest old, each with its unfinished file beside it:
-//! where files belong together, the one that names the others is put last.
+//! All files of one command are on the disk before the first is renamed, and they are renamed in the order in which they were
+//! put. A crash between two renames leaves the first ones new and the rest old, each with its unfinished file beside it: if
+//! files belong together, put the one that names the others last.
 //!
 //! ```
 //! use trueaxis_tables::output::Outputs;
@@ -41,43 +41,43 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum OutputError {
-    /// The output is a file that the command reads, by whatever name.
+    /// The output is a file that the command reads, under whatever name.
     #[error("{}: found the input {}, needed another file: an input is never written", .output.display(), .input.display())]
     Input {
-        /// The output as it was given.
+        /// The output as given.
         output: PathBuf,
-        /// The input as it was given.
+        /// The input as given.
         input: PathBuf,
     },
-    /// Two outputs in one file.
+    /// Two outputs are the same file.
     #[error("{}: found two outputs for this file, needed a file for each", .0.display())]
     Twice(PathBuf),
-    /// Another command holds the machine's folder, [`Alone`].
+    /// Another command has locked the machine's folder, [`Alone`].
     #[error("{}: found another command that changes this machine, needed its end: try again", .0.display())]
     Busy(PathBuf),
-    /// The file system refused.
+    /// The file system failed.
     #[error("cannot write {}", .output.display())]
     Io {
-        /// The output as it was given.
+        /// The output as given.
         output: PathBuf,
-        /// Its answer.
+        /// Error of the file system.
         #[source]
         error: io::Error,
     },
-    /// The file system refused when some of the files were in their places.
+    /// The file system failed after some of the files were in place.
     #[error("cannot write {}; new already: {}", .output.display(), list(.written))]
     Between {
-        /// The first output that is as it was.
+        /// The first output that is unchanged.
         output: PathBuf,
-        /// Those before it.
+        /// The outputs before it, which are written.
         written: Vec<PathBuf>,
-        /// The file system's answer.
+        /// Error of the file system.
         #[source]
         error: io::Error,
     },
 }
 
-/// Folders made for outputs, the outermost first; those still empty are removed with it.
+/// Folders created for outputs, outermost first; dropping this removes those that are still empty.
 #[derive(Debug, Default)]
 struct Folders(Vec<PathBuf>);
 
@@ -94,19 +94,20 @@ impl Folders {
 impl Drop for Folders {
     fn drop(&mut self) {
         for folder in self.0.iter().rev() {
-            // One with a file in it is refused, and stays.
+            // Fails for a folder that contains a file, which is then kept.
             let _ = fs::remove_dir(folder);
         }
     }
 }
 
-/// All that a command writes, held back until everything is there. Dropped before [`Outputs::commit`], nothing is left.
+/// All outputs of a command, held back until every one is complete. Dropped before [`Outputs::commit`], it leaves nothing
+/// behind.
 #[derive(Debug, Default)]
 pub struct Outputs {
     inputs: Vec<PathBuf>,
-    /// Places that are taken.
+    /// Paths already reserved.
     places: Vec<PathBuf>,
-    // Before the folders: dropped in this order.
+    // Before `folders`, so that it is dropped first.
     ready: Vec<(PathBuf, Ready)>,
     folders: Folders,
 }
@@ -114,17 +115,17 @@ pub struct Outputs {
 #[derive(Debug)]
 enum Ready {
     Staged(Staged),
-    /// Written at the end, since it cannot be taken back.
+    /// Written at the end, since it cannot be undone.
     Device(Vec<u8>),
 }
 
 impl Outputs {
-    /// None yet, of a command that reads these files.
+    /// An empty set of outputs for a command that reads these files.
     pub fn of<P: AsRef<Path>>(inputs: impl IntoIterator<Item = P>) -> Outputs {
         Outputs { inputs: inputs.into_iter().map(|input| input.as_ref().to_path_buf()).collect(), ..Outputs::default() }
     }
 
-    /// Refuses a file that the command reads: the same file on the disk, whatever it is called (`./x.csv`, a link, a hard
+    /// Refuses an output that is a file the command reads: the same file on the disk under any name (`./x.csv`, a link, a hard
     /// link). Devices and pipes may be both.
     ///
     /// # Errors
@@ -137,18 +138,18 @@ impl Outputs {
         }
     }
 
-    /// Makes a folder for outputs, and those above it.
+    /// Creates a folder for outputs, and its missing parents.
     ///
     /// # Errors
-    /// Those of the file system.
+    /// Errors of the file system.
     pub fn folder(&mut self, folder: &Path) -> Result<(), OutputError> {
         self.folders.create(folder).map_err(|error| OutputError::Io { output: folder.into(), error })
     }
 
-    /// One file with its content, staged beside its target.
+    /// Adds one file with its content, staged beside its target.
     ///
     /// # Errors
-    /// An input, a second output of that name, or a refusal of the file system.
+    /// An output that is an input or was already put, or an error of the file system.
     pub fn put(&mut self, output: &Path, bytes: &[u8]) -> Result<(), OutputError> {
         let path = self.reserve(output)?;
         let ready = if is_device(&path) {
@@ -161,8 +162,8 @@ impl Outputs {
         Ok(())
     }
 
-    /// One file that is written bit by bit, beside its target until [`Outputs::add`] and the commit; a device or a pipe
-    /// takes it at once.
+    /// Begins one file that is written piecewise, beside its target until [`Outputs::add`] and the commit; a device or a pipe
+    /// receives the data at once.
     ///
     /// # Errors
     /// As [`Outputs::put`].
@@ -171,12 +172,12 @@ impl Outputs {
         Staged::create(output).map_err(|error| OutputError::Io { output: output.into(), error })
     }
 
-    /// Takes a file from [`Outputs::begin`] back, written.
+    /// Returns a completed file from [`Outputs::begin`].
     pub fn add(&mut self, output: &Path, file: Staged) {
         self.ready.push((resolved(output), Ready::Staged(file)));
     }
 
-    /// A place that no input and no other output has.
+    /// Reserves a path that is neither an input nor another output.
     fn reserve(&mut self, output: &Path) -> Result<PathBuf, OutputError> {
         self.refuse_input(output)?;
         let path = resolved(output);
@@ -187,11 +188,11 @@ impl Outputs {
         Ok(path)
     }
 
-    /// Moves every file to its target, in the order of arrival, when all of them are on the disk.
+    /// Moves every file to its target, in the order in which they were put, once all of them are on the disk.
     ///
     /// # Errors
-    /// Those of the file system: what could be refused was when it was put, so that one here is a disk that fails. It says
-    /// which files are new, if any are.
+    /// Errors of the file system. [`Outputs::put`] has already refused whatever can be refused, so an error here means a
+    /// failing disk. It names the files that are already new, if any.
     pub fn commit(self) -> Result<(), OutputError> {
         let Outputs { mut ready, folders, .. } = self;
         for (output, ready) in &mut ready {
@@ -225,21 +226,21 @@ fn list(files: &[PathBuf]) -> String {
     files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>().join(", ")
 }
 
-/// Neither a file nor a folder: it is written to, not replaced.
+/// Neither a file nor a folder: it is written to rather than replaced.
 fn is_device(path: &Path) -> bool {
     fs::metadata(path).is_ok_and(|old| !old.is_file() && !old.is_dir())
 }
 
-/// Links that are followed to a file that is not there yet; the kernel of Linux follows as many.
+/// Most links followed to a file that does not exist yet; the Linux kernel has the same limit.
 const LINKS: usize = 40;
 
-/// A link to what is not there. One to a pipe has no name behind it, and leads there: `/dev/stdout`.
+/// A link whose target does not exist. A link to a pipe (`/dev/stdout`) is none: its target exists, though without a name.
 fn leads_nowhere(path: &Path) -> bool {
     path.is_symlink() && !path.exists()
 }
 
-/// A name that is the same for the same file, behind links, whether it exists or its folder alone. It is itself a link where
-/// links lead nowhere.
+/// A name that is the same for the same file, with links resolved, whether the file exists or only its folder does. If the
+/// links lead nowhere, the result is itself a link.
 fn resolved(output: &Path) -> PathBuf {
     if let Ok(path) = fs::canonicalize(output) {
         return path;

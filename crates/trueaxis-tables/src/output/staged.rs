@@ -1,4 +1,4 @@
-//! One file on its way to its place.
+//! A file that is staged before it takes its place.
 
 use super::left;
 use std::fs::{self, File, OpenOptions};
@@ -8,8 +8,8 @@ use tempfile::NamedTempFile;
 
 /// A file that replaces its target only when complete; dropped before [`Staged::commit`], it leaves nothing behind.
 ///
-/// Until then it stands beside its target as `NAME.XXXXXX.trueaxis-tmp`. A process that is killed leaves it there; the
-/// next that writes the same target removes it.
+/// Until then it is beside its target as `NAME.XXXXXX.trueaxis-tmp`. A killed process leaves it there, and the next one that
+/// writes the same target removes it.
 #[derive(Debug)]
 pub struct Staged {
     target: PathBuf,
@@ -24,14 +24,14 @@ enum To {
     Device(File),
 }
 
-/// Other commands may take a new file for one that was left, before its lock is held: so often another is begun.
+/// Another command may mistake a new file for a leftover before it is locked; this many attempts are made.
 const TRIES: usize = 8;
 
 impl Staged {
-    /// Begins a file that will stand at `path`; behind a link, also to a file that is not there yet, so that the link stays.
+    /// Begins a file that will be at `path`; behind a link, even to a file that does not exist yet, so that the link stays.
     ///
     /// # Errors
-    /// Those of the file system; the target is a folder; links lead nowhere.
+    /// Errors of the file system; the target is a folder; links that lead nowhere.
     pub fn create(path: &Path) -> io::Result<Staged> {
         let target = super::resolved(path);
         if super::leads_nowhere(&target) {
@@ -53,11 +53,11 @@ impl Staged {
         Ok(Staged { target, to: To::File(file) })
     }
 
-    /// Moves the file to its target, which keeps its old content until then; the new one survives a power failure from
-    /// the return on.
+    /// Moves the file to its target, which keeps its old content until then. After the return the new content survives a power
+    /// failure.
     ///
     /// # Errors
-    /// Those of the file system; the old content still stands, unless it is the folder that cannot be flushed.
+    /// Errors of the file system; the old content is still there, unless only the flush of the folder failed.
     pub fn commit(mut self) -> io::Result<()> {
         self.complete()?;
         match self.place()? {
@@ -66,7 +66,7 @@ impl Staged {
         }
     }
 
-    /// Everything is on the disk, under the name of a file that is being written.
+    /// Flushes everything to the disk, still under the temporary name.
     pub(super) fn complete(&mut self) -> io::Result<()> {
         match &mut self.to {
             To::File(file) => file.as_file().sync_all(),
@@ -74,7 +74,7 @@ impl Staged {
         }
     }
 
-    /// Takes the target's place; the folder whose entry has changed.
+    /// Replaces the target; returns the folder whose entry has changed.
     pub(super) fn place(self) -> io::Result<Option<PathBuf>> {
         let To::File(file) = self.to else { return Ok(None) };
         file.persist(&self.target).map_err(|error| error.error)?;
@@ -98,23 +98,23 @@ impl Write for Staged {
     }
 }
 
-/// Writes a file so that its old content stands until the new one is complete: a temporary file beside it, renamed.
+/// Writes a file so that its old content stays until the new one is complete: a temporary file beside it, renamed.
 ///
 /// # Errors
-/// Those of the file system; nothing is left behind.
+/// Errors of the file system; nothing is left behind.
 pub fn write_atomically(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let mut file = Staged::create(path)?;
     file.write_all(bytes)?;
     file.commit()
 }
 
-/// The folder that a file stands in.
+/// The folder that contains a file.
 pub(super) fn folder_of(file: &Path) -> &Path {
     file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// The entries of a folder survive a power failure. Where a folder cannot be opened or flushed as such (other systems,
-/// no permission to read), that is the file system's business.
+/// Makes the entries of a folder survive a power failure. If a folder cannot be opened or flushed as such (other systems, no
+/// permission to read), durability is left to the file system.
 pub(super) fn flush_folder(folder: &Path) -> io::Result<()> {
     if !cfg!(unix) {
         return Ok(());
@@ -126,7 +126,7 @@ pub(super) fn flush_folder(folder: &Path) -> io::Result<()> {
     })
 }
 
-/// A new file of that name's kind beside its target, locked.
+/// A new temporary file beside its target, locked.
 fn beside(target: &Path) -> io::Result<NamedTempFile> {
     let mut prefix = target.file_name().ok_or(io::ErrorKind::InvalidInput)?.to_os_string();
     prefix.push(".");
@@ -135,7 +135,7 @@ fn beside(target: &Path) -> io::Result<NamedTempFile> {
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
-        // As any new file, less the mask; tempfile's own default is private.
+        // As for any new file, less the mask; tempfile's default is private.
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
     for _ in 0..TRIES {

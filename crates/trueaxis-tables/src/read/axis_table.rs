@@ -1,4 +1,4 @@
-//! The CSV of one axis.
+//! Reads the CSV of one axis.
 
 use super::uncertainty_toml::{Bounds, UM, URAD};
 use crate::Table;
@@ -7,14 +7,14 @@ use crate::origin::Origin;
 use crate::sheet::Sheet;
 use trueaxis::machine::{Axis, Row};
 
-/// A table with the line of each of its rows and the names of its columns, for errors that show only when all is read.
+/// A table with the line of each row and the names of its columns, for errors found only after all of it is read.
 pub(super) struct TableFile {
     pub(super) table: Table,
     pub(super) lines: Vec<u32>,
     pub(super) columns: Vec<Column>,
-    /// Standard uncertainties point by point, mm and rad, where they are given.
+    /// Standard uncertainties of single points, mm and rad, if given.
     pub(super) uncertainty: [Option<Vec<f64>>; 6],
-    /// Separators and decimals, where they are not the usual ones.
+    /// Separators and decimals, if unusual.
     pub(super) dialect: Option<&'static str>,
 }
 
@@ -28,14 +28,14 @@ enum Content {
     Uncertainty(usize),
 }
 
-/// A column by its name.
+/// A column, with its name.
 pub(super) struct Column {
     pub(super) name: String,
     content: Content,
 }
 
 impl Column {
-    /// Whether it holds this component (`None`: the position) in this direction.
+    /// Whether the column gives this component (`None`: the position) in this direction.
     pub(super) fn holds(&self, component: Option<usize>, reverse: bool) -> bool {
         match (self.content, component) {
             (Content::Position, None) => true,
@@ -46,7 +46,7 @@ impl Column {
         }
     }
 
-    /// The component whose standard uncertainty it holds.
+    /// The component whose standard uncertainty the column gives.
     pub(super) fn uncertainty(&self) -> Option<usize> {
         if let Content::Uncertainty(component) = self.content { Some(component) } else { None }
     }
@@ -57,7 +57,7 @@ fn bounds(component: usize) -> &'static Bounds {
     if component < 3 { &UM } else { &URAD }
 }
 
-/// Every name that a column may have, and its content.
+/// Every permitted column name, with its content.
 fn known(axis: Axis) -> Vec<Column> {
     let letter = axis.letter();
     let unit = if axis.is_rotary() { "deg" } else { "mm" };
@@ -149,9 +149,9 @@ fn header(axis: Axis, names: &[String], line: u32, origin: &Origin) -> Result<Ve
     Ok(columns)
 }
 
-/// Reads a table: `X_mm,EXX_um,…`, `#` comments and blank lines anywhere; separators and decimals as [`Sheet`] has them.
+/// Reads a table: `X_mm,EXX_um,…`, `#` comments and blank lines anywhere; separators and decimals as for [`Sheet`].
 ///
-/// Errors µm / 1e3 and µrad / 1e6, so that a value is the double nearest to the decimal in mm or rad.
+/// Errors are µm / 1e3 and µrad / 1e6, so that a value is the double nearest to the decimal in mm or rad.
 pub(super) fn read(text: &[u8], origin: &Origin, axis: Axis) -> Result<TableFile, FileError> {
     let mut sheet = Sheet::new(text, origin.file()).map_err(|error| match error.found.as_str() {
         "no header" => origin.whole("nothing but comments", format!("a header line, like {}", example(axis))),

@@ -1,10 +1,10 @@
-//! `[[crosstalk]]` of `machine.toml`: how far the tip moves while an axis accelerates.
+//! `[[crosstalk]]` of `machine.toml`: motion of the tip while an axis accelerates.
 
 use super::section::{Found, Section};
 use crate::error::FileError;
 use trueaxis::machine::{Axis, CROSSTALK_CAPACITY, CROSSTALK_POINTS, CrosstalkSettings};
 
-/// The key of k, and what its number is divided by: 1 µm per m/s² is 1e-6 s², 1 µm per deg/s² is 1e-3 mm per deg/s².
+/// The key of k and the divisor of its number: 1 µm per m/s² is 1e-6 s², 1 µm per deg/s² is 1e-3 mm per deg/s².
 pub(crate) fn unit_of(from: Axis) -> (&'static str, f64) {
     if from.is_rotary() { ("k_um_per_deg_per_s2", 1e3) } else { ("k_um_per_m_per_s2", 1e6) }
 }

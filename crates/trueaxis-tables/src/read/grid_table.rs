@@ -1,4 +1,4 @@
-//! The CSV of a grid: a line a node, in any order.
+//! Reads the CSV of a grid: one line per node, in any order.
 
 use super::grid_toml::GridReference;
 use crate::error::FileError;
@@ -10,7 +10,7 @@ use trueaxis::error::Figure;
 use trueaxis::machine::{Axis, GRID_NODES, Twist};
 use trueaxis::range;
 
-/// A grid with separators and decimals, where they are not the usual ones.
+/// A grid, with its separators and decimals if unusual.
 pub(crate) struct GridFile {
     pub(crate) grid: Grid,
     pub(crate) dialect: Option<&'static str>,
@@ -23,7 +23,7 @@ enum Content {
     Error(usize),
 }
 
-/// Every name that a column may have.
+/// Every permitted column name.
 fn known() -> Vec<(String, Content)> {
     let positions = LINEAR.into_iter().enumerate().map(|(k, axis)| (position_name(axis), Content::Position(k)));
     let errors = (0..6).map(|component| (error_name(component), Content::Error(component)));
@@ -34,7 +34,7 @@ pub(crate) fn position_name(axis: Axis) -> String {
     format!("{}_mm", axis.letter())
 }
 
-/// `EX_um` to `EC_urad`.
+/// Name of an error's column, `EX_um` to `EC_urad`.
 pub(crate) fn error_name(component: usize) -> String {
     let letter = Axis::ALL.get(component).map_or('?', |axis| axis.letter());
     format!("E{letter}_{}", if component < 3 { "um" } else { "urad" })
@@ -53,7 +53,7 @@ fn column(name: &str, line: u32, origin: &Origin) -> Result<Content, FileError> 
     Err(origin.at(line, name, format!("{name:?}"), needed))
 }
 
-/// The columns: every axis of the grid, at least one error, nothing twice.
+/// The columns: every axis of the grid, at least one error, no duplicates.
 fn header(sheet: &Sheet<'_>, axes: &[Axis], origin: &Origin) -> Result<Vec<Content>, FileError> {
     let line = sheet.header_line();
     let mut columns = Vec::new();
@@ -85,7 +85,7 @@ fn letters(axes: &[Axis]) -> String {
     axes.iter().map(|axis| axis.letter().to_string()).collect::<Vec<_>>().join(" and ")
 }
 
-/// A node as it was read: mm and rad.
+/// A node as read: mm and rad.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Node {
     pub(crate) at: [f64; 3],
@@ -93,7 +93,7 @@ pub(crate) struct Node {
     pub(crate) line: u32,
 }
 
-/// Reads a grid: `X_mm,Y_mm,EX_um,…`, a line for every node in any order, `#` comments and blank lines anywhere.
+/// Reads a grid: `X_mm,Y_mm,EX_um,…`, one line per node in any order, `#` comments and blank lines anywhere.
 pub(crate) fn read(text: &[u8], origin: &Origin, reference: &GridReference) -> Result<GridFile, FileError> {
     let mut sheet = Sheet::new(text, origin.file())?;
     let columns = header(&sheet, &reference.axes, origin)?;
@@ -105,7 +105,7 @@ pub(crate) fn read(text: &[u8], origin: &Origin, reference: &GridReference) -> R
             let name = sheet.header()[index].clone();
             let (range, value) = match content {
                 Content::Position(k) => {
-                    // −0 is 0.
+                    // Turns −0 into 0.
                     line.at[*k] = given + 0.0;
                     (&range::POSITION.linear, given)
                 }
@@ -126,7 +126,7 @@ pub(crate) fn read(text: &[u8], origin: &Origin, reference: &GridReference) -> R
     Ok(GridFile { grid, dialect: sheet.dialect() })
 }
 
-/// A grid from its nodes in any order; `column` names that of an axis' positions.
+/// A grid from its nodes in any order; `column` names the column of an axis' positions.
 pub(crate) fn of_nodes(
     nodes: &[Node],
     given: [bool; 6],
@@ -144,7 +144,7 @@ pub(crate) fn of_nodes(
     Grid::new(source).map_err(|error| too_fine(origin, &error))
 }
 
-/// A resolution that 16 bits do not reach.
+/// The error for a resolution that is too fine for 16 bits.
 fn too_fine(origin: &Origin, error: &TooFine) -> FileError {
     let (key, unit, scale) =
         if error.component < 3 { ("resolution_um", "um", 1e3) } else { ("resolution_urad", "urad", 1e6) };
@@ -154,7 +154,7 @@ fn too_fine(origin: &Origin, error: &TooFine) -> FileError {
     origin.at(0, &error_name(error.component), found, needed)
 }
 
-/// Nodes along every axis, and the errors of each once.
+/// Nodes along every axis, and the errors of each node, which must occur once.
 fn complete(
     lines: &[Node],
     axes: &[Axis],
@@ -209,7 +209,7 @@ fn complete(
     Ok(source)
 }
 
-/// `X 10, Y 20`.
+/// Position of a node, like `X 10, Y 20`.
 fn place(at: &[f64; 3], axes: &[Axis]) -> String {
     axes.iter().map(|axis| format!("{} {}", axis.letter(), Figure(at[axis.index()]))).collect::<Vec<_>>().join(", ")
 }

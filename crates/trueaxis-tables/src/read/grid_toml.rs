@@ -11,7 +11,7 @@ use trueaxis::range;
 pub(crate) struct GridReference {
     /// In the order X Y Z.
     pub(crate) axes: Vec<Axis>,
-    /// As `machine.toml` has it, relative to it.
+    /// As written in `machine.toml`, relative to it.
     pub(crate) file: String,
     pub(crate) line: u32,
     pub(crate) key: String,
@@ -21,7 +21,7 @@ pub(crate) struct GridReference {
 }
 
 impl GridReference {
-    /// A grid over these axes, everything else at its default; it is named nowhere.
+    /// A grid over these axes, everything else at its default; not named in any file.
     pub(crate) fn of_axes(axes: Vec<Axis>) -> GridReference {
         GridReference {
             axes,

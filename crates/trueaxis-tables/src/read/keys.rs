@@ -7,19 +7,19 @@ use toml::de::DeTable;
 /// A key or section as written.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Written {
-    /// Its line, from 1.
+    /// Line, from 1.
     pub line: u32,
     /// The value; empty for a section.
     pub text: String,
 }
 
-/// The keys and sections of a file by their full names, like `axis.X.limits.magnitude_um`; those of the sections of a list
-/// with their number, from 0: `crosstalk[0].tip`.
+/// The keys and sections of a file by their full names, like `axis.X.limits.magnitude_um`; sections of a list have their
+/// number, from 0: `crosstalk[0].tip`.
 #[derive(Clone, Debug)]
 pub struct Keys(BTreeMap<String, Written>);
 
 impl Keys {
-    /// All that the table, parsed from `text`, contains.
+    /// All keys and sections of the table, which was parsed from `text`.
     pub fn new(text: &str, table: &DeTable<'_>) -> Keys {
         let mut keys = Keys(BTreeMap::new());
         keys.add(text, "", table);
@@ -47,12 +47,12 @@ impl Keys {
         }
     }
 
-    /// The key or section of that name.
+    /// The key or section with this name.
     pub fn get(&self, name: &str) -> Option<&Written> {
         self.0.get(name)
     }
 
-    /// Line of the innermost section that a key belongs to, whether the key is there or not; `None` for the file.
+    /// Line of the innermost section of a key, whether the key is present or not; `None` for the file.
     pub fn section(&self, name: &str) -> Option<u32> {
         let (section, _) = name.rsplit_once('.')?;
         self.get(section).map(|written| written.line).or_else(|| self.section(section))

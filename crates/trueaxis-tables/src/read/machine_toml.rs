@@ -23,7 +23,7 @@ pub(super) struct TableReference {
     pub(super) key: String,
 }
 
-/// The whole file.
+/// The content of the whole file.
 pub(super) struct Description {
     pub(super) settings: MachineSettings,
     pub(super) tables: Vec<TableReference>,
@@ -31,7 +31,7 @@ pub(super) struct Description {
     pub(super) keys: Keys,
     /// Without those in the CSV of the axes.
     pub(super) uncertainties: Uncertainties,
-    /// Keys of numbers that were asked for, with their count.
+    /// Keys of requested numbers, with their count.
     pub(super) numbers: Vec<(String, usize)>,
 }
 

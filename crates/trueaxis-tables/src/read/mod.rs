@@ -1,4 +1,4 @@
-//! Reading a machine: `machine.toml` and the CSV of each axis.
+//! Reads a machine: `machine.toml` and the CSV of each axis.
 
 mod axis_table;
 mod crosstalk_toml;
@@ -30,19 +30,19 @@ use trueaxis::error::ConfigError;
 use trueaxis::machine::{Axis, AxisSettings, MachineSettings, Row};
 
 impl Machine {
-    /// Reads a `machine.toml`, or the one in a folder, and the tables it names, and checks everything that the controller
-    /// would check when it loads them.
+    /// Reads a `machine.toml`, or the one in a folder, and the tables it names, with all checks that the controller makes when
+    /// it loads them.
     ///
     /// # Errors
-    /// The first thing that is wrong: file, line, column or key, what was found, what is needed.
+    /// The first fault: file, line, column or key, what was found, what is needed.
     pub fn read(path: &Path) -> Result<Machine, FileError> {
         let (folder, name) = Folder::of_machine(path);
         Machine::read_from(&folder, &name, &mut |_| {})
     }
 
-    /// [`Machine::read`] from any source of files; `name` is that of the `machine.toml`. Every table with other separators
-    /// than commas, or with decimal commas, is reported to `tell`. A machine without any table has the errors that its settings
-    /// state, or none.
+    /// [`Machine::read`] from any source of files; `name` is that of the `machine.toml`. Reports to `tell` every table with
+    /// separators other than commas, or with decimal commas. A machine without tables has only the errors that its settings
+    /// state.
     ///
     /// # Errors
     /// As [`Machine::read`].
@@ -76,7 +76,7 @@ impl Machine {
         Ok(Machine { settings: description.settings.clone(), tables, grids })
     }
 
-    /// What the controller checks of settings and tables together.
+    /// The controller's checks of settings and tables together.
     fn hold_together(&self, origin: &Origin, description: &Description) -> Result<(), FileError> {
         let rows = |axis| self.rows(axis);
         check::grids(&self.settings, &self.grids()).map_err(|error| description.located(origin, &error))?;
@@ -88,7 +88,7 @@ impl Machine {
         Ok(())
     }
 
-    /// The hysteresis that [`Machine::read_from`] would refuse as too narrow; none where something else is wrong before.
+    /// The hysteresis that [`Machine::read_from`] would refuse as too narrow; `None` if another fault comes first.
     pub(crate) fn narrow_hysteresis(files: &dyn Source, name: &Path) -> Option<ConfigError> {
         let (origin, description) = described(files, name).ok()?;
         let machine = Machine::read_described(files, name, &origin, &description, &mut |_| {}).ok()?;
@@ -96,8 +96,8 @@ impl Machine {
         check::reversal(&machine.settings, |axis| machine.rows(axis), &bounds).err()
     }
 
-    /// An error of the machine's configuration at its key in `machine.toml`, or of its section without it; in a file that
-    /// can no longer be read, of the file.
+    /// Locates an error of the machine's configuration at its key in `machine.toml`, or at its section if the key is absent.
+    /// If the file can no longer be read, returns that error.
     pub fn refusal(files: &dyn Source, name: &Path, error: &ConfigError) -> FileError {
         match described(files, name) {
             Ok((origin, description)) => description.located(&origin, error),
@@ -108,13 +108,13 @@ impl Machine {
     /// The files that [`Machine::read`] reads: `machine.toml` and the tables that it names.
     ///
     /// # Errors
-    /// `machine.toml` cannot be read, or is wrong by itself.
+    /// `machine.toml` cannot be read, or is invalid without its tables.
     pub fn files(path: &Path) -> Result<Vec<PathBuf>, FileError> {
         let (folder, name) = Folder::of_machine(path);
         Ok(Machine::files_of(&folder, &name)?.iter().map(|file| folder.path(file)).collect())
     }
 
-    /// The same of any source, by their names in it; `name` is that of the `machine.toml`, which comes first.
+    /// [`Machine::files`] for any source, by their names in it; `name` is that of the `machine.toml`, which comes first.
     ///
     /// # Errors
     /// As [`Machine::files`].
@@ -125,10 +125,10 @@ impl Machine {
         Ok(std::iter::once(name.to_path_buf()).chain(named).collect())
     }
 
-    /// Every key with a number, or a list of so many, that a `machine.toml` with the sections of this one may have.
+    /// Every numeric key that a `machine.toml` with the sections of this one may have, with its count of numbers.
     ///
     /// # Errors
-    /// The text is not that of a machine.
+    /// The text does not describe a machine.
     pub fn number_keys(text: &str) -> Result<Vec<(String, usize)>, FileError> {
         machine_toml::read(text, &Origin::new(Path::new("machine.toml"))).map(|description| description.numbers)
     }
@@ -141,10 +141,10 @@ impl Machine {
 }
 
 impl Uncertainties {
-    /// Those of a `machine.toml`, or the one in a folder, and of the tables that it names.
+    /// Uncertainties of a `machine.toml`, or the one in a folder, and of the tables that it names.
     ///
     /// # Errors
-    /// As [`Machine::read`], as far as the files are wrong by themselves.
+    /// As [`Machine::read`], for faults within a single file.
     pub fn read(path: &Path) -> Result<Uncertainties, FileError> {
         let (folder, name) = Folder::of_machine(path);
         Uncertainties::read_from(&folder, &name)
@@ -169,16 +169,16 @@ impl Uncertainties {
     }
 }
 
-/// A machine before an edit of its files.
+/// A machine as it is before an edit of its files.
 pub(crate) struct Standing<'f> {
     pub(crate) files: &'f dyn Source,
-    /// Name of its `machine.toml`.
+    /// Name of the `machine.toml`.
     pub(crate) name: PathBuf,
-    /// As it is, byte order mark included.
+    /// Unchanged text, byte order mark included.
     pub(crate) text: String,
     pub(crate) settings: MachineSettings,
     pub(crate) tables: Vec<StandingTable>,
-    /// Without those in the tables.
+    /// Without those of the tables.
     pub(crate) uncertainties: Uncertainties,
     pub(crate) grids: Vec<GridReference>,
 }
@@ -186,11 +186,11 @@ pub(crate) struct Standing<'f> {
 /// A table that `machine.toml` names.
 pub(crate) struct StandingTable {
     pub(crate) axis: Axis,
-    /// As `machine.toml` has it, relative to it.
+    /// As written in `machine.toml`, relative to it.
     pub(crate) name: String,
     pub(crate) line: u32,
     pub(crate) key: String,
-    /// `None` where it cannot be read.
+    /// `None` if it cannot be read.
     pub(crate) table: Option<Table>,
 }
 
@@ -217,17 +217,17 @@ impl<'f> Standing<'f> {
     }
 }
 
-/// A file that a `machine.toml` names relative to itself.
+/// Path of a file that a `machine.toml` names relative to itself.
 pub(crate) fn beside(machine_toml: &Path, file: &str) -> PathBuf {
     machine_toml.parent().unwrap_or(Path::new("")).join(file)
 }
 
-/// The text of a file as it is, byte order mark included.
+/// The unchanged text of a file, byte order mark included.
 pub(crate) fn text(files: &dyn Source, name: &Path) -> Result<String, FileError> {
     Ok(String::from_utf8_lossy(&bytes(files, name)?).into_owned())
 }
 
-/// A `machine.toml`, and where its errors are.
+/// A `machine.toml`, and the origin to which its errors refer.
 fn described(files: &dyn Source, name: &Path) -> Result<(Origin, Description), FileError> {
     let path = files.path(name);
     let text = decode(bytes(files, name)?, &path, &[])?;

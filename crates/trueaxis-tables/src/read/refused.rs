@@ -1,4 +1,4 @@
-//! Refusals of the controller's checks, at their lines in the files.
+//! Maps refusals of the controller's checks to lines of the files.
 
 use super::axis_table::TableFile;
 use super::machine_toml::Description;
@@ -11,7 +11,7 @@ use trueaxis::error::{ConfigError, Field, Figure};
 use trueaxis::machine::Axis;
 
 impl TableFile {
-    /// A fault of the table at its line and column.
+    /// The error for a fault of the table, at its line and column.
     pub(super) fn refused(&self, origin: &Origin, fault: &check::TableFault) -> FileError {
         let line = self.lines.get(fault.row).copied().unwrap_or(0);
         let given = self.columns.iter().find(|column| column.holds(fault.component, fault.reverse));
@@ -31,7 +31,7 @@ impl TableFile {
     }
 }
 
-/// All errors together are too steep: with the source without which they are least steep.
+/// The error for a total error that is too steep; names the source whose removal leaves the smallest slope.
 pub(super) fn contraction(machine: &Machine, origin: &Origin, error: &ConfigError) -> FileError {
     if error.field != Field::Inverse {
         return origin.whole(error.found.to_string(), error.needed);
@@ -72,7 +72,7 @@ pub(super) fn contraction(machine: &Machine, origin: &Origin, error: &ConfigErro
     )
 }
 
-/// The hysteresis that is wide enough, in the unit of its key, in thousandths rounded up: the figure itself must be accepted.
+/// A sufficient hysteresis, in the unit of its key, in thousandths rounded up: the printed value itself must be accepted.
 pub(crate) fn least_hysteresis(error: &ConfigError) -> Option<f64> {
     let (bound, key) = error.bound.zip(error.key())?;
     Some((key.in_its_unit(bound) * 1e3 - 1e-6).ceil() / 1e3)
@@ -82,7 +82,7 @@ fn is_section(field: Field) -> bool {
     matches!(field, Field::Friction | Field::Feedback)
 }
 
-/// What an error needs, with the section or the figure that it speaks of.
+/// What an error needs, with the section or value that it refers to.
 fn needed(error: &ConfigError, bound: Option<f64>) -> String {
     let letter = error.axis.map_or(' ', Axis::letter);
     match (error.field, bound) {
@@ -98,7 +98,7 @@ fn needed(error: &ConfigError, bound: Option<f64>) -> String {
 }
 
 impl Description {
-    /// An error of the settings at the line of its key; at that of the section where the key is left at its default.
+    /// An error of the settings at the line of its key, or at that of the section if the key is at its default.
     pub(super) fn located(&self, origin: &Origin, error: &ConfigError) -> FileError {
         let Some(key) = error.key() else {
             return origin.whole(format!("{:?} = {}", error.field, Figure(error.found)), error.needed);
@@ -106,14 +106,14 @@ impl Description {
         let (found, bound) = (key.in_its_unit(error.found), error.bound.map(|bound| key.in_its_unit(bound)));
         let key = key.to_string();
         let needed = needed(error, bound);
-        // Of the sections of a list, the one with this number.
+        // In a list of sections, the one with this number.
         let place = match (key.split_once('.'), error.index) {
             (Some((list @ ("crosstalk" | "grid"), rest)), Some(index)) => format!("{list}[{index}].{rest}"),
             _ => key.clone(),
         };
         match self.keys.get(&place) {
             Some(written) if !written.text.is_empty() => origin.at(written.line, &key, &written.text, needed),
-            // A section that is not wrong by itself.
+            // A section that is valid without the others.
             Some(written) if is_section(error.field) => origin.at(written.line, &key, "this section", needed),
             // A default, or a whole section.
             _ => {
@@ -123,7 +123,7 @@ impl Description {
         }
     }
 
-    /// The hysteresis is too narrow.
+    /// The error for a hysteresis that is too narrow.
     pub(super) fn reversal(&self, origin: &Origin, error: &ConfigError) -> FileError {
         let at = self.located(origin, error);
         FileError {
@@ -138,7 +138,7 @@ impl Description {
         }
     }
 
-    /// Command + correction leaves the joint.
+    /// The error for command + correction outside the joint's range.
     pub(super) fn joint(&self, origin: &Origin, error: &ConfigError) -> FileError {
         let at = self.located(origin, error);
         let unit = if error.axis.is_some_and(Axis::is_rotary) { "degrees" } else { "mm" };

@@ -1,4 +1,4 @@
-//! `[roundness]` of `machine.toml`: a gauge of three probes.
+//! `[roundness]` of `machine.toml`: a three-probe gauge.
 
 use super::section::{Found, Section};
 use crate::error::FileError;
@@ -8,14 +8,14 @@ use trueaxis::roundness::{
     SpindleEncoder,
 };
 
-/// A number that has to be whole and fit.
+/// A number that has to be whole and in the range of its type.
 fn whole<T: TryFrom<i64>>(section: &Section<'_>, found: &Found<f64>, needed: &str) -> Result<T, FileError> {
     let value = found.value;
     let whole = (value.fract() == 0.0 && value.abs() < 9e15).then_some(value as i64);
     whole.and_then(|value| T::try_from(value).ok()).ok_or_else(|| section.wrong(found, needed))
 }
 
-/// Reads where keys may be missing.
+/// Readers of optional keys.
 impl Section<'_> {
     fn store_whole<T: TryFrom<i64>>(&self, to: &mut T, key: &str, needed: &str) -> Result<(), FileError> {
         if let Some(found) = self.number(key)? {
@@ -48,7 +48,7 @@ impl Section<'_> {
 
 const COUNTS: &str = "a whole number of counts per revolution";
 
-/// The section; `None` where the file has none.
+/// The section; `None` if the file has none.
 pub(super) fn read(root: &Section<'_>) -> Result<Option<GaugeSettings>, FileError> {
     let Some(section) = root.section("roundness")? else { return Ok(None) };
     let points =
@@ -113,11 +113,9 @@ fn read_keys(section: &Section<'_>, settings: &mut GaugeSettings) -> Result<(), 
     section.store(&mut settings.stop_s, "stop_s", |seconds| seconds)?;
     section.store_whole(&mut settings.revolutions, "revolutions", "a whole number from 1 to 10,000")?;
     section.store_whole(&mut settings.slices_per_cycle, "units_per_cycle", "a whole number from 1 to 16")?;
-    // No cut-off fits into the type and is not read from the file.
-    const NONE: u16 = u16::MAX;
-    let mut cut_off = NONE;
+    let mut cut_off = 0;
     section.store_whole(&mut cut_off, "filter_upr", "a cut-off of 15, 50, 150 or 500 UPR")?;
-    settings.filter = (cut_off != NONE).then_some(cut_off);
+    settings.filter = section.number("filter_upr")?.map(|_| cut_off);
     read_probes(section, &mut settings.probes)
 }
 

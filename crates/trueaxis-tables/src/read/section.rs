@@ -1,6 +1,6 @@
-//! Typed access to a section of a TOML file, with lines, and no key unread.
+//! Typed access to a section of a TOML file, with line numbers and a check for unread keys.
 //!
-//! Errors of every function: a value of another kind, with its line and the key's full name.
+//! Error of every function: a value of the wrong kind, with its line and the key's full name.
 
 use crate::error::FileError;
 use crate::origin::Origin;
@@ -12,10 +12,10 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 use trueaxis::machine::Axis;
 
-/// Reads a TOML text; `file` is only named in errors. `read` gets the file as a section, and ends with [`Section::finish`].
+/// Reads a TOML text; `file` is only named in errors. `read` receives the file as a section and ends with [`Section::finish`].
 ///
 /// # Errors
-/// Text that is no TOML, and those of `read`.
+/// Text that is not TOML, and errors of `read`.
 pub fn read_toml<T>(
     text: &str,
     file: &Path,
@@ -35,7 +35,7 @@ pub fn read_toml<T>(
 pub struct Found<T> {
     /// The value.
     pub value: T,
-    /// Its line, from 1.
+    /// Line, from 1.
     pub line: u32,
     /// Full name of the key.
     pub key: String,
@@ -51,7 +51,7 @@ pub struct Section<'a> {
     /// `axis.X.limits.`, empty for the file as a whole.
     prefix: String,
     asked: RefCell<Vec<String>>,
-    /// Full names of the numbers asked for in all sections, and how many each is.
+    /// Full names of the numbers requested in all sections, with their counts.
     numbers: &'a RefCell<Vec<(String, usize)>>,
 }
 
@@ -98,7 +98,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// Stores a number, converted, where the key is given.
+    /// Stores a number, converted, if the key is given.
     pub fn store(&self, to: &mut f64, key: &str, convert: impl Fn(f64) -> f64) -> Result<(), FileError> {
         if let Some(found) = self.number(key)? {
             *to = convert(found.value);
@@ -106,7 +106,7 @@ impl<'a> Section<'a> {
         Ok(())
     }
 
-    /// Stores a list of numbers where the key is given; whether it is.
+    /// Stores a list of numbers if the key is given; returns whether it is.
     pub fn store_all<const N: usize>(&self, to: &mut [f64; N], key: &str) -> Result<bool, FileError> {
         let found = self.numbers(key)?;
         let given = found.is_some();
@@ -168,7 +168,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// A section in this one.
+    /// A subsection.
     pub fn section(&self, key: &str) -> Result<Option<Section<'a>>, FileError> {
         let Some(value) = self.value(key) else { return Ok(None) };
         let Some(table) = value.get_ref().as_table() else {
@@ -185,7 +185,7 @@ impl<'a> Section<'a> {
         }))
     }
 
-    /// The sections of an array of tables, `[[key]]`, in the order of the file; none where the key is not there.
+    /// The sections of an array of tables, `[[key]]`, in the order of the file; empty if the key is absent.
     pub fn sections(&self, key: &str) -> Result<Vec<Section<'a>>, FileError> {
         let Some(value) = self.value(key) else { return Ok(Vec::new()) };
         let refuse = |span| self.refuse(key, &span, format!("sections [[{}{key}]]", self.prefix));
@@ -255,16 +255,16 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// The line of the section's first key, for what is wrong with all of it.
+    /// The line of the section's first key, for errors about the whole section.
     pub fn first_line(&self) -> u32 {
         self.table.keys().map(|key| self.line(&key.span())).min().unwrap_or(0)
     }
 
-    /// Refuses every key that was not asked for.
+    /// Refuses every key that was not requested.
     pub fn finish(self, needed: Option<&str>) -> Result<(), FileError> {
         let asked = self.asked.borrow();
         let unknown = self.table.keys().filter(|key| !asked.contains(&key.get_ref().to_string()));
-        // In the order of the file.
+        // The first in the order of the file.
         match unknown.min_by_key(|key| key.span().start) {
             None => Ok(()),
             Some(key) => {
@@ -284,7 +284,7 @@ impl<'a> Section<'a> {
         self.origin.at(line, &format!("{}{key}", self.prefix), found, needed)
     }
 
-    /// An error because a key is missing in one of several sections of the same name: at its first line.
+    /// An error because a key is missing in one of several sections of the same name, at the section's first line.
     pub fn missing_here(&self, key: &str, needed: &str) -> FileError {
         self.at(self.first_line(), key, "nothing", needed)
     }

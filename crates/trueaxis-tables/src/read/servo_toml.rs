@@ -6,7 +6,7 @@ use super::units::{degrees_from_urad, from_um, per_second, same};
 use crate::error::FileError;
 use trueaxis::machine::{Axis, AxisServo, DriveFigures, DynamicSettings, FeedbackSettings, FrictionSettings};
 
-/// Units of an axis in the names of its keys: positions, errors, and the errors to the unit of the core.
+/// Units of an axis in the names of its keys: positions, errors, and the conversion of errors to the unit of the core.
 struct Units {
     unit: &'static str,
     micro: &'static str,
@@ -22,12 +22,12 @@ impl Units {
     }
 }
 
-/// A number that has no default.
+/// A number without a default.
 fn required(section: &Section<'_>, key: &str, needed: &str) -> Result<f64, FileError> {
     Ok(section.number(key)?.ok_or_else(|| section.missing(key, needed))?.value)
 }
 
-/// The sections of an axis that it has.
+/// Reads those sections of an axis that it has.
 pub(super) fn read_axis(section: &Section<'_>, axis: Axis) -> Result<AxisServo, FileError> {
     let units = Units::of(axis);
     let drive = section.section("drive")?.map(read_drive).transpose()?;
@@ -86,7 +86,7 @@ fn read_dynamic(section: Section<'_>, axis: Axis, units: &Units) -> Result<Dynam
     Ok(dynamic)
 }
 
-/// `[contour.feedback]`; `None` where the file has none.
+/// Reads `[contour.feedback]`; `None` if the file has none.
 pub(super) fn read_feedback(contour: &Section<'_>) -> Result<Option<FeedbackSettings>, FileError> {
     let Some(section) = contour.section("feedback")? else { return Ok(None) };
     let mut feedback = FeedbackSettings::default();

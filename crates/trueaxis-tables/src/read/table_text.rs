@@ -1,4 +1,4 @@
-//! The tables of a machine as their files have them, for those who show or edit them.
+//! The tables of a machine as in their files, for display and editing.
 
 use super::{axis_table, beside, described};
 use crate::error::FileError;
@@ -11,13 +11,14 @@ use trueaxis::machine::Axis;
 /// A column of an axis table.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ColumnText {
-    /// Its name in the header.
+    /// Name in the header.
     pub name: String,
     /// 0 to 5 for EX to EC; `None`: the position.
     pub component: Option<usize>,
-    /// It holds for positive travel. A column that holds for neither is the standard uncertainty of its component.
+    /// Whether it applies to positive travel. A column that applies to neither direction is the standard uncertainty of its
+    /// component.
     pub forward: bool,
-    /// It holds for negative travel.
+    /// Whether it applies to negative travel.
     pub reverse: bool,
 }
 
@@ -32,22 +33,22 @@ pub struct TableText {
     pub columns: Vec<ColumnText>,
     /// Values of every line.
     pub rows: Vec<Vec<f64>>,
-    /// Line in the file of every row, from 1.
+    /// Line number of every row in the file, from 1.
     pub lines: Vec<u32>,
-    /// Name of the file in its source.
+    /// Name of the file in the source.
     pub(crate) path: PathBuf,
-    /// The file.
+    /// Text of the file.
     pub(crate) text: String,
-    /// Between the fields.
+    /// Separator of the fields.
     pub(crate) separator: char,
-    /// Decimals behind commas.
+    /// Whether decimals follow a comma.
     pub(crate) decimal_commas: bool,
 }
 
 /// The tables that a `machine.toml` names, in the order of the axes.
 ///
 /// # Errors
-/// A file that cannot be read, or is wrong by itself.
+/// A file that cannot be read, or that is invalid.
 pub fn table_texts(files: &dyn Source, name: &Path) -> Result<Vec<TableText>, FileError> {
     let (_, description) = described(files, name)?;
     let read = |reference: super::TableReference| {

@@ -6,7 +6,7 @@ use crate::error::FileError;
 use crate::uncertainty::{AxisUncertainty, Instrument, LocationUncertainty, Uncertainties};
 use trueaxis::machine::Axis;
 
-/// Largest standard uncertainties: those of the quantities themselves, in the units of the file.
+/// Largest standard uncertainties: the largest values of the quantities themselves, in the units of the file.
 const MOST_UM: f64 = 1000.0;
 pub(super) const UM: Bounds = Bounds { most: MOST_UM, needed: "a standard uncertainty of 0 to 1000 um" };
 pub(super) const URAD: Bounds = Bounds { most: 10_000.0, needed: "a standard uncertainty of 0 to 10000 urad" };
@@ -15,7 +15,7 @@ const MISALIGNMENT: Bounds = Bounds { most: 100.0, needed: "a standard uncertain
 const SERVO: Bounds = Bounds { most: 1e6, needed: "a standard uncertainty of 0 to 1e6" };
 const KELVIN: Bounds = Bounds { most: 100.0, needed: "a standard uncertainty of 0 to 100 K" };
 
-/// Range of a standard uncertainty: from zero, since there are no negative ones.
+/// Range of a standard uncertainty, from zero.
 pub(super) struct Bounds {
     pub(super) most: f64,
     pub(super) needed: &'static str,
@@ -44,12 +44,12 @@ fn millionths(value: f64) -> f64 {
     value / 1e6
 }
 
-/// Degrees of freedom: a scatter of two readings has one.
+/// Degrees of freedom, at least one: the scatter of two readings has one.
 fn degrees_of_freedom(section: &Section<'_>) -> Result<Option<f64>, FileError> {
     degrees(section, "degrees_of_freedom")
 }
 
-/// Those of a single figure, `C0Y_degrees_of_freedom` beside `C0Y_urad`, for the list of a section.
+/// Reads the degrees of freedom of a single figure, `C0Y_degrees_of_freedom` beside `C0Y_urad`, into the list of a section.
 fn own_degrees(section: &Section<'_>, name: &str, to: &mut Vec<(String, f64)>) -> Result<(), FileError> {
     to.extend(degrees(section, &format!("{name}_degrees_of_freedom"))?.map(|degrees| (name.to_owned(), degrees)));
     Ok(())
@@ -63,8 +63,7 @@ fn degrees(section: &Section<'_>, key: &str) -> Result<Option<f64>, FileError> {
     Ok(Some(found.value))
 }
 
-/// `uncertainty` of a section with these figures: what is written is checked, and no evaluation asks for it but the one that
-/// decides what is written next.
+/// Checks the `uncertainty` of a section with these figures; only the evaluation that decides what is written next uses it.
 pub(super) fn uncertainties_are_sound(figures: &Section<'_>, keys: &[&str]) -> Result<(), FileError> {
     let Some(section) = figures.section("uncertainty")? else { return Ok(()) };
     for key in keys {
@@ -74,7 +73,7 @@ pub(super) fn uncertainties_are_sound(figures: &Section<'_>, keys: &[&str]) -> R
     section.finish(None)
 }
 
-/// Instrument and location errors of the machine with these axes; without what the sections of the axes say.
+/// Instrument and location errors of the machine with these axes, without the sections of the axes.
 pub(super) fn read(root: &Section<'_>, axes: &[Axis]) -> Result<Uncertainties, FileError> {
     let mut found = Uncertainties::default();
     let Some(section) = root.section("uncertainty")? else { return Ok(found) };
@@ -98,7 +97,7 @@ pub(super) fn read(root: &Section<'_>, axes: &[Axis]) -> Result<Uncertainties, F
     Ok(found)
 }
 
-/// No uncertainty: it has a sign.
+/// A temperature difference: signed, since it is not an uncertainty.
 fn difference(section: &Section<'_>) -> Result<Option<f64>, FileError> {
     let Some(found) = section.number("temperature_difference_k")? else { return Ok(None) };
     if found.value.abs() > 100.0 {
@@ -130,7 +129,7 @@ fn read_location(section: Section<'_>, axes: &[Axis]) -> Result<LocationUncertai
     Ok(found)
 }
 
-/// `[axis.*.uncertainty]`; nothing stated where the axis has none.
+/// Reads `[axis.*.uncertainty]`; nothing is stated if the axis has none.
 pub(super) fn read_axis(axis: &Section<'_>, of: Axis) -> Result<AxisUncertainty, FileError> {
     let mut found = AxisUncertainty::unstated(of);
     let Some(section) = axis.section("uncertainty")? else { return Ok(found) };

@@ -1,4 +1,4 @@
-//! From the units of `machine.toml` to those of the core.
+//! Converts the units of `machine.toml` to those of the core.
 
 /// µm to mm: a division, so that the result is the double nearest to the decimal.
 pub(super) fn from_um(value: f64) -> f64 {
@@ -15,7 +15,7 @@ pub(crate) fn degrees_from_urad(value: f64) -> f64 {
     (value / 1e6).to_degrees()
 }
 
-/// In the unit of the core already.
+/// Already in the unit of the core.
 pub(super) fn same(value: f64) -> f64 {
     value
 }

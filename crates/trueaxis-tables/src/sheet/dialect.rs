@@ -1,10 +1,10 @@
-//! Separators and decimals, recognised from the head of a file.
+//! Separators and decimals, detected from the head of a file.
 
 use super::lines::{Lines, reader};
 use crate::error::FileError;
 use crate::origin::Origin;
 
-/// Bytes of a file in which decimal commas are distinguished from points.
+/// Bytes of a file that are examined for decimal commas or points.
 pub(super) const HEAD: u64 = 1 << 16;
 
 pub(super) const AMBIGUOUS: &str =
@@ -38,10 +38,10 @@ impl Separator {
     }
 }
 
-/// Sign before the decimals.
+/// Decimal sign.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Decimals {
-    /// No number has had any yet.
+    /// No number so far had decimals.
     Unknown,
     Point,
     Comma,
@@ -53,7 +53,7 @@ pub(super) enum Sign {
     None,
     Point,
     Comma,
-    /// A comma with three digits on its right: decimals or thousands.
+    /// A comma followed by three digits: decimals or thousands.
     Either,
 }
 
@@ -65,7 +65,7 @@ pub(super) fn sign(field: &str) -> Sign {
     match (unsigned.split_once(','), unsigned.contains('.')) {
         (None, false) => Sign::None,
         (None, true) => Sign::Point,
-        // `1.234,5` is no number either way: it is refused as a number.
+        // `1.234,5` is not a number either way, and is refused as one.
         (Some(_), true) => Sign::Comma,
         (Some((whole, decimals)), false) => {
             let thousands = decimals.len() == 3
@@ -77,10 +77,10 @@ pub(super) fn sign(field: &str) -> Sign {
     }
 }
 
-/// A field without the blanks and quotes around it.
+/// A field without surrounding blanks and quotes.
 pub(super) fn bare(field: &str) -> &str {
     let field = field.trim();
-    // Quotes behind a blank are not the csv reader's.
+    // The csv reader leaves quotes that follow a blank.
     field.strip_prefix('"').and_then(|field| field.strip_suffix('"')).map_or(field, str::trim)
 }
 
@@ -114,9 +114,9 @@ pub(super) fn separator(head: &[u8], origin: &Origin) -> Result<Separator, FileE
     }
 }
 
-/// The decimals of the first number that leaves no doubt.
+/// The decimals of the first unambiguous number.
 pub(super) fn decimals(head: &[u8], separator: Separator, origin: &Origin) -> Result<Decimals, FileError> {
-    // The last line may be cut off.
+    // The last line may be incomplete.
     let whole = if (head.len() as u64) < HEAD {
         head.len()
     } else {

@@ -1,9 +1,9 @@
-//! A file as the csv reader sees it: one line, one record.
+//! Presents a file to the csv reader: one line, one record.
 
 use std::collections::VecDeque;
 use std::io::{self, BufRead, Read};
 
-/// Longest line read, bytes: a file without line ends is no table.
+/// Longest line read, bytes: a file without line ends is not a table.
 pub(super) const LONGEST_LINE: usize = 1 << 20;
 
 pub(super) fn reader<'r>(input: Box<dyn BufRead + 'r>, delimiter: u8) -> csv::Reader<Lines<'r>> {
@@ -16,7 +16,7 @@ pub(super) fn reader<'r>(input: Box<dyn BufRead + 'r>, delimiter: u8) -> csv::Re
     })
 }
 
-/// Hands a file to the csv reader line by line, without comments and blank lines, and keeps the numbers of those lines: one
+/// Passes a file to the csv reader line by line, without comments and blank lines, and records the numbers of those lines: one
 /// line is one record.
 pub(super) struct Lines<'r> {
     input: Box<dyn BufRead + 'r>,
@@ -24,7 +24,7 @@ pub(super) struct Lines<'r> {
     given: usize,
     /// Line read last, from 1.
     pub(super) number: u32,
-    /// Lines handed out of which no record was made yet.
+    /// Lines passed on whose record has not been read yet.
     pub(super) handed: VecDeque<u32>,
 }
 
@@ -33,7 +33,7 @@ impl<'r> Lines<'r> {
         Lines { input: Box::new(bytes), line: Vec::new(), given: 0, number: 0, handed: VecDeque::new() }
     }
 
-    /// Reads on to a line with content; false at the end.
+    /// Reads up to the next line with content; `false` at the end.
     pub(super) fn fetch(&mut self) -> io::Result<bool> {
         loop {
             (self.given, self.number) = (0, self.number.saturating_add(1));

@@ -1,4 +1,4 @@
-//! CSV as spreadsheets and instruments write it: a header, then one row a line, read row by row.
+//! Reads CSV as spreadsheets and instruments write it: a header, then one row a line, read row by row.
 //!
 //! | recognised | how |
 //! |---|---|
@@ -8,8 +8,9 @@
 //! | comments, blank lines, byte order mark | lines that begin with `#` are skipped |
 //! | UTF-8, or UTF-16 as a spreadsheet's "Unicode text" | the byte order mark |
 //!
-//! Nothing is guessed. A decimal comma needs semicolons or tabs between the fields, or quotes. Where it could as well part
-//! thousands (`1,234` in every number of a file without semicolons), the file is refused. Thousands are never parted.
+//! Nothing is guessed. A decimal comma needs semicolons or tabs between the fields, or quotes. If the comma could equally be a
+//! thousands separator (`1,234` in every number of a file without semicolons), the file is refused. Thousands separators are
+//! never accepted.
 
 mod dialect;
 mod lines;
@@ -47,7 +48,7 @@ impl<'r> Sheet<'r> {
     /// Reads the header; `file` is only named in errors.
     ///
     /// # Errors
-    /// No header, one with two kinds of separators, or decimals that can be read in two ways.
+    /// No header, one with two kinds of separators, or ambiguous decimals.
     pub fn new(mut input: impl Read + 'r, file: &Path) -> Result<Sheet<'r>, FileError> {
         let origin = Origin::new(file);
         let mut head = Vec::new();
@@ -93,7 +94,7 @@ impl<'r> Sheet<'r> {
         self.line
     }
 
-    /// Separators and decimals, where they are not commas and decimal points: to be reported once.
+    /// Separators and decimals, if they are not commas and decimal points: to be reported once.
     pub fn dialect(&self) -> Option<&'static str> {
         Some(match (self.separator, self.decimals) {
             (Separator::Comma, Decimals::Comma) => "read as comma separated with decimal commas in quotes",
@@ -110,15 +111,15 @@ impl<'r> Sheet<'r> {
         char::from(self.separator.byte())
     }
 
-    /// Whether a number read so far had its decimals behind a comma.
+    /// Whether any number read so far had a decimal comma.
     pub(crate) fn has_decimal_commas(&self) -> bool {
         self.decimals == Decimals::Comma
     }
 
-    /// Goes on to the next row; false at the end of the file.
+    /// Advances to the next row; `false` at the end of the file.
     ///
     /// # Errors
-    /// A row with another number of fields than the header, an open quote, bytes that are not UTF-8.
+    /// A row whose number of fields differs from the header's, an open quote, bytes that are not UTF-8.
     pub fn next_row(&mut self) -> Result<bool, FileError> {
         if !self.advance()? {
             return Ok(false);
@@ -136,12 +137,12 @@ impl<'r> Sheet<'r> {
         Ok(true)
     }
 
-    /// A field of the row, without blanks and quotes around it; empty beyond the last.
+    /// A field of the row, without surrounding blanks and quotes; empty beyond the last.
     pub fn field(&self, column: usize) -> &str {
         self.record.get(column).map_or("", bare)
     }
 
-    /// A field with a decimal point, whatever the file has.
+    /// A field with a decimal point, whichever the file uses.
     pub fn plain(&self, column: usize) -> Cow<'_, str> {
         let field = self.field(column);
         if self.decimals == Decimals::Comma { field.replace(',', ".").into() } else { field.into() }
@@ -150,7 +151,7 @@ impl<'r> Sheet<'r> {
     /// A field as a finite number.
     ///
     /// # Errors
-    /// No number, one that is not finite, or one with decimals of the other kind than those before.
+    /// A field that is not a number, not finite, or whose decimals differ in kind from those before.
     pub fn number(&mut self, column: usize) -> Result<f64, FileError> {
         let field = self.record.get(column).map_or("", bare);
         let name = self.header.get(column).map_or("", String::as_str);
@@ -189,7 +190,7 @@ impl<'r> Sheet<'r> {
         self.origin.at(self.line, column, found, needed)
     }
 
-    /// The next line that is neither blank nor a comment, taken apart.
+    /// Reads and splits the next line that is neither blank nor a comment.
     fn advance(&mut self) -> Result<bool, FileError> {
         let read = self.reader.read_record(&mut self.record);
         let lines = self.reader.get_mut();

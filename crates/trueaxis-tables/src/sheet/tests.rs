@@ -1,4 +1,4 @@
-//! Files as spreadsheets write them, and what is refused.
+//! Files as spreadsheets write them, and refusals.
 
 use super::lines::LONGEST_LINE;
 use super::*;
@@ -39,7 +39,7 @@ fn files_as_spreadsheets_write_them() {
     // Comments may be in any encoding; lines are counted with them.
     let (_, rows) = read(b"# \xb5m\n\n  # more, \"\nx,y\n# here\n1,2\n\n3,4\n").unwrap();
     assert_eq!(rows, [(6, vec![1.0, 2.0]), (8, vec![3.0, 4.0])]);
-    // Three decimals everywhere are decimals where semicolons part the fields, or once another number shows it.
+    // Three decimals everywhere are decimals if semicolons separate the fields, or once another number shows it.
     assert_eq!(read(b"x;y\n1,234;5\n").unwrap().1, [(2, vec![1.234, 5.0])]);
     assert_eq!(read(b"x\ty\n1,234\t5\n0,500\t2\n").unwrap().1, [(2, vec![1.234, 5.0]), (3, vec![0.5, 2.0])]);
 }
@@ -67,7 +67,7 @@ fn nothing_is_guessed() {
     }
     let latin = read(b"x,y\n1,2\n\xb5,2\n").unwrap_err();
     assert_eq!((latin.line, latin.found.as_str()), (Some(3), "bytes that are not UTF-8"));
-    // A byte is missing, and half a character.
+    // A missing byte, and half a character.
     for damaged in [&b"\xff\xfex\0y"[..], b"\xff\xfe\0\xd8x\0"] {
         assert!(read(damaged).unwrap_err().found.contains("damaged text in UTF-16"));
     }
@@ -76,7 +76,7 @@ fn nothing_is_guessed() {
     assert_eq!(read(&long).unwrap_err().line, Some(3));
 }
 
-/// As Excel writes "Unicode text", and in the other order of bytes.
+/// As Excel writes "Unicode text", and in the other byte order.
 #[test]
 fn text_in_utf16_is_read() {
     let text = "X_mm\tfwd_1_um\n801\t0,002\n781\t−0,779\n".replace('−', "-");

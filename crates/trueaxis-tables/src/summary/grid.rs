@@ -5,19 +5,19 @@ use serde::Serialize;
 use std::fmt;
 use trueaxis::machine::{Axis, GridData};
 
-/// A grid in figures.
+/// Summary of a grid.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct GridSummary {
-    /// The axes over which it stands, with their nodes.
+    /// The axes that it covers, with their nodes.
     pub axes: Vec<GridAxisSummary>,
-    /// Nodes in all.
+    /// Total number of nodes.
     pub nodes: usize,
     /// Bytes of the nodes and of positions that are not equidistant, in flash.
     pub bytes: usize,
     /// Heights Z, mm, between which it fades.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fade_mm: Option<[f64; 2]>,
-    /// Position of X, Y, Z while it was measured, mm; zero of the axes over which it stands.
+    /// Position of X, Y, Z during the measurement, mm; zero for the axes that it covers.
     pub measured_at_mm: [f64; 3],
     /// The given errors.
     pub errors: Vec<GridErrorSummary>,
@@ -30,9 +30,9 @@ pub struct GridAxisSummary {
     pub axis: char,
     /// Number of nodes.
     pub nodes: u16,
-    /// First and last, mm.
+    /// First and last node, mm.
     pub range_mm: [f64; 2],
-    /// They are the same distance apart.
+    /// Whether the nodes are equidistant.
     pub equidistant: bool,
 }
 
@@ -43,9 +43,9 @@ pub struct GridErrorSummary {
     pub name: String,
     /// um or urad.
     pub unit: &'static str,
-    /// Largest |value|, in that unit.
+    /// Largest |value|, in `unit`.
     pub max_abs: f64,
-    /// Resolution: a value is off by half of it at most, in that unit.
+    /// Resolution: a value is off by at most half of it, in `unit`.
     pub resolution: f64,
 }
 

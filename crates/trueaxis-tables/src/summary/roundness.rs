@@ -1,14 +1,14 @@
-//! The gauge of three probes of a compiled file.
+//! The three-probe gauge of a compiled file.
 
 use crate::text::short;
 use serde::Serialize;
 use std::fmt;
 use trueaxis::roundness::{Band, GaugeSettings};
 
-/// The gauge of three probes in a compiled file.
+/// The three-probe gauge of a compiled file.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RoundnessSummary {
-    /// Points of a revolution.
+    /// Points per revolution.
     pub points: u16,
     /// φ2 and φ3, degrees.
     pub angles_deg: [f64; 2],
@@ -24,7 +24,7 @@ pub struct RoundnessSummary {
     pub infeed: Option<(char, f64)>,
 }
 
-/// The gauge's; `None` where its angles make no gauge.
+/// Summary of the gauge; `None` if its angles are not valid.
 pub(super) fn roundness(settings: &GaugeSettings) -> Option<RoundnessSummary> {
     let gain = settings.angles.resolve(usize::from(settings.points)).ok()?;
     let Band { first, last } = settings.band;

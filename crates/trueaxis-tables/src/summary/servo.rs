@@ -5,10 +5,10 @@ use serde::Serialize;
 use std::fmt;
 use trueaxis::machine::{Axis, AxisServo, CrosstalkSettings, DriveFigures, FeedbackSettings};
 
-/// The servo of an axis. Lengths in the axis' unit, mm or degrees, small ones in µm or µrad.
+/// The servo settings of an axis. Lengths in the axis' unit, mm or degrees, small ones in µm or µrad.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ServoSummary {
-    /// Figures of the drive.
+    /// Parameters of the drive.
     pub drive: Option<DriveFigures>,
     /// Friction of the reversal feed-forward.
     pub friction: Option<FrictionSummary>,
@@ -16,7 +16,7 @@ pub struct ServoSummary {
     pub dynamic: Option<DynamicSummary>,
 }
 
-/// Friction of an axis, over the gain of its velocity loop.
+/// Friction of an axis, divided by the gain of its velocity loop.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FrictionSummary {
     /// Coulomb friction, per s.
@@ -25,7 +25,7 @@ pub struct FrictionSummary {
     pub presliding_micro: f64,
     /// Static friction above Coulomb friction, as a share of it.
     pub stribeck_share: f64,
-    /// Velocity at which half of that is left, per s.
+    /// Velocity at which half of that remains, per s.
     pub stribeck_velocity_per_s: f64,
     /// Viscous friction.
     pub viscous: f64,
@@ -42,11 +42,11 @@ pub struct DynamicSummary {
     pub slope_per_s: f64,
     /// Largest acceleration, per s².
     pub acceleration_per_s2: f64,
-    /// Following error is made up for.
+    /// Whether the following error is compensated.
     pub lag: bool,
-    /// Acceleration is fed forward.
+    /// Whether acceleration is fed forward.
     pub acceleration: bool,
-    /// Lost motion is taken up from the command's reversal.
+    /// Whether lost motion is taken up at the command's reversal.
     pub take_up: bool,
 }
 
@@ -59,26 +59,26 @@ pub struct FeedbackSummary {
     pub integral_per_s: f64,
     /// Fastest motion with feedback, mm/min.
     pub max_feed_mm_per_min: f64,
-    /// Contour error from which an oscillation is looked for, µm.
+    /// Contour error above which the feedback watches for an oscillation, µm.
     pub watch_um: f64,
 }
 
-/// One cross-talk.
+/// A cross-talk term.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CrosstalkSummary {
     /// Axis along which the tip moves.
     pub tip: char,
-    /// Axis that accelerates.
+    /// Accelerating axis.
     pub from: char,
-    /// Axis of the positions.
+    /// Axis whose position k depends on.
     pub over: char,
     /// Unit of k: um per m/s2 or um per deg/s2.
     pub unit: &'static str,
-    /// Position and k; one: the same everywhere.
+    /// Position and k; a single point applies everywhere.
     pub points: Vec<[f64; 2]>,
 }
 
-/// The servo of an axis that has anything of it.
+/// The servo settings of an axis that has any.
 pub(super) fn servo(axis: Axis, servo: &AxisServo) -> Option<ServoSummary> {
     let friction = servo.friction.map(|friction| FrictionSummary {
         coulomb_per_s: friction.coulomb_per_s,
@@ -121,7 +121,7 @@ pub(super) fn crosstalk(settings: &CrosstalkSettings) -> CrosstalkSummary {
 }
 
 impl ServoSummary {
-    /// Lines of an axis' section; `unit` is mm or deg, `micro` µm or µrad.
+    /// Writes the lines of an axis' section; `unit` is mm or deg, `micro` µm or µrad.
     pub(super) fn lines(&self, f: &mut fmt::Formatter<'_>, unit: &str, micro: &str) -> fmt::Result {
         if let Some(drive) = &self.drive {
             let [kv, kvp] = [drive.position_gain_per_s, drive.velocity_gain_per_s].map(short);

@@ -1,9 +1,9 @@
-//! Committed files to compare with.
+//! Committed files for comparison.
 
 use std::fs;
 use std::path::Path;
 
-/// Compares with a committed file; `GOLDEN=write` in the environment writes it instead.
+/// Compares with a committed file; with `GOLDEN=write` in the environment, writes it instead.
 pub(crate) fn golden(name: &str, text: &str) {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden").join(name);
     if std::env::var_os("GOLDEN").is_some() {

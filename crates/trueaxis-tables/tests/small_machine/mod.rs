@@ -1,4 +1,4 @@
-//! A machine small enough to be worked out by hand.
+//! A machine small enough to be calculated by hand.
 
 use trueaxis::machine::{Axis, Limits, LocationErrors, Row};
 use trueaxis_tables::{Machine, Table};

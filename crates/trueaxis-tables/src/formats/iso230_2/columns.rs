@@ -1,4 +1,4 @@
-//! Columns of a measurement by their names.
+//! Identifies the columns of a measurement by their names.
 
 use crate::error::FileError;
 use crate::sheet::Sheet;
@@ -13,7 +13,7 @@ const MATRIX: &str =
 /// Columns of a file, by their index.
 pub(super) struct Columns {
     pub(super) axis: Axis,
-    /// Of the targets.
+    /// Column of the target position.
     pub(super) position: usize,
     pub(super) layout: Layout,
 }
@@ -33,7 +33,7 @@ pub(super) struct Run {
     pub(super) direction: Direction,
 }
 
-/// The columns that the header names, of the axis asked for.
+/// The columns that the header names, for the requested axis.
 pub(super) fn read(sheet: &Sheet<'_>, wanted: Option<Axis>) -> Result<Columns, FileError> {
     let names = sheet.header();
     let is_matrix = names.iter().any(|name| run_column(name).is_some());
@@ -83,7 +83,7 @@ pub(super) fn read(sheet: &Sheet<'_>, wanted: Option<Axis>) -> Result<Columns, F
     Ok(Columns { axis, position, layout })
 }
 
-/// The axis of the file, or the one asked for.
+/// The axis that the file names, or the requested one.
 fn measured_axis(sheet: &Sheet<'_>, name: &str, named: Option<Axis>, wanted: Option<Axis>) -> Result<Axis, FileError> {
     match (named, wanted) {
         (Some(named), Some(wanted)) if named != wanted => {
@@ -95,8 +95,8 @@ fn measured_axis(sheet: &Sheet<'_>, name: &str, named: Option<Axis>, wanted: Opt
     }
 }
 
-/// Run, direction and whether µrad (where the name says) of `+1`, `-1`, `+2` …; `fwd_1_um`, `rev_1_um` … (`_urad` of a
-/// rotary axis).
+/// Run, direction and whether µrad (if the name says so) of `+1`, `-1`, `+2` …; `fwd_1_um`, `rev_1_um` … (`_urad` for a rotary
+/// axis).
 fn run_column(name: &str) -> Option<(u32, Direction, Option<bool>)> {
     let (direction, rest) = [
         ("+", Direction::Up),
@@ -115,7 +115,7 @@ fn run_column(name: &str) -> Option<(u32, Direction, Option<bool>)> {
         Some((number, "urad")) => (number, Some(true)),
         Some(_) => return None,
     };
-    // Words carry their unit, as every other column does.
+    // Spelled-out names state their unit, as all other columns do.
     if urad.is_none() && name.starts_with(|first: char| first.is_ascii_alphabetic()) {
         return None;
     }
@@ -123,7 +123,7 @@ fn run_column(name: &str) -> Option<(u32, Direction, Option<bool>)> {
     (run > 0).then_some((run, direction, urad))
 }
 
-/// Axis (if named) and whether degrees, of `X_mm`, `C_deg`, `position_mm`, `position_deg`.
+/// Axis (if named) and whether degrees, from `X_mm`, `C_deg`, `position_mm`, `position_deg`.
 fn position_column(name: &str) -> Option<(Option<Axis>, bool)> {
     let (axis, is_deg) = match name.split_once('_')? {
         (axis, "mm") => (axis, false),

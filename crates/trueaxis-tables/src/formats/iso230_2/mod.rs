@@ -9,22 +9,24 @@
 //!
 //! The first column is the target position: `X_mm` (`C_deg` for a rotary axis) or, if the axis is named elsewhere,
 //! `position_mm` (`position_deg`). `run` counts from 1; `direction` is `+` if the target was approached in positive direction
-//! and `-` otherwise; the deviation is actual − target, `deviation_um` (rotary: `deviation_urad`). Columns and lines may stand
-//! in any order; each position, run and direction once, and every run at every position, so that no lost line goes unnoticed.
+//! and `-` otherwise; the deviation is actual − target, `deviation_um` (rotary: `deviation_urad`). Columns and lines may be in
+//! any order. Each position, run and direction must occur once, and every run at every position, so that a lost line is
+//! noticed.
 //!
-//! Or a matrix, one line per target position and one column per run and direction, as many instruments write it:
+//! The other layout is a matrix, one line per target position and one column per run and direction, as many instruments write
+//! it:
 //!
 //! ```text
 //! X_mm,+1,-1,+2,-2              or    X_mm,fwd_1_um,rev_1_um,fwd_2_um,rev_2_um
 //! -292.42,8.73,10.31,8.70,10.25
 //! ```
 //!
-//! `+` (`↑`, `fwd`) is the approach in positive direction, the number the run; without a unit in the name the deviations are µm,
-//! of a rotary axis µrad.
+//! `+` (`↑`, `fwd`) is the approach in positive direction, the number is the run; without a unit in the name the deviations
+//! are in µm, for a rotary axis in µrad.
 //!
-//! As a table: the mean of all runs at each position, both directions apart if both were measured and differ by more than
-//! the scatter of their runs makes them; else the mean of both. The scatter is not kept. Of one direction the table holds for
-//! both, with a note.
+//! The table has the mean of all runs at each position: separately for both directions if both were measured and differ by
+//! more than the scatter of their runs explains, else the mean of both. The scatter is dropped. If only one direction was
+//! measured, the table applies to both, with a note.
 
 mod columns;
 
@@ -47,14 +49,14 @@ use trueaxis_metrology::accuracy::{AccuracyError, Approach, Direction, Measureme
 pub struct MeasurementFile {
     /// The measurement.
     pub measurement: Measurement,
-    /// Separators and decimals, where they are not the usual ones: to be reported once.
+    /// Unusual separators and decimals: to be reported once.
     pub dialect: Option<&'static str>,
 }
 
 /// Reads a measurement; `file` is only named in errors, `axis` is needed if the position column does not name it.
 ///
 /// # Errors
-/// A missing or unknown column, a value that is none, an approach twice or missing: with its line.
+/// A missing or unknown column, an invalid value, an approach given twice or missing: with its line.
 pub fn read_measurement(text: &str, file: &Path, axis: Option<Axis>) -> Result<MeasurementFile, FileError> {
     read(text, &Origin::new(file), axis)
 }
@@ -107,7 +109,7 @@ fn direction_of(sheet: &Sheet<'_>, column: usize) -> Result<Direction, FileError
     }
 }
 
-/// An approach twice, with its line, or missing.
+/// The error for an approach given twice, with its line, or missing.
 fn incomplete(error: &AccuracyError, lines: &[u32], origin: &Origin) -> FileError {
     let text = error.to_string();
     let (found, needed) = text.split_once(", needed ").unwrap_or((&text, "a complete measurement"));
@@ -134,7 +136,7 @@ pub(super) fn import(text: &str, origin: &Origin, axis: Option<Axis>) -> Result<
         lines.push((0, super::single(position, axis.index(), forward / scale, reverse / scale)));
     }
     let mut table = super::table(axis, super::only(axis.index()), lines, origin)?;
-    // Both directions are in it all the same: a backlash beside it would be corrected on top.
+    // The table includes both directions nevertheless: a backlash setting would be corrected a second time.
     table.bidirectional |= same.is_some();
     let micro = if axis.is_rotary() { "µrad" } else { "µm" };
     let mean_of_both = same.map(|[found, expected]| {
@@ -159,7 +161,7 @@ pub(super) fn import(text: &str, origin: &Origin, axis: Option<Axis>) -> Result<
     })
 }
 
-/// The axis' own error as a measurement of one run without scatter, backlash included, to 1 nm (0.001 µrad).
+/// Writes the axis' own error as a measurement of one run without scatter, backlash included, to 1 nm (0.001 µrad).
 pub(super) fn export(machine: &Machine, options: &ExportOptions, exported: &mut Exported) {
     for (settings, table) in positioning::chosen(machine, options.axis) {
         let axis = settings.axis;
