@@ -11,7 +11,7 @@
 //! A↑ = max(x̄_i↑ + 2 s_i↑) − min(x̄_i↑ − 2 s_i↑)                     A the same over both directions
 //! ```
 //!
-//! Everything is in µm for linear and µrad for rotary axes. The measurement uncertainty is not part of these values.
+//! All values are in µm for linear and µrad for rotary axes. They exclude the measurement uncertainty.
 //!
 //! ```
 //! use trueaxis::Axis;
@@ -55,7 +55,7 @@ pub struct Approach {
     pub deviation: f64,
 }
 
-/// A measurement of one axis; every position of `positions` has every run of every measured direction once.
+/// A measurement of one axis, with each run at each position in each measured direction exactly once.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measurement {
     /// The axis.
@@ -66,15 +66,15 @@ pub struct Measurement {
     pub positions: Vec<f64>,
     /// Number of runs.
     pub runs: usize,
-    /// The directions measured, `Up` first.
+    /// Measured directions, `Up` first.
     pub directions: Vec<Direction>,
 }
 
 impl Measurement {
-    /// Sorts the approaches of an axis into positions, runs and directions.
+    /// Groups the approaches of an axis into positions, runs and directions.
     ///
     /// # Errors
-    /// No approach, one twice, or one missing.
+    /// There is no approach, or one is repeated or missing.
     pub fn new(axis: Axis, approaches: Vec<Approach>) -> Result<Measurement, AccuracyError> {
         let key = |position: f64, run, direction| ((position + 0.0).to_bits(), run, direction);
         let mut given = BTreeSet::new();
@@ -104,7 +104,7 @@ impl Measurement {
         Ok(Measurement { axis, approaches, positions, runs: runs.len(), directions })
     }
 
-    /// The deviations at a position in a direction, µm (µrad), in the order of measurement.
+    /// Returns the deviations at a position in a direction, µm (µrad), in the order of measurement.
     pub fn deviations(&self, position: f64, direction: Direction) -> impl Iterator<Item = f64> {
         self.approaches
             .iter()
@@ -112,7 +112,7 @@ impl Measurement {
             .map(|approach| approach.deviation)
     }
 
-    /// Mean deviation at a position in a direction, µm (µrad); `None` where it was not measured.
+    /// Returns the mean deviation at a position in a direction, µm (µrad); `None` if it was not measured.
     pub fn mean(&self, position: f64, direction: Direction) -> Option<f64> {
         let (sum, count) = self
             .deviations(position, direction)
@@ -120,16 +120,16 @@ impl Measurement {
         (count > 0).then(|| sum / f64::from(count))
     }
 
-    /// Where both directions differ by no more than the scatter of their runs makes them: the root mean square of B_i, and
-    /// what the scatter alone would make it, µm (µrad). `None` where they differ by more, or where there is nothing to
-    /// judge that by: one run, one direction.
+    /// If the directions differ no more than the scatter of the runs explains, returns the root mean square of B_i and the
+    /// value that scatter alone would cause, µm (µrad). `None` if they differ by more, or without a basis for the decision:
+    /// one run, one direction.
     ///
     /// ```text
     /// v = 2 s²/n,  s² = mean of all s_i↑², s_i↓²,  ν = 2m(n − 1):   |Σ B_i/m| ≤ 2 √(v/m)  and  Σ B_i²/m ≤ v (1 + 2 √(2/m + 2/ν))
     /// ```
     ///
-    /// The mean finds lost motion that is the same everywhere, the squares what changes along the axis; both within two
-    /// standard deviations.
+    /// The mean detects lost motion that is constant along the axis, the squares detect changes; both limits are two standard
+    /// deviations.
     pub fn reversal_within_scatter(&self) -> Option<[f64; 2]> {
         let found = evaluate(self).ok()?;
         let (m, n) = (found.positions.len() as f64, self.runs as f64);
@@ -147,7 +147,7 @@ impl Measurement {
     }
 }
 
-/// Result at one target position, one direction; µm (µrad).
+/// Result at one target position in one direction; µm (µrad).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct OneWayAtPosition {
     /// Mean deviation x̄_i↑ or x̄_i↓.
@@ -208,9 +208,9 @@ pub struct BothWays {
 pub struct Accuracy {
     /// Letter of the axis.
     pub axis: char,
-    /// Unit of every value but the positions: `um` or `urad`.
+    /// Unit of all values except the positions: `um` or `urad`.
     pub unit: &'static str,
-    /// Number of runs n (ISO 230-2 asks for 5).
+    /// Number of runs n (ISO 230-2 requires 5).
     pub runs: usize,
     /// One entry per target position, increasing.
     pub positions: Vec<AtPosition>,
@@ -226,18 +226,18 @@ pub struct Accuracy {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum AccuracyError {
-    /// A standard deviation needs two values.
+    /// There is only one run; a standard deviation needs two values.
     TooFewRuns,
-    /// No approach at all.
+    /// There are no approaches.
     Empty,
-    /// One position, run and direction a second time.
+    /// A position is repeated in the same run and direction.
     Twice {
         /// Index of the second approach.
         index: usize,
         /// The approach.
         approach: Approach,
     },
-    /// A run without a position that another run has, or without one of its directions.
+    /// A run lacks a position that another run has, or one of its directions.
     Missing {
         /// Target position, mm (degrees).
         position: f64,
@@ -277,10 +277,11 @@ pub fn evaluate(measurement: &Measurement) -> Result<Accuracy, AccuracyError> {
     evaluate_compensated(measurement, |_, _| 0.0)
 }
 
-/// Evaluates what a compensation would leave: x_ij − `error(position, direction)`.
+/// Evaluates the deviations that a compensation would leave: x_ij − `error(position, direction)`.
 ///
-/// `error` is the own error of the axis that the table predicts, actual − ideal, in µm (µrad), at a position in mm (degrees).
-/// First order: the table is looked up at the target, which the compensated axis differs from by the error itself.
+/// `error` is the axis' own error as the table predicts it, actual − ideal, in µm (µrad), at a position in mm (degrees). The
+/// evaluation is first-order: it looks the table up at the target, from which the compensated axis differs by the error
+/// itself.
 ///
 /// # Errors
 /// [`AccuracyError::TooFewRuns`] for a single run.
@@ -296,7 +297,7 @@ pub fn evaluate_compensated(
     Ok(from_positions(measurement.axis, measurement.runs, positions))
 }
 
-/// The figures of an axis from those of its positions.
+/// Figures of an axis from the results at its positions.
 pub(crate) fn from_positions(axis: Axis, runs: usize, positions: Vec<AtPosition>) -> Accuracy {
     let up = one_way(positions.iter().filter_map(|at| at.up));
     let down = one_way(positions.iter().filter_map(|at| at.down));

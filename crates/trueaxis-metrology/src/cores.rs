@@ -1,5 +1,5 @@
-//! Work on all cores: rayon's iterators. A browser's module has one thread; there they are those of the standard library under
-//! the same names, and rayon stays out of it.
+//! Parallel iterators on all cores, by rayon. A browser's module has one thread: there the standard library's iterators
+//! replace them under the same names, without rayon.
 
 #[cfg(not(target_family = "wasm"))]
 pub use rayon::prelude::*;
@@ -9,9 +9,9 @@ pub use alone::{Alone as _, Items as _, Parts as _};
 
 #[cfg(target_family = "wasm")]
 mod alone {
-    /// Whatever can be iterated over.
+    /// Anything that can be iterated over.
     pub trait Items: IntoIterator + Sized {
-        /// Its items, one after the other.
+        /// Returns the items in sequence.
         fn into_par_iter(self) -> Self::IntoIter {
             self.into_iter()
         }
@@ -21,11 +21,11 @@ mod alone {
 
     /// Slices.
     pub trait Parts<T> {
-        /// Its items, one after the other.
+        /// Returns the items in sequence.
         fn par_iter(&self) -> core::slice::Iter<'_, T>;
-        /// Parts of so many items.
+        /// Returns chunks of `size` items.
         fn par_chunks(&self, size: usize) -> core::slice::Chunks<'_, T>;
-        /// The same to be written.
+        /// Returns mutable chunks of `size` items.
         fn par_chunks_mut(&mut self, size: usize) -> core::slice::ChunksMut<'_, T>;
     }
 
@@ -43,9 +43,9 @@ mod alone {
         }
     }
 
-    /// What rayon's iterators have beside those of the standard library.
+    /// Methods of rayon's iterators that the standard library's lack.
     pub trait Alone: Iterator + Sized {
-        /// `each` with a state that is made once.
+        /// Maps with a state that is created once.
         fn map_init<S, R>(
             self,
             init: impl FnOnce() -> S,
@@ -55,7 +55,7 @@ mod alone {
             self.map(move |item| each(&mut state, item))
         }
 
-        /// All items that `each` gives.
+        /// Flattens the iterators that `each` returns.
         fn flat_map_iter<I: IntoIterator>(self, each: impl FnMut(Self::Item) -> I) -> impl Iterator<Item = I::Item> {
             self.flat_map(each)
         }

@@ -1,4 +1,4 @@
-//! Drift of a reading over stated periods, as the thermal tests of ISO 230-3 ask for it.
+//! Drift of a reading over stated periods, as required by the thermal tests of ISO 230-3.
 //!
 //! ```text
 //! range          max − min over the whole test
@@ -11,7 +11,7 @@
 
 use std::collections::VecDeque;
 
-/// Drift of one reading, in its unit; times in its unit of time.
+/// Drift of one reading, in its unit; times in the unit of the given times.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Drift {
@@ -23,11 +23,11 @@ pub struct Drift {
     pub worst: f64,
     /// Time of the first reading of that span.
     pub worst_from: f64,
-    /// Last less first reading.
+    /// Last − first reading.
     pub end: f64,
 }
 
-/// Drift of `values` read at `times`, which increase; `period` as the times.
+/// Computes the drift of `values` read at `times`, which increase; `period` has the unit of the times.
 ///
 /// Cost: each reading enters and leaves two queues once.
 pub fn drift(times: &[f64], values: &[f64], period: f64) -> Drift {
@@ -37,7 +37,7 @@ pub fn drift(times: &[f64], values: &[f64], period: f64) -> Drift {
     };
     found.end = last - first;
     let (mut low, mut high) = (first, first);
-    // Indices whose values ascend (for the smallest) and descend (for the largest) within the span.
+    // Indices within the span, with ascending values (for the minimum) and descending values (for the maximum).
     let (mut least, mut most): (VecDeque<usize>, VecDeque<usize>) = (VecDeque::new(), VecDeque::new());
     let mut from = 0;
     for (i, (&time, &value)) in times.iter().zip(values).enumerate() {
@@ -78,7 +78,7 @@ mod tests {
     use super::*;
     use std::vec::Vec;
 
-    /// A spindle that warms up: 30 (1 − e^(−t/τ)), τ = 40 min, eight hours; by hand.
+    /// A spindle warm-up: 30 (1 − e^(−t/τ)), τ = 40 min, eight hours; calculated by hand.
     #[test]
     fn a_warm_up_by_hand() {
         let times: Vec<f64> = (0..=480).map(f64::from).collect();
@@ -90,7 +90,7 @@ mod tests {
         assert!((found.end - after(480.0)).abs() < 1e-12);
     }
 
-    /// Against every span one by one, over a record that goes up and down.
+    /// Compares with every span one by one, over a record that rises and falls.
     #[test]
     fn the_worst_span_is_the_worst_of_all() {
         let times: Vec<f64> = (0..300).map(|k| f64::from(k) + 0.3 * f64::from(k % 3)).collect();

@@ -3,34 +3,34 @@
 use core::fmt;
 use trueaxis::Axis;
 
-/// A quantity that is wrong, with the value found and the one required.
+/// A wrong quantity, with the value found and the value required.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct InputError {
     /// The quantity.
     pub quantity: Quantity,
-    /// Of which axis, where it belongs to one.
+    /// The axis, if the quantity belongs to one.
     pub axis: Option<Axis>,
-    /// Element of a list, from 0.
+    /// Index in a list, from 0.
     pub index: Option<usize>,
-    /// The figure found, in the quantity's unit at the interface.
+    /// The value found, in the quantity's unit at the interface.
     pub found: f64,
     /// The value required.
     pub needed: &'static str,
 }
 
 impl InputError {
-    /// An error of a single quantity.
+    /// Creates an error of a single quantity.
     pub fn new(quantity: Quantity, found: f64, needed: &'static str) -> Self {
         InputError { quantity, axis: None, index: None, found, needed }
     }
 
-    /// The same, of one axis.
+    /// Assigns the error to an axis.
     pub fn on(self, axis: Axis) -> Self {
         InputError { axis: Some(axis), ..self }
     }
 
-    /// The same, at one element of a list.
+    /// Assigns the error to an element of a list.
     pub fn at(self, index: usize) -> Self {
         InputError { index: Some(index), ..self }
     }

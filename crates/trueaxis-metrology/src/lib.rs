@@ -1,23 +1,23 @@
-//! Bench mathematics of trueaxis. None of it runs in a servo cycle.
+//! Bench mathematics of trueaxis; none of it runs in a servo cycle.
 //!
-//! - [`identification`]: the six errors of a rotary axis from a measured ball. Without the feature `std` its part for one
-//!   angle needs neither allocator nor standard library and may run on the controller.
-//! - [`helicoid`]: involute helicoid, gear data, and the five axes that bring a tool onto its normal.
-//! - [`friction`]: friction of an axis and the figures of its drive from recorded circles.
+//! - [`identification`]: the six errors of a rotary axis from a measured ball. The part for a single angle needs neither the
+//!   feature `std` nor an allocator and may run on the controller.
+//! - [`helicoid`]: involute helicoid, gear data, and the five axis positions that align a tool with its normal.
+//! - [`friction`]: friction and drive figures of an axis from recorded circles.
 //! - [`accuracy`]: accuracy and repeatability of positioning after ISO 230-2.
-//! - [`ballbar`]: a circular test after ISO 230-4, and its causes apart.
+//! - [`ballbar`]: circular test after ISO 230-4, with its causes separated.
 //! - [`diagonal`]: diagonal and step-diagonal tests after ISO 230-6, squareness and scales.
 //! - [`drift`]: ranges of a drift over stated periods (ISO 230-3); [`sphere`]: the least-squares sphere.
-//! - [`linear_fit`]: least squares with rank and what cannot be told apart.
-//! - [`volumetric`]: the 21 errors of three axes from points measured all over the volume.
+//! - [`linear_fit`]: least squares with rank and inseparable unknowns.
+//! - [`volumetric`]: the 21 errors of three axes from points measured throughout the volume.
 //! - [`thermal`]: growth of the axes from a recorded warm-up after ISO 230-3.
-//! - [`uncertainty`]: of a point, of ISO 230-2 figures; factors, intervals, verdicts.
-//! - [`calibration`]: terms of a machine from touches of a probe on artefacts of known size.
-//! - [`cores`]: work on all cores, where there are several; [`order`]: sorting by a number.
+//! - [`uncertainty`]: uncertainty of a point and of ISO 230-2 figures; factors, intervals, decisions.
+//! - [`calibration`]: terms of a machine from probe touches on artefacts of known size.
+//! - [`cores`]: parallel iterators on multi-core hosts; [`order`]: sorting by a number.
 //! - [`learning`]: a correction over path length, learned from part to part.
 //! - [`circles`]: exact reference circles (LSC, MZC, MIC, MCC).
-//! - [`separation`]: roundness and motion of the centre from recorded probe readings; [`spindle`]: error motion of a
-//!   spindle over its revolutions; [`pair_search`]: which slots suit three probes best.
+//! - [`separation`]: roundness and motion of the centre from recorded probe readings; [`spindle`]: error motion of a spindle
+//!   over its revolutions; [`pair_search`]: the best slots for three probes.
 #![no_std]
 #![forbid(unsafe_code)]
 

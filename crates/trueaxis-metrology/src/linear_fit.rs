@@ -1,8 +1,8 @@
-//! Linear least squares of many rows and some hundred unknowns, with rank, condition and what cannot be told apart.
+//! Linear least squares of many rows and some hundred unknowns, with rank, condition and inseparable unknowns.
 //!
-//! Rows w·(a·x) = w·y enter a triangle by Householder reflections, a block at a time: memory depends on the unknowns alone,
-//! and the normal equations are never formed. Columns are scaled to unit length; the singular values of the scaled triangle
-//! give rank and condition, and the vectors of the vanishing ones say which unknowns no row tells apart.
+//! Rows w·(a·x) = w·y enter a triangle by Householder reflections, a block at a time: memory depends only on the number of
+//! unknowns, and the normal equations are never formed. Columns are scaled to unit length; the singular values of the scaled
+//! triangle give rank and condition, and the vectors of the vanishing ones show which unknowns no row separates.
 //!
 //! Source: Golub, Van Loan, *Matrix Computations*, 5.3, 5.5 and 12.5 (updating a QR factorisation by rows).
 
@@ -12,26 +12,26 @@ use std::vec::Vec;
 
 /// Singular values of the scaled columns below this share of the largest count as zero.
 pub const RANK_TOLERANCE: f64 = 1e-8;
-/// Share of an unknown in a direction that no row sees, from which it is named (of the square of its length).
+/// Share of an unknown in an unobserved direction (of the square of its length) above which it is named.
 const NAMED: f64 = 0.01;
-/// Rows that are gathered before they are reflected into the triangle, as a multiple of the unknowns.
+/// Rows collected before they are reflected into the triangle, as a multiple of the number of unknowns.
 const BLOCK: usize = 3;
 
-/// Rows of a fit, gathered.
+/// Rows of a fit.
 #[derive(Clone, Debug)]
 pub struct LinearFit {
     unknowns: usize,
     triangle: DMatrix<f64>,
-    /// Rows not yet in the triangle, one after the other, right-hand side last.
+    /// Rows not yet in the triangle, in sequence, right-hand side last.
     waiting: Vec<f64>,
     rows: usize,
 }
 
-/// What a fit found.
+/// Solution of a fit.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Solution {
-    /// The unknowns.
+    /// Values of the unknowns.
     pub values: Vec<f64>,
     /// Standard errors for rows of unit standard deviation: roots of the diagonal of (AᵀW²A)⁻¹.
     pub error_factors: Vec<f64>,
@@ -39,22 +39,22 @@ pub struct Solution {
     pub rank: usize,
     /// Condition number of the scaled columns.
     pub condition: f64,
-    /// Sum of the squares of the weighted residuals.
+    /// Sum of the squared weighted residuals.
     pub squares: f64,
-    /// Rows that went in.
+    /// Number of rows.
     pub rows: usize,
-    /// Groups of unknowns that no row tells apart, each in ascending order; empty at full rank. The values are then those of
-    /// minimum norm in the scaled unknowns.
+    /// Unknowns that the rows do not determine separately, in ascending order; empty at full rank. Otherwise the values are
+    /// those of minimum norm in the scaled unknowns.
     pub unseen: Vec<usize>,
 }
 
 impl Solution {
-    /// Rows less rank.
+    /// Returns the number of rows − rank.
     pub fn degrees_of_freedom(&self) -> usize {
         self.rows.saturating_sub(self.rank)
     }
 
-    /// Standard deviation of a row of unit weight; 0 without redundancy.
+    /// Returns the standard deviation of a row of unit weight; 0 without redundancy.
     pub fn sigma(&self) -> f64 {
         match self.degrees_of_freedom() {
             0 => 0.0,
@@ -64,7 +64,7 @@ impl Solution {
 }
 
 impl LinearFit {
-    /// A fit of so many unknowns, without a row.
+    /// Creates a fit with this number of unknowns and no rows.
     pub fn new(unknowns: usize) -> LinearFit {
         LinearFit { unknowns, triangle: DMatrix::zeros(unknowns + 1, unknowns + 1), waiting: Vec::new(), rows: 0 }
     }
@@ -79,7 +79,7 @@ impl LinearFit {
         }
     }
 
-    /// Works the waiting rows into the triangle.
+    /// Reflects the waiting rows into the triangle.
     fn reflect(&mut self) {
         let size = self.unknowns + 1;
         let waiting = std::mem::take(&mut self.waiting);
@@ -96,10 +96,10 @@ impl LinearFit {
         self.triangle = stack.qr().r();
     }
 
-    /// Solves.
+    /// Solves the fit.
     ///
-    /// Cost: one singular value decomposition of the triangle. Values that are not finite in any row make all values NaN and
-    /// the rank 0.
+    /// Cost: one singular value decomposition of the triangle. If any row has a value that is not finite, all values are NaN
+    /// and the rank is 0.
     pub fn solve(mut self) -> Solution {
         self.reflect();
         let n = self.unknowns;
@@ -120,7 +120,7 @@ impl LinearFit {
         }
         let lengths: Vec<f64> = (0..n).map(|j| factor.column(j).norm()).collect();
         let longest = lengths.iter().copied().fold(0.0, f64::max);
-        // A column of zeros, or of what rounding leaves, keeps its length: the rank tells.
+        // A column of zeros, or of rounding errors, is not scaled up: the rank reveals it.
         let lengths: Vec<f64> = lengths
             .into_iter()
             .map(|length| if length > f64::EPSILON * longest { length } else { longest.max(f64::MIN_POSITIVE) })
@@ -186,7 +186,7 @@ mod tests {
         assert!((found.sigma() - 0.02_f64.sqrt()).abs() < 1e-14);
     }
 
-    /// Many blocks give what one gives, and weights count as repetitions.
+    /// Many blocks give the same result as one, and weights act like repetitions.
     #[test]
     fn blocks_and_weights() {
         let rows = |k: usize| [1.0, (k as f64 * 0.7).sin(), (k as f64 * 0.3).cos()];
@@ -205,7 +205,7 @@ mod tests {
         }
     }
 
-    /// Two columns that are the same: rank one less, both named, the third not, values of minimum norm.
+    /// Two equal columns: the rank is one less, both are named, the third is not, and the values have minimum norm.
     #[test]
     fn what_cannot_be_told_apart_is_named() {
         let mut fit = LinearFit::new(4);

@@ -1,16 +1,15 @@
-//! Sorting by a number, with code that is there once and not once for every kind of item.
+//! Sorting by a number, with code that is compiled once, not once per type of item.
 
 use std::vec::Vec;
 
-/// Where the smallest of some numbers is, the next, and so on, in the order of [`f64::total_cmp`]; of equal ones the first comes
-/// first. Cost: n log n.
+/// Returns the indices of the numbers in ascending order of [`f64::total_cmp`]; equal numbers keep their order. Cost: n log n.
 pub fn ascending(numbers: &[f64]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..numbers.len()).collect();
     order.sort_by(|one, other| numbers[*one].total_cmp(&numbers[*other]));
     order
 }
 
-/// Sorts items by a number of theirs, as [`ascending`] does. Cost: n log n, and as much memory again.
+/// Sorts items by a number of each, in the order of [`ascending`]. Cost: n log n, and as much memory again.
 pub fn sort_by_number<T>(items: &mut Vec<T>, number: impl Fn(&T) -> f64) {
     let numbers: Vec<f64> = items.iter().map(number).collect();
     let mut before: Vec<Option<T>> = items.drain(..).map(Some).collect();

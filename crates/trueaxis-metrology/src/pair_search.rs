@@ -1,4 +1,4 @@
-//! Which slots suit three probes best: full search over all pairs of whole slots.
+//! Full search for the best slots of three probes, over all pairs of whole slots.
 //!
 //! With the arcs a = φ2, b = φ3, c = 2π − φ2 − φ3 between the probes, sin φ3 times the weighted sum has
 //!
@@ -6,9 +6,9 @@
 //! |G|²/(1 + k2² + k3²) = 1 + 2 (sin b sin c cos ka + sin c sin a cos kb + sin a sin b cos kc) / (sin² a + sin² b + sin² c)
 //! ```
 //!
-//! It does not change when arcs are exchanged or the circle is mirrored. So every arrangement stands for up to twelve
-//! pairs (p, q), and one of them, a <= b <= c with a + b + c = N, is looked at: N²/12 arrangements. Looking ends at
-//! the first harmonic that is worse than the best arrangements known so far.
+//! Exchanging arcs or mirroring the circle does not change this value. Each arrangement thus represents up to twelve pairs (p,
+//! q), and the search evaluates one of them, a <= b <= c with a + b + c = N: N²/12 arrangements. An evaluation ends at the
+//! first harmonic that is worse than the best arrangements known so far.
 
 use core::cmp::Ordering;
 use core::f64::consts::TAU;
@@ -18,9 +18,9 @@ use std::vec::Vec;
 use trueaxis::error::ConfigError;
 use trueaxis::roundness::Band;
 
-/// Figures of merit that differ by less than this share count as equal.
+/// Figures of merit whose relative difference is below this count as equal.
 const TIE: f64 = 1e-12;
-/// Every arrangement stands for at least this many pairs: three orders of its arcs, each mirrored.
+/// Least number of pairs per arrangement: three orders of its arcs, each mirrored.
 const PAIRS_AT_LEAST: usize = 6;
 
 /// A pair of slots and its figure of merit.
@@ -34,22 +34,22 @@ pub struct SlotPair {
     pub worst_gain: f64,
 }
 
-/// One way to set three probes up to order and mirroring: arcs a <= b <= c of N slots in all.
+/// An arrangement of three probes up to order and mirroring: arcs a <= b <= c of N slots in total.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Arrangement {
     arcs: [usize; 3],
     worst: f64,
 }
 
-/// The best figures of merit that any worker has found so far.
+/// Best figures of merit found so far by any worker.
 #[derive(Debug)]
 pub struct Bound {
-    /// The figure that an arrangement must reach to be among the best, as bits of an `f64`.
+    /// Figure that an arrangement must reach to be among the best, as bits of an `f64`.
     reach: AtomicU64,
     best: Mutex<Vec<f64>>,
 }
 
-/// A full search over the pairs of a number of slots.
+/// A full search over the pairs for a number of slots.
 #[derive(Debug)]
 pub struct PairSearch {
     points: usize,
@@ -63,7 +63,7 @@ impl PairSearch {
     /// Prepares the search for the `count` best pairs of `points` slots.
     ///
     /// # Errors
-    /// A band that does not suit the number of points.
+    /// The band does not suit the number of points.
     pub fn new(points: usize, band: Band, count: usize) -> Result<PairSearch, ConfigError> {
         band.check(points)?;
         let turn = |i: usize| TAU * i as f64 / points as f64;
@@ -76,18 +76,18 @@ impl PairSearch {
         })
     }
 
-    /// The bound that the workers share.
+    /// Creates the bound that the workers share.
     pub fn bound(&self) -> Bound {
         let kept = self.count.div_ceil(PAIRS_AT_LEAST);
         Bound { reach: AtomicU64::new(0), best: Mutex::new(std::vec![0.0; kept]) }
     }
 
-    /// The smallest arcs that [`PairSearch::best_for`] is to be asked for, each once, in any order and in parallel.
+    /// Returns the smallest arcs for which to call [`PairSearch::best_for`], once each, in any order and in parallel.
     pub fn smallest_arcs(&self) -> core::ops::RangeInclusive<usize> {
         1..=self.points / 3
     }
 
-    /// Looks at all arrangements with a given smallest arc; raises the bound and returns those that reached it.
+    /// Evaluates all arrangements with a given smallest arc; raises the bound and returns those that reached it.
     pub fn best_for(&self, smallest: usize, bound: &Bound) -> Vec<Arrangement> {
         let mut found = Vec::new();
         let rest = self.points.saturating_sub(smallest);
@@ -101,7 +101,7 @@ impl PairSearch {
         found
     }
 
-    /// Figure of merit, none where it does not reach `reach` or two probes stand on one line through the centre.
+    /// Figure of merit; `None` if it does not reach `reach` or two probes are on one line through the centre.
     fn worst(&self, arcs: [usize; 3], reach: f64) -> Option<f64> {
         if arcs.iter().any(|arc| 2 * arc == self.points || *arc == 0) {
             return None;
@@ -127,11 +127,11 @@ impl PairSearch {
             }
             worst = worst.min(square);
         }
-        // Rounding may leave a hair below zero where the arrangement is blind.
+        // Rounding may leave a value slightly below zero if the arrangement is blind.
         Some(libm::sqrt(worst.max(0.0)))
     }
 
-    /// The best pairs of all arrangements found: best first, ties by the smallest p, then q.
+    /// Returns the best pairs of all arrangements found: best first, ties by the smallest p, then q.
     pub fn ranked(&self, found: impl IntoIterator<Item = Arrangement>) -> Vec<SlotPair> {
         let mut pairs: Vec<SlotPair> = found.into_iter().flat_map(|found| self.pairs(found)).collect();
         pairs.sort_by(|one, other| other.worst_gain.total_cmp(&one.worst_gain));
@@ -142,7 +142,7 @@ impl PairSearch {
         pairs
     }
 
-    /// All pairs that an arrangement stands for: every order of its arcs, and its mirror image.
+    /// All pairs that an arrangement represents: every order of its arcs, and its mirror image.
     fn pairs(&self, Arrangement { arcs: [a, b, c], worst }: Arrangement) -> Vec<SlotPair> {
         let orders = [[a, b], [b, a], [a, c], [c, a], [b, c], [c, b]];
         let mirrored = orders.map(|order| order.map(|arc| self.points - arc));
@@ -158,7 +158,7 @@ impl PairSearch {
         pairs
     }
 
-    /// The whole search in one thread.
+    /// Runs the whole search in one thread.
     pub fn run(&self) -> Vec<SlotPair> {
         let bound = self.bound();
         self.ranked(self.smallest_arcs().flat_map(|smallest| self.best_for(smallest, &bound)))
@@ -175,7 +175,7 @@ impl Bound {
         if let Some(last) = best.last_mut().filter(|last| **last < worst) {
             *last = worst;
             best.sort_by(|one, other| other.partial_cmp(one).unwrap_or(Ordering::Equal));
-            // A hair lower, so that rounding drops none that is as good as the last.
+            // Slightly lower, so that rounding drops no arrangement as good as the last.
             let reach = best.last().map_or(0.0, |last| last * (1.0 - 10.0 * TIE));
             self.reach.store(reach.to_bits(), Memory::Relaxed);
         }
@@ -189,7 +189,7 @@ mod tests {
 
     const BAND: Band = Band { first: 2, last: 100 };
 
-    /// The best of 1024 and of 512 slots, known from a search with the complex gain over all pairs.
+    /// The best of 1024 and of 512 slots, known from a search over all pairs with the complex gain.
     #[test]
     fn known_best_pairs() {
         let best = PairSearch::new(1024, BAND, 13).unwrap().run();
@@ -204,7 +204,7 @@ mod tests {
         assert_eq!(best.len(), 1);
     }
 
-    /// Against |G| of every single pair.
+    /// Compares with |G| of every single pair.
     #[test]
     fn every_pair_of_a_small_circle() {
         for (points, band) in [(64, Band { first: 2, last: 20 }), (128, Band { first: 5, last: 63 })] {

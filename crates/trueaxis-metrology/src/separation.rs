@@ -1,4 +1,5 @@
-//! Whole revolutions at once: profile and motion of the centre from recorded probe readings, by transforms of real series (`realfft`).
+//! Separation of whole revolutions: profile and motion of the centre from recorded probe readings, by transforms of real
+//! series (`realfft`).
 //!
 //! ```text
 //! s = h1 + k2 h2 + k3 h3        r = F⁻¹{ F{s} / G }, harmonics of the band that are not suppressed
@@ -6,8 +7,8 @@
 //! R_Y = [sin(φ2 + β) · (h1 − r(θ)) − sin β · (h2 − r(θ + φ2))] / sin φ2
 //! ```
 //!
-//! r(θ + φ2) is r with harmonic k turned by e^{jkφ2}: exact for any angle, whole slots or not. Mean and first harmonic of
-//! r are zero; they are motion of the centre and appear in R_X and R_Y. θ counts from 0 in steps of 2π/N.
+//! r(θ + φ2) is r with harmonic k rotated by e^{jkφ2}: exact for any angle, whole slots or not. Mean and first harmonic of r
+//! are zero; they are motion of the centre and appear in R_X and R_Y. θ starts at 0 and advances in steps of 2π/N.
 //!
 //! Source: Tian Yingzhong and Li Ming, CN1927535; R_Y corrected: the published form does not solve h1 and h2.
 
@@ -19,13 +20,13 @@ use transforms::Transforms;
 use trueaxis::error::{ConfigError, Field};
 use trueaxis::roundness::{Band, Gain, arm_angle, filter};
 
-/// Noise gain above which a harmonic is suppressed unless another limit is asked for.
+/// Default noise gain above which a harmonic is suppressed.
 pub const NOISE_GAIN_LIMIT: f64 = 100.0;
 
-/// Why no separation is possible.
+/// Why separation is impossible.
 #[derive(Clone, Debug, PartialEq)]
 pub enum NoSeparation {
-    /// The probes cannot see some harmonics of the band: all of them.
+    /// The probes do not observe these harmonics of the band.
     Blind(Vec<u16>),
     /// A setting is wrong.
     Setting(ConfigError),
@@ -54,10 +55,11 @@ impl From<ConfigError> for NoSeparation {
     }
 }
 
-/// One revolution taken apart, in the unit of the readings.
+/// Separated revolution, in the unit of the readings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Separation {
-    /// Profile r(θ); above zero is high. Contains the band's harmonics that are not suppressed, no mean, no first.
+    /// Profile r(θ), positive for high points. It contains the unsuppressed harmonics of the band, without mean and first
+    /// harmonic.
     pub profile: Vec<f64>,
     /// Motion R_X(θ) of the centre, across the direction of probe 1.
     pub x: Vec<f64>,
@@ -65,18 +67,18 @@ pub struct Separation {
     pub y: Vec<f64>,
 }
 
-/// One harmonic of a profile: `amplitude · cos(k θ + phase)` is in r(θ).
+/// One harmonic of a profile: r(θ) contains `amplitude · cos(k θ + phase)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Harmonic {
     /// Undulations per revolution k.
     pub k: u16,
-    /// Amplitude, at least 0, in the unit of the profile; 0 where suppressed.
+    /// Amplitude, at least 0, in the unit of the profile; 0 if suppressed.
     pub amplitude: f64,
     /// Phase in rad, −π to π.
     pub phase: f64,
-    /// Growth of the probes' noise in this harmonic.
+    /// Amplification of the probes' noise in this harmonic.
     pub noise_gain: f64,
-    /// The noise gain is above the limit: the harmonic is left out.
+    /// Whether the noise gain exceeds the limit; the harmonic is then omitted.
     pub suppressed: bool,
 }
 
@@ -84,17 +86,17 @@ pub struct Harmonic {
 pub struct Separator {
     gain: Gain,
     band: Band,
-    /// By harmonic from 0 to the band's last: what makes the profile and the profile at θ + φ2 of an unscaled spectrum,
-    /// 1/(N G) and e^{jkφ2}/(N G); nothing where suppressed.
+    /// By harmonic from 0 to the band's last: factors from an unscaled spectrum to the profile and to the profile at θ + φ2,
+    /// 1/(N G) and e^{jkφ2}/(N G); `None` if suppressed.
     multipliers: Vec<Option<[Complex<f64>; 2]>>,
-    /// φ2 in whole points: then r(θ + φ2) is r, turned.
+    /// φ2 in whole points, if it is one: then r(θ + φ2) is a rotation of r.
     whole_points: Option<usize>,
     /// `[cos β, sin β]` at every θ.
     arm: Vec<[f64; 2]>,
     transforms: Transforms,
 }
 
-/// Memory of a separation, for one revolution after the other.
+/// Reusable memory for separating successive revolutions.
 pub struct Workspace {
     real: Vec<f64>,
     ahead: Vec<f64>,
@@ -105,11 +107,11 @@ pub struct Workspace {
 
 impl Separator {
     /// Plans a separation. Harmonics with a noise gain above `noise_gain_limit` ([`NOISE_GAIN_LIMIT`]) are suppressed.
-    /// `arm_ratio` is [`trueaxis::roundness::Arm::ratio`], 0 for probes that stand still.
+    /// `arm_ratio` is [`trueaxis::roundness::Arm::ratio`], 0 for stationary probes.
     ///
     /// # Errors
-    /// Harmonics of the band that the probes cannot see, all of them; a band that does not suit the number of points; a
-    /// limit that is not above 0; a ratio outside 0 <= λ < 1.
+    /// All harmonics of the band that the probes do not observe; a band that does not suit the number of points; a limit that
+    /// is not above 0; a ratio outside 0 <= λ < 1.
     pub fn new(gain: Gain, band: Band, noise_gain_limit: f64, arm_ratio: f64) -> Result<Self, NoSeparation> {
         let points = gain.points();
         band.check(points)?;
@@ -143,7 +145,7 @@ impl Separator {
         Ok(Separator { gain, band, multipliers, whole_points, arm, transforms })
     }
 
-    /// Memory for [`Separator::separate_in`].
+    /// Allocates the memory for [`Separator::separate_in`].
     pub fn workspace(&self) -> Workspace {
         let points = self.gain.points();
         let complex = |count: usize| std::vec![Complex::default(); count];
@@ -156,12 +158,12 @@ impl Separator {
         }
     }
 
-    /// The arrangement of probes.
+    /// Returns the arrangement of the probes.
     pub fn gain(&self) -> &Gain {
         &self.gain
     }
 
-    /// Harmonics that the noise gain limit suppresses, ascending.
+    /// Returns the harmonics that the noise gain limit suppresses, ascending.
     pub fn suppressed(&self) -> impl Iterator<Item = u16> + '_ {
         self.band.iter().filter(|k| !self.keeps(*k))
     }
@@ -170,20 +172,20 @@ impl Separator {
         self.multipliers.get(usize::from(harmonic)).is_some_and(Option::is_some)
     }
 
-    /// Takes apart one revolution of N readings of the three probes, equidistant in θ from 0. Two or three transforms of
-    /// real series; noise free and with a profile inside the band, exact to the rounding of the readings times the noise
-    /// gain.
+    /// Separates one revolution of N readings of the three probes, equidistant in θ from 0. This takes two or three transforms
+    /// of real series; without noise and with a profile inside the band, it is exact to the rounding of the readings times the
+    /// noise gain.
     ///
     /// # Errors
-    /// Not N readings of every probe.
+    /// A probe does not have N readings.
     pub fn separate(&self, probes: [&[f64]; 3]) -> Result<Separation, ConfigError> {
         self.separate_in(&mut self.workspace(), probes)
     }
 
-    /// The same in memory that is used again, for many revolutions.
+    /// Like [`Separator::separate`], but reuses memory, for many revolutions.
     ///
     /// # Errors
-    /// Not N readings of every probe.
+    /// A probe does not have N readings.
     pub fn separate_in(&self, workspace: &mut Workspace, probes: [&[f64]; 3]) -> Result<Separation, ConfigError> {
         for (index, probe) in probes.into_iter().enumerate() {
             self.check(probe).map_err(|error| error.at(index))?;
@@ -209,7 +211,7 @@ impl Separator {
                 workspace.ahead = ahead;
             }
         }
-        // The mean radius, against the probes' zeros: with an arm it would look like motion. G(0) is real.
+        // The mean radius relative to the probes' zeros: with an arm it would appear as motion. G(0) is real.
         let [mean_gain, _] = self.gain.of(0);
         let sees_mean = libm::fabs(mean_gain) > 1e-6 * self.gain.norm();
         let mean = workspace.spectrum.first().map_or(0.0, |sum| sum.re / self.gain.points() as f64);
@@ -218,8 +220,8 @@ impl Separator {
         Ok(Separation { profile, x, y })
     }
 
-    /// R_X and R_Y: with t = (h2 − r(θ + φ2) − cos φ2 (h1 − r(θ)))/sin φ2 they are t cos β + (h1 − r) sin β and
-    /// (h1 − r) cos β − t sin β.
+    /// R_X and R_Y: with t = (h2 − r(θ + φ2) − cos φ2 (h1 − r(θ)))/sin φ2 they are t cos β + (h1 − r) sin β and (h1 − r) cos β
+    /// − t sin β.
     fn motion(&self, [h1, h2]: [&[f64]; 2], [profile, ahead]: [&[f64]; 2], radius: f64) -> [Vec<f64>; 2] {
         let (per_sin, cot) = (1.0 / libm::sin(self.gain.phi2()), 1.0 / libm::tan(self.gain.phi2()));
         let mut motion = [(); 2].map(|()| std::vec![0.0; profile.len()]);
@@ -234,10 +236,10 @@ impl Separator {
         motion
     }
 
-    /// The harmonics of a profile over the band, suppressed ones marked.
+    /// Returns the harmonics of a profile over the band, with suppressed ones marked.
     ///
     /// # Errors
-    /// Not N points.
+    /// The profile does not have N points.
     pub fn harmonics(&self, profile: &[f64]) -> Result<Vec<Harmonic>, ConfigError> {
         let workspace = self.spectrum(profile)?;
         let scale = 2.0 / self.gain.points() as f64;
@@ -250,11 +252,11 @@ impl Separator {
         Ok(harmonics.collect())
     }
 
-    /// The profile behind a Gaussian filter (ISO 16610-21) with a cut-off in undulations per revolution; what lies
-    /// outside the band is left out.
+    /// Returns the profile after a Gaussian filter (ISO 16610-21) with a cut-off in undulations per revolution, without the
+    /// harmonics outside the band.
     ///
     /// # Errors
-    /// Not N points, a cut-off that is not in [`filter::CUT_OFFS`].
+    /// The profile does not have N points, or the cut-off is not in [`filter::CUT_OFFS`].
     pub fn filtered(&self, profile: &[f64], cut_off: u16) -> Result<Vec<f64>, ConfigError> {
         let mut workspace = self.spectrum(profile)?;
         filter::check(cut_off)?;
@@ -277,7 +279,7 @@ impl Separator {
         Err(ConfigError::new(Field::Points, values.len() as f64, "one revolution, N values"))
     }
 
-    /// A workspace with the spectrum of one revolution, unscaled: N times the amplitudes of e^{jkθ}.
+    /// A workspace with the unscaled spectrum of one revolution: N times the amplitudes of e^{jkθ}.
     fn spectrum(&self, values: &[f64]) -> Result<Workspace, ConfigError> {
         self.check(values)?;
         let mut workspace = self.workspace();
@@ -286,13 +288,13 @@ impl Separator {
         Ok(workspace)
     }
 
-    /// The spectrum of the workspace's real series, which is lost.
+    /// Computes the spectrum of the workspace's real series, which is overwritten.
     fn transform(&self, workspace: &mut Workspace) {
         let Workspace { real, spectrum, scratch, .. } = workspace;
         self.transforms.forward(real, spectrum, scratch);
     }
 
-    /// A real series from the spectrum and one of the multipliers.
+    /// Computes a real series from the spectrum and one of the multipliers.
     fn synthesis(
         &self,
         workspace: &mut Workspace,
@@ -307,10 +309,10 @@ impl Separator {
         self.series(workspace, series);
     }
 
-    /// A real series from the workspace's amplitudes, which are lost.
+    /// Computes a real series from the workspace's amplitudes, which are overwritten.
     fn series(&self, workspace: &mut Workspace, series: &mut [f64]) {
         let Workspace { amplitudes, scratch, .. } = workspace;
-        // Mean and Nyquist frequency are zero, outside every band.
+        // Mean and Nyquist frequency are zero, because they are outside every band.
         self.transforms.backward(amplitudes, series, scratch);
     }
 }

@@ -1,7 +1,7 @@
-//! The least-squares sphere of points.
+//! Least-squares sphere of points.
 //!
-//! min Σ (|p_i − c| − r)², by Gauss-Newton from the algebraic sphere |p|² = 2 c·p + (r² − |c|²), which solves the points of a perfect
-//! sphere exactly.
+//! min Σ (|p_i − c| − r)², by Gauss-Newton from the algebraic sphere |p|² = 2 c·p + (r² − |c|²), which is exact for the points
+//! of a perfect sphere.
 //!
 //! Source: A. B. Forbes, NPL Report DITC 140/89 (1989), 6.
 
@@ -9,7 +9,7 @@ use crate::linear_fit::LinearFit;
 use core::fmt;
 use std::vec::Vec;
 
-/// Rounds of Gauss-Newton: it converges in two or three where points scatter by less than a thousandth of the radius.
+/// Most Gauss-Newton steps: it converges in two or three if the points scatter by less than a thousandth of the radius.
 const ROUNDS: usize = 12;
 
 /// A sphere.
@@ -20,7 +20,7 @@ pub struct Sphere {
     pub centre: [f64; 3],
     /// Radius.
     pub radius: f64,
-    /// Largest less smallest distance of a point from the centre.
+    /// Largest − smallest distance of a point from the centre.
     pub zone: f64,
     /// Standard deviation of a distance.
     pub sigma: f64,
@@ -34,9 +34,9 @@ pub struct Sphere {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum NoSphere {
-    /// Fewer than five points.
+    /// There are fewer than five points.
     TooFew,
-    /// Points in one plane, or in one place.
+    /// The points are coplanar or coincident.
     Flat,
 }
 
@@ -51,7 +51,7 @@ impl fmt::Display for NoSphere {
 
 impl core::error::Error for NoSphere {}
 
-/// The least-squares sphere.
+/// Fits the least-squares sphere.
 ///
 /// # Errors
 /// [`NoSphere`].
@@ -131,7 +131,7 @@ mod tests {
         assert!((found.radius - 12.5).abs() < 1e-10 && found.zone < 1e-10);
     }
 
-    /// Small radial errors: least squares against the linear problem, solved here by its gradient being zero.
+    /// Small radial errors: checks the least-squares condition, a zero gradient.
     #[test]
     fn the_gradient_vanishes() {
         let points = half_sphere([1.0, 2.0, 3.0], |k| 10.0 + 0.002 * (k as f64 * 1.9).sin());

@@ -15,31 +15,30 @@ use trueaxis::error::{ConfigError, Field};
 /// Error motion in one direction, in the unit of the readings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ErrorMotion {
-    /// Mean over all points: where the axis stands.
+    /// Mean over all points: the position of the axis.
     pub position: f64,
-    /// Amplitude of the once-per-revolution part: eccentricity of the part and fundamental of the axis, which cannot be told apart.
+    /// Amplitude of the once-per-revolution part: eccentricity of the part and fundamental of the axis, which are inseparable.
     pub once_per_revolution: f64,
-    /// Its phase in rad, −π to π: `amplitude · cos(θ + phase)`.
+    /// Phase of the once-per-revolution part in rad, −π to π: `amplitude · cos(θ + phase)`.
     pub once_per_revolution_phase: f64,
     /// Synchronous error motion value.
     pub synchronous: f64,
-    /// Asynchronous error motion value; none with a single revolution.
+    /// Asynchronous error motion value; `None` for a single revolution.
     pub asynchronous: Option<f64>,
     /// Total error motion value.
     pub total: f64,
     /// Mean contour without position and once-per-revolution part, N values.
     pub mean_contour: Vec<f64>,
-    /// Every revolution less position and once-per-revolution part of the mean contour, N values each, one after the
-    /// other.
+    /// All revolutions minus position and once-per-revolution part of the mean contour, N values each, in sequence.
     pub revolutions: Vec<f64>,
-    /// Per revolution: its largest distance from the mean contour.
+    /// Largest distance of each revolution from the mean contour.
     pub departure: Vec<f64>,
 }
 
-/// Evaluates whole revolutions of `points` values each, one after the other.
+/// Evaluates whole revolutions of `points` values each, in sequence.
 ///
 /// # Errors
-/// Fewer than four points a revolution, no revolution, or an incomplete one.
+/// There are fewer than four points per revolution, no revolution, or an incomplete one.
 pub fn error_motion(values: &[f64], points: usize) -> Result<ErrorMotion, ConfigError> {
     if points < 4 {
         return Err(ConfigError::new(Field::Points, points as f64, "at least 4 points a revolution"));
@@ -57,7 +56,7 @@ pub fn error_motion(values: &[f64], points: usize) -> Result<ErrorMotion, Config
             [libm::cos(theta), libm::sin(theta)]
         })
         .collect();
-    // The position first: the sums of a large mean times cosine would cancel in rounding only.
+    // Subtracts the position first: the sums of a large mean times cosine would cancel only to rounding.
     let [mut cos, mut sin] = [0.0; 2];
     for (m, [c, s]) in mean.iter().zip(&turns) {
         cos += 2.0 * (m - position) * c / points as f64;
@@ -109,7 +108,7 @@ mod tests {
         close(found.once_per_revolution_phase, -TAU / 12.0);
         close(found.synchronous, 4.0);
         close(found.asynchronous.unwrap(), 1.5);
-        // At i = 8 the third harmonic is 0: the jump stays between its crests and troughs.
+        // At i = 8 the third harmonic is 0, so the jump is between its crests and troughs.
         close(found.total, 4.0);
         assert!(found.departure.iter().all(|d| (d - 0.75).abs() < 1e-12) && found.departure.len() == 4);
         close(found.mean_contour[16], -2.0);

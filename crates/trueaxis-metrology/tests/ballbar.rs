@@ -1,4 +1,5 @@
-//! Causes of a circle's deviation found again, on machines that move as their errors say: positions, not radii, are made.
+//! Identification of the causes of a circle's deviation, on simulated machines that move as their errors dictate: the tests
+//! generate positions, not radii.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore, SeedableRng};
@@ -6,7 +7,7 @@ use rand_distr::{Distribution, Normal};
 use std::f64::consts::{E, PI, TAU};
 use trueaxis_metrology::ballbar::{Cause, Evaluation, Position, Reading, Refused, evaluate, readings};
 
-/// A machine's plane. Lengths in mm, spikes' width in rad.
+/// A machine's plane; lengths in mm, width of spikes in rad.
 #[derive(Clone, Copy, Debug, Default)]
 struct Plane {
     radius: f64,
@@ -24,13 +25,13 @@ struct Plane {
 }
 
 impl Plane {
-    /// What a bar about the pivot reads where the machine is sent to an angle.
+    /// Reading of a bar about the pivot at a commanded angle.
     fn reading(&self, angle: f64, counterclockwise: bool) -> f64 {
         let tip = self.tip(angle, counterclockwise);
         (tip[0] + self.centre[0]).hypot(tip[1] + self.centre[1]) - self.radius + self.bar
     }
 
-    /// Where the tip stands that is sent to an angle.
+    /// Position of the tip at a commanded angle.
     fn tip(&self, angle: f64, counterclockwise: bool) -> [f64; 2] {
         let r = self.radius;
         let d = if counterclockwise { 1.0 } else { -1.0 };
@@ -66,7 +67,7 @@ impl Plane {
         readings
     }
 
-    /// Causes and how much there is of each, as they are defined.
+    /// Causes and their true values, as defined.
     fn truth(&self) -> Vec<(Cause, f64)> {
         let mut truth = vec![
             (Cause::ScaleMismatch, self.scale[0] - self.scale[1]),
@@ -93,7 +94,7 @@ fn value(found: &Evaluation, cause: Cause) -> f64 {
     found.term(cause).unwrap_or_else(|| panic!("no {cause:?}")).value
 }
 
-/// Every cause alone: it is found, and nothing else but what the second order of a micrometre in 100 mm makes.
+/// Every cause alone: it is found, and nothing else except second-order effects of a micrometre in 100 mm.
 #[test]
 fn every_cause_alone_is_found_and_nothing_else() {
     let none = Plane { radius: 100.0, width: 0.03, ..Plane::default() };
@@ -129,7 +130,8 @@ fn every_cause_alone_is_found_and_nothing_else() {
     }
 }
 
-/// 500 random machines with all causes at once and a noise of 0.2 µm: each within a tenth or three of its standard errors.
+/// 500 random machines with all causes at once and a noise of 0.2 µm: each value is within a tenth or three of its standard
+/// errors.
 #[test]
 fn causes_of_random_machines_are_told_apart() {
     let mut random = ChaCha8Rng::seed_from_u64(2304);
@@ -174,8 +176,8 @@ fn causes_of_random_machines_are_told_apart() {
     assert!((0.93..0.97).contains(&share), "{share}");
 }
 
-/// 180 readings a turn are 35 mrad apart: a spike of 12 mrad or more is found, what is narrower is told. Were only wider ones
-/// tried, one of 15 degrees inwards would fit best, with twice the backlash.
+/// 180 readings per turn are 35 mrad apart: spikes of 12 mrad or more are found, narrower ones are reported. If only wider
+/// ones were tried, one of 15 degrees inwards would fit best, with twice the backlash.
 #[test]
 fn spikes_narrower_than_the_readings_lie_apart() {
     let mut random = ChaCha8Rng::seed_from_u64(5);
@@ -198,7 +200,7 @@ fn spikes_narrower_than_the_readings_lie_apart() {
     assert!((0..20).all(|_| !found(0.0, 0.03, 180).spikes_unresolved), "no spikes");
 }
 
-/// The ring of a squareness error alone is an ellipse: G = R·C0Y, and of a backlash the step that it is.
+/// The ring of a squareness error alone is an ellipse: G = R·C0Y; that of a backlash is its step.
 #[test]
 fn figures_of_simple_circles() {
     let plane = Plane { radius: 150.0, squareness: 60e-6, centre: [0.03, 0.02], ..Plane::default() };
@@ -250,7 +252,8 @@ fn what_tells_nothing_is_refused() {
     assert!(matches!(evaluate(100.0, &part, [None; 2]), Err(Refused::Gap { .. })), "two gaps");
 }
 
-/// From rest in the middle out to the circle, two turns in each direction with a stop between, and back; every tenth of a degree.
+/// From rest in the middle out to the circle, two turns in each direction with a stop between, and back; every tenth of a
+/// degree.
 fn positions(plane: &Plane, middle: [f64; 2]) -> Vec<Position> {
     let at = |[x, y]: [f64; 2]| [middle[0] + x, middle[1] + y];
     let out = |k: usize| plane.radius * k as f64 / 500.0;
@@ -285,7 +288,7 @@ fn positions_read_as_a_bar_would() {
         let count = read.iter().filter(|reading| reading.counterclockwise == counterclockwise).count();
         assert!((7190..=7210).contains(&count), "{count}: two turns in tenths of a degree, without the way there");
     }
-    // Where an axis turns, a stretch of a tenth of a degree holds both sides of the step.
+    // At a reversal, a stretch of a tenth of a degree contains both sides of the step.
     let turns = |angle: f64| (angle.to_degrees() + 45.0).rem_euclid(90.0) - 45.0;
     for reading in read.iter().filter(|reading| turns(reading.angle_rad).abs() > 0.1) {
         let truth = plane.reading(reading.angle_rad, reading.counterclockwise);
@@ -311,19 +314,19 @@ fn positions_without_the_circle_are_refused() {
     let mut broken = all.clone();
     broken[77].actual[1] = f64::INFINITY;
     assert_eq!(readings(60.0, &broken), Err(Refused::NotAReading { index: 77 }));
-    // A half that is missing in one direction: the fit refuses it by its angles.
+    // Half a circle is missing in one direction: the fit refuses it by its angles.
     let part: Vec<Position> = all.iter().take(501 + 7200 + 300 + 1900).copied().collect();
     let read = readings(60.0, &part).unwrap();
     assert!(matches!(evaluate(60.0, &read, [None; 2]), Err(Refused::Gap { counterclockwise: false, .. })));
 }
 
-/// What friction leaves of a reversal, as a function of the angle since it.
+/// Effect of friction on a reversal, as a function of the angle since it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Leaves {
     Nothing,
     /// A rise within a milliradian or three, then a decay: height in mm, width and rise in rad.
     Fast,
-    /// A cascaded drive against friction of Dahl, or of LuGre with Stribeck, followed in time.
+    /// A cascaded drive against Dahl friction, or LuGre friction with Stribeck effect, simulated in time.
     Dahl,
     LuGre,
 }
@@ -346,7 +349,7 @@ fn spike(leaves: Leaves, radius: f64, feed: f64, draw: &mut impl FnMut(f64, f64)
             let turns_per_s = feed / radius;
             let h = PI / STEPS as f64 / turns_per_s / 4.0;
             let speed = |v: f64| level * kvp * (1.0 + stribeck / (1.0 + (v / v_s).powi(2)));
-            // Way behind its command, speed, what the integrator holds; the state of friction.
+            // Lag behind the command, speed, integrator value; the state of friction.
             let (mut x, mut v, mut held, mut f) = (0.0, 0.0, -speed(0.0), -1.0);
             let mut table = Vec::with_capacity(STEPS + 1);
             for k in 0..=4 * STEPS {
@@ -365,7 +368,8 @@ fn spike(leaves: Leaves, radius: f64, feed: f64, draw: &mut impl FnMut(f64, f64)
     }
 }
 
-/// Readings of a machine whose play is taken up on the way (a play operator), and the truth of both backlashes, scale mismatch and squareness.
+/// Readings of a machine that takes up its play during travel (a play operator), and the true backlashes, scale mismatch and
+/// squareness.
 fn machine(leaves: Leaves, angles_deg: &[f64], seed: u64) -> (f64, Vec<Reading>, [(Cause, f64); 4]) {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut draw = |from: f64, to: f64| from + (to - from) * (f64::from(random.next_u32()) / f64::from(u32::MAX));
@@ -388,7 +392,7 @@ fn machine(leaves: Leaves, angles_deg: &[f64], seed: u64) -> (f64, Vec<Reading>,
             off = [off[0] + bow[1] * sin * sin, off[1] + bow[0] * cos * cos];
             let mut outward = 0.0;
             for (axis, along) in [(0, cos), (1, sin)] {
-                // Degrees since the turn at which the axis stood at its largest, exact where they are whole.
+                // Degrees since the reversal at the axis' maximum, exact for whole degrees.
                 let since = (d * (angle_deg - 90.0 * axis as f64)).rem_euclid(360.0);
                 let way = if since == 0.0 || since > 180.0 { 1.0 } else { -1.0 };
                 let after = if since == 0.0 || since == 180.0 { PI } else { since.rem_euclid(180.0).to_radians() };
@@ -414,7 +418,7 @@ fn angles(count: usize, from_deg: f64) -> Vec<f64> {
     (0..count).map(|k| from_deg + 360.0 * k as f64 / count as f64).collect()
 }
 
-/// Share of the bands of 95 % that hold the truth.
+/// Share of the 95 % bands that contain the true value.
 fn held(machines: impl Iterator<Item = (f64, Vec<Reading>, [(Cause, f64); 4])>) -> f64 {
     let mut count = [0.0; 2];
     for (number, (radius, readings, truth)) in machines.enumerate() {
@@ -434,14 +438,15 @@ fn held(machines: impl Iterator<Item = (f64, Vec<Reading>, [(Cause, f64); 4])>) 
     count[1] / count[0]
 }
 
-/// At 0, 90, 180 and 270° an axis stands at its turn, on the side on which it came: the sign of a rounding error says nothing of it.
+/// At 0, 90, 180 and 270° an axis is at its reversal, on the side from which it came: the sign of a rounding error is
+/// irrelevant.
 #[test]
 fn readings_at_whole_degrees_hold_the_truth() {
     let plain = Plane { radius: 150.0, backlash: [0.012, 0.0], scale: [5e-5, 0.0], ..Plane::default() };
     let readings = [true, false].into_iter().flat_map(|counterclockwise| {
         angles(360, 0.0).into_iter().map(move |angle_deg| {
             let angle_rad = angle_deg.to_radians();
-            // The turn belongs to the way before it.
+            // The reversal belongs to the travel before it.
             let before = if counterclockwise { -1e-12 } else { 1e-12 };
             let deviation_mm = plain.reading(angle_rad + before, counterclockwise);
             Reading { angle_rad, deviation_mm, counterclockwise }
@@ -458,7 +463,7 @@ fn readings_at_whole_degrees_hold_the_truth() {
     assert!((0.92..=0.98).contains(&share), "{share}");
 }
 
-/// Spikes of Dahl's and LuGre's friction through a drive, and such that rise at once.
+/// Spikes from Dahl and LuGre friction through a drive, and spikes that rise at once.
 #[test]
 fn spikes_of_other_shapes_widen_the_bands() {
     let all = [Leaves::Dahl, Leaves::LuGre, Leaves::Fast];
@@ -472,18 +477,18 @@ fn spikes_of_other_shapes_widen_the_bands() {
     assert!(held((0..12).map(|seed| machine(Leaves::Nothing, &angles(720, 0.25), seed))) > 0.9);
 }
 
-/// F about the least-squares centre of its direction: a bow moves that centre, and is not the centre of the fit.
+/// F is about the least-squares centre of its direction: a bow moves that centre, which is not the centre of the fit.
 #[test]
 fn radial_deviation_is_about_the_least_squares_centre() {
     let plane = Plane { radius: 100.0, bow: [0.004, 0.0], centre: [0.02, -0.01], ..Plane::default() };
     let found = evaluate(100.0, &plane.record(720, &[true, false], || 0.0), [None; 2]).unwrap();
-    // q cos²θ sin θ = q/4 sin θ + q/4 sin 3θ, of which the first is the centre's: what is left is ± q/4.
+    // q cos²θ sin θ = q/4 sin θ + q/4 sin 3θ; the first term moves the centre, so the residual is ± q/4.
     for [most, least] in found.figures.f.map(Option::unwrap) {
         assert!((most - 0.001).abs() < 1e-5 && (least + 0.001).abs() < 1e-5, "{most} {least}");
     }
 }
 
-/// 220° in a vertical plane: the causes of whole circles, F alone is not defined.
+/// 220° in a vertical plane: the causes of whole circles; only F is undefined.
 #[test]
 fn arcs_tell_what_they_can() {
     let arc: Vec<f64> = (0..=440).map(|k| 0.5 * f64::from(k) - 20.0).collect();

@@ -1,4 +1,4 @@
-//! Calibration by touches, against what can be worked out by hand.
+//! Calibration by touches, compared with hand calculations.
 
 use trueaxis_metrology::calibration::{Network, Part, Refused, Surface, Touch, Unknown, fit_ball};
 use trueaxis_testing::noise::Noise;
@@ -22,7 +22,7 @@ fn a_ball_has_its_centre_radius_and_standard_errors() {
         assert!((value - truth).abs() < 1e-9, "{found:?}");
     }
     assert!((found.radius_mm - 15.5).abs() < 1e-9);
-    // Two of six touches tell a coordinate, all of them the radius.
+    // Two of six touches determine a coordinate, all of them the radius.
     for error in found.standard_errors_mm {
         assert!((error - 1e-3 / 2f64.sqrt()).abs() < 1e-9, "{found:?}");
     }
@@ -44,7 +44,8 @@ fn touches_that_leave_a_direction_open_are_refused() {
     assert!(matches!(fit_ball(&far, NEAR, 15.5, true, 1e-3), Err(Refused::NotFinite { touch: 0 })));
 }
 
-/// A bore touched on a machine that is 30 ppm too long in both directions, or with a tip 0.75 µm too large per 50 mm: the same.
+/// A bore touched on a machine that is 30 ppm too long in both directions, or with a tip 0.75 µm too large per 50 mm:
+/// indistinguishable.
 #[test]
 fn a_bore_alone_does_not_tell_scale_and_tip() {
     let free = |start| Unknown { start, uncertainty: None };
@@ -66,22 +67,22 @@ fn a_bore_alone_does_not_tell_scale_and_tip() {
     }
     let mut known = network;
     known.unknowns[1].uncertainty = Some(1e-4);
-    // Not yet touched: the stated repeatability counts, not how well the touches fit.
+    // Planned touches: the stated repeatability counts, not how well the touches fit.
     let foreseen = known.foresee().unwrap();
     assert!((foreseen.sigma_mm - 1e-3).abs() < 1e-15, "{foreseen:?}");
     let found = known.solve().unwrap();
     assert!(found.values[0].abs() < 1e-12 && found.standard_errors[0] > 0.0, "{found:?}");
 }
 
-/// A gauge of 30 faces, each touched twice, on a machine that is too long. Where the certificate says nothing of the faces next
-/// to the probe (5 µm beside 1 µm), every face takes a touch, and what is left is divided by the others: 60 touches, 31 of them
-/// for the faces and the scale, less what the certificate says of the row as a whole.
+/// A gauge of 30 faces, each touched twice, on a machine that is too long. If the certificate says nothing about the faces at
+/// the probe's accuracy (5 µm versus 1 µm), every face costs a touch, and the residual is divided by the others: 60 touches −
+/// 31 for the faces and the scale + the information of the certificate on the row as a whole.
 #[test]
 fn what_is_left_is_divided_by_what_the_touches_tell() {
     let repeats = 400;
     let (mut variance, mut degrees) = (0.0, 0);
     let mut noise = Noise::new(7);
-    // Even, of standard deviation 1.
+    // Uniform, with standard deviation 1.
     let mut drawn = || 3_f64.sqrt() * noise.signed();
     for _ in 0..repeats {
         let free = |start| Unknown { start, uncertainty: None };
@@ -93,7 +94,7 @@ fn what_is_left_is_divided_by_what_the_touches_tell() {
             unknowns.push(Unknown { start: 0.0, uncertainty: Some(5e-3) });
             let off = 5e-3 * drawn();
             for _ in 0..2 {
-                // The tip's radius before the face; the axis says 30 ppm less than it went.
+                // The tip's radius in front of the face; the axis indicates 30 ppm less than its travel.
                 let tip_mm = [(at + off - 3.0) * (1.0 - 30e-6) + 1e-3 * drawn(), 0.0, 0.0];
                 let part = |unknown| Part { unknown, factor: 1.0, along: None };
                 let parts = vec![part(2), part(unknown)];
@@ -106,11 +107,11 @@ fn what_is_left_is_divided_by_what_the_touches_tell() {
         degrees = found.degrees_of_freedom;
     }
     assert!((29..=32).contains(&degrees), "{degrees}");
-    // 400 variances of 30 degrees of freedom each: 1.3 % is their standard error.
+    // 400 variances of 30 degrees of freedom each have a standard error of 1.3 %.
     assert!((variance * 1e6 - 1.0).abs() < 0.05, "{variance}");
 }
 
-/// A plate of 300 mm that stands askew by 10 mrad about every direction is as long as it is: ½ θ² would be 50 ppm.
+/// A plate of 300 mm tilted by 10 mrad about each direction keeps its length: ½ θ² would be 50 ppm.
 #[test]
 fn a_plate_askew_is_no_longer() {
     let free = |start| Unknown { start, uncertainty: None };
@@ -118,7 +119,7 @@ fn a_plate_askew_is_no_longer() {
     unknowns.extend([0.0; 6].map(free));
     unknowns.push(Unknown { start: 20.0, uncertainty: Some(1e-9) });
     let mut touches = Vec::new();
-    // Turned about Z by 20 mrad, about the new X by 10 mrad.
+    // Rotated about Z by 20 mrad, then about the new X by 10 mrad.
     let ((sz, cz), (sx, cx)) = (0.02_f64.sin_cos(), 0.01_f64.sin_cos());
     for [a, b] in [[0.0, 0.0], [300.0, 0.0], [0.0, 300.0], [300.0, 300.0]] {
         let centre = [cz * a - sz * cx * b, sz * a + cz * cx * b, sx * b];

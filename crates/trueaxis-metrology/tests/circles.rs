@@ -1,4 +1,4 @@
-//! Reference circles against full enumeration, and against reference values with 60 digits.
+//! Reference circles compared with full enumeration, and with reference values of 60 digits.
 
 use serde_json::Value;
 use std::f64::consts::{PI, TAU};
@@ -10,7 +10,7 @@ use trueaxis_testing::noise::Noise;
 type P = [f64; 2];
 type Circle = fn(&[P]) -> Result<ReferenceCircle, NoCircle>;
 
-/// Three to twelve points: near-round, lobed, ellipses, part arcs, clouds, and grids full of ties.
+/// Three to twelve points: near-round, lobed, ellipses, part arcs, clouds, and grids with many ties.
 fn set(seed: u64) -> Vec<P> {
     let mut random = Noise::new(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15));
     let n = 3 + (random.unit() * 10.0) as usize;
@@ -45,7 +45,7 @@ fn distances(points: &[P], c: P) -> (f64, f64) {
         .fold((0.0, f64::INFINITY), |(high, low), d| (d.max(high), d.min(low)))
 }
 
-/// The centre equally far from a and b, and from c and d.
+/// The centre that is equally far from a and b, and equally far from c and d.
 fn equal(a: P, b: P, c: P, d: P) -> Option<P> {
     let row = |a: P, b: P| {
         let (x, y) = (b[0] - a[0], b[1] - a[1]);
@@ -65,7 +65,7 @@ fn smallest_zone(points: &[P]) -> f64 {
     let mut best = f64::INFINITY;
     for (i, j) in pairs(points.len()) {
         for (k, l) in pairs(points.len()) {
-            // Pairs that share a point are the triples.
+            // Pairs that share a point form the triples.
             if let Some(c) = equal(points[i], points[j], points[k], points[l]) {
                 let (high, low) = distances(points, c);
                 best = best.min(high - low);
@@ -75,7 +75,7 @@ fn smallest_zone(points: &[P]) -> f64 {
     best
 }
 
-/// Smallest extent along any normal of two points: no strip is narrower. 0 where all points are in one place.
+/// Smallest extent along any normal of two points: no strip is narrower. 0 if all points coincide.
 fn strip(points: &[P]) -> f64 {
     if points.iter().all(|p| p == &points[0]) {
         return 0.0;
@@ -130,7 +130,7 @@ fn largest_empty(points: &[P], margin: f64) -> f64 {
     best
 }
 
-/// Largest angle without a point as seen from c.
+/// Largest angular gap between points as seen from c.
 fn gap(points: &[P], c: P) -> f64 {
     let mut angles: Vec<f64> = points.iter().map(|p| (p[1] - c[1]).atan2(p[0] - c[0])).collect();
     angles.sort_by(f64::total_cmp);
@@ -188,7 +188,7 @@ fn no_centre_of_any_two_pairs_or_three_points_is_better() {
     assert!(zones > 9_000 && inscribed > 5_000 && strips > 10 && part > 500);
 }
 
-/// One or two points far away from the others: the same enumeration, with what f64 leaves of it at that distance.
+/// One or two points far away from the others: the same enumeration, to the accuracy that f64 retains at that distance.
 #[test]
 fn outliers_are_answered_exactly_too() {
     for seed in 0..600 {
@@ -205,7 +205,7 @@ fn outliers_are_answered_exactly_too() {
         let tolerance = 1e-8;
         let (truth, limit) = (smallest_zone(&points), strip(&points));
         match minimum_zone(&points) {
-            // The enumeration knows its own far centres to a micrometre or so: it may be the wider one.
+            // The enumeration knows its far centres only to about a micrometre: its zone may be the wider one.
             Ok(zone) => {
                 let (high, low) = distances(&points, zone.centre);
                 assert!((high - low - zone.zone).abs() < tolerance * far, "{seed}");
@@ -224,8 +224,8 @@ fn outliers_are_answered_exactly_too() {
     }
 }
 
-/// A point that a slip of the probe left far away, in every decade: all four circles at once. The search is counted in
-/// `minimum_zone`; here it only has to end.
+/// One point far away due to a slip of the probe, in every decade: all four circles. A test in `minimum_zone` counts the work;
+/// here the search only has to end.
 #[test]
 fn thousands_of_points_with_an_outlier() {
     for decade in 3..=9 {
@@ -243,7 +243,7 @@ fn thousands_of_points_with_an_outlier() {
             );
         }
         let zone = minimum_zone(&points).unwrap();
-        // A circle so large that the others lie on a line: their own diameter, and no point outside it.
+        // A circle so large that the other points are on a line: the zone is their diameter, and no point is outside it.
         assert!((zone.zone - 20.0).abs() < 0.2 && zone.outer > 400.0, "{decade}: {zone:?}");
     }
 }
@@ -303,7 +303,7 @@ fn turning_moving_and_scaling_change_nothing() {
     }
 }
 
-/// The zone of 1e-9 on a radius of 13, 560 away from the origin, whose points are numbers that f64 holds exactly.
+/// A zone of 1e-9 on a radius of 13, 560 away from the origin, with points that f64 represents exactly.
 #[test]
 fn a_zone_of_a_billionth_keeps_nine_digits() {
     let unit = 2f64.powi(-30);
@@ -330,7 +330,7 @@ fn a_zone_of_a_billionth_keeps_nine_digits() {
     assert_eq!(zone.contacts, [0, 2, 4, 6]);
 }
 
-/// Pythagorean points: every distance is the same number, and no point is more extreme than another.
+/// Pythagorean points: all distances are equal, and no point is more extreme than another.
 #[test]
 fn points_exactly_on_a_circle_have_no_zone() {
     for place in [[0.0, 0.0], [-560.0, 34.0], [0.5, -0.25]] {
@@ -370,7 +370,7 @@ fn what_has_no_circle_is_refused() {
     assert_eq!(NoCircle::TooFew { found: 2 }.to_string(), "found 2 points, needed at least 3");
 }
 
-/// Values of `tests/reference/circles.py`: full enumeration with 60 digits.
+/// Values from `tests/reference/circles.py`: full enumeration with 60 digits.
 #[test]
 fn reference_values() {
     let text = include_str!("../../../tests/reference/circles.json");
@@ -411,8 +411,8 @@ fn reference_values() {
     println!("{} sets: zones within {worst:.1e}", cases.len());
 }
 
-/// Nearly straight points have a small circle through their middle that is a minimum of nothing: the fit is never worse
-/// than a straight line.
+/// Nearly straight points have a small circle through their middle that is not a minimum: the fit is never worse than a
+/// straight line.
 #[test]
 fn nearly_straight_points_are_fitted_by_a_large_circle_or_refused() {
     let zigzag = [[0.0, 0.0], [1.0, 0.001], [2.0, 0.0], [3.0, 0.001]];
@@ -422,7 +422,7 @@ fn nearly_straight_points_are_fitted_by_a_large_circle_or_refused() {
                 .iter()
                 .map(|p| ((p[0] - circle.centre[0]).hypot(p[1] - circle.centre[1]) - circle.radius).powi(2))
                 .sum();
-            // The straight line leaves 8e-7.
+            // The sum of squares of the straight line is 8e-7.
             assert!(sum < 8.0e-7, "{sum:e} {circle:?}");
         }
         Err(error) => assert!(matches!(error, NoCircle::Straight), "{error}"),
@@ -436,10 +436,10 @@ fn squares(points: &[P], c: P) -> f64 {
     distances.iter().map(|d| (d - mean) * (d - mean)).sum()
 }
 
-/// Points that are hardly a circle have several hollows: no centre that walks downhill from a fine net of places is better.
+/// Points that are hardly a circle have several minima: no descent from a fine grid of starting points finds a better centre.
 #[test]
 fn no_centre_has_a_smaller_sum_than_the_least_squares_circle() {
-    // The algebraic fit of these lies in the wrong hollow.
+    // The algebraic fit of these points is near the wrong minimum.
     let known = [[23.0, 25.0], [22.0, 15.0], [10.0, 28.0], [26.0, 14.0], [39.0, 26.0], [15.0, 11.0], [10.0, 22.0]];
     let mut random = Noise::new(17);
     let drawn = (0..150).map(|k| -> Vec<P> {
@@ -457,7 +457,7 @@ fn no_centre_has_a_smaller_sum_than_the_least_squares_circle() {
         let sum = squares(&points, found.centre);
         let middle = [0, 1].map(|k| points.iter().map(|p| p[k]).sum::<f64>() / points.len() as f64);
         let size = points.iter().map(|p| (p[0] - middle[0]).hypot(p[1] - middle[1])).fold(0.0, f64::max);
-        // Downhill by halved steps, from places up to ten sizes away.
+        // Descent by halved steps, from positions up to ten sizes away.
         for (turn, ring) in (0..16).flat_map(|turn| (0..12).map(move |ring| (turn, ring))) {
             let (sin, cos) = (TAU * (f64::from(turn) + 0.1 * f64::from(ring)) / 16.0).sin_cos();
             let out = size * 0.05 * 1.62f64.powi(ring);
@@ -476,7 +476,7 @@ fn no_centre_has_a_smaller_sum_than_the_least_squares_circle() {
     }
 }
 
-/// Where rounding at 10⁹ mm hides the inscribed circle, the search ends and says so; the other circles are found.
+/// If rounding at 10⁹ mm hides the inscribed circle, the search ends and reports it; the other circles are found.
 #[test]
 fn outliers_at_several_distances_end() {
     let points = [
@@ -494,7 +494,7 @@ fn outliers_at_several_distances_end() {
     assert!(minimum_circumscribed(&points).is_ok() && least_squares(&points).is_ok());
 }
 
-/// Points within a micrometre of a line: the narrowest ring is 200 m away, and not wider than the one of least squares.
+/// Points within a micrometre of a line: the narrowest ring is 200 m away, and no wider than that of least squares.
 #[test]
 fn the_narrowest_ring_of_nearly_straight_points_is_far_away() {
     let points = [[10.0, 0.001], [25.0, 0.001], [0.1, 0.001], [0.1, 0.001], [0.2, 0.001], [31.0, 0.0]];
@@ -502,7 +502,7 @@ fn the_narrowest_ring_of_nearly_straight_points_is_far_away() {
     assert!(mzc.zone < lsc.zone * (1.0 + 1e-9) && mzc.zone < 5.27e-4, "{mzc:?} {lsc:?}");
 }
 
-/// Two points 10⁸ mm away on either side of a few in the middle: a valley of centres that is narrower than rounding.
+/// Two points 10⁸ mm away on either side of a few in the middle: a valley of centres narrower than rounding.
 #[test]
 fn a_search_for_the_minimum_zone_ends() {
     let points = [

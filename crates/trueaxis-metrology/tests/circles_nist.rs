@@ -1,7 +1,7 @@
-//! Reference circles of the NIST two-dimensional reference pairs and of real indicator records, where they are at hand.
+//! Reference circles of the NIST two-dimensional reference pairs and of real indicator records, if available.
 //!
 //! The data are not part of this repository: the tests read them from the folder that `TRUEAXIS_REFERENCE_DATA` names, and
-//! say so where it is not set.
+//! report if it is not set.
 
 use serde_json::Value;
 use std::fs;
@@ -60,14 +60,14 @@ fn nist_reference_pairs() {
         let mut check = |k: usize, key: &str, circle: &ReferenceCircle| {
             let truth = number(&case[key], "zone");
             let error = (circle.zone - truth).abs();
-            // Reading a coordinate as f64 alone moves a point by up to half a unit in its last place.
+            // Reading a coordinate as f64 moves a point by up to half a unit in its last place.
             assert!(
                 error < 1e-9 * truth + 2.0 * f64::EPSILON * largest,
                 "{name} {key}: {} for {truth}: {:e}",
                 circle.zone,
                 error / truth
             );
-            // Three points lie on their circle; what is left of the zone is rounding.
+            // Three points are on their circle; their zone is only rounding.
             if points.len() > 3 {
                 worst[k].zone = worst[k].zone.max(error / truth);
             }
@@ -90,7 +90,7 @@ fn nist_reference_pairs() {
     }
 }
 
-/// Zones of three records, least squares and minimum, in their own unit; published beside them with six decimals.
+/// Zones of three records, least squares and minimum, in their units; published with the records to six decimals.
 #[test]
 fn indicator_records() {
     for (name, lsc, mzc) in
@@ -111,7 +111,7 @@ fn indicator_records() {
             [limacon::least_squares_at(&theta, &r).unwrap().zone, limacon::minimum_zone_at(&theta, &r).unwrap().zone];
         let b = [least_squares(&plane).unwrap().zone, minimum_zone(&plane).unwrap().zone];
         println!("{name}: limaçon {a:?}, plane {b:?}");
-        // The files hold readings without a known radius: the published figures are those of the limaçon.
+        // The files contain readings without a known radius: the published figures are those of the limaçon.
         assert!((a[0] - lsc).abs() < 1e-6 && (a[1] - mzc).abs() < 1e-6, "{name}: {a:?}");
     }
 }

@@ -1,4 +1,4 @@
-//! Limaçon circles against analytic profiles and against full enumeration.
+//! Limaçon circles compared with analytic profiles and with full enumeration.
 
 use std::f64::consts::TAU;
 use trueaxis_metrology::circles::{NoCircle, ReferenceCircle, limacon};
@@ -14,7 +14,7 @@ fn range(theta: &[f64], r: &[f64], c: [f64; 2]) -> (f64, f64) {
     residuals(theta, r, c).fold((f64::NEG_INFINITY, f64::INFINITY), |(high, low), v| (high.max(v), low.min(v)))
 }
 
-/// Smallest range, smallest maximum and largest minimum over all centres that level two pairs or three readings.
+/// Smallest range, smallest maximum and largest minimum over all centres at which two pairs or three readings are level.
 fn enumerate(theta: &[f64], r: &[f64]) -> [f64; 3] {
     let row = |i: usize, j: usize| (theta[i].cos() - theta[j].cos(), theta[i].sin() - theta[j].sin(), r[i] - r[j]);
     let n = r.len();
@@ -39,7 +39,7 @@ fn no_level_readings_give_a_better_circle() {
     for seed in 0..2_000 {
         let mut random = Noise::new(seed);
         let n = 5 + (seed % 8) as usize;
-        // Never half a turn open; readings on a coarse grid in every third set, so that many are level.
+        // No half turn is open; every third set has readings on a coarse grid, so that many are level.
         let theta: Vec<f64> = (0..n).map(|i| TAU * (i as f64 + 0.45 * random.signed()) / n as f64).collect();
         let r: Vec<f64> = (0..n)
             .map(|_| if seed % 3 == 0 { (3.0 * random.signed()).round() } else { 40.0 + random.signed() })
@@ -71,7 +71,7 @@ fn eccentricity_comes_off_lobes_exactly() {
             .map(|i| TAU * f64::from(i) / f64::from(n))
             .map(|t| -7.0 + 30.0 * t.cos() - 40.0 * t.sin() + 1.5 * (f64::from(lobes) * t).cos())
             .collect();
-        // Whole periods of samples on the crests; the troughs fall between samples where n/lobes is odd or no whole number.
+        // The crests are on samples; the troughs are between samples if n/lobes is odd or not an integer.
         let trough = (0..n).map(|i| (f64::from(lobes) * TAU * f64::from(i) / f64::from(n)).cos()).fold(0.0, f64::min);
         for circle in
             [limacon::least_squares, limacon::minimum_zone, limacon::minimum_circumscribed, limacon::maximum_inscribed]

@@ -1,4 +1,4 @@
-//! The bench mathematics, against independent values.
+//! The bench mathematics, compared with independent values.
 
 mod ballbar;
 mod calibration;

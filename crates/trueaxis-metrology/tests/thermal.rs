@@ -1,27 +1,28 @@
-//! Thermal growth found in warm-ups whose truth is known: temperatures and responses integrated in steps of a second, with no
-//! line of the code under test.
+//! Thermal growth identified from warm-ups with known truth: temperatures and responses are integrated in steps of a second,
+//! without any of the code under test.
 
 use trueaxis::Axis;
 use trueaxis::temperature::Thermal;
 use trueaxis_metrology::thermal::{Missing, RATE_K_PER_MIN, Record, Refused, Sample, Settings, fit, held_out};
 use trueaxis_testing::noise::Noise;
 
-/// Lags of the truth, s: spindle sensor, ambient, and the spindle's own response.
+/// True lags, s: spindle sensor, ambient, and the spindle's response.
 const LAGS: [f64; 3] = [900.0, 5400.0, 1500.0];
-/// Z per kelvin of the first, µm; X per metre and kelvin of the second; Z at 6,000 rpm, µm; Y per mm of tool at 6,000 rpm, µm.
+/// Z per kelvin of the first sensor, µm; X per metre and kelvin of the second; Z at 6,000 rpm, µm; Y per mm of tool at 6,000
+/// rpm, µm.
 const Z_PER_K: f64 = 1.8;
 const X_PER_M_K: f64 = 11.0;
 const Z_AT_SPEED: f64 = 9.0;
 const Y_PER_MM_AT_SPEED: f64 = 0.03;
 
-/// Speeds of the four cycles in spells of 40 minutes, in thousands.
+/// Speeds of the four cycles in intervals of 40 minutes, in thousands.
 const DUTY: [[u32; 6]; 4] = [[0, 6, 6, 3, 0, 3], [0, 6, 0, 6, 6, 6], [3, 0, 6, 6, 0, 3], [6, 3, 0, 0, 6, 3]];
 
 fn record(noise_um: f64) -> Record {
     warm_up(&DUTY, 6000.0, 7, noise_um)
 }
 
-/// A warm-up of this duty, of a spindle whose sensor is 14 K warm at `hot_rpm`.
+/// A warm-up with this duty, of a spindle whose sensor is 14 K warm at `hot_rpm`.
 fn warm_up(duty: &[[u32; 6]], hot_rpm: f64, seed: u64, noise_um: f64) -> Record {
     let mut noise = Noise::new(seed);
     let mut samples = Vec::new();
@@ -31,9 +32,9 @@ fn warm_up(duty: &[[u32; 6]], hot_rpm: f64, seed: u64, noise_um: f64) -> Record 
     let air = |t: f64| 20.0 + 3.0 * (since(t) / 13_000.0).sin() + 1.5 * (since(t) / 4_100.0).sin();
     for (cycle, duty) in (1..).zip(duty) {
         for second in 0..14_400_u32 {
-            // Midway between two rows: what a record does not tell, the fit takes for linear.
+            // Speeds change midway between two rows: the fit treats what happens between rows as linear.
             let rpm = 1e3 * f64::from(duty[((second + 60) / 2400 % 6) as usize]);
-            // A heater of its own, besides the speed, so that the two differ.
+            // A heater besides the speed, so that the two differ.
             let heat = 14.0 * (rpm / hot_rpm).powi(2) + 4.0 * (since(t) / 2_900.0).sin();
             nose += (air(t) + heat - nose) / 700.0;
             lagged[0] += (nose - lagged[0]) / LAGS[0];
@@ -106,7 +107,7 @@ fn lags_and_curves_of_a_known_machine_are_found_and_the_clock_is_left_out() {
     let (figures, series) = held_out(&record, &found, &bytes);
     assert_eq!((figures.len(), series.len()), (12, 36));
     for own in figures.iter().filter(|own| own.held_out) {
-        // Two readings of 0.3 µm, each at its worst in 360.
+        // Two readings of 0.3 µm, each at its largest in 360.
         assert!(own.left_mm < 2.2e-3 && own.left_rms_mm < 0.7e-3 && own.drift_mm > 3e-3, "{own:?}");
     }
 }
@@ -123,11 +124,11 @@ fn without_a_second_position_there_is_no_slope_and_without_a_second_tool_no_tilt
     assert!((growth - 1e-3 * 40.0 * Y_PER_MM_AT_SPEED).abs() < 1e-4, "the tool's tilt is growth then: {growth}");
 }
 
-/// Speeds of the spindle, a row for each warm-up.
+/// Speeds of the spindle, one row per warm-up.
 type Speeds = [[u32; 6]; 4];
 
-/// Warm-ups in which a speed, or every speed, was run in one fitted cycle only, so that no other predicts it; these speeds
-/// with their cycles.
+/// Warm-ups in which a speed, or every speed, occurs in only one fitted cycle, so that no other cycle predicts it; these
+/// speeds with their cycles.
 const LONE: [(Speeds, &[(f64, u32)]); 7] = [
     ([[0, 6, 6, 3, 0, 3], [0, 6, 12, 12, 6, 0], [3, 0, 6, 6, 0, 3], [6, 12, 0, 0, 6, 3]], &[(12e3, 2)]),
     ([[0, 12, 12, 0, 12, 3], [0, 6, 0, 6, 6, 3], [3, 0, 6, 6, 0, 3], [6, 3, 0, 12, 6, 3]], &[(12e3, 1)]),
@@ -150,7 +151,7 @@ fn a_speed_of_one_fitted_cycle_only_is_found_with_an_honest_error() {
         let record = warm_up(&duty, 12_000.0, 7, 0.3);
         let found = fit(&record, &settings(), &mut |_| ()).unwrap();
         assert_eq!(found.unconfirmed, lone, "{duty:?}");
-        // The noise is 0.3 µm; with the true lags 0.30 µm are left.
+        // The noise is 0.3 µm; with the true lags the residual is 0.30 µm.
         assert!(found.axes.iter().all(|axis| axis.rms_mm < 0.31e-3), "{duty:?}: {:?}", found.axes);
         let names: Vec<&str> = found.model.sensors.iter().map(|sensor| sensor.name.as_str()).collect();
         assert_eq!(names, ["nose", "air"], "{duty:?}");
@@ -186,7 +187,7 @@ fn a_speed_that_only_the_held_out_cycle_has_is_no_knot() {
     assert_eq!(found.model.spindle.unwrap().knots_rpm, [0.0, 3000.0, 6000.0]);
 }
 
-/// The record, broken by `change`, and why it is refused.
+/// Reason for refusing the record after `change`.
 fn refused(change: impl Fn(&mut Record)) -> Refused {
     let mut record = record(0.1);
     record.samples.retain(|sample| sample.tool_mm == 40.0 && sample.position_mm[0] == 0.0);
@@ -206,7 +207,7 @@ fn sensors_that_fail_half_way_are_told_with_their_row_and_figure() {
         record.samples.iter_mut().skip(250).for_each(|sample| sample.temperatures_c[1] = last);
     });
     assert!(matches!(&stuck, Refused::Stuck { sensor, index: 250, .. } if sensor == "air"), "{stuck}");
-    // It sticks in every cycle from the second on, with a rest between them: no stretch is longer than all others.
+    // The sensor sticks in every cycle from the second on, with a rest between them: no stretch is longer than all others.
     let often = refused(|record| {
         for cycle in 2..=4 {
             let rows = record.samples.iter_mut().filter(|sample| sample.cycle == cycle);
@@ -234,7 +235,7 @@ fn sensors_that_fail_half_way_are_told_with_their_row_and_figure() {
 
 #[test]
 fn rows_missing_for_less_than_a_lag_are_told_and_for_longer_refused() {
-    // One measuring point, every 120 s; its lags are 900, 5400 and 1500 s.
+    // One measuring point, every 120 s; the lags are 900, 5400 and 1500 s.
     let without = |minutes: f64| {
         let mut record = record(0.3);
         record.samples.retain(|sample| sample.tool_mm == 40.0 && sample.position_mm[0] == 0.0);

@@ -1,4 +1,5 @@
-//! Factors, budgets and verdicts against tests/reference/uncertainty.py (mpmath, 40 digits) and the examples of the GUM.
+//! Factors, budgets and decisions compared with tests/reference/uncertainty.py (mpmath, 40 digits) and the examples of the
+//! GUM.
 
 use serde_json::Value;
 use trueaxis_metrology::uncertainty::{
@@ -58,7 +59,7 @@ fn the_additive_model_of_the_supplement() {
     let mut draws = Draws::new(7, 0);
     let drawn: Vec<f64> = (0..100_000).map(|_| (0..4).map(|_| draws.normal()).sum()).collect();
     assert!((half_width(drawn, 0.95) - 3.92).abs() < 0.03);
-    // The same stream again, and another one.
+    // The same stream repeats; another one differs.
     assert_eq!(Draws::new(7, 0).normal(), Draws::new(7, 0).normal());
     assert_ne!(Draws::new(7, 1).normal(), Draws::new(7, 0).normal());
 }
@@ -71,7 +72,7 @@ fn draws_with_few_degrees_of_freedom_are_students() {
     assert!((found - 2.776).abs() < 0.05, "{found}");
 }
 
-/// Exact along one direction and in a ball; between them within 2 % of what is drawn.
+/// Exact along one direction and in a ball; in between within 2 % of the draws.
 #[test]
 fn the_radius_is_that_of_the_sphere() {
     let parts = |s: [f64; 3]| {

@@ -5,22 +5,23 @@ use crate::circles::{least_squares, minimum_zone};
 use std::f64::consts::TAU;
 use std::vec::Vec;
 
-/// Circular test after ISO 230-4, mm; of a direction that was not recorded nothing.
+/// Figures of a circular test after ISO 230-4, mm; `None` for a direction that was not recorded.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Figures {
-    /// G(b): bidirectional circular deviation, the minimum zone (MZC) of both directions together; with one direction none.
+    /// G(b): bidirectional circular deviation, the minimum zone (MZC) of both directions together; `None` with one direction.
     pub g_b: Option<f64>,
     /// G: circular deviation counterclockwise and clockwise, the minimum zone (MZC).
     pub g: [Option<f64>; 2],
-    /// F: largest and smallest radial deviation, counterclockwise and clockwise, from the nominal circle about the least-squares
-    /// centre (LSC) of that direction; of an arc none, as a circle's centre is defined by the whole of it.
+    /// F: largest and smallest radial deviation, counterclockwise and clockwise, from the nominal circle about the
+    /// least-squares centre (LSC) of that direction; `None` for an arc, because the centre is defined by the whole circle.
     pub f: [Option<[f64; 2]>; 2],
-    /// H: circular hysteresis, the largest difference of both directions at one angle, about the least-squares centre of both.
+    /// H: circular hysteresis, the largest difference between both directions at one angle, about the least-squares centre of
+    /// both.
     pub h: Option<f64>,
 }
 
-/// Angles at which both directions are compared.
+/// Number of angles at which the directions are compared.
 const COMPARED: usize = 720;
 
 pub(super) fn figures(radius: f64, readings: &[Reading], whole: bool) -> Figures {
@@ -58,7 +59,8 @@ pub(super) fn figures(radius: f64, readings: &[Reading], whole: bool) -> Figures
     }
 }
 
-/// Deviation at even angles, linear between the readings, their mean where several circles were run; none where an arc ends.
+/// Deviation at equidistant angles, linear between the readings, averaged over repeated circles; `None` beyond the ends of an
+/// arc.
 fn profile(readings: impl Iterator<Item = Reading>) -> Option<Vec<Option<f64>>> {
     let mut sorted: Vec<[f64; 2]> = readings.map(|r| [r.angle_rad.rem_euclid(TAU), r.deviation_mm]).collect();
     crate::order::sort_by_number(&mut sorted, |one| one[0]);
@@ -67,7 +69,7 @@ fn profile(readings: impl Iterator<Item = Reading>) -> Option<Vec<Option<f64>>> 
     let mut next = 0;
     let profile = (0..COMPARED).map(|k| {
         let angle = (k as f64 + 0.5) * step;
-        // Several readings between two angles: their mean.
+        // The mean of several readings between two angles.
         let begin = next;
         while sorted.get(next).is_some_and(|point| point[0] < angle + 0.5 * step) {
             next += 1;
@@ -85,7 +87,7 @@ fn profile(readings: impl Iterator<Item = Reading>) -> Option<Vec<Option<f64>>> 
     Some(profile.collect())
 }
 
-/// The reading of a bar in the circle's centre: of |c + (R + Δ) (cos θ, sin θ)| the part along the command's radius.
+/// The reading of a bar pivoted in the circle's centre: the part of |c + (R + Δ) (cos θ, sin θ)| along the commanded radius.
 pub(super) fn about(radius: f64, [x, y]: [f64; 2], reading: &Reading) -> Reading {
     let (sin, cos) = reading.angle_rad.sin_cos();
     let (along, across) = (x * cos + y * sin, y * cos - x * sin);

@@ -8,50 +8,52 @@ use std::f64::consts::{E, FRAC_PI_2, PI, TAU};
 use std::vec;
 use std::vec::Vec;
 
-/// Widths of spikes that are tried, rad: half a degree to 15°.
+/// Range of spike widths tried, rad: half a degree to 15°.
 const WIDTHS: [f64; 2] = [8.7e-3, 0.26];
 const WIDTHS_TRIED: usize = 24;
-/// Width of the narrowest spike that is tried, as a share of the distance between readings: of its height the first reading after
-/// a reversal shows two fifths or more.
+/// Narrowest spike width tried, as a share of the distance between readings: the first reading after a reversal then shows at
+/// least two fifths of the spike's height.
 const FINEST: f64 = 1.0 / 3.0;
-/// Width of the spikes where none are to be seen, rad. Among the widths that are tried it is one of the most alike to a scale
-/// mismatch and a backlash: what a spike within the noise could make of them stays within their bands.
+/// Spike width used if no spikes are visible, rad. Among the widths tried it is one of the most similar to a scale mismatch
+/// and a backlash: the bias that a spike within the noise could cause in them stays within their bands.
 const NOT_SEEN: f64 = 0.15;
-/// Spikes are seen from this F of their columns on: without any, the best of all widths exceeds it in 4 of 100 circles (counted).
+/// Spikes count as visible above this F of their columns: without spikes, the best of all widths exceeds it in 4 of 100
+/// circles (counted).
 const SEEN: f64 = 5.0;
-/// A spike is one from this many of its standard errors.
+/// A spike is significant above this multiple of its standard error.
 const SIGNIFICANT: f64 = 4.0;
-/// A width of this likelihood against the best one is none.
+/// A width below this likelihood relative to the best one is ignored.
 const UNLIKELY: f64 = 1e-4;
-/// Share of the likelihood below which the spikes are not of the fit's own shape.
+/// Likelihood share below which the spikes' shape differs from the fit's own.
 const ANOTHER_SHAPE: f64 = 0.05;
-/// An axis stands within this angle of its reversal, rad: what angles of a record are rounded to.
+/// An axis counts as at its reversal within this angle, rad: recorded angles are rounded to it.
 const AT_TURN: f64 = 1e-3;
-/// Way, in lost motions, after which the other side of the play is certain.
+/// Travel, in lost motions, after which the axis is certain to bear on the other side of its play.
 const TAKEN_UP: f64 = 1.3;
-/// Widest angle after a reversal that is left out because of play, rad.
+/// Widest angle after a reversal left out because of play, rad.
 const WIDEST_PLAY: f64 = 0.15;
-/// Rounds in which the readings that play leaves out settle.
+/// Rounds for settling the set of readings left out because of play.
 const PLAY_ROUNDS: usize = 3;
-/// Of a term's standard error what the other terms add to it, as a factor: beyond, the record does not tell it.
+/// Factor by which the other terms widen a term's standard error beyond which the record cannot determine it.
 const NOT_TOLD: f64 = 50.0;
-/// Pitches that are tried for an axis, from some readings to the radius.
+/// Number of pitches tried for an axis, from the spacing of a few readings to the radius.
 const PITCHES_TRIED: usize = 600;
-/// A periodic error is one when it takes this share of what all others leave; chance takes some 0.5 % of a hundred readings.
+/// A periodic error counts as found if it explains this share of the residual sum of squares; by chance it explains some 0.5 %
+/// for a hundred readings.
 const PERIODIC_SHARE: f64 = 0.15;
-/// Periods over a radius by which a pitch is at most moved when all causes are fitted with it.
+/// Largest shift of a pitch, in periods over a radius, when it is refined together with all causes.
 const POLISHED: f64 = 0.05;
-/// A periodic error explains nothing more where without it this much is left.
+/// A periodic error is superfluous if omitting it raises sigma by less than this factor.
 const NOTHING_MORE: f64 = 1.05;
-/// Rounds in which the centre settles: each squares what is left of its offset over the radius.
+/// Rounds for settling the centre: each squares the remaining offset over the radius.
 const ROUNDS: usize = 3;
 
 /// Evaluates a circular test of nominal radius `radius_mm`.
 ///
-/// `pitches_mm`: pitch of the periodic error of X, of Y, where it is known; else it is searched.
+/// `pitches_mm`: pitch of the periodic error of X and of Y if known; `None` searches it.
 ///
-/// Cost: some ten milliseconds for a thousand readings, a tenth of a second where spikes are of another shape; the exact ring of
-/// G in n log n.
+/// Cost: some ten milliseconds for a thousand readings, a tenth of a second if the spikes have another shape; the exact ring
+/// of G takes n log n.
 ///
 /// # Errors
 /// [`Refused`].
@@ -107,7 +109,7 @@ fn is_spike(term: &Term) -> bool {
     matches!(term.cause, Cause::Reversal(_)) && term.value.abs() > SIGNIFICANT * term.standard_error
 }
 
-/// Whether the circles are whole; else they are arcs.
+/// Whether the circles are whole, not arcs.
 fn check(radius: f64, readings: &[Reading]) -> Result<bool, Refused> {
     if readings.len() < LEAST {
         return Err(Refused::TooFew { found: readings.len() });
@@ -138,42 +140,42 @@ fn check(radius: f64, readings: &[Reading]) -> Result<bool, Refused> {
     Ok(whole)
 }
 
-/// What is fitted.
+/// Configuration of the fit.
 struct Fit {
     radius: f64,
     both: bool,
-    /// Of the spikes; none where no column is theirs.
+    /// Width of the spikes; `None` if the fit has no spike columns.
     width: Option<f64>,
-    /// The width that fits best is the narrowest that the readings let be tried.
+    /// The best-fitting width is the narrowest that the spacing of the readings permits.
     unresolved: bool,
     pitches: [Option<f64>; 2],
-    /// Lost motion of either axis, as far as it is known, mm.
+    /// Lost motion of each axis, as far as it is known, mm.
     play: [f64; 2],
 }
 
-/// What the spikes' own shape adds.
+/// Contribution of spikes of another shape.
 struct Shape {
     best: Shaped,
-    /// Height of either axis' spikes and its variance; mean square of the deviation that they make.
+    /// Height of each axis' spikes, its variance, and the mean square of the deviation that they cause.
     spikes: [[f64; 3]; 2],
-    /// Likelihood of the fit's own shape against that of all.
+    /// Likelihood of the fit's own shape relative to all shapes.
     own: f64,
 }
 
 struct Solved {
     columns: Vec<Cause>,
     values: DVector<f64>,
-    /// Variance of every value.
+    /// Variance of each value.
     variances: Vec<f64>,
-    /// Root mean square of every column.
+    /// Root mean square of each column.
     rms: Vec<f64>,
     left: Vec<f64>,
     sigma: f64,
     degrees_of_freedom: usize,
     condition: f64,
-    /// Factor by which the other columns widen a standard error.
+    /// Factors by which the other columns widen each standard error.
     inflation: Vec<f64>,
-    /// Widths of the spikes that were tried; none where no spikes are seen.
+    /// Spike widths tried; empty if no spikes are visible.
     tried: Vec<f64>,
     shape: Option<Shape>,
 }
@@ -185,12 +187,12 @@ impl Fit {
         [0.0, FRAC_PI_2].map(|at| (d * (reading.angle_rad - at)).rem_euclid(PI))
     }
 
-    /// Readings at which every axis has come away from its reversal by more than its play. Nearer to it rounding of the angle,
-    /// and what the play does on its way, would decide on which side of it the axis stands.
+    /// Readings at which every axis has moved away from its reversal by more than its play. Closer to the reversal, rounding
+    /// of the angle and partly taken-up play would decide on which side the axis bears.
     fn told(&self, readings: &[Reading]) -> Result<Vec<Reading>, Refused> {
         let is_told = |reading: &&Reading| {
             self.since(reading).into_iter().zip(self.play).all(|(since, play)| {
-                // The way from the reversal: R (1 − cos u).
+                // Travel from the reversal: R (1 − cos u).
                 let taken_up = (2.0 * TAKEN_UP * play / self.radius).sqrt().min(WIDEST_PLAY);
                 since > taken_up + AT_TURN && since < PI - AT_TURN
             })
@@ -199,7 +201,7 @@ impl Fit {
         if told.len() < LEAST / 2 { Err(Refused::TooFew { found: told.len() }) } else { Ok(told) }
     }
 
-    /// What the causes leave of a reading.
+    /// Residual of a reading.
     fn left(&self, solved: &Solved, reading: &Reading) -> f64 {
         let values = solved.shape.as_ref().map_or(&solved.values, |shape| &shape.best.values);
         let (mut left, mut column) = (reading.deviation_mm, 0);
@@ -213,7 +215,7 @@ impl Fit {
         left
     }
 
-    /// Finds the spikes' width and the pitches, and solves with them.
+    /// Searches the spike width and the pitches, and solves with them.
     fn search(&mut self, readings: &[Reading], pitches: [Option<f64>; 2]) -> Solved {
         self.pitches = pitches;
         let mut solved = self.search_width(readings);
@@ -230,7 +232,8 @@ impl Fit {
         if self.pitches == pitches {
             return shaped;
         }
-        // What spikes of another shape leave may look periodic. Beside that shape it then explains nothing more.
+        // The residual of spikes of another shape may look periodic. With that shape in the fit, the period explains nothing
+        // more.
         let found = (self.width, self.unresolved, self.pitches);
         self.pitches = pitches;
         let solved = self.search_width(readings);
@@ -243,7 +246,7 @@ impl Fit {
         shaped
     }
 
-    /// Moves a pitch to where all causes together leave least: what the others took of it bends the first finding.
+    /// Refines a pitch to the least residual of all causes together: the other causes had biased the first estimate.
     fn polish(&mut self, readings: &[Reading], axis: usize, pitch: f64) {
         let (mut low, mut high) = (1.0 / pitch - POLISHED / self.radius, 1.0 / pitch + POLISHED / self.radius);
         for _ in 0..30 {
@@ -257,15 +260,16 @@ impl Fit {
         self.pitches[axis] = Some(2.0 / (low + high));
     }
 
-    /// Finds the spikes' width and solves with it; where no width shows spikes, with [`NOT_SEEN`].
+    /// Searches the spike width and solves with it; if no width shows spikes, with [`NOT_SEEN`].
     ///
     /// ```text
     /// F = (S₀ − S)/2 / (S/ν)
     /// ```
     ///
-    /// S: sum of squares that the best width leaves, ν its degrees of freedom; S₀: without the two columns of the spikes. A width
-    /// searched in noise is the one that fits the noise best, and no fit with it says how well the others are known (a parameter
-    /// that is there only under the alternative: Davies, Biometrika 74 (1987)); with one width the fit is linear, and does.
+    /// S: residual sum of squares with the best width, ν its degrees of freedom; S₀: without the two spike columns. A width
+    /// searched in noise is the one that fits the noise best, and the fit with it says nothing valid about the uncertainty of
+    /// the other causes (a parameter present only under the alternative: Davies, Biometrika 74 (1987)); with one fixed width
+    /// the fit is linear and its standard errors are valid.
     fn search_width(&mut self, readings: &[Reading]) -> Solved {
         let finest = FINEST * TAU * if self.both { 2.0 } else { 1.0 } / readings.len() as f64;
         let [narrow, wide] = [WIDTHS[0].max(finest), WIDTHS[1].max(2.0 * finest)];
@@ -279,7 +283,7 @@ impl Fit {
                 (best, found) = (left, width);
             }
         }
-        // Between its neighbours: golden section on the logarithm.
+        // Golden section on the logarithm, between the neighbours.
         let step = (wide / narrow).powf(1.0 / (WIDTHS_TRIED - 1) as f64);
         let (mut low, mut high) = (found / step, found * step);
         for _ in 0..20 {
@@ -303,7 +307,7 @@ impl Fit {
         solved
     }
 
-    /// The solution where the spikes may be of another shape; none where there are none to be seen, or they need not.
+    /// The solution with spikes of another shape; `None` if no spikes are visible or their shape needs no such term.
     fn shaped(&mut self, readings: &[Reading], solved: &Solved) -> Option<Solved> {
         if solved.tried.is_empty() {
             return None;
@@ -312,7 +316,7 @@ impl Fit {
         for (row, reading) in readings.iter().enumerate() {
             hats(self.since(reading), |place, value| free[(row, place)] = value);
         }
-        // Columns of spikes differ from width to width; all others are counted from the solution.
+        // Spike columns differ from width to width; the other columns start from the solution.
         let mut from = solved.values.clone();
         let spikes = [0, 1].map(|axis| solved.columns.iter().position(|own| *own == Cause::Reversal(axis)));
         let [Some(x), Some(y)] = spikes else { return None };
@@ -353,7 +357,7 @@ impl Fit {
             let made = readings.iter().map(|reading| {
                 let since = self.since(reading);
                 let mut made = best.values[*column] * spike(since[axis]);
-                // Of the other axis nothing: its angle is none that a column knows.
+                // The other axis contributes nothing: half a turn from a reversal lies outside all of its columns.
                 let mut alone = [0.5 * PI; 2];
                 alone[axis] = since[axis];
                 hats(alone, |place, part| {
@@ -371,21 +375,21 @@ impl Fit {
         Some(shaped)
     }
 
-    /// Sum of squares that is left with a width of the spikes.
+    /// Residual sum of squares for a spike width.
     fn left_with(&mut self, readings: &[Reading], width: Option<f64>) -> f64 {
         self.width = width;
         sum_of_squares(&self.solve(readings).left)
     }
 
-    /// Variances of the values of `best` where the spikes' width is not known but searched: over all widths, each with the
-    /// likelihood of what it leaves, even on the logarithm.
+    /// Variances of the values of `best` when the spike width is searched, not known: over all widths, each weighted with the
+    /// likelihood of its residual, uniform in the logarithm.
     ///
     /// ```text
     /// u² = Σ p_w [s_w² + (x_w − x)²],   p_w ∝ S_w^(−ν/2)
     /// ```
     ///
-    /// S_w: sum of squares that the width leaves, ν: degrees of freedom. Where spikes are high, p is 1 at their width. Source: JCGM
-    /// 101:2008, 6 (propagation of distributions), for the nuisance w.
+    /// S_w: residual sum of squares with width w, ν: degrees of freedom. If spikes are high, p is 1 at their width. Source:
+    /// JCGM 101:2008, 6 (propagation of distributions), for the nuisance parameter w.
     fn variances(&mut self, readings: &[Reading], best: &Solved, widths: Vec<f64>) -> Vec<f64> {
         let least = sum_of_squares(&best.left).max(f64::MIN_POSITIVE);
         let found = self.width;
@@ -403,7 +407,7 @@ impl Fit {
         sums.into_iter().map(|sum| sum / weights).collect()
     }
 
-    /// The pitch that takes most of what is left, where that is more than chance.
+    /// The pitch that explains most of the residual, if it explains more than chance.
     fn pitch(&self, readings: &[Reading], left: &[f64], axis: usize) -> Option<f64> {
         let shortest = 8.0 * PI * self.radius * if self.both { 2.0 } else { 1.0 } / readings.len() as f64;
         let total = sum_of_squares(left);
@@ -422,7 +426,7 @@ impl Fit {
         if shortest >= self.radius || total <= 0.0 {
             return None;
         }
-        // Even in the number of periods, which is what the fit resolves.
+        // Equal steps in the number of periods, the quantity that the fit resolves.
         let [few, many] = [1.0 / self.radius, 1.0 / shortest];
         let step = (many - few) / PITCHES_TRIED as f64;
         let tried = (0..=PITCHES_TRIED).map(|k| few + step * k as f64);
@@ -447,7 +451,7 @@ impl Fit {
         [along * c, along * s]
     }
 
-    /// What one unit of every cause makes of a reading.
+    /// Effect of one unit of each cause on a reading.
     fn row(&self, reading: &Reading, mut put: impl FnMut(Cause, f64)) {
         let (sin, cos) = reading.angle_rad.sin_cos();
         let (sin_2, cos_2) = (2.0 * sin * cos, cos * cos - sin * sin);
@@ -460,7 +464,7 @@ impl Fit {
         for (axis, at, along) in [(0_u8, 0.0, cos), (1, FRAC_PI_2, sin)] {
             let turned = (d * (reading.angle_rad - at)).rem_euclid(TAU);
             let way = if turned < PI { -1.0 } else { 1.0 };
-            // From the side before the reversal to the other one, as the axis takes its play up.
+            // From the side before the reversal to the other, while the axis takes up its play.
             let taken_up = 2.0 * self.radius * (1.0 - turned.rem_euclid(PI).cos()) / self.play[usize::from(axis)];
             let side = if taken_up < 2.0 { way * (taken_up - 1.0) } else { way };
             put(Cause::Backlash(axis), -0.5 * side * along);
@@ -484,7 +488,7 @@ impl Fit {
         }
     }
 
-    /// Causes, what one unit of each makes of every reading, and the readings.
+    /// Causes, the effect of one unit of each on every reading, and the readings.
     fn design(&self, readings: &[Reading]) -> (Vec<Cause>, DMatrix<f64>, DVector<f64>) {
         let mut columns = Vec::new();
         if let Some(first) = readings.first() {
@@ -511,7 +515,7 @@ impl Fit {
         let normal = scaled.transpose() * &scaled;
         let eigenvalues = normal.symmetric_eigenvalues();
         let condition = (eigenvalues.max() / eigenvalues.min().max(f64::MIN_POSITIVE)).sqrt();
-        // Positive definite to rounding: the columns differ wherever circles are closed, or arcs long enough.
+        // Positive definite to rounding: the columns are independent if the circles are closed or the arcs long enough.
         let inverse = match Cholesky::<f64, Dyn>::new(normal) {
             Some(factor) => factor.inverse(),
             None => DMatrix::zeros(count, count),
@@ -544,7 +548,7 @@ impl Solved {
         self.columns.iter().position(|own| *own == cause).map_or(0.0, |column| self.values[column])
     }
 
-    /// Lost motion of both axes, with room for what is not known of it.
+    /// Lost motion of both axes plus one standard error.
     fn play(&self) -> [f64; 2] {
         [0, 1].map(|axis| {
             let column = self.columns.iter().position(|own| *own == Cause::Backlash(axis));
@@ -566,7 +570,7 @@ impl Solved {
                 rms_mm = mean_square.sqrt();
             }
             match (cause, terms.last_mut()) {
-                // Sine after cosine of one periodic error: its amplitude.
+                // The sine part follows the cosine part of one periodic error: combine them into its amplitude.
                 (Cause::Cyclic(_), Some(before)) if before.cause == cause => {
                     let amplitude = before.value.hypot(value);
                     let along = [before.value, value].map(|part| part / amplitude.max(f64::MIN_POSITIVE));
@@ -581,7 +585,7 @@ impl Solved {
     }
 }
 
-/// Likelihood of a fit that leaves `share` times the squares of the best one, against it.
+/// Likelihood of a fit relative to the best one; `share`: its sum of squares over that of the best.
 fn likelihood(share: f64, degrees_of_freedom: usize) -> f64 {
     (-0.5 * degrees_of_freedom as f64 * share.ln()).exp().min(1.0)
 }

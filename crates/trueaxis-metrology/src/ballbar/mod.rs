@@ -1,7 +1,8 @@
-//! What a circular test tells of two axes: ISO 230-4 figures, and its causes apart.
+//! Circular test of two axes: ISO 230-4 figures and the separated causes of the deviation.
 //!
-//! The machine runs a circle of radius R about the ballbar's pivot; Δr(θ) is what the bar reads where it is sent to the angle θ,
-//! actual − nominal, d = +1 counterclockwise, −1 clockwise. To first order Δr = e · (cos θ, sin θ), the error e of the tip in the plane:
+//! The machine runs a circle of radius R about the ballbar's pivot. Δr(θ) is the bar's reading at the commanded angle θ,
+//! actual − nominal; d = +1 counterclockwise, −1 clockwise. To first order Δr = e · (cos θ, sin θ), with e the error of the
+//! tip in the plane:
 //!
 //! ```text
 //! set-up            Δr = r₀ + c_x cos θ + c_y sin θ
@@ -15,12 +16,13 @@
 //! cyclic            Δr = cos θ (a cos(2πx/p) + b sin(2πx/p))     x = R cos θ; Y likewise
 //! ```
 //!
-//! One linear least-squares fit for all; w and the pitches p are searched, w where spikes are seen. Spikes of another shape are
-//! fitted as a random function beside it, which widens the standard errors of what they are like. Servo mismatch and lateral play
-//! need both directions: with one they cannot be told from squareness and scale mismatch, and are left out.
+//! One linear least-squares fit covers all causes. The pitches p are searched, and so is w if spikes are significant. If the
+//! spikes have another shape, the fit models the difference as a random function, which widens the standard errors of similar
+//! causes. Servo mismatch and lateral play need both directions: from one direction they are indistinguishable from squareness
+//! and scale mismatch, and the fit omits them.
 //!
-//! Where an axis turns it stands, and its play is taken up only after the way b; readings from the reversal to there are left out of
-//! the fit. Arcs of 200° and more in place of circles tell the same causes, less well.
+//! An axis dwells at its reversal and takes up its play only after the travel b; the fit omits the readings in between. Arcs
+//! of 200° and more show the same causes as whole circles, with less certainty.
 
 mod figures;
 mod fit;
@@ -37,11 +39,11 @@ use std::vec::Vec;
 /// A reading of the bar.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reading {
-    /// Angle of the commanded place on its circle, from +X towards +Y, rad.
+    /// Angle of the commanded position on its circle, from +X towards +Y, rad.
     pub angle_rad: f64,
-    /// Actual less nominal radius, mm.
+    /// Actual − nominal radius, mm.
     pub deviation_mm: f64,
-    /// Counterclockwise.
+    /// Whether the circle runs counterclockwise.
     pub counterclockwise: bool,
 }
 
@@ -53,78 +55,78 @@ pub enum Cause {
     Radius,
     /// Offset of the circle's centre along an axis, mm: how the bar was set up.
     Centre(u8),
-    /// Scale of X less that of Y.
+    /// Scale of X − scale of Y.
     ScaleMismatch,
     /// C0Y, rad.
     Squareness,
-    /// Lag of X less that of Y, mm.
+    /// Lag of X − lag of Y, mm.
     ServoMismatch,
     /// Lost motion of an axis, mm.
     Backlash(u8),
     /// Sideways shift at the reversals of an axis, mm.
     LateralPlay(u8),
-    /// Deviation of an axis across itself at x = ±R from that in the middle, mm.
+    /// Deviation of an axis across its travel at x = ±R, relative to the middle, mm.
     Straightness(u8),
-    /// Height of the spike after the reversals of an axis, mm, outwards.
+    /// Height of the spike after the reversals of an axis, mm, positive outwards.
     Reversal(u8),
     /// Amplitude of an axis' periodic error, mm.
     Cyclic(u8),
 }
 
-/// A cause and how much of it.
+/// A cause and its magnitude.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Term {
-    /// What it is.
+    /// The cause.
     pub cause: Cause,
-    /// How much, mm, rad or 1.
+    /// Magnitude, mm, rad or 1.
     pub value: f64,
-    /// Its standard error.
+    /// Standard error of `value`.
     pub standard_error: f64,
-    /// Root mean square of the deviation that it makes, mm.
+    /// Root mean square of the deviation due to this cause, mm.
     pub rms_mm: f64,
 }
 
-/// What a circular test tells.
+/// Result of a circular test.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Evaluation {
-    /// Every cause that was looked for; of the periodic ones those that were found.
+    /// All fitted causes; periodic errors only if detected.
     pub terms: Vec<Term>,
-    /// Width w of the spikes at reversals, rad; where none are seen, the one that their height is given for.
+    /// Width w of the spikes at reversals, rad; without visible spikes, the width for which their height is given.
     pub spike_width_rad: f64,
-    /// Whether there are spikes too narrow for readings so far apart: they are higher than is found.
+    /// Whether some spikes are too narrow for the spacing of the readings: they are then higher than the fitted value.
     pub spikes_unresolved: bool,
-    /// Whether the spikes are of another shape than h (u/w) exp(1 − u/w): the standard errors allow for it.
+    /// Whether the spikes' shape differs from h (u/w) exp(1 − u/w): the standard errors allow for it.
     pub spikes_of_another_shape: bool,
-    /// Pitch of the periodic error of either axis, mm.
+    /// Pitch of each axis' periodic error, mm.
     pub pitches_mm: [Option<f64>; 2],
-    /// Standard deviation of a reading, from what the causes leave, mm.
+    /// Standard deviation of a reading, from the residuals, mm.
     pub sigma_mm: f64,
-    /// Readings less parameters.
+    /// Number of readings − number of parameters.
     pub degrees_of_freedom: usize,
-    /// Condition number of the fit, its columns scaled.
+    /// Condition number of the fit with scaled columns.
     pub condition: f64,
     /// Whether both directions were recorded.
     pub both_directions: bool,
-    /// Whether the circles are whole; else they are arcs.
+    /// Whether the circles are whole, not arcs.
     pub whole_circles: bool,
-    /// Readings that are left out of the fit: where an axis turns, before its play is taken up.
+    /// Number of readings left out of the fit: after a reversal, before the axis has taken up its play.
     pub left_out: usize,
-    /// After ISO 230-4.
+    /// Figures after ISO 230-4.
     pub figures: Figures,
-    /// Readings about the centre that was found, and what the causes leave of them, mm, in the order given.
+    /// Readings about the fitted centre, and their residuals, mm, in the order given.
     pub centred: Vec<[f64; 2]>,
 }
 
 impl Evaluation {
-    /// A term by its cause.
+    /// Returns the term of a cause.
     pub fn term(&self, cause: Cause) -> Option<&Term> {
         self.terms.iter().find(|term| term.cause == cause)
     }
 }
 
-/// Readings that tell nothing.
+/// Why the readings are refused.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Refused {
@@ -133,34 +135,34 @@ pub enum Refused {
         /// Readings of the record.
         found: usize,
     },
-    /// A reading that is no finite number, or as large as the circle.
+    /// A reading is not finite, or as large as the circle.
     NotAReading {
         /// Index of the reading.
         index: usize,
     },
-    /// The circle is not closed, and no arc of [`LEAST_ARC_DEG`] either.
+    /// The angles cover neither a closed circle nor an arc of [`LEAST_ARC_DEG`].
     Gap {
         /// Counterclockwise or clockwise.
         counterclockwise: bool,
-        /// Where the gap begins, degrees.
+        /// Start of the gap, degrees.
         from_deg: f64,
-        /// How wide it is, degrees.
+        /// Width of the gap, degrees.
         width_deg: f64,
     },
-    /// Commands that hold no circle of the radius.
+    /// The commands contain no circle of the given radius.
     NoCircle {
-        /// The radius that was asked for, mm.
+        /// The given radius, mm.
         radius_mm: f64,
-        /// Radius of what the commands do hold, in the middle; none where they are straight.
+        /// Median radius of the commanded curve; `None` if it is straight.
         found_mm: Option<f64>,
     },
 }
 
-/// Readings that a fit needs at least.
+/// Least number of readings for a fit.
 pub const LEAST: usize = 72;
-/// Widest gap between neighbouring angles of one direction, degrees, but for the one that an arc leaves.
+/// Widest permitted gap between neighbouring angles of one direction, degrees, apart from the gap that an arc leaves.
 pub const WIDEST_GAP_DEG: f64 = 10.0;
-/// Shortest arc that is evaluated, degrees.
+/// Shortest arc accepted, degrees.
 pub const LEAST_ARC_DEG: f64 = 200.0;
 
 impl fmt::Display for Refused {

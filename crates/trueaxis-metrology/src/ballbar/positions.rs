@@ -1,35 +1,35 @@
-//! Readings of a bar from recorded positions: of a grid encoder, or of the axes' own encoders.
+//! Ballbar readings from recorded positions: from a grid encoder, or from the axes' own encoders.
 
 use super::{Reading, Refused};
 use crate::circles::least_squares;
 use std::f64::consts::TAU;
 use std::vec::Vec;
 
-/// A commanded and an actual position at one time, the two axes of the plane, mm.
+/// A commanded and an actual position at the same time, in the two axes of the plane, mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Position {
-    /// Sent to the drives.
+    /// Position sent to the drives.
     pub command: [f64; 2],
-    /// Read at the same time.
+    /// Position read at the same time.
     pub actual: [f64; 2],
 }
 
-/// Commands off the circle by less than this share of the radius belong to it.
+/// A command belongs to the circle if it is off by less than this share of the radius.
 const ON_CIRCLE: f64 = 1e-3;
-/// Radii that are looked at as the nominal one before the centre is known, as a share of it.
+/// Tolerance for a radius to count as the nominal one before the centre is known, as a share of it.
 const ALIKE: f64 = 0.02;
-/// Distance between the commands that a first centre is found from, as a share of the radius.
+/// Distance between the commands used for the first centre, as a share of the radius.
 const APART: f64 = 0.1;
-/// Stretches of a circle over which positions are averaged: a tenth of a degree.
+/// Number of stretches per circle over which positions are averaged: a tenth of a degree each.
 const STRETCHES: f64 = 3600.0;
 
-/// What a bar of length `radius_mm` about the centre of the commanded circles would have read.
+/// Converts positions into the readings of a bar of length `radius_mm` about the centre of the commanded circles.
 ///
-/// `Δr = |p − m| − R`, p the actual position, m the least-squares centre of the commands, at the angle of the command; the
-/// direction is that of the command. Positions on the way to the circle and from it are left out, and so is where the
-/// machine stands. Several positions within a tenth of a degree become their mean.
+/// `Δr = |p − m| − R`, with p the actual position, m the least-squares centre of the commands, at the commanded angle and in
+/// the commanded direction. The approach, the departure and standstill are left out. Positions within a tenth of a degree are
+/// averaged.
 ///
-/// Readings of the axes' own encoders show servo and friction, and what of lost motion is in front of the encoder; neither
+/// Readings from the axes' own encoders show servo errors, friction and the lost motion in front of the encoder, but neither
 /// squareness nor straightness.
 ///
 /// Cost: linear in the positions.
@@ -71,7 +71,7 @@ pub fn readings(radius_mm: f64, positions: &[Position]) -> Result<Vec<Reading>, 
     Ok(stretches.into_iter().map(Stretch::mean).collect())
 }
 
-/// Positions that follow one another within a tenth of a degree.
+/// Consecutive positions within a tenth of a degree.
 struct Stretch {
     number: u32,
     counterclockwise: bool,
@@ -90,7 +90,7 @@ impl Stretch {
     }
 }
 
-/// Median of the centres of circles through three commands each, of those that have about the radius asked for.
+/// Median centre of the circles through three commands each that have about the given radius.
 fn first_centre(radius: f64, positions: &[Position]) -> Result<[f64; 2], Refused> {
     let mut apart: Vec<[f64; 2]> = Vec::new();
     for position in positions {
@@ -117,7 +117,7 @@ fn first_centre(radius: f64, positions: &[Position]) -> Result<[f64; 2], Refused
     }
 }
 
-/// Circle through three points; none through points on a straight line.
+/// Circle through three points; `None` if they are collinear.
 fn through([a, b, c]: [[f64; 2]; 3]) -> Option<([f64; 2], f64)> {
     let [u, v] = [[b[0] - a[0], b[1] - a[1]], [c[0] - a[0], c[1] - a[1]]];
     let twice = 2.0 * (u[0] * v[1] - u[1] * v[0]);

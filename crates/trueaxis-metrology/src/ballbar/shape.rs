@@ -1,18 +1,18 @@
-//! Spikes of another shape than the fit's: what they add to it, and how uncertain they leave the other causes.
+//! Spikes of another shape than the fit's: their contribution, and the uncertainty that they add to the other causes.
 //!
 //! ```text
 //! Δr = h (u/w) exp(1 − u/w) + Σ c_j N_j(u),   c_j ~ N(0, (ρ σ e_j)²),   e_j = 1/(1 + (u_j/ℓ)²)
 //! ```
 //!
-//! N_j: linear between knots u_j, after a reversal and, at half of the size, before it (friction that rises as the axis slows
-//! down). Friction's force fades as 1/(1 + (v/v_s)²), and so does e. Of ρ, ℓ and w every pair is taken with the likelihood of the
-//! readings, all c integrated out:
+//! N_j: linear between knots u_j, after a reversal and, at half the size, before it (friction that rises as the axis slows
+//! down). The friction force fades as 1/(1 + (v/v_s)²), and so does e. Every combination of ρ, ℓ and w is weighted with the
+//! likelihood of the readings, all c integrated out:
 //!
 //! ```text
 //! ln p = −(ν/2) ln S − ½ ln |AᵀA + Λ| + ½ ln |Λ|,   Λ_jj = 1/(ρ e_j)²
 //! ```
 //!
-//! Where the fit's own shape explains the spikes (ρ = 0), nothing changes. Source: M. C. Kennedy and A. O'Hagan,
+//! If the fit's own shape explains the spikes (ρ = 0), nothing changes. Source: M. C. Kennedy and A. O'Hagan,
 //! 10.1111/1467-9868.00294 (a model's discrepancy as a random function).
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
@@ -21,34 +21,34 @@ use std::vec::Vec;
 
 const AFTER: usize = 12;
 const BEFORE: usize = 6;
-/// Columns of an axis.
+/// Columns of one axis.
 const OWN: usize = AFTER + BEFORE;
-/// Columns of both.
+/// Columns of both axes.
 pub(super) const HATS: usize = 2 * OWN;
 /// First and last knot, rad.
 const KNOTS_AFTER: [f64; 2] = [0.004, 0.5];
 const KNOTS_BEFORE: [f64; 2] = [0.01, 0.3];
-/// Size before a reversal against that after it.
+/// Size before a reversal relative to that after it.
 const SHARE_BEFORE: f64 = 0.5;
-/// ρ that are tried, beside none.
+/// Values of ρ tried, besides 0.
 const SIZES: [f64; 5] = [1.0, 4.0, 16.0, 64.0, 256.0];
-/// ℓ that are tried, rad.
+/// Values of ℓ tried, rad.
 const REACHES: [f64; 3] = [0.03, 0.08, 0.2];
-/// Angles at which the highest place of a spike is looked for.
+/// Number of angles at which the maximum of a spike is searched.
 const LOOKED_AT: usize = 400;
 
 /// One fit with random columns.
 pub(super) struct Shaped {
     /// Values of the fixed columns.
     pub(super) values: DVector<f64>,
-    /// c.
+    /// The coefficients c.
     pub(super) hats: DVector<f64>,
-    /// Logarithm of the likelihood, up to a constant that depends on the readings alone.
+    /// Logarithm of the likelihood, up to a constant that depends only on the readings.
     pub(super) likelihood: f64,
     pub(super) sigma: f64,
-    /// Of fixed columns, then random ones.
+    /// Covariance of the fixed columns, then of the random ones.
     covariance: DMatrix<f64>,
-    /// Whether any shape but the fit's own was allowed.
+    /// Whether shapes other than the fit's own were allowed.
     pub(super) is_free: bool,
 }
 
@@ -58,7 +58,7 @@ impl Shaped {
         self.covariance[(column, column)]
     }
 
-    /// Height of the spike of an axis where it is largest, and its variance. `column` is that of h.
+    /// Largest height of an axis' spike, and its variance. `column` is the index of h.
     pub(super) fn height(&self, axis: usize, column: usize, spike: impl Fn(f64) -> f64) -> [f64; 2] {
         let mut highest = [0.0; 2];
         let fixed = self.values.len();
@@ -82,7 +82,7 @@ impl Shaped {
     }
 }
 
-/// Random columns of a reading by the angles since both axes' reversals, rad, 0 to π.
+/// Random columns of a reading, from the angles since both axes' reversals, rad, 0 to π.
 pub(super) fn hats(since: [f64; 2], mut put: impl FnMut(usize, f64)) {
     for (axis, since) in since.into_iter().enumerate() {
         own_hats(since, |own, value| put(axis * OWN + own, value));
@@ -119,7 +119,8 @@ fn own_hats(since: f64, mut put: impl FnMut(usize, f64)) {
     }
 }
 
-/// Fits of fixed columns `matrix` and random ones `free`, beside their normal matrix, to `right`: the first without random columns.
+/// Fits the fixed columns `matrix` and the random ones `free`, given with their normal matrix, to `right`; the first fit has
+/// no random columns.
 pub(super) fn fits(
     matrix: &DMatrix<f64>,
     [free, free_normal]: [&DMatrix<f64>; 2],

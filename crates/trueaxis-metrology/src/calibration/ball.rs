@@ -1,11 +1,11 @@
-//! A ball from touches on it.
+//! Fit of a ball to touches.
 
 use super::Refused;
 use super::network::{Network, Unknown};
 use super::surface::{Surface, Touch};
 use std::vec::Vec;
 
-/// A ball's centre, and its radius with that of the tip.
+/// A ball's centre, and the sum of its radius and the tip's.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct BallFit {
@@ -13,26 +13,26 @@ pub struct BallFit {
     pub centre_mm: [f64; 3],
     /// Standard errors of the centre, mm.
     pub standard_errors_mm: [f64; 3],
-    /// Radius of the ball and effective radius of the tip together, mm.
+    /// Sum of the ball's radius and the tip's effective radius, mm.
     pub radius_mm: f64,
-    /// Its standard error, mm; 0 where it was given.
+    /// Standard error of that sum, mm; 0 if it was given.
     pub radius_standard_error_mm: f64,
     /// Standard deviation of a touch, mm.
     pub sigma_mm: f64,
-    /// What is left of every touch, mm, positive outside.
+    /// Residual of each touch, mm, positive outside.
     pub residuals_mm: Vec<f64>,
     /// Condition number of the scaled columns.
     pub condition: f64,
 }
 
-/// The ball that centres of the tip touch best: min Σ (|p − c| − ρ)².
+/// Fits a ball to centres of the tip: min Σ (|p − c| − ρ)².
 ///
-/// `near_mm`: about where its centre is; `radius_mm`: ρ, the ball's radius and the tip's together, to begin with;
-/// `known`: whether ρ is known. `repeatability_mm`: of a touch, as stated; standard errors go by it until there are 20 touches
-/// more than unknowns. Cost: some microseconds a touch.
+/// `near_mm`: approximate centre; `radius_mm`: initial ρ, the sum of the ball's radius and the tip's; `known`: whether ρ is
+/// known. `repeatability_mm`: stated standard deviation of a touch, used for the standard errors until there are 20 touches
+/// more than unknowns. Cost: some microseconds per touch.
 ///
 /// # Errors
-/// Fewer than three touches (four where ρ is not known), or touches that leave a direction open.
+/// Fewer than three touches (four if ρ is unknown), or touches that leave a direction undetermined.
 pub fn fit_ball(
     points_mm: &[[f64; 3]],
     near_mm: [f64; 3],

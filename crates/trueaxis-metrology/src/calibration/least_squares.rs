@@ -1,11 +1,11 @@
-//! Linear least squares by QR of scaled columns, with what the result is worth.
+//! Linear least squares by QR of scaled columns, with covariance and condition number.
 
 use nalgebra::{DMatrix, DVector};
 use std::vec::Vec;
 
-/// Condition number of the scaled columns beyond which a combination counts as unseen.
+/// Condition number of the scaled columns beyond which a combination counts as unobserved.
 pub(super) const CONDITION_LIMIT: f64 = 1e7;
-/// A combination's parts below this share of its largest are left unsaid.
+/// Parts of a combination below this share of the largest are omitted.
 const SAID: f64 = 0.05;
 
 /// A solution.
@@ -16,13 +16,13 @@ pub(super) struct Solved {
     pub(super) condition: f64,
 }
 
-/// Unknowns of an unseen combination with their shares.
+/// Unknowns of an unobserved combination with their shares.
 pub(super) type Combination = Vec<(usize, f64)>;
 
-/// The x of the least |A x − b|; `condition`: of A, where it has been found already, so that the singular values need not be.
+/// Minimises |A x − b|. `condition`: condition number of A if already known, to skip the singular values.
 ///
 /// # Errors
-/// The combinations of columns that A maps to nothing.
+/// The combinations of columns that A maps to zero.
 pub(super) fn solve(
     mut matrix: DMatrix<f64>,
     right: &DVector<f64>,
@@ -63,7 +63,7 @@ pub(super) fn solve(
     Ok(Solved { values, covariance, condition })
 }
 
-/// Condition number of a triangle, all of whose combinations are seen.
+/// Condition number of a triangle; fails with its unobserved combinations.
 fn seen(triangle: &DMatrix<f64>) -> Result<f64, Vec<Combination>> {
     let svd = triangle.clone().svd(false, true);
     let (largest, smallest) = (svd.singular_values.max(), svd.singular_values.min());
@@ -77,7 +77,7 @@ fn seen(triangle: &DMatrix<f64>) -> Result<f64, Vec<Combination>> {
     if unseen.is_empty() { Ok(largest / smallest) } else { Err(unseen) }
 }
 
-/// The parts that count, the largest ±1.
+/// The parts above [`SAID`], scaled so that the largest is ±1.
 fn said(vector: &[f64]) -> Combination {
     let largest = vector.iter().fold(0.0, |largest: f64, part| largest.max(part.abs())).max(f64::MIN_POSITIVE);
     let shares = vector.iter().map(|part| part / largest).enumerate();

@@ -1,8 +1,9 @@
-//! What a touch probe tells of a machine: a network of touches on artefacts of known size, and the terms that explain them.
+//! Calibration of a machine with a touch probe: a network of touches on artefacts of known size, and the terms that explain
+//! them.
 //!
-//! A touch is where the machine believes that the centre of the probe's tip stood at the trip, in workpiece coordinates: p. The
-//! terms x of the machine (squareness, scale, …) move it by J x to where it was. With r the effective radius of the tip
-//! (pre-travel included) and δ(t) the drift since the first touch:
+//! A touch is the position p, in workpiece coordinates, that the machine reports for the centre of the probe's tip at the
+//! trip. The terms x of the machine (squareness, scale, …) move it by J x to its actual position. With r the effective radius
+//! of the tip (pre-travel included) and δ(t) the drift since the first touch:
 //!
 //! ```text
 //! bore     |P (p + J x − δ − c)| + r − D/2        P: projection along the axis of the bore, c its centre
@@ -10,13 +11,14 @@
 //! face     s (n · p′ − Σ u_j (a_j · p′ or 1) − known) − r,  p′ = p + J x − δ        s = ±1: the side that the probe comes from
 //! ```
 //!
-//! are zero but for the probe's repeatability. Unknown are x, r, every place (c, u), the drift at its knots, and the sizes,
-//! which are known within their standard uncertainty: they enter as observations of themselves. All of it is one least-squares
-//! problem, solved by QR of scaled columns; what no touch tells apart is refused by name ([`Refused::NotApart`]).
+//! are zero apart from the probe's repeatability. The unknowns are x, r, every artefact's position (c, u), the drift at its
+//! knots, and the sizes, which are known within their standard uncertainty and enter as observations. One least-squares
+//! problem covers all of them, solved by QR of scaled columns; combinations that the touches cannot separate are refused by
+//! name ([`Refused::NotApart`]).
 //!
-//! A bore of known diameter, measured all around, shows the strain of the plane it stands in: both scales, and the sum of what
-//! squareness and straightness shear there. Strain that is known all over a volume determines the error up to a rigid motion
-//! (Saint-Venant), which is set-up. A ball tells the tip's radius, without which scale could not be told from it.
+//! A bore of known diameter, measured all around, shows the strain of its plane: both scales, and the sum of the shear from
+//! squareness and straightness. Strain that is known throughout a volume determines the error up to a rigid motion
+//! (Saint-Venant), which is set-up. A ball determines the tip's radius, without which scale would not be observable.
 //!
 //! Source: Golub and Van Loan, Matrix Computations, 4th ed., sections 5.3 and 6.1; ISO 230-1:2012 for the terms.
 
@@ -34,33 +36,33 @@ pub use surface::{Part, Surface, Touch};
 use std::fmt;
 use std::vec::Vec;
 
-/// Touches that tell too little.
+/// Why the touches are refused.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Refused {
     /// Fewer touches than unknowns.
     TooFew {
-        /// Touches.
+        /// Number of touches.
         found: usize,
-        /// Needed at least.
+        /// Least number needed.
         needed: usize,
     },
-    /// A value that is not finite.
+    /// A value is not finite.
     NotFinite {
         /// Index of the touch.
         touch: usize,
     },
-    /// Combinations of unknowns that no touch sees: their indices with the share of each in the combination, the largest 1 or
-    /// −1, in units of the scaled columns.
+    /// Combinations of unknowns that no touch observes: their indices with the share of each in the combination, the largest 1
+    /// or −1, in units of the scaled columns.
     NotApart {
         /// The combinations.
         combinations: Vec<Vec<(usize, f64)>>,
     },
-    /// The places do not settle: touches are not on the artefacts that they are said to be on.
+    /// The positions do not converge: some touches are not on the artefacts assigned to them.
     Unsettled {
         /// Touch with the largest residual.
         touch: usize,
-        /// Its residual, mm.
+        /// Residual of that touch, mm.
         residual_mm: f64,
     },
 }

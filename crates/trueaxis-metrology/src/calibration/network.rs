@@ -6,74 +6,75 @@ use super::surface::Touch;
 use nalgebra::{DMatrix, DVector};
 use std::vec::Vec;
 
-/// Most steps of the iteration; places that are a millimetre off settle in four.
+/// Most steps of the iteration; positions that are a millimetre off converge in four.
 const STEPS: usize = 12;
-/// A step below this, mm or rad, ends it.
+/// A step below this, mm or rad, ends the iteration.
 const SETTLED: f64 = 1e-10;
-/// Largest residual of a touch, mm, for which a step counts as settled.
+/// Largest residual of a touch, mm, for which the iteration counts as converged.
 const OFF: f64 = 1.0;
-/// Least repeatability that is found, mm.
+/// Lower bound on the repeatability found, mm.
 const LEAST: f64 = 1e-9;
-/// Degrees of freedom from which the repeatability that is found takes the place of the one that is stated.
+/// Degrees of freedom from which the repeatability found replaces the stated one.
 const POOLED: f64 = 20.0;
-/// Most times that it is pooled: weights change what is left, and what is left changes the weights.
+/// Most poolings: weights change the residuals, and the residuals change the weights.
 const POOLINGS: usize = 4;
-/// A repeatability that changes by less than this share is the same.
+/// Relative change of the repeatability below which pooling ends.
 const SAME: f64 = 0.01;
 
-/// Something that is not known, or only within its uncertainty.
+/// A quantity that is unknown, or known only within its uncertainty.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unknown {
-    /// Value to begin with, mm, rad or 1; the known value where there is an uncertainty.
+    /// Initial value, mm, rad or 1; the known value if there is an uncertainty.
     pub start: f64,
-    /// Standard uncertainty of that value; none where nothing is known.
+    /// Standard uncertainty of that value; `None` if nothing is known.
     pub uncertainty: Option<f64>,
 }
 
-/// Touches, and what is unknown of machine, probe and artefacts.
+/// Touches, and the unknowns of machine, probe and artefacts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Network {
     /// All unknowns, the terms of the machine first.
     pub unknowns: Vec<Unknown>,
-    /// How many of them are terms of the machine.
+    /// Number of machine terms among them.
     pub terms: usize,
     /// Index of the tip's radius.
     pub tip: usize,
     /// The touches.
     pub touches: Vec<Touch>,
-    /// Standard deviation of a touch as stated, mm.
+    /// Stated standard deviation of a touch, mm.
     pub repeatability_mm: f64,
 }
 
-/// What the network tells.
+/// Solution of the network.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Solution {
     /// Values of all unknowns.
     pub values: Vec<f64>,
-    /// Their standard errors.
+    /// Standard errors of the values.
     pub standard_errors: Vec<f64>,
     /// Covariance of the terms of the machine, row by row.
     pub covariance: Vec<Vec<f64>>,
-    /// What is left of every touch, mm, positive where it lies outside the surface.
+    /// Residual of each touch, mm, positive outside the surface.
     pub residuals_mm: Vec<f64>,
-    /// Standard deviation of a touch, from what is left, mm.
+    /// Standard deviation of a touch, from the residuals, mm.
     pub sigma_mm: f64,
-    /// Touches less unknowns as far as the touches tell them: what [`Solution::sigma_mm`] rests on.
+    /// Number of touches − unknowns, counting each unknown as far as the touches determine it: the basis of
+    /// [`Solution::sigma_mm`].
     pub degrees_of_freedom: usize,
     /// Condition number of the scaled columns.
     pub condition: f64,
-    /// Unknowns, all of which are told apart.
+    /// Number of unknowns, all of which are determined.
     pub rank: usize,
-    /// Root mean square of what the terms move the touches across their surfaces, mm.
+    /// Root mean square of the touches' movement across their surfaces due to the terms, mm.
     pub signal_mm: f64,
 }
 
 impl Network {
     /// Solves for all unknowns.
     ///
-    /// The touches weigh by the repeatability, which is pooled from what is left as soon as that has 20 degrees of freedom;
-    /// known sizes by their uncertainty. Cost: a QR of touches × unknowns a step, four steps as a rule.
+    /// Touches are weighted by the repeatability, which is pooled from the residuals once these have 20 degrees of freedom;
+    /// known sizes are weighted by their uncertainty. Cost: a QR of touches × unknowns per step, usually four steps.
     ///
     /// # Errors
     /// [`Refused`].
@@ -81,8 +82,8 @@ impl Network {
         self.weighed(POOLED, LEAST)
     }
 
-    /// Solves with the repeatability as stated, for touches that nobody has made yet: what is left of them is rounding and
-    /// says nothing of the probe. Cost as [`Network::solve`].
+    /// Solves with the stated repeatability, for planned touches: their residuals are rounding and say nothing about the
+    /// probe. Cost as [`Network::solve`].
     ///
     /// # Errors
     /// [`Refused`].
@@ -90,13 +91,13 @@ impl Network {
         self.weighed(f64::INFINITY, LEAST)
     }
 
-    /// As [`Network::solve`], but with the repeatability as stated where what is found is smaller: touches that happen to agree
-    /// make nothing more significant.
+    /// Like [`Network::solve`], but never below the stated repeatability: touches that happen to agree must not make anything
+    /// more significant.
     pub(super) fn solve_with_care(&self) -> Result<Solution, Refused> {
         self.weighed(POOLED, self.repeatability_mm)
     }
 
-    /// Solves; from `pooled` degrees of freedom on by the repeatability that is found, `least` at least, mm.
+    /// Solves; from `pooled` degrees of freedom on with the repeatability found, but not below `least`, mm.
     fn weighed(&self, pooled: f64, least: f64) -> Result<Solution, Refused> {
         let known = self.unknowns.iter().filter(|unknown| unknown.uncertainty.is_some()).count();
         let count = self.unknowns.len();
@@ -144,10 +145,10 @@ impl Network {
         })
     }
 
-    /// Degrees of freedom of the touches: r = n − p + Σ s_k²/u_k² over what is known within u_k.
+    /// Degrees of freedom of the touches: r = n − p + Σ s_k²/u_k² over the quantities known within u_k.
     ///
-    /// A size that the touches tell better than its certificate (s_k ≪ u_k) costs one of them as any unknown does; one that
-    /// they tell nothing of (s_k = u_k) costs none. Source: Förstner, Zeitschrift für Vermessungswesen 104 (1979).
+    /// A size that the touches determine better than its certificate (s_k ≪ u_k) costs one degree of freedom like any unknown;
+    /// one that they do not determine (s_k = u_k) costs none. Source: Förstner, Zeitschrift für Vermessungswesen 104 (1979).
     fn redundancy(&self, solved: &Solved) -> f64 {
         let share = |(index, unknown): (usize, &Unknown)| {
             let uncertainty = unknown.uncertainty?.max(1e-12);
@@ -209,7 +210,7 @@ impl Network {
         self.touches.iter().map(|touch| touch.row(values, self.tip).residual).collect()
     }
 
-    /// Movement of the touches across their surfaces by the terms, root mean square, mm.
+    /// Root mean square movement of the touches across their surfaces due to the terms, mm.
     fn signal(&self, values: &[f64]) -> f64 {
         let squares: f64 = self
             .touches

@@ -1,34 +1,36 @@
-//! Which terms of a network have moved.
+//! Selection of the terms of a network that have moved.
 
 use super::Refused;
 use super::network::{Network, Solution, Unknown};
 use std::vec::Vec;
 
-/// What holds a term at zero: its standard uncertainty, mm or rad.
+/// Standard uncertainty that fixes a term at zero, mm or rad.
 const HELD: f64 = 1e-9;
 
-/// A network with all of its terms, and with those alone that have moved.
+/// Solutions of a network with all of its terms, and with only the moved ones.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Selection {
-    /// Everything free.
+    /// Solution with all terms free.
     pub all: Solution,
     /// Which terms have moved.
     pub moved: Vec<bool>,
-    /// The others held at zero.
+    /// Solution with the other terms fixed at zero.
     pub chosen: Solution,
 }
 
 impl Network {
-    /// The terms that differ from zero by more than `factors` of their standard errors, by backward elimination: the least of
-    /// those that do not is held at zero, and all others are found again without it, until none is left.
+    /// Selects the terms that differ from zero by more than `factors` of their standard errors, by backward elimination: the
+    /// least significant term below its limit is fixed at zero and all others are solved again, until every remaining term
+    /// exceeds its limit.
     ///
     /// ```text
     /// |x_i| ≤ k_i s_i  for the i with the least |x_i|/(k_i s_i)  →  x_i = 0, again
     /// ```
     ///
-    /// Standard errors are by the stated repeatability at least. A term that did not move takes no part of what another one explains, and no update is made of scatter. `factors`: one a
-    /// term, in the order of the unknowns. Cost: as [`Network::solve`], once more for every term that is held.
+    /// Standard errors use at least the stated repeatability. A term that did not move cannot absorb part of another one's
+    /// effect, and scatter causes no update. `factors`: one per term, in the order of the unknowns. Cost: as
+    /// [`Network::solve`], once more for each fixed term.
     ///
     /// # Errors
     /// [`Refused`].

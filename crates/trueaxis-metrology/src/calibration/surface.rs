@@ -1,52 +1,52 @@
-//! Surfaces that are touched.
+//! Surfaces of the artefacts.
 
 use std::vec::Vec;
 
-/// A contribution to the place of a face: an unknown, times its distance along a direction where one is given.
+/// A contribution to the position of a face: an unknown, multiplied by the distance along a direction if one is given.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Part {
     /// Index of the unknown.
     pub unknown: usize,
     /// Factor.
     pub factor: f64,
-    /// Direction a of the lever a · p; none for 1.
+    /// Direction a of the lever a · p; `None` for a lever of 1.
     pub along: Option<[f64; 3]>,
 }
 
-/// A surface of an artefact, with the indices of what is unknown of it.
+/// A surface of an artefact, with the indices of its unknowns.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Surface {
     /// Inside of a cylinder.
     Bore {
-        /// Index of its diameter.
+        /// Index of the diameter.
         diameter: usize,
-        /// Index of the first of two coordinates of its centre, along `plane`.
+        /// Index of the first of the centre's two coordinates, along `plane`.
         centre: usize,
-        /// Two unit vectors across its axis.
+        /// Two unit vectors across the bore's axis.
         plane: [[f64; 3]; 2],
     },
-    /// A sphere, on its own or on a plate.
+    /// A sphere, single or on a plate.
     Ball {
-        /// Index of its diameter.
+        /// Index of the diameter.
         diameter: usize,
         /// Index of the first of three coordinates of the artefact's origin.
         origin: usize,
-        /// The ball's place on the artefact, mm, in the artefact's directions as set up.
+        /// Position of the ball on the artefact, mm, in the artefact's directions as set up.
         offset: [f64; 3],
-        /// Index of the first of three components of the artefact's turn (axis times angle), rad.
+        /// Index of the first of three components of the artefact's rotation (axis times angle), rad.
         turn: Option<usize>,
-        /// Index of the first of three deviations of the ball's place, mm.
+        /// Index of the first of three deviations of the ball's position, mm.
         own: Option<usize>,
-        /// Index of how much longer the artefact is as a whole, 1.
+        /// Index of the relative elongation of the whole artefact, 1.
         length: Option<usize>,
     },
     /// A plane face.
     Face {
-        /// Unit vector across it.
+        /// Unit vector across the face.
         normal: [f64; 3],
-        /// +1 where the material ends in direction of the normal, −1 against it.
+        /// +1 if the outward side of the material is along the normal, −1 if against it.
         outward: f64,
-        /// Known part of its place along the normal, mm.
+        /// Known part of the face's position along the normal, mm.
         known_mm: f64,
         /// Unknown parts.
         parts: Vec<Part>,
@@ -56,17 +56,17 @@ pub enum Surface {
 /// A trip of the probe.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Touch {
-    /// Centre of the tip as the machine believes, in workpiece coordinates, mm.
+    /// Centre of the tip as the machine reports it, in workpiece coordinates, mm.
     pub tip_mm: [f64; 3],
-    /// What is touched.
+    /// The touched surface.
     pub surface: Surface,
-    /// Movement of the tip for one unit of each term of the machine, mm.
+    /// Movement of the tip per unit of each machine term, mm.
     pub response: Vec<[f64; 3]>,
     /// Knots of the drift with their weights: indices of the first of three components, mm.
     pub drift: Vec<(usize, f64)>,
 }
 
-/// What a touch says at the present values of the unknowns: the residual, mm, and its derivatives.
+/// Equation of a touch at the present values of the unknowns: the residual, mm, and its derivatives.
 pub(super) struct Row {
     pub(super) residual: f64,
     pub(super) derivatives: Vec<(usize, f64)>,
@@ -76,7 +76,7 @@ pub(super) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// A vector turned by an axis times its angle (Rodrigues): the length of a plate that stands askew stays what it is.
+/// A vector rotated by an axis times its angle (Rodrigues): a tilted plate keeps its length.
 fn turned(vector: [f64; 3], turn: [f64; 3]) -> [f64; 3] {
     let angle = dot(turn, turn).sqrt();
     let half = 0.5 * angle;

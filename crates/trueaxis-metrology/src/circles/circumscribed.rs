@@ -4,11 +4,11 @@ use super::local::{Local, Point, equidistant, extremes};
 use super::{NoCircle, ReferenceCircle, check};
 use std::vec::Vec;
 
-/// Smallest circle that holds all points, MCC; it always exists and is unique.
+/// Smallest circle that encloses all points, MCC; it always exists and is unique.
 ///
-/// Exchange: the circle of two or three points is replaced by that of those points and the one farthest outside, until
-/// none is outside. The radius grows with every exchange, so no set comes twice and the search is finite (Welzl 1991 for the
-/// bases; largest violation first). Radius: the circle's own, = outer.
+/// Exchange: the circle of those two or three points and the one farthest outside replaces theirs, until none is outside. The
+/// radius grows with every exchange, so no set occurs twice and the search is finite (Welzl 1991 for the bases; largest
+/// violation first). Radius: the circle's own, = outer.
 ///
 /// Cost: linear in the points, some ten passes.
 ///
@@ -23,7 +23,7 @@ pub fn minimum_circumscribed(points: &[[f64; 2]]) -> Result<ReferenceCircle, NoC
     Ok(ReferenceCircle { radius: circle.outer, ..circle })
 }
 
-/// Points about the centre of their circumscribed circle, to rounding: a second search from there keeps all digits.
+/// Points about the centre of their circumscribed circle, to rounding: a second search from there preserves all digits.
 pub(super) fn about(points: &[[f64; 2]]) -> Local {
     let any = Local::new(points, points[0], 0.0);
     let (c, _) = enclose(&any);
@@ -36,7 +36,7 @@ fn enclose(local: &Local) -> ([f64; 2], Vec<usize>) {
     let first = local.extremes([local.points[0].x, local.points[0].y]).far;
     let second = local.extremes([first.x, first.y]).far;
     let mut basis = Basis::smallest(&[first, second]);
-    // Every exchange makes the circle larger; the bound only guards against rounding that goes round in a circle.
+    // Every exchange enlarges the circle; the bound only guards against cycling due to rounding.
     for _ in 0..local.points.len() {
         let at = local.extremes(basis.centre);
         let mut with: Vec<Point> = basis.points.clone();
@@ -61,7 +61,7 @@ struct Basis {
 }
 
 impl Basis {
-    /// Of all circles on two or three of at most four points, the one whose farthest point is nearest: it holds all.
+    /// Among all circles on two or three of at most four points, the one whose farthest point is nearest: it encloses all.
     fn smallest(points: &[Point]) -> Self {
         let mut best = Self { centre: [0.0; 2], square: f64::INFINITY, points: points.to_vec() };
         let mut offer = |c: [f64; 2], of: &[&Point]| {

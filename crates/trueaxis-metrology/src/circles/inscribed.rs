@@ -5,23 +5,23 @@ use super::{NoCircle, ReferenceCircle, check, largest_gap, least_squares};
 use core::f64::consts::{FRAC_1_SQRT_2, PI};
 use std::vec::Vec;
 
-/// Largest circle without a point inside that points hold on all sides, MIC.
+/// Largest circle that contains no point and is held by points on all sides, MIC.
 ///
-/// Its centre lies strictly between the points it touches: three of them make an acute triangle around it (a vertex of the nearest-point
-/// Voronoi diagram inside its own Delaunay triangle). The largest of them is found as for the minimum zone: squares of
-/// centres are kept while min |pᵢ − c| + √2 h exceeds the best radius, cut in four, and searched triple by triple once few points can be nearest
-/// in them. Radius: the circle's own, = inner.
+/// Its centre lies strictly between the points it touches: three of them form an acute triangle around it (a vertex of the
+/// nearest-point Voronoi diagram inside its own Delaunay triangle). The search for the largest is like that for the minimum
+/// zone: it keeps squares of centres in which min |pᵢ − c| + √2 h exceeds the best radius, quarters them, and tries all
+/// triples once few points can be nearest in a square. Radius: the circle's own, = inner.
 ///
-/// Squares of distances are compared. Where points stand as far off as S, a distance d is known to 16 ε S²/d, or to
-/// 4 √ε S where that is less (ε = 2.2e-16): nothing on round sections, 60 mm of a circle of 5 mm among points 10⁹ mm away.
+/// The search compares squared distances. If points are as far away as S, a distance d is known to 16 ε S²/d, or to 4 √ε S if
+/// that is less (ε = 2.2e-16): negligible for round sections, 60 mm for a circle of 5 mm among points 10⁹ mm away.
 ///
-/// Cost: linear in the points, for near-round ones below a microsecond each.
+/// Cost: linear in the points, below a microsecond each for near-round ones.
 ///
 /// # Errors
 ///
-/// [`NoCircle::TooFew`], [`NoCircle::NonFinite`], [`NoCircle::Straight`]; [`NoCircle::PartArc`] where the points leave half a turn
-/// or more open as seen from the least-squares centre, or where no circle is held on all sides; [`NoCircle::Unresolved`]
-/// where 150,000 squares do not do: outliers 10⁶ and 10⁹ times farther away than the other points.
+/// [`NoCircle::TooFew`], [`NoCircle::NonFinite`], [`NoCircle::Straight`]; [`NoCircle::PartArc`] if the points leave half a
+/// turn or more open as seen from the least-squares centre, or if no circle is held on all sides; [`NoCircle::Unresolved`] if
+/// 150,000 squares are not enough: outliers 10⁶ and 10⁹ times farther away than the other points.
 pub fn maximum_inscribed(points: &[[f64; 2]]) -> Result<ReferenceCircle, NoCircle> {
     check(points)?;
     let (local, c) = least_squares::fit(points).map_err(|_| NoCircle::PartArc)?;
@@ -50,20 +50,20 @@ pub fn maximum_inscribed(points: &[[f64; 2]]) -> Result<ReferenceCircle, NoCircl
     Ok(ReferenceCircle { radius: circle.inner, ..circle })
 }
 
-/// Groups of points, the extremes of which shrink the square of centres to the size of the zone.
+/// Number of groups of points whose extremes shrink the square of centres to the size of the zone.
 const GROUPS: usize = 24;
 
-/// Squares that may be tried on that sample before all points are asked.
+/// Most squares tried on that sample before all points are used.
 const TRIALS: usize = 10_000;
 
-/// Squares after which the search is given up.
+/// Number of squares after which the search ends without a result.
 const SQUARES: usize = 150_000;
 
-/// Points that the first circle is made of at most, and exchanges of them that are tried.
+/// Most points that form the first circle, and most exchanges tried.
 const MOST: usize = 24;
 const EXCHANGES: usize = 60;
 
-/// A square is searched triple by triple when no more points than this can be nearest in it.
+/// A square is searched triple by triple once no more points than this can be nearest in it.
 const FEW: usize = 6;
 
 struct Search<'a> {
@@ -86,8 +86,8 @@ impl<'a> Search<'a> {
         Self { local, square: f64::NEG_INFINITY, best: None, sample, zone, trials: 0, squares: 0 }
     }
 
-    /// A first circle: the best one of a few points all round, with the nearest point added until none is inside. For
-    /// near-round points it is the answer already.
+    /// Finds a first circle: the best one of a few points all round, adding the nearest point until none is inside. For
+    /// near-round points it is already the result.
     fn inflate(&mut self) {
         for groups in [8, 16, MOST / 2] {
             let [_, mut few] = self.local.sample(groups);
@@ -101,7 +101,7 @@ impl<'a> Search<'a> {
                     break;
                 }
                 if few.len() == MOST {
-                    // Far from the circle by now.
+                    // The dropped points are by now far from the circle.
                     few.sort_by(|a, b| a.f(c).total_cmp(&b.f(c)));
                     few.truncate(MOST / 2);
                 }
@@ -113,15 +113,15 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Upper bound of R² − R₀² in a square about m, the nearest of a list there, and its f.
+    /// Upper bound of R² − R₀² in a square about m; the nearest point of a list there, and its f.
     fn bound(&self, list: &[Point], m: [f64; 2], half: f64) -> (f64, Point, f64) {
         let at = extremes(list, list, m);
         let reach = (at.near.x - m[0]).abs() + (at.near.y - m[1]).abs() + half;
         (at.low + m[0] * m[0] + m[1] * m[1] + 2.0 * half * reach, at.near, at.low)
     }
 
-    /// Cuts a square in four on a few points as long as it is large against the zone, because all points can still be
-    /// nearest in it then.
+    /// Quarters a square using a few points while it is large compared with the zone, because all points can still be nearest
+    /// in it then.
     fn narrow(&mut self, m: [f64; 2], half: f64) {
         self.trials += 1;
         if self.squares > SQUARES || self.bound(&self.sample, m, half).0 <= self.square {
@@ -155,7 +155,7 @@ impl<'a> Search<'a> {
             return;
         }
         let quarter = 0.5 * half;
-        // Points that share the centre to rounding (exact symmetry): it cannot be told apart any further.
+        // Several points share the centre to rounding (exact symmetry): it cannot be resolved further.
         if quarter * self.local.steepest() <= noise {
             return self.tied(m, &near);
         }
@@ -184,7 +184,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Takes a circle on three points if it is the largest so far, empty of all points, and held on all sides.
+    /// Accepts a circle on three points if it is the largest so far, contains no point, and is held on all sides.
     fn offer(&mut self, c: [f64; 2], on: [&Point; 3], near: &[Point], all: &[Point]) {
         let values = on.map(|p| p.f(c));
         let least = values.iter().copied().fold(f64::INFINITY, f64::min);
@@ -193,7 +193,7 @@ impl<'a> Search<'a> {
         if square <= self.square {
             return;
         }
-        // The three agree to the rounding of their own centre; points within it touch as well.
+        // The three agree to the rounding of their centre; points within it also touch.
         let tie = (most - least) + self.local.noise(c[0].hypot(c[1]));
         let inside = |p: &Point| p.f(c) < least - tie;
         if near.iter().any(inside) || all.iter().any(inside) {
@@ -206,7 +206,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The middle of a square that cannot be cut any further, if the points hold it on all sides.
+    /// Accepts the middle of a square that cannot be divided further, if the points hold it on all sides.
     fn tied(&mut self, m: [f64; 2], near: &[Point]) {
         let square = extremes(near, near, m).low + m[0] * m[0] + m[1] * m[1];
         let touching: Vec<&Point> = near.iter().collect();
@@ -217,9 +217,9 @@ impl<'a> Search<'a> {
     }
 }
 
-/// Whether all points lie on one side of a square, so that none of its centres is between them.
+/// Whether all points are on one side of a square, so that none of its centres is between them.
 fn beside(points: &[Point], m: [f64; 2], half: f64) -> bool {
-    // Directions every 22.5 degrees: cos and sin of the first quadrant, and those turned by right angles.
+    // Directions every 22.5 degrees: cos and sin of the first quadrant, and these rotated by right angles.
     const FAN: [[f64; 2]; 4] = [[1.0, 0.0], [0.92388, 0.38268], [FRAC_1_SQRT_2, FRAC_1_SQRT_2], [0.38268, 0.92388]];
     FAN.iter().flat_map(|&[x, y]| [[x, y], [-y, x]]).any(|[x, y]| {
         let along = points.iter().map(|p| (p.x - m[0]) * x + (p.y - m[1]) * y);
@@ -231,18 +231,18 @@ fn beside(points: &[Point], m: [f64; 2], half: f64) -> bool {
 
 /// Whether the points surround the centre: no gap of more than half a turn between neighbours.
 ///
-/// Exactly symmetric points hold a circle between two opposite ones, to the second order of their rounding: hence the
-/// hair above half a turn.
+/// Exactly symmetric points hold a circle between two opposite ones, to the second order of their rounding: hence the small
+/// margin above half a turn.
 fn held(touching: &[&Point], c: [f64; 2]) -> bool {
     largest_gap(touching.iter().map(|p| (p.y - c[1]).atan2(p.x - c[0]))) <= PI * (1.0 + 1e-9)
 }
 
-/// Three of the points that touch which hold the circle, or all of them.
+/// Three of the touching points that hold the circle, or all of them.
 fn contacts(touching: &[&Point], c: [f64; 2]) -> Vec<usize> {
     let angle = |p: &Point| (p.y - c[1]).atan2(p.x - c[0]);
     let index = |points: &[&Point]| points.iter().map(|p| p.index).collect();
     let Some(first) = touching.first() else { return Vec::new() };
-    // First point and those next to its opposite on both sides.
+    // The first point and the points next to its opposite on both sides.
     let turned = |p: &Point| (angle(p) - angle(first)).rem_euclid(2.0 * PI);
     let side = |left: bool| {
         touching

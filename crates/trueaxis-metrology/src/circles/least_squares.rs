@@ -4,30 +4,31 @@ use super::local::Local;
 use super::{NoCircle, ReferenceCircle, check};
 use std::vec::Vec;
 
-/// Steps of the fit; near-round points need about five, short noisy arcs some twenty.
+/// Most steps of the fit; near-round points need about five, short noisy arcs some twenty.
 const STEPS: usize = 200;
 
-/// A circle that leaves more than this share of what the best straight line leaves is hardly one: there may be better hollows.
+/// If a circle's residual exceeds this share of the best straight line's, the points are hardly a circle: there may be better
+/// minima.
 const HARDLY: f64 = 0.1;
 
-/// A centre this many times farther away than the set is wide means a straight line.
+/// A centre farther away than this many times the width of the set means a straight line.
 const STRAIGHT: f64 = 1e7;
 
 /// Circle with the smallest sum of squared distances from the points, LSC.
 ///
-/// minimise Σ (|pᵢ − c| − R)²; at the minimum R is the mean distance, which leaves two unknowns. The start is the algebraic fit of
-/// Taubin (1991) on centred and scaled points; Newton steps with Levenberg's damping follow, and a last one with residuals formed
-/// free of cancellation about the circle found, so that the centre is good to the rounding of the points themselves, also for
-/// short arcs. Radius: the mean; zone: largest less smallest distance from the centre.
+/// Minimises Σ (|pᵢ − c| − R)²; at the minimum R is the mean distance, which leaves two unknowns. The algebraic fit of Taubin
+/// (1991) on centred and scaled points gives the start; Newton steps with Levenberg's damping follow, and a final step with
+/// residuals formed without cancellation about the circle found, so that the centre is accurate to the rounding of the points,
+/// also for short arcs. Radius: the mean; zone: largest − smallest distance from the centre.
 ///
-/// Points that are hardly a circle, leaving more than a tenth of what a straight line leaves, have several local minima: the steps
-/// then start from 47 more places in and around them, and the smallest sum is taken.
+/// Points that are hardly a circle, with more than a tenth of a straight line's residual, have several local minima: the steps
+/// then also start from 47 more positions in and around them, and the smallest sum is the result.
 ///
-/// Cost: linear in the points, some ten passes; some hundreds where they are hardly a circle.
+/// Cost: linear in the points, some ten passes; some hundreds if they are hardly a circle.
 ///
 /// # Errors
 ///
-/// [`NoCircle::TooFew`], [`NoCircle::NonFinite`], [`NoCircle::Straight`] (also where the sum falls towards a straight line).
+/// [`NoCircle::TooFew`], [`NoCircle::NonFinite`], [`NoCircle::Straight`] (also if the sum decreases towards a straight line).
 pub fn least_squares(points: &[[f64; 2]]) -> Result<ReferenceCircle, NoCircle> {
     check(points)?;
     let (local, c) = fit(points)?;
@@ -35,10 +36,10 @@ pub fn least_squares(points: &[[f64; 2]]) -> Result<ReferenceCircle, NoCircle> {
     Ok(ReferenceCircle { radius: local.radius + mean, ..local.circle(c, Vec::new()) })
 }
 
-/// Points about the least-squares centre, to rounding, and the rest of that centre.
+/// Points about the least-squares centre, to rounding, and the remaining offset of that centre.
 pub(super) fn fit(points: &[[f64; 2]]) -> Result<(Local, [f64; 2]), NoCircle> {
     let n = points.len() as f64;
-    // Halves the coordinates before adding: no overflow, and the mean of a large set loses nothing that matters.
+    // Dividing before adding avoids overflow, and the mean of a large set loses no significant digits.
     let mean = [0, 1].map(|k| points.iter().map(|p| p[k] / n).sum::<f64>());
     let centred: Vec<[f64; 2]> = points.iter().map(|p| [p[0] - mean[0], p[1] - mean[1]]).collect();
     let scale = (centred.iter().map(|p| p[0] * p[0] + p[1] * p[1]).sum::<f64>() / n).sqrt();
@@ -57,7 +58,7 @@ pub(super) fn fit(points: &[[f64; 2]]) -> Result<(Local, [f64; 2]), NoCircle> {
     let origin = [mean[0] + scale * c[0], mean[1] + scale * c[1]];
     let radius = points.iter().map(|p| (p[0] - origin[0]).hypot(p[1] - origin[1]) / n).sum();
     let local = Local::new(points, origin, radius);
-    // From the origin the residuals are exact to their own rounding; two steps, because the first moves the centre.
+    // About this origin the residuals are exact to their own rounding; two steps, because the first moves the centre.
     let mut c = [0.0; 2];
     for _ in 0..2 {
         let mut normal = Normal::default();
@@ -72,7 +73,7 @@ pub(super) fn fit(points: &[[f64; 2]]) -> Result<(Local, [f64; 2]), NoCircle> {
     Ok((local, c))
 }
 
-/// Newton's steps with Levenberg's damping; centre and sum of squares, or nothing where it runs off to a straight line.
+/// Newton's method with Levenberg's damping: centre and sum of squares, or `None` if it diverges to a straight line.
 fn descend(unit: &[[f64; 2]], start: [f64; 2]) -> Option<([f64; 2], f64)> {
     let mut c = start;
     let mut damping = 0.0;
@@ -111,15 +112,15 @@ impl Line {
         for [x, y] in unit {
             (xx, xy, yy) = (xx + x * x, xy + x * y, yy + y * y);
         }
-        // Direction of the smaller principal moment; the sum from the distances themselves, not from moments that cancel.
+        // Direction of the smaller principal moment; the sum uses the distances, because the moments would cancel.
         let angle = 0.5 * (2.0 * xy).atan2(xx - yy) + core::f64::consts::FRAC_PI_2;
         let normal = [angle.cos(), angle.sin()];
         let cost = unit.iter().map(|[x, y]| (x * normal[0] + y * normal[1]).powi(2)).sum();
         Line { normal, cost }
     }
 
-    /// Where a search for other hollows begins, about points with a mean square distance of 1: a net over them, rings around
-    /// them, and far away on both sides of the line. Off every symmetry, as a search stops on a saddle.
+    /// Starting points for the search for other minima, about points with a mean square distance of 1: a grid over them, rings
+    /// around them, and far away on both sides of the line. They avoid every symmetry, because a search stops on a saddle.
     fn starts(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
         let net = (0..25).map(|k| [0.6 * f64::from(k % 5) - 1.1, 0.6 * f64::from(k / 5) - 1.13]);
         let rings = (0..16).map(|k| {
@@ -194,7 +195,7 @@ impl Normal {
         self.gauss[0] + self.gauss[2]
     }
 
-    /// Newton's step where the Hessian is positive definite, else Gauss and Newton's.
+    /// Newton's step if the Hessian is positive definite, otherwise the Gauss-Newton step.
     fn step(&self, damping: f64) -> [f64; 2] {
         let solve = |h: [f64; 3]| {
             let (a, b, d) = (h[0] + damping, h[1], h[2] + damping);
@@ -208,7 +209,7 @@ impl Normal {
 
 fn normal(points: &[[f64; 2]], c: [f64; 2]) -> Normal {
     let mut sums = Normal::default();
-    // About a typical distance, so that the cost does not cancel.
+    // Relative to a typical distance, to avoid cancellation in the cost.
     let typical = points.iter().map(|p| (p[0] - c[0]).hypot(p[1] - c[1])).sum::<f64>() / points.len() as f64;
     for p in points {
         let from_centre = [p[0] - c[0], p[1] - c[1]];

@@ -4,11 +4,11 @@
 //!
 //! r = R + a cos θ + b sin θ          (limaçon; exact to first order in the eccentricity over the radius).
 //!
-//! Angles in rad, readings in any unit of length, positive outwards; results in that unit, `centre` = [a, b], distances are
-//! residuals r − a cos θ − b sin θ, so that `radius`, `inner` and `outer` hold the profile's own arbitrary constant and may
-//! be negative. All four problems are linear: least squares directly, the others as small linear programmes, solved exactly
-//! on the few readings that matter (cutting planes: the worst reading joins until none is left outside; no reading
-//! joins twice, so the search is finite). Cost: linear, some ten passes.
+//! Angles in rad, readings in any unit of length, positive outwards; results in that unit, `centre` = [a, b]. Distances are
+//! residuals r − a cos θ − b sin θ, so that `radius`, `inner` and `outer` contain the profile's arbitrary constant and may be
+//! negative. All four problems are linear: least squares is solved directly, the others as small linear programmes, exactly,
+//! on the few readings that matter (cutting planes: the worst reading joins until none is outside; no reading joins twice, so
+//! the search is finite). Cost: linear, some ten passes.
 //!
 //! ```
 //! use trueaxis_metrology::circles::limacon;
@@ -72,7 +72,7 @@ pub fn least_squares_at(theta: &[f64], r: &[f64]) -> Result<ReferenceCircle, NoC
     let profile = Profile::new(theta, r)?;
     let n = r.len() as f64;
     let mut centre = [0.0; 2];
-    // The second pass takes away what rounding left of the first.
+    // The second pass removes the rounding error of the first.
     for _ in 0..2 {
         let mut sums = [0.0; 8];
         for p in &profile.points {
@@ -110,7 +110,7 @@ pub fn minimum_zone_at(theta: &[f64], r: &[f64]) -> Result<ReferenceCircle, NoCi
 ///
 /// # Errors
 ///
-/// As [`minimum_zone_at`]; [`NoCircle::PartArc`] where half a turn or more has no reading.
+/// As [`minimum_zone_at`]; [`NoCircle::PartArc`] if half a turn or more has no reading.
 pub fn minimum_circumscribed_at(theta: &[f64], r: &[f64]) -> Result<ReferenceCircle, NoCircle> {
     let profile = Profile::new(theta, r)?;
     profile.closed()?;
@@ -159,7 +159,7 @@ enum Aim {
 }
 
 struct Profile {
-    /// Readings less the middle of their range.
+    /// Readings minus the middle of their range.
     points: Vec<Reading>,
     middle: f64,
 }
@@ -229,7 +229,7 @@ impl Profile {
         }
     }
 
-    /// The optimum over all readings, from the one over a few: the reading that is farthest outside joins.
+    /// Extends the optimum over a few readings to all: the reading farthest outside joins.
     fn solve(&self, start: [f64; 2], aim: Aim) -> ReferenceCircle {
         let [mut highest, mut lowest] = self.around(start);
         let mut best = Vertex::of(start, &[]);
@@ -241,7 +241,7 @@ impl Profile {
             for (list, (_, worst), counts) in
                 [(&mut highest, all.high, aim != Aim::Inner), (&mut lowest, all.low, aim != Aim::Outer)]
             {
-                // A reading that is not among the few lies outside them, or level with one of them.
+                // A reading that is not among the few is outside them, or level with one of them.
                 if counts && !list.iter().any(|p| p.index == worst.index) {
                     list.push(worst);
                     grown = true;
@@ -251,20 +251,20 @@ impl Profile {
                 break;
             }
         }
-        // Two opposite readings alone leave the centre free along a line: the least-squares centre is as good then.
+        // Two opposite readings alone leave the centre free along a line: the least-squares centre is then as good.
         let as_good = |at: &Range| aim.value(at) <= best.value + 8.0 * f64::EPSILON * best.value.abs();
         if aim != Aim::Zone && range(&self.points, &self.points, start).as_ref().is_some_and(as_good) {
             best = Vertex::of(start, &[]);
         }
         let touching = self.touching(best.centre, aim);
-        // By symmetry readings that do not touch can name the same centre.
+        // With symmetry, readings that do not touch can determine the same centre.
         if best.contacts.is_empty() || best.contacts.iter().any(|i| !touching.contains(i)) {
             best.contacts = touching;
         }
         self.circle(best.centre, best.contacts)
     }
 
-    /// Readings on the circles that matter, to rounding.
+    /// Readings on the relevant circles, to rounding.
     fn touching(&self, centre: [f64; 2], aim: Aim) -> Vec<usize> {
         let Some(at) = range(&self.points, &self.points, centre) else { return Vec::new() };
         let size = centre[0].hypot(centre[1]) + at.high.0.abs().max(at.low.0.abs());
@@ -276,8 +276,8 @@ impl Profile {
         self.points.iter().filter(touches).map(|p| p.index).collect()
     }
 
-    /// Extreme readings about the least-squares circle in five equally large groups, in the order of their angles, and
-    /// three readings that surround the centre: without them the few could have no optimum.
+    /// Extreme readings about the least-squares circle in five equally large groups, in the order of their angles, and three
+    /// readings that surround the centre: without these the few could have no optimum.
     fn around(&self, start: [f64; 2]) -> [Vec<Reading>; 2] {
         let angle = |p: &Reading| p.direction[1].atan2(p.direction[0]);
         let mut sorted = self.points.clone();
@@ -288,7 +288,7 @@ impl Profile {
             groups().filter_map(|group| group.iter().max_by(order)).copied().collect::<Vec<Reading>>(),
             groups().filter_map(|group| group.iter().min_by(order)).copied().collect(),
         ];
-        // The first reading and those next to its opposite on both sides.
+        // The first reading and the readings next to its opposite on both sides.
         let first = self.points[0];
         let turned = |p: &Reading| (angle(p) - angle(&first)).rem_euclid(TAU);
         let left = sorted.iter().filter(|p| turned(p) <= PI).max_by(|a, b| turned(a).total_cmp(&turned(b)));
@@ -304,7 +304,7 @@ impl Profile {
     }
 }
 
-/// A centre that some readings determine.
+/// A centre determined by some readings.
 #[derive(Clone, Debug)]
 struct Vertex {
     centre: [f64; 2],
@@ -366,7 +366,7 @@ impl Vertex {
     }
 }
 
-/// The centre at which the residuals of a and b, and those of c and d, are the same.
+/// The centre at which the residuals of a and b are equal, and those of c and d.
 fn level(a: &Reading, b: &Reading, c: &Reading, d: &Reading) -> Option<[f64; 2]> {
     let (x1, y1, h1) = (a.direction[0] - b.direction[0], a.direction[1] - b.direction[1], a.r - b.r);
     let (x2, y2, h2) = (c.direction[0] - d.direction[0], c.direction[1] - d.direction[1], c.r - d.r);

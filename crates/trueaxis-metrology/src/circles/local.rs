@@ -1,12 +1,12 @@
-//! Points about a local origin, with the square of their distance less that of a reference circle.
+//! Points about a local origin, with their squared distance minus that of a reference circle.
 
 use super::ReferenceCircle;
 use std::vec::Vec;
 
 /// A point of the plane as a linear function of the centre.
 ///
-/// With the local centre c, |p − c|² − R₀² = e − 2 p·c + |c|². The last term is common to all points, so that far and near
-/// are decided by f(c) = e − 2 p·c, and where two points are equally far, c obeys a linear equation.
+/// With the local centre c, |p − c|² − R₀² = e − 2 p·c + |c|². The last term is common to all points, so that f(c) = e − 2 p·c
+/// decides which are far and near, and if two points are equally far, c satisfies a linear equation.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Point {
     pub(super) x: f64,
@@ -33,7 +33,7 @@ pub(super) struct Local {
     largest: [f64; 2],
 }
 
-/// Middles of the four parts of a square with half sides of 2.
+/// Centres of the four quarters of a square with half sides of 2.
 pub(super) const QUARTERS: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]];
 
 /// Farthest and nearest point from a centre.
@@ -41,7 +41,7 @@ pub(super) const QUARTERS: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.
 pub(super) struct Extremes {
     pub(super) far: Point,
     pub(super) near: Point,
-    /// f of the farthest and of the nearest.
+    /// f of the farthest and of the nearest point.
     pub(super) high: f64,
     pub(super) low: f64,
 }
@@ -63,12 +63,12 @@ impl Local {
         Self { origin, radius, points, largest }
     }
 
-    /// The same with one, the first, of points in one place. Of them every one is as far and as near as the others: a
-    /// search that goes on until few points can decide would go on to the end of the digits.
+    /// Removes coincident points except the first. They are equally far and near, so a search that divides until few points
+    /// can decide would only end at rounding.
     ///
     /// Cost: n log n.
     pub(super) fn without_twins(mut self) -> Self {
-        // Zero has two signs.
+        // Makes −0 and 0 equal.
         let place = |p: &Point| [p.x, p.y, p.e].map(|value| (value + 0.0).to_bits());
         self.points.sort_unstable_by_key(|p| (place(p), p.index));
         self.points.dedup_by_key(|p| place(p));
@@ -76,7 +76,7 @@ impl Local {
         self
     }
 
-    /// Distance from the local centre c of a point with this f(c).
+    /// Distance of a point with this f(c) from the local centre c.
     pub(super) fn distance(&self, f: f64, c: [f64; 2]) -> f64 {
         (self.radius * self.radius + (f + c[0] * c[0] + c[1] * c[1])).max(0.0).sqrt()
     }
@@ -87,8 +87,8 @@ impl Local {
         if sum > 0.0 { (high - low) / sum } else { 0.0 }
     }
 
-    /// The farthest and the nearest point of each of a number of equally large groups, in the order of their directions:
-    /// a bound on these is a bound on all.
+    /// The farthest and the nearest point of each of several equally large groups, in the order of their directions: a bound
+    /// for these is a bound for all.
     pub(super) fn sample(&self, groups: usize) -> [Vec<Point>; 2] {
         let mut around: Vec<(f64, &Point)> = self.points.iter().map(|p| (p.y.atan2(p.x), p)).collect();
         around.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -104,18 +104,18 @@ impl Local {
         extremes(&self.points, &self.points, c)
     }
 
-    /// Rounding error of f at centres up to a distance from the origin: nothing below it means anything.
+    /// Rounding error of f at centres up to a distance from the origin: smaller differences are meaningless.
     pub(super) fn noise(&self, distance: f64) -> f64 {
         let [e, size] = self.largest;
         4.0 * f64::EPSILON * (e + 2.0 * distance * size + f64::EPSILON * size * size)
     }
 
-    /// Bound on how much f differs between two points a unit of the centre apart.
+    /// Bound on the change of the difference of f between two points, per unit of the centre's movement.
     pub(super) fn steepest(&self) -> f64 {
         8.0 * self.largest[1]
     }
 
-    /// The circle about c with all points between inner and outer; the radius is the mean of the two.
+    /// The circle about c with all points between inner and outer; its radius is their mean.
     pub(super) fn circle(&self, c: [f64; 2], mut contacts: Vec<usize>) -> ReferenceCircle {
         let at = self.extremes(c);
         let (outer, inner) = (self.distance(at.high, c), self.distance(at.low, c));
@@ -132,7 +132,7 @@ impl Local {
     }
 }
 
-/// Farthest of the first, nearest of the second list; neither is empty.
+/// Farthest point of the first and nearest of the second list; neither is empty.
 pub(super) fn extremes(far: &[Point], near: &[Point], c: [f64; 2]) -> Extremes {
     let (mut a, mut high) = (far[0], f64::NEG_INFINITY);
     for point in far {
@@ -151,7 +151,7 @@ pub(super) fn extremes(far: &[Point], near: &[Point], c: [f64; 2]) -> Extremes {
     Extremes { far: a, near: b, high, low }
 }
 
-/// The centre that is as far from a₁ as from b₁, and as far from a₂ as from b₂.
+/// The centre that is equally far from a₁ and b₁, and equally far from a₂ and b₂.
 pub(super) fn equidistant(a1: &Point, b1: &Point, a2: &Point, b2: &Point) -> Option<[f64; 2]> {
     let (x1, y1, h1) = (a1.x - b1.x, a1.y - b1.y, 0.5 * (a1.e - b1.e));
     let (x2, y2, h2) = (a2.x - b2.x, a2.y - b2.y, 0.5 * (a2.e - b2.e));
@@ -160,14 +160,14 @@ pub(super) fn equidistant(a1: &Point, b1: &Point, a2: &Point, b2: &Point) -> Opt
     (c[0].is_finite() && c[1].is_finite()).then_some(c)
 }
 
-/// Sum and its rounding error (Knuth 1969).
+/// Sum and rounding error (Knuth 1969).
 fn two_sum(a: f64, b: f64) -> (f64, f64) {
     let sum = a + b;
     let b_part = sum - a;
     (sum, (a - (sum - b_part)) + (b - b_part))
 }
 
-/// Product and its rounding error (Dekker 1971).
+/// Product and rounding error (Dekker 1971).
 fn two_product(a: f64, b: f64) -> (f64, f64) {
     let split = |v: f64| {
         let scaled = 134_217_729.0 * v;

@@ -6,34 +6,35 @@ use super::width::smallest_width;
 use super::{NoCircle, ReferenceCircle, check, least_squares};
 use std::vec::Vec;
 
-/// Two concentric circles that hold all points between them at the smallest difference of radii, MZC: the global minimum.
+/// Two concentric circles that enclose all points between them at the smallest difference of radii, MZC: the global minimum.
 ///
 /// w(c) = max |pᵢ − c| − min |pᵢ − c| has its minima only where two farthest and two nearest points, or three of one kind and
-/// one of the other, decide it: two linear equations for the centre. For any far point F and near point N
+/// one of the other, determine it: two linear equations for the centre. For any far point F and near point N
 ///
 /// w(c) >= |F − c| − |N − c| = (f_F(c) − f_N(c))/(|F − c| + |N − c|),     f = |p|² − 2p·c,
 ///
-/// a linear function over a convex one: where it is positive it is quasi-concave, and its least value in a rectangle of
-/// centres is that of a corner. A rectangle is kept as long as this bound, for the points that are extreme in its middle, is
-/// below the best zone known, with the points that can be farthest or nearest somewhere in it. It is halved across the side
-/// along which more changes, until those points are few, and then all their centres are tried. With a far outlier the good
-/// centres form a valley, a million times longer than wide: squares would have to be as small as the valley is narrow. The
-/// rectangles lie along the set. The start is the square outside which the zone must be wider: far
-/// away, w approaches the width of the set. Zone and contacts are a vertex's; only where more points than can be told apart by
-/// rounding share it (exact symmetry), is the search cut off, at rounding. On a part arc the zone exists as long as it is
-/// narrower than a straight strip. Radius: mean of outer and inner.
+/// a linear function over a convex one: where it is positive it is quasi-concave, and its minimum over a rectangle of centres
+/// is at a corner. The search keeps a rectangle as long as this bound, for the extreme points of its middle, is below the best
+/// zone known, together with the points that can be farthest or nearest somewhere in it. It halves the rectangle across the
+/// side with the greater change until those points are few, and then tries all their centres. A far outlier makes the good
+/// centres a valley, a million times longer than wide: squares would have to be as small as the valley is narrow. The
+/// rectangles are aligned with the set. The search starts from the square outside which the zone must be wider: far away, w
+/// approaches the width of the set. Zone and contacts are those of a vertex; only if more points share it than rounding can
+/// resolve (exact symmetry) does the search end at rounding. On a part arc the zone exists as long as it is narrower than a
+/// straight strip. Radius: mean of outer and inner.
 ///
-/// Cost: n log n, for near-round points below a microsecond a point; some 20,000 rectangles with an outlier.
+/// Cost: n log n, below a microsecond a point for near-round points; some 20,000 rectangles with an outlier.
 ///
 /// # Errors
 ///
 /// [`NoCircle::TooFew`], [`NoCircle::NonFinite`], [`NoCircle::Straight`] (collinear, or no circle better than a strip);
-/// [`NoCircle::Unresolved`] where 150,000 rectangles do not do: outliers 10⁶ and 10⁸ times farther away than the other points.
+/// [`NoCircle::Unresolved`] if 150,000 rectangles are not enough: outliers 10⁶ and 10⁸ times farther away than the other
+/// points.
 pub fn minimum_zone(points: &[[f64; 2]]) -> Result<ReferenceCircle, NoCircle> {
     counted(points).0
 }
 
-/// The zone, and how many rectangles of centres it took.
+/// The zone, and the number of rectangles of centres tried.
 fn counted(points: &[[f64; 2]]) -> (Result<ReferenceCircle, NoCircle>, usize) {
     if let Err(error) = check(points) {
         return (Err(error), 0);
@@ -42,7 +43,7 @@ fn counted(points: &[[f64; 2]]) -> (Result<ReferenceCircle, NoCircle>, usize) {
     let local = local.without_twins();
     let strip = smallest_width(points);
     let mut search = Search::new(&local, strip);
-    // Of nearly straight points it says how far away the centre may be.
+    // For nearly straight points this limits how far away the centre may be.
     if let Some([x, y]) = mean {
         search.offer([x - local.origin[0], y - local.origin[1]], &[]);
     }
@@ -59,10 +60,10 @@ fn counted(points: &[[f64; 2]]) -> (Result<ReferenceCircle, NoCircle>, usize) {
     (Ok(local.circle(search.centre, search.contacts)), search.trials)
 }
 
-/// A least-squares centre this many times farther away than the set is wide costs more digits than it saves.
+/// A least-squares centre farther away than this many times the width of the set costs more digits than it saves.
 const FAR: f64 = 1e3;
 
-/// Points about the better of the least-squares and the circumscribed centre; and the least-squares centre.
+/// Points about the better of the least-squares and the circumscribed centre, and the least-squares centre.
 fn reference(points: &[[f64; 2]]) -> (Local, Option<[f64; 2]>) {
     let zone = |local: &Local| {
         let at = local.extremes([0.0; 2]);
@@ -75,22 +76,22 @@ fn reference(points: &[[f64; 2]]) -> (Local, Option<[f64; 2]>) {
     (if better { mean } else { around }, Some(centre))
 }
 
-/// Groups of points, the extremes of which shrink the square of centres to the size of the zone.
+/// Number of groups of points whose extremes shrink the square of centres to the size of the zone.
 const GROUPS: usize = 24;
 
-/// Rectangles that may be tried on that sample before all points are asked.
+/// Most rectangles tried on that sample before all points are used.
 const TRIALS: usize = 10_000;
 
-/// Rectangles after which the search is given up.
+/// Number of rectangles after which the search ends without a result.
 const RECTANGLES: usize = 150_000;
 
-/// A rectangle is searched centre by centre when no more points than this can decide in it, far and near together.
+/// A rectangle is searched centre by centre once no more points than this can decide in it, far and near together.
 const FEW: usize = 9;
 
-/// A rectangle of centres: middle, along and across the axis of the search, and half sides.
+/// A rectangle of centres: its middle, along and across the axis of the search, and its half sides.
 ///
-/// Halving is exact in these coordinates, so that neighbours share their border to the last bit: on it two points can be
-/// equally far.
+/// Halving is exact in these coordinates, so neighbours share their border to the last bit: on it two points can be equally
+/// far.
 #[derive(Clone, Copy, Debug)]
 struct Cell {
     m: [f64; 2],
@@ -98,7 +99,7 @@ struct Cell {
 }
 
 impl Cell {
-    /// The two parts of a rectangle, cut across the side along which more changes.
+    /// Halves a rectangle across the side with the greater change.
     fn halves(self, change: [f64; 2]) -> [Cell; 2] {
         let side = self.across(change);
         let mut half = self.half;
@@ -110,7 +111,7 @@ impl Cell {
         })
     }
 
-    /// The side that is halved: the one along which more changes, unless it is a thread already.
+    /// The side to halve: the one with the greater change, unless it is already a thread.
     fn across(&self, change: [f64; 2]) -> usize {
         let [a, b] = self.half;
         let side = if change[0] >= change[1] { 0 } else { 1 };
@@ -122,7 +123,7 @@ impl Cell {
     }
 }
 
-/// No rectangle becomes narrower than this, against its length.
+/// Least width of a rectangle relative to its length.
 const THREAD: f64 = 1e-12;
 
 struct Search<'a> {
@@ -134,13 +135,13 @@ struct Search<'a> {
     sample: [Vec<Point>; 2],
     /// Unit vector along the set.
     axis: [f64; 2],
-    /// Rectangles looked at.
+    /// Number of rectangles tried.
     trials: usize,
     /// Half the side of the square of all centres.
     limit: f64,
 }
 
-/// Zone of two points over a rectangle: in its middle, the least, and the change along either side.
+/// Zone of two points over a rectangle: in its middle, its minimum, and its change along each side.
 struct Over {
     here: f64,
     least: f64,
@@ -150,7 +151,7 @@ struct Over {
 impl<'a> Search<'a> {
     fn new(local: &'a Local, strip: f64) -> Self {
         let sample = local.sample(GROUPS);
-        // Along the set: the farthest point from one that is far itself.
+        // Along the set: from one far point to the point farthest from it.
         let far = local.extremes([0.0; 2]).far;
         let other = local.extremes([far.x, far.y]).far;
         let (x, y) = (far.x - other.x, far.y - other.y);
@@ -162,7 +163,7 @@ impl<'a> Search<'a> {
         search
     }
 
-    /// Takes a centre if its zone is the smallest so far.
+    /// Accepts a centre if its zone is the smallest so far.
     fn offer(&mut self, c: [f64; 2], contacts: &[&Point]) {
         let at = self.local.extremes(c);
         let width = self.local.width(at.high, at.low, c);
@@ -175,15 +176,15 @@ impl<'a> Search<'a> {
 
     /// Half the side of a square about the origin outside which no zone is narrower than the best one.
     ///
-    /// At a distance ρ beyond the set's radius s the zone is at least strip − s²/ρ. Where no circle is known that is better
-    /// than the strip, only those of at most 10⁴ times the set's size are looked for.
+    /// At a distance ρ beyond the set's radius s the zone is at least strip − s²/ρ. If no known circle is better than the
+    /// strip, the search is limited to 10⁴ times the set's size.
     fn start(&self, strip: f64) -> f64 {
         let size = self.local.points.iter().map(|p| p.x.hypot(p.y)).fold(0.0, f64::max);
         let most = if self.width < strip { 1e8 } else { 1e4 };
         size + (size * size / (strip - self.width).max(0.0)).min(most * size)
     }
 
-    /// Halves a rectangle on a few points as long as it is large against the zone, because all points can still be
+    /// Halves a rectangle using a few points while it is large compared with the zone, because all points can still be
     /// farthest or nearest in it then.
     fn narrow(&mut self, cell: Cell) {
         self.trials += 1;
@@ -215,7 +216,7 @@ impl<'a> Search<'a> {
         [u * x - v * y, u * y + v * x]
     }
 
-    /// Half of what f(p) − f(q) changes along either side of a rectangle.
+    /// Half of the change of f(p) − f(q) along each side of a rectangle.
     fn reach(&self, p: &Point, q: &Point, cell: Cell) -> [f64; 2] {
         let ([x, y], dx, dy) = (self.axis, p.x - q.x, p.y - q.y);
         [2.0 * (dx * x + dy * y).abs() * cell.half[0], 2.0 * (dy * x - dx * y).abs() * cell.half[1]]
@@ -229,7 +230,7 @@ impl<'a> Search<'a> {
         };
         let [low, left, right, high] = [corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, -1.0), corner(1.0, 1.0)];
         let here = corner(0.0, 0.0);
-        // Corners alone would not see a zone that is symmetric about the middle.
+        // The corners alone would miss a zone that is symmetric about the middle.
         let from_here = |a: f64, b: f64| (corner(a, b) - here).abs().max((corner(-a, -b) - here).abs());
         Over {
             here,
@@ -248,7 +249,7 @@ impl<'a> Search<'a> {
         }
         let (local, m) = (self.local, self.place(cell.m));
         let noise = local.noise(m[0].hypot(m[1]) + cell.half[0] + cell.half[1]);
-        // Where a is farthest in the middle, p can be farthest in the rectangle only if it overtakes a in a corner.
+        // If a is farthest in the middle, p can be farthest in the rectangle only if it overtakes a in a corner.
         let mut spread = [0.0_f64; 2];
         let mut kept = |p: &&Point, extreme: &Point, behind: f64| {
             let [along, across] = self.reach(p, extreme, cell);
@@ -310,11 +311,11 @@ impl<'a> Search<'a> {
 
     fn vertex(&mut self, centre: Option<[f64; 2]>, of: &[&Point], far: &[Point], near: &[Point]) {
         let Some(c) = centre else { return };
-        // Points of one line meet at infinity, or by rounding somewhere before.
+        // Collinear points meet at infinity, or, by rounding, somewhere before.
         if c[0].abs().max(c[1].abs()) > self.limit {
             return;
         }
-        // Few points first: what is too wide for them is too wide for all.
+        // Few points first: a zone too wide for them is too wide for all.
         let at = extremes(far, near, c);
         if self.local.width(at.high, at.low, c) > self.width {
             return;
@@ -326,7 +327,7 @@ impl<'a> Search<'a> {
             [_, _, _] => contacts.push(&at.far),
             _ => {}
         }
-        // By symmetry points that do not touch can name the same centre.
+        // With symmetry, points that do not touch can determine the same centre.
         let tie = self.tie(c);
         if contacts.iter().any(|p| p.f(c) < at.high - tie && p.f(c) > at.low + tie) {
             contacts.clear();
@@ -334,12 +335,13 @@ impl<'a> Search<'a> {
         self.offer(c, &contacts);
     }
 
-    /// Values of f closer than this are taken for equal.
+    /// Values of f closer than this count as equal.
     fn tie(&self, c: [f64; 2]) -> f64 {
         64.0 * self.local.noise(c[0].hypot(c[1]))
     }
 
-    /// After a search that ended at rounding, or at points that do not touch: the points that are then farthest and nearest.
+    /// After a search that ended at rounding, or at points that do not touch: finds the points that are farthest and nearest
+    /// there.
     fn settle(&mut self) {
         if !self.contacts.is_empty() {
             return;
@@ -365,7 +367,7 @@ mod tests {
     use super::*;
     use core::f64::consts::TAU;
 
-    /// Near-round points with one or more of them far away, which a slip of a probe leaves.
+    /// Near-round points with one or more far away, as left by a slip of the probe.
     fn with_outliers(outliers: &[[f64; 2]]) -> Vec<[f64; 2]> {
         let mut noise = trueaxis_testing::noise::Noise::new(5);
         let mut random = || 0.5 * noise.signed();
@@ -373,7 +375,7 @@ mod tests {
         round.map(|(a, r)| [r * a.cos(), r * a.sin()]).chain(outliers.iter().copied()).collect()
     }
 
-    /// A trace stands still at one of its points, as one that is sampled by time does: more than can be told apart.
+    /// A trace sampled by time dwells at one of its points: more coincident points than can be resolved.
     #[test]
     fn points_in_one_place_cost_no_more_than_one() {
         for (round, twin) in [
@@ -393,7 +395,7 @@ mod tests {
         }
     }
 
-    /// The work is counted, not timed: rectangles of centres.
+    /// Counts the work in rectangles of centres instead of timing it.
     #[test]
     fn outliers_cost_little() {
         for outliers in [

@@ -1,14 +1,14 @@
 //! Reference circles: least squares, minimum zone, maximum inscribed, minimum circumscribed.
 //!
 //! Point sets are evaluated in the plane ([`least_squares()`], [`minimum_zone()`], [`minimum_circumscribed`],
-//! [`maximum_inscribed`]), profiles of a roundness instrument whose radius is unknown in the limaçon approximation
-//! ([`limacon`]). Terms after ISO 12181-1:2011: LSC (LSCI), MZC (MZCI), MCC (MCCI), MIC (MICI).
+//! [`maximum_inscribed`]), profiles of a roundness instrument with unknown radius in the limaçon approximation ([`limacon`]).
+//! Terms after ISO 12181-1:2011: LSC (LSCI), MZC (MZCI), MCC (MCCI), MIC (MICI).
 //!
-//! The minimum zone, the inscribed and the circumscribed circle are vertices of an arrangement: two or three linear
-//! equations give each of them in closed form, and the search only decides which points determine it. It is finite; no
-//! answer is the end of an approximation. All of them are computed about a local origin from
-//! e = |p|² − R², formed with twice the digits, so that a zone keeps its relative accuracy far from the
-//! origin of the coordinates and when it is many orders of magnitude below the radius.
+//! The minimum zone, the inscribed and the circumscribed circle are vertices of an arrangement: two or three linear equations
+//! give each of them in closed form, and the search only decides which points determine it. The search is finite; no result
+//! depends on a convergence tolerance. All circles are computed about a local origin from e = |p|² − R², formed with twice the
+//! digits, so that a zone keeps its relative accuracy far from the origin of the coordinates and even if it is many orders of
+//! magnitude smaller than the radius.
 //!
 //! ```
 //! use trueaxis_metrology::circles::{maximum_inscribed, minimum_circumscribed, minimum_zone};
@@ -49,8 +49,8 @@ pub struct ReferenceCircle {
     pub outer: f64,
     /// Smallest distance of a point from the centre.
     pub inner: f64,
-    /// Ascending indices of the points that determine the circle: three or four of a zone, three of an inscribed, two or
-    /// three of a circumscribed circle; none for least squares, where all of them do.
+    /// Ascending indices of the points that determine the circle: three or four for a zone, three for an inscribed, two or
+    /// three for a circumscribed circle; empty for least squares, where all points do.
     pub contacts: Vec<usize>,
 }
 
@@ -63,19 +63,18 @@ pub enum NoCircle {
         /// Number of points.
         found: usize,
     },
-    /// A coordinate, angle or reading that is not finite.
+    /// A coordinate, angle or reading is not finite.
     NonFinite {
         /// Index of the point.
         index: usize,
     },
-    /// All points lie on one straight line or in one place, or a straight strip holds them at least as closely as any
-    /// circle does.
+    /// All points are collinear or coincident, or a straight strip contains them at least as closely as any circle.
     Straight,
-    /// Some points stand so much farther away than others that rounding hides which circle is the best.
+    /// Some points are so much farther away than others that rounding hides the best circle.
     Unresolved,
-    /// The points leave half a turn or more open: a circle could be moved out through the gap, and there is no extreme.
+    /// The points leave half a turn or more open: a circle could move out through the gap, so there is no extremum.
     PartArc,
-    /// Angles and readings of a profile differ in number.
+    /// The numbers of angles and readings differ.
     Lengths {
         /// Number of angles.
         angles: usize,
@@ -105,8 +104,8 @@ impl core::fmt::Display for NoCircle {
 
 impl core::error::Error for NoCircle {}
 
-/// Refuses what cannot have any reference circle: fewer than three points, values that are not finite, and points
-/// within rounding of one line.
+/// Refuses inputs without any reference circle: fewer than three points, values that are not finite, and points within
+/// rounding of one line.
 fn check(points: &[[f64; 2]]) -> Result<(), NoCircle> {
     if points.len() < 3 {
         return Err(NoCircle::TooFew { found: points.len() });
@@ -124,7 +123,7 @@ fn check(points: &[[f64; 2]]) -> Result<(), NoCircle> {
     let line = [(b[0] - a[0]) / length, (b[1] - a[1]) / length];
     let height = points.iter().map(|p| ((p[0] - a[0]) * line[1] - (p[1] - a[1]) * line[0]).abs()).fold(0.0, f64::max);
     let largest = points.iter().flatten().fold(0.0, |m: f64, v| m.max(v.abs()));
-    // Points that were rounded to the nearest number stray by half a unit in the last place of the largest coordinate.
+    // Rounding moves points by up to half a unit in the last place of the largest coordinate.
     if height <= 4.0 * f64::EPSILON * largest { Err(NoCircle::Straight) } else { Ok(()) }
 }
 

@@ -8,7 +8,7 @@ fn cross(o: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
 
 /// Convex hull, counter-clockwise (Andrew 1979).
 fn hull(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
-    // Adding 0 makes −0 and 0 the same for the total order.
+    // Adding 0 makes −0 and 0 equal in the total order.
     let mut sorted: Vec<[f64; 2]> = points.iter().map(|p| p.map(|v| v + 0.0)).collect();
     sorted.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
     let half = |ordered: &mut dyn Iterator<Item = [f64; 2]>| {
@@ -29,7 +29,7 @@ fn hull(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     lower
 }
 
-/// Width of the narrowest strip between parallel lines that holds all points; one line goes through an edge of the hull
+/// Width of the narrowest strip between parallel lines that contains all points; one line passes through an edge of the hull
 /// (Houle and Toussaint 1988). n log n.
 pub(super) fn smallest_width(points: &[[f64; 2]]) -> f64 {
     let hull = hull(points);
@@ -38,7 +38,7 @@ pub(super) fn smallest_width(points: &[[f64; 2]]) -> f64 {
     let mut smallest = f64::INFINITY;
     for i in 0..n {
         let (a, b) = (hull[i], hull[(i + 1) % n]);
-        // The opposite point only moves forward, once round in all.
+        // The opposite point only moves forward, once round in total.
         for _ in 0..n {
             if cross(a, b, hull[(opposite + 1) % n]) <= cross(a, b, hull[opposite]) {
                 break;

@@ -11,15 +11,15 @@ use trueaxis::Axis;
 pub struct Figures {
     /// E(D): range of the mean deviations of both directions.
     pub systematic: f64,
-    /// B(D): largest difference of the directions at a target; with one direction none.
+    /// B(D): largest difference between the directions at a target; `None` with one direction.
     pub reversal: Option<f64>,
     /// M(D): range of the mean of both directions.
     pub mean_range: f64,
-    /// R(D): repeatability, bidirectional where there are both; with one run none.
+    /// R(D): repeatability, bidirectional if both directions were measured; `None` with one run.
     pub repeatability: Option<f64>,
 }
 
-/// Figures of every diagonal; R(D) only where every target has every run, as ISO 230-2 defines it.
+/// Computes the figures of each diagonal; R(D) only if every target has every run, as ISO 230-2 defines it.
 pub fn figures(test: &Test) -> [Figures; 4] {
     std::array::from_fn(|k| {
         let range = |values: &mut dyn Iterator<Item = f64>| {
@@ -36,7 +36,7 @@ pub fn figures(test: &Test) -> [Figures; 4] {
     })
 }
 
-/// R of ISO 230-2 with the way along the diagonal as the position.
+/// R of ISO 230-2 with the distance along the diagonal as the position.
 fn repeatability(test: &Test, k: usize) -> Option<f64> {
     let own = &test.diagonals[k];
     let mut approaches = Vec::new();
@@ -53,7 +53,7 @@ fn repeatability(test: &Test, k: usize) -> Option<f64> {
             deviation: reading.deviation_mm,
         }));
     }
-    // Of any linear axis: only the letter would differ.
+    // Any linear axis will do: only the letter would differ.
     let found = evaluate(&Measurement::new(Axis::X, approaches).ok()?).ok()?;
     let one_way = |direction| match direction {
         Direction::Up => found.up,

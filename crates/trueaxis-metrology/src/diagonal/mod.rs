@@ -1,11 +1,11 @@
 //! Diagonal and step-diagonal displacement tests after ISO 230-6.
 //!
-//! A laser looks along each of the four body diagonals of the working volume. In the *diagonal test* the axes move together
-//! and every target lies on the diagonal; in the *step-diagonal (vector) test* they move one after the other, and the
-//! displacement along the beam is read after every single step. Deviations x = actual − commanded displacement along the
-//! beam, from the diagonal's first target.
+//! A laser beam runs along each of the four body diagonals of the working volume. In the *diagonal test* the axes move
+//! together and every target is on the diagonal; in the *step-diagonal (vector) test* they move one after the other, and the
+//! displacement along the beam is read after every single step. Deviations x = actual − commanded displacement along the beam,
+//! from the diagonal's first target.
 //!
-//! **Figures** ([`figures`]), on the targets that lie on the diagonal D, in the terms of ISO 230-2:
+//! **Figures** ([`figures`]), for the targets on the diagonal D, in the terms of ISO 230-2:
 //!
 //! ```text
 //! B(D) = max |x̄_i↑ − x̄_i↓|                         reversal value of the diagonal
@@ -15,20 +15,21 @@
 //! E_d, B_d, R_d, M_d: the largest of the four
 //! ```
 //!
-//! **What they tell of the machine** (its part `volume`). With u the diagonal's unit vector and s the signs of its components, the
+//! **Errors of the machine** (submodule `volume`). With u the diagonal's unit vector and s the signs of its components, the
 //! slope of its deviation is to first order
 //!
 //! ```text
 //! m = u_x² s_x + u_y² s_y + u_z² s_z − u_x u_y C0Y + u_x u_z B0Z − u_y u_z A0Z        (s_i: scale of axis i)
 //! ```
 //!
-//! Four slopes give the three squarenesses and one weighted scale, whatever the mirror's alignment (second order).
+//! Four slopes determine the three squarenesses and one weighted scale, whatever the mirror's alignment (to second order).
 //!
-//! **What the steps add** (its part `vector`). A step of axis j along diagonal k reads u_k · δ_j: four equations for the three
-//! components of the step's error. But a flat mirror that stands τ off the normal of the diagonal reads D (τ·n_j) more on a
-//! step D of axis j, as the step carries it sideways; so does an error of the beam's direction. The four τ take the place of the
-//! scales: those and the slopes of the straightnesses come out only where the alignment is known (`alignment_rad`). The shapes that
-//! are left, slopes removed, do not depend on τ; angular errors with their levers do enter them.
+//! **Information from the steps** (submodule `vector`). A step of axis j along diagonal k reads u_k · δ_j: four equations for
+//! the three components of the step's error. But a flat mirror tilted by τ from the diagonal's normal adds D (τ·n_j) to the
+//! reading of a step D of axis j, because the step moves it sideways; so does an error of the beam's direction. The four τ
+//! take the place of the scales: the scales and the slopes of the straightnesses can only be determined if the alignment is
+//! known (`alignment_rad`). The remaining shapes, slopes removed, do not depend on τ, but do contain angular errors with their
+//! levers.
 //!
 //! Sources: ISO 230-6:2002; C. Wang, Rev. Sci. Instrum. 71 (2000) 3933 (the vector method); M. A. V. Chapman, Precis. Eng. 27
 //! (2003) 401 and O. Svoboda, Precis. Eng. 30 (2006) 132 (its limits); J. A. Soons, Laser Metrology and Machine Performance VII
@@ -47,9 +48,9 @@ use crate::accuracy::Direction;
 use core::fmt;
 use std::vec::Vec;
 
-/// A target that lies farther than this share of the diagonal beside it is a step, not a target of the diagonal.
+/// A target farther from the diagonal than this share of its length is a step, not a target of the diagonal.
 const BESIDE: f64 = 1e-4;
-/// Fewest targets of a diagonal.
+/// Least number of targets on a diagonal.
 const LEAST: usize = 3;
 
 /// One reading.
@@ -59,11 +60,11 @@ pub struct Reading {
     pub diagonal: usize,
     /// Run, from 1.
     pub run: u32,
-    /// Away from the diagonal's first target, or back.
+    /// Away from the diagonal's first target, or back towards it.
     pub direction: Direction,
     /// Commanded position, mm.
     pub position_mm: [f64; 3],
-    /// Actual less commanded displacement along the beam, mm.
+    /// Actual − commanded displacement along the beam, mm.
     pub deviation_mm: f64,
 }
 
@@ -72,16 +73,16 @@ pub struct Reading {
 pub struct Target {
     /// Commanded position, mm.
     pub position_mm: [f64; 3],
-    /// Way along the diagonal, mm.
+    /// Distance along the diagonal, mm.
     pub along_mm: f64,
-    /// Distance from it, mm.
+    /// Distance from the diagonal, mm.
     pub beside_mm: f64,
-    /// Mean deviation away, back; mm.
+    /// Mean deviation away and back, mm.
     pub mean_mm: [Option<f64>; 2],
 }
 
 impl Target {
-    /// Mean over the directions that there are, mm.
+    /// Returns the mean over the measured directions, mm.
     pub fn mean(&self) -> f64 {
         let known = self.mean_mm.iter().flatten();
         known.clone().sum::<f64>() / (known.count().max(1)) as f64
@@ -93,23 +94,23 @@ impl Target {
 pub struct Diagonal {
     /// Unit vector from the first to the last target.
     pub unit: [f64; 3],
-    /// Its length, mm.
+    /// Length of the diagonal, mm.
     pub length_mm: f64,
-    /// Its targets, in the order of `along_mm`.
+    /// Targets, in the order of `along_mm`.
     pub targets: Vec<Target>,
 }
 
-/// Four diagonals, and how much a reading scatters.
+/// Four diagonals, and the scatter of a reading.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Test {
     /// The diagonals 1 … 4.
     pub diagonals: [Diagonal; 4],
-    /// Readings of every diagonal.
+    /// Readings of all diagonals.
     pub readings: Vec<Reading>,
-    /// Whether there are targets beside the diagonals.
+    /// Whether some targets are off the diagonals.
     pub steps: bool,
-    /// Standard deviation of a reading from repeated runs, mm; without repeats none.
+    /// Standard deviation of a reading from repeated runs, mm; `None` without repeats.
     pub sigma_mm: Option<f64>,
 }
 
@@ -117,33 +118,33 @@ pub struct Test {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Refused {
-    /// A diagonal without a reading.
+    /// A diagonal has no reading.
     Missing {
-        /// Its number, 1 … 4.
+        /// Number of the diagonal, 1 … 4.
         diagonal: usize,
     },
-    /// A target once more in the same run and direction.
+    /// A target is repeated in the same run and direction.
     Twice {
         /// Index of the second reading.
         index: usize,
-        /// Index of the first.
+        /// Index of the first reading.
         first: usize,
     },
-    /// Too few targets.
+    /// A diagonal has too few targets.
     TooFew {
         /// Number of the diagonal, 1 … 4.
         diagonal: usize,
-        /// Targets on it.
+        /// Number of targets on it.
         found: usize,
     },
-    /// A line that is no body diagonal: an axis hardly moves on it.
+    /// A line is not a body diagonal: an axis hardly moves along it.
     NotABodyDiagonal {
         /// Number of the diagonal, 1 … 4.
         diagonal: usize,
-        /// Its travel, mm.
+        /// Travel of X, Y, Z along it, mm.
         travel_mm: [f64; 3],
     },
-    /// Diagonals of different boxes, or one of them twice.
+    /// The diagonals belong to different boxes, or one occurs twice.
     NotOneBox {
         /// Number of the diagonal, 1 … 4.
         diagonal: usize,
@@ -177,7 +178,8 @@ impl core::error::Error for Refused {}
 impl Test {
     /// Sorts readings into diagonals and targets.
     ///
-    /// A diagonal's first target is the one where its first reading away from it was taken. Cost: n log n of the readings.
+    /// The first target of a diagonal is the position of its first reading in the direction away. Cost: n log n of the
+    /// readings.
     ///
     /// # Errors
     /// [`Refused`].
@@ -209,19 +211,19 @@ impl Test {
         Ok(Test { diagonals, readings, steps, sigma_mm })
     }
 
-    /// Squareness and scale from the slopes of the diagonals.
+    /// Returns squareness and scale from the slopes of the diagonals.
     pub fn volume(&self) -> Volume {
         volume::volume(self)
     }
 
-    /// What the steps tell; `None` where there are none, or an interval of an axis that not all four diagonals have.
+    /// Evaluates the steps; `None` if there are none, or if an interval of an axis is missing on one of the four diagonals.
     ///
-    /// `alignment_rad`: standard uncertainty of the mirror's alignment; without it the scales stay unknown.
+    /// `alignment_rad`: standard uncertainty of the mirror's alignment; without it the scales remain unknown.
     pub fn vector(&self, alignment_rad: Option<f64>) -> Option<Vector> {
         vector::vector(self, alignment_rad)
     }
 
-    /// Targets that lie on a diagonal.
+    /// Returns the targets on a diagonal.
     pub fn on(&self, diagonal: usize) -> impl Iterator<Item = &Target> {
         let own = &self.diagonals[diagonal];
         own.targets.iter().filter(|target| target.beside_mm <= BESIDE * own.length_mm)

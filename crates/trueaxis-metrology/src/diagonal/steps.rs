@@ -3,18 +3,18 @@
 use super::Test;
 use std::vec::Vec;
 
-/// A step of one axis over one interval, as one diagonal read it.
+/// A step of one axis over one interval, as measured on one diagonal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Step {
     pub(super) diagonal: usize,
     pub(super) axis: usize,
     /// Ends of the interval, low and high, mm.
     pub(super) ends_mm: [f64; 2],
-    /// Change of the deviation when the axis goes from the low to the high end, mm.
+    /// Change of the deviation when the axis moves from the low to the high end, mm.
     pub(super) change_mm: f64,
 }
 
-/// All steps between successive targets that moved one axis alone.
+/// All steps between successive targets that moved a single axis.
 pub(super) fn steps(test: &Test) -> Vec<Step> {
     let mut found = Vec::new();
     for (diagonal, own) in test.diagonals.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! The vector method: what single steps of the axes tell, and under which assumption.
+//! The vector method: results from single steps of the axes, and their assumptions.
 
 use super::Test;
 use super::steps::{Step, steps};
@@ -7,38 +7,38 @@ use crate::linear_fit::LinearFit;
 use std::vec;
 use std::vec::Vec;
 
-/// An error of an axis along its travel, end-to-end slope removed.
+/// An error of an axis along its travel, with the end-to-end slope removed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shape {
-    /// Index of the axis that moves, 0 … 2.
+    /// Index of the moving axis, 0 … 2.
     pub axis: usize,
-    /// Position and the errors along X, Y, Z at it, mm.
+    /// Position and the errors along X, Y, Z there, mm.
     pub points: Vec<([f64; 4], [f64; 3])>,
 }
 
-/// What the steps tell.
+/// Results from the steps.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Vector {
-    /// Scales of X, Y, Z as the vector method gives them: with the mirror taken to be aligned.
+    /// Scales of X, Y, Z by the vector method, which assumes an aligned mirror.
     pub scales_if_aligned: [f64; 3],
-    /// The same with the alignment as uncertain as it was said to be; without that, none.
+    /// Scales with the stated uncertainty of the alignment; `None` without it.
     pub scales: Option<[Term; 3]>,
-    /// Change of each such scale for a mirror 1 rad off on one diagonal, root of the sum of squares over the four.
+    /// Change of each scale for a mirror tilted by 1 rad on one diagonal, root of the sum of squares over the four.
     pub scale_per_alignment: [f64; 3],
     /// Errors of X, Y, Z by position, slopes removed; per point the position, the three errors, and their standard errors.
     pub shapes: Vec<Shape>,
-    /// Standard deviation of a step, from the fourth equation of every step; mm.
+    /// Standard deviation of a step, from the fourth equation of each step; mm.
     pub sigma_mm: f64,
-    /// Equations less unknowns of the shapes.
+    /// Number of equations − unknowns of the shapes.
     pub degrees_of_freedom: usize,
     /// Condition number of the four equations of a step.
     pub condition: f64,
-    /// Largest distance of a target beside its diagonal, mm.
+    /// Largest distance of a target from its diagonal, mm.
     pub beside_mm: f64,
 }
 
-/// Evaluates the steps; `None` where the test has none, or an interval that not all four diagonals measured.
+/// Evaluates the steps; `None` if the test has none, or if an interval is missing on one of the four diagonals.
 pub(super) fn vector(test: &Test, alignment_rad: Option<f64>) -> Option<Vector> {
     let steps = steps(test);
     let mut shapes = Vec::new();
@@ -64,7 +64,7 @@ pub(super) fn vector(test: &Test, alignment_rad: Option<f64>) -> Option<Vector> 
             condition = condition.max(found.condition);
             increments.push((interval.ends_mm, found));
         }
-        // The mean slope of the fourth equation is taken out as well.
+        // The mean slope of the fourth equation is also removed.
         freedom = freedom.saturating_sub(1);
         shapes.push((axis, increments));
     }
@@ -121,7 +121,7 @@ fn intervals(steps: &[Step], axis: usize) -> Option<Vec<Interval>> {
 fn slope(test: &Test, intervals: &[Interval], diagonal: usize, axis: usize) -> Slope {
     let travel: f64 = intervals.iter().map(|interval| interval.ends_mm[1] - interval.ends_mm[0]).sum();
     let change: f64 = intervals.iter().map(|interval| interval.changes_mm[diagonal]).sum();
-    // A sum of differences: of independent readings two for each step.
+    // A sum of differences: two independent readings per step.
     let scatter = test.sigma_mm.unwrap_or(0.0) * (2.0 * intervals.len() as f64).sqrt();
     Slope { axis, diagonal, value: change / travel, standard_error: scatter / travel }
 }
@@ -134,8 +134,8 @@ fn across(u: [f64; 3]) -> [[f64; 3]; 2] {
     [one, other]
 }
 
-/// Scales of X, Y, Z and their standard errors from twelve slopes; the eight tilts of the mirror are zero, or known to be zero
-/// within `alignment_rad`. Other unknowns: six slopes across the axes.
+/// Scales of X, Y, Z and their standard errors from twelve slopes; the eight tilts of the mirror are zero, or zero within
+/// `alignment_rad`. The other unknowns are six slopes across the axes.
 fn linear(test: &Test, slopes: &[Slope], alignment_rad: Option<f64>) -> ([f64; 3], [f64; 3]) {
     let unknowns = if alignment_rad.is_some() { 17 } else { 9 };
     let mut fit = LinearFit::new(unknowns);
@@ -161,7 +161,7 @@ fn linear(test: &Test, slopes: &[Slope], alignment_rad: Option<f64>) -> ([f64; 3
     (std::array::from_fn(|axis| found.values[axis]), std::array::from_fn(|axis| found.error_factors[axis]))
 }
 
-/// Index of the slope of an axis along X, Y or Z: 0 … 2 its scale, then those across.
+/// Index of the slope of an axis along X, Y or Z: 0 … 2 for scales, then the slopes across.
 fn unknown(axis: usize, component: usize) -> usize {
     match (axis, component) {
         (a, c) if a == c => a,
@@ -169,7 +169,7 @@ fn unknown(axis: usize, component: usize) -> usize {
     }
 }
 
-/// How the scales move when the mirror of one diagonal after the other is tilted by 1 rad, in the worst sense.
+/// Change of the scales when each diagonal's mirror in turn is tilted by 1 rad, in the worst sense.
 fn sensitivity(test: &Test, slopes: &[Slope], scales: [f64; 3]) -> [f64; 3] {
     let mut sums = [0.0; 3];
     for k in 0..4 {
@@ -190,7 +190,7 @@ fn sensitivity(test: &Test, slopes: &[Slope], scales: [f64; 3]) -> [f64; 3] {
     sums.map(f64::sqrt)
 }
 
-/// Sums of the increments, from zero at the low end.
+/// Sums of the increments, starting from zero at the low end.
 fn shape(axis: usize, increments: &[([f64; 2], crate::linear_fit::Solution)], sigma_mm: f64) -> Shape {
     let first = increments.first().map_or(0.0, |(ends, _)| ends[0]);
     let mut points = vec![([first, 0.0, 0.0, 0.0], [0.0; 3])];
@@ -201,7 +201,7 @@ fn shape(axis: usize, increments: &[([f64; 2], crate::linear_fit::Solution)], si
             at[c] += found.values[c];
             variance[c] += (sigma_mm * found.error_factors[c]).powi(2);
         }
-        // The sum is tied to zero at both ends, as a bridge.
+        // The sum is tied to zero at both ends, like a bridge.
         let free = 1.0 - (i + 1) as f64 / count;
         points.push(([ends[1], at[0], at[1], at[2]], variance.map(|v| (v * free).max(0.0).sqrt())));
     }

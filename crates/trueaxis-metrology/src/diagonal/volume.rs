@@ -9,11 +9,11 @@ use std::vec::Vec;
 pub struct Term {
     /// The value, rad or 1.
     pub value: f64,
-    /// Its standard error.
+    /// Standard error of the value.
     pub standard_error: f64,
 }
 
-/// What four slopes tell.
+/// Results from the four slopes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Volume {
@@ -25,13 +25,13 @@ pub struct Volume {
     pub slopes: [Term; 4],
     /// Condition number of the four equations.
     pub condition: f64,
-    /// Rank, 4 where all are determined.
+    /// Rank; 4 if all unknowns are determined.
     pub rank: usize,
 }
 
 /// Slopes by least squares over the targets on each diagonal, then four equations for four unknowns.
 ///
-/// Standard errors from the scatter of repeated runs and of what the slopes leave, the larger of both.
+/// Standard errors use the larger of the scatter of repeated runs and that of the slopes' residuals.
 pub(super) fn volume(test: &Test) -> Volume {
     let slopes = std::array::from_fn(|k| slope(test, k));
     let mut fit = LinearFit::new(4);
@@ -40,7 +40,7 @@ pub(super) fn volume(test: &Test) -> Volume {
         fit.add(&[-y * z, x * z, -x * y, 1.0], slope.value, 1.0);
     }
     let found = fit.solve();
-    // Slopes of different weight: variances through the inverse, which for four equations is the solution of unit slopes.
+    // The slopes have different weights: variances need the inverse, which for four equations is the solution for unit slopes.
     let term = |unknown: usize| Term { value: found.values[unknown], standard_error: 0.0 };
     let mut terms = [term(0), term(1), term(2), term(3)];
     for k in 0..4 {

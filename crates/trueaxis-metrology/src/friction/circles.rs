@@ -1,54 +1,54 @@
-//! What friction makes of the recorded circles: radial deviation over the angle.
+//! Effect of friction on the recorded circles: radial deviation over the angle.
 //!
 //! ```text
 //! ρ(θ) = −(d₁ cos θ + d₂ sin θ),   θ = atan2(c₂ − m₂, c₁ − m₁)
 //! ```
 //!
 //! with d the deviations of the two axes ([`Deviation`]), c their commands and m the circle's centre. The sign is that of a
-//! ballbar: positive outward.
+//! ballbar: positive outwards.
 
 use super::glitch::Deviation;
 use super::{Identified, Record, Refused};
 use std::f64::consts::TAU;
 use std::vec::Vec;
 
-/// Stretches over which samples are averaged: 0.5°.
+/// Number of stretches over which samples are averaged: 0.5° each.
 const BINS: usize = 720;
 /// Speed at which the axes count as moving, as a share of the record's fastest.
 const MOVING: f64 = 0.02;
-/// Speed along the circle is even within this share of its median.
+/// The speed along the circle counts as even within this share of its median.
 const EVEN: f64 = 0.02;
-/// Distances from the centre of what counts as a circle agree within this share, and so do the radii and feeds of one size.
+/// Distances from the centre agree within this share on a circle; so do the radii and feeds of one size.
 const ROUND: f64 = 0.02;
-/// Turns of a circle, at least.
+/// Least number of turns of a circle.
 const TURNS: f64 = 0.95;
 
 /// Radial deviation along the circles of one size and direction, averaged over their turns.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Circle {
-    /// Radius of the commands, mm.
+    /// Commanded radius, mm.
     pub radius: f64,
-    /// Speed of the commands, mm/s.
+    /// Commanded speed, mm/s.
     pub feed_per_s: f64,
-    /// Whether it was travelled from the first axis of the plane to the second.
+    /// Whether the direction is from the first axis of the plane to the second.
     pub counterclockwise: bool,
-    /// Turns averaged over.
+    /// Number of turns averaged.
     pub turns: f64,
-    /// Angles from the positive first axis, rad, rising; stretches without a sample are left out.
+    /// Angles from the positive first axis, rad, ascending; stretches without a sample are omitted.
     pub angle: Vec<f64>,
     /// As recorded, mm.
     pub before: Vec<f64>,
-    /// As the friction found gives it, mm.
+    /// As predicted by the identified friction, mm.
     pub predicted: Vec<f64>,
-    /// Recorded, less what the feed-forward takes away, mm.
+    /// Recorded deviation minus the part that the feed-forward removes, mm.
     pub after: Vec<f64>,
 }
 
-/// Circles of a record, in the order in which they were travelled; none where it holds no whole circle. `found` may come
-/// from another record of the same axes.
+/// Evaluates the circles of a record, in the order in which they were travelled; empty if it contains no whole circle. `found`
+/// may come from another record of the same axes.
 ///
 /// # Errors
-/// A record that [`super::identify`] would refuse before any fit.
+/// A record that [`super::identify`] would refuse before fitting.
 ///
 /// Cost: six simulations of the record.
 pub fn circles(record: &Record, found: &[Identified; 2]) -> Result<Vec<Circle>, Refused> {
@@ -71,7 +71,7 @@ fn way(commands: &[Vec<f64>; 2], k: usize) -> f64 {
     (commands[0][k + 1] - commands[0][k]).hypot(commands[1][k + 1] - commands[1][k])
 }
 
-/// From stop to stop.
+/// Stretches of motion between stops.
 fn stretches(commands: &[Vec<f64>; 2]) -> Vec<[usize; 2]> {
     let steps = commands[0].len().saturating_sub(1);
     let fastest = (0..steps).fold(0.0, |top: f64, k| top.max(way(commands, k)));
@@ -91,16 +91,16 @@ fn stretches(commands: &[Vec<f64>; 2]) -> Vec<[usize; 2]> {
     stretches
 }
 
-/// One stretch that is a circle.
+/// A stretch that is a circle.
 #[derive(Clone, Debug)]
 struct Turn {
     stretch: [usize; 2],
     centre: [f64; 2],
     radius: f64,
-    /// Median way of a sample, mm.
+    /// Median travel per sample, mm.
     step: f64,
     feed_per_s: f64,
-    /// Signed.
+    /// Number of turns, signed.
     turns: f64,
 }
 
@@ -140,11 +140,11 @@ impl Turn {
     }
 }
 
-/// Circles of one size and direction on their way to a mean.
+/// Running sums over the circles of one size and direction.
 struct Sums {
     turn: Turn,
     turns: f64,
-    /// Samples of a bin; sums of angle (from the bin's beginning), before, predicted, after.
+    /// For each bin: number of samples; sums of angle, before, predicted, after.
     bins: Vec<(usize, [f64; 4])>,
 }
 

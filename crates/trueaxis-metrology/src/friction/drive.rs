@@ -1,4 +1,4 @@
-//! The drive of an axis and its friction in continuous time, followed along recorded commands.
+//! The drive of an axis and its friction in continuous time, simulated along recorded commands.
 //!
 //! ```text
 //! r  = K_v (c(t − t_d) − x) + k_ff c'(t − t_d − t_f)
@@ -8,31 +8,31 @@
 //! F  = F_c (1 + s/(1 + (v/v_s)²)) f,   f' = (v − |v| f)/z
 //! ```
 //!
-//! The linear part is exact over a step (exponential of its matrix, command and friction linear in time within the step);
-//! f is exact for the mean velocity of the step, which a first pass with constant friction foretells: second order.
-//! Written for this fit alone, independently of the simulator's plant and of the step.
+//! The linear part is exact over a step (exponential of its matrix, command and friction linear in time within the step); f is
+//! exact for the mean velocity of the step, predicted by a first pass with constant friction: second order. This code serves
+//! only the fit and is independent of the simulator's plant and of the servo step.
 
 use nalgebra::SMatrix;
 use std::vec::Vec;
 use trueaxis::machine::{DriveFigures, FrictionSettings};
 
-/// States x, v, q, m; then the inputs c, c', F, F' and the velocity that is fed forward.
+/// States x, v, q, m; then the inputs c, c', F, F' and the fed-forward velocity.
 const SIZE: usize = 9;
 const STATES: usize = 4;
 const INPUTS: usize = SIZE - STATES;
 
-/// An axis as it is simulated.
+/// A simulated axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Axis {
     pub(super) drive: DriveFigures,
     pub(super) friction: FrictionSettings,
-    /// t_f: by how much the feed-forward acts later than the command, s.
+    /// t_f: lag of the feed-forward behind the command, s.
     pub(super) feed_lag_s: f64,
     /// State of friction before the first motion, −1 to 1.
     pub(super) rest: f64,
 }
 
-/// Positions at the samples of a command with period `step_s`; at rest or in even motion at the first.
+/// Positions at the samples of a command with period `step_s`, starting at rest or in even motion.
 pub(super) fn positions(axis: &Axis, command: &[f64], step_s: f64) -> Vec<f64> {
     let late = delayed(command, axis.drive.dead_time_s / step_s);
     let [Some(&first), Some(&second)] = [late.first(), late.get(1)] else { return late };
@@ -63,14 +63,14 @@ pub(super) fn positions(axis: &Axis, command: &[f64], step_s: f64) -> Vec<f64> {
     out
 }
 
-/// Sliding friction by velocity, over K_vp: F_c (1 + s/(1 + (v/v_s)²))/K_vp.
+/// Sliding friction at a velocity, over K_vp: F_c (1 + s/(1 + (v/v_s)²))/K_vp.
 pub(super) fn level(friction: &FrictionSettings, velocity: f64) -> f64 {
     let ratio = velocity / friction.stribeck_velocity_per_s;
     friction.coulomb_per_s * (1.0 + friction.stribeck_share / (1.0 + ratio * ratio))
 }
 
-/// Values as they were `samples` (a fraction too) earlier, linear between samples; the first holds before it, the last
-/// after it.
+/// Values delayed by `samples` (which may be fractional), linear between samples; the first and last value extend beyond the
+/// ends.
 pub(super) fn delayed(values: &[f64], samples: f64) -> Vec<f64> {
     if samples == 0.0 || values.is_empty() {
         return values.to_vec();
@@ -119,7 +119,7 @@ fn transition(axis: &Axis, step_s: f64) -> [[f64; SIZE]; STATES] {
     std::array::from_fn(|i| std::array::from_fn(|j| whole[(i, j)]))
 }
 
-/// Position offset u by which the friction of `command` is fed forward, the law for a drive with K_v, τ and k_ff:
+/// Position offset u that feeds the friction of `command` forward, the law for a drive with K_v, τ and k_ff:
 ///
 /// ```text
 /// h <- (h + ΔF/K_vp) e^(−T/τ),   u <- u + T (h − K_v u)/k_ff      (k_ff = 0: u = h/K_v)

@@ -1,13 +1,13 @@
-//! Spikes at reversals: as recorded, as the friction found gives them, and with its feed-forward.
+//! Spikes at reversals: as recorded, as predicted by the identified friction, and with its feed-forward.
 
 use super::drive::{feed_forward, positions};
 use super::parameters::{COULOMB, Problem, VISCOUS, Values};
 use super::record::Reversal;
 use std::vec::Vec;
 
-/// Before a reversal, s.
+/// Start of the window before a reversal, s.
 const BEFORE_S: f64 = 0.02;
-/// Circles whose accelerations at the reversal agree within this share are one.
+/// Circles whose accelerations at the reversal agree within this share count as one size.
 const SAME: f64 = 0.05;
 
 /// Size of the spikes of all reversals.
@@ -15,24 +15,24 @@ const SAME: f64 = 0.05;
 pub struct Size {
     /// Largest deviation, mm.
     pub largest: f64,
-    /// Root mean square over the stretches at the reversals, mm.
+    /// Root mean square over the windows at the reversals, mm.
     pub rms: f64,
 }
 
-/// The mean spike of the circles of one size, positive against the new direction of travel.
+/// Mean spike of the circles of one size, positive against the new direction of travel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spike {
     /// Acceleration at the reversal (feed²/radius), mm/s².
     pub acceleration: f64,
-    /// Its reversals.
+    /// Number of averaged reversals.
     pub reversals: usize,
     /// Time after the reversal, s.
     pub time_s: Vec<f64>,
     /// As recorded, mm.
     pub before: Vec<f64>,
-    /// As the friction found gives it, mm.
+    /// As predicted by the identified friction, mm.
     pub predicted: Vec<f64>,
-    /// Recorded, less what the feed-forward takes away, mm.
+    /// Recorded deviation minus the part that the feed-forward removes, mm.
     pub after: Vec<f64>,
 }
 
@@ -41,26 +41,26 @@ pub struct Spike {
 pub struct Glitch {
     /// As recorded.
     pub before: Size,
-    /// Of the model alone.
+    /// Prediction of the model alone.
     pub predicted: Size,
-    /// To be expected with the feed-forward: what was recorded plus the model's response to it.
+    /// Expected with the feed-forward: the recorded deviation plus the model's response to it.
     pub after: Size,
-    /// Share of the mean square of what was recorded that the model explains.
+    /// Share of the recorded mean square that the model explains.
     pub explained: f64,
     /// Curves by size of circle, from slow to fast.
     pub spikes: Vec<Spike>,
 }
 
-/// How far an axis stands from where its drive would be without friction, sample by sample.
+/// Deviation of an axis from its drive without friction, sample by sample.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Deviation {
     /// Time between two samples, s; the first is the record's first.
     pub sample_s: f64,
-    /// As recorded, mm; positive where the axis stands behind its command towards negative positions (c − x).
+    /// As recorded, mm; positive if the axis lags its command towards negative positions (c − x).
     pub before: Vec<f64>,
-    /// As the friction found gives it, mm.
+    /// As predicted by the identified friction, mm.
     pub predicted: Vec<f64>,
-    /// Recorded, less what the feed-forward takes away, mm.
+    /// Recorded deviation minus the part that the feed-forward removes, mm.
     pub after: Vec<f64>,
 }
 

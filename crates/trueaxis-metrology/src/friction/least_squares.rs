@@ -1,12 +1,12 @@
-//! Nonlinear least squares after Levenberg and Marquardt, and what its result is worth.
+//! Nonlinear least squares after Levenberg and Marquardt, with covariance and condition number.
 //!
 //! ```text
 //! (JᵀJ + λ diag JᵀJ) δ = −Jᵀr
 //! cov = H⁻¹ (Σ_c g_c g_cᵀ) H⁻¹ · C/(C − p),   H = JᵀJ,   g_c = Σ_{i in c} r_i J_i
 //! ```
 //!
-//! Residuals of neighbouring samples are not independent (subdivisional error of the encoder, ripple of the drive): the
-//! covariance takes one stretch around a reversal for one observation, C of them with p parameters.
+//! Residuals of neighbouring samples are correlated (subdivisional error of the encoder, ripple of the drive): the covariance
+//! treats one stretch around a reversal as one observation; there are C of them and p parameters.
 //!
 //! Source: K. Madsen, H. B. Nielsen, O. Tingleff, Methods for Non-Linear Least Squares Problems, 2004, section 3.2; H. White,
 //! 10.2307/1912934, for the covariance.
@@ -16,18 +16,18 @@ use crate::cores::*;
 use nalgebra::{DMatrix, DVector};
 use std::vec::Vec;
 
-/// Steps before a fit counts as unsettled.
+/// Most steps before a fit counts as not converged.
 pub(super) const STEPS: usize = 60;
-/// Condition number of the scaled columns from which a combination counts as not excited.
+/// Condition number of the scaled columns beyond which a combination counts as not excited.
 const CONDITION_LIMIT: f64 = 1e5;
 
-/// A fit that has settled.
+/// A converged fit.
 #[derive(Clone, Debug)]
 pub(super) struct Fit {
     pub(super) values: Values,
-    /// Standard errors in the parameters' units; 0 for those held.
+    /// Standard errors in the parameters' units; 0 for fixed parameters.
     pub(super) errors: [f64; COUNT],
-    /// The same with what is not known of the times within a cycle.
+    /// Like `errors`, including the uncertainty of the times within a cycle.
     pub(super) uncertainties: [f64; COUNT],
     /// Root mean square of the residuals, mm.
     pub(super) rms: f64,
@@ -41,7 +41,7 @@ struct Linear {
     gradient: DVector<f64>,
 }
 
-/// The fit over the parameters `free`; `tell` is called before every step; none where it does not settle.
+/// Fits the parameters `free`; calls `tell` before every step. `None` if the fit does not converge.
 pub(super) fn fit(problem: &Problem, start: Values, free: &[usize], tell: &mut dyn FnMut()) -> Option<Fit> {
     let mut values = start;
     let mut residuals = problem.residuals(&values);
@@ -64,7 +64,7 @@ pub(super) fn fit(problem: &Problem, start: Values, free: &[usize], tell: &mut d
                 damping *= 6.0;
             }
         }
-        // No step gains anything, or next to nothing.
+        // No step reduces the cost, or only negligibly.
         if gain.is_none_or(|gain| gain <= 1e-6 * cost) {
             let linear = linearised(problem, &values, &residuals, free);
             return Some(judged(problem, values, &residuals, cost, free, &linear));

@@ -1,7 +1,7 @@
-//! Friction of an axis, and the figures of its drive, from recorded circles.
+//! Identification of an axis' friction and drive figures from recorded circles.
 //!
-//! Where an axis turns, its friction changes sign, and the axis stands off its path until the velocity loop's integrator
-//! has supplied the other force: a spike in the following error at every quadrant. The model of the drive
+//! At a reversal the friction changes sign, and the axis deviates from its path until the velocity loop's integrator has
+//! supplied the opposite force: a spike in the following error at every quadrant. The model of the drive
 //!
 //! ```text
 //! r  = K_v (c − x) + k_ff c'                        position loop with velocity feed-forward
@@ -10,24 +10,23 @@
 //! f' = (v − |v| f)/z                                pre-sliding (Dahl): friction reverses by 63 % over the travel z
 //! ```
 //!
-//! is followed along the recorded commands c, and its following error c − x fitted to the recorded one by least squares:
-//! F_c/K_vp (mm/s), s, v_s (mm/s), z (mm), d/K_vp, how late the reading is, and, where the drive's figures are not known,
-//! K_v, K_vp, τ and k_ff. The simulation is the record's own input put through the model, so that the fit needs no record
-//! with a learned correction in between: its result is the waveform that repeated learning would converge to.
+//! is simulated along the recorded commands c, and its following error c − x is fitted to the recorded one by least squares.
+//! The parameters are F_c/K_vp (mm/s), s, v_s (mm/s), z (mm), d/K_vp, the lag of the reading and, if the drive's figures are
+//! unknown, K_v, K_vp, τ and k_ff. The recorded input drives the model, so that the fit needs no intermediate record with a
+//! learned correction: its result is the waveform to which repeated learning would converge.
 //!
-//! **What tells what.** Spikes alone give F_c, s, v_s and z at the drive's figures, but not the drive: a force reaches the
-//! position through s/((s + K_v)(s + 1/τ)), in which K_v and 1/τ may change places. Starts and stops of the commanded
-//! motion part them. d and k_ff act alike on circles; starts and stops part these too, less well. The fit holds the
-//! Stribeck share, v_s or the viscous friction at 0, 2 mm/s and 0 where they are less than three standard errors from 0,
-//! and refuses what would leave a needed figure open.
+//! **Observability.** Spikes alone determine F_c, s, v_s and z for given drive figures, but not the drive: a force reaches the
+//! position through s/((s + K_v)(s + 1/τ)), in which K_v and 1/τ are interchangeable. Starts and stops of the commanded motion
+//! separate them. d and k_ff act alike on circles; starts and stops separate these too, less well. The fit fixes the Stribeck
+//! share, v_s or the viscous friction at 0, 2 mm/s and 0 if they are less than three standard errors from 0, and refuses a
+//! record that leaves a needed figure undetermined.
 //!
-//! **Standard errors** count one reversal, not one sample, as an observation. They do not contain errors that all
-//! reversals share: a wrong figure of a given drive, an encoder whose subdivisional error repeats at every reversal
-//! (radii that are no multiple of the signal period avoid it).
+//! **Standard errors** count one reversal, not one sample, as an observation. They exclude errors common to all reversals: a
+//! wrong figure of a given drive, or an encoder whose subdivisional error repeats at every reversal (radii that are not a
+//! multiple of the signal period avoid it).
 //!
-//! Units: mm and s. F_c/K_vp is the friction as the velocity by which the velocity loop has to be off to supply it.
-//! Cost: some hundred simulations of the record, a few seconds for a minute at 10 kHz; of a record whose fits hardly settle,
-//! some thousand.
+//! Units: mm and s. F_c/K_vp expresses friction as the velocity error at which the velocity loop supplies it. Cost: some
+//! hundred simulations of the record, a few seconds for a minute at 10 kHz; some thousand if the fits barely converge.
 //!
 //! Source: P. R. Dahl, 10.2514/3.61511 (pre-sliding); B. Armstrong-Hélouvry, P. Dupont and C. Canudas de Wit,
 //! 10.1016/0005-1098(94)90209-7 (Stribeck, identification).
@@ -64,50 +63,50 @@ const STEP_S: f64 = 2e-4;
 const COARSE_S: f64 = 1e-3;
 /// Step of the fits before the last, s.
 const ROUGH_S: f64 = 5e-4;
-/// Samples before this time do not count unless the axis stands: the state before them is not known, s.
+/// Samples before this time, s, are ignored unless the axis stands still: the state before them is unknown.
 const UNKNOWN_S: f64 = 0.15;
-/// Share of the spikes that the model has to explain.
+/// Least share of the spikes that the model has to explain.
 const EXPLAINED: f64 = 0.5;
 
 /// A figure with its standard error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Figure {
-    /// The figure.
+    /// Value of the figure.
     pub value: f64,
-    /// Its standard error; none where it was not fitted but held.
+    /// Standard error; `None` if the figure was fixed, not fitted.
     pub standard_error: Option<f64>,
 }
 
 /// Friction and drive of an axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Identified {
-    /// Which axis.
+    /// The axis.
     pub axis: Axis,
     /// Friction, as settings.
     pub friction: FrictionSettings,
     /// F_c/K_vp, mm/s.
     pub coulomb_per_s: Figure,
-    /// s.
+    /// Stribeck share s.
     pub stribeck_share: Figure,
-    /// v_s, mm/s.
+    /// Stribeck velocity v_s, mm/s.
     pub stribeck_velocity_per_s: Figure,
-    /// z, mm.
+    /// Pre-sliding travel z, mm.
     pub presliding: Figure,
     /// d/K_vp, mm/s per mm/s.
     pub viscous: Figure,
-    /// The drive: as given, or as found.
+    /// The drive, as given or as identified.
     pub drive: DriveFigures,
-    /// Standard errors of K_v, K_vp, τ and k_ff; none where the drive was given.
+    /// Standard errors of K_v, K_vp, τ and k_ff; `None` if the drive was given.
     pub drive_errors: Option<[f64; 4]>,
-    /// By how much the reading is later than the drive's own lag, s.
+    /// Lag of the reading in addition to the drive's lag, s.
     pub reading_lag_s: Figure,
-    /// Root mean square of what the fit leaves, mm.
+    /// Root mean square residual of the fit, mm.
     pub residual_rms: f64,
     /// Condition number of the scaled columns.
     pub condition: f64,
-    /// Parameters fitted.
+    /// Number of fitted parameters.
     pub fitted: usize,
-    /// Reversals in motion.
+    /// Number of reversals in motion.
     pub reversals: usize,
     /// Spikes at the reversals.
     pub glitch: Glitch,
@@ -115,8 +114,8 @@ pub struct Identified {
 }
 
 impl Identified {
-    /// Position offset u, mm, that feeds the friction found forward along `path` (mm, one value a period), as the servo step
-    /// does it:
+    /// Returns the position offset u, mm, that feeds the identified friction forward along `path` (mm, one value per period),
+    /// with the law of the servo step:
     ///
     /// ```text
     /// h <- (h + ΔF/K_vp) e^(−T/τ),   u <- u + T (h − K_v u)/k_ff        (k_ff = 0: u = h/K_v)
@@ -126,22 +125,22 @@ impl Identified {
         drive::feed_forward(&axis, path, period_s)
     }
 
-    /// Spikes of another record of this axis, `before` in the first place: how far its readings stand from where the drive found would be without
-    /// friction, at its reversals. `index` is the axis' place in the record, whose commands are the path: without what a
-    /// feed-forward adds to them.
+    /// Evaluates another record of this axis, returned as `before`: the deviation of its readings at the reversals from the
+    /// identified drive without friction. `index` is the axis' index in the record; its commands must be the path, without the
+    /// offsets that a feed-forward adds.
     ///
     /// # Errors
-    /// A record that [`identify`] would refuse before any fit.
+    /// A record that [`identify`] would refuse before fitting.
     pub fn spikes(&self, record: &Record, index: usize) -> Result<Glitch, Refused> {
         let (problem, turns) = self.problem(record, index)?;
         Ok(glitch::glitch(&problem, &self.values, &turns))
     }
 
-    /// How far this axis stands from where the drive found would be without friction, over a whole record: the one that was
-    /// fitted, or another as in [`Identified::spikes`].
+    /// Deviation of this axis from the identified drive without friction, over a whole record: the fitted one, or another as
+    /// in [`Identified::spikes`].
     ///
     /// # Errors
-    /// A record that [`identify`] would refuse before any fit.
+    /// A record that [`identify`] would refuse before fitting.
     ///
     /// Cost: three simulations of the record.
     pub fn deviation(&self, record: &Record, index: usize) -> Result<Deviation, Refused> {
@@ -154,17 +153,17 @@ impl Identified {
         let index = index.min(1);
         let mut drive = self.drive;
         if self.drive_errors.is_some() {
-            // What was found of it is in the reading's lag already.
+            // The reading's lag already contains the identified dead time.
             drive.dead_time_s = start::DRIVE.dead_time_s;
         }
         Ok(problem(record, &record.axes[index], &turns[index], Some(drive), STEP_S))
     }
 }
 
-/// Called with the axis and the number of steps of its fits so far.
+/// Callback with the axis and the number of fit steps so far.
 pub type Progress<'p> = dyn FnMut(Axis, usize) + 'p;
 
-/// Friction of both axes; `given` are the drives' figures where they are known.
+/// Identifies the friction of both axes; `given` are the drives' figures if known.
 ///
 /// # Errors
 /// See [`Refused`].
@@ -180,7 +179,7 @@ pub fn identify(
     ])
 }
 
-/// The fit's view of an axis in steps of about `step_s`, and its reversals.
+/// An axis as the fit uses it, in steps of about `step_s`, and its reversals.
 fn problem(
     record: &Record,
     recorded: &Recorded,
@@ -194,7 +193,7 @@ fn problem(
     if given.is_none() {
         problem.read_after_s = record.read_after_s;
     } else {
-        // Starts and stops tell the drive. Where its figures are given, what these are wrong by would bend the friction.
+        // Starts and stops determine the drive. If its figures are given, errors in them would bias the friction.
         let even = record.even(turns);
         let coarse = (sample_s / record.period_s).round().max(1.0) as usize;
         problem.even = even.into_iter().step_by(coarse).collect();
@@ -225,7 +224,7 @@ fn identify_axis(
     };
     let rough = problem(ROUGH_S).0;
     let (problem, turns) = problem(STEP_S);
-    // Where starts do not count, neither does the state of friction before them.
+    // If starts are ignored, the state of friction before them is unobservable.
     let rests = with_drive && record.rests(recorded);
     let (found, free) = reduced(axis, [&rough, &problem], start, (with_drive, rests), &mut tell)?;
     judge(axis, &found, &free, with_drive)?;

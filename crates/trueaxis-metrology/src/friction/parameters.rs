@@ -1,4 +1,4 @@
-//! The parameters of a fit as one vector, and what it simulates and compares.
+//! The parameters of a fit as one vector, and the simulation that it compares with the record.
 
 use super::drive::{Axis, delayed, positions};
 use std::vec::Vec;
@@ -18,17 +18,17 @@ pub(super) const PRESLIDING: usize = 8;
 pub(super) const VISCOUS: usize = 9;
 pub(super) const REST: usize = 10;
 pub(super) const OFFSET: usize = 11;
-/// By how much the feed-forward acts later than the command, in cycles of the record: nothing where commands go evenly from
-/// sample to sample, half a cycle where they are held, a whole one where the loop is closed once a cycle.
+/// Lag of the feed-forward behind the command, in cycles of the record: 0 if commands are linear between samples, half a cycle
+/// if they are held, a whole one if the loop is closed once per cycle.
 pub(super) const FEED_LAG: usize = 12;
 
 /// How a parameter is varied.
 struct Kind {
-    /// Varied as its logarithm: positive, and known to a share.
+    /// Whether the logarithm is varied: the parameter is positive, with a relative uncertainty.
     log: bool,
     low: f64,
     high: f64,
-    /// Step of the difference that stands for the derivative (of the logarithm, where that is varied).
+    /// Step of the difference quotient (of the logarithm, if that is varied).
     step: f64,
 }
 
@@ -76,7 +76,7 @@ impl Values {
         ])
     }
 
-    /// The drive, its current loop and dead time as given.
+    /// The drive, with current loop and dead time as given.
     pub(super) fn drive(&self, given: &DriveFigures) -> DriveFigures {
         let v = &self.0;
         DriveFigures {
@@ -100,7 +100,7 @@ impl Values {
         }
     }
 
-    /// Moved by `by` in the scale in which the parameter is varied, within its range.
+    /// Moves a parameter by `by` in the scale in which it is varied, within its range.
     pub(super) fn moved(&self, parameter: usize, by: f64) -> Values {
         let kind = &KINDS[parameter];
         let mut next = *self;
@@ -109,39 +109,39 @@ impl Values {
         next
     }
 
-    /// Standard error in the parameter's unit from that in the scale in which it is varied.
+    /// Converts a standard error from the scale in which the parameter is varied to the parameter's unit.
     pub(super) fn unscaled(&self, parameter: usize, error: f64) -> f64 {
         if KINDS[parameter].log { error * self.0[parameter] } else { error }
     }
 }
 
-/// What is fitted: commands and following errors of one axis on the model's own grid.
+/// Data of a fit: commands and following errors of one axis on the model's grid.
 #[derive(Clone, Debug)]
 pub(super) struct Problem {
-    /// Commands, mm; `fine` steps to a sample.
+    /// Commands, mm; `fine` steps per sample.
     pub(super) command: Vec<f64>,
-    /// Following error c − x that was read, mm; one value a sample.
+    /// Recorded following error c − x, mm; one value per sample.
     pub(super) error: Vec<f64>,
-    /// Model steps to a sample.
+    /// Model steps per sample.
     pub(super) fine: usize,
     /// Model step, s.
     pub(super) step_s: f64,
-    /// First samples that do not count: the state before them is not known.
+    /// Number of first samples to ignore: the state before them is unknown.
     pub(super) skip: usize,
-    /// Further samples that do not count are false; all count where it is empty.
+    /// `false` for further samples to ignore; if empty, all count.
     pub(super) even: Vec<bool>,
-    /// Samples at which one reversal's stretch ends and the next begins.
+    /// Samples at which the stretch of one reversal ends and the next begins.
     pub(super) borders: Vec<usize>,
-    /// Current loop and dead time, and everything that is not fitted.
+    /// Current loop, dead time, and all figures that are not fitted.
     pub(super) given: DriveFigures,
     /// Time between two samples of the record, s.
     pub(super) period_s: f64,
-    /// How long after the command of a row takes effect the encoder is read, s; none where that is not known.
+    /// Time from the moment at which a row's command takes effect to the encoder's reading, s; `None` if unknown.
     pub(super) read_after_s: Option<f64>,
 }
 
 impl Problem {
-    /// The same with a model step and a sample distance of about `step_s`, with the record's own period `period_s`.
+    /// Creates a problem with a model step and a sample distance of about `step_s`, from a record of period `period_s`.
     pub(super) fn new(command: &[f64], reading: &[f64], period_s: f64, step_s: f64, given: DriveFigures) -> Problem {
         let coarse = ((step_s / period_s) * (1.0 + 1e-9)).floor().max(1.0) as usize;
         let fine = (period_s * coarse as f64 / step_s - 1e-9).ceil().max(1.0) as usize;
@@ -172,8 +172,9 @@ impl Problem {
         self.step_s * self.fine as f64
     }
 
-    /// Times within a cycle that a fit over `free` leaves open, and the standard uncertainty of each: every reading within half a
-    /// cycle of its command, and every lag of the feed-forward up to a cycle, is equally likely (JCGM 100, 4.3.7).
+    /// Times within a cycle that a fit over `free` does not determine, and the standard uncertainty of each: every reading
+    /// within half a cycle of its command, and every lag of the feed-forward up to a cycle, is equally likely (JCGM 100,
+    /// 4.3.7).
     pub(super) fn open_times(&self, free: &[usize]) -> Vec<(usize, f64)> {
         let with_drive = free.contains(&POSITION_GAIN);
         let is_read_any_time = with_drive && self.read_after_s.is_none();
@@ -183,7 +184,7 @@ impl Problem {
         open.into_iter().flatten().filter(|(time, _)| !free.contains(time)).collect()
     }
 
-    /// Whether a time is at an end of its range.
+    /// Whether a parameter is at an end of its range.
     pub(super) fn is_at_an_end(values: &Values, parameter: usize) -> bool {
         let Kind { low, high, step, .. } = KINDS[parameter];
         values.0[parameter] <= low + step || values.0[parameter] >= high - step
@@ -199,19 +200,19 @@ impl Problem {
         Axis { drive: values.drive(&self.given), friction: values.friction(), feed_lag_s, rest: values.0[REST] }
     }
 
-    /// Following error of the model, one value a sample, mm.
+    /// Following error of the model, one value per sample, mm.
     pub(super) fn model(&self, values: &Values) -> Vec<f64> {
         self.followed(values, &positions(&self.axis(values), &self.command, self.step_s))
     }
 
-    /// Following error that positions on the fine grid give.
+    /// Following error for positions on the fine grid.
     pub(super) fn followed(&self, values: &Values, positions: &[f64]) -> Vec<f64> {
         let read = delayed(positions, values.0[READING_LAG] / self.step_s);
         let pairs = self.command.iter().zip(&read).step_by(self.fine);
         pairs.map(|(command, position)| command - position + values.0[OFFSET]).collect()
     }
 
-    /// Model less reading; zero where a sample does not count.
+    /// Model − reading; zero for ignored samples.
     pub(super) fn residuals(&self, values: &Values) -> Vec<f64> {
         let mut residuals = self.model(values);
         for (k, (residual, error)) in residuals.iter_mut().zip(&self.error).enumerate() {
@@ -220,13 +221,13 @@ impl Problem {
         residuals
     }
 
-    /// Derivatives of the residuals by a parameter, in the scale in which it is varied.
+    /// Derivatives of the residuals with respect to a parameter, in the scale in which it is varied.
     pub(super) fn derivative(&self, values: &Values, at: &[f64], parameter: usize) -> Vec<f64> {
         if parameter == OFFSET {
             return (0..at.len()).map(|k| if self.counts(k) { 1.0 } else { 0.0 }).collect();
         }
         let kind = &KINDS[parameter];
-        // Away from the end of the range.
+        // Step away from the upper end of the range.
         let step = if values.0[parameter] >= kind.high * 0.999 { -kind.step } else { kind.step };
         let moved = self.residuals(&values.moved(parameter, step));
         moved.iter().zip(at).map(|(moved, at)| (moved - at) / step).collect()

@@ -1,34 +1,34 @@
-//! A recorded pair of axes: what makes it usable, and where it turns.
+//! A record of two axes: its validation, and its reversals.
 
 use super::refused::Refused;
 use std::format;
 use std::vec::Vec;
 use trueaxis::Axis;
 
-/// Fewest samples: two circles of a second at 1 kHz.
+/// Least number of samples: two circles of a second at 1 kHz.
 const FEWEST: usize = 2000;
 /// A time stamp may be off by this share of a period.
 const JITTER: f64 = 0.1;
-/// Reversals of an axis, at least.
+/// Least number of reversals of an axis.
 const FEWEST_REVERSALS: usize = 4;
 /// Speed at which an axis counts as moving, as a share of its fastest.
 const MOVING: f64 = 0.01;
 /// Largest ratio of the accelerations of circles that count as one size.
 const ONE_SIZE: f64 = 1.5;
-/// Speed of the other axis at a reversal, as a share of its fastest: less is a stop.
+/// Least speed of the other axis at a reversal, as a share of its fastest: below it, the motion is a stop.
 const PASSING: f64 = 0.05;
-/// Speed along the path is even within this share, over so long, and what went before it is forgotten after so long, s.
+/// The path speed counts as even within this share, over this time, s; the third value is the settling time after a change, s.
 const EVEN: f64 = 0.01;
 const EVEN_OVER_S: f64 = 0.02;
 const SETTLED_S: f64 = 0.1;
-/// An axis stands that moves less than this share of its fastest for so long, s.
+/// An axis counts as at rest if it moves at less than this share of its fastest speed for this time, s.
 const RESTING: f64 = 1e-4;
 const RESTING_S: f64 = 0.01;
 
-/// One axis of a record: what the drive was sent and what the encoder read at the same times, mm.
+/// One axis of a record: commanded positions and encoder readings at the same times, mm.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recorded {
-    /// Which axis.
+    /// The axis.
     pub axis: Axis,
     /// Positions sent to the drive, mm.
     pub command: Vec<f64>,
@@ -43,15 +43,15 @@ pub struct Record {
     pub period_s: f64,
     /// The axes of the plane of the circles.
     pub axes: [Recorded; 2],
-    /// How long after the command of a row takes effect the encoder is read, s; negative: before. `None` where that is not known.
-    /// Where the drive's figures are given it is found in any case.
+    /// Time from the moment at which a row's command takes effect to the encoder's reading, s; negative if it is read before.
+    /// `None` if unknown. If the drive's figures are given, the fit determines this time in any case.
     pub read_after_s: Option<f64>,
 }
 
-/// Where an axis turns in motion.
+/// Reversal of an axis in motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Reversal {
-    /// Sample nearest to it.
+    /// Nearest sample.
     pub(super) index: usize,
     /// Acceleration, mm/s²; positive from negative to positive travel.
     pub(super) acceleration: f64,
@@ -60,7 +60,7 @@ pub(super) struct Reversal {
 }
 
 impl Record {
-    /// Checks the time stamps and joins them with the axes.
+    /// Checks the time stamps and combines them with the axes.
     ///
     /// # Errors
     /// Too few samples; stamps that are uneven by more than a tenth of a period; a period outside 10 µs to 2 ms.
@@ -76,7 +76,7 @@ impl Record {
         if !(1e-5..=2e-3).contains(&period_s) {
             return Err(Refused::Period { found_s: period_s });
         }
-        // Stamps are often rounded: the mean over the record is the finer figure.
+        // Stamps are often rounded: the mean over the record is more accurate.
         let mean = (times_s[count - 1] - times_s[0]) / (count - 1) as f64;
         if let Some(index) = steps.iter().position(|step| (step - period_s).abs() > JITTER * period_s) {
             return Err(Refused::Uneven { index, found_s: steps.swap_remove(index), period_s });
@@ -84,7 +84,7 @@ impl Record {
         Ok(Record { period_s: mean, axes, read_after_s: None })
     }
 
-    /// Reversals of both axes, after everything that can be seen without a fit has been checked.
+    /// Reversals of both axes, after all checks that need no fit.
     pub(super) fn reversals(&self) -> Result<[Vec<Reversal>; 2], Refused> {
         let [first, second] = &self.axes;
         for axis in [first, second] {
@@ -137,7 +137,8 @@ impl Record {
         recorded.command.windows(2).map(|pair| (pair[1] - pair[0]) / self.period_s)
     }
 
-    /// Sign changes of the commanded velocity while the other axis moves on; `sense` is −1 for the second axis of the plane.
+    /// Sign changes of the commanded velocity while the other axis keeps moving; `sense` is −1 for the second axis of the
+    /// plane.
     fn turns(&self, recorded: &Recorded, other: &Recorded, sense: f64) -> Vec<Reversal> {
         let moving = MOVING * self.fastest(recorded);
         let passing = PASSING * self.fastest(other);
@@ -152,7 +153,7 @@ impl Record {
             {
                 let aside = (other.command[k + 1] - other.command[left]) / (self.period_s * (k + 1 - left) as f64);
                 if aside.abs() >= passing {
-                    // Linear between the samples at which the axis left and regained its speed.
+                    // Linear between the samples at which the axis fell below its speed threshold and exceeded it again.
                     let share = -before / (velocity - before);
                     let index = left + (share * (k - left) as f64).round() as usize;
                     let acceleration = (velocity - before) / (self.period_s * (k - left) as f64);
@@ -164,8 +165,8 @@ impl Record {
         turns
     }
 
-    /// Samples at which the path is travelled as evenly as at the nearest of the reversals, and has been for a while: no start,
-    /// no stop, no change of feed.
+    /// Samples at which the path speed equals that at the nearest reversal, and has done so for a while: no start, no stop, no
+    /// change of feed.
     pub(super) fn even(&self, turns: &[Reversal]) -> Vec<bool> {
         let [first, second] = &self.axes;
         let count = first.command.len();
@@ -193,7 +194,7 @@ impl Record {
         self.velocities(recorded).fold(0.0, |top: f64, v| top.max(v.abs()))
     }
 
-    /// Whether the axis stands at the record's first samples.
+    /// Whether the axis is at rest during the record's first samples.
     pub(super) fn rests(&self, recorded: &Recorded) -> bool {
         let few = (RESTING_S / self.period_s).ceil() as usize;
         let still = RESTING * self.fastest(recorded);

@@ -4,41 +4,41 @@ use std::fmt;
 use std::string::String;
 use trueaxis::Axis;
 
-/// Why a record cannot be evaluated, with the figures that were found.
+/// Why a record cannot be evaluated, with the values found.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Refused {
-    /// A record with fewer samples than a fit needs.
+    /// The record has fewer samples than a fit needs.
     TooFewSamples {
         /// Samples found.
         found: usize,
         /// Samples needed.
         needed: usize,
     },
-    /// Time stamps that do not follow each other evenly: a gap, a repeated row, a wrong order.
+    /// The time stamps are not evenly spaced: a gap, a repeated row, or a wrong order.
     Uneven {
-        /// Sample whose distance from the one before is wrong, from 0.
+        /// Index of the sample whose interval to the next one is wrong, from 0.
         index: usize,
-        /// The distance, s.
+        /// The interval, s.
         found_s: f64,
         /// The record's period, s.
         period_s: f64,
     },
-    /// A period too long for the drive's dynamics, or too short to be one in seconds.
+    /// The period is too long for the drive's dynamics, or too short to be in seconds.
     Period {
         /// The period, s.
         found_s: f64,
     },
-    /// A magnitude that no circle in millimetres and seconds has.
+    /// A magnitude is impossible for a circle in millimetres and seconds.
     Unit {
         /// Axis.
         axis: Axis,
-        /// The quantity with its figure and unit.
+        /// The quantity with its value and unit.
         found: String,
-        /// What it has to be.
+        /// What the quantity has to be.
         needed: &'static str,
     },
-    /// Too few reversals of an axis in motion.
+    /// An axis has too few reversals in motion.
     Reversals {
         /// Axis.
         axis: Axis,
@@ -56,36 +56,36 @@ pub enum Refused {
         /// Reversals of counterclockwise circles.
         counterclockwise: usize,
     },
-    /// One radius at one feed only.
+    /// The record has only one radius at one feed.
     OneSize {
         /// Axis.
         axis: Axis,
         /// Smallest acceleration at a reversal, mm/s².
         low_mm_per_s2: f64,
-        /// Largest, mm/s².
+        /// Largest acceleration at a reversal, mm/s².
         high_mm_per_s2: f64,
     },
-    /// Readings that show no friction.
+    /// The readings show no friction.
     NoFriction {
         /// Axis.
         axis: Axis,
-        /// Friction found F_c/K_vp, mm/s.
+        /// Friction F_c/K_vp found, mm/s.
         found_mm_per_s: f64,
-        /// Its standard error, mm/s.
+        /// Standard error of the friction, mm/s.
         standard_error_mm_per_s: f64,
     },
-    /// A figure that the record does not tell.
+    /// The record does not determine a figure.
     NotExcited {
         /// Axis.
         axis: Axis,
         /// Name of the figure.
         figure: &'static str,
-        /// Its standard error as a share of it.
+        /// Standard error as a share of the figure.
         relative_error: f64,
-        /// What would tell it.
+        /// What would determine the figure.
         needed: &'static str,
     },
-    /// Position gain and reset time may change places: friction excites both alike.
+    /// Position gain and reset time are interchangeable: friction excites both alike.
     GainOrResetTime {
         /// Axis.
         axis: Axis,
@@ -93,18 +93,18 @@ pub enum Refused {
         position_gain_per_s: f64,
         /// Reset time found, s.
         reset_time_s: f64,
-        /// Residual with them, µm.
+        /// Residual with these values, µm.
         residual_um: f64,
         /// Residual with position gain and 1/reset time exchanged, µm.
         exchanged_um: f64,
     },
-    /// Parameters that the record cannot tell apart.
+    /// The record cannot separate the parameters.
     RankShort {
         /// Axis.
         axis: Axis,
-        /// Combinations that it tells.
+        /// Number of combinations that the record determines.
         rank: usize,
-        /// Parameters.
+        /// Number of parameters.
         of: usize,
         /// Condition number of the scaled columns.
         condition: f64,
@@ -118,7 +118,7 @@ pub enum Refused {
         /// Share needed.
         needed: f64,
     },
-    /// The fit did not settle.
+    /// The fit did not converge.
     NoConvergence {
         /// Axis.
         axis: Axis,
@@ -168,7 +168,7 @@ impl fmt::Display for Refused {
 }
 
 impl Refused {
-    /// What a fit has shown.
+    /// Formats the refusals that follow a fit.
     fn fmt_of_fit(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Refused::NoFriction { axis, found_mm_per_s, standard_error_mm_per_s } => write!(
@@ -217,7 +217,7 @@ impl Refused {
                 axis.letter(),
                 axis.letter()
             ),
-            // All others are told before any fit.
+            // `fmt` writes all refusals that precede a fit.
             _ => Ok(()),
         }
     }

@@ -1,4 +1,4 @@
-//! Which parameters the record tells: the others are held, or the record is refused.
+//! Selects the parameters that the record determines: fixes the others, or refuses the record.
 
 use super::least_squares::{self, Fit, fit};
 use super::parameters::{
@@ -9,18 +9,18 @@ use super::refused::Refused;
 use std::vec::Vec;
 use trueaxis::Axis;
 
-/// A parameter is told by the record if it is this many standard errors from 0.
+/// A parameter counts as determined at this many standard errors from 0.
 const TOLD: f64 = 3.0;
-/// Largest standard error of a figure of the drive, as a share of it.
+/// Largest relative standard error of a drive figure.
 const LOOSE: f64 = 0.2;
-/// The same with what is not known of the times within a cycle.
+/// Like [`LOOSE`], including the uncertainty of the times within a cycle.
 const LOOSE_IN_TIME: f64 = 0.5;
-/// What a drive that is found has to have been told.
+/// Figures that the record must determine to identify a drive.
 const DRIVE_FIGURES: [usize; 3] = [POSITION_GAIN, RESET_TIME, VELOCITY_GAIN];
-/// Residual with position gain and reset time exchanged over that of the fit, at least.
+/// Least residual with position gain and reset time exchanged, relative to that of the fit.
 const EXCHANGED: f64 = 1.02;
 
-/// The fit with the parameters that the record tells; the others hold values that do no harm.
+/// Fits the parameters that the record determines; the others are fixed at neutral values.
 pub(super) fn reduced(
     axis: Axis,
     [coarse, problem]: [&Problem; 2],
@@ -49,7 +49,7 @@ pub(super) fn reduced(
     if with_drive || found.values.0[VISCOUS] >= TOLD * found.uncertainties[VISCOUS] && told.contains(&VISCOUS) {
         return Ok((found, told));
     }
-    // What looks like viscous friction may be a feed-forward that acts late in its cycle.
+    // Apparent viscous friction may be a feed-forward that acts late in its cycle.
     values = found.values;
     (values.0[VISCOUS], values.0[FEED_LAG]) = (0.0, 0.5);
     let late = fit_of_what_is_told(problem, values, with(FEED_LAG), with_drive, tell);
@@ -59,7 +59,7 @@ pub(super) fn reduced(
     Ok(late.filter(is_as_good).unwrap_or((found, told)))
 }
 
-/// The fit over those of the parameters `free` that the record tells, and which these are; none where it does not settle.
+/// Fits those of the parameters `free` that the record determines, and returns which; `None` if the fit does not converge.
 fn fit_of_what_is_told(
     problem: &Problem,
     mut values: Values,
@@ -78,10 +78,10 @@ fn fit_of_what_is_told(
     }
 }
 
-/// Parameters that can be left out and that the fit does not tell: the least told first.
+/// The parameters to fix next: the first that can be omitted and that the fit does not determine, in a fixed order.
 ///
-/// Viscous friction and velocity feed-forward act alike on a circle. Beside a drive that is fitted, viscous friction
-/// therefore stays free, however little it is told (held at 0 it would bend K_v), unless the drive is not told with it.
+/// Viscous friction and velocity feed-forward act alike on a circle. If the drive is fitted, viscous friction therefore stays
+/// free, however uncertain (fixing it at 0 would bias K_v), unless it leaves the drive undetermined.
 fn untold(found: &Fit, free: &[usize], with_drive: bool) -> Option<&'static [usize]> {
     let value = |parameter: usize| found.values.0[parameter];
     let told = |parameter: usize| value(parameter).abs() / found.errors[parameter];
@@ -101,7 +101,7 @@ fn untold(found: &Fit, free: &[usize], with_drive: bool) -> Option<&'static [usi
     untold.map(|(_, held)| held)
 }
 
-/// Of a fit and the one from position gain and 1/reset time exchanged, the better.
+/// The better of a fit and the one started with position gain and 1/reset time exchanged.
 fn the_better_order(
     axis: Axis,
     problem: &Problem,
@@ -129,7 +129,7 @@ fn the_better_order(
     Ok(best.values)
 }
 
-/// Refuses a fit that leaves open what the feed-forward needs.
+/// Refuses a fit that leaves figures for the feed-forward undetermined.
 pub(super) fn judge(axis: Axis, found: &Fit, free: &[usize], with_drive: bool) -> Result<(), Refused> {
     if found.rank < free.len() {
         return Err(Refused::RankShort { axis, rank: found.rank, of: free.len(), condition: found.condition });

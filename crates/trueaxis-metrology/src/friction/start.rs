@@ -1,10 +1,10 @@
-//! Starting values: the best of a coarse grid, each with the Coulomb friction that fits it best.
+//! Starting values: the best of a coarse grid, each with its best-fitting Coulomb friction.
 
 use super::parameters::{COULOMB, FEED_FORWARD, POSITION_GAIN, PRESLIDING, Problem, READING_LAG, RESET_TIME, Values};
 use std::vec::Vec;
 use trueaxis::machine::{DriveFigures, FrictionSettings};
 
-/// Friction to begin with: a share and a velocity as they are common on slideways.
+/// Initial friction: Stribeck share and velocity are typical of slideways.
 const TYPICAL: FrictionSettings = FrictionSettings {
     coulomb_per_s: 0.3,
     stribeck_share: 0.2,
@@ -13,7 +13,7 @@ const TYPICAL: FrictionSettings = FrictionSettings {
     viscous: 0.0,
     lead_s: 0.0,
 };
-/// Drive to begin with; current loop and dead time stay.
+/// Initial drive; current loop and dead time are not fitted.
 pub(super) const DRIVE: DriveFigures = DriveFigures {
     position_gain_per_s: 60.0,
     velocity_gain_per_s: 500.0,
@@ -26,7 +26,7 @@ const PRESLIDINGS: [f64; 3] = [0.002, 0.008, 0.04];
 const POSITION_GAINS: [f64; 4] = [15.0, 40.0, 90.0, 200.0];
 const RESET_TIMES: [f64; 3] = [0.004, 0.012, 0.04];
 
-/// The best starting values on a coarse grid; `given` are the drive's figures where they are known.
+/// Best starting values on a coarse grid; `given` are the drive's figures if known.
 pub(super) fn start(problem: &Problem, given: Option<&DriveFigures>) -> Values {
     let lag_s = lag(problem);
     let mut candidates: Vec<Values> = Vec::new();
@@ -55,7 +55,7 @@ pub(super) fn start(problem: &Problem, given: Option<&DriveFigures>) -> Values {
     best.map_or_else(|| Values::new(given.unwrap_or(&DRIVE), &TYPICAL), |(_, values)| values)
 }
 
-/// Cost and values with that pre-sliding and the Coulomb friction for which a linear response fits best.
+/// Cost and values for this pre-sliding travel, with the Coulomb friction whose linear response fits best.
 fn scaled(problem: &Problem, values: &Values, presliding: f64) -> (f64, Values) {
     let mut values = *values;
     values.0[PRESLIDING] = presliding;
@@ -75,7 +75,7 @@ fn scaled(problem: &Problem, values: &Values, presliding: f64) -> (f64, Values) 
     (cost, values)
 }
 
-/// Following error by commanded velocity, s: (1 − k_ff)/K_v and what the reading is late.
+/// Following error per commanded velocity, s: (1 − k_ff)/K_v plus the lag of the reading.
 fn lag(problem: &Problem) -> f64 {
     let samples: Vec<f64> = problem.command.iter().copied().step_by(problem.fine).collect();
     let [mut product, mut square] = [0.0; 2];

@@ -1,9 +1,9 @@
-//! A cylindrical helical gear by its normal module, and the base cylinder and lead that follow.
+//! A cylindrical helical gear by its normal module, with the resulting base cylinder and lead.
 
 use super::{Flank, Helicoid, LONGEST_MM};
 use crate::error::{InputError, Quantity};
 
-/// A helical gear by the figures of its drawing. Profile shift does not enter: it moves the flank about z only.
+/// A helical gear by its drawing data. Profile shift is irrelevant: it only moves the flank about z.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gear {
     /// Normal module m_n, mm, above 0.
@@ -16,7 +16,7 @@ pub struct Gear {
     pub helix_angle_deg: f64,
 }
 
-/// Dimensions that follow from a [`Gear`]; mm and degrees.
+/// Dimensions derived from a [`Gear`]; mm and degrees.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GearData {
     /// Transverse module m_t = m_n/cos β.
@@ -29,21 +29,21 @@ pub struct GearData {
     pub base_radius_mm: f64,
     /// Lead parameter p = r/tan β, mm/rad.
     pub lead_parameter_mm_per_rad: f64,
-    /// Lead 2π p, mm a revolution.
+    /// Lead 2π p, mm per revolution.
     pub lead_mm: f64,
     /// Base helix angle, tan β_b = tan β cos α_t.
     pub base_helix_angle_deg: f64,
-    /// Roll angle of the reference cylinder, tan α_t, rad: where r² = r_b² (1 + u²).
+    /// Roll angle of the reference cylinder, tan α_t, rad: the u at which r² = r_b² (1 + u²).
     pub reference_roll_angle_rad: f64,
 }
 
 impl Gear {
-    /// The transverse data, the base cylinder and the lead.
+    /// Computes the transverse data, the base cylinder and the lead.
     ///
     /// m_t = m_n/cos β, tan α_t = tan α_n/cos β, r = m_t z/2, r_b = r cos α_t, p = r/tan β.
     ///
     /// # Errors
-    /// A value outside the range that its field states; β = 0 (a spur gear's flank has no lead).
+    /// A value outside its field's stated range; β = 0 (a spur gear's flank has no lead).
     ///
     /// Source: ISO 21771:2007, clause 4.
     pub fn data(&self) -> Result<GearData, InputError> {
@@ -66,7 +66,7 @@ impl Gear {
         let transverse_module_mm = module_mm / libm::cos(beta);
         let tan_alpha_t = libm::tan(pressure_angle_deg.to_radians()) / libm::cos(beta);
         let reference_radius_mm = transverse_module_mm * f64::from(teeth) / 2.0;
-        // cos(atan t) without the detour over the angle.
+        // cos(atan t) without computing the angle.
         let cos_alpha_t = 1.0 / libm::hypot(1.0, tan_alpha_t);
         let lead_parameter_mm_per_rad = reference_radius_mm / libm::tan(beta);
         Ok(GearData {
@@ -81,7 +81,7 @@ impl Gear {
         })
     }
 
-    /// The flank of the gear.
+    /// Creates the flank of the gear.
     ///
     /// # Errors
     /// As [`Gear::data`] and [`Helicoid::new`].

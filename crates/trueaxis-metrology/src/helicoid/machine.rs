@@ -1,9 +1,9 @@
-//! The mill-turn: table C turns the workpiece about z, head A turns the tool about x, X, Y, Z carry the head.
+//! The mill-turn: table C turns the workpiece about z, head A turns the tool about x, and X, Y, Z carry the head.
 
 use super::{Helicoid, LONGEST_MM};
 use crate::error::{InputError, Quantity};
 
-/// Head at A = 0. One and the same machine: *vertical* is *horizontal* with the head turned by 90°.
+/// Pose of the head at A = 0. Both are the same machine: *vertical* is *horizontal* with the head turned by 90°.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Form {
     /// Spindle along +y at A = 0: t0 = [0, 1, 0].
@@ -14,7 +14,7 @@ pub enum Form {
 }
 
 impl Form {
-    /// Direction t0 from the tool tip to the A axis at A = 0.
+    /// Returns the direction t0 from the tool tip to the A axis at A = 0.
     pub const fn spindle(self) -> [f64; 3] {
         match self {
             Form::Horizontal => [0.0, 1.0, 0.0],
@@ -23,7 +23,7 @@ impl Form {
     }
 }
 
-/// Which of the two pairs (A, C) that turn the tool axis onto the normal.
+/// The two pairs (A, C) that align the tool axis with the normal.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Branch {
     /// C = −φ; A = γ (vertical) or 90° + γ (horizontal).
@@ -36,13 +36,13 @@ pub enum Branch {
 /// The machine and the set-up.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MachineSettings {
-    /// Head at A = 0.
+    /// Pose of the head at A = 0.
     pub form: Form,
-    /// Pivot length L, tool tip to A axis, mm; 0 to 1e6. [`pivot_length`] gives it from an edge finder's reading.
+    /// Pivot length L, tool tip to A axis, mm; 0 to 1e6. [`pivot_length`] computes it from an edge finder's reading.
     pub pivot_mm: f64,
-    /// Sense of the A axis: 1 if positive A turns the tool right-handed about +x, else −1.
+    /// Sense of the A axis: 1 if positive A turns the tool right-handed about +x, otherwise −1.
     pub direction_a: i8,
-    /// Sense of the C axis: 1 if positive C turns the workpiece right-handed about +z, else −1.
+    /// Sense of the C axis: 1 if positive C turns the workpiece right-handed about +z, otherwise −1.
     pub direction_c: i8,
     /// Position w of the gear's origin in the table's frame, mm; turns with C.
     pub work_offset_mm: [f64; 3],
@@ -68,10 +68,9 @@ pub struct ToolPose {
     pub axis: [f64; 3],
 }
 
-/// A checked head-table machine.
+/// A validated head-table machine.
 ///
-/// X, Y, Z are counted so that at A = 0 and C = 0 they are the tip's position in the table's frame, which has its origin
-/// on the C axis.
+/// At A = 0 and C = 0, X, Y, Z are the tip's position in the table's frame, whose origin is on the C axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HeadTable {
     form: Form,
@@ -82,11 +81,11 @@ pub struct HeadTable {
 }
 
 impl HeadTable {
-    /// Checks the settings.
+    /// Validates the settings.
     ///
     /// # Errors
-    /// A pivot length that is negative, beyond 1e6 mm or not finite; a sense other than ±1; a work offset beyond 1e6 mm
-    /// or not finite.
+    /// A pivot length that is negative, beyond 1e6 mm or not finite; a sense other than ±1; a work offset beyond 1e6 mm or not
+    /// finite.
     pub fn new(settings: &MachineSettings) -> Result<HeadTable, InputError> {
         let MachineSettings { form, pivot_mm, direction_a, direction_c, work_offset_mm } = *settings;
         if !(0.0..=LONGEST_MM).contains(&pivot_mm) {
@@ -111,7 +110,7 @@ impl HeadTable {
         })
     }
 
-    /// The axes at which the tip stands on the flank and the tool along its normal.
+    /// Computes the axis positions at which the tip is on the flank and the tool along its normal.
     ///
     /// ```text
     /// R_z(C) n = R_x(A) t0                      γ = atan2(p, r_b)
@@ -120,24 +119,24 @@ impl HeadTable {
     /// [X, Y, Z] = R_z(C) (F + w) + L (R_x(A) t0 − t0)
     /// ```
     ///
-    /// A and C as given back are multiplied by the senses of their axes. C follows φ over any number of turns.
-    /// Error below 1e-9 mm and 1e-12 rad for radii up to 1000 mm and angles up to 100 rad: rounding only.
+    /// The returned A and C are multiplied by the senses of their axes. C follows φ over any number of turns. Error below 1e-9
+    /// mm and 1e-12 rad for radii up to 1000 mm and angles up to 100 rad: rounding only.
     ///
     /// # Errors
     /// u or θ outside the flank ([`Helicoid::contains`]).
     ///
-    /// Source: parametric coordinates of a five-axis mill-turn (Nanjing Tech patent family); the publication counts the
+    /// Source: parametric coordinates of a five-axis mill-turn (Nanjing Tech patent family); the publication measures the
     /// head's angle left-handed, A = −θ_A.
     pub fn place(&self, surface: &Helicoid, u: f64, theta: f64, branch: Branch) -> Result<Placement, InputError> {
         surface.contains(u, theta)?;
         let (phi, tilt) = (u + theta, surface.tilt());
-        // A counted from the vertical pose, and the turn of the table.
+        // A measured from the vertical pose, and the table's rotation.
         let (from_z, table) = match branch {
             Branch::First => (tilt, -phi),
             Branch::Second => (-tilt, core::f64::consts::PI - phi),
         };
         let [x, y, z] = about_z(table, add(surface.point(u, theta), self.offset));
-        // R_x(A) t0 is the same direction in both forms: only where A counts from differs.
+        // R_x(A) t0 is the same direction in both forms: only the zero of A differs.
         let (sin, cos) = libm::sincos(from_z);
         let [_, rest_y, rest_z] = self.form.spindle();
         let quarter = match self.form {
@@ -151,10 +150,10 @@ impl HeadTable {
         })
     }
 
-    /// Pose of the tool in the gear's frame at given axes: the forward transformation.
+    /// Computes the pose of the tool in the gear's frame at given axis positions: the forward transformation.
     ///
-    /// axis = R_z(−C) R_x(A) t0, tip = R_z(−C) ([X, Y, Z] + L t0 − L R_x(A) t0) − w, at A and C freed of their senses.
-    /// Rounding only; made of the machine's joints from the A axis outward, not by turning [`HeadTable::place`] round.
+    /// axis = R_z(−C) R_x(A) t0, tip = R_z(−C) ([X, Y, Z] + L t0 − L R_x(A) t0) − w, with the senses removed from A and C.
+    /// Rounding only; composed from the machine's joints from the A axis outward, not by inverting [`HeadTable::place`].
     pub fn tool(&self, axes: &Placement) -> ToolPose {
         let (a, c) = ((self.sense_a * axes.a_deg).to_radians(), (self.sense_c * axes.c_deg).to_radians());
         let rest = self.form.spindle();
@@ -165,10 +164,10 @@ impl HeadTable {
     }
 }
 
-/// Pivot length from an edge finder's reading.
+/// Computes the pivot length from an edge finder's reading.
 ///
-/// L = a + r, mm. The tip touches a face in the vertical pose, the head is turned by 90° and the relative display of z
-/// set to zero; then an edge finder whose ball has the radius r is moved along z by a until it touches the same face.
+/// L = a + r, mm. The tip touches a face in the vertical pose; the head is turned by 90° and the relative display of z zeroed;
+/// then an edge finder with ball radius r moves along z by a until it touches the same face.
 ///
 /// # Errors
 /// a not finite or beyond 1e6 mm; r not above 0; a sum below 0.
@@ -196,13 +195,13 @@ fn scaled(s: f64, [x, y, z]: [f64; 3]) -> [f64; 3] {
     [s * x, s * y, s * z]
 }
 
-/// Right-handed turn about z, rad.
+/// Right-handed rotation about z, rad.
 fn about_z(angle: f64, [x, y, z]: [f64; 3]) -> [f64; 3] {
     let (sin, cos) = libm::sincos(angle);
     [cos * x - sin * y, sin * x + cos * y, z]
 }
 
-/// Right-handed turn about x, rad.
+/// Right-handed rotation about x, rad.
 fn about_x(angle: f64, [x, y, z]: [f64; 3]) -> [f64; 3] {
     let (sin, cos) = libm::sincos(angle);
     [x, cos * y - sin * z, sin * y + cos * z]

@@ -20,7 +20,7 @@ fn norm(a: [f64; 3]) -> f64 {
 
 type Matrix = [[f64; 3]; 3];
 
-/// Rodrigues' formula about any unit vector, so that no turn in the test is written like the ones under test.
+/// Rodrigues' formula about any unit vector, so that the tests' rotations are written differently from those under test.
 fn turn(axis: [f64; 3], angle: f64) -> Matrix {
     let (s, c) = angle.sin_cos();
     let k = [[0.0, -axis[2], axis[1]], [axis[2], 0.0, -axis[0]], [-axis[1], axis[0], 0.0]];
@@ -36,8 +36,8 @@ fn apply(m: Matrix, v: [f64; 3]) -> [f64; 3] {
     m.map(|row| dot(row, v))
 }
 
-/// Distance along the base circle's tangent between a point and the involute helicoid, from the surface's equation in
-/// cylinder coordinates: atan2(y, x) − z/p = ±(√(R²/r_b² − 1) − arccos(r_b/R)).
+/// Distance along the base circle's tangent between a point and the involute helicoid, from the surface's equation in cylinder
+/// coordinates: atan2(y, x) − z/p = ±(√(R²/r_b² − 1) − arccos(r_b/R)).
 fn residual(point: [f64; 3], rb: f64, p: f64, right: bool) -> f64 {
     let radius = point[0].hypot(point[1]);
     let roll = ((radius - rb) * (radius + rb)).max(0.0).sqrt() / rb;
@@ -54,7 +54,7 @@ fn machine(form: Form, pivot_mm: f64, a: i8, c: i8, work_offset_mm: [f64; 3]) ->
 struct Case {
     rb: f64,
     p: f64,
-    /// Size of u.
+    /// Magnitude of u.
     roll: f64,
     theta: f64,
     left: bool,
@@ -107,8 +107,8 @@ fn cases() -> impl Strategy<Value = Case> {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 4000, ..ProptestConfig::default() })]
 
-    /// The machine's joints, put together here from Rodrigues turns about x and z, carry the tip onto the surface and
-    /// the spindle onto its normal.
+    /// The machine's joints, composed here from Rodrigues rotations about x and z, bring the tip onto the surface and the
+    /// spindle along its normal.
     #[test]
     fn the_tip_stands_on_the_surface_and_the_tool_on_its_normal(case in cases()) {
         let (surface, u) = (case.surface(), case.u());
@@ -129,7 +129,7 @@ proptest! {
         prop_assert!((tip[0].hypot(tip[1]) - case.rb * u.hypot(1.0)).abs() < 1e-9);
         prop_assert!(norm(minus(tip, surface.point(u, case.theta))) < 1e-9);
 
-        // The exact derivatives of the surface, and which side is out: away from the axis and up.
+        // The exact derivatives of the surface, and the outward side: away from the axis and up.
         let (sin, cos) = (u + case.theta).sin_cos();
         let along_u = [cos, sin, 0.0];
         let along_theta = [case.rb * (u * cos - sin), case.rb * (cos + u * sin), p];
@@ -149,13 +149,13 @@ proptest! {
         let du = minus(surface.point(u + h, case.theta), surface.point(u - h, case.theta));
         let dt = minus(surface.point(u, case.theta + h), surface.point(u, case.theta - h));
         let n = cross(du, dt);
-        // Their cross product turns round with the sign of u (length r_b u), the normal does not.
+        // Their cross product changes sign with u (length r_b u), the normal does not.
         let n = n.map(|x| case.u().signum() * x / norm(n));
         let off = norm(minus(n, surface.normal(u, case.theta)));
         prop_assert!(off < 1e-7, "{off}");
     }
 
-    /// Both branches and both forms are the same stand of the tool.
+    /// Both branches and both forms give the same tool pose.
     #[test]
     fn branches_and_forms_are_one_stand(case in cases()) {
         let surface = case.surface();
@@ -174,12 +174,12 @@ proptest! {
     }
 }
 
-/// Numbers that can be had by hand: φ = π/2, p = r_b, so γ = 45°.
+/// Values that can be calculated by hand: φ = π/2, p = r_b, so γ = 45°.
 #[test]
 fn a_placement_by_hand() {
     let surface = Helicoid::new(10.0, 10.0, Flank::Right).unwrap();
     let (u, theta) = (1.0, FRAC_PI_2 - 1.0);
-    // F = [10 u, 10, 10 θ]; C = −90° brings it to [10, −10 u, 10 θ]; the tool leans to −y by 45°.
+    // F = [10 u, 10, 10 θ]; C = −90° moves it to [10, −10 u, 10 θ]; the tool tilts towards −y by 45°.
     let half = 100.0 * 0.5_f64.sqrt();
     for (form, branch, linear, a, c) in [
         (Form::Vertical, Branch::First, [10.0, -10.0 - half, 10.0 * theta + half - 100.0], 45.0, -90.0),
@@ -220,16 +220,16 @@ fn the_relations_of_a_helical_gear() {
         near(data.lead_mm, z * module_mm * std::f64::consts::PI / beta.sin());
         near(data.base_helix_angle_deg.to_radians(), (beta.sin() * alpha.cos()).asin());
         near(data.base_radius_mm, data.lead_parameter_mm_per_rad * data.base_helix_angle_deg.to_radians().tan());
-        // The base pitch in the normal section is that of the basic rack.
+        // The base pitch in the normal section equals that of the basic rack.
         let base_pitch = TAU * data.base_radius_mm / z * data.base_helix_angle_deg.to_radians().cos();
         near(base_pitch, std::f64::consts::PI * module_mm * alpha.cos());
         let flank = if beta > 0.0 { Flank::Right } else { Flank::Left };
         let surface = gear.helicoid(flank).unwrap();
         near(surface.tilt().abs(), FRAC_PI_2 - data.base_helix_angle_deg.to_radians().abs());
-        // At the reference cylinder the flank leans by β against the axis: tan β = r/p.
+        // At the reference cylinder the flank is inclined by β to the axis: tan β = r/p.
         let point = surface.point(flank.sign() * data.reference_roll_angle_rad, 0.3);
         near(point[0].hypot(point[1]), data.reference_radius_mm);
-        // Angle between normal and the tangent of the reference cylinder's circle, in the transverse plane: α_t.
+        // Angle between the normal and the tangent of the reference cylinder's circle, in the transverse plane: α_t.
         let n = surface.normal(flank.sign() * data.reference_roll_angle_rad, 0.3);
         let radial = (n[0] * point[0] + n[1] * point[1]) / data.reference_radius_mm / n[0].hypot(n[1]);
         near(radial.asin().to_degrees(), data.transverse_pressure_angle_deg);

@@ -8,16 +8,16 @@ use nalgebra::{Matrix6, SMatrix, Vector6};
 use trueaxis::Axis;
 use trueaxis::machine::Twist;
 
-/// Largest condition number of the scaled columns that is solved.
+/// Largest condition number of the scaled columns that is accepted.
 ///
-/// Above it the errors come out ten thousand times worse than the gauge reads; balls 250 mm from the axis are then nearer than
-/// about 0.03 mm to one line (three of them over 100 mm).
+/// Above it the errors are ten thousand times less accurate than the gauge's readings; balls 250 mm from the axis are then
+/// closer than about 0.03 mm to one line (three of them over 100 mm).
 pub const CONDITION_LIMIT: f64 = 1e4;
 
-/// Bound of the iteration for the singular values; six converge in about a dozen sweeps.
+/// Bound on the iteration for the singular values; six converge in about a dozen sweeps.
 pub(super) const SWEEPS: usize = 1000;
 
-/// Errors of a rotary axis at one angle, with what they are worth.
+/// Errors of a rotary axis at one angle, with their standard errors and condition.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AngleSolution {
     /// X Y Z in mm, α β γ in rad: actual − ideal, tool relative to workpiece, in the carrier's directions.
@@ -30,31 +30,31 @@ pub struct AngleSolution {
     pub condition: f64,
     /// Sum of the squared residuals, mm².
     pub squared_residuals_mm2: f64,
-    /// Readings: three a set-up.
+    /// Number of readings: three per set-up.
     pub readings: usize,
 }
 
 impl AngleSolution {
-    /// Root mean square of the residuals, mm.
+    /// Returns the root mean square of the residuals, mm.
     pub fn residual_mm(&self) -> f64 {
         libm::sqrt(self.squared_residuals_mm2 / self.readings.max(1) as f64)
     }
 
-    /// Readings in excess of the six errors.
+    /// Returns the number of readings in excess of the six errors.
     pub fn degrees_of_freedom(&self) -> usize {
         self.readings.saturating_sub(6)
     }
 }
 
-/// Least-squares errors of `axis` at `angle_rad` from three or more set-ups.
+/// Solves the errors of `axis` at `angle_rad` by least squares from three or more set-ups.
 ///
-/// min Σ |e + w × p − d|². The columns are scaled to unit length; readings enter a triangle of seven columns three
-/// rows at a time by Householder reflections, so that any number of set-ups needs the same 10 × 7 numbers. Exact readings
-/// are reproduced within 1e-13 of the largest times the condition number. Cost: about 500 multiplications a set-up, and one
-/// singular value decomposition of 6 × 6.
+/// min Σ |e + w × p − d|². The columns are scaled to unit length; readings enter a triangle of seven columns three rows at a
+/// time by Householder reflections, so that any number of set-ups needs the same 10 × 7 numbers. Exact readings are reproduced
+/// within 1e-13 of the largest times the condition number. Cost: about 500 multiplications per set-up, and one singular value
+/// decomposition of 6 × 6.
 ///
 /// # Errors
-/// A linear axis, fewer than three set-ups, values that are not finite, and set-ups that cannot separate the six.
+/// A linear axis, fewer than three set-ups, values that are not finite, and set-ups that cannot separate the six errors.
 pub fn solve_angle(axis: Axis, angle_rad: f64, observations: &[Observation]) -> Result<AngleSolution, Refused> {
     if !axis.is_rotary() {
         return Err(Refused::NotRotary(axis));
@@ -77,7 +77,7 @@ pub fn solve_angle(axis: Axis, angle_rad: f64, observations: &[Observation]) -> 
             return Err(Refused::NotFinite { set_up });
         }
     }
-    // A column of zeros (balls on the axis itself) keeps its length: the rank tells.
+    // A zero column (balls on the axis itself) is not scaled: the rank reveals it.
     let lengths = squares.map(|square| if square > 0.0 { libm::sqrt(square) } else { 1.0 });
     let mut triangle = SMatrix::<f64, 7, 7>::zeros();
     for (rows, deviation) in levers() {
@@ -121,7 +121,7 @@ pub fn solve_angle(axis: Axis, angle_rad: f64, observations: &[Observation]) -> 
     })
 }
 
-/// Length of points along the line that fits them best, and the largest distance from it, mm.
+/// Extent of the points along their best-fitting line, and the largest distance from it, mm.
 fn extent(balls: impl Iterator<Item = Ball> + Clone) -> (f64, f64) {
     let count = balls.clone().count().max(1) as f64;
     let points = balls.map(|ball| [ball.vertical_mm, ball.horizontal_mm]);

@@ -1,4 +1,4 @@
-//! Position of the ball, and the readings taken there.
+//! Position of the ball, and the readings there.
 
 #![deny(clippy::indexing_slicing)]
 
@@ -6,7 +6,7 @@
 use std::vec::Vec;
 use trueaxis::Axis;
 
-/// Centre of the ball while the measured axis stands at 0, from the intersection of the rotary axes.
+/// Centre of the ball at position 0 of the measured axis, from the intersection of the rotary axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ball {
     /// L, mm, positive downward (−Z).
@@ -24,7 +24,7 @@ pub struct Observation {
     pub deviation_mm: [f64; 3],
 }
 
-/// Lever of the ball's centre at an angle of the axis, mm in the carrier's directions; none for a linear axis.
+/// Returns the lever of the ball's centre at an angle of the axis, mm in the carrier's directions; `None` for a linear axis.
 ///
 /// A: R_x (0, H, −L); B: R_y (H, 0, −L); C: R_z (0, H, −L); `angle_rad` is right-handed about the axis.
 pub fn lever(axis: Axis, angle_rad: f64, ball: Ball) -> Option<[f64; 3]> {
@@ -53,7 +53,7 @@ pub struct AngleReadings {
     pub deviations_mm: Vec<[f64; 3]>,
 }
 
-/// A ball test of one rotary axis: every set-up read at every angle.
+/// A ball test of one rotary axis: every set-up measured at every angle.
 #[cfg(feature = "std")]
 #[derive(Clone, Debug, PartialEq)]
 pub struct BallTest {

@@ -1,4 +1,4 @@
-//! A whole test of an axis: all angles, pooled.
+//! A whole test of an axis: all angles, with a pooled residual.
 
 use super::angle::solve_angle;
 use super::ball::{BallTest, Observation};
@@ -8,27 +8,27 @@ use std::vec::Vec;
 use trueaxis::Axis;
 use trueaxis::machine::Twist;
 
-/// Knowledge of the zero of the gauges in each set-up.
+/// Knowledge of the gauges' zero in each set-up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Offsets {
-    /// Readings are deviations from where the ball ought to be: nothing is free.
+    /// Readings are deviations from the ball's ideal position: no offset is free.
     #[default]
     Known,
-    /// Each set-up has one unknown offset for all angles, constant in machine directions (the gauges were zeroed anew).
+    /// Each set-up has one unknown offset for all angles, constant in machine directions (the gauges were re-zeroed).
     ///
-    /// Then not everything can be seen, and this much is set by convention: ΣX = ΣY = ΣZ = 0 over the angles; for A also the
-    /// patterns β = −k1 cos A + k2 sin A, γ = −k1 sin A − k2 cos A, at their minimum norm (for B α = k1 sin B − k2 cos B,
-    /// γ = k1 cos B + k2 sin B). They turn with the axis, so that every ball keeps a constant deviation.
+    /// Not all errors are then observable. A convention fixes the rest: ΣX = ΣY = ΣZ = 0 over the angles; for A also the
+    /// patterns β = −k1 cos A + k2 sin A, γ = −k1 sin A − k2 cos A, at their minimum norm (for B α = k1 sin B − k2 cos B, γ =
+    /// k1 cos B + k2 sin B). These patterns rotate with the axis, so that every ball keeps a constant deviation.
     Free,
 }
 
-/// Whether the location errors of the axis are among the errors found.
+/// Whether the errors found include the location errors of the axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Location {
-    /// They are: means over the circle are kept, and a table with these errors must not be joined by location errors in the
-    /// machine's settings.
+    /// The errors include them: means over the circle are retained, and a table with these errors must not be combined with
+    /// location errors in the machine's settings.
     Inside,
-    /// The constant part of X Y Z is removed, with A and B also the tilt that turns with the axis; constant α β γ remain, as
+    /// The constant part of X Y Z is removed, for A and B also the tilt that rotates with the axis; constant α β γ remain as
     /// far as that convention leaves them.
     Removed,
 }
@@ -40,7 +40,7 @@ pub struct IdentifiedAngle {
     pub angle_rad: f64,
     /// X Y Z in mm, α β γ in rad.
     pub errors: Twist,
-    /// Their standard errors, from the pooled sigma; mm and rad.
+    /// Standard errors of `errors`, from the pooled sigma; mm and rad.
     pub standard_errors: Twist,
     /// Numerical rank of the scaled columns.
     pub rank: u8,
@@ -55,33 +55,33 @@ pub struct IdentifiedAngle {
 pub struct Identified {
     /// The axis.
     pub axis: Axis,
-    /// In the order of the test.
+    /// Results in the order of the test's angles.
     pub angles: Vec<IdentifiedAngle>,
     /// Standard deviation of one reading, from the residuals of all angles together, mm.
     ///
-    /// One angle of three set-ups has three degrees of freedom only: in nine cases of ten its own sigma is 0.34 to 1.6 of the
-    /// true one, in the others it is worse.
+    /// One angle of three set-ups has only three degrees of freedom: in nine cases of ten the sigma of one angle is 0.34 to
+    /// 1.6 times the true one, otherwise it is worse.
     pub sigma_mm: f64,
-    /// Readings in excess of the unknowns.
+    /// Number of readings in excess of the unknowns.
     pub degrees_of_freedom: usize,
-    /// Whether location errors are inside.
+    /// Whether the errors include location errors.
     pub location: Location,
-    /// Offsets found, mm, one for each set-up; empty with [`Offsets::Known`].
+    /// Fitted offsets, mm, one per set-up; empty with [`Offsets::Known`].
     pub offsets_mm: Vec<[f64; 3]>,
-    /// Combinations of errors and offsets that no reading sees, found numerically and fixed by the convention; 0 with
-    /// [`Offsets::Known`].
+    /// Number of combinations of errors and offsets that no reading observes, found numerically and fixed by the convention; 0
+    /// with [`Offsets::Known`].
     pub null_space: usize,
 }
 
-/// Errors of the axis at all angles of a test.
+/// Identifies the errors of the axis at all angles of a test.
 ///
-/// With [`Offsets::Known`] each angle is [`solve_angle`]; with [`Offsets::Free`] all of them and the offsets are one
-/// least-squares problem, taken apart by eliminating the six errors of each angle. Standard errors come from the
-/// residual pooled over all angles.
+/// With [`Offsets::Known`] each angle is [`solve_angle`]; with [`Offsets::Free`] all angles and the offsets form one
+/// least-squares problem, decomposed by eliminating the six errors of each angle. Standard errors come from the residual
+/// pooled over all angles.
 ///
 /// # Errors
-/// All that [`solve_angle`] refuses, an angle without a reading of every set-up, and free offsets that the angles cannot tell from
-/// errors.
+/// All refusals of [`solve_angle`], an angle without a reading for every set-up, and free offsets that the angles cannot
+/// separate from errors.
 pub fn identify(test: &BallTest, offsets: Offsets) -> Result<Identified, Refused> {
     if test.angles.is_empty() {
         return Err(Refused::NoAngles);

@@ -4,10 +4,10 @@
 //! d_sk = e_k + w_k × p_sk + o_s        angle k, set-up s;  A_k x_k + o = d_k  with x_k = (e_k, w_k)
 //! ```
 //!
-//! Householder reflections of A_k alone take x_k out of all rows but six: what remains of all angles together is a
-//! least-squares problem for the offsets only, whose triangle is updated angle by angle. It has a null space of 3 (C) or 5
-//! (A, B) dimensions; its minimum-norm solution is moved along them until the convention of `Offsets::Free` holds.
-//! Work and memory grow with the number of angles linearly, not with its cube and square.
+//! Householder reflections of A_k alone eliminate x_k from all rows but six: the remaining rows of all angles form a
+//! least-squares problem for the offsets only, whose triangle is updated angle by angle. It has a null space of 3 (C) or 5 (A,
+//! B) dimensions; its minimum-norm solution is shifted along the null space until it satisfies the convention of
+//! `Offsets::Free`. Work and memory grow linearly with the number of angles, not with its cube and square.
 
 use super::angle::{CONDITION_LIMIT, SWEEPS};
 use super::ball::{AngleReadings, BallTest, lever, rows};
@@ -36,7 +36,7 @@ pub(super) struct Free {
     pub(super) null_space: usize,
 }
 
-/// One angle after its six errors have been taken out: x = own − through · o.
+/// One angle after elimination of its six errors: x = own − through · o.
 struct Eliminated {
     own: DVector<f64>,
     /// R⁻¹ Q₁ᵀ, 6 × 3S.
@@ -47,7 +47,7 @@ struct Eliminated {
     gauge: DMatrix<f64>,
 }
 
-/// Solves all angles with one free offset per set-up; the readings have been checked and each angle is of full rank.
+/// Solves all angles with one free offset per set-up; the readings have been checked and each angle has full rank.
 pub(super) fn with_free_offsets(test: &BallTest) -> Result<Free, Refused> {
     let size = 3 * test.balls.len();
     let needed = if test.axis == Axis::C { 3 } else { 5 };
@@ -77,7 +77,7 @@ pub(super) fn with_free_offsets(test: &BallTest) -> Result<Free, Refused> {
     let inverse_singular = svd.singular_values.map(|value| if value > floor { 1.0 / value } else { 0.0 });
     let root = v_t.tr_mul(&DMatrix::from_diagonal(&inverse_singular));
     let scatter = &root * root.transpose();
-    // The factors of the decomposition may be off by far more than a rounding: what is solved with them is refined.
+    // The factors of the decomposition may be off by far more than rounding: solutions with them are refined.
     let pseudo_inverse = &root * u.transpose();
     let mut offsets = &pseudo_inverse * &right;
     let mut null = DMatrix::from_fn(size, needed, |i, j| v_t[(unseen[j], i)]);
@@ -86,7 +86,7 @@ pub(super) fn with_free_offsets(test: &BallTest) -> Result<Free, Refused> {
         null -= &pseudo_inverse * (&matrix * &null);
     }
 
-    // The functionals of the minimum-norm solution, and how they change along the null space.
+    // The functionals of the minimum-norm solution, and their derivatives along the null space.
     let mut value = DVector::<f64>::zeros(needed);
     let mut slope = DMatrix::<f64>::zeros(needed, needed);
     let mut through = DMatrix::<f64>::zeros(needed, size);
@@ -132,7 +132,7 @@ pub(super) fn with_free_offsets(test: &BallTest) -> Result<Free, Refused> {
     })
 }
 
-/// Takes the six errors of an angle out of its equations: their share, and the rows that are left for the offsets.
+/// Eliminates the six errors of an angle from its equations: returns their part, and the rows that remain for the offsets.
 fn eliminate(test: &BallTest, readings: &AngleReadings, needed: usize) -> Result<(Eliminated, DMatrix<f64>), Refused> {
     let size = 3 * test.balls.len();
     let mut design = DMatrix::<f64>::zeros(size, 6);
@@ -167,7 +167,7 @@ fn eliminate(test: &BallTest, readings: &AngleReadings, needed: usize) -> Result
     Ok((angle, right.rows(6, size - 6).into_owned()))
 }
 
-/// Rows that the convention sets to zero when summed over the angles: X, Y, Z, and the product with each pattern.
+/// Rows that the convention sets to zero in sum over the angles: X, Y, Z, and the product with each pattern.
 fn gauge(axis: Axis, angle_rad: f64) -> DMatrix<f64> {
     let (sin, cos) = libm::sincos(angle_rad);
     let mut rows = vec![[1.0, 0.0, 0.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0, 0.0, 0.0]];

@@ -1,13 +1,13 @@
 //! Six errors of a rotary axis from ball measurements while the control holds the tool tip (RTCP).
 //!
-//! A ball sits where the tool tip would be. With RTCP on, the linear axes keep its centre in place while one rotary axis
-//! turns; three gauges read how far the centre has moved. Three or more set-ups with different levers tell the
-//! six errors of the axis apart, at each angle for itself.
+//! A ball is mounted at the position of the tool tip. With RTCP on, the linear axes keep its centre in place while one rotary
+//! axis turns; three gauges measure how far the centre has moved. Three or more set-ups with different levers separate the six
+//! errors of the axis, independently at each angle.
 //!
-//! **Rows.** L is the vertical and H the horizontal distance of the ball's centre from the intersection of the rotary axes:
-//! the centre lies L below and H beside it while the axis stands at 0. The deviation d (mm) of the centre, actual − ideal in
-//! machine directions, is a twist about that intersection: d = e + w × p, e = (X, Y, Z) and w = (α, β, γ) in the frame of
-//! the axis' carrier. For the axis C at angle C, p = R_z(C) (0, H, −L), and for A at angle A, p = R_x(A) (0, H, −L):
+//! **Rows.** L is the vertical and H the horizontal distance of the ball's centre from the intersection of the rotary axes: at
+//! axis position 0 the centre is L below it and H beside it. The deviation d (mm) of the centre, actual − ideal in machine
+//! directions, is a twist about that intersection: d = e + w × p, e = (X, Y, Z) and w = (α, β, γ) in the frame of the axis'
+//! carrier. For the axis C at angle C, p = R_z(C) (0, H, −L), and for A at angle A, p = R_x(A) (0, H, −L):
 //!
 //! ```text
 //! C:  dx = X − L β − H cos C · γ                    A:  dx = X + (−L cos A + H sin A) β − (H cos A + L sin A) γ
@@ -15,15 +15,15 @@
 //!     dz = Z + H cos C · α + H sin C · β                dz = Z + (H cos A + L sin A) α
 //! ```
 //!
-//! For B, H is measured along +X: p = R_y(B) (H, 0, −L). The carrier must stand parallel to the machine (C at 0 while A is
-//! measured), or the deviations be turned into its frame first.
+//! For B, H is measured along +X: p = R_y(B) (H, 0, −L). The carrier must be parallel to the machine (C at 0 while A is
+//! measured); otherwise the deviations must be rotated into its frame first.
 //!
-//! [`solve_angle`] takes one angle; it needs neither allocator nor `std`, and about 3 KiB of stack. With `std`,
-//! [`identify`] takes a whole test: it pools the residual over the angles, gives standard errors, and can leave a
-//! constant offset free in every set-up ([`Offsets::Free`]).
+//! [`solve_angle`] solves one angle; it needs neither allocator nor `std`, and about 3 KiB of stack. With `std`, [`identify`]
+//! solves a whole test: it pools the residual over the angles, gives standard errors, and can fit a constant offset per set-up
+//! ([`Offsets::Free`]).
 //!
-//! All of it is solved by QR factorisation of scaled columns; the normal equations, which square the condition, are never
-//! formed. Errors are those of the tool relative to the workpiece, as error tables hold them.
+//! All problems are solved by QR factorisation of scaled columns; the normal equations, which square the condition, are never
+//! formed. Errors are those of the tool relative to the workpiece, as in error tables.
 //!
 //! # Example
 //!

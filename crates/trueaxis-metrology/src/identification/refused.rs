@@ -3,50 +3,50 @@
 use core::fmt;
 use trueaxis::Axis;
 
-/// Why measurements cannot be solved, with the figures that were found.
+/// Why measurements cannot be solved, with the values found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Refused {
-    /// The axis does not turn.
+    /// The axis is not rotary.
     NotRotary(Axis),
     /// A value is infinite or not a number.
     NotFinite {
-        /// Which set-up, from 0.
+        /// Index of the set-up, from 0.
         set_up: usize,
     },
-    /// Fewer than three set-ups.
+    /// There are fewer than three set-ups.
     TooFewSetUps {
-        /// Their number.
+        /// Number of set-ups.
         found: usize,
     },
-    /// The points (L, H) lie on one line, or so near to one that the six errors cannot be told apart: turning about that
-    /// line moves no ball.
+    /// The points (L, H) are on one line, or so close to one that the six errors are inseparable: rotation about that line
+    /// moves no ball.
     Collinear {
         /// Extent of the points along the line, mm.
         along_mm: f64,
         /// Largest distance from the line, mm.
         off_mm: f64,
-        /// Number of errors seen, of six.
+        /// Number of errors observed, of six.
         rank: u8,
-        /// Condition number of the scaled columns; infinite where the rank is exact.
+        /// Condition number of the scaled columns; infinite if the columns are exactly dependent.
         condition: f64,
     },
-    /// An angle has another number of readings than there are set-ups.
+    /// The number of readings at an angle differs from the number of set-ups.
     Readings {
-        /// Which angle, from 0.
+        /// Index of the angle, from 0.
         angle: usize,
-        /// Its readings.
+        /// Number of readings.
         found: usize,
-        /// The set-ups.
+        /// Number of set-ups.
         needed: usize,
     },
-    /// No angles at all.
+    /// There are no angles.
     NoAngles,
-    /// With free offsets: the angles are too few, or span too little, to tell the errors from the offsets.
+    /// With free offsets: the angles are too few, or span too little, to separate the errors from the offsets.
     Offsets {
-        /// Combinations of errors and offsets that no reading can see.
+        /// Number of combinations of errors and offsets that no reading observes.
         found: usize,
-        /// Those that there always are, and that the gauge fixes.
+        /// Number of such combinations that always exist and that the gauge fixes.
         needed: usize,
     },
     /// The singular values did not converge.

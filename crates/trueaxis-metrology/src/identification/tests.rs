@@ -1,4 +1,4 @@
-//! Truth from rigid transforms of the ball, written apart from the rows that are solved.
+//! True values from rigid transforms of the ball, written independently of the rows that are solved.
 
 use super::*;
 use nalgebra::{Isometry3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
@@ -19,7 +19,7 @@ fn degrees(count: u32, step: f64) -> Vec<f64> {
     (0..count).map(|i| (f64::from(i) * step).to_radians()).collect()
 }
 
-/// Real less ideal position of the ball: the error motion comes before the axis' own turn.
+/// Actual − ideal position of the ball: the error motion precedes the axis' rotation.
 fn moved(axis: Axis, angle: f64, ball: Ball, errors: &Twist) -> [f64; 3] {
     let [x, y, z, a, b, c] = *errors;
     let turn = match axis {
@@ -34,7 +34,7 @@ fn moved(axis: Axis, angle: f64, ball: Ball, errors: &Twist) -> [f64; 3] {
     (error * (turn * centre) - turn * centre).into()
 }
 
-/// Errors that change with the angle, of the order of 10 µm and 20 µrad times `size`, with means that are not zero.
+/// Errors that vary with the angle, of the order of 10 µm and 20 µrad times `size`, with non-zero means.
 fn truth(angle: f64, size: f64) -> Twist {
     std::array::from_fn(|i| {
         let k = i as f64;
@@ -52,7 +52,7 @@ fn test_of(axis: Axis, points: &[(f64, f64)], angles: &[f64], size: f64) -> Ball
     BallTest { axis, angles: angles.collect(), balls: balls.clone() }
 }
 
-/// Largest difference, µm and µrad alike.
+/// Largest difference, in µm and µrad.
 fn apart(one: &Twist, other: &Twist) -> f64 {
     one.iter()
         .zip(other)
@@ -98,7 +98,7 @@ fn the_rows_are_the_published_ones() {
 fn exact_readings_give_the_errors_back() {
     for (axis, points) in [(Axis::C, BALLS_C), (Axis::A, BALLS_A), (Axis::B, BALLS_A)] {
         let angles = degrees(36, 10.0);
-        // A thousandth of the real size: what the rows neglect is of second order, and then below 1e-7 µm.
+        // At a thousandth of the real size, the second-order terms that the rows neglect are below 1e-7 µm.
         for (size, tolerance) in [(1e-3, 1e-6), (1.0, 5e-3)] {
             let found = identify(&test_of(axis, &points, &angles, size), Offsets::Known).unwrap();
             assert_eq!((found.location, found.degrees_of_freedom), (Location::Inside, 108));
@@ -122,7 +122,7 @@ fn more_set_ups_agree_too() {
     }
 }
 
-/// Rest of true errors once the convention of free offsets has been imposed, by Gram's sums over the angles.
+/// True errors under the convention of free offsets, by Gram's sums over the angles.
 fn in_convention(axis: Axis, angles: &[f64]) -> Vec<Twist> {
     let mut truth: Vec<Twist> = angles.iter().map(|&angle| truth(angle, 1e-3)).collect();
     let count = angles.len() as f64;
@@ -173,7 +173,7 @@ fn free_offsets_leave_the_errors_but_for_the_convention() {
         for (angle, truth) in found.angles.iter().zip(in_convention(axis, &angles)) {
             assert!(apart(&angle.errors, &truth) < 1e-6, "{axis:?} {}", angle.angle_rad);
         }
-        // With the offsets taken for errors the result would be off by micrometres.
+        // If the offsets were treated as errors, the result would be off by micrometres.
         let known = identify(&test, Offsets::Known).unwrap();
         assert!(known.sigma_mm > 1e3 * found.sigma_mm);
     }
@@ -232,7 +232,7 @@ fn collinear_set_ups_are_refused_with_their_figures() {
             assert!((along_mm - reach).abs() < 1e-9 && off_mm < 1e-9 && rank == 5, "{along_mm} {off_mm} {rank}");
         }
     }
-    // Nearly so: a tenth of a millimetre is still told apart, a hundredth is not.
+    // Almost collinear: a tenth of a millimetre is still sufficient, a hundredth is not.
     let bent = |off: f64| [(200.0, 50.0), (250.0, 50.0 + off), (300.0, 50.0)];
     assert!(identify(&test_of(Axis::C, &bent(0.1), &angles, 1.0), Offsets::Known).is_ok());
     let text = refused(&bent(0.01), Offsets::Known).to_string();
@@ -253,7 +253,7 @@ fn what_is_missing_or_not_finite_is_refused() {
     assert_eq!(identify(&few, Offsets::Known), Err(Refused::TooFewSetUps { found: 2 }));
     assert_eq!(identify(&BallTest { axis: Axis::X, ..test.clone() }, Offsets::Known), Err(Refused::NotRotary(Axis::X)));
     assert_eq!(identify(&BallTest { angles: Vec::new(), ..test }, Offsets::Known), Err(Refused::NoAngles));
-    // One angle cannot tell errors from offsets.
+    // One angle cannot separate errors from offsets.
     let short = test_of(Axis::A, &BALLS_A, &[0.0, 1e-6, 2e-6], 1.0);
     assert!(matches!(identify(&short, Offsets::Free), Err(Refused::Offsets { needed: 5, .. })));
 }

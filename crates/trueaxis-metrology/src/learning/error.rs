@@ -1,85 +1,85 @@
-//! Why nothing is learned from a record.
+//! Why a record cannot be learned from.
 
 use core::fmt;
 
-/// Why nothing is learned.
+/// Why a record cannot be learned from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum NotLearned {
-    /// A figure of the law is out of range.
+    /// A value of the law is out of range.
     Setting {
-        /// Its name, as an option of the command line.
+        /// Name of the command-line option.
         key: &'static str,
-        /// The figure.
+        /// The value.
         found: f64,
-        /// Its range.
+        /// Permitted range.
         needed: &'static str,
     },
-    /// No row, or none in which the error was measured.
+    /// There is no row with a measured error.
     Empty,
-    /// A row lies off the path.
+    /// A row is off the path.
     OffThePath {
-        /// The row, from 0.
+        /// Index of the row, from 0.
         index: usize,
-        /// Its path length, mm.
+        /// Path length of the row, mm.
         found_mm: f64,
-        /// Of the path, mm.
+        /// Length of the path, mm.
         length_mm: f64,
     },
-    /// The path length goes back.
+    /// The path length decreases.
     Backwards {
-        /// The row, from 0.
+        /// Index of the row, from 0.
         index: usize,
-        /// Its path length, mm.
+        /// Path length of the row, mm.
         found_mm: f64,
-        /// That of the row before, mm.
+        /// Path length of the previous row, mm.
         before_mm: f64,
     },
-    /// The rows leave a stretch of the path out.
+    /// The rows omit a stretch of the path.
     Gap {
-        /// The row at its end, from 0.
+        /// Index of the row after the gap, from 0.
         index: usize,
-        /// Where it begins, mm.
+        /// Start of the gap, mm.
         from_mm: f64,
-        /// Where it ends, mm.
+        /// End of the gap, mm.
         to_mm: f64,
-        /// Widest that is accepted, mm.
+        /// Widest permitted gap, mm.
         widest_mm: f64,
     },
-    /// An error that is no contour error, or no number.
+    /// An error is too large for a contour error, or not a number.
     TooLarge {
-        /// The row, from 0.
+        /// Index of the row, from 0.
         index: usize,
         /// Largest component, mm.
         found_mm: f64,
-        /// The most, mm.
+        /// Largest permitted component, mm.
         most_mm: f64,
     },
-    /// The correction before has another number of nodes.
+    /// The previous correction has another number of nodes.
     Nodes {
-        /// Its number.
+        /// Number of nodes of the correction.
         found: usize,
-        /// Of the errors.
+        /// Number of nodes of the errors.
         needed: usize,
     },
-    /// The path takes more nodes than a file holds.
+    /// The path needs more nodes than a file can contain.
     TooLong {
-        /// Nodes.
+        /// Number of nodes.
         found: f64,
-        /// The most.
+        /// Largest permitted number.
         most: usize,
     },
-    /// The correction is larger than the file's coarsest resolution holds.
+    /// The correction exceeds the range at the file's coarsest resolution.
     TooStrong {
         /// Largest component, mm.
         found_mm: f64,
-        /// The most, mm.
+        /// Largest permitted component, mm.
         most_mm: f64,
     },
 }
 
 impl NotLearned {
-    /// The row that is refused, from 0; none where it is not a single one.
+    /// Returns the index of the refused row, from 0; `None` if the refusal concerns no single row.
     pub fn row(&self) -> Option<usize> {
         match *self {
             NotLearned::OffThePath { index, .. }

@@ -4,35 +4,35 @@ use super::{GAP_OF_CUTOFF, Law, MeasuredError, NotLearned, Resampled, encode, re
 use std::vec::Vec;
 use trueaxis::learned::{Learned, LearnedHeader};
 
-/// What a record and a correction belong to.
+/// Machine and program of a record and a correction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Identity {
-    /// Of the machine, [`trueaxis::tcomp::machine_id`].
+    /// Id of the machine, [`trueaxis::tcomp::machine_id`].
     pub machine_id: u32,
-    /// Of the program's path, [`trueaxis::learned::ProgramId`].
+    /// Id of the program's path, [`trueaxis::learned::ProgramId`].
     pub program_id: u32,
     /// Path length of the program, mm.
     pub length_mm: f64,
 }
 
-/// What a part taught.
+/// Result of learning from a part.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lesson {
-    /// Of the correction's file.
+    /// Header of the correction's file.
     pub header: LearnedHeader,
     /// Spacing of the nodes, mm.
     pub spacing_mm: f64,
     /// Contour error of the part at the nodes, mm.
     pub errors_mm: Vec<[f64; 3]>,
-    /// Correction that the part was made with, mm.
+    /// Correction with which the part was made, mm.
     pub before_mm: Option<Vec<[f64; 3]>>,
-    /// Correction for the next, mm.
+    /// Correction for the next part, mm.
     pub correction_mm: Vec<[f64; 3]>,
 }
 
 impl Lesson {
-    /// Learns from the rows of a part that was made with the correction `before`; that this one belongs to `identity` is for
-    /// the caller to see to ([`Learned::expect_program`]).
+    /// Learns from the rows of a part made with the correction `before`; the caller must check that `before` belongs to
+    /// `identity` ([`Learned::expect_program`]).
     ///
     /// # Errors
     /// As [`Law::check`] and [`resample`].
@@ -60,7 +60,7 @@ impl Lesson {
         Ok(Lesson { header, spacing_mm, errors_mm, before_mm, correction_mm })
     }
 
-    /// The file of the correction.
+    /// Encodes the correction as a file.
     ///
     /// # Errors
     /// As [`encode`].

@@ -1,17 +1,17 @@
-//! The low-pass Q: Gaussian, symmetric, so without phase.
+//! The low-pass Q: Gaussian and symmetric, so zero-phase.
 
 use std::vec::Vec;
 
-/// Transmission of a wavelength: Q(λ) = 2^−(λ_c/λ)², one half at the cut-off, as ISO 16610-21 has it.
+/// Returns the transmission of a wavelength: Q(λ) = 2^−(λ_c/λ)², one half at the cut-off, as in ISO 16610-21.
 pub fn transmission(wavelength: f64, cutoff: f64) -> f64 {
     let ratio = cutoff / wavelength;
     libm::exp2(-ratio * ratio)
 }
 
-/// Filters each direction of a series whose values stand `spacing` apart; beyond the ends it is taken for zero.
+/// Filters each direction of a series of values `spacing` apart; the series is zero beyond its ends.
 ///
-/// Weights `exp(−π² x²/(ln 2 λ_c²))` to a cut-off on either side, where they have fallen to 10⁻⁶, normalized. A sum in place
-/// of a transform: it wraps nothing around from the other end, and takes the same time for each node.
+/// The weights are `exp(−π² x²/(ln 2 λ_c²))` up to one cut-off on either side, where they have fallen to 10⁻⁶, normalized. A
+/// sum, unlike a transform, does not wrap around at the ends, and takes the same time for each node.
 pub fn low_pass(values: &[[f64; 3]], spacing: f64, cutoff: f64) -> Vec<[f64; 3]> {
     let reach = (cutoff / spacing).floor() as usize;
     let weight = |k: usize| {

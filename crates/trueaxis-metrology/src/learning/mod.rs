@@ -1,4 +1,4 @@
-//! Learning along a path that repeats: what is left of the contour error of one part corrects the next.
+//! Iterative learning along a repeated path: the residual contour error of one part corrects the next.
 //!
 //! With e the contour error (tip − foot, machine directions) and u the correction over path length, from part to part
 //!
@@ -7,14 +7,14 @@
 //! e   =  e₀ + P u            P: what the drives and the contour feedback make of a correction
 //! ```
 //!
-//! so that the part of e at wavelength λ goes, by each part, toward (1 − f) e₀/(1 − f + L Q P) with the factor
-//! `|f − L Q P|` ([`Law::contraction`]). It falls where that is below 1: for all plants with the phase of P within 90° and
-//! |P| < 2/L up to the cut-off, and beyond it where L Q |P| < 1 − f, whatever the phase. With the default gain of 0.7 the
-//! factor stays within 0.02 to 0.56 for plants of 0.6 to 1.4. Forgetting 2 % a part leaves 3 % of a constant error, and
-//! lets go what no longer comes back.
+//! so that each part moves the component of e at wavelength λ toward (1 − f) e₀/(1 − f + L Q P) by the factor `|f − L Q P|`
+//! ([`Law::contraction`]). The error falls if that factor is below 1: for all plants with the phase of P within 90° and |P| <
+//! 2/L up to the cut-off, and beyond it if L Q |P| < 1 − f, whatever the phase. With the default gain of 0.7 the factor is
+//! 0.02 to 0.56 for plants of 0.6 to 1.4. Forgetting 2 % per part leaves 3 % of a constant error, and removes corrections of
+//! errors that no longer recur.
 //!
-//! The record is resampled to nodes at equal distances, the errors of a node's neighbourhood averaged, which also takes
-//! out noise; the correction fades to zero within a cut-off of either end.
+//! The record is resampled to equidistant nodes, averaging the errors near each node, which also reduces noise; the correction
+//! fades to zero within a cut-off of either end.
 //!
 //! Sources: S. Arimoto, S. Kawamura, F. Miyazaki, Bettering operation of robots by learning, J. Robotic Systems 1 (1984),
 //! 10.1002/rob.4620010203 (the law); D. Bristow, M. Tharayil, A. Alleyne, A survey of iterative learning control, IEEE
@@ -35,23 +35,23 @@ pub use table::{MOST_NODES, encode};
 use nalgebra::Complex;
 use std::vec::Vec;
 
-/// Gain L unless another is asked for.
+/// Default gain L.
 pub const DEFAULT_GAIN: f64 = 0.7;
-/// Forgetting f unless another is asked for.
+/// Default forgetting factor f.
 pub const DEFAULT_FORGET: f64 = 0.98;
-/// Cut-off wavelength unless another is asked for, mm.
+/// Default cut-off wavelength, mm.
 pub const DEFAULT_CUTOFF_MM: f64 = 0.4;
-/// Nodes in a cut-off wavelength: the polygon through a wave at the cut-off is within 2 % of its amplitude.
+/// Nodes per cut-off wavelength: the polygon through a wave at the cut-off is within 2 % of its amplitude.
 pub const NODES_IN_CUTOFF: f64 = 16.0;
 
-/// The law by which a part teaches the next.
+/// Learning law from one part to the next.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Law {
-    /// L, above 0 and below 2 (from there on even a plant of gain 1 oscillates from part to part).
+    /// L, above 0 and below 2 (from 2 on, even a plant of gain 1 oscillates from part to part).
     pub gain: f64,
-    /// f, above 0 to 1; 1 keeps everything.
+    /// f, above 0 to 1; 1 forgets nothing.
     pub forget: f64,
-    /// Wavelength λ_c that Q lets pass by half, mm, 0.01 to 1000.
+    /// Wavelength λ_c that Q transmits by half, mm, 0.01 to 1000.
     pub cutoff_mm: f64,
 }
 
@@ -62,10 +62,10 @@ impl Default for Law {
 }
 
 impl Law {
-    /// Refuses figures out of range.
+    /// Refuses values out of range.
     ///
     /// # Errors
-    /// The first that is, with its range.
+    /// The first value out of range, with its range.
     pub fn check(&self) -> Result<(), NotLearned> {
         let setting = |key, found, needed| Err(NotLearned::Setting { key, found, needed });
         if !(self.gain > 0.0 && self.gain < 2.0) {
@@ -80,27 +80,27 @@ impl Law {
         Ok(())
     }
 
-    /// Spacing of the nodes on a path of this length, mm: at most a sixteenth of the cut-off, a whole number of nm, the
-    /// last node at the path's end or less than a spacing beyond it.
+    /// Returns the spacing of the nodes on a path of this length, mm: at most a sixteenth of the cut-off, a whole number of
+    /// nm, with the last node at the path's end or less than a spacing beyond it.
     pub fn spacing_mm(&self, length_mm: f64) -> f64 {
         let most = self.cutoff_mm / NODES_IN_CUTOFF;
         let even = length_mm / (length_mm / most).ceil().max(1.0);
         (even * 1e6).ceil().max(1.0) * 1e-6
     }
 
-    /// Factor `|f − L Q P|` by which what is left of an error of wavelength `wavelength_mm` shrinks from part to part,
-    /// with the plant's response P there; below 1 it falls.
+    /// Returns the factor `|f − L Q P|` by which an error of wavelength `wavelength_mm` shrinks from part to part, with P the
+    /// plant's response there; below 1 the error falls.
     pub fn contraction(&self, wavelength_mm: f64, plant: Complex<f64>) -> f64 {
         (self.forget - plant * (self.gain * transmission(wavelength_mm, self.cutoff_mm))).norm()
     }
 
-    /// The correction for the next part from `before` (none: zero) and the errors of the part that was made with it, both
-    /// at nodes `spacing_mm` apart; mm. Zero at both ends, faded in over a cut-off wavelength.
+    /// Computes the next part's correction from `before` (`None`: zero) and the errors of the part made with it, both at nodes
+    /// `spacing_mm` apart; mm. It is zero at both ends and fades in over a cut-off wavelength.
     ///
-    /// Cost: some forty multiplications for a node and direction at the default spacing.
+    /// Cost: some forty multiplications per node and direction at the default spacing.
     ///
     /// # Errors
-    /// Figures of the law out of range; a correction before of another number of nodes.
+    /// Values of the law out of range; a previous correction with another number of nodes.
     pub fn update(
         &self,
         before: Option<&[[f64; 3]]>,
@@ -122,7 +122,7 @@ impl Law {
     }
 }
 
-/// From 0 to 1 without a kink, `share` of the way.
+/// Smooth transition from 0 to 1, at `share` of the way.
 fn fade(share: f64) -> f64 {
     let t = share.min(1.0);
     t * t * (3.0 - 2.0 * t)

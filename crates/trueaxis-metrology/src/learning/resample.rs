@@ -1,13 +1,13 @@
-//! A recorded contour error at nodes of equal distance.
+//! A recorded contour error at equidistant nodes.
 
 use super::NotLearned;
 use std::vec::Vec;
 
-/// Widest gap between two rows, as a share of the cut-off wavelength: two rows in a wave at the cut-off.
+/// Widest gap between two rows, as a share of the cut-off wavelength: two rows per wave at the cut-off.
 pub const GAP_OF_CUTOFF: f64 = 0.5;
-/// Largest contour error that is taken for one, mm: beyond it a unit or a reading is wrong.
+/// Largest plausible contour error, mm: a larger one indicates a wrong unit or reading.
 pub const LARGEST_ERROR_MM: f64 = 1.0;
-/// A path length may go back by so much from rounding, mm.
+/// Tolerance for a decreasing path length due to rounding, mm.
 const ROUNDING_MM: f64 = 1e-6;
 
 /// Contour error in a cycle of the part.
@@ -15,7 +15,7 @@ const ROUNDING_MM: f64 = 1e-6;
 pub struct MeasuredError {
     /// Path length of the reference, mm.
     pub length_mm: f64,
-    /// Tip − foot, X, Y, Z in machine directions, mm; none where nothing was measured (rapid motion, search, fault).
+    /// Tip − foot, X, Y, Z in machine directions, mm; `None` if not measured (rapid motion, search, fault).
     pub error_mm: Option<[f64; 3]>,
 }
 
@@ -28,13 +28,13 @@ pub struct Resampled {
     pub errors_mm: Vec<[f64; 3]>,
 }
 
-/// Brings a record over a path of `length_mm` to nodes `spacing_mm` apart: of the rows nearest to a node the mean, between
-/// nodes without rows straight on, zero across what was not measured.
+/// Resamples a record over a path of `length_mm` to nodes `spacing_mm` apart: the mean of the rows nearest to a node, linear
+/// interpolation for nodes without rows, zero where nothing was measured.
 ///
 /// # Errors
-/// The first row that cannot be taken, with its index: a path length that goes back or lies off the path, a step that is
-/// wider than `widest_gap_mm` between two measured rows, an error that is too large; a record that does not begin and end
-/// where the path does, or in which nothing is measured.
+/// The first unacceptable row, with its index: a path length that decreases or is off the path, a step wider than
+/// `widest_gap_mm` between two measured rows, an error that is too large; also a record that does not cover the path from
+/// start to end, or contains no measured error.
 pub fn resample(
     rows: &[MeasuredError],
     length_mm: f64,
@@ -57,7 +57,7 @@ pub fn resample(
     Ok(Resampled { spacing_mm, errors_mm: errors })
 }
 
-/// Fills nodes that no row is nearest to, from the rows on either side.
+/// Interpolates nodes that no row is nearest to from the rows on either side.
 fn bridge(errors: &mut [[f64; 3]], sums: &[([f64; 3], u32)], rows: &[MeasuredError], spacing_mm: f64) {
     let mut next = 0;
     for (k, (error, (_, count))) in errors.iter_mut().zip(sums).enumerate() {
@@ -80,7 +80,7 @@ fn check(rows: &[MeasuredError], length_mm: f64, widest_gap_mm: f64) -> Result<(
     let (Some(first), Some(last)) = (rows.first(), rows.last()) else { return Err(NotLearned::Empty) };
     for (index, row) in rows.iter().enumerate() {
         let found_mm = row.length_mm;
-        // Also refuses what is not a number.
+        // Also refuses NaN.
         if !(-widest_gap_mm..=length_mm + widest_gap_mm).contains(&found_mm) {
             return Err(NotLearned::OffThePath { index, found_mm, length_mm });
         }

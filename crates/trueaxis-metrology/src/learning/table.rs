@@ -1,4 +1,4 @@
-//! A correction as the file that the host reads.
+//! Encodes a correction as the file that the host reads.
 
 use super::NotLearned;
 use std::vec::Vec;
@@ -8,26 +8,26 @@ use trueaxis::tcomp::checksum;
 /// Most nodes of a correction: 120 MB of file.
 pub const MOST_NODES: usize = 20_000_000;
 
-/// Counts of an i16, of either sign.
+/// Largest count of an i16, of either sign.
 const COUNTS: f64 = 32_767.0;
 const PM_PER_MM: f64 = 1e9;
 
-/// Nodes of a path, from 0 to its end.
+/// Number of nodes of a path, from 0 to its end.
 pub(super) fn nodes(length_mm: f64, spacing_mm: f64) -> Result<usize, NotLearned> {
-    // In whole nm, as the file has them.
+    // In whole nm, as in the file.
     let (length, spacing) = ((length_mm * 1e6).round(), (spacing_mm * 1e6).round());
     let nodes = (length / spacing).ceil() + 1.0;
-    // Also refuses what is not a number.
+    // Also refuses NaN.
     if !(2.0..=MOST_NODES as f64).contains(&nodes) {
         return Err(NotLearned::TooLong { found: nodes, most: MOST_NODES });
     }
     Ok(nodes as usize)
 }
 
-/// The file of a correction at the header's nodes, mm; `header.resolution_pm` is set to the finest that holds it.
+/// Encodes a correction at the header's nodes, mm, as a file; sets `header.resolution_pm` to the finest sufficient resolution.
 ///
 /// # Errors
-/// A number of nodes that is not the header's, a correction that is too large or no number.
+/// The number of nodes differs from the header's; the correction is too large or not finite.
 pub fn encode(header: LearnedHeader, correction_mm: &[[f64; 3]]) -> Result<Vec<u8>, NotLearned> {
     let needed = header.nodes().and_then(|nodes| usize::try_from(nodes).ok()).unwrap_or(0);
     if correction_mm.len() != needed {

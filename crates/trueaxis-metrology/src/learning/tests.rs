@@ -7,7 +7,7 @@ use trueaxis::learned::{Learned, LearnedHeader};
 const FEED: f64 = 25.0;
 const SPACING: f64 = 0.025;
 
-/// A drive as a linear plant in time, integrated apart from the law: K (K_v + k s)/(s + K_v) behind a first-order lag, by
+/// A drive as a linear plant in time, integrated independently of the law: K (K_v + k s)/(s + K_v) and a first-order lag, by
 /// the exact step response of each pole between nodes.
 struct Plant {
     gain: f64,
@@ -59,7 +59,7 @@ fn added(one: &[[f64; 3]], other: &[[f64; 3]]) -> Vec<[f64; 3]> {
     one.iter().zip(other).map(|(a, b)| core::array::from_fn(|i| a[i] + b[i])).collect()
 }
 
-/// What is left of a disturbance after each of `parts` parts, the first without correction.
+/// Residual of a disturbance after each of `parts` parts, the first without correction.
 fn parts(law: &Law, plant: &Plant, disturbance: &[[f64; 3]], parts: usize) -> Vec<f64> {
     let mut correction = std::vec![[0.0; 3]; disturbance.len()];
     let mut left = Vec::new();
@@ -71,7 +71,7 @@ fn parts(law: &Law, plant: &Plant, disturbance: &[[f64; 3]], parts: usize) -> Ve
     left
 }
 
-/// From part to part less, down to the 4 % of the first that forgetting may leave.
+/// Whether the residual decreases from part to part, down to the 4 % of the first that forgetting may leave.
 fn falls(left: &[f64]) -> bool {
     left.windows(2).all(|pair| pair[1] < pair[0].max(0.04 * left[0]))
 }
@@ -86,7 +86,7 @@ fn what_is_left_falls_with_every_part_for_plants_of_forty_percent_either_way() {
             let left = parts(&law, &plant, &wave(wavelength, 1e-3, 4000), 4);
             assert!(falls(&left), "{} {wavelength}: {left:?}", plant.gain);
         }
-        // Spikes at two reversals, 10 ms wide, as a glitch is.
+        // Spikes at two reversals, 10 ms wide, like a quadrant glitch.
         let spike = |k: usize, at: f64| (-((k as f64 * SPACING - at) / 0.25).powi(2)).exp() * 2e-3;
         let spikes: Vec<[f64; 3]> = (0..4000).map(|k| [spike(k, 30.0), -spike(k, 62.0), 0.0]).collect();
         let left = parts(&law, &plant, &spikes, 4);
@@ -118,7 +118,7 @@ fn beyond_the_stated_gain_what_is_left_grows() {
     assert!(left.windows(2).all(|pair| pair[1] > pair[0]), "{left:?}");
 }
 
-/// Noise that differs from part to part adds at most what the law's gain lets in.
+/// Noise that differs from part to part adds at most the share that the law's gain admits.
 #[test]
 fn noise_is_not_gathered_up() {
     let (law, plant) = (Law::default(), plants().nth(4).unwrap());
@@ -163,7 +163,7 @@ fn nodes_get_the_mean_of_the_rows_about_them_and_straight_lines_between() {
     for (found, expected) in x.iter().zip([2e-3, 0.0, 4e-3, 6e-3, 8e-3]) {
         assert!((found - expected).abs() < 1e-15, "{x:?}");
     }
-    // What was not measured is zero, and may be as long as it likes.
+    // Unmeasured stretches are zero, and may be of any length.
     let none = |length_mm| MeasuredError { length_mm, error_mm: None };
     let rows = [row(0.0, 1e-3), none(0.05), none(0.8), row(0.9, 1e-3), row(1.0, 1e-3)];
     let found = resample(&rows, 1.0, 0.1, 0.25).unwrap();

@@ -1,4 +1,4 @@
-//! Truth: cosine sums evaluated where each probe stands, and the linkage solved by bisection of its sine rule.
+//! True values: cosine sums evaluated at each probe's position, and the linkage solved by bisection of its sine rule.
 
 use super::*;
 use core::f64::consts::TAU;
@@ -15,7 +15,8 @@ struct Truth {
 }
 
 impl Truth {
-    /// Several µm of every harmonic up to the band's last; motion with 50 µm once per revolution, others and noise.
+    /// Several µm in each harmonic up to the band's last; motion of 50 µm once per revolution, with other frequencies and
+    /// noise.
     fn new(points: usize, seed: u64) -> Truth {
         let mut noise = Noise::new(seed);
         let harmonics = BAND.iter().map(|_| [3.0 + 2.0 * noise.signed(), TAU * noise.signed()]).collect();
@@ -46,7 +47,7 @@ impl Truth {
     }
 }
 
-/// β where α + β = θ and R sin α = (R_S + R_W) sin β.
+/// β such that α + β = θ and R sin α = (R_S + R_W) sin β.
 fn solved_arm(ratio: f64, theta: f64) -> f64 {
     let (mut low, mut high) = (-ratio.asin(), ratio.asin());
     for _ in 0..80 {
@@ -120,7 +121,7 @@ fn noise_free_readings_are_taken_apart() {
     std::println!("largest error {worst:.1e} µm");
 }
 
-/// A wrong sign in β would go unnoticed with β = 0 and small motion; here the error is as large as the motion.
+/// With β = 0 and small motion a wrong sign of β would go unnoticed; here the error is as large as the motion.
 #[test]
 fn the_arm_matters() {
     let (points, angles) = (512, slots(155, 172));
@@ -130,12 +131,12 @@ fn the_arm_matters() {
     let still = Separator::new(gain, BAND, NOISE_GAIN_LIMIT, 0.0).unwrap();
     let found = still.separate([&readings[0], &readings[1], &readings[2]]).unwrap();
     assert!(largest_difference(&found.x, truth.x.iter().copied()) > 5.0);
-    // s does not contain the motion, however β turns it.
+    // s does not contain the motion, whatever β is.
     let theta = (0..points).map(|i| TAU * i as f64 / points as f64);
     assert!(largest_difference(&found.profile, theta.map(|theta| truth.profile(theta))) < 1e-6);
 }
 
-/// A part that is larger than the master on which the probes were set to zero.
+/// A part larger than the master on which the probes were zeroed.
 #[test]
 fn the_size_of_the_part_is_no_motion() {
     let ratio = Arm { crank_mm: 45.0, wheel_mm: 300.0, pin_mm: 27.5 }.ratio().unwrap();
@@ -151,7 +152,7 @@ fn the_size_of_the_part_is_no_motion() {
 
 #[test]
 fn suppressed_harmonics_are_left_out_and_marked() {
-    // 90° and 181.05°: noise gain 19 at its worst, so a limit of 10 hits some harmonics and not all.
+    // 90° and 181.05°: the largest noise gain is 19, so a limit of 10 suppresses some harmonics, not all.
     let gain = degrees(90.0, 181.05).resolve(1024).unwrap();
     let truth = Truth::new(1024, 5);
     let readings = truth.readings([gain.phi2(), gain.phi3()], |_| 0.0);
@@ -201,8 +202,8 @@ fn what_cannot_be_separated_is_refused() {
     assert_eq!((error.index, error.found), (Some(1), 1023.0));
 }
 
-/// Independent noise of standard deviation σ in every probe makes a mean square amplitude of 4 σ² g²/N in a harmonic of
-/// noise gain g.
+/// Independent noise of standard deviation σ in each probe causes a mean square amplitude of 4 σ² g²/N in a harmonic of noise
+/// gain g.
 #[test]
 fn noise_grows_by_the_noise_gain() {
     let (points, revolutions) = (128, 600);
@@ -219,9 +220,9 @@ fn noise_grows_by_the_noise_gain() {
         }
     }
     for (k, square) in band.iter().zip(squares) {
-        // σ² of numbers spread evenly over −1..1 is 1/3.
+        // σ² of numbers distributed uniformly over −1..1 is 1/3.
         let expected = 4.0 / 3.0 * gain.noise_gain(usize::from(k)).powi(2) / points as f64;
-        // The mean of 600 exponentially distributed squares strays by 4 %.
+        // The mean of 600 exponentially distributed squares scatters by 4 %.
         assert!((square / expected - 1.0).abs() < 0.2, "{k}: {square} {expected}");
     }
 }

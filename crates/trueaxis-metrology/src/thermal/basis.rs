@@ -1,4 +1,4 @@
-//! Columns of the linear problem: what one unit of a cause makes of every row.
+//! Columns of the linear problem: the effect of one unit of a cause on each row.
 
 use super::{Record, Settings, span};
 use std::vec;
@@ -6,7 +6,7 @@ use std::vec::Vec;
 use trueaxis::Axis;
 use trueaxis::temperature::{Decay, KNOTS, place};
 
-/// What makes an axis grow.
+/// Cause of thermal growth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Cause {
     /// A sensor, from 0.
@@ -15,7 +15,7 @@ pub(super) enum Cause {
     Spindle,
 }
 
-/// A cause with its lag and, of a sensor, the temperatures at which its curve bends.
+/// A cause with its lag and, for a sensor, the temperatures at which its curve bends.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Chosen {
     pub(super) cause: Cause,
@@ -23,30 +23,31 @@ pub(super) struct Chosen {
     pub(super) bends_c: Vec<f64>,
 }
 
-/// Share of the rows of a speed that are in one cycle, from which on the others tell nothing of it.
+/// If one cycle has more than this share of a speed's rows, the other cycles count as uninformative about that speed.
 const LONE: f64 = 0.95;
 
-/// A record with what all fits of it share.
+/// A record with the data that all its fits share.
 pub(super) struct Problem<'r> {
     pub(super) record: &'r Record,
     pub(super) settings: &'r Settings,
-    /// Knots of the spindle's speed; none where it is constant.
+    /// Knots of the spindle's speed; empty if it is constant.
     pub(super) speeds_rpm: Vec<f64>,
-    /// For every knot of the speed the one fitted cycle that has it, from 0; none where several have it, nor for rest.
+    /// For each speed knot the index, from 0, of the one fitted cycle that has it; `None` if several have it, and for
+    /// standstill.
     pub(super) lone: Vec<Option<usize>>,
-    /// Whether the axes were measured at more than one position; with more than one tool.
+    /// Whether the axes were measured at more than one position, and with more than one tool.
     slopes: [bool; 3],
     tilts: bool,
     pub(super) groups: Vec<usize>,
 }
 
-/// Position of a linear axis among X, Y, Z.
+/// Index of a linear axis among X, Y, Z.
 pub(super) fn slot(axis: Axis) -> usize {
     axis.index().min(2)
 }
 
 impl<'r> Problem<'r> {
-    /// `rows`: those that a fit is made from.
+    /// `rows`: the rows used for the fit.
     pub(super) fn new(record: &'r Record, settings: &'r Settings, rows: &[usize]) -> Self {
         let varies = |[low, high]: [f64; 2]| high > low;
         let samples = || record.samples.iter();
@@ -62,7 +63,7 @@ impl<'r> Problem<'r> {
         }
     }
 
-    /// All causes there may be.
+    /// All possible causes.
     pub(super) fn causes(&self) -> Vec<Cause> {
         let moves = |sensor: &usize| {
             let [low, high] = span(self.record.readings(*sensor));
@@ -72,7 +73,7 @@ impl<'r> Problem<'r> {
         (0..self.record.sensors.len()).filter(moves).map(Cause::Sensor).chain(spindle).collect()
     }
 
-    /// Whether slope or tilt of a cause can be told on an axis.
+    /// Whether the slope or tilt of a cause is observable on an axis.
     pub(super) fn levers(&self, axis: Axis, cause: Cause) -> bool {
         match cause {
             Cause::Sensor(_) => self.slopes[slot(axis)],
@@ -80,7 +81,7 @@ impl<'r> Problem<'r> {
         }
     }
 
-    /// Lever of a row: the distance from the datum, or the tool.
+    /// Lever of a row: the distance from the datum, or the tool length.
     pub(super) fn lever(&self, axis: Axis, cause: Cause, row: usize) -> f64 {
         let (sample, axis) = (&self.record.samples[row], slot(axis));
         match cause {
@@ -89,8 +90,8 @@ impl<'r> Problem<'r> {
         }
     }
 
-    /// The responses of a cause over all rows: of a sensor its curve's straight part and its bends, of the spindle its knots
-    /// but rest.
+    /// Responses of a cause over all rows: the straight part and the bends of a sensor's curve, or the spindle's knots without
+    /// standstill.
     pub(super) fn responses(&self, chosen: &Chosen) -> Vec<Vec<f64>> {
         match chosen.cause {
             Cause::Sensor(sensor) => {
@@ -112,7 +113,7 @@ impl<'r> Problem<'r> {
         }
     }
 
-    /// An input behind a lag; it begins as it is, or at `rest`.
+    /// An input after a lag, starting at its first value or at `rest`.
     fn lagged(&self, lag_s: f64, input: impl Fn(usize) -> f64, rest: Option<f64>) -> Vec<f64> {
         let samples = &self.record.samples;
         let mut out = Vec::with_capacity(samples.len());
@@ -127,7 +128,7 @@ impl<'r> Problem<'r> {
                 if dt_s != decay.0 {
                     decay = (dt_s, Decay::new(dt_s, lag_s));
                 }
-                // Rows of one moment: nothing has passed.
+                // Rows of the same moment: no time has passed.
                 if dt_s > 0.0 {
                     x = decay.1.respond(x, before, now);
                 }
@@ -138,7 +139,7 @@ impl<'r> Problem<'r> {
         out
     }
 
-    /// The values of `rows` less the mean of their group: the zero of every measuring point in every cycle is taken out.
+    /// Values of `rows` minus the mean of their group: removes the zero of each measuring point in each cycle.
     pub(super) fn centred(&self, rows: &[usize], value: impl Fn(usize) -> f64) -> Vec<f64> {
         let count = self.groups.iter().max().map_or(0, |last| last + 1);
         let mut means = vec![(0.0, 0.0); count];
@@ -168,7 +169,7 @@ fn share(knots_rpm: &[f64], knot: usize, rpm: f64) -> f64 {
     }
 }
 
-/// The fitted cycle that alone has each knot.
+/// For each knot the only fitted cycle that has it.
 fn lone(record: &Record, rows: &[usize], knots_rpm: &[f64]) -> Vec<Option<usize>> {
     let mut cycles: Vec<Vec<f64>> = Vec::new();
     let mut before = None;
@@ -187,8 +188,8 @@ fn lone(record: &Record, rows: &[usize], knots_rpm: &[f64]) -> Vec<Option<usize>
     (0..knots_rpm.len()).map(of).collect()
 }
 
-/// Knots of the speed: those that were run in `rows` where they are few, else even ones up to the fastest, but for those that
-/// no row comes near. What was run in other rows alone would be a knot of which nothing is known.
+/// Speed knots: the speeds in `rows` if they are few, otherwise equidistant ones up to the fastest, without those that no row
+/// is near. A knot at a speed that only other rows have would be undetermined.
 fn speeds(record: &Record, rows: &[usize]) -> Vec<f64> {
     let run = || rows.iter().filter_map(|row| record.samples.get(*row)).map(|sample| sample.spindle_rpm.abs());
     let mut found: Vec<f64> = Vec::new();
@@ -217,7 +218,7 @@ mod tests {
     use std::vec;
     use std::vec::Vec;
 
-    /// Rows of these speeds, four a cycle.
+    /// Rows with these speeds, four per cycle.
     fn record(speeds_rpm: &[f64]) -> Record {
         let sample = |(row, rpm): (usize, &f64)| Sample {
             t_s: row as f64,
@@ -235,7 +236,7 @@ mod tests {
     #[test]
     fn many_speeds_have_even_knots_where_any_of_them_is_near() {
         let record = record(&[100.0, 200.0, 300.0, 400.0, 500.0, 600.0, 700.0, 12_000.0]);
-        // 6,000 rpm would be a knot of which no row tells anything; the growth there would be 0.
+        // No row is near 6,000 rpm: the growth at such a knot would be 0.
         assert_eq!(speeds(&record, &[0, 1, 2, 3, 4, 5, 6, 7]), [0.0, 3000.0, 12_000.0]);
     }
 

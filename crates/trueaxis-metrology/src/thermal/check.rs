@@ -1,4 +1,4 @@
-//! Records that tell nothing, or tell it with a broken sensor.
+//! Refuses records that determine no model or contain a faulty sensor.
 
 use super::{COLLINEAR, LEAST_CYCLES, LEAST_RANGE_K, LEAST_ROWS, LONGEST_GAP_S, REST_S, Record, span};
 use core::fmt;
@@ -6,18 +6,18 @@ use std::string::String;
 use std::vec::Vec;
 use trueaxis::temperature::SENSORS;
 
-/// Change of a reading from one row to the next that no machine makes: K at once, and, where nothing else is stated, K a minute.
+/// Implausible change of a reading between rows: K at once, and the default K per minute.
 const JUMP_K: f64 = 5.0;
 /// See [`super::Settings::rate_k_per_min`].
 pub const RATE_K_PER_MIN: f64 = 3.0;
-/// A sensor is stuck that repeats a reading for so long, s, and so many times longer than ever else, in so many rows, while
-/// the others move so far, K.
+/// A sensor counts as stuck if it repeats a reading for this long, s, this many times longer than anywhere else, in this many
+/// rows, while the others move by this much, K.
 const STUCK_S: f64 = 1_800.0;
 const STUCK_TIMES: f64 = 4.0;
 const STUCK_ROWS: usize = 12;
 const STUCK_ELSEWHERE_K: f64 = 3.0;
-/// Or so many of its own steps, and it leaps by so many when it comes free, or stands for a whole cycle; a slow place goes on
-/// by single steps.
+/// It also counts as stuck if the others move by this many of its resolution steps and it either leaps by this many steps when
+/// released or repeats for a whole cycle; a sensor at a slowly changing place continues in single steps.
 const STUCK_STEPS: f64 = 20.0;
 const STUCK_LEAP_STEPS: f64 = 5.0;
 
@@ -27,110 +27,110 @@ const STUCK_LEAP_STEPS: f64 = 5.0;
 pub enum Refused {
     /// Too few cycles.
     Cycles {
-        /// In the record.
+        /// Number of cycles in the record.
         found: usize,
     },
-    /// A cycle to be held out that the record has not got, or too few are left.
+    /// The record lacks a cycle to be held out, or too few cycles remain.
     HeldOut {
         /// Number of the cycle.
         cycle: u32,
     },
-    /// A cycle with too few rows.
+    /// A cycle has too few rows.
     Rows {
         /// Number of the cycle.
         cycle: u32,
-        /// Its rows.
+        /// Number of rows.
         found: usize,
     },
-    /// No sensor, or more than the task has room for.
+    /// There are no sensors, or more than the task supports.
     Sensors {
-        /// In the record.
+        /// Number of sensors in the record.
         found: usize,
     },
     /// No axis has a recorded drift.
     NoAxis,
-    /// A figure that is no finite number, or times that do not ascend.
+    /// A value is not finite, or the times do not ascend.
     Row {
         /// Index of the row.
         index: usize,
     },
-    /// A row of the moment and measuring point of another.
+    /// A row repeats the moment and measuring point of another.
     Twice {
-        /// Index of the second.
+        /// Index of the second row.
         index: usize,
-        /// Index of the first.
+        /// Index of the first row.
         first: usize,
     },
-    /// A pause that is neither short nor a rest.
+    /// A pause is neither short nor a rest.
     Gap {
-        /// Index of the row behind it.
+        /// Index of the row after the pause.
         index: usize,
-        /// Its length, s.
+        /// Length of the pause, s.
         found_s: f64,
     },
-    /// Rows missing for longer than a lag.
+    /// Rows are missing for longer than a lag.
     Missing {
-        /// Which.
+        /// The missing rows.
         missing: super::Missing,
         /// Name of the sensor, or `spindle`.
         of: String,
-        /// Its lag, s.
+        /// Lag of that sensor, s.
         lag_s: f64,
     },
-    /// A cycle that is interrupted by another.
+    /// A cycle is interrupted by another.
     Mixed {
-        /// Index of the row at which it comes back.
+        /// Index of the row at which the cycle resumes.
         index: usize,
-        /// Its number.
+        /// Number of the cycle.
         cycle: u32,
     },
-    /// A sensor that jumps.
+    /// A sensor jumps.
     Jump {
-        /// Its name.
+        /// Name of the sensor.
         sensor: String,
         /// Index of the row.
         index: usize,
-        /// By how much, K.
+        /// Change, K.
         found_k: f64,
-        /// What was plausible, K.
+        /// Largest plausible change, K.
         most_k: f64,
     },
-    /// A sensor that repeats one reading while the others move.
+    /// A sensor repeats one reading while the others move.
     Stuck {
-        /// Its name.
+        /// Name of the sensor.
         sensor: String,
-        /// Index of the row from which on it does.
+        /// Index of the first repeated row.
         index: usize,
-        /// For how long, s.
+        /// Duration, s.
         found_s: f64,
-        /// How far the mean of the others moved meanwhile, K.
+        /// Movement of the other sensors' mean in that time, K.
         elsewhere_k: f64,
     },
-    /// Nothing changes enough to tell a cause.
+    /// Nothing changes enough to identify a cause.
     NoExcitation {
         /// Range of the warmest sensor, K.
         found_k: f64,
     },
-    /// Two sensors run together.
+    /// Two sensors are too closely correlated.
     Collinear {
-        /// Their names.
+        /// Names of the sensors.
         sensors: [String; 2],
-        /// Their correlation.
+        /// Correlation of the sensors.
         found: f64,
     },
     /// No sensor predicts anything.
     NothingFound,
-    /// The causes found cannot be told apart.
+    /// The causes found are inseparable.
     Condition {
         /// Condition number of the scaled columns.
         found: f64,
     },
-    /// The curves found do not fit the file.
+    /// The curves found cannot be encoded.
     Encoding(super::NotEncoded),
 }
 
 impl Refused {
-    /// The row that it speaks of.
+    /// Returns the row concerned.
     pub fn row(&self) -> Option<usize> {
         match self {
             Self::Row { index }
@@ -144,7 +144,7 @@ impl Refused {
         }
     }
 
-    /// The sensor that it speaks of.
+    /// Returns the sensor concerned.
     pub fn sensor(&self) -> Option<&str> {
         match self {
             Self::Jump { sensor, .. } | Self::Stuck { sensor, .. } => Some(sensor),
@@ -289,7 +289,7 @@ fn jumps(record: &Record, sensor: usize, rate_k_per_min: f64) -> Result<(), Refu
     Ok(())
 }
 
-/// Mean of the other sensors at a row; the speed's thousands where there is no other.
+/// Mean of the other sensors at a row; without others, the speed in thousands of rpm.
 fn others(record: &Record, sensor: usize, row: usize) -> f64 {
     let sample = &record.samples[row];
     let others = sample.temperatures_c.iter().enumerate().filter(|(other, _)| *other != sensor);
@@ -298,7 +298,7 @@ fn others(record: &Record, sensor: usize, row: usize) -> f64 {
 }
 
 fn stuck(record: &Record, sensor: usize) -> Result<(), Refused> {
-    // Also over a rest: no machine comes back to the same reading to the bit.
+    // Runs continue over a rest: no machine returns to exactly the same reading.
     let runs = runs(record, sensor, true);
     let seconds = |run: &[usize; 2]| record.samples[run[1] - 1].t_s - record.samples[run[0]].t_s;
     let moved = |run: &[usize; 2]| {
@@ -317,8 +317,9 @@ fn stuck(record: &Record, sensor: usize) -> Result<(), Refused> {
         if found_s < STUCK_S || run[1] - run[0] < STUCK_ROWS || elsewhere_k < STUCK_ELSEWHERE_K {
             continue;
         }
-        // What it repeats elsewhere is its resolution: a slow place stands for a while. Where it is told in steps that are
-        // small against what the others moved, and makes up for many of them at once, it stuck, however often it did.
+        // Runs elsewhere in the record reflect the resolution: a slowly changing place repeats a reading for a while. If the
+        // resolution is fine compared with the others' movement and the sensor catches up by many steps at once, it was stuck,
+        // however often that happened.
         let usual = by_time.iter().enumerate().filter(|(other, _)| *other != k).map(|(_, s)| *s).fold(0.0, f64::max);
         let fine = resolution_k * STUCK_STEPS <= elsewhere_k && high - low >= LEAST_RANGE_K;
         let reading = |row: usize| record.samples[row].temperatures_c[sensor];
@@ -332,7 +333,7 @@ fn stuck(record: &Record, sensor: usize) -> Result<(), Refused> {
     Ok(())
 }
 
-/// First row and end of every stretch over which a sensor repeats one reading; over rests, or not.
+/// First row and end of each stretch over which a sensor repeats one reading; `over_rests`: stretches may contain rests.
 fn runs(record: &Record, sensor: usize, over_rests: bool) -> Vec<[usize; 2]> {
     let readings: Vec<f64> = record.readings(sensor).collect();
     let (mut runs, mut from) = (Vec::new(), 0);
@@ -363,7 +364,7 @@ fn collinear(record: &Record) -> Result<(), Refused> {
         for other in 0..one {
             let norms = dot(&centred[one], &centred[one]) * dot(&centred[other], &centred[other]);
             let found = dot(&centred[one], &centred[other]) / norms.sqrt().max(f64::MIN_POSITIVE);
-            // Of sensors that move at all.
+            // Only sensors that move.
             let moves = |sensor| span(record.readings(sensor)).into_iter().rev().reduce(|high, low| high - low);
             if found.abs() > COLLINEAR && moves(one) >= Some(LEAST_RANGE_K) && moves(other) >= Some(LEAST_RANGE_K) {
                 let sensors = [other, one].map(|sensor| record.sensors[sensor].clone());

@@ -14,76 +14,76 @@ use std::vec::Vec;
 use trueaxis::Axis;
 use trueaxis::temperature::{COLDEST_MK, WARMEST_MK};
 
-/// Condition number from which causes count as not told apart.
+/// Condition number above which the causes count as inseparable.
 const CONDITION_LIMIT: f64 = 1e4;
-/// What is known of a lag before anything is recorded: the standard deviation of its logarithm. Between 30 s and 6 h.
+/// Prior standard deviation of a lag's logarithm: between 30 s and 6 h.
 const LAG_KNOWN: f64 = 2.0;
-/// Curves go on straight beyond what was recorded by this share of the range.
+/// Curves continue straight beyond the recorded range by this share of it.
 const BEYOND: f64 = 0.25;
-/// A sensor is stuck that repeats a reading so many times longer than it ever did in the record, at least so long, s.
+/// A sensor counts as stuck if it repeats a reading this many times longer than ever in the record, and at least this long, s.
 const STUCK_TIMES: f64 = 4.0;
 const STUCK_LEAST_S: f64 = 600.0;
 
-/// A value of a curve at a knot, with its standard errors.
+/// Value of a curve at a knot, with standard errors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coefficient {
     /// Offset or growth, mm; slope or tilt.
     pub value: [f64; 2],
-    /// Their standard errors; 0 for what is no part of the curve.
+    /// Standard errors of the values; 0 for parts that the curve does not have.
     pub standard_error: [f64; 2],
 }
 
-/// What was found on one axis.
+/// Result for one axis.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct OfAxis {
     /// The axis.
     pub axis: Axis,
-    /// Values at the knots of every sensor of the model.
+    /// Values at the knots of each sensor of the model.
     pub sensors: Vec<Vec<Coefficient>>,
-    /// Values at the speeds.
+    /// Values at the speed knots.
     pub spindle: Vec<Coefficient>,
-    /// Root mean square of what the fit leaves of the cycles that it was made from, mm.
+    /// Root mean square residual of the fitted cycles, mm.
     pub rms_mm: f64,
     /// Condition number of the fit.
     pub condition: f64,
 }
 
-/// A sensor, or the spindle, that is no part of the model.
+/// A sensor, or the spindle, that the model does not use.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LeftOut {
-    /// Its name.
+    /// Name of the sensor, or `spindle`.
     pub name: String,
-    /// Its range over the record, K or rpm.
+    /// Range over the record, K or rpm.
     pub range: f64,
-    /// It moves too little to tell; otherwise it predicts nothing that others do not.
+    /// Whether it moves too little to be used; otherwise it adds nothing to the prediction by others.
     pub still: bool,
 }
 
-/// A model, and what it is worth.
+/// A model with its standard errors and residuals.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Fit {
-    /// For the task.
+    /// Model for the task.
     pub model: Model,
-    /// Which sensor of the record each of the model's is, from 0.
+    /// Index in the record of each sensor of the model, from 0.
     pub sensors: Vec<usize>,
     /// Values with their standard errors.
     pub axes: Vec<OfAxis>,
-    /// What is no part of it.
+    /// Sensors, or the spindle, that the model does not use.
     pub left_out: Vec<LeftOut>,
-    /// Root mean square of the drift over all axes, mm, and of what is left when every cycle is predicted from the others.
+    /// Root mean square of the drift over all axes, mm, and of the residual when each cycle is predicted from the others.
     pub predicted_mm: [f64; 2],
-    /// Cycles that took no part.
+    /// Cycles excluded from the fit.
     pub held_out: Vec<u32>,
-    /// Speeds of the model that one fitted cycle alone has, each with that cycle: no other predicts them, so what is left of
-    /// them in `predicted_mm` is what the fit leaves, and no second cycle confirms their values.
+    /// Speeds of the model that only one fitted cycle has, each with that cycle: no other cycle predicts them, so their share
+    /// of `predicted_mm` is the residual of the fit, and no second cycle confirms their values.
     pub unconfirmed: Vec<(f64, u32)>,
-    /// Rows that the record lacks, each of which the fit follows.
+    /// Rows missing from the record; the fit can follow across all of them.
     pub missing: Vec<Missing>,
 }
 
-/// Finds lags and curves; `tell` is called with the name of every cause that comes in.
+/// Fits lags and curves; calls `tell` with the name of each cause that enters.
 ///
 /// Cost: some seconds for a thousand rows and ten sensors.
 ///
@@ -164,7 +164,7 @@ fn sensor(cause: Cause) -> Option<usize> {
     }
 }
 
-/// Knots of a sensor's curves: beyond both ends of what was recorded, as far as the file goes, and where they bend.
+/// Knots of a sensor's curves: beyond both ends of the recorded range, within the limits of the file, and at the bends.
 fn knots(record: &Record, sensor: usize, bends: &[f64]) -> Vec<f64> {
     let [low, high] = span(record.readings(sensor));
     let beyond = BEYOND * (high - low);
@@ -182,7 +182,7 @@ fn curve(record: &Record, rate_k_per_min: f64, chosen: &Chosen) -> Option<Sensor
     let usual = SensorCurve::new(&record.sensors[sensor], lag_s, knots);
     let [least, most] = usual.plausible_c;
     let ends = [usual.knots_c.first().copied().unwrap_or(least), usual.knots_c.last().copied().unwrap_or(most)];
-    // What was recorded is plausible, and a machine that is as fast.
+    // The recorded readings, and changes at the stated rate, must be plausible to the task.
     let plausible_c = [least.min(ends[0]), most.max(ends[1])];
     let jump_k = [usual.jump_k[0], usual.jump_k[1].max(rate_k_per_min)];
     Some(SensorCurve { stuck_s, plausible_c, jump_k, ..usual })
@@ -190,15 +190,15 @@ fn curve(record: &Record, rate_k_per_min: f64, chosen: &Chosen) -> Option<Sensor
 
 /// The linear problem of one axis, solved for the lags found.
 struct Linear {
-    /// Cause, number of its response, and part of every column.
+    /// Cause, index of its response, and part, for each column.
     places: Vec<(usize, usize, usize)>,
     values: DVector<f64>,
     covariance: DMatrix<f64>,
     condition: f64,
     rms_mm: f64,
-    /// For every cause: by how much the values move with the logarithm of its lag.
+    /// Derivative of the values with respect to the logarithm of each cause's lag.
     slopes: Vec<DVector<f64>>,
-    /// What the axis tells of the logarithms of the lags: the inverse of their covariance.
+    /// Information of this axis on the logarithms of the lags: the inverse of their covariance.
     information: DMatrix<f64>,
 }
 
@@ -218,7 +218,7 @@ impl Linear {
             for (k, response) in problem.responses(chosen).iter().enumerate() {
                 for part in [0, 1].into_iter().filter(|part| parts[which][*part]) {
                     let column = problem.centred(rows, |row| response[row] * lever(part, chosen.cause, row));
-                    // Behind its lag a sensor may never have come to where its curve bends.
+                    // After its lag a sensor may never have reached the bend of its curve.
                     if column.iter().any(|value| *value != 0.0) {
                         columns.push(column);
                         places.push((which, k, part));
@@ -242,7 +242,7 @@ impl Linear {
                 return Ok(Linear { places, values, covariance, condition: 1.0, rms_mm, slopes, information });
             }
         };
-        // What the drift would change by with the logarithm of every lag, and what of it the values cannot make up for.
+        // Change of the drift with the logarithm of each lag, and the part of it that the values cannot absorb.
         let (mut slopes, mut left) = (Vec::new(), Vec::new());
         for (which, chosen) in causes.iter().enumerate() {
             let at = |factor: f64| problem.responses(&Chosen { lag_s: factor * chosen.lag_s, ..chosen.clone() });
@@ -271,7 +271,7 @@ impl Linear {
     }
 }
 
-/// Covariance of the logarithms of the lags, from what all axes tell of them and what is known beforehand.
+/// Covariance of the logarithms of the lags, from the information of all axes and the prior.
 fn lags(axes: &[Linear], count: usize) -> DMatrix<f64> {
     let beforehand = DMatrix::identity(count, count) / (LAG_KNOWN * LAG_KNOWN);
     let information = axes.iter().fold(beforehand, |sum, axis| sum + &axis.information);
@@ -288,7 +288,7 @@ fn of_axis(problem: &Problem<'_>, axis: usize, causes: &[Chosen], linear: &Linea
             covariance += along * across.transpose() * lags[(one, other)];
         }
     }
-    // A value at a knot is the sum of what the parts have there.
+    // A value at a knot is the sum of the parts' contributions there.
     let at = |which: usize, shares: &[f64]| {
         let mut found = Coefficient { value: [0.0; 2], standard_error: [0.0; 2] };
         for part in [0, 1] {
@@ -329,7 +329,7 @@ fn of_axis(problem: &Problem<'_>, axis: usize, causes: &[Chosen], linear: &Linea
     found
 }
 
-/// Number of zeros among the rows, and how many measuring points a moment has.
+/// Number of zeros among the rows, and number of measuring points per moment.
 fn zeros_lost(groups: &[usize]) -> (usize, usize) {
     let mut known: Vec<usize> = Vec::new();
     for group in groups {
@@ -359,8 +359,8 @@ fn left_out(record: &Record, problem: &Problem<'_>, causes: &[Chosen]) -> Vec<Le
     left_out
 }
 
-/// Refuses a fit across missing rows that it cannot follow: no temperature is known for longer than a lag, though the record's own
-/// rows are closer than that. 1 − 1/e of the lagged temperature behind them is then what nobody has recorded.
+/// Refuses a fit that cannot follow the temperature across missing rows: the gap is longer than a lag, but the usual interval
+/// of the rows is not. After such a gap, at least 1 − 1/e of the lagged temperature comes from unrecorded readings.
 fn followed(fit: &Fit) -> Result<(), Refused> {
     let sensors = fit.model.sensors.iter().map(|sensor| (sensor.name.as_str(), sensor.lag_s));
     let lags: Vec<(&str, f64)> = sensors.chain(fit.model.spindle.iter().map(|of| ("spindle", of.lag_s))).collect();

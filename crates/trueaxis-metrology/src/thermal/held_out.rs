@@ -1,4 +1,4 @@
-//! What the task itself leaves of cycles that took no part in the fit.
+//! Residuals of the task itself on cycles excluded from the fit.
 
 use super::{Fit, Record};
 use std::vec;
@@ -6,7 +6,7 @@ use std::vec::Vec;
 use trueaxis::Axis;
 use trueaxis::temperature::{Readings, Thermal, ThermalState};
 
-/// Drift and what is left of one axis in one cycle, both from its beginning on.
+/// Drift and residual of one axis in one cycle, both relative to the cycle's beginning.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct HeldOut {
@@ -14,15 +14,15 @@ pub struct HeldOut {
     pub axis: Axis,
     /// Number of the cycle.
     pub cycle: u32,
-    /// Whether the cycle took no part in the fit.
+    /// Whether the cycle was excluded from the fit.
     pub held_out: bool,
     /// Largest drift, mm.
     pub drift_mm: f64,
-    /// Largest that is left, mm.
+    /// Largest residual, mm.
     pub left_mm: f64,
     /// Root mean square of the drift, mm.
     pub drift_rms_mm: f64,
-    /// Root mean square of what is left, mm.
+    /// Root mean square of the residual, mm.
     pub left_rms_mm: f64,
 }
 
@@ -36,15 +36,15 @@ pub struct Series {
     pub cycle: u32,
     /// Positions of X, Y, Z, and length of the tool, mm.
     pub point_mm: [f64; 4],
-    /// Time since the beginning of the cycle, s; drift measured, and as the task says, mm, both from the beginning on.
+    /// Time since the beginning of the cycle, s; measured and predicted drift, mm, both relative to the beginning.
     pub rows: Vec<[f64; 3]>,
 }
 
-/// Runs the task over the record; `bytes` is the model's file. In the order of axes and cycles.
+/// Runs the task over the record; `bytes` is the model's file. The results are in the order of axes and cycles.
 pub fn held_out(record: &Record, fit: &Fit, bytes: &[u8]) -> (Vec<HeldOut>, Vec<Series>) {
     let Ok(thermal) = Thermal::parse(bytes) else { return (Vec::new(), Vec::new()) };
     let groups = record.groups();
-    // What was recorded has been checked: no sensor has to prove itself.
+    // The record has been checked, so the sensors are trusted from the start.
     let start = || {
         let mut state = ThermalState::new();
         (0..thermal.sensors()).for_each(|sensor| state.believe(sensor));

@@ -1,4 +1,4 @@
-//! Linear least squares: by QR for what is reported, by normal equations for what is only compared.
+//! Linear least squares: by QR for reported results, by normal equations for comparisons.
 
 use nalgebra::{DMatrix, DVector};
 use std::vec::Vec;
@@ -10,9 +10,9 @@ pub(super) struct Solved {
     pub(super) covariance: DMatrix<f64>,
     /// Ratio of the largest to the smallest singular value of the scaled columns.
     pub(super) condition: f64,
-    /// Root mean square of what is left.
+    /// Root mean square of the residuals.
     pub(super) rms: f64,
-    /// Variance of a row that counts for one that is independent.
+    /// Variance of a row, inflated so that correlated rows can be treated as independent.
     pub(super) variance: f64,
 }
 
@@ -20,21 +20,21 @@ pub(super) struct Solved {
 #[derive(Clone, Debug)]
 pub(super) struct Column {
     pub(super) values: Vec<f64>,
-    /// Number of the cycle, from 0 among those that are fitted, that alone tells of it; no other predicts it.
+    /// Index, among the fitted cycles from 0, of the only cycle that determines this column; no other cycle predicts it.
     pub(super) lone: Option<usize>,
 }
 
-/// Lengths of the columns; 1 of one that is nothing, so that it stays nothing.
+/// Lengths of the columns; 1 for a zero column, so that it stays zero.
 fn norms<'c>(columns: impl Iterator<Item = &'c [f64]>) -> Vec<f64> {
     let norm = |column: &[f64]| column.iter().map(|x| x * x).sum::<f64>().sqrt();
     columns.map(norm).map(|norm| if norm > 0.0 { norm } else { 1.0 }).collect()
 }
 
-/// Solves for one value a column; `lost`: degrees of freedom of the means that were taken out, `step`: every so many rows
-/// belong to one measuring point, in order of time.
+/// Solves for one value per column. `lost`: degrees of freedom of the subtracted means; `step`: number of measuring points, so
+/// that rows `step` apart are consecutive rows of one point.
 ///
-/// What is left of neighbouring rows is not independent. With the correlation ρ of one row and the next of a point, as of a
-/// first-order process, N rows are worth N (1 − ρ)/(1 + ρ); the covariance is that of so many.
+/// The residuals of neighbouring rows are correlated. With the correlation ρ between consecutive rows of a point, as in a
+/// first-order process, N rows carry the information of N (1 − ρ)/(1 + ρ) independent ones; the covariance accounts for this.
 pub(super) fn solve(columns: &[Vec<f64>], right: &[f64], lost: usize, step: usize) -> Option<Solved> {
     let (rows, count) = (right.len(), columns.len());
     if count == 0 || rows <= count + lost {
@@ -64,10 +64,11 @@ pub(super) fn solve(columns: &[Vec<f64>], right: &[f64], lost: usize, step: usiz
     })
 }
 
-/// Sum of squares that is left of every cycle when it is predicted from the others; `cycles` are the ends of their rows.
+/// Residual sum of squares when each cycle is predicted from the others; `cycles` are the ends of their rows.
 ///
-/// What a cycle alone tells of, the others cannot predict: there it is fitted to the cycle itself, with everything else as
-/// the others have it. Left undetermined it would count against its cause, and others with wrong lags would stand in for it.
+/// A column that only one cycle determines cannot be predicted by the others: it is fitted to that cycle, with all other
+/// values as predicted. If it were left undetermined, that would count against its cause, and other causes with wrong lags
+/// would replace it.
 pub(super) fn predicted(columns: &[Column], right: &[f64], cycles: &[usize]) -> f64 {
     let count = columns.len();
     let norms = norms(columns.iter().map(|column| column.values.as_slice()));
@@ -91,7 +92,7 @@ pub(super) fn predicted(columns: &[Column], right: &[f64], cycles: &[usize]) -> 
     (0..parts.len())
         .map(|k| {
             let (normal, own, squares) = &parts[k];
-            // A trace of damping, for causes of which the others have nothing.
+            // Slight damping, for columns that the other cycles do not contain.
             let mut others = DMatrix::identity(count, count) * 1e-9;
             let mut known = DVector::zeros(count);
             for part in whole(k) {
@@ -137,7 +138,7 @@ mod tests {
         assert!(alone > 1.0 && (predicted(&[useful, nothing], &right, &cycles) - alone).abs() < 1e-12);
     }
 
-    /// Three cycles of 2 a, the second with 5 b besides, of which the others have nothing.
+    /// Three cycles of 2 a; the second also contains 5 b, which the others lack.
     #[test]
     fn what_one_cycle_alone_has_is_fitted_there_with_the_rest_as_the_others_have_it() {
         let (a, b) = ([1.0, 2.0, 3.0], [1.0, 1.0, -1.0]);

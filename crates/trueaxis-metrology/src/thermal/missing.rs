@@ -1,15 +1,15 @@
-//! Rows that a record lacks where its rows are even.
+//! Rows missing from an evenly spaced record.
 
 use super::{REST_S, Record};
 use std::vec::Vec;
 
-/// Steps of a measuring point in a cycle that tell an interval.
+/// Least number of steps of a measuring point in a cycle that determine an interval.
 const LEAST_STEPS: usize = 8;
-/// Share of the interval by which an even step may differ from it.
+/// Relative deviation from the interval up to which a step counts as even.
 const EVEN: f64 = 0.1;
-/// One step in so many may be uneven, and one at least.
+/// One step in this many may be uneven, and always at least one.
 const ONE_IN: usize = 10;
-/// A step of so many intervals lacks a row.
+/// A step longer than this many intervals lacks a row.
 const LACKS: f64 = 1.5;
 
 /// Rows missing in a record.
@@ -17,15 +17,15 @@ const LACKS: f64 = 1.5;
 pub struct Missing {
     /// Number of the cycle.
     pub cycle: u32,
-    /// Index of the first row at or behind the moment of the first missing one.
+    /// Index of the first row at or after the moment of the first missing one.
     pub index: usize,
-    /// How many are missing, at all measuring points together.
+    /// Number of missing rows, over all measuring points.
     pub rows: usize,
     /// Longest time without a row of one measuring point, s.
     pub found_s: f64,
-    /// Time between its rows elsewhere, s.
+    /// Usual time between that point's rows, s.
     pub interval_s: f64,
-    /// Longest time without a row of any, in which no temperature is known, s.
+    /// Longest time without a row of any point, in which no temperature is known, s.
     pub unknown_s: f64,
 }
 
@@ -36,9 +36,9 @@ struct Step {
     missing: Missing,
 }
 
-/// The rows missing at every measuring point whose steps are even in a cycle: all but one in ten, or all but one, within a tenth of
-/// their median. A step of one and a half intervals lacks a row, one of n lacks n − 1. A record that is uneven lacks none, nor do
-/// the ends of a cycle or a rest. What lacks at several points at a time is one of them.
+/// Finds the missing rows of every measuring point with even steps in a cycle: all but one in ten, or all but one, within a
+/// tenth of their median. A step longer than one and a half intervals lacks a row, one of n intervals lacks n − 1. Uneven
+/// records, the ends of a cycle and rests count as complete. Gaps of several points at the same time are merged.
 pub(super) fn missing(record: &Record) -> Vec<Missing> {
     let groups = record.groups();
     let count = groups.iter().max().map_or(0, |last| last + 1);
@@ -66,7 +66,7 @@ pub(super) fn missing(record: &Record) -> Vec<Missing> {
         .collect()
 }
 
-/// The steps of one measuring point in one cycle that lack rows.
+/// Steps of one measuring point in one cycle that lack rows.
 fn of_point(record: &Record, rows: &[usize]) -> Vec<Step> {
     let t = |row: usize| record.samples[row].t_s;
     let steps = || rows.windows(2).map(|pair| [pair[0], pair[1]]).filter(|[from, to]| t(*to) - t(*from) < REST_S);

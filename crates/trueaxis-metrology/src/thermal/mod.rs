@@ -4,14 +4,14 @@
 //! e(t, q, L) = c + Σ_j [O_j(θ_j) + S_j(θ_j) (q − q0)] + Σ_k x_k (G_k + Θ_k L)
 //! ```
 //!
-//! e is the drift of the tool relative to the workpiece along one axis at a measuring point (q, L): the axis' position and
-//! the length from the spindle's nose; θ and x as in [`trueaxis::temperature`]; c a zero of every measuring point in every
-//! cycle, since instruments are set to zero when a cycle begins. For given lags it is linear in everything else: least
-//! squares by QR. The lags are searched one at a time, first on a grid, then by golden section. A sensor comes in when it
-//! makes the cycles predict one another better: the largest gain first, each cycle predicted from the others. Curves
-//! are zero at the reference temperature.
+//! e is the drift of the tool relative to the workpiece along one axis at a measuring point (q, L): the axis' position and the
+//! length from the spindle's nose; θ and x as in [`trueaxis::temperature`]; c a zero for each measuring point in each cycle,
+//! because instruments are set to zero when a cycle begins. For given lags the model is linear in everything else: least
+//! squares by QR. The lags are searched one at a time, first on a grid, then by golden section, and then optimised together.
+//! Sensors enter in order of gain, as long as they improve the prediction of each cycle from the others. Curves are zero at
+//! the reference temperature.
 //!
-//! Where only one position of an axis was measured its slope stays zero, and with one tool length the tilt.
+//! The slope of an axis stays zero if it was measured at only one position, and the tilt if there was only one tool length.
 
 mod basis;
 mod check;
@@ -32,7 +32,7 @@ use std::string::String;
 use std::vec::Vec;
 use trueaxis::Axis;
 
-/// One reading of everything.
+/// One row of the record.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sample {
     /// Time, s, ascending.
@@ -62,37 +62,38 @@ pub struct Record {
     pub samples: Vec<Sample>,
 }
 
-/// What a fit is told beside the record.
+/// Settings of a fit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
-    /// Temperature at which the machine's tables hold, °C.
+    /// Temperature at which the machine's tables apply, °C.
     pub reference_c: f64,
-    /// Position of X, Y, Z from which the slope counts, mm.
+    /// Position of X, Y, Z at which the slope's contribution is zero, mm.
     pub datum_mm: [f64; 3],
-    /// Cycles that take no part in the fit; the last one where none is named.
+    /// Cycles excluded from the fit; if empty, the last one.
     pub held_out: Vec<u32>,
-    /// Change of a sensor in a minute, K, above which, with 5 K more, it is refused as one that jumps; it becomes what is
-    /// plausible of every sensor where it is above what is usual. [`RATE_K_PER_MIN`] is that of a machine tool.
+    /// Largest plausible change of a sensor per minute, K: a change that exceeds it by more than 5 K is refused as a jump. If
+    /// larger than the usual plausible change, it also becomes that of every sensor in the model. [`RATE_K_PER_MIN`] suits a
+    /// machine tool.
     pub rate_k_per_min: f64,
 }
 
-/// Cycles that a fit needs at least: one held out, and two that predict each other.
+/// Least number of cycles: one held out, and two that predict each other.
 pub const LEAST_CYCLES: usize = 3;
-/// Rows of a cycle that a fit needs at least.
+/// Least number of rows per cycle.
 pub const LEAST_ROWS: usize = 12;
-/// A sensor that moves less, K, has nothing to tell.
+/// A sensor that moves less than this, K, is not used.
 pub const LEAST_RANGE_K: f64 = 1.0;
-/// Longest lag that is tried, s.
+/// Longest lag tried, s.
 pub const LONGEST_LAG_S: f64 = 21_600.0;
-/// After a longer pause, s, lags begin in equilibrium again; a pause that is neither short nor this long is refused.
+/// After a pause of at least this, s, lags start in equilibrium again; a pause between [`LONGEST_GAP_S`] and this is refused.
 pub const REST_S: f64 = 14_400.0;
 /// Longest pause within a cycle, s.
 pub const LONGEST_GAP_S: f64 = 1_800.0;
-/// Two sensors whose readings correlate more closely tell nothing apart.
+/// Two sensors whose readings correlate more closely than this are inseparable.
 pub const COLLINEAR: f64 = 0.9995;
 
 impl Record {
-    /// Numbers of the cycles in the order of time.
+    /// Returns the cycle numbers in order of time.
     pub fn cycles(&self) -> Vec<u32> {
         let mut cycles: Vec<u32> = Vec::new();
         for sample in &self.samples {
@@ -108,12 +109,12 @@ impl Record {
         self.samples.iter().map(move |sample| sample.temperatures_c.get(sensor).copied().unwrap_or(f64::NAN))
     }
 
-    /// Whether the lags begin anew at a row.
+    /// Whether the lags restart at a row.
     fn begins(&self, row: usize) -> bool {
         row == 0 || self.samples[row].t_s - self.samples[row - 1].t_s >= REST_S
     }
 
-    /// Group of every row whose zero is its own: measuring point and cycle.
+    /// Group of each row, by measuring point and cycle: each group has a separate zero.
     fn groups(&self) -> Vec<usize> {
         let mut keys: Vec<([u64; 4], u32)> = Vec::new();
         let group = |sample: &Sample| {

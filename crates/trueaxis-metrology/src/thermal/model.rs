@@ -1,4 +1,4 @@
-//! Curves in the units of people, and their file for the task.
+//! Curves in mm, °C and rpm, and their encoding as the task's file.
 
 use core::fmt;
 use std::string::String;
@@ -7,18 +7,18 @@ use trueaxis::Axis;
 use trueaxis::tcomp::checksum;
 use trueaxis::temperature::{self, MAGIC, Thermal, ThermalError, VERSION};
 
-/// A sensor: its lag, what it may plausibly read, and the knots of its curves.
+/// A sensor: its lag, plausible readings, and the knots of its curves.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SensorCurve {
     /// Name.
     pub name: String,
     /// Lag, s.
     pub lag_s: f64,
-    /// Least and most plausible temperature, °C.
+    /// Least and greatest plausible temperature, °C.
     pub plausible_c: [f64; 2],
-    /// Plausible change at once, K, and in a minute, K.
+    /// Plausible sudden change, K, and change per minute, K.
     pub jump_k: [f64; 2],
-    /// Time without a change after which it is stuck, s, 0: never; if the others have moved so far, K.
+    /// A sensor counts as stuck after this time without a change, s (0: never), if the others have moved by `elsewhere_k`, K.
     pub stuck_s: f64,
     /// See `stuck_s`.
     pub elsewhere_k: f64,
@@ -26,7 +26,7 @@ pub struct SensorCurve {
     pub knots_c: Vec<f64>,
 }
 
-/// The spindle's response.
+/// Response to the spindle's speed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spindle {
     /// Lag, s.
@@ -40,46 +40,46 @@ pub struct Spindle {
 pub struct AxisCurves {
     /// The axis.
     pub axis: Axis,
-    /// Position from which the slope counts, mm (degrees).
+    /// Position at which the slope's contribution is zero, mm (degrees).
     pub datum: f64,
     /// For each sensor at each of its knots: offset, mm (degrees), and slope.
     pub sensors: Vec<Vec<[f64; 2]>>,
-    /// At each speed: growth, mm (degrees), and tilt, rad; none without a spindle.
+    /// At each speed: growth, mm (degrees), and tilt, rad; empty without a spindle.
     pub spindle: Vec<[f64; 2]>,
 }
 
 /// Thermal growth of a machine.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Model {
-    /// Sensors, in the order in which the task is handed their readings.
+    /// Sensors, in the order in which the task receives their readings.
     pub sensors: Vec<SensorCurve>,
-    /// The spindle, where its speed has a share.
+    /// The spindle, if its speed contributes.
     pub spindle: Option<Spindle>,
     /// Axes in the order X Y Z A B C.
     pub axes: Vec<AxisCurves>,
 }
 
-/// Why a model has no file.
+/// Why a model cannot be encoded.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum NotEncoded {
-    /// A figure beyond what the format holds.
+    /// A value is outside the range of the format.
     Figure {
-        /// What it is.
+        /// Name of the value.
         what: &'static str,
-        /// In the file's unit.
+        /// The value, in the file's unit.
         found: f64,
     },
-    /// A list with another length than its knots.
+    /// A list's length differs from the number of knots.
     Count {
-        /// Number of the axis' sensor or speed curve, from 0.
+        /// Index of the axis' sensor or speed curve, from 0.
         index: usize,
-        /// Values found.
+        /// Number of values.
         found: usize,
-        /// Knots.
+        /// Number of knots.
         needed: usize,
     },
-    /// The task's own check refuses it.
+    /// The task's validation refuses the file.
     Refused(ThermalError),
 }
 
@@ -99,7 +99,7 @@ impl core::error::Error for NotEncoded {}
 
 fn whole(what: &'static str, value: f64, unit: f64) -> Result<i32, NotEncoded> {
     let found = (value / unit).round();
-    // Also refuses what is no number.
+    // Also refuses NaN.
     if found.abs() <= f64::from(i32::MAX) { Ok(found as i32) } else { Err(NotEncoded::Figure { what, found }) }
 }
 
@@ -109,12 +109,12 @@ fn positive(what: &'static str, value: f64, unit: f64) -> Result<[u8; 4], NotEnc
 }
 
 impl Model {
-    /// The bytes of the task's file, for the machine with this id ([`trueaxis::tcomp::machine_id`]).
+    /// Encodes the task's file for the machine with this id ([`trueaxis::tcomp::machine_id`]).
     ///
-    /// Figures are rounded to the units of the format: mK, ms, 10⁻⁶ mm, 10⁻¹², nrad.
+    /// Values are rounded to the units of the format: mK, ms, 10⁻⁶ mm, 10⁻¹², nrad.
     ///
     /// # Errors
-    /// [`NotEncoded`]; what is written is read back and checked as the task does.
+    /// [`NotEncoded`]; the encoded file is parsed again with the task's validation.
     pub fn encode(&self, machine_id: u32) -> Result<Vec<u8>, NotEncoded> {
         let count = |count: usize| u8::try_from(count).unwrap_or(u8::MAX);
         let speeds = self.spindle.as_ref().map_or(&[][..], |spindle| &spindle.knots_rpm);
@@ -166,7 +166,7 @@ impl Model {
 }
 
 impl SensorCurve {
-    /// With what every sensor of a machine may plausibly read: −30 to 120 °C, 3 K at once and 5 K a minute, never stuck.
+    /// Creates a curve with the usual plausibility limits: −30 to 120 °C, 3 K at once and 5 K a minute, never stuck.
     pub fn new(name: &str, lag_s: f64, knots_c: Vec<f64>) -> Self {
         SensorCurve {
             name: name.into(),

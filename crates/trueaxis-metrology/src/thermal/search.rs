@@ -1,4 +1,4 @@
-//! Which causes, with which lags: forward, each cycle predicted from the others.
+//! Forward selection of causes and their lags, with each cycle predicted from the others.
 
 use super::LONGEST_LAG_S;
 use super::basis::{Cause, Chosen, Problem};
@@ -9,27 +9,27 @@ use std::vec;
 use std::vec::Vec;
 use trueaxis::Axis;
 
-/// A cause comes in when it takes this share of the squares that are left, a bend or a part on one axis too.
+/// A cause enters if it removes this share of the residual sum of squares; a bend or a part on one axis likewise.
 const GAIN: f64 = 0.05;
-/// Causes that are tried once more with all lags free where none comes in with the others' as they are: the most useful.
+/// Number of the most useful causes that are tried again with all lags free if none enters with the others' lags unchanged.
 const AGAIN: usize = 3;
-/// Lags of the grid, s; 0 and 30 s to [`LONGEST_LAG_S`], evenly by their logarithm.
+/// Lags of the grid, s: 0 and this many from 30 s to [`LONGEST_LAG_S`], equidistant in the logarithm.
 const LAGS: usize = 12;
 const SHORTEST_LAG_S: f64 = 30.0;
 /// Steps of the golden section between two lags of the grid, to 2 %.
 const STEPS: usize = 8;
-/// Newton's steps over all lags once the causes stand, at most; the share of the squares below which one gains nothing.
+/// Most Newton steps over all lags once the causes are selected; relative gain below which they end.
 const ROUNDS: usize = 24;
 const SETTLED: f64 = 1e-6;
-/// Difference of a lag's logarithm for its derivatives; the largest step.
+/// Difference in a lag's logarithm for the numerical derivatives; largest step.
 pub(super) const DIFFERENCE: f64 = 0.02;
 const LARGEST_STEP: f64 = 0.5;
-/// Dampings tried in a step, each ten times the one before.
+/// Dampings tried in a step, each ten times the previous one.
 const TRIES: usize = 8;
-/// Rows that the search looks at, at most.
+/// Most rows that the search uses.
 const MOST_ROWS: usize = 1_500;
 
-/// What a search goes by.
+/// Inputs of a search.
 pub(super) struct Search<'p, 'r> {
     problem: &'p Problem<'r>,
     rows: Vec<usize>,
@@ -40,13 +40,13 @@ pub(super) struct Search<'p, 'r> {
     share: f64,
 }
 
-/// Parts of a cause on an axis: what does not depend on the lever, and what does.
+/// Parts of a cause on an axis: independent of the lever, and proportional to it.
 pub(super) type Parts = [bool; 2];
 
 impl<'p, 'r> Search<'p, 'r> {
-    /// Over these rows, thinned where they are many.
+    /// Searches over these rows, thinned if there are many.
     pub(super) fn new(problem: &'p Problem<'r>, rows: &[usize]) -> Self {
-        // Every so many of each measuring point in each cycle.
+        // Every n-th row of each measuring point in each cycle.
         let samples = &problem.record.samples;
         let every = rows.len().div_ceil(MOST_ROWS);
         let mut seen = vec![0_usize; problem.groups.len()];
@@ -70,7 +70,7 @@ impl<'p, 'r> Search<'p, 'r> {
         Search { problem, rows, cycles, right, share }
     }
 
-    /// Rows given for one that the search looks at.
+    /// Number of given rows per row that the search uses.
     pub(super) fn share(&self) -> f64 {
         self.share
     }
@@ -94,7 +94,7 @@ impl<'p, 'r> Search<'p, 'r> {
         columns
     }
 
-    /// Squares left of one axis.
+    /// Residual sum of squares of one axis.
     fn left_of(&self, axis: usize, all: &[Chosen], parts: &[Parts]) -> f64 {
         let name = self.problem.record.axes[axis];
         let columns: Vec<Column> =
@@ -102,13 +102,13 @@ impl<'p, 'r> Search<'p, 'r> {
         predicted(&columns, &self.right[axis], &self.cycles)
     }
 
-    /// Squares left of all axes.
+    /// Residual sum of squares of all axes.
     fn left(&self, all: &[Chosen]) -> f64 {
         let parts = vec![[true; 2]; all.len()];
         (0..self.right.len()).map(|axis| self.left_of(axis, all, &parts)).sum()
     }
 
-    /// The lag at which the last cause of the list does best, and what is left then.
+    /// The best lag of cause `which`, on the grid or in `between`, and the residual sum of squares there.
     fn best_lag(&self, all: &[Chosen], which: usize, between: Option<[f64; 2]>) -> (f64, f64) {
         // The columns of the others do not change.
         let parts = [true; 2];
@@ -151,8 +151,8 @@ impl<'p, 'r> Search<'p, 'r> {
         if tried[0].1 < tried[1].1 { tried[0] } else { tried[1] }
     }
 
-    /// The causes that predict, in the order in which they came in, and squares before and after; `tell` is called with
-    /// every one.
+    /// The causes that improve the prediction, in the order in which they entered, and the sum of squares before and after;
+    /// calls `tell` with each cause.
     pub(super) fn causes(&self, tell: &mut dyn FnMut(Cause)) -> (Vec<Chosen>, [f64; 2]) {
         let nothing = self.left(&[]);
         let (mut all, mut left) = (Vec::<Chosen>::new(), nothing);
@@ -179,8 +179,8 @@ impl<'p, 'r> Search<'p, 'r> {
                     let found = self.refine(&mut with, *found);
                     Some((with, found))
                 }
-                // None with the lags as they are. But a cause may need other lags of those that have stood in for it, so all
-                // are set free, first without it.
+                // No cause enters with the lags unchanged. But a cause may need other lags of those that have acted in its
+                // place, so all lags are set free, first without it.
                 _ => {
                     left = self.settle(&mut all, left);
                     let again = tried.iter().take(AGAIN).map(|(chosen, _)| {
@@ -205,11 +205,10 @@ impl<'p, 'r> Search<'p, 'r> {
         (all, [nothing, left])
     }
 
-    /// All lags together, until they stand: one at a time they stop on the ridge along which a lag trades off against
-    /// another and against the curves.
+    /// Optimises all lags together until they converge: one at a time they stop on the ridge along which a lag trades off
+    /// against another and against the curves.
     ///
-    /// Newton's method on the logarithms of the lags, damped where it does not descend (Marquardt), its derivatives by
-    /// differences.
+    /// Newton's method on the logarithms of the lags with numerical derivatives, damped if it does not descend (Marquardt).
     fn settle(&self, all: &mut [Chosen], mut left: f64) -> f64 {
         left = self.refine(all, left);
         let mut damping = 1e-3;
@@ -249,14 +248,14 @@ impl<'p, 'r> Search<'p, 'r> {
         left
     }
 
-    /// Gradient and matrix of second derivatives of what is left, `at` steps of the lags' logarithms.
+    /// Gradient and Hessian of the residual sum of squares; `at` evaluates it for steps of the lags' logarithms.
     fn derivatives<At: Fn(&[(usize, f64)]) -> f64 + Sync>(
         free: &[usize],
         left: f64,
         at: At,
     ) -> (DVector<f64>, DMatrix<f64>) {
         let count = free.len();
-        // Up, down, and every two of them up.
+        // Each lag up, each down, and each pair up.
         let pairs: Vec<(usize, usize)> = (0..count).flat_map(|i| (0..=i).map(move |j| (i, j))).collect();
         let up: Vec<f64> = free.par_iter().map(|which| at(&[(*which, DIFFERENCE)])).collect();
         let down: Vec<f64> = free.par_iter().map(|which| at(&[(*which, -DIFFERENCE)])).collect();
@@ -273,7 +272,7 @@ impl<'p, 'r> Search<'p, 'r> {
         (gradient, curvature)
     }
 
-    /// Every lag, one at a time, between its neighbours of the grid; what is left then.
+    /// Refines each lag separately between its neighbours of the grid; returns the residual sum of squares.
     fn refine(&self, all: &mut [Chosen], mut left: f64) -> f64 {
         for which in 0..all.len() {
             let lag = all[which].lag_s.max(10.0);
@@ -286,7 +285,7 @@ impl<'p, 'r> Search<'p, 'r> {
         left
     }
 
-    /// Bends in the middle of each sensor's range, where that predicts better.
+    /// Adds bends in the middle of each sensor's range if they improve the prediction.
     fn bend(&self, all: &mut [Chosen], mut left: f64) -> f64 {
         for which in 0..all.len() {
             let Cause::Sensor(sensor) = all[which].cause else { continue };
@@ -302,7 +301,7 @@ impl<'p, 'r> Search<'p, 'r> {
         left
     }
 
-    /// What of each cause an axis has: what predicts no better is left out, the least useful first.
+    /// Selects the parts of each cause on an axis: removes those that do not improve the prediction, the least useful first.
     pub(super) fn parts(&self, axis: usize, all: &[Chosen]) -> Vec<Parts> {
         let name = self.problem.record.axes[axis];
         let mut parts: Vec<Parts> = all.iter().map(|chosen| [true, self.problem.levers(name, chosen.cause)]).collect();

@@ -2,23 +2,23 @@
 
 use super::{chi_squared_quantile, student_factor};
 
-/// What one independent quantity contributes to the uncertainty of a point.
+/// Contribution of one independent quantity to the uncertainty of a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contribution {
     /// Derivative of the point with respect to the quantity, times its standard uncertainty, mm.
     pub vector: [f64; 3],
-    /// Degrees of freedom of the standard uncertainty; infinite where it is well known.
+    /// Degrees of freedom of the standard uncertainty; infinite if it is well known.
     pub degrees_of_freedom: f64,
 }
 
 impl Contribution {
-    /// Variance, summed over the directions, mm².
+    /// Returns the variance, summed over the directions, mm².
     pub fn variance(&self) -> f64 {
         self.vector.iter().map(|part| part * part).sum()
     }
 }
 
-/// Covariance of a point, with the degrees of freedom behind it.
+/// Covariance of a point with its degrees of freedom.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Covariance {
     /// Σ, mm².
@@ -30,7 +30,7 @@ pub struct Covariance {
 }
 
 impl Covariance {
-    /// The sum of independent contributions; effective degrees of freedom after Welch and Satterthwaite (JCGM 100:2008, G.4.1).
+    /// Sums independent contributions; effective degrees of freedom after Welch and Satterthwaite (JCGM 100:2008, G.4.1).
     pub fn of(contributions: &[Contribution]) -> Covariance {
         let mut matrix = [[0.0; 3]; 3];
         let (mut fourth, mut fourth_of_all) = ([0.0; 3], 0.0);
@@ -55,24 +55,25 @@ impl Covariance {
         }
     }
 
-    /// Standard uncertainties of the coordinates, mm.
+    /// Returns the standard uncertainties of the coordinates, mm.
     pub fn standard(&self) -> [f64; 3] {
         core::array::from_fn(|i| self.matrix[i][i].sqrt())
     }
 
-    /// Coverage factors of the coordinates for a coverage of `p`: Student's, with the effective degrees of freedom.
+    /// Returns the coverage factors of the coordinates for a coverage of `p`: Student's, with the effective degrees of
+    /// freedom.
     pub fn factors(&self, p: f64) -> [f64; 3] {
         self.degrees_of_freedom.map(|nu| student_factor(p, nu))
     }
 
-    /// Radius about the point within which it lies with coverage `p`, mm.
+    /// Returns the radius about the point that contains it with coverage `p`, mm.
     ///
     /// ```text
     /// |d|² ≈ g χ²_h      g = tr Σ²/tr Σ,  h = (tr Σ)²/tr Σ²,      radius = √(g χ²_h,p) · t_p(ν)/t_p(∞)
     /// ```
     ///
-    /// Mean and variance of |d|² are met; exact where Σ is of one direction or the same in all three. Source: F. E.
-    /// Satterthwaite, 10.2307/3002019; J. P. Imhof, 10.1093/biomet/48.3-4.419, section 4.
+    /// The approximation matches mean and variance of |d|²; it is exact if Σ has one direction or is equal in all three.
+    /// Source: F. E. Satterthwaite, 10.2307/3002019; J. P. Imhof, 10.1093/biomet/48.3-4.419, section 4.
     pub fn radius(&self, p: f64) -> f64 {
         let trace: f64 = (0..3).map(|i| self.matrix[i][i]).sum();
         let squared: f64 = self.matrix.iter().flatten().map(|cell| cell * cell).sum();

@@ -1,4 +1,4 @@
-//! Intervals from values drawn at random.
+//! Intervals from random draws.
 
 use serde::Serialize;
 use std::vec::Vec;
@@ -13,15 +13,15 @@ pub struct Interval {
 }
 
 impl Interval {
-    /// Whether a value lies in it.
+    /// Whether a value lies in the interval.
     pub fn contains(&self, value: f64) -> bool {
         value >= self.low && value <= self.high
     }
 }
 
-/// The value below which a share `p` of the sorted values lies; not-a-number without values.
+/// Returns the value below which a share `p` of the sorted values lies; NaN without values.
 ///
-/// Between two values linearly (JCGM 101:2008, 7.7 takes the nearer one).
+/// Interpolates linearly between two values (JCGM 101:2008, 7.7 uses the nearer one).
 pub fn quantile(sorted: &[f64], p: f64) -> f64 {
     let Some(last) = sorted.len().checked_sub(1) else { return f64::NAN };
     let at = p.clamp(0.0, 1.0) * last as f64;
@@ -31,7 +31,7 @@ pub fn quantile(sorted: &[f64], p: f64) -> f64 {
     low + share * (value(below + 1.0).unwrap_or(low) - low)
 }
 
-/// Half-width of the interval about zero that holds a share `p` of the values.
+/// Returns the half-width of the interval about zero that contains a share `p` of the values.
 pub fn half_width(values: impl IntoIterator<Item = f64>, p: f64) -> f64 {
     let mut sizes: Vec<f64> = values.into_iter().map(f64::abs).collect();
     sizes.sort_by(f64::total_cmp);

@@ -1,4 +1,4 @@
-//! What may be said of a value and a tolerance.
+//! Decision on a value and a tolerance.
 
 use super::Interval;
 use serde::Serialize;
@@ -7,22 +7,22 @@ use serde::Serialize;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
-    /// The tolerance is kept, uncertainty included.
+    /// The value is within the tolerance, uncertainty included.
     Pass,
-    /// The tolerance is exceeded, uncertainty included.
+    /// The value exceeds the tolerance, uncertainty included.
     Fail,
     /// The tolerance lies within the uncertainty: neither can be proved.
     Undecided,
 }
 
-/// The verdict on a value known to lie in `interval` that must be at most `tolerance`.
+/// Decides on a value in `interval` that must be at most `tolerance`.
 ///
 /// ```text
 /// high ≤ tolerance: pass        low > tolerance: fail        else: undecided
 /// ```
 ///
 /// An interval of coverage p leaves at most (1 − p)/2 on the wrong side. The default rule of the standard has a conformance
-/// probability of 95 %: an interval of coverage 90 %; one of 95 % is more careful. Source: ISO 14253-1:2017, clause 5.
+/// probability of 95 %: an interval of coverage 90 %; one of 95 % is stricter. Source: ISO 14253-1:2017, clause 5.
 pub fn verdict(interval: Interval, tolerance: f64) -> Verdict {
     if interval.high <= tolerance {
         Verdict::Pass

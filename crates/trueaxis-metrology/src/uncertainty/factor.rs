@@ -2,20 +2,21 @@
 
 use libm::{erf, lgamma};
 
-/// Degrees of freedom from which Student's distribution is taken for normal: the factors differ by less than 3e-9.
+/// Degrees of freedom from which Student's distribution is replaced by the normal: the factors differ by less than 3e-9.
 const NORMAL_FROM: f64 = 1e9;
-/// Halvings of a bracket: to the last bit of a double.
+/// Most halvings of a bracket: to the last bit of a double.
 const HALVINGS: usize = 200;
-/// Terms of a continued fraction or series; they settle within √ν terms.
+/// Most terms of a continued fraction or series; they converge within √ν terms.
 const TERMS: usize = 100_000;
 
-/// Coverage factor k of a two-sided interval of coverage `p`, after Student with `degrees_of_freedom` ν (infinite: normal).
+/// Returns the coverage factor k of a two-sided interval of coverage `p`, after Student with `degrees_of_freedom` ν (infinite:
+/// normal).
 ///
 /// ```text
 /// P(|t_ν| ≤ k) = p,      1 − p = I_{ν/(ν + k²)}(ν/2, 1/2)
 /// ```
 ///
-/// `p` in 0 … 1, ν > 0; what lies outside gives not-a-number. Relative error below 1e-9. Cost: some 10⁴ operations.
+/// `p` in 0 … 1, ν > 0; other arguments give NaN. Relative error below 1e-9. Cost: some 10⁴ operations.
 ///
 /// ```
 /// use trueaxis_metrology::uncertainty::student_factor;
@@ -33,16 +34,16 @@ pub fn student_factor(p: f64, degrees_of_freedom: f64) -> f64 {
             return erf(k / core::f64::consts::SQRT_2);
         }
         let nu = degrees_of_freedom;
-        // Of the two forms the one that does not cancel.
+        // The form that does not cancel.
         let x = nu / (nu + k * k);
         if x > 0.5 { beta(0.5, 0.5 * nu, 1.0 - x) } else { 1.0 - beta(0.5 * nu, 0.5, x) }
     };
     inverse(p, inside)
 }
 
-/// x with P(χ² ≤ x) = `p` of a chi-squared distribution; `degrees_of_freedom` need not be whole.
+/// Returns x with P(χ² ≤ x) = `p` of a chi-squared distribution; `degrees_of_freedom` need not be an integer.
 ///
-/// `p` in 0 … 1, ν > 0; what lies outside gives not-a-number. Relative error below 1e-9.
+/// `p` in 0 … 1, ν > 0; other arguments give NaN. Relative error below 1e-9.
 ///
 /// Source: Abramowitz and Stegun, 26.4.19, 6.5.29 and 6.5.31.
 pub fn chi_squared_quantile(p: f64, degrees_of_freedom: f64) -> f64 {
@@ -52,7 +53,7 @@ pub fn chi_squared_quantile(p: f64, degrees_of_freedom: f64) -> f64 {
     inverse(p, |x| gamma(0.5 * degrees_of_freedom, 0.5 * x))
 }
 
-/// Where a distribution that rises from 0 at 0 reaches `p`.
+/// Argument at which a distribution that rises from 0 at 0 reaches `p`.
 fn inverse(p: f64, distribution: impl Fn(f64) -> f64) -> f64 {
     let (mut low, mut high) = (0.0, 1.0);
     while distribution(high) < p && high < 1e300 {
@@ -80,7 +81,7 @@ fn beta(a: f64, b: f64, x: f64) -> f64 {
         return 1.0 - beta(b, a, 1.0 - x);
     }
     let front = libm::exp(lgamma(a + b) - lgamma(a) - lgamma(b) + a * libm::log(x) + b * libm::log1p(-x)) / a;
-    // Lentz's method; away from zero, which it divides by.
+    // Lentz's method; keeps its divisors away from zero.
     let clear = |value: f64| if value.abs() < 1e-300 { 1e-300 } else { value };
     let (mut c, mut d) = (1.0, 1.0 / clear(1.0 - (a + b) * x / (a + 1.0)));
     let mut value = d;

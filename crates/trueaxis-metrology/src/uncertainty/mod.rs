@@ -1,4 +1,4 @@
-//! Uncertainty of measurement: propagation to a point, factors, intervals, and what may be said of a tolerance.
+//! Uncertainty of measurement: propagation to a point, coverage factors, intervals, and decisions on a tolerance.
 //!
 //! ```text
 //! d = Σ_k s_k z_k        z_k of unit variance, independent; s_k the derivative times the standard uncertainty (vectors, mm)

@@ -1,24 +1,24 @@
-//! Uncertainty of the figures of ISO 230-2, from that of the instrument.
+//! Uncertainty of the ISO 230-2 figures due to the instrument.
 //!
-//! The figure is that which an ideal instrument would have given for the same runs (ISO/TR 230-9 counts instrument and set-up,
-//! not the machine's scatter, which the figures are about). With y_ij what was read and x_ij what was there,
+//! The reference is the figure that an ideal instrument would have given for the same runs (ISO/TR 230-9 counts instrument and
+//! set-up, not the machine's scatter, which the figures describe). With y_ij the readings and x_ij the true values,
 //!
 //! ```text
 //! y_ij = x_ij + ε p_i + e_ij        ε ~ u_scale, common to all;  e_ij ~ u_reading, independent
 //! ```
 //!
-//! A, R and B are largest values and spreads: errors of reading make them larger, never on average smaller, so that neither
-//! y ± k u nor new errors on top of y reach their coverage (`docs/uncertainty.md` has the counts). Drawn is therefore x given
-//! y: the readings of a position about their mean m_i, the reversal B_i and the means about theirs, each with what of its
-//! scatter is the machine's:
+//! A, R and B are maxima and spreads: errors of reading make them larger, never smaller on average, so that neither y ± k u
+//! nor new errors added to y reach their coverage (`docs/uncertainty.md` has the counts). The trials therefore draw x given y:
+//! the readings of a position about their mean m_i, the reversal B_i and the means about theirs, each with the machine's share
+//! of its scatter:
 //!
 //! ```text
 //! x = m + λ (y − m) + √λ u z,      λ = 1 − u²/s²,      s²: scatter as measured, drawn with its own degrees of freedom, above u²
 //! ```
 //!
-//! u² is u_reading² for a reading, 2 u_reading²/n for a reversal, u_reading²/(2n) for a mean of both directions. The figures of
-//! the drawn x are the distribution; its central interval is given. Short of its coverage: scatter of the machine below
-//! a third of u_reading, which [`Positioning::drowned`] tells.
+//! u² is u_reading² for a reading, 2 u_reading²/n for a reversal, u_reading²/(2n) for a mean of both directions. The figures
+//! of the drawn x form the distribution; the result is its central interval. The coverage falls short if the machine's scatter
+//! is below a third of u_reading, which [`Positioning::drowned`] reports.
 //!
 //! Sources: ISO 230-2:2014; ISO/TR 230-9:2005 (terms); JCGM 101:2008, clause 7; B. Efron, C. Morris,
 //! 10.1080/01621459.1973.10481350 (shrinkage towards a mean, with the variances of the data).
@@ -28,28 +28,28 @@ use crate::accuracy::{Accuracy, AccuracyError, AtPosition, Direction, Measuremen
 use serde::Serialize;
 use std::vec::Vec;
 
-/// Draws of a variance that must not lie below a bound, before the bound is taken.
+/// Attempts to draw a variance above a bound before the bound is used.
 const ATTEMPTS: usize = 30;
 
 /// Standard uncertainties of an instrument.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Instrument {
-    /// By length, µm per mm (µrad per degree): calibration, temperature, expansion, misalignment.
+    /// Proportional to length, µm per mm (µrad per degree): calibration, temperature, expansion, misalignment.
     pub per_length: f64,
-    /// Of a single reading, µm (µrad): resolution, environmental variation.
+    /// For a single reading, µm (µrad): resolution, environmental variation.
     pub reading: f64,
 }
 
-/// A figure with its band.
+/// A figure with its uncertainty band.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Band {
-    /// Its symbol in ISO 230-2: `A`, `A_up`, `A_down`, `E`, … `M`, `B`, `B_mean`.
+    /// Symbol in ISO 230-2: `A`, `A_up`, `A_down`, `E`, … `M`, `B`, `B_mean`.
     pub figure: &'static str,
     /// As measured, µm (µrad).
     pub value: f64,
     /// Expanded uncertainty U: half of the interval.
     pub expanded: f64,
-    /// Where the figure lies with the coverage asked for.
+    /// Interval that contains the figure with the given coverage.
     pub interval: Interval,
 }
 
@@ -58,22 +58,23 @@ pub struct Band {
 pub struct Positioning {
     /// Coverage, 0 … 1.
     pub coverage: f64,
-    /// Draws.
+    /// Number of draws.
     pub trials: usize,
-    /// The figures that the measurement has.
+    /// Bands of the figures that the measurement has.
     pub figures: Vec<Band>,
-    /// The scatter of the readings is that of the instrument: the bands of A, R and B may fall short of their coverage.
+    /// Whether the instrument dominates the scatter of the readings: the bands of A, R and B may then fall short of their
+    /// coverage.
     pub drowned: bool,
 }
 
 impl Positioning {
-    /// The band of a figure by its symbol.
+    /// Returns the band of a figure by its symbol.
     pub fn of(&self, figure: &str) -> Option<&Band> {
         self.figures.iter().find(|band| band.figure == figure)
     }
 }
 
-/// Takes a figure where the measurement has it.
+/// Reads a figure if the measurement has it.
 type Take = fn(&Accuracy) -> Option<f64>;
 
 const FIGURES: [(&str, Take); 12] = [
@@ -91,11 +92,11 @@ const FIGURES: [(&str, Take); 12] = [
     ("B_mean", |a| Some(a.both?.mean_reversal)),
 ];
 
-/// Readings at the positions: value less mean, and the means, direction by direction.
+/// Readings at the positions: deviations from the mean, and the means, by direction.
 struct Read {
     positions: Vec<f64>,
     runs: usize,
-    /// By position and direction measured: what the readings have beyond their mean.
+    /// By position and measured direction: the readings minus their mean.
     beyond: Vec<Vec<Vec<f64>>>,
     /// Mean over the directions, and half of the reversal (0 in one direction).
     middle: Vec<f64>,
@@ -122,14 +123,14 @@ impl Read {
     }
 }
 
-/// Mean and variance about it.
+/// Mean, and variance about it.
 fn scatter(values: &[f64]) -> (f64, f64) {
     let mean = values.iter().sum::<f64>() / values.len() as f64;
     let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
     (mean, squares / (values.len() as f64 - 1.0).max(1.0))
 }
 
-/// λ: the machine's share in a measured variance with `nu` degrees of freedom, of which `noise` is the instrument's.
+/// λ: the machine's share of a measured variance with `nu` degrees of freedom, of which `noise` is due to the instrument.
 fn share(draws: &mut Draws, measured: f64, nu: f64, noise: f64) -> f64 {
     if noise <= 0.0 {
         return 1.0;
@@ -144,9 +145,9 @@ fn share(draws: &mut Draws, measured: f64, nu: f64, noise: f64) -> f64 {
     if total > noise { 1.0 - noise / total } else { 0.0 }
 }
 
-/// The figures of a measurement with their bands of coverage `coverage`, by `trials` draws of `seed`.
+/// Computes the figures of a measurement with bands of coverage `coverage`, by `trials` draws from `seed`.
 ///
-/// Cost: a normal number and some ten operations a reading and trial.
+/// Cost: a normal number and some ten operations per reading and trial.
 ///
 /// # Errors
 /// As [`evaluate`].
@@ -165,7 +166,7 @@ pub fn positioning(
     let squares: f64 = read.beyond.iter().flatten().flatten().map(|beyond| beyond * beyond).sum();
     let (middle_mean, middle_variance) = scatter(&read.middle);
     let (half_mean, half_variance) = scatter(&read.half);
-    // Of the half reversal as of the mean of both directions.
+    // Variance of the half reversal, and of the mean of both directions.
     let of_mean = noise / (ways * n);
     let nu_of_positions = (count - 1.0).max(1.0);
     let mut drawn: Vec<Vec<f64>> = FIGURES.iter().map(|_| Vec::with_capacity(trials)).collect();
@@ -175,7 +176,7 @@ pub fn positioning(
         let of_middle = share(&mut draws, middle_variance, nu_of_positions, of_mean);
         let of_half = if ways > 1.0 { share(&mut draws, half_variance, nu_of_positions, of_mean) } else { 1.0 };
         let scale = instrument.per_length * draws.normal();
-        // What the mean over all positions is not known by: it moves all of them.
+        // Uncertainty of the mean over all positions: it shifts all of them.
         let common = draws.normal() * ((1.0 - of_half) * of_mean / count).sqrt();
         let mut positions: Vec<AtPosition> = Vec::with_capacity(read.positions.len());
         for (i, &position) in read.positions.iter().enumerate() {
@@ -214,7 +215,7 @@ pub fn positioning(
         Some(Band { figure, value, expanded: 0.5 * (interval.high - interval.low), interval })
     };
     let figures = drawn.iter_mut().zip(FIGURES).filter_map(|(values, figure)| band(values, figure)).collect();
-    // Machine's own below a third of the instrument's: 1 + 1/9 of its variance.
+    // The machine's scatter is below a third of the instrument's: 1 + 1/9 of its variance.
     let drowned = noise > 0.0 && squares / nu < noise * (1.0 + 1.0 / 9.0);
     Ok(Positioning { coverage, trials, figures, drowned })
 }

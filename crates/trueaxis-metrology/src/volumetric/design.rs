@@ -5,14 +5,14 @@ use std::string::{String, ToString};
 use std::vec;
 use std::vec::Vec;
 
-/// Where every unknown stands.
+/// Index layout of the unknowns.
 pub(super) struct Design<'b> {
     pub(super) basis: &'b Basis,
-    /// First unknown of an error, where it is seen.
+    /// First unknown of each error, if it is observed.
     starts: [[Option<usize>; 6]; 3],
     /// First of A0Z, B0Z, C0Y.
     pub(super) squareness: usize,
-    /// First of the instrument's shift and turn.
+    /// First unknown of the instrument's shift and rotation.
     pub(super) placement: usize,
     /// First of the reflector offsets.
     pub(super) offsets: usize,
@@ -86,7 +86,8 @@ impl<'b> Design<'b> {
         rows
     }
 
-    /// Conditions that fix what no point tells, each with the size of its unknowns (1 for lengths, `length_mm` for angles).
+    /// Conditions that fix the freedoms the points do not determine, each with the scale of its unknowns (1 for lengths,
+    /// `length_mm` for angles).
     pub(super) fn conventions(&self) -> Vec<(Vec<f64>, f64)> {
         let mut conditions = Vec::new();
         for axis in 0..3 {
@@ -112,7 +113,7 @@ impl<'b> Design<'b> {
         conditions
     }
 
-    /// Second differences of neighbouring nodes, with the size of their unknowns.
+    /// Second differences of neighbouring nodes, with the scale of their unknowns.
     pub(super) fn smoothing(&self) -> Vec<([(usize, f64); 3], f64)> {
         let mut rows = Vec::new();
         for axis in 0..3 {
@@ -121,7 +122,7 @@ impl<'b> Design<'b> {
                 let Some(start) = self.starts[axis][component] else { continue };
                 for (k, three) in nodes.windows(3).enumerate() {
                     let (before, after) = (three[1] - three[0], three[2] - three[1]);
-                    // Off the straight line through the neighbours.
+                    // Deviation from the straight line through the neighbours.
                     let share = after / (before + after);
                     let row = [(start + k, share), (start + k + 1, -1.0), (start + k + 2, 1.0 - share)];
                     rows.push((row, if component < 3 { 1.0 } else { self.basis.length_mm }));
@@ -140,7 +141,7 @@ fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-/// The two nodes about a position and their shares; beyond the ends the end itself.
+/// The two nodes around a position and their shares; beyond the ends, the end node.
 fn hats(nodes: &[f64], q: f64) -> [(usize, f64); 2] {
     let above = nodes.partition_point(|node| *node <= q).clamp(1, nodes.len() - 1);
     let (low, high) = (nodes[above - 1], nodes[above]);

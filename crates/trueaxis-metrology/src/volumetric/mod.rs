@@ -1,27 +1,28 @@
-//! The 21 errors of three linear axes from points that an instrument measured all over the volume.
+//! The 21 errors of three linear axes from points measured throughout the volume.
 //!
-//! Every error E_ci of axis i is a chain of straight lines over nodes q_1 < … < q_n; an observation at the position q reads
+//! Each error E_ci of axis i is piecewise linear over nodes q_1 < … < q_n; an observation at the position q reads
 //!
 //! ```text
 //! d = Σ_i Σ_c E_ci(q_i) r_ci + Σ squareness + t + ρ × p + o_tool
 //! ```
 //!
-//! r_ci is what one unit of the error makes of the tip there (a unit vector of a translation, a lever arm of a rotation), given by
-//! the caller's model of the machine; t and ρ are where the instrument stands and how it is turned, o_tool what the offset of every
-//! reflector but the first is off. All are unknowns of one least-squares fit.
+//! r_ci is the tip's response to one unit of the error there (a unit vector for a translation, a lever arm for a rotation),
+//! from the caller's model of the machine; t and ρ are the instrument's shift and rotation, o_tool is the offset error of each
+//! reflector except the first. All of these are unknowns of one least-squares fit.
 //!
-//! **Conventions.** A constant of any error, and the slopes of straightness, cannot be told from t, ρ, squareness and one another. They are
-//! fixed by as many conditions as there are such freedoms, which changes no residual: every error is zero at the reference position,
-//! and straightnesses have no slope (least squares over their nodes), so that squareness stands apart and X is the first axis.
+//! **Conventions.** Constants of the errors and slopes of straightness are inseparable from t, ρ, squareness and one another.
+//! The fit adds one condition per such freedom, which changes no residual: every error is zero at the reference position, and
+//! straightnesses have no slope (least squares over their nodes), so that squareness is a separate term and X is the primary
+//! axis.
 //!
-//! **Unseen.** A rotation whose lever does not vary with anything but its own axis' position moves the tip as a translation of that
-//! axis does. It is left at zero; the translation holds it, for that tool.
+//! **Unobserved.** A rotation whose lever varies only with its own axis' position moves the tip as a translation of that axis
+//! does. The fit leaves it at zero; the translation includes its effect, for that tool.
 //!
-//! **Smoothing.** Second differences of neighbouring nodes are zero with a thousandth of the weight of a reading: it binds nodes that no
-//! point touches, and moves the others by a millionth of their standard error.
+//! **Smoothing.** Second differences of neighbouring nodes are zero with a thousandth of a reading's weight: this constrains
+//! nodes that no point determines, and moves the others by a millionth of their standard error.
 //!
-//! Sources: ISO 230-1:2012 (names and signs), ISO/TR 16907:2015 (numerical compensation), K. Umetsu et al., Precis. Eng. 29 (2005) 425 and
-//! H. Schwenke et al., CIRP Annals 57 (2008) 660 (errors from multilateration).
+//! Sources: ISO 230-1:2012 (names and signs), ISO/TR 16907:2015 (numerical compensation), K. Umetsu et al., Precis. Eng. 29
+//! (2005) 425 and H. Schwenke et al., CIRP Annals 57 (2008) 660 (errors from multilateration).
 
 mod design;
 mod solve;
@@ -36,9 +37,9 @@ use std::vec::Vec;
 pub const AXES: [char; 3] = ['X', 'Y', 'Z'];
 /// Letters of the components of a twist.
 pub const COMPONENTS: [char; 6] = ['X', 'Y', 'Z', 'A', 'B', 'C'];
-/// Weight of a second difference against that of a reading.
+/// Weight of a second difference relative to a reading.
 pub const SMOOTHING: f64 = 1e-3;
-/// Lever below which a rotation does not move the tip, mm.
+/// Lever below which a rotation counts as not moving the tip, mm.
 pub const LEAST_LEVER_MM: f64 = 1e-3;
 
 /// A measured point.
@@ -46,60 +47,60 @@ pub const LEAST_LEVER_MM: f64 = 1e-3;
 pub struct Observation {
     /// Commanded position, mm.
     pub position_mm: [f64; 3],
-    /// Actual less commanded position, mm.
+    /// Actual − commanded position, mm.
     pub deviation_mm: [f64; 3],
-    /// Standard deviation of a coordinate, mm; relative to the others'.
+    /// Standard deviation of a coordinate, mm, relative to the others'.
     pub sigma_mm: f64,
-    /// Which reflector offset it was measured with, from 0.
+    /// Index of the reflector offset used, from 0.
     pub tool: usize,
-    /// Tip error for one unit (mm, rad) of each of the six errors of X, Y, Z there, mm.
+    /// Tip error at this position per unit (mm, rad) of each of the six errors of X, Y, Z, mm.
     pub responses: [[[f64; 3]; 6]; 3],
-    /// Tip error for one unit (rad) of A0Z, B0Z, C0Y there, mm.
+    /// Tip error at this position per unit (rad) of A0Z, B0Z, C0Y, mm.
     pub squareness: [[f64; 3]; 3],
 }
 
-/// What is fitted to.
+/// Basis of the fit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Basis {
-    /// Nodes of every axis, mm, increasing, at least two.
+    /// Nodes of each axis, mm, increasing, at least two.
     pub nodes_mm: [Vec<f64>; 3],
-    /// Where the errors are zero, mm.
+    /// Position at which the errors are zero, mm.
     pub reference_mm: [f64; 3],
-    /// Which rotations the points see, by axis and component (translations always true).
+    /// Which rotations the points observe, by axis and component (translations always true).
     pub seen: [[bool; 6]; 3],
-    /// Reflector offsets.
+    /// Number of reflector offsets.
     pub tools: usize,
-    /// A length for scaling rotations, mm.
+    /// Length for scaling rotations, mm.
     pub length_mm: f64,
 }
 
-/// What was found. mm and rad.
+/// Result of the fit, mm and rad.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Found {
-    /// By axis, component and node.
+    /// Errors by axis, component and node.
     pub errors: [[Vec<f64>; 6]; 3],
-    /// Their standard errors.
+    /// Standard errors of `errors`.
     pub standard_errors: [[Vec<f64>; 6]; 3],
     /// A0Z, B0Z, C0Y, rad.
     pub squareness: [f64; 3],
-    /// Their standard errors, rad.
+    /// Standard errors of `squareness`, rad.
     pub squareness_errors: [f64; 3],
-    /// Shift of the instrument, mm, and its turn, rad.
+    /// Shift of the instrument, mm, and its rotation, rad.
     pub placement: [f64; 6],
-    /// What the reflector offsets are off, from the second, mm.
+    /// Errors of the reflector offsets, from the second on, mm.
     pub offsets_mm: Vec<[f64; 3]>,
-    /// What is left of every observation, mm.
+    /// Residual of each observation, mm.
     pub left_mm: Vec<[f64; 3]>,
-    /// Standard deviation of a coordinate of unit weight, times its own `sigma_mm` that of a coordinate.
+    /// Standard deviation of unit weight: a coordinate's is this times its `sigma_mm`.
     pub sigma: f64,
-    /// Coordinates less determined unknowns.
+    /// Number of coordinates − determined unknowns.
     pub degrees_of_freedom: usize,
-    /// Unknowns.
+    /// Number of unknowns.
     pub unknowns: usize,
-    /// Conditions that fix what no point tells.
+    /// Number of conditions that fix freedoms the points do not determine.
     pub conventions: usize,
-    /// Rank, with the conditions: all unknowns.
+    /// Rank including the conditions: all unknowns.
     pub rank: usize,
     /// Condition number of the scaled columns.
     pub condition: f64,
@@ -109,20 +110,20 @@ pub struct Found {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Refused {
-    /// More unknowns than coordinates.
+    /// There are more unknowns than coordinates.
     TooFew {
-        /// Coordinates, three a point.
+        /// Number of coordinates, three per point.
         found: usize,
-        /// Unknowns that they have to determine.
+        /// Number of unknowns that they have to determine.
         needed: usize,
     },
-    /// Errors that cannot be told apart.
+    /// Some errors are inseparable.
     Indistinct {
-        /// Their names.
+        /// Names of the errors.
         names: Vec<String>,
         /// Rank of the fit.
         rank: usize,
-        /// Unknowns.
+        /// Number of unknowns.
         unknowns: usize,
     },
 }

@@ -6,10 +6,10 @@ use crate::linear_fit::LinearFit;
 use std::vec;
 use std::vec::Vec;
 
-/// The errors of three axes, as the module says.
+/// Fits the errors of three axes by the module's model.
 ///
-/// Cost: 2 n² multiplications a coordinate for n unknowns (200 of a machine with 11 nodes an axis: 0.1 ms), and one singular value
-/// decomposition of n × n.
+/// Cost: 2 n² multiplications per coordinate for n unknowns (200 for a machine with 11 nodes per axis: 0.1 ms), and one
+/// singular value decomposition of n × n.
 ///
 /// # Errors
 /// [`Refused`].

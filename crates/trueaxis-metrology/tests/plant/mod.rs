@@ -6,10 +6,10 @@ use rand_distr::{Distribution, StandardNormal};
 use std::f64::consts::TAU;
 use trueaxis::machine::{DriveFigures, FrictionSettings};
 
-/// A circle: radius in mm, feed in mm/s, positive counterclockwise, turns.
+/// A circle: radius in mm, feed in mm/s (positive counterclockwise), turns.
 pub(crate) type Circle = (f64, f64, f64);
 
-/// Commands of circles about the origin, each from rest to rest with a sine-squared ramp of the feed over `ramp_s`.
+/// Commands for circles about the origin, each from rest to rest with a sine-squared ramp of the feed over `ramp_s`.
 pub(crate) fn commands(circles: &[Circle], period_s: f64, ramp_s: f64) -> [Vec<f64>; 2] {
     let mut angle = 0.3;
     let mut command = [Vec::new(), Vec::new()];
@@ -33,7 +33,7 @@ pub(crate) fn commands(circles: &[Circle], period_s: f64, ramp_s: f64) -> [Vec<f
     command
 }
 
-/// The encoder of the plant: subdivisional error, noise, counts.
+/// Encoder of the plant: subdivisional error, noise, counts.
 struct Encoder(ChaCha8Rng);
 
 impl Encoder {
@@ -44,8 +44,8 @@ impl Encoder {
     }
 }
 
-/// Position, velocity, integrator, torque and friction of a drive, carried on over `h` by Heun's method; `wanted` is the velocity
-/// wanted at the beginning and at the end, by the position there.
+/// Position, velocity, integrator, torque and friction of a drive, integrated over `h` by Heun's method; `wanted` is the
+/// velocity setpoint at the beginning and at the end, as a function of the position there.
 fn carried_on(
     state: [f64; 5],
     h: f64,
@@ -71,7 +71,7 @@ fn carried_on(
     std::array::from_fn(|i| state[i] + 0.5 * h * (one[i] + two[i]))
 }
 
-/// Readings of a drive with a digital position loop of that period; its inside is integrated in steps of at most 25 µs,
+/// Readings of a drive with a digital position loop of this period; the inner loops are integrated in steps of at most 25 µs,
 /// friction by the differential equation.
 pub(crate) fn readings(
     command: &[f64],
@@ -103,15 +103,15 @@ pub(crate) fn readings(
 /// How a drive takes the commands of a record.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Commands {
-    /// Held for a cycle, the position loop closed once in it.
+    /// Held for a cycle, with the position loop closed once per cycle.
     Sampled,
-    /// Held for a cycle, the position loop closed all the time.
+    /// Held for a cycle, with the position loop closed continuously.
     Held,
-    /// From one to the next in even motion.
+    /// Linear from one command to the next.
     Linear,
 }
 
-/// Readings of a drive whose encoder is read in each cycle after that share of it.
+/// Readings of a drive whose encoder is read after this share of each cycle.
 pub(crate) fn read_within(
     command: &[f64],
     period_s: f64,

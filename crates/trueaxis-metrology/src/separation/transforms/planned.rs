@@ -1,4 +1,4 @@
-//! By realfft: any number of points, half the work of complex ones.
+//! Transforms by realfft: any number of points, half the work of complex ones.
 
 use realfft::num_complex::Complex;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
@@ -16,12 +16,12 @@ impl Transforms {
         Ok(Transforms { forward: planner.plan_fft_forward(points), backward: planner.plan_fft_inverse(points) })
     }
 
-    /// Length of the memory that both directions need.
+    /// Length of the memory for both directions.
     pub(in crate::separation) fn scratch(&self) -> usize {
         self.forward.get_scratch_len().max(self.backward.get_scratch_len())
     }
 
-    /// The spectrum of a real series, which is lost.
+    /// Computes the spectrum of a real series, which is overwritten.
     pub(in crate::separation) fn forward(
         &self,
         real: &mut [f64],
@@ -32,7 +32,7 @@ impl Transforms {
         debug_assert!(done.is_ok(), "every length is the planner's");
     }
 
-    /// The real series of amplitudes, which are lost; those of mean and Nyquist frequency are real.
+    /// Computes the real series of amplitudes, which are overwritten; those of mean and Nyquist frequency are real.
     pub(in crate::separation) fn backward(
         &self,
         amplitudes: &mut [Complex<f64>],

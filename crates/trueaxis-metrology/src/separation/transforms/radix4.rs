@@ -1,4 +1,4 @@
-//! By one complex transform of rustfft: powers of two.
+//! Transforms by one complex transform of rustfft: powers of two.
 
 use realfft::num_complex::Complex;
 use rustfft::algorithm::Radix4;
@@ -19,7 +19,7 @@ impl Transforms {
         }
         let power = points.trailing_zeros();
         let direction = FftDirection::Forward;
-        // Of the innermost transforms the smallest: the others are large.
+        // The smallest innermost transforms; the others are large.
         let (base, inner): (u32, Arc<dyn Fft<f64>>) = match power % 2 {
             0 => (2, Arc::new(Butterfly4::new(direction))),
             _ => (3, Arc::new(Butterfly8::new(direction))),
@@ -27,12 +27,12 @@ impl Transforms {
         Ok(Transforms { points, transform: Radix4::new_with_base((power - base) / 2, inner) })
     }
 
-    /// Length of the memory that both directions need.
+    /// Length of the memory for both directions.
     pub(in crate::separation) fn scratch(&self) -> usize {
         self.points + self.transform.get_inplace_scratch_len()
     }
 
-    /// The spectrum of a real series.
+    /// Computes the spectrum of a real series.
     pub(in crate::separation) fn forward(
         &self,
         real: &mut [f64],
@@ -49,8 +49,8 @@ impl Transforms {
         }
     }
 
-    /// The real series of amplitudes; those of mean and Nyquist frequency are real. As the series is real, it is the transform of
-    /// the conjugate ones.
+    /// Computes the real series of amplitudes; those of mean and Nyquist frequency are real. A real series is the transform of
+    /// the conjugate amplitudes.
     pub(in crate::separation) fn backward(
         &self,
         amplitudes: &mut [Complex<f64>],
