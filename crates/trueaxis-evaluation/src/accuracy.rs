@@ -22,37 +22,38 @@ use trueaxis_tables::uncertainty::Uncertainties;
 pub struct Document {
     /// As measured.
     pub measured: Accuracy,
-    /// With what a machine's tables would take off.
+    /// After subtracting the corrections of a machine's tables.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub compensated: Option<Accuracy>,
-    /// Bands of the figures as measured, where the instrument is known.
+    /// Bands of the measured figures, if the instrument's uncertainty is known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub uncertainty: Option<Positioning>,
-    /// What may be said of a tolerance.
+    /// Verdict against a tolerance.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub verdict: Option<Judgement>,
 }
 
-/// A verdict on the bidirectional accuracy A (of a measurement in one direction: A↑ or A↓), uncertainty included.
+/// A verdict on the bidirectional accuracy A (for a measurement in one direction: A↑ or A↓), uncertainty included.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Judgement {
     /// The figure.
     pub figure: &'static str,
     /// Largest permitted value, µm.
     pub tolerance_um: f64,
-    /// Pass or fail only outside the band (ISO 14253-1).
+    /// Pass or fail only if the tolerance is outside the band (ISO 14253-1).
     pub verdict: Verdict,
 }
 
-/// Draws behind a band: its ends are then known to some 3 % of it.
+/// Number of draws per band: determines its ends to some 3 % of its width.
 const TRIALS: usize = 2_000;
-/// Of the draws.
+/// Seed of the draws.
 const SEED: u64 = 1;
 
-/// Bands of the figures of a linear axis, from what a machine states of the instrument and of its own expansion.
+/// Bands of the figures of a linear axis, from the uncertainty of the instrument and of the axis' expansion that a machine
+/// states.
 ///
 /// # Errors
-/// A rotary axis; an axis that the machine has not got; an instrument without an uncertainty.
+/// A rotary axis; an axis that the machine does not have; an instrument without an uncertainty.
 pub fn bands(
     measurement: &Measurement,
     machine: &Machine,
@@ -67,7 +68,7 @@ pub fn bands(
     let own = own.with_context(|| format!("{name}: found no axis {}, needed the one measured", axis.letter()))?;
     let ends = measurement.positions.first().zip(measurement.positions.last());
     let length = ends.map_or(0.0, |(first, last)| last - first).max(f64::MIN_POSITIVE);
-    // mm to µm; by length both are millionths of each other.
+    // mm to µm; per unit length both are millionths of each other.
     let instrument = Instrument {
         per_length: 1e3 * per_length(&stated.instrument, own.thermal.expansion_per_k, length),
         reading: 1e3 * reading(&stated.instrument),
@@ -84,7 +85,7 @@ pub fn judge(bands: &Positioning, tolerance_um: f64) -> Option<Judgement> {
     Some(Judgement { figure: band.figure, tolerance_um, verdict: verdict(band.interval, tolerance_um) })
 }
 
-/// Reads a measurement; `file` is only named in errors. `tell` hears of separators other than commas.
+/// Reads a measurement; `file` is only named in errors. `tell` receives a note on separators other than commas.
 ///
 /// # Errors
 /// As [`read_measurement`].
@@ -96,7 +97,7 @@ pub fn read(text: &str, file: &Path, axis: Option<Axis>, tell: &mut dyn FnMut(St
     Ok(measurement)
 }
 
-/// Evaluates a measurement, and what the tables of a machine (with the name that errors give it) would leave of it.
+/// Evaluates a measurement, and what would remain of it with the tables of a machine (errors name the machine by the path).
 ///
 /// # Errors
 /// A single run; a machine without a table of that axis.
@@ -106,7 +107,7 @@ pub fn evaluate(measurement: &Measurement, file: &Path, machine: Option<(&Machin
         None => None,
         Some((machine, path)) => {
             let mut tables = machine.clone();
-            // A measurement along one axis knows no levers.
+            // A measurement along one axis involves no levers.
             tables.settings.compensation.model = ErrorModel::Nine;
             if tables.rows(measurement.axis).is_none() {
                 bail!("{}: found no table of axis {}, needed one", path.display(), measurement.axis.letter());
@@ -117,7 +118,7 @@ pub fn evaluate(measurement: &Measurement, file: &Path, machine: Option<(&Machin
     Ok(Document { measured, compensated, uncertainty: None, verdict: None })
 }
 
-/// The deviations less what the machine's own look-up says of the axis alone, in the direction of the approach.
+/// The deviations minus the error that the machine's own look-up gives for the axis alone, in the direction of approach.
 fn after<const N: usize>(tables: &Machine, measurement: &Measurement) -> Result<Accuracy> {
     let axes = AxisOrder::<N>::of(&tables.settings).map_err(|error| anyhow!("{error}"))?.axes();
     let slot = axes.iter().position(|a| *a == measurement.axis).context("the axis is not in the machine")?;
@@ -132,7 +133,7 @@ fn after<const N: usize>(tables: &Machine, measurement: &Measurement) -> Result<
                 directions[slot] = travel;
                 compensation.errors(&Query::at(&at, &directions, &thermal), &mut 0)[slot]
             };
-            // The other axes stand still: what they add is the same everywhere.
+            // The other axes do not move: they add the same error everywhere.
             let constant = {
                 let first = tables.rows(measurement.axis).and_then(<[_]>::first);
                 let own = first.map_or(0.0, |row| row.forward[measurement.axis.index()]);
@@ -149,8 +150,8 @@ fn after<const N: usize>(tables: &Machine, measurement: &Measurement) -> Result<
 
 /// Figures of an axis' own table, without a measurement: its error at every line, backlash included, in both directions.
 ///
-/// A table has no scatter: E, M and B are its own, A equals E, and R is no more than the reversal. `None` without a table, or
-/// with one that does not give the own error.
+/// A table has no scatter: E, M and B come from the table alone, A equals E, and R is at most the reversal. `None` without a
+/// table, or if the table does not give the axis' own error.
 pub fn of_table(machine: &Machine, axis: Axis) -> Option<Accuracy> {
     let (settings, table) = machine.axes().find(|(own, _)| own.axis == axis)?;
     let (table, own) = (table?, axis.index());

@@ -7,13 +7,13 @@ use trueaxis::machine::{AXES, Axis};
 use trueaxis_metrology::cores::*;
 use trueaxis_tables::Machine;
 
-/// Positions that one thread takes at a time.
+/// Number of positions that one thread processes at a time.
 const CHUNK: usize = 4096;
 
-/// Positions row by row, mm and degrees; axes that have no column stand at 0.
+/// Positions row by row, mm and degrees; axes without a column are at 0.
 #[derive(Clone, Copy, Debug)]
 pub struct Positions<'p> {
-    /// Row after row.
+    /// Values, row after row.
     pub values: &'p [f64],
     /// Axis of every column; not empty.
     pub columns: &'p [Axis],
@@ -25,7 +25,7 @@ impl Positions<'_> {
         self.values.len() / self.columns.len()
     }
 
-    /// X, Y, Z (mm), A, B, C (degrees) of a row; beyond the last 0.
+    /// X, Y, Z (mm), A, B, C (degrees) of a row; 0 beyond the last row.
     pub fn at(&self, row: usize) -> [f64; AXES] {
         let mut command = [0.0; AXES];
         let values = self.values.iter().skip(row * self.columns.len());
@@ -36,16 +36,16 @@ impl Positions<'_> {
     }
 }
 
-/// What `of` takes of the error at every position; the number of positions beyond a table's end.
+/// Writes the part of the error that `of` selects at every position; returns the number of positions beyond a table's end.
 ///
-/// All cores share the work, but in order of travel, where each position needs the one before. Cost: one look-up a position;
-/// in order one correction more.
+/// All cores share the work, except in order of travel, where each position needs the previous one. Cost: one look-up per
+/// position; in order one additional correction.
 ///
 /// # Errors
-/// Those of [`with_model`]; in order a pose without a correction, with the index of its position.
+/// As [`with_model`]; in order also a pose without a correction, with the index of its position.
 ///
 /// # Panics
-/// `errors` is not as long as there are positions.
+/// If `errors` is not as long as the number of positions.
 pub fn errors(
     machine: &Machine,
     settings: &Settings,
@@ -61,15 +61,15 @@ pub fn errors(
     })
 }
 
-/// Corrections of the axes of the columns (mm, degrees) at every position, row by row, to be added to the command; the number
-/// of positions beyond a table's end. As [`errors`]. Cost: as many look-ups a position as the exact inverse has passes, and
-/// one where that meets a table's end.
+/// Writes the corrections of the axes of the columns (mm, degrees) at every position, row by row, to be added to the command;
+/// returns the number of positions beyond a table's end. As [`errors`]. Cost: one look-up per position and pass of the exact
+/// inverse, and one more if a pass meets a table's end.
 ///
 /// # Errors
 /// As [`errors`], and a pose without a correction.
 ///
 /// # Panics
-/// `corrections` is not as long as the positions.
+/// If `corrections` is not as long as the positions.
 pub fn corrections(
     machine: &Machine,
     settings: &Settings,
@@ -87,7 +87,7 @@ pub fn corrections(
     })
 }
 
-/// `of` writes the `width` results of a place, and tells whether it is beyond a table's end.
+/// `of` writes the `width` results of a place and returns whether the place is beyond a table's end.
 fn evaluate(
     machine: &Machine,
     settings: &Settings,

@@ -1,4 +1,5 @@
-//! A machine as a controller at a servo rate takes it: its compiled form, doubts, lead-in of lost motion, margins.
+//! Check of a machine as a controller loads it at a servo rate: compiled form, doubtful settings, ramp of lost motion,
+//! margins.
 
 use anyhow::{Result, bail};
 use serde::Serialize;
@@ -17,11 +18,11 @@ pub fn rate(rate_hz: f64) -> Result<()> {
     if (10.0..=1e6).contains(&rate_hz) { Ok(()) } else { bail!("--rate-hz: found {rate_hz}, needed 10 to 1000000") }
 }
 
-/// The compiled form of a machine, accepted by what a controller runs at this rate, Hz. `files` and `name` are where its
-/// `machine.toml` was read, so that a refusal names the key.
+/// The compiled form of a machine, once a controller's build at this rate, Hz, has accepted it. `files` and `name` are where
+/// its `machine.toml` was read, so that a refusal names the key.
 ///
 /// # Errors
-/// A rate outside 10 Hz to 1 MHz; all that [`compile`] and [`build`] refuse.
+/// A rate outside 10 Hz to 1 MHz; anything that [`compile`] or [`build`] refuses.
 pub fn compiled(machine: &Machine, files: &dyn Source, name: &Path, rate_hz: f64) -> Result<Vec<u8>> {
     rate(rate_hz)?;
     let bytes = compile(machine).map_err(|error| Machine::refusal(files, name, &error))?;
@@ -45,7 +46,7 @@ pub struct Findings {
     pub summary: Summary,
 }
 
-/// Looks at a machine and its compiled form at a servo rate, Hz.
+/// Checks a machine and its compiled form at a servo rate, Hz.
 pub fn findings(machine: &Machine, tables: &Tcomp<'_>, rate_hz: f64) -> Findings {
     Findings {
         warnings: check(machine, rate_hz),
@@ -55,10 +56,10 @@ pub fn findings(machine: &Machine, tables: &Tcomp<'_>, rate_hz: f64) -> Findings
     }
 }
 
-/// [`Findings`] for programs.
+/// [`Findings`] in serialised form.
 #[derive(Clone, Debug, Serialize)]
 pub struct Document {
-    /// Nothing is wrong.
+    /// No error was found.
     pub ok: bool,
     /// Doubtful settings, a sentence each.
     pub warnings: Vec<String>,
@@ -86,7 +87,7 @@ impl From<Findings> for Document {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Lost {
-    /// Of a linear axis.
+    /// A linear axis.
     Linear {
         /// The axis.
         axis: char,
@@ -96,10 +97,10 @@ pub enum Lost {
         lead_in_ms: f64,
         /// Highest feed, mm/s.
         feed_mm_per_s: f64,
-        /// Distance at that feed meanwhile, mm.
+        /// Distance travelled at that feed in that time, mm.
         way_mm: f64,
     },
-    /// Of a rotary axis.
+    /// A rotary axis.
     Rotary {
         /// The axis.
         axis: char,
@@ -109,7 +110,7 @@ pub enum Lost {
         lead_in_ms: f64,
         /// Highest feed, degrees/s.
         feed_deg_per_s: f64,
-        /// Angle at that feed meanwhile, degrees.
+        /// Angle turned at that feed in that time, degrees.
         way_deg: f64,
     },
 }

@@ -1,14 +1,14 @@
 //! Shares of an error: of an axis, of one term of its table, of a location error.
 //!
-//! The share of a source is what would be gone if the machine were perfect there and in nothing else:
+//! The share of a source is the part that would vanish if the machine were perfect there and nowhere else:
 //!
 //! ```text
 //! share(s) = e(machine) − e(machine without s)
 //! ```
 //!
-//! e is whatever the caller computes: the error of the tip under a model, by exact transforms, or what is left of it after
-//! a correction whose tables lack the source as well. Of a first-order model the shares add up to e; of the exact
-//! geometry all but products of errors.
+//! e is whatever the caller computes: the error of the tip under a model, by exact transforms, or the residual after a
+//! correction whose tables lack the source as well. In a first-order model the shares add up to e; in the exact geometry to
+//! all of it but products of errors.
 
 use anyhow::Result;
 use trueaxis::machine::{AXES, Axis};
@@ -27,7 +27,7 @@ pub enum Source {
     Thermal(Axis),
     /// Squareness: 0, 1, 2 are A0Z, B0Z, C0Y.
     Squareness(usize),
-    /// A location error of a rotary axis; components as of [`Source::Term`].
+    /// A location error of a rotary axis; components as in [`Source::Term`].
     Location(Axis, usize),
 }
 
@@ -51,7 +51,7 @@ impl Source {
         (0..3).map(Source::Squareness).chain(located)
     }
 
-    /// Its name after ISO 230-1: `X`, `EYX`, `C0Y`, `EX0C`; of lost motion and growth `backlash X`, `thermal growth X`.
+    /// ISO 230-1 name: `X`, `EYX`, `C0Y`, `EX0C`; for lost motion and growth `backlash X`, `thermal growth X`.
     pub fn name(self) -> String {
         let along = |component: usize| Axis::ALL.get(component).map_or('?', |axis| axis.letter());
         match self {
@@ -64,7 +64,7 @@ impl Source {
         }
     }
 
-    /// The machine without it; `None` where the machine is perfect there already.
+    /// The machine without this source; `None` if the machine is already perfect there.
     pub fn removed_from(self, machine: &Machine) -> Option<Machine> {
         let mut without = machine.clone();
         let settings = &mut without.settings;
@@ -99,12 +99,12 @@ impl Source {
 /// A source with its share, mm.
 pub type Share = (Source, [f64; 3]);
 
-/// Shares of the `sources` that the machine has in its error `whole`, and what none of them explains; mm.
+/// Shares in the error `whole` of those `sources` that the machine has, and the rest that none of them explains; mm.
 ///
-/// `error` computes the error of a machine, as it computed `whole` of this one. Cost: one call a source.
+/// `error` computes the error of a machine the way `whole` was computed for this one. Cost: one call per source.
 ///
 /// # Errors
-/// Those of `error`.
+/// As `error`.
 pub fn shares(
     machine: &Machine,
     sources: impl Iterator<Item = Source>,

@@ -20,13 +20,13 @@ pub struct Asked {
     pub kelvin: f64,
 }
 
-/// Largest coordinate that is asked for, mm or degrees.
+/// Largest coordinate accepted, mm or degrees.
 const MOST: f64 = 1e6;
 
-/// X, Y, Z, and the machine's rotary axes behind them or not, by [`Axis::index`].
+/// X, Y, Z, optionally followed by the machine's rotary axes, by [`Axis::index`].
 ///
 /// # Errors
-/// Another number of coordinates, one that is no number or above 1e6: what was found and what is needed.
+/// Another number of coordinates, or one that is not a number or above 1e6: the text says what was found and what is needed.
 pub fn position(found: &[f64], machine: &Machine) -> Result<[f64; AXES], String> {
     let axes: Vec<Axis> = machine.settings.step_axes().collect();
     if found.len() != 3 && found.len() != axes.len() {
@@ -54,24 +54,24 @@ pub struct Found {
     pub at: [f64; AXES],
     /// Error of the tip, actual − ideal, mm.
     pub tip: [f64; 3],
-    /// Of the tool, rad; only the volumetric model has it.
+    /// Error of the tool's orientation, rad; only in the volumetric model.
     pub orientation: Option<[f64; 3]>,
-    /// Added to the command, mm and degrees.
+    /// Correction added to the command, mm and degrees.
     pub correction: [f64; AXES],
-    /// Shares of the tip's error, mm: of each axis by its letter, of the location errors.
+    /// Shares of the tip's error, mm: one per axis, by its letter, and one of the location errors.
     pub contributions: Vec<(String, [f64; 3])>,
     /// Axes beyond the end of their table.
     pub clamped: Vec<Axis>,
     /// Axes outside their declared travel.
     pub out_of_travel: Vec<Axis>,
-    /// Axes whose magnitude limit takes something off the correction.
+    /// Axes whose correction the magnitude limit reduces.
     pub clipped: Clipped,
 }
 
-/// Error and correction of the machine's own model at a position; `N` axes of the step.
+/// Error and correction under the machine's own model at a position; `N` axes of the step.
 ///
 /// # Errors
-/// More or fewer axes than `N`; what the model refuses.
+/// More or fewer axes than `N`; anything that the model refuses.
 pub fn at<const N: usize>(machine: &Machine, asked: &Asked) -> Result<Found> {
     let axes = AxisOrder::<N>::of(&machine.settings).map_err(|error| anyhow!("{error}"))?.axes();
     let (whole, correction, clamped) = look_up(machine, &axes, asked, passes(machine, None)?)?;

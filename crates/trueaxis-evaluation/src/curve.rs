@@ -8,18 +8,18 @@ use trueaxis_tables::Machine;
 /// One error of an axis over its table.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ErrorCurve {
-    /// Positions, mm or degrees; those of the table are among them.
+    /// Positions, mm or degrees, including those of the table.
     pub positions: Vec<f64>,
-    /// In positive travel, µm or µrad.
+    /// Error in positive travel, µm or µrad.
     pub forward: Vec<f64>,
-    /// In negative travel, backlash included where it is the axis' own error.
+    /// Error in negative travel, µm or µrad, including backlash if it is the axis' own error.
     pub reverse: Vec<f64>,
-    /// Growth of the own error at the temperature, µm or µrad; zero for the others.
+    /// Growth of the own error at the temperature, µm or µrad; zero for other errors.
     pub growth: Vec<f64>,
 }
 
 /// Error `component` (0 to 5: EX to EC) of an axis as the volumetric form looks it up, without levers, at about `points`
-/// positions and at every line of the table. `temperature_c`: of the axis, °C.
+/// positions and at every line of the table. `temperature_c` is the temperature of the axis, °C.
 ///
 /// # Errors
 /// An axis without a table; a growth of more than 10 mm or 1e-3.
@@ -52,7 +52,7 @@ pub fn curve(machine: &Machine, axis: Axis, component: usize, temperature_c: f64
     Ok(curve)
 }
 
-/// Every line, and between two of them as many positions as make about `points` in all.
+/// Every line, and evenly between two lines enough positions to make about `points` in all.
 fn positions(lines: impl Iterator<Item = f64>, points: usize) -> Vec<f64> {
     let lines: Vec<f64> = lines.collect();
     let between = (points / lines.len().max(1)).clamp(1, 100);

@@ -1,6 +1,6 @@
 //! Volumetric error over the working volume, before and after the correction.
 //!
-//! At every point q of a grid over the travel of the linear axes, the rotary axes in a pose that stands still:
+//! At every point q of a grid over the travel of the linear axes, the rotary axes fixed in one pose:
 //!
 //! ```text
 //! before   d(q) = R_w (p_actual(q) − p_ideal(q))
@@ -8,12 +8,12 @@
 //! ```
 //!
 //! p is the tip in the workpiece's frame by exact products of rigid transforms ([`trueaxis_tables::exact`], which shares
-//! nothing with the compensation), r the correction that the servo step sends at rest, within its limits of magnitude
-//! ([`trueaxis::compensation::Compensation::correction`]). Errors are actual − ideal, tool relative to workpiece, in machine directions
-//! (ISO 230-1), µm; rotations of the tool µrad. The step knows temperature and directions of travel.
+//! nothing with the compensation), r the correction that the servo step sends at rest, within its magnitude limits
+//! ([`trueaxis::compensation::Compensation::correction`]). Errors are actual − ideal, tool relative to workpiece, in machine
+//! directions (ISO 230-1), µm; rotations of the tool µrad. The step knows temperature and directions of travel.
 //!
-//! What is left is what the model leaves out: of nine terms the levers of angular errors, of the volumetric form products
-//! of errors; and where a correction meets its limit or an axis is missing, what could not be sent.
+//! The residual is what the model omits: for nine terms the levers of angular errors, for the volumetric form products of
+//! errors; and, if a correction meets its limit or an axis is missing, the part that could not be sent.
 
 mod figures;
 pub(crate) mod grid;
@@ -73,23 +73,23 @@ pub struct Settings {
     pub points: Points,
     /// Kelvin above the machine's reference temperature.
     pub kelvin: f64,
-    /// Model of the correction; the machine's own where left out.
+    /// Model of the correction; by default the machine's own.
     pub model: Option<Model>,
-    /// Letters of the axes that travel in negative direction, as in `XZ`; the others travel in positive direction.
+    /// Letters of the axes that travel in negative direction, such as `XZ`; the others travel in positive direction.
     pub negative: String,
-    /// Tip from the last tool-side frame, mm; the machine's own where left out.
+    /// Tip from the last tool-side frame, mm; by default the machine's own.
     pub tool_mm: Option<[f64; 3]>,
-    /// Positions of rotary axes by letter, degrees; 0 where left out.
+    /// Positions of rotary axes by letter, degrees; 0 by default.
     pub pose_deg: BTreeMap<char, f64>,
 }
 
-/// What is asked for, checked against the machine.
+/// The settings, checked against the machine.
 struct Asked {
-    /// With the tool asked for.
+    /// Machine with the requested tool.
     machine: Machine,
     grid: Grid,
     kelvin: f64,
-    /// By [`Axis::index`].
+    /// Both by [`Axis::index`].
     reverse: [bool; AXES],
     pose: [f64; AXES],
 }
@@ -140,9 +140,9 @@ impl Asked {
     }
 }
 
-/// The field as rows of nine: x, y, z of the point, mm; error of the tip before; after, µm. X changes fastest, Z slowest.
+/// The field as rows of nine: x, y, z of the point, mm; error of the tip before and after, µm. X changes fastest, Z slowest.
 ///
-/// Cost: two products of the chain and one correction a point.
+/// Cost: two products of the chain and one correction per point.
 ///
 /// # Errors
 /// Too few or too many points, axes that the machine does not have, a pose outside the travel, a travel that is neither
@@ -165,12 +165,12 @@ pub fn rows(machine: &Machine, settings: &Settings) -> Result<Vec<f32>> {
     Ok(rows)
 }
 
-/// Figures of the field under both models: largest, RMS, 95 %, by slices, worst points and what causes them.
+/// Figures of the field under both models: largest, RMS, 95 %, by slices, worst points and their causes.
 ///
-/// Cost: three products of the chain and two corrections a point, and one of each a term of the machine.
+/// Cost: three products of the chain and two corrections per point, and one of each per term of the machine.
 ///
 /// # Errors
-/// As [`rows`], but for the model: one that the machine's errors do not allow is reported in its place.
+/// As [`rows`], except that a model that the machine's errors do not allow is reported in place of its figures.
 pub fn figures(machine: &Machine, settings: &Settings) -> Result<Figures> {
     let asked = Asked::new(machine, settings)?;
     let model = settings.model.unwrap_or(Model::of(machine.settings.compensation.model));
@@ -184,7 +184,7 @@ pub fn figures(machine: &Machine, settings: &Settings) -> Result<Figures> {
     Ok(figures)
 }
 
-/// What a model leaves.
+/// The error that remains under a model.
 fn after(sampler: &Sampler<'_>, model: Model) -> Result<(Case, usize)> {
     let asked = sampler.asked;
     let machine = model.on(&asked.machine);

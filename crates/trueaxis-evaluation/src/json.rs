@@ -4,10 +4,10 @@ use serde::Serialize;
 use serde_json::ser::{CompactFormatter, Formatter, PrettyFormatter, Serializer};
 use std::io::{Result, Write};
 
-/// A formatter that writes −0 as 0: the sign of nothing is no information.
+/// A formatter that writes −0 as 0: the sign of zero carries no information.
 struct Unsigned<F>(F);
 
-/// Hands on what makes lines and indents.
+/// Forwards the methods that produce lines and indents.
 macro_rules! as_within {
     ($($name:ident($($argument:ident: $kind:ty),*);)*) => {
         $(fn $name<W: ?Sized + Write>(&mut self, writer: &mut W, $($argument: $kind),*) -> Result<()> {
@@ -46,15 +46,15 @@ fn text(document: &impl Serialize, formatter: impl Formatter) -> serde_json::Res
 /// A document on one line.
 ///
 /// # Errors
-/// What cannot be JSON, such as a map whose keys are no strings.
+/// Data that cannot be JSON, such as a map with keys that are not strings.
 pub fn compact(document: &impl Serialize) -> serde_json::Result<String> {
     text(document, CompactFormatter)
 }
 
-/// A document over indented lines, with a line end after the last.
+/// A document over indented lines, ending with a newline.
 ///
 /// # Errors
-/// As for [`compact`].
+/// As [`compact`].
 pub fn pretty(document: &impl Serialize) -> serde_json::Result<String> {
     text(document, PrettyFormatter::new()).map(|text| text + "\n")
 }

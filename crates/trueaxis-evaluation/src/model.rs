@@ -11,10 +11,10 @@ use trueaxis_tables::files::Folder;
 use trueaxis_tables::output::left_notes;
 use trueaxis_tables::{Machine, Table};
 
-/// A machine from its machine.toml, its folder, or a compiled .tcomp; `note` hears what [`source`] tells it.
+/// A machine from its machine.toml, its folder, or a compiled .tcomp; `note` receives the notes of [`source`].
 ///
 /// # Errors
-/// What cannot be read, with file, line, what was found and what is needed.
+/// A file that cannot be read, with file, line, what was found and what is needed.
 pub fn machine(path: &Path, note: &mut dyn FnMut(String)) -> Result<Machine> {
     if is_compiled(path) {
         let bytes = std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
@@ -23,8 +23,8 @@ pub fn machine(path: &Path, note: &mut dyn FnMut(String)) -> Result<Machine> {
     source(path, note)
 }
 
-/// A machine in source form; `note` hears of separators other than commas, of decimal commas, and of what a command left
-/// that was ended while it wrote.
+/// A machine in source form; `note` receives remarks on separators other than commas, on decimal commas, and on files left by
+/// a command that was interrupted while writing.
 ///
 /// # Errors
 /// As [`machine`].
@@ -34,12 +34,12 @@ pub fn source(path: &Path, note: &mut dyn FnMut(String)) -> Result<Machine> {
     Ok(Machine::read_from(&folder, &name, note)?)
 }
 
-/// A sentence on every file of this machine that a command was ended while it wrote.
+/// A sentence on every file of this machine that an interrupted command left behind.
 pub fn left(path: &Path) -> Vec<String> {
     left_notes(files(path))
 }
 
-/// The files of a machine, whatever form it came in.
+/// The files of a machine in any form.
 pub fn files(path: &Path) -> Vec<PathBuf> {
     let alone = || vec![path.to_path_buf()];
     if is_compiled(path) { alone() } else { Machine::files(path).unwrap_or_else(|_| alone()) }
@@ -48,7 +48,7 @@ pub fn files(path: &Path) -> Vec<PathBuf> {
 /// Parses compiled bytes; the error names the file they came from.
 ///
 /// # Errors
-/// Those of [`Tcomp::parse`].
+/// As [`Tcomp::parse`].
 pub fn parsed<'b>(bytes: &'b [u8], machine: &Path) -> Result<Tcomp<'b>> {
     Tcomp::parse(bytes).map_err(|error| anyhow!("{}: {error}", machine.display()))
 }
@@ -58,10 +58,10 @@ pub fn is_compiled(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension == "tcomp")
 }
 
-/// Builds the model that the machine's settings name and lends it out; `passes` of the exact inverse, 1 to 8.
+/// Builds the model that the machine's settings name and lends it to `user`; `passes` of the exact inverse, 1 to 8.
 ///
 /// # Errors
-/// What [`Compensation::build`] refuses, and what `user` does.
+/// As [`Compensation::build`] and `user`.
 pub fn with_compensation<const N: usize, T>(
     machine: &Machine,
     passes: u8,
@@ -94,10 +94,10 @@ macro_rules! by_axes {
     };
 }
 
-/// Look-ups of the exact inverse: those asked for, or as many as the machine needs.
+/// Look-ups of the exact inverse: the requested number, or as many as the machine needs.
 ///
 /// # Errors
-/// The machine needs more than 8, or its errors are too steep for any number.
+/// A machine that needs more than 8, or whose errors are too steep for any number.
 pub fn passes(machine: &Machine, asked: Option<u8>) -> Result<u8> {
     let bounds = check::GridBounds::of(&machine.grids());
     let needed = || check::machine_passes(&machine.settings, |axis| machine.rows(axis), &bounds);
@@ -112,12 +112,12 @@ pub fn thermal<const N: usize>(machine: &Machine, axes: &[Axis; N], kelvin: f64)
     })
 }
 
-/// Whether all axes' growth at `kelvin` above the reference temperature is one that the step takes: at most 10 mm and 1e-3.
+/// Whether the step accepts all axes' growth at `kelvin` above the reference temperature: at most 10 mm and 1e-3.
 pub fn takes_rise(machine: &Machine, kelvin: f64) -> bool {
     machine.settings.axes.iter().all(|own| ThermalLine::<f64>::for_axis(&own.thermal, kelvin).is_some())
 }
 
-/// Range of an axis, mm or degrees: its declared travel, or that of its table where none is declared.
+/// Range of an axis, mm or degrees: its declared travel, or the range of its table if none is declared.
 pub fn range(own: &AxisSettings, table: Option<&Table>) -> [f64; 2] {
     let rows = table.map(|table| table.rows.as_slice()).and_then(|rows| rows.first().zip(rows.last()));
     match rows {
@@ -131,7 +131,7 @@ pub fn is_declared(own: &AxisSettings) -> bool {
     own.travel != AxisSettings::with_defaults(own.axis, false).travel
 }
 
-/// The machine's error model as a description has it: `nine` or `volumetric`.
+/// The error model's name in a machine's description: `nine` or `volumetric`.
 pub fn name(model: ErrorModel) -> &'static str {
     match model {
         ErrorModel::Nine => "nine",

@@ -11,15 +11,15 @@ use trueaxis::contour::{Path, Reference, Segment, Span, convert, span_count};
 use trueaxis::glam::DVec3;
 use trueaxis_tables::text::{line_at, one_line};
 
-/// Segments may be this far apart without a word, mm.
+/// Largest gap between segments that is not reported, mm.
 const JOINED: f64 = 1e-6;
-/// A line below has no length, mm: the core takes none.
+/// Shorter lines count as points, mm: the core refuses them.
 const NO_LENGTH: f64 = 1e-9;
-/// Further than this they are no path, mm.
+/// A larger gap between segments is an error, mm.
 const GAP: f64 = 1e-3;
-/// Most characters of what is wrong with the text: it may repeat a key of it.
+/// Maximum length of a message on malformed text, characters: the message may repeat a key from the text.
 const LONGEST: usize = 400;
-/// Most spans of a path: 16 km of straight line, 300 MB.
+/// Maximum number of spans of a path: 16 km of straight line, 300 MB.
 pub const MOST_SPANS: u64 = 1_000_000;
 
 #[derive(Deserialize)]
@@ -63,7 +63,7 @@ fn z_axis() -> [f64; 3] {
 }
 
 impl SegmentFile {
-    /// A line from a point to itself, as programs have them that were made by a machine.
+    /// A line from a point to itself, as machine-generated programs contain.
     fn is_a_point(&self) -> bool {
         matches!(self, SegmentFile::Line { start, end } if distance(*start, *end) < NO_LENGTH)
     }
@@ -85,7 +85,7 @@ impl SegmentFile {
     }
 }
 
-/// A path's text: its segments checked one by one and their spans counted, none made.
+/// The text of a path, its segments checked one by one and their spans counted but not yet created.
 pub struct PathFile<'t> {
     text: &'t str,
     file: &'t FilePath,
@@ -97,7 +97,7 @@ impl<'t> PathFile<'t> {
     /// Reads `{"segments":[…]}` with lines, arcs and NURBS (mm); `file` is only named in errors.
     ///
     /// # Errors
-    /// With line and segment: what is no such text, a segment that is no path, more than [`MOST_SPANS`].
+    /// With line and segment: malformed text, a segment that is not a path, more than [`MOST_SPANS`].
     pub fn read(text: &'t str, file: &'t FilePath) -> Result<Self> {
         let Document { segments } = serde_json::from_str(text).map_err(|e| {
             anyhow!("{}:{}: column {}: {}", file.display(), e.line(), e.column(), one_line(&e.to_string(), LONGEST))
@@ -120,16 +120,16 @@ impl<'t> PathFile<'t> {
         Ok(path)
     }
 
-    /// Most spans that [`PathFile::cut`] makes.
+    /// Upper bound on the number of spans that [`PathFile::cut`] creates.
     pub fn span_count(&self) -> u64 {
         self.total
     }
 
-    /// Cuts the segments into spans; `note` hears of segments that start a little off the end of the one before, and of lines
-    /// without length, which keep their number and are left out.
+    /// Cuts the segments into spans; `note` receives remarks on segments that start slightly off the end of the previous one,
+    /// and on lines without length, which keep their number and are skipped.
     ///
     /// # Errors
-    /// With line and segment: one without length, one that starts more than 1 µm from the end of the one before.
+    /// With line and segment: a segment without length, or one that starts more than 1 µm from the end of the previous one.
     pub fn cut(&self, note: &mut dyn FnMut(String)) -> Result<ProgrammedPath> {
         let mut path =
             ProgrammedPath { spans: Vec::with_capacity(self.total as usize), first: Vec::new(), closed: false };
@@ -174,7 +174,7 @@ impl<'t> PathFile<'t> {
     }
 }
 
-/// The line on which a segment begins: only looked for to report an error.
+/// The line on which a segment begins; searched for only to report an error.
 fn segment_line(text: &str, number: usize) -> Option<u32> {
     #[derive(Deserialize)]
     struct Raw<'t> {
@@ -190,7 +190,7 @@ fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
 }
 
-/// A path with the first span of every segment.
+/// A path with the index of every segment's first span.
 pub struct ProgrammedPath {
     spans: Vec<Span<f64, f64>>,
     first: Vec<usize>,
@@ -203,7 +203,7 @@ impl ProgrammedPath {
         &self.spans
     }
 
-    /// The path to search on, closed where it ends within 1 nm of its start.
+    /// The path to search on, closed if it ends within 1 nm of its start.
     pub fn view(&self) -> Path<'_, f64, f64> {
         Path::new(&self.spans, 0, self.closed)
     }
@@ -213,17 +213,17 @@ impl ProgrammedPath {
         self.first.len() - 1
     }
 
-    /// The reference at the parameter of a segment, from 0.
+    /// The reference at parameter `u` of a segment, numbered from 0.
     ///
     /// # Errors
-    /// The range that u must lie in.
+    /// The range in which `u` must lie.
     ///
     /// # Panics
-    /// There is no such segment.
+    /// If the segment does not exist.
     pub fn reference(&self, segment: usize, u: f64) -> Result<Reference<f64>, [f64; 2]> {
         let (first, end) = (self.first[segment], self.first[segment + 1]);
         if first == end {
-            // A line without length: its place is the end of the one before, or the start of the path.
+            // A line without length is at the end of the previous segment, or at the start of the path.
             let t = if first == 0 { 0.0 } else { 1.0 };
             return if (0.0..=1.0).contains(&u) {
                 Ok(Reference { span: first.saturating_sub(1) as u32, t })
@@ -232,7 +232,7 @@ impl ProgrammedPath {
             };
         }
         let [low, high] = [self.spans[first].u_range()[0], self.spans[end - 1].u_range()[1]];
-        // A reference that was printed with fewer digits may lie a hair outside.
+        // A reference printed with fewer digits may be slightly outside.
         let slack = 1e-9 * (high - low);
         if !(low - slack..=high + slack).contains(&u) {
             return Err([low, high]);
@@ -306,7 +306,7 @@ mod tests {
             {\"type\":\"arc\",\"start\":[40,0,0],\"end\":[40,0,0],\"center\":[40,5,0]}]}";
         let file = PathFile::read(text, FilePath::new("path.json")).unwrap();
         let path = file.cut(&mut |note| panic!("{note}")).unwrap();
-        // Three parts of at most 16 mm; thirteen of a little less than 30 degrees.
+        // Three parts of at most 16 mm; thirteen of slightly less than 30 degrees.
         assert_eq!((file.span_count(), path.spans().len(), path.segments()), (16, 16, 2));
         let at = path.reference(0, 0.75).unwrap();
         assert!(at.span == 2 && (at.t - 0.25).abs() < 1e-12, "{at:?}");

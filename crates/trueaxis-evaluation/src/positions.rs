@@ -1,4 +1,4 @@
-//! Commanded positions one after the other, and the directions in which the drives come to them.
+//! Successive commanded positions, and the directions in which the drives reach them.
 
 use crate::rows::{Column, Row, Rows};
 use anyhow::Result;
@@ -16,7 +16,7 @@ pub const COLUMNS: [Column; 6] = [
     Column { name: "c_deg", needed: false },
 ];
 
-/// The next row of [`COLUMNS`]; none at the end.
+/// The next row of [`COLUMNS`]; `None` at the end.
 ///
 /// # Errors
 /// A row that cannot be read, a position outside the declared travel of its axis.
@@ -33,11 +33,11 @@ pub fn next(machine: &Machine, positions: &mut Rows<'_, 6>) -> Result<Option<Row
     Ok(Some(row))
 }
 
-/// Rounds in which a row's directions settle: an axis' own lost motion confirms a reversal, another axis' reversal may
-/// cause it.
+/// Maximum number of rounds until a row's directions settle: an axis' own lost motion confirms a reversal, and may cause a
+/// reversal of another axis.
 const MOST_REVERSALS: usize = AXES + 1;
 
-/// Directions of travel from row to row: of the drives, as in the servo step.
+/// Directions of travel of the drives from row to row, as in the servo step.
 #[derive(Clone, Debug)]
 pub struct Travel {
     reversal: [Reversal<f64>; AXES],
@@ -46,7 +46,7 @@ pub struct Travel {
 }
 
 impl Travel {
-    /// In the order of `axes`.
+    /// The axes are in the order of `axes`.
     pub fn new(machine: &Machine, axes: impl Iterator<Item = Axis>) -> Self {
         let mut band = [0.0; AXES];
         for (band, axis) in band.iter_mut().zip(axes) {
@@ -56,11 +56,11 @@ impl Travel {
         Travel { reversal: [Reversal::default(); AXES], band, begun: false }
     }
 
-    /// Settles on the directions in which `correction` brings the drives to this command, from
-    /// where the row before has left them.
+    /// Iterates the directions in which `correction` brings the drives to this command, starting from their state after the
+    /// previous row.
     ///
     /// # Errors
-    /// Those of `correction`.
+    /// As `correction`.
     pub fn arrive<const N: usize, E>(
         &mut self,
         command: &[f64; N],

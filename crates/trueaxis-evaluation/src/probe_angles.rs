@@ -7,12 +7,12 @@ use trueaxis::roundness::{Band, Gain, ProbeAngles};
 use trueaxis_metrology::cores::*;
 use trueaxis_metrology::pair_search::{Arrangement, Bound, PairSearch};
 
-/// Most pairs that are listed.
+/// Maximum number of pairs listed.
 const MOST: usize = 10_000;
-/// Pairs that are listed where no number is asked for.
+/// Number of pairs listed by default.
 pub const USUAL_COUNT: usize = 20;
 
-/// What is searched for, and the pair that is compared with it.
+/// The search, and the pair to compare with its result.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Request {
@@ -30,13 +30,13 @@ fn usual_count() -> usize {
 /// The JSON document.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Document {
-    /// Points of a revolution N.
+    /// Points per revolution N.
     pub n: usize,
-    /// First and last.
+    /// First and last harmonic.
     pub harmonics: [u16; 2],
-    /// Best first.
+    /// Best pairs first.
     pub best: Vec<Pair>,
-    /// The pair asked for.
+    /// The requested pair.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pair: Option<GivenPair>,
 }
@@ -44,33 +44,33 @@ pub struct Document {
 /// Angles of the probes and their worst harmonic.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Pair {
-    /// Slots from probe 1 to probe 2; none of a pair given in degrees.
+    /// Slots from probe 1 to probe 2; `None` for a pair given in degrees.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub p: Option<i64>,
     /// Slots from probe 2 to probe 3.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub q: Option<i64>,
-    /// From probe 1 to probe 2.
+    /// Angle from probe 1 to probe 2.
     pub phi2_deg: f64,
-    /// From probe 2 to probe 3.
+    /// Angle from probe 2 to probe 3.
     pub phi3_deg: f64,
     /// Smallest gain in the band, 0 (blind) to √3.
     pub worst_gain: f64,
-    /// Its inverse: growth of the probes' noise in the worst harmonic.
+    /// Inverse of `worst_gain`: growth of the probes' noise in the worst harmonic.
     pub worst_noise_gain: f64,
-    /// That harmonic.
+    /// The worst harmonic.
     pub worst_harmonic: u16,
 }
 
-/// The pair asked for, against the best.
+/// The requested pair, compared with the best.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct GivenPair {
-    /// Its angles and worst harmonic.
+    /// Angles and worst harmonic of the pair.
     #[serde(flatten)]
     pub pair: Pair,
-    /// Worst gain against that of the best pair of slots.
+    /// Worst gain relative to the best pair's.
     pub share_of_best: f64,
-    /// Over the band.
+    /// Noise gains over the band.
     pub noise_gains: Vec<NoiseGain>,
     /// Harmonics outside the band, up to N/2 − 1, that the pair cannot see.
     pub singular: Vec<u16>,
@@ -120,7 +120,7 @@ impl Request {
     /// Checks the request and prepares the search.
     ///
     /// # Errors
-    /// What is wrong, under the name of the command line's option; a pair that cannot see some harmonics of the band.
+    /// An invalid option, under its command-line name; a pair that cannot see some harmonics of the band.
     pub fn search(&self) -> Result<Search> {
         let (points, band) = (self.probes.points()?, self.probes.band()?);
         if !(1..=MOST).contains(&self.count) {
@@ -135,12 +135,12 @@ impl Request {
 }
 
 impl Search {
-    /// Steps of the whole search.
+    /// Number of steps of the whole search.
     pub fn steps(&self) -> usize {
         self.pairs.smallest_arcs().count()
     }
 
-    /// The whole search on all cores; `done` is called after each step.
+    /// Runs the whole search on all cores; calls `done` after each step.
     ///
     /// # Errors
     /// As [`Search::finish`].
@@ -158,7 +158,7 @@ impl Search {
         self.finish()
     }
 
-    /// At most so many further steps in this thread; the share done, 1 at the end.
+    /// Runs at most `steps` further steps in this thread; returns the share done, 1 at the end.
     pub fn advance(&mut self, steps: usize) -> f64 {
         for smallest in self.pairs.smallest_arcs().skip(self.done).take(steps) {
             self.found.extend(self.pairs.best_for(smallest, &self.bound));
@@ -167,10 +167,10 @@ impl Search {
         self.done as f64 / self.steps().max(1) as f64
     }
 
-    /// The document of what was found.
+    /// The document of the pairs found.
     ///
     /// # Errors
-    /// A pair that was found does not resolve.
+    /// A found pair that does not resolve.
     pub fn finish(self) -> Result<Document> {
         let (points, band) = (self.points, self.band);
         let pair = |pair: trueaxis_metrology::pair_search::SlotPair| {
@@ -200,31 +200,31 @@ fn singular(gain: &Gain) -> Vec<u16> {
     gain.singular(Band { first: 2, last: (gain.points() / 2 - 1) as u16 }).collect()
 }
 
-/// An arrangement as it is, also one that the commands refuse.
+/// A probe arrangement, including those that the commands refuse.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Curve {
-    /// Points of a revolution N.
+    /// Points per revolution N.
     pub n: usize,
-    /// First and last.
+    /// First and last harmonic.
     pub harmonics: [u16; 2],
-    /// From probe 1 to probe 2.
+    /// Angle from probe 1 to probe 2.
     pub phi2_deg: f64,
-    /// From probe 2 to probe 3.
+    /// Angle from probe 2 to probe 3.
     pub phi3_deg: f64,
-    /// Its worst harmonic; none where it is blind to some harmonic of the band.
+    /// The pair with its worst harmonic; `None` if it is blind to some harmonic of the band.
     pub worst: Option<Pair>,
-    /// Over the band, without the harmonics that it cannot see.
+    /// Noise gains over the band, except at harmonics that the pair cannot see.
     pub noise_gains: Vec<NoiseGain>,
-    /// Harmonics up to N/2 − 1 that it cannot see.
+    /// Harmonics up to N/2 − 1 that the pair cannot see.
     pub singular: Vec<u16>,
-    /// Those of them that are in the band.
+    /// Harmonics in the band that the pair cannot see.
     pub blind: Vec<u16>,
 }
 
 /// Noise gain of an arrangement over the band, without a search.
 ///
 /// # Errors
-/// What is wrong, under the name of the command line's option.
+/// An invalid option, under its command-line name.
 pub fn curve(probes: &Probes) -> Result<Curve> {
     let (points, band, gain) = (probes.points()?, probes.band()?, probes.arrangement()?);
     let blind: Vec<u16> = gain.singular(band).collect();

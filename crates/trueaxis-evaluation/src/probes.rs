@@ -1,17 +1,17 @@
-//! Three probes around a part, as a command is asked for them: points of a revolution, band of harmonics, angles.
+//! Three probes around a part as specified to a command: points of a revolution, band of harmonics, angles.
 
 use anyhow::{Result, anyhow, bail};
 use serde::{Deserialize, Serialize};
 use trueaxis::roundness::{Band, Gain, ProbeAngles};
 
-/// Fewest points of a revolution.
+/// Minimum number of points per revolution.
 const FEWEST: usize = 64;
-/// Most points of a revolution.
+/// Maximum number of points per revolution.
 const MOST: usize = 4096;
-/// Last harmonic where none is asked for, if N allows it.
+/// Last harmonic by default, if N allows it.
 const LAST: u16 = 100;
 
-/// Points, band and angles as asked for, unchecked; angles either as slots `p`, `q` or in degrees, or none.
+/// Points, band and angles as requested, unchecked; angles as slots `p`, `q`, in degrees, or absent.
 ///
 /// Errors name the options of the command line.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -19,7 +19,7 @@ const LAST: u16 = 100;
 pub struct Probes {
     /// Points of a revolution N, a power of two from 64 to 4096.
     pub n: usize,
-    /// First and last harmonic in undulations per revolution; left out, 2 to 100 or to N/2 − 1.
+    /// First and last harmonic in undulations per revolution; by default 2 to 100 or to N/2 − 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub harmonics: Option<[u16; 2]>,
     /// Slots from probe 1 to probe 2, φ2 = 360° p/N.
@@ -37,10 +37,10 @@ pub struct Probes {
 }
 
 impl Probes {
-    /// N.
+    /// Points of a revolution N.
     ///
     /// # Errors
-    /// No power of two from 64 to 4096.
+    /// If N is not a power of two from 64 to 4096.
     pub fn points(&self) -> Result<usize> {
         if !self.n.is_power_of_two() || !(FEWEST..=MOST).contains(&self.n) {
             bail!("--n: found {}, needed a power of two from {FEWEST} to {MOST}", self.n);
@@ -73,7 +73,7 @@ impl Probes {
         self.p.zip(self.q).map(|(p, q)| [p, q])
     }
 
-    /// The arrangement asked for, which may be blind to harmonics of the band.
+    /// The requested arrangement, which may be blind to harmonics of the band.
     ///
     /// # Errors
     /// No angles, slots outside 1 to N − 1, probes on one line through the centre, or as [`Probes::points`].
@@ -86,7 +86,7 @@ impl Probes {
         })
     }
 
-    /// The arrangement asked for. Refused where it cannot see some harmonics of the band, all of them named.
+    /// The requested arrangement. Refused if it cannot see some harmonics of the band; the error names all of them.
     ///
     /// # Errors
     /// As [`Probes::arrangement`] and [`Probes::band`], or a blind arrangement.

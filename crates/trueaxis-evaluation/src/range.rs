@@ -1,9 +1,9 @@
-//! Numbers of a call that are out of their range.
+//! Numbers of a call that are outside their range.
 
 use std::fmt;
 use std::ops::RangeInclusive;
 
-/// A number that is out of its range. Its text has the name as Python has it, `radius_mm: found 0, needed 0.001 to 100000 mm`.
+/// A number outside its range. Displays under its Python name: `radius_mm: found 0, needed 0.001 to 100000 mm`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OutOfRange {
     name: &'static str,
@@ -13,7 +13,7 @@ pub struct OutOfRange {
 }
 
 impl OutOfRange {
-    /// Whether a number, if there is one, keeps to its range; NaN does not.
+    /// Checks that a number, if there is one, is in its range; NaN is not.
     ///
     /// # Errors
     /// The number with its range.
@@ -29,7 +29,7 @@ impl OutOfRange {
         }
     }
 
-    /// The same with the name as the command line has it, `--radius-mm`.
+    /// The error under its command-line name, `--radius-mm`.
     pub fn option(&self) -> anyhow::Error {
         anyhow::anyhow!("--{}: {}", self.name.replace('_', "-"), self.sentence())
     }

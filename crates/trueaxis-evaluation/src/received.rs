@@ -1,10 +1,10 @@
-//! What is to be told of telemetry as it was received.
+//! Remarks on telemetry as it was received.
 
 use std::path::Path;
 use trueaxis_recording::Received;
 use trueaxis_tables::text::counted;
 
-/// How many frames were damaged, and how many records the sequence misses; `file` is named.
+/// Reports the number of damaged frames and of records missing from the sequence; `file` is named.
 pub fn notes(file: &Path, received: &Received) -> Vec<String> {
     let mut notes = Vec::new();
     if received.damaged > 0 {
@@ -14,7 +14,7 @@ pub fn notes(file: &Path, received: &Received) -> Vec<String> {
     let (mut gaps, mut lost) = (0, 0_u64);
     for (before, after) in pairs {
         let missing = after.sequence.wrapping_sub(before.sequence).wrapping_sub(1);
-        // A controller that was started anew counts from 0.
+        // A restarted controller counts from 0.
         if missing > 0 && after.sequence != 0 {
             gaps += 1;
             lost += u64::from(missing);

@@ -1,17 +1,17 @@
-//! What every record has to keep to: values that its instrument can give, channels that live, the rows that its plan has.
+//! Checks common to all records: values that the instrument can give, channels that are alive, no missing rows.
 
 use crate::rows::Rows;
 use anyhow::Result;
 
-/// Readings of exactly the same value in a row that no living sensor gives where others differ.
+/// Consecutive identical readings that no working sensor gives while others differ.
 const LEAST: usize = 8;
 
-/// Travel of a displacement probe, of a ballbar's scale or a nest, µm either way: what is farther off is no reading.
+/// Travel of a displacement probe, of a ballbar's scale or a nest, µm either way: a value beyond it is not a reading.
 pub const PROBE_UM: f64 = 2000.0;
-/// A displacement over a whole record that no instrument in a shop resolves, µm: the column has another unit.
+/// A displacement over a whole record below the resolution of any shop instrument, µm: the column has another unit.
 pub const FINEST_UM: f64 = 0.05;
 
-/// Refuses a displacement that no probe reads: farther than [`PROBE_UM`] from where it began, µm.
+/// Refuses a displacement that no probe can read: more than [`PROBE_UM`] from its first value, µm.
 ///
 /// # Errors
 /// The value with its line.
@@ -30,11 +30,11 @@ pub fn displacement<const C: usize>(
     Err(rows.error(line, column, format!("{value_um}{from}"), needed))
 }
 
-/// What a refusal asks for where the angles are in [`radians`].
+/// Requirement named in a refusal if the angles are in [`radians`].
 pub const DEGREES: &str = "angles in degrees: these go over one turn in radians";
 
-/// The index of the largest of angles that go over one turn in radians: from the least to the largest, or with a step more, 2π to a
-/// thousandth. Nobody stops a test in degrees there.
+/// The index of the largest of angles that cover one turn in radians: from the least to the largest, or with one more step, 2π
+/// to a thousandth. No test in degrees stops there.
 pub fn radians(angles: &[f64]) -> Option<usize> {
     let mut sorted = angles.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -52,16 +52,16 @@ pub fn radians(angles: &[f64]) -> Option<usize> {
 /// A stretch of one value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stuck {
-    /// Index of its first reading.
+    /// Index of the first reading.
     pub from: usize,
-    /// Readings.
+    /// Number of readings.
     pub count: usize,
     /// The value.
     pub value: f64,
 }
 
-/// The longest stretch of one value, where it is long enough to be a sensor that stands still: eight readings and a fifth of
-/// those that there are. A record of one value alone is taken as it is: there is nothing that moved.
+/// The longest stretch of one value, if it is long enough to be a dead sensor: eight readings and a fifth of all. A record of
+/// one value alone is accepted: nothing in it moved.
 pub fn longest(values: &[f64]) -> Option<Stuck> {
     let mut from = 0;
     let mut best: Option<Stuck> = None;
@@ -78,16 +78,16 @@ pub fn longest(values: &[f64]) -> Option<Stuck> {
 /// A channel of a record.
 #[derive(Clone, Copy, Debug)]
 pub struct Channel<'v> {
-    /// Its column.
+    /// Column of the channel.
     pub name: &'static str,
-    /// Its values.
+    /// Values of the channel.
     pub values: &'v [f64],
-    /// From a value to the column's unit.
+    /// Factor from a value to the column's unit.
     pub scale: f64,
 }
 
-/// The first channel that stands still half-way: [`longest`], while another one takes many values, or where it takes many
-/// itself otherwise. A coarse sensor, and a machine at rest, do neither.
+/// The first channel that stops changing: [`longest`], while another channel takes many values or the rest of the channel
+/// itself does. Neither applies to a coarse sensor or a machine at rest.
 pub fn dead<'c, 'v>(channels: &'c [Channel<'v>]) -> Option<(&'c Channel<'v>, Stuck)> {
     channels.iter().enumerate().find_map(|(own, channel)| {
         let stuck = longest(channel.values)?;
@@ -102,42 +102,42 @@ pub fn dead<'c, 'v>(channels: &'c [Channel<'v>]) -> Option<(&'c Channel<'v>, Stu
 /// Refuses a channel that is [`dead`].
 ///
 /// # Errors
-/// The first such channel, at the line of the first reading.
+/// The first such channel, at the line of its first stuck reading.
 pub fn alive<const C: usize>(rows: &Rows<'_, C>, lines: &[u32], channels: &[Channel<'_>]) -> Result<()> {
     dead(channels).map_or(Ok(()), |(channel, stuck)| Err(stuck.error(rows, lines, channel.name, channel.scale)))
 }
 
-/// The first reading from which on a position stands still while its own command goes on: [`longest`], over which the command
-/// takes many values. An axis at rest is commanded to be.
+/// The first reading from which a position does not change although its own command does: [`longest`], over which the command
+/// takes many values. An axis at rest has a command at rest.
 pub fn left_behind(command: &[f64], reading: &[f64]) -> Option<Stuck> {
     longest(reading).filter(|stuck| command.get(stuck.from..stuck.from + stuck.count).is_some_and(many))
 }
 
-/// Least way of a command over which a position that follows it cannot read one value, mm: friction and play hold an axis for less.
+/// Minimum travel of a command over which a position that follows it must change, mm: friction and play hold an axis for less.
 const HELD_MM: f64 = 0.02;
-/// The same in steps of the position's own resolution: its least change from one row to the next.
+/// [`HELD_MM`] in steps of the position's own resolution: its least change from one row to the next.
 const HELD_STEPS: f64 = 4.0;
-/// A command that changes by less from one row to the next is rounded, mm.
+/// A smaller change of the command from one row to the next is rounding, mm.
 const ROUNDED_MM: f64 = 1e-9;
 
-/// A position and its command, row after row, in memory that does not grow: [`left_behind`] where the command may rest for most
-/// of the record, as that of an axis beside which the others move.
+/// A position and its command, row after row, in constant memory: [`left_behind`] for a command that may rest for most of the
+/// record, as for an axis that waits while others move.
 #[derive(Clone, Debug)]
 pub struct Followed {
     last: Option<[f64; 2]>,
-    /// Rows in which the command moves.
+    /// Number of rows in which the command moves.
     moving: usize,
-    /// Least change of the reading; none yet: infinite.
+    /// Least change of the reading; infinite before the first change.
     resolution: f64,
     stretch: Stretch,
     widest: Stretch,
 }
 
-/// Readings of one value while the command moves.
+/// A stretch of readings of one value while the command moves.
 #[derive(Clone, Copy, Debug)]
 struct Stretch {
     stuck: Stuck,
-    /// Least and largest command.
+    /// Smallest and largest command.
     command: [f64; 2],
 }
 
@@ -161,7 +161,7 @@ impl Default for Followed {
 }
 
 impl Followed {
-    /// Takes a row: its number or line, the command and the reading, mm.
+    /// Adds a row: its number or line, the command and the reading, mm.
     pub fn put(&mut self, row: usize, command: f64, reading: f64) {
         let before = self.last.replace([command, reading]);
         let step = before.map_or(f64::INFINITY, |[_, read]| (reading - read).abs());
@@ -181,8 +181,8 @@ impl Followed {
         }
     }
 
-    /// Where the position stood still, and over which way of its command, mm: eight readings and a fifth of those over which the
-    /// command moved, over 0.02 mm and four steps of its resolution at least.
+    /// Where the position did not change, and the travel of its command there, mm: eight readings and a fifth of those over
+    /// which the command moved, over at least 0.02 mm and four steps of its resolution.
     pub fn standing(&self) -> Option<(Stuck, f64)> {
         let (stuck, way) = (self.widest.stuck, self.widest.way());
         let stood = stuck.count >= LEAST && 5 * stuck.count >= self.moving;
@@ -191,7 +191,7 @@ impl Followed {
     }
 }
 
-/// Whether more than half of these values are different ones.
+/// Whether more than half of these values are distinct.
 fn many(values: &[f64]) -> bool {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -199,20 +199,20 @@ fn many(values: &[f64]) -> bool {
     2 * sorted.len() > values.len()
 }
 
-/// What one part of a record lacks that its like have.
+/// A row that one part of a record lacks and its like have.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Missing {
     /// Index of the part.
     pub part: usize,
-    /// Index of a part that has it, and of the row there.
+    /// Index of a part that has the row, and of the row in it.
     pub like: [usize; 2],
-    /// Rows that the part has, and those of its plan.
+    /// Rows that the part has, and rows of its plan.
     pub rows: [usize; 2],
 }
 
-/// The first part of a record with fewer rows than its plan: what more than half of the parts have, and as many as most of
-/// them. `same` tells whether two rows are the same point of the plan. Parts that differ but have as many are plans of their
-/// own.
+/// The first part of a record with fewer rows than its plan. The plan has as many rows as the longest part, if at least half
+/// of the parts have that many. `same` compares two rows as points of the plan. Parts that differ but have equally many rows
+/// have separate plans.
 pub fn missing<T>(parts: &[Vec<T>], same: impl Fn(&T, &T) -> bool) -> Option<Missing> {
     let plan = parts
         .iter()
@@ -233,7 +233,7 @@ impl Stuck {
     /// The refusal, at the line of the first reading; `scale` from the value to the column's unit.
     pub fn error<const C: usize>(&self, rows: &Rows<'_, C>, lines: &[u32], column: &str, scale: f64) -> anyhow::Error {
         let line = lines.get(self.from).copied().unwrap_or(1);
-        // The value as the file has it: nine decimals undo the change of unit.
+        // The value as written in the file: nine decimals undo the change of unit.
         let value = (1e9 * scale * self.value).round() / 1e9;
         let found = format!("{value} for {} readings in a row", self.count);
         rows.error(line, column, found, "a sensor that does not stand still")
@@ -304,11 +304,11 @@ mod tests {
         assert_eq!(along(&|k| [1e-5 * k, (1e-2 * k).round() * 1e-3]), None);
         assert_eq!(along(&|k| [1e-4 * k, (2e-2 * k).round() * 5e-3]), None);
         assert_eq!(along(&|k| [4e-5 * k, (4e-5 * k - 0.015).max(0.0)]), None);
-        // Circles, from the second of which on it is dead, behind one reading that was sent twice at a rapid.
+        // Circles with an axis that dies on the second, after one reading that was sent twice at a rapid.
         let circles = |k: f64| 20.0 * (0.1 * k).sin() - if k < 3.0 { 900.0 } else { 0.0 };
         let died = along(&|k| [circles(k), circles(if k < 4.0 { k.min(2.0) } else { k.min(70.0) })]);
         assert_eq!(died.map(|found| (found.0.from, found.0.count)), Some((70, 330)));
-        // One that never read anything else, and one of a coarse record that comes free at its end.
+        // An axis whose reading never changes, and one of a coarse record that comes free at its end.
         assert_eq!(along(&|k| [0.1 * k, 3.0]).map(|found| found.0.count), Some(399));
         assert_eq!(along(&|k| [k, if k < 390.0 { 0.0 } else { k }]).map(|found| found.0.count), Some(389));
     }

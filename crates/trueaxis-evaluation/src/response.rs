@@ -1,4 +1,4 @@
-//! Tip errors of the volumetric model at places, and what a unit of one error makes of them.
+//! Tip errors of the volumetric model at places, and the effect of a unit of one error on them.
 
 use crate::compensate::{Place, Settings, with_model};
 use anyhow::{Result, anyhow};
@@ -10,7 +10,7 @@ use trueaxis_tables::{Machine, Table};
 /// An error that a machine may have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unit {
-    /// One of the six errors (X Y Z A B C) of a linear axis, the same all along it.
+    /// One of the six errors (X Y Z A B C) of a linear axis, constant along it.
     Linear(Axis, usize),
     /// One of the six location errors of a rotary axis.
     Rotary(Axis, usize),
@@ -22,14 +22,14 @@ pub enum Unit {
     C0y,
 }
 
-/// Size of the error whose effect is looked at, mm or rad. The model is linear in it.
+/// Size of the error whose effect is computed, mm or rad. The model is linear in it.
 const SIZE: f64 = 1e-3;
 
 /// Tip errors, mm, of the machine's volumetric model at positions of X Y Z A B C (mm, degrees), in positive travel at the
-/// reference temperature; whether an edge value was clamped.
+/// reference temperature; and whether an edge value was clamped.
 ///
 /// # Errors
-/// What the model refuses.
+/// Anything that the model refuses.
 pub fn tip_errors(machine: &Machine, places: &[[f64; AXES]]) -> Result<(Vec<[f64; 3]>, bool)> {
     let mut volumetric = machine.clone();
     volumetric.settings.compensation.model = ErrorModel::Volumetric;
@@ -60,7 +60,7 @@ pub fn without_errors(machine: &Machine) -> Machine {
 /// Tip error, mm, for one mm or rad of `unit` at every place.
 ///
 /// # Errors
-/// An axis that the machine has not got; what the model refuses.
+/// An axis that the machine does not have; anything that the model refuses.
 pub fn response(bare: &Machine, unit: Unit, places: &[[f64; AXES]]) -> Result<Vec<[f64; 3]>> {
     let mut machine = bare.clone();
     match unit {

@@ -1,4 +1,4 @@
-//! CSV with a header of known columns, row by row; every fault with its line and column.
+//! CSV with a header of known columns, read row by row; every error names line and column.
 
 use anyhow::Result;
 use std::borrow::Cow;
@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use trueaxis_tables::error::FileError;
 use trueaxis_tables::sheet::Sheet;
 
-/// A column that a file may have.
+/// A column that a file may contain.
 #[derive(Clone, Copy, Debug)]
 pub struct Column {
     /// Name in the header.
@@ -16,27 +16,27 @@ pub struct Column {
     pub needed: bool,
 }
 
-/// A row: its line, and the values in the order of the columns asked for (0 for absent ones).
+/// A row: its line, and the values in the order of the requested columns (0 for absent ones).
 #[derive(Clone, Copy, Debug)]
 pub struct Row<const C: usize> {
     /// Line of the file, from 1.
     pub line: u32,
-    /// One value a column.
+    /// One value per column.
     pub values: [f64; C],
 }
 
-/// The rows of a file, one after the other: memory does not grow with their number.
+/// Reads the rows of a file one by one: memory does not grow with their number.
 pub struct Rows<'r, const C: usize> {
     /// The file as errors name it.
     pub file: PathBuf,
     /// Which of the columns the file has.
     pub present: [bool; C],
-    /// Header cells as they stand in the file.
+    /// Header cells as written in the file.
     pub header: Vec<String>,
     /// Rows read so far.
     pub count: usize,
     sheet: Sheet<'r>,
-    /// Index among the columns asked for, by column of the file.
+    /// Index in the requested columns, by column of the file.
     order: Vec<usize>,
     gaps: bool,
     words: Option<Words>,
@@ -44,10 +44,10 @@ pub struct Rows<'r, const C: usize> {
     tell: Box<dyn FnMut(String) + 'r>,
 }
 
-/// A column of which some values are words, and what they mean.
+/// A column that may contain words, and the function that gives their values.
 type Words = (&'static str, fn(&str) -> Option<f64>);
 
-/// Largest size of a value: a metre of deviation, 1e9 of anything else (degrees are counted over many turns).
+/// Largest magnitude of a value: a metre of deviation, 1e9 of anything else (degrees are counted over many turns).
 fn most(column: &str) -> f64 {
     match column.rsplit_once('_') {
         Some((_, "um" | "urad")) => 1e6,
@@ -55,7 +55,7 @@ fn most(column: &str) -> f64 {
     }
 }
 
-/// The sheet, and which of the columns stands in each of its own. Apart from [`Rows`], whose code is there once for each number
+/// Opens the sheet and maps its columns to the requested ones. Separate from [`Rows`], whose code is compiled for each number
 /// of columns.
 fn opened<'r>(input: Box<dyn Read + 'r>, file: &Path, columns: &[Column]) -> Result<(Sheet<'r>, Vec<usize>)> {
     let sheet = Sheet::new(input, file)?;
@@ -79,7 +79,7 @@ fn opened<'r>(input: Box<dyn Read + 'r>, file: &Path, columns: &[Column]) -> Res
     Ok((sheet, order))
 }
 
-/// The values of the row read last, in their slots.
+/// Writes the values of the last row read into their slots.
 fn read(
     sheet: &mut Sheet<'_>,
     header: &[String],
@@ -119,11 +119,11 @@ fn wrong(file: &Path, line: u32, column: &str, found: String, needed: String) ->
 }
 
 impl<'r, const C: usize> Rows<'r, C> {
-    /// Checks the header; `file` is only named in errors. `tell` is told once how a file is read that has other separators
-    /// or decimals than commas and decimal points.
+    /// Checks the header; `file` is only named in errors. `tell` receives one note on how the file is read if its separators
+    /// or decimals are not commas and decimal points.
     ///
     /// # Errors
-    /// A header with unknown or doubled columns, or without a needed one.
+    /// A header with unknown or duplicate columns, or without a required one.
     pub fn new(
         input: impl Read + 'r,
         file: &Path,
@@ -149,22 +149,22 @@ impl<'r, const C: usize> Rows<'r, C> {
         Ok(rows)
     }
 
-    /// From here on an empty cell is no value: NaN.
+    /// From here on an empty cell gives NaN instead of an error.
     pub fn with_gaps(mut self) -> Self {
         self.gaps = true;
         self
     }
 
-    /// In that column a cell may be a word to which `meaning` gives a value; all others are numbers.
+    /// Cells of `column` may be words to which `meaning` gives a value; all others are numbers.
     pub fn with_words(mut self, column: &'static str, meaning: fn(&str) -> Option<f64>) -> Self {
         self.words = Some((column, meaning));
         self
     }
 
-    /// The next row; none at the end of the file.
+    /// The next row; `None` at the end of the file.
     ///
     /// # Errors
-    /// A row that cannot be read, or a file without any.
+    /// A row that cannot be read, or a file without rows.
     #[expect(clippy::should_implement_trait, reason = "a row may be an error, and none is no end of an iterator")]
     pub fn next(&mut self) -> Result<Option<Row<C>>> {
         let mut values = [0.0; C];
@@ -177,7 +177,7 @@ impl<'r, const C: usize> Rows<'r, C> {
         Ok(Some(Row { line: self.sheet.line(), values }))
     }
 
-    /// All rows that are left: for evaluations that need them at once.
+    /// All remaining rows, for evaluations that need them at once.
     ///
     /// # Errors
     /// As [`Rows::next`].
@@ -189,7 +189,7 @@ impl<'r, const C: usize> Rows<'r, C> {
         Ok(rows)
     }
 
-    /// The cells of the last row as they stand in the file, but with decimal points, in the file's order.
+    /// The cells of the last row as written in the file, but with decimal points, in the file's order.
     pub fn cells(&self) -> impl Iterator<Item = Cow<'_, str>> + Clone {
         (0..self.header.len()).map(|i| self.sheet.plain(i))
     }
@@ -199,7 +199,7 @@ impl<'r, const C: usize> Rows<'r, C> {
         wrong(&self.file, line, column, found.to_string(), needed.to_string())
     }
 
-    /// Says once how a file is read that has other separators or decimals.
+    /// Reports once how a file with other separators or decimals is read.
     fn tell_dialect(&mut self) {
         let dialect = self.sheet.dialect();
         if dialect != self.reported

@@ -1,20 +1,20 @@
-//! What is shown of a test: tables and plots, the same on a report's page and on the desk.
+//! Presentation of a test: tables and plots, identical in a report and in the desk.
 //!
-//! An evaluation says once what its figures are called, in which unit and with how many digits they stand, and what is drawn over
-//! what; a page takes it from here.
+//! An evaluation defines once the names, units and digits of its figures and the axes of its plots; every page uses that
+//! definition.
 
 use serde::Serialize;
 use trueaxis_report::number::{decimals, significant};
 use trueaxis_report::{Colour, Figure, Scale, Stroke, colour, decimate, error_bars, heat_map};
 
-/// All that is shown of a test.
+/// Everything shown for a test.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Shown {
-    /// What the test is called.
+    /// Name of the test.
     pub title: &'static str,
-    /// How the result came about, in parts.
+    /// How the result was obtained, in parts.
     pub summary: Vec<String>,
-    /// What is to be known of the result, a sentence each.
+    /// Remarks on the result, a sentence each.
     pub notes: Vec<String>,
     /// Tables, the most important first.
     pub tables: Vec<Table>,
@@ -27,7 +27,7 @@ pub struct Shown {
 /// A table; the first cell of every row is its name.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Table {
-    /// What it has.
+    /// Caption of the table.
     pub caption: &'static str,
     /// Column headings.
     pub header: Vec<&'static str>,
@@ -39,13 +39,13 @@ pub struct Table {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Cell {
-    /// Words.
+    /// Text.
     Text(String),
-    /// A number: as it is written, and whole.
+    /// A number: as written, and at full precision.
     Number {
-        /// As it is written.
+        /// The number as written.
         text: String,
-        /// Whole.
+        /// The number at full precision.
         value: f64,
     },
 }
@@ -59,17 +59,17 @@ impl Table {
 }
 
 impl Cell {
-    /// A number with so many significant digits; a dash where it is none.
+    /// A number with `digits` significant digits; a dash for `None` or a number that is not finite.
     pub fn number(value: impl Into<Option<f64>>, digits: i32) -> Cell {
         Cell::written(value.into(), |value| significant(value, digits))
     }
 
-    /// A number with so many decimals.
+    /// A number with `count` decimals.
     pub fn fixed(value: impl Into<Option<f64>>, count: i32) -> Cell {
         Cell::written(value.into(), |value| decimals(value, count))
     }
 
-    /// How many.
+    /// A count.
     pub fn count(value: usize) -> Cell {
         Cell::fixed(value as f64, 0)
     }
@@ -81,7 +81,7 @@ impl Cell {
         }
     }
 
-    /// As it is written.
+    /// The cell as written.
     pub fn text(&self) -> &str {
         match self {
             Cell::Text(text) | Cell::Number { text, .. } => text,
@@ -101,7 +101,7 @@ impl From<String> for Cell {
     }
 }
 
-/// A unit as it is written, of one as a document has it.
+/// A unit as written, from its name in a document.
 pub fn unit(of: &str) -> &'static str {
     if of == "um" { "µm" } else { "µrad" }
 }
@@ -121,17 +121,17 @@ pub enum Look {
 /// Curves over one column of positions.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Plot {
-    /// Heading of the part of a page that it stands in.
+    /// Heading of the part of the page that contains the plot.
     pub section: &'static str,
-    /// What it shows.
+    /// Title of the plot.
     pub title: String,
-    /// What runs to the right, and its unit ("" for none).
+    /// Quantity of the horizontal axis, and its unit ("" for none).
     pub x: (String, &'static str),
-    /// What runs upward, and its unit.
+    /// Quantity of the vertical axis, and its unit.
     pub y: (&'static str, &'static str),
-    /// How it is drawn.
+    /// How the curves are drawn.
     pub look: Look,
-    /// What is to be known to read it.
+    /// Explanation for the reader.
     pub caption: &'static str,
     /// Positions, ascending.
     pub at: Vec<f64>,
@@ -142,32 +142,32 @@ pub struct Plot {
 /// A curve of a [`Plot`].
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Curve {
-    /// Its name.
+    /// Name of the curve.
     pub name: String,
-    /// Number of its colour, from 0.
+    /// Index of the curve's colour, from 0.
     pub colour: usize,
-    /// Whether its line is broken.
+    /// Whether the line is dashed.
     pub dashed: bool,
-    /// A value for every position; NaN (null) where there is none.
+    /// A value for every position; NaN (null) if missing.
     pub values: Vec<f64>,
-    /// Standard errors; none where they are not known.
+    /// Standard errors; empty if unknown.
     pub errors: Vec<f64>,
 }
 
 impl Curve {
-    /// A full line without standard errors.
+    /// A solid line without standard errors.
     pub fn new(name: impl Into<String>, colour: usize, values: Vec<f64>) -> Curve {
         Curve { name: name.into(), colour, dashed: false, values, errors: Vec::new() }
     }
 }
 
-/// Colours of curves by their number.
+/// Colours of curves by index.
 const COLOURS: [Colour; 5] = [colour::AXES[0], colour::AXES[1], colour::AXES[2], colour::FOURTH, colour::LIMIT];
-/// Most points that a line is drawn with, each of two extremes.
+/// Maximum number of buckets that a line is drawn with, two extremes each.
 const BUCKETS: usize = 800;
 
 impl Plot {
-    /// Positions in ascending order, and where each of them was.
+    /// Positions in ascending order, and the original index of each.
     pub(crate) fn ascending(at: &[f64]) -> (Vec<f64>, Vec<usize>) {
         let order = trueaxis_metrology::order::ascending(at);
         (order.iter().map(|i| at[*i]).collect(), order)
@@ -183,7 +183,7 @@ impl Plot {
             .collect()
     }
 
-    /// The figure of a report; `half` as wide as others.
+    /// The figure of a report; half width with `half`.
     pub fn figure(&self, half: bool) -> Figure {
         let points = |values: &[f64]| -> Vec<[f64; 2]> {
             self.at.iter().zip(values).filter(|(_, value)| value.is_finite()).map(|(x, y)| [*x, *y]).collect()
@@ -201,7 +201,7 @@ impl Plot {
             error_bars(&self.title, x, self.y.1, &curves)
         } else {
             let values = self.curves.iter().flat_map(|curve| &curve.values).copied().filter(|value| value.is_finite());
-            // Temperatures are far from zero, and theirs means nothing.
+            // Temperatures are far from zero, and their zero is arbitrary.
             let zero = (self.y.1 != "°C").then_some(0.0);
             let y = Scale::linear(&format!("{} in {}", self.y.0, self.y.1), values.chain(zero)).margin(0.06);
             let mut figure =
@@ -229,15 +229,15 @@ impl Plot {
 /// Values over the cells of a plane.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Map {
-    /// What it shows.
+    /// Title of the map.
     pub title: &'static str,
     /// Unit of the values.
     pub unit: &'static str,
-    /// What is to be known to read it.
+    /// Explanation for the reader.
     pub caption: &'static str,
     /// Lowest and highest X and Y, mm.
     pub ends_mm: [[f64; 2]; 2],
-    /// Rows from the lowest Y on, cells from the lowest X on; NaN (null) where there is no value.
+    /// Rows from the lowest Y, cells from the lowest X; NaN (null) if there is no value.
     pub rows: Vec<Vec<f64>>,
 }
 

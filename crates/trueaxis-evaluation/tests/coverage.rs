@@ -1,8 +1,8 @@
-//! Coverage of the bands on simulated repeats: of 100 intervals of 95 %, 95 hold the truth.
+//! Coverage of the bands on simulated repeats: of 100 intervals of 95 %, 95 contain the truth.
 //!
-//! `TRUEAXIS_REPEATS=1000 cargo test -p trueaxis-evaluation --test evaluation coverage -- --nocapture` counts the full table of
-//! docs/uncertainty.md. Without the variable fewer repeats are counted, with room for chance. Truths are made here: nothing of
-//! the Monte Carlo is used.
+//! `TRUEAXIS_REPEATS=1000 cargo test -p trueaxis-evaluation --test evaluation coverage -- --nocapture` counts the full table
+//! of docs/uncertainty.md. Without the variable the tests count fewer repeats, with a margin for chance. They make the truths
+//! themselves and use nothing of the Monte Carlo.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::path::Path;
@@ -20,7 +20,7 @@ fn repeats(few: usize) -> usize {
     std::env::var("TRUEAXIS_REPEATS").ok().and_then(|text| text.parse().ok()).unwrap_or(few)
 }
 
-/// Counts of intervals that held the truth, by name.
+/// Counts of intervals that contained the truth, by name.
 struct Coverage {
     names: Vec<String>,
     held: Vec<usize>,
@@ -48,12 +48,12 @@ impl Coverage {
         self.held[at] as f64 / self.of[at] as f64
     }
 
-    /// Within 2 % of 95 %.
+    /// Checks that every share is within 2 % of 95 %.
     fn check(&self, title: &str) {
         self.check_within(title, [0.93, 0.97]);
     }
 
-    /// Within two bounds, and as much more as 3.5 standard deviations of a small count.
+    /// Checks that every share is within two bounds, widened by 3.5 standard deviations for a small count.
     fn check_within(&self, title: &str, [least, most]: [f64; 2]) {
         for (name, (held, of)) in self.names.iter().zip(self.held.iter().zip(&self.of)) {
             let share = *held as f64 / *of as f64;
@@ -82,7 +82,7 @@ fn axis(draws: &mut Draws, scatter: f64) -> Vec<Approach> {
     approaches
 }
 
-/// What an instrument makes of it.
+/// Readings of the axis by an instrument.
 fn read(draws: &mut Draws, truth: &[Approach], instrument: Instrument) -> Measurement {
     let scale = instrument.per_length * draws.normal();
     let read = truth.iter().map(|approach| Approach {
@@ -99,10 +99,10 @@ fn figures_of_iso_230_2() {
     for (title, instrument, scatter, bounds) in [
         ("laser in a workshop", Instrument { per_length: 0.6e-3, reading: 0.3 }, 0.5, [0.93, 0.97]),
         ("scale well known", Instrument { per_length: 0.0, reading: 0.3 }, 0.5, [0.93, 0.97]),
-        // Where a reading is uncertain by more than twice the scatter, R holds up to 98 %.
+        // If a reading is uncertain by more than twice the scatter, R covers up to 98 %.
         ("drift above the scatter", Instrument { per_length: 0.0, reading: 0.5 }, 0.2, [0.93, 0.98]),
         ("quiet room", Instrument { per_length: 0.3e-3, reading: 0.1 }, 0.5, [0.93, 0.97]),
-        // The scatter is hardly seen any more: a note says so.
+        // The scatter is hardly visible any more: a note says so.
         ("scatter of a sixth", Instrument { per_length: 0.0, reading: 0.3 }, 0.05, [0.7, 0.98]),
     ] {
         let mut coverage = Coverage::new();
@@ -132,7 +132,7 @@ fn figures_of_iso_230_2() {
         }
         coverage.check_within(title, bounds);
     }
-    // The naive form: the same width about the value measured. Reading errors only ever make A and R larger.
+    // The naive form: the same width centred on the measured value. Reading errors can only increase A and R.
     for figure in ["A", "R", "B"] {
         println!("{:<28}{figure:<22}{:>6.1} %", "value ± U about measured", 100.0 * naive.share(figure));
     }
@@ -147,7 +147,7 @@ fn errors_of_a_rotary_axis() {
         set_ups.iter().map(|&(vertical_mm, horizontal_mm)| Ball { vertical_mm, horizontal_mm }).collect();
     for repeat in 0..repeats(300) {
         let mut draws = Draws::new(21, repeat as u64);
-        // A perfect axis, as the fit is linear; few angles, so that there are few degrees of freedom.
+        // A perfect axis, since the fit is linear; few angles for few degrees of freedom.
         let angles = (0..2).map(|k| AngleReadings {
             angle_rad: f64::from(k) * 1.3,
             deviations_mm: (0..3).map(|_| std::array::from_fn(|_| 0.5e-3 * draws.normal())).collect(),
@@ -168,7 +168,7 @@ fn errors_of_a_rotary_axis() {
         }
         assert_eq!(found.degrees_of_freedom, 6);
     }
-    // With six degrees of freedom 2 s is not enough: t_6 = 2.447.
+    // With six degrees of freedom 2 s is too narrow: t_6 = 2.447.
     let two = coverage.share("EXC, ± 2 s");
     println!("rotary axis, 6 dof           EXC, naive ± 2 s {:>6.1} %", 100.0 * two);
     assert!(two < 0.94, "{two}");
@@ -181,7 +181,7 @@ fn errors_of_a_rotary_axis() {
     kept.check("rotary axis, 6 dof");
 }
 
-/// Spikes that are seen, none, and such as are within the noise, narrow and wide.
+/// Spikes that are visible, absent, or within the noise, narrow and wide.
 #[test]
 fn causes_of_a_circle() {
     counted_on_circles("ballbar, spikes of 3 µm", 3e-3, 0.12);
@@ -230,8 +230,8 @@ fn counted_on_circles(name: &str, height: f64, width: f64) {
     coverage.check(name);
 }
 
-/// The sample mill as it is in truth; measured with errors, corrected by what was measured. The standard uncertainties are
-/// estimated anew in every repeat, with the degrees of freedom that the machine states.
+/// The sample mill is the true machine; it is measured with errors and corrected by the measurement. Every repeat estimates
+/// the standard uncertainties again, with the degrees of freedom that the machine states.
 #[test]
 fn the_corrected_position() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../compensation-tables/mill-3axis");
@@ -280,7 +280,8 @@ fn the_corrected_position() {
         }
         let options = Options { at: Some(at), points: 2, trials: 100, ..Options::default() };
         let found = evaluate(&measured, &stated, &options).unwrap().at.unwrap().jacobian;
-        // What the measured tables believe, by exact geometry, against the machine as it is: both in negative travel.
+        // The error according to the measured tables, by exact geometry, compared with the true machine: both in negative
+        // travel.
         let reverse = [1.0; AXES];
         let (believed, real) = (Geometry::new(&measured, 0.0).unwrap(), Geometry::new(&truth, 0.0).unwrap());
         let mut scattered = at;

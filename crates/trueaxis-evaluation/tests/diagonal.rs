@@ -1,4 +1,4 @@
-//! Diagonal and step-diagonal tests of machines whose tip moves by exact transforms, read by a laser with a mirror of its own.
+//! Diagonal and step-diagonal tests of machines whose tip moves by exact transforms, read by a simulated laser and mirror.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -16,7 +16,7 @@ const BOX: [[f64; 2]; 3] = [[-300.0, 300.0], [-200.0, 200.0], [-250.0, 150.0]];
 const STEPS: usize = 10;
 const SIGNS: [[f64; 3]; 4] = [[1.0, 1.0, 1.0], [-1.0, 1.0, 1.0], [1.0, -1.0, 1.0], [1.0, 1.0, -1.0]];
 
-/// A machine with squareness, scales (ppm), a bow of its straightness EYX (µm) and play of every axis (µm).
+/// A machine with squareness, scales (ppm), a bow of its straightness EYX (µm) and play in every axis (µm).
 fn machine(chain: &str, scales: [f64; 3], bow: f64, play: [f64; 3]) -> Machine {
     let settings = Settings::new(chain).with(|machine| {
         (machine.location.a0z, machine.location.b0z, machine.location.c0y) = (31e-6, -22e-6, 45e-6);
@@ -64,7 +64,7 @@ fn path(signs: [f64; 3], stepwise: bool) -> Vec<[f64; 3]> {
     path
 }
 
-/// The record; `tilt`: what the mirror of every diagonal stands off, rad; `noise` of a reading, µm.
+/// The record; `tilts` of the mirror on every diagonal, rad; `noise_um` of a reading, µm.
 fn record(machine: &Machine, stepwise: bool, runs: u32, tilts: [[f64; 3]; 4], noise_um: f64) -> String {
     let geometry = Geometry::new(machine, 0.0).unwrap();
     let mut noise = Noise::new(2306);
@@ -110,7 +110,7 @@ fn test(text: &str) -> anyhow::Result<Test> {
     read(&mut Rows::new(text.as_bytes(), Path::new("record.csv"), &COLUMNS, |_| {})?)
 }
 
-/// A bow along X moves slopes by nothing: it is zero at both ends. Any structural code, with and without steps.
+/// For four structural codes, with and without steps.
 #[test]
 fn squareness_and_scale_are_those_of_the_machine() {
     for chain in ["w b X Y Z t", "w X' Y' b Z t", "w Y' b X Z t", "w X' b Y Z t"] {
@@ -130,12 +130,12 @@ fn squareness_and_scale_are_those_of_the_machine() {
     }
 }
 
-/// E(D) and B(D) of a machine that is only out of scale, and of one that only has play: by hand.
+/// E(D) and B(D) of a machine with scale errors only, and of one with play only: computed by hand.
 #[test]
 fn figures_are_those_of_the_standard() {
     let text = record(&machine("w b X Y Z t", [20.0; 3], 0.0, [0.0; 3]), false, 5, [[0.0; 3]; 4], 0.0);
     let found = Document::new(&test(&text).unwrap(), None);
-    // Squareness apart, 20 ppm of 824.6 mm; with it, the slopes of the four differ.
+    // Apart from squareness, 20 ppm of 824.6 mm; with it, the slopes of the four differ.
     for of in &found.diagonals {
         assert!((of.e_um - (of.slope_ppm.value * of.length_mm * 1e-3).abs()).abs() < 1e-3, "{of:?}");
         assert!(of.b_um.unwrap() < 1e-9 && of.r_um.unwrap() < 1e-9, "{of:?}");
@@ -143,14 +143,15 @@ fn figures_are_those_of_the_standard() {
     let text = record(&machine("w b X Y Z t", [0.0; 3], 0.0, [4.0, 2.0, 6.0]), false, 5, [[0.0; 3]; 4], 0.0);
     let found = Document::new(&test(&text).unwrap(), None);
     for of in &found.diagonals {
-        // Every axis reverses with its play, seen along the diagonal: Σ |u_i| b_i, whatever the signs.
+        // Every axis reverses with its play, which projects onto the diagonal: Σ |u_i| b_i, whatever the signs.
         let [x, y, z] = of.unit.map(f64::abs);
         assert!((of.b_um.unwrap() - (4.0 * x + 2.0 * y + 6.0 * z)).abs() < 2e-3, "{of:?}");
     }
 }
 
-/// The published vector method gives the scales where the mirror is square, and is off by the tilt where it is not; squareness
-/// and the shapes are not touched. With the alignment's uncertainty stated the scales are within their standard errors.
+/// The published vector method gives the scales if the mirror is square, and is wrong by the tilt if it is not; the tilt
+/// affects neither squareness nor shapes. With the alignment's uncertainty stated, the scales are within their standard
+/// errors.
 #[test]
 fn a_tilted_mirror_moves_the_scales_and_nothing_else() {
     let machine = machine("w X' Y' b Z t", [12.0, -20.0, 33.0], 8.0, [0.0; 3]);
@@ -178,7 +179,7 @@ fn a_tilted_mirror_moves_the_scales_and_nothing_else() {
     assert!(Document::new(&test(&text).unwrap(), None).steps.unwrap().scales_ppm.is_none());
 }
 
-/// Standard errors hold what they say: over 200 records with noise the squarenesses scatter as stated.
+/// Standard errors are realistic: over 200 records with noise the squarenesses scatter as stated.
 #[test]
 fn standard_errors_are_those_of_repeated_records() {
     let machine = machine("w b X Y Z t", [0.0; 3], 0.0, [0.0; 3]);
@@ -216,7 +217,7 @@ fn what_cannot_be_read_is_refused_with_its_line() {
         &format!("{good}{}\n", lines[5]),
         ":178: column deviation_um: found this target a second time in this run and direction, first in line 6",
     );
-    // One reading of 176 left out: the first of all, the first of another diagonal, one in the middle, the last of a run.
+    // One reading of 176 missing: the first of all, the first of another diagonal, one in the middle, the last of a run.
     for (line, told) in [
         (1, "diagonal 1, run 1, away: found 10 readings and none at X -300, Y -200, Z -250 mm, needed 11"),
         (45, "diagonal 2, run 1, away: found 10 readings and none at X 300, Y -200, Z -250 mm, needed 11"),
@@ -231,14 +232,14 @@ fn what_cannot_be_read_is_refused_with_its_line() {
     refused(&good.replacen(lines[7].rsplit_once(',').unwrap().1, "16000", 1), ":8: column deviation_um: found 16000");
     refused(&good.replacen("\n2,", "\n5,", 1), "column diagonal: found 5, needed 1, 2, 3 or 4");
     refused(&good.replacen("\n1,1,1,", "\n1,1,0,", 1), ":2: column direction: found 0");
-    // The laser stands still from the second diagonal on.
+    // The laser reading freezes from the second diagonal on.
     let mut dead = String::new();
     for (i, line) in lines.iter().enumerate() {
         let (rest, _) = line.rsplit_once(',').unwrap();
         if i > 60 { writeln!(dead, "{rest},-3.25").unwrap() } else { writeln!(dead, "{line}").unwrap() }
     }
     refused(&dead, ":62: column deviation_um: found -3.25 for 116 readings in a row");
-    // Two times the same diagonal.
+    // The same diagonal twice.
     let twice: String = good
         .lines()
         .map(|line| match line.strip_prefix("1,") {

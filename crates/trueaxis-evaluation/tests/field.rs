@@ -1,4 +1,4 @@
-//! The field of machines whose error is known in closed form, and of the samples.
+//! The field of machines whose error is known in closed form, and of the sample machines.
 
 use std::path::Path;
 use std::time::Instant;
@@ -10,7 +10,7 @@ use trueaxis_testing::machine::{Machine as Made, rows as lines, rows_both_ways};
 /// Travel of every linear axis, mm.
 const TRAVEL: [f64; 2] = [-300.0, 500.0];
 
-/// A machine without tables, X, Y, Z over 800 mm.
+/// A machine without tables, with X, Y, Z travels of 800 mm.
 fn made(chain: &str) -> Machine {
     let settings = Made::new(chain).travel(TRAVEL, 10.0).settings();
     let tables = vec![None; settings.axes.len()];
@@ -103,14 +103,14 @@ fn nine_terms_leave_the_lever_of_an_angle_and_twists_do_not() {
     let b: f64 = 50e-6;
     constant(&mut machine, Axis::X, [0.0, 0.0, 0.0, 0.0, b, 0.0]);
     let found = figures(&machine, &every(5)).unwrap();
-    // The tip at (y, z) from the carriage of X is turned about Y: exactly (z sin b, 0, z (cos b − 1)).
+    // The carriage of X rotates the tip at (y, z) about Y: exactly (z sin b, 0, z (cos b − 1)).
     let worst = (500.0 * b.sin()).hypot(500.0 * (b.cos() - 1.0)) * 1e3;
     near(found.before.largest_um, worst, 1e-9);
     near(case(&found.nine).largest_um, worst, 1e-9);
     assert_eq!(case(&found.nine).worst.terms[0].term, "EBX");
     near(case(&found.nine).worst.terms[0].along_um, worst, 1e-9);
     near(found.before.orientation.largest_urad, 50.0, 1e-9);
-    // X is set back by 25 µm, and Z stays: second order is 500 b² / 2.
+    // The correction sets X back by 25 µm and leaves Z: second order is 500 b² / 2.
     assert!(case(&found.volumetric).largest_um < 1e-3, "{}", case(&found.volumetric).largest_um);
     near(case(&found.volumetric).orientation.largest_urad, 50.0, 1e-9);
 }
@@ -128,13 +128,13 @@ fn rows_go_by_x_first_and_follow_travel_temperature_and_tool() {
     let places: Vec<&[f32]> = found.chunks(9).map(|row| &row[..3]).collect();
     assert_eq!(places[..3], [[-300.0, -300.0, -300.0], [500.0, -300.0, -300.0], [-300.0, 100.0, -300.0]]);
     for row in found.chunks(9) {
-        // Lost motion on Y, growth of Z from machine zero: 20 ppm; both known to the step.
+        // Lost motion on Y, growth of Z from machine zero: 20 ppm; the step knows both.
         let wanted = [0.0, 7.0, 20e-3 * row[2]];
         for ((found, wanted), after) in row[3..6].iter().zip(wanted).zip(&row[6..]) {
             assert!((found - wanted).abs() < 1e-5 && after.abs() < 1e-3, "{row:?}");
         }
     }
-    // A tool of 100 mm below the spindle is a lever of the head's angle.
+    // A tool of 100 mm below the spindle is a lever for the head's angle.
     constant(&mut machine, Axis::Z, [0.0, 0.0, 0.0, 0.0, 30e-6, 0.0]);
     let longer = Settings { tool_mm: Some([0.0, 0.0, -100.0]), ..every(2) };
     let found = figures(&machine, &longer).unwrap();
@@ -170,7 +170,7 @@ fn a_pose_turns_the_levers_and_the_tool_is_turned_back_where_the_machine_does() 
         assert_eq!(found.before.worst.terms[0].term, "ECC");
         let after = case(&found.volumetric);
         assert!(after.largest_um < 0.1, "{}", after.largest_um);
-        // C turns about the tool: nothing of the direction is to be corrected, and the tip is.
+        // C turns about the tool: the correction affects only the tip, not the direction.
         near(after.orientation.largest_urad, 100.0, 1e-2);
         assert_eq!(found.pose_deg[&'C'], 90.0);
     }
@@ -192,7 +192,7 @@ fn of_the_samples_the_volumetric_form_leaves_second_order_and_the_terms_add_up()
         let [nine, volumetric] = [case(&found.nine), case(&found.volumetric)];
         println!("{name}: {:.3} µm, {:.3}, {:.4}", found.before.largest_um, nine.largest_um, volumetric.largest_um);
         if name == "grinder" {
-            // It has no Y: what errs there stays.
+            // The machine has no Y: errors in that direction remain.
             assert_eq!(found.points, [6, 1, 6]);
             assert_eq!(nine.worst.correction[1], 0.0);
         } else {

@@ -1,4 +1,4 @@
-//! The tool on a flank and what a machine makes of it, against other transformations and known errors.
+//! The tool on a flank and its errors on a machine, compared with other transformations and known errors.
 
 use std::path::Path;
 use trueaxis::Axis;
@@ -29,7 +29,7 @@ const SET_UPS: [&str; 5] = [
     r#","form":"vertical","pivot_mm":0,"direction_c":-1"#,
 ];
 
-/// The step's own forward transformation puts the tool where the published formula wants it, in every set-up.
+/// The step's own forward transformation puts the tool where the published formula requires it, in every set-up.
 #[test]
 fn the_tool_stands_on_the_flank_by_another_transformation() {
     for settings in SET_UPS {
@@ -40,7 +40,7 @@ fn the_tool_stands_on_the_flank_by_another_transformation() {
                 assert!(stand.off_surface_um < 1e-8, "{settings}: {stand:?}");
                 assert!(stand.off_normal_urad < 1e-8, "{settings}: {stand:?}");
             }
-            // γ = atan(p/r_b) on both branches, all over the flank.
+            // γ = atan(p/r_b) on both branches, over the whole flank.
             let tilt = 130f64.atan2(36.0).to_degrees();
             assert!((tool.singular.margin_deg - tilt).abs() < 1e-9 && !tool.singular.near, "{settings}");
         }
@@ -76,7 +76,7 @@ fn travel_is_that_of_the_points_and_counts_those_beyond() {
     assert_eq!(first.axes[1].beyond, points.iter().filter(|point| point.y_mm > -155.0).count());
     let either = points.iter().filter(|point| point.c_deg < median || point.y_mm > -155.0).count();
     assert!(first.beyond == either && either > 0 && either < points.len());
-    // Branch 2 stands half a turn further and the head on the other side.
+    // Branch 2 is half a turn further, with the head on the other side.
     assert!((second.axes[4].low - first.axes[4].low - 180.0).abs() < 1e-9 && second.axes[1].low > 0.0);
     let turned = Limits { a: Some([5.0, -5.0]), ..Limits::default() };
     assert_eq!(job.reach(&turned).unwrap_err().to_string(), "travel of A: found 5 to -5, needed the low end first");
@@ -105,7 +105,7 @@ fn a_machine_fits_or_says_what_differs() {
     }
 }
 
-/// The sample made into any set-up fits it, is read back from its files, and has the same errors in the same pose.
+/// The sample adapted to any set-up fits it, reads back from its files, and has the same errors in the same pose.
 #[test]
 fn the_sample_is_made_into_any_set_up() {
     for settings in SET_UPS {
@@ -120,8 +120,8 @@ fn the_sample_is_made_into_any_set_up() {
             "{settings}: {found:?}"
         );
     }
-    // Horizontal is the same machine with the head turned by 90 degrees: with slides that do not err, the same joints stand in the
-    // same places and err by the same.
+    // Horizontal is the same machine with the head turned by 90 degrees: with perfect slides, the same joints are in the same
+    // places and have the same errors.
     let mut sample = machine("mill-turn");
     let location = &mut sample.settings.location;
     (location.a0z, location.b0z, location.c0y) = (0.0, 0.0, 0.0);
@@ -140,7 +140,7 @@ fn the_sample_is_made_into_any_set_up() {
     assert!(error.contains("needed w C' b X Y Z A t"), "{error}");
 }
 
-/// X alone errs, by 10 µm everywhere: the tip is 10 µm off in X of the bed, which the table has turned by C.
+/// Only X has an error, 10 µm everywhere: the tip is 10 µm off in X of the bed, which the table has turned by C.
 #[test]
 fn a_known_error_is_found_on_the_flank_and_taken_away() {
     let job = job(UPRIGHT);
@@ -157,11 +157,11 @@ fn a_known_error_is_found_on_the_flank_and_taken_away() {
     let found = flank(&job, &machine, Passes::Theta, 0.3, 9).unwrap();
     for (i, theta) in found.parameter_rad.iter().enumerate() {
         assert!((found.before.tip_um[i] - 10.0).abs() < 1e-9);
-        // In the bed the normal is [0, −sin γ, cos γ]: X lies across it.
+        // In the bed the normal is [0, −sin γ, cos γ]: X is perpendicular to it.
         assert!(found.before.normal_um[i].abs() < 1e-9 && found.before.direction_urad[i] < 1e-7, "{theta}");
         assert!(found.after.tip_um[i] < 1e-3);
     }
-    // The same error along Y of the bed lies along the normal by −sin γ.
+    // An equal error along Y of the bed has the component −sin γ along the normal.
     for (own, table) in machine.settings.axes.iter().zip(&mut machine.tables) {
         for row in table.iter_mut().flat_map(|table| &mut table.rows) {
             let constant = if own.axis == Axis::Y { [0.0, 0.01, 0.0, 0.0, 0.0, 0.0] } else { [0.0; 6] };
@@ -174,7 +174,7 @@ fn a_known_error_is_found_on_the_flank_and_taken_away() {
     assert!(found.after.largest[0] < 1e-3);
 }
 
-/// A trunnion takes the same poses at positions of its own; a machine of three axes cannot.
+/// A trunnion reaches the same poses at different positions; a machine of three axes cannot.
 #[test]
 fn other_machines_take_the_poses_by_their_own_transformation() {
     let raised = r#","form":"vertical","pivot_mm":150,"work_offset_mm":[0,0,20]"#;

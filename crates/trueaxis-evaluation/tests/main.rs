@@ -1,4 +1,4 @@
-//! The evaluations, against independent values.
+//! The evaluations, compared with independent values.
 
 mod coverage;
 mod diagonal;

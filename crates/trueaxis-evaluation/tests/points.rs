@@ -1,4 +1,4 @@
-//! The 21 errors found again from points of machines whose tip moves by exact transforms.
+//! Recovery of the 21 errors from points of machines whose tip moves by exact transforms.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -15,7 +15,7 @@ use trueaxis_testing::noise::Noise;
 
 const BOX: [[f64; 2]; 3] = [[-300.0, 300.0], [-200.0, 200.0], [-250.0, 150.0]];
 
-/// A machine with all 21 errors drawn: smooth, some micrometres and tens of microradians, and squareness.
+/// A machine with all 21 errors drawn at random: smooth, some micrometres and tens of microradians, and squareness.
 fn machine(chain: &str, seed: u64, measured_at: [f64; 3]) -> Machine {
     let mut noise = Noise::new(seed);
     let location = LocationErrors { a0z: 31e-6, b0z: -22e-6, c0y: 45e-6, ..LocationErrors::default() };
@@ -51,7 +51,7 @@ fn machine(chain: &str, seed: u64, measured_at: [f64; 3]) -> Machine {
     Machine { settings, tables, grids: Vec::new() }
 }
 
-/// A grid of points, or scattered ones; the instrument stands shifted and turned, the reflectors' offsets are off.
+/// A grid of points; the instrument is shifted and turned, and the reflectors' offsets are wrong.
 fn record(machine: &Machine, per_axis: usize, tools: &[[f64; 3]], noise_um: f64) -> String {
     let mut noise = Noise::new(21);
     let mut text = String::from("x_mm,y_mm,z_mm,actual_x_mm,actual_y_mm,actual_z_mm,tool_x_mm,tool_y_mm,tool_z_mm\n");
@@ -101,8 +101,8 @@ fn found(text: &str, machine: &Machine) -> (Points, Found) {
     (points, found)
 }
 
-/// Largest difference of the tip errors of two machines over a fine grid, a best rigid motion taken out by the caller's points: here
-/// by fitting t + ρ × p to the differences through normal equations of six unknowns.
+/// Largest difference of the tip errors of two machines over a fine grid, after removing a best rigid motion: a fit of t + ρ ×
+/// p to the differences through normal equations of six unknowns.
 fn largest_difference(one: &Machine, other: &Machine) -> f64 {
     let mut places = Vec::new();
     for i in 0..=12 {
@@ -133,8 +133,8 @@ fn largest_difference(one: &Machine, other: &Machine) -> f64 {
     left.fold(0.0, f64::max)
 }
 
-/// The machine that comes out moves as the one that was measured, all over the volume: what is left is the second order of the
-/// exact transforms. Structural codes with the workpiece on none, one, two and three axes; with and without `measured_at_mm`.
+/// The resulting machine moves as the measured one throughout the volume: the residual is the second order of the exact
+/// transforms. Structural codes with the workpiece on none, one, two and three axes; with and without `measured_at_mm`.
 #[test]
 fn the_machine_that_comes_out_moves_as_the_one_that_was_measured() {
     let chains =
@@ -151,12 +151,12 @@ fn the_machine_that_comes_out_moves_as_the_one_that_was_measured() {
             let off = 1e3 * largest_difference(&truth, &found.machine);
             println!("{chain} {measured_at:?}: {off:.3} µm between the machines");
             assert!(off < 0.25, "{chain} {measured_at:?}: {off} µm between the machines");
-            // Straightness without slope and zero at machine zero: squareness stands apart.
+            // Straightness has no slope and is zero at machine zero: squareness is separate.
             let of = |axis: Axis| found.machine.rows(axis).unwrap();
             let slope: f64 = of(Axis::X).iter().map(|row| row.position * row.forward[1]).sum();
             assert!(slope.abs() < 1e-6, "{chain}: slope of EYX {slope}");
             assert_eq!(document.rank, document.unknowns);
-            // What is written reads back as the same machine.
+            // The written files read back as the same machine.
             let files = machine_files(&found.machine, "measured");
             let read = Machine::read_from(&Memory::new(files), Path::new("machine.toml"), &mut |_| {}).unwrap();
             assert_eq!(read.tables, found.machine.tables);
@@ -164,7 +164,7 @@ fn the_machine_that_comes_out_moves_as_the_one_that_was_measured() {
     }
 }
 
-/// A second reflector offset shows the last axis' rotations, which one alone does not; they then hold for any tool.
+/// A second reflector offset reveals the last axis' rotations, which one alone does not; they are then valid for any tool.
 #[test]
 fn a_second_reflector_shows_what_one_does_not() {
     let truth = machine("w X' Y' b Z t", 7, [0.0; 3]);
@@ -173,13 +173,13 @@ fn a_second_reflector_shows_what_one_does_not() {
     for name in ["EAZ", "EBZ", "ECZ"] {
         assert!(one.unseen.contains(&name.to_owned()), "{name} not among {:?}", one.unseen);
     }
-    // Roll of the outermost axis turns the workpiece about a point that the tip is not at: it stays seen.
+    // Roll of the outermost axis turns the workpiece about a point away from the tip: it remains visible.
     assert!(!one.unseen.contains(&"EAX".to_owned()) && !one.unseen.contains(&"ECX".to_owned()), "{:?}", one.unseen);
     let (_, three) = found(&record(&truth, 11, &tools, 0.0), &truth);
     for name in ["EAZ", "EBZ", "ECZ"] {
         assert!(!three.unseen.contains(&name.to_owned()), "{:?}", three.unseen);
     }
-    // At a tool that was not measured with.
+    // With a tool that was not measured.
     let (mut a, mut b) = (truth, three.machine);
     a.settings.tool_mm = [30.0, -40.0, -120.0];
     b.settings.tool_mm = a.settings.tool_mm;
@@ -187,7 +187,8 @@ fn a_second_reflector_shows_what_one_does_not() {
     assert!(off < 0.1, "{off} µm at another tool");
 }
 
-/// With 1 µm of noise: sigma comes out, the machine is far better than a reading, and squareness is within its standard errors.
+/// With 1 µm of noise: sigma is recovered, the machine is far better than a reading, and squareness is within its standard
+/// errors.
 #[test]
 fn noise_comes_out_as_sigma() {
     let truth = machine("w X' Y' b Z t", 3, [0.0; 3]);
@@ -220,7 +221,7 @@ fn points_that_cannot_tell_are_refused_with_the_names() {
         assert!(error.contains(told), "{error} without {told}");
     };
     let default = Options::default();
-    // Three lines along the axes: the rotations only show where axes move together.
+    // Three lines along the axes: the rotations only show if axes move together.
     let lines: String = good
         .lines()
         .filter(|line| {

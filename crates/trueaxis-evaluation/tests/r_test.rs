@@ -1,4 +1,4 @@
-//! Location errors found again from R-tests of machines whose tip moves by exact transforms.
+//! Recovery of location errors from R-tests of machines whose tip moves by exact transforms.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -11,7 +11,7 @@ use trueaxis_tables::exact::Geometry;
 use trueaxis_testing::machine::Machine as Settings;
 use trueaxis_testing::noise::Noise;
 
-/// Errors of a rotary axis across its own direction, some micrometres and tens of microradians.
+/// A machine with errors of its rotary axes across their own directions, some micrometres and tens of microradians.
 fn machine(chain: &str, seed: u64, of: &[Axis]) -> Machine {
     let mut noise = Noise::new(seed);
     let mut settings = Settings::new(chain).settings();
@@ -36,8 +36,8 @@ fn machine(chain: &str, seed: u64, of: &[Axis]) -> Machine {
     Machine { settings, tables, grids: Vec::new() }
 }
 
-/// Poses at which the control holds the tool at a ball `ball` mm from the workpiece's zero, by the ideal machine's own kinematics: the
-/// linear axes that bring the ideal tip there, found by Newton's method on the ideal pose (exact for linear axes).
+/// The pose at which the control keeps the tool at a ball `ball` mm from the workpiece's zero, by the ideal machine's own
+/// kinematics: Newton's method on the ideal pose (exact for linear axes) finds the linear axes that bring the ideal tip there.
 fn rtcp(machine: &Machine, ball: [f64; 3], angles: [f64; 3]) -> [f64; AXES] {
     let geometry = Geometry::new(machine, 0.0).unwrap();
     let mut at = [0.0, 0.0, 0.0, angles[0], angles[1], angles[2]];
@@ -56,7 +56,7 @@ fn rtcp(machine: &Machine, ball: [f64; 3], angles: [f64; 3]) -> [f64; AXES] {
         let there = place(&moved);
         columns[k] = [0, 1, 2].map(|c| there[c] - zero[c]);
     }
-    // The columns are a rotation: its transpose inverts it.
+    // The columns form a rotation: its transpose inverts it.
     for k in 0..3 {
         at[k] = (0..3).map(|c| columns[k][c] * (ball[c] - zero[c])).sum();
     }
@@ -90,7 +90,7 @@ fn record(machine: &Machine, poses: &[[f64; 3]], balls: &[[f64; 3]], noise_um: f
     text
 }
 
-/// A vector of the workpiece's frame in machine directions: from where the ideal machine takes a point when its tool moves.
+/// A vector of the workpiece's frame in machine directions, from the displacement of the ideal tip when the linear axes move.
 fn turn(machine: &Machine, at: &[f64; AXES], vector: [f64; 3]) -> [f64; 3] {
     let geometry = Geometry::new(machine, 0.0).unwrap();
     let tip = |x: [f64; 3]| {
@@ -101,7 +101,7 @@ fn turn(machine: &Machine, at: &[f64; AXES], vector: [f64; 3]) -> [f64; 3] {
         geometry.ideal_pose(&slots).tip_mm
     };
     let zero = tip([0.0; 3]);
-    // The linear axes of these machines stand between bed and rotary axes: a step of each is a step in machine directions.
+    // The linear axes of these machines are between bed and rotary axes: a step of each is a step in machine directions.
     [0, 1, 2].map(|k| {
         let mut step = [0.0; 3];
         step[k] = 1.0;
@@ -139,7 +139,7 @@ fn check(found: &Found, truth: &Machine, tolerance: [f64; 2]) {
     }
 }
 
-/// A trunnion with a table: eight location errors and the ball's place from one ball; nothing is left but the second order.
+/// A trunnion with a table: eight location errors and the ball's place from one ball; only the second order remains.
 #[test]
 fn a_trunnion_and_its_table() {
     for chain in ["w C' A' Y' b X Z t", "w C' A' X' b Y Z t"] {
@@ -163,7 +163,7 @@ fn a_trunnion_and_its_table() {
     }
 }
 
-/// What the machine has already is taken out only where it is not sought: the same absolute errors come out of either machine.
+/// The machine's own errors are removed only if they are not fitted: either machine gives the same absolute errors.
 #[test]
 fn errors_are_absolute() {
     let truth = machine("w C' A' Y' b X Z t", 12, &[Axis::A, Axis::C]);
@@ -176,7 +176,7 @@ fn errors_are_absolute() {
     check(&found, &truth, [3e-5, 3e-7]);
 }
 
-/// With noise the values are within their standard errors, and sigma is that of the probes.
+/// With noise the values are within their standard errors, and sigma equals the probes'.
 #[test]
 fn noise_comes_out_as_standard_errors() {
     let truth = machine("w C' A' Y' b X Z t", 13, &[Axis::A, Axis::C]);
@@ -187,8 +187,8 @@ fn noise_comes_out_as_standard_errors() {
     assert!(found.terms.iter().all(|(_, _, error)| *error > 0.0));
 }
 
-/// A head: the first axis' offsets, and the second's along the first, are the ball's place, and are named; left as they are, the
-/// rest comes out.
+/// On a head the first axis' offsets, and the second's along the first, cannot be separated from the ball's place and are
+/// named; with them excluded, the others are recovered.
 #[test]
 fn a_head_cannot_tell_its_first_axis_from_the_ball() {
     let truth = machine("w X' b Y Z C A t", 14, &[Axis::A]);
@@ -210,7 +210,7 @@ fn a_head_cannot_tell_its_first_axis_from_the_ball() {
     check(&found, &truth, [3e-5, 3e-7]);
 }
 
-/// A pose read once more at the end, as a check of drift: both readings are taken, and how far they are apart is told.
+/// A pose read again at the end to check drift: both readings are used, and their distance is reported.
 #[test]
 fn a_pose_read_again_tells_the_drift() {
     let truth = machine("w C' A' Y' b X Z t", 16, &[Axis::A, Axis::C]);

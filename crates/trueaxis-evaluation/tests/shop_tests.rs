@@ -1,4 +1,4 @@
-//! Thermal and probing tests: figures of records made by hand.
+//! Thermal and probing tests: figures of hand-made records.
 
 use std::f64::consts::TAU;
 use std::fmt::Write;
@@ -21,7 +21,8 @@ fn near(found: f64, truth: f64, within: f64) {
     assert!((found - truth).abs() < within, "{found} for {truth}");
 }
 
-/// Four hours of warm-up, a reading a minute: z grows by 30 (1 − e^(−t/40)), x1 by half of it, the spindle tilts by 1 µrad a minute.
+/// Four hours of warm-up, a reading per minute: z grows by 30 (1 − e^(−t/40)), x1 by half of it, the spindle tilts by 1 µrad
+/// per minute.
 fn warm_up() -> String {
     let mut text = String::from("t_s,x1_um,z_um,x2_um,spindle_c\n");
     for minute in 0..=240 {
@@ -43,7 +44,7 @@ fn ranges_over_the_stated_periods() {
     near(of("Z").first_period, z(60.0), 1e-9);
     near(of("X1").worst_period, 0.5 * z(60.0), 1e-9);
     near(of("X1").worst_from_min, 0.0, 1e-9);
-    // x2 − x1 grows by 0.1 µm a minute over 100 mm.
+    // x2 − x1 grows by 0.1 µm per minute over 100 mm.
     near(of("B").range, 240.0, 1e-9);
     near(of("B").first_period, 60.0, 1e-9);
     assert!(channels.iter().all(|channel| channel.name != "A"), "no y was recorded");
@@ -125,7 +126,7 @@ fn a_drift_that_no_probe_reads_and_a_position_left_out_are_refused() {
     let mut alone = String::from("t_s,z_um\n");
     (0..60).for_each(|k| writeln!(alone, "{},{}", 60 * k, (0.1 * f64::from(k)).min(4.0)).unwrap());
     refused(&alone, "drift.csv:42: column z_um: found 4 for 20 readings in a row");
-    // A dial of 1 µm at the end of its warming does not stand still.
+    // A dial of 1 µm at the end of its warming is not a dead sensor.
     let mut dial = String::from("t_s,z_um\n");
     (0..60).for_each(|k| writeln!(dial, "{},{}", 60 * k, (0.2 * f64::from(k)).min(8.0).round()).unwrap());
     assert!(thermal(&dial).is_ok());
@@ -139,7 +140,7 @@ fn a_drift_that_no_probe_reads_and_a_position_left_out_are_refused() {
     );
 }
 
-/// Rows of a CSV.
+/// Opens the rows of a CSV text.
 fn rows<'t, const C: usize>(text: &'t str, columns: &[Column; C]) -> anyhow::Result<Rows<'t, C>> {
     Rows::new(text.as_bytes(), Path::new("r.csv"), columns, |_| {})
 }
@@ -150,7 +151,7 @@ fn every_stream_notices_a_channel_that_dies() {
         let error = format!("{:#}", found.unwrap_err());
         assert!(error.contains(told), "{error} without {told}");
     };
-    // A circle whose second coordinate stays behind.
+    // A circle whose second coordinate freezes.
     let mut circle = String::from("x_mm,y_mm\n");
     for k in 0..90 {
         let angle = TAU * f64::from(k.min(60)) / 90.0;
@@ -205,9 +206,9 @@ fn a_ring_gives_form_tip_diameter_and_offset() {
     near(offset.x_um.value, 8.0, 1e-6);
     near(offset.y_um.value, -5.0, 1e-6);
     near(offset.length_um, 89.0_f64.sqrt(), 1e-6);
-    // The orientation taken out, the location repeats.
+    // Corrected for orientation, the location repeats.
     assert!(found.location_repeatability.unwrap().range_um.iter().all(|um| *um < 1e-6));
-    // One orientation tells no offset.
+    // One orientation does not determine the offset.
     let one = probing::Document::new(&probed(&ring(&[0.0, 0.0]), Feature::Ring, None).unwrap());
     assert!(one.tip_offset.is_none() && one.effective_tip_diameter_mm.is_none());
     assert!(one.notes.iter().any(|note| note.contains("180°")));

@@ -4,9 +4,9 @@ use trueaxis::contour::Reference;
 use trueaxis::roundness::Probes;
 use trueaxis::{Input, Nanometres, Position, Real};
 
-/// A position that a recording can say exactly.
+/// A position that a recording can represent exactly.
 pub trait Integer: Position {
-    /// From 1e-6 mm (1e-6 degree); what is not usable there is not usable here.
+    /// Converts from 1e-6 mm (1e-6 degree); unusable values stay unusable.
     fn of_nanometres(nanometres: Nanometres) -> Self;
 }
 
@@ -56,15 +56,15 @@ pub struct Cycle<const N: usize> {
     pub elapsed_ns: u32,
     /// Position on the path.
     pub reference: Reference<f32>,
-    /// All axes are homed.
+    /// Whether all axes are homed.
     pub homed: bool,
-    /// Compensation is wanted.
+    /// Whether compensation is requested.
     pub enable: bool,
-    /// Releases a latched stop.
+    /// Whether to release a latched stop.
     pub reset: bool,
     /// Axes with an encoder alarm.
     pub encoder_alarm: u8,
-    /// The gauge's inputs; not kept in a recording without gauge.
+    /// Inputs of the gauge; not stored in a recording without one.
     pub probe: Probe,
 }
 
@@ -74,12 +74,12 @@ const RESET: u8 = 4;
 const INDEX: u8 = 8;
 
 impl<const N: usize> Cycle<N> {
-    /// Bytes of a cycle.
+    /// Number of bytes of a cycle.
     pub const fn bytes(gauge: bool) -> usize {
         8 * N + 16 + if gauge { 20 } else { 0 }
     }
 
-    /// As the step takes it.
+    /// Input of the step.
     pub fn input<P: Integer>(&self) -> Input<P, N> {
         Input {
             command: self.command.map(P::of_nanometres),
@@ -95,12 +95,12 @@ impl<const N: usize> Cycle<N> {
         }
     }
 
-    /// As the step takes it.
+    /// Reference of the step on the path.
     pub fn place<R: Real>(&self) -> Reference<R> {
         Reference { span: self.reference.span, t: R::of(f64::from(self.reference.t)) }
     }
 
-    /// As the gauge takes it.
+    /// Input of the gauge.
     pub fn probes<R: Real>(&self) -> Probes<R> {
         Probes {
             readings: self.probe.readings.map(|value| R::of(f64::from(value))),

@@ -1,4 +1,4 @@
-//! Outputs of the step in one cycle as bytes: one build sends them, another compares.
+//! Outputs of the step in one cycle as bytes, sent by one build and compared by another.
 //!
 //! | bytes | |
 //! |---|---|
@@ -11,23 +11,23 @@
 //! | 3 R | contour error of the tip, its lag, contour error of the encoder position |
 //! | R | with a gauge: infeed |
 //!
-//! Little-endian. Single precision: P is an integer of 1e-6 mm in 4 bytes, R a float of 4; double: both doubles.
+//! Little-endian. In single precision P is an integer of 1e-6 mm in 4 bytes and R a 4-byte float; in double both are doubles.
 
 use crate::cycle::Integer;
 use heapless::Vec;
 use trueaxis::{Nanometres, Output, Position, Real};
 
-/// A scalar and its position on the wire.
+/// A scalar and its position in the byte format.
 pub trait Wire: Real {
-    /// Positions that belong to it.
+    /// Position type of the scalar.
     type Place: Integer;
-    /// Bytes of either.
+    /// Number of bytes of a scalar and of a position.
     const BYTES: usize;
-    /// Hands the bytes of a scalar to `add`.
+    /// Passes the bytes of a scalar to `add`.
     fn put(self, add: impl FnMut(&[u8]));
     /// Reads a scalar; missing bytes are zero.
     fn get(bytes: &[u8]) -> f64;
-    /// Hands the bytes of a position to `add`.
+    /// Passes the bytes of a position to `add`.
     fn put_place(place: Self::Place, add: impl FnMut(&[u8]));
     /// Reads a position, mm.
     fn get_place(bytes: &[u8]) -> f64;
@@ -71,20 +71,20 @@ impl Wire for f64 {
     }
 }
 
-/// Bytes of a cycle of `axes` axes in scalar `R`.
+/// Number of bytes of a cycle of `axes` axes in scalar `R`.
 pub const fn line_bytes<R: Wire>(axes: usize, gauge: bool) -> usize {
     16 + (3 * axes + 3 + if gauge { 1 } else { 0 }) * R::BYTES
 }
 
-/// Bytes of the longest line: six axes in doubles, with a gauge.
+/// Number of bytes of the longest line: six axes in doubles, with a gauge.
 pub const LINE_BYTES: usize = line_bytes::<f64>(6, true);
 
-/// The bytes of a cycle; the infeed where there is a gauge.
+/// The bytes of a cycle; `infeed` if there is a gauge.
 pub fn line<R: Wire, const N: usize>(output: &Output<R, R::Place, N>, infeed: Option<R>) -> Vec<u8, LINE_BYTES> {
     let record = &output.record;
     let mut line = Vec::new();
     let mut add = |bytes: &[u8]| {
-        // The capacity is that of all fields.
+        // The capacity covers all fields.
         let _ = line.extend_from_slice(bytes);
     };
     add(&record.sequence.to_le_bytes());
@@ -109,12 +109,12 @@ pub fn line<R: Wire, const N: usize>(output: &Output<R, R::Place, N>, infeed: Op
     line
 }
 
-/// A cycle as numbers.
+/// A decoded cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Line<const N: usize> {
-    /// Counts cycles.
+    /// Sequence number of the cycle.
     pub sequence: u32,
-    /// CRC-32 of the tables in force, 0 where they were refused.
+    /// CRC-32 of the tables in force, 0 if they were refused.
     pub tables_crc: u32,
     /// Code of the fault.
     pub fault: u8,
@@ -135,7 +135,7 @@ pub struct Line<const N: usize> {
 }
 
 impl<const N: usize> Line<N> {
-    /// Reads the bytes of a cycle in scalar `R`; missing ones are zero.
+    /// Reads the bytes of a cycle in scalar `R`; missing bytes are zero.
     pub fn read<R: Wire>(bytes: &[u8]) -> Self {
         let at = |from: usize| bytes.get(from..).unwrap_or_default();
         let scalars = 16 + 2 * N * R::BYTES;

@@ -11,9 +11,9 @@ use trueaxis::{Position, Real};
 /// Header of a recording.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Header {
-    /// Name of the program that was run.
+    /// Name of the recorded program.
     pub name: String<48>,
-    /// Id of the machine that it was run on.
+    /// Id of the recorded machine.
     pub machine_id: u32,
     /// Number of axes, 3 to 6.
     pub axes: u8,
@@ -21,11 +21,11 @@ pub struct Header {
     pub period_ns: u32,
     /// Number of cycles.
     pub cycles: u32,
-    /// Pieces of the path.
+    /// Number of spans of the path.
     pub pieces: u32,
-    /// The gauge's inputs are there.
+    /// Whether the gauge's inputs are included.
     pub gauge: bool,
-    /// The cycle in which the second table file is asked for.
+    /// The cycle in which the second table file is requested.
     pub exchange_at: Option<u32>,
 }
 
@@ -33,19 +33,19 @@ pub struct Header {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Refused {
-    /// Shorter than its header states, or than any recording.
+    /// Shorter than its header states, or than any valid recording.
     TooShort,
     /// Not a recording.
     Magic,
-    /// Of another version.
+    /// A different version.
     Version,
-    /// The sum is wrong: damaged.
+    /// Wrong checksum: damaged.
     Checksum,
     /// The header cannot be read.
     Header,
     /// Lengths contradict each other.
     Length,
-    /// Of another number of axes than the reader's.
+    /// A number of axes other than the reader's.
     Axes,
 }
 
@@ -65,7 +65,7 @@ impl fmt::Display for Refused {
 
 impl core::error::Error for Refused {}
 
-/// A recording of `N` axes, checked; everything stays where the bytes are.
+/// A checked recording of `N` axes, which borrows the bytes in place.
 #[derive(Clone, Debug)]
 pub struct Recording<'a, const N: usize> {
     header: Header,
@@ -74,7 +74,7 @@ pub struct Recording<'a, const N: usize> {
 }
 
 impl<'a, const N: usize> Recording<'a, N> {
-    /// Reads and checks the recording at the start of `bytes`; bytes behind it are ignored.
+    /// Reads and checks the recording at the start of `bytes`; ignores bytes after it.
     ///
     /// # Errors
     /// The first defect found.

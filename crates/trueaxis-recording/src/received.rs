@@ -3,19 +3,19 @@
 use std::vec::Vec;
 use trueaxis::telemetry::{Frame, RoundnessFrame};
 
-/// Records of a stream of COBS frames, each kind in the order in which it came.
+/// Records of a stream of COBS frames, each kind in the order of arrival.
 #[derive(Clone, Debug, Default)]
 pub struct Received {
     /// Records of cycles.
     pub frames: Vec<Frame>,
     /// Records of revolutions.
     pub revolutions: Vec<RoundnessFrame>,
-    /// Frames that are neither.
+    /// Number of frames that are neither.
     pub damaged: usize,
 }
 
 impl Received {
-    /// Takes a stream apart at its zeros. A last frame without a zero behind it is taken too, if it is whole.
+    /// Splits a stream at its zeros. Also reads a complete last frame without a trailing zero.
     pub fn read(bytes: &[u8]) -> Received {
         let mut received = Received::default();
         for frame in bytes.split(|byte| *byte == 0).filter(|frame| !frame.is_empty()) {

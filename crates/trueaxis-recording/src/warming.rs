@@ -1,15 +1,15 @@
-//! Thermal growth in a recorded run: settings of the thermal task and what its sensors read, for a host and a bare-metal image
-//! alike. Readings stand in for a board's sensors.
+//! Thermal growth in a recorded run: settings of the thermal task and readings of its sensors, identical on a host and in a
+//! bare-metal image. The readings replace a board's sensors.
 //!
 //! ```text
 //! magic "TAXISTMP" | version u16 | interval u32, cycles | length u32 | .ttherm | sensors u8 | rows u32 | readings | CRC-32
 //! ```
 //!
-//! A row is the temperature of each sensor, mK from 0 °C, then the spindle's speed, rpm, each an i32; `i32::MIN` is no
-//! reading. The sum is over everything before it; numbers are little-endian.
+//! A row is the temperature of each sensor, mK from 0 °C, then the spindle's speed, rpm, each an i32; `i32::MIN` means no
+//! reading. The sum covers everything before it; numbers are little-endian.
 //!
-//! Row k is what the sensors read in cycle k · interval. Its growth is in force from the middle of the interval on, so that it
-//! does not matter when within the first half a slow task comes to it.
+//! Row k holds the sensor readings of cycle k · interval. Its growth is in force from the middle of the interval, so that a
+//! slow task may compute it at any time within the first half.
 
 use crate::CRC;
 use core::fmt;
@@ -26,19 +26,19 @@ const MISSING: i32 = i32::MIN;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Refused {
-    /// Shorter than its numbers say.
+    /// Shorter than its numbers state.
     TooShort,
-    /// No such file.
+    /// Not a file of readings.
     Magic,
-    /// Of another version.
+    /// A different version.
     Version,
-    /// The sum is wrong: damaged.
+    /// Wrong checksum: damaged.
     Checksum,
-    /// Rows less than two cycles apart: no time between reading and force.
+    /// Rows less than two cycles apart: no time between a reading and its growth in force.
     Interval,
-    /// Not as many sensors as the task's settings have.
+    /// A number of sensors other than in the task's settings.
     Sensors,
-    /// The task's settings.
+    /// Invalid settings of the task.
     Growth(ThermalError),
 }
 
@@ -58,7 +58,7 @@ impl fmt::Display for Refused {
 
 impl core::error::Error for Refused {}
 
-/// Readings with the settings that they are for, checked; everything stays where the bytes are.
+/// Checked readings with the task's settings, which borrow the bytes in place.
 #[derive(Clone, Copy, Debug)]
 pub struct Warming<'a> {
     thermal: Thermal<'a>,
@@ -66,11 +66,11 @@ pub struct Warming<'a> {
     readings: &'a [[u8; 4]],
 }
 
-/// The task between its rows; its sensors have started before the first.
+/// State of the task between rows; its sensors have started before the first.
 #[derive(Clone, Debug)]
 pub struct Task {
     state: ThermalState,
-    /// The row before.
+    /// The previous row.
     last: Option<u32>,
 }
 
@@ -87,7 +87,7 @@ fn number<const B: usize>(bytes: &[u8]) -> Result<([u8; B], &[u8]), Refused> {
 }
 
 impl<'a> Warming<'a> {
-    /// Reads and checks what stands at the start of `bytes`; bytes behind it are ignored.
+    /// Reads and checks the readings at the start of `bytes`; ignores bytes after them.
     ///
     /// # Errors
     /// The first defect found.
@@ -130,7 +130,7 @@ impl<'a> Warming<'a> {
         &self.thermal
     }
 
-    /// The row that the sensors read in a cycle, if they are read in it.
+    /// The row that the sensors give in a cycle, if they are read in it.
     pub fn read_in(&self, cycle: u32) -> Option<u32> {
         (cycle.is_multiple_of(self.interval) && cycle / self.interval < self.rows()).then(|| cycle / self.interval)
     }
@@ -140,13 +140,13 @@ impl<'a> Warming<'a> {
         row.saturating_mul(self.interval).saturating_add(self.interval / 2)
     }
 
-    /// Rows.
+    /// Number of rows.
     pub fn rows(&self) -> u32 {
         (self.readings.len() / (self.thermal.sensors() + 1)) as u32
     }
 
-    /// The task's update with a row, `period_ns` between two cycles, a tool of no length. Rows that were left out are time that
-    /// has passed. None beyond the last row, and for one that is not behind the row before.
+    /// Updates the task with a row, `period_ns` between two cycles, a tool of no length. Skipped rows count as elapsed time.
+    /// `None` beyond the last row, and for a row that is not after the previous one.
     pub fn update(&self, task: &mut Task, row: u32, period_ns: u32) -> Option<Growth> {
         let passed = task.last.map_or(Some(0), |last| row.checked_sub(last).filter(|rows| *rows > 0))?;
         let sensors = self.thermal.sensors();
@@ -166,11 +166,11 @@ impl<'a> Warming<'a> {
     }
 }
 
-/// A row before it is written: temperatures, °C, and the spindle's speed, rpm; none where there is no reading.
+/// A row before it is written: temperatures, °C, and the spindle's speed, rpm; `None` for a missing reading.
 #[cfg(feature = "std")]
 pub type Reading = (std::vec::Vec<Option<f64>>, Option<f64>);
 
-/// The bytes of readings for a growth; what an i32 cannot say is written as missing.
+/// The bytes of readings for a growth; values that do not fit an i32 are written as missing.
 #[cfg(feature = "std")]
 pub fn write(growth: &[u8], interval: u32, rows: &[Reading]) -> std::vec::Vec<u8> {
     let mut bytes = std::vec::Vec::new();
@@ -203,10 +203,10 @@ mod tests {
     use trueaxis::Axis;
 
     const ID: u32 = 0x1234_5678;
-    /// The sensor's lag in [`growth`].
+    /// Offset of the sensor's lag in [`growth`].
     const LAG_AT: usize = 22;
 
-    /// One sensor, Z grows by 10 µm over 20 K, straight, without a lag.
+    /// One sensor without lag; Z grows linearly by 10 µm over 20 K.
     fn growth() -> Vec<u8> {
         let mut bytes = Vec::new();
         bytes.extend(*b"TRUETHRM");
@@ -254,7 +254,7 @@ mod tests {
         assert!(warming.update(&mut task, 2, 1_000_000).is_none(), "a row again");
     }
 
-    /// With a lag: two rows at once, or one after the other between which nothing was read, are the same time.
+    /// With a lag, a skipped row counts as the same time as a row that was read.
     #[test]
     fn a_row_left_out_is_time_that_passes() {
         let mut lagging = growth();

@@ -15,10 +15,10 @@ pub struct Writer<const N: usize> {
 }
 
 impl<const N: usize> Writer<N> {
-    /// Begins a recording; the header's numbers of axes, cycles and spans are filled in.
+    /// Begins a recording; fills in the header's numbers of axes, cycles and spans.
     ///
     /// # Errors
-    /// postcard's, if a span cannot be written.
+    /// As postcard, if a span cannot be written.
     pub fn new(header: Header, path: &[Span<f64, f64>]) -> postcard::Result<Self> {
         let mut pieces = Vec::new();
         let mut buffer = [0; 512];
@@ -43,7 +43,7 @@ impl<const N: usize> Writer<N> {
     /// The recording's bytes.
     ///
     /// # Errors
-    /// postcard's, if the header cannot be written.
+    /// As postcard, if the header cannot be written.
     pub fn finish(self) -> postcard::Result<Vec<u8>> {
         let mut buffer = [0; 128];
         let header = postcard::to_slice(&self.header, &mut buffer)?;

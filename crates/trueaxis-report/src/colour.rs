@@ -1,4 +1,4 @@
-//! Colours, the same in every figure; they stay apart for colour-blind readers and in grey print.
+//! Colours, identical in every figure; they remain distinct for colour-blind readers and in grey print.
 
 /// A colour in sRGB: red, green, blue.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -14,9 +14,9 @@ pub const GREY: Colour = Colour(150, 156, 165);
 pub const UNCOMPENSATED: Colour = Colour(213, 94, 0);
 /// With compensation.
 pub const COMPENSATED: Colour = Colour(0, 90, 170);
-/// The same servo on a geometrically perfect machine.
+/// The servo on a geometrically perfect machine.
 pub const SERVO: Colour = Colour(0, 140, 100);
-/// Corrections and latencies: neither of the three runs.
+/// Corrections and latencies: none of the three runs.
 pub const NEUTRAL: Colour = Colour(92, 72, 150);
 /// A fourth curve beside the three of [`AXES`]; the full run beside the three.
 pub const FOURTH: Colour = Colour(130, 70, 160);

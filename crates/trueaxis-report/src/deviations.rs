@@ -8,13 +8,13 @@ use crate::{
 const SHARE: f64 = 0.06;
 /// Number of deviation vectors along the path.
 const VECTORS: usize = 120;
-/// A path of less than this extent, mm, is drawn as if it had it.
+/// Smallest extent, mm, at which a path is drawn.
 const LEAST_MM: f64 = 1e-3;
 /// Height of the strip for the scale bar, px.
 const STRIP_PX: f64 = 40.0;
 const MM_PER_UM: f64 = 1e-3;
 
-/// A plane view of a path and of curves off it, deviations magnified.
+/// A plane view of a path and curves that deviate from it, with deviations magnified.
 #[derive(Clone, Debug, PartialEq)]
 pub struct View<'t> {
     /// First words of the caption.
@@ -34,7 +34,7 @@ pub struct View<'t> {
 pub struct Deviated<'t> {
     /// Name in the legend.
     pub name: &'t str,
-    /// Its colour.
+    /// Colour of the curve.
     pub colour: Colour,
     /// Deviation from each point of the path, µm.
     pub deviation_um: Vec<[f64; 2]>,
@@ -108,7 +108,7 @@ struct Frame {
 }
 
 impl Frame {
-    /// Everything with a margin; a strip below it is kept free for the scale bar.
+    /// Frames all points with a margin and a free strip below them for the scale bar.
     fn around<'p>(points: impl Iterator<Item = &'p [f64; 2]> + Clone, size: f64) -> Frame {
         let [x, y] = [0, 1].map(|axis| range(points.clone().map(move |point| point[axis])));
         let margin = 0.05 * (x[1] - x[0]).max(y[1] - y[0]);

@@ -22,7 +22,7 @@ const LABEL_TEXT: i32 = 12;
 const FONT_FACTOR: f64 = 1.24;
 /// Height of one row of labels above the plot.
 const ROW: i32 = 15;
-/// Space above the plot for labels without a row of their own.
+/// Space above the plot for labels without a separate row.
 const HEAD: i32 = 12;
 
 type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<Axis, Axis>>;
@@ -102,7 +102,7 @@ fn line(chart: &mut Chart<'_, '_>, points: &[[f64; 2]], stroke: Stroke) -> Drawn
     }
 }
 
-/// Text centred about a point, or `rise` px above it.
+/// Writes text centred about a point, or `rise` px above it.
 fn write(root: &Root<'_>, chart: &Chart<'_, '_>, at: [f64; 2], text: &str, anchor: VPos, rise: i32) -> Drawn {
     let (x, y) = chart.backend_coord(&(at[0], at[1]));
     let style = text_style(TICK_TEXT, colour::TEXT).pos(Pos::new(HPos::Center, anchor));

@@ -1,9 +1,10 @@
 use crate::{Figure, Scale, Stroke, colour};
 
-/// Standard errors that a bar reaches to either side: 95 % of normal deviations.
+/// Half-length of a bar in standard errors: 95 % of normal deviations.
 const BAR: f64 = 2.0;
 
-/// Up to three measured curves, of X, Y and Z, with bars of two standard errors to either side: points `[x, value, standard error]`.
+/// Up to three measured curves, of X, Y and Z, with bars of two standard errors to either side: points `[x, value, standard
+/// error]`.
 #[must_use]
 pub fn error_bars(description: &str, x: Scale, unit: &str, curves: &[(&str, Vec<[f64; 3]>)]) -> Figure {
     let reach = |[_, value, error]: &[f64; 3]| [value - BAR * error, value + BAR * error];

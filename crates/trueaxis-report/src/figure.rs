@@ -4,18 +4,18 @@ use crate::{
     size::{HALF_PX, LABEL_PX, inside},
 };
 
-/// Most points of a curve that are marked with dots one by one.
+/// Maximum number of points of a curve that are marked with dots.
 const DOTS: usize = 200;
 
-/// A figure in the making: legend, plot and caption.
+/// A figure under construction: legend, plot and caption.
 ///
 /// Layers are drawn in the order in which they are added. A point that is not finite, above 1e12, or not positive on a
-/// logarithmic scale is left out. An empty figure says so.
+/// logarithmic scale is omitted. An empty figure says so.
 #[derive(Clone, Debug)]
 pub struct Figure {
     pub(crate) description: String,
     pub(crate) class: &'static str,
-    /// Size in px, without what stands above the plot.
+    /// Size in px, without the labels above the plot.
     pub(crate) size: [i32; 2],
     pub(crate) x: Scale,
     pub(crate) y: Scale,
@@ -38,19 +38,19 @@ pub(crate) enum Layer {
 }
 
 impl Figure {
-    /// Over the full width of the page; height in px, description for readers who cannot see it.
+    /// A figure over the full width of the page; height in px, description for readers who cannot see it.
     #[must_use]
     pub fn full(description: &str, height: i32, x: Scale, y: Scale) -> Figure {
         Figure::sized(description, "full", [1120, height], x, y)
     }
 
-    /// Over half the width of the page.
+    /// A figure over half the width of the page.
     #[must_use]
     pub fn half(description: &str, height: i32, x: Scale, y: Scale) -> Figure {
         Figure::sized(description, "half", [HALF_PX, height], x, y)
     }
 
-    /// Over half the width of the page; the plot is a square.
+    /// A figure over half the width of the page with a square plot.
     #[must_use]
     pub fn square(description: &str, x: Scale, y: Scale) -> Figure {
         let [width, height] = inside(HALF_PX, HALF_PX);
@@ -79,7 +79,7 @@ impl Figure {
         }
     }
 
-    /// A curve with its entry in the legend.
+    /// Adds a curve with its entry in the legend.
     pub fn curve(
         &mut self,
         name: impl Into<String>,
@@ -89,7 +89,7 @@ impl Figure {
         self.key(name, stroke).line(points, stroke)
     }
 
-    /// A curve through the points; a single point becomes a dot.
+    /// Adds a curve through the points; a single point becomes a dot.
     pub fn line(&mut self, points: impl IntoIterator<Item = [f64; 2]>, stroke: Stroke) -> &mut Figure {
         let points: Vec<[f64; 2]> = points.into_iter().filter(|point| self.holds(*point)).collect();
         match *points.as_slice() {
@@ -99,7 +99,7 @@ impl Figure {
         }
     }
 
-    /// A curve that is interrupted at these positions, which ascend.
+    /// Adds a curve interrupted at these ascending positions.
     pub fn interrupted(&mut self, points: &[[f64; 2]], breaks: &[f64], stroke: Stroke) -> &mut Figure {
         let run = |point: &[f64; 2]| breaks.partition_point(|at| *at <= point[0]);
         for run in points.chunk_by(|one, next| run(one) == run(next)) {
@@ -108,18 +108,18 @@ impl Figure {
         self
     }
 
-    /// A bold curve that stays visible on top of many others.
+    /// Adds a bold curve that stays visible on top of many others.
     pub fn bold(&mut self, points: &[[f64; 2]], colour: Colour) -> &mut Figure {
         self.line(points.iter().copied(), Stroke::new(colour::WHITE, 4.5));
         self.line(points.iter().copied(), Stroke::new(colour, 2.2))
     }
 
-    /// A dashed line over the whole width at height `y`.
+    /// Adds a dashed line over the whole width at height `y`.
     pub fn across(&mut self, y: f64, colour: Colour) -> &mut Figure {
         self.line([[self.x.low, y], [self.x.high, y]], Stroke::new(colour, 1.2).dashed())
     }
 
-    /// A dot for each point, unless they are too many to be told apart.
+    /// Adds a dot for each point, unless there are too many to distinguish.
     pub fn dots(&mut self, points: impl IntoIterator<Item = [f64; 2]>, colour: Colour) -> &mut Figure {
         let points: Vec<[f64; 2]> = points.into_iter().collect();
         if points.len() <= DOTS {
@@ -128,7 +128,7 @@ impl Figure {
         self
     }
 
-    /// A dot with a white rim.
+    /// Adds a dot with a white rim.
     pub fn highlight(&mut self, at: [f64; 2], colour: Colour) -> &mut Figure {
         self.dot(at, 5.0, colour::WHITE);
         self.dot(at, 3.5, colour);
@@ -141,8 +141,8 @@ impl Figure {
         }
     }
 
-    /// Columns from the bottom of the plot, or from 0 where the scale has it; of each point `[x, y]` from `x + from` to
-    /// `x + to`.
+    /// Adds columns from the bottom of the plot, or from 0 if the scale includes it; each point `[x, y]` gives a column from
+    /// `x + from` to `x + to`.
     pub fn columns(
         &mut self,
         points: impl IntoIterator<Item = [f64; 2]>,
@@ -155,12 +155,12 @@ impl Figure {
         self
     }
 
-    /// A band over the whole height between two positions.
+    /// Adds a band over the whole height between two positions.
     pub fn band(&mut self, [from, to]: [f64; 2], colour: Colour) -> &mut Figure {
         self.area([from, self.y.low], [to, self.y.high], colour, 0.25)
     }
 
-    /// A filled rectangle between two corners; opacity 1 is opaque.
+    /// Adds a filled rectangle between two corners; opacity 1 is opaque.
     pub fn area(&mut self, from: [f64; 2], to: [f64; 2], colour: Colour, opacity: f64) -> &mut Figure {
         if self.holds(from) && self.holds(to) {
             self.layer(Layer::Area { from, to, colour, opacity });
@@ -168,17 +168,17 @@ impl Figure {
         self
     }
 
-    /// Text centred about a point.
+    /// Adds text centred about a point.
     pub(crate) fn text(&mut self, at: [f64; 2], text: String) -> &mut Figure {
         self.layer(Layer::Text { at, text, above: false })
     }
 
-    /// Text centred a little above a point.
+    /// Adds text centred slightly above a point.
     pub(crate) fn text_above(&mut self, at: [f64; 2], text: String) -> &mut Figure {
         self.layer(Layer::Text { at, text, above: true })
     }
 
-    /// Labels above the plot with a faint line down to the axis; those that would touch one before are left out.
+    /// Adds labels above the plot with a faint line down to the axis; omits labels that would touch a previous one.
     pub fn labels_above(&mut self, labels: impl IntoIterator<Item = (f64, String)>) -> &mut Figure {
         let width = f64::from(inside(self.size[0], 0)[0]);
         let mut last = f64::NEG_INFINITY;
@@ -192,7 +192,7 @@ impl Figure {
         self
     }
 
-    /// A vertical line with a label above the plot; marks are added from left to right.
+    /// Adds a vertical line with a label above the plot; marks must be added from left to right.
     pub fn mark(&mut self, mark: Mark) -> &mut Figure {
         if self.x.holds(mark.x) {
             self.marks.push(mark);
@@ -200,19 +200,19 @@ impl Figure {
         self
     }
 
-    /// An entry of the legend: a line.
+    /// Adds a line to the legend.
     pub fn key(&mut self, text: impl Into<String>, stroke: Stroke) -> &mut Figure {
         self.keys.push(Key { swatch: Swatch::Line(stroke), text: text.into() });
         self
     }
 
-    /// An entry of the legend: columns, bands, areas.
+    /// Adds a column, band or area to the legend.
     pub fn area_key(&mut self, text: impl Into<String>, colour: Colour) -> &mut Figure {
         self.keys.push(Key { swatch: Swatch::Area(colour), text: text.into() });
         self
     }
 
-    /// The text below the figure.
+    /// Sets the text below the figure.
     pub fn caption(&mut self, text: impl Into<String>) -> &mut Figure {
         self.caption = text.into();
         self

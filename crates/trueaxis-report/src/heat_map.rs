@@ -1,6 +1,6 @@
 use crate::{Colour, Figure, Scale, number::significant};
 
-/// Colours from the lowest to the highest value, of even steps in lightness (after the scale "cividis").
+/// Colours from the lowest to the highest value, with even steps in lightness (after the scale "cividis").
 const RAMP: [Colour; 6] = [
     Colour(0, 34, 78),
     Colour(53, 69, 108),
@@ -9,13 +9,13 @@ const RAMP: [Colour; 6] = [
     Colour(200, 184, 102),
     Colour(254, 232, 56),
 ];
-/// Values in the legend.
+/// Number of values in the legend.
 const KEYS: u32 = 5;
 
 /// A map of values over a grid: `rows` from the bottom to the top of `y`, each from the left to the right of `x`.
 ///
-/// Cells are of equal size over the whole of both scales. A value that is not finite leaves its cell blank. The legend
-/// gives the colours of five values in `unit`.
+/// All cells have equal size and together cover both scales. A value that is not finite leaves its cell blank. The legend
+/// shows the colours of five values in `unit`.
 #[must_use]
 pub fn heat_map(description: &str, x: Scale, y: Scale, rows: &[Vec<f64>], unit: &str) -> Figure {
     let values = || rows.iter().flatten().copied().filter(|value| value.is_finite());
@@ -43,7 +43,7 @@ pub fn heat_map(description: &str, x: Scale, y: Scale, rows: &[Vec<f64>], unit: 
 
 fn ramp(value: f64, low: f64, high: f64) -> Colour {
     let last = RAMP.len() - 1;
-    // Halved, so that the widest of ranges does not overflow.
+    // Halved, so that even the widest range does not overflow.
     let share = (0.5 * value - 0.5 * low) / (0.5 * high - 0.5 * low);
     let at = if share > 0.0 { share.min(1.0) * last as f64 } else { 0.0 };
     let (below, above) = (at.floor() as usize, (at.floor() as usize + 1).min(last));

@@ -1,6 +1,6 @@
-/// Adds fine buckets of whole numbers up into columns of equal width in the logarithm: `(low, high, count)`.
+/// Sums fine buckets of whole numbers into columns of equal logarithmic width: `(low, high, count)`.
 ///
-/// `buckets` ascend, each `(lowest, highest, count)`; `per_decade` columns make a factor of ten. Empty buckets make no
+/// `buckets` ascend, each `(lowest, highest, count)`; `per_decade` columns cover a factor of ten. Empty buckets give no
 /// column.
 #[must_use]
 pub fn columns(buckets: impl IntoIterator<Item = (u64, u64, u64)>, per_decade: u32) -> Vec<(f64, f64, u64)> {
@@ -9,7 +9,7 @@ pub fn columns(buckets: impl IntoIterator<Item = (u64, u64, u64)>, per_decade: u
     for (lowest, highest, count) in buckets.into_iter().filter(|bucket| bucket.2 > 0) {
         let middle = lowest.midpoint(highest).max(1) as f64;
         let number = (middle.log10() * per_decade).floor();
-        // Edges between whole numbers are moved up to the next one.
+        // Edges between whole numbers move up to the next one.
         let edge = |number: f64| 10_f64.powf(number / per_decade).ceil();
         let (low, high) = (edge(number), edge(number + 1.0).max(edge(number) + 1.0));
         match columns.last_mut() {

@@ -1,6 +1,6 @@
 use crate::{colour::Colour, scale::Scale};
 
-/// Mean advance of a character in units of the text size; labels are spaced by it.
+/// Mean character width in units of the text size, used to space labels.
 const ADVANCE: f64 = 0.56;
 
 /// A vertical line with a label above the plot.

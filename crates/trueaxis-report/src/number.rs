@@ -1,4 +1,4 @@
-//! Numbers as they appear on a page: grouped in threes by narrow spaces (ISO 80000-1), with a true minus sign.
+//! Numbers as printed on a page: grouped in threes by narrow spaces (ISO 80000-1), with a true minus sign.
 
 /// Largest magnitude that is drawn; beyond it a value is treated as undefined.
 pub(crate) const PLOTTABLE: f64 = 1e12;
@@ -53,7 +53,7 @@ pub fn quantity(value: f64, unit: &str) -> String {
     format!("{} {unit}", significant(value, 3))
 }
 
-/// `part` as a share of `whole`, in percent; a dash where there is none.
+/// `part` as a share of `whole`, in percent; a dash if undefined.
 #[must_use]
 pub fn percent(part: f64, whole: f64) -> String {
     let ratio = 100.0 * part / whole;
@@ -64,7 +64,7 @@ pub fn percent(part: f64, whole: f64) -> String {
     }
 }
 
-/// A setting as it was given: as many digits as it needs, at most six decimals, not grouped.
+/// A setting as given: as many digits as it needs, at most six decimals, not grouped.
 #[must_use]
 pub fn shortest(value: f64) -> String {
     if !drawable(value) {
@@ -81,7 +81,7 @@ pub fn count(value: u64) -> String {
     decimals(value as f64, 0)
 }
 
-/// The largest of 1, 2, 5 × 10^n that is not above `value`; 1 unless `value` is positive and finite.
+/// The largest of 1, 2, 5 × 10^n not above `value`; 1 unless `value` is positive and finite.
 #[must_use]
 pub fn round_down(value: f64) -> f64 {
     if !(value > 0.0 && value.is_finite()) {
@@ -93,7 +93,7 @@ pub fn round_down(value: f64) -> f64 {
     digit * power
 }
 
-/// The one of 1, 2, 5 × 10^n that is nearest to `value` in ratio.
+/// The nearest of 1, 2, 5 × 10^n to `value`, by ratio.
 #[must_use]
 pub fn nearest_round(value: f64) -> f64 {
     let below = round_down(value);
@@ -101,7 +101,7 @@ pub fn nearest_round(value: f64) -> f64 {
     if value * value > below * above { above } else { below }
 }
 
-/// Text without the characters that XML does not permit; they become spaces.
+/// Replaces characters that XML does not permit by spaces.
 pub(crate) fn printable(text: &str) -> String {
     let foreign = |c: char| c.is_control() && c != '\n' || matches!(c, '\u{fffe}' | '\u{ffff}');
     text.chars().map(|c| if foreign(c) { ' ' } else { c }).collect()

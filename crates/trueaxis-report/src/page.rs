@@ -2,10 +2,10 @@ use crate::number::printable;
 use maud::{Markup, PreEscaped, Render, html};
 
 const STYLE: &str = include_str!("style.css");
-/// Closed as XML wants it, so that any XML reader can read the page.
+/// Elements are closed, so that any XML reader can read the page.
 const HEAD: &str = r#"<meta charset="utf-8"/><meta name="viewport" content="width=device-width, initial-scale=1"/>"#;
 
-/// A self-contained HTML page that is well-formed XML too: style inside, no address, no script.
+/// A self-contained HTML page that is also well-formed XML: inline style, no address, no script.
 #[derive(Clone, Debug)]
 pub struct Page {
     title: String,
@@ -20,14 +20,14 @@ impl Page {
         Page { title: title.into(), style: "", parts: Vec::new() }
     }
 
-    /// Adds style of the page's own, in CSS.
+    /// Sets additional CSS for the page.
     #[must_use]
     pub fn style(mut self, css: &'static str) -> Page {
         self.style = css;
         self
     }
 
-    /// Adds what stands before the first section.
+    /// Adds content before the first section.
     #[must_use]
     pub fn top(mut self, content: impl Render) -> Page {
         self.parts.push(content.render());
@@ -41,7 +41,7 @@ impl Page {
         self
     }
 
-    /// The document. Characters that XML does not permit have become spaces.
+    /// The document. Characters that XML does not permit become spaces.
     #[must_use]
     pub fn document(&self) -> String {
         let page = html! {
@@ -57,7 +57,7 @@ impl Page {
     }
 }
 
-/// The line below the heading: how the result came about, in parts.
+/// The line below the heading: how the result was obtained, in parts.
 pub fn summary(parts: impl IntoIterator<Item = Markup>) -> Markup {
     html! {
         p.run { @for (i, part) in parts.into_iter().enumerate() { @if i > 0 { " · " } (part) } }
@@ -71,12 +71,12 @@ pub fn emphasised(name: &str, value: &str) -> Markup {
     html! { (name) " " strong { (value) } }
 }
 
-/// A remark where a figure would have been.
+/// A remark in place of a figure.
 pub fn missing(text: impl Render) -> Markup {
     html! { p.empty { (text) } "\n" }
 }
 
-/// Figures side by side, two in a row where the page is wide enough.
+/// Figures side by side, two in a row if the page is wide enough.
 pub fn side_by_side<T: Render>(figures: impl IntoIterator<Item = T>) -> Markup {
     html! { div.figures { @for figure in figures { (figure) } } "\n" }
 }

@@ -10,9 +10,9 @@ const SIDE_PX: i32 = 640;
 const HALF_MM: f64 = 80.0;
 /// Radius at which the departure is 0, mm.
 const BASE_MM: f64 = 46.0;
-/// The largest departure takes at most this much, mm.
+/// Maximum length on the page for the largest departure, mm.
 const REACH_MM: f64 = 21.0;
-/// Labels of the angles, beyond the spokes, mm; half of "180°" has 3.5 mm beside its centre.
+/// Distance of the angle labels beyond the spokes, mm; half of "180°" has 3.5 mm beside its centre.
 const LABEL_MM: f64 = 4.0;
 /// Points further apart, rad, are not joined.
 const GAP: f64 = TAU / 8.0;
@@ -30,7 +30,7 @@ pub const CIRCLES: [(&str, Colour); 4] = [
 pub struct Circle {
     /// Name in the legend.
     pub name: &'static str,
-    /// Its colour.
+    /// Colour of the circle.
     pub colour: Colour,
     /// Width of the zone in µm, for the legend.
     pub zone_um: f64,
@@ -43,7 +43,7 @@ pub struct Circle {
 pub struct PolarTrace<'t> {
     /// Name in the legend.
     pub name: &'t str,
-    /// Its colour.
+    /// Colour of the curve.
     pub colour: Colour,
     /// Angle in rad and departure in µm, in the order of travel.
     pub points: Vec<[f64; 2]>,
@@ -51,7 +51,7 @@ pub struct PolarTrace<'t> {
 
 /// A polar plot of measured departures `[angle in rad, departure in µm]`, angles ascending, with reference circles.
 ///
-/// Magnification and division are chosen for the largest departure, from 1, 2, 5 × 10^n, and added to the caption.
+/// Magnification and division are 1, 2, 5 × 10^n, chosen for the largest departure and added to the caption.
 #[must_use]
 pub fn polar(name: &str, measured: &[[f64; 2]], circles: &[Circle], caption: &str) -> Figure {
     let measured: Vec<[f64; 2]> = measured.iter().copied().filter(drawable_point).collect();
@@ -60,7 +60,7 @@ pub fn polar(name: &str, measured: &[[f64; 2]], circles: &[Circle], caption: &st
     let mut figure = dial.figure(&format!("Polar plot of {name} with reference circles"));
     let rings = dial.grid(&mut figure);
 
-    // Dashes last: where circles coincide both are seen.
+    // Dashes last: coinciding circles are then both visible.
     let (zones, plain): (Vec<_>, Vec<_>) = circles.iter().partition(|circle| circle.curves.len() > 1);
     for circle in plain.into_iter().chain(zones) {
         for curve in &circle.curves {
@@ -82,9 +82,9 @@ pub fn polar(name: &str, measured: &[[f64; 2]], circles: &[Circle], caption: &st
     figure
 }
 
-/// A polar plot of several runs around the same circle, as a ballbar shows them: departure of the radius over the angle.
+/// A polar plot of several runs around one circle, as for a ballbar: departure of the radius over the angle.
 ///
-/// Magnification and division as for [`polar`]; the zone of each curve, largest − smallest departure, is in the legend.
+/// Magnification and division as for [`polar`]; the legend gives the zone of each curve, largest − smallest departure.
 #[must_use]
 pub fn polar_traces(description: &str, traces: &[PolarTrace<'_>], caption: &str) -> Figure {
     let drawable =
@@ -109,12 +109,12 @@ pub fn polar_traces(description: &str, traces: &[PolarTrace<'_>], caption: &str)
 struct Dial {
     /// mm on the page per µm.
     scale: f64,
-    /// From ring to ring, µm.
+    /// Distance between rings, µm.
     division: f64,
 }
 
 impl Dial {
-    /// For the largest of these departures, µm.
+    /// The scale for the largest of these departures, µm.
     fn of(departures: impl Iterator<Item = f64>) -> Dial {
         let largest = departures.filter(|value| drawable(*value)).map(f64::abs).fold(0.0, f64::max);
         let scale = round_down(REACH_MM / largest);
@@ -129,7 +129,7 @@ impl Dial {
         Figure::bare(description, "polar", SIDE_PX, HALF_MM)
     }
 
-    /// Points too far apart are not joined.
+    /// Draws a curve, without joining points that are too far apart.
     fn trace(&self, figure: &mut Figure, points: &[[f64; 2]], stroke: Stroke) {
         let near = |one: &[f64; 2], next: &[f64; 2]| {
             let apart = (next[0] - one[0]).rem_euclid(TAU);
@@ -140,7 +140,7 @@ impl Dial {
         }
     }
 
-    /// Rings one division apart, and spokes of 30° with their labels; returns number and radius of each ring.
+    /// Draws rings one division apart, and spokes of 30° with their labels; returns number and radius of each ring.
     fn grid(&self, figure: &mut Figure) -> Vec<(i32, f64)> {
         let step_mm = self.scale * self.division;
         let thin = Stroke::new(colour::GREY, 0.6).opacity(0.5);
@@ -158,7 +158,7 @@ impl Dial {
         rings
     }
 
-    /// On top of the curves, so that they stay legible.
+    /// Numbers the rings, on top of the curves so that the numbers stay legible.
     fn number(&self, figure: &mut Figure, rings: Vec<(i32, f64)>) {
         for (number, distance) in rings {
             figure.text(around(TAU / 24.0, distance), shortest(f64::from(number) * self.division));

@@ -1,10 +1,10 @@
-//! A figure as an element of the page.
+//! Rendering of a figure as an element of the page.
 
 use crate::{Figure, draw, figure::Layer, legend::legend};
 use maud::{Markup, Render, html};
 
 impl Figure {
-    /// The figure as HTML, for pages that are not a [`Page`](crate::Page).
+    /// Renders the figure as HTML, for pages that are not a [`Page`](crate::Page).
     #[must_use]
     pub fn to_html(&self) -> String {
         self.render().into_string()

@@ -13,7 +13,7 @@ pub struct Scale {
 }
 
 impl Scale {
-    /// A linear scale over the values that can be drawn; 0 to 1 if there is none.
+    /// A linear scale over the drawable values; 0 to 1 without any.
     #[must_use]
     pub fn linear(caption: &str, values: impl IntoIterator<Item = f64>) -> Scale {
         let values = values.into_iter().filter(|value| drawable(*value));
@@ -22,28 +22,28 @@ impl Scale {
         Scale::exact(caption, low, high)
     }
 
-    /// A linear scale from `low` to `high`; a range that is empty or undefined gets a width to be seen in.
+    /// A linear scale from `low` to `high`; an empty or undefined range gets a visible width.
     #[must_use]
     pub fn exact(caption: &str, low: f64, high: f64) -> Scale {
         let [low, high] = widened(low, high);
         Scale { caption: caption.into(), low, high, logarithmic: false, ticks: None }
     }
 
-    /// A linear scale from 0 to a little above the largest of the values.
+    /// A linear scale from 0 to slightly above the largest value.
     #[must_use]
     pub fn from_zero(caption: &str, values: impl IntoIterator<Item = f64>) -> Scale {
         let highest = values.into_iter().filter(|value| drawable(*value)).fold(0.0, f64::max);
         Scale::exact(caption, 0.0, if highest > 0.0 { 1.08 * highest } else { 1.0 })
     }
 
-    /// A linear scale with 0 in its middle and a little room beyond the largest magnitude of the values.
+    /// A linear scale centred on 0, extending slightly beyond the largest magnitude of the values.
     #[must_use]
     pub fn symmetric(caption: &str, values: impl IntoIterator<Item = f64>) -> Scale {
         let half = Scale::from_zero(caption, values.into_iter().map(f64::abs)).high;
         Scale::exact(caption, -half, half)
     }
 
-    /// A logarithmic scale; both ends positive, or else 0.1 to 1.
+    /// A logarithmic scale; both ends positive, otherwise 0.1 to 1.
     #[must_use]
     pub fn logarithmic(caption: &str, low: f64, high: f64) -> Scale {
         let sound = low > 0.0 && high > low && high <= PLOTTABLE;
@@ -60,7 +60,7 @@ impl Scale {
         Scale::logarithmic(caption, (0.7 * low).clamp(1e-4 * top, 0.1 * top), top)
     }
 
-    /// The same scale, wider at both ends by this share of its range.
+    /// Widens the scale at both ends by this share of its range.
     #[must_use]
     pub fn margin(mut self, share: f64) -> Scale {
         let extra = share * (self.high - self.low);
@@ -68,7 +68,7 @@ impl Scale {
         self
     }
 
-    /// The same scale with about so many ticks.
+    /// Sets the approximate number of ticks.
     #[must_use]
     pub fn ticks(mut self, count: u32) -> Scale {
         self.ticks = Some(count.max(1));
@@ -92,7 +92,7 @@ impl Scale {
         ((value - low) / (high - low)).clamp(0.0, 1.0)
     }
 
-    /// Positions and labels of the ticks, about `count` unless the scale has a number of its own.
+    /// Positions and labels of the ticks, about `count` unless the scale sets a number.
     pub(crate) fn labels(&self, count: u32) -> Vec<(f64, String)> {
         if self.logarithmic { self.decade_labels() } else { self.round_labels(self.ticks.unwrap_or(count)) }
     }
@@ -108,13 +108,13 @@ impl Scale {
         (0..64)
             .map(|k| (first + f64::from(k)) * step)
             .take_while(|tick| *tick <= high + slack)
-            // Where the range is near the resolution of the numbers, the first multiple may round to below it.
+            // If the range is near the resolution of the numbers, the first multiple may round to below it.
             .filter(|tick| *tick >= low - slack)
             .map(|tick| (tick, decimals(tick, places(step))))
             .collect()
     }
 
-    /// Powers of ten; 2 and 5 between them where there is room.
+    /// Powers of ten, with 2 and 5 between them if they fit.
     fn decade_labels(&self) -> Vec<(f64, String)> {
         let digits: &[f64] = if (self.high / self.low).log10() < 4.5 { &[1.0, 2.0, 5.0] } else { &[1.0] };
         let decades = (self.low.log10().floor() as i32)..=(self.high.log10().ceil() as i32);
@@ -126,12 +126,12 @@ impl Scale {
     }
 }
 
-/// Decimals that a multiple of `step` needs.
+/// Number of decimals that a multiple of `step` needs.
 fn places(step: f64) -> i32 {
     (-(step.log10() + 1e-9).floor() as i32).clamp(0, 9)
 }
 
-/// A range that is not empty: identical values, or values that differ by rounding only, get a width.
+/// Widens an empty range: identical values, or values that differ by rounding only.
 fn widened(low: f64, high: f64) -> [f64; 2] {
     if !drawable(low) || !drawable(high) || low > high {
         return [0.0, 1.0];

@@ -1,8 +1,8 @@
 //! Sizes of a figure's parts, px.
 
-/// Width of a figure of half the page.
+/// Width of a half-page figure.
 pub(crate) const HALF_PX: i32 = 550;
-/// Least distance of two labels above the plot.
+/// Smallest distance between two labels above the plot.
 pub(crate) const LABEL_PX: f64 = 34.0;
 /// Room for the labels of the vertical axis.
 pub(crate) const LEFT: i32 = 62;

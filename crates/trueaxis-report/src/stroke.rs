@@ -1,6 +1,6 @@
 use crate::colour::Colour;
 
-/// Look of a line.
+/// Style of a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stroke {
     pub(crate) colour: Colour,
@@ -16,13 +16,13 @@ impl Stroke {
         Stroke { colour, width, opacity: 1.0, dashed: false }
     }
 
-    /// The same line, translucent; 1 is opaque.
+    /// Sets the opacity; 1 is opaque.
     #[must_use]
     pub const fn opacity(self, opacity: f64) -> Stroke {
         Stroke { opacity, ..self }
     }
 
-    /// The same line, dashed.
+    /// Makes the line dashed.
     #[must_use]
     pub const fn dashed(self) -> Stroke {
         Stroke { dashed: true, ..self }

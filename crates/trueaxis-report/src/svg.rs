@@ -1,10 +1,10 @@
-//! SVG elements that stand inside a page.
+//! SVG elements inside a page.
 
 use crate::number::printable;
 use maud::{Markup, PreEscaped, html};
 use plotters::{coord::Shift, prelude::*};
 
-/// The drawing library rounds coordinates to whole units; drawn at this multiple they are fine enough for curves.
+/// The drawing library rounds coordinates to whole units; at this multiple they are fine enough for curves.
 pub(crate) const FINENESS: i32 = 4;
 
 pub(crate) type Root<'a> = DrawingArea<SVGBackend<'a>, Shift>;
@@ -26,7 +26,7 @@ pub(crate) fn element(
     if let Err(error) = drawn {
         return html! { p.empty { "The figure could not be drawn: " (error.to_string()) "." } };
     }
-    // The drawing library's own root element has a size in px, which would keep the figure from following the page.
+    // The drawing library's own root element has a size in px, which would keep the figure from scaling with the page.
     let inner = svg.split_once('>').and_then(|(_, rest)| rest.rsplit_once("</svg>")).map_or("", |(inner, _)| inner);
     let inner = printable(&inner.replace('\n', ""));
     html! {
@@ -35,7 +35,7 @@ pub(crate) fn element(
     }
 }
 
-/// A line's look for the drawing library.
+/// Line style for the drawing library.
 pub(crate) fn style(stroke: crate::Stroke) -> ShapeStyle {
     let width = (stroke.width * f64::from(FINENESS)).round().max(1.0) as u32;
     ShapeStyle { color: rgb(stroke.colour).mix(stroke.opacity), filled: false, stroke_width: width }

@@ -14,7 +14,7 @@ pub struct Table {
 pub struct Row {
     name: String,
     cells: Vec<String>,
-    /// One cell of text replaces all others.
+    /// Whether one cell of text replaces all others.
     whole: bool,
 }
 
@@ -24,7 +24,7 @@ impl Row {
         Row { name: name.into(), cells: cells.into_iter().collect(), whole: false }
     }
 
-    /// A name and words over all other columns.
+    /// A name and text across all other columns.
     pub fn whole(name: impl Into<String>, words: impl Into<String>) -> Row {
         Row { name: name.into(), cells: vec![words.into()], whole: true }
     }
@@ -37,14 +37,14 @@ impl Table {
         Table { head: head.into_iter().map(Into::into).collect(), rows: rows.into_iter().collect(), ..Table::default() }
     }
 
-    /// The same table with a caption.
+    /// Sets the caption.
     #[must_use]
     pub fn caption(mut self, caption: &str) -> Table {
         self.caption = Some(caption.into());
         self
     }
 
-    /// The same table with words instead of numbers in these columns, counted from 0.
+    /// Marks these columns, counted from 0, as text instead of numbers.
     #[must_use]
     pub fn words(mut self, columns: &[usize]) -> Table {
         self.words = columns.to_vec();

@@ -2,20 +2,20 @@ use crate::number::drawable_point;
 
 /// Keeps the extremes of a series of unknown length, in memory of fixed size.
 ///
-/// The series is cut into buckets of equal count. Of each bucket the items stay at which one of `K` values is lowest or
-/// highest, and the first and the last item of all; a spike of one cycle survives, a mean would hide it. When all buckets
-/// are full, neighbours are merged. Cost: one pass.
+/// The series is cut into buckets of equal count. Each bucket keeps the items at which one of `K` values is lowest or highest;
+/// the first and the last item of all are kept too. A spike of one cycle survives, while a mean would hide it. When all
+/// buckets are full, neighbours are merged. Cost: one pass.
 #[derive(Clone, Debug)]
 pub struct Thinner<T, const K: usize> {
     buckets: Vec<[[Kept<T>; 2]; K]>,
     most: u64,
-    /// Items of a bucket.
+    /// Number of items per bucket.
     size: u64,
     count: u64,
     ends: Option<[Kept<T>; 2]>,
 }
 
-/// An item with its number and the value that it is kept for.
+/// An item with its number and the value for which it is kept.
 #[derive(Clone, Copy, Debug)]
 struct Kept<T> {
     number: u64,
@@ -23,7 +23,7 @@ struct Kept<T> {
     item: T,
 }
 
-/// Lowest and highest of two runs; of equal ones the first lowest and the last highest.
+/// Merges the lowest and highest of two runs; among equals the first lowest and the last highest.
 fn merge<T: Copy>([low, high]: &mut [Kept<T>; 2], next: [Kept<T>; 2]) {
     if next[0].value < low.value {
         *low = next[0];
@@ -33,14 +33,14 @@ fn merge<T: Copy>([low, high]: &mut [Kept<T>; 2], next: [Kept<T>; 2]) {
     }
 }
 
-/// Thins a curve to at most `2·buckets + 2` points, in their order; points that cannot be drawn are left out.
+/// Thins a curve to at most `2·buckets + 2` points, in order; omits points that cannot be drawn.
 #[must_use]
 pub fn decimate(points: &[[f64; 2]], buckets: usize) -> Vec<[f64; 2]> {
     let drawable: Vec<[f64; 2]> = points.iter().copied().filter(drawable_point).collect();
     thin(&drawable, buckets, |point| [point[1]])
 }
 
-/// Thins items by the extremes of `K` finite values to at most `2·K·buckets + 2`, in their order.
+/// Thins items by the extremes of `K` finite values to at most `2·K·buckets + 2`, in order.
 #[must_use]
 pub fn thin<T: Copy, const K: usize>(items: &[T], buckets: usize, values: impl Fn(&T) -> [f64; K]) -> Vec<T> {
     let buckets = buckets.max(1);
@@ -54,14 +54,14 @@ pub fn thin<T: Copy, const K: usize>(items: &[T], buckets: usize, values: impl F
 }
 
 impl<T: Copy, const K: usize> Thinner<T, K> {
-    /// With between half of `most` and `most` buckets once the series is longer than that; `most` is even and at least 2.
+    /// Uses between half of `most` and `most` buckets once the series is longer than that; `most` is even and at least 2.
     #[must_use]
     pub fn new(most: usize) -> Thinner<T, K> {
         let most = most.max(2).next_multiple_of(2) as u64;
         Thinner { buckets: Vec::new(), most, size: 1, count: 0, ends: None }
     }
 
-    /// Adds an item; one with a value that is not finite is left out.
+    /// Adds an item; ignores one with a value that is not finite.
     pub fn add(&mut self, item: T, values: [f64; K]) {
         if !values.iter().all(|value| value.is_finite()) {
             return;
@@ -85,7 +85,7 @@ impl<T: Copy, const K: usize> Thinner<T, K> {
         }
     }
 
-    /// Makes one bucket of every two.
+    /// Merges every two buckets into one.
     fn halve(&mut self) {
         self.size *= 2;
         for i in 0..self.buckets.len() / 2 {
@@ -96,7 +96,7 @@ impl<T: Copy, const K: usize> Thinner<T, K> {
         self.buckets.truncate(self.buckets.len() / 2);
     }
 
-    /// The items kept, in their order.
+    /// The items kept, in order.
     #[must_use]
     pub fn items(&self) -> Vec<T> {
         let mut kept: Vec<&Kept<T>> =

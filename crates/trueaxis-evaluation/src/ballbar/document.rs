@@ -1,4 +1,4 @@
-//! What a circular test tells, as a document.
+//! The results of a circular test, as a document.
 
 use super::Test;
 use crate::uncertainty::expanded;
@@ -10,16 +10,16 @@ use trueaxis_metrology::ballbar::{Cause, Term};
 use trueaxis_report::number::significant;
 use trueaxis_tables::finding::OVERCOMPENSATED;
 
-/// A value larger than so many of its standard errors is certain.
+/// A value larger than this many standard errors is certain.
 const CERTAIN: f64 = 2.0;
 
-/// No circle of a machine is rounder, µm: its encoders resolve that.
+/// No machine runs a rounder circle than this, µm: its encoders resolve that.
 const ROUNDEST_UM: f64 = 0.1;
 
-/// A value of either axis by its letter, `x`, `y` or `z`.
+/// A value for each axis, by letter: `x`, `y` or `z`.
 pub type Pair = BTreeMap<char, Option<f64>>;
 
-/// A value counterclockwise and one clockwise; null where that direction was not recorded.
+/// A value for each direction; null if that direction was not recorded.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Ways {
     /// Counterclockwise.
@@ -28,21 +28,21 @@ pub struct Ways {
     pub cw: Option<f64>,
 }
 
-/// A cause's share in the deviation.
+/// Share of a cause in the deviation.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Share {
-    /// Its name.
+    /// Name of the cause.
     pub cause: String,
-    /// Root mean square of the deviation that it makes.
+    /// Root mean square of the deviation that the cause makes.
     pub rms_um: f64,
-    /// Of the squares of all causes, 0 … 1.
+    /// Fraction of the sum of squares of all causes, 0 … 1.
     pub share: f64,
 }
 
-/// The JSON document; null is what the record cannot tell.
+/// The JSON document; values that the record does not determine are null.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Document {
-    /// Readings of the record.
+    /// Number of readings in the record.
     pub readings: usize,
     /// Nominal radius.
     pub radius_mm: f64,
@@ -50,7 +50,7 @@ pub struct Document {
     pub g_b_um: Option<f64>,
     /// G: circular deviation, minimum zone.
     pub g_um: Ways,
-    /// F: radial deviation of the largest size, about the least-squares centre of its direction; null for an arc.
+    /// F: radial deviation of the largest magnitude, about the least-squares centre of its direction; null for an arc.
     pub f_um: Ways,
     /// F max.
     pub f_max_um: Ways,
@@ -64,7 +64,7 @@ pub struct Document {
     pub centre_um: [f64; 2],
     /// The plane, such as `XY`.
     pub plane: String,
-    /// C0Y, in the plane of Y and Z A0Z, in that of X and Z B0Z.
+    /// C0Y; A0Z in the plane of Y and Z, B0Z in that of X and Z.
     pub squareness_urad: f64,
     /// Name of that squareness.
     pub squareness: &'static str,
@@ -78,27 +78,27 @@ pub struct Document {
     pub reversal_um: Pair,
     /// Width of the spikes.
     pub reversal_width_deg: f64,
-    /// Sideways shift at reversals of an axis.
+    /// Lateral shift at reversals of an axis.
     pub lateral_play_um: Pair,
     /// Bow of an axis over the radius.
     pub straightness_um: Pair,
-    /// Amplitude of periodic errors; null where there is none to be seen.
+    /// Amplitude of periodic errors; null if none is visible.
     pub cyclic_um: Pair,
-    /// Their pitches.
+    /// Pitches of the periodic errors.
     pub pitch_mm: Pair,
     /// Standard errors under the names of the values.
     pub standard_errors: Map<String, Value>,
-    /// Half-widths of intervals of 95 %: standard errors times Student's factor.
+    /// Half-widths of 95 % intervals: standard errors times Student's factor.
     pub expanded_uncertainties: Map<String, Value>,
-    /// Causes but for radius and centre, the largest first.
+    /// Causes other than radius and centre, largest first.
     pub shares: Vec<Share>,
-    /// Standard deviation of a reading, from what the causes leave.
+    /// Standard deviation of a reading, from the residuals.
     pub sigma_um: f64,
     /// Readings less parameters.
     pub degrees_of_freedom: usize,
     /// Condition number of the fit.
     pub condition: f64,
-    /// What is to be known of the result.
+    /// Caveats on the result.
     pub warnings: Vec<String>,
 }
 
@@ -120,7 +120,7 @@ pub fn name(cause: Cause, axes: [Axis; 2]) -> String {
     }
 }
 
-/// µm of mm, µrad of rad, ppm of 1.
+/// Converts mm to µm, rad to µrad, 1 to ppm.
 fn micro(cause: Cause, value: f64) -> f64 {
     match cause {
         Cause::Squareness | Cause::ScaleMismatch => 1e6 * value,
@@ -128,8 +128,8 @@ fn micro(cause: Cause, value: f64) -> f64 {
     }
 }
 
-/// The squareness of a plane after ISO 230-1, and the sense in which it is that of the fit: e(first) −= S · second, which a
-/// ball bar cannot tell from e(second) −= S · first. EXY −= C0Y y, EYZ −= A0Z z, but EXZ += B0Z z.
+/// The squareness of a plane as in ISO 230-1, and its sign relative to the fit: e(first) −= S · second, which a ball bar
+/// cannot distinguish from e(second) −= S · first. EXY −= C0Y y, EYZ −= A0Z z, but EXZ += B0Z z.
 pub(super) fn squareness(axes: [Axis; 2]) -> (&'static str, f64) {
     if !axes.contains(&Axis::Z) {
         ("C0Y", 1.0)

@@ -1,4 +1,4 @@
-//! Results of a circular test as settings of a machine.
+//! Results of a circular test as machine settings.
 
 use super::Test;
 use super::document::squareness;
@@ -7,11 +7,11 @@ use trueaxis_tables::Additions;
 use trueaxis_tables::finding::{AGREE, Finding, Fit, Known};
 
 impl Test {
-    /// Squareness of the plane and backlash of its axes, as findings for a machine. `compensated`: the machine was corrected by
-    /// its tables while the circles were run, so that they show what those leave; else what was found is all there is.
+    /// Squareness of the plane and backlash of its axes, as findings for a machine. `compensated`: the machine's tables
+    /// corrected it during the test, so the circles show the residual; otherwise they show the whole error.
     ///
-    /// A scale mismatch is the difference of two scales and says nothing of either; where a bow lies along the axis, the test
-    /// does not tell; lag, play and cyclic error have no place in a table.
+    /// A scale mismatch is the difference of two scales and determines neither; the test does not locate a bow along its axis;
+    /// lag, play and cyclic error have no place in a table.
     pub fn additions(&self, compensated: bool) -> Additions {
         let (name, sense) = squareness(self.options.axes);
         let finding = |key: String, cause: Cause, factor: f64| {
@@ -20,7 +20,8 @@ impl Test {
                 Known::new(factor * term.value, factor.abs() * term.standard_error, self.found.degrees_of_freedom);
             Some(Finding { key, found, on_top: compensated, ..Finding::default() })
         };
-        // Encoders of the axes are square to one another whatever the machine is: from positions none is no finding.
+        // The axes' encoders are square to one another regardless of the machine, so a squareness of zero from positions is
+        // not a finding.
         let squareness = finding(format!("location.{name}_urad"), Cause::Squareness, 1e6 * sense);
         let seen = |own: &Finding| {
             !self.of_positions || own.found.value.abs() > AGREE * own.found.uncertainty.unwrap_or_default()

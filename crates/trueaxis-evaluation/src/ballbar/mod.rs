@@ -1,4 +1,4 @@
-//! A circular test: the recorded circle as readings, and what it tells as a document and as figures.
+//! A circular test: the recorded circle as readings, and the results as a document and as figures.
 //!
 //! The mathematics is [`trueaxis_metrology::ballbar`].
 
@@ -19,22 +19,22 @@ use std::ops::RangeInclusive;
 use trueaxis::Axis;
 use trueaxis_metrology::ballbar::{Evaluation, Reading, Refused, evaluate};
 
-/// Radii and pitches that are taken, mm.
+/// Accepted radii and pitches, mm.
 const LENGTHS_MM: RangeInclusive<f64> = 1e-3..=1e5;
 
-/// What is to be known beside the record.
+/// Parameters that the record does not contain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
     /// Nominal radius of the circle, mm.
     pub radius_mm: f64,
     /// The plane: angles count from the first axis towards the second.
     pub axes: [Axis; 2],
-    /// Pitch of the periodic error of either axis, mm; searched where it is not known.
+    /// Pitch of each axis' periodic error, mm; `None` to search for it.
     pub pitches_mm: [Option<f64>; 2],
 }
 
 impl Options {
-    /// A circle of this radius in the plane of these axes; `pitches_mm` are of X, Y, Z.
+    /// A circle of this radius in the plane of these axes; `pitches_mm` are for X, Y, Z.
     ///
     /// # Errors
     /// A length outside 0.001 to 100000 mm.
@@ -49,16 +49,16 @@ impl Options {
     }
 }
 
-/// A circular test, evaluated.
+/// An evaluated circular test.
 #[derive(Clone, Debug)]
 pub struct Test {
-    /// How it was evaluated.
+    /// Parameters of the evaluation.
     pub options: Options,
-    /// Made of commanded and actual positions.
+    /// Whether the readings are computed from commanded and actual positions.
     pub of_positions: bool,
-    /// What the bar read.
+    /// Readings of the bar.
     pub readings: Vec<Reading>,
-    /// What it tells.
+    /// Result of the evaluation.
     pub found: Evaluation,
 }
 

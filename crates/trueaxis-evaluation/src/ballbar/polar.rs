@@ -4,20 +4,20 @@ use super::Test;
 use serde::Serialize;
 use trueaxis_report::{Figure, PolarTrace, colour, polar_traces};
 
-/// Readings of one direction, in their order.
+/// Readings of one direction, in order.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Trace {
     /// The direction.
     pub counterclockwise: bool,
     /// Angles of the command on its circle, from 0 to 360.
     pub angle_deg: Vec<f64>,
-    /// Deviation of the radius about the centre that was found.
+    /// Deviation of the radius about the fitted centre.
     pub deviation_um: Vec<f64>,
     /// Deviation less the fitted causes, µm.
     pub left_um: Vec<f64>,
 }
 
-/// The directions that were recorded, counterclockwise first.
+/// The recorded directions, counterclockwise first.
 pub fn traces(test: &Test) -> Vec<Trace> {
     let all = [true, false].map(|counterclockwise| {
         let own = test.readings.iter().zip(&test.found.centred);
@@ -33,12 +33,12 @@ pub fn traces(test: &Test) -> Vec<Trace> {
     all.into_iter().filter(|trace| !trace.angle_deg.is_empty()).collect()
 }
 
-/// Deviation of the radius about the centre that was found, both directions.
+/// Deviation of the radius about the fitted centre, both directions.
 pub fn polar(test: &Test) -> Figure {
     drawn(test, |trace| &trace.deviation_um, "Deviation of the radius, seen from the circle's centre.")
 }
 
-/// What the causes leave.
+/// Residuals of the fit.
 pub fn left(test: &Test) -> Figure {
     drawn(test, |trace| &trace.left_um, "What the causes leave of it.")
 }

@@ -1,4 +1,4 @@
-//! A record of circles, in the forms in which one comes.
+//! Reads a record of circles in any of its formats.
 
 use super::telemetry::{is_telemetry, positions};
 use super::{Options, Test};
@@ -9,7 +9,7 @@ use std::path::Path;
 use trueaxis_metrology::ballbar::{Position, Reading, Refused, readings};
 use trueaxis_tables::error::FileError;
 
-/// Columns of a ballbar's record, then those of positions: time, command and reading of X, Y and Z.
+/// Columns of a ballbar's record, then those of a record of positions: time, command and reading of X, Y and Z.
 pub const COLUMNS: [Column; 10] = [
     column("angle_deg"),
     column("deviation_um"),
@@ -28,16 +28,16 @@ const fn column(name: &'static str) -> Column {
 }
 
 impl Test {
-    /// Reads a record and evaluates it: what a bar read (`angle_deg,deviation_um,direction`), commands and positions
-    /// (`x_cmd_mm,x_mm,y_cmd_mm,y_mm` and the like, `t_s` is not looked at), the lines of LinuxCNC's `halsampler`, which
-    /// are recognised by having no header: command and position of the first axis, then of the second, with or without the
-    /// number of the sample before; or a controller's telemetry, told from text by its zero bytes. `tell` is told how a file is
-    /// read that is not of commas and points, and which frames are damaged or missing.
+    /// Reads a record and evaluates it: bar readings (`angle_deg,deviation_um,direction`); commands and positions
+    /// (`x_cmd_mm,x_mm,y_cmd_mm,y_mm` and the like; `t_s` is ignored); the lines of LinuxCNC's `halsampler`, recognised by the
+    /// missing header: command and position of the first axis, then of the second, with or without the sample number before;
+    /// or a controller's telemetry, recognised by its zero bytes. `tell` receives notes on how a file that does not use commas
+    /// and decimal points is read, and on damaged or missing frames.
     ///
     /// # Errors
-    /// A row that cannot be read, a direction that is 0, columns of neither form, a record that tells nothing.
+    /// An unreadable row, a direction of 0, columns of neither form, a record that determines nothing.
     ///
-    /// Cost: 56 bytes a position, else that of [`trueaxis_metrology::ballbar::evaluate`].
+    /// Cost: 56 bytes per position, otherwise that of [`trueaxis_metrology::ballbar::evaluate`].
     pub fn read(bytes: &[u8], file: &Path, options: &Options, tell: impl FnMut(String)) -> Result<Test> {
         if is_telemetry(bytes) {
             return positions_of(&positions(bytes, file, options.axes, tell)?, &[], file, options);
@@ -63,7 +63,7 @@ impl Test {
     }
 }
 
-/// A direction that is no plain number, as people write one.
+/// Parses a direction that is not a plain number.
 fn direction(word: &str) -> Option<f64> {
     match word.to_ascii_lowercase().as_str() {
         "+" | "+1" | "ccw" => Some(1.0),
@@ -146,7 +146,7 @@ fn positions_of(positions: &[Position], lines: &[u32], file: &Path, options: &Op
     })
 }
 
-/// Whether the first line is of numbers alone, with blanks between.
+/// Whether the first line consists of numbers separated by blanks.
 fn is_halsampler(bytes: &[u8]) -> bool {
     let mut lines = bytes.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii);
     let first = lines.find(|line| !line.is_empty()).unwrap_or_default();
@@ -161,7 +161,7 @@ fn is_halsampler(bytes: &[u8]) -> bool {
     count > 1
 }
 
-/// The samples and their lines; a line that says `overrun` or has other columns is refused, and so is a gap in the numbers.
+/// Reads the samples and their lines; refuses a line that says `overrun` or has other columns, and a gap in the numbers.
 fn halsampler(bytes: &[u8], file: &Path) -> Result<(Vec<Position>, Vec<u32>)> {
     let (mut positions, mut lines) = (Vec::new(), Vec::new());
     let mut last: Option<f64> = None;

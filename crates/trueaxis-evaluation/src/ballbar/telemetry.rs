@@ -13,7 +13,7 @@ pub(super) fn is_telemetry(bytes: &[u8]) -> bool {
     bytes.contains(&0)
 }
 
-/// Commands and readings of the encoders of two axes, cycle by cycle.
+/// Commands and encoder readings of two axes, cycle by cycle.
 pub(super) fn positions(bytes: &[u8], file: &Path, axes: [Axis; 2], tell: impl FnMut(String)) -> Result<Vec<Position>> {
     let received = Received::read(bytes);
     if received.frames.is_empty() {

@@ -1,9 +1,9 @@
-//! The values of a circular test as one reads them.
+//! The values of a circular test in readable form.
 
 use super::Document;
 use trueaxis_report::number::significant;
 
-/// Every value as text: its name, the value with its unit (– where the record does not tell it), half of its interval of 95 %.
+/// Every value as text: name, value with unit (– if the record does not determine it), half-width of its 95 % interval.
 pub fn values(document: &Document) -> Vec<[String; 3]> {
     let d = document;
     let error = |key: &str, part: Option<&str>| {

@@ -1,4 +1,4 @@
-//! Artefacts: things of known size, and where they are set up.
+//! Artefacts of known size, and where they are set up.
 
 use super::ranges::{needed, number, whole};
 use trueaxis::machine::Axis;
@@ -14,7 +14,7 @@ pub enum Kind {
     Ring {
         /// Diameter, mm.
         diameter_mm: f64,
-        /// Points around it.
+        /// Number of points around it.
         points: usize,
         /// First and last angle, degrees; a whole circle has 360 between them.
         arc_deg: [f64; 2],
@@ -28,21 +28,21 @@ pub enum Kind {
     Plate {
         /// Diameter of every ball, mm.
         diameter_mm: f64,
-        /// Their centres from the first one, along the plate's first, second and upward direction, mm.
+        /// Ball centres relative to the first, along the plate's first, second and upward directions, mm.
         balls_mm: Vec<[f64; 3]>,
     },
-    /// Faces in a row, all of which look back along it.
+    /// Faces in a row, all facing back along it.
     Gauge {
-        /// Their distances from the first, mm.
+        /// Distances of the faces from the first, mm.
         steps_mm: Vec<f64>,
     },
-    /// Two arms at an angle, touched outside.
+    /// Two arms at an angle, touched from outside.
     Square {
-        /// The angle, degrees.
+        /// Angle between the arms, degrees.
         angle_deg: f64,
         /// Lengths of the arms along and across, mm.
         arms_mm: [f64; 2],
-        /// Points on either arm.
+        /// Number of points on each arm.
         points: usize,
     },
 }
@@ -50,14 +50,14 @@ pub enum Kind {
 /// Where an artefact is set up.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Place {
-    /// X, Y, Z of the machine with the tip's centre at the artefact's: centre of a ring or ball, first ball of a plate, first
-    /// face of a gauge, corner of a square; mm.
+    /// X, Y, Z of the machine with the tip's centre at the artefact's origin: centre of a ring or ball, first ball of a plate,
+    /// first face of a gauge, corner of a square; mm.
     pub at_mm: [f64; 3],
-    /// Ring, plate, square: direction across it, in which the probe leaves it.
+    /// Ring, plate, gauge, square: direction normal to it (gauge: to its row), along which the probe retracts.
     pub normal: Axis,
-    /// Gauge and square: the direction of the row, of the first arm; along Z it goes down, and so does an upright second arm.
+    /// Gauge and square: direction of the row or the first arm; along Z it points down, as does an upright second arm.
     pub along: Axis,
-    /// The square is turned over about its second arm.
+    /// Whether the square is turned over about its second arm.
     pub reversed: bool,
     /// A, B, C at which a ball is measured, degrees.
     pub rotary_deg: Vec<[f64; 3]>,
@@ -65,20 +65,20 @@ pub struct Place {
     pub line: u32,
 }
 
-/// A thing of known size.
+/// An artefact of known size.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Artefact {
-    /// Its name.
+    /// Name of the artefact.
     pub name: String,
-    /// Its shape.
+    /// Shape of the artefact.
     pub kind: Kind,
-    /// Standard uncertainty of its sizes, mm (of a square's angle rad); none: not known.
+    /// Standard uncertainty of the sizes, mm (for a square, of the angle, rad); `None` if unknown.
     pub uncertainty: Option<f64>,
-    /// Plate and gauge: standard uncertainty of the length as a whole, 1; none: in the sizes' own.
+    /// Plate and gauge: standard uncertainty of the overall length, 1; `None` if `uncertainty` includes it.
     pub length_uncertainty: Option<f64>,
-    /// How far a size may be found from the stated one, mm.
+    /// Largest accepted difference between a found and the stated size, mm.
     pub tolerance_mm: f64,
-    /// Where it is measured.
+    /// Places where it is measured.
     pub places: Vec<Place>,
     /// Line in the task file.
     pub line: u32,

@@ -1,4 +1,4 @@
-//! The numbers in the figures of a calibration.
+//! Data of the figures of a calibration.
 
 use super::plan::Plan;
 use super::solve::Calibration;
@@ -7,22 +7,22 @@ use super::terms::Term;
 use serde::Serialize;
 use trueaxis::machine::Axis;
 
-/// Steps of a curve over what is touched.
+/// Steps of a curve over the travel.
 const STEPS: usize = 20;
 
 /// Residuals of all touches.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Residuals {
-    /// Of every touch, in the order of the program, positive outside the surface.
+    /// Residual of every touch in program order, positive outside the surface.
     pub residual_um: Vec<f64>,
     /// Standard deviation of a touch.
     pub sigma_um: f64,
-    /// Artefacts by name where their touches begin, from 1; without those of the reference.
+    /// First touch of each visit, from 1, with the artefact's name; visits to the reference are excluded.
     pub visits: Vec<(usize, String)>,
 }
 
 impl Residuals {
-    /// Those of a calibration.
+    /// The residuals of a calibration.
     pub fn of(task: &Task, plan: &Plan, calibration: &Calibration) -> Residuals {
         let starts = plan.visits.iter().enumerate().filter(|(_, visit)| !visit.reference);
         let visits = starts.filter_map(|(index, visit)| {
@@ -37,21 +37,21 @@ impl Residuals {
     }
 }
 
-/// Translations of an axis, its scale included.
+/// Translational errors of an axis, including its scale.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Curves {
-    /// Its letter.
+    /// Letter of the axis.
     pub axis: char,
     /// Positions.
     pub position_mm: Vec<f64>,
     /// EX, EY, EZ there.
     pub error_um: [Vec<f64>; 3],
-    /// Their standard errors.
+    /// Standard errors of EX, EY, EZ.
     pub standard_error_um: [Vec<f64>; 3],
 }
 
 impl Curves {
-    /// Those of an axis; none where a calibration has none.
+    /// The curves of an axis; `None` if the calibration found none.
     pub fn of(calibration: &Calibration, axis: Axis) -> Option<Curves> {
         let terms = &calibration.observed.terms;
         if !terms.terms.iter().any(|term| matches!(term, Term::Curve { axis: of, .. } if *of == axis)) {

@@ -1,4 +1,4 @@
-//! What was found, as a document and as additions to the machine.
+//! The results as a document and as additions to the machine.
 
 use super::artefact::Kind;
 use super::solve::Calibration;
@@ -12,23 +12,23 @@ use trueaxis_tables::finding::OVERCOMPENSATED;
 use trueaxis_tables::finding::{Finding, Fit, Known};
 use trueaxis_tables::{Additions, Machine};
 
-/// Steps of a table that is made of curves.
+/// Steps of a table computed from curves.
 const STEPS: usize = 40;
-/// A size found further from what is stated than this many standard uncertainties: a warning.
+/// Warn if a found size differs from the stated one by more than this many standard uncertainties.
 const PULLED: f64 = 4.0;
-/// A term's effect over the travel is known worse than this, µm: a warning.
+/// Warn if the standard error of a term's effect over the travel exceeds this, µm.
 const POOR_UM: f64 = 20.0;
-/// Lost motion below zero by no more than this many standard errors is none.
+/// Lost motion below zero by no more than this many standard errors counts as none.
 const SCATTER: f64 = 3.0;
 
 /// A term with its value.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Found {
-    /// Its name.
+    /// Name of the term.
     pub name: String,
-    /// Its value.
+    /// Value of the term.
     pub value: f64,
-    /// Its standard error.
+    /// Standard error of the value.
     pub standard_error: f64,
     /// Unit of both.
     pub unit: &'static str,
@@ -37,22 +37,22 @@ pub struct Found {
 /// Size of an artefact.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Size {
-    /// Its name.
+    /// Name of the artefact.
     pub name: String,
-    /// As the task has it: mm, of a square degrees.
+    /// Size that the task states: mm, for a square degrees.
     pub stated: f64,
-    /// As the network has it.
+    /// Size that the network finds.
     pub found: f64,
-    /// Standard error, µm, of a square µrad.
+    /// Standard error, µm; for a square, µrad.
     pub standard_error: f64,
 }
 
-/// The reference at a look.
+/// Displacement of the reference at a visit.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Drift {
     /// Time without pauses, s.
     pub time_s: f64,
-    /// Away from the first look, µm, in workpiece coordinates.
+    /// Displacement since the first visit, µm, in workpiece coordinates.
     pub um: [f64; 3],
 }
 
@@ -61,40 +61,41 @@ pub struct Drift {
 pub struct Document {
     /// The machine's name.
     pub machine: String,
-    /// Whether it was compensated while it was probed.
+    /// Whether the machine was compensated during probing.
     pub compensated: bool,
-    /// Touches.
+    /// Number of touches.
     pub touches: usize,
-    /// Unknowns, all told apart.
+    /// Number of unknowns, all distinguishable.
     pub rank: usize,
     /// Condition number of the scaled columns.
     pub condition: f64,
-    /// Touches less unknowns as far as the touches tell them: what `sigma_um` rests on.
+    /// Touches less unknowns, as far as the touches determine these: the basis of `sigma_um`.
     pub degrees_of_freedom: usize,
-    /// Standard deviation of a touch, from what is left.
+    /// Standard deviation of a touch, from the residuals.
     pub sigma_um: f64,
     /// Standard deviation of a touch, as stated.
     pub repeatability_um: f64,
-    /// Root mean square of what the terms move the touches.
+    /// Root mean square of the touch displacements that the terms cause.
     pub signal_um: f64,
     /// Every term.
     pub terms: Vec<Found>,
     /// Location errors found, `C0Y_urad`, `EX0C_um`.
     pub location: BTreeMap<String, f64>,
-    /// For every linear axis `scale_ppm`, `backlash_um`, and the spread (high less low) of its curves without the scale,
+    /// For every linear axis `scale_ppm`, `backlash_um`, and the range (maximum less minimum) of its curves without the scale,
     /// `EXX_um`.
     pub axes: BTreeMap<String, BTreeMap<String, f64>>,
-    /// Standard errors under the same names, by `location` and by axis; of curves root mean square over what was touched.
+    /// Standard errors under the same names, by `location` and by axis; for curves, the root mean square over the touched
+    /// range.
     pub standard_errors: BTreeMap<String, BTreeMap<String, f64>>,
     /// Effective radius of the tip.
     pub tip_radius_mm: f64,
-    /// Its standard error.
+    /// Standard error of the radius.
     pub tip_radius_standard_error_um: f64,
-    /// Artefacts of one size.
+    /// Artefacts with a single size.
     pub artefacts: Vec<Size>,
-    /// Drift at the looks at the reference.
+    /// Drift at the visits to the reference.
     pub drift: Vec<Drift>,
-    /// What is to be known of the result.
+    /// Caveats on the result.
     pub warnings: Vec<String>,
 }
 
@@ -214,7 +215,7 @@ impl Calibration {
         warnings
     }
 
-    /// Curve of an axis without its scale at a position, with the standard error, mm.
+    /// Curve of an axis at a position, without its scale unless `with_scale`, and its standard error, mm.
     pub fn shape(&self, axis: Axis, component: u8, position: f64, with_scale: bool) -> [f64; 2] {
         let terms = &self.observed.terms;
         let own: Vec<(usize, f64)> = terms
@@ -259,7 +260,7 @@ impl Calibration {
                     (axis.letter().to_string(), "scale_ppm".into())
                 }
                 Term::Curve { axis, component, .. } => {
-                    // Once for all degrees.
+                    // One value for all degrees.
                     if values.iter().any(|value: &Keyed| value.curve == Some((axis, component))) {
                         continue;
                     }
@@ -290,12 +291,12 @@ impl Calibration {
         }
     }
 
-    /// What was found, on top of what the machine's files state.
+    /// The results, to be added to the values in the machine's files.
     pub fn additions(&self, task: &Task) -> Additions {
         let (solution, terms) = (&self.solution, &self.observed.terms);
         let finding = |keyed: Keyed| {
             let axis = Axis::ALL.into_iter().find(|axis| keyed.of == axis.letter().to_string());
-            // Which terms are in its curve: the scale alone, or the shape of a component without it.
+            // Terms in the finding's curve: the scale alone, or the shape of a component without it.
             let is_own = |term: &Term| match (*term, keyed.curve) {
                 (Term::Curve { axis: of, component, degree: 1 }, None) => {
                     keyed.key == "scale_ppm" && Some(of) == axis && usize::from(component) == of.index()
@@ -312,7 +313,7 @@ impl Calibration {
                 terms.grid(axis, STEPS).into_iter().map(|q| (q, terms.error(&own, axis, q))).collect()
             });
             let value = keyed.rms.unwrap_or(keyed.value);
-            // With rotary axes all terms together are known much better than each alone: one without the others does harm.
+            // With rotary axes the terms are known much better jointly than singly: applying one without the others does harm.
             let moved = terms.terms.iter().any(|term| matches!(term, Term::Location(..)));
             let section = if keyed.of == "location" { keyed.of } else { format!("axis.{}", keyed.of) };
             Finding {
@@ -334,7 +335,7 @@ impl Calibration {
     }
 }
 
-/// A value under its key.
+/// A value with its key.
 struct Keyed {
     /// `location`, or the axis' letter.
     of: String,
@@ -342,6 +343,6 @@ struct Keyed {
     value: f64,
     standard_error: f64,
     curve: Option<(Axis, u8)>,
-    /// Of a curve: root of its mean square.
+    /// Root mean square of a curve.
     rms: Option<f64>,
 }

@@ -7,7 +7,7 @@ use super::task::Task;
 use trueaxis::machine::Axis;
 use trueaxis_report::{Figure, Scale, Stroke, colour, error_bars};
 
-/// What is left of every touch, in the order of the program.
+/// Residual of every touch, in program order.
 pub fn residuals(task: &Task, plan: &Plan, calibration: &Calibration) -> Figure {
     let Residuals { residual_um, sigma_um: sigma, visits } = Residuals::of(task, plan, calibration);
     let left: Vec<[f64; 2]> = (1..).zip(residual_um).map(|(id, residual)| [f64::from(id), residual]).collect();
@@ -24,7 +24,7 @@ pub fn residuals(task: &Task, plan: &Plan, calibration: &Calibration) -> Figure 
     figure
 }
 
-/// The curves found for an axis, its scale included, with bars of two standard errors; none where it has none.
+/// The curves found for an axis, including its scale, with bars of two standard errors; `None` if it has none.
 pub fn curves(calibration: &Calibration, axis: Axis) -> Option<Figure> {
     let Curves { axis: letter, position_mm, error_um, standard_error_um } = Curves::of(calibration, axis)?;
     let x = Scale::linear(&format!("{letter} in mm"), position_mm.iter().copied());
@@ -41,7 +41,7 @@ pub fn curves(calibration: &Calibration, axis: Axis) -> Option<Figure> {
     Some(figure)
 }
 
-/// The reference over time; none without one.
+/// Drift of the reference over time; `None` without a reference.
 pub fn drift(calibration: &Calibration) -> Option<Figure> {
     let knots = &calibration.observed.knots;
     if knots.len() < 2 {

@@ -1,4 +1,4 @@
-//! A task planned with what it lets expect, and a task solved from its log, in one call each.
+//! Plans a task with its expected standard errors, and solves a task from its log, in one call each.
 
 use super::log::read_log;
 use super::plan::Plan;
@@ -11,14 +11,14 @@ use serde::Serialize;
 use std::path::Path;
 use trueaxis_tables::Machine;
 
-/// A term with the standard error that the stated repeatability lets expect.
+/// A term with the standard error expected from the stated repeatability.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Expected {
-    /// Its name.
+    /// Name of the term.
     pub name: String,
     /// The standard error.
     pub standard_error: f64,
-    /// Its unit.
+    /// Unit of the standard error.
     pub unit: &'static str,
 }
 
@@ -27,26 +27,26 @@ pub struct Expected {
 pub struct Foreseen {
     /// The machine's name.
     pub machine: String,
-    /// Number that the log names, eight hexadecimal digits.
+    /// Program number that the log states, eight hexadecimal digits.
     pub program: String,
-    /// Touches.
+    /// Number of touches.
     pub touches: usize,
     /// Time without set-ups, minutes.
     pub minutes: f64,
     /// Every term.
     pub terms: Vec<Expected>,
-    /// Unknowns, all told apart.
+    /// Number of unknowns, all distinguishable.
     pub rank: usize,
     /// Condition number of the scaled columns.
     pub condition: f64,
-    /// Anything that may spoil the result, a sentence each.
+    /// Conditions that may spoil the result, one sentence each.
     pub warnings: Vec<String>,
 }
 
-/// A task planned.
+/// A planned task.
 #[derive(Clone, Debug)]
 pub struct Planning {
-    /// Its touches.
+    /// Touches of the task.
     pub plan: Plan,
     /// The program in the task's dialect.
     pub program: String,
@@ -81,7 +81,7 @@ impl Planning {
     }
 }
 
-/// Solves a task from the text of its log. `file` is its name in errors; `tell` is called with how it was read.
+/// Solves a task from the text of its log. `file` names the log in errors; `tell` receives notes on how it was read.
 ///
 /// # Errors
 /// As [`read_log`], [`Plan::new`], [`trips`] and [`calibrate`].

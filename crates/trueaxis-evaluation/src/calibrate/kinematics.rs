@@ -1,4 +1,4 @@
-//! Where the axes stand for a place on the workpiece, by the geometry of a machine without errors.
+//! Axis positions for a point on the workpiece, from the geometry of a machine without errors.
 
 use super::terms::perfect;
 use trueaxis::machine::AXES;
@@ -26,7 +26,7 @@ impl Ideal {
         Ok(Ideal { geometry: Geometry::new(&perfect(machine), 0.0)?, slots })
     }
 
-    /// Values by letter in the order of the machine's axes.
+    /// Reorders values by letter into the order of the machine's axes.
     pub fn ordered(&self, by_letter: &[f64; AXES]) -> [f64; AXES] {
         let mut ordered = [0.0; AXES];
         for (slot, value) in self.slots.iter().zip(by_letter) {
@@ -37,12 +37,12 @@ impl Ideal {
         ordered
     }
 
-    /// The tip in workpiece coordinates, mm.
+    /// Tip position in workpiece coordinates, mm.
     pub fn tip(&self, position: &[f64; AXES]) -> [f64; 3] {
         self.geometry.ideal_pose(&self.ordered(position)).tip_mm
     }
 
-    /// Movement of the tip in workpiece coordinates for 1 mm of X, of Y, of Z.
+    /// Tip displacement in workpiece coordinates for 1 mm of X, of Y, of Z.
     fn columns(&self, position: &[f64; AXES]) -> [[f64; 3]; 3] {
         let base = self.tip(position);
         std::array::from_fn(|axis| {
@@ -53,18 +53,18 @@ impl Ideal {
         })
     }
 
-    /// X, Y, Z at which the tip stands at a point of the workpiece, with A, B, C as they are in `position`.
+    /// X, Y, Z that bring the tip to a point of the workpiece, with A, B, C as in `position`.
     pub fn reach(&self, position: &[f64; AXES], point: [f64; 3]) -> [f64; AXES] {
         let (tip, columns) = (self.tip(position), self.columns(position));
         let mut reached = *position;
-        // The columns are a rotation's: across one another, of length 1.
+        // The columns are those of a rotation: orthogonal, of length 1.
         for (axis, column) in columns.iter().enumerate() {
             reached[axis] += (0..3).map(|k| column[k] * (point[k] - tip[k])).sum::<f64>();
         }
         reached
     }
 
-    /// A direction of the workpiece in machine directions.
+    /// Converts a workpiece direction to machine directions.
     pub fn turned(&self, position: &[f64; AXES], direction: [f64; 3]) -> [f64; 3] {
         self.columns(position).map(|column| (0..3).map(|k| column[k] * direction[k]).sum())
     }

@@ -7,7 +7,7 @@
 //! | Klipper, console or klippy.log | `trueaxis touch 17 X:… Y:… Z:… tripped:1` |
 //! | CSV | `id,x_mm,y_mm,z_mm[,a_deg,b_deg,c_deg],tripped` |
 //!
-//! Other lines of a console pass; a line of a touch that cannot be read is refused. Positions are the machine's, mm and degrees.
+//! Other console lines are ignored; an unreadable touch line is refused. Positions are machine positions, mm and degrees.
 
 use super::task::Dialect;
 use crate::rows::{Column, Rows};
@@ -28,12 +28,12 @@ pub struct Logged {
     pub rotary: [bool; 3],
 }
 
-/// The touches of a log by their number, from 1.
+/// Touches of a log by number, from 1.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Log {
     /// The touches.
     pub touches: BTreeMap<usize, Logged>,
-    /// Identity that the log states, with its line.
+    /// Program identity that the log states, with its line.
     pub identity: Option<(u32, u32)>,
 }
 
@@ -51,10 +51,10 @@ const COLUMNS: [Column; 8] = [
     Column { name: "tripped", needed: true },
 ];
 
-/// Reads a log of a control, or a CSV; `file` is only named in errors. `tell` is told of unusual separators.
+/// Reads a control's log or a CSV; `file` is used only in errors. `tell` receives notes on unusual separators.
 ///
 /// # Errors
-/// With its line: a log of another control, a touch that cannot be read, a touch twice, a probe that did not trip.
+/// With the line: a log of another control, an unreadable touch, a duplicate touch, a probe that did not trip.
 pub fn read_log(text: &str, file: &Path, dialect: Dialect, tell: impl FnMut(String)) -> Result<Log> {
     let mut reader = Reader { file, log: Log::default(), open: None };
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
@@ -83,7 +83,7 @@ pub fn read_log(text: &str, file: &Path, dialect: Dialect, tell: impl FnMut(Stri
     Ok(reader.log)
 }
 
-/// The control whose line this can only be.
+/// The only control that writes such a line.
 fn dialect_of(line: &str) -> Option<Dialect> {
     if line.contains("[PRB:") || line.contains("[MSG:touch ") {
         Some(Dialect::GrblHal)
@@ -99,7 +99,7 @@ fn dialect_of(line: &str) -> Option<Dialect> {
 struct Reader<'f> {
     file: &'f Path,
     log: Log,
-    /// A touch that is announced, with its line.
+    /// A touch announced but not yet logged, with its line.
     open: Option<(usize, u32)>,
 }
 

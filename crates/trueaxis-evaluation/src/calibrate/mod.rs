@@ -1,4 +1,4 @@
-//! Calibration with a touch probe: a task file becomes a probing program, its log the errors of the machine.
+//! Calibration with a touch probe: a task file becomes a probing program, and its log yields the errors of the machine.
 //!
 //! ```text
 //! task.toml ─► Task ─► Plan ─► program ─► (control) ─► log ─► trips ─► network ─► Calibration ─► additions to the machine

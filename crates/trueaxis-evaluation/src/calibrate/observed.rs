@@ -13,7 +13,7 @@ use trueaxis_metrology::calibration::{Network, Part, Surface, Touch, Unknown};
 use trueaxis_tables::Machine;
 use trueaxis_tables::exact::Geometry;
 
-/// A network with what its unknowns mean.
+/// A network with the meaning of its unknowns.
 #[derive(Clone, Debug)]
 pub struct Observed {
     /// The network.
@@ -22,15 +22,15 @@ pub struct Observed {
     pub names: Vec<String>,
     /// The machine's terms.
     pub terms: Terms,
-    /// Of every artefact the index of its size: diameter or angle; none for a step gauge.
+    /// Index of every artefact's size (diameter or angle); `None` for a step gauge.
     pub sizes: Vec<Option<usize>>,
-    /// Of every artefact the deviations of its balls (three each) or faces from where its certificate has them, mm.
+    /// Indices of the deviations of every artefact's balls (three each) or faces from its certificate, mm.
     pub deviations: Vec<Range<usize>>,
-    /// Of every artefact how much longer it is as a whole; none where nothing is stated of that.
+    /// Index of every artefact's overall length error; `None` if its uncertainty is not stated.
     pub lengths: Vec<Option<usize>>,
-    /// First unknown of every artefact's places; of a ball the first coordinate of its centre.
+    /// First unknown of each place of every artefact; for a ball, the first coordinate of its centre.
     pub places: Vec<Vec<usize>>,
-    /// Knots of the drift: time, s, and index of the first of three components; the first knot has none.
+    /// Drift knots: time, s, and index of the first of three components; `None` for the first knot.
     pub knots: Vec<(f64, Option<usize>)>,
 }
 
@@ -55,9 +55,10 @@ impl Names {
     }
 }
 
-/// The network of a plan with the positions of its trips (X, Y, Z, A, B, C).
+/// Builds the network of a plan from the positions of its trips (X, Y, Z, A, B, C).
 ///
-/// Tips stand where the machine's tables say, unless the machine was compensated while it was probed: then where it was sent.
+/// Tip positions include the errors in the machine's tables, unless the machine was compensated during probing: then they are
+/// the commanded ones.
 ///
 /// # Errors
 /// A machine whose chain cannot be read.
@@ -65,7 +66,7 @@ pub fn observe(task: &Task, machine: &Machine, plan: &Plan, trips: &[[f64; AXES]
     observe_terms(task, machine, plan, trips, Terms::of(task, machine, plan.reach_mm(task)))
 }
 
-/// The same with other terms than those that the task asks for.
+/// Like [`observe`], with terms other than those the task asks for.
 ///
 /// # Errors
 /// As [`observe`].
@@ -115,7 +116,7 @@ pub fn observe_terms(
     Ok(Observed { network, names: names.names, terms, sizes, deviations, lengths, places, knots })
 }
 
-/// Knots in the middle of every visit of the reference.
+/// Drift knots, one in the middle of every visit to the reference.
 fn knots(plan: &Plan, names: &mut Names, reference: bool) -> Vec<(f64, Option<usize>)> {
     if !reference {
         return Vec::new();
@@ -136,7 +137,7 @@ fn knots(plan: &Plan, names: &mut Names, reference: bool) -> Vec<(f64, Option<us
         .collect()
 }
 
-/// Weights of the knots at a time.
+/// Interpolation weights of the knots at a time.
 fn between(knots: &[(f64, Option<usize>)], time: f64) -> Vec<(usize, f64)> {
     let right = knots.partition_point(|(at, _)| *at <= time);
     let at = |index: usize| knots.get(index).copied();
@@ -151,12 +152,12 @@ fn between(knots: &[(f64, Option<usize>)], time: f64) -> Vec<(usize, f64)> {
     weighted.into_iter().flatten().filter(|(_, weight)| *weight != 0.0).collect()
 }
 
-/// Indices of what is unknown of the artefacts.
+/// Indices of the artefacts' unknowns.
 struct Artefacts {
     sizes: Vec<Option<usize>>,
     /// Deviations of a plate's balls (three each) or of a gauge's faces.
     own: Vec<Range<usize>>,
-    /// Error of length that a whole plate or gauge has in common, 1.
+    /// Length error common to a whole plate or gauge, 1.
     lengths: Vec<Option<usize>>,
     /// First unknown of every place.
     places: Vec<Vec<usize>>,

@@ -1,35 +1,35 @@
-//! A plan: the touches of a task in their order, and the ways between them.
+//! A plan: the touches of a task in order, and the moves between them.
 
 use super::task::Task;
 use trueaxis::machine::AXES;
 
-/// A touch as planned.
+/// A planned touch.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Planned {
     /// Index of the artefact.
     pub artefact: usize,
     /// Index of its place.
     pub place: usize,
-    /// What of the artefact there: ball of a plate, face of a gauge, arm of a square, pose of a ball.
+    /// Feature of the artefact: ball of a plate, face of a gauge, arm of a square, pose of a ball.
     pub feature: usize,
     /// Where the probing move starts: X, Y, Z, A, B, C, mm and degrees.
     pub start: [f64; AXES],
-    /// Where it ends if nothing is touched.
+    /// Where the probing move ends if nothing is touched.
     pub end: [f64; AXES],
-    /// Where every axis comes from before it: X, Y, Z.
+    /// Where every axis comes from before the start: X, Y, Z.
     pub take_up: [f64; 3],
     /// 1 for an axis that arrives in negative travel, else 0; X, Y, Z.
     pub reverse: [f64; 3],
-    /// Time from the start of the program, s, pauses left out.
+    /// Time from the start of the program, s, excluding pauses.
     pub time_s: f64,
-    /// Visit that it belongs to.
+    /// Index of the visit.
     pub visit: usize,
 }
 
 /// A step of the program.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Step {
-    /// The operator does something; the program waits.
+    /// The program waits for the operator.
     Pause(String),
     /// A remark.
     Remark(String),
@@ -41,16 +41,16 @@ pub enum Step {
     Probe(usize),
 }
 
-/// A stay at an artefact without a pause.
+/// An uninterrupted series of touches on an artefact.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Visit {
     /// Index of the artefact.
     pub artefact: usize,
     /// Index of its place.
     pub place: usize,
-    /// Whether it is there to see the drift.
+    /// Whether the visit serves to measure drift.
     pub reference: bool,
-    /// Set-up that it belongs to: between two of them there is a pause.
+    /// Index of the set-up; the program pauses between two set-ups.
     pub set_up: usize,
 }
 
@@ -63,22 +63,22 @@ pub struct Plan {
     pub touches: Vec<Planned>,
     /// Visits in order.
     pub visits: Vec<Visit>,
-    /// Number that names the touches: the same for the same touches.
+    /// Number that identifies the touches: equal touches give an equal number.
     pub identity: u32,
 }
 
 impl Plan {
-    /// [`Plan::identity`] as program, log and history name it: eight hexadecimal digits.
+    /// [`Plan::identity`] as program, log and history write it: eight hexadecimal digits.
     pub fn number(&self) -> String {
         format!("{:08x}", self.identity)
     }
 
-    /// Time of the whole program, minutes, pauses left out.
+    /// Time of the whole program, minutes, excluding pauses.
     pub fn minutes(&self) -> f64 {
         self.touches.last().map_or(0.0, |touch| touch.time_s / 60.0)
     }
 
-    /// Lowest and highest position of X, Y, Z that is touched at the poses where A, B, C stand as at first, mm.
+    /// Lowest and highest position of X, Y, Z in the probing moves at places with a single pose of A, B, C, mm; 0 without any.
     pub fn reach_mm(&self, task: &Task) -> [[f64; 2]; 3] {
         let still = |touch: &&Planned| {
             let poses = task.artefacts.get(touch.artefact).and_then(|a| a.places.get(touch.place));

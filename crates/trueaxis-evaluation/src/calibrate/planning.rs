@@ -1,4 +1,4 @@
-//! From a task to its plan.
+//! Builds the plan of a task.
 
 use super::artefact::{Artefact, Kind, Place};
 use super::kinematics::Ideal;
@@ -17,7 +17,7 @@ impl Plan {
     /// Plans a task on a machine; the machine's tables are not used.
     ///
     /// # Errors
-    /// With the line of the task: a place out of the machine's travel, an axis that it has not got.
+    /// With the line of the task: a place outside the machine's travel, an axis that the machine lacks.
     pub fn new(task: &Task, machine: &Machine) -> Result<Plan> {
         let ideal = Ideal::new(machine)?;
         let safe_z = safe_z(task, machine)?;
@@ -64,7 +64,7 @@ fn set_up_text(artefact: &Artefact, place: &Place, index: usize) -> String {
     format!("set up {how}, place {}: X{x} Y{y} Z{z}", index + 1)
 }
 
-/// The probe on its way.
+/// State of the probe while a plan is built.
 struct Way<'t> {
     task: &'t Task,
     ideal: &'t Ideal,
@@ -75,7 +75,7 @@ struct Way<'t> {
 }
 
 impl Way<'_> {
-    /// All touches of a place, with visits of the reference before, after and between.
+    /// Adds all touches of a place, with visits to the reference before, between and after.
     fn set_up(&mut self, artefact: usize, place: usize, set_up: usize) -> Result<()> {
         let targets = of_place(self.task, self.ideal, artefact, place, false)?;
         let Some(reference) = self.task.reference.as_ref() else {
@@ -118,7 +118,7 @@ impl Way<'_> {
         Ok(())
     }
 
-    /// Up and away.
+    /// Leaves and moves up.
     fn leave(&mut self, last: Option<&Target>) {
         if let Some(last) = last {
             self.feed(last.entry);
@@ -128,7 +128,7 @@ impl Way<'_> {
         self.rapid(up);
     }
 
-    /// Over the artefact and down to it.
+    /// Moves over the artefact and down to it.
     fn enter(&mut self, target: &Target) {
         let [a, b, c] = target.pose;
         let turned = [a, b, c].into_iter().zip(&self.at[3..]).any(|(to, at)| to != *at);
@@ -156,7 +156,7 @@ impl Way<'_> {
             if along.abs() > 1e-6 {
                 reverse[axis] = f64::from(u8::from(along < 0.0));
             } else {
-                // An axis that stands still while probing has come from one side.
+                // An axis that does not move while probing arrives from one side.
                 let from = if target.from_above[axis] { 1.0 } else { -1.0 };
                 before[axis] += from * probe.take_up_mm;
                 reverse[axis] = f64::from(u8::from(target.from_above[axis]));
@@ -181,7 +181,7 @@ impl Way<'_> {
                 time_s: self.time_s,
                 visit: self.plan.visits.len() - 1,
             });
-            // Wherever it was stopped, it goes back.
+            // Wherever the trip stopped it, the probe returns to the start.
             (0..3).for_each(|k| self.at[k] = end[k]);
             self.feed(start);
             self.feed(lifted(start));
@@ -209,12 +209,12 @@ impl Way<'_> {
     }
 }
 
-/// As the program writes it.
+/// Rounds as the program prints it.
 fn micrometre(value: f64) -> f64 {
     (value * 1e4).round() / 1e4
 }
 
-/// Check sum of where the touches are.
+/// Checksum of the touch positions.
 fn identity(plan: &Plan) -> u32 {
     let mut bytes = Vec::new();
     for touch in &plan.touches {

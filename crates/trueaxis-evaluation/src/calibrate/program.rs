@@ -9,7 +9,7 @@ use trueaxis_tables::text::{counted, fixed};
 
 const LETTERS: [char; AXES] = ['X', 'Y', 'Z', 'A', 'B', 'C'];
 
-/// Letters that may stand in a comment of every control.
+/// Replaces characters that not every control allows in a comment.
 fn plain(text: &str) -> String {
     text.chars().map(|c| if c.is_ascii_alphanumeric() || " .,:+-_/=".contains(c) { c } else { '_' }).collect()
 }
@@ -26,10 +26,10 @@ fn words(values: impl IntoIterator<Item = (char, f64)>) -> String {
     })
 }
 
-/// The program of a plan.
+/// Writes the program of a plan.
 ///
-/// Positions are the machine's own: LinuxCNC and grblHAL get a coordinate system whose zero is the machine's (G59.3) and no
-/// tool length. Every probing move is one line, with its number in the log beside its trip.
+/// Positions are machine positions: LinuxCNC and grblHAL get a coordinate system with the machine's zero (G59.3) and no tool
+/// length. Every probing move is one line, and the log states its number with its trip.
 pub fn program(task: &Task, machine: &Machine, plan: &Plan) -> String {
     let mut text = String::new();
     let axes: Vec<usize> = machine.settings.axes.iter().map(|own| own.axis.index()).collect();
@@ -54,7 +54,7 @@ pub fn program(task: &Task, machine: &Machine, plan: &Plan) -> String {
             Step::Probe(touch) => {
                 let [x, y, z, ..] = plan.touches[*touch].end;
                 writer.touch(&mut text, touch + 1, [x, y, z], &axes);
-                // The next move states its own feed.
+                // The next move must state its feed.
                 at_rapid = true;
             }
         }
@@ -119,7 +119,7 @@ impl Writer {
         let _ = match self.dialect {
             Dialect::LinuxCnc => {
                 let position = (0..AXES).fold(String::new(), |all, axis| {
-                    // What the machine has not got stands at 0 in the log.
+                    // Axes that the machine lacks are 0 in the log.
                     if axes.contains(&axis) { format!("{all} #{}", 5061 + axis) } else { format!("{all} 0") }
                 });
                 writeln!(text, "G38.2{to} F{feed}\n(LOG,touch {id}{position} #5070)")

@@ -1,9 +1,9 @@
-//! Numbers of a task within their ranges.
+//! Reads the numbers of a task and checks their ranges.
 
 use trueaxis_tables::Section;
 use trueaxis_tables::error::FileError;
 
-/// A number, within its range; `unit` as it stands behind one.
+/// Reads a number and checks its range; `unit` follows the range in errors.
 pub(crate) fn number(
     section: &Section<'_>,
     key: &str,
@@ -18,7 +18,7 @@ pub(crate) fn number(
     }
 }
 
-/// The same where it must be stated; `what` says it to who has left it out.
+/// Like [`number`], but required; `what` describes the number if it is missing.
 pub(super) fn needed(
     section: &Section<'_>,
     key: &str,
@@ -29,7 +29,7 @@ pub(super) fn needed(
     number(section, key, range, unit)?.ok_or_else(|| section.missing_here(key, what))
 }
 
-/// A whole number, within its range.
+/// Reads a whole number and checks its range.
 pub(crate) fn whole(section: &Section<'_>, key: &str, [low, high]: [usize; 2]) -> Result<Option<usize>, FileError> {
     match section.number(key)? {
         Some(found) if found.value.fract() != 0.0 || !(low as f64..=high as f64).contains(&found.value) => {

@@ -13,7 +13,7 @@ fn at_line(task: &Task, line: u32, key: &str, found: String, needed: String) -> 
     FileError { file: task.file.clone(), line: Some(line), column, found, needed }.into()
 }
 
-/// The tip has to go in between two faces of a gauge.
+/// Checks that the tip fits between two faces of a gauge.
 pub(super) fn check_steps(task: &Task) -> Result<()> {
     for artefact in &task.artefacts {
         let Kind::Gauge { steps_mm } = &artefact.kind else { continue };
@@ -27,7 +27,7 @@ pub(super) fn check_steps(task: &Task) -> Result<()> {
     Ok(())
 }
 
-/// A position out of an axis' travel, and what is needed.
+/// Found and needed, if a position is outside an axis' travel.
 fn beyond(own: &AxisSettings, q: f64) -> Option<(String, String)> {
     let [low, high] = own.travel;
     let (letter, unit) = (own.axis.letter(), if own.axis.is_rotary() { "°" } else { " mm" });
@@ -35,7 +35,7 @@ fn beyond(own: &AxisSettings, q: f64) -> Option<(String, String)> {
     (!within).then(|| (format!("{letter} at {q:.3}{unit}"), format!("within its travel {low} to {high}{unit}")))
 }
 
-/// Touches are where the machine can go.
+/// Checks that the machine can reach the touches.
 pub(super) fn check_travel(task: &Task, machine: &Machine, plan: &Plan) -> Result<()> {
     for touch in &plan.touches {
         let place = &task.artefacts[touch.artefact].places[touch.place];
@@ -61,7 +61,7 @@ pub(super) fn check_travel(task: &Task, machine: &Machine, plan: &Plan) -> Resul
     Ok(())
 }
 
-/// The ways between touches stay within the travels too: over an artefact the probe needs room.
+/// Checks that the moves between touches stay within the travels too: the probe needs room above an artefact.
 pub(super) fn check_ways(task: &Task, machine: &Machine, plan: &Plan) -> Result<()> {
     let mut places = task.artefacts.iter().flat_map(|artefact| &artefact.places);
     let mut line = 0;

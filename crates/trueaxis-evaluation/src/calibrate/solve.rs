@@ -1,4 +1,4 @@
-//! What a log tells of the machine.
+//! Solves for the machine's errors from a log.
 
 use super::artefact::Kind;
 use super::log::Logged;
@@ -12,25 +12,25 @@ use trueaxis_metrology::calibration::{Network, Refused, Solution, Surface, Touch
 use trueaxis_tables::Machine;
 use trueaxis_tables::error::FileError;
 
-/// A touch is off where it is left by more than this many standard deviations of the touches around the middle.
+/// A touch is an outlier if its residual exceeds this many standard deviations, estimated from the median.
 const OFF_SIGMA: f64 = 8.0;
-/// Least residual of a touch that is off, mm.
+/// Smallest residual of an outlier, mm.
 const OFF_MM: f64 = 5e-3;
-/// Standard deviation over median of the size, of a normal distribution.
+/// Standard deviation of a normal distribution over its median magnitude.
 const MEDIAN: f64 = 1.4826;
 
-/// A machine found.
+/// A solved calibration.
 #[derive(Clone, Debug)]
 pub struct Calibration {
     /// The network.
     pub observed: Observed,
-    /// What it tells.
+    /// Solution of the network.
     pub solution: Solution,
-    /// Lines of the touches in the log.
+    /// Log line of every touch.
     pub lines: Vec<u32>,
 }
 
-/// The log with the names that errors need.
+/// The log, with the names that errors need.
 struct Source<'s> {
     task: &'s Task,
     plan: &'s Plan,
@@ -49,11 +49,11 @@ impl Source<'_> {
     }
 }
 
-/// Solves for the machine; `file` is the log as errors name it.
+/// Solves for the machine's terms; `file` names the log in errors.
 ///
 /// # Errors
-/// A set-up that cannot tell its unknowns apart, by their names; an artefact outside its size, a touch far off its artefact,
-/// a drift above what is measured, with the line of the log.
+/// A set-up that cannot separate its unknowns, by their names; an artefact outside its size, a touch far off its artefact or a
+/// drift above the measured effect, with the line of the log.
 pub fn calibrate(task: &Task, machine: &Machine, plan: &Plan, trips: &[Logged], file: &Path) -> Result<Calibration> {
     let positions: Vec<[f64; AXES]> = trips.iter().map(|trip| trip.position).collect();
     settle(task, plan, trips, file, observe(task, machine, plan, &positions)?)
@@ -74,17 +74,17 @@ pub fn settle(task: &Task, plan: &Plan, trips: &[Logged], file: &Path, observed:
     Ok(Calibration { observed, solution, lines: source.lines })
 }
 
-/// Whether the places of a task tell its unknowns apart, and the standard errors by the stated repeatability, before anything
-/// is measured: with every touch where it is planned.
+/// Checks before measuring whether the places of a task separate its unknowns, and computes the standard errors from the
+/// stated repeatability, with every touch at its planned position.
 ///
 /// # Errors
-/// The names of what they do not.
+/// The names of the unknowns that cannot be separated.
 pub fn foresee(task: &Task, machine: &Machine, plan: &Plan) -> Result<Calibration> {
     let positions = planned(task, plan);
     foresee_observed(task, plan, observe(&Task { compensated: true, ..task.clone() }, machine, plan, &positions)?)
 }
 
-/// Where the axes stand at the touches of a plan if every artefact is where the task says: X, Y, Z, A, B, C.
+/// Axis positions at the touches of a plan if every artefact is where the task says: X, Y, Z, A, B, C.
 pub fn planned(task: &Task, plan: &Plan) -> Vec<[f64; AXES]> {
     plan.touches
         .iter()
@@ -137,11 +137,11 @@ impl Source<'_> {
     }
 }
 
-/// A combination in words, the machine's terms first.
+/// Describes a combination in words, the machine's terms first.
 fn words(parts: &[(usize, f64)], observed: &Observed) -> String {
     let mut parts = parts.to_vec();
     trueaxis_metrology::order::sort_by_number(&mut parts, |one| -one.1.abs());
-    // Places follow the terms; they matter only where nothing else does.
+    // Places only follow the terms: they are named only if nothing else can be.
     let sizes: Vec<&(usize, f64)> = parts.iter().filter(|(index, _)| is_size(*index, observed)).collect();
     let said = if sizes.is_empty() { parts.iter().collect() } else { sizes };
     let names: Vec<&str> =
@@ -158,7 +158,7 @@ fn is_size(index: usize, observed: &Observed) -> bool {
     index <= observed.network.tip || observed.sizes.contains(&Some(index))
 }
 
-/// Ring and ball, measured place by place, against their stated diameters.
+/// Compares rings and balls, place by place, with their stated diameters.
 fn sizes_hold(source: &Source<'_>, observed: &Observed) -> Result<()> {
     for (index, artefact) in source.task.artefacts.iter().enumerate() {
         let sense = match artefact.kind {
@@ -196,7 +196,7 @@ fn sizes_hold(source: &Source<'_>, observed: &Observed) -> Result<()> {
     Ok(())
 }
 
-/// Balls of a plate and faces of a gauge are where their certificate has them, within the artefact's tolerance.
+/// Checks that plate balls and gauge faces are within the artefact's tolerance of their certificate.
 fn deviations_hold(source: &Source<'_>, observed: &Observed, solution: &Solution) -> Result<()> {
     for (artefact, own) in source.task.artefacts.iter().zip(&observed.deviations) {
         let off = |index: &usize| solution.values[*index].abs() > artefact.tolerance_mm;
@@ -210,7 +210,7 @@ fn deviations_hold(source: &Source<'_>, observed: &Observed, solution: &Solution
     Ok(())
 }
 
-/// Size of an artefact from the touches at one place, the tip's radius as stated; none where they do not tell it.
+/// Size of an artefact from the touches at one place, with the stated tip radius; `None` if they do not determine it.
 fn alone(observed: &Observed, touches: &[usize], size: usize) -> Option<f64> {
     let network = &observed.network;
     let start = |index: usize| network.unknowns.get(index).map_or(0.0, |unknown| unknown.start);
@@ -239,7 +239,7 @@ fn alone(observed: &Observed, touches: &[usize], size: usize) -> Option<f64> {
     found.values.get(1).copied()
 }
 
-/// No touch is far off what all others say.
+/// Checks that no touch disagrees with all the others.
 fn touches_hold(source: &Source<'_>, solution: &Solution) -> Result<()> {
     let mut sizes: Vec<f64> = solution.residuals_mm.iter().map(|residual| residual.abs()).collect();
     sizes.sort_by(f64::total_cmp);
@@ -260,7 +260,7 @@ fn touches_hold(source: &Source<'_>, solution: &Solution) -> Result<()> {
     }
 }
 
-/// The drift between two looks at the reference is below what is measured.
+/// Checks that the drift between two visits to the reference is below the measured effect.
 fn drift_holds(source: &Source<'_>, observed: &Observed, solution: &Solution) -> Result<()> {
     let at = |knot: Option<usize>, k: usize| knot.map_or(0.0, |index| solution.values[index + k]);
     let references: Vec<usize> =
@@ -269,7 +269,7 @@ fn drift_holds(source: &Source<'_>, observed: &Observed, solution: &Solution) ->
     for (pair, knots) in references.windows(2).zip(observed.knots.windows(2)) {
         let [from, to] = [&source.plan.visits[pair[0]], &source.plan.visits[pair[1]]];
         if from.set_up != to.set_up {
-            // The operator's pause may be as long as it likes.
+            // The operator's pause may take any length of time.
             continue;
         }
         let moved = (0..3).map(|k| (at(knots[1].1, k) - at(knots[0].1, k)).powi(2)).sum::<f64>().sqrt();

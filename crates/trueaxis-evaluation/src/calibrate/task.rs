@@ -1,4 +1,4 @@
-//! A task: machine, probe, artefacts, and what is to be found.
+//! A task: machine, probe, artefacts, and the terms to determine.
 
 use super::artefact::{Artefact, Kind, read_artefact};
 use super::ranges::{needed, number, whole};
@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use trueaxis_tables::error::FileError;
 use trueaxis_tables::{Section, read_toml};
 
-/// What a control executes and logs.
+/// Dialect of a control: how it probes and logs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Dialect {
     /// G38.2, log by `(LOG,…)`.
@@ -18,7 +18,7 @@ pub enum Dialect {
 }
 
 impl Dialect {
-    /// Its name in a task file.
+    /// Name of the dialect in a task file.
     pub fn name(self) -> &'static str {
         match self {
             Dialect::LinuxCnc => "linuxcnc",
@@ -33,38 +33,38 @@ impl Dialect {
 pub struct Probe {
     /// Radius of the tip, mm.
     pub tip_radius_mm: f64,
-    /// Standard uncertainty of the effective radius, mm; none where the artefacts are to tell it.
+    /// Standard uncertainty of the effective radius, mm; `None` if the artefacts are to determine it.
     pub tip_uncertainty_mm: Option<f64>,
-    /// How far the tip is deflected before the trip, mm: the effective radius is that much smaller.
+    /// How far the tip deflects before the trip, mm: the effective radius is smaller by this.
     pub pre_travel_mm: f64,
     /// Standard deviation of a touch, mm.
     pub repeatability_mm: f64,
-    /// Way before the surface at which a probing move starts, mm.
+    /// Distance before the surface at which a probing move starts, mm.
     pub approach_mm: f64,
-    /// Way beyond the surface at which it ends, mm.
+    /// Distance beyond the surface at which it ends, mm.
     pub overtravel_mm: f64,
-    /// Way on which an axis takes up its lost motion before a touch, mm.
+    /// Travel over which an axis takes up its lost motion before a touch, mm.
     pub take_up_mm: f64,
-    /// Position of Z at which the probe travels from place to place, mm.
+    /// Z position at which the probe travels between places, mm.
     pub safe_z_mm: Option<f64>,
     /// Feed of a probing move, mm/min.
     pub probe_feed_mm_per_min: f64,
     /// Feed of the other moves near an artefact, mm/min.
     pub feed_mm_per_min: f64,
-    /// Touches of every point.
+    /// Number of touches at every point.
     pub repeats: usize,
 }
 
-/// The artefact that is touched again and again to follow the drift.
+/// The artefact that is touched repeatedly to track drift.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reference {
     /// Index of a ball.
     pub artefact: usize,
-    /// Touches after which it is visited again, beside before and after every set-up.
+    /// Number of touches between visits to it, in addition to those before and after every set-up.
     pub every: usize,
 }
 
-/// What is to be found, as far as the artefacts span it.
+/// Terms to determine, as far as the artefacts allow.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wanted {
     /// Squareness.
@@ -75,9 +75,9 @@ pub struct Wanted {
     pub backlash: bool,
     /// Centre lines and tilts of rotary axes that turn in the task.
     pub rotary: bool,
-    /// Degree of the polynomial of an axis' own error; 1 is the scale.
+    /// Degree of the polynomial for an axis' positioning error; 1 is the scale.
     pub positioning: usize,
-    /// Degree of the polynomials of straightness; 1 is none.
+    /// Degree of the polynomials for straightness; 1 means none.
     pub straightness: usize,
 }
 
@@ -90,29 +90,29 @@ impl Default for Wanted {
 /// A task as read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Task {
-    /// The file as errors name it.
+    /// Path of the task file, for errors.
     pub file: PathBuf,
-    /// Folder of the machine, as the task has it.
+    /// Folder of the machine, as the task states it.
     pub machine: String,
     /// The control.
     pub dialect: Dialect,
-    /// Whether the machine was compensated by its tables while it was probed.
+    /// Whether the machine's tables compensated it during probing.
     pub compensated: bool,
     /// The probe.
     pub probe: Probe,
     /// The artefacts.
     pub artefacts: Vec<Artefact>,
-    /// The one that shows the drift.
+    /// The artefact that tracks drift.
     pub reference: Option<Reference>,
-    /// What is to be found.
+    /// Terms to determine.
     pub wanted: Wanted,
 }
 
 impl Task {
-    /// Reads a task file; `file` is only named in errors.
+    /// Reads a task file; `file` is used only in errors.
     ///
     /// # Errors
-    /// Text that is no TOML, keys that there are not, values out of their range; with the line.
+    /// Invalid TOML, unknown keys or values out of their range, with the line.
     pub fn read(text: &str, file: &Path) -> Result<Task, FileError> {
         read_toml(text.strip_prefix('\u{feff}').unwrap_or(text), file, |root| {
             let mut task = Task::of_probing(&root, file)?;
@@ -128,7 +128,7 @@ impl Task {
         })
     }
 
-    /// Machine, control, probe and artefacts of a file, what else there is in it left to the caller.
+    /// Reads machine, control, probe and artefacts from a file; the caller reads the remaining keys.
     ///
     /// # Errors
     /// As [`Task::read`].

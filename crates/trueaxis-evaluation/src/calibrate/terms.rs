@@ -1,4 +1,4 @@
-//! Terms of a machine that touches can tell.
+//! Error terms of a machine that touches can determine.
 
 use super::artefact::Kind;
 use super::task::Task;
@@ -6,12 +6,12 @@ use trueaxis::machine::{AXES, Axis, Row, Twist};
 use trueaxis_tables::exact::{Geometry, GeometryError};
 use trueaxis_tables::{Machine, Table};
 
-/// A term.
+/// An error term.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Term {
     /// C0Y, B0Z, A0Z as 0, 1, 2; rad.
     Squareness(u8),
-    /// A polynomial of an axis, of a direction 0, 1, 2: degree 1 is the scale (1), others mm.
+    /// A polynomial for an axis' error in direction 0, 1 or 2: degree 1 is the scale (1), others mm.
     Curve {
         /// The axis.
         axis: Axis,
@@ -27,12 +27,12 @@ pub enum Term {
 }
 
 const SQUARENESS: [&str; 3] = ["C0Y", "B0Z", "A0Z"];
-/// Planes in the order of [`SQUARENESS`]: the normal.
+/// Normals of the planes, in the order of [`SQUARENESS`].
 const PLANES: [Axis; 3] = [Axis::Z, Axis::Y, Axis::X];
 const LINEAR: [Axis; 3] = [Axis::X, Axis::Y, Axis::Z];
 
 impl Term {
-    /// Its name in sentences.
+    /// Name of the term in sentences.
     pub fn name(self) -> String {
         match self {
             Term::Squareness(which) => format!("squareness {}", SQUARENESS[usize::from(which) % 3]),
@@ -53,7 +53,7 @@ impl Term {
         }
     }
 
-    /// Unit of its value in documents, and what a value is multiplied by to get there.
+    /// Unit of the value in documents, and the factor that converts to it.
     pub fn unit(self) -> (&'static str, f64) {
         match self {
             Term::Squareness(_) => ("µrad", 1e6),
@@ -69,7 +69,7 @@ impl Term {
         }
     }
 
-    /// Size of the term at which its effect is computed.
+    /// Step of the term for computing its effect.
     fn step(self) -> f64 {
         match self {
             Term::Squareness(_) | Term::Curve { degree: 1, .. } => 1e-5,
@@ -85,35 +85,35 @@ impl Term {
     }
 }
 
-/// All terms of a task, and the stretch of each linear axis that it touches.
+/// All terms of a task, and the range of each linear axis that it touches.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Terms {
     /// The terms.
     pub terms: Vec<Term>,
-    /// Lowest and highest position touched of X, Y, Z, mm.
+    /// Lowest and highest positions touched on X, Y, Z, mm.
     pub reach_mm: [[f64; 2]; 3],
-    /// Where the curves are zero: 0 where it is in the travel.
+    /// Where the curves are zero: 0 if the travel contains it.
     pub zero_mm: [f64; 3],
     /// Travel, mm.
     pub travel_mm: [[f64; 2]; 3],
 }
 
 impl Terms {
-    /// Those that a task's artefacts span on a machine. `reach_mm`: lowest and highest position of X, Y, Z touched.
+    /// The terms that a task's artefacts determine on a machine. `reach_mm`: lowest and highest position of X, Y, Z touched.
     pub fn of(task: &Task, machine: &Machine, reach_mm: [[f64; 2]; 3]) -> Terms {
         Terms::named(spanned(task, machine), machine, reach_mm)
     }
 
-    /// These terms. `reach_mm`: lowest and highest position of X, Y, Z touched.
+    /// The given terms. `reach_mm`: lowest and highest position of X, Y, Z touched.
     pub fn named(terms: Vec<Term>, machine: &Machine, reach_mm: [[f64; 2]; 3]) -> Terms {
         let own = |axis: Axis| machine.settings.axis(axis);
         let travel_mm = LINEAR.map(|axis| own(axis).map_or([0.0; 2], |own| own.travel));
         let zero_mm = travel_mm.map(|[low, high]| 0.0_f64.clamp(low, high.max(low)));
         Terms { terms, reach_mm, zero_mm, travel_mm }
     }
-    /// Value of a curve of one unit at a position, mm (of the scale mm per 1); degree 0 is the same everywhere.
+    /// Value of a unit curve at a position, mm (for the scale, mm per 1); degree 0 is constant.
     ///
-    /// Legendre polynomials over the stretch that was touched, on with their slope beyond it; zero at [`Terms::zero_mm`].
+    /// Legendre polynomials over the touched range, extended with their slope beyond it; zero at [`Terms::zero_mm`].
     pub fn curve(&self, axis: Axis, degree: u8, position: f64) -> f64 {
         let k = axis.index() % 3;
         if degree == 0 {
@@ -133,7 +133,7 @@ impl Terms {
         value(position) - value(self.zero_mm[k])
     }
 
-    /// Errors of an axis by its curves with the values of all terms: EX, EY and EZ, mm, and no rotations.
+    /// Errors of an axis from its curves and the values of all terms: EX, EY and EZ, mm, and no rotations.
     pub fn error(&self, values: &[f64], axis: Axis, position: f64) -> Twist {
         let mut error = [0.0; 6];
         for (term, value) in self.terms.iter().zip(values) {
@@ -147,18 +147,18 @@ impl Terms {
         error
     }
 
-    /// Positions at which curves of an axis become a table.
+    /// Positions at which the curves of an axis are tabulated.
     pub fn grid(&self, axis: Axis, count: usize) -> Vec<f64> {
         let [low, high] = self.travel_mm[axis.index() % 3];
         let all = (0..=count).map(|i| low + (high - low) * i as f64 / count as f64);
-        // To a micrometre, so that the table reads well.
+        // Rounded to a micrometre to keep the table readable.
         all.map(|q| (q * 1e3).round() / 1e3).collect()
     }
 
-    /// Movement of the tip by one unit of every term, in workpiece coordinates, for poses of the machine's axes (in its own
-    /// order) with their directions of travel.
+    /// Tip displacement per unit of every term, in workpiece coordinates, for poses of the axes (in the machine's order) with
+    /// their directions of travel.
     ///
-    /// By exact transforms of a machine without other errors.
+    /// Computed by exact transforms of a machine without other errors.
     ///
     /// # Errors
     /// A machine whose chain cannot be read.
@@ -179,7 +179,7 @@ impl Terms {
         Ok(responses)
     }
 
-    /// The machine with one term of that size.
+    /// The machine with one term of the given size added.
     fn with(&self, machine: &Machine, term: Term, size: f64) -> Machine {
         let mut machine = machine.clone();
         match term {
@@ -218,7 +218,7 @@ impl Terms {
     }
 }
 
-/// The terms that a task's artefacts span on a machine.
+/// The terms that a task's artefacts determine on a machine.
 fn spanned(task: &Task, machine: &Machine) -> Vec<Term> {
     let wanted = task.wanted;
     let has = |axis: Axis| machine.settings.axes.iter().any(|own| own.axis == axis);

@@ -1,4 +1,4 @@
-//! Which points of an artefact are touched, and from where.
+//! Selects the points of an artefact to touch, and where to approach them from.
 
 use super::artefact::{Kind, Place};
 use super::kinematics::Ideal;
@@ -6,17 +6,17 @@ use super::task::Task;
 use anyhow::Result;
 use trueaxis::machine::Axis;
 
-/// Points nearer to the stem of a ball than this are left out, degrees from the stem.
+/// Points nearer than this to the stem of a ball are skipped, degrees from the stem.
 const STEM_DEG: f64 = 50.0;
 
-/// Way above an artefact at which the probe moves over it, mm.
+/// Clearance above an artefact for moves over it, mm.
 const CLEAR: f64 = 10.0;
 
 fn clear_mm(task: &Task) -> f64 {
     task.probe.approach_mm.max(task.probe.take_up_mm) + CLEAR
 }
 
-/// A point to be touched, in positions and directions of X, Y, Z.
+/// A point to touch, in positions and directions of X, Y, Z.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Target {
     /// See [`super::plan::Planned::feature`].
@@ -25,13 +25,13 @@ pub(super) struct Target {
     pub(super) point: [f64; 3],
     /// Direction of the probing move, of length 1.
     pub(super) approach: [f64; 3],
-    /// An axis that does not probe comes to the start from above it.
+    /// Whether an axis that does not probe approaches the start from above.
     pub(super) from_above: [bool; 3],
     /// Where the probe waits between touches.
     pub(super) home: [f64; 3],
-    /// Where it enters and leaves.
+    /// Where the probe enters and leaves.
     pub(super) entry: [f64; 3],
-    /// Between home and the start it moves at home's height along this direction.
+    /// Between home and the start the probe moves at home's height along this direction.
     pub(super) lift: Option<[f64; 3]>,
     /// A, B, C.
     pub(super) pose: [f64; 3],
@@ -62,7 +62,7 @@ pub(super) fn across(normal: Axis) -> [[f64; 3]; 2] {
     }
 }
 
-/// Touches of a place; `look`: the few that show whether it has moved.
+/// Touches of a place; with `look`, only the few that show whether it has moved.
 pub(super) fn of_place(task: &Task, ideal: &Ideal, artefact: usize, place: usize, look: bool) -> Result<Vec<Target>> {
     let of = &task.artefacts[artefact];
     let at = &of.places[place];
@@ -125,7 +125,7 @@ fn ring(task: &Task, at: &Place, reach: f64, points: usize, [from, to]: [f64; 2]
     let steps = if whole { points } else { points - 1 };
     let radial = |deg: f64| {
         let (sin, cos) = deg.to_radians().sin_cos();
-        // Exact along the axes: there the other one stands still.
+        // Exact along the axes, so that the other axis does not move.
         let clean = |part: f64| if part.abs() < 1e-12 { 0.0 } else { part };
         std::array::from_fn::<f64, 3, _>(|k| clean(cos) * u[k] + clean(sin) * v[k])
     };
@@ -146,7 +146,7 @@ fn ring(task: &Task, at: &Place, reach: f64, points: usize, [from, to]: [f64; 2]
         })
         .collect();
     if backlash {
-        // Askew to the surface, one axis probes and the other has come from either side.
+        // Oblique to the surface: one axis probes, and the other arrives from either side.
         let inside = |deg: &f64| (from..=to).contains(deg) || (from..=to).contains(&(deg - 360.0));
         for deg in [45.0, 135.0, 225.0, 315.0_f64].into_iter().filter(inside) {
             let direction = radial(deg);
@@ -169,13 +169,13 @@ struct BallAt {
     stem: [f64; 3],
     tool: [f64; 3],
     pose: [f64; 3],
-    /// Radius of the ball and of the tip.
+    /// Sum of the radii of ball and tip.
     reach: f64,
 }
 
 impl BallAt {
     fn targets(&self, task: &Task, look: bool, backlash: bool) -> Vec<Target> {
-        // Directions across the tool: of the machine's axes where they are.
+        // Directions across the tool, along the machine's axes where possible.
         let up = self.tool.map(|part| if part.abs() < 1e-9 { 0.0 } else { part });
         let first = if up[0].abs() < 0.9 { unit(Axis::X) } else { unit(Axis::Y) };
         let along = dot(first, up);
@@ -245,7 +245,8 @@ fn normalised(vector: [f64; 3]) -> [f64; 3] {
     vector.map(|part| part / length)
 }
 
-/// First arm along `at.along`, second across it; both touched from outside. Turned over, the first arm points back.
+/// Both arms are touched from outside: the first along `at.along`, the second across it. Turned over, the first arm points
+/// back.
 fn square(task: &Task, at: &Place, [first_mm, second_mm]: [f64; 2], points: usize, radius: f64) -> Vec<Target> {
     let [u, v, lift] = square_directions(at);
     let sense = if at.reversed { -1.0 } else { 1.0 };
@@ -262,16 +263,16 @@ fn square(task: &Task, at: &Place, [first_mm, second_mm]: [f64; 2], points: usiz
     targets
 }
 
-/// Direction of a row of faces or of a first arm: what stands upright begins at its top, where a probe reaches it.
+/// Direction of a row of faces or of a first arm; an upright one starts at its top, where a probe reaches it.
 pub(super) fn row(along: Axis) -> [f64; 3] {
     if along == Axis::Z { [0.0, 0.0, -1.0] } else { unit(along) }
 }
 
-/// Directions of a square's arms as not turned over, and across it; an upright arm hangs down from the corner.
+/// Directions of a square's arms before it is turned over, and its normal; an upright arm points down from the corner.
 pub(super) fn square_directions(at: &Place) -> [[f64; 3]; 3] {
     let (u, lift) = (row(at.along), unit(at.normal));
     let v = cross(lift, u);
-    // No minus before a zero, which programs would write.
+    // Avoids −0, which programs would print.
     let v = v.map(|part| if part == 0.0 { 0.0 } else { part });
     [u, if v[2] > 0.5 { [0.0, 0.0, -1.0] } else { v }, lift]
 }

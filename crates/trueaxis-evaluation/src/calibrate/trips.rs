@@ -1,4 +1,4 @@
-//! Whether the trips of a log are those of the plan's touches.
+//! Checks that the trips of a log belong to the plan's touches.
 
 use super::log::{Log, Logged};
 use super::plan::{Plan, Planned};
@@ -8,20 +8,19 @@ use std::path::Path;
 use trueaxis::machine::AXES;
 use trueaxis_tables::error::FileError;
 
-/// How far beside its way a probing move may trip, mm: encoders follow a straight line.
+/// Largest distance of a trip from the line of its probing move, mm: encoders follow a straight line.
 const BESIDE: f64 = 0.1;
-/// A trip before this share of the way to the surface is one at the start, mm.
+/// A trip within this distance of the start of its probing move is one at the start, mm; also the tolerance at its end.
 const AT_START: f64 = 0.02;
-/// A log in inches is told from a trip at another place.
+/// Distinguishes a log in inches from a trip at another place.
 const MM_PER_INCH: f64 = 25.4;
-/// How far a rotary axis may stand from its pose, degrees.
+/// Largest deviation of a rotary axis from its pose, degrees.
 const TURNED: f64 = 0.02;
 
-/// The trip of every touch of the plan, in its order.
+/// The trip of every touch, in the order of the plan.
 ///
 /// # Errors
-/// With the line of the log: another task's log, a touch that is not there or is not in the plan, a trip outside its probing
-/// move.
+/// With the line of the log: another task's log, a touch that is missing or not in the plan, a trip outside its probing move.
 pub fn trips(task: &Task, plan: &Plan, log: &Log, file: &Path) -> Result<Vec<Logged>> {
     let error = |line: Option<u32>, found: String, needed: String| -> anyhow::Error {
         FileError { file: file.into(), line, column: None, found, needed }.into()
@@ -58,7 +57,7 @@ pub fn trips(task: &Task, plan: &Plan, log: &Log, file: &Path) -> Result<Vec<Log
             };
             error(Some(logged.line), found, needed)
         })?;
-        // Angles that the log does not state are those of the plan.
+        // The plan supplies angles that the log does not state.
         let mut trip = *logged;
         for k in 0..3 {
             if !logged.rotary[k] {

@@ -26,9 +26,9 @@ pub const COLUMNS: [Column; 3] = [
 /// Where the points of a section lie.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Section {
-    /// In the plane of two coordinates, by the index of either in [`COLUMNS`].
+    /// In the plane of two coordinates, given by their indices in [`COLUMNS`].
     Coordinates([usize; 2]),
-    /// In space, in the plane that was fitted to them.
+    /// In space, in the plane fitted to them.
     Space(Plane),
 }
 
@@ -41,7 +41,7 @@ impl Section {
         }
     }
 
-    /// Letters of its coordinates.
+    /// Letters of the section's coordinates.
     pub fn letters(&self) -> Vec<char> {
         let letter = |(index, _): (usize, f64)| ['x', 'y', 'z'].get(index).copied().unwrap_or('?');
         self.centre([0.0; 2]).into_iter().map(letter).collect()
@@ -51,7 +51,7 @@ impl Section {
 /// A reference circle.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Circle {
-    /// Centre: its coordinates in their order, two or, of points in space, three.
+    /// Centre: two coordinates, or three for points in space.
     pub centre_mm: Vec<f64>,
     /// x of the centre.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -62,7 +62,7 @@ pub struct Circle {
     /// z of the centre.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cz_mm: Option<f64>,
-    /// Radius: mean, inner or outer, as the circle has it.
+    /// Radius: mean, inner or outer, depending on the circle.
     pub radius_mm: f64,
     /// Twice the radius.
     pub diameter_mm: f64,
@@ -70,9 +70,9 @@ pub struct Circle {
     pub inner_mm: f64,
     /// Largest distance of a point from the centre.
     pub outer_mm: f64,
-    /// Outer less inner.
+    /// Outer minus inner radius.
     pub zone_mm: f64,
-    /// The same in µm.
+    /// `zone_mm` in µm.
     pub zone_um: f64,
     /// Points that determine the circle, from 0.
     pub contacts: Vec<usize>,
@@ -99,12 +99,12 @@ impl Circle {
     }
 }
 
-/// The plane of points in space, as the document has it.
+/// The plane of points in space, as written to the document.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PlaneDocument {
     /// Unit normal.
     pub normal: [f64; 3],
-    /// Largest less smallest distance of the points from it.
+    /// Largest minus smallest distance of the points from the plane.
     pub flatness_um: f64,
 }
 
@@ -113,7 +113,7 @@ pub struct PlaneDocument {
 pub struct Document {
     /// Number of points.
     pub points: usize,
-    /// The plane that was fitted to points in space.
+    /// The plane fitted to points in space.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub plane: Option<PlaneDocument>,
     /// Least squares.
@@ -135,23 +135,23 @@ pub type Fitted = Result<ReferenceCircle, NoCircle>;
 /// Points and the circles about them.
 #[derive(Clone, Debug)]
 pub struct Evaluation {
-    /// In their plane, mm.
+    /// Points in their plane, mm.
     pub points: Vec<[f64; 2]>,
-    /// That plane.
+    /// The plane of the points.
     pub section: Section,
-    /// Line of the file of every point.
+    /// Line of the file for every point.
     pub lines: Vec<u32>,
     /// LSC, MZC, MCC, MIC: the order of [`trueaxis_report::CIRCLES`].
     pub circles: [Fitted; 4],
 }
 
 impl Evaluation {
-    /// Reads all rows of [`COLUMNS`] and finds the circles: of points with three coordinates in the plane that is fitted to
-    /// them first.
+    /// Reads all rows of [`COLUMNS`] and fits the circles; points with three coordinates are first projected onto their fitted
+    /// plane.
     ///
     /// # Errors
-    /// A row that cannot be read, a coordinate that stands still half-way, or points that have no circumscribed circle: fewer
-    /// than three, or on one line.
+    /// A row that cannot be read, a coordinate that stops changing half-way, or points without a circumscribed circle: fewer
+    /// than three, or all on one line.
     pub fn read(rows: &mut Rows<'_, 3>) -> Result<Evaluation> {
         let there: Vec<usize> = (0..3).filter(|index| rows.present[*index]).collect();
         if there.len() < 2 {
@@ -177,12 +177,12 @@ impl Evaluation {
         Ok(Evaluation { section, ..Evaluation::of(points, lines, &rows.file)? })
     }
 
-    /// Finds the circles of points, which stand on these lines of `file`: it is only named in errors.
+    /// Fits the circles to points from these lines of `file`, which is only named in errors.
     ///
     /// # Errors
-    /// Points that have no circumscribed circle.
+    /// Points without a circumscribed circle.
     pub fn of(points: Vec<[f64; 2]>, lines: Vec<u32>, file: &Path) -> Result<Evaluation> {
-        // The circumscribed circle exists for all points that have any circle.
+        // If any circle exists, the circumscribed one does.
         let mcc = minimum_circumscribed(&points).map_err(|error| match error {
             NoCircle::Straight => {
                 anyhow!(

@@ -2,23 +2,23 @@
 
 use trueaxis::glam::DVec3;
 
-/// Sweeps of Jacobi's rotations: three by three are diagonal to the last bit after four or five.
+/// Sweeps of Jacobi's rotations: a 3 by 3 matrix is diagonal to the last bit after four or five.
 const SWEEPS: usize = 12;
 
-/// The plane with the least squares of the points' distances from it.
+/// The least-squares plane: minimises the squares of the points' distances from it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plane {
     /// Unit normal; its largest component is positive.
     pub normal: [f64; 3],
-    /// Largest less smallest distance of the points from it, mm.
+    /// Largest minus smallest distance of the points from the plane, mm.
     pub flatness_mm: f64,
-    /// Unit vectors in the plane, and its distance from the origin along the normal, mm.
+    /// Unit vectors in the plane, and the plane's distance from the origin along the normal, mm.
     across: [DVec3; 2],
     height: f64,
 }
 
 impl Plane {
-    /// The plane of points, mm, and the points in it.
+    /// The plane of points, mm, and the points' coordinates in it.
     pub(super) fn of(points: &[[f64; 3]]) -> (Plane, Vec<[f64; 2]>) {
         let points: Vec<DVec3> = points.iter().copied().map(DVec3::from).collect();
         let mean = points.iter().sum::<DVec3>() / points.len().max(1) as f64;
@@ -34,14 +34,14 @@ impl Plane {
         (Plane { normal: normal.to_array(), flatness_mm, across, height: mean.dot(normal) }, flat)
     }
 
-    /// A point in the plane, in space: mm.
+    /// The point in space, mm, of a point in the plane.
     pub fn at(&self, [one, other]: [f64; 2]) -> [f64; 3] {
         let [first, second] = self.across;
         (first * one + second * other + DVec3::from(self.normal) * self.height).to_array()
     }
 }
 
-/// The direction along which offsets have the least squares: Jacobi's rotations of their moments.
+/// The direction along which the offsets have the least sum of squares, by Jacobi's rotations of their moments.
 fn least(offsets: impl Iterator<Item = DVec3>) -> DVec3 {
     let mut moments = [[0.0; 3]; 3];
     for offset in offsets.map(|offset| offset.to_array()) {

@@ -1,21 +1,20 @@
-//! Departures of a trace with its reference circles.
+//! Polar plot of a trace's departures with its reference circles.
 
 use super::Evaluation;
 use std::f64::consts::TAU;
 use trueaxis_metrology::circles::ReferenceCircle;
 use trueaxis_report::{CIRCLES, Circle, Figure};
 
-/// Points of a drawn circle.
+/// Number of points of a drawn circle.
 const FINE: usize = 360;
 
 /// Which circles a polar plot shows: LSC, MZC, MCC, MIC, the order of [`CIRCLES`].
 pub type Shown = [bool; 4];
 
-/// Polar plot of the departures from the least-squares circle, with the circles that are shown; none where there is no
-/// circle at all.
+/// Polar plot of the departures from the least-squares circle, with the circles that are shown; `None` without any circle.
 pub fn polar(evaluation: &Evaluation, shown: Shown) -> Option<Figure> {
     let circles = evaluation.circles.each_ref().map(|circle| circle.as_ref().ok());
-    // Departures are from the least-squares circle, or from another where there is none.
+    // Departures are from the least-squares circle, or from the next one if it does not exist.
     let base = circles.into_iter().flatten().next()?;
     let departure = |point: &[f64; 2]| {
         let [x, y] = [point[0] - base.centre[0], point[1] - base.centre[1]];
@@ -40,8 +39,8 @@ pub fn polar(evaluation: &Evaluation, shown: Shown) -> Option<Figure> {
     ))
 }
 
-/// Points where the rays from the base's centre meet a circle, µm beyond the base; circles not around the centre are
-/// seen at the nearest point of the ray.
+/// Points at which rays from the base's centre meet a circle, µm beyond the base; a ray that misses an off-centre circle gives
+/// its point closest to the circle's centre.
 fn around(base: &ReferenceCircle, centre: [f64; 2], radius: f64) -> Vec<f64> {
     let [x, y] = [centre[0] - base.centre[0], centre[1] - base.centre[1]];
     (0..FINE)

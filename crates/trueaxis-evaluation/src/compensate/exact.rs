@@ -10,14 +10,14 @@ use trueaxis_tables::exact::{CorrectionSettings, Geometry};
 /// An axis of the machine.
 struct Own {
     axis: Axis,
-    /// Ends of its table, where that does not wrap.
+    /// Ends of the axis' table, unless it wraps.
     ends: Option<[f64; 2]>,
 }
 
 pub(super) struct Exact {
     geometry: Geometry,
     settings: CorrectionSettings,
-    /// In the order of the machine.
+    /// Axes in the machine's order.
     axes: Vec<Own>,
 }
 
@@ -42,7 +42,7 @@ impl Exact {
         })
     }
 
-    /// Values by axis in the order of the machine.
+    /// Reorders values by axis into the machine's order.
     fn in_order<T: Copy>(&self, values: &[T; AXES], of: impl Fn(T) -> f64) -> [f64; AXES] {
         let mut ordered = [0.0; AXES];
         for (ordered, own) in ordered.iter_mut().zip(&self.axes) {

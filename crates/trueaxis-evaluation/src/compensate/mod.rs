@@ -1,4 +1,4 @@
-//! Error and correction of a machine at positions, in the model that is asked for.
+//! Error and correction of a machine at positions, in the requested model.
 //!
 //! ```text
 //! Machine ─► with_model ─► Model ─► error, correction at a Place
@@ -16,18 +16,18 @@ use trueaxis::compensation::Direction;
 use trueaxis::machine::{AXES, Axis};
 use trueaxis_tables::Machine;
 
-/// How a machine is looked up; its nine-term or volumetric model and whether it corrects the orientation are its own settings.
+/// How to look up a machine; its own settings select the nine-term or volumetric model and whether to correct the orientation.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Settings {
-    /// Exact products of rigid transforms in place of the model of the servo step.
+    /// Whether to use exact products of rigid transforms in place of the servo step's model.
     pub exact: bool,
-    /// Look-ups of the exact inverse, 1 to 8; none: as many as the machine needs, of exact transforms until it stands.
+    /// Look-ups of the exact inverse, 1 to 8; `None`: as many as the machine needs, of exact transforms until it converges.
     pub passes: Option<u8>,
     /// Kelvin above the reference temperature.
     pub kelvin: f64,
 }
 
-/// Where the axes are sent, and how they come there; lists are by the index of the axis, X, Y, Z, A, B, C.
+/// Commanded positions and directions of travel of the axes; arrays are indexed by axis, X, Y, Z, A, B, C.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Place {
     /// Command, mm and degrees.
@@ -39,22 +39,22 @@ pub struct Place {
 /// Error of the tool relative to the workpiece, actual − ideal, machine coordinates.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PoseError {
-    /// Of the tip, mm.
+    /// Error of the tip, mm.
     pub tip: [f64; 3],
-    /// Of the orientation, a small rotation, rad; 0 in the nine-term model.
+    /// Error of the orientation, a small rotation, rad; 0 in the nine-term model.
     pub orientation: [f64; 3],
-    /// An axis is beyond the end of its table.
+    /// Whether an axis is beyond the end of its table.
     pub clamped: bool,
 }
 
-/// A pose in which no motion of the linear axes takes the error away.
+/// A pose in which no motion of the linear axes removes the error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NoCorrection;
 
 impl NoCorrection {
-    /// What was found.
+    /// Text after "found" in errors.
     pub const FOUND: &str = "a pose in which the linear axes cannot take the error away";
-    /// What is needed.
+    /// Text after "needed" in errors.
     pub const NEEDED: &str = "linear axes that span space";
 }
 
@@ -71,10 +71,10 @@ pub trait Model: Sync {
     /// Error of the uncorrected command. Cost: one look-up.
     fn error(&self, at: &Place) -> PoseError;
 
-    /// What is added to the command of every axis, mm and degrees. Cost: as many look-ups as the inverse has passes.
+    /// Amount added to the command of every axis, mm and degrees. Cost: as many look-ups as the inverse has passes.
     ///
     /// # Errors
-    /// A pose of exact transforms without a correction.
+    /// With exact transforms, a pose without a correction.
     fn correction(&self, at: &Place) -> Result<[f64; AXES], NoCorrection>;
 
     /// As [`Model::correction`], and whether an axis of the command is beyond the end of its table.
@@ -86,24 +86,24 @@ pub trait Model: Sync {
     }
 }
 
-/// How the axes come to one position after the other.
+/// How the axes arrive at successive positions.
 #[derive(Clone, Debug)]
 pub enum Arrival {
     /// All in positive travel.
     Positive,
     /// All in negative travel, backlash included.
     Negative,
-    /// As the drives, position and correction, have come from the positions before, beginning in positive travel.
+    /// As the drives, position and correction, arrive from the previous positions, starting in positive travel.
     InOrder(Travel),
 }
 
 impl Arrival {
-    /// In the order of the positions.
+    /// Arrival in the order of the positions.
     pub fn in_order(machine: &Machine) -> Arrival {
         Arrival::InOrder(Travel::new(machine, Axis::ALL.into_iter()))
     }
 
-    /// The next position. Cost: in order, a correction for every round in which directions settle, one as a rule.
+    /// Arrives at the next position. Cost: in order, one correction per round in which directions settle, usually one.
     ///
     /// # Errors
     /// In order: a pose without a correction.
@@ -119,12 +119,12 @@ impl Arrival {
     }
 }
 
-/// Makes the model of a machine and lends it out. Its number of axes is no longer part of its type: whoever uses it is
+/// Builds the model of a machine and lends it to `user`. The number of axes is then not part of the type, so every user is
 /// compiled once.
 ///
 /// # Errors
-/// A machine that the model refuses, one that needs more than 8 passes, a thermal growth that the step does not take; what
-/// `user` does.
+/// A machine that the model refuses or that needs more than 8 passes, a thermal growth that the step does not accept; errors
+/// of `user`.
 pub fn with_model<T>(machine: &Machine, settings: &Settings, user: impl FnOnce(&dyn Model) -> Result<T>) -> Result<T> {
     user(&*model(machine, settings, &mut Vec::new())?)
 }

@@ -1,4 +1,4 @@
-//! Nine terms and twists: the models of the servo step.
+//! The servo step's models: nine terms and twists.
 
 use super::{Model, NoCorrection, Place, PoseError, Settings};
 use crate::model::{compensation, passes, thermal};
@@ -7,7 +7,7 @@ use trueaxis::compensation::{Compensation, Query, ThermalLine};
 use trueaxis::machine::{AXES, AxisOrder};
 use trueaxis_tables::Machine;
 
-/// The model of a machine with `N` axes of the step, in `memory`.
+/// Builds the model of a machine with `N` axes of the step, in `memory`.
 pub(super) fn model<'m, const N: usize>(
     machine: &'m Machine,
     settings: &Settings,
@@ -42,13 +42,13 @@ impl<const N: usize> Model for Step<'_, N> {
 
     fn correction_and_clamped(&self, at: &Place) -> Result<([f64; AXES], bool), NoCorrection> {
         let (correction, met) = self.corrected(at);
-        // The passes look up beside the command too.
+        // The passes also look up positions beside the command.
         Ok((correction, met && self.error(at).clamped))
     }
 }
 
 impl<const N: usize> Step<'_, N> {
-    /// The correction, and whether any of its passes met the end of a table; the first is at the command.
+    /// The correction, and whether any of its passes met the end of a table; the first pass is at the command.
     fn corrected(&self, at: &Place) -> ([f64; AXES], bool) {
         let coordinates = self.compensation.coordinates(&self.slots.map(|slot| at.command[slot]));
         let directions = self.slots.map(|slot| at.directions[slot]);

@@ -1,4 +1,4 @@
-//! What a diagonal test tells, as a document.
+//! The results of a diagonal test, as a document.
 
 use serde::Serialize;
 use trueaxis_metrology::diagonal::{Term, Test, figures};
@@ -10,20 +10,20 @@ use trueaxis_tables::finding::{Finding, Known};
 pub struct Value {
     /// The value.
     pub value: f64,
-    /// Its standard error, same unit.
+    /// Standard error, same unit.
     pub standard_error: f64,
 }
 
-/// Figures of one diagonal after ISO 230-6.
+/// Figures of one diagonal according to ISO 230-6.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DiagonalFigures {
-    /// Its number.
+    /// Number of the diagonal.
     pub diagonal: usize,
     /// Unit vector from the first to the last target.
     pub unit: [f64; 3],
-    /// Its length.
+    /// Length of the diagonal.
     pub length_mm: f64,
-    /// Targets on it.
+    /// Number of targets on it.
     pub targets: usize,
     /// E(D): systematic deviation of positioning.
     pub e_um: f64,
@@ -44,7 +44,7 @@ pub struct Point {
     pub position_mm: f64,
     /// Errors along X, Y, Z.
     pub error_um: [f64; 3],
-    /// Their standard errors.
+    /// Standard errors of these.
     pub standard_error_um: [f64; 3],
 }
 
@@ -53,39 +53,39 @@ pub struct Point {
 pub struct Shape {
     /// The axis that moves.
     pub axis: char,
-    /// By position.
+    /// Errors by position.
     pub points: Vec<Point>,
 }
 
-/// What the vector method adds.
+/// Results that the vector method adds.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Steps {
-    /// Scales of X, Y, Z where the mirror stood exactly square.
+    /// Scales of X, Y, Z if the mirror was exactly square.
     pub scales_if_aligned_ppm: [f64; 3],
-    /// Scales with the stated uncertainty of the alignment; null without.
+    /// Scales with the stated uncertainty of the alignment; null if none is stated.
     pub scales_ppm: Option<[Value; 3]>,
     /// Change of a scale for a mirror 10 µrad off on every diagonal.
     pub scale_per_10_urad_ppm: [f64; 3],
     /// EXX, EYX, EZX and so on, slopes removed.
     pub shapes: Vec<Shape>,
-    /// Standard deviation of a step, from the equation that each has too many.
+    /// Standard deviation of a step, from the redundant equation of each step.
     pub sigma_um: f64,
-    /// Those equations.
+    /// Number of redundant equations.
     pub degrees_of_freedom: usize,
     /// Condition number of the equations of a step.
     pub condition: f64,
-    /// Largest way of a target beside its diagonal.
+    /// Largest distance of a target from its diagonal.
     pub beside_mm: f64,
 }
 
 /// The JSON document.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Document {
-    /// Readings of the record.
+    /// Number of readings in the record.
     pub readings: usize,
     /// "diagonal" or "step-diagonal".
     pub test: &'static str,
-    /// By diagonal.
+    /// Figures of every diagonal.
     pub diagonals: Vec<DiagonalFigures>,
     /// E_d: largest E(D).
     pub e_d_um: f64,
@@ -111,11 +111,11 @@ pub struct Document {
     pub rank: usize,
     /// Condition number of the four equations.
     pub condition: f64,
-    /// Standard deviation of a reading from repeats; null without.
+    /// Standard deviation of a reading, from repeats; null without repeats.
     pub sigma_um: Option<f64>,
-    /// What the steps tell; null without steps.
+    /// Results of the steps; null without steps.
     pub steps: Option<Steps>,
-    /// What the method cannot tell, a sentence each.
+    /// Limits of the method, one sentence each.
     pub limits: Vec<String>,
 }
 
@@ -124,7 +124,7 @@ fn micro(term: Term) -> Value {
 }
 
 impl Document {
-    /// Of a test; `alignment_urad`: standard uncertainty of the mirror's alignment where it is known.
+    /// The document of a test; `alignment_urad`: standard uncertainty of the mirror's alignment, if known.
     pub fn new(test: &Test, alignment_urad: Option<f64>) -> Document {
         let volume = test.volume();
         let diagonals: Vec<DiagonalFigures> = figures(test)
@@ -175,12 +175,12 @@ impl Document {
     }
 }
 
-/// The squarenesses that a test tells, for a machine that was not corrected while it was measured.
+/// The squareness errors that a test finds, for a machine that was uncorrected during the measurement.
 ///
-/// A slope is no model of its readings: what it leaves is in its standard error, and nothing is held against a noise.
+/// A slope is not a model of its readings: its standard error includes its residuals, and nothing is compared with a noise.
 pub fn additions(test: &Test) -> Additions {
     let volume = test.volume();
-    // Welch and Satterthwaite: the four slopes have one share in every squareness but for its sign.
+    // Welch and Satterthwaite: the four slopes contribute equally to every squareness, apart from the sign.
     let variances = volume.slopes.map(|slope| slope.standard_error.powi(2));
     let of = |k: usize| test.on(k).count().saturating_sub(2).max(1) as f64;
     let parts: f64 = variances.iter().enumerate().map(|(k, variance)| variance.powi(2) / of(k)).sum();

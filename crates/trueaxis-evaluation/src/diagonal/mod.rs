@@ -1,4 +1,4 @@
-//! Diagonal and step-diagonal displacement tests: a record as a test, and what it tells as a document and as figures.
+//! Diagonal and step-diagonal displacement tests: a record as a test, and the results as a document and as figures.
 //!
 //! The mathematics is [`trueaxis_metrology::diagonal`].
 
@@ -27,10 +27,10 @@ pub const COLUMNS: [Column; 7] = [
 
 /// Largest deviation, µm: 0.5 % of a diagonal of two metres.
 const MOST_UM: f64 = 1e4;
-/// Positions that are nearer to each other, as a share of the box, are one.
+/// Positions closer together than this, as a share of the box, are identical.
 const SAME: f64 = 1e-4;
 
-/// Whether the mirror's alignment is one.
+/// Checks the range of the mirror's alignment.
 ///
 /// # Errors
 /// Outside 0.001 to 100000 µrad.
@@ -41,8 +41,8 @@ pub fn check(alignment_urad: Option<f64>) -> Result<(), OutOfRange> {
 /// Reads all rows of [`COLUMNS`].
 ///
 /// # Errors
-/// A row that cannot be read, a diagonal that is not 1 to 4 or is missing, a target a second time or left out that the other
-/// diagonals or runs have, a laser that stands still or reads what none does, lines that are not the four diagonals of a box.
+/// An unreadable row, a diagonal that is not 1 to 4 or is missing, a repeated target, or a missing one that other diagonals or
+/// runs have, a laser that is stuck or reads an impossible value, lines that are not the four diagonals of a box.
 pub fn read(rows: &mut Rows<'_, 7>) -> Result<Test> {
     let (mut lines, mut readings) = (Vec::new(), Vec::new());
     while let Some(row) = rows.next()? {
@@ -85,8 +85,8 @@ pub fn read(rows: &mut Rows<'_, 7>) -> Result<Test> {
     })
 }
 
-/// Refuses a diagonal or run with fewer readings than the others, with the position that it lacks: where the first one of a
-/// diagonal is missing, another box would come out.
+/// Refuses a diagonal or run with fewer readings than the others, naming the missing position: without the first reading of a
+/// diagonal, a different box would result.
 fn whole(rows: &Rows<'_, 7>, lines: &[u32], readings: &[Reading]) -> Result<()> {
     let ends = |c: usize| {
         let all = readings.iter().map(|reading| reading.position_mm[c]);
@@ -95,7 +95,7 @@ fn whole(rows: &Rows<'_, 7>, lines: &[u32], readings: &[Reading]) -> Result<()> 
     let ends = [0, 1, 2].map(ends);
     let share = |c: usize, q: f64| (q - ends[c][0]) / (ends[c][1] - ends[c][0]).max(f64::MIN_POSITIVE);
     let of = |diagonal: usize| readings.iter().filter(move |reading| reading.diagonal == diagonal);
-    // Which way each axis moves along a diagonal, from where it begins: every diagonal has the same way then.
+    // Direction of each axis along a diagonal, from its start; relative to it, every diagonal takes the same path.
     let backward = [0, 1, 2, 3].map(|diagonal| {
         let away = of(diagonal).find(|reading| reading.direction == Direction::Up).or(of(diagonal).next_back());
         [0, 1, 2].map(|c| away.is_some_and(|first| share(c, first.position_mm[c]) > 0.5))

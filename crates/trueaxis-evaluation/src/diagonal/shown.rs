@@ -5,7 +5,7 @@ use crate::shown::{Cell, Curve, Look, Plot, Shown, Table};
 use trueaxis_metrology::diagonal::Test;
 
 impl Document {
-    /// Tables and plots of the test that it is of.
+    /// Tables and plots of the document's test.
     pub fn shown(&self, test: &Test) -> Shown {
         let figures = |name: String, e: f64, b: Option<f64>, m: f64, r: Option<f64>| {
             let cells = [Some(e), b, Some(m), r].map(|um| Cell::number(um, 4));
@@ -76,7 +76,7 @@ impl Document {
     }
 }
 
-/// Ways along the diagonals nearer than this are one, mm: the same target of a box whose numbers were rounded.
+/// Distances along the diagonals closer than this are one, mm: the same target of a box whose numbers were rounded.
 const SAME_MM: f64 = 1e-3;
 
 /// Mean deviation along every diagonal, away and back.

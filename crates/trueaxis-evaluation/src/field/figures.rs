@@ -12,9 +12,9 @@ use std::collections::BTreeMap;
 pub struct Figures {
     /// Name of the machine.
     pub machine: String,
-    /// Its structural code.
+    /// Structural code of the machine.
     pub chain: String,
-    /// Model that the rows are of.
+    /// Model of the rows.
     pub model: Model,
     /// The machine's own model.
     pub own_model: Model,
@@ -22,7 +22,7 @@ pub struct Figures {
     pub points: [usize; 3],
     /// Low and high end of the working volume along X, Y, Z, mm.
     pub range_mm: [[f64; 2]; 3],
-    /// Temperature, °C, and what it is above the reference.
+    /// Temperature, °C.
     pub temperature_c: f64,
     /// Kelvin above the reference temperature.
     pub kelvin: f64,
@@ -40,19 +40,19 @@ pub struct Figures {
     pub clamped_points: usize,
     /// Without correction.
     pub before: Case,
-    /// What nine terms leave.
+    /// Residual of the nine-term model.
     pub nine: Left,
-    /// What the volumetric form leaves.
+    /// Residual of the volumetric form.
     pub volumetric: Left,
 }
 
-/// What a model leaves.
+/// Residual under a model.
 #[derive(Clone, Debug, Serialize)]
 #[non_exhaustive]
 pub struct Left {
-    /// Figures; `None` where the machine's errors do not allow the model.
+    /// Figures; `None` if the machine's errors do not allow the model.
     pub after: Option<Case>,
-    /// Points at which an axis meets the limit of its correction's magnitude.
+    /// Points at which the correction of an axis meets its magnitude limit.
     pub limited_points: usize,
     /// Why the model is not allowed.
     pub refused: Option<String>,
@@ -92,7 +92,7 @@ pub struct Orientation {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct Slice {
-    /// Where the axis stands, mm.
+    /// Position of the axis, mm.
     pub at_mm: f64,
     /// Largest size of the tip's error, µm.
     pub largest_um: f64,
@@ -102,14 +102,14 @@ fn rms(sizes: &[f64]) -> f64 {
     (sizes.iter().map(|size| size * size).sum::<f64>() / sizes.len() as f64).sqrt()
 }
 
-/// Smallest of `sizes` that a share of them does not exceed (nearest rank).
+/// Smallest of `sizes` that the given share of them does not exceed (nearest rank).
 fn percentile(mut sizes: Vec<f64>, share: f64) -> f64 {
     let rank = ((sizes.len() as f64 * share).ceil() as usize).clamp(1, sizes.len()) - 1;
     *sizes.select_nth_unstable_by(rank, f64::total_cmp).1
 }
 
 impl Case {
-    /// Of the poses at all points.
+    /// Figures of the poses at all points.
     pub(super) fn new(grid: &Grid, poses: &[Pose], worst: Worst) -> Case {
         let sizes: Vec<f64> = poses.iter().map(|pose| size(pose.tip) * 1e3).collect();
         let mut slices: [Vec<Slice>; 3] = std::array::from_fn(|axis| {
@@ -139,7 +139,7 @@ impl Case {
 }
 
 impl Figures {
-    /// Without the models.
+    /// Figures with the models still missing.
     pub(super) fn new(asked: &Asked, model: Model, clamped_points: usize, before: Case) -> Figures {
         let settings = &asked.machine.settings;
         let rotary = || settings.axes.iter().filter(|own| own.axis.is_rotary());
@@ -170,7 +170,7 @@ impl Figures {
         }
     }
 
-    /// With what a model leaves, and at how many points it was limited; or why it is refused.
+    /// Adds the residual of a model and the number of points at which it was limited, or why the model is refused.
     pub(super) fn add(&mut self, model: Model, after: Result<(Case, usize), String>) {
         let kept = match after {
             Ok((case, limited_points)) => Left { after: Some(case), limited_points, refused: None },

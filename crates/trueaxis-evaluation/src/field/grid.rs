@@ -5,11 +5,11 @@ use anyhow::{Result, bail};
 use serde::Deserialize;
 use trueaxis_tables::Machine;
 
-/// Most points along one axis.
+/// Maximum number of points along one axis.
 pub const MOST_POINTS: usize = 51;
 const FEWEST_POINTS: usize = 2;
 
-/// Points along the linear axes: as many along each, or along X, Y and Z.
+/// Number of points along the linear axes: one for all, or one each for X, Y and Z.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(untagged)]
 pub enum Points {
@@ -33,7 +33,7 @@ pub(crate) struct Grid {
 }
 
 impl Grid {
-    /// An axis that the machine does not have stands at zero.
+    /// An axis that the machine does not have is at zero.
     pub(crate) fn new(machine: &Machine, points: Points) -> Result<Grid> {
         let asked = match points {
             Points::Every(count) => [count; 3],
@@ -65,7 +65,7 @@ impl Grid {
         [index % nx, index / nx % ny, index / (nx * ny)]
     }
 
-    /// Position of an index along an axis, mm: both ends exactly.
+    /// Position of an index along an axis, mm; exact at both ends.
     pub(crate) fn along(&self, axis: usize, index: usize) -> f64 {
         let ([low, high], last) = (self.range[axis], self.points[axis] - 1);
         if index == last && last > 0 { high } else { low + (high - low) * index as f64 / last.max(1) as f64 }

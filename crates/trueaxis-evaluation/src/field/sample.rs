@@ -11,22 +11,22 @@ use trueaxis_tables::exact::{Commanded, Geometry};
 /// Error of the tool's pose, actual − ideal.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pose {
-    /// mm.
+    /// Error of the tip, mm.
     pub(super) tip: [f64; 3],
-    /// rad.
+    /// Error of the orientation, rad.
     pub(super) orientation: [f64; 3],
 }
 
-/// What a correction leaves.
+/// The residual after a correction.
 pub(super) struct After {
     pub(super) pose: Pose,
-    /// As sent, by [`Axis::index`]: mm, degrees.
+    /// Correction as sent, by [`Axis::index`]: mm, degrees.
     pub(super) correction: [f64; AXES],
-    /// The limit of magnitude of an axis was met.
+    /// Whether an axis met its magnitude limit.
     pub(super) limited: bool,
 }
 
-/// A machine's geometry and what all points have in common. Lists of the geometry are in the order of the machine's axes, all
+/// A machine's geometry and what all points have in common. Arrays of the geometry are in the order of the machine's axes, all
 /// others by [`Axis::index`].
 pub(super) struct Sampler<'a> {
     pub(super) asked: &'a Asked,
@@ -35,7 +35,7 @@ pub(super) struct Sampler<'a> {
     own: Vec<Axis>,
     reverse: [f64; AXES],
     directions: [Direction; AXES],
-    /// Limits of magnitude; none for an axis that the machine does not have: nothing is sent there.
+    /// Magnitude limits; 0 for an axis that the machine does not have, so that it receives no correction.
     most: [f64; AXES],
 }
 
@@ -44,7 +44,7 @@ impl<'a> Sampler<'a> {
         Sampler::of(asked, &asked.machine)
     }
 
-    /// Of another machine with the same axes.
+    /// A sampler for another machine with the same axes.
     pub(super) fn of(asked: &'a Asked, machine: &Machine) -> Result<Self> {
         let settings = &machine.settings;
         let geometry = Geometry::new(machine, asked.kelvin).map_err(|error| anyhow!("{error}"))?;
@@ -63,7 +63,7 @@ impl<'a> Sampler<'a> {
         })
     }
 
-    /// Lends out the model of a machine with the same axes; `passes` of its inverse.
+    /// Lends the model of a machine with the same axes to `user`; `passes` of its inverse.
     pub(super) fn compensated<T>(
         &self,
         machine: &Machine,
@@ -74,7 +74,7 @@ impl<'a> Sampler<'a> {
         with_model(machine, &settings, |model| user(self, model))
     }
 
-    /// In the geometry's order.
+    /// `letters` in the geometry's order.
     pub(super) fn slots(&self, letters: &[f64; AXES]) -> [f64; AXES] {
         let mut slots = [0.0; AXES];
         for (slot, axis) in slots.iter_mut().zip(&self.own) {
@@ -105,7 +105,7 @@ impl<'a> Sampler<'a> {
         Pose { tip: error.tip_mm, orientation: error.orientation }
     }
 
-    /// Points of the grid at which an axis is beyond the end of its table.
+    /// Number of grid points at which an axis is beyond the end of its table.
     pub(super) fn beyond_tables(&self) -> usize {
         let ends = self.asked.machine.axes().filter_map(|(own, table)| {
             let rows = table?.rows.as_slice();

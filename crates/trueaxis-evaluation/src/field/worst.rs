@@ -15,17 +15,17 @@ pub struct Worst {
     pub at_mm: [f64; 3],
     /// Error of the tip.
     pub error_um: [f64; 3],
-    /// Its size.
+    /// Size of the error.
     pub size_um: f64,
     /// Rotation of the tool, µrad.
     pub orientation_urad: [f64; 3],
     /// Correction sent, mm and degrees, in the order X, Y, Z, A, B, C; zero before the correction.
     pub correction: [f64; AXES],
-    /// Every table with its terms, and the location errors; what adds most to the error comes first.
+    /// Every table with its terms, and the location errors; largest contribution first.
     pub tables: Vec<Table>,
-    /// All terms, what adds most first.
+    /// All terms, largest contribution first.
     pub terms: Vec<Cause>,
-    /// What no term explains alone: products of errors.
+    /// The rest that no single term explains: products of errors.
     pub rest_um: [f64; 3],
 }
 
@@ -35,19 +35,19 @@ pub struct Worst {
 pub struct Table {
     /// Axis by its letter, or `location errors`.
     pub source: String,
-    /// Sum of its terms, µm.
+    /// Sum of the source's terms, µm.
     pub error_um: [f64; 3],
-    /// Component along the whole error, µm: of all tables and the rest they add up to its size.
+    /// Component along the whole error, µm: those of all tables and the rest add up to its size.
     pub along_um: f64,
 }
 
-/// Share of a term: what would be gone if the machine were perfect there, in its geometry and in its tables.
+/// Share of a term: the error that would vanish if the machine were perfect there, in its geometry and in its tables.
 #[derive(Clone, Debug, Serialize)]
 #[non_exhaustive]
 pub struct Cause {
-    /// Table that holds it, as [`Table::source`].
+    /// Table that contains the term, as [`Table::source`].
     pub table: String,
-    /// Its name after ISO 230-1, as `EYX`, `C0Y`, `backlash X`.
+    /// ISO 230-1 name, such as `EYX`, `C0Y`, `backlash X`.
     pub term: String,
     /// Share, µm.
     pub error_um: [f64; 3],
@@ -64,13 +64,13 @@ fn along(share: [f64; 3], whole: [f64; 3]) -> f64 {
 /// Error of the tip that a machine has at a place, mm.
 type ErrorOf<'a> = dyn Fn(&Machine, &[f64; AXES]) -> Result<[f64; 3]> + 'a;
 
-/// Of the uncorrected errors.
+/// The worst point of the uncorrected errors.
 pub(super) fn before(sampler: &Sampler<'_>, poses: &[Pose]) -> Result<Worst> {
     let error = |machine: &Machine, at: &[f64; AXES]| Ok(Sampler::of(sampler.asked, machine)?.before(at).0.tip);
     found(sampler, &sampler.asked.machine, poses, [0.0; AXES], &error)
 }
 
-/// Of the errors that the compensation of `machine` leaves. As many `passes` of the inverse are enough without a term, too.
+/// The worst point after the compensation of `machine`. Removing a term never needs more `passes` of the inverse.
 pub(super) fn after(sampler: &Sampler<'_>, machine: &Machine, passes: u8, poses: &[Pose]) -> Result<Worst> {
     let left = |machine: &Machine, at: &[f64; AXES]| {
         Sampler::of(sampler.asked, machine)?.compensated(machine, passes, |sampler, model| {
@@ -81,7 +81,7 @@ pub(super) fn after(sampler: &Sampler<'_>, machine: &Machine, passes: u8, poses:
     found(sampler, machine, poses, correction, &|machine, at| Ok(left(machine, at)?.pose.tip))
 }
 
-/// Index of the worst point; the first of several.
+/// Index of the worst point; the first if several are equal.
 fn index(poses: &[Pose]) -> usize {
     let sizes = poses.iter().map(|pose| size(pose.tip)).enumerate();
     sizes.fold((0, f64::NEG_INFINITY), |best, next| if next.1 > best.1 { next } else { best }).0
@@ -133,7 +133,7 @@ fn um(mm: [f64; 3]) -> [f64; 3] {
     mm.map(|mm| mm * 1e3)
 }
 
-/// Largest share of the error first.
+/// Sorts the largest share of the error first.
 fn rank(tables: &mut Vec<Table>, terms: &mut Vec<Cause>) {
     trueaxis_metrology::order::sort_by_number(tables, |one| -one.along_um);
     trueaxis_metrology::order::sort_by_number(terms, |one| -one.along_um);

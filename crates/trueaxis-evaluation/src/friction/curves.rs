@@ -1,4 +1,4 @@
-//! What is drawn: following errors of the record, spikes at the reversals, circles.
+//! The curves drawn: following errors of the record, spikes at the reversals, circles.
 
 use super::Recording;
 use anyhow::{Result, anyhow};
@@ -12,15 +12,15 @@ pub struct SpikeCurves {
     pub axis: String,
     /// Acceleration at the reversal (feed²/radius), mm/s².
     pub acceleration_mm_per_s2: f64,
-    /// Its reversals.
+    /// Number of reversals averaged.
     pub reversals: usize,
     /// Time after the reversal, ms.
     pub time_ms: Vec<f64>,
-    /// As recorded, µm.
+    /// Recorded spike, µm.
     pub before_um: Vec<f64>,
-    /// As the friction found gives it, µm.
+    /// Spike predicted from the friction found, µm.
     pub predicted_um: Vec<f64>,
-    /// Recorded, less what the feed-forward takes away in the model, µm.
+    /// Recorded spike minus what the feed-forward removes in the model, µm.
     pub after_um: Vec<f64>,
 }
 
@@ -41,26 +41,26 @@ pub fn spikes(found: &Identified, glitch: &Glitch) -> Vec<SpikeCurves> {
 /// Radial deviation along the circles of one size and direction, positive outward.
 #[derive(Clone, Debug, Serialize)]
 pub struct CircleCurves {
-    /// Radius of the commands, mm.
+    /// Commanded radius, mm.
     pub radius_mm: f64,
-    /// Speed of the commands, mm/min.
+    /// Commanded speed, mm/min.
     pub feed_mm_per_min: f64,
-    /// Whether it was travelled from the first axis of the plane to the second.
+    /// Whether the circle turns from the first axis of the plane to the second.
     pub counterclockwise: bool,
-    /// Turns averaged over.
+    /// Number of turns averaged.
     pub turns: f64,
-    /// Angles from the positive first axis, degrees, rising.
+    /// Angles from the positive first axis, degrees, ascending.
     pub angle_deg: Vec<f64>,
-    /// As recorded, µm.
+    /// Recorded deviation, µm.
     pub before_um: Vec<f64>,
-    /// As the friction found gives it, µm.
+    /// Deviation predicted from the friction found, µm.
     pub predicted_um: Vec<f64>,
-    /// Recorded, less what the feed-forward takes away in the model, µm.
+    /// Recorded deviation minus what the feed-forward removes in the model, µm.
     pub after_um: Vec<f64>,
 }
 
-/// The circles of a record by what friction makes of them; `found` may come from another record of the same axes. `source`
-/// names the record in the error.
+/// The circles of a record with the effect of friction on them; `found` may come from another record of the same axes.
+/// `source` names the record in the error.
 ///
 /// # Errors
 /// As [`friction::circles`].
@@ -88,13 +88,13 @@ fn scaled(values: &[f64]) -> Vec<f64> {
 pub struct Trace {
     /// Time after the first sample, s.
     pub time_s: Vec<f64>,
-    /// Command less reading of the two axes, µm.
+    /// Command minus reading of the two axes, µm.
     pub following_error_um: [Vec<f64>; 2],
 }
 
 impl Recording {
-    /// Following errors in at most `points` points: of each stretch the smallest and the largest of an axis, in the order in
-    /// which they came.
+    /// Following errors in at most `points` points: the smallest and the largest of each stretch of an axis, in the order in
+    /// which they occurred.
     pub fn trace(&self, points: usize) -> Trace {
         let count = self.record.axes[0].command.len();
         let stretch = (2 * count).div_ceil(points.max(2)).max(2);

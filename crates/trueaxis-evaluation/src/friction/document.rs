@@ -9,42 +9,43 @@ use trueaxis_metrology::friction::{Figure, Identified, Record, Size};
 pub struct Document {
     /// Samples of the record.
     pub samples: usize,
-    /// Time between two of them, s.
+    /// Sampling period, s.
     pub period_s: f64,
-    /// Both axes, in the order in which they were asked for.
+    /// Both axes, in the requested order.
     pub axes: Vec<AxisFound>,
-    /// Figures that the record does not tell, and what they are held at.
+    /// Figures that the record does not determine, and the values at which they are fixed.
     pub warnings: Vec<String>,
 }
 
 /// One axis.
 #[derive(Clone, Debug, Serialize)]
 pub struct AxisFound {
-    /// Its letter.
+    /// Letter of the axis.
     pub axis: String,
-    /// Its friction.
+    /// Friction of the axis.
     pub friction: Friction<f64>,
-    /// Its drive.
+    /// Drive of the axis.
     pub drive: Drive<f64>,
-    /// Whether the drive's figures were found in the record; else they are the machine's.
+    /// Whether the drive's figures were found in the record; otherwise they are the machine's.
     pub drive_found: bool,
-    /// Null where a figure was held and not fitted.
+    /// Null for a figure that was fixed rather than fitted.
     pub standard_errors: Errors,
-    /// Half-widths of intervals of 95 %: standard errors times Student's factor, one stretch round a reversal for one observation.
+    /// Half-widths of 95 % intervals: standard errors times Student's factor, counting each stretch round a reversal as one
+    /// observation.
     pub expanded_uncertainties: Errors,
-    /// By how much the reading is later than the drive's own lag, s.
+    /// Delay of the reading beyond the drive's own lag, s.
     pub reading_lag_s: f64,
     /// Spikes at the reversals, µm.
     pub glitch_um: Glitch,
     /// Share of the spikes' mean square that the model explains.
     pub explained: f64,
-    /// Root mean square of what the fit leaves, µm.
+    /// Root mean square of the residuals of the fit, µm.
     pub residual_um: f64,
-    /// Parameters fitted.
+    /// Number of fitted parameters.
     pub fitted: usize,
     /// Condition number of the fit.
     pub condition: f64,
-    /// Reversals in motion.
+    /// Number of reversals in motion.
     pub reversals: usize,
 }
 
@@ -55,7 +56,7 @@ pub struct Friction<T> {
     pub coulomb_mm_per_s: T,
     /// z, µm.
     pub presliding_um: T,
-    /// s.
+    /// Stribeck share s.
     pub stribeck_share: T,
     /// v_s, mm/s.
     pub stribeck_velocity_mm_per_s: T,
@@ -74,17 +75,17 @@ pub struct Drive<T> {
     pub reset_time_s: T,
     /// k_ff.
     pub velocity_feed_forward: T,
-    /// Between a command and the position loop, s.
+    /// Delay between a command and the position loop, s.
     pub dead_time_s: T,
 }
 
-/// Standard errors; none where a figure was held and not fitted.
+/// Standard errors; `None` for a figure that was fixed rather than fitted.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Errors {
-    /// Those of friction.
+    /// Standard errors of friction.
     #[serde(flatten)]
     pub friction: Friction<Option<f64>>,
-    /// Those of the drive.
+    /// Standard errors of the drive.
     #[serde(flatten)]
     pub drive: Drive<Option<f64>>,
 }
@@ -115,11 +116,11 @@ impl Errors {
 /// Spikes at the reversals, µm.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Glitch {
-    /// As recorded.
+    /// Recorded spikes.
     pub before: Deviation,
-    /// As the model gives them.
+    /// Spikes that the model predicts.
     pub predicted: Deviation,
-    /// As they are to be expected with the feed-forward.
+    /// Spikes expected with the feed-forward.
     pub after: Deviation,
 }
 
@@ -187,7 +188,7 @@ fn axis(found: &Identified) -> AxisFound {
 }
 
 impl Document {
-    /// The document of what was found in a record.
+    /// The document of the figures found in a record.
     pub fn new(record: &Record, found: &[Identified]) -> Document {
         let axes: Vec<AxisFound> = found.iter().map(axis).collect();
         let mut warnings = Vec::new();

@@ -4,8 +4,8 @@
 //! CSV ─► Recording ─► fit ─► Document, sections of a machine.toml, additions to a machine, curves
 //! ```
 //!
-//! The mathematics is [`trueaxis_metrology::friction`]; here are the texts around it: a record with its lines, what is
-//! reported, what is written.
+//! The mathematics is in [`trueaxis_metrology::friction`]; this module holds the texts around it: a record with its lines, the
+//! report, the written settings.
 
 mod curves;
 mod document;
@@ -26,7 +26,7 @@ use trueaxis_tables::Machine;
 /// Two different linear axes from `X,Y`.
 ///
 /// # Errors
-/// What was found and what is needed.
+/// Any other text: the error says what was found and what is needed.
 ///
 /// ```
 /// use trueaxis::Axis;
@@ -46,10 +46,10 @@ pub fn pair(text: &str) -> Result<[Axis; 2], String> {
     if axes[0] == axes[1] { Err(needed()) } else { Ok(axes) }
 }
 
-/// How long after the command of its row the encoder is read, s, from µs; −100,000 to 20,000 µs.
+/// Delay of the encoder reading after the command of its row, s, from µs; −100,000 to 20,000 µs.
 ///
 /// # Errors
-/// Another time.
+/// A delay outside that range.
 pub fn read_after_s(us: f64) -> Result<f64, String> {
     let is_possible = (-100_000.0..=20_000.0).contains(&us);
     is_possible.then_some(1e-6 * us).ok_or_else(|| format!("found {us} µs, needed -100000 to 20000 µs"))
@@ -58,7 +58,7 @@ pub fn read_after_s(us: f64) -> Result<f64, String> {
 /// The drives' figures that a machine states for the recorded axes; `name` names the machine in the error.
 ///
 /// # Errors
-/// An axis that the machine has not got.
+/// An axis that the machine does not have.
 pub fn drives(machine: &Machine, name: &str, axes: [Axis; 2]) -> Result<[Option<DriveFigures>; 2]> {
     let mut given = [None; 2];
     for (figures, axis) in given.iter_mut().zip(axes) {
@@ -70,11 +70,11 @@ pub fn drives(machine: &Machine, name: &str, axes: [Axis; 2]) -> Result<[Option<
     Ok(given)
 }
 
-/// Friction, drives and the document of a record; `given` are the drives' figures where they are known, `progress` is told
-/// the axis and the number of steps of its fits so far.
+/// Friction, drives and the document of a record; `given` are the drives' figures if known, `progress` receives the axis and
+/// the number of steps of its fits so far.
 ///
 /// # Errors
-/// A record that tells nothing ([`trueaxis_metrology::friction::Refused`]), with the name of its file.
+/// A record that determines nothing ([`trueaxis_metrology::friction::Refused`]), with the name of its file.
 ///
 /// Cost: [`identify`], some seconds for a minute of 10 kHz.
 pub fn fit(

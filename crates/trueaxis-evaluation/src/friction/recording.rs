@@ -10,18 +10,18 @@ use trueaxis_metrology::friction::{Record, Recorded, Refused};
 /// Columns that a record may have: time, then command and reading of X, Y and Z.
 const NAMES: [&str; 7] = ["t_s", "x_cmd_mm", "x_mm", "y_cmd_mm", "y_mm", "z_cmd_mm", "z_mm"];
 
-/// The columns of a record: the time and those of `axes` are needed, those of a third axis may be there.
+/// The columns of a record: the time and those of `axes` are required, those of a third axis are optional.
 pub fn columns(axes: [Axis; 2]) -> [Column; 7] {
     let needed = |name: &str| axes.iter().any(|axis| name.starts_with(axis.letter().to_ascii_lowercase()));
     NAMES.map(|name| Column { name, needed: name == "t_s" || needed(name) })
 }
 
-/// A record and where it comes from.
+/// A record and its file.
 #[derive(Clone, Debug)]
 pub struct Recording {
     /// The file as errors name it.
     pub file: PathBuf,
-    /// What it holds.
+    /// The record read from it.
     pub record: Record,
 }
 
@@ -29,10 +29,10 @@ impl Recording {
     /// Reads the rows of a file opened with [`columns`].
     ///
     /// # Errors
-    /// A row that cannot be read; too few of them, times that are not even, or an axis that stands still while it is
-    /// commanded to move, with the line.
+    /// A row that cannot be read, with its line; too few rows, uneven times, or an axis whose reading does not move while it
+    /// is commanded to.
     ///
-    /// Cost: memory of 40 bytes a row.
+    /// Cost: 40 bytes of memory per row.
     pub fn read(mut rows: Rows<'_, 7>, axes: [Axis; 2]) -> Result<Recording> {
         let file = rows.file.clone();
         let (mut lines, mut times) = (Vec::new(), Vec::new());

@@ -11,7 +11,7 @@ use trueaxis_tables::text::acts;
 /// Key in a section of an axis, value, standard error.
 type Entry = (&'static str, f64, Option<f64>);
 
-/// The figures of an axis as its section `friction` has them.
+/// The figures of an axis as in its section `friction`.
 fn friction(axis: &Identified) -> [Entry; 5] {
     let of =
         |key, figure: Figure, scale: f64| (key, scale * figure.value, figure.standard_error.map(|error| scale * error));
@@ -24,7 +24,7 @@ fn friction(axis: &Identified) -> [Entry; 5] {
     ]
 }
 
-/// The figures of an axis as its section `drive` has them, where they were found.
+/// The figures of an axis as in its section `drive`, if they were found.
 fn drive(axis: &Identified) -> Option<[Entry; 5]> {
     let [gain, velocity_gain, reset, feed] = axis.drive_errors?.map(Some);
     let drive = &axis.drive;
@@ -37,8 +37,8 @@ fn drive(axis: &Identified) -> Option<[Entry; 5]> {
     ])
 }
 
-/// The sections `[axis.X.friction]` and, where they were found, `[axis.X.drive]`, as `machine.toml` has them, with the
-/// standard error behind each figure; `record` is named in the first line.
+/// The sections `[axis.X.friction]` and, if found, `[axis.X.drive]` as they appear in `machine.toml`, each figure followed by
+/// its standard error; the first line names `record`.
 pub fn sections(record: &Path, found: &[Identified]) -> String {
     let mut text = format!(
         "# Friction found in {} by `trueaxis friction`; behind ± the standard error, which is not read.\n",
@@ -57,8 +57,8 @@ pub fn sections(record: &Path, found: &[Identified]) -> String {
     text
 }
 
-/// The figures found, as additions to a machine. The friction of an axis holds with the drive's figures it was fitted with: all are
-/// written or none, those that the fit held included.
+/// The figures found, as additions to a machine. The friction of an axis is valid only with the drive figures it was fitted
+/// with: all are written or none, including those that the fit kept fixed.
 pub fn additions(found: &[Identified]) -> Additions {
     let of_axis = |axis: &Identified| {
         let letter = axis.axis.letter();
@@ -81,7 +81,7 @@ pub fn additions(found: &[Identified]) -> Additions {
     Additions { findings: found.iter().flat_map(of_axis).collect(), fit: worst, ..Additions::default() }
 }
 
-/// A key with its value to six digits, and what is known about it.
+/// A key with its value to six digits and its standard error.
 fn line(text: &mut String, key: &str, value: f64, error: Option<f64>) {
     let shown = plain(value);
     let _ = match error {

@@ -1,4 +1,4 @@
-//! The result as one document, and as a table.
+//! The result as a document and as a table.
 
 use super::grid::Range;
 use super::job::{Job, five};
@@ -22,15 +22,15 @@ pub struct Point {
     pub z_mm: f64,
     /// A, degrees.
     pub a_deg: f64,
-    /// C, degrees; counts on over full turns.
+    /// C, degrees; continuous over full turns.
     pub c_deg: f64,
 }
 
 impl Job {
-    /// The grid, u the slow parameter. C is proportional to φ = u + θ and never jumps along a line of it.
+    /// Points of the grid, with u varying slowest. C is proportional to φ = u + θ and never jumps along a grid line.
     ///
     /// # Errors
-    /// u or θ beyond the flank, by the command line's option.
+    /// u or θ beyond the flank, by the command-line option.
     pub fn points(&self) -> Result<Vec<Point>> {
         let mut points: Vec<Point> = Vec::with_capacity(self.u.count * self.theta.count);
         for u_rad in self.u.values() {
@@ -46,17 +46,17 @@ impl Job {
 /// The result as one document.
 #[derive(Clone, Debug, Serialize)]
 pub struct Document {
-    /// What was asked for.
+    /// The request.
     pub inputs: Inputs,
     /// The flank.
     pub surface: Surface,
-    /// Null where the base cylinder was given.
+    /// Null if the base cylinder was given.
     pub gear: Option<DerivedGear>,
-    /// The grid, u the slow parameter.
+    /// Points of the grid, with u varying slowest.
     pub points: Vec<Point>,
 }
 
-/// What was asked for, defaults included; null what was not given.
+/// The request, defaults included; omitted values are null.
 #[derive(Clone, Debug, Serialize)]
 pub struct Inputs {
     form: &'static str,
@@ -86,7 +86,7 @@ pub struct Surface {
     tilt_deg: f64,
 }
 
-/// What follows from a gear's data.
+/// Values derived from a gear's data.
 #[derive(Clone, Debug, Serialize)]
 pub struct DerivedGear {
     transverse_module_mm: f64,
@@ -115,8 +115,7 @@ impl From<&GearData> for DerivedGear {
 }
 
 impl Document {
-    /// The document of a request and the points that were computed for it; without points for a window that asks for them
-    /// one by one.
+    /// The document of a request and the points computed for it; without points for a window that requests them one by one.
     pub fn new(job: &Job, points: Vec<Point>) -> Document {
         let gear = job.gear.as_ref();
         let inputs = Inputs {

@@ -1,4 +1,4 @@
-//! The tip's error along a line of the flank, before and after a machine's own compensation.
+//! The tip's error along a line on the flank, before and after a machine's own compensation.
 
 use super::apart::{angle, apart};
 use super::job::{Job, by_option, five};
@@ -15,12 +15,12 @@ use trueaxis_metrology::helicoid::Branch;
 use trueaxis_tables::Machine;
 use trueaxis_tables::exact::Geometry;
 
-/// Errors of the tool in the gear's frame, actual − ideal, one a point.
+/// Errors of the tool in the gear's frame, actual − ideal, one per point.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Errors {
-    /// Distance of the tip from where it ought to be, µm.
+    /// Distance of the tip from its ideal position, µm.
     pub tip_um: Vec<f64>,
-    /// What of it lies along the outward normal, µm: positive leaves material on the flank.
+    /// Component along the outward normal, µm: positive leaves material on the flank.
     pub normal_um: Vec<f64>,
     /// Angle between the tool and the normal, µrad.
     pub direction_urad: Vec<f64>,
@@ -28,30 +28,30 @@ pub struct Errors {
     pub largest: [f64; 3],
 }
 
-/// The tip's error along a line of the flank.
+/// The tip's error along a line on the flank.
 #[derive(Clone, Debug, Serialize)]
 pub struct Flanked {
-    /// Whether the displacements are positions of this machine's axes; if not, the positions are the machine's own, by its inverse
-    /// transformation, for the same poses of the tool.
+    /// Whether the displacements are positions of this machine's axes; if not, the machine's inverse transformation gives the
+    /// positions for the same tool poses.
     pub fit: Fit,
     /// u or θ, rad.
     pub parameter_rad: Vec<f64>,
     /// Without compensation.
     pub before: Errors,
-    /// With the correction of the servo step at standstill, by the machine's own tables and model.
+    /// With the correction of the servo step at standstill, from the machine's own tables and model.
     pub after: Errors,
-    /// Letters of axes that leave the machine's declared travel on the way.
+    /// Letters of the axes that leave their declared travel along the line.
     pub out_of_travel: Vec<char>,
 }
 
-/// The tip's error along a line of the flank, one parameter `along` its range and the other `held`.
+/// The tip's error along a line on the flank, with one parameter `along` its range and the other `held`.
 ///
-/// The actual pose is that of the exact geometry ([`Geometry`]) at the commands, and at the commands with the correction that the
-/// servo step settles to at standstill. Directions of travel are those in which the axes come along the line; an axis that stands
-/// keeps its own, positive at first. At the reference temperature.
+/// The exact geometry ([`Geometry`]) gives the actual pose at the commands, and at the commands plus the correction that the
+/// servo step settles to at standstill. Directions of travel are those of the axes along the line; a stationary axis keeps its
+/// direction, positive at first. All at the reference temperature.
 ///
 /// # Errors
-/// u or θ beyond the flank; a machine without a transformation, or that cannot take the poses; one that the step refuses.
+/// u or θ beyond the flank; a machine without a transformation or that cannot reach the poses; one that the step refuses.
 pub fn flank(job: &Job, machine: &Machine, along: Passes, held: f64, count: usize) -> Result<Flanked> {
     let places = job.line(along, held, count)?;
     let fit = fit(job, &machine.settings);
@@ -74,7 +74,7 @@ pub fn flank(job: &Job, machine: &Machine, along: Passes, held: f64, count: usiz
     }
     for (i, [u, theta]) in places.into_iter().enumerate() {
         let normal = job.surface.normal(u, theta);
-        // The geometry has its axes in the machine's order.
+        // The geometry orders its axes as the machine does.
         let slots = |values: &[f64; AXES]| {
             let mut slots = [0.0; AXES];
             for (slot, own) in slots.iter_mut().zip(&machine.settings.axes) {
@@ -116,7 +116,7 @@ fn own(job: &Job, places: &[[f64; 2]]) -> Result<Vec<[f64; AXES]>> {
     places.iter().map(|[u, theta]| Ok(six(&five(&job.place(*u, *theta, job.branch)?)))).collect()
 }
 
-/// Positions of another machine for the same poses, on its branch of the same number.
+/// Positions of another machine for the same poses, on its branch with the same number.
 fn inverse(job: &Job, machine: &Machine, places: &[[f64; 2]]) -> Result<Vec<[f64; AXES]>> {
     let name = machine.settings.name.as_str();
     let kinematics = Kinematics::<f64>::new(&machine.settings).map_err(|error| anyhow!("{name}: {error}"))?;
@@ -135,10 +135,10 @@ fn inverse(job: &Job, machine: &Machine, places: &[[f64; 2]]) -> Result<Vec<[f64
     Ok(positions)
 }
 
-/// Whether each axis comes in negative travel, by the order X Y Z A B C.
+/// Whether each axis arrives in negative travel, in the order X Y Z A B C.
 fn travels(positions: &[[f64; AXES]]) -> Vec<[bool; AXES]> {
     let mut now = [false; AXES];
-    // The first point is reached as the second is.
+    // The first point is reached in the same directions as the second.
     let from = |i: usize| if i == 0 { [0, 1] } else { [i - 1, i] };
     (0..positions.len())
         .map(|i| {
@@ -155,7 +155,7 @@ fn travels(positions: &[[f64; AXES]]) -> Vec<[bool; AXES]> {
         .collect()
 }
 
-/// An axis that moves by less, mm or degrees, stands: rounding.
+/// An axis that moves by less, mm or degrees, is stationary: rounding.
 const RESTING: f64 = 1e-9;
 
 /// Corrections that the step settles to, in the order X Y Z A B C.

@@ -3,7 +3,7 @@
 use serde::Serialize;
 use std::f64::consts::PI;
 
-/// Most points of a grid.
+/// Maximum number of points in a grid.
 pub const MOST: usize = 1_000_000;
 
 /// Equidistant values, both ends included.
@@ -13,7 +13,7 @@ pub struct Range {
     pub start: f64,
     /// Last value, rad.
     pub stop: f64,
-    /// Number of values, from 1; 1 is `start` alone.
+    /// Number of values, at least 1; 1 means `start` alone.
     pub count: usize,
 }
 
@@ -38,7 +38,7 @@ impl Range {
         }
     }
 
-    /// The values in their order; the last is STOP itself.
+    /// The values in order; the last is STOP itself.
     pub fn values(self) -> impl DoubleEndedIterator<Item = f64> + ExactSizeIterator {
         let last = self.count.saturating_sub(1);
         (0..self.count).map(move |i| match i {
@@ -53,8 +53,8 @@ fn finite(text: &str) -> Option<f64> {
     text.trim().parse().ok().filter(|value: &f64| value.is_finite())
 }
 
-/// Whether a step along a line of the grid turns the table by more than half a turn, so that a straight move between
-/// its points would leave the surface by far.
+/// Whether a step along a grid line turns the table by more than half a turn, so that a straight move between its points would
+/// leave the surface by far.
 pub fn is_coarse(range: Range) -> bool {
     range.count > 1 && (range.stop - range.start).abs() / (range.count - 1) as f64 > PI
 }

@@ -1,4 +1,4 @@
-//! A request, checked; errors name the command line's options.
+//! A checked request; errors name the command-line options.
 
 use super::grid::{MOST, Range, is_coarse};
 use super::request::{Passes, Request};
@@ -11,17 +11,17 @@ use trueaxis_metrology::helicoid::{
 /// A checked request.
 #[derive(Clone, Debug)]
 pub struct Job {
-    /// The gear and what follows from it, where the surface was given so.
+    /// The gear and the data derived from it, if the surface was given as a gear.
     pub gear: Option<(Gear, GearData)>,
     /// The flank.
     pub surface: Helicoid,
-    /// The machine as asked for.
+    /// Machine settings as requested.
     pub settings: MachineSettings,
     /// The machine, checked.
     pub machine: HeadTable,
     /// Travel and ball radius of the edge finder that gave the pivot length, mm.
     pub edge_finder_mm: Option<[f64; 2]>,
-    /// Which of the two stands.
+    /// Which of the two solutions for the axes.
     pub branch: Branch,
     /// Roll angles u, rad.
     pub u: Range,
@@ -35,7 +35,7 @@ pub struct Job {
     pub passes: Passes,
 }
 
-/// The same error with the name of the option.
+/// Restates an input error with the name of its option.
 pub(super) fn named(error: Error) -> Error {
     match error.downcast_ref::<InputError>() {
         Some(error) => by_option(*error),
@@ -66,12 +66,12 @@ pub(super) fn by_option(error: InputError) -> Error {
 }
 
 impl Job {
-    /// Checks a request. Nothing is computed yet but the surface and the gear's data.
+    /// Checks a request. Computes only the surface and the gear's data.
     ///
     /// # Errors
-    /// A surface given twice or in part, a gear, flank, pivot length, offset, feed or clearance out of its range, more than
-    /// [`MOST`] points; found and needed, by the command line's option. u and θ beyond the flank are found when its points are
-    /// computed.
+    /// A surface given twice or incompletely, a gear, flank, pivot length, offset, feed or clearance out of its range, more
+    /// than [`MOST`] points; found and needed, by the command-line option. Computing the points detects u and θ beyond the
+    /// flank.
     pub fn new(request: &Request) -> Result<Job> {
         let (gear, surface) = surface(request)?;
         let (pivot_mm, edge_finder_mm) = pivot(request)?;
@@ -110,10 +110,10 @@ impl Job {
         })
     }
 
-    /// The axes' positions at a place of the flank.
+    /// Axis positions at a place of the flank.
     ///
     /// # Errors
-    /// u or θ beyond the flank, by the command line's option.
+    /// u or θ beyond the flank, by the command-line option.
     pub fn place(&self, u: f64, theta: f64, branch: Branch) -> Result<Placement> {
         self.machine.place(&self.surface, u, theta, branch).map_err(by_option)
     }
@@ -133,7 +133,7 @@ impl Job {
         number(self.branch)
     }
 
-    /// What a reader of the result should know: where the pivot length comes from, and a grid too coarse for straight moves.
+    /// Notes for a reader of the result: the source of the pivot length, and a grid too coarse for straight moves.
     pub fn notes(&self) -> Vec<String> {
         let pivot = self.edge_finder_mm.map(|[travel, radius]| {
             format!("pivot length {} mm = travel {travel} mm + ball radius {radius} mm", self.settings.pivot_mm)

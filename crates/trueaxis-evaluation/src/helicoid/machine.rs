@@ -1,4 +1,4 @@
-//! Machines for a request: one made of its settings, whether a given one is of that kind, and a given one made so.
+//! Machines for a request: one built from its settings, whether a given one fits it, and a given one adapted to it.
 
 use super::apart::apart;
 use super::job::Job;
@@ -14,13 +14,13 @@ use trueaxis::machine::{
 use trueaxis_metrology::helicoid::{Form, MachineSettings as Settings, Placement};
 use trueaxis_tables::Machine;
 
-/// Structural code of the machine of the displacements.
+/// Structural code of the machine that the displacements assume.
 const CHAIN: &str = "w C' b X Y Z A t";
-/// Agreement of tips, mm, and of directions.
+/// Tolerances for equal tips, mm, and for equal directions.
 const SAME_MM: f64 = 1e-6;
 const SAME: f64 = 1e-9;
 
-/// X Y Z A B C of X Y Z A C.
+/// X Y Z A B C from X Y Z A C.
 pub(super) fn six([x, y, z, a, c]: &[f64; 5]) -> [f64; AXES] {
     [*x, *y, *z, *a, 0.0, *c]
 }
@@ -66,18 +66,18 @@ pub(super) fn twin(settings: &Settings) -> Result<Kinematics<f64>> {
 pub struct Fit {
     /// The machine's name.
     pub machine: String,
-    /// Its structural code.
+    /// Structural code of the machine.
     pub chain: String,
-    /// Whether they are.
+    /// Whether they are such positions.
     pub fits: bool,
     /// Why not: found and needed.
     pub reasons: Vec<String>,
-    /// Declared travel of its axes X, Y, Z, A and C; none unless it has A and C.
+    /// Declared travel of the axes X, Y, Z, A and C; `None` unless the machine has A and C.
     pub travel: Option<Limits>,
 }
 
-/// Whether the displacements of a request are positions of this machine's axes: the same pose of the tool in the table's frame at
-/// the same positions, by the machine's own forward transformation.
+/// Whether the displacements of a request are positions of this machine's axes: whether its own forward transformation gives
+/// the same tool pose in the table's frame at the same positions.
 pub fn fit(job: &Job, machine: &MachineSettings) -> Fit {
     let has = |axis: Axis| machine.axis(axis).is_some();
     let reasons = reasons(job, machine);
@@ -117,8 +117,8 @@ fn reasons(job: &Job, machine: &MachineSettings) -> Vec<String> {
     }
 }
 
-/// What differs between the machine's transformation and the request's: direction of the tool at rest, senses, the tip at rest,
-/// the pivot length.
+/// Differences between the machine's transformation and the request's: tool direction at rest, axis senses, tip at rest, pivot
+/// length.
 fn geometry(job: &Job, kinematics: &Kinematics<f64>) -> Vec<String> {
     let at = |a: f64, c: f64| {
         let found = kinematics.forward(&[0.0, 0.0, 0.0, a, 0.0, c]);
@@ -144,7 +144,7 @@ fn geometry(job: &Job, kinematics: &Kinematics<f64>) -> Vec<String> {
         let needed = job.settings.direction_a;
         reasons.push(format!("direction of A: found {}, needed {needed}", -needed));
     }
-    // The tip goes on a circle about the A axis: a chord of 30 degrees.
+    // The tip moves on a circle about the A axis: a chord of 30 degrees.
     let pivot = |from, to| apart(from, to) / (2.0 * 15f64.to_radians().sin());
     let [found, needed] = [pivot(tip, turned), pivot(tip_needed, turned_needed)];
     if (found - needed).abs() > SAME_MM {
@@ -165,11 +165,11 @@ fn geometry(job: &Job, kinematics: &Kinematics<f64>) -> Vec<String> {
     reasons
 }
 
-/// A machine of the chain `w C' b X Y Z A t`, standing upright at A = 0 with positive senses, made into that of a request: pivot
-/// length, form and directions. Tables and travel of A and C go with the joints, not with their numbers.
+/// Adapts a machine of the chain `w C' b X Y Z A t`, upright at A = 0 and with positive senses, to a request: pivot length,
+/// form and directions. Tables and travel of A and C follow the joints, not their numbers.
 ///
 /// # Errors
-/// A machine of another chain.
+/// A machine with another chain.
 pub fn adapted(job: &Job, mut machine: Machine) -> Result<Machine> {
     let chain = machine.settings.chain.as_str();
     if links(chain) != links(CHAIN) {

@@ -1,7 +1,7 @@
-//! Involute helicoids on five axes: a request, checked; displacements over a grid, as document, CSV and program; the tool at
-//! one place of the flank, and what a machine's travel and geometry make of it.
+//! Involute helicoids on five axes: a checked request; displacements over a grid, as document, CSV and program; the tool at
+//! one place of the flank, and the effects of a machine's travel and geometry.
 //!
-//! The mathematics is that of [`trueaxis_metrology::helicoid`].
+//! The mathematics is [`trueaxis_metrology::helicoid`].
 
 mod apart;
 pub mod document;

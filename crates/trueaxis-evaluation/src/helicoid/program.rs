@@ -1,4 +1,4 @@
-//! The G-code of a grid: one pass after the other, back and forth.
+//! The G-code of a grid: successive passes, back and forth.
 
 use super::job::{Job, named};
 use super::request::Passes;
@@ -7,13 +7,13 @@ use std::fmt::Write;
 use trueaxis_metrology::helicoid::{Branch, Placement};
 
 impl Job {
-    /// The program in LinuxCNC's dialect, straight moves of all five axes in machine positions.
+    /// The program in LinuxCNC's dialect: straight moves of all five axes in machine positions.
     ///
-    /// Every point of the grid is the end of one G1. Before the first and after the last the tool stands back along its
-    /// axis; A and C turn only where the pivot is so high that the tool, however it turns, stays above the whole grid.
+    /// Every grid point is the end of one G1. Before the first and after the last, the tool is retracted along its axis. A and
+    /// C turn only with the pivot so high that the tool, at any angle, stays above the whole grid.
     ///
     /// # Errors
-    /// u or θ beyond the flank, by the command line's option.
+    /// u or θ beyond the flank, by the command-line option.
     pub fn program(&self) -> Result<String> {
         write(self).map_err(named)
     }
@@ -53,7 +53,7 @@ fn write(job: &Job) -> Result<String> {
     Ok(text)
 }
 
-/// Axes and the direction in which the tool is drawn back from the surface, in machine coordinates.
+/// Axis positions and the direction in which the tool retracts from the surface, in machine coordinates.
 #[derive(Clone, Copy)]
 struct Stand {
     axes: Placement,

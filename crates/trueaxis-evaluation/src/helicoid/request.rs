@@ -1,4 +1,4 @@
-//! What is asked for, as the command line's options and as a JSON object with the options' names.
+//! A request, as command-line options and as a JSON object with the options' names.
 
 use super::grid::Range;
 use serde::de::{Error, Unexpected};
@@ -7,8 +7,8 @@ use trueaxis_metrology::helicoid::{Branch, Flank, Form};
 
 /// A request as given; nothing is checked before [`super::Job::new`].
 ///
-/// Of a JSON object, keys are the command line's options with underscores, ranges texts `START:STOP:COUNT`; what is left out
-/// has the command line's default, and what the object has besides is refused.
+/// In a JSON object, keys are the command-line options with underscores, and ranges are texts `START:STOP:COUNT`. Omitted keys
+/// have the command line's defaults; unknown keys are refused.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Request {
@@ -36,7 +36,7 @@ pub struct Request {
     /// Angles θ along the helix.
     #[serde(deserialize_with = "theta_rad")]
     pub theta_rad: Range,
-    /// Head at A = 0.
+    /// Form of the head at A = 0.
     #[serde(default, with = "FormName")]
     pub form: Form,
     /// Pivot length L, mm, tool tip to A axis.
@@ -48,7 +48,7 @@ pub struct Request {
     /// Radius r of the edge finder's ball, mm.
     #[serde(default)]
     pub edge_finder_radius_mm: Option<f64>,
-    /// Which of the two stands of the axes, 1 or 2.
+    /// Which of the two solutions for the axes, 1 or 2.
     #[serde(default, deserialize_with = "branch")]
     pub branch: Branch,
     /// Side of the tooth, seen from +z with its tip up.
@@ -102,11 +102,11 @@ fn clearance() -> f64 {
 }
 
 impl Request {
-    /// Feed of a program for which none is asked.
+    /// Default feed of a program.
     pub const FEED_MM_PER_MIN: f64 = 500.0;
-    /// Clearance of a program for which none is asked.
+    /// Default clearance of a program.
     pub const CLEARANCE_MM: f64 = 50.0;
-    /// What a number of teeth has to be.
+    /// Requirement for a number of teeth.
     pub const TEETH: &str = "a whole number of teeth, 1 to 10000";
 }
 
@@ -146,7 +146,7 @@ fn branch<'de, D: Deserializer<'de>>(from: D) -> Result<Branch, D::Error> {
 
 fn teeth<'de, D: Deserializer<'de>>(from: D) -> Result<Option<u32>, D::Error> {
     let Some(found) = Option::<f64>::deserialize(from)? else { return Ok(None) };
-    // More teeth than any gear has are left to the check, which names the option.
+    // Larger counts than any gear has pass to the check, which names the option.
     if found.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(&found) {
         return Ok(Some(found as u32));
     }

@@ -1,4 +1,4 @@
-//! The flank as points to draw, and displacements along a line of it.
+//! The flank as points to draw, and displacements along a line on it.
 
 use super::grid::Range;
 use super::job::{Job, five};
@@ -7,12 +7,12 @@ use anyhow::{Result, ensure};
 use std::f64::consts::TAU;
 use trueaxis_metrology::helicoid::Branch;
 
-/// Most points along a line.
+/// Maximum number of points along a line.
 pub(super) const LONGEST: usize = 10_000;
-/// Points of a base circle, and of another tooth's flank.
+/// Number of points of a base circle, and of another tooth's flank.
 const CIRCLE: usize = 120;
 const FLANK: usize = 10;
-/// Most teeth drawn.
+/// Maximum number of teeth drawn.
 const TEETH: u32 = 400;
 
 /// `count` values over the whole of a range.
@@ -21,10 +21,11 @@ pub(super) fn over(range: Range, count: usize) -> Range {
 }
 
 impl Job {
-    /// Points of the flank over its grid's range, in the gear's frame, mm: `rows` of θ, each of `columns` of u, X Y Z a point.
+    /// Points of the flank over the grid's range, in the gear's frame, mm: `rows` of θ, each of `columns` of u, X Y Z per
+    /// point.
     ///
-    /// One row or column where the range has but one value. With a lift, so many mm outside the flank along its normal: lines
-    /// that are to be seen on it.
+    /// One row or column if the range has a single value. `lift_mm` moves the points outward along the normal, for lines that
+    /// are to be visible on the flank.
     pub fn mesh(&self, rows: usize, columns: usize, lift_mm: f64) -> Vec<f32> {
         let us: Vec<f64> = over(self.u, columns).values().collect();
         let lifted = |u: f64, theta: f64| {
@@ -35,8 +36,8 @@ impl Job {
         thetas.flat_map(|theta| us.iter().flat_map(move |u| lifted(*u, theta))).collect()
     }
 
-    /// What stands around the flank, as pairs of points in the gear's frame, mm: base circles and the flanks of the other
-    /// teeth at both ends of θ, and the gear's axis between them.
+    /// Surroundings of the flank, as pairs of points in the gear's frame, mm: base circles and the flanks of the other teeth
+    /// at both ends of θ, and the gear's axis between them.
     pub fn surroundings(&self) -> Vec<f32> {
         let mut lines = Vec::new();
         let mut line = |points: &mut dyn Iterator<Item = [f64; 3]>| {
@@ -50,7 +51,7 @@ impl Job {
         let ends = [self.theta.start, if self.theta.count == 1 { self.theta.start } else { self.theta.stop }];
         let teeth = self.gear.map_or(0, |(gear, _)| gear.teeth.min(TEETH));
         for theta in ends {
-            // The involute starts on the base cylinder, u = 0; a tooth on is the same flank further round.
+            // The involute starts on the base cylinder, u = 0; the next tooth has the same flank, turned.
             let level = |u: f64, turn: f64| {
                 let [x, y, _] = self.surface.point(u, theta + turn);
                 [x, y, self.surface.point(u, theta)[2]]
@@ -65,10 +66,10 @@ impl Job {
         lines
     }
 
-    /// Places along a line of the flank: `count` values of one parameter over its range, the other held.
+    /// Places along a line on the flank: `count` values of one parameter over its range, the other fixed at `held`.
     ///
     /// # Errors
-    /// No or too many values.
+    /// Zero or too many values.
     pub(super) fn line(&self, along: Passes, held: f64, count: usize) -> Result<Vec<[f64; 2]>> {
         ensure!((1..=LONGEST).contains(&count), "found {count} points of a line, needed 1 to {LONGEST}");
         Ok(match along {
@@ -77,11 +78,11 @@ impl Job {
         })
     }
 
-    /// Displacements along a line of the flank: eleven columns one after the other, the parameter (rad), then X, Y, Z (mm), A
-    /// and C (degrees) of branch 1 and of branch 2.
+    /// Displacements along a line on the flank, as eleven consecutive columns: the parameter (rad), then X, Y, Z (mm), A and C
+    /// (degrees) of branch 1 and of branch 2.
     ///
     /// # Errors
-    /// No or too many values; u or θ beyond the flank.
+    /// Zero or too many values; u or θ beyond the flank.
     pub fn curve(&self, along: Passes, held: f64, count: usize) -> Result<Vec<f64>> {
         let places = self.line(along, held, count)?;
         let mut rows = Vec::with_capacity(places.len());

@@ -17,19 +17,19 @@ pub struct Tool {
     pub u_rad: f64,
     /// θ, rad.
     pub theta_rad: f64,
-    /// Surface point in the gear's frame: where the tip stands, mm.
+    /// Surface point at which the tip is, in the gear's frame, mm.
     pub point_mm: [f64; 3],
-    /// Outward normal in the gear's frame: along which the tool stands.
+    /// Outward normal along which the tool lies, in the gear's frame.
     pub normal: [f64; 3],
     /// Distance of the point from the gear's axis, mm.
     pub radius_mm: f64,
     /// Branch 1 and branch 2.
     pub stands: [Stand; 2],
-    /// Distance from the singular pose; the same on both branches and all over the flank.
+    /// Distance from the singular pose; equal on both branches and over the whole flank.
     pub singular: Singular,
 }
 
-/// The axes on one branch.
+/// Axis positions on one branch.
 #[derive(Clone, Debug, Serialize)]
 pub struct Stand {
     /// 1 or 2.
@@ -46,8 +46,8 @@ pub struct Stand {
     pub c_deg: f64,
     /// Direction of the A axis in the gear's frame.
     pub a_axis: [f64; 3],
-    /// Distance of the tip from the surface point, µm, by the forward transformation of the step's kinematics on a machine of
-    /// this chain: independent of the formula of the displacements.
+    /// Distance of the tip from the surface point, µm, by the forward transformation of the step's kinematics for a machine of
+    /// this chain: independent of the displacement formula.
     pub off_surface_um: f64,
     /// Angle between tool and normal, µrad, found in the same way.
     pub off_normal_urad: f64,
@@ -55,18 +55,18 @@ pub struct Stand {
     pub beyond: Vec<Beyond>,
 }
 
-/// How far the tool is from the axis of the table, where C may stand anywhere.
+/// Distance of the tool from the table's axis, on which C is arbitrary.
 #[derive(Clone, Debug, Serialize)]
 pub struct Singular {
     /// Angle between tool and C axis, degrees.
     pub margin_deg: f64,
-    /// A of the singular pose, degrees, where both branches meet.
+    /// A of the singular pose, degrees, at which both branches meet.
     pub a_deg: f64,
-    /// What a turn of the tool's direction by 1 µrad asks of C at most, µrad: 1/sin(margin).
+    /// Largest change of C per 1 µrad of change in the tool's direction, µrad: 1/sin(margin).
     pub gain: f64,
-    /// Within this margin, degrees, the correction of a tool's direction fades unless a machine sets another.
+    /// Margin, degrees, within which the correction of the tool's direction fades, unless a machine sets another.
     pub fade_deg: f64,
-    /// Whether the margin is below that.
+    /// Whether the margin is below `fade_deg`.
     pub near: bool,
 }
 
@@ -74,7 +74,7 @@ impl Job {
     /// The tool at (u, θ) on both branches.
     ///
     /// # Errors
-    /// u or θ beyond the flank; limits of which the high end stands first.
+    /// u or θ beyond the flank; limits with the high end first.
     pub fn tool(&self, u: f64, theta: f64, limits: &Limits) -> Result<Tool> {
         limits.check()?;
         let kinematics = twin(&self.settings)?;

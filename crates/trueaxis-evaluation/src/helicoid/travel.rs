@@ -1,4 +1,4 @@
-//! Travel that the axes have, and what of it a grid needs.
+//! Travel of the axes, and the travel that a grid needs.
 
 use super::job::{Job, five, number};
 use anyhow::{Result, ensure};
@@ -10,19 +10,19 @@ use trueaxis_metrology::helicoid::Branch;
 /// The five axes, in the order of all figures.
 pub(super) const AXES: [Axis; 5] = [Axis::X, Axis::Y, Axis::Z, Axis::A, Axis::C];
 
-/// Low and high end of each axis' travel, mm and degrees; an axis without has no limit.
+/// Low and high end of each axis' travel, mm and degrees; `None` means no limit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(default, deny_unknown_fields, rename_all = "UPPERCASE")]
 pub struct Limits {
-    /// Of X, mm.
+    /// Limits of X, mm.
     pub x: Option<[f64; 2]>,
-    /// Of Y, mm.
+    /// Limits of Y, mm.
     pub y: Option<[f64; 2]>,
-    /// Of Z, mm.
+    /// Limits of Z, mm.
     pub z: Option<[f64; 2]>,
-    /// Of A, degrees.
+    /// Limits of A, degrees.
     pub a: Option<[f64; 2]>,
-    /// Of C, degrees.
+    /// Limits of C, degrees.
     pub c: Option<[f64; 2]>,
 }
 
@@ -37,7 +37,7 @@ impl Limits {
         [self.x, self.y, self.z, self.a, self.c]
     }
 
-    /// Refuses limits of which the high end stands first.
+    /// Refuses limits with the high end first.
     ///
     /// # Errors
     /// The axis, found and needed.
@@ -51,7 +51,7 @@ impl Limits {
         Ok(())
     }
 
-    /// Axes that stand beyond their limits.
+    /// Axes beyond their limits.
     pub(super) fn beyond(&self, positions: &[f64; 5]) -> Vec<Beyond> {
         let limits = AXES.into_iter().zip(self.all()).zip(positions);
         limits
@@ -66,7 +66,7 @@ impl Limits {
 /// An axis beyond its travel.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Beyond {
-    /// Its letter.
+    /// Letter of the axis.
     pub axis: char,
     /// Position, mm or degrees.
     pub found: f64,
@@ -79,7 +79,7 @@ pub struct Beyond {
 /// Travel of one axis over a grid.
 #[derive(Clone, Debug, Serialize)]
 pub struct AxisReach {
-    /// Its letter.
+    /// Letter of the axis.
     pub axis: char,
     /// `mm` or `degrees`.
     pub unit: &'static str,
@@ -87,9 +87,9 @@ pub struct AxisReach {
     pub low: f64,
     /// Highest position.
     pub high: f64,
-    /// Low and high end of its travel, where it has one.
+    /// Low and high end of the axis' travel, if limited.
     pub limit: Option<[f64; 2]>,
-    /// Points of the grid at which it stands beyond.
+    /// Number of grid points at which the axis is beyond its travel.
     pub beyond: usize,
 }
 
@@ -100,15 +100,15 @@ pub struct Reach {
     pub branch: u8,
     /// X, Y, Z, A, C.
     pub axes: Vec<AxisReach>,
-    /// Points of the grid at which any axis stands beyond its travel.
+    /// Number of grid points at which any axis is beyond its travel.
     pub beyond: usize,
 }
 
 impl Job {
-    /// Travel that the grid needs on either branch, and where that is more than there is.
+    /// Travel that the grid needs on each branch, and where it exceeds the limits.
     ///
     /// # Errors
-    /// u or θ beyond the flank; limits of which the high end stands first.
+    /// u or θ beyond the flank; limits with the high end first.
     pub fn reach(&self, limits: &Limits) -> Result<[Reach; 2]> {
         limits.check()?;
         Ok([self.reach_on(Branch::First, limits)?, self.reach_on(Branch::Second, limits)?])

@@ -1,4 +1,4 @@
-//! What was identified, as a document.
+//! The identified errors, as a document.
 
 use super::Readings;
 use crate::uncertainty::{band_factor, expanded};
@@ -21,26 +21,26 @@ pub struct Document {
     pub sigma_um: f64,
     /// Root mean square of the standard errors over the angles.
     pub standard_errors: Map<String, Value>,
-    /// Half-widths of intervals of 95 %: standard errors times Student's factor.
+    /// Half-widths of 95 % intervals: standard errors times Student's factor.
     pub expanded_uncertainties: Map<String, Value>,
-    /// Readings less what they determine.
+    /// Number of readings minus the unknowns that they determine.
     pub degrees_of_freedom: usize,
-    /// Whether location errors are among the errors: "inside" or "removed".
+    /// Whether the errors include location errors: "inside" or "removed".
     pub location: &'static str,
-    /// Combinations that no reading sees and that the convention of free offsets fixes; 0 without.
+    /// Number of combinations that no reading observes and that the convention of free offsets fixes; 0 without free offsets.
     pub null_space: usize,
-    /// What is to be known of the result, a sentence each.
+    /// Remarks on the result, a sentence each.
     pub warnings: Vec<String>,
 }
 
 /// Where a ball was set up.
 #[derive(Clone, Debug, Serialize)]
 pub struct SetUp {
-    /// Below the intersection of the rotary axes, mm.
+    /// Distance below the intersection of the rotary axes, mm.
     pub l_mm: f64,
-    /// Beside it, mm.
+    /// Distance beside the intersection, mm.
     pub h_mm: f64,
-    /// With free offsets: the offset found.
+    /// The offset found, if offsets are free.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub offset_um: Option<[f64; 3]>,
 }
@@ -52,18 +52,18 @@ pub struct Angle {
     pub angle_deg: f64,
     #[serde(flatten)]
     errors: Map<String, Value>,
-    /// Root mean square of what the errors leave of the readings.
+    /// Root mean square of the readings' residuals.
     pub residual_um: f64,
     /// Condition number.
     pub condition: f64,
-    /// Rank, 6 where all errors are determined.
+    /// Rank: 6 if all errors are determined.
     pub rank: u8,
     standard_errors: Map<String, Value>,
     expanded_uncertainties: Map<String, Value>,
     /// The errors, µm and µrad.
     #[serde(skip)]
     pub values: [f64; 6],
-    /// Their standard errors, µm and µrad.
+    /// Standard errors of `values`, µm and µrad.
     #[serde(skip)]
     pub deviations: [f64; 6],
 }
@@ -76,7 +76,7 @@ pub fn names(axis: Axis) -> [String; 6] {
     })
 }
 
-/// mm and rad to µm and µrad.
+/// Converts mm and rad to µm and µrad.
 pub fn micro(twist: &Twist) -> [f64; 6] {
     let [x, y, z, a, b, c] = *twist;
     [1e3 * x, 1e3 * y, 1e3 * z, 1e6 * a, 1e6 * b, 1e6 * c]
@@ -130,7 +130,7 @@ impl Document {
         }
     }
 
-    /// Meaning of the errors, in a sentence.
+    /// Explains `location` in a sentence.
     pub fn location_sentence(&self) -> &'static str {
         match (self.location, self.axis.as_str()) {
             ("inside", _) => "inside: the errors contain the axis' location errors and the zero of the gauges",

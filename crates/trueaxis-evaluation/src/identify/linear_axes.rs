@@ -8,11 +8,12 @@ use trueaxis::machine::{AXES, carries_workpiece};
 use trueaxis_metrology::identification::{Ball, lever};
 use trueaxis_tables::Machine;
 
-/// Takes the linear axes' own errors out of the readings; true where a position lay beyond a table's end.
+/// Subtracts the linear axes' own errors from the readings; true if a position was beyond a table's end.
 ///
-/// RTCP moves the linear axes so that the ball of every set-up stays in one place: `start_mm` is where X, Y, Z stand in the first
-/// set-up at the first angle. A head's axes go against the lever, a table's tool goes with it. Tables are read in positive travel, at
-/// the reference temperature; the lever from the linear axes to the ball is that of the volumetric model.
+/// RTCP moves the linear axes so that the ball of every set-up stays in one place: `start_mm` is the position of X, Y, Z in
+/// the first set-up at the first angle. With a head the linear axes move against the lever, with a table they follow it.
+/// Tables are read in positive travel, at the reference temperature; the lever from the linear axes to the ball is the
+/// volumetric model's.
 pub(super) fn remove(
     readings: &mut Readings,
     machine: &Machine,

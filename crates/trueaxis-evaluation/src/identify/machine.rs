@@ -8,11 +8,12 @@ use trueaxis_tables::finding::{Finding, Fit, Known};
 use trueaxis_tables::{Additions, Machine};
 
 impl Found {
-    /// The six errors for a machine that was not corrected while they were measured: what they are more than its table and its
-    /// location errors of the axis. They are known together: levers tell a shift from a turn, each is as wrong as the other.
+    /// The six errors for a machine that was not corrected while they were measured: their excess over its table and its
+    /// location errors of the axis. They are determined together: only levers distinguish a shift from a rotation, so an error
+    /// in one is an error in the other.
     ///
     /// # Errors
-    /// Angles that no table can be made of.
+    /// Angles from which no table can be built.
     ///
     /// Cost: a second fit.
     pub fn additions(&self, machine: &Machine) -> Result<Additions> {
@@ -45,7 +46,7 @@ impl Found {
         Ok(Additions { findings: findings.collect(), fit: Some(fit), ..Additions::default() })
     }
 
-    /// Root mean square of the readings, with free offsets about their means.
+    /// Root mean square of the readings; with free offsets, about their means.
     fn read_mm(&self) -> f64 {
         let (mut squares, mut count) = (0.0, 0.0);
         for set_up in 0..self.readings.balls.len() {
@@ -62,7 +63,7 @@ impl Found {
     }
 }
 
-/// Root mean squares over the angles of the errors or their standard errors, µm and µrad.
+/// Root mean squares over the angles, of the errors or of their standard errors, µm and µrad.
 fn rms(found: &Identified, of: impl Fn((Twist, Twist)) -> Twist) -> [f64; 6] {
     let all: Vec<[f64; 6]> =
         found.angles.iter().map(|angle| micro(&of((angle.errors, angle.standard_errors)))).collect();
@@ -73,14 +74,15 @@ fn only(errors: Twist, k: usize) -> Twist {
     std::array::from_fn(|own| if own == k { errors[own] } else { 0.0 })
 }
 
-/// Lines of a full turn over the turn that begins with the machine's own table; others, and of a machine without one, as they are.
+/// Moves the lines of a full turn to the turn that begins with the machine's own table. Returns other lines, and those for a
+/// machine without a table, unchanged.
 fn beside(found: &[Row], own: Option<&[Row]>) -> Vec<Row> {
     let (Some(start), [first, .., last]) = (own.and_then(|rows| rows.first()), found) else { return found.to_vec() };
     if (last.position - first.position - 360.0).abs() > super::SAME_ANGLE_DEG {
         return found.to_vec();
     }
     let begin = start.position;
-    // The line that closes the turn is the first once more.
+    // The line that closes the turn repeats the first.
     let open = found.len() - 1;
     let mut turned: Vec<Row> = found[..open]
         .iter()
@@ -88,7 +90,7 @@ fn beside(found: &[Row], own: Option<&[Row]>) -> Vec<Row> {
         .collect();
     turned.sort_by(|a, b| a.position.total_cmp(&b.position));
     let (Some(&low), Some(&high)) = (turned.first(), turned.last()) else { return found.to_vec() };
-    // At both ends of the turn what lies between the last line before it and the first in it.
+    // Interpolates the values at both ends of the turn between the last line before its start and the first line in it.
     let (to_low, to_high) = (low.position - begin, begin + 360.0 - high.position);
     let share = if to_low + to_high > 0.0 { to_low / (to_low + to_high) } else { 0.0 };
     let forward = std::array::from_fn(|k| low.forward[k] + share * (high.forward[k] - low.forward[k]));

@@ -1,11 +1,11 @@
-//! Errors of a rotary axis from a ball held in place: the measured file as a test, and what was found as a document and as
-//! the axis' table.
+//! Errors of a rotary axis from a ball held in place: the measured file as a test, and the result as a document and as the
+//! axis' table.
 //!
 //! ```text
 //! MEASURED.csv ─► Readings ─► identify ─► Found: document, table, additions to a machine
 //! ```
 //!
-//! The mathematics is [`trueaxis_metrology::identification`].
+//! The mathematics is in [`trueaxis_metrology::identification`].
 
 mod document;
 mod linear_axes;
@@ -22,24 +22,24 @@ use trueaxis::Axis;
 use trueaxis_metrology::identification::{Identified, Offsets, identify as solve};
 use trueaxis_tables::{Machine, Table};
 
-/// Condition number from which the set-ups are called doubtful: a gauge of 0.2 µm then gives errors of 20 µm.
+/// Condition number from which the set-ups are doubtful: a gauge error of 0.2 µm then gives errors of 20 µm.
 const DOUBTFUL_CONDITION: f64 = 100.0;
 
-/// A machine that is known already: the sense of its axis is taken, and its linear axes' own errors are removed.
+/// A known machine: the sense of its axis is used, and its linear axes' own errors are removed.
 #[derive(Clone, Copy, Debug)]
 pub struct Known<'m> {
     /// The machine.
     pub machine: &'m Machine,
-    /// What it is called in messages.
+    /// Name in messages.
     pub file: &'m str,
-    /// Where X, Y, Z stand in the first set-up at the first angle, mm; from there RTCP moves them.
+    /// Position of X, Y, Z in the first set-up at the first angle, mm; RTCP moves them from there.
     pub start_mm: [f64; 3],
 }
 
-/// What was found.
+/// Result of [`identify`].
 #[derive(Debug)]
 pub struct Found {
-    /// To be printed.
+    /// Document to print.
     pub document: Document,
     readings: Readings,
     offsets: Offsets,
@@ -47,9 +47,9 @@ pub struct Found {
     errors: Identified,
 }
 
-/// The six errors of an axis at every angle of the readings; `name` stands before what is wrong with them.
+/// The six errors of an axis at every angle of the readings; errors about the readings begin with `name`.
 ///
-/// Cost: [`solve`], a least-squares fit of six unknowns an angle.
+/// Cost: [`solve`], a least-squares fit of six unknowns per angle.
 ///
 /// # Errors
 /// A machine without that axis or with tables that the model refuses; readings that do not determine the errors.
@@ -98,10 +98,10 @@ pub fn identify(
 }
 
 impl Found {
-    /// The errors as the axis' table; what is to be said of it is added to the document's warnings.
+    /// The errors as the axis' table; adds remarks on it to the document's warnings.
     ///
     /// # Errors
-    /// Angles that no table can be made of.
+    /// Angles from which no table can be built.
     pub fn table(&mut self) -> Result<Table> {
         let (table, note) = table::table(&self.readings.angles_deg, &self.errors)?;
         self.document.warnings.extend(note);

@@ -17,17 +17,17 @@ pub const COLUMNS: [Column; 6] = [
     Column { name: "dz_um", needed: true },
 ];
 
-/// Angles nearer than this are one, degrees: a hundredth of the finest rotary encoder's resolution.
+/// Angles closer than this are equal, degrees: a hundredth of the finest rotary encoder's resolution.
 pub const SAME_ANGLE_DEG: f64 = 1e-6;
 
-/// A test as it stands in a file, angles in degrees.
+/// A test as read from a file, angles in degrees.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Readings {
     /// Positions of the axis, increasing.
     pub angles_deg: Vec<f64>,
     /// The set-ups.
     pub balls: Vec<Ball>,
-    /// By angle, then by set-up, mm.
+    /// Deviations by angle, then by set-up, mm.
     pub deviations_mm: Vec<Vec<[f64; 3]>>,
 }
 
@@ -44,11 +44,11 @@ struct SetUp {
 }
 
 impl Readings {
-    /// Reads and checks all rows of [`COLUMNS`]; those of each set-up stand in increasing order of the angle.
+    /// Reads and checks all rows of [`COLUMNS`]; those of each set-up are in increasing order of the angle.
     ///
     /// # Errors
-    /// A row that cannot be read, angles that do not increase or go beyond a full turn, fewer than three set-ups, a set-up
-    /// without a row at an angle of the others, a deviation beyond a probe's travel, a probe that stands still half-way.
+    /// A row that cannot be read, angles that do not increase or exceed a full turn, fewer than three set-ups, a set-up
+    /// without a row at an angle of the others, a deviation beyond a probe's travel, a probe that stops changing half-way.
     pub fn read(rows: &mut Rows<'_, 6>) -> Result<Readings> {
         let file = rows.file.clone();
         let set_ups = by_set_up(rows)?;
@@ -85,7 +85,7 @@ impl Readings {
     }
 }
 
-/// A set-up as it is named in messages.
+/// Name of a set-up in messages.
 fn name(ball: Ball) -> String {
     format!("l_mm {}, h_mm {}", ball.vertical_mm, ball.horizontal_mm)
 }
@@ -130,7 +130,7 @@ fn by_set_up(rows: &mut Rows<'_, 6>) -> Result<Vec<SetUp>> {
     Ok(set_ups)
 }
 
-/// No angle twice after a full turn, but for the one that closes the circle.
+/// Refuses angles beyond a full turn, which may end with the angle that closes the circle.
 fn within_a_circle(rows: &Rows<'_, 6>, set_ups: &[SetUp], angles_deg: &[f64]) -> Result<()> {
     let (Some(&first), Some(&last)) = (angles_deg.first(), angles_deg.last()) else { return Ok(()) };
     if last - first <= 360.0 + SAME_ANGLE_DEG {

@@ -1,4 +1,4 @@
-//! Errors found as an axis table.
+//! Identified errors as an axis table.
 
 use super::readings::SAME_ANGLE_DEG;
 use anyhow::{Result, bail};
@@ -6,13 +6,13 @@ use trueaxis::machine::Row;
 use trueaxis_metrology::identification::Identified;
 use trueaxis_tables::Table;
 
-/// A gap to the full circle that is at most this many of the widest steps belongs to a full circle.
+/// A gap to the full circle of at most this many widest steps counts as a closed circle.
 const CLOSING_STEPS: f64 = 1.5;
 
-/// The table, and the treatment of its ends.
+/// The table, and a note on how its ends were closed.
 ///
-/// A table over exactly 360° wraps, and its ends must agree: a test that stops one step before is closed with its first
-/// line; one that has read the closing angle too gets the mean of both at either end.
+/// A table over exactly 360° wraps, so its ends must agree: a test that stops one step short is closed with its first line; a
+/// test that includes the closing angle gets the mean of both readings at both ends.
 ///
 /// # Errors
 /// Fewer than two angles.

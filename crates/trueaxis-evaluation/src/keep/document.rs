@@ -1,4 +1,4 @@
-//! A look as a document and as an entry.
+//! A probing as a document and as an entry.
 
 use super::entry::{BallPlace, Measured};
 use super::look::{Decision, Look};
@@ -9,17 +9,17 @@ use std::collections::BTreeMap;
 /// A term.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TermDocument {
-    /// As the task names it.
+    /// Name in the task.
     pub name: String,
     /// Unit of all values.
     pub unit: &'static str,
-    /// What the tables leave of it.
+    /// Residual that the tables leave.
     pub value: f64,
-    /// Its standard error.
+    /// Standard error of the value.
     pub standard_error: f64,
     /// Sum of the updates since the beginning.
     pub from: f64,
-    /// The same if this look's update is made.
+    /// That sum if this probing's update is applied.
     pub to: f64,
     /// `keep`, `update` or `refused`.
     pub verdict: &'static str,
@@ -29,34 +29,34 @@ pub struct TermDocument {
     pub largest_update: f64,
     /// Largest sum of updates.
     pub largest_total: f64,
-    /// Standard errors from which it has moved.
+    /// Number of standard errors beyond which the term has moved.
     pub significance: f64,
 }
 
-/// The JSON document of a look.
+/// The JSON document of a probing.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Document {
     /// The machine's name.
     pub machine: String,
-    /// Number that the look's entry has or would have.
+    /// Number that the probing's entry has or would have.
     pub entry: u32,
-    /// Touches.
+    /// Number of touches.
     pub touches: usize,
-    /// Standard deviation of a touch, from what is left.
+    /// Standard deviation of a touch, from the residuals.
     pub sigma_um: f64,
     /// Every term.
     pub terms: Vec<TermDocument>,
     /// Every ball.
     pub balls: Vec<BallPlace>,
-    /// Terms that are changed.
+    /// Number of terms changed.
     pub updates: usize,
-    /// Terms that are out of their bounds.
+    /// Number of terms out of their bounds.
     pub refused: usize,
     /// Whether the files were changed.
     pub applied: bool,
-    /// The decisions on every term that has moved and has a figure of its own; empty where a term is refused.
+    /// Decisions on every moved term that has its own figure; empty if a term is refused.
     pub written: Vec<trueaxis_tables::finding::Decision>,
-    /// What is to be known of the result.
+    /// Caveats on the result.
     pub notes: Vec<String>,
 }
 
@@ -115,7 +115,7 @@ impl Look {
         }
     }
 
-    /// The terms as an entry has them.
+    /// The terms in the form of an entry.
     pub fn measured(&self, keep: &Keep) -> Vec<Measured> {
         let of = |term: TermDocument| Measured {
             term: term.name,
@@ -128,14 +128,14 @@ impl Look {
         self.terms(keep).into_iter().map(of).collect()
     }
 
-    /// Sums of the updates after this look.
+    /// Sums of the updates after this probing.
     pub fn totals(&self, keep: &Keep) -> BTreeMap<String, f64> {
         let terms = self.terms(keep).into_iter();
         terms.filter(|term| term.to != 0.0).map(|term| (term.name, rounded(term.to))).collect()
     }
 }
 
-/// To a thousandth of a nanometre or nanoradian.
+/// Rounds to a thousandth of a nanometre or nanoradian.
 fn rounded(value: f64) -> f64 {
     (value * 1e6).round() / 1e6
 }

@@ -7,13 +7,13 @@ use std::collections::BTreeMap;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Deed {
-    /// The first look, from which everything is counted.
+    /// The first probing, from which everything is counted.
     Begin,
-    /// A look after which nothing was changed.
+    /// A probing that changed nothing.
     Look,
-    /// A look after which files were changed.
+    /// A probing that changed files.
     Update,
-    /// Files were put back.
+    /// An undo that restored files.
     Undo,
 }
 
@@ -21,51 +21,51 @@ pub enum Deed {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LogFile {
-    /// Its name.
+    /// Name of the log file.
     pub file: String,
     /// CRC-32 of its bytes.
     pub crc: String,
 }
 
-/// A term as it was found, and what was done.
+/// A measured term and its update.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Measured {
-    /// As the task names it.
+    /// Name in the task.
     pub term: String,
     /// Unit of all values.
     pub unit: String,
-    /// What the tables left of it.
+    /// Residual that the tables left.
     pub value: f64,
-    /// Its standard error.
+    /// Standard error of the value.
     pub standard_error: f64,
     /// Sum of the updates since the beginning, before this entry.
     pub from: f64,
-    /// The same after it.
+    /// That sum after this entry.
     pub to: f64,
 }
 
-/// Where a ball stood, in workpiece coordinates.
+/// Position of a ball in workpiece coordinates.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BallPlace {
-    /// Its name.
+    /// Name of the ball.
     pub name: String,
-    /// Its centre, mm.
+    /// Centre of the ball, mm.
     pub centre_mm: [f64; 3],
     /// Standard errors, µm.
     pub standard_error_um: [f64; 3],
 }
 
-/// A file that was changed; what it was before stands in the folder of the entry.
+/// A changed file; the entry's folder contains its previous version.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Changed {
-    /// Its name in the machine's folder.
+    /// Name in the machine's folder.
     pub file: String,
-    /// CRC-32 before; none where it was not there.
+    /// CRC-32 before; `None` if the file did not exist.
     pub before: Option<String>,
-    /// CRC-32 after; none where it was taken away.
+    /// CRC-32 after; `None` if the file was removed.
     pub after: Option<String>,
 }
 
@@ -73,19 +73,19 @@ pub struct Changed {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Entry {
-    /// Its number, from 1.
+    /// Number of the entry, from 1.
     pub entry: u32,
-    /// What was done.
+    /// Kind of the entry.
     pub deed: Deed,
-    /// When, in UTC, where it was stated.
+    /// Time in UTC, if stated.
     pub time: Option<String>,
-    /// Parts made until then, where it was stated.
+    /// Number of parts made until then, if stated.
     pub parts: Option<u64>,
     /// Identity of the plan, in hexadecimal.
     pub plan: String,
-    /// What was read.
+    /// The log that was read.
     pub log: Option<LogFile>,
-    /// Entry before which an undo has put the files.
+    /// Entry before which an undo restored the files.
     pub undone: Option<u32>,
     /// Standard deviation of a touch, µm.
     pub sigma_um: Option<f64>,
@@ -95,7 +95,7 @@ pub struct Entry {
     pub balls: Vec<BallPlace>,
     /// Sums of the updates since the beginning, after this entry.
     pub totals: BTreeMap<String, f64>,
-    /// Files that were changed.
+    /// Changed files.
     pub files: Vec<Changed>,
     /// CRC-32 of all tables before and after.
     pub tables: [String; 2],

@@ -1,10 +1,10 @@
-//! The history as figures.
+//! Figures of the history.
 
 use super::entry::{Deed, Entry};
 use trueaxis_report::{Figure, Scale, Stroke, colour};
 
-/// One figure a term since the last beginning: what every look found with two standard errors to either side, and the sum of
-/// the updates.
+/// One figure per term since the last beginning: the value found by every probing, with two standard errors to either side,
+/// and the sum of the updates.
 pub fn figures(entries: &[Entry]) -> Vec<Figure> {
     let begun = entries.iter().rposition(|entry| entry.deed == Deed::Begin).unwrap_or(0);
     let entries = entries.get(begun..).unwrap_or_default();

@@ -1,4 +1,4 @@
-//! A task and its machine's folder in the file system: read, locked, written.
+//! Reads, locks and writes a task and its machine's folder in the file system.
 
 use super::history::History;
 use super::state::{HISTORY, State};
@@ -12,23 +12,23 @@ use trueaxis_tables::files::Folder;
 use trueaxis_tables::output::{Alone, Outputs, left_notes};
 use trueaxis_tables::text::read_text;
 
-/// A task, and the machine that it names.
+/// Reads a task and the path of the machine that it names.
 fn task(path: &Path) -> Result<(Keep, PathBuf)> {
     let keep = Keep::read(&read_text(path, &['#', ';'])?, path)?;
     let machine = path.parent().unwrap_or(Path::new("")).join(&keep.task.machine);
     Ok((keep, machine))
 }
 
-/// The folder of a machine that is named by its folder or by its file.
+/// Folder of a machine, given its folder or its file.
 fn folder_of(machine: &Path) -> &Path {
     if machine.is_dir() { machine } else { machine.parent().unwrap_or(Path::new("")) }
 }
 
 impl State {
-    /// Reads everything; `path` is that of the task, from which the machine's folder counts.
+    /// Reads everything; `path` is the task file, to which the machine's folder is relative.
     ///
     /// # Errors
-    /// A file that cannot be read or is wrong, with its line.
+    /// An unreadable or invalid file, with its line.
     pub fn read(path: &Path, note: &mut dyn FnMut(String)) -> Result<State> {
         State::of(task(path)?, note)
     }
@@ -45,18 +45,18 @@ impl State {
         Ok(state)
     }
 
-    /// The same for a command that writes. A second command that changes the machine is refused until this is dropped: it would
-    /// add to tables what the first one adds.
+    /// Like [`State::read`], for a command that writes. Until this is dropped, a second command that changes the machine is
+    /// refused: it would add to the tables what the first one adds.
     ///
     /// # Errors
-    /// As [`State::read`], and another command at work.
+    /// As [`State::read`], or another command at work.
     pub fn alone(path: &Path, note: &mut dyn FnMut(String)) -> Result<State> {
         let task = task(path)?;
         let alone = Alone::in_folder(folder_of(&task.1), note)?;
         Ok(State { _alone: Some(alone), ..State::of(task, note)? })
     }
 
-    /// Stages what a command writes, in its order.
+    /// Stages the files that a command writes, in order.
     ///
     /// # Errors
     /// As [`Outputs::put`].
@@ -70,15 +70,15 @@ impl State {
         Ok(())
     }
 
-    /// Writes an undo, with what it takes away.
+    /// Writes an undo and removes the files that it takes away.
     ///
     /// # Errors
     /// The file system refused.
     pub fn put_back(&self, mut outputs: Outputs, undone: &Undone) -> Result<()> {
         self.stage(&mut outputs, &self.written(&undone.entry, &undone.files)?)?;
         outputs.commit()?;
-        // A table that there was not is named by nothing now; left there, it would stand in the way of the next one, and a
-        // compiled file would go on correcting.
+        // No file now names a table that did not exist before; left behind, it would block the next one, and a compiled file
+        // would continue to correct.
         for path in undone.away.iter().map(|file| self.folder.join(file)).filter(|path| path.symlink_metadata().is_ok())
         {
             fs::remove_file(&path).with_context(|| format!("cannot remove {}", path.display()))?;

@@ -1,4 +1,4 @@
-//! A task planned with what it lets expect, in one call.
+//! Plans a task with its expected standard errors, in one call.
 
 use super::look::{foreseen, plan};
 use super::task::Keep;
@@ -7,12 +7,12 @@ use anyhow::Result;
 use serde::Serialize;
 use trueaxis_tables::Machine;
 
-/// A term with the standard error that a look would have, and its bounds; all in `unit`.
+/// A term with the standard error expected of a probing, and its bounds; all in `unit`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Expected {
-    /// As the task names it.
+    /// Name in the task.
     pub name: String,
-    /// The standard error by the stated repeatability.
+    /// Standard error from the stated repeatability.
     pub standard_error: f64,
     /// Unit of all values.
     pub unit: &'static str,
@@ -20,7 +20,7 @@ pub struct Expected {
     pub largest_update: f64,
     /// Largest sum of updates since the beginning.
     pub largest_total: f64,
-    /// Standard errors from which it has moved.
+    /// Number of standard errors beyond which the term has moved.
     pub significance: f64,
 }
 
@@ -29,22 +29,22 @@ pub struct Expected {
 pub struct Foreseen {
     /// The machine's name.
     pub machine: String,
-    /// Number that the log names, eight hexadecimal digits.
+    /// Program number that the log states, eight hexadecimal digits.
     pub program: String,
-    /// Touches.
+    /// Number of touches.
     pub touches: usize,
-    /// Time of a look, minutes.
+    /// Duration of a probing, minutes.
     pub minutes: f64,
-    /// Parts between two looks.
+    /// Number of parts between two probings.
     pub every_parts: u32,
     /// Every term.
     pub terms: Vec<Expected>,
 }
 
-/// A look planned.
+/// A planned probing.
 #[derive(Clone, Debug)]
 pub struct Planning {
-    /// Its touches.
+    /// Touches of the probing.
     pub plan: Plan,
     /// The program in the task's dialect.
     pub program: String,
@@ -53,7 +53,7 @@ pub struct Planning {
 }
 
 impl Planning {
-    /// Plans the looks of a task on a machine.
+    /// Plans the probings of a task on a machine.
     ///
     /// # Errors
     /// As [`plan`] and [`foreseen`].

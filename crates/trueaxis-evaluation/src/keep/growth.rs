@@ -1,4 +1,4 @@
-//! Growth that a look finds, in the text of a `thermal.toml`.
+//! Adds the growth that a probing finds to the text of a `thermal.toml`.
 
 use crate::calibrate::{Term, Terms};
 use std::path::Path;
@@ -7,17 +7,17 @@ use trueaxis::machine::Axis;
 use trueaxis_tables::Machine;
 use trueaxis_tables::error::FileError;
 
-/// The text with the growth of `values` (mm, 1) added to it, its comments and order as they were.
+/// Returns the text with the growth of `values` (mm, 1) added; comments and order are unchanged.
 ///
-/// One look cannot say which sensor's curve is wrong: the same value goes to all knots of the first curve that an axis has,
-/// which is a constant in the sum of all curves at every temperature.
+/// One probing cannot show which sensor's curve is wrong. The same value is therefore added to all knots of the axis' first
+/// curve, which adds a constant to the sum of all curves at every temperature.
 ///
 /// ```text
 /// O(θ) ← O(θ) + v₀ + v₁ (q0 − z)        S(θ) ← S(θ) + v₁        z: where the expansion is zero
 /// ```
 ///
 /// # Errors
-/// A text that is no thermal model of the machine, before or after; an axis without a sensor's curve.
+/// A text that is not a thermal model of the machine, before or after; an axis without a sensor's curve.
 pub(super) fn grown(
     text: &str,
     file: &Path,
@@ -71,7 +71,7 @@ fn has_curve(curve: &&mut dyn TableLike) -> bool {
     ["offset_um", "slope_um_per_m"].iter().any(|key| curve.get(key).is_some_and(Item::is_array))
 }
 
-/// Adds to all values of a list, which is made where there is none.
+/// Adds to all values of a list; creates the list if it is missing.
 fn add(curve: &mut dyn TableLike, key: &str, count: usize, by: f64, decimals: f64) {
     let old = curve.get(key).and_then(Item::as_array);
     let number = |value: &Value| value.as_float().or_else(|| value.as_integer().map(|whole| whole as f64));

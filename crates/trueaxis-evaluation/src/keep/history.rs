@@ -1,4 +1,4 @@
-//! The history of a machine: one line of JSON an entry, each with a check sum over itself and all before.
+//! The history of a machine: one line of JSON per entry, each with a checksum over itself and all previous lines.
 
 use super::entry::{BallPlace, Deed, Entry};
 use std::collections::BTreeMap;
@@ -16,13 +16,13 @@ pub(super) fn is_plain(file: &str) -> bool {
     matches!((components.next(), components.next()), (Some(Component::Normal(name)), None) if name == file)
 }
 
-/// Begins the last field of a line.
+/// Start of the last field of a line.
 const CHECK: &str = ",\"check\":\"";
 
 /// All entries.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct History {
-    /// In their order, numbered from 1.
+    /// Entries in order, numbered from 1.
     pub entries: Vec<Entry>,
     text: String,
     check: String,
@@ -30,11 +30,10 @@ pub struct History {
 }
 
 impl History {
-    /// Reads a history; `file` is only named in errors.
+    /// Reads a history; `file` is used only in errors.
     ///
     /// # Errors
-    /// A line that is no entry, whose number does not follow the one before, or whose check sum is wrong: something was cut
-    /// off, changed or taken out.
+    /// A line that is not an entry, is out of sequence or has a wrong checksum: something was cut off, changed or removed.
     pub fn read(text: &str, file: &Path) -> Result<History, FileError> {
         let mut history = History { file: file.into(), ..History::default() };
         for (line, text) in (1..).zip(text.split_inclusive('\n')) {
@@ -108,7 +107,7 @@ impl History {
     /// The last beginning.
     ///
     /// # Errors
-    /// There is none.
+    /// A history without a beginning.
     pub fn beginning(&self) -> Result<&Entry, FileError> {
         let begun = self.entries.iter().rev().find(|entry| entry.deed == Deed::Begin);
         begun.ok_or_else(|| self.error("no beginning", "a first look, by `trueaxis keep begin`"))
@@ -118,7 +117,7 @@ impl History {
         FileError { file: self.file.clone(), line: None, column: None, found: found.into(), needed: needed.into() }
     }
 
-    /// Places of the balls at the beginning.
+    /// Positions of the balls at the beginning.
     ///
     /// # Errors
     /// As [`History::beginning`].
@@ -131,11 +130,11 @@ impl History {
         self.last().map(|entry| entry.totals.clone()).unwrap_or_default()
     }
 
-    /// Refuses a log that was probed before a change that it would be added to: one that is in the history with changes at or
-    /// after it, or a time or count of parts before the last entry's; a plan other than the beginning's.
+    /// Refuses a log already in the history that changed nothing, or with an update in effect at or after its entry; a log
+    /// whose time or part count is before the last one in the history; and a plan other than the beginning's.
     ///
     /// # Errors
-    /// Which of them.
+    /// The check that failed.
     pub fn follows(&self, plan: &str, crc: &str, time: Option<&str>, parts: Option<u64>) -> Result<(), FileError> {
         let begun = self.beginning()?;
         if begun.plan != plan {
@@ -169,15 +168,15 @@ impl History {
         Ok(())
     }
 
-    /// Numbers of the updates since the beginning that have not been taken back.
+    /// Numbers of the updates since the beginning that have not been undone.
     pub fn in_effect(&self) -> Vec<u32> {
         in_effect(&self.entries)
     }
 
-    /// The entry before which the files are put by an undo: the one asked for, or the last update in effect.
+    /// Entry before which an undo restores the files: the one requested, or the last update in effect.
     ///
     /// # Errors
-    /// An entry that there is not, one at or before the beginning, or nothing in effect.
+    /// A nonexistent entry, one at or before the beginning, or no update in effect.
     pub fn undoable(&self, number: Option<u32>) -> Result<u32, FileError> {
         let begun = self.beginning()?.entry;
         let number = match number {
@@ -197,8 +196,8 @@ impl History {
         Ok(number)
     }
 
-    /// Files that an undo puts back: the name, and the entry in whose folder it stands as it was before `number`, with its
-    /// check sum; none where it was not there.
+    /// Files that an undo restores: the name, the entry whose folder contains the version before `number`, and its checksum;
+    /// `None` if the file did not exist.
     pub fn put_back(&self, number: u32) -> Vec<(String, u32, Option<String>)> {
         let mut found: Vec<(String, u32, Option<String>)> = Vec::new();
         for entry in self.entries.iter().filter(|entry| entry.entry >= number) {
@@ -212,7 +211,7 @@ impl History {
     }
 }
 
-/// Numbers of the updates since the last beginning among these entries that have not been taken back.
+/// Numbers of the updates among these entries, since the last beginning, that have not been undone.
 pub(super) fn in_effect(entries: &[Entry]) -> Vec<u32> {
     let mut after: Vec<Vec<u32>> = vec![Vec::new()];
     for entry in entries {

@@ -1,4 +1,4 @@
-//! A look at the balls: what has moved, and what is to be done about it.
+//! Re-probing the balls: which terms have moved, and whether to update each.
 
 use super::entry::BallPlace;
 use super::task::{Home, Keep};
@@ -12,57 +12,57 @@ use trueaxis::machine::AXES;
 use trueaxis_metrology::calibration::{Selection, Unknown};
 use trueaxis_tables::Machine;
 
-/// Least standard uncertainty of a ball's place at the beginning, mm.
+/// Smallest standard uncertainty of a ball's position at the beginning, mm.
 const LEAST: f64 = 1e-6;
 
-/// What is done about a term.
+/// Decision on a term.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Decision {
-    /// Nothing: it has not moved by more than the scatter.
+    /// No change: the term has not moved by more than the scatter.
     Keep,
-    /// It is changed.
+    /// The term is changed.
     Update,
-    /// It is out of its bounds: a person has to look. The reason.
+    /// The term is out of its bounds, for this reason; a person has to check.
     Refused(String),
 }
 
-/// A term after a look, in mm, rad or 1.
+/// A term after a probing, in mm, rad or 1.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Verdict {
-    /// As the task names it.
+    /// Name in the task.
     pub name: String,
-    /// What the tables leave of it.
+    /// Residual that the tables leave.
     pub value: f64,
-    /// Its standard error, by the probe's stated repeatability at least.
+    /// Standard error of the value, at least that of the probe's stated repeatability.
     pub standard_error: f64,
     /// Sum of the updates since the beginning, before this one.
     pub total: f64,
-    /// What is done.
+    /// Decision on the term.
     pub decision: Decision,
 }
 
 impl Verdict {
-    /// What is added to the machine's files.
+    /// Amount added to the machine's files.
     pub fn update(&self) -> f64 {
         if self.decision == Decision::Update { self.value } else { 0.0 }
     }
 }
 
-/// A look.
+/// A probing of the balls.
 #[derive(Clone, Debug)]
 pub struct Look {
     /// The network with all terms.
     pub calibration: Calibration,
-    /// Where the balls stand by it.
+    /// Positions of the balls, from the network.
     pub balls: Vec<BallPlace>,
-    /// One a term of the task, in its order; none at the beginning for terms that only a later look tells.
+    /// One per term of the task, in order; the first probing omits terms that only a later one can determine.
     pub verdicts: Vec<Verdict>,
 }
 
-/// The plan of a task: as for a calibration, without a pause, since nobody stands beside it.
+/// The plan of a task: as for a calibration, but without pauses, since no operator is present.
 ///
 /// # Errors
-/// As [`Plan::new`], and a term of an axis that the machine has not got.
+/// As [`Plan::new`], or a term of an axis that the machine lacks.
 pub fn plan(keep: &Keep, machine: &Machine) -> Result<Plan> {
     keep.fits(machine)?;
     let mut plan = Plan::new(&keep.task, machine)?;
@@ -70,7 +70,7 @@ pub fn plan(keep: &Keep, machine: &Machine) -> Result<Plan> {
     Ok(plan)
 }
 
-/// Whether the terms can be told without the balls' places being known.
+/// Whether the term can be determined without knowing the balls' positions.
 fn is_told_by_turning(keep: &Keep, term: Term) -> bool {
     match term {
         Term::Location(..) | Term::Backlash(_) => true,
@@ -79,7 +79,7 @@ fn is_told_by_turning(keep: &Keep, term: Term) -> bool {
     }
 }
 
-/// The network of a look; `known`: the places of the balls at the beginning.
+/// The network of a probing; `known`: the positions of the balls at the beginning.
 fn network(
     keep: &Keep,
     machine: &Machine,
@@ -91,7 +91,7 @@ fn network(
     let wanted = wanted.filter(|term| known.is_some() || is_told_by_turning(keep, *term)).collect();
     let terms = Terms::named(wanted, machine, plan.reach_mm(&keep.task));
     let mut observed = observe_terms(&keep.task, machine, plan, positions, terms)?;
-    // Where turning tells all terms, a ball that was taken off and put back does no harm.
+    // If rotation determines all terms, a ball that was removed and put back does no harm.
     let needed = keep.terms.iter().any(|kept| !is_told_by_turning(keep, kept.term));
     for (ball, place) in known.unwrap_or_default().iter().enumerate().filter(|_| needed) {
         let Some(&first) = observed.places.get(ball).and_then(|places| places.first()) else { continue };
@@ -103,10 +103,10 @@ fn network(
     Ok(observed)
 }
 
-/// Standard errors that a look would have, before anything is measured.
+/// Standard errors expected of a probing, before anything is measured.
 ///
 /// # Errors
-/// Terms that the balls do not tell apart, by their names; a bound below what the probe can tell.
+/// Terms that the balls do not separate, by their names; a bound below what the probe can resolve.
 pub fn foreseen(keep: &Keep, machine: &Machine, plan: &Plan) -> Result<Vec<f64>> {
     let positions = planned(&keep.task, plan);
     let first = foresee_observed(&keep.task, plan, network(keep, machine, plan, &positions, None)?)?;
@@ -132,7 +132,7 @@ pub fn foreseen(keep: &Keep, machine: &Machine, plan: &Plan) -> Result<Vec<f64>>
     Ok(errors)
 }
 
-/// Where the balls stand.
+/// Positions of the balls.
 fn balls(keep: &Keep, calibration: &Calibration) -> Vec<BallPlace> {
     let solution = &calibration.solution;
     let of = |(artefact, places): (usize, &Vec<usize>)| {
@@ -146,7 +146,8 @@ fn balls(keep: &Keep, calibration: &Calibration) -> Vec<BallPlace> {
     calibration.observed.places.iter().enumerate().filter_map(of).collect()
 }
 
-/// The first look: where the balls stand, and what turning them tells of the machine already. Nothing is changed by it.
+/// Evaluates the first probing: the positions of the balls, and the terms that rotating them determines already. Changes
+/// nothing.
 ///
 /// # Errors
 /// As [`crate::calibrate::calibrate`].
@@ -166,18 +167,18 @@ pub fn begin(keep: &Keep, machine: &Machine, plan: &Plan, trips: &[Logged], file
     Ok(Look { balls: balls(keep, &calibration), verdicts: verdicts.collect(), calibration })
 }
 
-/// What a later look is held against.
+/// Baseline of a later probing.
 #[derive(Clone, Copy, Debug)]
 pub struct Before<'b> {
-    /// Places of the balls at the beginning.
+    /// Positions of the balls at the beginning.
     pub known: &'b [BallPlace],
     /// Sums of the updates since then, in the units of documents.
     pub totals: &'b BTreeMap<String, f64>,
-    /// Names of terms that a person has let out of their bounds.
+    /// Names of terms that a person has allowed out of their bounds.
     pub accepted: &'b [String],
 }
 
-/// A later look.
+/// Evaluates a later probing.
 ///
 /// # Errors
 /// As [`crate::calibrate::calibrate`].
@@ -236,7 +237,7 @@ impl Look {
         })
     }
 
-    /// What is added to the files of a home: a value for every term of the network, 0 for those that are kept.
+    /// Amounts added to the files of a home: one per term of the network, 0 for unchanged terms.
     pub fn updates(&self, keep: &Keep, home: Home) -> Vec<f64> {
         let own = |(kept, verdict): (&super::Kept, &Verdict)| if kept.home == home { verdict.update() } else { 0.0 };
         keep.terms.iter().zip(&self.verdicts).map(own).collect()

@@ -1,5 +1,5 @@
-//! A machine that keeps itself true: balls that stay where they are, re-probed every so many parts, and what their places say
-//! of the machine's location and growth.
+//! A machine that keeps itself accurate: balls that stay in place, re-probed every so many parts, and the location errors and
+//! growth of the machine that follow from their positions.
 //!
 //! ```text
 //! keep.toml ─► Keep ─► plan ─► program ─► (control, between parts) ─► log ─► Look ─► verdicts ─► files of the machine
@@ -7,11 +7,12 @@
 //!                                             places of the balls at the beginning, totals ◄─ History ◄┘
 //! ```
 //!
-//! The machine is corrected by its tables while it is probed: what a look finds is what they leave, and is added to them.
+//! The machine's tables correct it during probing: a probing finds the residual that they leave, which is added to them.
 //!
-//! A ball that is not turned is a point: it tells the three offsets of the tool at its place, and nothing of their cause. Two
-//! balls apart along an axis tell its scale, two apart across it a squareness, as long as what they stand on keeps its shape.
-//! A ball turned by a rotary axis tells where that axis lies and how it is tilted, without any place of a ball being known.
+//! A ball that is not rotated is a point: it determines the three offsets of the tool at its position, but not their cause.
+//! Two balls apart along an axis determine its scale, two apart across it a squareness, as long as their support keeps its
+//! shape. A ball rotated by a rotary axis determines the position and tilt of that axis, without any ball's position being
+//! known.
 //!
 //! The mathematics is [`trueaxis_metrology::calibration`].
 

@@ -16,24 +16,24 @@ pub const HISTORY: &str = "keep/history.jsonl";
 pub struct State {
     /// The task.
     pub keep: Keep,
-    /// The machine's folder, as errors name it and as it is written to.
+    /// The machine's folder, for errors and for writing.
     pub folder: PathBuf,
-    /// Its files.
+    /// Files of the folder.
     pub source: Box<dyn Source>,
-    /// Name of the machine's description in it.
+    /// Name of the machine's description in the folder.
     pub name: PathBuf,
     /// The machine.
     pub machine: Machine,
-    /// Files of the machine, and its thermal model, by their names in the folder.
+    /// Files of the machine, including its thermal model, by their names in the folder.
     pub files: BTreeMap<String, Vec<u8>>,
-    /// Looks, updates and undos so far.
+    /// Probings, updates and undos so far.
     pub history: History,
-    /// The machine, locked until this is dropped.
+    /// Lock on the machine, released when this is dropped.
     pub(super) _alone: Option<Alone>,
 }
 
 impl State {
-    /// A task on the files of a source, with nothing in the history; `note` hears how they were read.
+    /// Reads the machine of a task from a source, with an empty history; `note` receives notes on how files were read.
     pub(super) fn begun(
         keep: Keep,
         folder: PathBuf,
@@ -59,12 +59,11 @@ impl State {
         Ok(State { keep, folder, source, name, machine, files, history, _alone: None })
     }
 
-    /// The same of texts in memory, the machine's description among them as `machine.toml`; `history` is the text of its
-    /// history, empty before the first look.
+    /// Builds a state from texts in memory, the machine's description among them as `machine.toml`; `history` is the text of
+    /// its history, empty before the first probing.
     ///
     /// # Errors
-    /// What is wrong with the machine or the history, terms of axes that the machine has not got, a thermal model that is
-    /// not there.
+    /// An invalid machine or history, terms of axes that the machine lacks, a missing thermal model.
     pub fn of_texts(keep: Keep, files: Memory, history: &str, note: &mut dyn FnMut(String)) -> Result<State> {
         let folder = keep.task.machine.clone();
         let mut state = State::begun(keep, folder.into(), Box::new(files), "machine.toml".into(), note)?;
@@ -72,15 +71,15 @@ impl State {
         Ok(state)
     }
 
-    /// Check sum of all files.
+    /// Checksum of all files.
     pub fn tables(&self) -> String {
         tables(&self.files)
     }
 
-    /// Refuses tables that are not as the history left them; with `by_hand` they are noted.
+    /// Refuses tables other than those the history left; with `by_hand`, only notes them.
     ///
     /// # Errors
-    /// Other tables than those of the last entry, with both check sums.
+    /// Tables other than the last entry's, with both checksums.
     pub fn untouched(&self, by_hand: bool, note: &mut dyn FnMut(String)) -> Result<()> {
         let (Some(last), now) = (self.history.last(), self.tables()) else { return Ok(()) };
         let [before, after] = &last.tables;
@@ -108,13 +107,13 @@ impl State {
     }
 }
 
-/// Where a file is kept that an entry changes, in the machine's folder.
+/// Path, in the machine's folder, of the copy of a file that an entry changes.
 pub(super) fn kept(entry: u32, file: &str) -> PathBuf {
     let name = Path::new(file).file_name().unwrap_or_default();
     Path::new("keep").join(format!("{entry:04}")).join(name)
 }
 
-/// Check sum of files with their names.
+/// Checksum of files with their names.
 pub(super) fn tables(files: &BTreeMap<String, Vec<u8>>) -> String {
     let mut all = Vec::new();
     for (name, bytes) in files {

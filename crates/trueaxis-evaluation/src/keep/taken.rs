@@ -1,4 +1,4 @@
-//! A look's log taken: against the history, with the entry that it would make and the files that it would change.
+//! Evaluates the log of a probing against the history: the entry and the files it would write.
 
 use super::document::Document;
 use super::entry::{Deed, Entry, LogFile};
@@ -11,45 +11,45 @@ use crate::calibrate::{Logged, Plan, read_log, trips};
 use anyhow::Result;
 use std::path::Path;
 
-/// A log of a look.
+/// The log of a probing.
 #[derive(Clone, Debug)]
 pub struct Log<'l> {
-    /// Its name, in errors and in the history.
+    /// Name of the log, in errors and in the history.
     pub file: &'l Path,
-    /// Its text.
+    /// Text of the log.
     pub text: &'l str,
-    /// When it was probed, as [`time`] takes it.
+    /// Time of the probing, in the form that [`time`] accepts.
     pub time: Option<String>,
-    /// Parts made until then.
+    /// Number of parts made until then.
     pub parts: Option<u64>,
 }
 
-/// What a person has agreed to let through.
+/// Exceptions that a person has accepted.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Let<'l> {
     /// Names of terms that may be out of their bounds.
     pub accept: &'l [String],
-    /// Tables that are not as the history left them.
+    /// Whether tables may differ from those the history left.
     pub by_hand: bool,
 }
 
-/// A look that was taken.
+/// An evaluated probing.
 #[derive(Clone, Debug)]
 pub struct Taken {
-    /// The fitted network, where the balls stand, and a verdict on each term.
+    /// The fitted network, the positions of the balls, and a verdict on each term.
     pub look: Look,
-    /// The same as a document.
+    /// The probing as a document.
     pub document: Document,
     /// The history entry that applying it adds.
     pub entry: Entry,
-    /// Files that would change, `machine.toml` last of its own; none where a term is refused.
+    /// Files that would change, `machine.toml` last of the machine's own; empty if a term is refused.
     pub files: New,
     /// A sentence on each change.
     pub changes: Vec<String>,
 }
 
 impl Taken {
-    /// Why a person has to look before anything is changed; none where all terms are within their bounds.
+    /// Why a person has to check before anything changes; `None` if all terms are within their bounds.
     pub fn refusal(&self, log: &Path) -> Option<String> {
         let reasons: Vec<String> = self.look.refused().map(|(name, reason)| format!("{name} {reason}")).collect();
         (!reasons.is_empty()).then(|| {
@@ -62,10 +62,10 @@ impl Taken {
     }
 }
 
-/// A time in UTC, in the one form that sorts as it runs.
+/// A time in UTC, in the one form whose text order is time order.
 ///
 /// # Errors
-/// Another form.
+/// Any other form.
 pub fn time(text: &str) -> Result<String, String> {
     let shape = "0000-00-00T00:00:00Z";
     let fits = |(own, of): (u8, u8)| if of == b'0' { own.is_ascii_digit() } else { own == of };
@@ -83,7 +83,7 @@ impl State {
         Ok((plan, trips))
     }
 
-    /// An entry with nothing changed.
+    /// An entry without changes.
     fn entry(&self, log: &Log<'_>, plan: &Plan, look: &Look, deed: Deed) -> Entry {
         let tables = self.tables();
         let file = log.file.file_name().unwrap_or_default().to_string_lossy().into_owned();
@@ -104,10 +104,10 @@ impl State {
         }
     }
 
-    /// Takes the first look. Nothing is written.
+    /// Evaluates the first probing. Writes nothing.
     ///
     /// # Errors
-    /// As [`begin`], and a log that is none of the task's.
+    /// As [`begin`], or a log that is not the task's.
     pub fn begin(&self, log: &Log<'_>, note: &mut dyn FnMut(String)) -> Result<Taken> {
         let (plan, trips) = self.trips(log, note)?;
         let look = begin(&self.keep, &self.machine, &plan, &trips, log.file)?;
@@ -117,10 +117,10 @@ impl State {
         Ok(Taken { look, document, entry, files: New::new(), changes: Vec::new() })
     }
 
-    /// Refuses names that are none of the task's terms.
+    /// Refuses names that are not terms of the task.
     ///
     /// # Errors
-    /// The first of them, and what is needed.
+    /// The first such name, and the names needed.
     pub fn accepts(&self, names: &[String]) -> Result<(), String> {
         let own = || self.keep.terms.iter().map(|kept| kept.name.as_str());
         match names.iter().find(|name| own().all(|term| term != **name)) {
@@ -129,12 +129,12 @@ impl State {
         }
     }
 
-    /// Takes a later look against the history. Nothing is written; what the machine's files would be is made, so that a
-    /// refusal shows up before anything is applied.
+    /// Evaluates a later probing against the history. Writes nothing, but computes the machine's new files, so that a refusal
+    /// shows before anything is applied.
     ///
     /// # Errors
-    /// As [`look`] and [`changes`], a log that is none of the task's, one that does not follow the history, and tables that
-    /// are not as it left them.
+    /// As [`look`] and [`changes`], a log that is not the task's or does not follow the history, or tables other than those
+    /// the history left.
     pub fn check(&self, log: &Log<'_>, allowed: Let<'_>, note: &mut dyn FnMut(String)) -> Result<Taken> {
         self.history.beginning()?;
         self.untouched(allowed.by_hand, note)?;

@@ -1,4 +1,4 @@
-//! `keep.toml`: machine, probe, balls, and what may be changed within which bounds.
+//! `keep.toml`: machine, probe, balls, the terms that may change, and their bounds.
 
 use crate::calibrate::ranges::{number, whole};
 use crate::calibrate::{Kind, Reference, Task, Term, Wanted};
@@ -7,9 +7,9 @@ use trueaxis::machine::Axis;
 use trueaxis_tables::error::FileError;
 use trueaxis_tables::{Machine, Section, read_toml};
 
-/// Bounds that can be stated, µm, µrad or ppm: what is larger is a matter for a calibration.
+/// Bounds that can be stated, µm, µrad or ppm: anything larger calls for a calibration.
 const BOUNDS: std::ops::RangeInclusive<f64> = 0.001..=1000.0;
-/// Touches between two looks at the first ball: none but at the ends.
+/// Touches between two visits to the first ball: enough that it is visited only at the ends.
 const AT_THE_ENDS: usize = 100_000;
 
 /// Which file holds a term.
@@ -28,48 +28,48 @@ pub struct Bounds {
     pub update: f64,
     /// Largest sum of updates since the beginning.
     pub total: f64,
-    /// A term has moved where it differs from zero by more than this many standard errors.
+    /// A term has moved if it differs from zero by more than this many standard errors.
     pub significance: f64,
 }
 
 /// A term that may be changed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Kept {
-    /// As the task names it.
+    /// Name in the task.
     pub name: String,
     /// The term.
     pub term: Term,
-    /// Where it is written.
+    /// File that holds the term.
     pub home: Home,
-    /// Its bounds.
+    /// Bounds of the term.
     pub bounds: Bounds,
-    /// Line of its section.
+    /// Line of the section.
     pub line: u32,
 }
 
 /// A task as read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Keep {
-    /// Machine, control, probe and balls; compensated while probed.
+    /// Machine, control, probe and balls; compensated during probing.
     pub task: Task,
-    /// Parts between two looks.
+    /// Number of parts between two probings.
     pub every_parts: u32,
-    /// What may be changed.
+    /// Terms that may change.
     pub terms: Vec<Kept>,
-    /// File for the controller in the machine's folder that is compiled anew with every change.
+    /// Controller file in the machine's folder, recompiled with every change.
     pub tcomp: Option<String>,
-    /// The thermal model in the machine's folder, where growth is kept in it.
+    /// Thermal model in the machine's folder, if growth is kept in it.
     pub thermal: Option<String>,
-    /// Its file for the controller, likewise.
+    /// Controller file of the thermal model, likewise.
     pub ttherm: Option<String>,
 }
 
 impl Keep {
-    /// Reads a task file; `file` is only named in errors.
+    /// Reads a task file; `file` is used only in errors.
     ///
     /// # Errors
-    /// Text that is no TOML, keys that there are not, artefacts other than balls, a term without bounds or with bounds that
-    /// bound nothing; with the line.
+    /// Invalid TOML, unknown keys, artefacts other than balls, a term without bounds or with bounds that do not bound; with
+    /// the line.
     pub fn read(text: &str, file: &Path) -> Result<Keep, FileError> {
         read_toml(text.strip_prefix('\u{feff}').unwrap_or(text), file, |root| {
             let mut task = Task::of_probing(&root, file)?;
@@ -109,10 +109,10 @@ impl Keep {
         })
     }
 
-    /// Refuses terms of axes that the machine has not got.
+    /// Refuses terms of axes that the machine lacks.
     ///
     /// # Errors
-    /// The first of them, with the line of its section.
+    /// The first such term, with the line of its section.
     pub fn fits(&self, machine: &Machine) -> Result<(), FileError> {
         let has = |axis: Axis| machine.settings.axis(axis).is_some();
         for kept in &self.terms {
@@ -141,13 +141,13 @@ impl Keep {
         Ok(())
     }
 
-    /// Whether a ball is turned, so that it tells location errors without its place being known.
+    /// Whether a ball is rotated, so that it determines location errors without its position being known.
     pub fn turns(&self) -> bool {
         self.task.artefacts.iter().any(|ball| ball.places.iter().any(|place| place.rotary_deg.len() > 1))
     }
 }
 
-/// A file of the machine's folder.
+/// Reads the name of a file in the machine's folder.
 fn file_name(root: &Section<'_>, key: &str, ending: &str) -> Result<Option<String>, FileError> {
     let Some(found) = root.string(key)? else { return Ok(None) };
     let plain = Path::new(found.value).components().count() == 1 && found.value.ends_with(ending);

@@ -1,4 +1,4 @@
-//! Files as before an entry.
+//! Restores the files as they were before an entry.
 
 use super::entry::{Deed, Entry};
 use super::history::sum;
@@ -15,16 +15,16 @@ pub struct Undone {
     pub entry: Entry,
     /// Files that change, `machine.toml` last.
     pub files: New,
-    /// Names of those that are taken away: what was not there before, and the controller's file of a machine that has no
-    /// table then.
+    /// Names of the files to remove: those that did not exist before, and the controller's file if the machine then has no
+    /// table.
     pub away: Vec<String>,
 }
 
 impl State {
-    /// Puts the files to where they were before an entry, or the last update in effect. Nothing is written.
+    /// Computes the files as they were before an entry, or before the last update in effect. Writes nothing.
     ///
     /// # Errors
-    /// An entry that cannot be taken back, tables that are not as the history left them, copies that are missing or damaged.
+    /// An entry that cannot be undone, tables other than those the history left, missing or damaged copies.
     pub fn undone(
         &self,
         entry: Option<u32>,
@@ -39,7 +39,7 @@ impl State {
             let bytes = before.map(|check| self.copy(entry, &file, &check)).transpose()?;
             new.push((file, bytes));
         }
-        // machine.toml names the others, and comes last.
+        // machine.toml names the others, so it comes last.
         new.sort_by_key(|(file, _)| self.name.to_str() == Some(file));
         let after = self.with(&new);
         new.retain(|(file, bytes)| self.files.get(file) != bytes.as_ref());
@@ -65,7 +65,7 @@ impl State {
         Ok(Undone { entry, files: new, away })
     }
 
-    /// A file as an entry kept it.
+    /// Reads the copy of a file that an entry kept.
     fn copy(&self, entry: u32, file: &str, check: &str) -> Result<Vec<u8>> {
         let copy = kept(entry, file);
         let path = self.source.path(&copy);

@@ -1,4 +1,4 @@
-//! What a look changes in the machine's files.
+//! Changes that a probing makes to the machine's files.
 
 use super::growth::grown;
 use super::look::Look;
@@ -12,22 +12,22 @@ use trueaxis_tables::finding::{Decision, Finding, Known};
 use trueaxis_tables::text::decode;
 use trueaxis_tables::{Additions, Machine};
 
-/// Files as they would be.
+/// Changes to the machine's files.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Changes {
-    /// The decisions on every term that has moved and has a figure of its own.
+    /// Decisions on every moved term that has its own figure.
     pub decisions: Vec<Decision>,
-    /// Names in the machine's folder with the new text; `machine.toml` last of its own.
+    /// Names in the machine's folder with the new text; `machine.toml` last of the machine's own.
     pub files: Vec<(PathBuf, String)>,
     /// A sentence on each change.
     pub notes: Vec<String>,
 }
 
-/// The changes that a look makes to a machine; `name` is that of its `machine.toml` in `source`. The residual that was found
-/// with the tables at work is added to what they say now. Nothing is written.
+/// Computes the changes that a probing makes to a machine; `name` is its `machine.toml` in `source`. The residual found with
+/// the tables active is added to their present values. Writes nothing.
 ///
 /// # Errors
-/// A result that the controller would refuse, or a thermal model that has no curve to take the growth.
+/// A result that the controller would refuse, or a thermal model without a curve for the growth.
 pub fn changes(keep: &Keep, look: &Look, machine: &Machine, source: &dyn Source, name: &Path) -> Result<Changes> {
     let terms = &look.calibration.observed.terms;
     let mut changes = Changes::default();
@@ -56,7 +56,7 @@ pub fn changes(keep: &Keep, look: &Look, machine: &Machine, source: &dyn Source,
     Ok(changes)
 }
 
-/// Values of terms that have moved as additions, with their standard uncertainties and the degrees of freedom of those.
+/// Values of moved terms as additions, with their standard uncertainties and the degrees of freedom of those.
 fn additions(terms: &Terms, values: &[f64], errors: &[f64], degrees_of_freedom: usize) -> Additions {
     let mut additions = Additions::default();
     let mut with_curves: Vec<Axis> = Vec::new();
@@ -84,7 +84,7 @@ fn additions(terms: &Terms, values: &[f64], errors: &[f64], degrees_of_freedom: 
             ..Finding::default()
         });
     }
-    // Straight lines: both ends of the travel are enough, and no table grows from update to update.
+    // Straight lines: both ends of the travel suffice, and no table grows from update to update.
     let line = |axis: Axis| {
         let ends = terms.travel_mm[axis.index() % 3].into_iter();
         (axis, ends.map(|q| (q, terms.error(values, axis, q))).collect())

@@ -1,4 +1,4 @@
-//! Verdicts and entries in words: the same on the command line, in the page of a report, and in the desk.
+//! Verdicts and entries in words: identical on the command line, in the page of a report, and in the desk.
 
 use super::document::TermDocument;
 use super::entry::{Deed, Entry, Measured};
@@ -13,7 +13,7 @@ impl TermDocument {
 }
 
 impl Measured {
-    /// How far the sum of the updates went, where it did.
+    /// Change of the sum of the updates, if any.
     pub fn in_words(&self) -> Option<String> {
         let (from, to) = (significant(self.from, 3), significant(self.to, 3));
         let error = significant(self.standard_error, 2);
@@ -21,7 +21,7 @@ impl Measured {
     }
 }
 
-/// What each entry did, in words; all entries are needed, as a later one may have taken an update back.
+/// Describes each entry in words; needs all entries, as a later one may have undone an update.
 pub fn deeds(entries: &[Entry]) -> Vec<String> {
     let now = in_effect(entries);
     let of = |entry: &Entry| match entry.deed {

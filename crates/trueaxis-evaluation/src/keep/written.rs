@@ -1,4 +1,5 @@
-//! What a command writes, in this order: copies of the files it replaces, the history, the machine's files, the controller's.
+//! Files that a command writes, in this order: copies of the files it replaces, the history, the machine's files, the
+//! controller's.
 
 use super::entry::{Changed, Deed, Entry};
 use super::history::sum;
@@ -11,14 +12,14 @@ use trueaxis_tables::files::Memory;
 use trueaxis_tables::text::decode;
 use trueaxis_tables::{Machine, compile};
 
-/// Names in the machine's folder with their bytes, in the order in which they are written.
+/// Names in the machine's folder with their bytes, in writing order.
 pub type Written = Vec<(PathBuf, Vec<u8>)>;
 
-/// Files of the machine as they would be; `None`: taken away.
+/// New versions of the machine's files; `None` if removed.
 pub type New = Vec<(String, Option<Vec<u8>>)>;
 
 impl State {
-    /// All files with the new ones.
+    /// All files, with the new versions.
     pub(super) fn with(&self, new: &New) -> BTreeMap<String, Vec<u8>> {
         let mut after = self.files.clone();
         for (file, bytes) in new {
@@ -30,7 +31,7 @@ impl State {
         after
     }
 
-    /// New files as an entry states them.
+    /// The new files in the form of an entry.
     pub(super) fn changed(&self, new: &New) -> Vec<Changed> {
         let of = |bytes: &Vec<u8>| sum(bytes);
         new.iter()
@@ -42,8 +43,8 @@ impl State {
             .collect()
     }
 
-    /// Everything that is written with an entry. Copies come first, then the history, before the tables: so what an
-    /// interrupted command has changed is known.
+    /// Everything that an entry writes. Copies come first, then the history, before the tables, so that the changes of an
+    /// interrupted command are known.
     ///
     /// # Errors
     /// Files that the controller would refuse.
@@ -58,14 +59,14 @@ impl State {
         Ok(written)
     }
 
-    /// Adds the controller's files of a machine whose files are these.
+    /// Adds the controller's files, compiled from these files of a machine.
     fn compiled(&self, deed: Deed, files: &BTreeMap<String, Vec<u8>>, written: &mut Written) -> Result<()> {
         if self.keep.tcomp.is_none() && self.keep.ttherm.is_none() {
             return Ok(());
         }
         let memory = Memory::new(files.iter().map(|(name, bytes)| (name, bytes.clone())));
         let machine = Machine::read_from(&memory, &self.name, &mut |_| {})?;
-        // An undo takes it away.
+        // An undo removes the compiled file.
         let away = deed == Deed::Undo && !is_compilable(&machine);
         if let Some(tcomp) = self.keep.tcomp.as_ref().filter(|_| !away) {
             let machine = Machine::read_from(&memory, &self.name, &mut |_| {})?;

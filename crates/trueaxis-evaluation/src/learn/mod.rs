@@ -1,6 +1,6 @@
-//! The contour error of one part, recorded over path length, from which the correction for the next is learned.
+//! The contour error of one part, recorded over path length, from which the correction for the next part is learned.
 //!
-//! The mathematics is [`trueaxis_metrology::learning`].
+//! The mathematics is in [`trueaxis_metrology::learning`].
 
 mod record;
 

@@ -16,11 +16,11 @@ pub const COLUMNS: [Column; 5] = [
     Column { name: "measured", needed: false },
 ];
 
-/// Bytes of comments before the header that are looked at.
+/// Bytes before the header that are searched for comments.
 const COMMENTS: u64 = 1 << 16;
 const KEYS: [&str; 3] = ["program_id", "machine_id", "length_mm"];
 
-/// A part as it stands in a file.
+/// The record of a part as read from a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Record {
     file: PathBuf,
@@ -38,11 +38,12 @@ struct Said {
 }
 
 impl Record {
-    /// Reads a file: its comments from `comments`, its rows as `open` opens them; what only path and cut-off can tell is
-    /// left to the resampling.
+    /// Reads a file: its comments from `comments`, its rows from the sheet that `open` opens. The resampling checks whatever
+    /// depends on path and cut-off.
     ///
     /// # Errors
-    /// A comment that is missing, there twice or out of range; a row that cannot be read; a component that stands still half-way.
+    /// A comment that is missing, repeated or out of range; a row that cannot be read; a component that stops changing
+    /// half-way.
     pub fn read<'r>(comments: impl Read, file: &Path, open: impl FnOnce() -> Result<Rows<'r, 5>>) -> Result<Record> {
         let said = self::comments(comments, file)?;
         let [program_id, machine_id] = [&said[0], &said[1]];
@@ -69,7 +70,7 @@ impl Record {
         Ok(Record { file: file.into(), identity, rows, lines })
     }
 
-    /// A refusal of the mathematics with file and line.
+    /// Adds file and line to a refusal from the mathematics.
     pub fn refused(&self, refused: &NotLearned) -> anyhow::Error {
         let line = refused.row().and_then(|row| self.lines.get(row));
         let column = if matches!(refused, NotLearned::TooLarge { .. }) { "ex_um, ey_um, ez_um" } else { "s_mm" };
@@ -80,7 +81,7 @@ impl Record {
     }
 }
 
-/// The values of [`KEYS`], in their order.
+/// The values of [`KEYS`], in that order.
 fn comments(input: impl Read, file: &Path) -> Result<[Said; 3]> {
     let mut said: [Option<Said>; 3] = [None, None, None];
     for (number, line) in (1..).zip(BufReader::new(input.take(COMMENTS)).split(b'\n')) {

@@ -1,25 +1,25 @@
-//! The foot of a position on a programmed path.
+//! Foot point of a position on a programmed path.
 
 use super::ProgrammedPath;
 use crate::record::Followed;
 use trueaxis::contour::{ContourSearch, Flags};
 
-/// The nearest point of a path, and how far from it a position is.
+/// The nearest point of a path, and a position's distance from it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Foot {
     /// Segment, from 0.
     pub segment: u32,
-    /// Its parameter.
+    /// Parameter of the segment.
     pub u: f64,
     /// Distance, µm.
     pub error_um: f64,
     /// Position − foot, µm.
     pub vector_um: [f64; 3],
-    /// Evaluations of the path.
+    /// Number of path evaluations.
     pub evaluations: u8,
-    /// Whether the search had the foot between two points.
+    /// Whether the search bracketed the foot between two points.
     pub bracketed: bool,
-    /// Where the reference is, mm.
+    /// Position of the reference, mm.
     pub reference_mm: [f64; 3],
 }
 
@@ -28,17 +28,17 @@ pub struct Foot {
 pub struct NotOnPath {
     /// `segment` or `u`.
     pub field: &'static str,
-    /// Its value.
+    /// Value of the field.
     pub found: f64,
-    /// What it must be.
+    /// Values allowed.
     pub needed: String,
 }
 
 impl ProgrammedPath {
-    /// The foot of a position (mm) near the reference at the parameter u of a segment.
+    /// The foot of a position (mm) near the reference at parameter u of a segment.
     ///
     /// # Errors
-    /// There is no such segment, or u is not on it.
+    /// A segment that does not exist, or u outside it.
     pub fn foot(
         &self,
         search: &ContourSearch<f64>,
@@ -69,38 +69,38 @@ impl ProgrammedPath {
     }
 }
 
-/// A coordinate that stands still while the path goes on along it.
+/// A coordinate that does not change while the path advances along it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Standing {
     /// 0 to 2: X, Y, Z.
     pub axis: usize,
-    /// Row or line of its first reading.
+    /// Row or line of the first such reading.
     pub row: usize,
-    /// The value, for how many readings, and over which way of the path along the axis.
+    /// The value, the number of readings, and the distance that the path advances along the axis.
     pub found: String,
 }
 
 impl Standing {
-    /// What a refusal asks for.
+    /// The requirement named in a refusal.
     pub const NEEDED: &'static str = "a position that follows the path";
 }
 
-/// The coordinates of a recorded contour, row after row: whether one of them stands still ([`Followed`]).
+/// The coordinates of a recorded contour, row after row, checked for one that does not follow the path ([`Followed`]).
 #[derive(Clone, Debug, Default)]
 pub struct Alive([Followed; 3]);
 
 impl Alive {
-    /// Takes a row: its number or line, its foot, and its position, mm.
+    /// Adds a row: its number or line, its foot, and its position, mm.
     pub fn put(&mut self, row: usize, foot: &Foot, position: [f64; 3]) {
         for ((axis, command), reading) in self.0.iter_mut().zip(foot.reference_mm).zip(position) {
             axis.put(row, command, reading);
         }
     }
 
-    /// The first coordinate that stands still.
+    /// Finds the first coordinate that does not follow the path.
     ///
     /// # Errors
-    /// With axis and row. An axis beside which the others move, and a dwell, are none.
+    /// With axis and row. Neither a dwell nor an axis that does not move while others do is an error.
     pub fn check(&self) -> Result<(), Standing> {
         let standing = self.0.iter().enumerate().find_map(|(axis, followed)| Some((axis, followed.standing()?)));
         standing.map_or(Ok(()), |(axis, (stuck, way))| {

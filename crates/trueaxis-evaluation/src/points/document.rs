@@ -1,4 +1,4 @@
-//! What points tell, as a document.
+//! Errors identified from points, as a document.
 
 use super::{Found, Points};
 use crate::diagonal::Value;
@@ -10,15 +10,15 @@ use trueaxis_tables::formats::machine_files;
 /// One of the 21 errors.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Function {
-    /// Its name, `EXX`.
+    /// Name, such as `EXX`.
     pub name: String,
     /// `um` or `urad`.
     pub unit: &'static str,
     /// Smallest and largest value.
     pub range: [f64; 2],
-    /// Root mean square of the standard errors of its nodes.
+    /// Root mean square of the standard errors of the nodes.
     pub standard_error: f64,
-    /// Largest of them.
+    /// Largest standard error of a node.
     pub worst_standard_error: f64,
 }
 
@@ -36,58 +36,58 @@ pub struct Squareness {
 /// Lengths of vectors over points.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Left {
-    /// Points.
+    /// Number of points.
     pub points: usize,
     /// Largest.
     pub max_um: f64,
     /// Root mean square.
     pub rms_um: f64,
-    /// Line of the largest.
+    /// Line of the largest length.
     pub line: u32,
 }
 
 /// The JSON document.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Document {
-    /// Points of the file.
+    /// Number of points in the file.
     pub points: usize,
-    /// Nodes of X, Y, Z.
+    /// Number of nodes of X, Y, Z.
     pub nodes: [usize; 3],
-    /// Errors that stand in the tables.
+    /// Errors that the tables contain.
     pub functions: Vec<Function>,
     /// Squareness.
     pub squareness: Squareness,
-    /// Angular errors that the points do not see, left at zero.
+    /// Angular errors that the points do not determine, left at zero.
     pub unseen: Vec<String>,
-    /// Deviation of the points, the instrument's placement taken out.
+    /// Deviation of the points, without the instrument's placement.
     pub before: Left,
-    /// What the machine with the errors leaves of all points, by its own model.
+    /// Residual of all points with the errors in the machine, by its own model.
     pub left: Left,
-    /// What a fit without them leaves of one point in ten; null with fewer than 60 points.
+    /// Residual of every tenth point in a fit without them; null with fewer than 60 points.
     pub held_out: Option<Left>,
     /// Shift of the instrument, mm.
     pub shift_mm: [f64; 3],
-    /// Its turn.
+    /// Rotation of the instrument, µrad.
     pub turn_urad: [f64; 3],
-    /// What the reflectors' offsets are off, from the second.
+    /// Errors of the reflectors' offsets, from the second reflector on.
     pub offsets_um: Vec<[f64; 3]>,
-    /// Standard deviation of a coordinate (of one with the mean stated uncertainty), from what is left.
+    /// Standard deviation of a coordinate (with mean stated uncertainty), from the residuals.
     pub sigma_um: f64,
-    /// What is left over what the stated uncertainties allow; null where none are stated.
+    /// Ratio of the residuals to the stated uncertainties; null if none are stated.
     pub sigma_over_stated: Option<f64>,
-    /// Coordinates less unknowns.
+    /// Coordinates minus unknowns.
     pub degrees_of_freedom: usize,
-    /// Unknowns.
+    /// Number of unknowns.
     pub unknowns: usize,
-    /// Conditions that fix what no point can tell.
+    /// Number of conditions that fix what no point can determine.
     pub conventions: usize,
     /// Rank of points and conditions.
     pub rank: usize,
     /// Condition number of the scaled columns.
     pub condition: f64,
-    /// Weight of second differences of the tables against a reading.
+    /// Weight of second differences of the tables relative to a reading.
     pub smoothing: f64,
-    /// What is to be known of the result.
+    /// Remarks on the result.
     pub notes: Vec<String>,
 }
 
@@ -106,7 +106,7 @@ fn left(of: impl Iterator<Item = (u32, [f64; 3])>) -> Left {
 }
 
 impl Document {
-    /// Of what was found of points.
+    /// The document of the errors found from points.
     pub fn new(points: &Points, found: &Found) -> Document {
         let lines = || points.points.iter().map(|point| point.line);
         let errors = &found.errors;

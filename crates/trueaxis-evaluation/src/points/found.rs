@@ -10,28 +10,28 @@ use trueaxis_tables::limits::raise;
 use trueaxis_tables::{Machine, Table};
 
 const LINEAR: [Axis; 3] = [Axis::X, Axis::Y, Axis::Z];
-/// Nodes of an axis whose points do not stand on levels.
+/// Number of nodes of an axis whose points are not on levels.
 const NODES: usize = 11;
-/// Most levels that become nodes.
+/// Maximum number of levels that become nodes.
 const MOST_LEVELS: usize = 41;
-/// One point of so many is held out.
+/// One point in this many is held out.
 const HELD_OUT: usize = 10;
-/// Fewest points of which some are held out.
+/// Minimum number of points to hold any out.
 const LEAST_WITH_HELD_OUT: usize = 60;
 
 /// How to fit.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Options {
-    /// Nodes of X, Y, Z, evenly spaced over the points; `None`: the levels on which the points stand, else 11.
+    /// Nodes of X, Y, Z, evenly spaced over the points; `None`: the levels of the points, or else 11.
     pub nodes: Option<[usize; 3]>,
-    /// Errors that are left at zero, as `EBX`.
+    /// Errors to leave at zero, such as `EBX`.
     pub without: Vec<String>,
 }
 
 /// Numbers of nodes of X, Y, Z.
 ///
 /// # Errors
-/// What was found and what is needed: three of 2 to 101.
+/// The error says what was found and what is needed: three numbers of 2 to 101.
 pub fn nodes(counts: &[usize]) -> Result<[usize; 3], String> {
     match *counts {
         [x, y, z] if [x, y, z].iter().all(|count| (2..=101).contains(count)) => Ok([x, y, z]),
@@ -39,34 +39,34 @@ pub fn nodes(counts: &[usize]) -> Result<[usize; 3], String> {
     }
 }
 
-/// What was found.
+/// Result of [`identify`].
 #[derive(Clone, Debug)]
 pub struct Found {
     /// The errors.
     pub errors: Errors,
-    /// Nodes, reference and what was seen.
+    /// Nodes, reference and the errors that the points determine.
     pub basis: Basis,
-    /// What the machine with these errors leaves of every point by its own model, mm; the instrument's placement and the reflectors'
-    /// offsets taken out.
+    /// Residual of every point with the errors in the machine, by its own model, mm; without the instrument's placement and
+    /// the reflectors' offsets.
     pub left_mm: Vec<[f64; 3]>,
-    /// The same of the points held out, with their index, by a fit without them; empty with few points.
+    /// Residuals of the held-out points, with their indices, in a fit without them; empty with few points.
     pub held_out_mm: Vec<(usize, [f64; 3])>,
-    /// Points and how far each was off, placement taken out, mm.
+    /// Deviation of every point without the placement, mm.
     pub deviations_mm: Vec<[f64; 3]>,
-    /// Errors that the points do not see, left at zero.
+    /// Angular errors that the points do not determine, left at zero.
     pub unseen: Vec<String>,
     /// The machine with the errors, model volumetric.
     pub machine: Machine,
-    /// Limits of the corrections that it needs, a sentence each.
+    /// Correction limits that the machine needs, a sentence each.
     pub limits: Vec<String>,
 }
 
-/// The 21 errors of the linear axes of `machine`, whose own tables and squarenesses are not used; rotary axes at zero.
+/// The 21 errors of the linear axes of `machine`, ignoring its own tables and squarenesses; rotary axes at zero.
 ///
 /// Cost: two fits, see [`fit`].
 ///
 /// # Errors
-/// A machine that lacks a linear axis, errors to leave out that it has not got, points that do not determine the rest.
+/// A machine that lacks a linear axis, errors in `without` that it does not have, points that do not determine the rest.
 pub fn identify(points: &Points, machine: &Machine, options: &Options) -> Result<Found> {
     for axis in LINEAR {
         if machine.settings.axis(axis).is_none() {
@@ -83,7 +83,7 @@ pub fn identify(points: &Points, machine: &Machine, options: &Options) -> Result
     if points.points.len() >= LEAST_WITH_HELD_OUT {
         let kept: Vec<Observation> =
             observations.iter().enumerate().filter(|(i, _)| !out(*i)).map(|(_, of)| of.clone()).collect();
-        // Without them a node may lack points: then nothing is held out.
+        // Without them a node may lack points: then none is held out.
         if let Ok(part) = fit(&kept, &basis) {
             let left = left(points, &filled(&bare, &basis, &part), &part)?;
             held_out_mm = left.into_iter().enumerate().filter(|(i, _)| out(*i)).collect();
@@ -190,7 +190,7 @@ fn basis(points: &Points, bare: &Machine, options: &Options) -> Result<(Basis, V
     Ok((Basis { nodes_mm, reference_mm, seen, tools: points.tools_mm.len(), length_mm }, unseen))
 }
 
-/// How much the lever of a rotation varies over the ends of the other axes and the reflectors, its own axis standing; mm.
+/// Variation of the lever of a rotation over the ends of the other axes and the reflectors, its own axis fixed, mm.
 fn spread(points: &Points, bare: &Machine, axis: Axis, component: usize, ends: [[f64; 2]; 3]) -> Result<f64> {
     let own = axis.index();
     let corners: Vec<[f64; AXES]> = (0..8)
@@ -211,7 +211,7 @@ fn spread(points: &Points, bare: &Machine, axis: Axis, component: usize, ends: [
     Ok(widths.fold(0.0, f64::max))
 }
 
-/// The deviation of a point with the instrument's placement and its reflector's offset taken out, mm.
+/// The deviation of a point without the instrument's placement and its reflector's offset, mm.
 fn placed(point: &super::Point, errors: &Errors) -> [f64; 3] {
     let [tx, ty, tz, a, b, c] = errors.placement;
     let [x, y, z] = point.command_mm;
@@ -221,7 +221,7 @@ fn placed(point: &super::Point, errors: &Errors) -> [f64; 3] {
     std::array::from_fn(|k| point.deviation_mm[k] - shift[k] - turned[k] - offset[k])
 }
 
-/// What a machine with the errors leaves of the points, by its own model.
+/// Residuals of the points with the errors in the machine, by its own model.
 fn left(points: &Points, machine: &Machine, errors: &Errors) -> Result<Vec<[f64; 3]>> {
     let mut left = vec![[0.0; 3]; points.points.len()];
     for (tool, &offset) in points.tools_mm.iter().enumerate() {
@@ -236,16 +236,16 @@ fn left(points: &Points, machine: &Machine, errors: &Errors) -> Result<Vec<[f64;
     Ok(left)
 }
 
-/// Steps in which tables are stored, 1e-7 µm and µrad: short decimals.
+/// Inverse of the steps in which tables are stored, 1e-7 µm and µrad: short decimals.
 const STEPS: f64 = 1e7;
 
 /// A machine with the errors as its tables of X, Y, Z and its squareness.
 fn filled(machine: &Machine, basis: &Basis, errors: &Errors) -> Machine {
     let mut machine = machine.clone();
-    // In micro and then / 1e3 or 1e6, as a file is read, so that it reads back as the same double; + 0 turns −0 into 0.
+    // Scaled to micro and then / 1e3 or 1e6, as a file is read, so that it reads back as the same double; + 0 turns −0 into 0.
     let rounded = |value: f64, scale: f64| (value * scale * STEPS).round() / STEPS / scale + 0.0;
     machine.settings.compensation.model = ErrorModel::Volumetric;
-    // What the points show is the whole error: a grid on top would count it twice.
+    // The points show the whole error: a grid on top would count it twice.
     machine.grids.clear();
     let [a0z, b0z, c0y] = errors.squareness.map(|rad| rounded(rad, 1e6));
     let location = &mut machine.settings.location;

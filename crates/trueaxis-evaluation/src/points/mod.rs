@@ -1,10 +1,10 @@
-//! Coordinates that an instrument measured all over the volume, and the 21 errors that they tell.
+//! Coordinates that an instrument measured throughout the volume, and the 21 errors that they determine.
 //!
 //! ```text
 //! POINTS.csv ─► Points ─► fit ─► Found: document, machine
 //! ```
 //!
-//! The mathematics is [`trueaxis_metrology::volumetric`]; what a unit of an error makes of the tip comes from the machine's
+//! The mathematics is in [`trueaxis_metrology::volumetric`]; the effect of a unit error on the tip comes from the machine's
 //! own volumetric model.
 
 mod document;

@@ -1,4 +1,4 @@
-//! POINTS.csv.
+//! POINTS.csv: measured points.
 
 use crate::record;
 use crate::rows::{Column, Rows};
@@ -19,15 +19,15 @@ pub const COLUMNS: [Column; 10] = [
     Column { name: "tool_z_mm", needed: false },
 ];
 
-/// Deviation from which a point is taken to be none, mm: coordinates in another frame, or a beam that was broken.
+/// Deviation beyond which a point is rejected, mm: coordinates in another frame, or an interrupted beam.
 const MOST_DEVIATION_MM: f64 = 2.0;
-/// Standard uncertainty where none is stated, mm: only its ratio to the others' counts.
+/// Standard uncertainty if none is stated, mm: only its ratio to the others matters.
 const UNIT_SIGMA_MM: f64 = 1e-3;
 
-/// Share of a lattice from which on points that are left out are its plan.
+/// Share of missing lattice points above which the gaps are intended.
 const LEFT_OUT: f64 = 0.01;
 
-/// Refuses a lattice of which some points are missing, one in a hundred at most.
+/// Refuses a lattice with missing points, up to one in a hundred.
 fn lattice(rows: &Rows<'_, 10>, points: &[Point], tools: usize) -> Result<()> {
     for tool in 0..tools {
         let own = || points.iter().filter(|point| point.tool == tool).map(|point| point.command_mm);
@@ -61,11 +61,11 @@ pub struct Point {
     pub line: u32,
     /// Commanded position of X, Y, Z, mm.
     pub command_mm: [f64; 3],
-    /// Actual less commanded, mm, the reflector's offset taken out.
+    /// Actual minus commanded position, without the reflector's offset, mm.
     pub deviation_mm: [f64; 3],
-    /// Its standard uncertainty, mm; 1 µm where none is stated.
+    /// Standard uncertainty of the point, mm; 1 µm if none is stated.
     pub sigma_mm: f64,
-    /// Index of its reflector offset.
+    /// Index of the point's reflector offset.
     pub tool: usize,
 }
 
@@ -74,7 +74,7 @@ pub struct Point {
 pub struct Points {
     /// The points, in the order of the file.
     pub points: Vec<Point>,
-    /// Reflector offsets from the last tool-side frame, mm; `None`: the file has none, the machine's tool is taken.
+    /// Reflector offsets from the last tool-side frame, mm; `None`: the file has none, and the machine's tool is used.
     pub tools_mm: Vec<Option<[f64; 3]>>,
     /// Whether uncertainties are stated.
     pub stated: bool,
@@ -84,8 +84,8 @@ impl Points {
     /// Reads all rows of [`COLUMNS`].
     ///
     /// # Errors
-    /// A row that cannot be read, a point a second time, an uncertainty that is none, a deviation of millimetres, coordinates that
-    /// stand still, a lattice with a point left out.
+    /// A row that cannot be read, a repeated point, an invalid uncertainty, a deviation of millimetres, coordinates that stop
+    /// changing, a lattice with a missing point.
     pub fn read(rows: &mut Rows<'_, 10>) -> Result<Points> {
         let with_tool = rows.present[7..].iter().any(|present| *present);
         let stated = rows.present[6];
@@ -120,7 +120,8 @@ impl Points {
             points.push(Point { line: row.line, command_mm: [x, y, z], deviation_mm, sigma_mm, tool });
         }
         for (c, name) in ["actual_x_mm", "actual_y_mm", "actual_z_mm"].into_iter().enumerate() {
-            // A coordinate that follows its axis differs from point to point; an instrument that died repeats itself while the axis moves.
+            // A coordinate that follows its axis differs from point to point; a dead instrument repeats its value while the
+            // axis moves.
             let actual: Vec<f64> = points.iter().map(|point| point.command_mm[c] + point.deviation_mm[c]).collect();
             let moved = |stuck: &record::Stuck| {
                 let over = points[stuck.from..stuck.from + stuck.count].iter().map(|point| point.command_mm[c]);

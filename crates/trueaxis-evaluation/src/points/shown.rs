@@ -5,7 +5,7 @@ use crate::shown::{Cell, Curve, Look, Map, Plot, Shown, Table, unit};
 use trueaxis_metrology::volumetric::{AXES, COMPONENTS};
 
 impl Document {
-    /// Tables, plots and map of the points and of what was found.
+    /// Tables, plots and map of the points and the errors found.
     pub fn shown(&self, points: &Points, found: &Found) -> Shown {
         let functions = self.functions.iter().map(|of| {
             let [low, high] = of.range.map(|value| Cell::number(value, 3));
@@ -58,7 +58,7 @@ impl Document {
     }
 }
 
-/// Translations and rotations of every axis that the points show, with their standard errors.
+/// Translations and rotations of every axis that the points determine, with their standard errors.
 fn errors(found: &Found) -> Vec<Plot> {
     let mut plots = Vec::new();
     for (axis, letter) in AXES.into_iter().enumerate() {
@@ -108,10 +108,10 @@ fn residuals(points: &Points, found: &Found) -> impl Iterator<Item = Plot> {
     })
 }
 
-/// Cells of the map in each direction.
+/// Number of cells of the map in each direction.
 const CELLS: usize = 12;
 
-/// Root mean square of what is left over X and Y, all heights together.
+/// Root mean square of the residuals over X and Y, all heights together.
 fn map(points: &Points, found: &Found) -> Map {
     let ends_mm = [0, 1].map(|axis| {
         let values = points.points.iter().map(|point| point.command_mm[axis]);

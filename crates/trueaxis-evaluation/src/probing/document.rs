@@ -8,39 +8,39 @@ use trueaxis_metrology::linear_fit::LinearFit;
 /// A run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Run {
-    /// Its number.
+    /// Number of the run.
     pub run: i64,
-    /// Points.
+    /// Number of points.
     pub points: usize,
-    /// Orientation of the spindle; null where not recorded.
+    /// Orientation of the spindle; null if not recorded.
     pub spindle_deg: Option<f64>,
     /// Centre, or mean of the points.
     pub centre_mm: [f64; 3],
     /// Diameter of the least-squares circle or sphere through the tip's centres.
     pub diameter_mm: Option<f64>,
-    /// P_FTU,2D of a ring, P_FTU,3D of a sphere.
+    /// P_FTU,2D for a ring, P_FTU,3D for a sphere.
     pub form_um: Option<f64>,
 }
 
 /// Scatter of places along X, Y, Z.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Spread {
-    /// How many.
+    /// Number of places.
     pub count: usize,
-    /// Largest less smallest.
+    /// Largest minus smallest.
     pub range_um: [f64; 3],
-    /// Standard deviation; null for one.
+    /// Standard deviation; null for a single place.
     pub standard_deviation_um: Option<[f64; 3]>,
 }
 
-/// The stylus tip off the spindle's axis.
+/// Offset of the stylus tip from the spindle's axis.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Offset {
-    /// Along X and Y at spindle orientation 0.
+    /// Along X at spindle orientation 0.
     pub x_um: Value,
-    /// The same.
+    /// Along Y at spindle orientation 0.
     pub y_um: Value,
-    /// Its length.
+    /// Length of the offset.
     pub length_um: f64,
 }
 
@@ -49,33 +49,33 @@ pub struct Offset {
 pub struct Document {
     /// "ring", "sphere" or "point".
     pub feature: &'static str,
-    /// By run.
+    /// Results by run.
     pub runs: Vec<Run>,
     /// Largest P_FTU over the runs; null for points.
     pub p_ftu_um: Option<f64>,
     /// `P_FTU,2D` or `P_FTU,3D`.
     pub p_ftu_name: Option<&'static str>,
-    /// Repeatability of a single point, of all points of a feature `point`.
+    /// Repeatability of a single point, over all points of a feature `point`.
     pub point_repeatability: Option<Spread>,
-    /// Repeatability of a location: the runs' centres, spindle orientation taken out.
+    /// Repeatability of a location: the runs' centres, corrected for spindle orientation.
     pub location_repeatability: Option<Spread>,
     /// Offset of the stylus tip; null without orientations.
     pub tip_offset: Option<Offset>,
-    /// Effective diameter of the tip from the calibrated diameter; null without.
+    /// Effective diameter of the tip from the calibrated diameter; null without one.
     pub effective_tip_diameter_mm: Option<f64>,
     /// Range of the diameters over the runs.
     pub diameter_range_um: Option<f64>,
-    /// What is to be known of the figures.
+    /// Remarks on the figures.
     pub notes: Vec<String>,
 }
 
-/// Angles nearer than this are one orientation, degrees.
+/// Angles closer than this are the same orientation, degrees.
 const SAME_DEG: f64 = 1.0;
 
 fn spread(places: &[[f64; 3]]) -> Spread {
     let n = places.len() as f64;
     let of = |c: usize| places.iter().map(move |place| 1e3 * place[c]);
-    // About the first, so that a micrometre in a metre keeps its digits.
+    // Relative to the first, so that a micrometre in a metre keeps its digits.
     let first = places.first().copied().unwrap_or_default();
     let range_um = [0, 1, 2].map(|c| of(c).fold(f64::MIN, f64::max) - of(c).fold(f64::MAX, f64::min));
     let deviation = [0, 1, 2].map(|c| {
@@ -85,7 +85,7 @@ fn spread(places: &[[f64; 3]]) -> Spread {
     Spread { count: places.len(), range_um, standard_deviation_um: (places.len() > 1).then_some(deviation) }
 }
 
-/// Centre and tip offset from centres at orientations; what is left of every centre.
+/// Tip offset from centres at several orientations; every centre corrected for it.
 fn offset(runs: &[Measured]) -> Option<(Offset, Vec<[f64; 3]>)> {
     let turned = runs.iter().any(|run| (run.spindle_deg - runs[0].spindle_deg).abs() > SAME_DEG);
     if !turned {
@@ -117,7 +117,7 @@ fn offset(runs: &[Measured]) -> Option<(Offset, Vec<[f64; 3]>)> {
 }
 
 impl Document {
-    /// Of a record.
+    /// The document of a record.
     pub fn new(record: &Record) -> Document {
         let (name, p_ftu_name) = match record.feature {
             Feature::Ring => ("ring", Some("P_FTU,2D")),

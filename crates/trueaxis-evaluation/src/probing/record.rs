@@ -18,15 +18,15 @@ pub const COLUMNS: [Column; 5] = [
     Column { name: "spindle_deg", needed: false },
 ];
 
-/// Fewest points of a ring: three make a circle that fits whatever they are.
+/// Minimum number of points of a ring: any three fit a circle exactly.
 const LEAST_ON_RING: usize = 4;
-/// Largest part of the nominal diameter by which a measured one may differ.
+/// Largest share of the nominal diameter by which a measured one may differ.
 const MOST_OFF: f64 = 0.25;
 
-/// Largest distance of a point from its circle, sphere or middle, mm: what is farther off was not probed on the feature.
+/// Largest distance of a point from its circle, sphere or mean, mm: a point farther off was not probed on the feature.
 const MOST_FORM_MM: f64 = 0.5;
 
-/// What was probed.
+/// The feature probed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Feature {
@@ -34,14 +34,14 @@ pub enum Feature {
     Ring,
     /// A sphere.
     Sphere,
-    /// One point of a surface, again and again.
+    /// One point of a surface, probed repeatedly.
     Point,
 }
 
-/// Whether the diameter of a ring or sphere is one.
+/// Checks the diameter of a ring or sphere.
 ///
 /// # Errors
-/// Outside 0.1 to 10000 mm.
+/// A diameter outside 0.1 to 10000 mm.
 pub fn check(diameter_mm: Option<f64>) -> Result<(), OutOfRange> {
     OutOfRange::check("diameter_mm", diameter_mm, 0.1..=1e4, "mm")
 }
@@ -57,12 +57,12 @@ pub(super) struct Measured {
     pub(super) form: Option<f64>,
 }
 
-/// A test.
+/// The record of a test.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Record {
-    /// What was probed.
+    /// The feature probed.
     pub feature: Feature,
-    /// Its calibrated diameter, mm, where known.
+    /// Calibrated diameter of the feature, mm, if known.
     pub diameter_mm: Option<f64>,
     pub(super) runs: Vec<Measured>,
     /// Whether the spindle was oriented.
@@ -73,8 +73,9 @@ impl Record {
     /// Reads all rows of [`COLUMNS`]; `diameter_mm` of the ring or sphere.
     ///
     /// # Errors
-    /// A row that cannot be read, too few points, points that make no circle or sphere or one of another size, a point a second time
-    /// or half a millimetre off the others, a run with fewer points than the others, a spindle that turns within a run.
+    /// A row that cannot be read, too few points, points that do not form a circle or sphere or form one of another size, a
+    /// point repeated or half a millimetre off the others, a run with fewer points than the others, a spindle that turns
+    /// within a run.
     pub fn read(rows: &mut Rows<'_, 5>, feature: Feature, diameter_mm: Option<f64>) -> Result<Record> {
         if feature != Feature::Ring && !rows.present[2] {
             return Err(rows.error(1, "z_mm", "no such column", "z_mm for a sphere or a point"));

@@ -5,7 +5,7 @@ use crate::shown::{Cell, Curve, Look, Plot, Shown, Table};
 use trueaxis_report::number::significant;
 
 impl Document {
-    /// The figures of all runs as one reads them: name and value.
+    /// The figures of all runs as text: name and value.
     pub fn figures(&self) -> Vec<(&'static str, String)> {
         let um = |value: f64| significant(value, 3);
         let three = |of: Spread| {
@@ -34,7 +34,7 @@ impl Document {
         figures
     }
 
-    /// Tables and plot of the record that it is of.
+    /// Tables and plot of the document's record.
     pub fn shown(&self, record: &Record) -> Shown {
         let figures = self.figures().into_iter().map(|(name, of)| vec![name.into(), of.into()]);
         let runs = self.runs.iter().map(|run| {
@@ -63,7 +63,7 @@ impl Document {
     }
 }
 
-/// Distance of every point from its run's centre, less half its diameter; `None` for single points.
+/// Distance of every point from its run's centre, minus half the run's diameter; `None` for single points.
 fn form(record: &Record) -> Option<Plot> {
     let (mut angles, mut distances) = (Vec::new(), Vec::new());
     for run in &record.runs {

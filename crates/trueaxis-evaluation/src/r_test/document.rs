@@ -1,4 +1,4 @@
-//! What an R-test tells, as a document.
+//! Errors identified from an R-test, as a document.
 
 use super::{Found, Record, name};
 use serde::Serialize;
@@ -7,58 +7,58 @@ use trueaxis_tables::Machine;
 /// A location error.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Term {
-    /// Its name, `EX0C`.
+    /// Name, such as `EX0C`.
     pub name: String,
     /// `um` or `urad`.
     pub unit: &'static str,
-    /// Its value.
+    /// Value of the error.
     pub value: f64,
-    /// Its standard error.
+    /// Standard error of the value.
     pub standard_error: f64,
-    /// What the machine has for it.
+    /// Value in the machine before the test.
     pub before: f64,
 }
 
 /// The JSON document.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Document {
-    /// Readings of the record.
+    /// Number of readings in the record.
     pub readings: usize,
-    /// Balls.
+    /// Number of balls.
     pub balls: usize,
     /// Range of the displacements along X, Y, Z over all readings (ISO 10791-6, tests BK).
     pub range_um: [f64; 3],
     /// Location errors found.
     pub terms: Vec<Term>,
-    /// Where the balls were off their commanded place, workpiece's frame.
+    /// Offsets of the balls from their commanded places, workpiece's frame.
     pub balls_um: Vec<[f64; 3]>,
-    /// Zero of the nest, tool's frame; null where it was calibrated.
+    /// Zero of the nest, tool's frame; null if the nest was calibrated.
     pub sensor_um: Option<[f64; 3]>,
-    /// Root mean square of the readings without the balls' places.
+    /// Root mean square of the readings, without the balls' places.
     pub rms_um: f64,
-    /// What is left of them.
+    /// Root mean square of the residuals.
     pub left_rms_um: f64,
-    /// Largest that is left.
+    /// Largest residual.
     pub left_max_um: f64,
-    /// Line of it.
+    /// Line of the largest residual.
     pub left_max_line: u32,
     /// Standard deviation of a coordinate.
     pub sigma_um: f64,
-    /// Coordinates less unknowns.
+    /// Coordinates minus unknowns.
     pub degrees_of_freedom: usize,
     /// Rank: all unknowns.
     pub rank: usize,
     /// Condition number of the scaled columns.
     pub condition: f64,
-    /// What is to be known of the result.
+    /// Remarks on the result.
     pub notes: Vec<String>,
 }
 
-/// Condition number from which poses are called doubtful.
+/// Condition number from which poses are doubtful.
 const DOUBTFUL_CONDITION: f64 = 100.0;
 
 impl Document {
-    /// Of what was found of a record on a machine.
+    /// The document of the errors found from a record on a machine.
     pub fn new(record: &Record, found: &Found, machine: &Machine) -> Document {
         let terms = found.terms.iter().map(|&((axis, component), value, error)| {
             let (unit, scale) = if component < 3 { ("um", 1e3) } else { ("urad", 1e6) };

@@ -10,47 +10,47 @@ use trueaxis_tables::finding::{Finding, Fit, Known};
 use trueaxis_tables::{Additions, Machine};
 
 const ROTARY: [Axis; 3] = [Axis::A, Axis::B, Axis::C];
-/// Readings that a fit must have beyond its unknowns.
+/// Minimum number of readings of a fit beyond its unknowns.
 const LEAST_FREEDOM: usize = 3;
 
-/// What to look for.
+/// How to fit.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Options {
-    /// Location errors that keep the machine's values, as `EX0C`.
+    /// Location errors that keep the machine's values, such as `EX0C`.
     pub without: Vec<String>,
-    /// Whether the nest's zero to the spindle is unknown.
+    /// Whether the nest's zero relative to the spindle is unknown.
     pub free_sensor: bool,
 }
 
-/// What was found.
+/// Result of an R-test.
 #[derive(Clone, Debug)]
 pub struct Found {
-    /// The location errors that were sought, with value and standard error in mm or rad.
+    /// The fitted location errors, with value and standard error in mm or rad.
     pub terms: Vec<((Axis, usize), f64, f64)>,
-    /// Places of the balls off where they were commanded, workpiece's frame, mm.
+    /// Offsets of the balls from their commanded places, workpiece's frame, mm.
     pub balls_mm: Vec<[f64; 3]>,
     /// Zero of the nest, tool's frame, mm.
     pub sensor_mm: Option<[f64; 3]>,
-    /// What the machine's tables and its other errors make of every reading, mm.
+    /// Contribution of the machine's tables and its other errors to every reading, mm.
     pub known_mm: Vec<[f64; 3]>,
-    /// What is left of every reading, mm.
+    /// Residual of every reading, mm.
     pub left_mm: Vec<[f64; 3]>,
-    /// Root mean square of a coordinate where only the places of the balls and the nest's zero are taken out, mm: what the
-    /// machine's errors are to explain.
+    /// Root mean square of a coordinate after only the places of the balls and the nest's zero are removed, mm: the part that
+    /// the machine's errors have to explain.
     pub unexplained_mm: f64,
     /// Standard deviation of a coordinate, mm.
     pub sigma_mm: f64,
-    /// Coordinates less unknowns.
+    /// Coordinates minus unknowns.
     pub degrees_of_freedom: usize,
     /// Rank: all unknowns.
     pub rank: usize,
     /// Condition number of the scaled columns.
     pub condition: f64,
-    /// Whether a linear axis stood beyond its table.
+    /// Whether a linear axis was beyond its table.
     pub clamped: bool,
 }
 
-/// Name of a location error, `EX0C`.
+/// Name of a location error, such as `EX0C`.
 pub fn name((axis, component): (Axis, usize)) -> String {
     format!("E{}0{}", Axis::ALL[component.min(5)].letter(), axis.letter())
 }
@@ -66,12 +66,12 @@ fn across(axis: Axis) -> [usize; 4] {
 
 /// Location errors of the machine's rotary axes; `file` is named in refusals.
 ///
-/// Sought are the two offsets and two tilts across every rotary axis that turns in the record; the offset along an axis is the work's or
-/// the tool's, the error of its zero is a setting.
+/// The unknowns are the two offsets and two tilts across every rotary axis that turns in the record; the offset along an axis
+/// belongs to the work or the tool, and the error of its zero is a setting.
 ///
 /// # Errors
-/// A machine without a rotary axis that turns, errors to leave out that are not sought, too few readings, errors that the poses cannot
-/// tell apart.
+/// A machine without a rotary axis that turns, `without` errors that are not unknowns, too few readings, errors that the poses
+/// cannot distinguish.
 pub fn identify(record: &Record, file: &str, machine: &Machine, options: &Options) -> Result<Found> {
     let turns = |axis: Axis| {
         let at = |i: usize| record.readings[i].place[axis.index()];
@@ -123,7 +123,7 @@ pub fn identify(record: &Record, file: &str, machine: &Machine, options: &Option
             "{file}: found {coordinates} coordinates for {unknowns} unknowns, needed {LEAST_FREEDOM} more than that at least"
         );
     }
-    // Angles come in as what they do at a typical lever, so that the rank does not depend on units: the columns are scaled.
+    // The columns are scaled: angles enter by their effect at a typical lever, so that the rank does not depend on units.
     let mut fit = LinearFit::new(unknowns);
     let mut places_alone = LinearFit::new(unknowns - first_ball);
     let mut rows = Vec::new();
@@ -200,7 +200,7 @@ pub fn identify(record: &Record, file: &str, machine: &Machine, options: &Option
 }
 
 impl Found {
-    /// The location errors that were found, for a machine that was not corrected while it was measured.
+    /// The location errors found, for a machine that was not corrected while it was measured.
     pub fn additions(&self) -> Additions {
         let finding = |&((axis, component), value, error): &((Axis, usize), f64, f64)| {
             let (unit, scale) = if component < 3 { ("um", 1e3) } else { ("urad", 1e6) };
@@ -222,7 +222,7 @@ fn turned(machine: &Machine, place: &[f64; AXES], workpiece: bool) -> [[f64; 3];
     let mut at = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let Ok(chain) = links(&machine.settings.chain) else { return at };
     let own: Vec<Axis> = chain.iter().filter(|l| l.carries_workpiece == workpiece).map(|l| l.axis).collect();
-    // The code runs from the workpiece through the bed to the tool.
+    // The structural code runs from the workpiece through the bed to the tool.
     let outwards: Vec<Axis> = if workpiece { own.into_iter().rev().collect() } else { own };
     for axis in outwards.into_iter().filter(|axis| axis.is_rotary()) {
         let direction = machine.settings.axis(axis).map_or(1.0, |own| f64::from(own.direction));

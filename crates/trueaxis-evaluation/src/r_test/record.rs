@@ -33,7 +33,7 @@ pub struct Reading {
     pub ball: usize,
 }
 
-/// A test.
+/// The record of a test.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Record {
     /// All readings.
@@ -46,8 +46,7 @@ impl Record {
     /// Reads all rows of [`COLUMNS`].
     ///
     /// # Errors
-    /// A row that cannot be read or stands twice, a displacement beyond the probes' travel, a probe that stands
-    /// still.
+    /// A row that cannot be read or is repeated, a displacement beyond the probes' travel, a probe that stops changing.
     pub fn read(rows: &mut Rows<'_, 10>) -> Result<Record> {
         let (mut readings, mut balls, mut read) = (Vec::new(), Vec::new(), HashMap::new());
         while let Some(row) = rows.next()? {
@@ -55,7 +54,7 @@ impl Record {
             if ball.fract() != 0.0 {
                 return Err(rows.error(row.line, "ball", ball, "the number of a ball"));
             }
-            // A pose may be read again, against drift; the last digits of a probe do not come again.
+            // A pose may be read again to check drift; the last digits of a probe do not repeat.
             let key = [a, b, c, ball, dx, dy, dz].map(|value| (value + 0.0).to_bits());
             if let Some(first) = read.insert(key, row.line) {
                 let found = format!("the angles, ball and readings of line {first} again");
@@ -97,7 +96,7 @@ impl Record {
         Ok(Record { readings, balls })
     }
 
-    /// How far the reading of a pose that was read again is from the first one of that pose, mm, at most, and their lines.
+    /// Largest distance, mm, between a repeated reading of a pose and the first reading of that pose, and their lines.
     pub fn repeated(&self) -> Option<(f64, [u32; 2])> {
         let mut first = HashMap::new();
         let mut largest: Option<(f64, [u32; 2])> = None;

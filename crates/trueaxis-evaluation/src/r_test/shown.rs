@@ -4,7 +4,7 @@ use super::{Document, Found, Record};
 use crate::shown::{Cell, Look, Plot, Shown, Table, unit};
 
 impl Document {
-    /// Tables and plots of the record and of what was found.
+    /// Tables and plots of the record and the errors found.
     pub fn shown(&self, record: &Record, found: &Found) -> Shown {
         let terms = self.terms.iter().map(|of| {
             let numbers = [Cell::number(of.value, 4), Cell::number(of.standard_error, 2), Cell::number(of.before, 4)];

@@ -1,22 +1,24 @@
-//! Probes that contradict one another: of a polarity, sensitivity or angle that is not the stated one.
+//! Probes that contradict one another: the polarity, sensitivity or angle of one is not as stated.
 //!
-//! Whatever the spindle does, s = h1 + k2 h2 + k3 h3 holds the profile alone: it has no first harmonic, and is the same in
-//! every revolution. Both are held against the noise σ of the probes, which their second differences show (variance 6 σ²).
+//! Whatever the spindle does, s = h1 + k2 h2 + k3 h3 contains the profile alone: it has no first harmonic, and repeats in
+//! every revolution. Both are compared with the noise σ of the probes, estimated from their second differences (variance 6
+//! σ²).
 
 use trueaxis::roundness::Gain;
 use trueaxis_metrology::separation::Separation;
 use trueaxis_report::number::significant;
 
-/// Share of the once-per-revolution signal that may be left in s: what a probe 1 % off in sensitivity or 0.6° in angle leaves.
+/// Share of the once-per-revolution signal that s may still contain: the effect of 1 % in a probe's sensitivity or 0.6° in its
+/// angle.
 const LEFT: f64 = 0.01;
-/// With one probe reversed no more than this share is left: then it is that probe.
+/// If reversing one probe leaves no more than this share, that probe is the cause.
 const REVERSED: f64 = 0.05;
-/// Standard deviations of noise that mean nothing.
+/// Deviations within this many standard deviations of noise are ignored.
 const NOISE: f64 = 5.0;
-/// Share of the profile that revolutions may differ by.
+/// Share of the profile by which revolutions may differ.
 const SPREAD: f64 = 0.05;
 
-/// What the readings of whole revolutions contradict, a sentence each; `kept` are the harmonics of the profile.
+/// Contradictions in the readings of whole revolutions, a sentence each; `kept` are the harmonics of the profile.
 pub(super) fn contradictions(
     gain: &Gain,
     probes: &[Vec<f64>; 3],

@@ -11,27 +11,27 @@ use trueaxis_metrology::spindle::{ErrorMotion, error_motion};
 /// The JSON document.
 #[derive(Clone, Debug, Serialize)]
 pub struct Document {
-    /// Points of a revolution N.
+    /// Points per revolution N.
     pub n: usize,
-    /// Whole revolutions.
+    /// Number of whole revolutions.
     pub revolutions: usize,
-    /// Cut-off of the filter before the zones.
+    /// Cut-off of the filter applied before the zones.
     pub upr: Option<u16>,
-    /// Of readings with an angle of their own.
+    /// Resampling of readings that have their own angles.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub resampling: Option<Resampling>,
-    /// Of the mean profile behind the filter.
+    /// Zones of the filtered mean profile.
     #[serde(flatten)]
     pub zones: Zones,
-    /// Of the mean profile behind the filter.
+    /// Centres of the filtered mean profile.
     pub centres_um: Centres,
-    /// Every revolution for itself.
+    /// Each revolution separately.
     pub per_revolution: Vec<Revolution>,
-    /// Of the mean profile before the filter.
+    /// Harmonics of the unfiltered mean profile.
     pub harmonics: Vec<HarmonicEntry>,
     /// Error motion of the spindle.
     pub spindle: Spindle,
-    /// What is doubtful.
+    /// Doubtful findings.
     pub warnings: Vec<String>,
 }
 
@@ -64,14 +64,14 @@ pub struct Centres {
 /// One revolution.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Revolution {
-    /// Counted from 1.
+    /// Number of the revolution, from 1.
     pub revolution: usize,
-    /// Of its profile behind the filter.
+    /// Zones of its filtered profile.
     #[serde(flatten)]
     pub zones: Zones,
-    /// Largest distance of this revolution's error motion from the mean contour.
+    /// Largest distance in X of this revolution's error motion from the mean contour.
     pub x_from_mean_um: f64,
-    /// The same in Y.
+    /// Largest such distance in Y.
     pub y_from_mean_um: f64,
 }
 
@@ -80,13 +80,13 @@ pub struct Revolution {
 pub struct HarmonicEntry {
     /// Undulations per revolution.
     pub k: u16,
-    /// A; 0 where suppressed.
+    /// Amplitude A; 0 if suppressed.
     pub amplitude_um: f64,
-    /// −180 to 180.
+    /// Phase, −180 to 180.
     pub phase_deg: f64,
     /// Growth of the probes' noise.
     pub noise_gain: f64,
-    /// Left out: its noise gain is above the limit.
+    /// Omitted because its noise gain exceeds the limit.
     pub suppressed: bool,
 }
 
@@ -95,22 +95,22 @@ pub struct HarmonicEntry {
 pub struct Spindle {
     /// Across the direction of probe 1.
     pub x: SpindleDirection,
-    /// Along it.
+    /// Along the direction of probe 1.
     pub y: SpindleDirection,
 }
 
 /// Error motion in one direction.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SpindleDirection {
-    /// Peak to valley of the mean contour, the once-per-revolution part taken out.
+    /// Peak to valley of the mean contour without the once-per-revolution part.
     pub synchronous_um: f64,
-    /// Largest range over the revolutions at one angle; none of a single revolution.
+    /// Largest range over the revolutions at one angle; `None` for a single revolution.
     pub asynchronous_um: Option<f64>,
     /// Amplitude of the once-per-revolution part.
     pub once_per_revolution_um: f64,
-    /// Its phase, −180 to 180.
+    /// Phase of that part, −180 to 180.
     pub once_per_revolution_phase_deg: f64,
-    /// Peak to valley of all revolutions, the once-per-revolution part taken out.
+    /// Peak to valley of all revolutions without the once-per-revolution part.
     pub total_um: f64,
 }
 
@@ -132,13 +132,13 @@ pub struct Circles {
 pub struct Evaluation {
     /// The document.
     pub document: Document,
-    /// Averaged over the revolutions, behind the filter.
+    /// Profile averaged over the revolutions, filtered.
     pub profile: Vec<f64>,
-    /// Of that profile.
+    /// Reference circles of `profile`.
     pub circles: Circles,
     /// Across the direction of probe 1.
     pub x: ErrorMotion,
-    /// Along it.
+    /// Along the direction of probe 1.
     pub y: ErrorMotion,
 }
 

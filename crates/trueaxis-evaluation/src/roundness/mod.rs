@@ -33,24 +33,24 @@ pub const COLUMNS: [Column; 4] = [
     Column { name: "theta_deg", needed: false },
 ];
 
-/// Readings of the probes as channels.
+/// The probes' readings as channels.
 fn channels(probes: &[Vec<f64>; 3]) -> [Channel<'_>; 3] {
     [0, 1, 2].map(|probe| Channel { name: COLUMNS[probe].name, values: &probes[probe], scale: 1.0 })
 }
 
-/// What is asked of readings.
+/// Settings of an evaluation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Request {
     /// Points, band and angles.
     pub probes: Probes,
-    /// Crank throw, wheel radius and pin radius of an arm that follows the pin, mm; left out, it stands still.
+    /// Crank throw, wheel radius and pin radius of an arm that follows the pin, mm; if absent, the arm is fixed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub arm: Option<[f64; 3]>,
-    /// Cut-off of the Gaussian filter, 15, 50, 150 or 500 undulations per revolution; left out, no filter.
+    /// Cut-off of the Gaussian filter, 15, 50, 150 or 500 undulations per revolution; if absent, no filter.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub upr: Option<u16>,
-    /// Noise gain above which a harmonic is left out.
+    /// Noise gain above which a harmonic is omitted.
     #[serde(default = "usual_limit")]
     pub noise_gain_limit: f64,
 }
@@ -59,7 +59,7 @@ fn usual_limit() -> f64 {
     NOISE_GAIN_LIMIT
 }
 
-/// A checked request, its transforms planned.
+/// A checked request with its transforms planned.
 pub struct Plan {
     separator: Separator,
     points: usize,
@@ -68,12 +68,12 @@ pub struct Plan {
     noise_gain_limit: f64,
 }
 
-/// The readings of each probe, all revolutions of N readings one after the other.
+/// The readings of each probe, all revolutions of N readings in sequence.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Readings {
     /// Probes 1, 2, 3, µm.
     pub probes: [Vec<f64>; 3],
-    /// Of readings with an angle of their own.
+    /// Resampling of readings that have their own angles.
     pub resampling: Option<Resampling>,
 }
 
@@ -81,7 +81,7 @@ impl Request {
     /// Checks the request and plans the transforms.
     ///
     /// # Errors
-    /// What is wrong, under the name of the command line's option.
+    /// An invalid option, under its command-line name.
     pub fn plan(&self) -> Result<Plan> {
         let (points, band) = (self.probes.points()?, self.probes.band()?);
         let separator = self.separator(band)?;
@@ -116,7 +116,7 @@ impl Request {
 }
 
 impl Plan {
-    /// Points of a revolution.
+    /// Number of points per revolution.
     pub fn points(&self) -> usize {
         self.points
     }
@@ -126,10 +126,10 @@ impl Plan {
         self.separator.gain()
     }
 
-    /// Reads all rows of [`COLUMNS`]; those with angles are resampled.
+    /// Reads all rows of [`COLUMNS`]; resamples rows with angles.
     ///
     /// # Errors
-    /// A row that cannot be read, no whole revolutions, a probe that stands still half-way, or angles that cannot be
+    /// A row that cannot be read, a partial revolution, a probe that stops changing half-way, or angles that cannot be
     /// resampled.
     pub fn read(&self, rows: &mut Rows<'_, 4>) -> Result<Readings> {
         if rows.present[3] {
@@ -164,20 +164,20 @@ impl Plan {
         Ok(Readings { probes, resampling: None })
     }
 
-    /// Resamples readings, as many of each probe as there are angles, at least one; as [`Plan::read`] does with angles.
+    /// Resamples readings as [`Plan::read`] does rows with angles: as many of each probe as there are angles, at least one.
     ///
     /// # Errors
-    /// Angles that cannot be resampled; a row is called by its index.
+    /// Angles that cannot be resampled; rows are named by index.
     pub fn resample(&self, readings: [&[f64]; 3], theta_deg: &[f64]) -> Result<Readings> {
         let mut rows = trace::InMemory { readings, theta_deg, next: 0 };
         let (probes, resampling) = trace::read(&mut rows, self.points, self.band)?;
         Ok(Readings { probes, resampling: Some(resampling) })
     }
 
-    /// Takes every revolution apart, on all cores; `done` is called after each.
+    /// Separates every revolution, on all cores; calls `done` after each.
     ///
     /// # Errors
-    /// Readings that are no whole revolutions.
+    /// Readings with a partial revolution.
     pub fn separate(&self, readings: &Readings, done: impl Fn() + Sync) -> Result<Vec<Separation>> {
         let [h1, h2, h3] = &readings.probes;
         h1.par_chunks(self.points)
@@ -193,7 +193,7 @@ impl Plan {
             .collect()
     }
 
-    /// What about the request is doubtful, and what the readings contradict.
+    /// Doubts about the request, and contradictions in the readings.
     pub fn warnings(&self, separations: &[Separation], readings: &Readings) -> Vec<String> {
         let mut warnings = Vec::new();
         let suppressed: Vec<String> = self.separator.suppressed().map(|k| k.to_string()).collect();

@@ -3,16 +3,17 @@
 use super::Evaluation;
 use trueaxis_report::{Figure, Scale, Stroke, colour};
 
-/// Single revolutions drawn: the last ones. One in so many would hide what repeats every second one.
+/// Number of single revolutions drawn: the last ones. Skipping at intervals could hide a pattern that repeats every second
+/// one.
 pub const DRAWN_REVOLUTIONS: usize = 30;
 
-/// A scale that holds both directions of the error motion.
+/// A scale that covers both directions of the error motion.
 pub fn motion_scale(evaluation: &Evaluation, caption: &str) -> Scale {
     let (x, y) = (&evaluation.x.revolutions, &evaluation.y.revolutions);
     Scale::symmetric(caption, x.iter().chain(y).copied())
 }
 
-/// Orbit of the spindle's axis, the mean of the revolutions over the last single ones.
+/// Orbit of the spindle's axis, the mean of the revolutions drawn over the last single ones.
 pub fn orbit(evaluation: &Evaluation) -> Figure {
     let skipped = evaluation.document.revolutions.saturating_sub(DRAWN_REVOLUTIONS);
     let (x, y) = (&evaluation.x, &evaluation.y);
@@ -23,7 +24,7 @@ pub fn orbit(evaluation: &Evaluation) -> Figure {
     let thin = Stroke::new(colour::GREY, 0.6).opacity(0.6);
     let points = x.mean_contour.len();
     for (x, y) in x.revolutions.chunks(points).zip(y.revolutions.chunks(points)).skip(skipped) {
-        // Open: the end of a revolution is the start of the next, not its own.
+        // Open: the end of a revolution is the start of the next, not of the same.
         figure.line(pairs(x, y), thin);
     }
     let mut mean = pairs(&x.mean_contour, &y.mean_contour);

@@ -1,4 +1,4 @@
-//! The profile with its reference circles.
+//! Polar plot of the profile with its reference circles.
 
 use super::Evaluation;
 use crate::circle::Shown;
@@ -6,10 +6,10 @@ use std::f64::consts::TAU;
 use trueaxis_report::{CIRCLES, Circle, Figure};
 use trueaxis_tables::text::counted;
 
-/// Points of a drawn circle.
+/// Number of points of a drawn circle.
 const FINE: usize = 360;
 
-/// Polar plot of the mean profile with the circles that are shown, as limaçons.
+/// Polar plot of the mean profile with the requested circles, as limaçons.
 pub fn polar(evaluation: &Evaluation, shown: Shown) -> Figure {
     let (profile, circles) = (&evaluation.profile, &evaluation.circles);
     let base = circles.lsc.radius;

@@ -1,4 +1,4 @@
-//! Readings with an angle of their own, brought to N equidistant angles a revolution.
+//! Readings with individual angles, resampled to N equidistant angles per revolution.
 
 use super::channels;
 use crate::record;
@@ -11,17 +11,17 @@ use trueaxis_tables::error::FileError;
 /// Result of resampling a trace.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Resampling {
-    /// Rows of the file.
+    /// Number of rows in the file.
     pub rows: usize,
-    /// Rows before or behind the whole revolutions.
+    /// Rows before or after the whole revolutions.
     pub unused_rows: usize,
     /// Widest step between two rows.
     pub largest_gap_deg: f64,
-    /// What interpolation adds.
+    /// Error that interpolation adds.
     pub interpolation_error_um: InterpolationError,
 }
 
-/// Difference between interpolation by six and by four readings: what the poorer of the two, which is not used, lacks.
+/// Difference between interpolation by six and by four readings: the error of the poorer one, which is not used.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct InterpolationError {
     /// Largest.
@@ -30,13 +30,13 @@ pub struct InterpolationError {
     pub rms: f64,
 }
 
-/// Readings on either side of an angle.
+/// Number of readings on either side of an angle.
 const SIDE: usize = 3;
-/// Angles nearer to each other are one angle written twice, degrees: no encoder tells them apart, and interpolation
-/// divides by their difference.
+/// Angles closer than this are one angle written twice, degrees: no encoder resolves them, and interpolation divides by their
+/// difference.
 const FINEST_DEG: f64 = 1e-9;
 
-/// A trace: angles without end and increasing, readings of the three probes.
+/// A trace: increasing, unwrapped angles and the readings of the three probes.
 #[derive(Default)]
 struct Trace {
     angles_deg: Vec<f64>,
@@ -48,10 +48,10 @@ pub(super) trait Given {
     /// The next row.
     fn next(&mut self) -> Result<Option<Row<4>>>;
 
-    /// Refuses a probe that stands still half-way; `lines` of the rows.
+    /// Refuses a probe that stops changing half-way; `lines` are those of the rows.
     fn alive(&self, lines: &[u32], probes: &[Vec<f64>; 3]) -> Result<()>;
 
-    /// Refuses the angle of a row, or of all of them.
+    /// Refusal of the angle of a row, or of all angles.
     fn refused(&self, line: Option<u32>, found: String, needed: String) -> anyhow::Error;
 }
 
@@ -69,7 +69,7 @@ impl Given for Rows<'_, 4> {
     }
 }
 
-/// Rows in memory; a row is called by its index.
+/// Rows in memory; errors name a row by its index.
 pub(super) struct InMemory<'r> {
     pub(super) readings: [&'r [f64]; 3],
     pub(super) theta_deg: &'r [f64],
@@ -100,10 +100,10 @@ impl Given for InMemory<'_> {
     }
 }
 
-/// Takes all rows and resamples them: the readings of each probe at 360°·i/N, whole revolutions one after the other.
+/// Reads all rows and resamples them: the readings of each probe at 360°·i/N, whole revolutions in sequence.
 ///
 /// # Errors
-/// Angles that do not increase by [`FINEST_DEG`], gaps that are too wide for the band, less than a revolution.
+/// Angles that do not increase by [`FINEST_DEG`], gaps too wide for the band, less than a revolution.
 pub(super) fn read(rows: &mut impl Given, points: usize, band: Band) -> Result<([Vec<f64>; 3], Resampling)> {
     let widest = 180.0 / f64::from(band.last);
     let mut trace = Trace::default();
@@ -112,7 +112,7 @@ pub(super) fn read(rows: &mut impl Given, points: usize, band: Band) -> Result<(
     let mut gap: f64 = 0.0;
     while let Some(Row { line, values: [h1, h2, h3, angle] }) = rows.next()? {
         if let Some(before) = trace.angles_deg.last().copied() {
-            // An angle that falls by more than half a turn has begun the next revolution.
+            // An angle that drops by more than half a turn starts the next revolution.
             if angle + turns < before - 180.0 {
                 turns += 360.0 * ((before - 180.0 - angle - turns) / 360.0).ceil();
             }
@@ -151,7 +151,7 @@ pub(super) fn read(rows: &mut impl Given, points: usize, band: Band) -> Result<(
     readings.iter_mut().for_each(|probe| probe.resize(revolutions * points, 0.0));
     let (mut max, mut sum) = (0.0_f64, 0.0);
     for (turn, i) in (begin..).take(revolutions * points).enumerate() {
-        // A revolution may begin at any angle; each point stands at its own index.
+        // A revolution may begin at any angle; each point goes to its index.
         let slot = turn / points * points + i.rem_euclid(points as i64) as usize;
         let (six, four) = trace.at(i as f64 * step);
         for ((readings, six), four) in readings.iter_mut().zip(six).zip(four) {
@@ -168,7 +168,7 @@ pub(super) fn read(rows: &mut impl Given, points: usize, band: Band) -> Result<(
 }
 
 impl Trace {
-    /// Puts readings of a turn later before the first and of a turn earlier behind the last.
+    /// Prepends readings from a turn later and appends readings from a turn earlier.
     fn close(&mut self) {
         let (first, last) = (self.angles_deg[0], self.angles_deg[self.angles_deg.len() - 1]);
         let before = self.angles_deg.partition_point(|angle| *angle <= first + 360.0 - FINEST_DEG);
@@ -182,7 +182,7 @@ impl Trace {
         }
     }
 
-    /// Readings at an angle by polynomials through the six and the four readings around it.
+    /// Readings at an angle, by polynomials through the six and the four readings around it.
     fn at(&self, angle: f64) -> ([f64; 3], [f64; 3]) {
         let after = self.angles_deg.partition_point(|known| *known < angle).clamp(SIDE, self.angles_deg.len() - SIDE);
         let by = |side: usize| {

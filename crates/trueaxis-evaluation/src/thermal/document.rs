@@ -5,51 +5,51 @@ use serde::Serialize;
 use std::fmt;
 use trueaxis_metrology::thermal::Coefficient;
 
-/// What `trueaxis thermal fit --json` prints.
+/// Output of `trueaxis thermal fit --json`.
 #[derive(Clone, Debug, Serialize)]
 pub struct Document {
-    /// Rows of the record.
+    /// Number of rows in the record.
     pub rows: usize,
     /// Temperature at which the curves are zero, °C.
     pub reference_c: f64,
     /// Sensors of the model with their lags, s.
     pub sensors: Vec<SensorDocument>,
-    /// Lag of the spindle's response, s; none where the speed has no share.
+    /// Lag of the spindle's response, s; `None` if the model does not use the speed.
     pub spindle_lag_s: Option<f64>,
     /// Curves of each axis.
     pub axes: Vec<AxisDocument>,
-    /// Sensors that are no part of the model.
+    /// Sensors that are not part of the model.
     pub left_out: Vec<LeftOutDocument>,
-    /// Speeds that one fitted cycle alone has.
+    /// Speeds that occur in only one fitted cycle.
     pub unconfirmed: Vec<UnconfirmedDocument>,
-    /// Rows that the record lacks.
+    /// Rows missing from the record.
     pub missing: Vec<MissingDocument>,
-    /// Root mean square of the drift, µm, and of what is left when every fitted cycle is predicted from the others; what one
-    /// cycle alone tells of is fitted there.
+    /// Root mean square of the drift and of the residual, µm, when every fitted cycle is predicted from the others; parts that
+    /// only one cycle determines are fitted in that prediction.
     pub predicted_um: [f64; 2],
-    /// Drift and what is left, in the cycles that took no part in the fit and in the others.
+    /// Drift and residual of the held-out cycles and of the others.
     pub cycles: Vec<CycleDocument>,
-    /// Largest drift of the held-out cycles, µm, and the largest that is left of it.
+    /// Largest drift of the held-out cycles, µm, and largest residual.
     pub held_out_um: [f64; 2],
 }
 
 /// A sensor.
 #[derive(Clone, Debug, Serialize)]
 pub struct SensorDocument {
-    /// Its name.
+    /// Name of the sensor.
     pub name: String,
-    /// Its lag, s.
+    /// Lag of the sensor, s.
     pub lag_s: f64,
 }
 
 /// Curves of an axis.
 #[derive(Clone, Debug, Serialize)]
 pub struct AxisDocument {
-    /// Its letter.
+    /// Letter of the axis.
     pub axis: char,
-    /// With each sensor, and with the spindle's speed.
+    /// Curves against each sensor and against the spindle's speed.
     pub curves: Vec<CurveDocument>,
-    /// Root mean square of what the fit leaves of its own cycles, µm.
+    /// Root mean square of the fit's residuals in its own cycles, µm.
     pub rms_um: f64,
     /// Condition number of the fit.
     pub condition: f64,
@@ -64,26 +64,26 @@ pub struct CurveDocument {
     pub knots: Vec<f64>,
     /// Offset or growth at the knots, µm.
     pub offset_um: Vec<f64>,
-    /// Their standard errors.
+    /// Standard errors of `offset_um`.
     pub offset_error_um: Vec<f64>,
     /// Slope at the knots, µm/m, or tilt, µrad.
     pub slope: Vec<f64>,
-    /// Their standard errors.
+    /// Standard errors of `slope`.
     pub slope_error: Vec<f64>,
 }
 
-/// A sensor that is left out.
+/// A sensor omitted from the model.
 #[derive(Clone, Debug, Serialize)]
 pub struct LeftOutDocument {
-    /// Its name.
+    /// Name of the sensor.
     pub name: String,
-    /// How far it moved, K or rpm.
+    /// Range over which it moved, K or rpm.
     pub range: f64,
-    /// Why.
+    /// Reason for the omission.
     pub reason: &'static str,
 }
 
-/// A speed that one fitted cycle alone has: no other predicts it.
+/// A speed that occurs in only one fitted cycle, so that no other predicts it.
 #[derive(Clone, Debug, Serialize)]
 pub struct UnconfirmedDocument {
     /// The speed.
@@ -92,18 +92,18 @@ pub struct UnconfirmedDocument {
     pub cycle: u32,
 }
 
-/// Rows missing in a record whose rows are even.
+/// Rows missing in an evenly sampled record.
 #[derive(Clone, Debug, Serialize)]
 pub struct MissingDocument {
-    /// Line of the first row at or behind the moment of the first missing one.
+    /// Line of the first row at or after the time of the first missing one.
     pub line: u32,
     /// Number of the cycle.
     pub cycle: u32,
-    /// How many, at all measuring points together.
+    /// Number of missing rows at all measuring points together.
     pub rows: usize,
     /// Longest time without a row of one measuring point, s.
     pub found_s: f64,
-    /// Time between its rows elsewhere, s.
+    /// Interval between the point's rows elsewhere, s.
     pub interval_s: f64,
 }
 
@@ -124,15 +124,15 @@ pub struct CycleDocument {
     pub axis: char,
     /// Number of the cycle.
     pub cycle: u32,
-    /// It took no part in the fit.
+    /// Whether the cycle was held out of the fit.
     pub held_out: bool,
-    /// Largest drift from its beginning on, µm.
+    /// Largest drift since the cycle began, µm.
     pub drift_um: f64,
-    /// Largest that is left, µm.
+    /// Largest residual, µm.
     pub left_um: f64,
-    /// Root mean squares.
+    /// Root mean square of the drift.
     pub drift_rms_um: f64,
-    /// Of what is left.
+    /// Root mean square of the residual.
     pub left_rms_um: f64,
 }
 

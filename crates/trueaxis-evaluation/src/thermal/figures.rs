@@ -1,18 +1,18 @@
-//! Figures of a fit: drift measured, as the task says, and what is left.
+//! Figures of a fit: measured drift, drift computed by the task, and residual.
 
 use super::Found;
 use trueaxis::Axis;
 use trueaxis_metrology::thermal::Series;
 use trueaxis_report::{Figure, Scale, Stroke, colour};
 
-/// An axis in the held-out cycles at the measuring point that drifts most.
+/// The series of an axis in the held-out cycles at the measuring point that drifts most.
 pub fn worst(found: &Found, axis: Axis) -> Option<&Series> {
     let own = found.series.iter().filter(|own| own.axis == axis && found.fit.held_out.contains(&own.cycle));
     let most = |rows: &[[f64; 3]]| rows.iter().fold(0.0_f64, |most, row| most.max(row[1].abs()));
     own.max_by(|one, other| most(&one.rows).total_cmp(&most(&other.rows)))
 }
 
-/// Its drift, measured and as the task says.
+/// Drift of that series, measured and computed by the task.
 pub fn figure(found: &Found, axis: Axis) -> Option<Figure> {
     let series = worst(found, axis)?;
     let hours = |take: fn(&[f64; 3]) -> f64| -> Vec<[f64; 2]> {
@@ -36,7 +36,7 @@ pub fn figure(found: &Found, axis: Axis) -> Option<Figure> {
     Some(figure)
 }
 
-/// What is left of an axis at all measuring points of all cycles, over the time of the cycle.
+/// Residuals of an axis at all measuring points of all cycles, over the time of the cycle.
 pub fn residuals(found: &Found, axis: Axis) -> Figure {
     let points = |held_out: bool| -> Vec<[f64; 2]> {
         let own = found.series.iter();

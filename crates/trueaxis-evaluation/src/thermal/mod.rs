@@ -1,7 +1,7 @@
-//! Thermal growth: a recorded warm-up as readings, what is found in it as a document, as figures and as a text, and the text
-//! as the file of the task.
+//! Thermal growth: a recorded warm-up as readings, the fit as a document, as figures and as a text, and that text as the file
+//! of the task.
 //!
-//! The mathematics is [`trueaxis_metrology::thermal`].
+//! The mathematics is in [`trueaxis_metrology::thermal`].
 
 mod document;
 mod figures;
@@ -23,16 +23,16 @@ use trueaxis::Axis;
 use trueaxis::machine::MachineSettings;
 use trueaxis_metrology::thermal::{Fit, HeldOut, RATE_K_PER_MIN, Series, Settings, fit, held_out};
 
-/// A record with what was found in it.
+/// A record with its fit.
 #[derive(Clone, Debug)]
 pub struct Found {
-    /// What was recorded.
+    /// The recording.
     pub recording: Recording,
-    /// What was found.
+    /// The fit.
     pub fit: Fit,
-    /// Drift and what is left of it, axis by axis and cycle by cycle.
+    /// Drift and residual, by axis and cycle.
     pub figures: Vec<HeldOut>,
-    /// The same over time, measuring point by measuring point.
+    /// Drift and residual over time, by measuring point.
     pub series: Vec<Series>,
     /// Temperature at which the curves are zero, °C.
     pub reference_c: f64,
@@ -50,10 +50,10 @@ pub fn settings(machine: Option<&MachineSettings>, held_out: Vec<u32>) -> Settin
 }
 
 impl Found {
-    /// Fits, and runs the task over the record; `tell` is called with every cause that comes in.
+    /// Fits, and runs the task over the record; calls `tell` with every cause that the model adds.
     ///
     /// # Errors
-    /// A record that tells nothing, with file, line and column where it has them.
+    /// A record that determines nothing, with file, line and column if known.
     pub fn of(recording: Recording, settings: &Settings, tell: &mut dyn FnMut(&str)) -> Result<Found> {
         let fit = fit(&recording.record, settings, tell).map_err(|refused| recording.refused(&refused))?;
         let bytes = fit.model.encode(0).map_err(|error| anyhow!("{}: {error}", recording.file.display()))?;

@@ -23,8 +23,8 @@ const TEMPERATURES: [&str; SENSORS] = [
     "T14_c", "T15_c", "T16_c",
 ];
 
-/// `N` columns, the last of which are the temperatures of all sensors: `first`, and those of the sensors that it has not got,
-/// none of which is needed.
+/// `N` columns, of which the last are the temperatures of all sensors: `first`, followed by the sensors that it lacks, all of
+/// them optional.
 pub const fn with_temperatures<const N: usize>(first: &[Column]) -> [Column; N] {
     let mut all = [free(""); N];
     let mut at = 0;
@@ -49,29 +49,29 @@ pub const COLUMNS: [Column; TEMPERATURE + SENSORS] = with_temperatures(&[
     free("ez_um"),
     needed("T1_c"),
 ]);
-/// Hottest that the task takes a sensor at, °C: the hot end of a printer.
+/// Hottest sensor temperature that the task accepts, °C: the hot end of a printer.
 const HOTTEST_C: f64 = WARMEST_MK as f64 * 1e-3;
-/// First column of a drift, and of a temperature.
+/// First column of a drift and first column of a temperature.
 const DRIFT: usize = 7;
 const TEMPERATURE: usize = 10;
 
-/// A record and where it comes from.
+/// A record and its file.
 #[derive(Clone, Debug)]
 pub struct Recording {
     /// The file as errors name it.
     pub file: PathBuf,
-    /// What it holds.
+    /// The record read from it.
     pub record: Record,
-    /// Line of every row.
+    /// Line of the file for every row.
     lines: Vec<u32>,
 }
 
 impl Recording {
-    /// Reads the rows of a file opened with [`COLUMNS`], but for the sensors named in `without` (`T3`).
+    /// Reads the rows of a file opened with [`COLUMNS`], except the sensors named in `without` (`T3`).
     ///
     /// # Errors
-    /// A row that cannot be read, a cycle that is no number of one, a temperature that no machine has, a drift that no probe
-    /// reads or that stands still half-way, a sensor to leave out that there is not.
+    /// A row that cannot be read, an invalid cycle number, a temperature that no machine has, a drift that no probe reads or
+    /// that stops changing half-way, a sensor in `without` that does not exist.
     pub fn read(mut rows: Rows<'_, 26>, without: &[String]) -> Result<Recording> {
         let file = rows.file.clone();
         let name = |sensor: usize| COLUMNS[TEMPERATURE + sensor].name.trim_end_matches("_c");
@@ -132,7 +132,7 @@ impl Recording {
         Ok(Recording { file, record: Record { sensors, axes, samples }, lines })
     }
 
-    /// Missing rows with their line.
+    /// The document entry of missing rows, with their line.
     pub(super) fn missing(&self, missing: &Missing) -> MissingDocument {
         let Missing { cycle, index, rows, found_s, interval_s, .. } = *missing;
         MissingDocument { line: self.lines.get(index).copied().unwrap_or(1), cycle, rows, found_s, interval_s }

@@ -1,4 +1,4 @@
-//! `thermal.toml`, as it is read.
+//! Reading `thermal.toml`.
 
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -65,7 +65,7 @@ struct SpindleCurves {
     tilt_urad: Option<Vec<f64>>,
 }
 
-/// A refusal in the text.
+/// Builds refusals at a place in the text.
 struct Place<'t> {
     file: &'t Path,
     text: &'t str,
@@ -86,8 +86,8 @@ impl Place<'_> {
 /// Reads the text of a `thermal.toml` for a machine; `file` is only named in errors.
 ///
 /// # Errors
-/// What is wrong, at its line: a key, an axis that the machine has not got, a curve with another number of values than
-/// knots, another reference temperature or datum than the machine's, where its tables hold.
+/// The error and its line: an invalid key, an axis that the machine does not have, a curve whose number of values differs from
+/// that of its knots, a reference temperature or datum other than the machine's, for which its tables are valid.
 pub fn model(text: &str, file: &Path, machine: &MachineSettings) -> Result<Model, FileError> {
     let place = Place { file, text };
     let read: File = toml::from_str(text).map_err(|error| {
@@ -178,7 +178,7 @@ fn of_axis(
         let key = format!("axis.{letter}.sensor.{name}");
         return Err(place.at(curve.span().start, &key, name, "the name of a [[sensor]]"));
     }
-    // µm and µm/m; of a rotary axis µrad and µrad/rad, its positions in degrees.
+    // µm and µm/m; for a rotary axis µrad and µrad/rad, its positions in degrees.
     let small = if axis.is_rotary() { 1e-6_f64.to_degrees() } else { 1e-3 };
     let curve = |key: &str, offset: usize, knots: usize, given: [&Option<Vec<f64>>; 2]| {
         let mut values = vec![[0.0; 2]; knots];

@@ -1,4 +1,4 @@
-//! `thermal.toml`, as it is written.
+//! Writing `thermal.toml`.
 
 use super::Found;
 use std::fmt::Write;
@@ -6,7 +6,7 @@ use trueaxis_metrology::thermal::Coefficient;
 use trueaxis_report::number::significant;
 use trueaxis_tables::text::{acts, short};
 
-/// The text of a `thermal.toml`: what was found, with standard errors behind `±`, which are not read.
+/// The text of a `thermal.toml`: the fitted curves, each followed by `±` and standard errors, which are not read back.
 pub fn written(found: &Found) -> String {
     let file = found.recording.file.file_name().unwrap_or_default().to_string_lossy().replace(acts, " ");
     let document = found.document();

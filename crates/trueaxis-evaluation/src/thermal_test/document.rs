@@ -20,18 +20,18 @@ pub struct Channel {
     pub first_period: f64,
     /// Largest range within any period.
     pub worst_period: f64,
-    /// When that begins.
+    /// Start of that period.
     pub worst_from_min: f64,
-    /// Last less first reading.
+    /// Last minus first reading.
     pub end: f64,
 }
 
-/// All of one position of the moving axis.
+/// Results at one position of the moving axis.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Place {
-    /// Its number; 0 where the record names none.
+    /// Number of the position; 0 if the record names none.
     pub position: i64,
-    /// Readings.
+    /// Number of readings.
     pub readings: usize,
     /// Displacements and tilts.
     pub channels: Vec<Channel>,
@@ -42,11 +42,11 @@ pub struct Place {
 pub struct Temperature {
     /// `ambient`, `spindle`, `machine`.
     pub name: &'static str,
-    /// Smallest and largest, °C.
+    /// Smallest and largest temperature, °C.
     pub range_c: [f64; 2],
     /// Largest range within any period, K.
     pub worst_period_k: f64,
-    /// Last less first, K.
+    /// Last minus first, K.
     pub end_k: f64,
 }
 
@@ -59,11 +59,11 @@ pub struct Document {
     pub duration_min: f64,
     /// The period.
     pub period_min: f64,
-    /// By position.
+    /// Results by position.
     pub positions: Vec<Place>,
     /// Temperatures recorded.
     pub temperatures: Vec<Temperature>,
-    /// What is to be known of the figures.
+    /// Remarks on the figures.
     pub notes: Vec<String>,
 }
 
@@ -79,18 +79,18 @@ fn channel(name: &str, unit: &'static str, of: Drift) -> Channel {
     }
 }
 
-/// A and B in µrad, where both heights were recorded: `None` where not.
+/// A and B in µrad; `None` unless both heights were recorded.
 pub(super) fn tilts(of: &[Vec<f64>; 5], distance_mm: f64) -> [Option<Vec<f64>>; 2] {
     let between = |low: usize, high: usize, sign: f64| {
         let both = !of[low].is_empty() && !of[high].is_empty();
-        // µm over mm: thousandths of a radian's thousandth.
+        // µm over mm is mrad; times 1e3 µrad.
         both.then(|| of[low].iter().zip(&of[high]).map(|(low, high)| sign * 1e3 * (high - low) / distance_mm).collect())
     };
     [between(1, 4, -1.0), between(0, 3, 1.0)]
 }
 
 impl Document {
-    /// Of a test named `test`; `distance_mm` between the probes at both heights, where known.
+    /// The document of the test called `name`; `distance_mm` between the probes at both heights, if known.
     pub fn new(test: &Test, name: &'static str, period_min: f64, distance_mm: Option<f64>) -> Document {
         let period = 60.0 * period_min;
         let places = test.positions.iter().zip(&test.times_s).zip(&test.displacements_um);

@@ -1,8 +1,8 @@
-//! Thermal tests after ISO 230-3: a record as a test, and its figures as a document. The mathematics is
+//! Thermal tests after ISO 230-3: a record as a test, and its figures as a document. The mathematics is in
 //! [`trueaxis_metrology::drift`].
 //!
-//! Five probes look at a mandrel: x1, y1, z at its tip and x2, y2 a distance L further up, towards the spindle. The tilts follow,
-//! right-handed about the machine's axes: A = −(y2 − y1)/L, B = (x2 − x1)/L.
+//! Five probes measure a mandrel: x1, y1, z at its tip and x2, y2 a distance L further up, towards the spindle. The tilts
+//! follow, right-handed about the machine's axes: A = −(y2 − y1)/L, B = (x2 − x1)/L.
 
 mod document;
 mod shown;
@@ -32,29 +32,29 @@ const DISPLACEMENTS: std::ops::Range<usize> = 2..7;
 const TEMPERATURES: std::ops::Range<usize> = 7..10;
 /// The tests of ISO 230-3: environmental temperature variation error, rotating spindle, moving linear axis.
 pub const KINDS: [&str; 3] = ["etve", "spindle", "axis"];
-/// Fewest readings at a position.
+/// Minimum number of readings at a position.
 const LEAST: usize = 10;
 /// Temperature that no shop has, °C.
 const HOTTEST_C: f64 = 150.0;
 
-/// A test with one series a position; microns, degrees Celsius, seconds from the first reading.
+/// A test with one series per position; microns, degrees Celsius, seconds from the first reading.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Test {
-    /// Positions of the moving axis, 0 where the record names none.
+    /// Positions of the moving axis, 0 if the record names none.
     pub positions: Vec<i64>,
     /// Times at every position.
     pub times_s: Vec<Vec<f64>>,
-    /// x1, y1, z, x2, y2 at every position; empty where not recorded.
+    /// x1, y1, z, x2, y2 at every position; empty if not recorded.
     pub displacements_um: Vec<[Vec<f64>; 5]>,
     /// Times of the temperatures: all rows.
     pub all_times_s: Vec<f64>,
-    /// ambient, spindle, machine; empty where not recorded.
+    /// ambient, spindle, machine; empty if not recorded.
     pub temperatures_c: [Vec<f64>; 3],
-    /// Longest time without a reading, and after which line.
+    /// Longest time without a reading, and the line after which it begins.
     pub gap_s: (f64, u32),
 }
 
-/// Whether period and distance of the probes are ones.
+/// Checks the period and the distance of the probes.
 ///
 /// # Errors
 /// A period outside 0.1 to 100000 min, a distance outside 1 to 10000 mm.
@@ -66,8 +66,8 @@ pub fn check(period_min: f64, distance_mm: Option<f64>) -> Result<(), OutOfRange
 /// Reads all rows of [`COLUMNS`].
 ///
 /// # Errors
-/// A row that cannot be read, a time that does not increase, no displacement at all, too few readings, a temperature or displacement
-/// that is none, a probe that stands still half-way, a position left out where they follow one another.
+/// A row that cannot be read, a time that does not increase, no displacement at all, too few readings, an impossible
+/// temperature or displacement, a probe that stops changing half-way, a missing position in a fixed sequence.
 pub fn read(rows: &mut Rows<'_, 10>) -> Result<Test> {
     let present = rows.present;
     let recorded: Vec<usize> = DISPLACEMENTS.filter(|&c| present[c]).collect();
@@ -146,10 +146,10 @@ pub fn read(rows: &mut Rows<'_, 10>) -> Result<Test> {
     Ok(test)
 }
 
-/// Share of the rows that may break the order of the positions, from which on there is no order.
+/// Share of rows breaking the sequence of positions above which there is no sequence.
 const OUT_OF_TURN: f64 = 0.05;
 
-/// Refuses a row left out where the positions follow one another in a fixed order.
+/// Refuses a missing row if the positions follow one another in a fixed sequence.
 fn in_turn(rows: &Rows<'_, 10>, all: &[Row<10>], positions: &[i64]) -> Result<()> {
     let pairs = || all.windows(2).map(|pair| [pair[0].values[1] as i64, pair[1].values[1] as i64]);
     let behind = |from: i64| positions.iter().max_by_key(|to| pairs().filter(|pair| *pair == [from, **to]).count());

@@ -5,7 +5,7 @@ use crate::shown::{Cell, Curve, Look, Plot, Shown, Table, unit};
 use trueaxis_report::number::significant;
 
 impl Document {
-    /// Tables and plots of the test that it is of.
+    /// Tables and plots of the document's test.
     pub fn shown(&self, test: &Test) -> Shown {
         let several = self.positions.len() > 1;
         let channels = self.positions.iter().flat_map(|place| {
@@ -46,7 +46,7 @@ impl Document {
     }
 }
 
-/// Displacements over time, a plot for each position.
+/// Displacements over time, one plot per position.
 fn distortions(test: &Test) -> impl Iterator<Item = Plot> {
     let places = test.positions.iter().zip(&test.times_s).zip(&test.displacements_um);
     places.map(|((position, times), of)| {
@@ -70,14 +70,14 @@ fn distortions(test: &Test) -> impl Iterator<Item = Plot> {
     })
 }
 
-/// Temperatures over time, where any were recorded.
+/// Temperatures over time, if any were recorded.
 fn temperatures_of(test: &Test) -> Option<Plot> {
     let series = ["ambient", "spindle", "machine"].into_iter().zip(test.temperatures_c.iter().cloned());
     let plot = over_time("Temperature", "Temperatures".into(), ("temperature", "°C"), "", &test.all_times_s, series);
     (!plot.curves.is_empty()).then_some(plot)
 }
 
-/// Series that were recorded, over minutes.
+/// The recorded series, over minutes.
 fn over_time<'n>(
     section: &'static str,
     title: String,

@@ -1,4 +1,4 @@
-//! What is known of the corrected position, as a document.
+//! Uncertainty of the corrected position, as a document.
 
 use super::terms::Terms;
 use serde::Serialize;
@@ -7,7 +7,8 @@ use trueaxis::machine::{AXES, Axis};
 use trueaxis_metrology::uncertainty::{Contribution, Covariance, half_width};
 use trueaxis_tables::Machine;
 
-/// From which the two methods are said to differ: a share of the radius, and what no instrument tells, µm.
+/// Difference from which the two methods are said to disagree: a share of the radius, and a length that no instrument
+/// resolves, µm.
 const DIFFERENCE: f64 = 0.05;
 const NOTHING_UM: f64 = 0.01;
 
@@ -16,32 +17,32 @@ const NOTHING_UM: f64 = 0.01;
 pub struct Document {
     /// Name of the machine.
     pub machine: String,
-    /// Coverage asked for.
+    /// Requested coverage.
     pub confidence_percent: f64,
     /// Tip from the last tool-side frame.
     pub tool_mm: [f64; 3],
     /// Ends of the working volume by letter.
     pub volume_mm: Map<String, Value>,
-    /// Where the rotary axes stand over it.
+    /// Positions of the rotary axes over the working volume.
     pub pose_deg: Map<String, Value>,
-    /// Points of the grid over it.
+    /// Number of grid points over the working volume.
     pub points: usize,
-    /// Root mean square over them of the standard uncertainty of the position, √tr Σ.
+    /// Root mean square over the grid of the standard uncertainty of the position, √tr Σ.
     pub standard_rms_um: f64,
-    /// Where the radius is largest.
+    /// The point with the largest radius.
     pub worst: AtPoint,
-    /// The position asked for.
+    /// The requested position.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub at: Option<AtPoint>,
-    /// What contributes, the largest share first.
+    /// Contributions, largest share first.
     pub contributions: Vec<Share>,
-    /// Keys that are not stated and taken as zero.
+    /// Keys that are not stated and count as zero.
     pub not_stated: Vec<String>,
-    /// Machines drawn for the check.
+    /// Number of machines drawn for the check.
     pub trials: usize,
-    /// Of the draws.
+    /// Seed of the draws.
     pub seed: u64,
-    /// What is to be known of the result.
+    /// Remarks on the result.
     pub warnings: Vec<String>,
     /// Radii in the plane of X and Y through the worst point, µm: rows along Y.
     #[serde(skip)]
@@ -62,11 +63,11 @@ pub struct Document {
 pub struct AtPoint {
     /// Position by letter, mm and degrees.
     pub at: Map<String, Value>,
-    /// First order, by the derivatives.
+    /// First-order result, from the derivatives.
     pub jacobian: Spread,
-    /// By machines drawn.
+    /// Result from the machines drawn.
     pub monte_carlo: Spread,
-    /// Radius by machines drawn over that of first order, less 1.
+    /// Radius from the machines drawn over the first-order radius, minus 1.
     pub difference: f64,
 }
 
@@ -75,34 +76,34 @@ pub struct AtPoint {
 pub struct Spread {
     /// Standard uncertainties.
     pub standard_um: [f64; 3],
-    /// Coverage factors; null of what was drawn.
+    /// Coverage factors; null for the machines drawn.
     pub factor: Option<[f64; 3]>,
-    /// Effective degrees of freedom; null where well known.
+    /// Effective degrees of freedom; null if infinite.
     pub degrees_of_freedom: Option<[Option<f64>; 3]>,
-    /// Expanded uncertainties: half-widths of intervals of the coverage asked for.
+    /// Expanded uncertainties: half-widths of intervals of the requested coverage.
     pub expanded_um: [f64; 3],
-    /// Radius of the sphere in which the position lies with that coverage.
+    /// Radius of the sphere that contains the position with that coverage.
     pub radius_um: f64,
 }
 
-/// What a quantity contributes.
+/// Contribution of a quantity.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Share {
-    /// Its name.
+    /// Name of the quantity.
     pub term: String,
-    /// Root mean square over the working volume of what it contributes to the standard uncertainty.
+    /// Root mean square over the working volume of its contribution to the standard uncertainty.
     pub rms_um: f64,
-    /// Of the variance over the working volume, 0 … 1.
+    /// Share of the variance over the working volume, 0 … 1.
     pub share: f64,
-    /// What it contributes at the worst point.
+    /// Contribution at the worst point.
     pub worst_um: f64,
 }
 
-/// Steps of a distribution.
+/// Number of steps of a distribution.
 const STEPS: usize = 100;
 
 impl Document {
-    /// Distances of the tip from where it should be at the worst point, µm, of the machines drawn: the smallest, the largest,
+    /// Distances of the tip from its ideal place at the worst point, µm, for the machines drawn: the smallest, the largest,
     /// and those between in steps of a hundredth of the machines.
     pub fn distances_um(&self) -> Vec<f64> {
         let mut all: Vec<f64> = self.drawn_um.iter().map(|[x, y, z]| (x * x + y * y + z * z).sqrt()).collect();
@@ -153,7 +154,7 @@ impl AtPoint {
         parts.collect::<Vec<_>>().join(", ")
     }
 
-    /// A sentence where the two methods differ.
+    /// A sentence if the two methods disagree.
     pub(super) fn disagreement(&self) -> Option<String> {
         let [first, drawn] = [&self.jacobian, &self.monte_carlo].map(|spread| spread.radius_um);
         let differs = (drawn - first).abs() > DIFFERENCE * first + NOTHING_UM;

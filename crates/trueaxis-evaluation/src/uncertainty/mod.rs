@@ -1,4 +1,4 @@
-//! Uncertainty of the corrected position: of a machine's figures, carried to the tip.
+//! Uncertainty of the corrected position: the uncertainty of a machine's figures, propagated to the tip.
 //!
 //! ```text
 //! d(q) = Σ_k s_k(q) z_k           z_k independent, of unit variance
@@ -8,11 +8,11 @@
 //! ```
 //!
 //! J are the derivatives of the first-order error model (METHODS: the 21 errors and the location errors), which is linear in
-//! them: its own answer to one unit of each. Beside this first-order result stands a seeded Monte Carlo through the exact
-//! geometry: machines drawn from the uncertainties, corrected by the tables as they are, less what those leave of the machine
-//! as stated. All axes travel in negative direction, where lost motion counts.
+//! them: each is its own response to one unit of the error. A seeded Monte Carlo through the exact geometry accompanies this
+//! first-order result: it draws machines from the uncertainties, corrects them by the tables as they are, and subtracts the
+//! residual of the machine as stated. All axes travel in negative direction, where lost motion counts.
 //!
-//! What a correction leaves for other reasons (levers that nine terms do not know, limits) is not in it.
+//! Residuals of other origin (levers that nine terms omit, limits) are not included.
 //!
 //! Sources: JCGM 100:2008, 5.1.2; JCGM 101:2008, clause 7; ISO/TR 230-9:2005 for the terms of an instrument.
 
@@ -42,10 +42,10 @@ use trueaxis_tables::uncertainty::Uncertainties;
 
 /// The uncertainty of the corrected position at a point and over the working volume.
 ///
-/// Cost: one evaluation of the model a term and point of the grid; one geometry of the machine a trial.
+/// Cost: one evaluation of the model per term and grid point; one geometry of the machine per trial.
 ///
 /// # Errors
-/// Nothing stated; options out of their ranges; a machine that the model refuses.
+/// Nothing stated; options outside their ranges; a machine that the model refuses.
 pub fn evaluate(machine: &Machine, stated: &Uncertainties, options: &Options) -> Result<Document> {
     options.check(machine)?;
     let terms = Terms::new(machine, stated)?;

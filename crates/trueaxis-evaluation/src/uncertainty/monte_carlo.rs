@@ -1,4 +1,4 @@
-//! Machines drawn from the uncertainties, through the exact geometry.
+//! Machines drawn from the uncertainties, evaluated through the exact geometry.
 
 use super::options::Options;
 use super::terms::{Effect, Terms};
@@ -69,10 +69,11 @@ pub(super) fn draw(
     Ok((0..places.len()).map(|place| trials.iter().map(|trial| trial[place]).collect()).collect())
 }
 
-/// Constant and slope of an axis' error along itself, and where the slope counts from.
+/// Constant and slope of an axis' error along itself, and the datum of the slope.
 type Moved = (Axis, f64, f64, f64);
 
-/// A machine of which the one stated may be the description; what its axes do along themselves stands apart.
+/// A machine consistent with the stated one and its uncertainties; errors of the axes along themselves are returned
+/// separately.
 fn machine_of(machine: &Machine, terms: &Terms, draws: &mut Draws) -> (Machine, Vec<Moved>) {
     let (mut drawn, mut along) = (machine.clone(), Vec::new());
     for term in &terms.all {

@@ -1,25 +1,25 @@
-//! What is asked for.
+//! Settings of an evaluation.
 
 use anyhow::{Result, bail};
 use trueaxis::machine::{AXES, Axis};
 use trueaxis_tables::Machine;
 
-/// What is asked for. Lists of positions are by [`Axis::index`].
+/// Settings of an evaluation. Arrays of positions are by [`Axis::index`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
-    /// A position of which the uncertainty is given besides the worst one, mm and degrees.
+    /// A position to evaluate besides the worst one, mm and degrees.
     pub at: Option<[f64; AXES]>,
-    /// Working volume along X, Y and Z, mm; the travel where left out.
+    /// Working volume along X, Y and Z, mm; by default the travel.
     pub volume_mm: [Option<[f64; 2]>; 3],
-    /// Where rotary axes stand over the working volume, degrees; 0 where left out.
+    /// Positions of the rotary axes over the working volume, degrees; 0 by default.
     pub pose_deg: Vec<(Axis, f64)>,
     /// Points along each linear axis.
     pub points: usize,
     /// Coverage, 0.5 … 0.9999.
     pub coverage: f64,
-    /// Machines drawn.
+    /// Number of machines drawn.
     pub trials: usize,
-    /// Of the draws.
+    /// Seed of the draws.
     pub seed: u64,
 }
 
@@ -30,9 +30,9 @@ impl Default for Options {
     }
 }
 
-/// Coverages that are asked for.
+/// Range of coverages accepted.
 const COVERAGES: [f64; 2] = [0.5, 0.9999];
-/// Machines drawn: enough for a quantile, and what takes a minute.
+/// Range of trials: from enough for a quantile to what takes a minute.
 const TRIALS: [usize; 2] = [100, 1_000_000];
 
 impl Options {

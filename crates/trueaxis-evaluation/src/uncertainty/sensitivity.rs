@@ -1,4 +1,4 @@
-//! Derivatives of the tip's error: the answer of the first-order model to one unit of each of its errors.
+//! Derivatives of the tip's error: the response of the first-order model to one unit of each of its errors.
 
 use super::terms::{Effect, Terms};
 use crate::compensate::{Place, Settings, with_model};
@@ -10,10 +10,10 @@ use trueaxis::machine::{AXES, Axis, AxisSettings, Curve, ErrorModel, Interpolati
 use trueaxis_metrology::uncertainty::Contribution;
 use trueaxis_tables::{Machine, Table};
 
-/// One unit: small enough for every check, and the model is linear.
+/// One unit: small enough to pass every check; the model is linear.
 const UNIT: f64 = 1e-6;
 
-/// Derivatives by every error that a term needs, at every place.
+/// Derivatives with respect to every error that a term needs, at every place.
 pub(super) struct Responses {
     found: Vec<(Source, Vec<[f64; 3]>)>,
 }
@@ -44,7 +44,7 @@ impl Responses {
         own.and_then(|(_, places)| places.get(place)).copied().unwrap_or_default()
     }
 
-    /// What every term contributes at a place, in the order of the terms.
+    /// The contribution of every term at a place, in the order of the terms.
     pub(super) fn contributions(
         &self,
         machine: &Machine,
@@ -72,7 +72,7 @@ impl Responses {
     }
 }
 
-/// The machine with one unit of this error and no other, under the model that knows all levers.
+/// The machine with one unit of this error and no other, under the model that includes all levers.
 fn with_one(machine: &Machine, source: Source) -> Machine {
     let mut one = machine.clone();
     one.settings.compensation.model = ErrorModel::Volumetric;
@@ -126,12 +126,12 @@ fn interpolated(machine: &Machine, axis: Axis, component: usize, of: &[f64], pos
     let first = rows.first().map_or(0.0, |row| row.position);
     let position = if around { first + (position - first).rem_euclid(360.0) } else { position };
     let count = rows.len();
-    // A cubic between two points depends on the next ones as well.
+    // A cubic between two points also depends on the next ones.
     let above = rows.partition_point(|row| row.position <= position);
     let near = (above + count - 2..above + count + 2).filter_map(|shifted| {
         let index = shifted as isize - count as isize;
         match around {
-            // The last row is the first.
+            // The last row repeats the first.
             true => Some(index.rem_euclid(count as isize - 1) as usize),
             false => usize::try_from(index).ok().filter(|index| *index < count),
         }
@@ -150,7 +150,7 @@ fn interpolated(machine: &Machine, axis: Axis, component: usize, of: &[f64], pos
     variance.sqrt()
 }
 
-/// The column at a position with one of its points moved, which is moved back (JCGM 100:2008, 5.1.3, note 2).
+/// The column at a position with one of its points shifted; restores the point (JCGM 100:2008, 5.1.3, note 2).
 fn shifted_value(
     own: &AxisSettings,
     rows: &mut [Row],

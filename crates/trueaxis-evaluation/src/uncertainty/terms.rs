@@ -1,4 +1,4 @@
-//! The quantities that are uncertain, and what they do.
+//! The uncertain quantities and their effects.
 
 use crate::contributions::Source;
 use crate::model::range;
@@ -14,19 +14,20 @@ const SQUARED_NORMAL: f64 = 1.732_050_807_568_877_2;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Along {
     pub(super) axis: Axis,
-    /// mm or rad.
+    /// Constant error, mm or rad.
     pub(super) constant: f64,
-    /// mm per mm.
+    /// Error by length, mm per mm.
     pub(super) per_length: f64,
     pub(super) datum: f64,
 }
 
-/// What a quantity does.
+/// Effect of a quantity.
 #[derive(Clone, Debug)]
 pub(super) enum Effect {
-    /// Along one axis or, with one sign and size for all, several.
+    /// Error along one axis, or along several with one sign and size for all.
     Along(Vec<Along>),
-    /// Misalignment m over a length L: always short, by m²/(2L²); `per_length` is its root mean square, the second number u(m)/L.
+    /// Misalignment m over a length L: always reads short, by m²/(2L²); `per_length` is its root mean square, the second
+    /// number u(m)/L.
     Cosine(Along, f64),
     /// Points of a column, independent of each other: standard uncertainty of each, mm or rad.
     Points { axis: Axis, component: usize, of: Vec<f64> },
@@ -42,17 +43,17 @@ pub(super) struct Term {
     pub(super) degrees_of_freedom: f64,
 }
 
-/// All quantities of a machine.
+/// All uncertain quantities of a machine.
 pub(super) struct Terms {
     pub(super) all: Vec<Term>,
-    /// Keys without a value, taken as zero.
+    /// Keys without a value, which count as zero.
     pub(super) not_stated: Vec<String>,
     pub(super) warnings: Vec<String>,
 }
 
-/// Standard uncertainty of an instrument by length along an axis, mm per mm: calibration, temperature, expansion.
+/// Standard uncertainty of an instrument per length along an axis, mm per mm: calibration, temperature, expansion.
 ///
-/// `expansion_per_k` is that of the machine; misalignment needs the length as well: `travel_mm`.
+/// `expansion_per_k` is the machine's; misalignment also needs the length `travel_mm`.
 pub fn per_length(instrument: &Instrument, expansion_per_k: f64, travel_mm: f64) -> f64 {
     let misalignment = instrument.misalignment.map_or(0.0, |m| SQUARED_NORMAL * 0.5 * (m / travel_mm).powi(2));
     let parts = [
@@ -102,7 +103,7 @@ impl Terms {
         Ok(terms)
     }
 
-    /// A quantity where it is stated, its key among those not stated otherwise. Zero is stated, but does nothing.
+    /// Adds a quantity if it is stated, otherwise its key to those not stated. Zero counts as stated but has no effect.
     fn put(&mut self, key: String, name: String, value: Option<f64>, of: f64, effect: impl FnOnce(f64) -> Effect) {
         match value {
             None => self.not_stated.push(key),
@@ -206,7 +207,7 @@ fn scaled(own: &AxisSettings, per_length: f64) -> Along {
 }
 
 impl Along {
-    /// Of unit variance, at a position: mm or rad.
+    /// Error of unit variance at a position, mm or rad.
     pub(super) fn at(&self, position: f64) -> f64 {
         self.constant + self.per_length * (position - self.datum)
     }

@@ -1,4 +1,4 @@
-//! Paths that are hard to search.
+//! Paths on which the foot-point search is hard.
 
 use super::random::Random;
 use heapless::Vec;
@@ -8,12 +8,12 @@ use trueaxis::{Position, Real};
 
 /// Number of different courses.
 pub const COURSES: usize = 16;
-/// Spans of a course at most.
+/// Maximum number of spans of a course.
 const SPANS: usize = 96;
 /// Normal of the machining plane.
 const PLANE: [f64; 3] = [0.0, 0.0, 1.0];
 
-/// A path, beginning where the tables of all three axes have a point.
+/// A path that begins at a point of the tables of all three axes.
 #[derive(Clone, Debug)]
 pub struct Course<R, P> {
     spans: Vec<Span<R, P>, SPANS>,
@@ -54,7 +54,7 @@ impl<R: Real, P: Position> Course<R, P> {
         course
     }
 
-    /// For the step.
+    /// The path for the step.
     pub fn path(&self) -> Path<'_, R, P> {
         Path::new(&self.spans, 0, self.closed)
     }
@@ -68,7 +68,7 @@ impl<R: Real, P: Position> Course<R, P> {
         self.closed
     }
 
-    /// A segment that is no path, or finds no room, is left out.
+    /// Leaves out a segment that is not a path or does not fit.
     fn add(&mut self, segment: &Segment<'_>) {
         let held = self.spans.len();
         let full = PathError { field: "course", index: None, found: SPANS as f64, needed: "fewer spans" };
@@ -145,7 +145,7 @@ impl<R: Real, P: Position> Course<R, P> {
 
     fn cusps(&mut self, mut start: DVec3, random: &mut Random) {
         for number in 0..6 {
-            // The inner points change places: at 3/2 of the chord it is nearly a cusp, beyond it a loop.
+            // The inner points swap order: at 3/2 of the chord the curve is nearly a cusp, beyond it a loop.
             let reach = 1.0 + 0.25 * f64::from(number);
             let chord = DVec3::new(1.5, 0.4 * random.signed::<f64>(), 0.0);
             let up = DVec3::new(0.0, 0.8, 0.2);
@@ -157,7 +157,7 @@ impl<R: Real, P: Position> Course<R, P> {
     }
 }
 
-/// Any direction, length about 1.
+/// A random direction, length about 1.
 fn direction(random: &mut Random) -> DVec3 {
     let any = DVec3::new(random.signed(), random.signed(), 0.5 * random.signed::<f64>());
     any / any.abs().max_element().max(0.01)

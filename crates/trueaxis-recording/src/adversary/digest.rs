@@ -3,7 +3,8 @@
 use crate::outputs::{Wire, line};
 use trueaxis::Output;
 
-/// Of the bytes of every output, in order: two runs with the same digest gave the same bits, but for one chance in 2³².
+/// Digest of the bytes of every output, in order: two runs with equal digests gave the same bits, except for a chance of one
+/// in 2³².
 #[derive(Clone, Copy, Debug)]
 pub struct Digest(u32);
 
@@ -14,7 +15,7 @@ impl Default for Digest {
 }
 
 impl Digest {
-    /// Adds an output: what [`crate::outputs`] has of it, both contour errors whole, and the dynamic correction's parts.
+    /// Adds an output: its line from [`crate::outputs`], both contour errors in full, and the dynamic correction's parts.
     pub fn add<R: Wire, const N: usize>(&mut self, output: &Output<R, R::Place, N>) {
         let record = &output.record;
         self.bytes(&line(output, None));

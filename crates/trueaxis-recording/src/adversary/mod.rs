@@ -1,7 +1,7 @@
 //! Adversarial cycles: inputs as hard for the step as a program, a host and encoders can make them.
 //!
 //! A hundred thousand cycles in scenes that begin cold, drawn from seeds by plain IEEE operations: a host and a bare-metal
-//! image of the same scalar run the same bits, and any cycle is replayed by running its scene up to it.
+//! image of the same scalar compute identical bits, and running a scene up to any of its cycles replays that cycle.
 
 mod course;
 mod digest;
@@ -23,18 +23,18 @@ use trueaxis::{Input, Position, Real};
 
 /// Number of axes.
 pub const AXES: usize = 3;
-/// Cycles in all.
+/// Total number of cycles.
 pub const CYCLES: u32 = 100_000;
-/// Cycles of a scene, the first from a fresh state.
+/// Number of cycles per scene; the first starts from a fresh state.
 pub const SCENE: u32 = 250;
-/// Cycles of these that are run with dynamic correction too, [`vary`]ing.
+/// Number of these cycles that also run with dynamic correction, [`vary`]ing.
 pub const DYNAMIC_CYCLES: u32 = 10_000;
-/// Farthest that a command moves in a cycle, mm: within what is plausible at 200 mm/s and 1 ms.
+/// Largest motion of a command in a cycle, mm: plausible at 200 mm/s and 1 ms.
 const FARTHEST: f64 = 0.3;
-/// Spans that a cycle passes at most.
+/// Maximum number of spans passed in a cycle.
 const HOPS: u32 = 64;
 
-/// Events of a cycle beside its motion; several may come together.
+/// Events of a cycle besides its motion; several may coincide.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Events(u16);
 
@@ -97,25 +97,25 @@ impl fmt::Display for Events {
 /// Inputs of one cycle.
 #[derive(Clone, Copy, Debug)]
 pub struct Moment<R, P> {
-    /// Of the step.
+    /// Input of the step.
     pub input: Input<P, AXES>,
-    /// Place on the course.
+    /// Position on the course.
     pub reference: Reference<R>,
-    /// Which course.
+    /// Index of the course.
     pub course: usize,
-    /// The second tables are in force.
+    /// Whether the second tables are in force.
     pub exchanged: bool,
-    /// Of the gauge.
+    /// Input of the gauge.
     pub probes: Probes<R>,
-    /// Begins with a fresh state.
+    /// Whether the cycle begins with a fresh state.
     pub cold: bool,
     /// Thermal growth of an axis from this cycle on: slot and line.
     pub thermal: Option<(usize, ThermalLine<R>)>,
-    /// Its events.
+    /// Events of the cycle.
     pub events: Events,
 }
 
-/// Draws one cycle after the other.
+/// Draws the cycles one after the other.
 #[derive(Clone, Debug)]
 pub struct Adversary<'a, R, P> {
     courses: &'a [Course<R, P>],
@@ -126,14 +126,14 @@ pub struct Adversary<'a, R, P> {
     span: u32,
     arc: R,
     command: [P; AXES],
-    /// Motion of a stretch of cycles: speed along the path a cycle and distances of the readings, mm.
+    /// Motion of a stretch of cycles: speed along the path per cycle and distances of the readings, mm.
     speed: R,
     jitter: R,
     behind: [R; AXES],
     stretch: u32,
-    /// The way along the path in this cycle instead of the speed.
+    /// Distance along the path in this cycle instead of the speed.
     leap: Option<R>,
-    /// Cycles until a latched stop is released; the program stands meanwhile.
+    /// Cycles until a latched stop is released; the program does not advance until then.
     stopped: u32,
     off: u32,
     homing: bool,
@@ -143,7 +143,7 @@ pub struct Adversary<'a, R, P> {
 }
 
 impl<'a, R: Real, P: Position> Adversary<'a, R, P> {
-    /// On the courses 0 to [`COURSES`] − 1.
+    /// An adversary on the courses 0 to [`COURSES`] − 1.
     pub fn new(courses: &'a [Course<R, P>], period_ns: u32) -> Self {
         Adversary {
             courses,
@@ -167,7 +167,8 @@ impl<'a, R: Real, P: Position> Adversary<'a, R, P> {
         }
     }
 
-    /// Cycle `number` of [`CYCLES`]. Cycles of a scene are drawn in order, from its first one, a multiple of [`SCENE`], on.
+    /// Draws cycle `number` of [`CYCLES`]. Cycles of a scene are drawn in order, starting from its first, a multiple of
+    /// [`SCENE`].
     pub fn cycle(&mut self, number: u32) -> Moment<R, P> {
         let mut events = Events::default();
         if number.is_multiple_of(SCENE) {
@@ -180,7 +181,7 @@ impl<'a, R: Real, P: Position> Adversary<'a, R, P> {
         }
         self.stretch -= 1;
         self.spindle = self.spindle.wrapping_add(self.turning);
-        // Calm stretches between the events, so that limiters settle and cells are filled.
+        // Calm stretches between the events let limiters settle and cells fill.
         let eventful = self.random.below(8) == 0;
         if eventful {
             for _ in 0..1 + self.random.below(3) {
@@ -207,14 +208,14 @@ impl<'a, R: Real, P: Position> Adversary<'a, R, P> {
         self.courses.get(self.course).map_or(0, Course::len)
     }
 
-    /// Another course, anywhere on it.
+    /// Jumps to a random position on a random course.
     fn program(&mut self) {
         self.course = self.random.below(self.courses.len() as u32) as usize;
         self.span = self.random.below(self.spans().max(1));
         self.arc = R::ZERO;
     }
 
-    /// Another motion for some cycles.
+    /// Draws a new motion for some cycles.
     fn stretch(&mut self) {
         self.stretch = 8 + self.random.below(56);
         let fastest = self.random.one_of(&[0.0, 0.001, 0.01, 0.05, 0.1, 0.2]);
@@ -226,7 +227,7 @@ impl<'a, R: Real, P: Position> Adversary<'a, R, P> {
         self.turning = self.random.one_of(&[0, 431, 3600, 36_000, -3600, 400_000]);
     }
 
-    /// Events of the motion; those of the readings are drawn by [`Adversary::disturb`].
+    /// Draws events of the motion; [`Adversary::disturb`] draws those of the readings.
     fn happen(&mut self, events: &mut Events) {
         let event = 1 + self.random.below(15);
         events.set(event);
@@ -235,8 +236,8 @@ impl<'a, R: Real, P: Position> Adversary<'a, R, P> {
             Events::NOT_HOMED | Events::DISABLED => {
                 (self.off, self.homing) = (1 + self.random.below(3), event == Events::NOT_HOMED);
             }
-            // A new program comes with a pause, and perhaps with new tables and in the other direction: everything that
-            // is kept from cycle to cycle is of no use at once.
+            // A new program comes with a pause, and perhaps with new tables and the other direction: all state kept between
+            // cycles becomes useless at once.
             Events::PROGRAM if self.stopped == 0 => {
                 self.program();
                 (self.off, self.homing) = (1, self.random.below(2) == 0);
@@ -249,7 +250,7 @@ impl<'a, R: Real, P: Position> Adversary<'a, R, P> {
         }
     }
 
-    /// Moves along the path, at the ends of an open one back again.
+    /// Moves along the path, reversing at the ends of an open one.
     fn advance(&mut self) -> Reference<R> {
         let way = self.leap.take().unwrap_or(self.speed);
         if self.stopped == 0 {
@@ -283,7 +284,7 @@ impl<'a, R: Real, P: Position> Adversary<'a, R, P> {
         Reference { span: self.span, t }
     }
 
-    /// The undisturbed cycle there.
+    /// The undisturbed cycle at a reference.
     fn moment(&mut self, reference: Reference<R>) -> Moment<R, P> {
         let place = self.courses.get(self.course).and_then(|course| course.path().on(reference).position());
         self.command = place.unwrap_or(self.command);
@@ -299,7 +300,7 @@ impl<'a, R: Real, P: Position> Adversary<'a, R, P> {
         Moment { input, reference, course, exchanged, probes, cold: false, thermal: None, events: Events::default() }
     }
 
-    /// Events of readings and commands.
+    /// Applies the events of readings and commands.
     fn disturb(&mut self, events: &mut Events, moment: &mut Moment<R, P>) {
         let random = &mut self.random;
         let slot = random.below(AXES as u32) as usize;
@@ -337,7 +338,7 @@ impl<'a, R: Real, P: Position> Adversary<'a, R, P> {
         }
     }
 
-    /// Homing, enabling and the release of a stop.
+    /// Sets homing, enabling and the release of a stop.
     fn switches(&mut self, events: &mut Events, moment: &mut Moment<R, P>) {
         if self.off > 0 {
             self.off -= 1;

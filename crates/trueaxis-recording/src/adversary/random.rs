@@ -1,13 +1,13 @@
-//! Numbers from a seed, the same on every target.
+//! Random numbers from a seed, identical on every target.
 
 use trueaxis::Real;
 
-/// Xorshift, 32 bit, its output multiplied.
+/// Xorshift, 32 bit, with multiplied output.
 #[derive(Clone, Debug)]
 pub(super) struct Random(u32);
 
 impl Random {
-    /// From the number of a course or a scene.
+    /// Starts from the number of a course or a scene.
     pub(super) fn new(seed: u32) -> Self {
         let mut random = Random(seed.wrapping_mul(0x9e37_79b9) | 1);
         for _ in 0..4 {
@@ -38,7 +38,7 @@ impl Random {
         R::TWO * self.unit::<R>() - R::ONE
     }
 
-    /// One of several.
+    /// Picks one of several.
     pub(super) fn one_of<T: Copy + Default>(&mut self, choices: &[T]) -> T {
         choices.get(self.below(choices.len() as u32) as usize).copied().unwrap_or_default()
     }

@@ -1,4 +1,4 @@
-//! Dynamic correction in recorded and adversarial cycles: what is configured, what is switched, what was learned.
+//! Dynamic correction in recorded and adversarial cycles: configuration, switches, learned correction.
 
 use super::AXES;
 use trueaxis::machine::{
@@ -6,19 +6,19 @@ use trueaxis::machine::{
 };
 use trueaxis::{Axis, Dynamics, Input, Position};
 
-/// How much of the dynamic correction a machine has.
+/// Parts of the dynamic correction that a machine has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ServoParts {
     /// Friction at reversals, on every axis.
     Friction,
-    /// Contour feedback besides.
+    /// Friction and contour feedback.
     Feedback,
-    /// Everything: lag, acceleration, lost motion taken up, cross-talk by a constant and by a table besides.
+    /// Everything: also lag, acceleration, lost motion taken up, cross-talk by a constant and by a table.
     All,
 }
 
 impl ServoParts {
-    /// Configures it, on every axis alike: drives and friction of a small mill.
+    /// Configures the parts identically on every axis: drives and friction of a small mill.
     pub fn configure(self, machine: &mut MachineSettings) {
         let all = self == ServoParts::All;
         for axis in &mut machine.axes {
@@ -41,17 +41,17 @@ impl ServoParts {
                 over,
                 points: points.iter().copied().collect(),
             };
-            // There is room for six.
+            // Six entries fit.
             let _ = machine.crosstalk.push(entry(Axis::X, Axis::Y, Axis::Y, &[[0.0, 1.2e-6]]));
             let _ = machine.crosstalk.push(entry(Axis::Y, Axis::X, Axis::Z, &[[-300.0, 1e-6], [0.0, 1.5e-6]]));
         }
     }
 }
 
-/// Cycles between two settings of the switches.
+/// Number of cycles between two settings of the switches.
 const SWITCHED: u32 = 60;
 
-/// Switches parts off and on in cycle `number`, and learns up to 1 µm of correction.
+/// Switches parts off and on in cycle `number`, and adds up to 1 µm of learned correction.
 pub fn vary<P: Position>(input: &mut Input<P, AXES>, number: u32) {
     let stretch = number / SWITCHED;
     let off = if stretch % 3 == 2 { stretch.wrapping_mul(37) } else { 0 };

@@ -1,4 +1,4 @@
-//! The cycles that are drawn are those that the documents promise.
+//! Checks that the cycles drawn are those that the documents promise.
 
 use super::*;
 use std::boxed::Box;
@@ -31,7 +31,7 @@ fn a_scene_begins_anywhere_alike() {
         let moment = whole.cycle(number);
         assert_eq!(moment.cold, number % SCENE == 0);
         if number >= 3 * SCENE {
-            // Missing readings are not numbers: compared as they are printed.
+            // Missing readings are NaN, so the comparison is by printed text.
             assert_eq!(std::format!("{moment:?}"), std::format!("{:?}", late.cycle(number)));
         }
     }
