@@ -1,4 +1,4 @@
-//! JSON, summary and files of the ball test.
+//! JSON, summary and output files of the ball test.
 
 use serde::Serialize;
 use std::fmt;
@@ -8,7 +8,7 @@ use trueaxis_sim::ball_test::{BallCycle, Outcome, Stop, TipError};
 struct BeforeAfter {
     before: TipError,
     after: TipError,
-    /// After over before.
+    /// Error after divided by error before.
     ratio: TipError,
 }
 
@@ -59,7 +59,7 @@ pub(crate) fn json<'o>(outcome: &'o Outcome, test: &'o BallCycle) -> Json<'o> {
     }
 }
 
-/// Lines to read.
+/// The summary as plain text.
 pub(crate) fn summary(outcome: &Outcome, test: &BallCycle) -> impl fmt::Display {
     let mut text = format!(
         "machine  {} ({}), linear axes perfect\ngauge    {} µm a reading, seed {}\n\n\

@@ -1,4 +1,4 @@
-//! Latency and throughput of the step alone, and its throughput with the simulated machine.
+//! Latency and throughput of the step alone, and throughput of the step with the simulated machine.
 
 use crate::latency::{Latency, LatencySummary, timed};
 use anyhow::{Result, anyhow, bail};
@@ -14,26 +14,26 @@ use trueaxis_sim::path::{self, SlidingPath};
 use trueaxis_sim::run::{Kind, Run};
 use trueaxis_sim::servo::{self, Axes, Compiled, with_loop};
 
-/// Results of the bench.
+/// Results of the benchmark.
 #[derive(Clone, Copy, Debug)]
 pub struct Outcome {
-    /// Latency of single steps, the clock's own reading included.
+    /// Latency of single steps, including the overhead of reading the clock.
     pub latency: LatencySummary,
-    /// Steps a second on one core, without a clock between them: the best of [`REPEATS`] passes.
+    /// Steps per second on one core, without a clock between them: the best of [`REPEATS`] passes.
     pub steps_per_s: f64,
-    /// The same with the plant, the program and the true error of every cycle: the compensated machine of a run.
+    /// Steps per second of a compensated run: with the plant, the program and the true error of every cycle.
     pub steps_per_s_with_plant: f64,
 }
 
-/// Passes, of which the fastest counts: what else runs on the computer only ever makes them slower.
+/// Number of passes. The fastest counts, since other load on the computer can only slow a pass down.
 pub const REPEATS: u64 = 5;
 
-/// Inputs that are prepared at a time, outside the clock.
+/// Number of inputs prepared at a time, outside the timed section.
 const BLOCK: u64 = 4096;
 
 type Prepared<const N: usize> = (Input<f64, N>, Reference<f64>);
 
-/// The inputs of a scenario's program, a block at a time, over and over.
+/// The inputs of a scenario's program, a block at a time, repeated endlessly.
 struct Inputs<'c, const N: usize> {
     scenario: &'c Scenario,
     motion: &'c Motion,
@@ -57,7 +57,7 @@ impl<'c, const N: usize> Inputs<'c, N> {
         })
     }
 
-    /// Prepares at most `most` inputs, and at least one; a block ends with the program.
+    /// Prepares at most `most` inputs, and at least one; a block never extends past the end of the program.
     fn prepare(&mut self, most: u64) -> Result<()> {
         self.block.clear();
         let mut first = None;
@@ -76,7 +76,7 @@ impl<'c, const N: usize> Inputs<'c, N> {
             let positions = self.scenario.axis_positions(&setpoint);
             let command = self.axes.map(|axis| positions[axis.index()]);
             let mut feedback = command;
-            // A deterministic wobble of some micrometres, so that the contour search has something to find.
+            // A deterministic ripple of a few micrometres, so that the contour search has an error to find.
             let phase = setpoint.length * 7.0;
             feedback[0] += 3e-3 * phase.sin() - 4e-5 * setpoint.velocity[0];
             feedback[1] += 3e-3 * phase.cos() - 4e-5 * setpoint.velocity[1];
@@ -98,7 +98,7 @@ impl<'c, const N: usize> Inputs<'c, N> {
     }
 }
 
-/// Steps through the scenario's program `cycles` times round, with a deviation of a few micrometres on the readings.
+/// Runs `cycles` steps of the scenario's program, repeating it, with a deviation of a few micrometres on the readings.
 ///
 /// # Errors
 /// The machine's tables do not build.
@@ -121,7 +121,7 @@ where
                 None => servo::step(servo, state, input, &mut path.view().on(reference), &mut ()),
             }
         };
-        // Hands every block to `steps`, from a fresh state.
+        // Passes every block to `steps`, starting from a fresh state.
         let pass = |steps: &mut dyn FnMut(&mut State<f64, f64, N>, &Inputs<'_, N>)| -> Result<()> {
             let mut state = servo.start();
             let mut inputs = Inputs::new(scenario, motion)?;
@@ -163,7 +163,7 @@ fn rate(cycles: u64, nanoseconds: u64) -> f64 {
     cycles as f64 * 1e9 / nanoseconds.max(1) as f64
 }
 
-/// Steps a second of a run with the plugin as the machine configures it, from the program's first cycle on.
+/// Steps per second of a run with the plugin as the machine configures it, from the program's first cycle.
 fn with_plant(scenario: &Scenario, cycles: u64) -> Result<f64> {
     let scenario = Arc::new(scenario.clone());
     let mut best: f64 = 0.0;
@@ -171,7 +171,7 @@ fn with_plant(scenario: &Scenario, cycles: u64) -> Result<f64> {
         let (mut done, mut nanoseconds) = (0, 0);
         while done < cycles {
             let mut run = Run::of(scenario.clone(), &[Kind::Configured])?;
-            // The machine settles before its first cycle.
+            // Settling precedes the first cycle and is not timed.
             run.advance(0, &mut ());
             nanoseconds += timed(|| run.advance(cycles - done, &mut ())).1;
             done += run.cycle();

@@ -1,4 +1,4 @@
-//! `firmware-sim bench`: its arguments and output.
+//! `firmware-sim bench`: arguments and output.
 
 use crate::console::put;
 use crate::scenario_args::{ScenarioArgs, prepare};

@@ -1,4 +1,4 @@
-//! `firmware-sim calibrate`: its arguments and output.
+//! `firmware-sim calibrate`: arguments and output.
 
 use crate::console::{counting_bar, put};
 use crate::given::{text_or, up_to};
@@ -11,7 +11,7 @@ use trueaxis_report::number::significant;
 use trueaxis_sim::calibration::Class;
 use trueaxis_tables::output::Outputs;
 
-/// Most machines of a run.
+/// Maximum number of machines in a run.
 const MOST: u64 = 100_000;
 
 /// Arguments of `calibrate`.

@@ -1,4 +1,4 @@
-//! `firmware-sim compare`: its arguments and output.
+//! `firmware-sim compare`: arguments and output.
 
 use crate::console::{put, tell};
 use crate::machine_arg::{outputs_of, read_machine};
@@ -71,7 +71,7 @@ enum Cores {
     Both,
 }
 
-/// Whether they agree.
+/// Runs the comparison; returns whether host and image agree.
 pub(crate) fn compare(args: &CompareArgs) -> Result<bool> {
     if args.how.exchange_at.is_some() && args.second.is_none() {
         bail!("--exchange-at: found no tables to ask for, needed --second");

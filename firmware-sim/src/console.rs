@@ -4,7 +4,7 @@ use anyhow::Result;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::Write;
 
-/// A bar of thousandths on the standard error.
+/// A progress bar in thousandths on standard error.
 pub(crate) fn progress_bar(message: &'static str) -> ProgressBar {
     let style = ProgressStyle::with_template("{bar:40} {percent:>3} %  {msg}");
     let bar = ProgressBar::new(1000).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
@@ -12,13 +12,13 @@ pub(crate) fn progress_bar(message: &'static str) -> ProgressBar {
     bar
 }
 
-/// A bar that counts on the standard error.
+/// A counting progress bar on standard error.
 pub(crate) fn counting_bar(length: u64, of: &str) -> ProgressBar {
     let style = ProgressStyle::with_template(&format!("{{bar:40}} {{pos}}/{{len}} {of}"));
     ProgressBar::new(length).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }
 
-/// The reader of the standard output has seen enough (`firmware-sim … | head`): no error.
+/// The reader of standard output has closed it (`firmware-sim … | head`), which is not an error.
 #[derive(Debug)]
 pub(crate) struct Closed;
 
@@ -30,7 +30,7 @@ impl std::fmt::Display for Closed {
 
 impl std::error::Error for Closed {}
 
-/// Writes to the standard output; a full disk or a closed pipe is an error, not a panic.
+/// Writes to standard output; a full disk or a closed pipe is an error, not a panic.
 pub(crate) fn put(text: &str) -> Result<()> {
     let mut out = std::io::stdout().lock();
     out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(|error| match error.kind() {
@@ -39,7 +39,7 @@ pub(crate) fn put(text: &str) -> Result<()> {
     })
 }
 
-/// Says something on the standard error. Nobody listening there is no error, and nothing could be said about it.
+/// Writes a line to standard error. A closed stderr is not an error, and there is nowhere to report one.
 pub(crate) fn tell(line: impl std::fmt::Display) {
     let _ = writeln!(std::io::stderr().lock(), "{line}");
 }

@@ -1,10 +1,10 @@
-//! The figures of a run as a table: a row for every machine that was simulated.
+//! The figures of a run as a table with one row per simulated machine.
 
 use serde_json::{Map, Value as Json};
 use std::io;
 use trueaxis_columns::{Column, Form, Kind, Value, Writer};
 
-/// A value of the document, under the name of its column.
+/// A value of the document.
 #[derive(Clone)]
 enum Figure {
     Number(f64),
@@ -12,16 +12,16 @@ enum Figure {
     Text(String),
 }
 
-/// The document of `run --json` as Parquet. A figure that it has for every machine (`contour_error_um.compensated.max`) is a
-/// column (`contour_error_um_max`) with a row for each; what it has once (settings, cycles, cost of the step) stands in every
-/// row. The machine's column is `kind`; lists are texts in JSON, and a figure that a machine has not is a NaN.
+/// The document of `run --json` as Parquet. A figure given per machine (`contour_error_um.compensated.max`) becomes a column
+/// (`contour_error_um_max`) with one row each; a figure given once (settings, cycles, cost of the step) is repeated in every
+/// row. The column `kind` names the machine; lists are JSON text, and a figure that a machine does not have is NaN.
 ///
 /// # Errors
-/// None but of the memory that it is written to.
+/// Only an error of the in-memory writer.
 pub fn table(document: &Json) -> io::Result<Vec<u8>> {
     let empty = Map::new();
     let document = document.as_object().unwrap_or(&empty);
-    // The machines, by the figure that each of them has.
+    // The machines are the keys of the one figure that each of them has.
     let kinds: Vec<&str> = match document.get("contour_error_um") {
         Some(Json::Object(of)) => of.keys().map(String::as_str).collect(),
         _ => Vec::new(),
@@ -53,14 +53,14 @@ pub fn table(document: &Json) -> io::Result<Vec<u8>> {
     table.finish()
 }
 
-/// In place of a figure that a machine does not have.
+/// Placeholder for a figure that a machine does not have.
 const NOTHING: Value<'static> = Value::Number(f64::NAN);
 
 fn figure<'r>(row: &'r [(String, Figure)], name: &str) -> Option<&'r Figure> {
     row.iter().find(|(of, _)| of == name).map(|(_, figure)| figure)
 }
 
-/// What a column holds: numbers, where not every machine has one of another kind.
+/// Type of a column: numeric unless every machine has the same other type.
 fn kind_of(name: &str, rows: &[Vec<(String, Figure)>]) -> Kind {
     let mut kinds = rows.iter().map(|row| figure(row, name).map_or(Kind::Number, Figure::kind));
     let first = kinds.next().unwrap_or(Kind::Number);
@@ -76,7 +76,7 @@ impl Figure {
         }
     }
 
-    /// As a column of that kind holds it.
+    /// Converts to the type of the column.
     fn value(&self, kind: Kind) -> Value<'_> {
         match (self, kind) {
             (Figure::Number(value), Kind::Number) => Value::Number(*value),
@@ -88,7 +88,7 @@ impl Figure {
     }
 }
 
-/// Every figure below a name, `name_key_key`.
+/// Flattens every figure below a name to `name_key_key`.
 fn flat(name: &str, value: &Json, into: &mut Vec<(String, Figure)>) {
     let figure = match value {
         Json::Object(of) => return of.iter().for_each(|(key, value)| flat(&format!("{name}_{key}"), value, into)),

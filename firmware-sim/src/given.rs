@@ -1,10 +1,10 @@
-//! Options that several commands read alike.
+//! Validation shared by the options of several commands.
 
 use anyhow::{Result, bail};
 use std::path::Path;
 use trueaxis_tables::text::read_text;
 
-/// Refuses a number of an option that is below zero, above `most`, or none.
+/// Refuses an option's value that is negative, above `most`, or NaN.
 pub(crate) fn up_to(most: f64, option: &str, value: f64) -> Result<()> {
     if !(0.0..=most).contains(&value) {
         bail!("{option}: found {value}, needed 0 to {most}");
@@ -12,7 +12,7 @@ pub(crate) fn up_to(most: f64, option: &str, value: f64) -> Result<()> {
     Ok(())
 }
 
-/// Refuses an odd number of an option.
+/// Refuses an odd value of an option.
 pub(crate) fn even(option: &str, value: u32) -> Result<()> {
     if !value.is_multiple_of(2) {
         bail!("{option}: found {value}, needed an even number");
@@ -20,7 +20,7 @@ pub(crate) fn even(option: &str, value: u32) -> Result<()> {
     Ok(())
 }
 
-/// The text of a file, or our own where none is given.
+/// The text of a file, or the built-in text if no file is given.
 pub(crate) fn text_or(given: Option<&Path>, own: &str) -> Result<String> {
     match given {
         Some(file) => Ok(read_text(file, &[])?),

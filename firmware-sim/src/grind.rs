@@ -1,4 +1,4 @@
-//! `firmware-sim grind`: its arguments and output.
+//! `firmware-sim grind`: arguments and output.
 
 use crate::console::{progress_bar, put};
 use crate::grinding_text::{self, Summary};

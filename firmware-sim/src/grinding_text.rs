@@ -14,7 +14,7 @@ pub(crate) struct Json {
     wall_s: f64,
 }
 
-/// The outcome as one JSON document; `wall_s` is the time that both runs took.
+/// The outcome as one JSON document; `wall_s` is the time taken by both runs.
 ///
 /// # Errors
 /// The machine has no gauge.
@@ -22,13 +22,13 @@ pub(crate) fn json(outcome: &Outcome, grinding: &Grinding, wall_s: f64) -> Resul
     Ok(Json { figures: Document::new(outcome, grinding)?, wall_s })
 }
 
-/// Prints the outcome in plain words.
+/// Prints the outcome as plain text.
 pub(crate) struct Summary<'o> {
     /// Figures of both runs.
     pub(crate) outcome: &'o Outcome,
     /// The pin and its process.
     pub(crate) grinding: &'o Grinding,
-    /// Time that both runs took, s.
+    /// Time taken by both runs, s.
     pub(crate) wall_s: f64,
 }
 

@@ -1,4 +1,4 @@
-//! `firmware-sim keep`: its arguments and output.
+//! `firmware-sim keep`: arguments and output.
 
 use crate::console::{counting_bar, put};
 use crate::given::{even, text_or, up_to};

@@ -1,22 +1,22 @@
-//! Latency of the servo step: a high dynamic range histogram, its percentiles and the deadlines missed.
+//! Latency of the servo step: a high dynamic range histogram, its percentiles and the missed deadlines.
 
 use hdrhistogram::Histogram;
 use std::time::Instant;
 
-/// Upper end of the histogram in ns (10 s); longer steps are counted in its last bucket, the exact maximum is kept apart.
+/// Upper end of the histogram in ns (10 s); longer steps count in its last bucket, the exact maximum is stored separately.
 const HIGHEST_NS: u64 = 10_000_000_000;
 
 /// Significant decimal digits of a bucket: percentiles are within 0.1 % of the recorded value.
 const DIGITS: u8 = 3;
 
-/// Does something, and says how many ns it took: the only clock of the simulation.
+/// Runs a function and returns its result and duration in ns: the only clock of the simulation.
 pub fn timed<T>(work: impl FnOnce() -> T) -> (T, u64) {
     let start = Instant::now();
     let result = work();
     (result, start.elapsed().as_nanos() as u64)
 }
 
-/// Records how long each servo step took.
+/// Records the duration of each servo step.
 ///
 /// A step that takes more than `budget_ns` is *over budget*; one that takes more than `period_ns` has *missed its
 /// deadline*, because the next period begins before it is done. All memory is allocated by [`Latency::new`]; a
@@ -94,7 +94,7 @@ impl Latency {
         if self.histogram.is_empty() {
             return limits;
         }
-        // A bucket reports its upper edge, which may lie just above the longest step recorded.
+        // A bucket reports its upper edge, which may be slightly above the longest recorded step.
         let quantile = |q| self.histogram.value_at_quantile(q).max(self.min_ns).min(self.max_ns);
         LatencySummary {
             steps: self.histogram.len(),

@@ -1,4 +1,4 @@
-//! `firmware-sim learn`: its arguments and output.
+//! `firmware-sim learn`: arguments and output.
 
 use crate::console::{progress_bar, put};
 use crate::machine_arg::outputs_of;
@@ -51,7 +51,7 @@ pub(crate) struct LearnArgs {
     output: Option<PathBuf>,
 }
 
-/// A part in JSON.
+/// A part in the JSON document.
 #[derive(Serialize)]
 struct Made {
     part: usize,

@@ -1,10 +1,10 @@
-//! The contour error of a run over path length, as `trueaxis learn` reads it.
+//! The contour error of a run over path length, in the format that `trueaxis learn` reads.
 
 use std::io::{self, Write};
 use trueaxis_sim::learning::{Identity, Recorder};
 use trueaxis_sim::run::{Moment, Sample, Sink};
 
-/// Writes a line every cycle, as they come.
+/// Writes a line per cycle, in order.
 #[derive(Debug)]
 pub struct LearningRecord<W> {
     out: W,
@@ -15,10 +15,10 @@ pub struct LearningRecord<W> {
 }
 
 impl<W: Write> LearningRecord<W> {
-    /// Writes the head: of what program and machine it is.
+    /// Writes the header, which identifies program and machine.
     ///
     /// # Errors
-    /// Errors of the writer.
+    /// The writer fails.
     pub fn new(mut out: W, run: usize, identity: &Identity, recorder: Recorder) -> io::Result<LearningRecord<W>> {
         let Identity { machine_id, program_id, length_mm } = identity;
         writeln!(
@@ -29,10 +29,10 @@ impl<W: Write> LearningRecord<W> {
         Ok(LearningRecord { out, run, recorder, failure: None })
     }
 
-    /// Hands back what was written to.
+    /// Returns the writer.
     ///
     /// # Errors
-    /// Something could not be written.
+    /// A write failed.
     pub fn finish(mut self) -> io::Result<W> {
         match self.failure.take() {
             Some(error) => Err(error),
@@ -42,7 +42,7 @@ impl<W: Write> LearningRecord<W> {
 }
 
 impl<W: Write> Sink for LearningRecord<W> {
-    /// A failure to write is kept for [`LearningRecord::finish`].
+    /// Stores a write error for [`LearningRecord::finish`].
     fn cycle(&mut self, moment: &Moment, runs: &[Option<&Sample>]) {
         if self.failure.is_none()
             && let Some(Some(sample)) = runs.get(self.run)

@@ -9,9 +9,9 @@
 //!                        └───────────── readings ◄─────────────┘
 //! ```
 //!
-//! Plant and truth are written apart from the plugin; neither uses its code.
+//! Plant and truth are written independently of the plugin; neither uses its code.
 
-// print! and its like panic when the other end of a pipe is closed.
+// print! and similar macros panic when the other end of a pipe is closed.
 #![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr))]
 
 pub mod bench;

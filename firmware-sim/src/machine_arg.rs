@@ -1,4 +1,4 @@
-//! Machines named on the command line, and the files that a command may not write over.
+//! Machines named on the command line, and the files that a command must not overwrite.
 
 use crate::console::tell;
 use anyhow::{Result, bail};
@@ -7,7 +7,7 @@ use std::path::Path;
 use trueaxis_tables::Machine;
 use trueaxis_tables::output::{Outputs, left_notes};
 
-/// A machine.toml, its folder, or a sample's name.
+/// Reads a machine.toml, given by its path, its folder, or a sample's name.
 pub(crate) fn read_machine(option: &str, given: &Path) -> Result<Machine> {
     let path = if given.exists() { given.to_path_buf() } else { sample_machine(&given.to_string_lossy()) };
     if !path.exists() {
@@ -22,7 +22,7 @@ pub(crate) fn read_machine(option: &str, given: &Path) -> Result<Machine> {
     Ok(Machine::read(&path)?)
 }
 
-/// Files that a command may not write over: those of machines, named as for [`read_machine`], and others.
+/// Files that a command must not overwrite: those of machines, named as for [`read_machine`], and others.
 pub(crate) fn outputs_of<'p>(
     machines: impl IntoIterator<Item = &'p Path>,
     others: impl IntoIterator<Item = &'p Path>,

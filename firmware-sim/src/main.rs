@@ -1,6 +1,6 @@
 //! `firmware-sim`: servo cycles on the host, with the machine simulated.
 
-// print! and its like panic when the other end of a pipe is closed: `put` and `tell` do not.
+// print! and similar macros panic when the other end of a pipe is closed: `put` and `tell` do not.
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
 mod ball_test_text;
@@ -124,7 +124,7 @@ enum Command {
     Compare(compare_command::CompareArgs),
 }
 
-/// What was held against one another is not the same; it has been said where.
+/// The compared runs differ; the differences have already been reported.
 #[derive(Debug)]
 struct Disagreement;
 

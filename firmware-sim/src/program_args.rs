@@ -1,4 +1,4 @@
-//! The program of a scenario: its arguments, reading, and notes.
+//! The program of a scenario: arguments, reading, and notes.
 
 use anyhow::Result;
 use clap::{Args, ValueEnum};
@@ -34,7 +34,7 @@ enum Interpreter {
 }
 
 impl ProgramArgs {
-    /// Every file that is read.
+    /// All input files.
     pub(crate) fn files(&self) -> impl Iterator<Item = &Path> {
         [Some(&self.file), self.tool_table.as_ref(), self.offsets.as_ref()].into_iter().flatten().map(PathBuf::as_path)
     }
@@ -50,7 +50,7 @@ impl ProgramArgs {
     }
 }
 
-/// Words of the program without effect, once per kind.
+/// Program words without effect, once per kind.
 pub(crate) fn noted(program: &Program) -> String {
     let (plain, explained): (Vec<_>, Vec<_>) = program.notes.iter().partition(|note| note.why.is_empty());
     let mut text = String::new();

@@ -1,4 +1,4 @@
-//! `firmware-sim record`: its arguments and output.
+//! `firmware-sim record`: arguments and output.
 
 use crate::console::{progress_bar, put, tell};
 use crate::machine_arg::outputs_of;
@@ -48,7 +48,7 @@ pub(crate) struct How {
     speed_rpm: f64,
 }
 
-/// Records a scenario; the bar runs on the standard error.
+/// Records a scenario, with a progress bar on standard error.
 pub(crate) fn bytes(scenario: &Arc<Scenario>, how: &How) -> Result<Vec<u8>> {
     if !(0.01..=10_000.0).contains(&how.speed_rpm) {
         bail!("--speed-rpm: found {}, needed 0.01 to 10000", how.speed_rpm);

@@ -1,4 +1,4 @@
-//! `firmware-sim replay`: its arguments and output.
+//! `firmware-sim replay`: arguments and output.
 
 use crate::console::{put, tell};
 use anyhow::{Context, Result, anyhow, bail};
@@ -63,7 +63,7 @@ pub(crate) fn replay(args: &ReplayArgs) -> Result<()> {
     if args.output.is_none() { put(&sent.rows) } else { Ok(()) }
 }
 
-/// What the step was given and what it sent: rows of the CSV, and its records in frames.
+/// The step's inputs and outputs as CSV rows, and its records as frames.
 #[derive(Default)]
 struct Sent {
     rows: String,

@@ -1,4 +1,4 @@
-//! Runs a program through `rs274`, LinuxCNC's own interpreter.
+//! Runs a program through `rs274`, LinuxCNC's stand-alone interpreter.
 
 use std::io::{BufRead, BufReader, Read};
 use std::process::{Child, Command, Stdio};
@@ -8,27 +8,27 @@ use std::time::{Duration, Instant};
 use trueaxis_sim::program::canonical::Canonical;
 use trueaxis_sim::program::{Program, ProgramError, ReadOptions, numbered};
 
-/// Without an INI file `rs274` takes tool table and parameters for inches.
+/// Without an INI file `rs274` interprets tool table and parameters in inches.
 const MM_PER_UNIT: f64 = 25.4;
 
-/// Longest time it may take: a program that loops for ever is ended.
+/// Time limit: a program that loops forever is stopped.
 const PATIENCE: Duration = Duration::from_secs(120);
 
-/// Longest line of its output, bytes.
+/// Maximum length of an output line, bytes.
 const LONGEST: u64 = 4096;
 
-/// Reads a program through `rs274`, where LinuxCNC is installed: with parameters, subprograms, cutter compensation; its
-/// output has four decimals. `file` appears in errors only.
+/// Reads a program through an installed `rs274`: with parameters, subprograms, cutter compensation; its output has four
+/// decimals. `file` appears in errors only.
 ///
 /// # Errors
-/// There is no `rs274`, or it refuses the program, with its line.
+/// `rs274` is missing, or refuses the program; the error gives the line.
 pub fn read(name: &str, bytes: &[u8], file: &str, options: &ReadOptions) -> Result<Program, ProgramError> {
     let wrong = |line: u32, found: String, needed: &str| ProgramError::new(file, line, found, needed);
     let scratch = |e: std::io::Error| wrong(1, format!("no place for scratch files ({e})"), "a folder for them");
     let folder = tempfile::tempdir().map_err(scratch)?;
     let path = |name: &str| folder.path().join(name);
     std::fs::write(path("program.ngc"), numbered(bytes, file)?).map_err(scratch)?;
-    // A copy of the parameters: rs274 writes them anew.
+    // A copy of the parameters, because rs274 rewrites them.
     let offsets = options.offsets.clone().unwrap_or_default();
     std::fs::write(path("offsets.var"), offsets.parameters(MM_PER_UNIT)).map_err(scratch)?;
     let tools = options.tools.clone().unwrap_or_default();
@@ -36,7 +36,7 @@ pub fn read(name: &str, bytes: &[u8], file: &str, options: &ReadOptions) -> Resu
 
     let mut command = Command::new("rs274");
     command.args(["-t", "tool.tbl", "-v", "offsets.var"]).args(options.block_delete.then_some("-b"));
-    // It keeps its tools in a file below HOME, which two of it would share.
+    // rs274 keeps its tools in a file below HOME, which two instances would share.
     command.args(["-g", "program.ngc"]).current_dir(folder.path()).env("HOME", folder.path());
     command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(std::fs::File::create(path("errors")).map_err(scratch)?);
     let mut child = command.spawn().map_err(|e| {
@@ -75,7 +75,7 @@ fn take_all(
     }
 }
 
-/// Line and reason of a refusal: `rs274` prints a line of text, then the line of the program.
+/// Line and reason of a refusal: `rs274` prints a message, then the line of the program.
 fn refusal(errors: &str, last: u32, done: bool) -> (u32, String) {
     let mut said = errors.lines().map(str::trim).filter(|text| !text.is_empty() && *text != "executing");
     let message = said.next().unwrap_or(if done { "no end" } else { "no end in two minutes" });
@@ -86,7 +86,7 @@ fn refusal(errors: &str, last: u32, done: bool) -> (u32, String) {
     (line.unwrap_or(last), format!("what LinuxCNC refuses: {message}"))
 }
 
-/// A child that is ended when it takes too long, or when nobody waits for it any more.
+/// A child process that is killed when it exceeds the time limit or when dropped.
 struct Guarded {
     child: Arc<Mutex<Child>>,
     began: Instant,
@@ -111,7 +111,7 @@ impl Guarded {
         Guarded { child, began }
     }
 
-    /// Waits for its end; whether it came by itself.
+    /// Waits for the process to end; returns whether it ended within the time limit.
     fn finish(self) -> bool {
         let status = self.child.lock().unwrap_or_else(PoisonError::into_inner).wait();
         status.is_ok() && self.began.elapsed() < PATIENCE

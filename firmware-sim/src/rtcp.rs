@@ -1,4 +1,4 @@
-//! `firmware-sim rtcp`: its arguments and output.
+//! `firmware-sim rtcp`: arguments and output.
 
 use crate::ball_test_text as text;
 use crate::console::put;

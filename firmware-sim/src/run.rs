@@ -1,4 +1,4 @@
-//! `firmware-sim run`: its arguments and output.
+//! `firmware-sim run`: arguments and output.
 
 use crate::console::{progress_bar, put};
 use crate::machine_arg::outputs_of;
@@ -90,7 +90,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     sinks.extend(record.as_mut().map(|record| record as &mut dyn Sink));
     let outcome = outcome::simulate(simulation, &scenario, timing, sinks, &mut tell)?;
     bar.finish_and_clear();
-    // Named before the traces, in their places after them.
+    // The summary names the traces last, but their files take their places first.
     let traces = finish_traces(traces, &mut outputs)?;
     let mut written = Vec::new();
     if let (Some(series), Some(dir)) = (&series, &args.report) {
@@ -136,7 +136,7 @@ impl From<MeasuredBy> for Instrument {
     }
 }
 
-/// The scenario with a learned correction, from its file.
+/// The scenario with a learned correction read from its file.
 pub(crate) fn with_learned(scenario: Scenario, file: Option<&Path>) -> Result<Scenario> {
     let Some(file) = file else { return Ok(scenario) };
     let bytes = std::fs::read(file).with_context(|| format!("--learned: cannot read {}", file.display()))?;
@@ -145,7 +145,7 @@ pub(crate) fn with_learned(scenario: Scenario, file: Option<&Path>) -> Result<Sc
     scenario.with_learned(Arc::new(table)).with_context(of_file)
 }
 
-/// The record of the full run.
+/// Begins the record of the full run.
 fn record_to(
     path: &Path,
     scenario: &Scenario,
@@ -166,15 +166,15 @@ fn cannot_write(path: &Path) -> String {
     format!("cannot write {}", path.display())
 }
 
-/// The file behind a writer, with all that was written.
+/// The file behind a writer, after flushing it.
 fn complete(written: std::io::Result<BufWriter<Staged>>, path: &Path) -> Result<Staged> {
     written.and_then(|out| out.into_inner().map_err(|error| error.into_error())).with_context(|| cannot_write(path))
 }
 
-/// A trace on its way to its file.
+/// A trace being written, and its path.
 type FileTrace = (PathBuf, Trace<BufWriter<Staged>>);
 
-/// Begins the traces that a run leaves in a folder.
+/// Opens the trace files of a run in a folder.
 fn begin_traces(
     directory: &Path,
     form: Form,
@@ -196,7 +196,7 @@ fn begin_traces(
     traced.into_iter().filter(|(kind, _)| kinds.contains(kind)).map(open).collect()
 }
 
-/// Writes what is left of the traces; their files, which the commit puts into their places.
+/// Completes the traces; returns the paths at which the commit places their files.
 fn finish_traces(traces: Vec<FileTrace>, outputs: &mut Outputs) -> Result<Vec<PathBuf>> {
     let finish = |(path, trace): FileTrace| {
         outputs.add(&path, complete(trace.finish(), &path)?);

@@ -1,4 +1,4 @@
-//! Arguments of every command that simulates a program, and the scenario made of them.
+//! Arguments of every command that simulates a program, and the scenario built from them.
 
 use crate::machine_arg::read_machine;
 use crate::program_args::ProgramArgs;
@@ -47,7 +47,7 @@ enum Switch {
 }
 
 impl ScenarioArgs {
-    /// Every file that is read beside the machine's.
+    /// All input files other than the machine's.
     pub(crate) fn files(&self) -> impl Iterator<Item = &Path> {
         self.program.files().chain(self.settings.scenario.as_deref())
     }
@@ -66,7 +66,7 @@ impl ScenarioArgs {
     }
 }
 
-/// The scenario of a command under which nothing is switched or exchanged.
+/// The scenario of a command that allows no events (switching or exchanging).
 pub(crate) fn prepare(args: &ScenarioArgs, faults: &[String]) -> Result<Scenario> {
     let scenario = prepare_with(args, &ActArgs::faults(faults))?;
     match scenario.settings.events.items.first() {

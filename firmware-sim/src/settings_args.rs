@@ -1,4 +1,5 @@
-//! Settings of a simulation on the command line: a scenario file, flags for the most used ones, and any other by its key.
+//! Simulation settings on the command line: a scenario file, flags for the most common settings, and any other setting by its
+//! key.
 
 use anyhow::{Context, Result, anyhow};
 use clap::Args;
@@ -81,13 +82,13 @@ impl ActArgs {
     }
 }
 
-/// Machines of a scenario file's events are named from its folder.
+/// Resolves the machines of a scenario file's events relative to its folder.
 fn from_folder_of(file: &Path, settings: &mut Settings) {
     let Some(folder) = file.parent() else { return };
     for event in &mut settings.events.items {
         if let EventKind::Exchange(name) = &mut event.kind {
             let beside = folder.join(&name);
-            // What is not there may be a sample.
+            // A path that does not exist may name a sample.
             if beside.exists() {
                 *name = beside.display().to_string();
             }
@@ -96,7 +97,7 @@ fn from_folder_of(file: &Path, settings: &mut Settings) {
 }
 
 impl SettingsArgs {
-    /// The defaults, then the file, the flags and --set, one over the other; `acts` join those of the file.
+    /// The defaults, overridden by the file, the flags and --set, in that order; `acts` are added to those of the file.
     pub(crate) fn settings(&self, acts: &ActArgs) -> Result<Settings> {
         let mut settings = match &self.scenario {
             Some(path) => {
@@ -111,7 +112,7 @@ impl SettingsArgs {
         for (flag, value, keys) in self.flags() {
             for key in keys {
                 let taken = value.as_ref().map_or(Ok(()), |value| settings.set(key, value));
-                // In micrometres and milliseconds, the setting's own name goes with its unit.
+                // If the flag is in micrometres or milliseconds, the error names the setting and its unit too.
                 let scaled = flag.ends_with("-um") || flag.ends_with("-ms");
                 taken.map_err(|e| match scaled {
                     true => anyhow!("{flag}: {e}"),
@@ -129,9 +130,9 @@ impl SettingsArgs {
         Ok(settings)
     }
 
-    /// Flag, value in TOML, and the settings that it stands for.
+    /// Flag, value in TOML, and the settings that it sets.
     fn flags(&self) -> Vec<(&'static str, Option<String>, &'static [&'static str])> {
-        // Divided, not multiplied by 0.001: 5 nm is the f64 nearest to 5e-6 mm then.
+        // Divided by 1000, not multiplied by 0.001, so that 5 nm becomes the f64 nearest to 5e-6 mm.
         let milli = |value: Option<f64>| value.map(|value| number(value / 1000.0));
         let plain = |value: Option<f64>| value.map(number);
         let origin = self.origin_mm.as_ref().map(|origin| {
@@ -158,7 +159,7 @@ impl SettingsArgs {
     }
 }
 
-/// As TOML writes it.
+/// The number in TOML notation.
 fn number(value: f64) -> String {
     if value.is_nan() { "nan".into() } else { format!("{value:?}") }
 }

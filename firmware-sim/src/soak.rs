@@ -1,8 +1,7 @@
-//! The same long run several times side by side, on a busy host: the results are the same to the bit.
+//! Runs the same long simulation several times in parallel on a busy host; the results must agree bit for bit.
 //!
-//! Every run has a thread, a plant, a plugin and a motion of its own, and takes its cycles in strides of its own length, so
-//! that the kernel divides them differently. A mark is made twenty-four times on the way: there the digests of all outputs
-//! so far have to agree.
+//! Every run has a separate thread, plant, plugin and motion, and advances in strides of a different length, so that the
+//! kernel schedules them differently. Each run makes twenty-four marks, at which the digests of all outputs so far must agree.
 
 use anyhow::{Result, anyhow};
 use serde::Serialize;
@@ -13,63 +12,63 @@ use std::time::Duration;
 use trueaxis_sim::Scenario;
 use trueaxis_sim::run::{ByKind, Kind, Run, Size};
 
-/// Marks of a run.
+/// Number of marks per run.
 pub const MARKS: u64 = 24;
 
-/// The cycles of a stride differ from run to run: these, and so many more for each.
+/// Cycles per stride: `STRIDE`, plus `STRIDE_MORE` times the number of the run.
 const STRIDE: u64 = 4096;
 const STRIDE_MORE: u64 = 997;
 
-/// Between two looks at how far the runs are.
+/// Interval between two updates of the progress.
 const LOOK: Duration = Duration::from_millis(200);
 
-/// What a run had at a mark.
+/// State of a run at a mark.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Mark {
     /// Cycles simulated.
     pub cycle: u64,
-    /// Of all outputs of the step so far.
+    /// Digest of all outputs of the step so far.
     pub digest: ByKind<String>,
 }
 
-/// A run that was not the first one's equal.
+/// A mark of a run that differs from the first run's.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Difference {
     /// Number of the run, from 1.
     pub run: usize,
-    /// What it had.
+    /// The run's mark.
     pub found: Mark,
-    /// What the first run had there.
+    /// The first run's mark.
     pub needed: Mark,
 }
 
-/// What came of it.
+/// Result of a soak.
 #[derive(Debug, Serialize)]
 pub struct Soak {
-    /// Runs side by side.
+    /// Number of parallel runs.
     pub runs: usize,
-    /// Cycles of each.
+    /// Cycles of each run.
     pub cycles: u64,
-    /// Simulated time of each, s.
+    /// Simulated time of each run, s.
     pub simulated_s: f64,
     /// The first run's marks.
     pub marks: Vec<Mark>,
-    /// Every mark of another run that differs; empty if all are the same.
+    /// Every mark of another run that differs; empty if all agree.
     pub differences: Vec<Difference>,
-    /// True contour error of the tool tip while cutting, µm: the first run's.
+    /// True contour error of the tool tip while cutting, µm, in the first run.
     pub contour_error_um: ByKind<Size>,
-    /// Cycles with a fault, of the first run.
+    /// Cycles with a fault, in the first run.
     pub fault_cycles: ByKind<u64>,
-    /// Resident memory of the process at the runs' first mark and at their last, kB; where the system tells.
+    /// Resident memory of the process at the first and at the last mark, kB; `None` if the system does not report it.
     pub resident_kb: Option<[u64; 2]>,
-    /// Time that it took, s.
+    /// Wall time, s.
     pub wall_s: f64,
 }
 
-/// Runs each of `scenarios` to its end, all at once. `progress` gets the fraction done, 0 to 1.
+/// Runs all `scenarios` to their ends in parallel. `progress` gets the fraction done, 0 to 1.
 ///
 /// # Errors
-/// As [`Run::of`]; a run that panics.
+/// As [`Run::of`]; or a run panics.
 pub fn soak(scenarios: &[Arc<Scenario>], kinds: &[Kind], progress: &mut dyn FnMut(f64)) -> Result<Soak> {
     let runs =
         scenarios.iter().map(|scenario| Ok(Run::of(Arc::clone(scenario), kinds)?)).collect::<Result<Vec<_>>>()?;
@@ -113,7 +112,7 @@ pub fn soak(scenarios: &[Arc<Scenario>], kinds: &[Kind], progress: &mut dyn FnMu
     })
 }
 
-/// One run to its end, its marks, and word of each mark.
+/// Runs one simulation to its end; sends the number of each mark.
 fn one(mut run: Run, kinds: &[Kind], stride: u64, done: &AtomicU64, word: &mpsc::Sender<u64>) -> (Run, Vec<Mark>) {
     let mut marks = Vec::new();
     for number in 1..=MARKS {
@@ -128,13 +127,13 @@ fn one(mut run: Run, kinds: &[Kind], stride: u64, done: &AtomicU64, word: &mpsc:
         }
         let digests = kinds.iter().zip(run.tallies()).map(|(kind, t)| (*kind, format!("{:08x}", t.digest)));
         marks.push(Mark { cycle: run.cycle(), digest: ByKind(digests.collect()) });
-        // Nobody listens any more only if the whole has failed.
+        // The receiver is gone only if the whole soak has failed.
         let _ = word.send(number);
     }
     (run, marks)
 }
 
-/// Until every run has ended: progress, and the resident memory at the first mark that is made and at the last.
+/// Until every run has ended: reports progress, and returns the resident memory at the first and at the last mark.
 fn watch(marks: &mpsc::Receiver<u64>, mut progress: impl FnMut()) -> Option<[u64; 2]> {
     let mut resident: Option<[u64; 2]> = None;
     loop {
@@ -172,7 +171,7 @@ mod tests {
         Arc::new(Scenario::new(machine, program, Settings { rate_hz: 1000.0, seed, ..Settings::default() }).unwrap())
     }
 
-    /// What one run alone gives in one piece.
+    /// The digests of a single run in one piece.
     fn alone(kinds: &[Kind]) -> Vec<String> {
         let mut run = Run::of(scenario(1), kinds).unwrap();
         while run.advance(u64::MAX, &mut ()) {}

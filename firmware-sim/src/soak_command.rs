@@ -1,4 +1,4 @@
-//! `firmware-sim soak`: its arguments and output.
+//! `firmware-sim soak`: arguments and output.
 
 use crate::console::{progress_bar, put, tell};
 use crate::scenario_args::{ScenarioArgs, prepare_with};
@@ -35,7 +35,7 @@ pub(crate) struct SoakArgs {
     json: bool,
 }
 
-/// Runs them; whether all are the same.
+/// Runs the soak; returns whether all runs agree.
 pub(crate) fn run(args: &SoakArgs) -> Result<bool> {
     if !(args.hours.is_finite() && args.hours > 0.0) {
         bail!("--hours: found {}, needed a positive number", args.hours);
@@ -70,7 +70,7 @@ pub(crate) fn run(args: &SoakArgs) -> Result<bool> {
     Ok(soak.differences.is_empty())
 }
 
-/// The scenario with its program repeated until it takes `seconds`, and how often that is.
+/// The scenario with its program repeated until it takes `seconds`, and the number of repetitions.
 fn repeated(once: Scenario, seconds: f64) -> Result<(Scenario, usize)> {
     let duration = |scenario: &Scenario| Ok::<_, anyhow::Error>(scenario.motion()?.duration());
     let of = |times: usize| -> Result<Scenario> {

@@ -5,17 +5,17 @@ use std::time::Instant;
 use trueaxis_sim::Scenario;
 use trueaxis_sim::run::{Given, Moment, Sample, Sink};
 
-/// A sink that records how long each step of a machine took; settling is left out.
+/// A sink that records the duration of each step of a machine; settling is excluded.
 #[derive(Debug)]
 pub struct Stopwatch {
-    /// The times recorded.
+    /// The recorded times.
     pub latency: Latency,
     machine: usize,
     started: Option<Instant>,
 }
 
 impl Stopwatch {
-    /// For the machine of that index in a run of `scenario`; a step may take `budget_ns`.
+    /// Times the machine with that index in a run of `scenario`; a step may take `budget_ns`.
     pub fn new(machine: usize, scenario: &Scenario, budget_ns: u64) -> Stopwatch {
         let latency = Latency::new(budget_ns, scenario.period_ns().into());
         Stopwatch { latency, machine, started: None }

@@ -1,4 +1,4 @@
-//! `firmware-sim thermal`: its arguments and output.
+//! `firmware-sim thermal`: arguments and output.
 
 use crate::console::{progress_bar, put};
 use crate::given::{even, up_to};

@@ -78,7 +78,7 @@ pub(crate) fn json<'o>(warming: &'o Warming, outcome: &'o Outcome) -> Json<'o> {
     }
 }
 
-/// Lines to read.
+/// The summary as plain text.
 pub(crate) fn summary(warming: &Warming, outcome: &Outcome) -> String {
     let mut text = format!(
         "machine  {}\nrecord   {} shifts, {} rows, probe {} µm, seed {}\nlags     ",

@@ -1,11 +1,11 @@
-//! Trace of a run: rounded as CSV, or as Apache Parquet.
+//! Trace of a run: rounded in CSV, or unrounded in Apache Parquet.
 
 use std::io::{self, Write};
 use trueaxis::machine::MachineSettings;
 use trueaxis_columns::{Form, Value, Writer};
 use trueaxis_sim::run::{Column, Kind, Moment, Sample, Sink, columns};
 
-/// Writes a row every so many cycles, as they come.
+/// Writes a row every `every` cycles, in order.
 pub struct Trace<W: Write + Send> {
     rows: Rows<W>,
     every: u64,
@@ -26,7 +26,7 @@ impl<W: Write + Send> Trace<W> {
     /// Begins the file. A row is written in every `every`th cycle of the run of that kind, with the columns of [`columns`].
     ///
     /// # Errors
-    /// Errors of the writer.
+    /// The writer fails.
     pub fn new(mut out: W, form: Form, every: u64, kind: Kind, machine: &MachineSettings) -> io::Result<Trace<W>> {
         let columns = columns(kind, machine);
         let rows = match form {
@@ -58,10 +58,10 @@ impl<W: Write + Send> Trace<W> {
         }
     }
 
-    /// Hands back what was written to.
+    /// Returns the writer.
     ///
     /// # Errors
-    /// Something could not be written.
+    /// A write failed.
     pub fn finish(self) -> io::Result<W> {
         match (self.failure, self.rows) {
             (Some(error), _) => Err(error),
@@ -71,7 +71,7 @@ impl<W: Write + Send> Trace<W> {
     }
 }
 
-/// The same columns as a typed table has them.
+/// The columns with the types of a typed table.
 fn typed(columns: &[Column]) -> Vec<trueaxis_columns::Column> {
     use trueaxis_columns::{Column, Kind};
     let kind = |decimals: usize| if decimals == 0 { Kind::Whole } else { Kind::Number };
@@ -79,7 +79,7 @@ fn typed(columns: &[Column]) -> Vec<trueaxis_columns::Column> {
 }
 
 impl<W: Write + Send> Sink for Trace<W> {
-    /// A failure to write is kept for [`Trace::finish`].
+    /// Stores a write error for [`Trace::finish`].
     fn cycle(&mut self, moment: &Moment, runs: &[Option<&Sample>]) {
         if moment.cycle.is_multiple_of(self.every)
             && self.failure.is_none()

@@ -1,4 +1,4 @@
-//! Simulated calibrations by step gauge, square and ball plate: the machine that was drawn, against what its touches told.
+//! Simulated calibrations by step gauge, square and ball plate, compared with the random machine's true errors.
 
 use firmware_sim::calibration::{BALL_PLATE, Conditions, GAUGE_AND_SQUARE, MILL, run, three_axes};
 use std::path::Path;
@@ -6,10 +6,10 @@ use trueaxis_evaluation::calibrate::{Document, Task};
 use trueaxis_sim::calibration::{Class, random_machine};
 use trueaxis_tables::Machine;
 
-/// Errors that squareness, scale and backlash hold alone.
+/// Errors that consist only of squareness, scale and backlash.
 const STRAIGHT: Class = Class { bow_mm: 0.0, cubic_mm: 0.0, wave_mm: 0.0, ..Class::MILL };
 
-/// A sample for terms of the first degree, its artefacts as their certificates say.
+/// A sample task with terms of the first degree and artefacts exactly as certified.
 fn straight(task: &str) -> String {
     let changes = [
         ("positioning_degree = 3", "positioning_degree = 1"),
@@ -26,7 +26,7 @@ fn told(task: &str, truth: &Machine, seed: u64, conditions: &Conditions) -> Docu
     done.found.document(&Task::read(task, Path::new("task.toml")).unwrap(), truth)
 }
 
-/// Every term that was found with the true value, µm, µrad or ppm.
+/// Every identified term with its true value, µm, µrad or ppm.
 fn beside_truth(truth: &Machine, found: &Document) -> Vec<(String, f64, f64)> {
     let location = &truth.settings.location;
     let squareness = [("C0Y_urad", location.c0y), ("B0Z_urad", location.b0z), ("A0Z_urad", location.a0z)];
@@ -46,13 +46,13 @@ fn beside_truth(truth: &Machine, found: &Document) -> Vec<(String, f64, f64)> {
     all
 }
 
-/// With an exact probe, exact artefacts that stand straight, and errors that the terms hold, the terms are the machine's, and
-/// what is left of a touch is what a log rounds off and the uncertainty of a nanometre of a size.
+/// With an exact probe, exact artefacts that are not askew, and errors that the terms can represent, the terms equal the
+/// machine's; the residual of a touch is the log's rounding and the nanometre of uncertainty of a size.
 #[test]
 fn terms_come_back() {
     let well_set_up = Conditions { askew_urad: 0.0, ..Conditions::EXACT };
     for (name, task, most) in [("ring", MILL, 0.02), ("gauge", GAUGE_AND_SQUARE, 0.01), ("plate", BALL_PLATE, 0.01)] {
-        // LinuxCNC's log has six decimals, seeds that are even.
+        // LinuxCNC's log, used for even seeds, has six decimals.
         for seed in [2, 4, 6, 8, 10] {
             let truth = random_machine(seed, &STRAIGHT);
             let found = told(&straight(task), &truth, seed, &well_set_up);
@@ -64,8 +64,8 @@ fn terms_come_back() {
     }
 }
 
-/// A plate is as long as it is however it stands, a row of faces or a ring that is askew by θ is longer by ½ θ²: 0.5 mrad are
-/// 0.13 ppm. The angle of a square is in its own plane.
+/// A plate keeps its length in any orientation; a row of faces or a ring that is askew by θ is longer by ½ θ²: 0.13 ppm at 0.5
+/// mrad. The angle of a square is in its own plane.
 #[test]
 fn what_stands_askew_tells_the_same() {
     for (name, task, askew_urad, most) in [("gauge", GAUGE_AND_SQUARE, 500.0, 1.0), ("plate", BALL_PLATE, 3000.0, 0.05)]
@@ -78,12 +78,12 @@ fn what_stands_askew_tells_the_same() {
     }
 }
 
-/// Turned over, a square of unknown angle takes its own error out.
+/// Turning over a square of unknown angle eliminates its angular error.
 #[test]
 fn turned_over_a_square_gives_its_own_error_away() {
     let well_set_up = Conditions { askew_urad: 0.0, ..Conditions::EXACT };
     let task = straight(GAUGE_AND_SQUARE);
-    // As they were drawn, µrad: obtuse, and acute.
+    // Random angular errors, µrad: obtuse, and acute.
     for (seed, drawn) in [(2, 32.645), (4, -37.309)] {
         let truth = random_machine(seed, &STRAIGHT);
         let location = truth.settings.location;
@@ -94,14 +94,14 @@ fn turned_over_a_square_gives_its_own_error_away() {
     }
 }
 
-/// A gauge along X and a ball, the probe exact beside the gauge: the scale is as far out as the gauge is.
+/// A gauge along X and a ball, with a probe that is exact compared with the gauge: the scale error equals the gauge's.
 const GAUGE: &str = "machine = \"mill\"\ndialect = \"linuxcnc\"\n[probe]\ntip_radius_mm = 3.0\ntip_uncertainty_um = 20.0\n\
                      repeatability_um = 0.05\n[solve]\nbacklash = false\nsquareness = false\n\
                      [[artefact]]\nname = \"gauge\"\nkind = \"step gauge\"\nuncertainty_um = UM\nPPM\n\
                      steps_mm = [0.0, 40.0, 80.0, 120.0, 160.0, 200.0, 240.0, 280.0, 320.0, 360.0, 400.0]\n\
                      [[artefact.place]]\nat_mm = [40.0, 200.0, -150.0]\n";
 
-/// Standard error of the scale as stated, and root mean square of what it is off by over 100 machines, ppm.
+/// Stated standard error of the scale, and root mean square of its true error over 100 machines, ppm.
 fn scale_of_a_gauge(um: &str, ppm: &str) -> [f64; 2] {
     let task = GAUGE.replace("UM", um).replace("PPM", ppm);
     let conditions = Conditions { noise_um: 0.05, askew_urad: 0.0, ..Conditions::EXACT };
@@ -119,18 +119,18 @@ fn scale_of_a_gauge(um: &str, ppm: &str) -> [f64; 2] {
 
 #[test]
 fn a_gauge_is_in_the_scale_as_its_certificate_says() {
-    // Eleven faces, each out by 1 µm: 1 µm / (40 mm √(11 · 120 / 12)) by hand, 2.4 ppm.
+    // Eleven faces with 1 µm each: 1 µm / (40 mm √(11 · 120 / 12)) by hand, 2.4 ppm.
     let [stated, out] = scale_of_a_gauge("1.0", "");
     assert!((stated - 2.38).abs() < 0.03, "{stated}");
-    // 100 machines: 7 % is the standard error of a root mean square.
+    // With 100 machines the standard error of a root mean square is 7 %.
     assert!((out / stated - 1.0).abs() < 0.2, "{out} for {stated}");
-    // 5 ppm of the length as a whole: no number of faces makes that less.
+    // 5 ppm of the whole length: more faces do not reduce it.
     let [stated, out] = scale_of_a_gauge("1.0", "uncertainty_ppm = 5.0");
     assert!((stated - 5.54).abs() < 0.05, "{stated}");
     assert!((out / stated - 1.0).abs() < 0.2, "{out} for {stated}");
 }
 
-/// Faces that nobody knows to 0.3 mm fit any touch; the artefact's tolerance holds.
+/// Faces uncertain by 0.3 mm fit any touch; the limit on the deviation from the certificate still applies.
 #[test]
 fn another_gauge_is_refused() {
     let truth = random_machine(2, &STRAIGHT);

@@ -34,7 +34,7 @@ fn the_default_scenario_falls_to_a_fifth_or_less_and_repeats_exactly() {
     assert_ne!(other["contour_error_um"], one["contour_error_um"]);
 }
 
-/// A circle stands in the report as a ballbar shows it; a machine whose drives are left alone has three runs.
+/// The report plots a circle as a ballbar does; a machine whose drives are not corrected has three runs.
 #[test]
 fn the_report_has_the_circle_and_reversals_where_there_are_some() {
     let directory = Folder::new(SIMULATOR);
@@ -62,7 +62,8 @@ fn the_report_has_the_circle_and_reversals_where_there_are_some() {
     assert!(run["contour_error_um"]["servo_only"].is_object() && run["contour_error_um"].get("full").is_none());
 }
 
-/// A bed that rises by 0.2 mm under a limit of 0.1 mm: the run says what is missing and where; with a limit that lets it pass, nothing.
+/// A bed rises by 0.2 mm with a limit of 0.1 mm: the run reports the missing part and its location; a sufficient limit gives
+/// no note.
 #[test]
 fn what_a_limit_takes_away_is_told() {
     let directory = Folder::new(SIMULATOR);
@@ -103,7 +104,7 @@ fn other_programs_machines_and_rates_run() {
     }
 }
 
-/// A short program of one's own, with every kind of injected fault.
+/// A short user program, with every kind of injected fault.
 #[test]
 fn injected_faults_are_reported_where_they_happen_and_only_bad_commands_stop() {
     let directory = Folder::new(SIMULATOR);
@@ -139,7 +140,7 @@ fn injected_faults_are_reported_where_they_happen_and_only_bad_commands_stop() {
     }
 }
 
-/// The trace of a run with faults keeps every limit of the correction in every line.
+/// In the trace of a run with faults, every line is within all limits of the correction.
 #[test]
 fn the_trace_keeps_the_limits_and_the_report_is_written() {
     let directory = Folder::new(SIMULATOR);
@@ -178,7 +179,7 @@ fn the_trace_keeps_the_limits_and_the_report_is_written() {
         if let Some(last) = last {
             for k in 0..3 {
                 let v = c[k] - last[k];
-                // 100 µm, 5 mm/s = 0.5 µm and 5 m/s² = 0.05 µm a cycle; five decimals in the file.
+                // 100 µm, 5 mm/s = 0.5 µm and 5 m/s² = 0.05 µm per cycle; five decimals in the file.
                 assert!(c[k].abs() <= 100.0 && v.abs() <= 0.5 + 2e-5, "line {count}: {v}");
                 assert!(count < 3 || (v - velocity[k]).abs() <= 0.05 + 4e-5, "line {count}: {}", v - velocity[k]);
                 velocity[k] = v;
@@ -240,7 +241,7 @@ fn grinding_prints_its_figures_and_writes_its_page() {
     }
     let ratio = run["corrected"]["imprint_um"].as_f64().unwrap() / run["uncorrected"]["imprint_um"].as_f64().unwrap();
     assert!((run["imprint_ratio"].as_f64().unwrap() - ratio).abs() < 1e-12);
-    // 3000 cycles a revolution are fewer than the work takes.
+    // The work takes more than the 3000 cycles of a revolution.
     let [evaluated, skipped] = ["evaluated", "skipped"].map(|what| run["corrected"][what].as_u64().unwrap());
     assert!(evaluated >= 6 && skipped >= 6 && evaluated + skipped <= 15, "{evaluated} {skipped}");
     for axis in ["x", "y"] {
@@ -282,7 +283,7 @@ fn paced_runs_say_what_was_permitted() {
     let program = directory.path().join("short.ngc");
     std::fs::write(&program, "G21 G90 F1200\nG1 X5\n").unwrap();
     let run = json(&["run", "--json", "--paced", "--rate-hz", "1000", "--program", program.to_str().unwrap()]);
-    // The run itself is the same at any pace, and so is its trace.
+    // The run and its trace do not depend on the pace.
     assert_eq!(
         run["contour_error_um"],
         json(&["run", "--json", "--rate-hz", "1000", "--program", program.to_str().unwrap()])["contour_error_um"]
@@ -298,7 +299,7 @@ fn paced_runs_say_what_was_permitted() {
     }
 }
 
-/// Whatever the machine turns is in the report and in the trace: command, drive, feedback, correction.
+/// Report and trace contain every axis that the program turns: command, drive, feedback, correction.
 #[test]
 fn rotary_axes_are_in_the_report_and_in_the_trace() {
     let directory = Folder::new(SIMULATOR);
@@ -337,7 +338,7 @@ fn rotary_axes_are_in_the_report_and_in_the_trace() {
         assert!(largest > 5.0 && largest < 2000.0, "{axis}: {largest} µrad");
         for k in 0..rows.len() {
             assert!((programmed[k] - command[k]).abs() < 6e-5, "{axis} {k}");
-            // The drive gets the command with the correction; the servo follows.
+            // The drive receives the command with the correction, and the servo follows it.
             let sent = (command[k] + (1e-6 * correction[k]).to_degrees() - drive[k]).abs();
             assert!(sent < 1e-8, "{axis} {k}: {sent}");
             assert!((feedback[k] - command[k]).abs() < 0.5, "{axis} {k}");
@@ -347,7 +348,7 @@ fn rotary_axes_are_in_the_report_and_in_the_trace() {
     }
 }
 
-/// Both ends that it could write to are closed before it begins: the exit code of the same call with someone listening.
+/// Standard output and error are closed before the start: the exit code is that of the same call with open pipes.
 #[test]
 fn a_closed_pipe_is_no_panic() {
     let directory = Folder::new(SIMULATOR);

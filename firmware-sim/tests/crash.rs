@@ -1,4 +1,4 @@
-//! A simulation that is ended at any moment, or finds no room, leaves its old files or the new ones.
+//! A simulation that is killed at any moment, or runs out of disk space, leaves each file old or new.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -20,7 +20,7 @@ fn folder() -> Folder {
     folder
 }
 
-/// Whole files by name, and how many are unfinished.
+/// Complete files by name, and the number of unfinished ones.
 fn files(folder: &Path) -> (BTreeMap<String, Vec<u8>>, usize) {
     let mut found = BTreeMap::new();
     let mut left = 0;
@@ -36,7 +36,7 @@ fn files(folder: &Path) -> (BTreeMap<String, Vec<u8>>, usize) {
     (found, left)
 }
 
-/// Killed, or interrupted by Ctrl-C, at many moments of a run and of its end.
+/// Killed, or interrupted by Ctrl-C, at many moments during a run and at its end.
 #[test]
 fn a_run_that_is_killed_or_interrupted_leaves_each_file_old_or_new() {
     let folder = folder();
@@ -65,7 +65,7 @@ fn a_run_that_is_killed_or_interrupted_leaves_each_file_old_or_new() {
         }
         let page = String::from_utf8(found[NAMES[0]].clone()).unwrap();
         assert!(page == "old" || page.trim_end().ends_with("</html>"), "{} bytes", page.len());
-        // The page takes its place last: where it is new, all are.
+        // The page is put in place last: if it is new, all files are.
         assert!(page == "old" || traces(&found) == new);
     }
     assert!(seen[0] > 0 && seen[1] > 0, "old {}, new {}", seen[0], seen[1]);
@@ -73,7 +73,7 @@ fn a_run_that_is_killed_or_interrupted_leaves_each_file_old_or_new() {
     assert_eq!(files(&folder.join("out")).1, 0);
 }
 
-/// A disk that ends in the midst of a trace: refused with its name, all old files stand, nothing is beside them.
+/// The disk is full in the middle of a trace: the error names the file, all old files remain, and no other file is left.
 #[test]
 fn a_disk_that_ends_in_the_midst_of_a_trace_is_told_and_the_old_files_stand() {
     if !Command::new("prlimit").arg("--version").output().is_ok_and(|done| done.status.success()) {
@@ -86,10 +86,10 @@ fn a_disk_that_ends_in_the_midst_of_a_trace_is_told_and_the_old_files_stand() {
         fs::write(folder.join("out").join(name), "old").unwrap();
     }
     let before = folder.tree();
-    // Every so many blocks of 512 bytes, and the last byte.
+    // At multiples of 512-byte blocks, and one byte before the end.
     let limits = (0..longest).step_by(512 * longest.div_ceil(512 * 24)).chain([longest - 1]);
     for limit in limits {
-        // Without the signal, which ends a process silently.
+        // Ignore the signal, which would end the process silently.
         let script = format!("trap '' XFSZ; exec prlimit --fsize={limit} {SIMULATOR} {}", RUN.join(" "));
         let done = Command::new("sh").args(["-c", &script]).current_dir(folder.path()).output().unwrap();
         let said = String::from_utf8(done.stderr).unwrap();

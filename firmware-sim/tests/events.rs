@@ -38,7 +38,7 @@ fn a_scenarios_events_are_those_of_the_command_line() {
     for (kind, changed) in [("uncompensated", false), ("compensated", true), ("servo_only", false), ("full", true)] {
         assert_eq!(plain["digest"][kind] != of_file["digest"][kind], changed, "{kind}");
     }
-    // A machine's tables for its own change nothing but where the inverse, good to 1e-3 µm, starts from.
+    // Exchanging a machine's tables for identical ones changes only the start value of the inverse, which is good to 1e-3 µm.
     let same = run(&["--event", "exchange:mill-3axis@4s"]);
     let largest = |of: &Value| of["contour_error_um"]["full"]["max"].as_f64().unwrap();
     assert!((largest(&same) - largest(&plain)).abs() < 1e-3, "{} {}", largest(&same), largest(&plain));

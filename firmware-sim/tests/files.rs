@@ -1,4 +1,4 @@
-//! Effect of the simulator's commands on files: an input is never written, a refused command leaves nothing.
+//! Effect of the simulator's commands on files: an input is never overwritten, a refused command leaves nothing behind.
 
 use std::fs;
 use std::path::Path;
@@ -13,7 +13,7 @@ fn an_input_is_never_written() {
     let samples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../compensation-tables");
     for (sample, file) in [("mill-3axis", "index.html"), ("grinder", "grinding.html"), ("head-5axis", "rtcp.html")] {
         folder.copy(&samples.join(sample), ".");
-        // Any name does for a machine file.
+        // A machine file may have any name.
         folder.write(file, folder.read("machine.toml"));
         let command = ["run", "grind", "rtcp"]
             [["index.html", "grinding.html", "rtcp.html"].iter().position(|name| *name == file).unwrap()];
@@ -43,12 +43,12 @@ fn a_run_leaves_its_report_and_nothing_else() {
     let mut names: Vec<_> = fs::read_dir(folder.join("new/report")).unwrap().map(|e| e.unwrap().file_name()).collect();
     names.sort();
     assert_eq!(names, ["index.html", "trace-full.csv", "trace.csv"]);
-    // A folder stands where the page would: nothing of the run is left beside it.
+    // A folder in the page's place: nothing of the run is left beside it.
     fs::create_dir_all(folder.join("taken/index.html")).unwrap();
     folder.bad(&run("taken"), &[]);
 }
 
-/// The traces and figures as columns: each where it belongs, or none of them.
+/// Traces and figures in columns: all in their places, or none.
 #[test]
 fn a_run_leaves_its_columns_and_nothing_else() {
     let folder = Folder::new(SIMULATOR);
@@ -63,7 +63,7 @@ fn a_run_leaves_its_columns_and_nothing_else() {
         let bytes = fs::read(folder.join("new/columns").join(name)).unwrap();
         assert_eq!((&bytes[..4], &bytes[bytes.len() - 4..]), (&b"PAR1"[..], &b"PAR1"[..]));
     }
-    // Traces are the same bytes again; figures have what a clock says.
+    // A second run gives the same traces byte for byte; the figures contain measured times.
     folder.good(&run);
     for (path, bytes) in &files {
         let same = fs::read(folder.join(path)).is_ok_and(|again| again == *bytes);

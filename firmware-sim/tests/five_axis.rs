@@ -38,13 +38,13 @@ fn rotary_words_are_degrees_modal_and_incremental_in_any_unit() {
     assert!(program.is_five_axis() && !parse("G0 X1\nG49").unwrap().is_five_axis());
 }
 
-/// G94: along X Y Z if any of them moves, else degrees a minute; G93: 1/F minutes for the move.
+/// G94: along X Y Z if any of them moves, else in degrees per minute; G93: 1/F minutes for the move.
 #[test]
 fn feeds_count_lengths_or_degrees_or_minutes() {
     let feeds = |text: &str| parse(text).unwrap().moves.iter().map(|m| m.feed_per_min).collect::<Vec<_>>();
     assert_eq!(feeds("G1 X3 Y4 A90 F500\nA0\nG20\nG1 A30 C40 F10\nX1 A0"), [500.0, 500.0, 10.0, 254.0]);
     assert_eq!(feeds("G93\nG1 X3 Y4 A90 F2\nA60 F3\nG94\nG1 X0 F100"), [10.0, 90.0, 100.0]);
-    // 5 mm in half a minute, and 30 degrees in a third; without limits of a machine, but for speeding up and braking.
+    // 5 mm in half a minute, and 30 degrees in a third, plus acceleration and braking; no machine limits apply.
     let program = parse("G93\nG1 X3 Y4 A9 F2\nG1 X3.0 A39 F3").unwrap();
     let duration = Motion::plan(&program, MotionSettings::default()).unwrap().duration();
     assert!((50.0..51.0).contains(&duration), "{duration}");
@@ -101,7 +101,7 @@ fn the_tool_centre_point_is_that_of_rotation_matrices() {
     }
 }
 
-/// A machine-coordinate move bends in workpiece coordinates; the cubic spans follow it.
+/// A move in machine coordinates is curved in workpiece coordinates; the cubic spans follow it.
 #[test]
 fn the_path_of_a_turning_machine_move_is_within_a_nanometre_of_the_exact_one() {
     let machine = machine("mill-5axis");
@@ -127,7 +127,7 @@ fn no_axis_is_faster_than_it_can_and_three_axes_are_planned_as_before() {
     let machine = machine("mill-5axis");
     let placement = Placement::new(&machine, [0.0, 0.0, 150.0]).unwrap();
     let settings = MotionSettings { period_s: 1e-3, ..MotionSettings::default() };
-    // The tip stands 150 mm above the axis while the table turns: X and Y would have to run 1.5 m/s.
+    // The tip is 150 mm above the axis while the table turns: X and Y would need 1.5 m/s.
     let text = "G43.4\nG0 X60 A-90 C700\nG1 X61 C-300 F9000\nG0 X-40 A-5 C0\nG1 A-80 F90000\nG0 A0\nG49\nG0 A-90 C90";
     let program = parse(text).unwrap();
     let motion = Motion::plan_on(&program, settings, &placement).unwrap();
@@ -157,8 +157,8 @@ fn no_axis_is_faster_than_it_can_and_three_axes_are_planned_as_before() {
     }
 }
 
-/// A program of `trueaxis helicoid` (module 3, 24 teeth, 20°, helix 15°, vertical, pivot 150): on this machine the tip
-/// stands on the involute helicoid, r² = r_b² (1 + u²), polar angle = u − atan u + z/p, and the tool along its normal.
+/// A program of `trueaxis helicoid` (module 3, 24 teeth, 20°, helix 15°, vertical, pivot 150): on this machine the tip lies on
+/// the involute helicoid, r² = r_b² (1 + u²), polar angle = u − atan u + z/p, and the tool along its normal.
 #[test]
 fn the_tip_of_a_helicoid_program_lies_on_the_helicoid() {
     let text = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/helicoid.ngc")).unwrap();
@@ -219,7 +219,7 @@ fn a_cone_on_five_axes_is_left_with_what_the_servo_leaves() {
             assert!((estimated - actual).abs() < 0.05 * actual + 0.05, "{which}: {estimated} for {actual}");
         }
     }
-    // Nine terms have no levers, and without --orientation the tilts of the tool stay.
+    // The nine-term model has no levers, and without --orientation the tilts of the tool remain.
     let tip = json(&[&CONE[..], &["--model", "volumetric", "--orientation=off"]].concat());
     let nine = json(&[&CONE[..], &["--model", "nine"]].concat());
     assert!(
@@ -228,8 +228,7 @@ fn a_cone_on_five_axes_is_left_with_what_the_servo_leaves() {
     assert!(rms(&nine, "contour_error_um", "compensated") > 2.0 * rms(&tip, "contour_error_um", "compensated"));
 }
 
-/// The S turns its flank over: A reverses, C sweeps 220 degrees. Every tool direction of the committed program is as long as its ruling
-/// says, and the compensated machine is left with what the servo leaves.
+/// The flank of the S overturns: A reverses, C sweeps 220 degrees. The compensated machine's residual is close to the servo's.
 #[test]
 fn an_s_shape_on_five_axes_is_left_with_what_the_servo_leaves() {
     let run =

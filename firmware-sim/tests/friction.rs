@@ -1,10 +1,10 @@
-//! `firmware-sim friction` as it is called: record, identify, configure, record again.
+//! Calls `firmware-sim friction`: record, identify, configure, record again.
 
 use serde_json::Value;
 use trueaxis_testing::command::Folder;
 
 const SIMULATOR: &str = env!("CARGO_BIN_EXE_firmware-sim");
-/// Small circles: the record is short.
+/// Small circles keep the record short.
 const CALL: [&str; 6] = ["friction", "--json", "--radius-mm", "12.0037", "--feeds", "1200,500"];
 
 fn figures(axis: &Value, key: &str) -> [f64; 3] {
@@ -17,8 +17,8 @@ fn spikes_are_gone_with_the_friction_and_the_drive_that_were_found() {
     let found = folder.json(&[&CALL[..], &["--record", "record.csv"]].concat());
     for axis in found["axes"].as_array().unwrap() {
         assert_eq!(axis["drive_found"], true);
-        // The simulated position loop works in steps of a period and reads the encoder's errors: beside the standard error
-        // each figure may be off by as much as these bend every reversal alike.
+        // The simulated position loop is sampled at the servo period and uses readings with encoder errors: in addition to its
+        // standard error, each figure may be off by the amount that these distort every reversal alike.
         for (key, tolerance) in [
             ("coulomb_mm_per_s", 0.06),
             ("presliding_um", 0.03),
@@ -50,7 +50,7 @@ fn spikes_fall(axis: &Value, share: f64) {
     assert!(size("after", "rms") < share * size("before", "rms"), "{axis}");
 }
 
-/// The sample states gains that are 5 % too high: what is found with them still takes the spikes away.
+/// The sample states gains that are 5 % too high; the figures identified with them still remove the spikes.
 #[test]
 fn figures_of_a_drive_that_are_somewhat_wrong_do() {
     let found = Folder::new(SIMULATOR).json(&[&CALL[..], &["--given-drive"]].concat());

@@ -1,11 +1,11 @@
-//! Grinding with the infeed correction: gain on the true surface, and behaviour when something goes wrong.
+//! Grinding with the infeed correction: improvement of the true surface, and behaviour under disturbances.
 
 use firmware_sim::samples::sample_machine;
 use trueaxis::roundness::{GaugeFlags, GaugeSettings, ProbeAngles, gain_limit};
 use trueaxis_sim::grinding::{self, Event, Grinding, Moment, Process, Run};
 use trueaxis_tables::Machine;
 
-/// The sample grinder with fewer points, so that the tests are quick: 256 points, 2000 cycles a revolution.
+/// The sample grinder with fewer points, to keep the tests fast: 256 points, 2000 cycles per revolution.
 fn grinding(revolutions: u32, change: impl FnOnce(&mut GaugeSettings)) -> Grinding {
     let mut machine = Machine::read(&sample_machine("grinder")).unwrap();
     let gauge = machine.settings.roundness.as_mut().unwrap();
@@ -25,7 +25,7 @@ fn grinding(revolutions: u32, change: impl FnOnce(&mut GaugeSettings)) -> Grindi
     }
 }
 
-/// Without and with correction.
+/// Runs without and with correction.
 fn both(grinding: &Grinding) -> [Run; 2] {
     let runs = [false, true].map(|corrected| grinding::run(grinding, corrected, &mut |_| {}).unwrap());
     for run in &runs {
@@ -35,7 +35,7 @@ fn both(grinding: &Grinding) -> [Run; 2] {
     runs
 }
 
-/// The requirement: less than a tenth of the synchronous imprint is left.
+/// The requirement: less than a tenth of the synchronous imprint remains.
 fn falls_below_a_tenth(what: &str, grinding: &Grinding) -> [Run; 2] {
     let [before, after] = both(grinding);
     let ratio = after.imprint_um / before.imprint_um;
@@ -64,7 +64,7 @@ fn the_synchronous_imprint_falls_below_a_tenth_and_stays_without_correction() {
         assert!((late / early - 1.0).abs() < 0.1, "without correction it must not fall: {early} to {late}");
         assert!(mean(&after, 30, 40) < 0.1 * late, "every single revolution counts, on average");
         assert!(after.roundness_um < 0.2 * before.roundness_um);
-        // The gauge, which knows nothing of all this, sees the same.
+        // The gauge, which has none of these data, measures the same.
         let last = before.revolutions.last().unwrap();
         let (seen, seen_roundness) = (last.gauge_imprint_um.unwrap(), last.gauge_roundness_um.unwrap());
         assert!((seen / last.imprint_um - 1.0).abs() < 0.05, "{seen} {}", last.imprint_um);
@@ -119,18 +119,18 @@ fn half_the_limit_of_stability_is_stable() {
     }
 }
 
-/// One run with correction under observation.
+/// One observed run with correction.
 struct Watched {
     run: Run,
-    /// Per cycle: turns, infeed asked for (µm), correction of X (µm), flags, evaluated.
+    /// Per cycle: turns, requested infeed (µm), correction of X (µm), flags, evaluated.
     cycles: Vec<(f64, f64, f64, GaugeFlags, u32)>,
-    /// Correction table whenever it changed: turns and its largest value.
+    /// Every change of the correction table: turns and its largest value.
     tables: Vec<(f64, f64)>,
 }
 
 fn watch(grinding: &Grinding) -> Watched {
     let limits = grinding.machine.settings.axes[0].limits;
-    // The steepest feed of the program: roughing at the beginning of a part.
+    // The steepest feed of the program: roughing at the start of a part.
     let feed = 1e-3 * (grinding.fed_um(0.01) / 0.01) * grinding.speed_rpm / 60.0 / grinding.rate_hz;
     let step = limits.slope_per_s / grinding.rate_hz + 1.1 * feed;
     let mut before: Option<[f64; 3]> = None;
@@ -178,7 +178,7 @@ fn a_spindle_that_stops_in_mid_revolution_freezes_the_correction() {
     let watched = watch(&grinding);
     assert!(watched.seen_between(24.4, 25.0).has(GaugeFlags::STOPPED));
     assert_eq!(watched.run.counts.discarded, 1);
-    // Standing: the infeed stands too, and is not zero.
+    // At standstill the infeed is constant and non-zero.
     let standing: Vec<_> = watched.cycles.iter().filter(|c| c.3.has(GaugeFlags::STOPPED)).collect();
     let [first, .., last] = standing[..] else { panic!("it must have stood") };
     assert!(standing.len() > 2000 && first.4 == last.4);
@@ -195,7 +195,7 @@ fn a_missing_index_freezes_the_table_and_the_correction_goes_on_by_count() {
     assert!(watched.seen_between(24.3, 24.9).has(GaugeFlags::NO_INDEX));
     assert!(!watched.seen_between(25.1, 44.0).has(GaugeFlags::NO_INDEX));
     assert_eq!(watched.run.counts.discarded, 1);
-    // Nothing is measured by a count that may have slipped, but the table is kept and followed.
+    // A count that may have slipped is not used for measuring, but the table is kept and followed.
     let fed = watched.cycles.iter().filter(|c| (24.3..24.9).contains(&c.0)).map(|c| c.1.abs()).fold(0.0, f64::max);
     assert!(fed > 1.0, "{fed}");
     assert!(watched.tables.iter().filter(|t| t.0 > 20.0).all(|t| t.1 > 1.0));
@@ -210,7 +210,7 @@ fn a_probe_that_is_knocked_off_freezes_the_table_and_the_correction_goes_on() {
     assert!(watched.seen_between(24.2, 26.5).has(GaugeFlags::PROBE_RANGE));
     assert!(!watched.seen_between(26.6, 44.0).has(GaugeFlags::PROBE_RANGE));
     assert!(watched.run.counts.discarded >= 1);
-    // Work on the revolution before is finished within a turn; the next whole one ends at 28.
+    // The work on the previous revolution finishes within a turn; the next complete revolution ends at 28.
     assert_eq!(watched.table_changes_between(25.2, 27.9), 0);
     assert!(watched.table_changes_between(27.9, 32.0) > 0);
     let fed = watched.cycles.iter().filter(|c| (25.2..26.5).contains(&c.0)).map(|c| c.1.abs()).fold(0.0, f64::max);
@@ -224,7 +224,7 @@ fn a_new_part_begins_from_zero_through_the_limiter() {
     let watched = watch(&grinding);
     let soon = watched.tables.iter().find(|t| t.0 > 24.3 && t.1 == 0.0).map(|t| t.0);
     assert!(soon.is_some_and(|turns| turns < 24.5), "{soon:?}");
-    // The rough surface of the new pin is seen again.
+    // The rough surface of the new pin is visible again.
     assert!(watched.run.revolutions[25].roundness_um > 5.0 * watched.run.revolutions[23].roundness_um);
     watched.recovers(&grinding);
 }

@@ -1,4 +1,4 @@
-//! `firmware-sim compare --growth`: what is refused before anything is recorded, built or written.
+//! `firmware-sim compare --growth`: inputs refused before anything is recorded, built or written.
 
 use std::path::Path;
 use trueaxis::tcomp::machine_id;
@@ -6,10 +6,10 @@ use trueaxis_tables::Machine;
 use trueaxis_testing::command::Folder;
 
 const SIMULATOR: &str = env!("CARGO_BIN_EXE_firmware-sim");
-/// Of two sensors and the spindle.
+/// Readings of two sensors and the spindle.
 const READINGS: &str = "t_s,spindle_rpm,T1_c,T2_c\n0,0,20,20\n1,0,21,20\n2,6000,,20.5\n";
 
-/// A machine of three axes, its growth compiled (grown.ttherm), and readings for it.
+/// A three-axis machine, its compiled growth (grown.ttherm), and readings for it.
 fn prepared() -> Folder {
     let folder = Folder::new(SIMULATOR);
     let sample = Path::new(env!("CARGO_MANIFEST_DIR")).join("cortex-m/machine/thermal.toml");

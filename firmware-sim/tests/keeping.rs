@@ -1,4 +1,4 @@
-//! Simulated shifts of machines that keep themselves true.
+//! Simulated shifts of machines that re-probe balls and update their tables.
 
 use firmware_sim::keeping::{FIVE_AXES, MILL, Outcome, Shift, page};
 
@@ -9,8 +9,8 @@ fn shift(seed: u64, five_axes: bool, parts: u32, hit: Option<u32>) -> Outcome {
         .unwrap()
 }
 
-/// Every exchange went through the limiter: whatever the tables differ by, no cycle takes more than slope and acceleration let
-/// it, 5 mm/s in a millisecond.
+/// Every exchange passed the limiter: however much the tables differ, no cycle exceeds slope and acceleration, 5 mm/s in a
+/// millisecond.
 fn led_in(outcome: &Outcome) {
     assert!(outcome.updates > 5 && outcome.of_limits < 1.0 + 1e-6, "{outcome:?}");
     assert!(outcome.largest_difference_um > 10.0 && outcome.largest_step_um < 5.0 + 1e-6, "{outcome:?}");

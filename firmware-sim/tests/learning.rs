@@ -1,4 +1,4 @@
-//! Parts one after the other: what is learned from each comes off the next, and only where it belongs.
+//! Consecutive parts: the correction learned from each reduces the next one's error, and applies only to the same path.
 
 use serde_json::Value;
 use std::path::Path;
@@ -10,7 +10,7 @@ fn rms(document: &Value, part: usize) -> f64 {
     document["parts"][part]["contour_error_um"]["rms"].as_f64().unwrap()
 }
 
-/// The sample mill without contour feedback, whose integral part would hold the estimate against what was learned.
+/// The sample mill without contour feedback, whose integral part would counteract the learned correction.
 fn mill_without_feedback(folder: &Folder) {
     let sample = Path::new(env!("CARGO_MANIFEST_DIR")).join("../compensation-tables/mill-3axis");
     folder.copy(&sample, "mill");
@@ -19,7 +19,7 @@ fn mill_without_feedback(folder: &Folder) {
     folder.write("mill/machine.toml", sections.collect::<Vec<_>>().join("\n["));
 }
 
-/// Learned with a grid encoder; noise and quantisation on, anew in every part; held against everything but learning.
+/// Learned with a grid encoder, with new noise and quantisation in every part; compared with every correction except learning.
 #[test]
 fn after_three_parts_sixty_percent_of_full_are_left() {
     let folder = Folder::new(SIMULATOR);
@@ -32,7 +32,7 @@ fn after_three_parts_sixty_percent_of_full_are_left() {
     assert!(found["parts"].as_array().unwrap().iter().all(|part| part["stopped"] == false));
 }
 
-/// Full leaves little that the encoders see: what the step estimates falls, and the part never gets worse.
+/// The full correction leaves little that the encoders can measure: the estimated error falls, and the part never gets worse.
 #[test]
 fn what_the_encoders_do_not_see_is_not_made_worse() {
     for program in ["circle-diamond-square", "butterfly"] {
@@ -58,11 +58,11 @@ fn a_part_comes_out_the_same_by_hand() {
     let second = folder.json(&second);
     assert_eq!(second["contour_error_um"]["full"]["rms"].as_f64().unwrap(), rms(&all, 1));
     assert!(rms(&all, 1) < rms(&all, 0), "{all}");
-    // From the second part on.
+    // Continue from the second part.
     let third =
         folder.json(&[&["learn", "--json", "--parts", "1", "--learned", "1.tlearn", "--seed", "2"], &at[..]].concat());
     assert_eq!(rms(&third, 0), rms(&all, 1));
-    // The record has every cycle, and the rapid motion at its end is not measured.
+    // The record has every cycle; the rapid motion at its end is not measured.
     let record = folder.read("2.csv");
     let head: Vec<&str> = record.lines().take(4).collect();
     assert!(head[0].starts_with("# program_id = ") && head[1].starts_with("# machine_id = "), "{head:?}");
@@ -86,7 +86,7 @@ fn a_correction_of_another_program_machine_or_length_is_refused() {
     let own = ["--program", "p.ngc", "--learned", "1.tlearn"];
     folder.good(&[&["run", "--rate-hz", "1000"], &own[..]].concat());
     refused(&["--program", "q.ngc", "--learned", "1.tlearn"], &["--learned 1.tlearn", "learned on the program"]);
-    // The same path elsewhere on the machine.
+    // The same path at another position on the machine.
     refused(&[&own[..], &["--origin-mm", "1,0,-200"]].concat(), &["learned on the program"]);
     refused(&[&own[..], &["--machine", "mill-5axis"]].concat(), &["--learned 1.tlearn"]);
     folder.write("2.tlearn", &table[..table.len() - 1]);
@@ -94,7 +94,7 @@ fn a_correction_of_another_program_machine_or_length_is_refused() {
     folder.write("3.tlearn", "s_mm,ex_um,ey_um,ez_um\n0,0,0,0\n20,0,0,0\n");
     refused(&["--program", "p.ngc", "--learned", "3.tlearn"], &["--learned 3.tlearn", "TRUELRND"]);
     refused(&["--program", "p.ngc", "--learned", "none.tlearn"], &["--learned: cannot read none.tlearn"]);
-    // Figures of the law, and inputs that stay.
+    // Invalid figures of the law, and an input that must not be overwritten.
     folder.bad(&["learn", "--gain", "2.5"], &["--gain", "2.5", "below 2"]);
     folder.bad(&["learn", "--forget", "0"], &["--forget", "above 0"]);
     folder.bad(&["learn", "--parts", "0"], &["--parts"]);

@@ -1,6 +1,6 @@
-//! Against LinuxCNC's interpreter, if installed: positions, arcs, feeds and their order, as `rs274 -g` prints them.
+//! Compares with LinuxCNC's interpreter, if installed: positions, arcs, feeds and their order, as printed by `rs274 -g`.
 //!
-//! Its output is read here once more, without the crate's own reader. TRUEAXIS_LINUXCNC=1 makes a missing rs274 a failure.
+//! Reads the output independently of the crate's own reader. TRUEAXIS_LINUXCNC=1 makes a missing rs274 a failure.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -23,7 +23,7 @@ const POSTS: [&str; 12] = [
     "pycam.ngc",
 ];
 
-/// Its output has four decimals, in inches too; turned and added up they are worth this much, mm.
+/// The output has four decimals, in inches too; after rotation and summation they amount to this, mm.
 const TOLERANCE: f64 = 3.0e-4;
 
 fn posts() -> PathBuf {
@@ -39,7 +39,7 @@ fn installed() -> bool {
     found
 }
 
-/// Motion of a call of the canonical interface.
+/// A motion call of the canonical interface.
 #[derive(Debug)]
 struct Step {
     text: String,
@@ -50,7 +50,7 @@ struct Step {
     arc: Option<([f64; 3], f64)>,
 }
 
-/// LinuxCNC takes its files for inches without an INI file: lengths of a tool table or a parameter file in mm, divided.
+/// Without an INI file LinuxCNC reads its files in inches: lengths of a tool table or a parameter file in mm are divided.
 fn scaled_tools(text: &str) -> String {
     let word = |word: &str| match (word.chars().next(), word.get(1..).and_then(|n| n.parse::<f64>().ok())) {
         (Some(letter @ ('X' | 'Y' | 'Z')), Some(value)) => format!("{letter}{:.15}", value / 25.4),
@@ -76,12 +76,12 @@ fn scaled_parameters(text: &str) -> String {
 fn rs274(program: &Path, with: &ReadOptions) -> Vec<Step> {
     let folder = tempfile::tempdir().unwrap();
     let bytes = std::fs::read(program).unwrap();
-    // It knows no byte order mark, and no comment after the end can disturb it.
+    // rs274 does not accept a byte order mark; it ignores comments after the program's end.
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes);
     let place = |name: &str| folder.path().join(name);
     std::fs::write(place("part.ngc"), bytes).unwrap();
     let mut command = Command::new("rs274");
-    // It keeps its tools in a file below HOME, which two of it would share.
+    // rs274 keeps its tools in a file below HOME, which two instances would share.
     command.current_dir(folder.path()).env("HOME", folder.path());
     if with.tools.is_some() {
         let text = std::fs::read_to_string(posts().join("tool.tbl")).unwrap();
@@ -103,7 +103,7 @@ fn rs274(program: &Path, with: &ReadOptions) -> Vec<Step> {
     steps(&text)
 }
 
-/// machine = R (program + G92) + work offset + tool, the order of LinuxCNC's own canonical layer.
+/// machine = R (program + G92) + work offset + tool, in the order of LinuxCNC's own canonical layer.
 fn steps(text: &str) -> Vec<Step> {
     let (mut unit, mut feed, mut rotation) = (1.0, 0.0, 0.0_f64);
     let (mut g5x, mut g92, mut tool) = ([0.0; 6], [0.0; 6], [0.0; 6]);
@@ -192,7 +192,7 @@ fn agree(name: &str, moves: &[Move], steps: &[Step]) {
             (Curve::Arc { center, normal, turns, .. }, Some((expected, signed))) => {
                 let along = normal.map(f64::abs);
                 for k in 0..3 {
-                    // Any point of the axis will do.
+                    // Any point on the axis is valid.
                     let off = (center[k] - expected[k]) * (1.0 - along[k]);
                     assert!(off.abs() < TOLERANCE, "{place}: centre {center:?} instead of {expected:?}");
                 }
@@ -215,7 +215,7 @@ fn text_of(name: &str) -> String {
     std::fs::read_to_string(posts().join(name)).unwrap()
 }
 
-/// With and without the files of a controller.
+/// Options without and with a controller's files.
 fn all_options() -> [ReadOptions; 3] {
     let tools = ToolTable::parse(&text_of("tool.tbl"), "tool.tbl").unwrap();
     let offsets = Offsets::parse(&text_of("controller.var"), "controller.var").unwrap();
@@ -233,7 +233,7 @@ fn posts_go_where_linuxcnc_goes() {
     }
     for name in POSTS {
         for (number, mut options) in all_options().into_iter().enumerate() {
-            // Without a table rs274 refuses T1.
+            // Without a tool table rs274 refuses T1.
             options.tools = options.tools.or_else(|| ToolTable::parse(&text_of("tool.tbl"), "tool.tbl").ok());
             let steps = rs274(&posts().join(name), &options);
             assert!(steps.len() > 3, "{name}");
@@ -284,7 +284,7 @@ fn parameters_subprograms_and_cutter_compensation_come_through_rs274() {
     assert_eq!(error.line, 3, "{error}");
     let error = refuse("G0 X1\nF10 G5.2 X1 Y1 P1\nX2 Y2 P1\nX3 Y1 P1\nG5.3\nM2\n");
     assert!(error.found.contains("NURBS") && error.line == 5, "{error}");
-    // It writes no file for a comment that asks for one.
+    // rs274 does not write a file that a comment requests.
     let log = tempfile::tempdir().unwrap().path().join("log");
     let text = format!("(LOGOPEN,{})\n(LOG,x)\nG0 X1\nM2\n", log.display());
     read_through_rs274("part", text.as_bytes(), "part.ngc", &options).unwrap();

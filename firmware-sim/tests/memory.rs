@@ -1,4 +1,4 @@
-//! A run keeps nothing per cycle and little per line, whatever is asked for.
+//! A run stores nothing per cycle and little per line, whatever output is requested.
 
 use allocation_counter::{AllocationInfo, measure};
 use firmware_sim::outcome;
@@ -14,7 +14,7 @@ use trueaxis_sim::run::{Kind, Run, Sink};
 use trueaxis_sim::{Scenario, Settings};
 use trueaxis_tables::Machine;
 
-/// Lines of 0.1 mm round and round on a circle of 20 mm, lifted every fiftieth time round.
+/// Lines of 0.1 mm around a circle of 20 mm, with a lift every fiftieth round.
 fn program(lines: u32) -> String {
     let mut text = String::from("G21 G90 F3000\n");
     for i in 0..lines {
@@ -31,7 +31,7 @@ fn scenario(text: &str) -> Scenario {
     Scenario::new(machine, program, Settings { rate_hz: 1000.0, ..Settings::default() }).unwrap()
 }
 
-/// Peak memory of a run: motion, three runs, every curve of the report, the trace; and its cycles.
+/// Peak memory of a run (motion, three runs, every curve of the report, the trace), and its cycles.
 fn run(scenario: Scenario) -> (u64, u64) {
     let scenario = Arc::new(scenario);
     let mut cycles = 0;
@@ -57,11 +57,11 @@ fn a_run_keeps_nothing_per_cycle_and_little_per_line() {
     let [short, long] = [2_000, 20_000].map(|lines| run(scenario(&program(lines))));
     let (more, cycles) = (long.0.saturating_sub(short.0), long.1 - short.1);
     assert!(cycles > 30_000, "{cycles}");
-    // Starts of the moves, their sections and speeds, their numbers in a figure.
+    // Per line: starts of the moves, their sections and speeds, their numbers in a figure.
     assert!(more < 18_000 * 150, "{} bytes a line: {short:?} {long:?}", more / 18_000);
 
-    // The same lines at a tenth of the feed fill every figure to its last bucket; five times as slow again: five times the
-    // cycles, and not a byte.
+    // The same lines at a tenth of the feed fill every figure to its last bucket; at a fifth of that feed there are five times
+    // the cycles, and not one byte more.
     let [slow, slower] = ["F300", "F60"].map(|feed| run(scenario(&program(2_000).replace("F3000", feed))));
     let (more, cycles) = (slower.0.saturating_sub(slow.0), slower.1 - slow.1);
     assert!(cycles > 150_000, "{cycles}");
@@ -69,7 +69,7 @@ fn a_run_keeps_nothing_per_cycle_and_little_per_line() {
     assert!(slow.0.saturating_sub(short.0) < 512 * 1024, "{short:?} {slow:?}");
 }
 
-/// The part around the current position has the spans and the numbers of the whole path.
+/// The window around the current position has the same spans and numbers as the whole path.
 #[test]
 fn the_sliding_path_is_the_whole_one_where_it_is() {
     let scenario = scenario(&program(3_000));
@@ -92,7 +92,7 @@ fn the_sliding_path_is_the_whole_one_where_it_is() {
     assert!(held * 50 < 600, "{held}");
 }
 
-/// A spline between points far apart is refused before any of its spans exists.
+/// A spline between distant points is refused before any of its spans is created.
 #[test]
 fn a_spline_of_too_many_pieces_is_refused_before_it_is_cut() {
     let mut scenario = scenario(&program(10));

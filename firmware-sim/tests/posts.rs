@@ -1,5 +1,5 @@
-//! Programs as posts emit them run; offsets, tools and cycles lead where LinuxCNC's documentation says; what is too long or
-//! beyond this interpreter is refused with its line.
+//! Programs emitted by post-processors run; offsets, tools and cycles give the positions in LinuxCNC's documentation; programs
+//! that are too long or unsupported are refused with the line.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -102,7 +102,7 @@ fn read(text: &str, options: &ReadOptions) -> Result<Program, ProgramError> {
     Program::read("test", text.as_bytes(), "part.ngc", options)
 }
 
-/// Ends of the moves.
+/// End positions of the moves.
 fn ends(text: &str, options: &ReadOptions) -> Vec<[f64; 3]> {
     let program = read(text, options).unwrap();
     program.moves.iter().map(|m| m.curve.position(m.curve.domain().1)).collect()

@@ -1,11 +1,11 @@
-//! `firmware-sim replay`: what the step was given and what it sent.
+//! `firmware-sim replay`: the step's inputs and outputs.
 
 use std::path::Path;
 use trueaxis_tables::{Machine, compile};
 use trueaxis_testing::command::Folder;
 
 const SIMULATOR: &str = env!("CARGO_BIN_EXE_firmware-sim");
-/// Of three axes; X is 100 µm/m too long (its screw reads 0.01 mm where it should at 100), the others are perfect.
+/// Three axes; X is 100 µm/m too long (its screw is off by 0.01 mm at 100), the others are perfect.
 const SCREW: &str = "name = \"screw\"\nchain = \"w X' Y' b Z t\"\n[axis.X]\ntable = \"x.csv\"\ntravel_mm = [0.0, 100.0]\n\
     max_feed_mm_per_min = 6000.0\n[axis.Y]\ntravel_mm = [0.0, 100.0]\nmax_feed_mm_per_min = 6000.0\n[axis.Z]\n\
     travel_mm = [0.0, 100.0]\nmax_feed_mm_per_min = 6000.0\n";
@@ -35,7 +35,7 @@ fn prepared() -> Folder {
     folder
 }
 
-/// The drive is led to c with x = c + E(c), E = 1e-4 of the way from the tables' reference, by their own line.
+/// The drive position c satisfies x = c + E(c), E = 1e-4 of the travel from the tables' reference, evaluated independently.
 #[test]
 fn what_was_given_and_sent_is_told_to_the_last_digit() {
     let folder = prepared();
@@ -52,19 +52,19 @@ fn what_was_given_and_sent_is_told_to_the_last_digit() {
     let mut largest = 0.0_f64;
     for row in &rows {
         assert_eq!((row[9], row[10], row[11], row[12], row[13], row[15]), (1e6, 1.0, 1.0, 0.0, 0.0, 0.0), "{row:?}");
-        // Axes without a table go where they are told, bit for bit.
+        // Axes without a table go to their commands, bit for bit.
         assert_eq!((row[1].to_bits(), row[2].to_bits()), (row[7].to_bits(), row[8].to_bits()), "{row:?}");
         if row[14] == 0.0 {
             largest = largest.max((row[6] + 1e-4 * row[6] - row[0]).abs());
         }
     }
-    // A cycle later than the drive was sent there: 50 mm/s, 1 ms, 1e-4.
+    // One cycle after the drive was sent there: 50 mm/s, 1 ms, 1e-4.
     assert!(largest < 5.1e-6 && rows.iter().any(|row| row[0] - row[6] > 5e-3), "{largest}");
     folder.good(&["replay", "run.rec", "screw.tcomp", "-o", "run.csv"]);
     let (_, written) = trueaxis_testing::command::csv(&folder.read("run.csv"));
     assert_eq!(written, rows);
     folder.good(&["replay", "run.rec", "screw.tcomp", "-o", "run.csv", "--telemetry", "frames.bin"]);
-    // A frame ends with the only zero in it.
+    // The only zero in a frame is its end.
     let frames = std::fs::read(folder.join("frames.bin")).unwrap();
     assert_eq!(frames.iter().filter(|byte| **byte == 0).count(), rows.len());
 }

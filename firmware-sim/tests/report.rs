@@ -1,4 +1,4 @@
-//! The simulator's report: content of a whole page, and robustness against any input.
+//! The simulator's report: content of a whole page, and robustness to any input.
 
 use std::f64::consts::TAU;
 
@@ -15,7 +15,7 @@ const CYCLES: u32 = 60_000;
 const RATE_HZ: f64 = 10_000.0;
 const SVG_NAMESPACE: &str = "http://www.w3.org/2000/svg";
 
-/// A circle of 50 mm: two lobes from squareness and a reversal spike at each quadrant, a residue of a tenth, servo noise.
+/// A 50 mm circle: two lobes from squareness and a reversal spike at each quadrant, a residual of a tenth, servo noise.
 fn circle() -> Report {
     let mut report = Report {
         title: "Servo cycle simulation".to_owned(),
@@ -95,7 +95,7 @@ fn circle() -> Report {
     report
 }
 
-/// The page must be well-formed XML as a whole, so that each SVG in it is, too; returns its visible text.
+/// Checks that the whole page, including each SVG, is well-formed XML; returns its visible text.
 fn text_of(page: &str) -> String {
     let options = roxmltree::ParsingOptions { allow_dtd: true, ..Default::default() };
     let document = roxmltree::Document::parse_with_options(page, options).expect("a well-formed page");
@@ -113,7 +113,7 @@ fn text_of(page: &str) -> String {
     document.descendants().filter(roxmltree::Node::is_text).filter_map(|node| node.text()).collect()
 }
 
-/// Every coordinate of a shape is a number inside its drawing, give or take the width of a stroke.
+/// Checks that every coordinate of a shape is a number inside its drawing, within the width of a stroke.
 fn check_inside(shape: &roxmltree::Node<'_, '_>, size: &[f64]) {
     let inside = |text: &str, limit: f64| {
         let value: f64 = text.parse().unwrap_or_else(|_| panic!("`{text}` is not a number"));

@@ -44,7 +44,7 @@ fn the_seed_repeats_and_noise_is_what_is_left() {
     let [first, again, other] = ["3", "3", "4"].map(|seed| directory.json(&["rtcp", "--json", "--seed", seed]));
     assert_eq!(first, again);
     assert_ne!(first["tip_error_um"]["after"], other["tip_error_um"]["after"]);
-    // A perfect gauge leaves the tables' interpolation and second order only.
+    // With a perfect gauge only the tables' interpolation and second-order errors remain.
     let clean = directory.json(&["rtcp", "--json", "--gauge-noise-um", "0"]);
     assert!(number(&clean, "/tip_error_um/ratio/rms") < 0.01, "{}", clean["tip_error_um"]);
     assert!(number(&clean, "/axes/0/sigma_um") < 0.01);

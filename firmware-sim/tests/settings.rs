@@ -20,7 +20,7 @@ fn what_scenario_prints_is_read_back() {
     {
         assert!(text.contains(line), "{line} in\n{text}");
     }
-    // Flags go over the file, --set over flags.
+    // Flags override the file, --set overrides flags.
     let more = [
         "scenario",
         "--scenario",
@@ -76,12 +76,12 @@ fn refusals_say_where_and_what_is_needed() {
             folder.bad(&[&[command], arguments].concat(), &[expected]);
         }
     }
-    // The scenario file is an input, which no output replaces.
+    // The scenario file is an input, which an output never replaces.
     folder.write("out/trace.csv", "seed = 1\n");
     folder.bad(&["run", "--scenario", "out/trace.csv", "--report", "out"], &[]);
 }
 
-/// Six standard deviations of the noise, which is more than a count.
+/// The stated resolution is six standard deviations of the noise, which is more than a count.
 #[test]
 fn the_sample_machines_state_their_encoders() {
     for name in ["mill-3axis", "mill-5axis", "head-5axis", "mill-turn", "grinder"] {

@@ -1,4 +1,4 @@
-//! A paced run whose processor is taken away, as a kernel does for 100 ms now and then.
+//! A paced run whose processor is withheld, as a kernel occasionally does for 100 ms.
 
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
@@ -11,14 +11,14 @@ fn signal(which: &str, process: u32) {
     let _ = Command::new("kill").args([which, &process.to_string()]).stderr(Stdio::null()).status();
 }
 
-/// The number before some words in a note.
+/// The number that precedes given words in a note.
 fn number(notes: &str, words: &str) -> u64 {
     let before = notes.split(words).next().unwrap();
     before.rsplit(' ').find(|word| !word.is_empty()).unwrap().parse().unwrap_or_else(|_| panic!("{words}: {notes}"))
 }
 
-/// Stopped again and again for 100 ms: the results are those of an undisturbed run in every bit, the periods that passed
-/// are counted and told, and none of them is made up for: the run ends as many periods later.
+/// Stopped repeatedly for 100 ms: the results equal those of an undisturbed run bit for bit; the missed periods are counted
+/// and reported but not made up for, and the run ends that many periods later.
 #[test]
 fn a_paced_run_that_is_stalled_gives_the_same_results_and_says_what_it_missed() {
     let folder = Folder::new(SIMULATOR);

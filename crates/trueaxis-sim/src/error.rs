@@ -51,10 +51,10 @@ pub enum SimError {
     /// A learned correction.
     #[error("learned correction: {0}")]
     Learned(#[from] LearnedError),
-    /// A record from which nothing can be learned.
+    /// A record from which no correction can be learned.
     #[error("learning: {0}")]
     NotLearned(#[from] NotLearned),
-    /// A record from which no thermal growth is found.
+    /// A record from which thermal growth cannot be identified.
     #[error("thermal growth: {0}")]
     Thermal(#[from] trueaxis_metrology::thermal::Refused),
     /// The program's motion.
@@ -65,7 +65,7 @@ pub enum SimError {
         /// The planner's reason.
         error: MotionError,
     },
-    /// A move that is no path.
+    /// A move that is not a valid path.
     #[error("{program}, line {line}: {error}")]
     Path {
         /// Name of the program.
@@ -84,44 +84,44 @@ pub enum SimError {
         line: u32,
         /// Target of the line.
         found: String,
-        /// Accepted instead.
+        /// Accepted alternative.
         needed: String,
     },
-    /// A machine or setting that does not suit.
+    /// An unsuitable machine or setting.
     #[error("{what}: found {found}, needed {needed}")]
     Unsuited {
         /// The machine or setting.
         what: String,
-        /// Its state.
+        /// State found.
         found: String,
-        /// Accepted instead.
+        /// Accepted alternative.
         needed: String,
     },
-    /// Tables that the plugin's are to be exchanged for.
+    /// Tables for an exchange that the plugin cannot use.
     #[error("exchange:{name}: {error}")]
     Exchange {
-        /// Name of their machine in the event.
+        /// Name of the machine in the event.
         name: String,
         /// The reason.
         error: Box<SimError>,
     },
-    /// The step reports a fault where there must be none.
+    /// A fault that the step reports where none may occur.
     #[error("the step reports {fault:?} after {turns:.2} turns")]
     Fault {
         /// Fault code.
         fault: Fault,
-        /// Turns of the spindle until then.
+        /// Turns of the spindle until the fault.
         turns: f64,
     },
-    /// The spindle does not get on.
+    /// A spindle that does not complete its turns.
     #[error("the spindle has not turned {revolutions} times within {cycles} cycles")]
     Spindle {
-        /// Turns asked for.
+        /// Turns required.
         revolutions: u32,
-        /// Cycles run.
+        /// Cycles simulated.
         cycles: u64,
     },
-    /// Recorded circles that tell nothing.
+    /// Recorded circles from which friction cannot be identified.
     #[error("{of}: {error}")]
     Friction {
         /// The record.

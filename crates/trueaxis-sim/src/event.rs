@@ -1,4 +1,4 @@
-//! What is done to the plugin while a program runs: switched on and off, in whole or in parts, and given other tables.
+//! Events that act on the plugin while a program runs: it is switched on or off, in whole or in part, or given other tables.
 //!
 //! | specification | effect |
 //! |---|---|
@@ -7,8 +7,8 @@
 //! | `off:friction@3s` | the same for a part of the dynamic correction: `friction`, `lag`, `acceleration`, `feedback`, `crosstalk`, `learned` or `take-up` |
 //! | `exchange:FOLDER@2s` | its tables are exchanged for those of the machine in that folder |
 //!
-//! An event acts before the first cycle at or after its time; those of one cycle act in the order in which they are listed.
-//! The plant stays as it is, and so does a machine whose plugin is disabled ([`Kind::Uncompensated`], [`Kind::ServoOnly`]).
+//! An event acts before the first cycle at or after its time; events in one cycle act in the order in which they are listed.
+//! Events do not change the plant, nor a machine whose plugin is disabled ([`Kind::Uncompensated`], [`Kind::ServoOnly`]).
 //!
 //! [`Kind::Uncompensated`]: crate::run::Kind::Uncompensated
 //! [`Kind::ServoOnly`]: crate::run::Kind::ServoOnly
@@ -26,22 +26,22 @@ use trueaxis::Dynamics;
 pub struct EventSpecError {
     /// The specification as given.
     pub spec: String,
-    /// The part that is not understood.
+    /// The part that was not understood.
     pub found: String,
-    /// A form that is understood.
+    /// An accepted form.
     pub needed: &'static str,
 }
 
-/// What is switched.
+/// Target of a switch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Switch {
     /// The plugin.
     Correction,
-    /// One part of its dynamic correction.
+    /// One part of the plugin's dynamic correction.
     Part(Dynamics),
 }
 
-/// Names of what is switched.
+/// Names of the targets.
 const SWITCHES: [(&str, Switch); 8] = [
     ("correction", Switch::Correction),
     ("friction", Switch::Part(Dynamics::FRICTION)),
@@ -54,7 +54,7 @@ const SWITCHES: [(&str, Switch); 8] = [
 ];
 
 impl Switch {
-    /// Everything that can be switched.
+    /// All targets.
     pub const ALL: [Switch; 8] = {
         let mut all = [Switch::Correction; 8];
         let mut i = 0;
@@ -65,13 +65,13 @@ impl Switch {
         all
     };
 
-    /// As it stands in a specification.
+    /// Name in a specification.
     pub fn name(self) -> &'static str {
         SWITCHES.iter().find(|(_, switch)| *switch == self).map_or("", |(name, _)| name)
     }
 }
 
-/// What an event does.
+/// Effect of an event.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum EventKind {
     /// Switches something on.
@@ -82,10 +82,10 @@ pub enum EventKind {
     Exchange(String),
 }
 
-/// An event with its time.
+/// An event and its time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Event {
-    /// What it does.
+    /// Effect.
     pub kind: EventKind,
     /// Time, s from the start of the program.
     pub at_s: f64,
@@ -119,7 +119,7 @@ impl FromStr for Event {
     }
 }
 
-/// The specification that is read back as the same event.
+/// Writes a specification that parses to the same event.
 impl fmt::Display for Event {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.kind {
@@ -134,7 +134,7 @@ impl fmt::Display for Event {
 pub type EventScript = Script<Event>;
 
 impl EventScript {
-    /// Names of the machines whose tables are wanted.
+    /// Names of the machines whose tables are required.
     pub fn exchanges(&self) -> impl Iterator<Item = &str> {
         self.items.iter().filter_map(|event| match &event.kind {
             EventKind::Exchange(name) => Some(name.as_str()),
@@ -143,7 +143,7 @@ impl EventScript {
     }
 }
 
-/// What is done to a run: to its plant or to its plugin.
+/// An intervention in a run: in its plant or its plugin.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Act {
     /// A fault of the plant, as in [`crate::plant::fault`].
@@ -155,10 +155,10 @@ pub enum Act {
 /// An act that cannot be understood.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum ActSpecError {
-    /// As a fault.
+    /// The error of reading it as a fault.
     #[error(transparent)]
     Fault(#[from] FaultSpecError),
-    /// As an event.
+    /// The error of reading it as an event.
     #[error(transparent)]
     Event(#[from] EventSpecError),
 }

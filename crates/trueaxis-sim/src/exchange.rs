@@ -1,4 +1,4 @@
-//! Tables exchanged while the machine moves.
+//! Exchange of tables while the machine moves.
 
 use crate::error::Result;
 use crate::limit_watch::LimitWatch;
@@ -8,32 +8,32 @@ use trueaxis_tables::Machine;
 
 /// A millisecond.
 const PERIOD_NS: u32 = 1_000_000;
-/// The course: a circle in X and Y with this radius, mm, and so many cycles a turn, some 60 mm/s.
+/// The course: a circle in X and Y with this radius, mm, and this many cycles per turn, about 60 mm/s.
 const RADIUS_MM: f64 = 40.0;
 const TURN: u32 = 4_189;
-/// Cycles with the old tables: a turn in which a first correction is led in, and one that is watched.
+/// Cycles with the old tables: one turn in which the first correction ramps in, and one that is watched.
 const BEFORE: u32 = 2 * TURN;
-/// Cycles with the new ones.
+/// Cycles with the new tables.
 const AFTER: u32 = TURN;
 
-/// How the correction moved while tables were exchanged.
+/// Motion of the correction while tables were exchanged.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Exchanged {
-    /// How far the new tables' correction is from the old ones' where they were exchanged: the largest of any axis, mm or
-    /// degrees. Without a limiter it would jump by that.
+    /// Difference between the new and the old tables' correction at the exchange: the largest of any axis, mm or degrees.
+    /// Without a limiter the correction would jump by this.
     pub difference: f64,
-    /// Largest step of the correction from cycle to cycle from the exchange on.
+    /// Largest step of the correction from cycle to cycle after the exchange.
     pub largest_step: f64,
-    /// The same in a turn with the old tables.
+    /// Largest step in a turn with the old tables.
     pub step_before: f64,
-    /// Largest velocity or acceleration from the exchange on, as a share of its limit.
+    /// Largest velocity or acceleration after the exchange, as a share of its limit.
     pub of_limits: f64,
-    /// Time until the new tables were followed, s; none where they never were.
+    /// Time until the correction followed the new tables, s; `None` if it never did.
     pub led_in_s: Option<f64>,
 }
 
 /// Runs a circle about a place (X, Y, Z, A, B, C; mm and degrees) and exchanges the tables of `old` for those of `new` between
-/// two cycles; state and motion go on.
+/// two cycles; state and motion continue.
 ///
 /// # Errors
 /// Tables that do not compile or build.
@@ -85,7 +85,7 @@ where
                     found.led_in_s = Some(period_s * f64::from(cycle));
                 }
             }
-            // Where it settles at the place of the exchange: the same circle, from cold.
+            // The settled correction at the place of the exchange: the same circle from a cold start.
             let mut settled = second.start();
             let mut there = here;
             for cycle in 0..=BEFORE {

@@ -1,7 +1,7 @@
-//! Parts of one program after another, each with the correction learned from those before.
+//! Consecutive parts of one program, each with the correction learned from those before.
 //!
-//! Learned is from what the step itself estimates, by encoders with their noise and steps, or from what a grid encoder
-//! measures.
+//! The error to learn from comes from the step's own estimate, with the encoders' noise and resolution, or from a grid
+//! encoder.
 
 use crate::error::{Result, SimError};
 use crate::motion::Motion;
@@ -19,13 +19,12 @@ pub use trueaxis_metrology::learning::{
     DEFAULT_CUTOFF_MM, DEFAULT_FORGET, DEFAULT_GAIN, Identity, Law, Lesson, MeasuredError,
 };
 
-/// Cycles between two looks at the progress.
+/// Cycles between two reports of progress.
 const STRETCH: u64 = 4096;
-/// Keeps the noise of the grid encoder apart from that of the others.
+/// Separates the grid encoder's noise from the other noise.
 const GRID_SEED: u64 = 0x9e37_79b9_7f4a_7c15;
 
-/// What a record or a correction of a scenario belongs to; the path is that of the program from its zero in machine
-/// coordinates.
+/// Identity of a scenario's records and corrections; the path is the program's, from its zero, in machine coordinates.
 pub fn identity(scenario: &Scenario, motion: &Motion) -> Identity {
     let settings = &scenario.machine.settings;
     let mut id = ProgramId::new(motion.length());
@@ -41,7 +40,7 @@ pub fn identity(scenario: &Scenario, motion: &Motion) -> Identity {
     }
 }
 
-/// Refuses a machine whose step adds nothing to a command but geometry.
+/// Refuses a machine whose step adds only the geometric correction to a command.
 fn takes_corrections(scenario: &Scenario) -> Result<()> {
     if Kind::of(&scenario.machine.settings).contains(&Kind::Full) {
         return Ok(());
@@ -51,10 +50,10 @@ fn takes_corrections(scenario: &Scenario) -> Result<()> {
 }
 
 impl Scenario {
-    /// The scenario with a learned correction in its full run.
+    /// Returns the scenario with a learned correction in its full run.
     ///
     /// # Errors
-    /// A correction of another machine, program or path length; a machine without dynamic correction, whose step takes none.
+    /// A correction of another machine, program or path length; a machine without dynamic correction, whose step accepts none.
     pub fn with_learned(self, table: Arc<LearnedTable>) -> Result<Scenario> {
         takes_corrections(&self)?;
         let identity = identity(&self, &self.motion()?);
@@ -64,19 +63,20 @@ impl Scenario {
     }
 }
 
-/// What measures the contour error that is learned from.
+/// Instrument that measures the contour error to learn from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Instrument {
-    /// The step: the tip that it estimates from the encoders. It does not see what they do not, the errors between their
-    /// lines above all, and is left out while lost motion is being taken up ([`SETTLING_S`]).
+    /// The step: the tip that it estimates from the encoders. It misses what they miss, above all the errors between their
+    /// lines, and is not used while lost motion is being taken up ([`SETTLING_S`]).
     #[default]
     Estimate,
-    /// A grid encoder between table and spindle, read along with the encoders: the true tip with noise of [`GRID_NOISE_UM`].
+    /// A grid encoder between table and spindle, read in the same cycles as the encoders: the true tip with noise of
+    /// [`GRID_NOISE_UM`].
     Grid,
 }
 
-/// After an axis was limited, the estimate is not learned from for this long, s: while lost motion is led in, the model
-/// knows that the axis has turned, not how far its carriage has come.
+/// Time after an axis was limited during which the estimate is not learned from, s: while the correction of lost motion ramps
+/// in, the model knows that the axis has reversed, but not how far its carriage has followed.
 pub const SETTLING_S: f64 = 0.04;
 /// Noise of a grid encoder in each direction, RMS, µm.
 pub const GRID_NOISE_UM: f64 = 0.005;
@@ -92,10 +92,10 @@ pub struct Recorder {
 }
 
 impl Recorder {
-    /// Of a scenario, measured by an instrument.
+    /// Creates a recorder for a scenario, measured by an instrument.
     ///
     /// # Errors
-    /// A grid encoder for a program with rotary axes, along which it cannot be set up.
+    /// A grid encoder for a program with rotary axes, for which it cannot be set up.
     pub fn new(scenario: &Scenario, instrument: Instrument) -> Result<Recorder> {
         if instrument == Instrument::Grid && scenario.five_axis {
             let (found, needed) = ("a program with rotary axes", "one of X, Y, Z alone");
@@ -106,7 +106,7 @@ impl Recorder {
         Ok(Recorder { instrument, noise, settling, settled: settling })
     }
 
-    /// The row of a cycle: nothing is measured in rapid motion.
+    /// The row of a cycle; rapid motion is not measured.
     pub fn row(&mut self, moment: &Moment, sample: &Sample) -> MeasuredError {
         self.settled = if sample.limited == 0 { self.settled.saturating_add(1) } else { 0 };
         let error_um = match self.instrument {
@@ -138,21 +138,21 @@ impl Sink for ErrorRecord {
     }
 }
 
-/// A part and what was learned from it.
+/// A part and the correction learned from it.
 #[derive(Debug)]
 pub struct Part {
     /// True contour error while cutting.
     pub error: ErrorSize,
-    /// The same as the step estimates it.
+    /// Contour error while cutting, as the step estimates it.
     pub estimated: ErrorSize,
-    /// The step asked for a stop.
+    /// Whether the step requested a stop.
     pub stopped: bool,
     /// The correction for the next part.
     pub table: Arc<LearnedTable>,
 }
 
-/// Makes `parts` parts of a scenario by its full run, the first with the scenario's own learned correction if it has one,
-/// each with noise of its own. `progress` gets the fraction done, 0 to 1.
+/// Makes `parts` parts of a scenario by its full run, the first with the scenario's own learned correction if it has one, each
+/// with different noise. `progress` gets the fraction done, 0 to 1.
 ///
 /// # Errors
 /// As [`Run::of`], [`Scenario::with_learned`] and [`Lesson::learn`].

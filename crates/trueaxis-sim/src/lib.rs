@@ -1,5 +1,5 @@
-//! Simulation of compensated servo cycles, as a library without a clock or a thread; no file is opened but by
-//! [`program::Source`] and [`program::ReadOptions::from_files`].
+//! Simulation of compensated servo cycles, as a library without a clock or a thread; only [`program::Source`] and
+//! [`program::ReadOptions::from_files`] open files.
 //!
 //! A G-code program is interpolated at the servo rate, every cycle goes through the plugin's `step` against a simulated
 //! machine, and the machine's *true* tool tip is compared with the programmed path:
@@ -10,15 +10,16 @@
 //!                        └───────────── readings ◄─────────────┘
 //! ```
 //!
-//! Plant and truth are written apart from the plugin; neither uses its code.
+//! Plant and truth are independent of the plugin; neither uses its code.
 //!
 //! [`run`] simulates a part program, [`grinding`] a crankpin under the three-probe gauge, [`ball_test`] the test of a
-//! five-axis head, [`friction`] circles from which friction is found, [`warming`] shifts over which a machine grows, [`exchange`]
-//! new tables in motion. The same inputs and seed give the same results on every host, in a browser too: angles and exponentials come from libm, not from the host.
+//! five-axis head, [`friction`] circles from which friction is identified, [`warming`] shifts over which a machine grows,
+//! [`exchange`] new tables in motion. Equal inputs and seeds give equal results on every host, including browsers: angles and
+//! exponentials come from libm, not from the host.
 //!
 //! The crate's README shows a run from tables to figures.
 
-// print! and its like panic when the other end of a pipe is closed.
+// print! and similar macros panic when the other end of a pipe is closed.
 #![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr))]
 
 pub mod ball_test;

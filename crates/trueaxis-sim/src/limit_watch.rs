@@ -1,4 +1,4 @@
-//! How near a correction comes to the limits of its axes, from cycle to cycle.
+//! How close a correction comes to the limits of its axes, from cycle to cycle.
 
 use trueaxis::machine::Limits;
 
@@ -7,7 +7,7 @@ use trueaxis::machine::Limits;
 pub(crate) struct LimitWatch<const N: usize> {
     limits: [Option<Limits>; N],
     period_s: f64,
-    /// Of the cycle before, mm or degrees.
+    /// Correction in the previous cycle, mm or degrees.
     pub(crate) last: [f64; N],
     steps: [f64; N],
     /// Largest step in a cycle.
@@ -17,13 +17,13 @@ pub(crate) struct LimitWatch<const N: usize> {
 }
 
 impl<const N: usize> LimitWatch<N> {
-    /// From a correction of zero at rest.
+    /// Starts from a correction of zero at rest.
     pub(crate) fn new(limits: [Option<Limits>; N], period_s: f64) -> LimitWatch<N> {
         let zero = [0.0; N];
         LimitWatch { limits, period_s, last: zero, steps: zero, largest_step: 0.0, of_limits: 0.0 }
     }
 
-    /// The correction of the next cycle.
+    /// Records the correction of the next cycle.
     pub(crate) fn take(&mut self, correction: [f64; N]) {
         for slot in 0..N {
             let step = correction[slot] - self.last[slot];

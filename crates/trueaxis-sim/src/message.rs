@@ -1,4 +1,4 @@
-//! What messages repeat of a file.
+//! Limits of quotations from files in messages.
 
-/// Most characters of a program or of settings.
+/// Most characters quoted from a program or settings.
 pub(crate) const LONGEST_FOUND: usize = 160;

@@ -1,8 +1,8 @@
-//! Positions of the axes for a programmed point, and of the tool then: by the exact geometry of a perfect machine.
+//! Axis positions for a programmed point, and the resulting tool position, by the exact geometry of a perfect machine.
 //!
-//! Workpiece coordinates are those of the workpiece's frame, which coincides with the machine's while all axes are at zero. The
-//! program's zero is the position of the tool tip with X, Y, Z at the origin and the rotary axes at zero. There, and at whole
-//! turns, programmed positions mean the same with and without tool centre point mode.
+//! Workpiece coordinates are those of the workpiece's frame, which coincides with the machine's while all axes are at zero.
+//! The program's zero is the position of the tool tip with X, Y, Z at the origin and the rotary axes at zero. With the rotary
+//! axes at zero or at whole turns, programmed positions mean the same with and without tool centre point mode.
 
 use crate::program::Move;
 use glam::{DMat3, DVec3};
@@ -29,11 +29,11 @@ pub(crate) struct Rates {
     pub(crate) linear: DVec3,
     /// Degrees per unit of length.
     pub(crate) rotary: DVec3,
-    /// Second derivative of X, Y, Z that turning under the tool centre point adds.
+    /// Second derivative of X, Y, Z that results from rotation under the tool centre point.
     pub(crate) bend: DVec3,
 }
 
-/// A perfect machine with a program's zero on it.
+/// A perfect machine and a program's zero on it.
 #[derive(Clone, Debug)]
 pub struct Placement {
     geometry: Geometry,
@@ -71,7 +71,7 @@ impl Placement {
         self.origin + self.zero_tip
     }
 
-    /// Highest feed of each axis, mm/s or deg/s; infinite where there is no such axis.
+    /// Highest feed of each axis, mm/s or deg/s; infinite for an axis that the machine does not have.
     pub(crate) fn max_feed_per_s(&self) -> &[f64; AXES] {
         &self.max_feed_per_s
     }
@@ -90,8 +90,8 @@ impl Placement {
 
     /// Positions of X, Y, Z, A, B, C at parameter `u` of a move, mm and degrees.
     ///
-    /// Under the tool centre point X, Y, Z solve tip(X, Y, Z) = programmed point. With the rotary axes still the tip is affine in
-    /// them: one linear equation of three, exact to rounding (1e-12 mm at positions of a metre).
+    /// Under the tool centre point X, Y, Z solve tip(X, Y, Z) = programmed point. With the rotary axes fixed the tip is affine
+    /// in them: a linear system of three equations, exact to rounding (1e-12 mm at positions of a metre).
     pub fn axes(&self, step: &Move, u: f64) -> [f64; AXES] {
         let [a, b, c] = step.rotary(u);
         let programmed = DVec3::from(step.curve.position(u)) + self.origin;
@@ -106,7 +106,7 @@ impl Placement {
         [linear.x, linear.y, linear.z, a, b, c]
     }
 
-    /// Tip and direction programmed at parameter `u` of a move.
+    /// Programmed tip and direction at parameter `u` of a move.
     pub fn place(&self, step: &Move, u: f64) -> Place {
         let [a, b, c] = step.rotary(u);
         if step.tool_center {
@@ -116,7 +116,7 @@ impl Placement {
         self.place_of(&self.axes(step, u))
     }
 
-    /// d(tip)/du at parameter `u` of a move: central differences, 1e-7 of the speed.
+    /// d(tip)/du at parameter `u` of a move: central differences, accurate to 1e-7 of the speed.
     pub fn tip_velocity(&self, step: &Move, u: f64) -> DVec3 {
         if step.tool_center {
             return step.curve.vectors(u).1;

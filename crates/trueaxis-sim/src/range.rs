@@ -1,6 +1,6 @@
 //! Ranges of settings.
 
-/// A setting with its value and what is accepted, both ends included.
+/// A setting with its value and its accepted range, both ends included.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Range<'k> {
     pub(crate) key: &'k str,
@@ -11,7 +11,7 @@ pub(crate) struct Range<'k> {
 }
 
 impl Range<'_> {
-    /// Whether the value is within; one that is not a number is not.
+    /// Whether the value is in range; NaN is not.
     pub(crate) fn holds(&self) -> bool {
         (self.low..=self.high).contains(&self.found)
     }

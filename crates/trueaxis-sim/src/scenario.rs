@@ -1,4 +1,4 @@
-//! A machine, a program and settings, checked against one another.
+//! A machine, a program and settings, checked against each other.
 
 use crate::error::{Result, SimError};
 use crate::learned::LearnedTable;
@@ -19,17 +19,18 @@ pub struct Scenario {
     pub machine: Machine,
     /// The part program.
     pub program: Program,
-    /// Everything else.
+    /// All other settings.
     pub settings: Settings,
     /// Program zero in machine coordinates, mm.
     pub origin_mm: [f64; 3],
     /// Positions of the axes for programmed points.
     pub placement: Placement,
-    /// Rotary axes or the tool centre point are programmed: errors are those of tip and direction in workpiece coordinates.
+    /// Whether rotary axes or the tool centre point are programmed: errors are then those of tip and direction in workpiece
+    /// coordinates.
     pub five_axis: bool,
     /// Kelvin above the reference temperature, as reported to the plugin.
     pub kelvin: f64,
-    /// Machines whose tables the events exchange the plugin's for, by their names there.
+    /// Machines whose tables the events exchange for the plugin's, by their names in the events.
     pub exchanges: BTreeMap<String, Machine>,
     /// Correction over path length in the full run ([`Scenario::with_learned`]).
     pub learned: Option<Arc<LearnedTable>>,
@@ -39,8 +40,8 @@ impl Scenario {
     /// Puts a program on a machine.
     ///
     /// # Errors
-    /// Settings out of range; with its line, what needs axes that the machine does not have, takes too long or leaves the declared travel; a
-    /// structural code that cannot be read.
+    /// Settings out of range; a move, with its line, that needs axes that the machine does not have, takes too long or leaves
+    /// the declared travel; a structural code that cannot be read.
     pub fn new(machine: Machine, program: Program, settings: Settings) -> Result<Scenario> {
         settings.check()?;
         program.check_axes(&machine.settings)?;
@@ -61,21 +62,21 @@ impl Scenario {
         Ok(scenario)
     }
 
-    /// The scenario with the machines that its events name.
+    /// Returns the scenario with the machines that its events name.
     #[must_use]
     pub fn with_exchanges(self, exchanges: BTreeMap<String, Machine>) -> Scenario {
         Scenario { exchanges, ..self }
     }
 
-    /// The step's own transformation to workpiece coordinates, where the program needs it.
+    /// The step's transformation to workpiece coordinates, if the program needs it.
     ///
     /// # Errors
-    /// The machine has none: a linear axis missing, or more than two rotary ones.
+    /// The machine has none: a linear axis is missing, or there are more than two rotary ones.
     pub fn kinematics(&self) -> Result<Option<Kinematics<f64>>> {
         self.kinematics_of(&self.machine)
     }
 
-    /// The same by the tables of another machine.
+    /// Like [`Scenario::kinematics`], by the tables of another machine.
     pub(crate) fn kinematics_of(&self, machine: &Machine) -> Result<Option<Kinematics<f64>>> {
         let build = || Kinematics::new(&machine.settings).map_err(SimError::Kinematics);
         self.five_axis.then(build).transpose()
@@ -101,7 +102,7 @@ impl Scenario {
         1.0 / self.settings.rate_hz
     }
 
-    /// Time of a cycle from the start of the program, s: what a fault or an event states that acts from there on.
+    /// Time of a cycle from the start of the program, s: the time to state for a fault or an event that acts from there on.
     pub fn time_s(&self, cycle: u64) -> f64 {
         cycle as f64 / self.rate_hz()
     }
@@ -122,7 +123,7 @@ impl Scenario {
         }
     }
 
-    /// A program that leaves the declared travel would only run into the plugin's stop request.
+    /// Checks the travel in advance: a program that leaves it would only trigger the plugin's stop request.
     fn stays_in_travel(&self) -> Result<()> {
         for step in &self.program.moves {
             let (first, last) = step.curve.domain();
@@ -148,11 +149,11 @@ impl Scenario {
     }
 }
 
-/// Options that take the place of the machine file's `[compensation]`: the error model that the step corrects by, and
-/// whether the tool's direction is corrected too.
+/// Applies options that replace the machine file's `[compensation]`: the error model that the step corrects by, and whether
+/// the tool's direction is corrected too.
 ///
 /// # Errors
-/// The direction with the nine-term model.
+/// Direction correction with the nine-term model.
 pub fn choose_model(machine: &mut Machine, model: Option<ErrorModel>, orientation: Option<bool>) -> Result<()> {
     let settings = &mut machine.settings.compensation;
     match model {

@@ -1,10 +1,10 @@
-//! Lists of specifications, as faults and events are written in a scenario file.
+//! Lists of specifications, as written in a scenario file for faults and events.
 
 use serde::{Deserialize, Serialize};
 use std::fmt::Display;
 use std::str::FromStr;
 
-/// Items that are each written as one text, in their order: `["dropout:X@1.25s+3", …]`.
+/// An ordered list of items, each written as one text: `["dropout:X@1.25s+3", …]`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(
     try_from = "Vec<String>",
@@ -17,7 +17,7 @@ pub struct Script<T> {
 }
 
 impl<T> Default for Script<T> {
-    /// No items.
+    /// An empty list.
     fn default() -> Script<T> {
         Script { items: Vec::new() }
     }
@@ -27,7 +27,7 @@ impl<T: FromStr> Script<T> {
     /// Reads one specification per item.
     ///
     /// # Errors
-    /// The first bad one.
+    /// The first invalid specification.
     pub fn parse<S: AsRef<str>>(specs: impl IntoIterator<Item = S>) -> Result<Script<T>, T::Err> {
         let items = specs.into_iter().map(|spec| spec.as_ref().parse()).collect::<Result<_, _>>()?;
         Ok(Script { items })

@@ -7,20 +7,20 @@ use trueaxis::tcomp::Tcomp;
 use trueaxis::{ConfigError, Input, Measure, Output, Position, Real, Ride, ServoLoop, State};
 use trueaxis_tables::Machine;
 
-/// A servo loop's construction and its step, compiled here once for each number of axes. Programs that simulate call these and
-/// hold no copies of their own.
+/// A servo loop's construction and its step, compiled here once for each number of axes. Programs that simulate call these
+/// instead of compiling their own copies.
 pub trait Compiled<const N: usize> {
     /// [`ServoLoop::load`].
     ///
     /// # Errors
-    /// As there.
+    /// As [`ServoLoop::load`].
     fn load<'a>(
         tcomp: &Tcomp<'a>,
         period_ns: u32,
         memory: &'a mut [f64],
     ) -> core::result::Result<ServoLoop<'a, f64, f64, N>, ConfigError>;
 
-    /// [`ServoLoop::step`], whatever is measured and whether a gauge rides along.
+    /// [`ServoLoop::step`], whatever is measured and with or without a gauge.
     fn step(
         servo: &ServoLoop<'_, f64, f64, N>,
         state: &mut State<f64, f64, N>,
@@ -67,7 +67,7 @@ pub fn with_tables<R: Real, P: Position, const N: usize, T, E: From<SimError>>(
     user(&servo)
 }
 
-/// One servo cycle, by the one copy of the step for `N` axes.
+/// One servo cycle, using the single compiled copy of the step for `N` axes.
 pub fn step<const N: usize>(
     servo: &ServoLoop<'_, f64, f64, N>,
     state: &mut State<f64, f64, N>,
@@ -81,7 +81,7 @@ where
     Axes::step(servo, state, input, measure, gauge)
 }
 
-/// A servo loop together with the file and the memory that it is built in, so that a run can own both.
+/// A servo loop together with the file and the memory that it uses, so that a run can own both.
 pub(crate) trait Owned<const N: usize>: Send + Sized {
     /// Compiles and builds the tables of a machine.
     fn build(machine: &Machine, period_ns: u32) -> Result<Self>;
@@ -89,13 +89,13 @@ pub(crate) trait Owned<const N: usize>: Send + Sized {
     fn servo(&self) -> &ServoLoop<'_, f64, f64, N>;
 }
 
-/// What a loop reads in its cycles: the compiled file, where its grids stay, and the memory that it is built in.
+/// Data that a loop reads in its cycles: the compiled file, which keeps its grids, and the memory in which the loop is built.
 pub(crate) struct Lent {
     bytes: Vec<u8>,
     memory: MutBorrow<Vec<f64>>,
 }
 
-/// `self_cell` declares no generic cells: one for each number of axes.
+/// `self_cell` does not support generic cells: one for each number of axes.
 macro_rules! owned {
     ($module:ident, $axes:literal) => {
         pub(crate) mod $module {

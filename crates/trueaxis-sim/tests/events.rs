@@ -1,4 +1,4 @@
-//! Acts by hand and acts of the scenario do the same, in every bit; tables are exchanged in motion.
+//! Acts by hand and acts in the scenario give bit-identical results; tables are exchanged in motion.
 
 use crate::common::{PROGRAM, machine};
 use std::collections::BTreeMap;
@@ -8,7 +8,7 @@ use trueaxis_sim::run::{Kind, Moment, Run, Sample, Tallies};
 use trueaxis_sim::{Scenario, Settings, SimError};
 use trueaxis_tables::Machine;
 
-/// Every machine, those without the plugin among them.
+/// All kinds of machines, including those without the plugin.
 const KINDS: [Kind; 5] = [Kind::Uncompensated, Kind::Compensated, Kind::ServoOnly, Kind::Full, Kind::Configured];
 
 fn others() -> BTreeMap<String, Machine> {
@@ -28,7 +28,7 @@ fn scenario(faults: &[String], events: &[String]) -> Scenario {
     let mut settings = Settings { rate_hz: 1000.0, seed: 3, ..Settings::default() };
     settings.set("faults", &format!("{faults:?}")).unwrap();
     settings.set("events", &format!("{events:?}")).unwrap();
-    // What is written is what runs.
+    // The scenario is run from the written TOML.
     let settings = Settings::parse(&settings.to_toml(), "scenario.toml").unwrap();
     let program = Program::parse("loop", PROGRAM, "loop.ngc").unwrap();
     Scenario::new(machine(), program, settings).unwrap().with_exchanges(others())
@@ -43,12 +43,12 @@ fn plain() -> Vec<Tallies> {
     finish(Run::of(scenario(&[], &[]), &KINDS).unwrap())
 }
 
-/// Whether the digest of each machine is another one than without acts.
+/// Whether the digest of each machine differs from that without acts.
 fn changed(after: &[Tallies]) -> Vec<bool> {
     after.iter().zip(plain()).map(|(after, plain)| after.digest != plain.digest).collect()
 }
 
-/// Acts when the run has come to 0.7 s, 700 cycles, having been left there or elsewhere before.
+/// Acts once the run has reached 0.7 s, 700 cycles, after being paused there and elsewhere before.
 fn by_hand(acts: &[&str]) -> (Vec<Tallies>, Vec<String>) {
     let scenario = scenario(&[], &[]);
     let now = scenario.time_s(700);
@@ -75,7 +75,7 @@ fn every_act_does_by_hand_what_it_does_in_a_scenario() {
         (&["off:acceleration@NOW"], full),
         (&["off:feedback@NOW"], full),
         (&["off:take-up@NOW"], full),
-        // The machine has neither, but with every switch the feed-forward of the others begins anew.
+        // The machine has neither, but with every switch the feed-forward of the other parts restarts.
         (&["off:crosstalk@NOW", "off:learned@NOW"], full),
         (&["exchange:warm@NOW"], driven),
         (&["exchange:warm@NOW", "off:friction@NOW", "exchange:warm@0.95s"], driven),
@@ -106,7 +106,7 @@ fn events_act_from_their_cycle_on() {
     let (without, with) = (correction(&[]), correction(&events));
     let first = without.iter().zip(&with).position(|(a, b)| a != b);
     assert_eq!(first, Some(700));
-    // Led back to zero within its limits, and in again.
+    // Ramped to zero within its limits, and in again.
     assert_eq!(with[899], [0.0; 6]);
     assert!(without[899].iter().any(|c| c.abs() > 1.0));
     let last = with.len() - 1;
@@ -131,7 +131,7 @@ fn an_exchange_is_led_over_and_ends_where_the_other_tables_lead() {
     let last = own.len() - 1;
     assert_eq!(exchanged[last], own[last]);
     let step = |at: usize| (0..3).map(|k| (exchanged[at][k] - exchanged[at - 1][k]).abs()).fold(0.0, f32::max);
-    // 1 mm/s, in µm a cycle of 1 ms, and what rounding adds to a difference of two.
+    // 1 mm/s, in µm per cycle of 1 ms, plus the rounding of a difference of two values.
     let worst = (700..=last).map(step).fold(0.0, f32::max);
     assert!(worst <= 1.0 + 1e-4 && worst > 0.5, "{worst}");
 }

@@ -1,4 +1,4 @@
-//! Circles from which friction is found: their planes, and passes in slices.
+//! Circles from which friction is identified: their planes, and passes in slices.
 
 use std::path::Path;
 use trueaxis::Axis;
@@ -11,7 +11,7 @@ fn machine() -> Machine {
     Machine::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../../compensation-tables/mill-3axis")).unwrap()
 }
 
-/// A pass at 1 kHz, in slices of so many cycles.
+/// A pass at 1 kHz, in slices of `slice` cycles.
 fn pass(plane: Plane, slice: u64) -> Pass {
     let circles = Circles::new(plane, 8.0037, &[1500.0, 900.0], 1).unwrap();
     let settings = Settings { rate_hz: 1000.0, ..Settings::default() };
@@ -41,7 +41,7 @@ fn circles_lie_in_their_plane() {
             (low + high) / 2.0
         };
         let [a, b] = [middle(first), middle(second)];
-        // After the way to the start: every point is on the circle, but for the correction of geometry.
+        // After the approach to the start, every point is on the circle, except for the geometric correction.
         let start = first.iter().zip(second).position(|(x, y)| ((x - a).hypot(y - b) - 8.0037).abs() < 0.02).unwrap();
         for k in start..first.len() {
             let radius = (first[k] - a).hypot(second[k] - b);

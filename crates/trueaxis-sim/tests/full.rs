@@ -1,4 +1,4 @@
-//! The full run: there for machines with dynamic parts, the same every time, and as true as promised.
+//! The full run: available for machines with dynamic parts, reproducible, and as accurate as promised.
 
 use std::path::Path;
 use trueaxis_sim::program::Program;
@@ -7,14 +7,14 @@ use trueaxis_sim::{Scenario, Settings};
 use trueaxis_tables::Machine;
 
 const SHORT: &str = "G21 G90 F1500\nG1 X10\nG2 X10 Y-20 J-10\nG1 X0 Y0\nG0 Z5\n";
-/// Twice round, R 50 mm at 1500 mm/min.
+/// Two turns, R 50 mm at 1500 mm/min.
 const CIRCLE: &str = "G21 G90 F1500\nG0 X50 Y-5\nG1 X50 Y0\nG3 X50 Y0 I-50 J0\nG3 X50 Y0 I-50 J0\n";
 
 fn sample(name: &str) -> Machine {
     Machine::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../../compensation-tables").join(name)).unwrap()
 }
 
-/// The same machine with its drives left alone.
+/// The machine with geometric correction only.
 fn geometry_alone(mut machine: Machine) -> Machine {
     for axis in &mut machine.settings.axes {
         (axis.servo.friction, axis.servo.dynamic) = (None, None);
@@ -63,7 +63,7 @@ fn a_machine_gets_the_fourth_run_for_any_dynamic_part() {
     assert_eq!([count(plain), count(sample("mill-3axis"))], [3, 4]);
 }
 
-/// The three runs beside it do not know of the dynamic parts.
+/// The dynamic parts do not affect the three other runs.
 #[test]
 fn the_other_runs_stay_as_they_are() {
     let plain = tallies(short(geometry_alone(sample("mill-3axis"))), &Kind::BASIC);
@@ -100,7 +100,7 @@ fn full(machine: Machine, program: Program) -> (f64, f64) {
     (found.error.max_um, found.error.rms_um)
 }
 
-/// The drives of the sample are not what its file says: friction −10 %, gains +5 %, pre-sliding +20 %.
+/// The sample's drives differ from its file: friction −10 %, gains +5 %, pre-sliding +20 %.
 #[test]
 fn what_the_servo_leaves_falls_to_a_third_with_figures_that_are_off() {
     for (name, [most, rms]) in
@@ -129,7 +129,7 @@ fn a_circle_is_true_within_150_nm_where_the_figures_are_right() {
     assert!(found.0 <= 0.15, "{found:?} µm");
 }
 
-/// Rotary axes included; the tip is moved by the linear ones.
+/// Includes rotary axes; the linear ones move the tip.
 #[test]
 fn a_cone_on_five_axes_is_left_below_half_of_what_the_servo_alone_leaves() {
     let program = Program::builtin("cone-5axis").unwrap().unwrap();

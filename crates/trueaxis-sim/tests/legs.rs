@@ -1,4 +1,4 @@
-//! Short legs that turn by almost 180°, stopped at, on axes that follow unevenly: the foot is on the leg of the tip.
+//! Short legs that turn by almost 180°, with stops, on axes that follow unequally: the foot is on the leg of the tip.
 
 use crate::common::machine;
 use std::f64::consts::PI;
@@ -9,11 +9,12 @@ use trueaxis_sim::run::{Kind, Moment, Run, Sample};
 use trueaxis_sim::{Scenario, Settings};
 use trueaxis_testing::noise::Noise;
 
-/// The estimated tip changes the side of its play where the command turns, up to 3.2 µm, before the axis does, µm.
+/// Bound on the error of the estimate, µm: the estimated tip changes the side of its play where the command turns, up to 3.2
+/// µm, before the axis does.
 const MOST_OFF: f32 = 3.5;
 const RATES: [f64; 4] = [1e3, 2e3, 4e3, 8e3];
 
-/// A program of legs, each by its length in mm and the turn after it.
+/// A program of legs, each given by its length in mm and the turn after it.
 fn program(feed: f64, mut angle: f64, legs: impl IntoIterator<Item = (f64, f64)>) -> String {
     let mut text = format!("G21 G90 G17 G61.1 F{feed:.0}\nG0 X0 Y0 Z0\n");
     let (mut x, mut y) = (0.0, 0.0);
@@ -25,8 +26,8 @@ fn program(feed: f64, mut angle: f64, legs: impl IntoIterator<Item = (f64, f64)>
     text + "M2\n"
 }
 
-/// The most that the estimate is off in cycles that do not hold the feedback; largest true error with compensation of
-/// geometry alone and with all of it; µm.
+/// Largest error of the estimate in cycles that do not hold the feedback; largest true error with geometric compensation alone
+/// and with full compensation; µm.
 fn follow(text: &str, gains: [f64; 2], rate_hz: f64) -> (f32, [f32; 2]) {
     let mut settings = Settings { rate_hz, ..Settings::default() };
     for (axis, gain) in ["X", "Y"].iter().zip(gains) {
@@ -56,7 +57,7 @@ fn follow(text: &str, gains: [f64; 2], rate_hz: f64) -> (f32, [f32; 2]) {
     (most_off, largest)
 }
 
-/// A foot that stays on the leg before is off by hundreds of micrometres here, and the feedback pulls the tool there.
+/// A foot that stays on the previous leg is off by hundreds of micrometres here, and the feedback pulls the tool there.
 #[test]
 fn on_stitches_that_turn_back_the_estimate_is_true_or_flagged_and_feedback_does_no_harm() {
     let stitches = |turn: f64| {

@@ -1,4 +1,4 @@
-//! Setpoints against the limits they were planned with, and against analytic motion.
+//! Setpoints compared with the limits they were planned with, and with analytic motion.
 
 use proptest::prelude::*;
 use trueaxis_sim::motion::{DWELL_CYCLES, Motion, MotionError, MotionSettings, Setpoint};
@@ -16,7 +16,7 @@ fn ceiling(element: &Move, settings: &MotionSettings) -> f64 {
     (if element.rapid { settings.rapid_mm_per_min } else { element.feed_per_min }) / 60.0
 }
 
-/// Every limit, at every cycle. Returns the largest normal acceleration seen.
+/// Checks every limit in every cycle. Returns the largest normal acceleration seen.
 fn check(program: &Program, settings: MotionSettings) -> f64 {
     let motion = Motion::plan(program, settings).unwrap();
     assert!((motion.length() - program.length()).abs() < 1e-7 * program.length().max(1.0));
@@ -98,7 +98,7 @@ fn a_single_line_takes_the_analytic_time() {
     let long = program("F6000 G1 X100");
     let motion = Motion::plan(&long, settings).unwrap();
     assert!((motion.duration() - (1.0 + 0.1 + 0.05)).abs() < 1e-9);
-    // Half-way in time is half-way in length; after a/j and v/a the acceleration is over at v (v/a + a/j) / 2 = 7.5 mm.
+    // Half the time is half the length; after a/j and v/a the acceleration ends at v (v/a + a/j) / 2 = 7.5 mm.
     let half = motion.setpoints(&long).find(|p| p.length >= 50.0).unwrap();
     assert!((half.length - 50.0).abs() < 0.02 && half.feed == 100.0);
     let at = motion.setpoints(&long).nth(usize::try_from(DWELL_CYCLES).unwrap() + 1500).unwrap();

@@ -1,4 +1,4 @@
-//! G-code in, curves out: every element against its golden form, every refusal with its line.
+//! G-code in, curves out: every element is compared with its golden form, every refusal names its line.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -100,7 +100,7 @@ fn a_helix_has_its_analytic_curvature() {
 
 #[test]
 fn nurbs_block_is_linuxcnc_s() {
-    // The example of LinuxCNC's manual for G5.2, closed to an order of 3: quadratic pieces on the knots 0,0,0,1,2,…
+    // The example for G5.2 in LinuxCNC's manual, with order 3: quadratic pieces on the knots 0,0,0,1,2,…
     let curve = last("F10 G0 X0 Y0\nG5.2 X0 Y1 P1 L3\nX2 Y2 P1\nX2 Y0 P1\nX0 Y0 P2\nG5.3");
     let Curve::Nurbs { degree, knots, points, weights } = &curve else { panic!() };
     assert_eq!(*degree, 2);
@@ -148,7 +148,7 @@ fn published_butterfly() -> Curve {
     }
 }
 
-/// Cox–de Boor basis function by its definition, of order k.
+/// Cox–de Boor basis function of order k, by its definition.
 fn basis(i: usize, k: usize, u: f64, knots: &[f64]) -> f64 {
     if k == 1 {
         return f64::from(u8::from(knots[i] <= u && u < knots[i + 1]));
@@ -335,7 +335,7 @@ fn refusals_name_line_and_word() {
 #[test]
 fn strokes_of_cycles_count_whether_or_not_they_have_a_length() {
     let read = |text: &str| Program::read_within("part", text.as_bytes(), "part.ngc", &ReadOptions::default(), 1000);
-    // Up and down by nothing, 300 times a line.
+    // Zero-length strokes up and down, 300 per line.
     let standing = "F1 G81 X0 Y0 Z0 R0 L300\n";
     assert!(read(&standing.repeat(3)).unwrap().moves.is_empty());
     let error = read(&standing.repeat(4)).unwrap_err();

@@ -1,4 +1,4 @@
-//! Runs come out the same however they are divided, and settings have their effect.
+//! Runs do not depend on how they are divided, and settings have their effect.
 
 use std::collections::hash_map::DefaultHasher;
 use std::hash::{Hash, Hasher};
@@ -22,7 +22,7 @@ fn settings(changes: &[(&str, &str)]) -> Settings {
     settings
 }
 
-/// Digest of everything that a sink sees.
+/// Digest of everything passed to a sink.
 #[derive(Default)]
 struct Digest {
     hasher: DefaultHasher,
@@ -64,7 +64,7 @@ fn a_run_may_be_left_and_moved_between_any_two_cycles() {
     let run = || Run::new(scenario(settings(&faults))).unwrap();
     let whole = finish(run(), Digest::default(), u64::MAX);
     assert_eq!(whole.2[1].faults.len(), 1);
-    // Orders of calls within a block of cycles differ with its length; what a sink sees of the cycles does not.
+    // The order of calls within a block of cycles varies with its length; the cycles passed to a sink do not.
     let cycles_only = |stretch| {
         let (mut run, mut samples) = (run(), Digest::default());
         let mut sink = |moment: &Moment, machines: &[Option<&Sample>]| samples.cycle(moment, machines);

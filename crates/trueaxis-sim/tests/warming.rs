@@ -1,4 +1,4 @@
-//! A machine that warms, found from its record and corrected in a shift of another kind.
+//! A machine that warms up: its growth identified from a record, and corrected in a shift of another kind.
 
 use std::path::Path;
 use trueaxis_sim::warming::{Outcome, SENSORS, Warming};
@@ -12,7 +12,7 @@ fn run(seed: u64, fails: Option<&str>) -> Outcome {
     warming.run(&mut |_| ()).unwrap()
 }
 
-/// The aim is a tenth of the largest drift.
+/// The goal is a tenth of the largest drift.
 #[test]
 fn of_a_shift_that_was_not_fitted_a_tenth_of_the_largest_drift_is_left() {
     for seed in [1, 2, 3] {
@@ -20,7 +20,7 @@ fn of_a_shift_that_was_not_fitted_a_tenth_of_the_largest_drift_is_left() {
         let share = outcome.left_share();
         assert!(outcome.largest_mm[0] > 0.02, "{:?}", outcome.largest_mm);
         assert!(share <= 0.07, "seed {seed}: {share}: {:?}", outcome.axes_mm);
-        // The limiter: a growth that jumps at every update never makes the correction do so.
+        // The limiter: growth that jumps at every update never makes the correction jump.
         assert!(outcome.of_limits <= 1.0 + 1e-6, "{} of the limits", outcome.of_limits);
         assert!(!outcome.unsettled && !outcome.stopped && !outcome.told && outcome.moments.len() == 481);
     }
@@ -31,6 +31,6 @@ fn a_sensor_that_goes_missing_is_told_and_nothing_jumps() {
     let outcome = run(1, Some("nose"));
     assert!(outcome.told && outcome.failed == Some("nose"));
     assert!(outcome.of_limits <= 1.0 + 1e-6 && !outcome.stopped, "{} of the limits", outcome.of_limits);
-    // Its share stands still: worse than with it, and no worse than none at all.
+    // The failed sensor's share is frozen: worse than with the sensor, but below twice the drift without any correction.
     assert!(outcome.largest_mm[1] < 2.0 * outcome.largest_mm[0], "{:?}", outcome.largest_mm);
 }

@@ -1,12 +1,12 @@
-//! The board's interrupts, in the form in which RTIC and cortex-m-rt look for them: no vendor's crate describes the
-//! MPS2's images AN386 and AN500.
+//! The board's interrupts, in the form that RTIC and cortex-m-rt expect; no vendor's crate describes the MPS2 images AN386 and
+//! AN500.
 
 use cortex_m::interrupt::InterruptNumber;
 
-/// Bits of a priority that the processor keeps: the three highest of a byte.
+/// Implemented priority bits of the processor: the three highest of a byte.
 pub const NVIC_PRIO_BITS: u8 = 3;
 
-/// Interrupts that are used. The UART's are never raised by hardware here: tasks are dispatched from them.
+/// The interrupts in use. Hardware never raises those of the UARTs here: they dispatch tasks.
 #[derive(Clone, Copy, Debug)]
 #[repr(u16)]
 pub enum Interrupt {
@@ -20,7 +20,7 @@ pub enum Interrupt {
     Timer0 = 8,
 }
 
-/// The name under which vendors' crates have it.
+/// The name used by vendors' crates.
 pub use Interrupt as interrupt;
 
 // SAFETY: the discriminants are the numbers of the interrupts.
@@ -48,7 +48,7 @@ unsafe extern "C" {
 
 const LAST: usize = Interrupt::Timer0 as usize;
 
-/// Vectors of the interrupts, behind those of the exceptions.
+/// Vectors of the interrupts, after those of the exceptions.
 #[unsafe(link_section = ".vector_table.interrupts")]
 #[unsafe(no_mangle)]
 pub static __INTERRUPTS: [Vector; LAST + 1] = {

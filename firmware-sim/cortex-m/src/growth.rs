@@ -1,10 +1,10 @@
-//! Growth lines on their way from the thermal task to the servo interrupt.
+//! Queue of growth lines from the thermal task to the servo interrupt.
 
 use heapless::spsc::Consumer;
 use trueaxis::compensation::ThermalLine;
 use trueaxis::{Position, Real, State};
 
-/// Room of the queue; one less fits.
+/// Size of the queue, which holds one entry less.
 pub const WAITING: usize = 3;
 
 /// Growth lines by the step's slots, and the cycle from which they are in force.
@@ -12,26 +12,26 @@ pub const WAITING: usize = 3;
 pub struct InForce<R, const N: usize> {
     /// The cycle.
     pub from: u32,
-    /// None for an axis that the growth does not name.
+    /// `None` for an axis without growth.
     pub lines: [Option<ThermalLine<R>>; N],
 }
 
 /// The interrupt's end of the queue.
 pub struct Growths<R: 'static, const N: usize> {
     waiting: Consumer<'static, InForce<R, N>>,
-    /// Growths taken.
+    /// Number of growths taken.
     pub taken: u32,
-    /// Of these after their cycle.
+    /// Number of these taken after their cycle.
     pub late: u32,
 }
 
 impl<R: Real, const N: usize> Growths<R, N> {
-    /// Before the first cycle.
+    /// The queue's end before the first cycle.
     pub fn new(waiting: Consumer<'static, InForce<R, N>>) -> Self {
         Growths { waiting, taken: 0, late: 0 }
     }
 
-    /// Sets the growth that is in force from this cycle on, if there is one: at most one in a cycle.
+    /// Applies the growth that is due in this cycle, if any; at most one per cycle.
     #[inline]
     pub fn take_into<P: Position>(&mut self, state: &mut State<R, P, N>, cycle: u32) {
         if self.waiting.peek().is_none_or(|next| next.from > cycle) {

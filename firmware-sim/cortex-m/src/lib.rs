@@ -1,4 +1,4 @@
-//! The board, shared by the images.
+//! Board support shared by the images.
 
 #![no_std]
 

@@ -1,4 +1,4 @@
-//! Data flashed apart from the image: tables, thermal growth and a recording, each in a region of its own (`memory.x`).
+//! Data flashed separately from the image: tables, thermal growth and a recording, each in its region (`memory.x`).
 
 use core::ptr::addr_of;
 
@@ -11,18 +11,18 @@ unsafe extern "C" {
     static _request: [u32; 2];
 }
 
-/// A cycle that is to be run alone, with those before it that it needs.
+/// A single cycle to be run, after the preceding cycles that it depends on.
 #[derive(Clone, Copy, Debug)]
 pub enum Request {
-    /// Of the recording.
+    /// A cycle of the recording.
     Recorded(u32),
-    /// Of the adversarial cycles.
+    /// One of the adversarial cycles.
     Adversarial(u32),
 }
 
-/// What was asked for at the very end of the recording's region: kind 1 or 2, and a number. Nothing where both are zero.
+/// The request at the very end of the recording's region: kind 1 or 2, and a number; `None` if both are zero.
 pub fn request() -> Option<Request> {
-    // SAFETY: two words of the board's memory (memory.x), written by nobody while the image runs.
+    // SAFETY: two words of the board's memory (memory.x), which nothing writes while the image runs.
     let [kind, number] = unsafe { addr_of!(_request).read_volatile() };
     match kind {
         1 => Some(Request::Recorded(number)),
@@ -32,13 +32,13 @@ pub fn request() -> Option<Request> {
 }
 
 fn region(from: *const u8, to: *const u8) -> &'static [u8] {
-    // SAFETY: both lie in the board's memory behind the code (memory.x), which nothing writes while the image runs.
+    // SAFETY: both are in the board's memory behind the code (memory.x), which nothing writes while the image runs.
     unsafe { core::slice::from_raw_parts(from, to as usize - from as usize) }
 }
 
-/// A table file by the length that its header gives: the whole region where that is no table file.
+/// A table file, cut to the length in its header; the whole region if that is not a table file.
 fn table_file(region: &'static [u8]) -> &'static [u8] {
-    /// Magic, version, machine id; then the length of the payload, then the sum behind it.
+    /// Offset of the payload's length, after magic, version and machine id; the CRC follows the payload.
     const LENGTH_AT: usize = 14;
     let length = region.get(LENGTH_AT..).and_then(|rest| rest.first_chunk()).map(|bytes| u32::from_le_bytes(*bytes));
     let whole = length.and_then(|length| (length as usize).checked_add(LENGTH_AT + 4 + 4));
@@ -50,17 +50,17 @@ pub fn tables_a() -> &'static [u8] {
     table_file(region(addr_of!(_tables_a), addr_of!(_tables_b)))
 }
 
-/// The tables that are asked for in motion.
+/// The tables that the recording requests in motion.
 pub fn tables_b() -> &'static [u8] {
     table_file(region(addr_of!(_tables_b), addr_of!(_warming)))
 }
 
-/// Thermal growth with readings of sensors, and what lies behind them.
+/// Thermal growth with sensor readings, and everything after them in the region.
 pub fn warming() -> &'static [u8] {
     region(addr_of!(_warming), addr_of!(_recording))
 }
 
-/// The recording, and what lies behind it.
+/// The recording, and everything after it in the region.
 pub fn recording() -> &'static [u8] {
     region(addr_of!(_recording), addr_of!(_regions_end))
 }

@@ -2,10 +2,10 @@
 
 use trueaxis::machine::{AxisSettings, ErrorModel, MachineSettings};
 
-/// The stated defaults, with these axes: X, Y and Z carry the tool; where there are more, C on a trunnion A the workpiece.
+/// The stated defaults with these axes: X, Y and Z carry the tool; with more, C on a trunnion A carries the workpiece.
 ///
 /// # Panics
-/// More axes than a machine has.
+/// There are more axes than a machine has.
 pub fn machine(tool_mm: [f64; 3], model: ErrorModel, axes: impl IntoIterator<Item = AxisSettings>) -> MachineSettings {
     let axes: heapless::Vec<_, _> = axes.into_iter().collect();
     let chain = if axes.len() > 3 { "w C' A' b X Y Z t" } else { "w b X Y Z t" };

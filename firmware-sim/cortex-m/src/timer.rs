@@ -5,7 +5,7 @@ use core::hint::black_box;
 
 const TIMER: *mut u32 = 0x4000_0000 as *mut u32;
 
-/// Lets the timer run from the top, without reload interrupts.
+/// Starts the timer from its largest value, without reload interrupts.
 pub fn start() {
     // SAFETY: registers of the board's timer 0: value, reload, control.
     unsafe {
@@ -15,14 +15,14 @@ pub fn start() {
     }
 }
 
-/// Ticks left of the timer.
+/// Current value of the timer, which counts down.
 #[inline(always)]
 pub fn now() -> u32 {
     // SAFETY: the timer's value register.
     unsafe { TIMER.add(1).read_volatile() }
 }
 
-/// Instructions of one call, the reading of the timer included, and what it returned.
+/// Instructions of one call, including the reading of the timer, and the returned value.
 #[inline(never)]
 pub fn timed<A>(function: fn(&A) -> u32, argument: &A) -> (u32, u32) {
     let function = black_box(function);
@@ -32,7 +32,7 @@ pub fn timed<A>(function: fn(&A) -> u32, argument: &A) -> (u32, u32) {
     (instructions(ticks), result)
 }
 
-/// 3.2 ticks an instruction, rounded.
+/// Converts ticks, 3.2 per instruction, with rounding.
 pub fn instructions(ticks: u32) -> u32 {
     ((u64::from(ticks) * 40 + 64) >> 7) as u32
 }
@@ -60,7 +60,7 @@ impl Tally {
         self.most = self.most.max(instructions);
     }
 
-    /// Number of them.
+    /// Number of counts.
     pub fn count(&self) -> u32 {
         self.count
     }

@@ -1,7 +1,7 @@
-//! Where the artefacts of a task really stand, and how large they are.
+//! True positions and sizes of a task's artefacts.
 //!
-//! Sizes are drawn within the stated standard uncertainty, once for every artefact; places are off as a person sets things up,
-//! and askew. What comes of it is surfaces: blocks, balls and bores, of which the solution knows nothing.
+//! Sizes are drawn within the stated standard uncertainty, once per artefact; positions and orientations deviate as in a
+//! manual set-up. The result is the true surfaces (blocks, balls and bores), which the solution never sees.
 
 use anyhow::Result;
 use glam::{DMat3, DVec3};
@@ -10,27 +10,27 @@ use trueaxis_evaluation::calibrate::{Artefact as Described, Ideal, Kind, Place, 
 use trueaxis_sim::calibration::Artefact;
 use trueaxis_tables::Machine;
 
-/// Angle of a square of which nothing is stated: standard deviation from the right angle, rad.
+/// Angular error of a square without a stated uncertainty: standard deviation from a right angle, rad.
 const UNKNOWN_ANGLE: f64 = 50e-6;
-/// Half of a face of a gauge along and across it, mm.
+/// Half the size of a gauge face, along and across it, mm.
 const HALF_FACE: f64 = 6.0;
-/// Most thickness of a gauge's step along the gauge, mm.
+/// Maximum thickness of a gauge's step along the gauge, mm.
 const STEP: f64 = 5.0;
-/// Width of a square's arm in its plane, and half of its thickness, mm.
+/// Width of a square's arm in its plane, and half its thickness, mm.
 const ARM: [f64; 2] = [25.0, 8.0];
-/// Where an arm of a square begins, from the corner, as a share of its length: so neither stands out beyond the other's face.
+/// Start of a square's arm, from the corner, as a share of its length, so that neither arm protrudes beyond the other's face.
 const RELIEF: f64 = 0.01;
 
-/// How artefacts are set up, standard deviations.
+/// Set-up errors of artefacts, standard deviations.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SetUp {
-    /// Off the place, in each direction, mm.
+    /// Position error in each direction, mm.
     pub(crate) misplaced_mm: f64,
-    /// Askew about each direction, rad.
+    /// Misalignment about each direction, rad.
     pub(crate) askew: f64,
 }
 
-/// What stands on the machine in every set-up of a task: its own artefact, and the reference in all of them.
+/// All artefacts on the machine in every set-up of a task: the set-up's own artefact, and the reference in all of them.
 pub(crate) fn stand(
     task: &Task,
     nominal: &Machine,
@@ -61,7 +61,7 @@ pub(crate) fn stand(
     Ok(places.into_iter().map(with_reference).collect())
 }
 
-/// An artefact as it is.
+/// An artefact with its true sizes.
 enum Real {
     Ring {
         diameter: f64,
@@ -69,12 +69,12 @@ enum Real {
     Ball {
         diameter: f64,
     },
-    /// Centres from the first ball's nominal place, along the plate.
+    /// Ball centres relative to the first ball's nominal position, along the plate.
     Plate {
         diameter: f64,
         centres: Vec<DVec3>,
     },
-    /// Faces from the first one's nominal place.
+    /// Faces relative to the first one's nominal position.
     Gauge {
         faces: Vec<f64>,
         thick: f64,
@@ -110,7 +110,7 @@ impl Real {
         }
     }
 
-    /// Its surfaces at a place; `tip`: where the tip's centre stands at the artefact's, as far as that was met.
+    /// The artefact's surfaces at a place; `tip`: the tip's centre at the artefact's origin, with the set-up's position error.
     fn standing(
         &self,
         place: &Place,
@@ -150,7 +150,7 @@ impl Real {
                 let (along, up) = (downwards(place.along), unit(place.normal));
                 let across = up.cross(along);
                 let across = if across.z > 0.5 { -across } else { across };
-                // Turned over about its second arm: half a turn, no mirror image.
+                // Turned over about its second arm: a rotation by 180°, not a mirror image.
                 let over = if place.reversed { -1.0 } else { 1.0 };
                 let frame = turned(askew, normal) * DMat3::from_cols(over * along, across, over * up);
                 let [width, thick] = ARM;
@@ -174,12 +174,12 @@ fn unit(axis: Axis) -> DVec3 {
     [DVec3::X, DVec3::Y, DVec3::Z][axis.index() % 3]
 }
 
-/// What stands upright is reached from above.
+/// Direction of an artefact along an axis; along Z it points down, since an upright artefact is touched from above.
 fn downwards(axis: Axis) -> DVec3 {
     if axis == Axis::Z { -DVec3::Z } else { unit(axis) }
 }
 
-/// A turn about all three directions.
+/// A small random rotation about all three directions.
 fn turned(askew: f64, normal: &mut impl FnMut() -> f64) -> DMat3 {
     let by = DVec3::new(normal(), normal(), normal()) * askew;
     DMat3::from_quat(glam::DQuat::from_scaled_axis(by))

@@ -1,16 +1,15 @@
 //! Centre lines of a five-axis machine.
 //!
-//! A centre line has a place and a direction only by the axes that go along it: where they say that they are zero is a
-//! matter of the machine's corner, far from all touches. So it is looked at as ISO 10791-6 does, by the tip that stands on
-//! the line while the rotary axis turns by half a turn:
+//! Position and direction of a centre line are defined only relative to the motion of the linear axes: the zero of their
+//! errors is at the machine's corner, far from all touches. They are therefore evaluated as in ISO 10791-6, with the tip on
+//! the line while the rotary axis turns by 180°:
 //!
 //! ```text
 //! d(s) = ½ [E(s, 0°) + E(s, 180°)]
 //! ```
-//!
-//! E is the error of the tip at s along the line, in machine directions. All that turns with the workpiece falls out; what is
-//! left is the centre line against the linear axes as they go. The least-squares line of d over s, at its middle and by its
-//! slope, is place and tilt.
+//! E is the tip error at s along the line, in machine directions. Every error that turns with the workpiece cancels; d is the
+//! deviation of the centre line from the motion of the linear axes. The least-squares line of d over s gives the position (its
+//! value at the middle) and the tilt (its slope).
 
 use super::{Conditions, TaskText, run};
 use anyhow::Result;
@@ -20,23 +19,23 @@ use trueaxis_sim::calibration::{Class, random_five_axis};
 use trueaxis_tables::Machine;
 use trueaxis_tables::exact::Geometry;
 
-/// How far the centre lines that were found are from the true ones.
+/// Deviation of the identified centre lines from the true ones.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct FiveAxes {
     /// Seed.
     pub seed: u64,
-    /// Largest error of a centre line's place, µm.
+    /// Largest position error of a centre line, µm.
     pub place_um: f64,
     /// Largest error of a tilt, µrad.
     pub tilt_urad: f64,
-    /// The largest of either that was there to be found.
+    /// Largest true position error, µm, and tilt, µrad.
     pub true_um_urad: [f64; 2],
 }
 
-/// Calibrates the five-axis machine of a seed by a task, like [`FIVE_AXES`](super::FIVE_AXES).
+/// Calibrates the five-axis machine of a seed by a task such as [`FIVE_AXES`](super::FIVE_AXES).
 ///
 /// # Errors
-/// Whatever planning, probing or solving refuses.
+/// Any error of planning, probing or solving.
 pub fn five_axes<'t>(
     seed: u64,
     task: impl Into<TaskText<'t>>,
@@ -57,11 +56,11 @@ pub fn five_axes<'t>(
     Ok(outcome)
 }
 
-/// The stretch of either line that is looked at, from where they cross, the origin of A, mm: over the trunnion, and over the table.
+/// Evaluated stretch of either line, from the crossing point (the origin of A), mm: above the trunnion, and above the table.
 const STRETCHES: [(Axis, usize, [f64; 2]); 2] = [(Axis::A, 0, [-100.0, 100.0]), (Axis::C, 2, [0.0, 100.0])];
 const POINTS: usize = 9;
 
-/// Place, mm, and tilt, rad, of A and of C, each in two directions across it.
+/// Position, mm, and tilt, rad, of A and of C, each in the two directions across it.
 fn centre_lines(machine: &Machine) -> Result<Vec<[f64; 2]>> {
     let geometry = Geometry::new(machine, 0.0)?;
     let slot = |axis: Axis| machine.settings.axes.iter().position(|own| own.axis == axis).unwrap_or_default();
@@ -79,7 +78,7 @@ fn centre_lines(machine: &Machine) -> Result<Vec<[f64; 2]>> {
                 }
                 let mut error = |degrees: f64| {
                     position[slot(rotary)] = degrees;
-                    // Half-way through its lost motion: the mean of both directions of travel.
+                    // Half-way through the lost motion: the mean of both directions of travel.
                     geometry.tip_error(&position, &[0.5; AXES])
                 };
                 let [one, other] = [error(0.0), error(180.0)];
@@ -87,7 +86,7 @@ fn centre_lines(machine: &Machine) -> Result<Vec<[f64; 2]>> {
             })
             .collect();
         for across in (0..3).filter(|k| *k != along) {
-            // The points are even about the middle: the sums of the normal equations stand apart.
+            // The points are symmetric about the middle, so the normal equations decouple.
             let from_middle = || at.iter().map(|s| s - middle);
             let sum: f64 = errors.iter().map(|error| error[across]).sum();
             let moment: f64 = from_middle().zip(&errors).map(|(s, error)| s * error[across]).sum();

@@ -1,4 +1,4 @@
-//! The whole calibration of a simulated machine: task, program, probing, log, solution, tables, and what they leave.
+//! The complete calibration of a simulated machine: task, program, probing, log, solution, tables, and the residual error.
 //!
 //! ```text
 //! random machine ─┐
@@ -6,7 +6,7 @@
 //!         artefacts within their uncertainty, misplaced; probe noise and lobes; drift
 //! ```
 //!
-//! Nothing that the solution knows comes from the true machine but the log.
+//! The log is the solution's only information about the true machine.
 
 pub(crate) mod artefacts;
 mod five_axes;
@@ -32,23 +32,23 @@ use trueaxis_tables::Machine;
 use trueaxis_tables::files::Memory;
 use trueaxis_tables::formats::machine_files;
 
-/// The surroundings of the probing.
+/// Conditions during the probing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Conditions {
     /// Standard deviation of a touch, µm.
     pub noise_um: f64,
-    /// Pre-travel of the probe, and how much it varies around the tip, µm.
+    /// Pre-travel of the probe, and its variation around the tip, µm.
     pub pre_travel_um: [f64; 2],
-    /// Drift: standard deviation of its rate in each direction, µm an hour, and of a part that settles, µm.
+    /// Drift: standard deviation of its rate in each direction, µm/h, and of a part that settles, µm.
     pub drift_um: [f64; 2],
-    /// How far artefacts stand from where the task says, mm.
+    /// Position error of the artefacts relative to the task, mm.
     pub misplaced_mm: f64,
-    /// How far they are askew about each direction, µrad.
+    /// Misalignment of the artefacts about each direction, µrad.
     pub askew_urad: f64,
 }
 
 impl Conditions {
-    /// A touch probe of 1 µm on a machine that has not settled.
+    /// A touch probe with 1 µm scatter on a machine that has not settled.
     pub const SHOP: Conditions = Conditions {
         noise_um: 1.0,
         pre_travel_um: [8.0, 0.3],
@@ -57,7 +57,7 @@ impl Conditions {
         askew_urad: 500.0,
     };
 
-    /// An exact probe on a machine that stays as it is; artefacts stand as well as in [`Conditions::SHOP`].
+    /// An exact probe on a machine without drift; artefacts are set up as in [`Conditions::SHOP`].
     pub const EXACT: Conditions =
         Conditions { noise_um: 0.0, pre_travel_um: [8.0, 0.0], drift_um: [0.0, 0.0], ..Conditions::SHOP };
 }
@@ -67,31 +67,31 @@ impl Conditions {
 pub struct Calibrated {
     /// The log.
     pub log: String,
-    /// What it told.
+    /// The solution of the log.
     pub found: Calibration,
-    /// The machine as the files say after it.
+    /// The machine as its files describe it after the calibration.
     pub known: Machine,
 }
 
-/// Result of a machine.
+/// Result for one machine.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Outcome {
     /// Seed of the machine and of everything else.
     pub seed: u64,
     /// Error over the volume without correction.
     pub before_um: Errors,
-    /// With the correction that was found.
+    /// Error over the volume with the identified correction.
     pub after_um: Errors,
-    /// Share of the root mean square that is gone.
+    /// Share of the root-mean-square error that was removed.
     pub removed: f64,
-    /// Standard deviation of a touch as found, µm.
+    /// Standard deviation of a touch as estimated, µm.
     pub sigma_um: f64,
 }
 
-/// Calibrates the three-axis machine of a seed by a task, like [`MILL`].
+/// Calibrates the three-axis machine of a seed by a task such as [`MILL`].
 ///
 /// # Errors
-/// Whatever planning refuses; [`Refused`] for what probing or solving does.
+/// Any error of planning; [`Refused`] for an error of probing or solving.
 pub fn three_axes<'t>(
     seed: u64,
     task: impl Into<TaskText<'t>>,
@@ -105,7 +105,7 @@ pub fn three_axes<'t>(
     Ok(Outcome { seed, before_um, after_um, removed, sigma_um: 1e3 * calibrated.found.solution.sigma_mm })
 }
 
-/// The whole round on one machine.
+/// Runs the complete calibration on one machine.
 ///
 /// # Errors
 /// As [`three_axes`].
@@ -136,7 +136,7 @@ pub fn run<'t>(
         drift,
         pause_s: 300.0,
         seed: seed ^ 0x9015e,
-        // Either control in turn.
+        // Alternates between the two controls.
         host: if seed.is_multiple_of(2) { Host::LinuxCnc } else { Host::GrblHal },
     };
     let dialect = if probing.host == Host::LinuxCnc { Dialect::LinuxCnc } else { Dialect::GrblHal };
@@ -155,7 +155,7 @@ pub fn run<'t>(
     Ok(Calibrated { log, found, known })
 }
 
-/// What the probing of one machine tells: its log, and the solution.
+/// Probes one machine: its log, and the solution.
 fn probed(
     task: &Task,
     nominal: &Machine,

@@ -3,10 +3,11 @@
 use serde::Serialize;
 use std::fmt;
 
-/// A machine that is missing from the figures: the probing or the solution was refused, as by a drift that is too large.
+/// A machine that is excluded from the figures because its probing or solution was refused, for example after too large a
+/// drift.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Refused {
-    /// Axes of the machine, 3 or 5.
+    /// Number of axes, 3 or 5.
     pub axes: usize,
     /// Seed.
     pub seed: u64,

@@ -1,4 +1,4 @@
-//! Many machines, and what they say together.
+//! Statistics over many simulated calibrations.
 
 use super::{Conditions, FiveAxes, Outcome, Refused, TaskText, five_axes, three_axes};
 use anyhow::Result;
@@ -9,45 +9,45 @@ use trueaxis_report::number::significant;
 use trueaxis_report::{Figure, Page, Row, Scale, Stroke, Table, colour};
 use trueaxis_sim::calibration::Class;
 
-/// What many machines say.
+/// Statistics over many machines.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Summary {
-    /// Three-axis machines that were calibrated.
+    /// Number of calibrated three-axis machines.
     pub machines: usize,
-    /// Machines of either kind whose calibration was refused; no other figure has them in it.
+    /// Number of machines of either kind whose calibration was refused; they enter no other figure.
     pub refused: usize,
-    /// Share of the volumetric error (root mean square) that is removed, at the median.
+    /// Median share of the volumetric error (root mean square) that is removed.
     pub median_removed: f64,
-    /// On the machine on which it is least.
+    /// Smallest share removed on any machine.
     pub least_removed: f64,
-    /// Machines whose error is larger after than before, root mean square or largest.
+    /// Machines whose error is larger after calibration than before, root mean square or maximum.
     pub made_worse: usize,
-    /// Error of centre lines at the worst five-axis machine, µm.
+    /// Position error of the centre lines of the worst five-axis machine, µm.
     pub worst_place_um: f64,
-    /// Of tilts, µrad.
+    /// Tilt error of the worst five-axis machine, µrad.
     pub worst_tilt_urad: f64,
-    /// At the median, µm.
+    /// Median position error, µm.
     pub median_place_um: f64,
-    /// At the median, µrad.
+    /// Median tilt error, µrad.
     pub median_tilt_urad: f64,
 }
 
-/// What became of many machines.
+/// Results of many machines.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Machines {
     /// Three-axis machines.
     pub three_axes: Vec<Outcome>,
     /// Five-axis machines.
     pub five_axes: Vec<FiveAxes>,
-    /// Machines that are in neither.
+    /// Refused machines, which are in neither list.
     pub refused: Vec<Refused>,
 }
 
-/// Calibrates `machines` three-axis machines with the seeds from `seed` on, and a tenth as many with five axes, by a
-/// task for either; `done` is called after each. A machine that is refused is among [`Machines::refused`].
+/// Calibrates `machines` three-axis machines with consecutive seeds from `seed`, and a tenth as many with five axes, by one
+/// task for each kind; `done` is called after each machine. Refused machines are in [`Machines::refused`].
 ///
 /// # Errors
-/// A task that cannot be read or planned.
+/// A task cannot be read or planned.
 pub fn all<'t>(
     machines: u64,
     seed: u64,
@@ -72,7 +72,7 @@ pub fn all<'t>(
     Ok(all)
 }
 
-/// An outcome, or the refusal of this machine.
+/// Separates the refusal of one machine from errors that end the run.
 fn told<T>(outcome: Result<T>, done: &(dyn Fn() + Sync)) -> Result<Result<T, Refused>> {
     done();
     match outcome {
@@ -91,9 +91,9 @@ fn median(values: impl Iterator<Item = f64>) -> f64 {
     }
 }
 
-/// What they say together.
+/// Computes the statistics.
 ///
-/// Without a three-axis machine the share at the least is not a number.
+/// Without a three-axis machine, the smallest share is NaN.
 pub fn summary(all: &Machines) -> Summary {
     let (three, five) = (&all.three_axes, &all.five_axes);
     let worse = |one: &&Outcome| one.after_um.rms > one.before_um.rms || one.after_um.max > one.before_um.max;
@@ -110,7 +110,7 @@ pub fn summary(all: &Machines) -> Summary {
     }
 }
 
-/// The page.
+/// The HTML report.
 pub fn page(all: &Machines, found: &Summary) -> String {
     let (three, five) = (&all.three_axes, &all.five_axes);
     let percent = |share: f64| format!("{:.1} %", 100.0 * share);

@@ -1,4 +1,4 @@
-//! The recording on the host.
+//! Replay of a recording on the host.
 
 use super::outputs::AXES;
 use super::warming::Heating;
@@ -15,22 +15,22 @@ use trueaxis_recording::outputs::{Wire, line};
 use trueaxis_recording::warming::Warming;
 use trueaxis_sim::servo::with_tables;
 
-/// Points of the gauge's revolution, as in the image.
+/// Points per revolution of the gauge, as in the image.
 const POINTS: usize = 1024;
 
-/// What the image sends in the same run.
+/// The host's equivalents of the image's output.
 #[derive(Debug, Default)]
 pub struct Replayed {
     /// Outputs of the step, byte for byte.
     pub outputs: Vec<u8>,
-    /// A frame of every revolution evaluated.
+    /// One frame per evaluated revolution.
     pub revolutions: Vec<RoundnessFrame>,
-    /// Every thermal growth that came in force.
+    /// Every thermal growth that took effect.
     pub growths: Vec<Growth>,
 }
 
-/// Runs a recording through the step in scalar `R`; the second table file, where there is one, from its cycle on; thermal growth
-/// by the readings of `warming`.
+/// Runs a recording through the step in scalar `R`. The second table file, if given, is in force from its cycle on; thermal
+/// growth follows the readings of `warming`.
 ///
 /// # Errors
 /// The recording or a table file is refused.
@@ -54,7 +54,7 @@ pub fn replay<R: Wire>(
     })
 }
 
-/// A step in a scalar with its positions.
+/// A step in a scalar with its position type.
 type Loop<'a, R> = ServoLoop<'a, R, <R as Wire>::Place, AXES>;
 
 fn run<R: Wire>(

@@ -1,4 +1,4 @@
-//! The recording in the bare-metal image, under QEMU.
+//! Replay of a recording in the bare-metal image, under QEMU.
 
 use anyhow::{Context, Result, anyhow, bail};
 use std::path::{Path, PathBuf};
@@ -6,15 +6,15 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 use trueaxis_tables::output::Outputs;
 
-/// Address and size of a region flashed apart from the image.
+/// Address and size of a region that is flashed separately from the image.
 const TABLES_A: (u64, u64) = (0x0011_0000, 0x3_0000);
 const TABLES_B: (u64, u64) = (0x0014_0000, 0x3_8000);
-/// Address of thermal growth with its readings and room for them, bytes.
+/// Address and size of the region for thermal growth and its readings, bytes.
 pub(super) const WARMING: (u64, u64) = (0x0017_8000, 0x0_8000);
-/// Address of the recording and room for it, bytes.
+/// Address and size of the region for the recording, bytes.
 pub const RECORDING: (u64, u64) = (0x0018_0000, 0x28_0000);
 
-/// A core with the board that QEMU has for it.
+/// A core with the QEMU board that provides it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Core {
     /// Cortex-M4F, single precision.
@@ -32,7 +32,7 @@ impl Core {
         }
     }
 
-    /// Name for readers.
+    /// Title in reports.
     pub fn title(self) -> &'static str {
         match self {
             Core::M4f => "Cortex-M4F, single precision",
@@ -48,20 +48,20 @@ impl Core {
     }
 }
 
-/// Files that the image is given.
+/// Files that are loaded into the image's flash.
 #[derive(Clone, Debug)]
 pub struct Flash {
     /// Compiled tables.
     pub tables: PathBuf,
-    /// Tables that are asked for in motion.
+    /// Tables that the recording requests in motion.
     pub second: Option<PathBuf>,
-    /// Thermal growth with readings of sensors.
+    /// Thermal growth with sensor readings.
     pub warming: Option<PathBuf>,
     /// The recording.
     pub recording: PathBuf,
 }
 
-/// Data that the image sent.
+/// Data sent by the image.
 #[derive(Clone, Debug)]
 pub struct Sent {
     /// Telemetry: COBS frames.
@@ -72,18 +72,18 @@ pub struct Sent {
     pub took: Duration,
 }
 
-/// Files that a run leaves in its folder: telemetry, outputs, log.
+/// Output files of a run: telemetry, outputs, log.
 pub(super) const FILES: [&str; 3] = ["frames.bin", "outputs.bin", "defmt.bin"];
 
-/// A run that takes longer hangs.
+/// Time limit of a run; a longer one counts as hung.
 const PATIENCE: Duration = Duration::from_secs(300);
 
-/// Runs an image to its end; its output is in `folder` afterwards: frames.bin, outputs.bin and its log, defmt.bin.
+/// Runs an image to its end; afterwards `folder` holds its output: frames.bin, outputs.bin and its log, defmt.bin.
 ///
-/// QEMU writes where nobody looks; what stands in `folder` is whole, also where the image failed.
+/// QEMU writes to a scratch folder, so the files in `folder` are complete even if the image failed.
 ///
 /// # Errors
-/// QEMU is not there or fails, a file does not fit into its region, or the image does not come to a good end.
+/// QEMU is missing or fails, a file does not fit into its region, or the image does not end with success.
 pub fn run(core: Core, elf: &Path, flash: &Flash, folder: &Path) -> Result<Sent> {
     let scratch = tempfile::tempdir().context("no place for scratch files")?;
     let exit = emulated(core, elf, flash, scratch.path());
@@ -109,7 +109,7 @@ pub fn run(core: Core, elf: &Path, flash: &Flash, folder: &Path) -> Result<Sent>
     Ok(Sent { frames: read(&frames)?, outputs: read(&outputs)?, took })
 }
 
-/// Exit code and wall time of an image whose output QEMU writes into a folder.
+/// Exit code and wall time of an image whose output QEMU writes to a folder.
 fn emulated(core: Core, elf: &Path, flash: &Flash, scratch: &Path) -> Result<(Option<i32>, Duration)> {
     let [frames, outputs, log] = FILES.map(|name| scratch.join(name));
     let mut command = Command::new("qemu-system-arm");
@@ -155,21 +155,21 @@ fn emulated(core: Core, elf: &Path, flash: &Flash, scratch: &Path) -> Result<(Op
     }
 }
 
-/// QEMU separates options by commas, and doubles those in names.
+/// QEMU separates options by commas; a comma in a file name is doubled.
 fn option(before: &str, path: &Path, behind: &str) -> Result<String> {
     let path = path.to_str().ok_or_else(|| anyhow!("{}: found a name that is no UTF-8", path.display()))?;
     Ok(format!("{before}{}{behind}", path.replace(',', ",,")))
 }
 
-/// The package of the image in this source tree.
+/// Path of the image's package in this source tree.
 pub fn package() -> PathBuf {
     PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/cortex-m"))
 }
 
-/// Builds the image of a core into `target` with cargo; returns the ELF file.
+/// Builds the image of a core into `target` with cargo; returns the path of the ELF file.
 ///
 /// # Errors
-/// cargo or the target thumbv7em-none-eabihf is not there, or the build fails.
+/// cargo or the target thumbv7em-none-eabihf is missing, or the build fails.
 pub fn build(core: Core, target: &Path) -> Result<PathBuf> {
     let mut command = Command::new("cargo");
     command.current_dir(package()).args(["build", "--release", "--quiet", "--bin", "image"]);

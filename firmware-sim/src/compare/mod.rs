@@ -1,7 +1,7 @@
-//! The same recording on the host and in the bare-metal image, side by side.
+//! Replays the same recording on the host and in the bare-metal image, and compares the outputs.
 //!
-//! In the same scalar host and image must agree in every bit. Between single and double precision the corrections and
-//! contour errors are compared in nanometres.
+//! In the same scalar, host and image must agree bit for bit. Corrections and contour errors in single and double precision
+//! are compared in nanometres.
 
 pub mod host;
 pub mod image;
@@ -29,17 +29,17 @@ pub struct Inputs {
     pub recording: Vec<u8>,
     /// Compiled tables.
     pub tables: Vec<u8>,
-    /// Tables that the recording asks for in motion.
+    /// Tables that the recording requests in motion.
     pub second: Option<Vec<u8>>,
-    /// Thermal growth with readings of sensors ([`trueaxis_recording::warming`]).
+    /// Thermal growth with sensor readings ([`trueaxis_recording::warming`]).
     pub warming: Option<Vec<u8>>,
 }
 
-/// Contents of an image's flash: tables, the tables asked for in motion, thermal growth, the recording.
+/// Contents of an image's flash: tables, the tables requested in motion, thermal growth, the recording.
 const FLASH: [&str; 4] = ["tables-a.tcomp", "tables-b.tcomp", "warming.bin", "recording.rec"];
 
 impl Inputs {
-    /// The files that [`Inputs::compare`] leaves in `folder`.
+    /// The files that [`Inputs::compare`] writes to `folder`.
     pub fn files(folder: &Path) -> Vec<PathBuf> {
         let sent = [Core::M4f, Core::M7]
             .into_iter()
@@ -47,10 +47,10 @@ impl Inputs {
         FLASH.into_iter().map(|name| folder.join(name)).chain(sent).collect()
     }
 
-    /// Runs the recording on the host and on every core given with its image; files lie in `folder` afterwards.
+    /// Runs the recording on the host and on every given core with its image; the files are in `folder` afterwards.
     ///
     /// # Errors
-    /// QEMU is not there, an image fails or refuses its tables, or a file does not fit.
+    /// QEMU is missing, an image fails or refuses its tables, or a file does not fit.
     pub fn compare(&self, images: &[(Core, &Path)], folder: &Path) -> Result<Outcome> {
         let [tables, second, warming, recording] = FLASH.map(|name| folder.join(name));
         let (second, warming) = (self.second.as_ref().map(|_| second), self.warming.as_ref().map(|_| warming));
@@ -85,7 +85,7 @@ impl Inputs {
         if let Some(code) = on_image.first().map(|row| row.fault).filter(|code| *code >= Fault::PeriodMismatch as u8) {
             bail!("{}: found tables refused with code {code}, needed tables that the image accepts", core.title());
         }
-        // The exchange is asked for by a cycle and made by a task: the records tell when.
+        // A cycle requests the exchange and a task carries it out; the records show in which cycle.
         let exchange = match &self.second {
             None => None,
             Some(bytes) => {
@@ -123,7 +123,7 @@ impl Inputs {
     }
 }
 
-/// Frames whose cycle differs in the plain outputs.
+/// Number of frames that contradict the raw outputs of their cycle.
 fn contradicting(frames: &[Frame], rows: &[Row]) -> usize {
     let says = |frame: &&Frame| {
         rows.get(frame.sequence as usize).is_none_or(|row| {

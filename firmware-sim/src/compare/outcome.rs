@@ -11,25 +11,25 @@ use trueaxis::temperature::Growth;
 use trueaxis_recording::Header;
 use trueaxis_tables::text::counted;
 
-/// Two runs in nanometres, cycle by cycle.
+/// Differences between two runs in nanometres, cycle by cycle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Difference {
-    /// Largest difference of a correction in a cycle that 99.9 % of the cycles stay below. The direction of travel is decided
-    /// at a threshold: where rounding decides a cycle earlier, lost motion is led in a cycle earlier.
+    /// Bound on the correction's difference in 99.9 % of the cycles. The direction of travel is decided at a threshold: where
+    /// rounding decides a cycle earlier, lost motion is applied a cycle earlier.
     pub correction_p99_9_nm: f64,
     /// Largest difference of a correction.
     pub correction_max_nm: f64,
-    /// Difference of the tip's contour error that 99.9 % of the cycles stay below; a cycle that cannot be compared
-    /// (`other`) stays below nothing.
+    /// Bound on the difference of the tip's contour error in 99.9 % of the cycles; a cycle that cannot be compared (`other`)
+    /// exceeds any bound.
     pub contour_p99_9_nm: f64,
-    /// Largest of those that can be compared.
+    /// Largest difference of the contour error among the comparable cycles.
     pub contour_max_nm: f64,
-    /// Cycles in which one of the two has no contour error, or took another foot, or another fault.
+    /// Cycles in which only one run has a contour error, or the feet or faults differ.
     pub other: usize,
 }
 
 impl Difference {
-    /// Between two runs of the same recording.
+    /// Compares two runs of the same recording.
     pub fn between(a: &[Row], b: &[Row]) -> Difference {
         let mut difference = Difference::default();
         let mut contour = Vec::with_capacity(a.len());
@@ -52,34 +52,34 @@ impl Difference {
     }
 }
 
-/// Sorts, and returns what 99.9 % stay below.
+/// Sorts the values and returns the bound that 99.9 % of them stay below.
 fn nearly_all(values: &mut [f64]) -> f64 {
     values.sort_by(f64::total_cmp);
     values.get((0.999 * values.len() as f64) as usize).copied().unwrap_or(0.0)
 }
 
-/// From mm; a NaN differs from everything.
+/// Difference in nm of two values in mm; infinite if either is NaN.
 fn apart_nm(a: f64, b: f64) -> f64 {
     let nm = 1e6 * (a - b).abs();
     if nm.is_nan() { f64::INFINITY } else { nm }
 }
 
-/// Flags that must be the same for two feet to be the same.
+/// Flags that must agree for two feet to count as the same.
 const SAME: u8 = Flags::AT_END.bits() | Flags::NOT_FOUND.bits() | Flags::COLD.bits();
 
 /// Thermal growth over a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grown {
-    /// Times that growth came in force.
+    /// Number of growths that took effect.
     pub in_force: usize,
-    /// Of these with a share that stood still, or a line that did.
+    /// Of these, the number with a frozen share or a frozen line.
     pub not_good: usize,
     /// Smallest and largest offset of a line, mm.
     pub offset_mm: [f64; 2],
 }
 
 impl Grown {
-    /// Of the growths that came in force.
+    /// Summarises the growths that took effect.
     pub fn of(growths: &[Growth]) -> Grown {
         let offsets = || growths.iter().flat_map(|growth| growth.lines.into_iter().flatten()).map(|[offset, _]| offset);
         Grown {
@@ -90,47 +90,47 @@ impl Grown {
     }
 }
 
-/// One core against the host.
+/// One core compared with the host.
 #[derive(Clone, Debug)]
 pub struct Comparison {
     /// The core.
     pub core: Core,
-    /// Cycles that the image ran.
+    /// Cycles run by the image.
     pub cycles: usize,
-    /// Cycles that the host ran.
+    /// Cycles run by the host.
     pub cycles_on_host: usize,
-    /// Cycles in which the image and the host, in the same scalar, differ in a bit.
+    /// Cycles in which image and host, in the same scalar, differ in any bit.
     pub differing: usize,
     /// The cycle from which the second tables were in force.
     pub exchange_at: Option<u32>,
-    /// Telemetry records that arrived.
+    /// Telemetry records received.
     pub frames: usize,
-    /// Telemetry records that cannot be read.
+    /// Telemetry records that cannot be decoded.
     pub frames_damaged: usize,
     /// Telemetry records that contradict the outputs.
     pub frames_contradicting: usize,
-    /// Records of revolutions.
+    /// Number of revolution records.
     pub revolutions: usize,
-    /// The host's revolutions are the same.
+    /// Whether the host's revolutions are identical.
     pub revolutions_equal: bool,
-    /// Thermal growth, where the run has any.
+    /// Thermal growth, if the run has any.
     pub growth: Option<Grown>,
     /// Wall time of the image.
     pub took: Duration,
-    /// The image against the host in doubles.
+    /// Difference between the image and the host in double precision.
     pub against_double: Difference,
-    /// Faults by code, with the number of cycles.
+    /// Fault codes, each with its number of cycles.
     pub faults: Vec<(u8, usize)>,
     /// The image's cycles.
     pub image: Vec<Row>,
     /// The host's cycles in the image's scalar.
     pub host: Vec<Row>,
-    /// The host's cycles in doubles.
+    /// The host's cycles in double precision.
     pub double: Vec<Row>,
 }
 
 impl Comparison {
-    /// Every cycle ran, equals the host's bit for bit, and was reported truly.
+    /// Whether every cycle ran, equals the host's bit for bit, and was reported correctly.
     pub fn is_equal(&self) -> bool {
         self.cycles == self.cycles_on_host
             && self.differing == 0
@@ -140,7 +140,7 @@ impl Comparison {
             && self.revolutions_equal
     }
 
-    /// Single and double precision within 2 nm in 99.9 % of the cycles, in correction and contour error.
+    /// Whether single and double precision agree within 2 nm in 99.9 % of the cycles, in correction and contour error.
     pub fn is_within(&self) -> bool {
         self.against_double.correction_p99_9_nm <= LIMIT_NM && self.against_double.contour_p99_9_nm <= LIMIT_NM
     }
@@ -155,23 +155,23 @@ pub(super) fn faults(rows: &[Row]) -> Vec<(u8, usize)> {
     counts.into_iter().collect()
 }
 
-/// All cores.
+/// Comparison of all cores.
 #[derive(Clone, Debug)]
 pub struct Outcome {
-    /// Subject of the recording.
+    /// Header of the recording.
     pub header: Header,
-    /// Core by core.
+    /// The comparison of each core.
     pub comparisons: Vec<Comparison>,
 }
 
 impl Outcome {
-    /// Bit for bit and within the tolerance, on all cores, and with the tables exchanged that were asked for.
+    /// Whether all cores agree bit for bit and within the tolerance, and made the requested exchange of tables.
     pub fn is_good(&self) -> bool {
         let exchanged = |one: &Comparison| self.header.exchange_at.is_none() || one.exchange_at.is_some();
         self.comparisons.iter().all(|one| one.is_equal() && one.is_within() && exchanged(one))
     }
 
-    /// The figures for people.
+    /// The summary as plain text.
     pub fn summary(&self) -> String {
         let header = &self.header;
         let mut text = format!(
@@ -292,7 +292,7 @@ mod tests {
         assert_eq!(Difference::between(&double, &double), Difference::default());
         let mut single = double.clone();
         single[7].correction[2] += 1.5e-6;
-        // Less than a thousandth of the cycles may be anything.
+        // Fewer than a thousandth of the cycles may differ by any amount.
         single[..8].iter_mut().for_each(|row| row.tip += 3e-6);
         single[9].fault = 2;
         let found = Difference::between(&single, &double);

@@ -1,4 +1,4 @@
-//! Cycles of a machine of three axes, as the image sends them.
+//! Cycles of a three-axis machine, in the image's output format.
 
 use trueaxis_recording::outputs::{Line, Wire, line_bytes};
 
@@ -13,7 +13,7 @@ pub const fn bytes<R: Wire>(gauge: bool) -> usize {
     line_bytes::<R>(AXES, gauge)
 }
 
-/// All whole cycles in what was received.
+/// Decodes all complete cycles in the received bytes.
 pub fn decode<R: Wire>(received: &[u8], gauge: bool) -> Vec<Row> {
     received.chunks_exact(bytes::<R>(gauge)).map(Row::read::<R>).collect()
 }

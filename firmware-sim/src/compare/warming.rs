@@ -1,4 +1,4 @@
-//! Thermal growth of a comparison: readings of temperature sensors from CSV, and the task on the host.
+//! Thermal growth of a comparison: sensor readings from CSV, and the thermal task on the host.
 
 use super::image;
 use anyhow::{Context, Result, anyhow, bail};
@@ -9,21 +9,22 @@ use trueaxis_evaluation::thermal::with_temperatures;
 use trueaxis_recording::warming::{Reading, Task, Warming, write};
 use trueaxis_tables::text::counted;
 
-/// Columns that readings may have.
+/// Columns that the readings may have.
 const COLUMNS: [Column; TEMPERATURE + SENSORS] =
     with_temperatures(&[Column { name: "t_s", needed: true }, Column { name: SPEED, needed: false }]);
-/// First column of a temperature.
+/// Index of the first temperature column.
 const TEMPERATURE: usize = 2;
 const SPEED: &str = "spindle_rpm";
-/// Most that a sensor may say, °C: whether it is plausible is the task's to judge.
+/// Bound on a sensor reading, °C; the task decides whether it is plausible.
 const MOST_C: f64 = 1e4;
 
-/// What image and host get their growth from: the compiled growth of the machine with what its sensors read, row by row at even
-/// times, the first in the first cycle. An empty cell is no reading. `tell` is told how a file of other separators is read.
+/// Builds the growth input of image and host: the machine's compiled growth with its sensor readings, row by row at equal
+/// intervals, the first row in the first cycle. An empty cell is a missing reading. `tell` receives a note on how a file with
+/// other separators is read.
 ///
 /// # Errors
-/// A file that cannot be read; growth of another machine; readings of other sensors than the growth has, at uneven times, or
-/// more of them than the image has room for.
+/// The file cannot be read; the growth belongs to another machine; the sensors are not those of the growth, the intervals are
+/// unequal, or there are more readings than the image has room for.
 pub fn read(
     growth: &Path,
     temperatures: &Path,
@@ -85,7 +86,7 @@ pub fn read(
     Ok(bytes)
 }
 
-/// The task on the host, at the image's cycles.
+/// The thermal task on the host, run at the image's cycles.
 #[derive(Debug)]
 pub(super) struct Heating<'a> {
     warming: Warming<'a>,
@@ -98,7 +99,7 @@ impl<'a> Heating<'a> {
         Heating { warming, task: Task::default(), waiting: None }
     }
 
-    /// The growth that comes in force with a cycle.
+    /// The growth that takes effect in this cycle.
     pub(super) fn cycle(&mut self, number: u32, period_ns: u32) -> Option<Growth> {
         if let Some(row) = self.warming.read_in(number) {
             let growth = self.warming.update(&mut self.task, row, period_ns);

@@ -14,7 +14,7 @@ use trueaxis_sim::SimError;
 use trueaxis_sim::friction::{Circles, Outcome, Pass, Recorder, configured};
 use trueaxis_sim::run::Kind;
 
-/// Cycles between two looks at the progress.
+/// Cycles between two updates of the progress bar.
 const STRETCH: u64 = 4096;
 
 /// Arguments of `friction`.

@@ -1,4 +1,4 @@
-//! What was found, as printed.
+//! Printed summary of the identified friction.
 
 use std::fmt::{self, Write};
 use trueaxis_report::number::significant;
@@ -18,7 +18,7 @@ fn rows<T: Copy>(figures: &Figures<T>) -> [T; 9] {
     ]
 }
 
-/// What the rows of [`Figures`] are called.
+/// Names of the rows of [`Figures`].
 const NAMES: [&str; 9] = [
     "F_c/K_vp, mm/s",
     "pre-sliding z, µm",

@@ -9,36 +9,36 @@ use trueaxis_tables::Machine;
 
 /// Length of the tool, mm.
 const TOOL_MM: f64 = 100.0;
-/// Two places from which the drift's offsets and slopes follow: it is a straight line in X and in Z.
+/// Two positions that determine the drift's offsets and slopes: the drift is linear in X and in Z.
 const PLACES: [[f64; 4]; 2] = [[0.0, 0.0, 0.0, TOOL_MM], [100.0, 0.0, -100.0, TOOL_MM]];
-/// How far a location error wanders in a shift, standard deviation: mm and rad.
+/// Standard deviation of a location error's change over a shift, mm and rad.
 const WANDER: [f64; 2] = [0.005, 15e-6];
-/// Time in which most of it has happened, s.
+/// Time constant of the change, s.
 const SETTLES_S: f64 = 9_000.0;
 
-/// The machine as it was, and how it drifts.
+/// The machine at the start of the shift, and its drift.
 pub(super) struct Drifting {
     machine: Machine,
     moments: Vec<Vec<[f64; 3]>>,
     every_s: u32,
-    /// Of C0Y, and of the components of A and C.
+    /// Random factors of C0Y, and of the components of A and C.
     wander: [f64; 13],
 }
 
 impl Drifting {
-    /// A machine over a shift; `every_s`: time between two parts.
+    /// A machine over a shift; `every_s` is the time between two parts.
     pub(super) fn new(machine: Machine, seed: u64, every_s: u32) -> Drifting {
         let mut dice = ChaCha8Rng::seed_from_u64(seed ^ 0xd21f7);
         let wander = std::array::from_fn(|_| StandardNormal.sample(&mut dice));
         Drifting { machine, moments: drift_of_shift(seed, every_s, &PLACES), every_s, wander }
     }
 
-    /// The most parts of a shift.
+    /// Maximum number of parts in a shift.
     pub(super) fn most(every_s: u32) -> u32 {
         SHIFT_S / every_s
     }
 
-    /// The true machine when so many parts are made.
+    /// The true machine after `parts` parts.
     pub(super) fn after(&self, parts: u32) -> Machine {
         let mut machine = self.machine.clone();
         let Some([zero, other]) = self.moments.get(parts as usize).map(|at| [at[0], at[1]]) else { return machine };

@@ -1,4 +1,5 @@
-//! A machine that keeps itself true, simulated over a shift: parts, looks between them, updates, exchanges in motion.
+//! Simulates a shift of a machine that re-probes balls: parts, re-probings between them, updates, exchanges of tables in
+//! motion.
 //!
 //! ```text
 //! bodies that warm, location errors that wander ─► true machine ─► probing, corrected by the tables ─► log ─► look
@@ -7,7 +8,7 @@
 //!                                         error over the volume, exact           exchanged in motion, by the step
 //! ```
 //!
-//! The tables are true when the shift begins. Nothing that the loop knows comes from the true machine but the logs.
+//! The tables are exact at the start of the shift. The logs are the loop's only information about the true machine.
 
 mod drifting;
 mod page;
@@ -38,23 +39,23 @@ pub const MILL: &str = include_str!("mill.toml");
 /// The trunnion machine with one ball.
 pub const FIVE_AXES: &str = include_str!("five-axes.toml");
 
-/// How far a ball that was hit is moved, mm.
+/// Displacement of a ball that was hit, mm.
 const HIT_MM: f64 = 0.08;
 
-/// A shift.
+/// Settings of a shift.
 #[derive(Clone, Debug)]
 pub struct Shift {
     /// Seed of machine, drift and noise.
     pub seed: u64,
     /// Whether the machine has five axes.
     pub five_axes: bool,
-    /// Its task, like [`MILL`] or [`FIVE_AXES`].
+    /// The machine's task, such as [`MILL`] or [`FIVE_AXES`].
     pub task: String,
-    /// The task's file as errors name it.
+    /// The task's file name for error messages.
     pub task_file: PathBuf,
-    /// Parts.
+    /// Number of parts.
     pub parts: u32,
-    /// Time for a part, s, an even number.
+    /// Time per part, s, an even number.
     pub part_s: u32,
     /// Standard deviation of a touch, µm.
     pub noise_um: f64,
@@ -62,68 +63,68 @@ pub struct Shift {
     pub hit: Option<u32>,
 }
 
-/// Error of the tip over the volume after a part, µm.
+/// Tip error over the volume after a part, µm.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Part {
-    /// Parts made.
+    /// Number of parts made.
     pub parts: u32,
-    /// Without the loop: root mean square and largest.
+    /// Without the loop: root mean square and maximum.
     pub without_um: [f64; 2],
-    /// With it.
+    /// With the loop: root mean square and maximum.
     pub with_um: [f64; 2],
 }
 
-/// A look.
+/// A re-probing.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Looked {
-    /// Parts made.
+    /// Number of parts made.
     pub parts: u32,
-    /// Terms that were updated.
+    /// Number of updated terms.
     pub updates: usize,
-    /// Terms out of their bounds.
+    /// Terms outside their bounds.
     pub refused: Vec<String>,
-    /// Why nothing could be told, where the log was refused.
+    /// Reason for refusing the log, if it was refused.
     pub log_refused: Option<String>,
-    /// The exchange, where there was one.
+    /// The exchange of tables, if one was made.
     pub exchanged: Option<Exchanged>,
 }
 
-/// The shift as it went.
+/// Result of the shift.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Outcome {
     /// The machine's name.
     pub machine: String,
-    /// After every part.
+    /// Errors after every part.
     pub parts: Vec<Part>,
-    /// Every look.
+    /// Every re-probing.
     pub looks: Vec<Looked>,
     /// Root mean square over the volume and the shift, µm, without and with the loop.
     pub rms_um: [f64; 2],
-    /// Largest, likewise.
+    /// Maximum over the volume and the shift, µm, without and with the loop.
     pub largest_um: [f64; 2],
-    /// Looks after which something was updated.
+    /// Number of re-probings that led to an update.
     pub updates: usize,
-    /// Looks after which a person was needed.
+    /// Number of re-probings that needed an operator.
     pub refusals: usize,
-    /// Largest jump that an exchange would have made without the limiter, µm.
+    /// Largest jump that an exchange would have caused without the limiter, µm.
     pub largest_difference_um: f64,
-    /// Largest step of the correction in a cycle from an exchange on, µm.
+    /// Largest change of the correction in one cycle after an exchange, µm.
     pub largest_step_um: f64,
-    /// Largest velocity or acceleration of the correction from an exchange on, as a share of its limit.
+    /// Largest velocity or acceleration of the correction after an exchange, as a share of its limit.
     pub of_limits: f64,
-    /// Longest time until new tables were followed, s; none where they never were.
+    /// Longest time until new tables were followed, s; `None` if those of any exchange never were.
     pub longest_led_in_s: Option<f64>,
 }
 
-/// What the loop knows of the machine.
+/// The machine as the loop knows it.
 struct Known {
-    /// As its tables are.
+    /// The machine with its present tables.
     machine: Machine,
-    /// Sums of the updates since the beginning.
+    /// Sums of all updates so far.
     totals: BTreeMap<String, f64>,
 }
 
-/// Machine, program and what stands on it.
+/// Machine, program and artefacts.
 struct Bench<'s> {
     shift: &'s Shift,
     keep: Keep,
@@ -134,7 +135,7 @@ struct Bench<'s> {
 }
 
 impl Bench<'_> {
-    /// Probes the true machine, corrected by what is known.
+    /// Probes the true machine while the known tables correct it.
     fn log(&self, truth: &Machine, known: &Machine, parts: u32) -> Result<String> {
         let mut standing = self.standing.clone();
         if let (Some(Artefact::Ball { centre, .. }), true) =
@@ -155,11 +156,11 @@ impl Bench<'_> {
             seed: self.shift.seed.wrapping_mul(1_000).wrapping_add(u64::from(parts)),
             host: Host::LinuxCnc,
         };
-        // The balls stand there from the start.
+        // The balls are in place from the start: the leading M0 sets them up.
         Ok(execute(&probing, &format!("M0\n{}", self.program))?)
     }
 
-    /// A look at a log; without `before` the first one.
+    /// Evaluates a log; without `before` it is the first one.
     fn look(&self, known: &Machine, log: &str, before: Option<&Before<'_>>) -> Result<Look> {
         let file = Path::new("look.log");
         let log = read_log(log, file, self.keep.task.dialect, |_| {})?;
@@ -170,7 +171,7 @@ impl Bench<'_> {
         }
     }
 
-    /// What comes of a look; what is known is what its updates leave.
+    /// Applies a re-probing: `known` receives its updates.
     fn taken(&self, known: &mut Known, parts: u32, taken: Result<Look>) -> Result<Looked> {
         let mut looked = Looked { parts, updates: 0, refused: Vec::new(), log_refused: None, exchanged: None };
         let look = match taken {
@@ -202,7 +203,7 @@ impl Bench<'_> {
     }
 }
 
-/// Positions at which the tip is judged, in the order of the machine's axes.
+/// Positions at which the tip error is evaluated, in the order of the machine's axes.
 fn judged(machine: &Machine) -> Vec<[f64; AXES]> {
     let five = machine.settings.axis(Axis::C).is_some();
     let turns: &[[f64; 2]] = if five { &[[0.0, 0.0], [-30.0, 120.0], [30.0, 240.0]] } else { &[[0.0, 0.0]] };
@@ -234,7 +235,7 @@ fn judged(machine: &Machine) -> Vec<[f64; AXES]> {
     all
 }
 
-/// Root mean square and largest, µm.
+/// Root mean square and maximum, µm.
 fn figures(errors: &[DVec3]) -> [f64; 2] {
     let squares: f64 = errors.iter().map(|error| error.length_squared()).sum();
     let most = errors.iter().map(|error| error.length()).fold(0.0, f64::max);
@@ -245,7 +246,7 @@ impl Shift {
     /// Runs the shift; `done` is called after every part.
     ///
     /// # Errors
-    /// A task that is wrong, or whose terms its balls do not tell apart.
+    /// The task is invalid, or its balls do not determine its terms.
     pub fn run(&self, done: &dyn Fn()) -> Result<Outcome> {
         let keep = Keep::read(&self.task, &self.task_file)?;
         let most = Drifting::most(self.part_s);
@@ -266,7 +267,7 @@ impl Shift {
         let mut dice = ChaCha8Rng::seed_from_u64(self.seed ^ 0xba11);
         let mut normal = || -> f64 { StandardNormal.sample(&mut dice) };
         let standing = stand(&keep.task, &nominal, SetUp { misplaced_mm: 0.3, askew: 5e-4 }, &mut normal)?;
-        // All of them stand at once.
+        // All artefacts are on the machine at once.
         let mut all: Vec<Artefact> = Vec::new();
         standing.into_iter().flatten().for_each(|one| {
             if !all.contains(&one) {

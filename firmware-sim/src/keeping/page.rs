@@ -1,11 +1,11 @@
-//! The page of a shift.
+//! The HTML report of a shift.
 
 use super::{Outcome, Part};
 use maud::html;
 use trueaxis_report::number::{quantity, significant};
 use trueaxis_report::{Figure, Page, Row, Scale, Stroke, Table, colour, summary};
 
-/// The whole page.
+/// Renders the whole page.
 pub fn page(outcome: &Outcome) -> String {
     let um = |value: f64| quantity(value, "µm");
     let looks = outcome.looks.iter().map(|look| {

@@ -14,7 +14,7 @@ struct LatencyJson {
     max: u64,
 }
 
-/// Cost of the steps, ns, and how often it was above the budget.
+/// Duration of the steps, ns, and the number above the budget.
 #[derive(Serialize)]
 pub struct Cost {
     latency_ns: LatencyJson,

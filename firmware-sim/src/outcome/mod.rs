@@ -1,4 +1,4 @@
-//! The runs of a scenario side by side: console summary, JSON, report.
+//! Comparison of the runs of a scenario: console summary, JSON, report.
 
 mod json;
 mod page;
@@ -16,10 +16,10 @@ use std::sync::Arc;
 use trueaxis_sim::Scenario;
 use trueaxis_sim::run::{self, Kind, ReportedFault, Run, Sink, Tallies};
 
-/// Cycles between two looks at the progress.
+/// Cycles between two updates of the progress bar.
 const STRETCH: u64 = 4096;
 
-/// Note where steps took long or cycles came late.
+/// Note for long steps or late cycles.
 const BUSY_KERNEL: &str = "steps over the budget and late cycles are the doing of a busy kernel, which took the processor \
 away: the work of a step is bounded, its median and 99 % are what it costs";
 
@@ -29,27 +29,27 @@ pub struct Outcome {
     uncompensated: Tallies,
     compensated: Tallies,
     servo_only: Tallies,
-    /// Of a machine with dynamic parts.
+    /// The run with the servo corrected, on a machine with dynamic parts.
     full: Option<Tallies>,
-    /// Cost of the compensated run's steps.
+    /// Latency of the compensated run's steps.
     latency: Latency,
-    /// Report of the pacing, if it was asked for.
+    /// Report of the pacing, if it was requested.
     pace: Option<PaceReport>,
     cycles: u64,
     wall_s: f64,
 }
 
-/// Timing of the steps.
+/// Timing settings of the steps.
 #[derive(Clone, Copy, Debug)]
 pub struct Timing {
     /// Time a step may take, ns.
     pub budget_ns: u64,
-    /// Times them in a further run of the compensated machine, at the real rate.
+    /// Whether to time the steps in a further run of the compensated machine, at the real rate.
     pub paced: bool,
 }
 
-/// Runs a scenario to its end on the machines of [`Kind::of`], which `run` was made for. `sinks` get every cycle;
-/// `progress` gets the fraction done, 0 to 1.
+/// Runs a scenario to its end on the machines of [`Kind::of`], for which `run` was made. `sinks` receive every cycle;
+/// `progress` receives the fraction done, 0 to 1.
 ///
 /// # Errors
 /// As [`Run::of`].
@@ -74,7 +74,7 @@ pub fn simulate(
     let [uncompensated, compensated, servo_only] =
         <[Tallies; 3]>::try_from(tallies).map_err(|found| anyhow!("{} runs in place of three", found.len()))?;
     let (latency, pace) = match timing.paced.then(|| pace(scenario, timing.budget_ns)).transpose()? {
-        // The step has no clock: what the host was late by cannot show.
+        // The step has no clock, so late cycles of the host must not change its outputs.
         Some((_, _, tallies)) if tallies != compensated => {
             bail!("--paced: found outputs that differ from those of the run, needed the same in every bit")
         }
@@ -85,12 +85,11 @@ pub fn simulate(
     Ok(Outcome { uncompensated, compensated, servo_only, full, latency, pace, cycles: run.cycles(), wall_s })
 }
 
-/// Runs the compensated machine alone at the real rate, for what its steps cost there; its figures must be those of the
-/// run.
+/// Runs the compensated machine alone at the real rate and times its steps; the figures must equal those of the original run.
 fn pace(scenario: &Arc<Scenario>, budget_ns: u64) -> Result<(Latency, PaceReport, Tallies)> {
     let mut run = Run::of(Arc::clone(scenario), &[Kind::Compensated])?;
     let mut stopwatch = Stopwatch::new(0, scenario, budget_ns);
-    // Only settles.
+    // Settling only.
     run.advance(0, &mut ());
     let report = pace::run(&Pace::new(scenario.period_ns().into()), |_| match run.advance(1, &mut stopwatch) {
         true => ControlFlow::Continue(()),
@@ -106,7 +105,7 @@ impl Outcome {
         [self.notes_on_time(), run::notes(scenario, self.cycles, &self.machines())].concat()
     }
 
-    /// Those on what a clock has measured.
+    /// Remarks on the measured times.
     fn notes_on_time(&self) -> Vec<String> {
         let mut notes = self.pace.as_ref().map(PaceReport::notes).unwrap_or_default();
         let steps = self.latency.summary();

@@ -1,4 +1,4 @@
-//! The outcome as the report's page shows it.
+//! The outcome as content of the report page.
 
 use super::Outcome;
 use crate::report::{ContourErrors, FaultEntry, Report};
@@ -6,7 +6,7 @@ use crate::series::Series;
 use trueaxis_sim::Scenario;
 
 impl Outcome {
-    /// The contents of the HTML page; `series` has seen the runs.
+    /// The contents of the HTML page; `series` has recorded the runs.
     pub fn report(&self, scenario: &Scenario, series: &Series) -> Report {
         let mut contour = series.contour();
         let mut length = 0.0;
@@ -49,7 +49,7 @@ impl Outcome {
     }
 }
 
-/// Settings that are not the default.
+/// Settings that differ from the default.
 fn setting_notes(scenario: &Scenario) -> impl Iterator<Item = String> {
     let changes = scenario.settings.changes().into_iter();
     changes.map(|(key, value, default)| format!("setting {key} = {value} (default {default})"))

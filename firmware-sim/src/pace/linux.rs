@@ -16,7 +16,7 @@ use super::{Clock, Pace, Permission};
 
 const NS_PER_S: u64 = 1_000_000_000;
 
-/// The Linux host; unlocks the memory when it goes.
+/// The Linux host; unlocks the memory when dropped.
 pub(super) struct Host {
     locked: bool,
 }
@@ -30,7 +30,7 @@ impl Host {
 impl Drop for Host {
     fn drop(&mut self) {
         if self.locked {
-            // Nothing follows from a failure: the memory merely stays locked until the process ends.
+            // A failure has no consequence: the memory merely stays locked until the process ends.
             let _ = munlockall();
         }
     }
@@ -57,7 +57,7 @@ impl Clock for Host {
     fn sleep_until_ns(&self, deadline_ns: u64) {
         let request =
             Timespec { tv_sec: (deadline_ns / NS_PER_S).cast_signed(), tv_nsec: (deadline_ns % NS_PER_S) as _ };
-        // A signal interrupts the sleep; the deadline is absolute, so asking again is all that is needed.
+        // A signal interrupts the sleep; the deadline is absolute, so repeating the call is enough.
         while clock_nanosleep_absolute(ClockId::Monotonic, &request) == Err(rustix::io::Errno::INTR) {}
     }
 }
@@ -76,7 +76,7 @@ fn fifo(priority: u8) -> Result<(), String> {
     )
 }
 
-/// Binds the thread to `core`, or to the last one permitted; returns what was asked for and the answer.
+/// Binds the thread to `core`, or to the last permitted core; returns the request and the host's answer.
 fn pin(core: Option<usize>) -> (String, Result<(), String>) {
     let permitted = match sched_getaffinity(None) {
         Ok(set) => set,

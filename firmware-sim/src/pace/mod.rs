@@ -1,4 +1,4 @@
-//! Runs the simulated servo cycle at its real rate, with whatever real-time means the host permits.
+//! Runs the simulated servo cycle at its real rate, with the real-time facilities that the host permits.
 
 use std::{fmt, ops::ControlFlow, thread};
 
@@ -15,13 +15,13 @@ use portable::Host;
 /// Settings of a paced run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Pace {
-    /// Servo period in ns; 0 is taken as 1.
+    /// Servo period in ns; 0 counts as 1.
     pub period_ns: u64,
-    /// A wake-up later than this after its deadline is counted as late, in ns.
+    /// Delay after the deadline above which a wake-up counts as late, in ns.
     pub late_after_ns: u64,
-    /// Priority asked for under `SCHED_FIFO`, 1 to 99; below the kernel's own 99 threads by default.
+    /// Requested priority under `SCHED_FIFO`, 1 to 99; by default below the kernel's own threads at 99.
     pub priority: u8,
-    /// Core to run on; `None`: the last core this process may use, since interrupts tend to be served on the first.
+    /// Core to run on; `None` selects the last core this process may use, since interrupts tend to be served on the first.
     pub core: Option<usize>,
 }
 
@@ -33,12 +33,12 @@ impl Pace {
     }
 }
 
-/// A real-time means asked of the host, and its answer.
+/// A real-time facility requested from the host, and the host's answer.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Permission {
-    /// The means asked for, e.g. `SCHED_FIFO priority 80`.
+    /// The requested facility, e.g. `SCHED_FIFO priority 80`.
     pub means: String,
-    /// `None`: permitted and in force. Otherwise the host's reason, with the error number's text.
+    /// `None` if permitted and in force; otherwise the host's reason, with the error number's text.
     pub refused: Option<String>,
 }
 
@@ -51,10 +51,10 @@ impl fmt::Display for Permission {
     }
 }
 
-/// Means of a paced run and its punctuality.
+/// Real-time facilities of a paced run, and its punctuality.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PaceReport {
-    /// Each real-time means and whether it was permitted.
+    /// Each real-time facility and whether it was permitted.
     pub permissions: Vec<Permission>,
     /// Servo period in ns.
     pub period_ns: u64,
@@ -62,14 +62,14 @@ pub struct PaceReport {
     pub cycles: u64,
     /// Cycles that began more than `late_after_ns` after their deadline.
     pub late: u64,
-    /// Whole periods that passed without a cycle, because the one before had not returned or the host did not wake us.
+    /// Whole periods without a cycle, because the previous one had not returned or the host did not wake the thread.
     pub skipped_periods: u64,
-    /// Latest beginning of a cycle after its deadline, in ns.
+    /// Longest delay between a deadline and the start of its cycle, in ns.
     pub worst_wake_ns: u64,
 }
 
 impl PaceReport {
-    /// One line per real-time means and one on punctuality, for a console or the report's notes.
+    /// One line per real-time facility and one on punctuality, for a console or the report's notes.
     #[must_use]
     pub fn notes(&self) -> Vec<String> {
         let punctuality = format!(
@@ -80,9 +80,9 @@ impl PaceReport {
     }
 }
 
-/// Services that pacing needs of the host.
+/// Host services that pacing needs.
 trait Clock {
-    /// Asks for the real-time means, on the thread that is going to run the cycle.
+    /// Requests the real-time facilities, on the thread that will run the cycle.
     fn prepare(&mut self, pace: &Pace) -> Vec<Permission>;
     /// Monotonic time in ns.
     fn now_ns(&self) -> u64;
@@ -90,12 +90,12 @@ trait Clock {
     fn sleep_until_ns(&self, deadline_ns: u64);
 }
 
-/// Calls `cycle` with 0, 1, 2 … once per period until it breaks, and reports how punctual that was.
+/// Calls `cycle` with 0, 1, 2 … once per period until it breaks, and reports the punctuality.
 ///
-/// Deadlines are absolute, `t0 + k·period`, so that no drift accumulates. Every cycle is run: if a whole period has
-/// gone by, the deadlines after it are moved by whole periods, and these are counted as skipped. The cycle runs on a
-/// thread of its own, which takes priority and core binding with it when it ends; memory that is locked is the
-/// memory in use at the start (allocate before), and is unlocked afterwards. Nothing that the host refuses is an error.
+/// Deadlines are absolute, `t0 + k·period`, so that no drift accumulates. Every cycle is run: if a whole period has passed,
+/// the following deadlines are moved by whole periods, which count as skipped. The cycle runs on a separate thread, so that
+/// priority and core binding end with it. The memory in use at the start is locked (allocate before) and is unlocked
+/// afterwards. A refusal by the host is not an error.
 pub fn run<F>(pace: &Pace, cycle: F) -> PaceReport
 where
     F: FnMut(u64) -> ControlFlow<()> + Send,
@@ -133,7 +133,7 @@ mod tests {
     use super::*;
     use std::cell::RefCell;
 
-    /// A host whose clock is driven by the test: sleeping ends `wake_late_ns` after the deadline.
+    /// A host whose clock is driven by the test: a sleep ends `wake_late_ns` after the deadline.
     struct Scripted<'a> {
         now_ns: &'a RefCell<u64>,
         wake_late_ns: u64,
@@ -182,13 +182,13 @@ mod tests {
             *now.borrow_mut() += if k == 1 { 3_400 } else { 10 };
             after(3)(k)
         });
-        // Cycle 1 begins at 2 000 and returns at 5 400: deadline 3 000 is met 2 400 late, the next one is 6 000.
+        // Cycle 1 begins at 2 000 and returns at 5 400: deadline 3 000 is met 2 400 late, the next deadline is 6 000.
         assert_eq!(begun, [1_000, 2_000, 5_400, 6_000]);
         assert_eq!((report.late, report.skipped_periods, report.worst_wake_ns), (1, 2, 2_400));
     }
 
-    /// The kernel takes the processor away for 100 ms at 10 kHz, twice: a thousand periods are skipped each time and no
-    /// cycle is made up for; the next begins a period later, on the raster.
+    /// The kernel withholds the processor for 100 ms at 10 kHz, twice: each time a thousand periods are skipped and not made
+    /// up for; the next cycle begins a period later, on the original grid.
     #[test]
     fn a_stall_of_100_ms_is_followed_by_no_burst() {
         const STALL_NS: u64 = 100_000_000;

@@ -1,4 +1,4 @@
-//! Pacing where only the standard library is at hand: a monotonic clock and an ordinary sleep.
+//! Pacing with only the standard library: a monotonic clock and an ordinary sleep.
 
 use std::{
     thread,
@@ -7,7 +7,7 @@ use std::{
 
 use super::{Clock, Pace, Permission};
 
-/// A host without real-time means.
+/// A host without real-time facilities.
 pub(super) struct Host {
     start: Instant,
 }

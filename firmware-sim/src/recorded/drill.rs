@@ -1,4 +1,4 @@
-//! Disturbances that a controller meets, written over the recorded cycles.
+//! Disturbances that a controller encounters, written over the recorded cycles.
 
 use trueaxis::Nanometres;
 use trueaxis_recording::Cycle;
@@ -18,7 +18,7 @@ use trueaxis_sim::Scenario;
 /// | 200 to 239 | disabled, then enabled again |
 /// | every 5000 | three readings of an axis missing, in motion; one late cycle 100 cycles on, one glitch after 200 |
 ///
-/// The machine stands in the first of them, so that a stop can be released near the held position.
+/// The machine is at rest in the first of them, so that a stop can be reset near the held position.
 #[derive(Clone, Debug)]
 pub struct Drill {
     period_ns: u32,
@@ -27,7 +27,7 @@ pub struct Drill {
 }
 
 impl Drill {
-    /// For a scenario's machine and rate.
+    /// The drill for a scenario's machine and rate.
     pub fn new(scenario: &Scenario) -> Drill {
         let settings = &scenario.machine.settings;
         let fastest = settings.axes.iter().map(|a| a.max_feed_per_s).fold(0.0, f64::max);

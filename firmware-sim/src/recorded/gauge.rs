@@ -1,4 +1,4 @@
-//! Readings of three probes at a workpiece that turns and is not ground.
+//! Readings of three probes on a rotating workpiece that is not being ground.
 
 use std::f64::consts::TAU;
 use trueaxis::roundness::GaugeSettings;
@@ -6,7 +6,7 @@ use trueaxis_recording::Probe;
 use trueaxis_sim::Scenario;
 use trueaxis_sim::grinding::{CentreMotion, Noise, Term, Turning, counts, probe_angles, sum};
 
-/// Surface, µm over the angle.
+/// Surface deviation over the angle, µm.
 const SURFACE: [Term; 4] = [
     Term { order: 2.0, amplitude: 1.2, phase: 0.3 },
     Term { order: 3.0, amplitude: 0.8, phase: 1.9 },
@@ -14,7 +14,7 @@ const SURFACE: [Term; 4] = [
     Term { order: 31.0, amplitude: 0.1, phase: 2.5 },
 ];
 
-/// The turning workpiece.
+/// The rotating workpiece.
 pub(super) struct Turned {
     gauge: GaugeSettings,
     phi: [f64; 3],
@@ -36,7 +36,7 @@ impl Turned {
         }
     }
 
-    /// Readings of this cycle; then one period on.
+    /// Returns the readings of this cycle and advances one period.
     pub(super) fn cycle(&mut self) -> Probe {
         let alpha = self.turning.alpha();
         let [x, y] = self.motion.at(alpha);

@@ -1,8 +1,7 @@
-//! A simulated run as a recording: the step's inputs, cycle by cycle, for any build of the step to replay.
+//! Records a simulated run: the step's inputs, cycle by cycle, for any build of the step to replay.
 //!
-//! Positions are rounded to 1e-6 mm, as integer interfaces hand them over; what a fixed-point position cannot express is
-//! expressed as such an interface does: a missing reading is an alarm of that encoder, a command that is no number lies at the
-//! end of the range.
+//! Positions are rounded to 1e-6 mm, as integer interfaces deliver them. A value that a fixed-point position cannot express is
+//! encoded as such an interface does: a missing reading becomes an alarm of that encoder, a NaN command the end of the range.
 
 mod drill;
 mod gauge;
@@ -22,20 +21,21 @@ use trueaxis_sim::run::{Given, Kind, Moment, Run, Sample, Sink};
 /// Settings of a recording.
 #[derive(Clone, Copy, Debug)]
 pub struct Settings {
-    /// Stop after so many cycles.
+    /// Stop after this many cycles.
     pub cycles: Option<u32>,
-    /// Disturb the recorded cycles by what a controller meets ([`Drill`]).
+    /// Whether to apply the disturbances of [`Drill`] to the recorded cycles.
     pub drill: bool,
-    /// The cycle in which other tables are asked for.
+    /// Cycle in which other tables are requested.
     pub exchange_at: Option<u32>,
-    /// Speed of the spindle at a gauge.
+    /// Spindle speed at a gauge.
     pub speed_rpm: f64,
 }
 
-/// Cycles between two looks at the progress.
+/// Cycles between two updates of the progress bar.
 const STRETCH: u64 = 4096;
 
-/// Records the run of a scenario of X, Y, Z alone with the plugin as the machine configures it; `progress` gets the fraction done, 0 to 1.
+/// Records the run of an X, Y, Z scenario with the plugin as the machine configures it; `progress` gets the fraction done, 0
+/// to 1.
 ///
 /// # Errors
 /// The program turns rotary axes, or the tables do not build.
@@ -75,7 +75,7 @@ fn header(scenario: &Scenario, settings: &Settings) -> Result<Header> {
     })
 }
 
-/// Writes down the inputs of every step, settling included.
+/// Writes the inputs of every step, including settling.
 struct Recorder {
     writer: Writer<3>,
     turned: Option<Turned>,

@@ -1,4 +1,4 @@
-//! The page of a ball test.
+//! The HTML report of a ball test.
 
 use super::write_page;
 use crate::ball_test::{AxisOutcome, BallCycle, Outcome, TipError};
@@ -13,15 +13,15 @@ use trueaxis_report::{
     residuals,
 };
 
-/// Writes the page to `rtcp.html` in `directory`, with the readings and the tables; the folder is created if need be.
+/// Writes the page to `rtcp.html` in `directory`, with the readings and the tables; creates the folder if needed.
 ///
 /// # Errors
-/// The file system's error where the page cannot be written; nothing is left behind then.
+/// The file system's error if the page cannot be written; nothing is left behind.
 pub fn write(test: &BallCycle, outcome: &Outcome, directory: &Path) -> io::Result<PathBuf> {
     write_page(directory, "rtcp.html", &render(test, outcome), outcome.files())
 }
 
-/// The page as one HTML document, which is well-formed XML too.
+/// The page as one HTML document that is also well-formed XML.
 #[must_use]
 pub fn render(test: &BallCycle, outcome: &Outcome) -> String {
     let axes = &outcome.axes;

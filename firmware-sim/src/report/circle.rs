@@ -1,4 +1,4 @@
-//! A circle as a ballbar shows it.
+//! A circle plotted as by a ballbar.
 
 use super::{CircleReport, Report, Section};
 use maud::html;

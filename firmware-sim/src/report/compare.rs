@@ -1,4 +1,4 @@
-//! The page of a comparison.
+//! The HTML report of a comparison.
 
 use super::write_page;
 use crate::compare::outputs::Row as Cycle;
@@ -15,18 +15,18 @@ use trueaxis_report::{
     side_by_side,
 };
 
-/// Buckets of a curve: as many as the widest figure has px.
+/// Buckets of a curve: the width of the widest figure in px.
 const BUCKETS: usize = 1040;
 
-/// Writes the page to `compare.html` in `directory`, which is created if need be.
+/// Writes the page to `compare.html` in `directory`, which is created if needed.
 ///
 /// # Errors
-/// The file system's error where the page cannot be written; nothing is left behind then.
+/// The file system's error if the page cannot be written; nothing is left behind.
 pub fn write(outcome: &Outcome, directory: &Path) -> io::Result<PathBuf> {
     write_page(directory, "compare.html", &render(outcome), Vec::new())
 }
 
-/// The page as one HTML document, which is well-formed XML too.
+/// The page as one HTML document that is also well-formed XML.
 #[must_use]
 pub fn render(outcome: &Outcome) -> String {
     let period_s = 1e-9 * f64::from(outcome.header.period_ns);
@@ -95,7 +95,7 @@ impl Curve {
     }
 }
 
-/// Scale over the values of some figures, so that they can be compared.
+/// Common scale of several figures, so that they can be compared.
 fn scale(caption: &str, curves: &[&[Curve]]) -> Scale {
     let curves = curves.iter().copied().flatten();
     let values = curves.flat_map(|curve| curve.points.iter().map(|point| point[1]));
@@ -121,7 +121,7 @@ fn pair(name: &str, caption: &str, host: Vec<Curve>, image: Vec<Curve>) -> Marku
     ])
 }
 
-/// A contour error, while the foot is known: not while the search looks around for it.
+/// A contour error if the foot is known; NaN while the search has yet to find it.
 fn found(cycle: &Cycle, error: f64) -> f64 {
     let unknown = Flags::COLD.and(Flags::NOT_FOUND).bits();
     if cycle.flags & unknown == 0 { error } else { f64::NAN }

@@ -4,7 +4,7 @@ use super::{Report, Section};
 use maud::{Markup, html};
 use trueaxis_report::{Colour, Figure, Scale, Stroke, colour, decimate, missing, number::significant};
 
-/// A second figure shows the small curves alone when their maximum is below this share of the largest.
+/// A second figure shows the small curves alone if their maximum is below this share of the largest.
 const ENLARGE_BELOW: f64 = 0.4;
 /// Buckets of a curve.
 pub(super) const BUCKETS: usize = 700;
@@ -52,7 +52,7 @@ fn figures(report: &Report, curves: &[Curve]) -> Markup {
     }
 }
 
-/// One figure of `curves`; its path-length axis spans `all`, so that figures below each other line up.
+/// One figure of `curves`; its path-length axis spans `all`, so that stacked figures line up.
 fn figure(report: &Report, curves: &[&Curve], all: &[&Curve], caption: &str) -> Figure {
     let lengths = all.iter().flat_map(|curve| curve.points.iter().map(|point| point[0]));
     let x = Scale::linear("path length in mm", lengths);
@@ -60,7 +60,7 @@ fn figure(report: &Report, curves: &[&Curve], all: &[&Curve], caption: &str) -> 
     let names: Vec<&str> = curves.iter().map(|curve| curve.name).collect();
     let mut figure = Figure::full(&format!("{caption} Curves: {}", names.join(", ")), 270, x, y);
     figure.labels_above(report.contour.program_lines.iter().map(|(length, line)| (*length, line.to_string())));
-    // Compensated before servo only in the legend, but on top of it in the plot.
+    // The compensated curve precedes servo only in the legend, but is drawn on top of it.
     for curve in curves.iter().rev() {
         let stroke = Stroke::new(curve.colour, 1.2).opacity(0.85);
         figure.interrupted(&curve.points, &report.contour.breaks, stroke);

@@ -1,4 +1,4 @@
-//! Correction of each axis over time and its slope, with their limits.
+//! Correction of each axis and its slope over time, with their limits.
 
 use super::{AxisReport, Report, Section};
 use maud::{Markup, Render, html};
@@ -8,7 +8,7 @@ use trueaxis_report::{
     side_by_side,
 };
 
-/// A limit is drawn when it is at most this many times the largest value; further away it would flatten the curve.
+/// A limit is drawn only if it is at most this many times the largest value; a larger one would flatten the curve.
 const WITHIN: f64 = 2.5;
 /// Buckets of a curve over half the page.
 const BUCKETS: usize = 420;

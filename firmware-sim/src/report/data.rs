@@ -1,10 +1,10 @@
-//! The data of the simulator's page.
+//! The data of the simulator's report.
 
 use crate::latency::{LatencyBucket, LatencySummary};
 
 pub use trueaxis_sim::run::{AngleSize, ErrorSize};
 
-/// Everything the page shows.
+/// All data shown on the page.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Report {
     /// Heading of the page.
@@ -13,7 +13,7 @@ pub struct Report {
     pub machine: String,
     /// Name of the part program.
     pub program: String,
-    /// Structural code of the machine from workpiece to tool (in the manner of ISO 10791-6), e.g. `w X' b Y Z t`.
+    /// Structural code of the machine from workpiece to tool (in the style of ISO 10791-6), e.g. `w X' b Y Z t`.
     pub chain: String,
     /// Servo rate in Hz.
     pub servo_rate_hz: f64,
@@ -29,7 +29,7 @@ pub struct Report {
     pub path: Vec<PathPoint>,
     /// The first full circle of the program.
     pub circle: Option<CircleReport>,
-    /// A reversal of each axis with what was done against it; empty for a machine without dynamic parts.
+    /// The worst reversal of each axis with the dynamic correction; empty for a machine without dynamic parts.
     pub reversals: Vec<ReversalReport>,
     /// Correction and limits of each axis.
     pub axes: Vec<AxisReport>,
@@ -39,7 +39,7 @@ pub struct Report {
     pub latency_buckets: Vec<LatencyBucket>,
     /// Faults that occurred, in order.
     pub faults: Vec<FaultEntry>,
-    /// Remarks, e.g. which real-time means the host did not permit.
+    /// Remarks, e.g. the real-time facilities that the host refused.
     pub notes: Vec<String>,
 }
 
@@ -48,7 +48,7 @@ pub struct Report {
 pub struct ContourErrors {
     /// Machine with its geometric errors, compensation off.
     pub uncompensated: ErrorSize,
-    /// The same machine, compensation on.
+    /// Machine with its geometric errors, compensation on.
     pub compensated: ErrorSize,
     /// A geometrically perfect machine: the error of the servo alone.
     pub servo_only: ErrorSize,
@@ -56,29 +56,29 @@ pub struct ContourErrors {
     pub full: Option<ErrorSize>,
 }
 
-/// Contour error over the path: `[path length in mm, error in µm]`; the sign is ignored.
+/// Contour error over the path: `[path length in mm, error in µm]`, without sign.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ContourSeries {
     /// Machine with its geometric errors, compensation off.
     pub uncompensated: Vec<[f64; 2]>,
-    /// The same machine, compensation on.
+    /// Machine with its geometric errors, compensation on.
     pub compensated: Vec<[f64; 2]>,
     /// A geometrically perfect machine.
     pub servo_only: Vec<[f64; 2]>,
     /// Geometry and servo corrected; empty for a machine without dynamic parts.
     pub full: Vec<[f64; 2]>,
-    /// Path lengths at which the curves are interrupted, ascending, mm: the motion between was not cutting.
+    /// Path lengths at which the curves are interrupted, ascending, mm: the motion in between was not cutting.
     pub breaks: Vec<f64>,
     /// Start of each program line: path length in mm and line number.
     pub program_lines: Vec<(f64, u32)>,
 }
 
-/// Tool direction over the path; first the path length in mm.
+/// Tool direction over the path; the first coordinate is the path length in mm.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct OrientationSeries {
-    /// Angle from the programmed direction, machine with its geometric errors, compensation off, µrad.
+    /// Angle between the actual and the programmed direction, machine with its geometric errors, compensation off, µrad.
     pub uncompensated: Vec<[f64; 2]>,
-    /// The same machine, compensation on.
+    /// Machine with its geometric errors, compensation on.
     pub compensated: Vec<[f64; 2]>,
     /// A geometrically perfect machine.
     pub servo_only: Vec<[f64; 2]>,
@@ -88,18 +88,18 @@ pub struct OrientationSeries {
     pub rotary: Vec<(String, Vec<[f64; 2]>)>,
 }
 
-/// Departures of the true tip's radius along a full circle: `[angle in rad, µm]`, in the order of travel.
+/// Deviation of the true tip's radius along a full circle: `[angle in rad, µm]`, in the order of travel.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct CircleReport {
     /// Radius in mm.
     pub radius_mm: f64,
-    /// Indices of the axes of its plane; angles count from the first to the second.
+    /// Indices of the axes of the plane; angles count from the first to the second.
     pub plane: [usize; 2],
     /// Program line.
     pub line: u32,
     /// Machine with its geometric errors, compensation off.
     pub uncompensated: Vec<[f64; 2]>,
-    /// The same machine, compensation on.
+    /// Machine with its geometric errors, compensation on.
     pub compensated: Vec<[f64; 2]>,
     /// A geometrically perfect machine.
     pub servo_only: Vec<[f64; 2]>,
@@ -107,8 +107,8 @@ pub struct CircleReport {
     pub full: Vec<[f64; 2]>,
 }
 
-/// One reversal of an axis: parts of the dynamic correction and contour errors, `[ms after the reversal, µm]`; for a rotary
-/// axis the parts are µrad.
+/// One reversal of an axis: parts of the dynamic correction and contour errors, `[ms after the reversal, µm]`; the parts of a
+/// rotary axis are in µrad.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ReversalReport {
     /// Name of the axis, e.g. `X`.
@@ -117,23 +117,23 @@ pub struct ReversalReport {
     pub rotary: bool,
     /// Program line.
     pub line: u32,
-    /// When its command turned, s.
+    /// Time at which the command reversed, s.
     pub time_s: f64,
     /// Dynamic correction sent.
     pub sent: Vec<[f64; 2]>,
-    /// Wanted against friction, following error and the error of acceleration.
+    /// Correction requested against friction, following error and the error of acceleration.
     pub feed_forward: Vec<[f64; 2]>,
-    /// Wanted by the contour feedback.
+    /// Correction requested by the contour feedback.
     pub feedback: Vec<[f64; 2]>,
-    /// Wanted against acceleration cross-talk.
+    /// Correction requested against acceleration cross-talk.
     pub crosstalk: Vec<[f64; 2]>,
-    /// Contour error with geometry alone corrected.
+    /// Contour error with only the geometry corrected.
     pub compensated_um: Vec<[f64; 2]>,
     /// Contour error with the servo corrected too.
     pub full_um: Vec<[f64; 2]>,
 }
 
-/// A point of the programmed path and how far the true tip was from it, actual − foot point.
+/// A point of the programmed path and the true tip's deviation from it, actual − foot point.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct PathPoint {
     /// Number of the uninterrupted cut that the point belongs to.
@@ -151,7 +151,7 @@ pub struct PathPoint {
 pub struct AxisReport {
     /// Name of the axis, e.g. `X`.
     pub name: String,
-    /// Whether the axis is rotary: then read µrad for µm, mrad/s for mm/s, rad/s² for m/s².
+    /// Whether the axis is rotary: the units are then µrad for µm, mrad/s for mm/s, rad/s² for m/s².
     pub rotary: bool,
     /// Correction over time: `[s, µm]`.
     pub correction: Vec<[f64; 2]>,
@@ -168,12 +168,12 @@ pub struct AxisReport {
 /// A fault that the step reported.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct FaultEntry {
-    /// When it first occurred, in s.
+    /// Time of the first occurrence, in s.
     pub time_s: f64,
-    /// Its code or name.
+    /// Code or name.
     pub code: String,
     /// Description in words.
     pub description: String,
-    /// Number of cycles in which it was reported.
+    /// Number of cycles that reported it.
     pub cycles: u64,
 }

@@ -44,7 +44,7 @@ fn histogram(report: &Report, columns: &[(f64, f64, u64)]) -> Figure {
     let times = || columns.iter().flat_map(|column| [column.0, column.1]).chain(marks.iter().map(|mark| mark.x));
     let low = times().fold(f64::INFINITY, f64::min).max(1.0).log10();
     let high = times().fold(1.0, f64::max).log10();
-    // Room on the right for the label of the last line.
+    // Leave room on the right for the label of the last line.
     let span = (high - low).max(0.5);
     let [left, right] = [low - 0.04 * span, high + 0.17 * span].map(|end| 10_f64.powf(end));
     let most = columns.iter().map(|column| column.2).max().unwrap_or(1) as f64;

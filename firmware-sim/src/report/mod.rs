@@ -1,10 +1,10 @@
-//! Pages of the simulator, one self-contained HTML file each.
+//! HTML reports of the simulator, one self-contained file each.
 //!
-//! [`Report`] is plain data: whoever ran the simulation fills it in, [`render`] makes the page and [`write()`] its
-//! `index.html`. Missing or undefined data leave a figure out, they are never an error.
+//! [`Report`] is plain data: the caller fills it in after the simulation, [`render`] makes the page and [`write()`] its
+//! `index.html`. Missing or undefined data omit a figure and are never an error.
 //!
-//! Each section of the page is a function `fn(&Report) -> Option<Section>` in a file of its own, listed in
-//! `SECTIONS`; a further one needs its data in [`Report`] and a line there.
+//! Each section of the page is a function `fn(&Report) -> Option<Section>` in a separate file, listed in `SECTIONS`; a new
+//! section needs its data in [`Report`] and an entry there.
 
 pub mod ball_test;
 mod circle;
@@ -51,7 +51,7 @@ struct Section {
     content: Markup,
 }
 
-/// The page as one HTML document, which is well-formed XML too.
+/// The page as one HTML document that is also well-formed XML.
 #[must_use]
 pub fn render(report: &Report) -> String {
     let title = if report.title.is_empty() { "Simulation report" } else { &report.title };
@@ -60,15 +60,15 @@ pub fn render(report: &Report) -> String {
     sections.fold(page, |page, section| page.section(section.heading, section.content)).document()
 }
 
-/// Writes the page to `index.html` in `directory`, which is created if need be; returns the file's path.
+/// Writes the page to `index.html` in `directory`, which is created if needed; returns the file's path.
 ///
 /// # Errors
-/// The file system's error where the page cannot be written; nothing is left behind then.
+/// The file system's error if the page cannot be written; nothing is left behind.
 pub fn write(report: &Report, directory: &Path) -> io::Result<PathBuf> {
     write_page(directory, "index.html", &render(report), Vec::new())
 }
 
-/// A page and what goes with it, all or nothing; the folder is created if need be.
+/// Writes a page and its accompanying files, all or nothing; creates the folder if needed.
 fn write_page(directory: &Path, name: &str, page: &str, beside: Vec<(String, String)>) -> io::Result<PathBuf> {
     let mut outputs = Outputs::default();
     let file = directory.join(name);

@@ -1,4 +1,4 @@
-//! Orientation error over the path, and where the rotary axes stand.
+//! Orientation error and positions of the rotary axes over the path.
 
 use super::{Report, Section, contour::BUCKETS};
 use maud::html;
@@ -6,7 +6,7 @@ use trueaxis_report::{Colour, Figure, Scale, Stroke, colour, decimate, number::q
 
 const LENGTH: &str = "path length in mm (in degrees where nothing but rotary axes moves)";
 
-/// A curve: text of its legend, colour, points.
+/// A curve: legend text, colour, points.
 type Curve = (String, Colour, Vec<[f64; 2]>);
 
 pub(super) fn section(report: &Report) -> Option<Section> {

@@ -4,11 +4,11 @@ use super::{PathPoint, Report, Section};
 use maud::html;
 use trueaxis_report::{Deviated, Figure, View, colour, missing, number::drawable, side_by_side, thin};
 
-/// Buckets of the path; in each the extremes of four values are kept.
+/// Buckets of the path; each keeps the extremes of four values.
 const BUCKETS: usize = 300;
-/// The path counts as leaving its main plane above this, in mm.
+/// Deviation from its main plane above which the path counts as leaving it, in mm.
 const FLAT_MM: f64 = 1e-3;
-/// Compensated deviations below this share of the others get a figure of their own.
+/// Compensated deviations below this share of the others get a separate figure.
 const ENLARGE_BELOW: f64 = 0.4;
 const AXES: [&str; 3] = ["X", "Y", "Z"];
 
@@ -37,7 +37,7 @@ fn length([x, y, z]: [f64; 3]) -> f64 {
     x.hypot(y).hypot(z)
 }
 
-/// Before-and-after figure of a projection; where the residue would vanish, a second one magnifies it further.
+/// Before-and-after figure of a projection; a second one magnifies the residual further if it would be invisible.
 fn views(points: &[PathPoint], plane: [usize; 2]) -> Vec<Figure> {
     let projected = |value: fn(&PathPoint) -> [f64; 3]| -> Vec<[f64; 2]> {
         points.iter().map(|point| plane.map(|axis| value(point)[axis])).collect()

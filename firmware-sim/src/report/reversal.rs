@@ -1,4 +1,4 @@
-//! What the plugin does about a reversal, and what it gains there.
+//! The plugin's dynamic correction at a reversal, and its effect on the contour error.
 
 use super::{Report, ReversalReport, Section};
 use maud::html;
@@ -11,7 +11,7 @@ use trueaxis_report::{
 /// Buckets of a curve over half the page.
 const BUCKETS: usize = 420;
 
-/// Name in the legend, colour, points.
+/// Legend text, colour, points.
 type Curve = (&'static str, Colour, Vec<[f64; 2]>);
 
 pub(super) fn section(report: &Report) -> Option<Section> {
@@ -37,7 +37,7 @@ fn parts(reversal: &ReversalReport) -> Figure {
         ("contour feedback", colour::SERVO, &reversal.feedback),
         ("cross-talk", colour::LIMIT, &reversal.crosstalk),
     ];
-    // A part that the machine does not have.
+    // Leaves out a part that the machine does not have.
     let acts = |points: &[[f64; 2]]| points.iter().any(|point| point[1] != 0.0);
     let curves = curves.map(|(name, colour, points)| {
         (name, colour, if acts(points) { decimate(points, BUCKETS) } else { Vec::new() })

@@ -1,4 +1,4 @@
-//! The result in plain words and in tables, at the top of the page.
+//! The result in plain text and in tables, at the top of the page.
 
 use super::{AxisReport, ErrorSize, FaultEntry, Report};
 use maud::{Markup, html};
@@ -88,7 +88,7 @@ fn latency_table(report: &Report) -> Markup {
     }
 }
 
-/// Largest magnitude of a series; not a number if it has no defined value.
+/// Largest magnitude of a series; NaN if it has no defined value.
 fn largest(series: &[[f64; 2]]) -> f64 {
     let magnitudes = series.iter().map(|point| point[1].abs()).filter(|value| value.is_finite());
     magnitudes.max_by(f64::total_cmp).unwrap_or(f64::NAN)

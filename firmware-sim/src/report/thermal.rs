@@ -1,4 +1,4 @@
-//! The page of a warming.
+//! The HTML report of a warming.
 
 use super::write_page;
 use maud::{Markup, html};
@@ -9,15 +9,15 @@ use trueaxis_report::number::{quantity, significant};
 use trueaxis_report::{Figure, Page, Row, Scale, Stroke, Table, colour, emphasised};
 use trueaxis_sim::warming::{Outcome, SENSORS, Warming};
 
-/// Writes the page to `thermal.html` in `directory`, and the record as `record.csv`; the folder is created if need be.
+/// Writes the page to `thermal.html` in `directory`, and the record as `record.csv`; creates the folder if needed.
 ///
 /// # Errors
-/// The file system's error where the page cannot be written; nothing is left behind then.
+/// The file system's error if the page cannot be written; nothing is left behind.
 pub fn write(warming: &Warming, outcome: &Outcome, directory: &Path) -> io::Result<PathBuf> {
     write_page(directory, "thermal.html", &render(warming, outcome), vec![("record.csv".into(), record(outcome))])
 }
 
-/// The record as `trueaxis thermal fit` reads it; sensors T1 to T9 in the order of [`SENSORS`].
+/// The record in the format that `trueaxis thermal fit` reads; sensors T1 to T9 in the order of [`SENSORS`].
 fn record(outcome: &Outcome) -> String {
     let mut text = String::from("t_s,cycle,spindle_rpm,x_mm,y_mm,z_mm,tool_mm,ex_um,ey_um,ez_um");
     for (number, _) in (1..).zip(SENSORS) {
@@ -38,7 +38,7 @@ fn record(outcome: &Outcome) -> String {
     text
 }
 
-/// The page as one HTML document, which is well-formed XML too.
+/// The page as one HTML document that is also well-formed XML.
 #[must_use]
 pub fn render(warming: &Warming, outcome: &Outcome) -> String {
     let settings = &warming.machine.settings;
@@ -80,7 +80,7 @@ fn table(outcome: &Outcome) -> Table {
 
 fn axis_figure(outcome: &Outcome, axis: usize) -> Figure {
     let letter = ['X', 'Y', 'Z'][axis];
-    // The place that drifts most.
+    // The position with the largest drift.
     let most = |place: &usize| {
         outcome.moments.iter().map(|moment| moment.places[*place].drift_mm[axis].abs()).fold(0.0, f64::max)
     };

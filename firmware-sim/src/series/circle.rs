@@ -1,4 +1,4 @@
-//! Departures of the radius along a full circle, as a ballbar measures them.
+//! Deviations of the radius along a full circle, as measured by a ballbar.
 
 use crate::report::CircleReport;
 use trueaxis_report::Thinner;
@@ -8,9 +8,9 @@ use trueaxis_sim::run::{Moment, Sample};
 
 /// Buckets of a curve around the circle.
 const AROUND: usize = 1400;
-/// An arc whose ends are nearer than this, mm, is a full circle; a rise of more along its axis makes it a helix.
+/// An arc whose ends are closer than this, mm, is a full circle; a larger rise along its axis makes it a helix.
 const CLOSED_MM: f64 = 1e-6;
-/// Share of the axis' direction that lies along one axis of the machine.
+/// Minimum share of the axis direction that lies along one machine axis.
 const ALONG_AN_AXIS: f64 = 1.0 - 1e-9;
 
 /// The first full circle of a program, in a plane of two axes.
@@ -19,17 +19,17 @@ pub(super) struct CircleSeries {
     /// Machine coordinates, mm.
     center: [f64; 3],
     radius: f64,
-    /// Axes of its plane, so that angles count from the first to the second.
+    /// Axes of the plane, ordered so that angles count from the first to the second.
     plane: [usize; 2],
-    /// Path length at its beginning and its end, mm.
+    /// Path length at the start and end of the circle, mm.
     from_to: [f64; 2],
     line: u32,
-    /// Angle and departure, for every run.
+    /// Angle and deviation, for every run.
     runs: Vec<Thinner<[f64; 2], 1>>,
 }
 
 impl CircleSeries {
-    /// `None` where a program of X, Y, Z alone has none.
+    /// `None` if the program has no full circle, or moves more than X, Y, Z.
     pub(super) fn of(scenario: &Scenario, runs: usize) -> Option<CircleSeries> {
         if scenario.five_axis {
             return None;
@@ -84,7 +84,7 @@ impl CircleSeries {
     }
 }
 
-/// Centre, and the axes of its plane in the order that makes angles counter-clockwise.
+/// Centre, and the axes of the plane in the order that makes angles counter-clockwise.
 fn full_circle(step: &Move) -> Option<([f64; 3], [usize; 2])> {
     let Curve::Arc { start, end, center, normal, .. } = &step.curve else { return None };
     let closed = start.iter().zip(end).all(|(a, b)| (a - b).abs() < CLOSED_MM);

@@ -1,4 +1,4 @@
-//! Curves for the report's figures, gathered from the runs in memory of fixed size.
+//! Curves for the report's figures, collected from the runs in memory of fixed size.
 
 mod circle;
 mod reversals;
@@ -11,7 +11,7 @@ use trueaxis_report::Thinner;
 use trueaxis_sim::Scenario;
 use trueaxis_sim::run::{CorrectionLimits, Kind, Moment, Sample, Sink};
 
-/// Buckets of a curve over the path or over time, and of the path itself: as many as its figure can show, or up to twice.
+/// Buckets of a curve over the path or over time, and of the path itself: one to two times the resolution of its figure.
 const CURVE: usize = 1400;
 const PATH: usize = 600;
 
@@ -19,7 +19,7 @@ const PATH: usize = 600;
 #[derive(Clone, Copy, Debug)]
 struct OnPath {
     at: [f64; 2],
-    /// Path length at which the cut began that it belongs to.
+    /// Path length at which this point's cut began.
     began: f64,
 }
 
@@ -34,7 +34,7 @@ struct AxisCurves {
     last: Option<f64>,
 }
 
-/// Gathers the curves of the runs of [`Kind::of`], in that order.
+/// Collects the curves of the runs of [`Kind::of`], in that order.
 #[derive(Debug)]
 pub struct Series {
     period_s: f64,
@@ -45,18 +45,18 @@ pub struct Series {
     rotary: Vec<(usize, char, Curve)>,
     axes: Vec<AxisCurves>,
     path: Thinner<PathPoint, 4>,
-    /// Of a program with a full circle.
+    /// Present for a program with a full circle.
     circle: Option<CircleSeries>,
-    /// Of a machine with dynamic parts.
+    /// Present for a machine with dynamic parts.
     reversals: Option<Reversals>,
-    /// Number of the cut, path length at which it began, and whether the cycle before was cutting.
+    /// Number of the cut, path length at which it began, and whether the previous cycle was cutting.
     cut: u32,
     began: f64,
     was_cutting: bool,
 }
 
 impl Series {
-    /// Of a scenario.
+    /// The curves of a scenario, without points.
     pub fn new(scenario: &Scenario) -> Series {
         let settings = &scenario.machine.settings.axes;
         let rotary = settings.iter().filter(|a| a.axis.is_rotary());
@@ -117,7 +117,7 @@ impl Series {
         }
     }
 
-    /// Contour error over the path; `program_lines` are left to whoever knows the program.
+    /// Contour error over the path; `program_lines` are left for the caller to fill.
     pub fn contour(&self) -> ContourSeries {
         let [uncompensated, compensated, servo_only, full] = four(&self.contour);
         let mut breaks: Vec<f64> =
@@ -137,7 +137,7 @@ impl Series {
         OrientationSeries { uncompensated, compensated, servo_only, full, rotary }
     }
 
-    /// The programmed path and both tips' deviations.
+    /// The programmed path and the tip's deviations without and with compensation.
     pub fn path(&self) -> Vec<PathPoint> {
         self.path.items()
     }
@@ -147,7 +147,7 @@ impl Series {
         self.circle.as_ref().and_then(CircleSeries::report)
     }
 
-    /// A reversal of every axis, with what was done against it.
+    /// The worst reversal of every axis, with its dynamic correction.
     pub fn reversals(&self) -> Vec<ReversalReport> {
         self.reversals.as_ref().map(Reversals::report).unwrap_or_default()
     }
@@ -171,7 +171,7 @@ impl Series {
     }
 }
 
-/// Of a curve for each run; no points for a run that there is not.
+/// The points of each run's curve; empty for a missing run.
 fn four(curves: &[Curve]) -> [Vec<[f64; 2]>; 4] {
     std::array::from_fn(|run| curves.get(run).map(points).unwrap_or_default())
 }

@@ -1,4 +1,4 @@
-//! What happens around the reversals of the axes: the parts of the dynamic correction, and the error without and with them.
+//! Reversals of the axes: the parts of the dynamic correction, and the error without and with them.
 
 use crate::report::ReversalReport;
 use std::collections::VecDeque;
@@ -6,15 +6,15 @@ use trueaxis::Axis;
 use trueaxis_sim::Scenario;
 use trueaxis_sim::run::{DynamicSample, Moment, Sample};
 
-/// Time before and after a reversal, s: the velocity loop's reset time lies well within.
+/// Time before and after a reversal, s; the velocity loop's reset time is well within it.
 const BEFORE_S: f64 = 0.02;
 const AFTER_S: f64 = 0.08;
-/// Samples a second, at most.
+/// Maximum number of samples per second.
 const MOST_HZ: f64 = 10_000.0;
-/// An axis has turned when its command has come back by this much, mm or degrees.
+/// An axis has reversed when its command has come back by this distance, mm or degrees.
 const TURNED: f64 = 1e-5;
 
-/// A cycle as the figures need it.
+/// The values of a cycle that the figures need.
 #[derive(Clone, Copy, Debug)]
 struct Instant {
     time_s: f64,
@@ -23,17 +23,17 @@ struct Instant {
     full_um: f32,
 }
 
-/// Stretch around a reversal.
+/// Section of a run around a reversal.
 #[derive(Clone, Debug, Default)]
 struct Stretch {
     turned_s: f64,
     line: u32,
     instants: Vec<Instant>,
-    /// Of the compensated run.
+    /// Largest error of the compensated run.
     largest_um: f32,
 }
 
-/// The command furthest in the direction of travel, which is 0 before the first travel.
+/// The furthest command in the direction of travel; the direction is 0 before the first motion.
 #[derive(Clone, Copy, Debug)]
 struct Furthest {
     command: f64,
@@ -41,7 +41,7 @@ struct Furthest {
     direction: f64,
 }
 
-/// One axis: where its command turned last, the stretch being recorded, and the one with the largest error so far.
+/// One axis: its last reversal, the section being recorded, and the section with the largest error so far.
 #[derive(Debug)]
 struct Turns {
     axis: Axis,
@@ -101,7 +101,7 @@ impl Reversals {
         }
     }
 
-    /// Of the axes that turned while cutting.
+    /// The reversals of all axes that reversed while cutting.
     pub(super) fn report(&self) -> Vec<ReversalReport> {
         let found = self.axes.iter().filter_map(|turns| Some((turns.axis, turns.worst.as_ref()?)));
         found.map(|(axis, stretch)| report(axis, stretch)).collect()
@@ -109,7 +109,7 @@ impl Reversals {
 }
 
 impl Turns {
-    /// Adds a cycle to the stretch being recorded; one that the cut does not outlast is closed with it.
+    /// Adds a cycle to the section being recorded; the end of the cut also ends the section.
     fn record(&mut self, now: &Instant, sampled: bool, cutting: bool) {
         let Some(stretch) = &mut self.recording else { return };
         if sampled {
@@ -127,7 +127,7 @@ impl Turns {
         }
     }
 
-    /// When the command turned, in the cycle in which it has come back far enough to tell.
+    /// Time of the reversal, returned in the cycle in which the command has come back far enough to detect it.
     fn turned(&mut self, command: f64, time_s: f64) -> Option<f64> {
         let furthest = self.furthest.get_or_insert(Furthest { command, time_s, direction: 0.0 });
         let moved = command - furthest.command;

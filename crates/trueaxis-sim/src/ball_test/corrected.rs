@@ -1,4 +1,4 @@
-//! The identified machine as a controller loads it, and the true tip error with its correction.
+//! The identified machine as loaded by a controller, and the true tip error with its correction.
 
 use super::cycle::{Cycle, with_ball};
 use crate::error::Result;
@@ -15,11 +15,11 @@ use trueaxis_tables::{Machine, Table, compile};
 /// X, Y, Z, A, C.
 const N: usize = 5;
 
-/// Table of an axis from its stops; a full circle is closed with its first line.
+/// Table of an axis from its stops; the table of a full circle is closed with its first line.
 ///
-/// Each cycle sees both axes: C's the constant errors that A has at 0, turned with C, and A's those that C has at 0. What both
-/// see at the shared pose, `at_zero`, becomes part of A: A's table is what was read, C's what was read less `at_zero` turned
-/// by C. Together they give back either cycle.
+/// Each cycle sees both axes: C's sees the constant errors of A at 0, turned with C, and A's those of C at 0. The errors that
+/// both see at the shared pose, `at_zero`, become part of A: A's table is the reading, C's the reading minus `at_zero` turned
+/// by C. Together they reproduce either cycle.
 pub(super) fn table(stops_deg: &[f64], found: &Identified, at_zero: &Twist) -> Table {
     let mut rows: Vec<Row> = (stops_deg.iter().zip(&found.angles))
         .map(|(&position, angle)| {
@@ -46,7 +46,7 @@ fn turned([x, y, z, a, b, c]: Twist, angle_rad: f64) -> Twist {
     [x * cos - y * sin, x * sin + y * cos, z, a * cos - b * sin, a * sin + b * cos, c]
 }
 
-/// The machine as it is known after the test: identified tables, nothing else.
+/// The machine as known after the test: identified tables, nothing else.
 pub(super) fn identified(machine: &Machine, tables: &[(Axis, Table)]) -> Machine {
     let mut machine = machine.clone();
     machine.settings.location = LocationErrors::default();
@@ -57,7 +57,7 @@ pub(super) fn identified(machine: &Machine, tables: &[(Axis, Table)]) -> Machine
     machine
 }
 
-/// True tip error of one set-up at the judged angles, mm: without and with the correction that `known` gives.
+/// True tip error of one set-up at the judged angles, mm: without and with the correction by the tables of `known`.
 pub(super) fn tip_errors(cycle: &Cycle, plant: &Machine, known: &Machine, ball: Ball) -> Result<Vec<[[f64; 3]; 2]>> {
     let geometry = Geometry::new(&with_ball(plant, ball), 0.0)?;
     let bytes = compile(&with_ball(known, ball))?;

@@ -1,4 +1,4 @@
-//! Positions of the axes in the cycle, and readings of the gauge.
+//! Positions of the axes in the test cycle, and readings of the gauge.
 
 use super::{BallCycle, place};
 use crate::error::{Result, SimError};
@@ -21,12 +21,12 @@ pub(super) struct Cycle {
     pub(super) axis: Axis,
     pub(super) balls: [Ball; 3],
     pub(super) stops_deg: Vec<f64>,
-    /// Every degree of the same range, where the result is judged.
+    /// Every degree of that range, for judging the result.
     pub(super) judged_deg: Vec<f64>,
 }
 
 impl Cycle {
-    /// C: a full circle in 36 stops. A: a quarter in 19.
+    /// C: a full circle in 36 stops. A: a quarter turn in 19.
     pub(super) fn of(axis: Axis) -> Cycle {
         let (points, stops, step, last) =
             if axis == Axis::C { (SET_UPS_C, 36, 10.0, 359) } else { (SET_UPS_A, 19, 5.0, 90) };
@@ -38,7 +38,7 @@ impl Cycle {
         }
     }
 
-    /// Positions of all axes with the axis at `angle_deg`: the ball of every set-up stays where the first one was at 0.
+    /// Positions of all axes with the tested axis at `angle_deg`: the ball of every set-up stays where the first one was at 0.
     pub(super) fn position(&self, machine: &Machine, ball: Ball, angle_deg: f64) -> Result<[f64; AXES]> {
         let turn = place(machine, self.axis).ok_or_else(|| no_axis(machine, self.axis))?;
         let mut position = [0.0; AXES];
@@ -96,7 +96,7 @@ fn hanging(ball: Ball) -> [f64; 3] {
     [0.0, ball.horizontal_mm, -ball.vertical_mm]
 }
 
-/// The machine with the ball for a tool.
+/// The machine with the ball as its tool.
 pub(super) fn with_ball(machine: &Machine, ball: Ball) -> Machine {
     let mut machine = machine.clone();
     machine.settings.tool_mm = hanging(ball);

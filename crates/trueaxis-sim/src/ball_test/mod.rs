@@ -1,9 +1,9 @@
 //! Ball test of a five-axis head: measure, identify, compile, measure again.
 //!
-//! With RTCP on, the control keeps the centre of a ball still while C turns a full circle with A still, then A a quarter
-//! with C still; three set-ups each. The simulated gauge reads what the machine's exact geometry makes of it, the
-//! six errors of either axis are identified, become tables, are compiled into the form that a controller loads, and the same
-//! cycle is run once more through the plugin's volumetric correction:
+//! With RTCP on, the control keeps the centre of a ball still while C turns a full circle with A at rest, then A a quarter
+//! turn with C at rest; three set-ups each. The simulated gauge reads the deviation that the machine's exact geometry
+//! produces, the six errors of either axis are identified, become tables, are compiled into the form that a controller loads,
+//! and the cycle is repeated through the plugin's volumetric correction:
 //!
 //! ```text
 //! true tables ─► exact geometry ─► gauge + noise ─► identification ─► tables ─► .tcomp ─► correction ─┐
@@ -11,7 +11,7 @@
 //!                     └───────────────────────────── corrected command ◄──────────────────────────────┘
 //! ```
 //!
-//! Linear axes are taken as perfect: the results show the errors of the rotary axes, and the residuals.
+//! Linear axes are assumed perfect: the results show the errors of the rotary axes, and the residuals.
 //!
 //! Source: CN105479268A (cycle and set-ups).
 
@@ -41,13 +41,13 @@ impl BallCycle {
     /// Runs the whole loop.
     ///
     /// # Errors
-    /// A machine without a head of C and A, and whatever identification or compilation refuses.
+    /// A machine without a head of C and A, or any error of identification or compilation.
     pub fn run(&self) -> Result<Outcome> {
         outcome::run(self)
     }
 }
 
-/// The machine with perfect linear axes: no tables, squareness, backlash or growth but those of rotary axes.
+/// The machine with perfect linear axes: tables, squareness, backlash and growth of rotary axes only.
 fn rotary_only(machine: &Machine) -> Result<Machine> {
     let code: String = machine.settings.chain.chars().filter(|c| !c.is_whitespace()).collect();
     if !code.ends_with("CAt") || code.contains("C'") || code.contains("A'") || code.contains('B') {
@@ -70,7 +70,7 @@ fn rotary_only(machine: &Machine) -> Result<Machine> {
     Ok(machine)
 }
 
-/// Index of an axis among those of the machine.
+/// Index of an axis among the machine's axes.
 fn place(machine: &Machine, axis: Axis) -> Option<usize> {
     machine.settings.axes.iter().position(|settings| settings.axis == axis)
 }

@@ -1,4 +1,4 @@
-//! The whole loop and its results.
+//! The whole sequence and its results.
 
 use super::corrected::{identified, table, tip_errors};
 use super::cycle::Cycle;
@@ -20,7 +20,7 @@ pub struct TipError {
     pub rms: f64,
 }
 
-/// True tip error at an angle, mean over the set-ups of the squared magnitude, µm.
+/// True tip error at an angle: root mean square of its magnitude over the set-ups, µm.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Stop {
     /// Angle of the axis.
@@ -40,30 +40,30 @@ pub struct AxisOutcome {
     pub readings: BallTest,
     /// Angles of the stops, degrees.
     pub stops_deg: Vec<f64>,
-    /// Errors identified.
+    /// Identified errors.
     pub found: Identified,
-    /// The table made from it.
+    /// The table made from them.
     pub table: Table,
     /// True tip error over the angle.
     pub over_angle: Vec<Stop>,
     /// Without correction.
     pub before: TipError,
-    /// With it.
+    /// With the correction.
     pub after: TipError,
 }
 
-/// Result of the loop.
+/// Result of the sequence.
 #[derive(Debug)]
 pub struct Outcome {
-    /// C, then A.
+    /// Results for C, then A.
     pub axes: Vec<AxisOutcome>,
     /// Both axes together, without correction.
     pub before: TipError,
-    /// With it.
+    /// Both axes together, with correction.
     pub after: TipError,
 }
 
-/// Runs the loop.
+/// Runs the sequence.
 pub(super) fn run(test: &BallCycle) -> Result<Outcome> {
     let plant = rotary_only(&test.machine)?;
     let mut found = Vec::new();
@@ -109,16 +109,16 @@ pub(super) fn run(test: &BallCycle) -> Result<Outcome> {
     }
     let both = |pick: fn(&AxisOutcome) -> TipError| TipError {
         max: axes.iter().map(|axis| pick(axis).max).fold(0.0, f64::max),
-        // An axis counts as much as the other, however many angles it has.
+        // Both axes count equally, however many angles they have.
         rms: (axes.iter().map(|axis| pick(axis).rms.powi(2)).sum::<f64>() / axes.len().max(1) as f64).sqrt(),
     };
     Ok(Outcome { before: both(|axis| axis.before), after: both(|axis| axis.after), axes })
 }
 
-/// Errors of C and A together where both stand at 0, from the readings of both cycles there.
+/// Errors of C and A together with both at 0, from the readings of both cycles there.
 ///
-/// Six set-ups at one pose: were either axis' own estimate taken, the noise of that one stop would be carried to levers
-/// that were not measured at it.
+/// Uses six set-ups at one pose: with either axis' own estimate, the noise of that one stop would be carried to levers that
+/// were not measured at it.
 fn shared_pose(found: &[(Cycle, BallTest, Identified)]) -> Result<Twist> {
     let mut seen = Vec::new();
     for (_, readings, _) in found {
@@ -147,7 +147,7 @@ fn size_of(squares: impl Iterator<Item = f64>) -> TipError {
 }
 
 impl Outcome {
-    /// Files of the test: the readings as `trueaxis identify` reads them, and the tables it led to; name and text.
+    /// Files of the test, name and text: the readings in the format that `trueaxis identify` reads, and the resulting tables.
     pub fn files(&self) -> Vec<(String, String)> {
         let mut files = Vec::new();
         for of in &self.axes {

@@ -1,4 +1,4 @@
-//! Surfaces as they really are.
+//! True surfaces of artefacts.
 
 use glam::{DMat3, DVec3};
 
@@ -7,7 +7,7 @@ use glam::{DMat3, DVec3};
 pub enum Artefact {
     /// Inside of a ring.
     Ring {
-        /// Its centre.
+        /// Centre.
         centre: DVec3,
         /// Unit vector along its axis.
         axis: DVec3,
@@ -16,18 +16,18 @@ pub enum Artefact {
     },
     /// A ball.
     Ball {
-        /// Its centre.
+        /// Centre.
         centre: DVec3,
         /// Diameter.
         diameter: f64,
     },
     /// A block with plane faces: a step of a gauge, an arm of a square.
     Block {
-        /// Its middle.
+        /// Centre.
         centre: DVec3,
-        /// Unit vectors across its faces, one a column.
+        /// Unit vectors normal to the faces, one per column.
         directions: DMat3,
-        /// Half of its extent along them.
+        /// Half the extent along them.
         half: DVec3,
     },
 }
@@ -36,7 +36,7 @@ pub enum Artefact {
 const HEIGHT: f64 = 25.0;
 
 impl Artefact {
-    /// Way from a tip of radius `radius` to the surface, mm, and the direction out of the material there.
+    /// Distance from a tip of radius `radius` to the surface, mm, and the direction out of the material there.
     pub(super) fn gap(&self, tip: DVec3, radius: f64) -> (f64, DVec3) {
         match *self {
             Artefact::Ring { centre, axis, diameter } => {
@@ -46,7 +46,7 @@ impl Artefact {
                 let away = across.length();
                 let inwards = if away > 0.0 { -across / away } else { DVec3::ZERO };
                 if along.abs() > 0.5 * HEIGHT {
-                    // Above or below it: at most as near as its faces.
+                    // Above or below the ring: at least as far away as its faces.
                     return ((along.abs() - 0.5 * HEIGHT).max(1.0), axis * along.signum());
                 }
                 (0.5 * diameter - radius - away, inwards)
@@ -65,7 +65,7 @@ impl Artefact {
                 if away > 0.0 {
                     return (away - radius, side(outside / away));
                 }
-                // Within: out through the nearest face.
+                // Inside: out through the nearest face.
                 let nearest = beyond.max_element();
                 let across = DVec3::from([0, 1, 2].map(|k| if beyond[k] == nearest { 1.0 } else { 0.0 }));
                 (nearest - radius, side(across).normalize_or_zero())

@@ -1,4 +1,4 @@
-//! The correction that a controller makes with a machine's compiled tables.
+//! The correction of a controller with a machine's compiled tables.
 
 use crate::error::Result;
 use trueaxis::compensation::{Compensation, Direction, Query, ThermalLine, requirement};
@@ -6,10 +6,10 @@ use trueaxis::machine::{AXES, AxisOrder, MachineSettings};
 use trueaxis::tcomp::Tcomp;
 use trueaxis_tables::{Machine, compile};
 
-/// Where the axes are sent for a command: positions and directions of travel (1: negative), in the order of the true machine.
+/// Corrected command for a command: from positions and directions of travel (1: negative), in the order of the true machine.
 pub(super) type Sent<'s> = dyn Fn(&[f64; AXES], &[f64; AXES]) -> [f64; AXES] + 's;
 
-/// Lends out the correction of `known` for a machine with axes in the order of `truth`.
+/// Lends out the correction by the tables of `known` for a machine with axes in the order of `truth`.
 pub(super) fn with_correction<T>(
     truth: &MachineSettings,
     known: &Machine,

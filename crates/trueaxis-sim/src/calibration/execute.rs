@@ -1,4 +1,4 @@
-//! A probing program, executed.
+//! Execution of a probing program.
 
 use super::artefact::Artefact;
 use super::correction::{Sent, with_correction};
@@ -15,12 +15,12 @@ use trueaxis_tables::exact::Geometry;
 
 /// Speed of rapid moves, mm/min.
 const RAPID: f64 = 6000.0;
-/// Most steps of a probing move towards the surface.
+/// Most iterations of a probing move towards the surface.
 const STEPS: usize = 400;
-/// A gap that is none, mm.
+/// A gap up to this counts as contact, mm.
 const CLOSED: f64 = 1e-9;
 
-/// The control that executes the program: how its log looks.
+/// The control that executes the program; it determines the format of the log.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Host {
     /// `(LOG,…)` with parameters #5061 to #5070.
@@ -29,14 +29,14 @@ pub enum Host {
     GrblHal,
 }
 
-/// Movement of the workpiece's frame against the tool, mm: a rate, and a part that settles.
+/// Movement of the workpiece's frame relative to the tool: a constant rate, and a part that settles.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Drift {
     /// mm per hour.
     pub rate: DVec3,
-    /// Reached in the end, mm.
+    /// Final value of the settling part, mm.
     pub settles: DVec3,
-    /// Time in which 63 % of it are reached, s.
+    /// Time in which it reaches 63 % of that, s.
     pub lag_s: f64,
 }
 
@@ -47,26 +47,26 @@ impl Drift {
     }
 }
 
-/// What stands on the machine, and the probe.
+/// The set-up on the machine, and the probe.
 #[derive(Clone, Debug)]
 pub struct Probing {
     /// The machine with its true errors.
     pub machine: Machine,
-    /// The machine whose tables correct it meanwhile; none where it is not corrected.
+    /// The machine whose tables correct it during the program; `None` if it is not corrected.
     pub known: Option<Machine>,
-    /// Surfaces at the first pause and after it, at the second, ….
+    /// Artefacts from the first pause on, from the second on, ….
     pub set_ups: Vec<Vec<Artefact>>,
     /// Radius of the tip, mm.
     pub tip_radius_mm: f64,
     /// Deflection before the trip, mm.
     pub pre_travel_mm: f64,
-    /// How much that varies around the tip, with three lobes, mm.
+    /// Amplitude of its variation around the tip, with three lobes, mm.
     pub lobes_mm: f64,
     /// Standard deviation of a touch, mm.
     pub noise_mm: f64,
     /// The drift.
     pub drift: Drift,
-    /// How long every pause takes, s.
+    /// Duration of every pause, s.
     pub pause_s: f64,
     /// Seed of the noise.
     pub seed: u64,
@@ -77,7 +77,7 @@ pub struct Probing {
 /// Executes a program and returns the log.
 ///
 /// # Errors
-/// A program that cannot be read; with its line, a probing move that touches nothing, or a move that runs into an artefact.
+/// A program that cannot be read; a probing move that touches nothing, or a move that ends inside an artefact, with its line.
 pub fn execute(probing: &Probing, program: &str) -> Result<String> {
     match &probing.known {
         None => executed(probing, program, &|position, _| *position),
@@ -147,7 +147,7 @@ struct Bench<'p> {
     plays: [f64; AXES],
     /// X, Y, Z, A, B, C.
     at: [f64; AXES],
-    /// How much of its play an axis hangs behind: 0 after positive, 1 after negative travel.
+    /// Share of its play by which each axis lags: 0 after positive, 1 after negative travel.
     behind: [f64; AXES],
     time_s: f64,
     set_up: Option<usize>,
@@ -158,7 +158,7 @@ struct Bench<'p> {
 }
 
 impl Bench<'_> {
-    /// The position on the way, and how the plays are taken up there.
+    /// The position part of the way to `end`, and the state of the plays there.
     fn on_the_way(&self, end: &[f64; AXES], share: f64) -> ([f64; AXES], [f64; AXES]) {
         let at = std::array::from_fn(|k| self.at[k] + share * (end[k] - self.at[k]));
         let behind = std::array::from_fn(|k| {
@@ -185,7 +185,7 @@ impl Bench<'_> {
         DVec3::from(tip) + self.probing.drift.at(time_s)
     }
 
-    /// Nearest surface: gap and normal there.
+    /// The nearest surface: its gap and normal.
     fn nearest(&self, tip: DVec3) -> (f64, DVec3) {
         let surfaces = self.set_up.and_then(|set_up| self.probing.set_ups.get(set_up)).into_iter().flatten();
         surfaces
@@ -228,9 +228,10 @@ impl Bench<'_> {
             let (at, behind) = self.on_the_way(&end, share);
             self.time_s = started + 60.0 * share * length / feed.max(1.0);
             let (gap, _) = self.nearest(self.tip(&at, &behind, self.time_s));
-            // Behind the surface it goes back: an axis that is too long runs past it by what is left of the way times its scale.
+            // Behind the surface it steps back: an axis that is too long runs past it by the remaining distance times its
+            // scale.
             if gap.abs() <= CLOSED || (gap < 0.0 && share <= 0.0) {
-                // What the probe scatters stands along its way.
+                // The probe's scatter lies along its travel.
                 let (at, _) = self.on_the_way(&end, share + self.probing.noise_mm * noise / length);
                 self.trip = at;
                 (self.at, self.behind) = (at, behind);
@@ -244,7 +245,7 @@ impl Bench<'_> {
         Err(self.error("a probing move that touches nothing".into(), "an artefact on its way"))
     }
 
-    /// Comments that the control acts on, and pauses.
+    /// Handles comments that the control acts on, and pauses.
     fn listen(&mut self, text: &str, probed: bool) {
         if probed && self.probing.host == Host::GrblHal {
             let axes = self.probing.machine.settings.axes.iter().map(|own| own.axis.index());
@@ -275,7 +276,7 @@ impl Bench<'_> {
         }
     }
 
-    /// #5061 to #5066 are the trip, #5070 whether there was one.
+    /// Replaces parameters: #5061 to #5066 are the trip, #5070 whether there was one.
     fn expanded(&self, text: &str) -> String {
         let mut out = String::new();
         for word in text.split(' ') {

@@ -4,8 +4,8 @@
 //! program ─► moves ─► exact geometry of the machine, its lost motion, drift ─► true tip ─► first touch of an artefact ─► log
 //! ```
 //!
-//! The tip comes from exact products of rigid transforms, in workpiece coordinates, where the artefacts stand. What the log
-//! says is where the axes stood at the trip. [`random_machine`] draws machines, [`volumetric`] says what is left of their error.
+//! The tip comes from exact products of rigid transforms, in workpiece coordinates, in which the artefacts are placed. The log
+//! gives the axis positions at the trip. [`random_machine`] draws machines, [`volumetric`] computes their residual error.
 //! Drives have no lag and encoders no noise here: a probing move is slow.
 
 mod artefact;

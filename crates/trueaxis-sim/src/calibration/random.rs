@@ -9,24 +9,24 @@ use trueaxis::machine::{
 };
 use trueaxis_tables::{Machine, Table};
 
-/// How large the errors of a random machine are: standard deviations, but for the backlash.
+/// Size of the errors of a random machine: standard deviations, except for the backlash.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Class {
     /// Squareness, rad.
     pub squareness: f64,
     /// Scale.
     pub scale: f64,
-    /// Largest backlash; evenly drawn from 0, mm.
+    /// Largest backlash, mm; drawn uniformly from 0.
     pub backlash_mm: f64,
-    /// Bow of positioning and of straightness: a parabola of that height over the travel, mm.
+    /// Bow of positioning and of straightness: height of a parabola over the travel, mm.
     pub bow_mm: f64,
-    /// Cubic part of both, at the ends, mm.
+    /// Cubic part of both, at the ends of the travel, mm.
     pub cubic_mm: f64,
-    /// A wave of 1.5 to 4 periods over the travel in either, mm.
+    /// Wave of 1.5 to 4 periods over the travel in each, mm.
     pub wave_mm: f64,
-    /// Angular errors over the travel: a bow of that height, rad.
+    /// Angular errors over the travel: height of the bow, rad.
     pub angle: f64,
-    /// Centre lines of rotary axes, mm, and their tilts, rad.
+    /// Location errors of the centre lines of rotary axes, mm, and their tilts, rad.
     pub centre: [f64; 2],
 }
 
@@ -69,7 +69,7 @@ pub fn random_machine(seed: u64, class: &Class) -> Machine {
     machine(&mut dice, "random mill", chain, class)
 }
 
-/// The same with trunnion A and table C on the workpiece side; its rotary axes have location errors.
+/// [`random_machine`] with trunnion A and table C on the workpiece side; the rotary axes have location errors.
 pub fn random_five_axis(seed: u64, class: &Class) -> Machine {
     let mut dice = Dice(ChaCha8Rng::seed_from_u64(seed));
     let mut machine = machine(&mut dice, "random five axes", "w C' A' Y' b X Z t", class);
@@ -112,7 +112,7 @@ fn machine(dice: &mut Dice, name: &str, chain: &str, class: &Class) -> Machine {
         if axis.is_rotary() {
             own.travel = [-120.0, 360.0];
             if axis == Axis::A {
-                // The trunnion's axis lies in the middle of the table, 60 mm above it.
+                // The trunnion's axis is in the middle of the table, 60 mm above it.
                 own.offset_mm = [250.0, 200.0, -250.0];
             }
             own.joint = [own.travel[0] - 1.0, own.travel[1] + 1.0];
@@ -131,7 +131,7 @@ fn machine(dice: &mut Dice, name: &str, chain: &str, class: &Class) -> Machine {
 fn table(dice: &mut Dice, axis: Axis, class: &Class) -> Table {
     let [low, high] = TRAVELS[axis.index()];
     let shapes: [[f64; 5]; 6] = std::array::from_fn(|component| {
-        // Angular errors have the shapes of the mill's straightness.
+        // Angular errors have the shape of the mill's straightness.
         let [bow, cubic, wave] = match component {
             0..3 => [class.bow_mm, class.cubic_mm, class.wave_mm],
             _ => [1.0, 0.4, 1.0 / 6.0].map(|share| share * class.angle),
@@ -156,7 +156,7 @@ fn table(dice: &mut Dice, axis: Axis, class: &Class) -> Table {
         errors[axis.index()] += scale * position;
         errors
     };
-    // The machine's zero is where its axes say that they are, and rotary axes are located from there.
+    // The errors vanish at the machine's zero, from which rotary axes are located.
     let zero = at(0.0);
     let rows = (0..=LINES)
         .map(|i| {

@@ -7,7 +7,7 @@ use trueaxis::machine::{AXES, MachineSettings};
 use trueaxis_tables::Machine;
 use trueaxis_tables::exact::Geometry;
 
-/// Error of the tip over the volume, its best rigid motion taken out, µm.
+/// Error of the tip over the volume after removing the best-fitting rigid motion, µm.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Errors {
     /// Root mean square.
@@ -19,10 +19,11 @@ pub struct Errors {
 /// Points along an axis.
 const POINTS: usize = 7;
 
-/// Errors of a machine without correction, and with the one that `known` makes; three linear axes, rotary axes at 0.
+/// Errors of a machine without correction and with the correction by the tables of `known`; three linear axes, rotary axes at
+/// 0.
 ///
-/// At 7 × 7 × 7 points of the travels in positive and in negative travel, by exact transforms; the correction by the compiled
-/// table as a controller would.
+/// Evaluated at 7 × 7 × 7 points of the travels in positive and in negative travel, by exact transforms; the correction uses
+/// the compiled table, as a controller would.
 ///
 /// # Errors
 /// A machine that cannot be compiled.
@@ -43,8 +44,8 @@ pub fn volumetric(truth: &Machine, known: &Machine) -> Result<[Errors; 2]> {
 /// Positive and negative travel of all axes.
 const BOTH: [[f64; AXES]; 2] = [[0.0; AXES], [1.0; AXES]];
 
-/// What the correction that `known` makes leaves of the tip's error at positions (in the order of the machine's axes), mm, in
-/// machine directions: in positive and in negative travel at each, by exact transforms.
+/// Error of the tip that remains after the correction by the tables of `known`, at positions (in the order of the machine's
+/// axes), mm, in machine directions: in positive and in negative travel at each, by exact transforms.
 ///
 /// # Errors
 /// A machine that cannot be compiled.
@@ -79,7 +80,7 @@ fn grid(settings: &MachineSettings) -> Vec<[f64; AXES]> {
     all
 }
 
-/// Size of the errors without the shift and turn that fit them best: those are how the workpiece is set up.
+/// Size of the errors without the best-fitting shift and rotation, which correspond to how the workpiece is set up.
 fn left(points: &[DVec3], errors: Vec<DVec3>) -> Errors {
     let count = points.len().max(1) as f64;
     let middle = points.iter().sum::<DVec3>() / count;

@@ -1,4 +1,4 @@
-//! Circles as a program, and what drives and encoders did on them.
+//! Circles as a program, and a record of drives and encoders on them.
 
 use crate::error::{Result, SimError};
 use crate::program::Program;
@@ -9,10 +9,10 @@ use trueaxis::Axis;
 use trueaxis_metrology::friction::{Record, Recorded};
 use trueaxis_tables::Machine;
 
-/// Angle at which the circles begin and end, rad: no axis turns there.
+/// Angle at which the circles begin and end, rad: no axis reverses there.
 const START: f64 = 0.5;
 
-/// Plane of the circles, its axes in its sense.
+/// Plane of the circles; the order of its axes gives the sense of rotation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Plane {
     /// G17.
@@ -34,7 +34,7 @@ impl Plane {
         }
     }
 
-    /// The plane of two axes from its name, `XY`, `ZX` or `YZ`.
+    /// Plane of the two named axes: `XY`, `ZX` or `YZ`.
     pub fn named(name: &str) -> Option<Plane> {
         match name {
             "XY" => Some(Plane::Xy),
@@ -44,7 +44,7 @@ impl Plane {
         }
     }
 
-    /// Code, words of the centre, axis across.
+    /// G-code, words of the centre, axis normal to the plane.
     fn words(self) -> (&'static str, [char; 2], char) {
         match self {
             Plane::Xy => ("G17", ['I', 'J'], 'Z'),
@@ -89,7 +89,7 @@ impl Circles {
         self.plane.axes()
     }
 
-    /// The program. The plane's axes stand while the third moves a little: at the start and between the circles.
+    /// The program. While the third axis moves a little, at the start and between the circles, the plane's axes are at rest.
     pub fn program(&self) -> String {
         let (code, [i, j], across) = self.plane.words();
         let [first, second] = self.axes().map(Axis::letter);
@@ -108,23 +108,23 @@ impl Circles {
     }
 }
 
-/// One pass of the circles under way; it can be left between any two cycles.
+/// One pass of the circles in progress; it can be paused between any two cycles.
 #[derive(Debug)]
 pub struct Recorder {
     run: Run,
     log: Log,
 }
 
-/// Cycle by cycle; the two axes of the plane.
+/// Log of the two axes of the plane, cycle by cycle.
 #[derive(Clone, Debug)]
 struct Log {
     axes: [Axis; 2],
     period_s: f64,
     /// Sent to the drives, mm.
     drive: [Vec<f64>; 2],
-    /// Command and correction of geometry, without the dynamic one: where the axes should be, mm.
+    /// Command and geometric correction, without the dynamic one: the required positions of the axes, mm.
     path: [Vec<f64>; 2],
-    /// Read at the end of the cycle, mm.
+    /// Readings at the end of the cycle, mm.
     reading: [Vec<f64>; 2],
 }
 
@@ -139,12 +139,12 @@ pub struct Pass {
 }
 
 impl Recorder {
-    /// The circles on one machine.
+    /// Sets up the circles on one machine.
     ///
     /// # Errors
     /// As [`Scenario::new`] and [`Run::of`].
     ///
-    /// Memory: 48 bytes a cycle.
+    /// Memory: 48 bytes per cycle.
     pub fn new(circles: &Circles, machine: Machine, settings: Settings, kind: Kind) -> Result<Recorder> {
         let program = Program::parse("circles", &circles.program(), "circles.ngc")?;
         let period_s = 1.0 / settings.rate_hz;
@@ -154,7 +154,7 @@ impl Recorder {
         Ok(Recorder { run, log })
     }
 
-    /// Simulates at most `cycles` further cycles; `false` at the end of the program.
+    /// Simulates at most `cycles` further cycles; returns `false` at the end of the program.
     pub fn advance(&mut self, cycles: u64) -> bool {
         let log = &mut self.log;
         let mut sink = |_: &Moment, machines: &[Option<&Sample>]| {
@@ -168,7 +168,7 @@ impl Recorder {
         self.run.advance(cycles, &mut sink)
     }
 
-    /// Share of the program that has been simulated, 0 to 1.
+    /// Simulated share of the program, 0 to 1.
     pub fn progress(&self) -> f64 {
         self.run.cycle() as f64 / self.run.cycles().max(1) as f64
     }
@@ -176,7 +176,7 @@ impl Recorder {
     /// The pass, once [`Recorder::advance`] has ended.
     pub fn finish(self) -> Pass {
         let Recorder { run, mut log } = self;
-        // A cycle's reading was taken at the end of the one before.
+        // The reading of a cycle belongs to the end of the previous one.
         for i in 0..2 {
             log.drive[i].pop();
             log.path[i].pop();
@@ -188,7 +188,7 @@ impl Recorder {
 }
 
 impl Pass {
-    /// What the drives were sent and the encoders read.
+    /// Record of the commands sent to the drives and the encoder readings.
     ///
     /// # Errors
     /// As [`Record::new`].
@@ -196,7 +196,7 @@ impl Pass {
         self.record(&self.log.drive)
     }
 
-    /// Where the axes should have been and what the encoders read.
+    /// Record of the required axis positions and the encoder readings.
     ///
     /// # Errors
     /// As [`Record::new`].
@@ -214,7 +214,7 @@ impl Pass {
         Record::new(&times, [recorded(0), recorded(1)]).map_err(SimError::friction("the recorded circles"))
     }
 
-    /// The record as `trueaxis friction` reads it.
+    /// The record in the format that `trueaxis friction` reads.
     pub fn csv(&self) -> String {
         let Log { axes, drive, reading, period_s, .. } = &self.log;
         let [first, second] = axes.map(|axis| axis.letter().to_ascii_lowercase());

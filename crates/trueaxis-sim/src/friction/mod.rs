@@ -1,10 +1,10 @@
-//! Friction from circles, the whole round on the simulated machine: record, find, configure, record again.
+//! Friction from circles: the whole sequence on the simulated machine is record, identify, configure, record again.
 //!
 //! ```text
 //! Circles ─► Recorder ─► Pass ─► sent() ─► identify ─► configured() ─► Recorder ─► Pass ─► Outcome
 //! ```
 //!
-//! The search for the figures is [`trueaxis_metrology::friction::identify`], which knows nothing of the plant.
+//! The figures are identified by [`trueaxis_metrology::friction::identify`], which has no knowledge of the plant.
 
 mod circles;
 mod outcome;
@@ -17,7 +17,7 @@ use trueaxis::machine::DynamicSettings;
 use trueaxis_metrology::friction::{Identified, Refused};
 use trueaxis_tables::Machine;
 
-/// The machine with the friction and drives found, and nothing else that acts on the servo.
+/// The machine with the identified friction and drives, and nothing else that acts on the servo.
 pub fn configured(mut machine: Machine, found: &[Identified; 2]) -> Machine {
     for own in &mut machine.settings.axes {
         let identified = found.iter().find(|found| found.axis == own.axis);
@@ -35,7 +35,7 @@ pub fn configured(mut machine: Machine, found: &[Identified; 2]) -> Machine {
 }
 
 impl SimError {
-    /// A record `of` something that is refused.
+    /// The error for a refused record `of` something.
     fn friction(of: &'static str) -> impl Fn(Refused) -> SimError {
         move |error| SimError::Friction { of, error }
     }

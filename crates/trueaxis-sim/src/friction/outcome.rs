@@ -1,4 +1,4 @@
-//! What was found, what is true in the simulation, and the spikes before and after.
+//! Figures identified, figures of the simulation, and the spikes before and after.
 
 use super::{Circles, Pass};
 use crate::Settings;
@@ -7,37 +7,37 @@ use crate::run::Size;
 use serde::Serialize;
 use trueaxis_metrology::friction::{self, Identified};
 
-/// The whole round: recorded, found, configured, recorded again.
+/// Outcome of the whole sequence: recorded, identified, configured, recorded again.
 #[derive(Clone, Debug, Serialize)]
 pub struct Outcome {
     /// Radius of the circles.
     pub radius_mm: f64,
-    /// Their two feeds.
+    /// The two feeds of the circles.
     pub feeds_mm_per_min: [f64; 2],
     /// Turns of every circle.
     pub turns: u32,
     /// Servo rate.
     pub servo_rate_hz: f64,
-    /// Cycles of a pass.
+    /// Cycles per pass.
     pub cycles: u64,
     /// Both axes of the plane.
     pub axes: Vec<AxisOutcome>,
-    /// Of the true tip, geometry included.
+    /// Contour error of the true tip, geometry included.
     pub contour_error_um: Pair,
 }
 
 /// One axis.
 #[derive(Clone, Debug, Serialize)]
 pub struct AxisOutcome {
-    /// Its letter.
+    /// Axis letter.
     pub axis: char,
     /// Reversals in motion.
     pub reversals: usize,
-    /// Whether the drive's figures were found; else they are the machine's.
+    /// Whether the drive's figures were identified; otherwise they are the machine's.
     pub drive_found: bool,
-    /// Figures found.
+    /// Identified figures.
     pub identified: Figures<f64>,
-    /// Their standard errors; none where a figure was held.
+    /// Standard errors of the identified figures; `None` for a figure that was held fixed.
     pub standard_errors: Figures<Option<f64>>,
     /// Figures of the simulated drive.
     pub r#true: Figures<f64>,
@@ -71,26 +71,26 @@ pub struct Figures<T> {
 /// Spikes at the reversals, µm.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Spikes {
-    /// As recorded.
+    /// Recorded without the feed-forward.
     pub before: Size,
-    /// As the model gives them.
+    /// Predicted by the model without the feed-forward.
     pub predicted: Size,
-    /// As the model expects it with the feed-forward.
+    /// Expected by the model with the feed-forward.
     pub expected: Size,
-    /// As recorded again with the feed-forward.
+    /// Recorded again with the feed-forward.
     pub after: Size,
 }
 
 /// Without and with the feed-forward, µm.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Pair {
-    /// Without.
+    /// Without the feed-forward.
     pub before: Size,
-    /// With it.
+    /// With the feed-forward.
     pub after: Size,
 }
 
-/// In µm.
+/// Converts mm to µm.
 impl From<friction::Size> for Size {
     fn from(size: friction::Size) -> Size {
         Size { max: 1e3 * size.largest, rms: 1e3 * size.rms }
@@ -98,7 +98,7 @@ impl From<friction::Size> for Size {
 }
 
 impl Outcome {
-    /// What the two passes of the circles show, without and with what was `found` in the first.
+    /// Compares the two passes of the circles, without and with the figures `found` in the first.
     ///
     /// # Errors
     /// A second pass that cannot be evaluated.
@@ -169,7 +169,7 @@ fn standard_errors(found: &Identified) -> Figures<Option<f64>> {
     }
 }
 
-/// The simulated drive's own figures.
+/// The simulated drive's true figures.
 fn truth(settings: &Settings, found: &Identified) -> Figures<f64> {
     let drive = settings.plant(0.0).drives[found.axis.index()];
     Figures {

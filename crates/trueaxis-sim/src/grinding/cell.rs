@@ -1,4 +1,4 @@
-//! The machine that grinds: spindle, linkage, workpiece, infeed axis, probes and encoders.
+//! The grinding machine: spindle, linkage, workpiece, infeed axis, probes and encoders.
 
 use super::{Event, Grinding, InfeedDrive, Linkage, Noise, Turning, Workpiece, counts, probe_angles};
 use crate::error::{Result, SimError};
@@ -8,11 +8,11 @@ use trueaxis::machine::AXES;
 use trueaxis::roundness::{GaugeSettings, Probes};
 use trueaxis_tables::exact::Geometry;
 
-/// The spindle's counter at the index pulse: an incremental encoder starts anywhere.
+/// The spindle's counter at the index pulse: an incremental encoder starts at an arbitrary count.
 const COUNTER_OFFSET: i32 = -271_828;
 /// Free travel of the wheel before it can touch anything, µm.
 const GAP_UM: f64 = 8.0;
-/// Raw value of a probe that is out, beyond its range.
+/// Raw value of a probe that is out of its range.
 const OUT: f64 = 1.0;
 
 /// Angles and motion at one instant.
@@ -22,7 +22,7 @@ struct Instant {
     beta: f64,
     /// R_X, R_Y with their noise, µm.
     centre: [f64; 2],
-    /// Wheel's edge at the contact, µm.
+    /// Level of the wheel's edge at the contact, µm.
     level: f64,
 }
 
@@ -32,14 +32,14 @@ pub(super) struct Cell {
     gauge: GaugeSettings,
     phi: [f64; 3],
     contact: f64,
-    /// +1 where the axis moves toward the workpiece.
+    /// +1 if positive motion of the axis is toward the workpiece.
     direction: f64,
     /// Index of the infeed axis among X, Y, Z, and of every axis in the machine's list.
     place: usize,
     listed: Vec<usize>,
     geometry: Geometry,
     linkage: Linkage,
-    /// Begin, radius before and after; whether it is reported to the gauge.
+    /// Beginning, radius before and after; whether it is reported to the gauge.
     dressing: Option<([f64; 3], bool)>,
     turning: Turning,
     drive: InfeedDrive,
@@ -48,7 +48,7 @@ pub(super) struct Cell {
     pub(super) pin: Workpiece,
     now: Instant,
     turn: i64,
-    /// Start of the feed: turns, µm fed before.
+    /// Start of the feed: turns, and total feed before it, µm.
     part: [f64; 2],
     parts: u64,
     /// True position at which the feed is 0, mm.
@@ -115,7 +115,7 @@ impl Cell {
         self.now.alpha / TAU
     }
 
-    /// Feed so far, over all parts, µm.
+    /// Total feed so far, over all parts, µm.
     fn fed(&self) -> f64 {
         self.part[1] + self.grinding.fed_um(self.turns() - self.part[0])
     }
@@ -131,7 +131,7 @@ impl Cell {
         self.drive.position() + self.geometry.tip_error(&listed, &[0.0; AXES])[self.place]
     }
 
-    /// The wheel's edge at the contact, µm of the pin's radius.
+    /// Level of the wheel's edge at the contact, µm of the pin's radius.
     fn level(&self, at: &Instant) -> f64 {
         let toward = 1e3 * self.direction * (self.position() - self.datum);
         GAP_UM - toward * libm::cos(at.beta) - seen(at, self.contact)
@@ -186,7 +186,7 @@ impl Cell {
         self.grinding.events.contains(&Event::MissingIndex { turn })
     }
 
-    /// Begins events that are due; returns whether there is a new part, and a new wheel's radius.
+    /// Starts events that are due; returns whether there is a new part, and a new wheel radius.
     pub(super) fn happen(&mut self) -> (bool, Option<f64>) {
         let mut new_part = false;
         let turns = self.turns();
@@ -205,7 +205,7 @@ impl Cell {
             }
         }
         if new_part {
-            // The highest point of the new pin is where the edge would stand without motion of the centre.
+            // The highest point of the new pin is where the edge would be without motion of the centre.
             let fed = self.fed();
             self.part = [turns, fed];
             self.pin = Workpiece::turned(self.grinding.seed + self.parts).raised(-fed);
@@ -225,7 +225,7 @@ impl Cell {
         told.then_some(to)
     }
 
-    /// The machine over one period; at rest and off the part while `settling`.
+    /// Advances the machine by one period; at rest and off the part while `settling`.
     pub(super) fn advance(&mut self, drive: f64, settling: bool) {
         self.drive.cycle(drive);
         if settling {

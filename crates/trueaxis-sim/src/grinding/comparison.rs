@@ -5,7 +5,7 @@ use super::{Grinding, Revolution, Run, Simulation};
 use crate::error::{Result, SimError};
 use std::sync::Arc;
 
-/// Grinding without and then with correction, from the same seed; it can be left between any two cycles and gone on with.
+/// Grinding without and then with correction, from one seed; it can be paused between any two cycles and resumed.
 #[derive(Debug)]
 pub struct Comparison {
     grinding: Arc<Grinding>,
@@ -15,7 +15,7 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    /// Before the first cycle.
+    /// Sets up both runs before the first cycle.
     ///
     /// # Errors
     /// As [`Simulation::new`].
@@ -30,7 +30,7 @@ impl Comparison {
         &self.grinding
     }
 
-    /// Simulates at most `cycles` further cycles; `false` once both runs have ended.
+    /// Simulates at most `cycles` further cycles; returns `false` once both runs have ended.
     ///
     /// # Errors
     /// As [`Simulation::advance`].
@@ -47,7 +47,7 @@ impl Comparison {
         Ok(true)
     }
 
-    /// Share of both runs that is done, 0 to 1.
+    /// Completed share of both runs, 0 to 1.
     pub fn share(&self) -> f64 {
         let turns = f64::from(self.grinding.revolutions.max(1));
         let first = if self.uncorrected.is_some() { 1.0 } else { 0.0 };
@@ -65,7 +65,7 @@ impl Comparison {
     /// Results of both runs.
     ///
     /// # Errors
-    /// [`Comparison::advance`] has not come to the end.
+    /// [`Comparison::advance`] has not reached the end.
     pub fn finish(self) -> Result<Outcome> {
         let share = 100.0 * self.share();
         match self.uncorrected.filter(|_| self.done) {

@@ -1,4 +1,4 @@
-//! Every servo cycle goes through the step with its gauge, and the surface is ground.
+//! The control loop: every servo cycle goes through the step with its gauge, and the surface is ground.
 
 use super::Grinding;
 use super::cell::Cell;
@@ -64,7 +64,7 @@ impl Control {
         })
     }
 
-    /// Time for the tables' correction to be led in while the spindle stands and the wheel is off the part.
+    /// Gives the tables' correction time to ramp in while the spindle is at rest and the wheel is off the part.
     fn settle(&mut self) {
         let slowest = self.limits.iter().filter(|l| l.magnitude < 1e3);
         let seconds = slowest.map(|l| l.magnitude / l.slope_per_s + l.slope_per_s / l.acceleration_per_s2);
@@ -75,7 +75,7 @@ impl Control {
         }
     }
 
-    /// Twice the time that the turns and the stops take: a run always ends.
+    /// Twice the duration of the turns and the stops, so that a run always ends.
     fn most_cycles(&self) -> u64 {
         let stops = self.grinding.events.iter().map(|event| match event {
             Event::Stop { for_s, .. } => *for_s,
@@ -138,7 +138,7 @@ impl Control {
         Ok(())
     }
 
-    /// Magnitude, slope and acceleration of the plugin's correction, in every case.
+    /// Compares the plugin's correction with its limits of magnitude, slope and acceleration, in every cycle.
     fn hold_against_limits(&mut self, correction: [f64; 3], limited: u8) {
         let mut exceeded = false;
         for (k, limits) in self.limits.iter().enumerate() {

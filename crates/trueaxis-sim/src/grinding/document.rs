@@ -12,9 +12,9 @@ pub struct RevolutionFigures {
     pub imprint_um: f64,
     /// Peak to valley of the true surface.
     pub roundness_um: f64,
-    /// The gauge's latest figure of the same band, once it has one.
+    /// Root mean square of the corrected band as the gauge last evaluated it, once available.
     pub gauge_imprint_um: Option<f64>,
-    /// Peak to valley as the gauge evaluates it, once it has.
+    /// Peak to valley as the gauge evaluates it, once available.
     pub gauge_roundness_um: Option<f64>,
 }
 
@@ -33,7 +33,7 @@ pub struct RunFigures {
     pub discarded: u32,
     /// Cycles in which the limiter bounded the infeed axis.
     pub limited_cycles: u64,
-    /// One entry a turn.
+    /// One entry per turn.
     pub per_revolution: Vec<RevolutionFigures>,
 }
 
@@ -46,13 +46,13 @@ pub struct Motion {
     pub y: ErrorMotion<f64>,
 }
 
-/// Error motion of the pin's centre as it is and as the gauge sees it.
+/// True error motion of the pin's centre, and the gauge's measurement of it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SpindleFigures {
-    /// As it is.
+    /// True error motion.
     #[serde(rename = "true")]
     pub truth: Motion,
-    /// As the gauge sees it, once it has a full window.
+    /// Error motion measured by the gauge, once it has a full window.
     pub gauge: Option<Motion>,
 }
 
@@ -63,9 +63,9 @@ pub struct Document {
     pub machine: String,
     /// Turns of the spindle.
     pub revolutions: u32,
-    /// Points of a revolution.
+    /// Points per revolution.
     pub points: u16,
-    /// First and last harmonic that is corrected.
+    /// First and last corrected harmonic.
     pub harmonics: [u16; 2],
     /// Servo rate.
     pub servo_rate_hz: f64,
@@ -75,19 +75,19 @@ pub struct Document {
     pub gain: f64,
     /// Servo cycles of a run.
     pub cycles: u64,
-    /// Cycles that the work on a revolution takes at most.
+    /// Most cycles that the work on a revolution takes.
     pub cycles_of_work: usize,
-    /// Last revolutions over which the surface is averaged.
+    /// Number of last revolutions over which the surface is averaged.
     pub averaged_revolutions: usize,
     /// Correction off.
     pub uncorrected: RunFigures,
     /// Correction on.
     pub corrected: RunFigures,
-    /// Imprint with correction over that without.
+    /// Imprint with correction divided by that without.
     pub imprint_ratio: f64,
     /// Error motion.
     pub spindle: SpindleFigures,
-    /// Cycles in which a correction passed a limit.
+    /// Cycles in which a correction exceeded a limit.
     pub limits_exceeded: u64,
 }
 
@@ -117,7 +117,7 @@ impl From<&Run> for RunFigures {
 }
 
 impl Document {
-    /// Of an outcome.
+    /// Builds the document of an outcome.
     ///
     /// # Errors
     /// The machine has no gauge.

@@ -3,39 +3,39 @@
 /// An event; times are turns of the spindle since its first index pulse.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Event {
-    /// The spindle brakes, stands, and comes up again.
+    /// The spindle brakes, rests, and accelerates again.
     Stop {
-        /// When it begins to brake.
+        /// Start of braking.
         at: f64,
-        /// From then until it is to turn again, s.
+        /// Time from then until the spindle turns again, s.
         for_s: f64,
     },
-    /// The index pulse of a turn does not come.
+    /// The index pulse of a turn is missing.
     MissingIndex {
         /// Number of the turn.
         turn: i64,
     },
-    /// A probe reads far outside its range, as one does that was knocked off.
+    /// A probe reads far outside its range, as if it had been knocked off.
     ProbeOut {
         /// Index of the probe.
         probe: usize,
-        /// From when.
+        /// Start.
         at: f64,
-        /// For how many turns.
+        /// Duration in turns.
         turns: f64,
     },
-    /// Another rough pin, larger than the last became; it is reported to the step, and feeding begins anew.
+    /// Another rough pin, larger than the finished size of the last; it is reported to the step, and feeding restarts.
     NewPart {
-        /// When.
+        /// Time of the change.
         at: f64,
     },
     /// The wheel is dressed to another radius within a turn.
     Wheel {
-        /// When.
+        /// Time of dressing.
         at: f64,
         /// Radius afterwards, mm.
         wheel_mm: f64,
-        /// Reported to the gauge at the end of that turn.
+        /// Whether it is reported to the gauge at the end of that turn.
         told: bool,
     },
 }

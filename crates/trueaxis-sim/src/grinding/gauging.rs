@@ -1,4 +1,4 @@
-//! The gauge of a run, whose number of points is no longer part of its type.
+//! The gauge of a run, whose number of points is not part of its type.
 
 use crate::error::{Result, SimError};
 use trueaxis::roundness::{Counts, Cycle, Evaluation, Gauge, GaugeSettings, GaugeState, Probes};
@@ -6,9 +6,9 @@ use trueaxis::{ConfigError, GaugeRide, Ride};
 
 /// A gauge with its state.
 pub(super) trait Gauging {
-    /// Tells the diameter of the wheel.
+    /// Sets the wheel's radius R_S, mm.
     fn set_wheel(&mut self, wheel_mm: f64) -> Result<(), ConfigError>;
-    /// Rides along with one call of `step`; what the gauge gave in it.
+    /// Rides along with one call of `step`; returns the gauge's output in that cycle.
     fn ride(&mut self, probes: &Probes<f64>, step: &mut dyn FnMut(&mut dyn Ride<f64>)) -> Cycle<f64>;
     fn cycles_of_work(&self) -> usize;
     fn latest(&self) -> Option<Evaluation<f64>>;
@@ -21,7 +21,7 @@ pub(super) trait Gauging {
 /// The gauge of a machine.
 ///
 /// # Errors
-/// Its settings do not build, or its points are not a power of two from 64 to 4096.
+/// The settings do not build, or the number of points is not a power of two from 64 to 4096.
 pub(super) fn gauging(settings: &GaugeSettings, period_ns: u32) -> Result<Box<dyn Gauging + Send>> {
     match settings.points {
         64 => of::<64>(settings, period_ns),

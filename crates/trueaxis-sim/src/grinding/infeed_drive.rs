@@ -1,4 +1,4 @@
-//! The infeed axis: it follows its commands with delay and lag.
+//! The infeed axis, which follows its commands with delay and lag.
 
 use crate::plant::delay::Delay;
 
@@ -6,13 +6,13 @@ use crate::plant::delay::Delay;
 #[derive(Clone, Debug)]
 pub struct InfeedDrive {
     delay: Delay,
-    /// Share of the distance that the lag lets pass in a cycle.
+    /// Share of the remaining distance that the axis moves in a cycle.
     share: f64,
     position: f64,
 }
 
 impl InfeedDrive {
-    /// At rest at `position` (mm); a delay below one period is one period.
+    /// At rest at `position` (mm); a delay below one period counts as one period.
     pub fn new(position: f64, delay_s: f64, lag_s: f64, period_s: f64) -> InfeedDrive {
         let delay = (delay_s / period_s).max(1.0);
         let share = if lag_s > 0.0 { -libm::expm1(-period_s / lag_s) } else { 1.0 };
@@ -25,7 +25,7 @@ impl InfeedDrive {
         self.position
     }
 
-    /// One servo period: `command` is given at its beginning; returns the position at its end.
+    /// Simulates one servo period: `command` is given at its beginning; returns the position at its end.
     pub fn cycle(&mut self, command: f64) -> f64 {
         let due = self.delay.next(command);
         self.position += self.share * (due - self.position);
@@ -45,8 +45,8 @@ mod tests {
             for i in 0..1000 {
                 position = drive.cycle(5.0 + 0.01 * f64::from(i));
             }
-            // 100 mm/s, commanded up to 9.99 mm at 99.9 ms, now it is 100 ms. A lag in steps takes effect from a step's
-            // beginning on.
+            // 100 mm/s, commanded up to 9.99 mm at 99.9 ms; it is now 100 ms. A lag in steps takes effect from the beginning
+            // of a step.
             let delay = f64::max(delay_s, 1e-4) + if lag_s > 0.0 { lag_s - 0.5e-4 } else { 0.0 };
             let expected = 5.0 + 100.0 * (0.1 - delay);
             assert!((position - expected).abs() < 1e-3, "{position} {expected}");

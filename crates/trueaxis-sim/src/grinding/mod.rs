@@ -8,20 +8,20 @@
 //!      └──────────── step with gauge ◄──────────────────────┘
 //! ```
 //!
-//! The contact with the wheel is at the angle s = θ + ψ of the surface. The wheel's edge stands there at
+//! The contact with the wheel is at the angle s = θ + ψ of the surface. There the wheel's edge is at
 //!
 //! ```text
 //! level = level0 − x cos β − [R_Y cos(ψ + β) + R_X sin(ψ + β)]      µm; x: travel of the axis toward the workpiece
 //! ```
 //!
-//! and what is higher is removed: a centre that moves toward the wheel, or an axis that does, leaves a low spot (r < 0).
-//! The probes read `r + R_Y cos(φ + β) + R_X sin(φ + β)` of the same surface and the same motion. r > 0 is high.
+//! and material above it is removed: motion of the centre or of an axis towards the wheel leaves a low spot (r < 0). The
+//! probes read `r + R_Y cos(φ + β) + R_X sin(φ + β)` of the same surface and the same motion. r > 0 is high.
 //!
-//! The programmed feed is a function of the spindle's turns that falls from roughing to a slow plunge, so that every
-//! point is touched in every revolution. The chase that keeps the wheel at the circling pin is taken as perfect: the
-//! axis carries feed and correction only.
+//! The programmed feed is a function of the spindle's turns that falls from roughing to a slow plunge, so that every point is
+//! touched in every revolution. The chase motion that keeps the wheel at the circling pin is assumed perfect: the axis carries
+//! only feed and correction.
 //!
-//! None of this uses the gauge's code: the gain of the correction is read from the simulated surface.
+//! None of this uses the gauge's code: the gain of the correction is measured on the simulated surface.
 
 mod cell;
 mod comparison;
@@ -69,16 +69,16 @@ pub struct Grinding {
     pub seed: u64,
     /// The process.
     pub process: Process,
-    /// Events in between.
+    /// Events during the run.
     pub events: Vec<Event>,
 }
 
-/// The grinding process and its surroundings, as the plugin does not know them.
+/// The grinding process and its surroundings, unknown to the plugin.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Process {
     /// Motion of the pin's centre.
     pub motion: CentreMotion,
-    /// Taken off in roughing, µm of radius; the feed falls by 63 % in an eighth of the revolutions.
+    /// Stock removed in roughing, µm of radius; the feed falls by 63 % in an eighth of the revolutions.
     pub roughing_um: f64,
     /// Feed that remains, µm of radius per revolution.
     pub feed_um: f64,
@@ -112,7 +112,7 @@ impl Grinding {
     /// The gauge of the machine.
     ///
     /// # Errors
-    /// It has none, or one without infeed correction, or it has rotary axes.
+    /// The machine has no gauge, or one without infeed correction, or it has rotary axes.
     pub fn gauge(&self) -> Result<&GaugeSettings> {
         let machine = format!("machine {}", self.machine.settings.name);
         let Some(gauge) = &self.machine.settings.roundness else {
@@ -128,7 +128,7 @@ impl Grinding {
         Ok(gauge)
     }
 
-    /// Feed from the beginning of a part until some turns later, µm of radius.
+    /// Total feed after some turns from the beginning of a part, µm of radius.
     pub fn fed_um(&self, turns: f64) -> f64 {
         let turns = turns.max(0.0);
         let constant = f64::from(self.revolutions.max(1)) / 8.0;
@@ -148,20 +148,20 @@ pub fn probe_angles(gauge: &GaugeSettings) -> [f64; 3] {
     [0.0, phi2, phi2 + phi3]
 }
 
-/// Fastest speed at which the gauge can resample: θ passes two points in a cycle at most, and the arm makes it run
-/// faster than α by up to R/(R_S + R_W); a tenth is kept for the ripple of the speed, rpm.
+/// Highest speed at which the gauge can resample, rpm: θ passes at most two points per cycle, and the arm makes θ up to R/(R_S
+/// + R_W) faster than α; a tenth is reserved for the ripple of the speed.
 pub fn fastest_rpm(gauge: &GaugeSettings, rate_hz: f64) -> f64 {
     let ratio = gauge.arm.map_or(0.0, |arm| arm.lengths.ratio().unwrap_or(0.0));
     60.0 * rate_hz * 2.0 / (1.1 * (1.0 + ratio) * f64::from(gauge.points))
 }
 
-/// Speed at which the gauge has to skip at least `skip` whole revolutions between two that it evaluates, rpm.
+/// Speed at which the gauge has to skip at least `skip` whole revolutions between two evaluated ones, rpm.
 ///
 /// # Errors
-/// The settings do not build, or that is faster than [`fastest_rpm`].
+/// The settings do not build, or the speed would exceed [`fastest_rpm`].
 pub fn speed_that_skips(gauge: &GaugeSettings, rate_hz: f64, skip: u32) -> Result<f64> {
     let most = simulate::cycles_of_work(gauge, (1e9 / rate_hz).round() as u32)?;
-    // Two units a point are spent only where a window of spindle motion is full, one only where the wheel is another.
+    // Two units per point are spent only when a window of spindle motion is full, one only when the wheel has changed.
     let seldom = usize::from(gauge.points) * if gauge.arm.is_some() { 3 } else { 2 };
     let seldom = seldom / usize::from(gauge.slices_per_cycle.max(1));
     let work = most.saturating_sub(seldom).max(1) as f64;

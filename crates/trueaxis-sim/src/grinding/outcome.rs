@@ -14,8 +14,8 @@ pub struct Outcome {
     pub uncorrected: Run,
     /// Correction on.
     pub corrected: Run,
-    /// Error motion of the corrected pin's centre as it is, X and Y: that of the spindle, and the eccentricity with which
-    /// the pin has been ground.
+    /// True error motion of the corrected pin's centre, X and Y: the spindle's, and the eccentricity with which the pin has
+    /// been ground.
     pub motion: [ErrorMotion<f64>; 2],
     /// Motion of that centre over θ in a mean revolution, [R_X, R_Y], µm.
     pub orbit: Vec<[f64; 2]>,
@@ -31,8 +31,8 @@ const MOTION_POINTS: usize = 1024;
 
 /// Motion of the pin's centre over θ in a mean revolution, [R_X, R_Y], µm.
 ///
-/// The first harmonic a cos s + b sin s of the pin's surface is a displacement of its centre, which turns with it:
-/// R_Y += a cos α + b sin α, R_X += b cos α − a sin α.
+/// The first harmonic a cos s + b sin s of the pin's surface is a displacement of its centre, which rotates with it: R_Y += a
+/// cos α + b sin α, R_X += b cos α − a sin α.
 fn true_orbit(grinding: &Grinding, run: &Run) -> Result<Vec<[f64; 2]>> {
     let linkage = Linkage::of(grinding.gauge()?);
     let motion = &grinding.process.motion;
@@ -48,7 +48,7 @@ fn true_orbit(grinding: &Grinding, run: &Run) -> Result<Vec<[f64; 2]>> {
     Ok((0..MOTION_POINTS).map(at).collect())
 }
 
-/// Figures of the true motion over the window of the gauge, by their definitions; white noise left out.
+/// Figures of the true motion over the window of the gauge, by their definitions, without white noise.
 fn true_motion(grinding: &Grinding, run: &Run) -> Result<[ErrorMotion<f64>; 2]> {
     let gauge = grinding.gauge()?;
     let linkage = Linkage::of(gauge);
@@ -99,12 +99,12 @@ impl Outcome {
         })
     }
 
-    /// Synchronous imprint with correction over that without.
+    /// Synchronous imprint with correction divided by that without.
     pub fn imprint_ratio(&self) -> f64 {
         self.corrected.imprint_um / self.uncorrected.imprint_um
     }
 
-    /// Cycles of both runs in which a correction passed a limit.
+    /// Cycles of both runs in which a correction exceeded a limit.
     pub fn limits_exceeded(&self) -> u64 {
         self.uncorrected.limits_exceeded + self.corrected.limits_exceeded
     }

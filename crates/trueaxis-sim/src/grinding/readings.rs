@@ -1,13 +1,14 @@
-//! Readings of three probes on a rough-turned pin, as a gauge on the bench records them.
+//! Readings of three probes on a rough-turned pin, as recorded by a gauge on the bench.
 
 use super::outcome::alpha_at;
 use super::{Grinding, Linkage, Noise, Workpiece, probe_angles};
 use crate::error::Result;
 use std::f64::consts::TAU;
 
-/// Readings of probes 1, 2, 3 in µm at the points of so many revolutions, equidistant in θ from 0; the pin is not ground.
+/// Readings of probes 1, 2, 3 in µm at the points of `revolutions` revolutions, equidistant in θ from 0; the pin is not
+/// ground.
 ///
-/// The same surface, motion of the centre and noise as in a run with that seed.
+/// Surface, motion of the centre and noise are those of a run with that seed.
 ///
 /// # Errors
 /// The machine has no gauge with infeed correction.

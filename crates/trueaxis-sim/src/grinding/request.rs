@@ -1,4 +1,4 @@
-//! What is asked of a grinding run, as the command line and a page ask it.
+//! Request for a grinding run, from the command line or a page.
 
 use super::{Grinding, Process, fastest_rpm, speed_that_skips};
 use crate::error::{Result, SimError};
@@ -6,21 +6,21 @@ use serde::{Deserialize, Serialize};
 use trueaxis::roundness::gain_limit;
 use trueaxis_tables::Machine;
 
-/// Length, speed, gain and process of a run; keys that are left out have their defaults.
+/// Length, speed, gain and process of a run; omitted keys have their defaults.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Request {
-    /// Turns of the spindle, 8 to 10000; left out, 40, or 20 (skip + 1) if that is more.
+    /// Turns of the spindle, 8 to 10000; if omitted, 40, or 20 (skip + 1) if that is more.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub revolutions: Option<u32>,
     /// Servo rate, Hz, 100 to 100000.
     pub rate_hz: f64,
-    /// Speed of the spindle, rpm; with `skip` it follows from that.
+    /// Speed of the spindle, rpm; derived from `skip` if that is given.
     pub speed_rpm: f64,
-    /// Gain of the correction c <- c + g r, at most half the limit of stability; left out, the machine's.
+    /// Gain of the correction c <- c + g r, at most half the stability limit; if omitted, the machine's.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gain: Option<f64>,
-    /// Whole revolutions that the gauge has to skip between two that it evaluates.
+    /// Whole revolutions that the gauge has to skip between two evaluated ones.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub skip: Option<u32>,
     /// Feed that remains after roughing, µm of radius per revolution, 0 to 5.
@@ -47,7 +47,7 @@ impl Request {
     /// The run on a machine.
     ///
     /// # Errors
-    /// A value out of its range, under the name of the command line's option; a machine without a gauge that corrects.
+    /// A value out of range, under the name of the command line's option; a machine without a gauge that corrects.
     pub fn grinding(&self, mut machine: Machine) -> Result<Grinding> {
         if let (Some(gain), Some(infeed)) =
             (self.gain, machine.settings.roundness.as_mut().and_then(|gauge| gauge.infeed.as_mut()))
@@ -90,10 +90,10 @@ impl Request {
         self.revolutions.unwrap_or(needed)
     }
 
-    /// What can be checked before a machine is read.
+    /// Checks what can be checked before a machine is read.
     ///
     /// # Errors
-    /// A value out of its range, under the name of the command line's option.
+    /// A value out of range, under the name of the command line's option.
     pub fn check(&self) -> Result<()> {
         let refuse = |option: &str, found: String, needed: &str| Err(SimError::unsuited(option, found, needed));
         if !(100.0..=100_000.0).contains(&self.rate_hz) {

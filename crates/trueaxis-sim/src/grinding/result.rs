@@ -1,24 +1,24 @@
-//! Results of a grinding run: of a cycle, of a turn, of the whole run.
+//! Results of a grinding run: per cycle, per turn, and for the whole run.
 
 use super::workpiece::Harmonic;
 use trueaxis::roundness::{Counts, Evaluation, GaugeFlags};
 
-/// A cycle as an observer sees it.
+/// A cycle as passed to an observer.
 #[derive(Clone, Copy, Debug)]
 pub struct Moment<'m> {
     /// Turns of the spindle since the first index pulse.
     pub turns: f64,
     /// Commands to the drives, X, Y, Z, mm.
     pub drive_mm: [f64; 3],
-    /// Correction in it, tables and infeed, mm.
+    /// Correction contained in the commands, tables and infeed, mm.
     pub correction_mm: [f64; 3],
-    /// Infeed correction that the gauge asks for, mm.
+    /// Infeed correction that the gauge requests, mm.
     pub infeed_mm: f64,
-    /// GaugeFlags of the gauge.
+    /// Flags of the gauge.
     pub flags: GaugeFlags,
-    /// A revolution has just been evaluated.
+    /// Whether a revolution has just been evaluated.
     pub finished: bool,
-    /// Counts of revolutions evaluated, skipped, discarded.
+    /// Counts of evaluated, skipped and discarded revolutions.
     pub counts: Counts,
     /// Infeed correction over the surface, µm.
     pub table_um: &'m [f64],
@@ -27,13 +27,13 @@ pub struct Moment<'m> {
 /// State of the surface after a turn of the spindle.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Revolution {
-    /// Harmonics of the true surface at its end, 0 to the last that is corrected.
+    /// Harmonics of the true surface at the end of the turn, 0 to the last corrected one.
     pub harmonics: Vec<Harmonic>,
-    /// Root mean square of those in the corrected band, µm.
+    /// Root mean square of the harmonics in the corrected band, µm.
     pub imprint_um: f64,
     /// Peak to valley of the true surface, all harmonics and noise, µm.
     pub roundness_um: f64,
-    /// The gauge's latest figures, once it has any: the same band, µm.
+    /// Root mean square of the same band as the gauge last evaluated it, once available, µm.
     pub gauge_imprint_um: Option<f64>,
     /// Peak to valley as the gauge evaluates it (after its filter), µm.
     pub gauge_roundness_um: Option<f64>,
@@ -42,7 +42,7 @@ pub struct Revolution {
 /// Result of one run.
 #[derive(Clone, Debug)]
 pub struct Run {
-    /// One entry a turn of the spindle.
+    /// One entry per turn of the spindle.
     pub revolutions: Vec<Revolution>,
     /// Harmonics of the true surface, averaged over the last revolutions: asynchronous parts cancel.
     pub average: Vec<Harmonic>,
@@ -50,19 +50,19 @@ pub struct Run {
     pub averaged: usize,
     /// Root mean square of the average in the corrected band, µm.
     pub imprint_um: f64,
-    /// Mean peak to valley over the same revolutions, µm.
+    /// Mean peak to valley over the averaged revolutions, µm.
     pub roundness_um: f64,
-    /// Counts of revolutions evaluated, skipped, discarded.
+    /// Counts of evaluated, skipped and discarded revolutions.
     pub counts: Counts,
     /// The gauge's latest evaluation.
     pub evaluation: Option<Evaluation<f64>>,
-    /// Motion of the centre as the gauge sees it in its latest revolution, R_X and R_Y over θ, µm.
+    /// Motion of the centre measured by the gauge in its latest revolution, R_X and R_Y over θ, µm.
     pub motion: [Vec<f64>; 2],
     /// Infeed correction over the surface at the end, µm.
     pub correction: Vec<f64>,
     /// True surface before and after, without mean and first harmonic, µm.
     pub surfaces: [Vec<f64>; 2],
-    /// Cycles in which a correction passed its limit of magnitude, slope or acceleration.
+    /// Cycles in which a correction exceeded its limit of magnitude, slope or acceleration.
     pub limits_exceeded: u64,
     /// Cycles in which the limiter bounded the infeed axis.
     pub limited_cycles: u64,
@@ -70,12 +70,12 @@ pub struct Run {
     pub flags: GaugeFlags,
     /// Servo cycles.
     pub cycles: u64,
-    /// Cycles that the work on a revolution takes at most.
+    /// Most cycles that the work on a revolution takes.
     pub cycles_of_work: usize,
 }
 
 impl Run {
-    /// Before the first turn, with the surface as it is then.
+    /// A run before its first turn, with the initial surface.
     pub(super) fn begun(surface: Vec<f64>, cycles_of_work: usize) -> Run {
         Run {
             revolutions: Vec::new(),

@@ -1,4 +1,4 @@
-//! A grinding run that can be left between any two cycles and gone on with.
+//! A grinding run that can be paused between any two cycles and resumed.
 
 use super::Grinding;
 use super::control::Control;
@@ -8,19 +8,19 @@ use crate::error::Result;
 use std::sync::Arc;
 use trueaxis::roundness::GaugeSettings;
 
-/// Cycles that the work on a revolution takes at most.
+/// Most cycles that the work on a revolution takes.
 pub(super) fn cycles_of_work(gauge: &GaugeSettings, period_ns: u32) -> Result<usize> {
     Ok(gauging(gauge, period_ns)?.cycles_of_work())
 }
 
-/// A grinding run under way: servo loop, gauge, machine and workpiece, owned together.
+/// A grinding run in progress: servo loop, gauge, machine and workpiece, owned together.
 pub struct Simulation(Box<Control>);
 
 impl Simulation {
-    /// With the correction on or off; the gauge measures either way.
+    /// Starts a run with the correction on or off; the gauge measures either way.
     ///
     /// # Errors
-    /// The machine has no gauge with infeed correction, or something about it does not build.
+    /// The machine has no gauge with infeed correction, or its settings or tables do not build.
     pub fn new(grinding: impl Into<Arc<Grinding>>, corrected: bool) -> Result<Simulation> {
         let grinding = grinding.into();
         let mut settings = *grinding.gauge()?;
@@ -31,11 +31,11 @@ impl Simulation {
         Ok(Simulation(Box::new(Control::new(grinding, gauge)?)))
     }
 
-    /// Simulates at most `cycles` further cycles, each of which `observe` sees; `false` once the spindle has turned as often
-    /// as asked for. Before the first cycle the tables' correction is led in.
+    /// Simulates at most `cycles` further cycles and passes each to `observe`; returns `false` once the spindle has made the
+    /// requested turns. Before the first cycle the tables' correction ramps in.
     ///
     /// # Errors
-    /// The step reports a fault, or the spindle does not get on.
+    /// The step reports a fault, or the spindle does not complete its turns.
     pub fn advance(&mut self, cycles: u64, observe: &mut dyn FnMut(&Moment<'_>)) -> Result<bool> {
         self.0.advance(cycles, observe)
     }
@@ -45,7 +45,7 @@ impl Simulation {
         self.0.turns()
     }
 
-    /// The turns that are complete.
+    /// The completed turns.
     pub fn revolutions(&self) -> &[Revolution] {
         self.0.revolutions()
     }
@@ -62,7 +62,7 @@ impl std::fmt::Debug for Simulation {
     }
 }
 
-/// Grinds to the end; `observe` sees every cycle.
+/// Grinds to the end; `observe` receives every cycle.
 ///
 /// # Errors
 /// As [`Simulation::new`] and [`Simulation::advance`].

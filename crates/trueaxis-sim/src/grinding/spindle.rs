@@ -1,4 +1,4 @@
-//! Turning of the work spindle, motion of its centre, counts of its encoders.
+//! Rotation of the work spindle, motion of its centre, counts of its encoders.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -9,7 +9,7 @@ use trueaxis::roundness::GaugeSettings;
 /// One term `amplitude · cos(order · α + phase)` of a motion, µm and rad.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Term {
-    /// Per revolution; whole numbers are synchronous, others are not.
+    /// Cycles per revolution; whole numbers are synchronous, others are not.
     pub order: f64,
     /// µm.
     pub amplitude: f64,
@@ -21,7 +21,7 @@ const fn term(order: f64, amplitude: f64, phase: f64) -> Term {
     Term { order, amplitude, phase }
 }
 
-/// Sum of terms at a spindle angle over all turns.
+/// Sum of terms at a spindle angle counted over all turns.
 pub fn sum(terms: &[Term], alpha: f64) -> f64 {
     terms.iter().map(|t| t.amplitude * libm::cos(t.order * alpha + t.phase)).sum()
 }
@@ -31,9 +31,9 @@ pub fn sum(terms: &[Term], alpha: f64) -> f64 {
 pub struct CentreMotion {
     /// Once per revolution: eccentricity.
     pub eccentricity: [Term; 2],
-    /// At whole multiples of the spindle's turn.
+    /// Motion at whole multiples of the spindle's rotation.
     pub synchronous: [Vec<Term>; 2],
-    /// At other multiples.
+    /// Motion at other multiples.
     pub asynchronous: [Vec<Term>; 2],
     /// Standard deviation of white noise, µm.
     pub noise_um: f64,
@@ -57,7 +57,7 @@ impl Default for CentreMotion {
 }
 
 impl CentreMotion {
-    /// `[R_X, R_Y]` at a spindle angle over all turns, µm, without noise.
+    /// `[R_X, R_Y]` at a spindle angle counted over all turns, µm, without noise.
     pub fn at(&self, alpha: f64) -> [f64; 2] {
         std::array::from_fn(|i| {
             sum(&self.eccentricity[i..=i], alpha) + sum(&self.synchronous[i], alpha) + sum(&self.asynchronous[i], alpha)
@@ -65,30 +65,29 @@ impl CentreMotion {
     }
 }
 
-/// Noise of its own stream, the same for the same seed whatever else is simulated.
+/// One independent stream of noise: for a given seed it is the same whatever else is simulated.
 #[derive(Clone, Debug)]
 pub struct Noise(ChaCha8Rng);
 
 impl Noise {
-    /// A stream of a seed.
+    /// Creates a stream for a seed.
     pub fn new(seed: u64, stream: u64) -> Noise {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         random.set_stream(stream);
         Noise(random)
     }
 
-    /// The next value, of standard deviation `rms`.
+    /// The next value, with standard deviation `rms`.
     pub fn next(&mut self, rms: f64) -> f64 {
         let normal: f64 = StandardNormal.sample(&mut self.0);
         rms * normal
     }
 }
 
-/// The linkage that makes the probes follow the pin, as it really is:
-/// `R sin α = (R_S + R_W) sin β`, lengths in mm.
+/// The true linkage that makes the probes follow the pin: `R sin α = (R_S + R_W) sin β`, lengths in mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Linkage {
-    /// Crank throw R; 0 for an arm that stands.
+    /// Crank throw R; 0 for a fixed arm.
     pub crank_mm: f64,
     /// Wheel radius R_S.
     pub wheel_mm: f64,
@@ -97,7 +96,7 @@ pub struct Linkage {
 }
 
 impl Linkage {
-    /// That of a gauge; without an arm, one that stands.
+    /// The linkage of a gauge; a fixed one if the gauge has no arm.
     pub fn of(gauge: &GaugeSettings) -> Linkage {
         gauge.arm.map_or(Linkage { crank_mm: 0.0, wheel_mm: 1.0, pin_mm: 1.0 }, |arm| Linkage {
             crank_mm: arm.lengths.crank_mm,
@@ -112,14 +111,14 @@ impl Linkage {
     }
 }
 
-/// Counts of an encoder at an angle over all turns, as they come in: whole, wrapping, with the direction it was built in.
+/// Raw counts of an encoder at an angle counted over all turns: whole, wrapping, in its mounted direction.
 pub fn counts(angle: f64, per_turn: u32, direction: i8) -> i32 {
     let counts = (angle / TAU * f64::from(per_turn)).floor() as i64 * i64::from(direction);
     // Counters wrap.
     counts as i32
 }
 
-/// Turning of the spindle: led in over a fifth of a second, then with a ripple of 1 % once and 0.4 % 3.3 times a turn.
+/// Rotation of the spindle: ramps up over a fifth of a second, with a ripple of 1 % once and 0.4 % 3.3 times per turn.
 #[derive(Clone, Debug)]
 pub struct Turning {
     full: f64,
@@ -128,21 +127,21 @@ pub struct Turning {
     period_s: f64,
 }
 
-/// Time in which the drive comes from rest to full speed, s.
+/// Time in which the drive accelerates from rest to full speed, s.
 const RAMP_S: f64 = 0.2;
 
 impl Turning {
-    /// At rest at `alpha` (rad), to turn at `speed_rpm`.
+    /// At rest at `alpha` (rad), about to turn at `speed_rpm`.
     pub fn new(alpha: f64, speed_rpm: f64, period_s: f64) -> Turning {
         Turning { full: speed_rpm / 60.0 * TAU, speed: 0.0, alpha, period_s }
     }
 
-    /// Angle over all turns, rad.
+    /// Angle counted over all turns, rad.
     pub fn alpha(&self) -> f64 {
         self.alpha
     }
 
-    /// One servo period; `go` false brakes to a stand.
+    /// One servo period; brakes to rest if `go` is false.
     pub fn cycle(&mut self, go: bool) {
         let change = self.full / RAMP_S * self.period_s;
         let wanted = if go { self.full } else { 0.0 };
@@ -165,7 +164,7 @@ mod tests {
         }
         let mut turning = Turning::new(-0.3, 60.0, 1e-4);
         (0..10_000).for_each(|_| turning.cycle(true));
-        // 0.9 turns: a second without half of the ramp.
+        // 0.9 turns: one second minus half the ramp.
         assert!(((turning.alpha() + 0.3) / TAU - 0.9).abs() < 0.01, "{}", turning.alpha());
         (0..2_100).for_each(|_| turning.cycle(false));
         let stood = turning.alpha();

@@ -5,13 +5,13 @@ use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal, Uniform};
 use std::f64::consts::TAU;
 
-/// Cells round the pin; linear interpolation between them is within 0.02 % of harmonic 50.
+/// Cells around the pin; linear interpolation between them is within 0.02 % for harmonic 50.
 pub const CELLS: usize = 8192;
 
 /// Amplitudes of cos ks and sin ks, µm.
 pub type Harmonic = [f64; 2];
 
-/// A pin, µm of radius over the angle s of its surface; high is positive.
+/// A pin: radius deviation in µm over the angle s of its surface; high is positive.
 #[derive(Clone, Debug)]
 pub struct Workpiece {
     cells: Vec<f64>,
@@ -28,8 +28,8 @@ impl Workpiece {
         Workpiece { cells: vec![0.0; CELLS] }
     }
 
-    /// A rough-turned pin: lobes of 2 to 60 undulations, 2 µm of the second and falling with k^1.5, and 0.05 µm of noise.
-    /// Its highest point is at 0.
+    /// A rough-turned pin: lobes of 2 to 60 undulations, 2 µm for the second and falling with k^1.5, and 0.05 µm of noise. The
+    /// highest point is at 0.
     pub fn turned(seed: u64) -> Workpiece {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         random.set_stream(100);
@@ -51,7 +51,7 @@ impl Workpiece {
         Workpiece { cells }
     }
 
-    /// The same pin, larger by some µm.
+    /// Returns the pin, larger by some µm.
     pub fn raised(mut self, by_um: f64) -> Workpiece {
         self.cells.iter_mut().for_each(|cell| *cell += by_um);
         self
@@ -70,10 +70,10 @@ impl Workpiece {
         a + at.fract() * (b - a)
     }
 
-    /// Cuts down to the wheel's edge what stands above it, on the cells that the contact has swept.
+    /// Removes the material above the wheel's edge, on the cells that the contact has swept.
     ///
-    /// `from` and `to`: angle (rad, over all turns) and level (µm) of the edge at the beginning and at the end; the level
-    /// is linear in between. Either sense of rotation; a sweep of more than a turn is cut to one.
+    /// `from` and `to`: angle (rad, counted over all turns) and level (µm) of the edge at the beginning and at the end; the
+    /// level is linear in between. Either sense of rotation; a sweep of more than a turn is cut to one.
     pub fn grind(&mut self, from: [f64; 2], to: [f64; 2]) {
         let scale = CELLS as f64 / TAU;
         let swept = (to[0] - from[0]) * scale;
@@ -125,7 +125,7 @@ impl Workpiece {
     }
 }
 
-/// Root mean square that the harmonics from `first` up amount to, µm: √(Σ (a² + b²)/2).
+/// Root mean square of the harmonics from `first` up, µm: √(Σ (a² + b²)/2).
 pub fn imprint(harmonics: &[Harmonic], first: usize) -> f64 {
     (harmonics.iter().skip(first).map(|[a, b]| 0.5 * (a * a + b * b)).sum::<f64>()).sqrt()
 }

@@ -36,7 +36,7 @@ impl ArcLength {
         table
     }
 
-    /// Along a move: in proportion to the parameter where the move is measured in degrees.
+    /// Table along a move; proportional to the parameter if the move is measured in degrees.
     pub(super) fn of(element: &Move) -> ArcLength {
         if !element.in_degrees() {
             return ArcLength::new(&element.curve);
@@ -70,7 +70,7 @@ impl ArcLength {
             return;
         }
         let start = self.length();
-        // Slopes beyond three times the secant would make the cubic run backwards (Fritsch and Carlson 1980).
+        // Slopes beyond three times the secant would make the cubic non-monotone (Fritsch and Carlson 1980).
         let steepest = 3.0 * (b - a) / length;
         let slope = |u: f64| (1.0 / curve.speed(u)).min(steepest);
         // The derivative at b belongs to the interval before it: approach from inside.
@@ -93,7 +93,7 @@ impl ArcLength {
         self.nodes.push(last);
     }
 
-    /// u at arc length s, from the interval `cursor` on; s must not decrease from call to call.
+    /// u at arc length s, searched from the interval `cursor` on; s must not decrease from call to call.
     pub(super) fn parameter(&self, s: f64, cursor: &mut usize) -> f64 {
         while self.nodes.get(*cursor + 1).is_some_and(|node| node.s < s) {
             *cursor += 1;

@@ -13,7 +13,7 @@ const LEVEL_RATIO: f64 = 1.25;
 /// Samples for the curvature per smooth part of a NURBS.
 const SAMPLES: u32 = 64;
 
-/// Smallest speed a curvature can ask for, mm/s: a cusp is passed at this speed.
+/// Lowest speed that a curvature can require, mm/s: a cusp is passed at this speed.
 const SLOWEST: f64 = 0.1;
 
 /// A stretch of the path with one speed limit.
@@ -23,19 +23,19 @@ pub(super) struct Section {
     pub(super) length: f64,
     /// mm/s.
     pub(super) ceiling: f64,
-    /// Highest speed at its end because of a corner or a full stop, mm/s.
+    /// Highest speed at the end of the section because of a corner or a full stop, mm/s.
     pub(super) end_limit: f64,
 }
 
-/// Largest angle of the rotary axes between two looks at the axes' speeds, degrees, and most looks in one move.
+/// Largest rotation of the rotary axes between two samples of the axes' speeds, degrees, and most samples in one move.
 const LOOK_EVERY_DEG: f64 = 2.0;
 const MOST_LOOKS: f64 = 64.0;
 
 /// Appends the sections of one move of the given length (mm).
 ///
-/// v = min(feed, √(a_n ρ)), ρ the radius of curvature. On a NURBS it is taken at samples, each interval gets the lower
-/// of its ends, rounded down to a level feed / 1.25^n, and intervals of one level are one section. The same is done
-/// where rotary axes turn, with the speeds that the axes themselves permit.
+/// v = min(feed, √(a_n ρ)), ρ the radius of curvature. A NURBS is sampled: each interval gets the lower of its ends' speeds,
+/// rounded down to a level feed / 1.25^n, and intervals of one level form one section. Moves that turn rotary axes are treated
+/// likewise, with the speeds that the axes themselves permit.
 pub(super) fn add_sections(
     element: &Move,
     length: f64,
@@ -75,7 +75,7 @@ pub(super) fn add_sections(
     }
     match &element.curve {
         Curve::Line { .. } => add(length, feed),
-        // The curvature of an arc or helix changes by the permitted mismatch of its radii only.
+        // The curvature of an arc or helix changes only by the permitted mismatch of its radii.
         Curve::Arc { .. } => add(length, limit(0.0).min(limit(1.0))),
         Curve::Nurbs { .. } => {
             for piece in element.curve.breaks().windows(2) {
@@ -92,8 +92,8 @@ pub(super) fn add_sections(
     }
 }
 
-/// Speed along a turning move at which no axis is faster than its highest feed, and X, Y, Z, following the tool centre
-/// point, accelerate across by no more than is permitted.
+/// Speed along a turning move at which no axis exceeds its highest feed, and X, Y, Z, following the tool centre point, stay
+/// within the permitted acceleration across the path.
 fn axes_speed(element: &Move, machine: &Placement, settings: &MotionSettings, u: f64) -> f64 {
     let rates = machine.rates(element, u);
     let own = rates.linear.to_array().into_iter().chain(rates.rotary.to_array());
@@ -101,7 +101,7 @@ fn axes_speed(element: &Move, machine: &Placement, settings: &MotionSettings, u:
     speeds.fold((settings.normal_acceleration_mm_per_s2 / rates.bend.length()).sqrt(), f64::min)
 }
 
-/// [`corner_speed`] by the axes: neither the velocity of X, Y, Z (mm/s) nor that of A, B, C (deg/s) steps by more.
+/// [`corner_speed`] for the axes: neither the velocity of X, Y, Z (mm/s) nor that of A, B, C (deg/s) steps by more.
 pub(super) fn corner_speed_of_axes(before: &Move, after: &Move, machine: &Placement, step_per_s: f64) -> f64 {
     let (leaving, entering) =
         (machine.rates(before, before.curve.domain().1), machine.rates(after, after.curve.domain().0));
@@ -112,8 +112,8 @@ pub(super) fn corner_speed_of_axes(before: &Move, after: &Move, machine: &Placem
     if change > 0.0 { step_per_s / change } else { f64::INFINITY }
 }
 
-/// Highest speed from one move to the next: the step of the velocity vector v |t₁ − t₀| stays within the permitted
-/// one; a turn of more than 90° is a full stop.
+/// Highest speed from one move to the next: the step of the velocity vector v |t₁ − t₀| stays within the permitted one; a turn
+/// of more than 90° requires a full stop.
 pub(super) fn corner_speed(before: &Curve, after: &Curve, step_mm_per_s: f64) -> f64 {
     let (leaving, entering) = (tangent(before, before.domain().1), tangent(after, after.domain().0));
     if leaving.dot(entering) < -1.0e-9 {

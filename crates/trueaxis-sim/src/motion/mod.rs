@@ -1,11 +1,11 @@
-//! From a program to setpoints at the servo period.
+//! Planning of a program's motion, down to setpoints at the servo period.
 //!
-//! The path is divided into sections of one speed limit: the feed, or the speed at which the normal acceleration
-//! reaches its limit. Between moves the speed is low enough that the velocity vector steps by no more than a permitted
-//! amount. Backward and forward passes make the speeds at the section ends reachable, and each section becomes a
-//! time-optimal jerk-limited profile between them, without acceleration at its ends. The limits of acceleration and
-//! jerk hold along the path; across it, the normal acceleration. A move of rotary axes only is as long as it has degrees, and
-//! every mm reads degree there.
+//! The path is divided into sections of one speed limit: the feed, or the speed at which the normal acceleration reaches its
+//! limit. Between moves the speed is low enough that the velocity vector steps by no more than a permitted amount. Backward
+//! and forward passes make the speeds at the section ends reachable, and each section becomes a time-optimal jerk-limited
+//! profile between them, with zero acceleration at its ends. The limits of acceleration and jerk apply along the path; the
+//! limit of normal acceleration, across it. The length of a move of rotary axes only is measured in degrees; for such a move,
+//! read degree for mm throughout.
 
 mod arc_length;
 mod ceiling;
@@ -26,17 +26,17 @@ pub use setpoints::{Setpoint, Setpoints, Walk};
 /// Cycles at rest before the first and after the last move.
 pub const DWELL_CYCLES: u64 = 200;
 
-/// Longest motion that is planned, in cycles (a day and more at 10 kHz).
+/// Longest motion that is planned, in cycles (more than a day at 10 kHz).
 pub const MOST_CYCLES: f64 = 1.0e9;
 
 /// Limits of the motion along the path.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct MotionSettings {
-    /// Servo period, s; of a scenario that of its rate.
+    /// Servo period, s; in a scenario it follows from the servo rate.
     #[serde(skip)]
     pub period_s: f64,
-    /// Feed override: programmed feeds are run at this share, %; G0 is not.
+    /// Feed override, %: programmed feeds are scaled by it; G0 is not.
     pub feed_percent: f64,
     /// Largest acceleration along the path, mm/s².
     pub acceleration_mm_per_s2: f64,
@@ -46,7 +46,7 @@ pub struct MotionSettings {
     pub rapid_mm_per_min: f64,
     /// Largest acceleration across the path, v² times curvature, mm/s².
     pub normal_acceleration_mm_per_s2: f64,
-    /// Largest step of the velocity vector between two moves, mm/s; with 0 every corner is a stop.
+    /// Largest step of the velocity vector between two moves, mm/s; with 0 the motion stops at every corner.
     pub junction_mm_per_s: f64,
 }
 
@@ -66,7 +66,7 @@ impl Default for MotionSettings {
     }
 }
 
-/// Why a program cannot be turned into motion.
+/// Reason why a program cannot be turned into motion.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MotionError {
@@ -78,7 +78,7 @@ pub enum MotionError {
     Setting {
         /// Field of [`MotionSettings`].
         setting: &'static str,
-        /// Its value.
+        /// The value found.
         found: f64,
         /// Range accepted.
         needed: String,
@@ -86,7 +86,7 @@ pub enum MotionError {
     /// The motion takes too many cycles.
     #[error("the motion takes {0:e} servo cycles; at most {MOST_CYCLES:e} are planned")]
     TooLong(f64),
-    /// No speed profile was found for a section.
+    /// The planner found no speed profile for a section.
     #[error("no speed profile at {length_mm} mm of the path: {reason}")]
     Planner {
         /// Arc length at the beginning of the section, mm.
@@ -96,8 +96,8 @@ pub enum MotionError {
     },
 }
 
-/// A planned program: speeds at the ends of its sections. What lies between is planned anew where the motion comes to it,
-/// so that nothing is kept per cycle, and little per move.
+/// A planned program: speeds at the ends of its sections. The profile of a section is planned again when the motion reaches
+/// it, so that memory does not grow with cycles, and little with moves.
 #[derive(Clone, Debug)]
 pub struct Motion {
     settings: MotionSettings,
@@ -105,7 +105,7 @@ pub struct Motion {
     starts: Vec<f64>,
     length: f64,
     sections: Vec<Section>,
-    /// At the ends of the sections, one more than there are sections.
+    /// Speeds at the ends of the sections, one more than there are sections.
     speeds: Vec<f64>,
     duration: f64,
     cycles: u64,
@@ -118,7 +118,7 @@ impl Motion {
     }
 
     /// Plans the whole program for a machine: where rotary axes turn or the tool centre point is programmed, the speeds and
-    /// corners of the axes themselves count too. A program of X, Y, Z alone gets the same motion as from [`Motion::plan`].
+    /// corners of the axes also count. For a program of X, Y, Z alone the motion equals that of [`Motion::plan`].
     pub fn plan_on(program: &Program, settings: MotionSettings, machine: &Placement) -> Result<Motion, MotionError> {
         Motion::plan_with(program, settings, Some(machine))
     }
@@ -159,7 +159,7 @@ impl Motion {
         }
         let duration = planner.time;
         let cycles = (duration / settings.period_s).ceil();
-        // Also refuses what is not a number.
+        // Also refuses NaN.
         if !(0.0..=MOST_CYCLES).contains(&cycles) {
             return Err(MotionError::TooLong(cycles));
         }
@@ -167,13 +167,13 @@ impl Motion {
         Ok(Motion { settings, starts, length, sections, speeds, duration, cycles })
     }
 
-    /// The setpoints from the first cycle on; `program` is the one that was planned.
+    /// The setpoints from the first cycle on; `program` must be the planned one.
     pub fn setpoints<'m>(&'m self, program: &'m Program) -> Setpoints<'m> {
         Setpoints::new(self, program)
     }
 
-    /// Hands X, Y, Z (mm) and A, B, C (degrees) of the program to `take`, at every `every_mm` of path length from 0 and at
-    /// its end.
+    /// Passes X, Y, Z (mm) and A, B, C (degrees) of the program to `take`, at every `every_mm` of path length from 0 and at
+    /// the end.
     pub fn points(&self, program: &Program, every_mm: f64, mut take: impl FnMut([f64; 3], [f64; 3])) {
         let mut next = 0_u64;
         for (element, start) in program.moves.iter().zip(&self.starts) {
@@ -198,7 +198,7 @@ impl Motion {
         self.cycles
     }
 
-    /// Length of the path, mm; in moves measured in degrees ([`Move::in_degrees`](crate::program::Move)), degrees.
+    /// Length of the path: mm, or degrees in moves measured in degrees ([`Move::in_degrees`](crate::program::Move)).
     pub fn length(&self) -> f64 {
         self.length
     }
@@ -210,13 +210,13 @@ impl Motion {
 }
 
 impl MotionSettings {
-    /// Speed of a move along its length, mm/s (deg/s): that of G0, or the programmed feed with its override.
+    /// Speed of a move along its length, mm/s (deg/s): rapid for G0, otherwise the programmed feed with its override.
     pub fn speed(&self, element: &Move) -> f64 {
         let programmed = || element.planned_feed_per_min() * (self.feed_percent / 100.0);
         (if element.rapid { self.rapid_mm_per_min } else { programmed() }) / 60.0
     }
 
-    /// Name, value, and range of every setting but the period.
+    /// Name, value, and range of every setting except the period.
     pub(crate) fn ranges(&self) -> [Range<'static>; 6] {
         let range = |key, found, low, high, unit| Range { key, found, low, high, unit };
         [

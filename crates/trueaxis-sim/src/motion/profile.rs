@@ -28,7 +28,7 @@ impl Phase {
     }
 }
 
-/// Length in mm in which the speed changes from v to v + d, without acceleration at both ends.
+/// Length in mm in which the speed changes from v to v + d, with zero acceleration at both ends.
 ///
 /// It takes T = 2 √(d/j), or d/a + a/j if the acceleration limit a is reached (d ≥ a²/j), and covers (2 v + d) T / 2.
 fn change_distance(v: f64, d: f64, settings: &MotionSettings) -> f64 {
@@ -37,10 +37,10 @@ fn change_distance(v: f64, d: f64, settings: &MotionSettings) -> f64 {
     (v + 0.5 * d) * time
 }
 
-/// Highest speed after `length` mm from speed v, both without acceleration; found by bisection, from below.
+/// Highest speed after `length` mm from speed v, both with zero acceleration; computed by bisection, from below.
 fn reachable(v: f64, length: f64, settings: &MotionSettings, highest: f64) -> f64 {
     let distance = |d: f64| change_distance(v, d, settings);
-    // A little short of the full length, so that rounding never asks for more than the limits.
+    // Slightly less than the full length, so that rounding never requests more than the limits.
     let length = length * (1.0 - 1.0e-6);
     let (mut low, mut high) = (0.0, highest - v);
     if high <= 0.0 || distance(high) <= length {
@@ -57,8 +57,8 @@ fn reachable(v: f64, length: f64, settings: &MotionSettings, highest: f64) -> f6
     v + low
 }
 
-/// Speeds at the ends of the sections: the lower of both ceilings and the corner, then what can be braked (backward)
-/// and reached (forward). Starts and ends at rest.
+/// Speeds at the ends of the sections: the lowest of both ceilings and the corner speed, then limited by braking (backward
+/// pass) and acceleration (forward pass). Starts and ends at rest.
 fn boundary_speeds(sections: &[Section], settings: &MotionSettings) -> Vec<f64> {
     let mut speeds = Vec::with_capacity(sections.len() + 1);
     speeds.push(0.0);
@@ -75,9 +75,9 @@ fn boundary_speeds(sections: &[Section], settings: &MotionSettings) -> Vec<f64> 
     speeds
 }
 
-/// Cuts sections that are longer than speeding up from rest and braking to rest together take, so that the middle is
-/// run at constant speed. The motion stays the same, and the planner, which gives up on profiles longer than about two
-/// hours, only gets short ones.
+/// Cuts sections longer than acceleration from rest and braking to rest together take, so that the middle is run at constant
+/// speed. The motion does not change, and the planner, which fails on profiles longer than about two hours, only gets short
+/// ones.
 fn split(sections: &[Section], settings: &MotionSettings) -> Vec<Section> {
     let mut parts = Vec::with_capacity(sections.len());
     for section in sections {
@@ -94,19 +94,19 @@ fn split(sections: &[Section], settings: &MotionSettings) -> Vec<Section> {
     parts
 }
 
-/// The sections as they are run, with the speeds at their ends, one more than there are sections.
+/// The sections as run, and the speeds at their ends, one more than there are sections.
 pub(super) fn plan(sections: &[Section], settings: &MotionSettings) -> (Vec<Section>, Vec<f64>) {
     let sections = split(sections, settings);
     let speeds = boundary_speeds(&sections, settings);
     (sections, speeds)
 }
 
-/// Plans one section after the other; what it has planned stays with the caller, who needs one section at a time.
+/// Plans the sections one after the other; the caller keeps the result and needs one section at a time.
 pub(super) struct Planner {
     ruckig: Ruckig<1, ThrowErrorHandler>,
     input: InputParameter<1>,
     trajectory: Trajectory<1>,
-    /// Time (s) and arc length (mm) at the end of what has been planned.
+    /// Time (s) and arc length (mm) at the end of the last planned section.
     pub(super) time: f64,
     pub(super) length: f64,
 }
@@ -125,7 +125,7 @@ impl Planner {
         }
     }
 
-    /// Replaces `phases` by those of the next section.
+    /// Replaces `phases` by the phases of the next section.
     pub(super) fn section(
         &mut self,
         section: &Section,
@@ -148,7 +148,7 @@ impl Planner {
         input.target_velocity[0] = ends[1];
         input.target_position[0] = section.length;
         input.max_velocity[0] = section.ceiling;
-        // Against motion backwards, which a state-to-state planner may use.
+        // Prevents backward motion, which a state-to-state planner may use.
         input.min_velocity = None;
         let result = ruckig.calculate(input, trajectory).map_err(|error| failed(error.to_string()))?;
         let profile = match trajectory.get_profiles().first() {

@@ -18,7 +18,7 @@ pub struct Setpoint {
     pub move_index: usize,
     /// Parameter on the curve of that move.
     pub u: f64,
-    /// Arc length from the beginning of the program, mm (degrees in moves measured in them).
+    /// Arc length from the beginning of the program, mm (degrees in moves measured in degrees).
     pub length: f64,
     /// Speed along the path, mm/s (deg/s).
     pub feed: f64,
@@ -29,18 +29,18 @@ pub struct Setpoint {
 pub struct Walk {
     cycle: u64,
     planner: Planner,
-    /// Sections planned so far; the phases of the last of them, and which of those is being run.
+    /// Number of sections planned so far, the phases of the last one, and the index of the current phase.
     section: usize,
     phases: Vec<Phase>,
     phase: usize,
     element: usize,
-    /// Of that move.
+    /// Tables of the current move.
     table: Option<(ArcLength, Option<Polar>)>,
     node: usize,
 }
 
 impl Walk {
-    /// Before the first setpoint of a motion.
+    /// State before the first setpoint of a motion.
     pub fn new(motion: &Motion) -> Walk {
         Walk {
             cycle: 0,
@@ -54,12 +54,12 @@ impl Walk {
         }
     }
 
-    /// The next setpoint; `None` at the end. Motion and program are those of the calls before.
+    /// The next setpoint; `None` at the end. Motion and program must be those of the previous calls.
     pub fn next(&mut self, motion: &Motion, program: &Program) -> Option<Setpoint> {
         if self.cycle >= motion.cycles {
             return None;
         }
-        // From the cycle number, not by adding periods: no drift, and the same on every run.
+        // Computed from the cycle number, not by adding periods: no drift, and equal in every run.
         let time = (self.cycle as f64 - super::DWELL_CYCLES as f64) * motion.settings.period_s;
         self.cycle += 1;
         let (length, feed) = self.progress(motion, time);
@@ -98,7 +98,7 @@ impl Walk {
             }
             let section = motion.sections.get(self.section)?;
             let ends = [*motion.speeds.get(self.section)?, *motion.speeds.get(self.section + 1)?];
-            // The same section was planned when the motion was, with the same result.
+            // Cannot fail: the section was already planned with the motion, with the same result.
             self.planner.section(section, ends, &mut self.phases).ok()?;
             self.section += 1;
             self.phase = 0;

@@ -10,22 +10,22 @@ use trueaxis::contour::{Path, Reference, Span, ToolPath, Turn};
 
 /// The path of a whole program, converted once.
 ///
-/// A program of X, Y, Z alone: in machine coordinates. One with rotary axes: the tip in workpiece coordinates.
+/// In machine coordinates for a program of X, Y, Z alone; otherwise the tip's path in workpiece coordinates.
 #[derive(Debug)]
 pub struct PlannedPath {
     /// All spans in path order.
     pub spans: Vec<Span<f64, f64>>,
-    /// Rotary axes along each span; none for a program of X, Y, Z alone.
+    /// Rotary axes along each span; empty for a program of X, Y, Z alone.
     pub turns: Vec<Turn<f64>>,
     /// First span of every move, and one past the last.
     first: Vec<u32>,
 }
 
 impl PlannedPath {
-    /// Converts a program whose zero lies at `origin_mm` in machine coordinates.
+    /// Converts a program whose zero is at `origin_mm` in machine coordinates.
     ///
     /// # Errors
-    /// A move that is no path (the program reader refuses those before), more than [`MOST_SPANS`] spans.
+    /// A move that is not a valid path (the program reader refuses those earlier), or more than [`MOST_SPANS`] spans.
     pub fn new(program: &Program, origin_mm: [f64; 3], machine: &Placement) -> Result<PlannedPath> {
         let five_axis = program.is_five_axis();
         let mut path = PlannedPath { spans: Vec::new(), turns: Vec::new(), first: Vec::new() };
@@ -40,7 +40,7 @@ impl PlannedPath {
         Ok(path)
     }
 
-    /// The path as the step takes it.
+    /// The path as the step reads it.
     pub fn view(&self) -> Path<'_, f64, f64> {
         Path::new(&self.spans, 0, false)
     }
@@ -60,7 +60,7 @@ impl PlannedPath {
     }
 }
 
-/// Whether a whole program is a path, before anything of it is run.
+/// Checks that a whole program is a valid path, before any of it is run.
 ///
 /// # Errors
 /// As [`PlannedPath::new`].

@@ -1,4 +1,4 @@
-//! The stretch of a path that is being run.
+//! The stretch of a path around the current position.
 
 use super::reference::reference;
 use super::spans::add_move;
@@ -7,50 +7,50 @@ use crate::scenario::Scenario;
 use std::collections::VecDeque;
 use trueaxis::contour::{Path, Reference, Span, ToolPath, Turn};
 
-/// The stretch of a program's path around the reference, converted when the motion comes to it.
+/// The stretch of a program's path around the reference, converted when the motion reaches it.
 ///
-/// Its spans have the numbers that they have in the [`PlannedPath`](super::PlannedPath), and it reaches as far as the step ever looks, so that
-/// the step gives the same with either.
+/// Spans have the same numbers as in the [`PlannedPath`](super::PlannedPath), and the stretch extends as far as the step ever
+/// searches, so that the step gives the same results with either.
 #[derive(Debug)]
 pub struct SlidingPath {
     /// Distance kept behind and ahead, mm.
     reach_mm: f64,
     spans: Vec<Span<f64, f64>>,
     turns: Vec<Turn<f64>>,
-    /// Number of first spans no longer needed; they are taken out when they are half of all.
+    /// Number of leading spans no longer needed; they are removed once they are half of all.
     spent: usize,
-    /// The moves held.
+    /// The moves kept.
     moves: VecDeque<Held>,
-    /// Index of the first of them.
+    /// Index of the first move kept.
     first_move: usize,
-    /// End of the last of them.
+    /// End of the last move kept.
     end: Held,
 }
 
 /// Beginning of a move.
 #[derive(Clone, Copy, Debug)]
 struct Held {
-    /// Number of its first span.
+    /// Number of the move's first span.
     span: u32,
-    /// Length of all spans before it, mm.
+    /// Length of all spans before the move, mm.
     length_mm: f64,
 }
 
 impl Held {
-    /// Whether the stretch from here to `other` is as long as the step can ask for.
+    /// Whether the distance from here to `other` is as long as the step can require.
     fn is_far_from(&self, other: &Held, reach_mm: f64) -> bool {
         other.length_mm - self.length_mm >= reach_mm || other.span - self.span >= MOST_AHEAD
     }
 }
 
-/// The search of the step looks this many times its largest lag around the reference, and a little.
+/// The step searches this many times its largest lag around the reference, plus a margin.
 const REACH_PER_LAG: f64 = 4.0;
 const REACH_MM: f64 = 10.0;
-/// Spans behind and ahead that are enough where they are very short.
+/// Spans behind and ahead that suffice if they are very short.
 const MOST_AHEAD: u32 = 1 << 14;
 
 impl SlidingPath {
-    /// Nothing of the path yet.
+    /// Nothing of the path is converted yet.
     pub fn new(scenario: &Scenario) -> SlidingPath {
         SlidingPath {
             reach_mm: REACH_MM + REACH_PER_LAG * scenario.machine.settings.contour.max_lag_mm,
@@ -63,11 +63,11 @@ impl SlidingPath {
         }
     }
 
-    /// Moves on to where references lie in the moves `first` to `last`, neither of them before those of the last call;
-    /// `scenario` is that of [`SlidingPath::new`].
+    /// Advances to references in the moves `first` to `last`, neither of them before those of the last call; `scenario` must
+    /// be that of [`SlidingPath::new`].
     ///
     /// # Errors
-    /// A move that is no path.
+    /// A move that is not a valid path.
     pub fn cover(&mut self, scenario: &Scenario, [first, last]: [usize; 2]) -> Result<()> {
         while !self.beginning(last + 1).is_some_and(|at| at.is_far_from(&self.end, self.reach_mm)) {
             let index = self.first_move + self.moves.len();
@@ -97,13 +97,13 @@ impl SlidingPath {
         Ok(())
     }
 
-    /// Beginning of a move, or the end of the last one held.
+    /// Beginning of a move, or the end of the last one kept.
     fn beginning(&self, index: usize) -> Option<Held> {
         let slot = index.checked_sub(self.first_move)?;
         if slot == self.moves.len() { Some(self.end) } else { self.moves.get(slot).copied() }
     }
 
-    /// The stretch as the step takes it.
+    /// The stretch as the step reads it.
     pub fn view(&self) -> Path<'_, f64, f64> {
         Path::new(self.held(), self.number(), false)
     }
@@ -113,7 +113,7 @@ impl SlidingPath {
         ToolPath::new(self.view(), self.turns.get(self.spent..).unwrap_or_default())
     }
 
-    /// As [`PlannedPath::reference`](super::PlannedPath::reference), in a move that is covered.
+    /// As [`PlannedPath::reference`](super::PlannedPath::reference), for a move that is covered.
     pub fn reference(&self, move_index: usize, u: f64, near: &mut u32) -> Reference<f64> {
         let ends = match (self.beginning(move_index), self.beginning(move_index + 1)) {
             (Some(first), Some(end)) => [first.span, end.span.saturating_sub(1)],
@@ -126,7 +126,7 @@ impl SlidingPath {
         self.spans.get(self.spent..).unwrap_or_default()
     }
 
-    /// Number of the first span held.
+    /// Number of the first span kept.
     fn number(&self) -> u32 {
         self.moves.front().map_or(0, |first| first.span)
     }

@@ -6,14 +6,14 @@ use crate::program::{Curve, Move, Program};
 use glam::DVec3;
 use trueaxis::contour::{Segment, Span, Turn, convert, span_count};
 
-/// Largest distance of a cubic from the curve that the tip describes, at the same parameter, mm.
+/// Largest distance between a cubic and the curve of the tip, at equal parameters, mm.
 const TOLERANCE_MM: f64 = 1.0e-6;
 /// Most spans of a program.
 pub const MOST_SPANS: usize = 50_000_000;
 /// A move is halved at most this often.
 const DEEPEST_HALVING: u32 = 16;
 
-/// Appends the spans of a move, and the turns of its rotary axes along them.
+/// Appends the spans of a move, and the rotation of its rotary axes along them.
 pub(super) fn add_move(
     program: &Program,
     (index, step): (usize, &Move),
@@ -24,7 +24,7 @@ pub(super) fn add_move(
 ) -> Result<()> {
     let first = spans.len();
     let mut add = |segment: &Segment<'_>| {
-        // Counted first: too many are refused before there is any.
+        // Counted first: too many spans are refused before any is made.
         span_count(segment)
             .and_then(|_| {
                 convert(segment, index as u32, step.plane_normal, |span| {
@@ -72,7 +72,7 @@ fn programmed(step: &Move, shift_mm: [f64; 3], add: &mut impl FnMut(&Segment<'_>
     }
 }
 
-/// The tip's path in workpiece coordinates: as it is where it is programmed there, else as cubics with parameter u.
+/// The tip's path in workpiece coordinates: unchanged if it is programmed there, otherwise as cubics with parameter u.
 fn tip_path(step: &Move, machine: &Placement, add: &mut impl FnMut(&Segment<'_>) -> Result<()>) -> Result<()> {
     let (first, last) = step.curve.domain();
     let standing = Segment::Turning { point: machine.place(step, first).tip };
@@ -91,7 +91,7 @@ fn tip_path(step: &Move, machine: &Placement, add: &mut impl FnMut(&Segment<'_>)
     if any { Ok(()) } else { add(&standing) }
 }
 
-/// Whether there was anything to add.
+/// Returns whether there was anything to add.
 fn add_cubics(
     step: &Move,
     machine: &Placement,

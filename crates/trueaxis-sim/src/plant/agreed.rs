@@ -1,10 +1,10 @@
-//! The simulated drive for which a plugin's figures are right.
+//! The simulated drive that matches a plugin's figures.
 
 use super::drive::DriveSettings;
 use super::variation::Variation;
 use trueaxis::machine::MachineSettings;
 
-/// The drive settings of all axes for which the figures that the machine states of its first axis with a drive are right.
+/// Returns the drive settings of all axes that match the figures that the machine states for its first axis with a drive.
 ///
 /// The plugin states forces over moved mass and K_vp, as velocities; the plant per moved mass:
 ///
@@ -12,8 +12,8 @@ use trueaxis::machine::MachineSettings;
 /// F = (F/K_vp) · K_vp        d = (d/K_vp) · K_vp
 /// ```
 ///
-/// What the axis differs by from the others ([`Variation::of`]) is taken out. Mm, s (degrees for a rotary axis). Friction that
-/// is not stated keeps its default, and so does everything of a machine that states no drive.
+/// The differences of that axis from the others ([`Variation::of`]) are divided out. Units: mm, s (degrees for a rotary axis).
+/// Friction that is not stated keeps its default; for a machine that states no drive, everything does.
 pub fn agreed(machine: &MachineSettings) -> DriveSettings {
     let default = DriveSettings::default();
     let Some((own, drive)) = machine.axes.iter().find_map(|own| Some((own, own.servo.drive?))) else { return default };

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-/// A delay line of whole and broken cycles; linear between commands.
+/// A delay line of whole and fractional cycles; linear between commands.
 #[derive(Clone, Debug)]
 pub struct Delay {
     /// Commands, the latest last.
@@ -11,13 +11,13 @@ pub struct Delay {
 }
 
 impl Delay {
-    /// Delays by `cycles`, 0 or more; so far every command was `position`.
+    /// Delays by `cycles`, 0 or more; all earlier commands were `position`.
     pub fn new(position: f64, cycles: f64) -> Delay {
         let cycles = cycles.max(0.0);
         Delay { entered: VecDeque::from(vec![position; cycles as usize + 2]), cycles }
     }
 
-    /// The command that is due when `command` comes in.
+    /// The command that is due when `command` is entered.
     pub fn next(&mut self, command: f64) -> f64 {
         if self.cycles == 0.0 {
             return command;

@@ -6,10 +6,10 @@ use crate::range::Range;
 use serde::{Deserialize, Serialize};
 use trueaxis::machine::Axis;
 
-/// Longest step of the mechanics; a slower servo is worked off in several.
+/// Longest time step of the mechanics; a longer servo period is divided into several.
 const MAX_STEP_S: f64 = 1e-4;
 
-/// A drive and its axis. For a rotary axis every mm reads degree. Forces are given per moved mass.
+/// A drive and its axis. For a rotary axis, read degree for mm. Forces are per moved mass.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct DriveSettings {
@@ -24,13 +24,13 @@ pub struct DriveSettings {
     pub reset_time_s: f64,
     /// Time constant of the current loop, s.
     pub current_loop_s: f64,
-    /// Largest acceleration that the motor can give, mm/s².
+    /// Largest acceleration that the motor can provide, mm/s².
     pub force_limit_mm_per_s2: f64,
     /// Coulomb friction, mm/s².
     pub coulomb_mm_per_s2: f64,
     /// Static friction above Coulomb friction, as a share of it.
     pub stribeck_share: f64,
-    /// Velocity at which half of that share is left, mm/s.
+    /// Velocity at which half of that share remains, mm/s.
     pub stribeck_velocity_mm_per_s: f64,
     /// Pre-sliding: travel over which friction reverses by 63 %, mm.
     pub presliding_mm: f64,
@@ -62,7 +62,7 @@ impl Default for DriveSettings {
 }
 
 impl DriveSettings {
-    /// The default drive as it is on an axis.
+    /// The default drive of an axis.
     pub fn of(axis: Axis) -> DriveSettings {
         DriveSettings::default().varied(&Variation::of(axis))
     }
@@ -106,7 +106,7 @@ pub struct Drive {
     step_s: f64,
     current_share: f64,
     delay: Delay,
-    /// As it came in, and as the position loop gets it.
+    /// Latest command received, and latest command of the position loop.
     entered: f64,
     command: f64,
     position: f64,
@@ -139,7 +139,7 @@ impl Drive {
         }
     }
 
-    /// Puts the axis to rest at `position` (mm, deg).
+    /// Sets the axis at rest at `position` (mm, deg).
     pub fn rest_at(&mut self, position: f64) {
         let delay = Delay::new(position, self.settings.dead_time_s / self.period_s);
         *self =
@@ -156,16 +156,16 @@ impl Drive {
         self.velocity
     }
 
-    /// One servo cycle that the drive takes `periods` periods over (1 unless the control is late, at most 1000).
+    /// Simulates one servo cycle, which for the drive lasts `periods` periods (1 unless the control is late, at most 1000).
     ///
-    /// `command`: where the axis should be at the end of the period; a command that is not finite is ignored, the last one
-    /// holds. `measured`: the encoder's reading at the end of the previous cycle, which closes the position loop:
+    /// `command`: required position of the axis at the end of the period; a command that is not finite is ignored, and the
+    /// last one is kept. `measured`: the encoder's reading at the end of the previous cycle, which closes the position loop:
     ///
     /// ```text
     /// v_ref = Kv (command_k−1 − measured_k−1) + share (command_k − command_k−1)/T
     /// ```
     ///
-    /// The position loop gets its commands late by the dead time.
+    /// The position loop receives its commands after the dead time.
     pub fn cycle(&mut self, command: f64, measured: f64, periods: f64) {
         self.entered = if command.is_finite() { command } else { self.entered };
         let command = self.delay.next(self.entered);
@@ -178,7 +178,7 @@ impl Drive {
         self.command = command;
         let mut overdue = (periods.min(1000.0) - 1.0) * self.period_s;
         while overdue > 0.0 {
-            // Until the late control shows up the drive stays on the last set point, without feed-forward.
+            // Until the late control responds, the drive stays on the last set point, without feed-forward.
             let step = overdue.min(self.step_s);
             let holding = self.settings.position_gain_per_s * (command - self.position);
             self.advance(holding, step, current_share(step, &self.settings));
@@ -208,7 +208,7 @@ impl Drive {
     }
 }
 
-/// Share of a change of force that the current loop has made after `dt`.
+/// Share of a change of force that the current loop has completed after `dt`.
 fn current_share(dt: f64, settings: &DriveSettings) -> f64 {
     1.0 - libm::exp(-dt / settings.current_loop_s)
 }
@@ -243,7 +243,7 @@ mod tests {
             drive.cycle(1.0, drive.position(), 1.0);
             top = top.max(drive.position());
             let acceleration = (drive.velocity() - before) / 1e-4;
-            // Friction can brake on top of the motor.
+            // Friction can add to the motor's braking.
             let friction = 1.3 * settings.coulomb_mm_per_s2 + settings.viscous_per_s * before.abs();
             assert!(acceleration.abs() <= settings.force_limit_mm_per_s2 + friction + 1.0);
             before = drive.velocity();

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 use trueaxis::machine::Axis;
 
-/// Errors of an encoder. For a rotary axis every mm reads degree.
+/// Errors of an encoder. For a rotary axis, read degree for mm.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct EncoderSettings {
@@ -25,7 +25,7 @@ pub struct EncoderSettings {
 }
 
 impl EncoderSettings {
-    /// A sealed linear encoder: 10 nm a count, 20 µm signal period, 30 and 15 nm subdivisional error, 5 nm noise.
+    /// A sealed linear encoder: 10 nm per count, 20 µm signal period, 30 and 15 nm subdivisional error, 5 nm noise.
     pub const LINEAR: EncoderSettings = EncoderSettings {
         resolution_mm: 10e-6,
         signal_period_mm: 20e-3,
@@ -34,7 +34,7 @@ impl EncoderSettings {
         noise_rms_mm: 5e-6,
     };
 
-    /// A rotary encoder of 16384 lines: 5e-6° a count, 30e-6° and 15e-6° (0.1″ and 0.05″), 2e-6° noise.
+    /// A rotary encoder of 16384 lines: 5e-6° per count, 30e-6° and 15e-6° (0.1″ and 0.05″) subdivisional error, 2e-6° noise.
     pub const ROTARY: EncoderSettings = EncoderSettings {
         resolution_mm: 5e-6,
         signal_period_mm: 360.0 / 16384.0,
@@ -65,9 +65,9 @@ impl EncoderSettings {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Encoders {
-    /// Of linear axes.
+    /// Encoders of linear axes.
     pub linear: EncoderSettings,
-    /// Of rotary axes; every mm reads degree.
+    /// Encoders of rotary axes; read degree for mm.
     pub rotary: EncoderSettings,
 }
 
@@ -77,7 +77,7 @@ impl Default for Encoders {
     }
 }
 
-/// An encoder with its own stream of noise.
+/// An encoder with a separate stream of noise.
 #[derive(Clone, Debug)]
 pub struct Encoder {
     settings: EncoderSettings,
@@ -85,7 +85,7 @@ pub struct Encoder {
 }
 
 impl Encoder {
-    /// The encoder of `axis`; the same seed gives the same noise, whatever other axes there are.
+    /// The encoder of `axis`; a given seed gives the same noise whatever other axes there are.
     pub fn new(settings: EncoderSettings, axis: Axis, seed: u64) -> Encoder {
         let mut noise = ChaCha8Rng::seed_from_u64(seed);
         noise.set_stream(axis.index() as u64);

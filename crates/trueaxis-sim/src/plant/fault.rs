@@ -9,8 +9,8 @@
 //! | `nan-command:X@2s+1` | the commanded position of X is NaN once |
 //! | `jump-command:X@2s+1=3mm` | the commanded position of X is 3 mm too large once |
 //!
-//! Lengths are `mm`, or `deg` for rotary axes. Faults of readings happen between the drive and the control: the drive, which
-//! evaluates its encoder itself, is not disturbed by them.
+//! Lengths are `mm`, or `deg` for rotary axes. Faults of readings occur between the drive and the control: they do not disturb
+//! the drive, which evaluates its encoder itself.
 
 use crate::script::Script;
 use std::fmt;
@@ -24,9 +24,9 @@ use trueaxis::machine::Axis;
 pub struct FaultSpecError {
     /// The specification as given.
     pub spec: String,
-    /// The part that is not understood.
+    /// The part that was not understood.
     pub found: String,
-    /// A form that is understood.
+    /// An accepted form.
     pub needed: &'static str,
 }
 
@@ -48,7 +48,7 @@ pub enum FaultKind {
 }
 
 impl FaultKind {
-    /// The axis concerned; none for a late cycle.
+    /// The affected axis; `None` for a late cycle.
     pub fn axis(&self) -> Option<Axis> {
         match *self {
             FaultKind::Dropout(axis)
@@ -64,11 +64,11 @@ impl FaultKind {
 /// One fault of a script.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fault {
-    /// Kind of a fault.
+    /// Kind of fault.
     pub kind: FaultKind,
     /// Start, s of plant time: the first cycle at or after it.
     pub at_s: f64,
-    /// For how many cycles.
+    /// Duration in cycles.
     pub cycles: u64,
 }
 
@@ -81,7 +81,7 @@ impl Fault {
 
 /// The first cycle at or after a time.
 pub(crate) fn first_cycle(at_s: f64, period_s: f64) -> u64 {
-    // A hair below the quotient, or 0.3 s would be cycle 3001 of a 10 kHz servo.
+    // Slightly below the quotient; otherwise 0.3 s would be cycle 3001 of a 10 kHz servo.
     (at_s / period_s * (1.0 - 1e-12)).ceil() as u64
 }
 
@@ -150,7 +150,7 @@ impl FromStr for Fault {
     }
 }
 
-/// The specification that is read back as the same fault.
+/// Writes a specification that parses to the same fault.
 impl fmt::Display for Fault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (name, value) = match self.kind {
@@ -171,7 +171,7 @@ impl fmt::Display for Fault {
     }
 }
 
-/// All faults of a run; where several act at once they act in this order.
+/// All faults of a run; several that act at once act in this order.
 pub type FaultScript = Script<Fault>;
 
 impl FaultScript {

@@ -1,8 +1,8 @@
 //! Lost motion.
 
-/// Lost motion between encoder and carriage: a play that is traversed during each reversal.
+/// Lost motion between encoder and carriage: a play that is traversed at each reversal.
 ///
-/// The table holds in positive travel; in negative travel the carriage stays behind, actual − indicated = +backlash.
+/// The table applies in positive travel; in negative travel the carriage stays behind, actual − indicated = +backlash.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LostMotion {
     width: f64,
@@ -15,13 +15,13 @@ impl LostMotion {
         LostMotion { width: width.abs(), reverse: 0.0 }
     }
 
-    /// Follows the encoder's side by `travel` mm (deg).
+    /// Follows a travel of `travel` mm (deg) on the encoder's side.
     pub fn follow(&mut self, travel: f64) {
         let moved = if self.width > 0.0 { travel / self.width } else { travel * f64::MAX };
         self.reverse = (self.reverse - moved).clamp(0.0, 1.0);
     }
 
-    /// Share of the play that is traversed: 0 in positive travel, 1 in negative travel.
+    /// Traversed share of the play: 0 in positive travel, 1 in negative travel.
     pub fn reverse(&self) -> f64 {
         self.reverse
     }

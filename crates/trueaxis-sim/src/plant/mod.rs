@@ -6,8 +6,8 @@
 //!                           lost motion -> geometry -> true tool tip
 //! ```
 //!
-//! The encoders see neither lost motion nor geometry, so that readings are the same, bit for bit, with a perfect and an
-//! imperfect machine.
+//! The encoders see neither lost motion nor geometry, so that readings are bit-identical for a perfect and an imperfect
+//! machine.
 
 mod agreed;
 pub mod delay;
@@ -37,7 +37,7 @@ mod tests;
 /// Play of an axis without backlash whose own positioning error does not depend on the direction of travel, mm (deg).
 const SMALLEST_PLAY: f64 = 1e-3;
 
-/// Why a plant cannot be built.
+/// Reason why a plant cannot be built.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum PlantError {
@@ -58,14 +58,14 @@ pub enum PlantError {
     },
 }
 
-/// Everything about the plant that is not in the machine file.
+/// Properties of the plant that are not in the machine file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlantSettings {
     /// Drives, in the order X Y Z A B C.
     pub drives: [DriveSettings; AXES],
     /// Encoders, in the order X Y Z A B C.
     pub encoders: [EncoderSettings; AXES],
-    /// Lost motion that the machine's tables do not know, in the order X Y Z A B C, mm (deg).
+    /// Lost motion that is not in the machine's tables, in the order X Y Z A B C, mm (deg).
     pub lost_motion_mm: [f64; AXES],
     /// Temperature above the machine's reference temperature, K.
     pub temperature_rise_k: f64,
@@ -104,10 +104,10 @@ struct Station {
     axis: Axis,
     drive: Drive,
     play: LostMotion,
-    /// Lost motion that the tables do not know, mm (deg).
+    /// Lost motion that is not in the tables, mm (deg).
     unknown_play: f64,
     encoder: Encoder,
-    /// Last reading as the drive has it, and as the control got it.
+    /// Last reading of the drive, and last reading that the control received.
     counts: i64,
     sent: i64,
 }
@@ -127,7 +127,7 @@ pub struct Plant {
 impl Plant {
     /// A machine at rest with all axes at zero, last moved in positive direction.
     ///
-    /// `perfect_geometry`: neither geometric errors nor lost motion, everything else the same. `seed`: of the encoders'
+    /// `perfect_geometry`: neither geometric errors nor lost motion, everything else unchanged. `seed`: seed of the encoders'
     /// noise. `period_s`: servo period, 1 µs to 0.1 s.
     pub fn new(
         machine: &Machine,
@@ -168,10 +168,10 @@ impl Plant {
         Ok(plant)
     }
 
-    /// Adds a fault to the script; where it should have begun already, it acts as if it had.
+    /// Adds a fault to the script; if its start has passed, it acts as if it had begun then.
     ///
     /// # Errors
-    /// It names an axis that the machine does not have.
+    /// The fault names an axis that the machine does not have.
     pub fn inject(&mut self, fault: Fault) -> Result<(), PlantError> {
         if let Some(axis) = fault.kind.axis().filter(|axis| self.stations.iter().all(|station| station.axis != *axis)) {
             return Err(PlantError::FaultAxis { axis: axis.letter() });
@@ -180,7 +180,7 @@ impl Plant {
         Ok(())
     }
 
-    /// Puts all axes to rest at `position` (mm, deg), last moved in positive direction; noise and fault script go on.
+    /// Sets all axes at rest at `position` (mm, deg), last moved in positive direction; noise and fault script continue.
     pub fn rest_at(&mut self, position: &[f64; AXES]) {
         for (station, &q) in self.stations.iter_mut().zip(position) {
             station.drive.rest_at(q);
@@ -190,12 +190,12 @@ impl Plant {
         }
     }
 
-    /// Lets nothing go wrong until [`Plant::start_faults`].
+    /// Suppresses all faults until [`Plant::start_faults`].
     pub fn hold_faults(&mut self) {
         self.faults_held = true;
     }
 
-    /// The cycle counter and with it the fault script start at zero.
+    /// Restarts the cycle counter, and with it the fault script, at zero.
     pub fn start_faults(&mut self) {
         self.faults_held = false;
         self.cycle = 0;
@@ -220,7 +220,7 @@ impl Plant {
         }
     }
 
-    /// One servo cycle: the drives get `drive_command` (mm, deg), the encoders are read at its end.
+    /// Simulates one servo cycle: the drives get `drive_command` (mm, deg), the encoders are read at its end.
     pub fn cycle(&mut self, drive_command: &[f64; AXES]) -> Readings {
         let cycle = self.script_cycle();
         let elapsed_periods = self
@@ -261,8 +261,8 @@ impl Plant {
     }
 
     /// True position of the tool tip relative to the workpiece, in machine coordinates, mm: the positions of X, Y and Z plus
-    /// the tip error d of [`Geometry::tip_error`] (0 for an axis that the machine does not have; the tool's own length is
-    /// not counted).
+    /// the tip error d of [`Geometry::tip_error`] (0 for an axis that the machine does not have; the tool's length is not
+    /// included).
     pub fn true_tip(&self) -> [f64; 3] {
         let position = self.carriage_positions();
         let mut tip = if self.perfect_geometry { [0.0; 3] } else { self.tip_error_at(&position) };
@@ -293,7 +293,7 @@ impl Plant {
         position
     }
 
-    /// The same behind the lost motion that the tables do not know; theirs is part of the geometry.
+    /// Axis positions behind the lost motion that is not in the tables; the tables' own is part of the geometry.
     fn carriage_positions(&self) -> [f64; AXES] {
         let mut position = self.axis_positions();
         for (q, station) in position.iter_mut().zip(&self.stations) {
@@ -311,7 +311,7 @@ impl Plant {
         resolution
     }
 
-    /// Number of cycles done.
+    /// Number of cycles simulated.
     pub fn cycles(&self) -> u64 {
         self.cycle
     }
@@ -329,7 +329,7 @@ impl Plant {
     }
 }
 
-/// Lost motion of an axis: its backlash, and its own error by direction in the table.
+/// Lost motion of an axis: its backlash plus the spread of its own error between directions in the table.
 fn play_width(settings: &AxisSettings, table: Option<&Table>) -> f64 {
     let own = settings.axis.index();
     let rows = table.map_or(&[][..], |table| &table.rows);

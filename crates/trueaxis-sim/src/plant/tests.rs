@@ -27,7 +27,7 @@ fn plant(machine: &Machine, perfect: bool, seed: u64) -> Plant {
     Plant::new(machine, PlantSettings::default(), perfect, seed, PERIOD).unwrap()
 }
 
-/// Command on a circle in XY about the origin, run up to its feed within half a second.
+/// Command on a circle in XY about the origin, accelerated to its feed within half a second.
 fn circle(radius: f64, feed: f64, t: f64) -> [f64; AXES] {
     let run_up = 0.5;
     let travel = if t < run_up { feed * t * t / (2.0 * run_up) } else { feed * (t - run_up / 2.0) };
@@ -81,7 +81,7 @@ fn a_perfect_machine_stays_round_but_for_its_quadrants() {
     let mut worst: f64 = 0.0;
     for &(angle, deviation) in &samples {
         worst = worst.max(deviation.abs());
-        // A reversal and what follows it: 10° either side of each axis.
+        // A reversal and its effect: 10° either side of each axis.
         let quarter = (angle / (TAU / 4.0)).round();
         if (angle - quarter * TAU / 4.0).abs() < 10f64.to_radians() {
             let glitch = &mut glitches[quarter.rem_euclid(4.0) as usize];
@@ -122,7 +122,7 @@ fn every_axis_lags_as_designed() {
         let designed = velocity[i] * (1.0 - drive.velocity_feed_forward) / drive.position_gain_per_s;
         let lag = command[i] - plant.axis_positions()[i];
         println!("{axis:?}: lag {:.2} µm at {} mm/s, designed {:.2} µm", 1e3 * lag, velocity[i], 1e3 * designed);
-        // Subdivisional error and noise of the encoder stay.
+        // Subdivisional error and noise of the encoder remain.
         assert!((lag - designed).abs() < 1e-4, "{axis:?}: {lag}, designed {designed}");
     }
 }
@@ -151,7 +151,7 @@ fn negative_travel_stays_behind_by_the_backlash() {
     let reversal = travel(&mut plant, -5.0, 2000);
     assert!((behind(&plant, 0) - 8e-3).abs() < 1e-12);
     assert!(behind(&plant, 1).abs() < 1e-12);
-    // In the play the carriage stands: several cycles at the same position, between both ends.
+    // Within the play the carriage is at rest: several cycles at one position, between both ends.
     let inside: Vec<f64> = reversal.iter().filter(|(b, _)| *b > 1e-9 && *b < 8e-3 - 1e-9).map(|s| s.1).collect();
     assert!(inside.len() > 10, "{}", inside.len());
     let spread = inside.iter().copied().fold(f64::MIN, f64::max) - inside.iter().copied().fold(f64::MAX, f64::min);
@@ -210,7 +210,7 @@ fn scripted_faults_reach_the_readings_and_not_the_drives() {
         assert_eq!(bad.counts[2], held, "cycle {k}");
         assert_eq!(bad.elapsed_periods, 1.0);
     }
-    // The late cycle: 150 µs more for the drives to close in on the same command.
+    // The late cycle: the drives have 150 µs more to approach the same command.
     let command = [25.0, 20.0, 15.0, 0.0, 0.0, 0.0].map(|v| v * 2001.0 * PERIOD);
     assert_eq!(faulty.cycle(&command).elapsed_periods, 2.5);
     sound.cycle(&command);

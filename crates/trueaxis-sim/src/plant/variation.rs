@@ -4,20 +4,21 @@ use crate::range::Range;
 use serde::{Deserialize, Serialize};
 use trueaxis::machine::Axis;
 
-/// Differences of an axis from the others. For a rotary axis every mm reads degree.
+/// Differences of an axis from the others. For a rotary axis, read degree for mm.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Variation {
-    /// Gains of position and velocity loop over the common ones.
+    /// Gains of position and velocity loop divided by the common ones.
     pub gain_factor: f64,
-    /// Coulomb friction over the common one.
+    /// Coulomb friction divided by the common one.
     pub friction_factor: f64,
-    /// Lost motion that the tables do not know, mm: in negative travel the carriage stays behind by so much.
+    /// Lost motion that is not in the tables, mm: in negative travel the carriage stays behind by this amount.
     pub lost_motion_mm: f64,
 }
 
 impl Variation {
-    /// Gains and friction differ by a few per cent from axis to axis; no lost motion but that of the tables.
+    /// Default differences: gains and friction vary by a few per cent from axis to axis; no lost motion except that of the
+    /// tables.
     pub fn of(axis: Axis) -> Variation {
         let (gain_factor, friction_factor) = match axis {
             Axis::X => (1.0, 1.0),
@@ -41,7 +42,7 @@ impl Variation {
     }
 }
 
-/// Variations of all axes, by their letters.
+/// Variations of all axes, keyed by letter.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "UPPERCASE")]
 #[allow(missing_docs)]
@@ -62,7 +63,7 @@ impl Default for Variations {
 }
 
 impl Variations {
-    /// In the order X, Y, Z, A, B, C.
+    /// The variations in the order X, Y, Z, A, B, C.
     pub fn all(&self) -> [Variation; 6] {
         [self.x, self.y, self.z, self.a, self.b, self.c]
     }

@@ -4,17 +4,17 @@ use super::curve::Curve;
 use super::error::Refusal;
 use super::limits::MOST_TURNS;
 
-/// Largest difference in mm between the radii at start and end of an arc by its centre. LinuxCNC takes as much in small arcs,
-/// and in large ones a thousandth of the radius.
+/// Largest difference in mm between the radii at start and end of an arc given by its centre. LinuxCNC accepts as much in
+/// small arcs, and a thousandth of the radius in large ones.
 const RADIUS_TOLERANCE: f64 = 2.0e-2;
 
-/// By so much, mm, twice R may fall short of the chord; a smaller radius or chord is none.
+/// Amount by which twice R may fall short of the chord, mm; a smaller radius or chord is invalid.
 const CHORD_TOLERANCE: f64 = 2.0e-3;
 
 /// Start and end of a full turn agree within this, mm.
 const SAME_PLACE: f64 = 1.0e-9;
 
-/// Active plane: the axes that span it (first, second) and its normal are the cyclic order of X, Y, Z.
+/// Active plane: the axes that span it (first, second) and its normal follow the cyclic order of X, Y, Z.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Plane {
     /// G17.
@@ -60,7 +60,7 @@ pub(super) struct ArcWords {
     pub(super) end: [f64; 3],
     /// I, J, K.
     pub(super) center: [Option<f64>; 3],
-    /// G90.1: I J K are coordinates; else they count from the start.
+    /// G90.1: I J K are coordinates; otherwise they count from the start.
     pub(super) absolute_center: bool,
     pub(super) radius: Option<f64>,
     /// P.
@@ -91,7 +91,7 @@ impl ArcWords {
         let normal = self.plane.normal().map(|n| if self.clockwise { -n } else { n });
         let mut end = self.end;
         let [a, b, _] = self.plane.axes();
-        // Offsets added and taken off again must not make a full turn a tiny one.
+        // Rounding from adding and subtracting offsets must not turn a full turn into a tiny one.
         if [a, b].into_iter().all(|axis| (end[axis] - self.start[axis]).abs() < SAME_PLACE) {
             (end[a], end[b]) = (self.start[a], self.start[b]);
         }
@@ -127,7 +127,7 @@ impl ArcWords {
         Ok(center)
     }
 
-    /// R > 0: the arc of at most half a turn; R < 0: the other one.
+    /// R > 0: the arc of at most half a turn; R < 0: the other arc.
     fn center_by_radius(&self, radius: f64) -> Result<[f64; 3], Refusal> {
         let [a, b, _] = self.plane.axes();
         let (da, db) = (self.end[a] - self.start[a], self.end[b] - self.start[b]);

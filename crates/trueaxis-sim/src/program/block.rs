@@ -1,16 +1,16 @@
-//! The words of one line, sorted: values by letter, G and M words by modal group.
+//! The words of one line: values sorted by letter, G and M words by modal group.
 
 use super::error::{Refusal, THROUGH_LINUXCNC};
 use super::modal::{self, G_WORDS, M_WORDS, g, m};
 use super::words::{Word, Words};
 
-/// Letters of the axes in the order in which they stand everywhere.
+/// Letters of the axes, in the order used everywhere.
 pub(super) const AXIS_LETTERS: [char; 6] = ['X', 'Y', 'Z', 'A', 'B', 'C'];
 
 /// G80, in tenths.
 pub(super) const CANCEL: u16 = 800;
 
-/// One line sorted. A value that nothing has taken at the end does not belong there.
+/// The sorted words of one line. A value still unused at the end is an error.
 #[derive(Debug, Default)]
 pub(super) struct Block {
     pub(super) line: u32,
@@ -18,7 +18,7 @@ pub(super) struct Block {
     /// G words in tenths, by group.
     pub(super) g: [Option<u16>; g::COUNT],
     pub(super) m: [Option<u16>; m::COUNT],
-    /// The line is an O word with a number and nothing else.
+    /// Whether the line is an O word with a number and nothing else.
     pub(super) program_number: bool,
 }
 
@@ -27,10 +27,10 @@ fn index(letter: char) -> usize {
 }
 
 impl Block {
-    /// Sorts a line that [`clean`](super::text::clean) has left.
+    /// Sorts a line cleaned by [`clean`](super::text::clean).
     ///
     /// # Errors
-    /// A letter or a modal group twice, a word that is not read, text that is no word.
+    /// A letter or a modal group twice, an unsupported word, text that is not a word.
     pub(super) fn read(line: u32, text: &str) -> Result<Block, Refusal> {
         let mut block = Block { line, ..Block::default() };
         if is_o_word(text) {
@@ -80,7 +80,7 @@ impl Block {
             return Err(Refusal::new(self.line, format!("`{}`", word.text), needed));
         };
         match self.g[group] {
-            // LinuxCNC takes G80 beside another motion word for nothing.
+            // LinuxCNC ignores G80 next to another motion word.
             Some(_) if group == g::MOTION && tenths == CANCEL => return Ok(()),
             Some(before) if group != g::MOTION || before != CANCEL => {
                 return self.same_group(word, 'G', f64::from(before) / 10.0);
@@ -113,17 +113,17 @@ impl Block {
         Err(Refusal::new(self.line, found, "one word of a modal group in a line"))
     }
 
-    /// The value of a letter, which then counts as used.
+    /// The value of a letter, which is then marked as used.
     pub(super) fn take(&mut self, letter: char) -> Option<f64> {
         self.values[index(letter)].take()
     }
 
-    /// Whether one of the letters has a value that is not used yet.
+    /// Whether one of the letters has an unused value.
     pub(super) fn has(&self, letters: &str) -> bool {
         letters.chars().any(|letter| self.values[index(letter)].is_some())
     }
 
-    /// Whether it names a target.
+    /// Whether the line names a target.
     pub(super) fn has_axes(&self) -> bool {
         self.has("XYZABC")
     }
@@ -149,7 +149,7 @@ impl Block {
     }
 }
 
-/// Whether a line is O1234 or begins a control structure of LinuxCNC: O, after N at most.
+/// Whether a line is O1234 or begins a control structure of LinuxCNC: an O word, preceded at most by N.
 fn is_o_word(text: &str) -> bool {
     let rest = text.strip_prefix('N').map_or(text, |rest| rest.trim_start_matches(|c: char| c.is_ascii_digit()));
     rest.starts_with('O')

@@ -1,4 +1,4 @@
-//! Collects the moves of a program, in machine coordinates, within the limits of its length.
+//! Collects the moves of a program, in machine coordinates, within the limits of length.
 
 use super::curve::Curve;
 use super::error::Refusal;
@@ -6,23 +6,23 @@ use super::limits;
 use super::notes::Notes;
 use super::{FirstWords, Move, Turn};
 
-/// Shorter than this, a move is none, mm or degrees: what is left where offsets are added and taken off again.
+/// Shorter moves are dropped, mm or degrees: they are residues of adding and subtracting offsets.
 const SHORTEST: f64 = 1.0e-9;
 
 /// Speed of a move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Pace {
     Rapid,
-    /// A feed per minute: of lengths in mm, of angles in degrees.
+    /// Feed per minute: mm for lengths, degrees for angles.
     PerMinute {
         mm: f64,
         degrees: f64,
     },
-    /// One over the minutes it takes.
+    /// Inverse of the duration in minutes.
     InverseTime(f64),
 }
 
-/// Moves so far, and where they have led.
+/// Moves so far, and the position they end at.
 #[derive(Debug)]
 pub(super) struct Builder {
     /// X Y Z A B C of the machine, mm and degrees.
@@ -37,7 +37,7 @@ pub(super) struct Builder {
 }
 
 impl Builder {
-    /// Nothing yet, of at most so many pieces.
+    /// An empty builder for at most `most_pieces` pieces.
     pub(super) fn new(most_pieces: u64) -> Builder {
         Builder {
             at: [0.0; 6],
@@ -64,7 +64,7 @@ impl Builder {
         Turn { start, change: std::array::from_fn(|k| angles[k] - start[k]) }
     }
 
-    /// A straight line to a position; whether it was long enough to be one.
+    /// Adds a straight line to a position; returns whether it was long enough to count.
     pub(super) fn line_to(
         &mut self,
         line: u32,
@@ -77,7 +77,7 @@ impl Builder {
         self.push(line, pace, Curve::Line { start: self.point(), end: [x, y, z] }, turn, plane_normal)
     }
 
-    /// Appends a move and goes to its end; whether it was long enough to be one.
+    /// Appends a move and goes to its end; returns whether it was long enough to count.
     pub(super) fn push(
         &mut self,
         line: u32,
@@ -129,8 +129,8 @@ impl Builder {
         Ok(true)
     }
 
-    /// Counts the strokes into the work of a line of canned cycles, before one is made: those without length are no pieces
-    /// of path, and take their time.
+    /// Counts the strokes of a line of canned cycles as work, before any is made: strokes without length add no pieces of
+    /// path, but take time.
     pub(super) fn count_strokes(&mut self, line: u32, strokes: f64) -> Result<(), Refusal> {
         self.strokes += strokes;
         if self.strokes > self.most_pieces as f64 {
@@ -140,14 +140,14 @@ impl Builder {
         Ok(())
     }
 
-    /// The last move is a probing move.
+    /// Marks the last move as a probing move.
     pub(super) fn probe(&mut self) {
         if let Some(last) = self.moves.last_mut() {
             (last.probe, last.stop) = (true, true);
         }
     }
 
-    /// The axes come to rest at the end of the last move.
+    /// Makes the axes come to rest at the end of the last move.
     pub(super) fn stop(&mut self) {
         if let Some(last) = self.moves.last_mut() {
             last.stop = true;

@@ -7,7 +7,7 @@ pub const BUILTIN_NAMES: [&str; 6] =
     ["circle-diamond-square", "butterfly", "pocket-3d", "cone-5axis", "s-shape", "short-tour"];
 
 impl Program {
-    /// What a shipped program does, in a line; `None` if there is none of that name.
+    /// One-line description of a shipped program; `None` if no program has that name.
     pub fn builtin_description(name: &str) -> Option<&'static str> {
         Some(match name {
             "circle-diamond-square" => {
@@ -26,7 +26,7 @@ impl Program {
         })
     }
 
-    /// Text of a shipped program; `None` if there is none of that name (see [`BUILTIN_NAMES`]).
+    /// Text of a shipped program; `None` if no program has that name (see [`BUILTIN_NAMES`]).
     pub fn builtin_text(name: &str) -> Option<&'static str> {
         Some(match name {
             "circle-diamond-square" => include_str!("../../programs/circle-diamond-square.ngc"),
@@ -39,7 +39,7 @@ impl Program {
         })
     }
 
-    /// Reads a shipped program; `None` if there is none of that name (see [`BUILTIN_NAMES`]).
+    /// Reads a shipped program; `None` if no program has that name (see [`BUILTIN_NAMES`]).
     pub fn builtin(name: &str) -> Option<Result<Program, ProgramError>> {
         let text = Program::builtin_text(name)?;
         Some(Program::parse(name, text, &format!("{name}.ngc")))

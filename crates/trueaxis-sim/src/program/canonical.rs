@@ -1,10 +1,10 @@
-//! The canonical output of LinuxCNC's interpreter, as `rs274 -g` prints it: one call a line.
+//! The canonical output of LinuxCNC's interpreter, as `rs274 -g` prints it: one call per line.
 //!
 //! ```text
 //!    12 N7     STRAIGHT_FEED(2.1235, 3.0000, 0.0000, 0.0000, 0.0000, 0.0000)
 //! ```
 //!
-//! Places are program coordinates in the unit in force; offsets come as calls of their own.
+//! Positions are program coordinates in the active unit; offsets come as separate calls.
 
 use super::arc::Plane;
 use super::block::AXIS_LETTERS;
@@ -17,25 +17,25 @@ use super::{Program, ProgramError};
 
 const MM_PER_INCH: f64 = 25.4;
 
-/// Takes that output line by line; the program's own lines were numbered by [`numbered`](super::numbered).
+/// Reads that output line by line; the program's own lines were numbered by [`numbered`](super::numbered).
 #[derive(Debug)]
 pub struct Canonical {
-    /// Appears in errors.
+    /// File name for errors.
     file: String,
-    /// Of the program: that of the last N word.
+    /// Line of the program: the last N word.
     line: u32,
     builder: Builder,
     frame: Frame,
     mm_per_unit: f64,
     plane: Plane,
-    /// Units or degrees a minute.
+    /// Units or degrees per minute.
     feed: f64,
     exact_stop: bool,
     ended: bool,
 }
 
 impl Canonical {
-    /// Before the first line of output; `file` appears in errors only.
+    /// Starts before the first line of output; `file` appears in errors only.
     pub fn new(file: &str) -> Self {
         Canonical {
             file: file.to_owned(),
@@ -50,20 +50,20 @@ impl Canonical {
         }
     }
 
-    /// Line of the program that the last output came from.
+    /// Line of the program that produced the last output.
     pub fn line(&self) -> u32 {
         self.line
     }
 
-    /// Whether the program has come to its end; output after it is ignored.
+    /// Whether the program has ended; later output is ignored.
     pub fn has_ended(&self) -> bool {
         self.ended
     }
 
-    /// Takes a line of output.
+    /// Reads a line of output.
     ///
     /// # Errors
-    /// With the program's line, a call that is no line or arc of X to C.
+    /// A call that is not a line or arc of X to C; with the program's line.
     pub fn take(&mut self, output: &str) -> Result<(), ProgramError> {
         if self.ended {
             return Ok(());
@@ -71,7 +71,7 @@ impl Canonical {
         self.read(output).map_err(|refusal| refusal.in_file(&self.file))
     }
 
-    /// The program of that name.
+    /// The program, under that name.
     pub fn finish(mut self, name: &str) -> Program {
         self.builder.notes.add(1, "--interpreter rs274", "coordinates are rounded to four decimals");
         Program::of(name, &self.file, self.builder)
@@ -79,7 +79,7 @@ impl Canonical {
 
     fn read(&mut self, output: &str) -> Result<(), Refusal> {
         let Some((head, arguments)) = output.split_once('(') else { return Ok(()) };
-        // The number may touch the name: N123456STRAIGHT_FEED.
+        // The number may run into the name: N123456STRAIGHT_FEED.
         let name = head.trim_start_matches(|c: char| c.is_ascii_digit() || c.is_whitespace());
         let (number, name) = match name.strip_prefix('N') {
             Some(rest) if rest.starts_with(['.', '0', '1', '2', '3', '4', '5', '6', '7', '8', '9']) => {
@@ -111,7 +111,7 @@ impl Canonical {
             "ARC_FEED" => self.arc(line, numbers(line, name, arguments)?)?,
             "USE_LENGTH_UNITS" => {
                 let unit = if arguments.contains("INCHES") { MM_PER_INCH } else { 1.0 };
-                // The feed that was set stays what it is.
+                // The feed stays the same speed.
                 self.feed *= self.mm_per_unit / unit;
                 self.mm_per_unit = unit;
             }
@@ -172,7 +172,7 @@ impl Canonical {
         Ok(())
     }
 
-    /// Lengths in mm.
+    /// Converts the lengths to mm.
     fn place(&self, place: [f64; 6]) -> [f64; 6] {
         std::array::from_fn(|k| if k < 3 { place[k] * self.mm_per_unit } else { place[k] })
     }
@@ -194,7 +194,7 @@ impl Canonical {
         }
     }
 
-    /// First and second end, first and second axis of the centre, turns (their sign the sense), height, A, B, C.
+    /// First and second end, first and second axis of the centre, turns (the sign gives the sense), height, A, B, C.
     fn arc(&mut self, line: u32, [e1, e2, c1, c2, turns, height, a, b, c]: [f64; 9]) -> Result<(), Refusal> {
         if turns == 0.0 || turns.abs() > f64::from(MOST_TURNS) {
             return Err(Refusal::new(line, format!("an arc of {turns} turns"), format!("1 to {MOST_TURNS}")));
@@ -245,7 +245,7 @@ fn has_no_effect(name: &str) -> bool {
     .any(|part| name.contains(part))
 }
 
-/// The numbers between commas and blanks; exactly `N` of them.
+/// Exactly `N` numbers, separated by commas and blanks.
 fn numbers<const N: usize>(line: u32, name: &str, arguments: &str) -> Result<[f64; N], Refusal> {
     let mut numbers = [0.0; N];
     let mut words = arguments.split([',', ' ']).filter(|word| !word.is_empty());

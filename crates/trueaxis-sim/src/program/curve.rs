@@ -1,7 +1,7 @@
 //! The curve of one move, evaluated in plain f64.
 //!
-//! This is what the simulator holds true: contour errors are measured against these curves, so nothing here is taken
-//! from the code under test.
+//! This is the simulator's ground truth: contour errors are measured against these curves, so nothing here uses the code under
+//! test.
 
 use glam::DVec3;
 
@@ -30,8 +30,8 @@ pub enum Curve {
     },
     /// Circular arc or helix, counter-clockwise about `normal`, u in 0..1 in proportion to the angle.
     ///
-    /// The angle is that from start to end, in (0, 2π], and `turns` full turns on top. Radius and height above the
-    /// plane of the start go linearly with u from their values at the start to those at the end.
+    /// The angle is that from start to end, in (0, 2π], plus `turns` full turns. Radius and height above the plane of the
+    /// start vary linearly with u from their values at the start to those at the end.
     Arc {
         /// Start point.
         start: [f64; 3],
@@ -41,15 +41,15 @@ pub enum Curve {
         center: [f64; 3],
         /// Unit vector of the axis.
         normal: [f64; 3],
-        /// Full turns beyond the first, partial or full one.
+        /// Full turns beyond the first turn, which may be partial or full.
         turns: u32,
     },
     /// Rational B-spline Σ N_i(u) w_i P_i / Σ N_i(u) w_i, u in the knot domain knots\[degree\] .. knots\[points\].
     ///
     /// From G5.2/G5.3 as in LinuxCNC: the current point is the first control point (its weight is the P of a first line
-    /// without X and Y, else 1), L is the order (degree + 1, default 3), and the knots are uniform and clamped:
-    /// order times 0, then 1, 2, …, then order times points − order + 1. LinuxCNC runs tangent arcs near this curve; here
-    /// it is run exactly.
+    /// without X and Y, else 1), L is the order (degree + 1, default 3), and the knots are uniform and clamped: 0 repeated
+    /// order times, then 1, 2, …, then points − order + 1 repeated order times. LinuxCNC approximates this curve by tangent
+    /// arcs; here it is run exactly.
     Nurbs {
         /// Degree, 1 to [`MAX_DEGREE`](super::MAX_DEGREE).
         degree: usize,
@@ -70,13 +70,13 @@ const GAUSS: [(f64, f64); 4] = [
     (0.960_289_856_497_536_3, 0.101_228_536_290_376_26),
 ];
 
-/// Difference of one rule against two halves that ends the halving: relative, and in mm, above the rounding of |C'|
-/// where it nearly vanishes.
+/// Halving ends once one rule and two halves differ by less than this: relative, and absolute in mm, above the rounding of
+/// |C'| where it nearly vanishes.
 const RELATIVE_TOLERANCE: f64 = 1.0e-13;
 const ABSOLUTE_TOLERANCE: f64 = 1.0e-12;
 const DEEPEST_HALVING: u32 = 30;
 
-/// An arc prepared: axes in its plane, angle, and what changes along it.
+/// A prepared arc: axes in its plane, angle, and the quantities that change along it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Polar {
     center: DVec3,
@@ -101,7 +101,7 @@ impl Polar {
         let along = from.normalize_or_zero();
         let across = normal.cross(along);
         let mut angle = libm::atan2(to.dot(across), to.dot(along));
-        // An angle of zero, within the rounding of coordinates, is a full turn.
+        // An angle of zero, within the rounding of coordinates, means a full turn.
         if angle < 1.0e-12 {
             angle += std::f64::consts::TAU;
         }
@@ -173,7 +173,7 @@ impl Curve {
         self.vectors_by(self.polar().as_ref(), u)
     }
 
-    /// Quantities that all points of an arc share, computed once; none for other curves.
+    /// Quantities that all points of an arc share, computed once; `None` for other curves.
     pub(crate) fn polar(&self) -> Option<Polar> {
         match self {
             Curve::Arc { start, end, center, normal, turns } => {
@@ -200,7 +200,7 @@ impl Curve {
         }
     }
 
-    /// The point alone, in every bit that of [`Curve::vectors_by`].
+    /// The point alone, equal in every bit to that of [`Curve::vectors_by`].
     pub(crate) fn point_by(&self, polar: Option<&Polar>, u: f64) -> DVec3 {
         match self {
             Curve::Nurbs { degree, knots, points, weights } => nurbs::point(*degree, knots, points, weights, u),
@@ -227,7 +227,7 @@ impl Curve {
 
     /// Length in mm from u = a to b, signed, by Gauss–Legendre rules on halved intervals until they agree.
     ///
-    /// Between knots; over several spans it is slower but as exact.
+    /// Intended for intervals between knots; over several spans it is slower but as exact.
     pub fn length_between(&self, a: f64, b: f64) -> f64 {
         match self {
             Curve::Line { .. } => (b - a) * self.speed(0.0),
@@ -254,7 +254,7 @@ impl Curve {
     }
 
     /// The parameter at arc length s (mm) from the start, by Newton's method kept inside a bracket; s is limited to the
-    /// length. Error below 1e-9 mm of arc. Slow: for a query here and there, not for a servo cycle.
+    /// length. Error below 1e-9 mm of arc. Slow: for occasional queries, not for a servo cycle.
     pub fn parameter_at(&self, s: f64) -> f64 {
         let breaks = self.breaks();
         let mut before = 0.0;

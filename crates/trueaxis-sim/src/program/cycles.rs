@@ -6,14 +6,14 @@ use super::error::Refusal;
 use super::interpreter::{Cycle, Interpreter};
 use super::limits::MOST_PIECES;
 
-/// By so much G83 stops before the depth reached when it comes back down, and G73 goes up, mm.
+/// Distance at which G83, when it returns, stops before the depth reached, and by which G73 retracts, mm.
 const CLEARANCE: f64 = 0.254;
 
 /// Heights of one hole along the normal of the plane, program coordinates, mm.
 struct Hole {
     r: f64,
     bottom: f64,
-    /// Its end.
+    /// Height at which the cycle ends.
     clear: f64,
 }
 
@@ -105,7 +105,7 @@ impl Interpreter<'_> {
     fn straight_in_cycle(&mut self, line: u32, pace: Pace, [x, y, z]: [f64; 3]) -> Result<(), Refusal> {
         let [.., a, b, c] = self.frame.to_program(self.builder.at);
         let mut end = self.frame.to_machine([x, y, z, a, b, c]);
-        // Offsets added and taken off again move nothing.
+        // Rounding from adding and subtracting offsets must move nothing.
         for (end, at) in end.iter_mut().zip(self.builder.at) {
             if (*end - at).abs() < 1.0e-9 {
                 *end = at;
@@ -116,7 +116,7 @@ impl Interpreter<'_> {
         Ok(())
     }
 
-    /// Down from the height of `at`, and up to where it ends.
+    /// Drills from the height of `at` and retracts to the end height.
     fn hole(&mut self, line: u32, code: u16, at: [f64; 3], hole: &Hole, peck: f64, feed: Pace) -> Result<(), Refusal> {
         let [.., normal] = self.plane.axes();
         let height = |height: f64| {
@@ -138,7 +138,7 @@ impl Interpreter<'_> {
         self.straight_in_cycle(line, feed, height(hole.bottom))?;
         match code {
             820 | 860 => self.builder.stop(),
-            // Bored out at the feed; tapped out likewise.
+            // G89 bores out at the feed; G84 taps out likewise.
             840 | 890 => {
                 self.builder.stop();
                 self.straight_in_cycle(line, feed, height(hole.clear))?;

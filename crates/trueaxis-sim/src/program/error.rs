@@ -3,7 +3,7 @@
 use crate::message::LONGEST_FOUND;
 use trueaxis_tables::text::one_line;
 
-/// Hint where only a whole interpreter can read a word.
+/// Hint for words that only a full interpreter can read.
 pub(super) const THROUGH_LINUXCNC: &str = "with --interpreter rs274, where LinuxCNC is installed";
 
 /// A program that cannot be executed: file, line, what was found there and what is needed instead.
@@ -21,13 +21,13 @@ pub struct ProgramError {
 }
 
 impl ProgramError {
-    /// An error in a line of a file; what was found is shortened to a line's length.
+    /// Creates an error in a line of a file; `found` is shortened to the length of a line.
     pub fn new(file: &str, line: u32, found: impl Into<String>, needed: impl Into<String>) -> ProgramError {
         Refusal::new(line, found, needed).in_file(file)
     }
 }
 
-/// The same without the file, as raised below [`super::Program::parse`].
+/// A [`ProgramError`] without the file, as raised below [`super::Program::parse`].
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Refusal {
     pub(super) line: u32,

@@ -1,4 +1,4 @@
-//! A program, tools and offsets from their files. Nothing else in this crate opens a file.
+//! Reads a program, tools and offsets from their files. Nothing else in this crate opens a file.
 
 use super::{Offsets, Program, ProgramError, ReadOptions, ToolTable, limits};
 use crate::error::{Result, SimError};
@@ -11,15 +11,15 @@ use std::path::Path;
 pub struct Source {
     /// Name of the program.
     pub name: String,
-    /// Its text, in whatever encoding.
+    /// Text in any encoding.
     pub bytes: Cow<'static, [u8]>,
-    /// The file as errors call it.
+    /// File name for errors.
     pub file: String,
 }
 
 impl Source {
-    /// A file of at most [`limits::MOST_BYTES`], of which no more is read; a shipped program where there is no such file but
-    /// a program of that name.
+    /// Reads a file of at most [`limits::MOST_BYTES`], and never more than that; if no such file exists, a shipped program of
+    /// that name.
     ///
     /// # Errors
     /// A file that cannot be read, or is too long.
@@ -45,10 +45,10 @@ impl Source {
 }
 
 impl ReadOptions {
-    /// Tools from LinuxCNC's tool table, offsets from its parameter file or a .toml.
+    /// Reads tools from LinuxCNC's tool table, offsets from its parameter file or a .toml.
     ///
     /// # Errors
-    /// A file that cannot be read, or that is none of these; with its line.
+    /// A file that cannot be read, or is in none of these formats; with its line.
     pub fn from_files(tools: Option<&Path>, offsets: Option<&Path>, block_delete: bool) -> Result<Self, ProgramError> {
         let of = |path: &Path, error, needed| {
             ProgramError::new(&path.display().to_string(), 1, format!("a file that cannot be read ({error})"), needed)

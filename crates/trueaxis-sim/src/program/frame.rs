@@ -1,12 +1,12 @@
-//! Program coordinates in those of the machine: work offset, rotation, G92 and tool length.
+//! Conversion of program to machine coordinates: work offset, rotation, G92 and tool length.
 
-/// Offsets in force, mm and degrees, X Y Z A B C.
+/// Active offsets, mm and degrees, X Y Z A B C.
 ///
-/// machine = R(program + g92) + g5x + tool, R turning X and Y about Z: as LinuxCNC.
+/// machine = R(program + g92) + g5x + tool, where R turns X and Y about Z, as in LinuxCNC.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Frame {
     pub(super) g5x: [f64; 6],
-    /// Of X and Y about Z, degrees.
+    /// Rotation of X and Y about Z, degrees.
     pub(super) rotation_deg: f64,
     pub(super) g92: [f64; 6],
     pub(super) tool: [f64; 6],
@@ -33,13 +33,13 @@ impl Frame {
         std::array::from_fn(|k| at[k] - self.g92[k])
     }
 
-    /// A point X Y Z in machine coordinates.
+    /// Converts a point X Y Z to machine coordinates.
     pub(super) fn point(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
         let [x, y, z, ..] = self.to_machine([x, y, z, 0.0, 0.0, 0.0]);
         [x, y, z]
     }
 
-    /// A direction in machine coordinates.
+    /// Converts a direction to machine coordinates.
     pub(super) fn direction(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
         let [x, y] = self.turned([x, y], self.rotation_deg);
         [x, y, z]

@@ -1,4 +1,4 @@
-//! Modal state: executes one line after the other, in the order of RS274/NGC.
+//! Modal state: executes line after line, in the order of RS274/NGC.
 
 use super::ReadOptions;
 use super::arc::Plane;
@@ -12,19 +12,19 @@ use super::offsets::Offsets;
 
 const MM_PER_INCH: f64 = 25.4;
 
-/// A feed as it was programmed.
+/// A feed as programmed.
 #[derive(Clone, Copy, Debug)]
 struct Feed {
     /// The F word.
     number: f64,
-    /// The same in mm, where it counts lengths.
+    /// The number in mm, if it counts lengths.
     mm: f64,
 }
 
-/// Values of a cycle that stay for the next line, as programmed.
+/// Values of a cycle that are kept for the next line, as programmed.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Cycle {
-    /// Its word in tenths.
+    /// G word of the cycle, in tenths.
     pub(super) code: u16,
     pub(super) bottom: f64,
     pub(super) r: f64,
@@ -39,23 +39,23 @@ pub(super) struct Interpreter<'o> {
     pub(super) options: &'o ReadOptions,
     pub(super) builder: Builder,
     pub(super) frame: Frame,
-    /// Offsets as they are now, those of G10 included.
+    /// Current offsets, those of G10 included.
     pub(super) offsets: Offsets,
     pub(super) plane: Plane,
     inch: bool,
     pub(super) incremental: bool,
     pub(super) absolute_center: bool,
-    /// Motion word in force, in tenths.
+    /// Active motion word, in tenths.
     pub(super) motion: Option<u16>,
     pub(super) inverse_time: bool,
-    /// Per minute in G94 and modal; in G93 one over the minutes of the move, and of this line only.
+    /// In G94 per minute and modal; in G93 one over the minutes of the move, valid in this line only.
     feed: Option<Feed>,
-    /// G98: cycles go back to where they began, else (G99) to R.
+    /// G98: cycles retract to where they began; otherwise (G99) to R.
     pub(super) retract_to_start: bool,
     /// G61.1.
     exact_stop: bool,
     pub(super) cycle: Option<Cycle>,
-    /// Height at which the series of cycles began, in program coordinates: G98 goes back there.
+    /// Height at which the series of cycles began, in program coordinates: G98 retracts to it.
     pub(super) cycle_start: Option<f64>,
     selected_tool: Option<u32>,
     pub(super) loaded_tool: u32,
@@ -98,7 +98,7 @@ impl<'o> Interpreter<'o> {
         }
     }
 
-    /// Executes a line that [`clean`](super::text::clean) has left.
+    /// Executes a line cleaned by [`clean`](super::text::clean).
     pub(super) fn run(&mut self, line: u32, text: &str) -> Result<(), Refusal> {
         if self.ended {
             return Ok(());
@@ -108,12 +108,12 @@ impl<'o> Interpreter<'o> {
                 self.note(line, "/", "left out by --block-delete");
                 return Ok(());
             }
-            // Fanuc's switches /1 to /9 are one here.
+            // Fanuc's switches /1 to /9 are a single switch here.
             Some(rest) => rest.trim_start_matches(|c: char| c.is_ascii_digit()),
             None => text,
         };
         if text == "%" {
-            // The first may begin the program; another ends it.
+            // The first % may begin the program; a second one ends it.
             self.ended = self.began;
             self.began = true;
             return Ok(());
@@ -139,7 +139,7 @@ impl<'o> Interpreter<'o> {
         self.stop(&block)
     }
 
-    /// Refuses a program that ends in the middle of something; `last` is its last line.
+    /// Refuses a program that ends within a NURBS; `last` is its last line.
     pub(super) fn finish(self, last: u32) -> Result<Builder, Refusal> {
         match self.nurbs {
             Some(nurbs) => Err(Refusal::new(last, format!("the end in the NURBS of line {}", nurbs.line), "G5.3")),
@@ -155,10 +155,10 @@ impl<'o> Interpreter<'o> {
         if self.inch { value * MM_PER_INCH } else { value }
     }
 
-    /// G93, G94 and F. As in LinuxCNC, F counts in the unit that was in force before the line.
+    /// G93, G94 and F. As in LinuxCNC, F is in the unit that was active before the line.
     fn set_feed(&mut self, block: &mut Block) -> Result<(), Refusal> {
         if let Some(code) = block.g[g::FEED] {
-            // A number of the other kind would be a wrong feed: F has to follow.
+            // A number from the other mode would be a wrong feed: a new F is required.
             if self.inverse_time != (code == 930) {
                 self.feed = None;
             }
@@ -224,7 +224,7 @@ impl<'o> Interpreter<'o> {
         Ok(())
     }
 
-    /// G words that stay in force, but for motion.
+    /// Modal G words, except motion.
     fn set_modes(&mut self, block: &mut Block) -> Result<(), Refusal> {
         let line = block.line;
         if block.g[g::ONCE] == Some(40) {
@@ -293,7 +293,7 @@ impl<'o> Interpreter<'o> {
         Ok(())
     }
 
-    /// After a move: at rest with G61.1.
+    /// Stops after a move if G61.1 is active.
     pub(super) fn moved(&mut self) {
         if self.exact_stop {
             self.builder.stop();

@@ -1,4 +1,4 @@
-//! Limits of a program's length, checked before anything grows with it.
+//! Limits of a program's length, checked before memory or time grows with it.
 
 use super::error::Refusal;
 use super::{Curve, Move, Program, ProgramError, Turn};
@@ -6,7 +6,7 @@ use super::{Curve, Move, Program, ProgramError, Turn};
 /// Largest file, bytes.
 pub const MOST_BYTES: u64 = 256 * 1024 * 1024;
 
-/// Most spans that a program may have: 8 mm or 30° of a curve, 5° of a rotary axis, at least one a move.
+/// Most pieces that a program may have: 8 mm or 30° of a curve, 5° of a rotary axis, at least one per move.
 pub const MOST_PIECES: u64 = 2_000_000;
 
 /// Most turns of one arc or helix.
@@ -19,7 +19,7 @@ const PIECE_MM: f64 = 8.0;
 const PIECE_DEG: f64 = 30.0;
 const PIECE_TURN_DEG: f64 = 5.0;
 
-/// Pieces that a move of the given length (mm) comes to.
+/// Number of pieces of a move of the given length (mm).
 pub(super) fn pieces(curve: &Curve, turn: &Turn, length: f64) -> u64 {
     let bends = match curve {
         Curve::Line { .. } => 1.0,
@@ -33,7 +33,7 @@ impl Program {
     /// Refuses a program whose moves alone take more than [`MOST_CYCLES`] at their speeds, mm/s or deg/s.
     ///
     /// # Errors
-    /// The line in which the limit is passed.
+    /// The line in which the limit is exceeded.
     pub fn check_duration(&self, rate_hz: f64, speed: impl Fn(&Move) -> f64) -> Result<(), ProgramError> {
         let mut cycles = 0.0;
         for element in &self.moves {

@@ -1,7 +1,7 @@
 //! NC programs: G-code in, curves out.
 //!
-//! The dialect is LinuxCNC's (RS274/NGC), the part of it that describes a path of up to six axes. A word is either
-//! understood, or accepted with a note because it does not change the path, or an error with its line; none is skipped.
+//! The dialect is the part of LinuxCNC's (RS274/NGC) that describes a path of up to six axes. Every word is either understood,
+//! or accepted with a note because it does not change the path, or an error with its line; none is skipped.
 //!
 //! | words | meaning |
 //! |---|---|
@@ -25,12 +25,12 @@
 //! | `/`, O1234, N | block delete ([`ReadOptions`]), program number, line number |
 //! | S, T, M3 to M9, M19, M48 to M53, M61 to M68, G8, G40, G61, G64 P, G96, G97 | no effect on the path: [`Note`] |
 //!
-//! A program starts at X0 Y0 Z0 A0 B0 C0 of the machine in G17 G21 G49 G90 G91.1 G94 G99, without feed and without a motion
-//! mode. Moves are in machine coordinates: those of the program where nothing shifts it.
+//! A program starts at X0 Y0 Z0 A0 B0 C0 of the machine in G17 G21 G49 G90 G91.1 G94 G99, without a feed or a motion mode.
+//! Moves are in machine coordinates, which are the program's as long as no offset is active.
 //!
-//! Without G43.4 X Y Z are positions of the linear axes; with it they are coordinates of the tool tip in a system that
-//! turns with the workpiece, and the linear axes go where the tip follows the line or arc while the rotary axes turn. With
-//! the rotary axes at zero both are the same, and only there the mode is switched.
+//! Without G43.4, X Y Z are positions of the linear axes. With it they are coordinates of the tool tip in a system that turns
+//! with the workpiece: the linear axes move so that the tip follows the line or arc while the rotary axes turn. With the
+//! rotary axes at zero both are equal, and the mode can be switched only there.
 
 mod arc;
 mod block;
@@ -95,14 +95,14 @@ pub struct Move {
     pub tool_center: bool,
     /// Whether the axes come to rest at its end: G61.1, or G4, M0, M1, M6, M60 after it, or a probing move.
     pub stop: bool,
-    /// Whether it ends where a probe trips (G38.2); its end here is where it ends if nothing is touched.
+    /// Whether it ends where a probe trips (G38.2); its end here applies if nothing is touched.
     pub probe: bool,
 }
 
-/// Letters of the rotary axes, in the order in which they stand everywhere.
+/// Letters of the rotary axes, in the order used everywhere.
 pub const ROTARY_LETTERS: [char; 3] = ['A', 'B', 'C'];
 
-/// Above this a move is measured in degrees.
+/// Rotation per length above which a move is measured in degrees.
 const DEGREES_PER_MM: f64 = 5.0;
 
 /// Motion of A, B, C along a move: start + f · change, f = 0 to 1 in proportion to the curve's parameter; degrees.
@@ -110,7 +110,7 @@ const DEGREES_PER_MM: f64 = 5.0;
 pub struct Turn {
     /// At the start of the move.
     pub start: [f64; 3],
-    /// From there to its end.
+    /// Change from the start to the end of the move.
     pub change: [f64; 3],
 }
 
@@ -137,21 +137,21 @@ impl Move {
         if self.in_degrees() { self.turn.angle() } else { self.curve.length() }
     }
 
-    /// Whether it is measured in degrees: nothing but rotary axes moves, or they turn by more than 5° per millimetre. In
+    /// Whether the move is measured in degrees: only rotary axes move, or they turn by more than 5° per millimetre. In
     /// millimetres, the acceleration of such a move would be too much for them.
     pub fn in_degrees(&self) -> bool {
-        // Asked in every cycle: the length of a spline is an integral.
+        // Called in every cycle, and the length of a spline is an integral: the angle is tested first.
         let angle = self.turn.angle();
         angle > 0.0 && angle > DEGREES_PER_MM * self.curve.length()
     }
 
-    /// Feed along [`Move::length`] per minute, where programmed.
+    /// Feed along [`Move::length`] per minute, if programmed.
     pub fn planned_feed_per_min(&self) -> f64 {
         let along = self.curve.length();
         if self.in_degrees() && along > 0.0 { self.feed_per_min * self.turn.angle() / along } else { self.feed_per_min }
     }
 
-    /// Share of the move done at parameter u, by which the rotary axes turn.
+    /// Completed share of the move at parameter u; the rotary axes turn in proportion to it.
     pub fn share(&self, u: f64) -> f64 {
         let (first, last) = self.curve.domain();
         (u - first) / (last - first)
@@ -162,13 +162,13 @@ impl Move {
         self.turn.at(self.share(u))
     }
 
-    /// Whether rotary axes move, stand away from zero, or the tool centre point is programmed.
+    /// Whether rotary axes move or are away from zero, or the tool centre point is programmed.
     pub fn is_five_axis(&self) -> bool {
         self.tool_center || self.turn != Turn::default()
     }
 }
 
-/// Lines in which a program first asks for more than three linear axes.
+/// Lines in which a program first requires more than three linear axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct FirstWords {
     /// First A, B, C word of a motion.
@@ -177,18 +177,18 @@ pub struct FirstWords {
     pub tool_center: Option<u32>,
 }
 
-/// A program as a sequence of connected curves: each move starts where the one before ends.
+/// A program as a sequence of connected curves: each move starts where the previous one ends.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Program {
     /// Name for reports.
     pub name: String,
-    /// File that it was read from; appears in errors.
+    /// File that the program was read from; appears in errors.
     pub file: String,
-    /// The moves in order; moves without length are left out.
+    /// The moves in order, without those of zero length.
     pub moves: Vec<Move>,
     /// Words accepted without effect, once per kind.
     pub notes: Vec<Note>,
-    /// Lines in which it first needs rotary axes.
+    /// Lines in which the program first needs rotary axes.
     pub first: FirstWords,
 }
 
@@ -201,15 +201,15 @@ impl Program {
         Program::read(name, text.as_bytes(), file, &ReadOptions::default())
     }
 
-    /// Reads a program: UTF-8 or Latin-1, with or without a byte order mark, any line ends; `file` appears in errors only.
+    /// Reads a program: UTF-8 or Latin-1, with or without a byte order mark, any line endings; `file` appears in errors only.
     ///
     /// # Errors
-    /// With its line, what is not understood, and a program beyond the [`limits`].
+    /// Text that is not understood, or a program beyond the [`limits`]; with its line.
     pub fn read(name: &str, bytes: &[u8], file: &str, options: &ReadOptions) -> Result<Program, ProgramError> {
         Program::read_within(name, bytes, file, options, limits::MOST_PIECES)
     }
 
-    /// As [`Program::read`], of a program of at most so many pieces ([`limits::MOST_PIECES`]).
+    /// Like [`Program::read`], for a program of at most `most_pieces` pieces ([`limits::MOST_PIECES`]).
     ///
     /// # Errors
     /// As [`Program::read`].
@@ -245,7 +245,7 @@ impl Program {
         interpreter.finish(last)
     }
 
-    /// Length of the whole path: mm, and degrees in moves that are measured in them ([`Move::in_degrees`]).
+    /// Length of the whole path: mm, or degrees in moves measured in degrees ([`Move::in_degrees`]).
     pub fn length(&self) -> f64 {
         self.moves.iter().map(Move::length).sum()
     }
@@ -255,10 +255,10 @@ impl Program {
         self.moves.iter().any(Move::is_five_axis)
     }
 
-    /// Refuses what needs axes that `machine` does not have.
+    /// Refuses a program that needs axes that `machine` does not have.
     ///
     /// # Errors
-    /// A rotary word of an axis that is not there; G43.4 without X, Y, Z and a rotary axis.
+    /// A word for a rotary axis that the machine does not have; G43.4 without X, Y, Z and a rotary axis.
     pub fn check_axes(&self, machine: &MachineSettings) -> Result<(), ProgramError> {
         let has = |letter| machine.axes.iter().any(|a| a.axis.letter() == letter);
         let axes = || machine.axes.iter().map(|a| a.axis.letter().to_string()).collect::<Vec<_>>().join(", ");

@@ -1,4 +1,4 @@
-//! Modal groups: which G and M words exclude one another in a line. They are LinuxCNC's.
+//! Modal groups, as in LinuxCNC: G and M words that exclude one another in a line.
 
 /// Groups of G words.
 pub(super) mod g {
@@ -30,15 +30,15 @@ pub(super) mod m {
     pub(in super::super) const COUNT: usize = 10;
 }
 
-/// G words that are read, for messages.
+/// Supported G words, for messages.
 pub(super) const G_WORDS: &str = "G0 G1 G2 G3 G4 G5.2 G5.3 G8 G10 G17 G18 G19 G20 G21 G28 G28.1 G30 G30.1 G38.2 G40 G43 G43.1 \
      G43.2 G43.4 G49 G52 G53 G54 to G59.3 G61 G61.1 G64 G73 G80 to G86 G89 G90 G90.1 G91 G91.1 G92 to G92.3 G93 G94 \
      G96 to G99";
 
-/// M words that are read, for messages.
+/// Supported M words, for messages.
 pub(super) const M_WORDS: &str = "M0 to M9 M19 M30 M48 to M53 M60 to M65 M67 M68";
 
-/// Group of a G word given in tenths, if it is read.
+/// Group of a G word given in tenths, if it is supported.
 pub(super) fn g_group(tenths: u16) -> Option<usize> {
     Some(match tenths {
         40 | 100 | 280 | 281 | 300 | 301 | 520 | 530 | 920..=923 => g::ONCE,
@@ -59,7 +59,7 @@ pub(super) fn g_group(tenths: u16) -> Option<usize> {
     })
 }
 
-/// Group of an M word, if it is read.
+/// Group of an M word, if it is supported.
 pub(super) fn m_group(number: u16) -> Option<usize> {
     Some(match number {
         0 | 1 | 2 | 30 | 60 => m::STOP,
@@ -72,7 +72,7 @@ pub(super) fn m_group(number: u16) -> Option<usize> {
     })
 }
 
-/// Whether LinuxCNC executes a G word that is not read here: then its own interpreter can be put before.
+/// Whether LinuxCNC executes a G word that is not supported here: its own interpreter can then read the program.
 pub(super) fn linuxcnc_has_g(tenths: u16) -> bool {
     matches!(
         tenths,
@@ -80,7 +80,7 @@ pub(super) fn linuxcnc_has_g(tenths: u16) -> bool {
     )
 }
 
-/// The same of an M word.
+/// Whether LinuxCNC executes an M word that is not supported here.
 pub(super) fn linuxcnc_has_m(number: u16) -> bool {
     matches!(number, 66 | 70..=73 | 98 | 99)
 }

@@ -14,7 +14,7 @@ const NURBS_END: u16 = 53;
 const PROBE: u16 = 382;
 
 impl Interpreter<'_> {
-    /// The motion of a line, if there is one.
+    /// Executes the motion of a line, if there is one.
     pub(super) fn go(&mut self, block: &mut Block) -> Result<(), Refusal> {
         let line = block.line;
         let explicit = block.g[g::MOTION];
@@ -50,7 +50,7 @@ impl Interpreter<'_> {
         }
     }
 
-    /// A straight move that the program asks for.
+    /// A straight move requested by the program.
     fn straight(&mut self, line: u32, pace: Pace, end: [f64; 6]) -> Result<(), Refusal> {
         if !self.builder.line_to(line, pace, end, self.plane.normal())? {
             self.note(line, "a move without length", "left out");
@@ -76,7 +76,7 @@ impl Interpreter<'_> {
         Ok(())
     }
 
-    /// G53: the words are coordinates of the machine, of this line only.
+    /// G53: in this line only, the words are machine coordinates.
     fn in_machine_coordinates(&mut self, block: &mut Block) -> Result<(), Refusal> {
         let line = block.line;
         self.refuse_tool_center(line, "G53")?;
@@ -121,7 +121,7 @@ impl Interpreter<'_> {
         (self.keep_still(self.frame.to_machine(place), given), given)
     }
 
-    /// Axes that nothing moves stay where they are, to the last bit.
+    /// Keeps axes that nothing moves where they are, to the last bit.
     fn keep_still(&self, mut end: [f64; 6], given: [bool; 6]) -> [f64; 6] {
         let turned = self.frame.rotation_deg != 0.0 && (given[0] || given[1]);
         for axis in 0..6 {
@@ -151,7 +151,7 @@ impl Interpreter<'_> {
         };
         let Curve::Arc { end, center, normal, turns, .. } = words.curve()? else { return Ok(()) };
         let start = self.builder.point();
-        // Where offsets are added, the end keeps what the arc made equal to the start.
+        // Where offsets are added, end coordinates that the arc made equal to the start's remain equal.
         let end = if end == [ex, ey, ez] { std::array::from_fn(|k| machine_end[k]) } else { self.frame.point(end) };
         let same = |k: usize| (end[k] - start[k]).abs() < 1.0e-9;
         let end = std::array::from_fn(|k| if same(k) { start[k] } else { end[k] });
@@ -164,7 +164,7 @@ impl Interpreter<'_> {
         Ok(())
     }
 
-    /// Within a NURBS only control points, F and G5.3 may stand.
+    /// Within a NURBS only control points, F and G5.3 are allowed.
     pub(super) fn stay_in_nurbs(&self, block: &Block) -> Result<(), Refusal> {
         let line = block.line;
         if block.g[g::MOTION].is_some_and(|code| !matches!(code, NURBS | NURBS_END)) {
@@ -199,7 +199,7 @@ impl Interpreter<'_> {
         if block.has("ABC") {
             return Err(Refusal::new(line, "a rotary word within a NURBS", "X and Y only"));
         }
-        // In G91 control points count from the start of the curve: the current point stays there until G5.3.
+        // In G91 control points count from the start of the curve: the current point does not move until G5.3.
         let [x, y, z, ..] = self.frame.to_program(self.builder.at);
         let mut coordinate = |letter, start: f64| {
             block.take(letter).map(|value| if self.incremental { start + self.mm(value) } else { self.mm(value) })

@@ -1,15 +1,15 @@
 //! Words of a program without effect here, once per kind.
 
-/// A kind of word that was accepted although it changes nothing of the path.
+/// A kind of word that was accepted although it does not change the path.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct Note {
-    /// The word, without its value where that does not matter.
+    /// The word, without its value if that does not matter.
     pub word: String,
     /// Number of times it occurs.
     pub count: u32,
-    /// Line in which it stands first, from 1.
+    /// Line in which it first occurs, from 1.
     pub line: u32,
-    /// Why it changes nothing, or what it does instead; empty where that is plain.
+    /// Reason why it has no effect, or the effect it has instead; empty if that is obvious.
     pub why: &'static str,
 }
 
@@ -20,7 +20,7 @@ impl std::fmt::Display for Note {
     }
 }
 
-/// Notes in the order in which their kinds first came.
+/// Notes in the order in which their kinds first occurred.
 #[derive(Debug, Default)]
 pub(super) struct Notes(Vec<Note>);
 

@@ -1,4 +1,4 @@
-//! A program as LinuxCNC's interpreter is given it.
+//! Prepares a program for LinuxCNC's interpreter.
 
 use super::ProgramError;
 use super::error::Refusal;
@@ -12,8 +12,8 @@ pub fn numbered(bytes: &[u8], file: &str) -> Result<String, ProgramError> {
     number(bytes).map_err(|refusal| refusal.in_file(file))
 }
 
-/// The program with every line numbered by N as in the file, so that errors find their line, and without comments: those of
-/// LinuxCNC can write files.
+/// The program with an N word that gives every line its number in the file, so that errors name the right line, and without
+/// comments: LinuxCNC's can write files.
 fn number(bytes: &[u8]) -> Result<String, Refusal> {
     text::refuse_utf16(bytes)?;
     let mut program = String::new();
@@ -22,7 +22,7 @@ fn number(bytes: &[u8]) -> Result<String, Refusal> {
     for (line, bytes) in text::lines(bytes) {
         match text::clean(line, bytes, &mut text) {
             Err(refusal) if !ends => return Err(refusal),
-            // Behind the end anything may stand; subprograms too.
+            // After the end any text is allowed, also subprograms.
             Err(_) => text.clear(),
             Ok(()) => {}
         }
@@ -44,7 +44,7 @@ fn number(bytes: &[u8]) -> Result<String, Refusal> {
         }
         program.push('\n');
     }
-    // Own programs may end without a word; rs274 wants one.
+    // Programs here may end without a word; rs274 requires one.
     if !ends && !program.trim_start().starts_with('%') {
         program += "M2\n";
     }

@@ -43,7 +43,7 @@ pub(super) fn derivatives(
     (position, velocity, acceleration)
 }
 
-/// C alone, in every bit that of [`derivatives`].
+/// C alone, equal in every bit to that of [`derivatives`].
 pub(super) fn point(degree: usize, knots: &[f64], points: &[[f64; 3]], weights: &[f64], u: f64) -> DVec3 {
     let Scheme { p, mut level, knots } = Scheme::new(degree, knots, points, weights, u);
     for r in 1..=p {
@@ -64,9 +64,9 @@ fn raise(level: &mut [DVec4; MAX_DEGREE + 1], knots: &[f64; 2 * MAX_DEGREE], p: 
 /// The start of de Boor's scheme at u.
 struct Scheme {
     p: usize,
-    /// Control points of the span that holds u, homogeneous.
+    /// Homogeneous control points of the span that contains u.
     level: [DVec4; MAX_DEGREE + 1],
-    /// Its knots: from p − 1 before it to p after it.
+    /// Knots of the span: from p − 1 before it to p after it.
     knots: [f64; 2 * MAX_DEGREE],
 }
 
@@ -74,7 +74,7 @@ impl Scheme {
     #[inline(always)]
     fn new(degree: usize, knots: &[f64], points: &[[f64; 3]], weights: &[f64], u: f64) -> Scheme {
         let p = degree.clamp(1, MAX_DEGREE);
-        // The span that holds u: its knots differ, also at the end of the domain.
+        // The span that contains u: its knots differ, also at the end of the domain.
         let inner = knots.get(p..=points.len()).unwrap_or_default();
         let end = inner.last().copied().unwrap_or(0.0);
         let mut span = inner.partition_point(|knot| *knot <= u).clamp(1, inner.len().max(1));

@@ -22,7 +22,7 @@ impl NurbsBlock {
         NurbsBlock { line, order: DEFAULT_ORDER, points: vec![start], weights: vec![1.0] }
     }
 
-    /// Takes the words of one line: X and Y (both or neither), P, and on the first line L.
+    /// Adds the words of one line: X and Y (both or neither), P, and on the first line L.
     pub(super) fn add(
         &mut self,
         line: u32,

@@ -15,7 +15,7 @@ pub(super) const SYSTEMS: [&str; 9] = ["G54", "G55", "G56", "G57", "G58", "G59",
 pub struct System {
     /// X Y Z A B C.
     pub offset: [f64; 6],
-    /// Of X and Y about Z, degrees.
+    /// Rotation of X and Y about Z, degrees.
     pub rotation_deg: f64,
 }
 
@@ -24,11 +24,11 @@ pub struct System {
 pub struct Offsets {
     /// G54 to G59.3.
     pub systems: [System; 9],
-    /// Index of the one in force at the beginning.
+    /// Index of the system active at the beginning.
     pub active: usize,
     /// G92, X Y Z A B C.
     pub g92: [f64; 6],
-    /// Whether G92 is in force at the beginning.
+    /// Whether G92 is active at the beginning.
     pub g92_active: bool,
     /// Positions of G28 and of G30 in machine coordinates, X Y Z A B C.
     pub home: [[f64; 6]; 2],
@@ -47,7 +47,7 @@ struct Table {
     rotation_deg: f64,
 }
 
-/// The TOML form. A field for each table: so a mistake in one is found with its line.
+/// The TOML form. Each table is a separate field, so that an error is reported with its line.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Document {
@@ -79,12 +79,11 @@ struct Document {
 }
 
 impl Offsets {
-    /// Reads LinuxCNC's parameter file (a number and a value a line, in mm), or TOML where the name of `file` ends so:
-    /// tables G54 to "G59.3", G92, G28, G30 with x_mm, y_mm, z_mm, a_deg, b_deg, c_deg, rotation_deg, and
-    /// `active = "G54"`.
+    /// Reads LinuxCNC's parameter file (one number and value per line, in mm), or TOML if the name of `file` ends in .toml:
+    /// tables G54 to "G59.3", G92, G28, G30 with x_mm, y_mm, z_mm, a_deg, b_deg, c_deg, rotation_deg, and `active = "G54"`.
     ///
     /// # Errors
-    /// With its line, what is neither, and a value outside ±1e6.
+    /// Text in neither format, and a value outside ±1e6; with its line.
     pub fn parse(text: &str, file: &str) -> Result<Offsets, ProgramError> {
         let toml = file.rsplit_once('.').is_some_and(|(_, extension)| extension.eq_ignore_ascii_case("toml"));
         let offsets = if toml { Offsets::from_toml(text) } else { Offsets::from_parameters(text) };
@@ -110,7 +109,7 @@ impl Offsets {
         Ok(offsets)
     }
 
-    /// The parameters that LinuxCNC reserves; others have no meaning here.
+    /// Sets a parameter that LinuxCNC reserves; others have no meaning here.
     fn set_parameter(&mut self, line: u32, number: u32, value: f64) -> Result<(), Refusal> {
         let axis = |first: u32| (number - first) as usize;
         match number {
@@ -175,7 +174,7 @@ impl Offsets {
         Ok(offsets)
     }
 
-    /// As LinuxCNC's parameter file, for a machine whose unit of length is `mm_per_unit` mm.
+    /// Writes LinuxCNC's parameter file, for a machine whose unit of length is `mm_per_unit` mm.
     pub fn parameters(&self, mm_per_unit: f64) -> String {
         use std::fmt::Write as _;
         let mut text = String::new();
@@ -195,7 +194,7 @@ impl Offsets {
             let _ = writeln!(text, "{}\t{:.15}", 5230 + 20 * number, system.rotation_deg);
         }
         let _ = writeln!(text, "5210\t{}\n5220\t{}", u8::from(self.g92_active), self.active + 1);
-        // It wants them in ascending order.
+        // LinuxCNC requires ascending order.
         let mut lines: Vec<&str> = text.lines().collect();
         lines.sort_unstable();
         lines.join("\n") + "\n"

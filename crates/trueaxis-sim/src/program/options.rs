@@ -1,14 +1,14 @@
-//! Options of reading a program.
+//! Options for reading a program.
 
 use super::{Offsets, ToolTable};
 
-/// Tools, offsets and block delete, beside a program's text.
+/// Tools, offsets and block delete, in addition to a program's text.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ReadOptions {
-    /// Tools for G43; without it they have no length.
+    /// Tools for G43; if absent, tools have no length.
     pub tools: Option<ToolTable>,
-    /// Work offsets and stored positions; zero without it.
+    /// Work offsets and stored positions; zero if absent.
     pub offsets: Option<Offsets>,
-    /// Whether lines that begin with `/` are left out.
+    /// Whether lines that begin with `/` are skipped.
     pub block_delete: bool,
 }

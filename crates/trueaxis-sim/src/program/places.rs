@@ -1,5 +1,5 @@
-//! Words that set the origin of coordinates, and those that go to fixed positions: G10, G28, G30, G43, G49, G52, G54 to
-//! G59.3, G92.
+//! Words that set the origin of coordinates, and words that go to fixed positions: G10, G28, G30, G43, G49, G52, G54 to G59.3,
+//! G92.
 
 use super::block::{AXIS_LETTERS, Block};
 use super::builder::Pace;
@@ -65,7 +65,7 @@ impl Interpreter<'_> {
         if on == self.builder.tool_center {
             return Ok(());
         }
-        // Only there do X, Y and Z mean the same position before and after, on every machine.
+        // Only there do X, Y and Z mean the same position in both modes, on every machine.
         let axes = AXIS_LETTERS.iter().zip(self.builder.at).skip(3);
         if let Some((letter, angle)) = axes.clone().find(|(_, angle)| angle % 360.0 != 0.0) {
             let word = if on { "G43.4" } else { "G49" };
@@ -85,13 +85,13 @@ impl Interpreter<'_> {
         (self.frame.g5x, self.frame.rotation_deg) = (system.offset, system.rotation_deg);
     }
 
-    /// Axis words of the line, taken: index of the axis, and the value in mm or degrees.
+    /// Takes the axis words of the line: index of the axis, and the value in mm or degrees.
     fn axis_words(&self, block: &mut Block) -> Vec<(usize, f64)> {
         let words = AXIS_LETTERS.iter().enumerate();
         words.filter_map(|(k, l)| block.take(*l).map(|v| (k, if k < 3 { self.mm(v) } else { v }))).collect()
     }
 
-    /// Words of the group that does not stay in force, but for G4 and G53.
+    /// Words of the non-modal group, except G4 and G53.
     pub(super) fn once(&mut self, block: &mut Block) -> Result<(), Refusal> {
         let (line, Some(code)) = (block.line, block.g[g::ONCE]) else { return Ok(()) };
         if matches!(code, 40 | 530 | 921..=923) {
@@ -119,7 +119,7 @@ impl Interpreter<'_> {
         }
     }
 
-    /// G52 sets the shift, G92 makes the words the coordinates of where the axes are.
+    /// G52 sets the shift; G92 makes the words the coordinates of the current position.
     fn shift(&mut self, block: &mut Block, here: bool) -> Result<(), Refusal> {
         if !block.has_axes() {
             return Err(Refusal::new(block.line, if here { "G92 alone" } else { "G52 alone" }, "axis words"));
@@ -182,7 +182,7 @@ impl Interpreter<'_> {
         Ok(())
     }
 
-    /// G28 and G30: over the programmed position to the stored one, in the axes that are named, or in all.
+    /// G28 and G30: via the programmed position to the stored one, in the named axes, or in all if none is named.
     fn go_home(&mut self, block: &mut Block, which: usize) -> Result<(), Refusal> {
         let line = block.line;
         let name = ["G28", "G30"][which];
@@ -206,7 +206,7 @@ impl Interpreter<'_> {
         Ok(())
     }
 
-    /// With the tool centre point on, positions of the axes are not known from X Y Z alone.
+    /// With the tool centre point on, axis positions cannot be determined from X Y Z alone.
     pub(super) fn refuse_tool_center(&self, line: u32, word: &str) -> Result<(), Refusal> {
         if self.builder.tool_center {
             return Err(Refusal::new(line, format!("{word} with G43.4"), "G49 before it"));

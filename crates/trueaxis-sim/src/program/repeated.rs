@@ -1,8 +1,8 @@
-//! A program several times over.
+//! Repetition of a program.
 
 use super::{Curve, Move, Program, Turn};
 
-/// Why a program cannot begin again where it ends.
+/// Reason why a program cannot begin again where it ends.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error(
     "{file}: found tool centre point control (G43.4) and turned axes {place}, needed a program that begins and ends \
@@ -14,11 +14,12 @@ pub struct CannotRepeat {
 }
 
 impl Program {
-    /// The program `times` over: at its end the axes come to rest, go back to its beginning at rapid, and it begins again.
+    /// Repeats the program `times` times: at its end the axes come to rest, return to its beginning at rapid, and it begins
+    /// again.
     ///
     /// # Errors
     /// The program begins or ends under tool centre point control with rotary axes away from zero: its coordinates are turned
-    /// with the workpiece there, and the way back is no line in them.
+    /// with the workpiece there, and the return is not a line in them.
     pub fn repeated(&self, times: usize) -> Result<Program, CannotRepeat> {
         let (Some(first), Some(last)) = (self.moves.first(), self.moves.last()) else { return Ok(self.clone()) };
         let ends = [(first, first.turn.start, "in its first move"), (last, last.turn.end(), "in its last move")];
@@ -83,7 +84,7 @@ mod tests {
         assert_eq!((end(back), start(&three.moves[4])), (([0.0; 3], [0.0; 3]), ([0.0; 3], [0.0; 3])));
         assert_eq!(&three.moves[4..6], &once.moves[..2]);
         assert_eq!(once.repeated(1).unwrap().moves.len(), 3);
-        // A program that ends where it begins has no way to go.
+        // A program that ends where it begins needs no return.
         let closed = Program::parse("c", "G21 G90 F600\nG1 X1\nX0\n", "c.ngc").unwrap();
         assert_eq!(closed.repeated(5).unwrap().moves.len(), 10);
     }
@@ -95,13 +96,13 @@ mod tests {
         assert!(
             error.to_string().starts_with("p.ngc: found tool centre point control (G43.4) and turned axes in its last")
         );
-        // Where the axes are at zero it changes nothing.
+        // With the axes at zero, the mode changes nothing.
         let text = "G21 G90 F600\nG43.4\nG1 X1 A1\nG1 A0\n";
         let program = Program::parse("p", text, "p.ngc").unwrap().repeated(2).unwrap();
         assert_eq!((program.moves.len(), program.moves[2].tool_center), (5, false));
     }
 
-    /// Thrice the program takes three times as long and the two ways back.
+    /// Three repetitions take three times as long plus the two returns.
     #[test]
     fn it_is_run() {
         let cycles = |times| {

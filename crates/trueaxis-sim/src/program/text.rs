@@ -1,16 +1,16 @@
-//! From the bytes of a file to lines without comments and blanks.
+//! Converts the bytes of a file to lines without comments and blanks.
 
 use std::borrow::Cow;
 
 use super::error::Refusal;
 
-/// The lines of a file with their numbers, from 1; a byte order mark is left out.
+/// The lines of a file with their numbers, from 1, without a byte order mark.
 pub(super) fn lines(bytes: &[u8]) -> impl Iterator<Item = (u32, &[u8])> {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     (1_u32..).zip(bytes.split(|byte| *byte == b'\n'))
 }
 
-/// Refuses what begins with the byte order mark of UTF-16.
+/// Refuses text that begins with the byte order mark of UTF-16.
 pub(super) fn refuse_utf16(bytes: &[u8]) -> Result<(), Refusal> {
     if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
         return Err(Refusal::new(1, "UTF-16", "UTF-8 or Latin-1"));
@@ -20,7 +20,7 @@ pub(super) fn refuse_utf16(bytes: &[u8]) -> Result<(), Refusal> {
 
 /// A line as RS274/NGC reads it: in upper case, without comments, blanks, tabs and carriage returns.
 ///
-/// Comments may hold any bytes (Latin-1 as well as UTF-8); nothing else may.
+/// Comments may contain any bytes (Latin-1 as well as UTF-8); nothing else may.
 pub(super) fn clean(line: u32, bytes: &[u8], text: &mut String) -> Result<(), Refusal> {
     text.clear();
     let mut rest = bytes.iter().copied();

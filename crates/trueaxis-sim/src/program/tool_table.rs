@@ -14,11 +14,11 @@ pub struct ToolTable {
 }
 
 impl ToolTable {
-    /// Reads a table in LinuxCNC's form: `T1 P1 X0 Y0 Z50.5 D6 ;comment`, one tool a line, in mm. D, I, J, Q, U, V, W do not
-    /// matter here. `file` appears in errors only.
+    /// Reads a table in LinuxCNC's format: `T1 P1 X0 Y0 Z50.5 D6 ;comment`, one tool per line, in mm. D, I, J, Q, U, V, W have
+    /// no effect here. `file` appears in errors only.
     ///
     /// # Errors
-    /// With its line, what is no such word, a line without T, a tool twice, a value outside ±1e6.
+    /// An invalid word, a line without T, a duplicate tool, a value outside ±1e6; with its line.
     pub fn parse(text: &str, file: &str) -> Result<ToolTable, ProgramError> {
         ToolTable::read(text).map_err(|refusal| refusal.in_file(file))
     }
@@ -66,7 +66,7 @@ impl ToolTable {
         self.offsets.get(&tool).copied()
     }
 
-    /// As LinuxCNC's table, for a machine whose unit of length is `mm_per_unit` mm.
+    /// Writes LinuxCNC's table, for a machine whose unit of length is `mm_per_unit` mm.
     pub fn text(&self, mm_per_unit: f64) -> String {
         let mut text = String::new();
         for (pocket, (tool, offset)) in (1..).zip(&self.offsets) {

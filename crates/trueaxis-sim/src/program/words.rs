@@ -1,4 +1,4 @@
-//! From the text of a line to letters with numbers.
+//! Splits the text of a line into letters with numbers.
 
 use super::error::{Refusal, THROUGH_LINUXCNC};
 
@@ -23,7 +23,7 @@ impl Word<'_> {
     }
 }
 
-/// The words of a line that [`clean`](super::text::clean) has left.
+/// The words of a line cleaned by [`clean`](super::text::clean).
 pub(super) struct Words<'t> {
     line: u32,
     rest: &'t str,
@@ -58,7 +58,7 @@ impl<'t> Words<'t> {
             Ok(value) => value,
             Err(_) => return refuse(text, &format!("a number after {letter}")),
         };
-        // N and T count; they measure nothing.
+        // N and T are ordinal numbers, not measures.
         if value.abs() > LARGEST && !matches!(letter, 'N' | 'T') {
             return refuse(text, &format!("a number within ±{LARGEST} after {letter}"));
         }

@@ -23,10 +23,10 @@ use trueaxis::machine::{AXES, AxisOrder};
 use trueaxis::sample::Refusal;
 use trueaxis::{Axis, Conditions, Dynamics, Fault, Input, OnToolPath, Output, ServoLoop, State};
 
-/// Cycles of a stopped run that are still simulated, to show that the output holds.
+/// Cycles still simulated after a stop, to show that the output holds.
 const CYCLES_AFTER_STOP: u64 = 200;
 
-/// Everything that the machines of a run have in common in a cycle.
+/// Data that the machines of a run share in a cycle.
 pub(super) struct Shared<'r, const N: usize> {
     pub(super) scenario: &'r Scenario,
     pub(super) servo: &'r ServoLoop<'r, f64, f64, N>,
@@ -39,7 +39,7 @@ pub(super) struct Stepped<const N: usize> {
     pub(super) orientation: OrientationError<f64>,
 }
 
-/// The true error of a cycle.
+/// True error in a cycle.
 pub(super) struct Measured {
     pub(super) tip: DVec3,
     pub(super) angle: f64,
@@ -49,7 +49,7 @@ pub(super) struct Measured {
 pub(super) struct Cell<const N: usize> {
     state: State<f64, f64, N>,
     plant: Plant,
-    /// Index in the step of each of the machine's axes.
+    /// Index in the step's order for each of the machine's axes.
     order: Vec<Option<usize>>,
     pub(super) axes: [Axis; N],
     kind: Kind,
@@ -57,9 +57,9 @@ pub(super) struct Cell<const N: usize> {
     truth: Truth,
     /// For programs with rotary axes.
     pub(super) kinematics: Option<Kinematics<f64>>,
-    /// Thermal growth that the plugin was told.
+    /// Thermal growth passed to the plugin.
     thermal: [ThermalLine<f64>; N],
-    /// The plugin's switches; an uncompensated machine has it off whatever they say.
+    /// Switches of the plugin; on an uncompensated machine it is off whatever they say.
     enabled: bool,
     dynamics: Dynamics,
     feedback: [f64; N],
@@ -108,7 +108,7 @@ where
         Ok(cell)
     }
 
-    /// What goes with a servo loop; the state goes on, and the limiter leads the correction over.
+    /// Takes over the data of a servo loop. The state is kept, and the limiter ramps to the new correction.
     pub(super) fn take_over(&mut self, about: &About<N>) {
         for (slot, line) in about.thermal.iter().enumerate() {
             self.state.set_thermal(slot, *line);
@@ -117,7 +117,7 @@ where
         self.thermal = about.thermal;
     }
 
-    /// Switches the plugin or a part of it, where the machine is driven with it.
+    /// Switches the plugin or a part of it, on a machine that is driven with it.
     pub(super) fn switch(&mut self, what: Switch, on: bool) {
         match what {
             Switch::Correction => self.enabled = on && self.kind.enables_the_plugin(),
@@ -126,10 +126,10 @@ where
         }
     }
 
-    /// A fault from now on, where the machine has any.
+    /// Injects a fault from now on, on a machine that has faults.
     ///
     /// # Errors
-    /// It names an axis that the machine does not have.
+    /// The fault names an axis that the machine does not have.
     pub(super) fn inject(&mut self, fault: PlantFault) -> Result<()> {
         match self.kind {
             Kind::ServoOnly => Ok(()),
@@ -145,7 +145,7 @@ where
         self.stopped_for > CYCLES_AFTER_STOP
     }
 
-    /// At rest on the first point until the correction has been led in, as a machine is switched on before it cuts.
+    /// Rests on the first point until the correction has ramped in, as a machine that is switched on before it cuts.
     pub(super) fn settle(&mut self, number: usize, first: &Commanded, shared: &Shared<'_, N>, sink: &mut dyn Sink) {
         self.feedback = self.to_step(first);
         self.plant.rest_at(&self.to_plant(&self.feedback));
@@ -208,7 +208,7 @@ where
         stepped
     }
 
-    /// What the host hands in: the learned correction at the path length of the reference.
+    /// Input from the host: the learned correction at the path length of the reference.
     fn learned(&self, commanded: &Commanded, scenario: &Scenario) -> [f64; 3] {
         let table = scenario.learned.as_ref().filter(|_| self.kind.takes_what_was_learned());
         table.map_or([0.0; 3], |table| table.table().at(commanded.moment.length_mm))
@@ -219,7 +219,7 @@ where
         self.axes.map(|axis| commanded.positions[axis.index()])
     }
 
-    /// Positions in the step's order as the plant counts them: by the machine's list of axes.
+    /// Converts positions from the step's order to the plant's, which is the machine's list of axes.
     fn to_plant(&self, positions: &[f64; N]) -> [f64; AXES] {
         let mut plant = [0.0; AXES];
         for (to, slot) in plant.iter_mut().zip(&self.order) {
@@ -266,7 +266,7 @@ where
         self.sample(&measured, &stepped)
     }
 
-    /// What the limits of the magnitude take off, where a correction stands at one.
+    /// Adds up how much the magnitude limits cut off, once a correction reaches one.
     fn clip(&mut self, sent: &[f64; N], commanded: &Commanded, shared: &Shared<'_, N>) {
         let settings = &shared.scenario.machine.settings;
         let limit = |axis: Axis| settings.axis(axis).map_or(f64::INFINITY, |own| own.limits.magnitude);
@@ -295,7 +295,8 @@ where
         }
     }
 
-    /// The truth: three-axis programs in machine coordinates, the others in workpiece coordinates with the direction.
+    /// The true error: in machine coordinates for three-axis programs, otherwise in workpiece coordinates and with the
+    /// direction.
     fn measure(&mut self, scenario: &Scenario, setpoint: &Setpoint) -> Measured {
         let reference = (setpoint.move_index, setpoint.u);
         let program = &scenario.program;

@@ -1,4 +1,4 @@
-//! Columns of a trace: what is written down of a cycle.
+//! Columns of a trace: the values recorded per cycle.
 
 use super::kind::Kind;
 use super::sample::{Moment, Sample};
@@ -9,23 +9,23 @@ type Value = fn(&Moment, &Sample, usize) -> f64;
 /// A column of a trace.
 #[derive(Clone, Debug)]
 pub struct Column {
-    /// Name with its unit.
+    /// Name and unit.
     pub name: String,
-    /// Decimals that a file gives of it; none for whole numbers.
+    /// Decimals in a file; 0 for whole numbers.
     pub decimals: usize,
     axis: usize,
     value: Value,
 }
 
 impl Column {
-    /// Its value in a cycle of one machine.
+    /// The value in a cycle of one machine.
     pub fn value(&self, moment: &Moment, sample: &Sample) -> f64 {
         (self.value)(moment, sample, self.axis)
     }
 }
 
 /// The columns for a machine of that kind: time and line; command, drive, reading and correction of X, Y, Z; errors and state;
-/// rotary axes as programmed; of a machine with rotary axes theirs after those, degrees and µrad; of [`Kind::Full`] the
+/// programmed rotary axes; for a machine with rotary axes, theirs after those, degrees and µrad; for [`Kind::Full`] the
 /// dynamic correction of every axis with its parts, µm and µrad, at the end.
 pub fn columns(kind: Kind, machine: &MachineSettings) -> Vec<Column> {
     let mut axes: Vec<Axis> = machine.axes.iter().map(|own| own.axis).collect();

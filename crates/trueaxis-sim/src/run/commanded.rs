@@ -1,4 +1,4 @@
-//! The commands of a program, cycle by cycle, with the stretch of path that belongs to them.
+//! The commands of a program, cycle by cycle, with the stretch of the path that belongs to them.
 
 use super::sample::Moment;
 use crate::error::Result;
@@ -13,12 +13,12 @@ use trueaxis::machine::AXES;
 pub(super) struct Commanded {
     pub(super) moment: Moment,
     pub(super) setpoint: Setpoint,
-    /// By [`Axis::index`](trueaxis::Axis::index), mm and degrees.
+    /// Indexed by [`Axis::index`](trueaxis::Axis::index), mm and degrees.
     pub(super) positions: [f64; AXES],
     pub(super) reference: Reference<f64>,
 }
 
-/// Makes the commands of a scenario, a block at a time.
+/// Generates the commands of a scenario, a block at a time.
 pub(super) struct Commander {
     motion: Motion,
     walk: Walk,
@@ -46,7 +46,7 @@ impl Commander {
         self.next.is_none()
     }
 
-    /// Start of the program: the command of its first cycle, which is still to come.
+    /// Start of the program: the command of its first cycle, which is not consumed.
     pub(super) fn first(&mut self, scenario: &Scenario) -> Result<Option<Commanded>> {
         let Some(setpoint) = self.next else { return Ok(None) };
         self.path.cover(scenario, [setpoint.move_index; 2])?;

@@ -10,7 +10,7 @@ use serde::Serialize;
 use trueaxis_tables::Warning;
 use trueaxis_tables::text::counted;
 
-/// Figures of a run that has ended, with what it was a run of. `T`: what a host adds that has measured time.
+/// Figures of a completed run, with its inputs. `T`: timing added by a host that measures it.
 #[derive(Clone, Debug, Serialize)]
 pub struct Document<T> {
     /// Name of the machine.
@@ -31,17 +31,17 @@ pub struct Document<T> {
     pub timing: Option<T>,
     /// Time of the program, s.
     pub simulated_s: f64,
-    /// Time that the host took, s.
+    /// Time that the host needed, s.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub wall_s: Option<f64>,
-    /// Remarks on how the run went.
+    /// Remarks on the run.
     pub notes: Vec<String>,
     /// Words of the program without effect.
     pub noted: Vec<Note>,
 }
 
 impl<T> Document<T> {
-    /// Of a run of `cycles` of a scenario on these machines, with nothing of time.
+    /// Builds the document of a run of `cycles` of a scenario on these machines, without timing.
     pub fn of(scenario: &Scenario, cycles: u64, machines: &[(Kind, Tallies)]) -> Document<T> {
         Document {
             machine: scenario.machine.settings.name.as_str().into(),
@@ -59,11 +59,11 @@ impl<T> Document<T> {
     }
 }
 
-/// Limits that hold a correction back in more than this share of the cycles are too low for the program: corners and reversals
-/// alone come to a quarter of it.
+/// If the limits restrict a correction in more than this share of the cycles, they are too low for the program: corners and
+/// reversals alone come to a quarter of it.
 const HELD_BACK: f64 = 0.01;
 
-/// Remarks on how the compensated and the full run of `cycles` went, as far as they are among the machines.
+/// Remarks on the compensated and the full run of `cycles`, as far as they are among the machines.
 pub fn notes(scenario: &Scenario, cycles: u64, machines: &[(Kind, Tallies)]) -> Vec<String> {
     let of = |kind| machines.iter().find(|(own, _)| *own == kind).map(|(_, tallies)| tallies);
     let (compensated, full) = (of(Kind::Compensated), of(Kind::Full));
@@ -97,7 +97,7 @@ pub fn notes(scenario: &Scenario, cycles: u64, machines: &[(Kind, Tallies)]) -> 
     notes
 }
 
-/// A note where the full run was stopped and the compensated one was not, or where their faults differ.
+/// A note if the full run was stopped and the compensated one was not, or if their faults differ.
 fn note_of_full(full: &Tallies, compensated: &Tallies) -> Option<String> {
     if full.stopped && !compensated.stopped {
         return Some("the full run was ended by a stop request".into());

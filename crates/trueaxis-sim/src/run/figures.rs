@@ -27,7 +27,7 @@ impl From<AngleSize> for Size {
     }
 }
 
-/// Something of every machine, an object by [`Kind::name`] in JSON.
+/// A value for every machine; in JSON an object keyed by [`Kind::name`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct ByKind<T>(pub Vec<(Kind, T)>);
 
@@ -48,9 +48,9 @@ pub struct ReportedFault {
     pub time_s: f64,
     /// Name of the fault.
     pub fault: String,
-    /// Its code.
+    /// Code of the fault.
     pub code: u8,
-    /// On which axis.
+    /// Faulty axis.
     pub axis: char,
     /// Program line.
     pub line: u32,
@@ -63,29 +63,29 @@ pub struct ReportedFault {
 pub struct Figures {
     /// True contour error of the tool tip while cutting, µm.
     pub contour_error_um: ByKind<Size>,
-    /// True angle of the tool from the programmed direction, µrad; programs with rotary axes only.
+    /// True angle between the tool and the programmed direction, µrad; programs with rotary axes only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub orientation_error_urad: Option<ByKind<Size>>,
-    /// The same two as the step itself reports them; not of the perfect machine, for which it would report errors that
-    /// its tables have and that machine does not.
+    /// Contour error as the step itself reports it, µm; programs with rotary axes only. Omitted for the perfect machine, for
+    /// which the step would report errors that its tables have and that machine does not.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub estimated_contour_error_um: Option<ByKind<Size>>,
-    /// Angle as the step reports it, µrad.
+    /// Orientation error as the step reports it, µrad; also without the perfect machine.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub estimated_orientation_error_urad: Option<ByKind<Size>>,
-    /// Faults of the compensated machine; without one, of the first whose plugin is enabled.
+    /// Faults of the compensated machine or, if there is none, of the first whose plugin is enabled.
     pub faults: Vec<ReportedFault>,
-    /// The same machine was stopped by a stop request.
+    /// Whether that machine was stopped by a stop request.
     pub stopped: bool,
-    /// Its cycles in which an axis' correction was limited.
+    /// Cycles of that machine in which an axis' correction was limited.
     pub limited_cycles: u64,
-    /// Of all outputs of the step while the program ran, settling left out: two runs with the same digest gave the same bits,
-    /// but for one chance in 2³². Eight hexadecimal digits.
+    /// Digest of all outputs of the step while the program ran, without settling: two runs with equal digests gave equal bits,
+    /// except with a probability of one in 2³². Eight hexadecimal digits.
     pub digest: ByKind<String>,
 }
 
 impl Figures {
-    /// Of the machines of a run of `scenario`, with their tallies.
+    /// Collects the figures of the machines of a run of `scenario` from their tallies.
     pub fn of(scenario: &Scenario, machines: &[(Kind, Tallies)]) -> Figures {
         let sizes = |size: &dyn Fn(&Tallies) -> Size| ByKind(machines.iter().map(|(k, t)| (*k, size(t))).collect());
         let estimates = |size: &dyn Fn(&Tallies) -> Size| {

@@ -1,4 +1,4 @@
-//! The machines of a run, and the plugin that each is driven by.
+//! The machines of a run, and the plugin that drives each.
 
 use crate::error::{Result, SimError};
 use std::borrow::Cow;
@@ -10,20 +10,20 @@ use trueaxis_tables::Machine;
 /// A machine of a run and how it is driven.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// The machine as it is, the plugin disabled.
+    /// The actual machine, the plugin disabled.
     Uncompensated,
     /// The plugin enabled, its dynamic parts off: geometry alone.
     Compensated,
     /// A machine with perfect geometry and no lost motion: the error of the servo alone.
     ServoOnly,
-    /// Everything that the plugin has: the volumetric model where the chain permits it, friction, lag and acceleration
-    /// feed-forward, contour feedback and cross-talk as far as the machine states them.
+    /// All parts of the plugin: the volumetric model if the chain permits it, friction, lag and acceleration feed-forward,
+    /// contour feedback and cross-talk as far as the machine states them.
     Full,
-    /// The plugin enabled, exactly as the machine's settings say: what a controller with its tables does.
+    /// The plugin enabled, exactly as the machine's settings say: the behaviour of a controller with its tables.
     Configured,
 }
 
-/// Which parts of the plugin a machine is driven with.
+/// Parts of the plugin that drive a machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Parts {
     Geometry,
@@ -32,21 +32,21 @@ pub(super) enum Parts {
 }
 
 impl Kind {
-    /// Those that every machine is simulated as, in the order of a report.
+    /// The kinds simulated for every machine, in the order of a report.
     pub const BASIC: [Kind; 3] = [Kind::Uncompensated, Kind::Compensated, Kind::ServoOnly];
-    /// The same and [`Kind::Full`], for a machine that has dynamic parts.
+    /// [`Kind::BASIC`] and [`Kind::Full`], for a machine that has dynamic parts.
     pub const ALL: [Kind; 4] = [Kind::Uncompensated, Kind::Compensated, Kind::ServoOnly, Kind::Full];
 
-    /// [`Kind::ALL`] for a machine with friction, dynamic correction, contour feedback or cross-talk, else
+    /// [`Kind::ALL`] for a machine with friction, dynamic correction, contour feedback or cross-talk, otherwise
     /// [`Kind::BASIC`].
     pub fn of(machine: &MachineSettings) -> &'static [Kind] {
         if is_dynamic(machine) { &Kind::ALL } else { &Kind::BASIC }
     }
 
-    /// The machines of these names, in the order of a report.
+    /// The kinds with these names, in the order of a report.
     ///
     /// # Errors
-    /// A name that is none, or no name.
+    /// An unknown name, or no name.
     pub fn named(names: &[impl AsRef<str>]) -> Result<Vec<Kind>> {
         let all = || Kind::ALL.into_iter().chain([Kind::Configured]);
         let known = |name: &str| all().any(|kind| kind.name() == name);
@@ -61,7 +61,7 @@ impl Kind {
         Ok(kinds)
     }
 
-    /// As documents call it.
+    /// Name in documents.
     pub fn name(self) -> &'static str {
         match self {
             Kind::Uncompensated => "uncompensated",
@@ -77,7 +77,7 @@ impl Kind {
         matches!(self, Kind::Compensated | Kind::Full | Kind::Configured)
     }
 
-    /// A learned correction belongs to all that the plugin has.
+    /// Whether the plugin uses a learned correction: with all its parts, or as configured.
     pub(super) fn takes_what_was_learned(self) -> bool {
         matches!(self, Kind::Full | Kind::Configured)
     }
@@ -92,7 +92,7 @@ impl Kind {
 }
 
 impl Parts {
-    /// The machine whose tables the plugin is built from; that of the plant is the machine as it stands.
+    /// The machine whose tables the plugin is built from; the plant always has the machine unchanged.
     ///
     /// # Errors
     /// Tables that do not compile with the machine's own model.
@@ -114,8 +114,8 @@ impl Parts {
     }
 }
 
-/// Why [`Kind::Full`] does without the machine's contour feedback at a servo period: its gains leave too little margin
-/// there. A controller refuses them; a run at another rate than the machine's is to show the rest all the same.
+/// Reason why [`Kind::Full`] omits the machine's contour feedback at a servo period: its gains leave too little margin there.
+/// A controller refuses them, but a run at a rate other than the machine's should still show the rest.
 pub fn feedback_refused(machine: &MachineSettings, period_s: f64) -> Option<ConfigError> {
     check::feedback(machine, period_s).err()
 }
@@ -136,7 +136,8 @@ fn without_dynamics(machine: &Machine) -> Machine {
     machine
 }
 
-/// The volumetric model asks more of a machine than nine terms do: where it is refused, its own model stays.
+/// The volumetric model requires more of a machine than the nine-term model does: if it is refused, the machine's own model is
+/// kept.
 fn volumetric(machine: &Machine) -> Result<Cow<'_, Machine>> {
     let mut wanted = machine.clone();
     wanted.settings.compensation.model = ErrorModel::Volumetric;

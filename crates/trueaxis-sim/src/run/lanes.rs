@@ -17,11 +17,11 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use trueaxis_tables::Machine;
 
-/// Cycles that are commanded at a time, and then simulated machine by machine: enough that one after the other has the
-/// processor's caches for itself, little enough to stay in them.
+/// Cycles that are commanded at a time and then simulated machine by machine: enough that each machine has the processor's
+/// caches to itself for a while, few enough to fit in them.
 const BLOCK: usize = 256;
 
-/// A run whose number of axes is no longer part of its type.
+/// A run whose number of axes is not part of its type.
 pub(super) trait Advance {
     fn advance(&mut self, cycles: u64, sink: &mut dyn Sink) -> bool;
     fn cycle(&self) -> u64;
@@ -30,7 +30,7 @@ pub(super) trait Advance {
     fn act(&mut self, act: &Act, machines: &BTreeMap<String, Machine>) -> Result<()>;
 }
 
-/// What an event does, ready to be done.
+/// Effect of an event, ready to be applied.
 enum Deed<S, const N: usize> {
     Switch(Switch, bool),
     Exchange(Box<Plugin<S, N>>),
@@ -39,16 +39,17 @@ enum Deed<S, const N: usize> {
 /// Machines that get the same commands.
 pub(super) struct Lanes<S, const N: usize> {
     scenario: Arc<Scenario>,
-    /// Of the scenario's machine, and of the tables last exchanged for: those of the machines whose plugin is enabled.
+    /// Plugin with the scenario's tables, and with the tables last exchanged: the latter drives the machines whose plugin is
+    /// enabled.
     plugin: Plugin<S, N>,
     exchanged: Option<Plugin<S, N>>,
-    /// What is still to be done, each before a cycle, in order.
+    /// Pending events in order, each with the cycle before which it acts.
     deeds: Vec<(u64, Deed<S, N>)>,
     commander: Commander,
     cells: Vec<Cell<N>>,
     settled: bool,
     block: Vec<Commanded>,
-    /// Samples of the block, a list for every machine.
+    /// Samples of the block, one list per machine.
     samples: Vec<Vec<Sample>>,
 }
 
@@ -79,7 +80,7 @@ where
         Ok(Box::new(lanes))
     }
 
-    /// Puts an event in its place among those that are still to come, after those of the same cycle.
+    /// Inserts an event into the pending ones, after those of the same cycle.
     fn plan(&mut self, event: &Event, machines: &BTreeMap<String, Machine>) -> Result<()> {
         let deed = match &event.kind {
             EventKind::On(switch) => Deed::Switch(*switch, true),
@@ -96,7 +97,7 @@ where
         Ok(())
     }
 
-    /// Does what is due before the next cycle.
+    /// Applies the events that are due before the next cycle.
     fn do_what_is_due(&mut self) {
         let due = self.deeds.partition_point(|(cycle, _)| *cycle <= self.commander.cycle);
         for (_, deed) in self.deeds.drain(..due) {
@@ -113,12 +114,12 @@ where
         }
     }
 
-    /// Cycles until something is to be done, at most `most`.
+    /// Cycles until the next event, at most `most`.
     fn undisturbed(&self, most: u64) -> u64 {
         self.deeds.first().map_or(most, |(cycle, _)| most.min(cycle - self.commander.cycle))
     }
 
-    /// Leads the correction in, as a machine is switched on before it cuts.
+    /// Lets the correction ramp in, as on a machine that is switched on before it cuts.
     fn settle(&mut self, sink: &mut dyn Sink) {
         self.settled = true;
         let Ok(Some(first)) = self.commander.first(&self.scenario) else { return };
@@ -133,7 +134,7 @@ where
         self.commander.is_done() || self.cells.iter().all(Cell::has_ended)
     }
 
-    /// The commands in the block, through one machine after the other, then to the sink.
+    /// Runs the commands of the block through one machine after the other, then passes the samples to the sink.
     fn simulate_block(&mut self, sink: &mut dyn Sink) {
         for (number, (cell, samples)) in self.cells.iter_mut().zip(&mut self.samples).enumerate() {
             samples.clear();
@@ -171,7 +172,7 @@ where
         while left > 0 && !self.has_ended() {
             self.do_what_is_due();
             let most = self.undisturbed(left.min(BLOCK as u64)) as usize;
-            // Every move was converted once when the run was made, with the same result.
+            // Cannot fail: every move was already converted when the run was made.
             if self.commander.next_block(&self.scenario, &mut self.block, most).is_err() {
                 return false;
             }
@@ -202,16 +203,16 @@ where
     }
 }
 
-// What does not depend on the number of axes stands apart, once.
+// The functions below do not depend on the number of axes, so they are compiled once.
 
-/// Of the machines whose tables may be exchanged for.
+/// The machine of that name among those that provide tables for an exchange.
 fn named<'m>(machines: &'m BTreeMap<String, Machine>, name: &str) -> Result<&'m Machine> {
     machines.get(name).ok_or_else(|| {
         SimError::unsuited(format!("exchange:{name}"), "no machine of that name", "one given with the scenario")
     })
 }
 
-/// Whether something can be done to a run whose next cycle is `now`; none: it has ended.
+/// Checks whether an act is possible in a run whose next cycle is `now`; `None`: the run has ended.
 fn check(act: &Act, scenario: &Scenario, now: Option<u64>) -> Result<()> {
     let at_s = match act {
         Act::Fault(fault) => fault.at_s,

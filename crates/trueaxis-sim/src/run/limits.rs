@@ -15,7 +15,7 @@ pub struct CorrectionLimits {
 }
 
 impl CorrectionLimits {
-    /// Of an axis.
+    /// The limits of an axis.
     pub fn of(axis: &AxisSettings) -> CorrectionLimits {
         // mm to µm, mm/s, m/s²; degrees to µrad, mrad/s, rad/s².
         let one = if axis.axis.is_rotary() { 1e3_f64.to_radians() } else { 1.0 };

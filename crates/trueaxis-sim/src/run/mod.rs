@@ -30,14 +30,14 @@ pub use limits::CorrectionLimits;
 pub use sample::{DynamicSample, Given, Moment, Sample, Sink};
 pub use tally::{AngleSize, ErrorSize, FaultSpan, MOST_FAULT_SPANS, Tallies};
 
-/// A simulation under way: program, motion, servo loop with its tables, plants and their state, owned together.
+/// A simulation in progress: program, motion, servo loop with its tables, plants and their state, owned together.
 ///
-/// It can be left between any two cycles, sent to another thread and gone on with; the cycles come out the same however
-/// they are divided. Memory: a block of cycles and a stretch of the path, however long the program is.
+/// It can be paused between any two cycles, sent to another thread and resumed; the cycles do not depend on how they are
+/// divided. Memory: a block of cycles and a stretch of the path, however long the program is.
 pub struct Run(Box<dyn Advance + Send>);
 
 impl Run {
-    /// The scenario on the machines of [`Kind::of`], side by side.
+    /// Sets up the scenario on the machines of [`Kind::of`], side by side.
     ///
     /// # Errors
     /// As [`Run::of`].
@@ -47,11 +47,11 @@ impl Run {
         Run::of(scenario, kinds)
     }
 
-    /// The scenario on the machines asked for, side by side.
+    /// Sets up the scenario on the requested machines, side by side.
     ///
     /// # Errors
-    /// The motion cannot be planned, a move is no path, the machine's tables do not build, a fault names an axis that it
-    /// does not have, or an event a machine that is not there or another one.
+    /// The motion cannot be planned, a move is not a valid path, the machine's tables do not build, a fault names an axis that
+    /// the machine does not have, or an event names an unknown machine or the tables of another one.
     pub fn of(scenario: impl Into<Arc<Scenario>>, kinds: &[Kind]) -> Result<Run> {
         let scenario = scenario.into();
         let motion = scenario.motion()?;
@@ -64,20 +64,20 @@ impl Run {
         }))
     }
 
-    /// Simulates at most `cycles` further cycles and hands each to `sink`; `false` at the end of the program, or once
+    /// Simulates at most `cycles` further cycles and passes each to `sink`; returns `false` at the end of the program, or once
     /// every machine has stopped. Before the first cycle the machines settle at the first point.
     pub fn advance(&mut self, cycles: u64, sink: &mut dyn Sink) -> bool {
         self.0.advance(cycles, sink)
     }
 
-    /// Does something to the run at its time, from the next cycle on: the same as if the scenario had stated it, after what
-    /// it states, in every bit. `machines`: those whose tables may be exchanged for, by the name in the event.
+    /// Adds a fault or an event at its time, from the next cycle on: every bit is as if the scenario had listed it after its
+    /// own ones. `machines`: those whose tables may be exchanged for, by the name in the event.
     ///
-    /// The run's own time is that of the next cycle, [`Scenario::time_s`].
+    /// The current time of the run is that of the next cycle, [`Scenario::time_s`].
     ///
     /// # Errors
-    /// A time that is past, an end that is reached, an axis that the machine does not have, tables of another machine or
-    /// such as do not build. Nothing has changed then.
+    /// A time in the past, a run that has ended, an axis that the machine does not have, tables of another machine or tables
+    /// that do not build. The run is then unchanged.
     pub fn act(&mut self, act: &Act, machines: &BTreeMap<String, Machine>) -> Result<()> {
         self.0.act(act, machines)
     }
@@ -92,7 +92,7 @@ impl Run {
         self.0.cycles()
     }
 
-    /// Figures of every machine so far, in the order in which they were asked for.
+    /// Figures of every machine so far, in the order requested.
     pub fn tallies(&self) -> Vec<Tallies> {
         self.0.tallies()
     }

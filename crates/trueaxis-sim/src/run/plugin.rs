@@ -1,4 +1,4 @@
-//! What the plugin knows of a machine: servo loops, thermal growth, kinematics. All of it is exchanged at once.
+//! The plugin's data about a machine: servo loops, thermal growth, kinematics. All of it is exchanged at once.
 
 use super::kind::{Kind, Parts};
 use crate::error::{Result, SimError};
@@ -9,13 +9,13 @@ use trueaxis::kinematics::Kinematics;
 use trueaxis::machine::AxisOrder;
 use trueaxis_tables::Machine;
 
-/// Servo loops of a machine, one for each set of parts that a machine of the run is driven with, and what goes with them.
+/// Servo loops of a machine, one for each set of parts that drives a machine of the run, and the data that belongs to them.
 pub(super) struct Plugin<S, const N: usize> {
     loops: Vec<(Parts, S)>,
     about: About<N>,
 }
 
-/// The rest of it.
+/// Data besides the servo loops.
 pub(super) struct About<const N: usize> {
     /// Growth of each axis at the temperature of the scenario.
     pub(super) thermal: [ThermalLine<f64>; N],
@@ -24,15 +24,15 @@ pub(super) struct About<const N: usize> {
 }
 
 impl<S: Owned<N>, const N: usize> Plugin<S, N> {
-    /// Of the scenario's own machine.
+    /// Builds the plugin of the scenario's own machine.
     pub(super) fn of(scenario: &Scenario, kinds: &[Kind]) -> Result<Self> {
         Plugin::build(scenario, &scenario.machine, kinds)
     }
 
-    /// Of another machine, for the machines of the run whose plugin is enabled.
+    /// Builds the plugin of other tables, for the machines of the run whose plugin is enabled.
     ///
     /// # Errors
-    /// It is another machine, or its tables do not build for this period.
+    /// The tables are of another machine, or do not build for this period.
     pub(super) fn exchanged(scenario: &Scenario, name: &str, machine: &Machine, kinds: &[Kind]) -> Result<Self> {
         is_same(scenario, name, machine)?;
         let driven: Vec<Kind> = kinds.iter().copied().filter(|kind| kind.enables_the_plugin()).collect();
@@ -62,7 +62,7 @@ impl<S: Owned<N>, const N: usize> Plugin<S, N> {
         Ok(Plugin { loops, about: About { thermal, kinematics: scenario.kinematics_of(machine)? } })
     }
 
-    /// The loop that a machine is driven by; none where it was not built for.
+    /// The loop that drives a machine; `None` if the plugin was not built for it.
     pub(super) fn servo(&self, kind: Kind) -> Option<&S> {
         self.loops.iter().find(|(parts, _)| *parts == kind.parts()).map(|(_, servo)| servo)
     }
@@ -72,7 +72,7 @@ impl<S: Owned<N>, const N: usize> Plugin<S, N> {
     }
 }
 
-/// Whether tables are those of the scenario's machine.
+/// Refuses tables that are not of the scenario's machine.
 fn is_same(scenario: &Scenario, name: &str, machine: &Machine) -> Result<()> {
     for ((of, found), (_, needed)) in identity(machine).into_iter().zip(identity(&scenario.machine)) {
         if found != needed {
@@ -83,7 +83,7 @@ fn is_same(scenario: &Scenario, name: &str, machine: &Machine) -> Result<()> {
     Ok(())
 }
 
-/// What tables of one machine have in common: state and path of a run belong to it.
+/// Properties that all tables of one machine share: state and path of a run depend on them.
 fn identity(machine: &Machine) -> [(&'static str, String); 3] {
     let settings = &machine.settings;
     let mut axes: Vec<_> = settings.step_axes().collect();

@@ -1,67 +1,67 @@
-//! Samples of a cycle, and the sinks that take them.
+//! Samples of a cycle, and the sinks that receive them.
 
 use trueaxis::contour::{Flags, Reference};
 use trueaxis::machine::AXES;
 
-/// Command of a cycle, the same on every machine of a run.
+/// Command of a cycle, common to all machines of a run.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Moment {
-    /// Counted from the start of the program.
+    /// Cycle, counted from the start of the program.
     pub cycle: u64,
-    /// The same as time, s.
+    /// Time of the cycle, s.
     pub time_s: f64,
     /// Program line.
     pub line: u32,
-    /// Cutting, not positioning at rapid.
+    /// Whether the move cuts rather than positions at rapid.
     pub cutting: bool,
     /// Arc length along the program, mm.
     pub length_mm: f64,
     /// Programmed point in machine coordinates (with rotary axes: in workpiece coordinates), mm.
     pub nominal_mm: [f64; 3],
-    /// A, B, C programmed, degrees.
+    /// Programmed A, B, C, degrees.
     pub rotary_deg: [f64; 3],
 }
 
-/// Parts of the dynamic correction in a cycle, µm and µrad; axes in the order X, Y, Z, A, B, C. All zero on a machine that
-/// is driven without.
+/// Parts of the dynamic correction in a cycle, µm and µrad; axes in the order X, Y, Z, A, B, C. All zero on a machine that is
+/// driven without it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DynamicSample {
     /// Sent: the sum of the parts, limited.
     pub sent: [f32; AXES],
-    /// Wanted against friction, following error and the error of acceleration.
+    /// Wanted feed-forward against friction, following error and acceleration error.
     pub feed_forward: [f32; AXES],
-    /// Wanted by the contour feedback.
+    /// Wanted contour feedback.
     pub feedback: [f32; AXES],
-    /// Wanted against acceleration cross-talk.
+    /// Wanted correction of acceleration cross-talk.
     pub crosstalk: [f32; AXES],
 }
 
 /// Result of a cycle on one machine. Axes in the order X, Y, Z, A, B, C; zero for those that the machine does not have.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Sample {
-    /// True tip from the nearest point of the path, µm.
+    /// Deviation of the true tip from the nearest point of the path, µm.
     pub deviation_um: [f32; 3],
-    /// Angle of the true tool direction from the programmed one, µrad.
+    /// Angle between the true tool direction and the programmed one, µrad.
     pub orientation_urad: f32,
-    /// The same as the step reports it, µrad.
+    /// Orientation error that the step reports, µrad.
     pub estimated_orientation_urad: f32,
     /// Contour error that the plugin reports for the estimated tip, µm.
     pub estimated_um: f32,
-    /// The same as a vector, tip − foot, in machine directions; none while the foot is not known or the path has ended.
+    /// `estimated_um` as a vector, tip − foot, in machine directions; `None` while the foot is unknown or the path has ended.
     pub contour_um: Option<[f32; 3]>,
-    /// Flags of its foot.
+    /// Flags of the foot.
     pub contour_flags: Flags,
-    /// Contour error that it reports for the plain encoder position, µm.
+    /// Contour error that the plugin reports for the plain encoder position, µm.
     pub encoder_um: f64,
     /// Arc length from the tip's foot to the reference, µm.
     pub lag_um: f64,
-    /// Command as the step took it, mm and degrees.
+    /// Command as input to the step, mm and degrees.
     pub command: [f64; AXES],
     /// Command sent to the drives, mm and degrees.
     pub drive: [f64; AXES],
-    /// Reading as the step took it, mm and degrees.
+    /// Reading as input to the step, mm and degrees.
     pub feedback: [f64; AXES],
-    /// Correction of geometry sent, µm and µrad.
+    /// Geometric correction sent, µm and µrad.
     pub correction: [f32; AXES],
     /// Dynamic correction.
     pub dynamic: DynamicSample,
@@ -69,9 +69,9 @@ pub struct Sample {
     pub fault: u8,
     /// State bits.
     pub status: u8,
-    /// A bit for every axis of the step whose correction differs from the wanted one.
+    /// One bit per axis of the step: set if its correction differs from the wanted one.
     pub limited: u8,
-    /// A bit for every axis of the step whose table is clamped to its edge value.
+    /// One bit per axis of the step: set if its table is clamped to its edge value.
     pub at_edge: u8,
 }
 
@@ -88,11 +88,11 @@ impl Sample {
 pub struct Given<'i> {
     /// Index of the machine among those of the run.
     pub machine: usize,
-    /// The machine still settles at the first point, before the program's first cycle.
+    /// Whether the machine still settles at the first point, before the program's first cycle.
     pub settling: bool,
     /// Commanded positions in the step's order, mm and degrees.
     pub command: &'i [f64],
-    /// Readings in the same order.
+    /// Readings in the step's order, mm and degrees.
     pub feedback: &'i [f64],
     /// Time since the last cycle, ns.
     pub elapsed_ns: u32,
@@ -100,9 +100,9 @@ pub struct Given<'i> {
     pub reference: Reference<f64>,
 }
 
-/// Takes every cycle of a run as it comes; the run itself keeps none.
+/// Receives every cycle of a run as it is simulated; the run keeps none.
 pub trait Sink {
-    /// A cycle, in order; one entry a machine in the order in which they were asked for, `None` where it has stopped.
+    /// Called for each cycle, in order; one entry per machine in the order requested, `None` once it has stopped.
     fn cycle(&mut self, moment: &Moment, machines: &[Option<&Sample>]);
 
     /// Called immediately before each step, settling included.
@@ -123,7 +123,7 @@ impl<F: FnMut(&Moment, &[Option<&Sample>])> Sink for F {
     }
 }
 
-/// Several sinks, each within the ones before: the last is called last before a step and first after it.
+/// Several sinks, nested: the last is called last before a step and first after it.
 impl Sink for Vec<&mut (dyn Sink + '_)> {
     fn cycle(&mut self, moment: &Moment, machines: &[Option<&Sample>]) {
         self.iter_mut().for_each(|sink| sink.cycle(moment, machines));

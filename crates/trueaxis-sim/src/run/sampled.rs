@@ -1,4 +1,4 @@
-//! What a cycle's sample holds.
+//! Conversion of a cycle's results to its sample.
 
 use super::cell::{Cell, Measured, Stepped};
 use super::sample::Sample;
@@ -25,7 +25,7 @@ impl<const N: usize> Cell<N> {
         Some((1e3 * in_machine).as_vec3().to_array())
     }
 
-    /// Of a cycle, with the true error.
+    /// The sample of a cycle, with the true error.
     pub(super) fn sample(&self, measured: &Measured, stepped: &Stepped<N>) -> Sample {
         let Stepped { output, orientation } = stepped;
         let record = &output.record;

@@ -1,4 +1,4 @@
-//! Figures that a run adds up while it goes on.
+//! Figures that a run accumulates.
 
 use super::sample::Moment;
 use trueaxis::{Axis, Fault};
@@ -28,7 +28,7 @@ pub struct AngleSize {
 pub struct FaultSpan {
     /// Fault code.
     pub fault: Fault,
-    /// On which axis.
+    /// Faulty axis.
     pub axis: Axis,
     /// First cycle, counted from the start of the program.
     pub cycle: u64,
@@ -38,7 +38,7 @@ pub struct FaultSpan {
     pub line: u32,
 }
 
-/// Most stretches of faults that a run lists; those after them are counted.
+/// Most stretches of faults that a run lists; later ones are only counted.
 pub const MOST_FAULT_SPANS: usize = 1000;
 
 /// Figures of one machine over the cycles run so far.
@@ -46,7 +46,7 @@ pub const MOST_FAULT_SPANS: usize = 1000;
 pub struct Tallies {
     /// Contour error of the true tip while cutting.
     pub error: ErrorSize,
-    /// Angle of the true tool direction from the programmed one while cutting; zero for a program of X, Y, Z alone.
+    /// Angle between the true tool direction and the programmed one while cutting; zero for a program of X, Y, Z alone.
     pub orientation: AngleSize,
     /// Contour error of the tip that the step itself reports, while cutting.
     pub estimated: ErrorSize,
@@ -54,15 +54,15 @@ pub struct Tallies {
     pub estimated_orientation: AngleSize,
     /// Faults reported, at most [`MOST_FAULT_SPANS`] stretches.
     pub faults: Vec<FaultSpan>,
-    /// Cycles with a fault that are not in that list.
+    /// Cycles with a fault outside that list.
     pub more_faults: u64,
     /// Cycles in which an axis' correction was limited.
     pub limited_cycles: u64,
-    /// What the magnitude limits took off the corrections.
+    /// Amount that the magnitude limits cut off the corrections.
     pub clipped: Clipped,
-    /// Stopped by a stop request.
+    /// Whether a stop request stopped the machine.
     pub stopped: bool,
-    /// Of every output of the step since the program began ([`Digest`]).
+    /// Digest of every output of the step since the program began ([`Digest`]).
     pub digest: u32,
 }
 
@@ -101,7 +101,7 @@ impl Tally {
     }
 }
 
-/// Sums behind [`Tallies`].
+/// Running sums for [`Tallies`].
 #[derive(Clone, Debug, Default)]
 pub(super) struct Sums {
     pub(super) error: Tally,
@@ -117,7 +117,7 @@ pub(super) struct Sums {
 }
 
 impl Sums {
-    /// A cycle with a fault; consecutive ones become one stretch.
+    /// Counts a cycle with a fault; consecutive ones become one stretch.
     pub(super) fn fault(&mut self, fault: Fault, axis: Axis, moment: &Moment) {
         if let Some(last) = self.faults.last_mut()
             && (last.fault, last.axis, last.cycle + last.cycles) == (fault, axis, moment.cycle)

@@ -1,4 +1,4 @@
-//! Settings of a simulation apart from machine and program, and their TOML form.
+//! Settings of a simulation other than machine and program, and their TOML form.
 //!
 //! ```toml
 //! rate_hz = 4000
@@ -18,7 +18,7 @@
 //! lost_motion_mm = 0.002
 //! ```
 //!
-//! Keys that are left out keep their defaults. [`Settings::to_toml`] writes all of them.
+//! Omitted keys keep their defaults. [`Settings::to_toml`] writes all keys.
 
 mod overlay;
 
@@ -43,10 +43,10 @@ pub struct Settings {
     pub rate_hz: f64,
     /// Seed of the encoders' noise, 0 to 2⁶³ − 1.
     pub seed: u64,
-    /// Temperature of the machine, °C, −50 to 200; left out, the tables' reference temperature.
+    /// Temperature of the machine, °C, −50 to 200; if omitted, the tables' reference temperature.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub temperature_c: Option<f64>,
-    /// Program zero in machine coordinates X, Y, Z, mm; left out, the middle of the declared travels.
+    /// Program zero in machine coordinates X, Y, Z, mm; if omitted, the middle of the declared travels.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub origin_mm: Option<[f64; 3]>,
     /// Faults, in the form of [`crate::plant::fault`].
@@ -82,17 +82,17 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// The defaults with what a TOML text states; `file` appears in errors.
+    /// Reads TOML text on top of the defaults; `file` appears in errors.
     ///
     /// # Errors
-    /// Text that is no TOML, a key that there is not, a value of another type or out of its range; with its line.
+    /// Text that is not TOML, an unknown key, a value of the wrong type or out of range; with its line.
     pub fn parse(text: &str, file: &str) -> Result<Settings, SettingError> {
         let mut settings = Settings::default();
         overlay::overlay(&mut settings, text).map_err(|error| error.in_file(file))?;
         Ok(settings)
     }
 
-    /// Changes one setting: `key` as in the TOML form (`drive.dead_time_s`), `value` as it stands there.
+    /// Changes one setting: `key` (`drive.dead_time_s`) and `value` as in the TOML form.
     ///
     /// # Errors
     /// As [`Settings::parse`], without a line.
@@ -100,25 +100,25 @@ impl Settings {
         overlay::overlay(self, &format!("{key} = {value}"))
     }
 
-    /// Refuses settings out of their ranges; [`Settings::parse`] and [`Settings::set`] do so themselves.
+    /// Refuses settings out of range; [`Settings::parse`] and [`Settings::set`] already do so.
     ///
     /// # Errors
-    /// The first of them.
+    /// The first such setting.
     pub fn check(&self) -> Result<(), SettingError> {
         overlay::check(self, |_| 1)
     }
 
-    /// All settings as TOML, which [`Settings::parse`] reads back as the same.
+    /// All settings as TOML, which [`Settings::parse`] reads back unchanged.
     pub fn to_toml(&self) -> String {
         overlay::text(self)
     }
 
-    /// Settings that are not the default: key, value, default.
+    /// Settings that differ from the default: key, value, default.
     pub fn changes(&self) -> Vec<(String, String, String)> {
         overlay::changes(self)
     }
 
-    /// The plant of these settings, `temperature_rise_k` above the machine's reference temperature.
+    /// The plant with these settings, `temperature_rise_k` above the machine's reference temperature.
     pub fn plant(&self, temperature_rise_k: f64) -> PlantSettings {
         PlantSettings {
             drives: self.axis.all().map(|variation| self.drive.varied(&variation)),
@@ -129,12 +129,12 @@ impl Settings {
         }
     }
 
-    /// The first setting out of its range: key, value as found, range.
+    /// The first setting out of range: key, value as found, range.
     fn out_of_range(&self) -> Option<(String, f64, String)> {
         let range = |key, found, low, high, unit| Range { key, found, low, high, unit };
         let optional = self.temperature_c.map(|found| range("temperature_c", found, -50.0, 200.0, "°C"));
         let origin = self.origin_mm.into_iter().flatten();
-        // TOML has whole numbers to 2⁶³ − 1, which f64 cannot tell from 2⁶³.
+        // TOML integers end at 2⁶³ − 1, which f64 cannot distinguish from 2⁶³.
         let seed = i64::try_from(self.seed).map_or(f64::INFINITY, |seed| seed as f64);
         let own =
             [range("rate_hz", self.rate_hz, 100.0, 100_000.0, "Hz"), range("seed", seed, 0.0, i64::MAX as f64, "")];

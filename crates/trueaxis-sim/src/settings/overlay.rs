@@ -1,4 +1,4 @@
-//! Settings from TOML: values given replace those present.
+//! Settings from TOML: given values replace present ones.
 
 use super::Settings;
 use crate::message::LONGEST_FOUND;
@@ -9,21 +9,21 @@ use toml::{Table, Value};
 use trueaxis_tables::Keys;
 use trueaxis_tables::text::{line_at, one_line};
 
-/// Most characters of what a file should say, which may list every setting.
+/// Most characters of an error's `needed`, which may list every setting.
 const LONGEST_NEEDED: usize = 1200;
 
-/// A setting that cannot be taken.
+/// A setting that is refused.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SettingError {
-    /// File, if it comes from one.
+    /// File that it comes from, if any.
     pub file: Option<String>,
-    /// Line there, from 1.
+    /// Line in the file or text, from 1.
     pub line: u32,
-    /// The setting; empty where the text is no TOML.
+    /// The setting; empty if the text is not TOML.
     pub key: String,
-    /// Its value, or what is wrong with it.
+    /// The value of the setting, or the defect in it.
     pub found: String,
-    /// Range or keys accepted.
+    /// Accepted range or keys.
     pub needed: String,
 }
 
@@ -65,7 +65,7 @@ impl SettingError {
     }
 }
 
-/// Keys that may be left out, with a value of their type that stands for none.
+/// Keys that may be left out, each with a value of its type that marks it as absent.
 fn optional() -> [(&'static str, Value); 2] {
     [("temperature_c", Value::Float(f64::NAN)), ("origin_mm", Value::Array(Vec::new()))]
 }
@@ -92,7 +92,7 @@ pub(super) fn overlay(settings: &mut Settings, text: &str) -> Result<(), Setting
     }
     let lists = ["faults", "events", "origin_mm"].map(|key| (key, all.get(key).cloned()));
     let merged: Settings = Value::Table(all).try_into().map_err(|error: toml::de::Error| {
-        // Numbers have been checked: what is left are lists, one of those given.
+        // Numbers have been checked: the error can only be in a list, and in a given one.
         let bad = |(key, value): &&(&str, Option<Value>)| {
             let alone = value.clone().map(|value| Table::from_iter([((*key).to_owned(), value)]));
             alone.is_some_and(|alone| Value::Table(alone).try_into::<Settings>().is_err())
@@ -139,7 +139,7 @@ fn leaves(table: &Table, path: &str, into: &mut BTreeMap<String, String>) {
     }
 }
 
-/// Replaces values by those given. An error is the key, what was found and what is needed.
+/// Replaces values by the given ones. An error is the key, what was found and what is needed.
 fn merge(all: &mut Table, given: Table, path: &str) -> Result<(), (String, String, String)> {
     for (key, value) in given {
         let name = dotted(path, &key);

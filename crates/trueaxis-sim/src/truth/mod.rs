@@ -1,39 +1,38 @@
-//! The true contour error: distance of a point from the programmed path, found without the plugin.
+//! The true contour error: distance of a point from the programmed path, computed without the plugin.
 //!
-//! Straight projections on lines and circles, Newton steps with a sampled start on everything else, on the program's own
-//! curves. Slow and plain: it is what the plugin's search is judged by. Programs with rotary axes: [`pose`].
+//! Direct projections on lines and circles, Newton steps from a sampled start on all other curves, on the program's own
+//! curves. Slow and simple: the plugin's search is judged against it. Programs with rotary axes: [`pose`].
 
 pub mod pose;
 
 use crate::program::{Curve, Polar, Program};
 use glam::DVec3;
 
-/// Arc length around the reference in which the foot is looked for, mm; the lag of the servo is far below it.
+/// Arc length around the reference in which the foot is searched, mm; far above the lag of the servo.
 const WINDOW_MM: f64 = 1.0;
-/// Samples over the window that start the search on a free-form curve.
+/// Samples over the window that provide the start of the search on a free-form curve.
 const SAMPLES: usize = 16;
 
-/// Deviations along a program; keeps what the cycles of a move have in common.
+/// Computes deviations along a program; keeps data shared by the cycles of a move.
 #[derive(Clone, Debug, Default)]
 pub struct Truth {
     held: Option<Held>,
 }
 
-/// A move that the reference is on.
+/// The move that the reference is on.
 #[derive(Clone, Copy, Debug)]
 struct Held {
     index: usize,
     polar: Option<Polar>,
-    /// Its first and last point.
+    /// First and last point of the move.
     ends: [DVec3; 2],
 }
 
 impl Truth {
     /// Vector from the nearest point of the path, near the reference, to `point`.
     ///
-    /// `reference` is the move and its parameter that the interpolator is at, `here` that point in the program's
-    /// coordinates; neighbouring moves count as far as the window reaches, so that a tool behind a corner is not measured
-    /// against the wrong side of it.
+    /// `reference` is the interpolator's move and parameter, `here` that point in the program's coordinates; neighbouring
+    /// moves count as far as the window reaches, so that a tool behind a corner is not measured against the wrong side of it.
     pub fn deviation(
         &mut self,
         program: &Program,
@@ -93,7 +92,7 @@ fn foot(curve: &Curve, polar: Option<&Polar>, u: f64, point: DVec3) -> DVec3 {
         let position = curve.point_by(polar, u);
         (u, position, (position - point).length_squared())
     };
-    // Around a point near a circle there is one minimum only; a spline can have several in the window.
+    // Near a circle there is only one minimum; a spline can have several in the window.
     let start = match curve {
         Curve::Arc { .. } => place(u),
         _ => {
@@ -107,7 +106,7 @@ fn foot(curve: &Curve, polar: Option<&Polar>, u: f64, point: DVec3) -> DVec3 {
         let (position, d1, d2) = curve.vectors_by(polar, at);
         let offset = position - point;
         let curvature = d1.length_squared() + offset.dot(d2);
-        // Where the distance is not convex, the tangent's own projection still goes downhill.
+        // Where the distance is not convex, a step with the tangent's slope alone still descends.
         let slope = if curvature > 0.1 * d1.length_squared() { curvature } else { d1.length_squared() };
         let next = (at - offset.dot(d1) / slope).clamp(first, last);
         let small = (next - at).abs() * speed < 1e-12;

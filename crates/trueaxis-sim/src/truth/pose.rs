@@ -1,16 +1,16 @@
-//! True error of tip and direction of a program with rotary axes, in workpiece coordinates.
+//! True error of tip and direction for a program with rotary axes, in workpiece coordinates.
 
 use crate::placement::{Place, Placement};
 use crate::program::{Curve, Move, Program};
 use glam::DVec3;
 
-/// Length (mm or degrees) around the reference in which the foot is looked for.
+/// Length (mm or degrees) around the reference in which the foot is searched.
 const WINDOW: f64 = 1.0;
-/// Samples over the window that start the search where the tip's path is bent.
+/// Samples over the window that provide the start of the search where the tip's path is curved.
 const SAMPLES: usize = 8;
-/// A tip that moves by less than this per degree of the rotary axes stands, mm.
+/// A tip that moves less than this per degree of the rotary axes counts as at rest, mm.
 const STANDING_MM_PER_DEG: f64 = 0.02;
-/// There, direction counts like the tip at this distance from the pivot, mm.
+/// For a tip at rest, direction counts like the tip at this distance from the pivot, mm.
 const LEVER_MM: f64 = 50.0;
 /// Halvings (by 0.618) of the golden section.
 const SECTIONS: u32 = 45;
@@ -18,22 +18,22 @@ const SECTIONS: u32 = 45;
 /// Deviation of a tool from the programmed path.
 #[derive(Clone, Copy, Debug)]
 pub struct PoseDeviation {
-    /// From the foot to the actual tip, mm in workpiece coordinates.
+    /// Vector from the foot to the actual tip, mm in workpiece coordinates.
     pub tip: DVec3,
     /// Angle between the actual direction of the tool and the programmed one at the foot, rad.
     pub angle: f64,
-    /// The tip stands there, and only the direction says where on the path the tool is.
+    /// The tip is at rest there: only the direction determines where on the path the tool is.
     standing: bool,
 }
 
 impl PoseDeviation {
     fn new(actual: &Place, nominal: &Place, standing: bool) -> PoseDeviation {
         let (a, b) = (actual.direction, nominal.direction);
-        // acos would be blind below 1e-8 rad.
+        // acos would not resolve angles below 1e-8 rad.
         PoseDeviation { tip: actual.tip - nominal.tip, angle: libm::atan2(a.cross(b).length(), a.dot(b)), standing }
     }
 
-    /// Square of both together, mm².
+    /// Square of tip and direction error combined, mm².
     fn whole(&self) -> f64 {
         self.tip.length_squared() + (LEVER_MM * self.angle) * (LEVER_MM * self.angle)
     }
@@ -47,10 +47,10 @@ impl PoseDeviation {
     }
 }
 
-/// Deviation of `actual` from the path near the reference: move and parameter that the interpolator is at.
+/// Deviation of `actual` from the path near the reference: the interpolator's move and parameter.
 ///
-/// The foot is the nearest point of the tip's path p(u); where rotary axes turn and the tip stands, the nearest
-/// direction. Moves within a millimetre (degree) before and after the reference's count too.
+/// The foot is the nearest point of the tip's path p(u); where rotary axes turn and the tip is at rest, the nearest direction.
+/// Moves within a millimetre (degree) before and after the reference's count too.
 pub fn deviation(program: &Program, machine: &Placement, (index, u): (usize, f64), actual: &Place) -> PoseDeviation {
     let nothing = PoseDeviation { tip: DVec3::INFINITY, angle: f64::NAN, standing: false };
     let Some(here) = program.moves.get(index) else { return nothing };
@@ -112,7 +112,7 @@ fn bent_foot(step: &Move, machine: &Placement, [low, high]: [f64; 2], u: f64, ac
         let (before, here, after) = (offset(at - h), offset(at), offset(at + h));
         let (d1, d2) = ((after - before) / (2.0 * h), (before - 2.0 * here + after) / (h * h));
         let curvature = d1.length_squared() + here.dot(d2);
-        // Where the distance is not convex, the tangent's own projection still goes downhill.
+        // Where the distance is not convex, a step with the tangent's slope alone still descends.
         let slope = if curvature > 0.1 * d1.length_squared() { curvature } else { d1.length_squared() };
         let next = (at - here.dot(d1) / slope).clamp(low, high);
         let small = (next - at).abs() < 1e-12 * (last - first);

@@ -3,7 +3,7 @@
 use super::duty::{Conditions, Shift};
 use super::{NIGHT_S, STEP_S};
 
-/// Nodes: skin and core of every body, so that none has a single time constant.
+/// Nodes: skin and core of every body, so that no body has a single time constant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Node {
     NoseCore,
@@ -54,7 +54,7 @@ const TO_AIR: [(Node, f64); 8] = [
 pub(super) struct Bodies([f64; NODES]);
 
 impl Bodies {
-    /// In equilibrium.
+    /// All nodes in equilibrium at one temperature.
     pub(super) fn at(temperature_c: f64) -> Bodies {
         Bodies([temperature_c; NODES])
     }
@@ -64,7 +64,7 @@ impl Bodies {
         self.0[node as usize]
     }
 
-    /// A step of `dt_s`, explicit: the shortest time constant is two minutes.
+    /// Advances by `dt_s`, explicitly: the shortest time constant is two minutes.
     pub(super) fn pass(&mut self, dt_s: f64, now: &Conditions) {
         let mut heat = [0.0; NODES];
         let mut give = |node: Node, watts: f64| heat[node as usize] += watts;
@@ -76,7 +76,7 @@ impl Bodies {
         for (node, conductance) in TO_AIR {
             give(node, conductance * (now.air_c - self.of(node)));
         }
-        // Friction of the bearings and losses of the motor; the turning nose is a fan.
+        // Friction of the bearings and losses of the motor; the rotating nose acts as a fan.
         let speed = now.rpm / 12_000.0;
         give(Node::NoseCore, 70.0 * speed + 190.0 * speed * speed);
         give(Node::HeadCore, 40.0 * speed);
@@ -96,7 +96,7 @@ impl Bodies {
         }
     }
 
-    /// The night behind a shift, with everything off.
+    /// The night after a shift, with everything off.
     pub(super) fn rest(&mut self, shift: &Shift) {
         let night = Conditions { rpm: 0.0, feed: 0.0, coolant: false, air_c: shift.night_c() };
         for _ in 0..NIGHT_S / STEP_S {

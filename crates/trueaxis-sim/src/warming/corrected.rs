@@ -15,7 +15,7 @@ use trueaxis::temperature::{Readings, Thermal, ThermalState};
 use trueaxis_metrology::thermal::{Fit, Refused};
 use trueaxis_tables::Machine;
 
-/// Places at which the shift is judged: X, Y, Z and length of the tool, mm. None of them was measured in the record.
+/// Places at which the shift is judged: X, Y, Z and length of the tool, mm. None of them is in the record.
 const JUDGED: [[f64; 4]; 4] = [
     [-250.0, -150.0, -50.0, 120.0],
     [250.0, 150.0, -350.0, 120.0],
@@ -23,11 +23,11 @@ const JUDGED: [[f64; 4]; 4] = [
     [150.0, -80.0, -300.0, 120.0],
 ];
 
-/// Cycles of the step behind every update, a millisecond each: a first growth of 50 µm is led in within them.
+/// Cycles of the step after every update, a millisecond each: a first growth of 50 µm ramps in within them.
 const CYCLES: u32 = 200;
 const PERIOD_NS: u32 = 1_000_000;
 
-/// The geometric step alone.
+/// The machine with only the geometric step.
 fn still(machine: &Machine) -> Machine {
     let mut machine = machine.clone();
     machine.settings.crosstalk = Default::default();
@@ -46,7 +46,7 @@ pub(super) fn run(of: &Warming, bodies: &mut Bodies, shift: &Shift, found: &Fit,
         let limits = axes.map(|axis| machine.settings.axis(axis).map(|settings| settings.limits));
         let mut states = JUDGED.map(|_| servo.start());
         let mut sensors = Sensors::new(of.seed ^ 0x5eed, bodies, shift);
-        // The control is on before the shift begins: its sensors have started.
+        // The control is switched on before the shift begins: its sensors have started.
         let mut task = ThermalState::new();
         (0..found.sensors.len()).for_each(|sensor| task.believe(sensor));
         let zero = JUDGED.map(|point| drift(bodies, point));

@@ -6,18 +6,18 @@ use super::bodies::{Bodies, Node};
 const STEEL: f64 = 11.5e-6;
 const GLASS: f64 = 8.0e-6;
 
-/// Error of the tool relative to the workpiece, actual − ideal, mm, at X, Y, Z and with a tool of a length, mm; zero with all
-/// bodies at 20 °C.
+/// Error of the tool relative to the workpiece, actual − ideal, mm, at X, Y, Z and with a tool of a given length, mm; zero
+/// with all bodies at 20 °C.
 pub(super) fn drift(bodies: &Bodies, [x, _, z, tool_mm]: [f64; 4]) -> [f64; 3] {
     let over = |node: Node| bodies.of(node) - 20.0;
     let (front, back) = (over(Node::ColumnFront), over(Node::ColumnBack));
     let head = 0.6 * over(Node::HeadCore) + 0.4 * over(Node::HeadSkin);
-    // The column bends where its front is warmer, 700 mm high and 480 mm deep; the nose tilts with the gradient in the head.
+    // The column, 700 mm high and 480 mm deep, bends if its front is warmer; the nose tilts with the gradient in the head.
     let bend = STEEL * (front - back) / 480.0;
     let tilt = bend * 700.0 + 0.6e-6 * (over(Node::NoseCore) - over(Node::HeadSkin));
-    // X: a ball screw in place of a scale; the table grows from its bearing.
+    // X: a ball screw instead of a scale; the table grows from its bearing.
     let ex = STEEL * over(Node::Screw) * x + STEEL * 50.0 * over(Node::Table);
-    // Y: the bent column, the head that reaches 330 mm forward, less the bed below.
+    // Y: the bent column and the head, which extends 330 mm forward, minus the bed below.
     let ey = 0.5 * bend * 700.0 * 700.0 + STEEL * 330.0 * head - STEEL * 280.0 * over(Node::BedTop) + tilt * tool_mm;
     // Z: the spindle grows down, the column up, the table up; a glass scale on the column.
     let nose = 0.7 * over(Node::NoseCore) + 0.3 * over(Node::NoseSkin);

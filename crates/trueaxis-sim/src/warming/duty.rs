@@ -1,17 +1,17 @@
-//! What a shift asks of the machine: spells of speed, feed and coolant, and the air of the hall.
+//! Load of a shift on the machine: spells of speed, feed and coolant, and the air of the hall.
 
 use super::SHIFT_S;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore, SeedableRng};
 
-/// Kinds of shifts: other speeds and other spells.
+/// Kinds of shifts: they differ in speeds and spells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     Recorded,
     Judged,
 }
 
-/// What acts on the machine at a moment.
+/// Conditions that act on the machine at a moment.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Conditions {
     pub(super) rpm: f64,
@@ -33,7 +33,7 @@ struct Spell {
 #[derive(Clone, Debug)]
 pub(super) struct Shift {
     spells: Vec<Spell>,
-    /// Morning temperature, rise over the day, and when the gate stands open.
+    /// Morning temperature, rise over the day, and time at which the gate opens.
     morning_c: f64,
     rise_k: f64,
     gate_s: u32,
@@ -45,7 +45,7 @@ fn range(random: &mut ChaCha8Rng, low: f64, high: f64) -> f64 {
 }
 
 impl Shift {
-    /// The shift of a number, drawn from a seed.
+    /// Draws shift `number` from a seed.
     pub(super) fn drawn(seed: u64, number: u32, kind: Kind) -> Shift {
         let mut random = ChaCha8Rng::seed_from_u64(seed.wrapping_mul(1_000) + u64::from(number));
         let (speeds, spells): (&[f64], [f64; 2]) = match kind {
@@ -68,14 +68,15 @@ impl Shift {
         }
     }
 
-    /// At a time of the shift, s.
+    /// Conditions at a time of the shift, s.
     pub(super) fn at(&self, t_s: u32) -> Conditions {
         let spell = self.spells.iter().find(|spell| t_s < spell.until_s);
         let (rpm, feed, coolant) = spell.map_or((0.0, 0.0, false), |spell| (spell.rpm, spell.feed, spell.coolant));
         Conditions { rpm, feed, coolant, air_c: self.air_c(t_s) }
     }
 
-    /// Warmer towards the afternoon, ripples of the heating, three kelvin less while the gate was just open.
+    /// Air temperature: it rises towards the afternoon, ripples with the heating, and is three kelvin lower just after the
+    /// gate opened.
     fn air_c(&self, t_s: u32) -> f64 {
         let t = f64::from(t_s);
         let day = self.rise_k * libm::sin(1.6 * t / f64::from(SHIFT_S));
@@ -85,7 +86,7 @@ impl Shift {
         self.morning_c + day + heating - gate
     }
 
-    /// Air of the night behind it.
+    /// Air temperature in the night after the shift.
     pub(super) fn night_c(&self) -> f64 {
         self.morning_c
     }

@@ -1,4 +1,4 @@
-//! Sensors of temperature, and the probe.
+//! Temperature sensors, and the probe.
 
 use super::bodies::{Bodies, Node};
 use super::duty::{Conditions, Shift};
@@ -10,20 +10,20 @@ use rand_distr::{Distribution, StandardNormal};
 pub const SENSORS: [&str; 9] =
     ["nose", "head", "column_front", "column_back", "bed", "screw", "table", "coolant", "air"];
 
-/// Noise of a sensor, K, and its step: an eighth of a kelvin in sixteenths, as of a digital one.
+/// Noise and step of a sensor, K: a digital one reads in sixteenths of a kelvin.
 const NOISE_K: f64 = 0.02;
 const STEP_K: f64 = 0.0625;
-/// Its own lag, s.
+/// Lag of a sensor, s.
 const LAG_S: f64 = 25.0;
 
-/// The sensors, each behind a lag of its own.
+/// The sensors, each behind a separate lag.
 #[derive(Clone, Debug)]
 pub(super) struct Sensors {
     followed: [f64; SENSORS.len()],
     random: ChaCha8Rng,
 }
 
-/// Temperatures where the sensors sit: on skins, none in a core.
+/// Temperatures at the sensors: on skins, none in a core.
 fn places(bodies: &Bodies, now: &Conditions) -> [f64; SENSORS.len()] {
     let of = |node| bodies.of(node);
     [
@@ -51,7 +51,7 @@ impl Sensors {
         }
     }
 
-    /// What they read, °C.
+    /// Readings of the sensors, °C.
     pub(super) fn read(&mut self) -> [f64; SENSORS.len()] {
         let random = &mut self.random;
         self.followed.map(|temperature| {

@@ -1,5 +1,5 @@
-//! A machine that warms over its shifts, its growth found from a record, and a shift of another kind with the task and the
-//! step in the loop.
+//! A machine that warms up over several shifts, the fit of its thermal growth to a record, and a shift of another kind with
+//! the task and the step in the loop.
 //!
 //! ```text
 //! duty ─► bodies (lumped masses) ─► drift at the tip ─► probed: record ─► fit ─► task ─► step ─► what is left of the drift
@@ -8,8 +8,8 @@
 //! ```
 //!
 //! Bodies are masses of two nodes each, skin and core, that exchange heat with one another, air and coolant; the drift is a
-//! sum over lengths and their expansion. Nothing of it has the form that is fitted: no lag of a single time constant, no
-//! curve of a sensor.
+//! sum over lengths and their expansion. No part of it has the form that is fitted: there is no lag of a single time constant
+//! and no curve of a sensor.
 
 mod bodies;
 mod corrected;
@@ -33,17 +33,17 @@ use trueaxis_tables::Machine;
 pub const SHIFT_S: u32 = 28_800;
 /// Rest between two shifts, s.
 pub const NIGHT_S: u32 = 57_600;
-/// Time between two moments of the record, s.
+/// Interval between two moments of the record, s.
 pub const PROBED_EVERY_S: u32 = 300;
 /// Measuring points of the record: X, Y, Z and length of the tool, mm.
 pub const POINTS: [[f64; 4]; 4] =
     [[-200.0, 0.0, -200.0, 60.0], [200.0, 0.0, -200.0, 60.0], [0.0, 0.0, -380.0, 60.0], [0.0, 0.0, -200.0, 220.0]];
 
-/// Step of the bodies' heat, s.
+/// Time step of the heat simulation, s.
 const STEP_S: u32 = 2;
 
-/// Drift of a machine over a shift that nobody corrects, from where it stood when the shift began: every `every_s` seconds (an
-/// even number) at points X, Y, Z and length of the tool, mm; error of the tool relative to the workpiece, mm.
+/// Drift of an uncorrected machine over a shift, relative to its state when the shift began: every `every_s` seconds (an even
+/// number) at points X, Y, Z and length of the tool, mm; error of the tool relative to the workpiece, mm.
 pub fn drift_of_shift(seed: u64, every_s: u32, points: &[[f64; 4]]) -> Vec<Vec<[f64; 3]>> {
     let shift = Shift::drawn(seed, 0, Kind::Judged);
     let mut bodies = Bodies::at(shift.at(0).air_c);
@@ -69,18 +69,18 @@ pub struct Warming {
     pub machine: Machine,
     /// Seed of duty cycles and noise.
     pub seed: u64,
-    /// Shifts of the record, the last of which is held out.
+    /// Number of recorded shifts, the last of which is held out.
     pub shifts: u32,
     /// Standard deviation of a reading of the probe, µm.
     pub noise_um: f64,
-    /// Time between two updates of the task, s.
+    /// Interval between two updates of the task, s.
     pub update_s: u32,
-    /// A sensor that goes missing half-way through the judged shift: its index in [`SENSORS`].
+    /// Index in [`SENSORS`] of a sensor that fails half-way through the judged shift.
     pub fails: Option<usize>,
 }
 
 impl Warming {
-    /// Records shifts, fits, and runs a shift of another kind with the fit; `tell` is called with what is going on.
+    /// Records shifts, fits, and runs a shift of another kind with the fit; `tell` is called with the current activity.
     ///
     /// # Errors
     /// A machine whose tables do not build; a record that the fit refuses.
@@ -111,7 +111,7 @@ impl Warming {
             let shift = Shift::drawn(self.seed, number, Kind::Recorded);
             let begins = f64::from(number) * f64::from(SHIFT_S + NIGHT_S);
             let mut sensors = Sensors::new(self.seed ^ (u64::from(number) << 8), bodies, &shift);
-            // The instrument is set to zero as the shift begins.
+            // The instrument is zeroed when the shift begins.
             let zero = POINTS.map(|point| drift::drift(bodies, point));
             for t in (0..=SHIFT_S).step_by(STEP_S as usize) {
                 if t.is_multiple_of(PROBED_EVERY_S) {

@@ -1,4 +1,4 @@
-//! What a warming has come to.
+//! Results of a warming.
 
 use super::instruments::SENSORS;
 use serde::Serialize;
@@ -7,25 +7,25 @@ use trueaxis_metrology::thermal::{Fit, HeldOut, Record};
 /// Number of places at which a shift is judged.
 const PLACES: usize = 4;
 
-/// Drift and what is left of it at one place, in X, Y, Z, mm.
+/// Drift and residual at one place, in X, Y, Z, mm.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct PointError {
-    /// Without the task, from the beginning of the shift.
+    /// Without the task, relative to the beginning of the shift.
     pub drift_mm: [f64; 3],
-    /// With it.
+    /// With the task: the residual.
     pub left_mm: [f64; 3],
 }
 
 /// A moment of the judged shift.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Moment {
-    /// Since its beginning, s.
+    /// Time since the shift began, s.
     pub t_s: f64,
-    /// Speed of the spindle.
+    /// Spindle speed, rpm.
     pub rpm: f64,
     /// Readings of the sensors, °C.
     pub temperatures_c: [f64; SENSORS.len()],
-    /// At every place.
+    /// Drift and residual at every place.
     pub places: [PointError; PLACES],
 }
 
@@ -49,35 +49,35 @@ pub(super) struct Judged {
     pub(super) failed: Option<&'static str>,
 }
 
-/// What a warming has come to.
+/// Results of a warming.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Outcome {
-    /// What was recorded.
+    /// The recorded shifts.
     pub record: Record,
-    /// What was found in it.
+    /// The fit to the record.
     pub found: Fit,
-    /// Drift and what is left in the recorded shifts, the last of them held out.
+    /// Drift and residual in the recorded shifts, the last of them held out.
     pub recorded: Vec<HeldOut>,
     /// The judged shift.
     pub moments: Vec<Moment>,
-    /// Largest drift of the judged shift over places, axes and time, mm, and the largest that is left.
+    /// Largest drift of the judged shift over places, axes and time, and largest residual, mm.
     pub largest_mm: [f64; 2],
-    /// Root mean squares of both.
+    /// Root mean squares of drift and residual, mm.
     pub rms_mm: [f64; 2],
-    /// Largest drift and what is left, in X, Y, Z, mm.
+    /// Largest drift and largest residual in X, Y, Z, mm.
     pub axes_mm: [[f64; 2]; 3],
     /// Largest change of a correction from one cycle of the step to the next, mm.
     pub largest_step_mm: f64,
-    /// Largest share of the limiter's slope or acceleration that a correction took.
+    /// Largest share of the limiter's slope or acceleration that a correction used.
     pub of_limits: f64,
-    /// A correction had not settled within the cycles behind an update.
+    /// Whether a correction had not settled within the cycles after an update.
     pub unsettled: bool,
-    /// The step requested a stop.
+    /// Whether the step requested a stop.
     pub stopped: bool,
-    /// The task told something other than that all is good.
+    /// Whether the task reported anything but a good state.
     pub told: bool,
-    /// The sensor that went missing.
+    /// The sensor that failed.
     pub failed: Option<&'static str>,
 }
 
@@ -107,7 +107,7 @@ impl Outcome {
         }
     }
 
-    /// Largest that is left over the largest drift.
+    /// Largest residual divided by the largest drift.
     pub fn left_share(&self) -> f64 {
         self.largest_mm[1] / self.largest_mm[0].max(f64::MIN_POSITIVE)
     }

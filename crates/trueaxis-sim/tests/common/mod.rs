@@ -1,4 +1,4 @@
-//! The machine and the program of these tests.
+//! The machine and the program used by these tests.
 
 use std::path::Path;
 use trueaxis_tables::Machine;
@@ -6,7 +6,7 @@ use trueaxis_tables::Machine;
 /// Lines, an arc and a rapid.
 pub(crate) const PROGRAM: &str = "G21 G90 F1500\nG1 X10\nG2 X10 Y-20 J-10\nG1 X0 Y0\nG0 Z5\n";
 
-/// A sample with friction, dynamic correction and contour feedback.
+/// A sample machine with friction, dynamic correction and contour feedback.
 pub(crate) fn machine() -> Machine {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../compensation-tables/mill-3axis");
     Machine::read(&folder).unwrap()

@@ -9,9 +9,9 @@ use trueaxis_report::{
     side_by_side,
 };
 
-/// Share of the drawn radius that the largest deviation takes.
+/// Share of the drawn radius occupied by the largest deviation.
 const SHARE: f64 = 0.22;
-/// Points of a drawn surface: the peaks of harmonic 100 are drawn within 0.3 %.
+/// Points of a drawn surface: peaks of harmonic 100 are drawn within 0.3 %.
 const DRAWN: usize = 2048;
 
 /// Name, colour and data of both runs.
@@ -22,7 +22,7 @@ fn both(outcome: &Outcome) -> [(&'static str, Colour, &Run); 2] {
     ]
 }
 
-/// Number of the first harmonic that is corrected.
+/// Number of the first corrected harmonic.
 fn first_corrected(grinding: &Grinding) -> usize {
     grinding.machine.settings.roundness.and_then(|gauge| gauge.infeed).map_or(2, |infeed| infeed.band.first.into())
 }
@@ -73,7 +73,7 @@ pub(super) fn surfaces(grinding: &Grinding, outcome: &Outcome) -> Markup {
     ])
 }
 
-/// Surfaces round the pin, deviations magnified.
+/// Surfaces around the pin, with magnified deviations.
 fn surface(pin_mm: f64, surfaces: &[Surface<'_>]) -> Figure {
     let largest = surfaces.iter().flat_map(|(.., of)| of.iter()).fold(0.0, |worst: f64, um| worst.max(um.abs()));
     let magnification = if largest > 0.0 { round_down(SHARE * pin_mm / (1e-3 * largest)) } else { 1.0 };
@@ -145,7 +145,7 @@ pub(super) fn correction(grinding: &Grinding, outcome: &Outcome) -> Figure {
     figure
 }
 
-/// A closed curve in the plane, without its mean and, if asked, without its first harmonic.
+/// A closed curve in the plane, without its mean and optionally without its first harmonic.
 fn centred(points: &[[f64; 2]], first_too: bool) -> Vec<[f64; 2]> {
     let n = points.len().max(1) as f64;
     let mut terms = [[0.0; 3]; 2];

@@ -1,4 +1,4 @@
-//! The page of a grinding run.
+//! The HTML report of a grinding run.
 
 mod figures;
 mod tables;
@@ -15,15 +15,15 @@ use trueaxis_report::{
     number::{count, quantity, significant},
 };
 
-/// Writes the page to `grinding.html` in `directory`, which is created if need be; returns the file's path.
+/// Writes the page to `grinding.html` in `directory`, which is created if needed; returns the file's path.
 ///
 /// # Errors
-/// The file system's error where the page cannot be written; nothing is left behind then.
+/// The file system's error if the page cannot be written; nothing is left behind.
 pub fn write(grinding: &Grinding, outcome: &Outcome, directory: &Path) -> io::Result<PathBuf> {
     write_page(directory, "grinding.html", &render(grinding, outcome), Vec::new())
 }
 
-/// The page as one HTML document, which is well-formed XML too.
+/// The page as one HTML document that is also well-formed XML.
 #[must_use]
 pub fn render(grinding: &Grinding, outcome: &Outcome) -> String {
     Page::new("Grinding a crankpin")

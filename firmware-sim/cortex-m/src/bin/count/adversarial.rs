@@ -1,4 +1,4 @@
-//! The whole step over adversarial cycles: the dearest of a hundred thousand, and a digest of all outputs.
+//! The whole step over adversarial cycles: the most expensive of a hundred thousand, and a digest of all outputs.
 
 use crate::arena::Arena;
 use crate::forms::{Cycle, FORMS, Machine, STAGES};
@@ -17,12 +17,12 @@ const NAMES: [&str; FORMS] = ["adversarial", "adversarial_gauge", "adversarial_v
 /// Kinds of courses.
 const KINDS: [&str; 8] =
     ["corners", "hairpins", "short_spans", "racetrack", "rational", "helix_quintic", "cusps", "small_circle"];
-/// What cycles were met with, so that they do not become easier unnoticed.
+/// Conditions that the cycles meet, counted so that the cycles do not become easier unnoticed.
 const MET: [&str; 6] = ["active", "frozen", "stopped", "limited", "bracketed", "undisturbed"];
-/// Dearest cycles that are listed, for the host to count.
+/// Number of most expensive cycles that are listed for the host to count.
 const DEAREST: usize = 256;
 
-/// The dearest cycles of one form, unordered.
+/// The most expensive cycles of one form, unordered.
 struct Dearest {
     kept: [(u32, u32); DEAREST],
     least: usize,
@@ -43,7 +43,7 @@ impl Dearest {
     }
 }
 
-/// The courses, and a cycle on them.
+/// The courses and the adversary that drives on them.
 struct Run<'a, R: Wire<Place = P>, P: Integer> {
     machine: &'a Machine<R, P>,
     courses: &'a [Course<R, P>],
@@ -72,7 +72,7 @@ impl<'a, R: Wire<Place = P>, P: Integer> Run<'a, R, P> {
     }
 }
 
-/// What is found over all of them, by form, by kind of course, by stage.
+/// Results over all cycles, by form, by kind of course, by stage.
 struct Found {
     forms: [Tally; FORMS],
     middle: [Middle; FORMS],
@@ -96,7 +96,7 @@ impl Found {
         }
     }
 
-    /// Runs and adds a cycle.
+    /// Runs a cycle and adds its counts.
     fn add<R: Wire<Place = P>, P: Integer>(&mut self, number: u32, moment: &Moment<R, P>, cycle: &Cycle<'_, R, P>) {
         let mut last = None;
         let (counts, _) = cycle.count(|form, output| {
@@ -151,7 +151,7 @@ impl Found {
     }
 }
 
-/// Counts all of them.
+/// Counts all cycles.
 pub fn all<R: Wire<Place = P>, P: Integer>(scalar: &str, machine: &Machine<R, P>, arena: &mut Arena) {
     let mut run = Run::new(machine, arena);
     let mut found = Found::new(arena);
@@ -163,7 +163,7 @@ pub fn all<R: Wire<Place = P>, P: Integer>(scalar: &str, machine: &Machine<R, P>
     replay(scalar, machine, found.dearest[0].worst(), arena);
 }
 
-/// Runs the scene of a cycle up to it, and prints its inputs, what it found and its stages.
+/// Runs a cycle's scene up to that cycle, and prints its inputs, its results and its stages.
 pub fn replay<R: Wire<Place = P>, P: Integer>(scalar: &str, machine: &Machine<R, P>, number: u32, arena: &mut Arena) {
     let mut run = Run::new(machine, arena);
     let mut last = None;

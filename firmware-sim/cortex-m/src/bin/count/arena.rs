@@ -1,4 +1,4 @@
-//! Memory that is lent once and never given back.
+//! A memory arena that lends memory once and never takes it back.
 
 use core::mem::MaybeUninit;
 
@@ -11,14 +11,14 @@ struct Memory {
 
 static mut MEMORY: Memory = Memory { _bytes: MaybeUninit::uninit() };
 
-/// Memory that is still free.
+/// The memory that is still free.
 pub struct Arena {
     next: usize,
     end: usize,
 }
 
 impl Arena {
-    /// The whole of it: nothing lent before may be used any more.
+    /// Takes the whole arena; nothing lent before may be used any more.
     pub fn take() -> Self {
         let start = (&raw mut MEMORY) as usize;
         Arena { next: start, end: start + BYTES }
@@ -31,23 +31,23 @@ impl Arena {
         start as *mut T
     }
 
-    /// A slice of `count` copies.
+    /// A slice of `count` copies of a value.
     pub fn slice<T: Copy>(&mut self, count: usize, value: T) -> &'static mut [T] {
         let start = self.room::<T>(count);
-        // SAFETY: aligned room inside the arena, lent to nobody else.
+        // SAFETY: aligned memory inside the arena, lent to nobody else.
         unsafe {
             (0..count).for_each(|i| start.add(i).write(value));
             core::slice::from_raw_parts_mut(start, count)
         }
     }
 
-    /// A slice of what an iterator yields.
+    /// A slice of an iterator's items.
     pub fn collect<T>(&mut self, items: impl Iterator<Item = T>) -> &'static mut [T] {
         let start = self.room::<T>(0);
         let mut count = 0;
         for item in items {
             let place = self.room::<T>(1);
-            // SAFETY: as above; one item lies behind the other.
+            // SAFETY: as above; the items are contiguous.
             unsafe { place.write(item) };
             count += 1;
         }

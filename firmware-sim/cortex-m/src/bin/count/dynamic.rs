@@ -14,7 +14,7 @@ use trueaxis_recording::Integer;
 use trueaxis_recording::adversary::{Adversary, COURSES, Course, DYNAMIC_CYCLES, Digest, ServoParts, vary};
 use trueaxis_recording::outputs::Wire;
 
-/// What is configured, and its name in the counts: friction on three axes, with feedback, with everything.
+/// Configurations and their names in the counts: friction on three axes, with feedback, with everything.
 const CONFIGURED: [(ServoParts, &str); 3] = [
     (ServoParts::Friction, "step_friction"),
     (ServoParts::Feedback, "step_feedback"),
@@ -45,7 +45,7 @@ fn step<R: Real, P: Integer>(cycle: &Cycle<'_, R, P>) -> u32 {
     0
 }
 
-/// On the tables in force from the start and those they are exchanged for.
+/// Builds the loops on the tables in force from the start and on those exchanged for them.
 fn loops<R: Real, P: Integer>(parts: ServoParts, arena: &mut Arena) -> &'static [Loop<R, P>; 2] {
     let period_ns = recording().header().period_ns;
     let loops = files().map(|file| build(&file, |settings| parts.configure(settings), period_ns, arena));

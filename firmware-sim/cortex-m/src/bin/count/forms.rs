@@ -1,4 +1,4 @@
-//! The forms of the step that are counted: bare, with a gauge, with all terms, and stage by stage.
+//! The counted forms of the step: bare, with a gauge, with all terms, and stage by stage.
 
 use crate::arena::Arena;
 use core::cell::RefCell;
@@ -27,21 +27,21 @@ pub const STAGES: [(Stage, &str); 5] = [
 pub const FORMS: usize = 3;
 
 type Form<R, P> = fn(&Cycle<'_, R, P>) -> u32;
-/// A loop on tables in flash.
+/// A servo loop on tables in flash.
 pub type Loop<R, P> = ServoLoop<'static, R, P, AXES>;
 
-/// Everything that cycles run on: the tables in force from the start and those they are exchanged for.
+/// The immutable data of all cycles: the tables in force from the start and those exchanged for them.
 pub struct Machine<R: Real, P: Integer> {
     nine: [Loop<R, P>; 2],
     all_terms: [Loop<R, P>; 2],
     gauge: &'static Gauge<R, POINTS>,
     memory: RefCell<Memory<R, P>>,
-    /// Instructions of a call that does nothing, and ticks between two readings of the timer in a row.
+    /// Instructions of an empty call, and ticks between two consecutive readings of the timer.
     frame: u32,
     apart: u32,
 }
 
-/// Memory that a cycle changes: a state for each form of the step, and the output.
+/// Memory that a cycle modifies: a state for each form of the step, and the output.
 struct Memory<R: Real, P: Integer> {
     bare: State<R, P, AXES>,
     gauged: State<R, P, AXES>,
@@ -54,20 +54,20 @@ struct Memory<R: Real, P: Integer> {
 /// A cycle about to run.
 pub struct Cycle<'a, R: Real, P: Integer> {
     machine: &'a Machine<R, P>,
-    /// The second tables are in force, in the nine terms; in all terms.
+    /// Whether the second tables are in force: for the nine terms, and for all terms.
     pub exchanged: bool,
     pub all_exchanged: bool,
     /// The path.
     pub path: Path<'a, R, P>,
-    /// Place on it.
+    /// Reference on the path.
     pub reference: Reference<R>,
-    /// Of the step.
+    /// Input of the step.
     pub input: Input<P, AXES>,
-    /// Of the gauge.
+    /// Input of the gauge.
     pub probes: Probes<R>,
 }
 
-/// A loop on the tables of a file, after a change of its settings.
+/// Builds a loop on the tables of a file after changing its settings.
 pub fn build<R: Real, P: Integer>(
     file: &Tcomp<'static>,
     change: impl FnOnce(&mut MachineSettings),
@@ -94,7 +94,7 @@ pub fn files() -> [Tcomp<'static>; 2] {
 }
 
 impl<R: Real, P: Integer> Machine<R, P> {
-    /// Of the table files in flash.
+    /// Builds the machine from the table files in flash.
     pub fn flashed(period_ns: u32, arena: &mut Arena) -> &'static Self {
         let files = files();
         let mut both = |model| {
@@ -137,12 +137,12 @@ impl<R: Real, P: Integer> Machine<R, P> {
         }
     }
 
-    /// A fresh state of the nine terms.
+    /// A fresh state of the nine-term form.
     pub fn start(&self) -> State<R, P, AXES> {
         self.nine[0].start()
     }
 
-    /// Fresh states.
+    /// Resets all states.
     pub fn restart(&self) {
         let memory = &mut *self.memory.borrow_mut();
         let state = self.start();
@@ -151,22 +151,22 @@ impl<R: Real, P: Integer> Machine<R, P> {
         self.gauge.restart(&mut memory.gauge);
     }
 
-    /// Something done to the states of all forms.
+    /// Applies a change to the states of all forms.
     pub fn each_state(&self, mut change: impl FnMut(&mut State<R, P, AXES>)) {
         let memory = &mut *self.memory.borrow_mut();
         let states = [&mut memory.bare, &mut memory.gauged, &mut memory.watched, &mut memory.volumetric];
         states.into_iter().for_each(&mut change);
     }
 
-    /// The output of the cycle that ran last.
+    /// The output of the latest cycle.
     pub fn output(&self) -> Output<R, P, AXES> {
         self.memory.borrow().output
     }
 }
 
 impl<R: Real, P: Integer> Cycle<'_, R, P> {
-    /// Runs the forms of the step in turn: instructions, revolutions evaluated. `seen` gets the number of each form and
-    /// its output.
+    /// Runs the forms of the step in turn; returns their instructions and the number of revolutions evaluated. `seen` gets the
+    /// number of each form and its output.
     pub fn count(&self, mut seen: impl FnMut(usize, &Output<R, P, AXES>)) -> ([u32; FORMS], u32) {
         let mut revolutions = 0;
         let mut counts = [0; FORMS];
@@ -180,12 +180,12 @@ impl<R: Real, P: Integer> Cycle<'_, R, P> {
         (counts, revolutions)
     }
 
-    /// Runs the bare form alone: instructions.
+    /// Runs only the bare form; returns its instructions.
     pub fn count_bare(&self) -> u32 {
         timed(bare, self).0 - self.machine.frame
     }
 
-    /// Runs the step stage by stage: instructions of each, the readings of the timer taken off.
+    /// Runs the step stage by stage; returns the instructions of each, without those of reading the timer.
     pub fn stages(&self) -> [u32; STAGES.len()] {
         stages(self).map(|ticks| instructions(ticks.saturating_sub(self.machine.apart)))
     }

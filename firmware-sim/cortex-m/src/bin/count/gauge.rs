@@ -1,4 +1,4 @@
-//! The gauge's stages, N = 1024, nine and a half cycles to a point.
+//! The gauge's stages, N = 1024, at nine and a half cycles per point.
 
 use crate::arena::Arena;
 use core::hint::black_box;
@@ -11,7 +11,7 @@ use trueaxis::{Axis, Real};
 use trueaxis_cortex_m::timer::{Tally, timed};
 
 const POINTS: usize = 1024;
-/// Forward transform, pairs, harmonics kept and inverse of 1024 points, and the eleven units between them.
+/// Units of work: forward transform, pairs, harmonics kept and inverse of 1024 points, and the eleven units between them.
 const TRANSFORM_UNITS: usize = 512 + 256 + 127 + 512 + 11;
 
 fn settings(whole: bool) -> GaugeSettings {
@@ -37,7 +37,7 @@ fn settings(whole: bool) -> GaugeSettings {
     settings
 }
 
-/// A stage with everything it works on.
+/// A stage with all its data.
 struct Stage<'a, R: Real> {
     gauge: &'a Gauge<R, POINTS>,
     state: *mut GaugeState<R, POINTS>,
@@ -84,7 +84,7 @@ fn count<R: Real>(name: &str, whole: bool, gauge: &mut Gauge<R, POINTS>, state: 
     let (mut sampling, mut slices, mut transform, mut feeding) =
         (Tally::default(), Tally::default(), Tally::default(), Tally::default());
     let mut finished = 0;
-    // Nine and a half cycles to a point.
+    // Nine and a half cycles per point.
     for cycle in 0i32..32_000 {
         let counts = cycle * 431 - 1000;
         let before = counts - 431;
@@ -121,7 +121,7 @@ fn count<R: Real>(name: &str, whole: bool, gauge: &mut Gauge<R, POINTS>, state: 
     }
 }
 
-/// Counts the stages, as they are by default and with everything that a gauge can have.
+/// Counts the stages with the default settings and with every option of a gauge.
 pub fn all<R: Real>(name: &str, arena: &mut Arena) {
     let gauge = match Gauge::build(&settings(false), 100_000) {
         Ok(gauge) => gauge,

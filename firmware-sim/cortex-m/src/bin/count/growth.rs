@@ -1,4 +1,4 @@
-//! Thermal growth: the task's update, and what the servo interrupt does with it.
+//! Thermal growth: the task's update, and its handling in the servo interrupt.
 
 use crate::arena::Arena;
 use crate::forms::{AXES, Machine};
@@ -33,7 +33,7 @@ fn seal(bytes: &mut Bytes) {
     put(bytes, &sum.to_le_bytes());
 }
 
-/// The largest growth there is: all sensors, knots, speeds and axes.
+/// The largest possible growth: all sensors, knots, speeds and axes.
 fn file() -> Bytes {
     let mut bytes = Bytes::new();
     let to = &mut bytes;
@@ -66,7 +66,7 @@ fn file() -> Bytes {
     bytes
 }
 
-/// With readings that rise by 0.1 K from row to row.
+/// The growth with readings that rise by 0.1 K from row to row.
 fn flashed(arena: &mut Arena) -> Warming<'static> {
     let growth = file();
     let mut bytes = Bytes::new();
@@ -116,7 +116,7 @@ fn task(scalar: &str, warming: Warming<'static>) {
     hprintln!("{} thermal_update {}", scalar, updates);
 }
 
-/// The interrupt's end of the queue and the step's state in a cycle.
+/// The interrupt's end of the queue, and the step's state in a cycle.
 struct Taking<R: Real, P: Integer>(Warming<'static>, RefCell<(Growths<R, AXES>, State<R, P, AXES>)>, Cell<u32>);
 
 #[inline(never)]
@@ -150,7 +150,7 @@ fn interrupt<R: Real, P: Integer>(scalar: &str, warming: Warming<'static>, machi
     assert!((growths.taken, growths.late) == (1, 1), "one growth taken, late");
 }
 
-/// Counts both.
+/// Counts the task and the interrupt.
 pub fn all<R: Real, P: Integer>(scalar: &str, machine: &Machine<R, P>, arena: &mut Arena) {
     let warming = flashed(arena);
     task(scalar, warming);

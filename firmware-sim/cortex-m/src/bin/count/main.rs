@@ -1,9 +1,9 @@
-//! Instructions of the step and its parts on a Cortex-M, counted in QEMU (see `count.sh`).
+//! Counts the instructions of the step and its parts on a Cortex-M, in QEMU (see `count.sh`).
 //!
-//! QEMU counts instructions, not cycles: with `-icount shift=7` one instruction takes 128 ns of virtual time, in which
-//! the board's 25 MHz timer ticks 3.2 times. The call of an empty function is subtracted.
+//! QEMU counts instructions, not cycles: with `-icount shift=7` one instruction takes 128 ns of virtual time, in which the
+//! board's 25 MHz timer ticks 3.2 times. The cost of calling an empty function is subtracted.
 //!
-//! Tables and a recording are where the image has them ([`trueaxis_cortex_m::regions`]).
+//! Tables and recording are at the same addresses as in the image ([`trueaxis_cortex_m::regions`]).
 
 #![no_std]
 #![no_main]
@@ -58,7 +58,7 @@ fn count<R: Wire<Place = P>, P: Integer>(scalar: &str, adversarial: bool) {
     }
 }
 
-/// Runs up to one cycle that was asked for.
+/// Runs up to the requested cycle.
 fn replay<R: Wire<Place = P>, P: Integer>(scalar: &str, request: Request) {
     let mut arena = Arena::take();
     let machine = Machine::flashed(recorded::recording().header().period_ns, &mut arena);

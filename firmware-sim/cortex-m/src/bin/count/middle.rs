@@ -1,11 +1,11 @@
-//! Middle value of many counts.
+//! Median of many counts.
 
 use crate::arena::Arena;
 
-/// Larger counts are taken for this.
+/// Larger counts are clamped to this value.
 const LARGEST: usize = 1 << 14;
 
-/// How often each count occurred, and in which cycle first.
+/// Frequency of each count, and the first cycle in which it occurred.
 pub struct Middle {
     times: &'static mut [u32],
     first: &'static mut [u32],
@@ -34,7 +34,7 @@ impl Middle {
             .unwrap_or(0)
     }
 
-    /// The first cycle that took the middle value.
+    /// The first cycle whose count was the median.
     pub fn first(&self) -> u32 {
         self.first[self.value()]
     }

@@ -18,13 +18,13 @@ pub fn recording() -> Recording<'static, AXES> {
     }
 }
 
-/// Hands every cycle of the recording to `run`, the second tables in force from the cycle that asks for them on.
+/// Passes every cycle of the recording to `run`; the second tables are in force from the cycle that requests them.
 fn each<R: Real, P: Integer>(machine: &Machine<R, P>, arena: &mut Arena, mut run: impl FnMut(u32, &Cycle<'_, R, P>)) {
     let recording = recording();
     let header = recording.header();
     let spans: &[_] = arena.collect(recording.path::<R, P>());
     let mut cycle = machine.cycle(Path::new(spans, 0, false), header.period_ns);
-    // All terms are counted on cubic tables, whatever those of the nine are.
+    // All terms are counted on cubic tables, whatever the tables of the nine terms are.
     cycle.all_exchanged = true;
     machine.restart();
     for number in 0..header.cycles {
@@ -73,9 +73,9 @@ pub fn all<R: Real, P: Integer>(scalar: &str, machine: &Machine<R, P>, arena: &m
     hprintln!("{} state bytes {}", scalar, size_of::<State<R, P, AXES>>());
 }
 
-/// Runs the recording up to a cycle, the bare form of the step alone.
+/// Runs the recording up to a cycle, in the bare form only.
 pub fn replay<R: Real, P: Integer>(scalar: &str, machine: &Machine<R, P>, number: u32, arena: &mut Arena) {
-    // Later cycles do not run: the last call is the one that was asked for.
+    // Later cycles do not run, so the last call is the requested one.
     each(machine, arena, |at, cycle| {
         if at <= number {
             let taken = cycle.count_bare();

@@ -1,4 +1,4 @@
-//! Parts of the step by themselves, with the inputs that the host's counts have.
+//! Parts of the step in isolation, with the same inputs as the host's counts.
 
 use crate::arena::Arena;
 use core::hint::black_box;
@@ -17,7 +17,7 @@ use trueaxis_cortex_m::timer::{Tally, timed};
 /// Points of a table.
 const POINTS: usize = 128;
 
-/// A table with errors of some 10 µm and some 10 µrad, at equal distances or not.
+/// A table with errors of some 10 µm and some 10 µrad, with equal or unequal spacing.
 struct Table {
     axis: Axis,
     free: bool,
@@ -44,7 +44,7 @@ impl Rows for Table {
 }
 
 impl Table {
-    /// 0 to 1, the same for the same index.
+    /// A pseudo-random number from 0 to 1, determined by the indices.
     fn scatter(&self, place: usize, k: usize) -> f64 {
         let mixed = ((place * 31 + k * 7 + self.axis.index() * 101 + 1) as u32).wrapping_mul(2_654_435_761);
         f64::from(mixed >> 8) / f64::from(1u32 << 24)
@@ -87,7 +87,7 @@ fn volumetric<R: Real, P: Position, const N: usize>(arena: &mut Arena) -> &'stat
     }
 }
 
-/// A number that the compiler must compute, and nobody reads.
+/// Makes the compiler compute a value that is not used.
 fn sink<T>(value: T) -> u32 {
     black_box(&value);
     0
@@ -117,7 +117,7 @@ fn pose<R: Real, P: Position, const N: usize>(of: &Pose<R, P, N>) -> u32 {
     sink(of.0.pose_error(&Query::at(&of.1, &[Direction::POSITIVE; N], &[ThermalLine::default(); N]), &mut 0))
 }
 
-/// A foot to be found, and where it is looked for.
+/// A foot search: span, point and initial guess.
 struct Near<R: Real, P: Position> {
     span: Span<R, P>,
     point: [P; 3],
@@ -175,7 +175,7 @@ fn limiter<R: Real>(scalar: &str) {
     hprintln!("{} limiter_binding {}", scalar, binding);
 }
 
-/// The butterfly's rational cubic between two of its points, and the same without weights.
+/// The butterfly's rational cubic between two of its points, and the same curve without weights.
 fn cubic(weights: [f64; 4]) -> Segment<'static> {
     static POINTS: [DVec3; 4] =
         [DVec3::ZERO, DVec3::new(1.1, 3.4, 0.0), DVec3::new(3.9, 4.4, 0.0), DVec3::new(6.0, 2.1, 0.0)];
@@ -211,7 +211,7 @@ fn contour<R: Real, P: Position>(scalar: &str, name: &str, weights: [f64; 4], ar
     searches(scalar, name, spans);
 }
 
-/// A warm search, and queries of every kind: on the path, up to 50 µm on, the tool up to 35 µm beside the path.
+/// A warm search: the reference moves up to 50 µm along the path, the tool is up to 35 µm beside it.
 struct Search<R: Real, P: Position> {
     search: ContourSearch<R>,
     path: Path<'static, R, P>,
@@ -272,7 +272,7 @@ fn searches<R: Real, P: Position>(scalar: &str, name: &str, spans: &'static [Spa
     hprintln!("{} contour_any_{} {}", scalar, name, all);
 }
 
-/// The root by the processor's instruction is the one that libm rounds correctly.
+/// Checks that the processor's square root equals the correctly rounded root of libm.
 fn roots() {
     for i in 1..2000u32 {
         let single = f32::from_bits(i * 1_048_583 % 0x7f80_0000);
@@ -282,7 +282,7 @@ fn roots() {
     }
 }
 
-/// Counts all of them.
+/// Counts all parts.
 pub fn all<R: Real, P: Position>(scalar: &str, arena: &mut Arena) {
     let place = [P::of(-123.4), P::of(56.7), P::of(301.2)];
     let even = nine::<R, P>(false, arena);

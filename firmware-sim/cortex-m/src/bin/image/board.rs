@@ -1,13 +1,13 @@
 //! Registers of the board: the servo timer and two serial ports.
 
-/// Ticks of the board's clock, 25 MHz, in a servo cycle: 84,000 instructions, of which QEMU executes one in 128 ns.
+/// Ticks of the board's 25 MHz clock in a servo cycle: 84,000 instructions, of which QEMU executes one in 128 ns.
 ///
-/// As many as a core of 168 MHz executes in 1 ms at two clocks each. Step and telemetry keep up at a quarter of it, in
-/// software doubles and byte by byte through two ports; what is left decides how soon other tables are in force, whose
-/// check takes some 35 million instructions of such doubles.
+/// A 168 MHz core executes as many in 1 ms at two clocks each. Step and telemetry keep up at a quarter of it, in software
+/// doubles and byte by byte through two ports; the remaining time determines how soon other tables are in force, whose check
+/// takes some 35 million instructions of such doubles.
 pub const TICKS: u32 = if cfg!(feature = "hurried") { 16_000 } else { 268_800 };
 
-/// Instructions that QEMU executes in so many ticks.
+/// Instructions that QEMU executes in that many ticks.
 pub fn instructions(ticks: u32) -> u32 {
     ticks / 16 * 5 + ticks % 16 * 5 / 16
 }
@@ -21,10 +21,10 @@ const PENDING: usize = 3;
 pub struct ServoTimer(());
 
 impl ServoTimer {
-    /// Starts it.
+    /// Starts the timer.
     ///
     /// # Safety
-    /// One owner.
+    /// The caller must be the only owner.
     pub unsafe fn start() -> Self {
         // SAFETY: registers of the board's timer 0: value, reload; control: run, interrupt.
         unsafe {
@@ -35,9 +35,9 @@ impl ServoTimer {
         ServoTimer(())
     }
 
-    /// Takes the interrupt back; returns how many ticks ago it was raised.
+    /// Acknowledges the interrupt; returns the number of ticks since it was raised.
     pub fn acknowledge(&mut self) -> u32 {
-        // SAFETY: the timer's value, and its pending interrupt, which is cleared by writing 1.
+        // SAFETY: the timer's value, and its pending interrupt, which writing 1 clears.
         unsafe {
             TIMER.add(PENDING).write_volatile(1);
             (TICKS - 1).saturating_sub(TIMER.add(VALUE).read_volatile())
@@ -66,7 +66,7 @@ impl Uart {
     /// UART 0.
     ///
     /// # Safety
-    /// One owner.
+    /// The caller must be the only owner.
     pub unsafe fn zero() -> Self {
         Self::enabled(0x4000_4000 as *mut u32)
     }
@@ -74,13 +74,13 @@ impl Uart {
     /// UART 1.
     ///
     /// # Safety
-    /// One owner.
+    /// The caller must be the only owner.
     pub unsafe fn one() -> Self {
         Self::enabled(0x4000_5000 as *mut u32)
     }
 
     fn enabled(registers: *mut u32) -> Self {
-        // SAFETY: registers of a UART: clocks a bit (16 is the least), transmitter on.
+        // SAFETY: registers of a UART: clocks per bit (at least 16), transmitter on.
         unsafe {
             registers.add(BAUD).write_volatile(16);
             registers.add(CONTROL).write_volatile(1);

@@ -1,4 +1,4 @@
-//! A bare-metal image: the step as the servo interrupt of a controller, the same code as on a host.
+//! A bare-metal image: the step as a controller's servo interrupt, the same code as on a host.
 //!
 //! ```text
 //! recording ─► servo interrupt: step ─► queue ─► telemetry task ─► UART 0: frames, UART 1: raw outputs
@@ -7,9 +7,9 @@
 //!                    └─ queue ◄─── thermal task: readings of sensors ─► growth lines
 //! ```
 //!
-//! The interrupt has the highest priority and touches neither serial port nor log. Tables and the recording lie in
-//! regions of flash of their own (`memory.x`). Tables that are refused leave the machine running uncompensated, and
-//! every record says so; without a recording there is nothing to run: exit code 1.
+//! The interrupt has the highest priority and touches neither serial port nor log. Tables and recording are in separate
+//! regions of flash (`memory.x`). If the tables are refused, the machine runs uncompensated, and every record reports it;
+//! without a recording the image ends with exit code 1.
 
 #![no_std]
 #![no_main]
@@ -36,7 +36,7 @@ fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
     leave(false)
 }
 
-/// Ends QEMU: exit code 0 or 1.
+/// Ends QEMU with exit code 0 or 1.
 fn leave(well: bool) -> ! {
     debug::exit(if well { debug::EXIT_SUCCESS } else { debug::EXIT_FAILURE });
     loop {
@@ -59,28 +59,28 @@ mod app {
     use trueaxis_recording::warming::Warming;
 
     static EXCHANGE: Exchange<'static, Loop> = Exchange::new();
-    /// Stack pointer of the idle task: what the interrupt finds where it interrupts nothing.
+    /// Stack pointer of the idle task: the interrupt's starting point if it interrupts nothing else.
     static IDLE: AtomicU32 = AtomicU32::new(0);
 
     /// Counters of the interrupt.
     #[derive(Clone, Copy, Default)]
     pub struct Figures {
         cycles: u32,
-        /// Cycles that were not over when the next one was due.
+        /// Cycles that were still running when the next one was due.
         overruns: u32,
-        /// Cycles whose record found the queue full.
+        /// Cycles whose record found the queue full and was dropped.
         dropped: u32,
-        /// Most records that waited for the telemetry.
+        /// Maximum number of records waiting for the telemetry.
         waiting: usize,
-        /// Longest time from the timer's interrupt to the cycle, ticks of the board's clock.
+        /// Longest time from the timer's interrupt to the start of the cycle, ticks of the board's clock.
         latest: u32,
         /// Deepest stack below the interrupt's own frame, bytes.
         below: u32,
-        /// Stack from the interrupted task to there, bytes: what the processor saves, and the frame.
+        /// Stack between the interrupted task and that frame, bytes: the registers saved by the processor, and the frame.
         entry: u32,
-        /// Readings that found the thermal task still at work.
+        /// Readings skipped because the thermal task was still running.
         readings_left_out: u32,
-        /// Growths that came in force, and those of them after their cycle.
+        /// Growths that came into force, and the number of those that did so after their cycle.
         growths: u32,
         growths_late: u32,
         /// The recording is over.
@@ -129,7 +129,7 @@ mod app {
         let servo_cycle::SharedResources { gauge, figures, .. } = cx.shared;
         let late = timer.acknowledge();
         if servo.is_exchange_due() {
-            // Spawned once: a recording asks for it in one cycle.
+            // Spawned once: a recording requests the exchange in one cycle.
             let _ = exchange_tables::spawn();
         }
         let row = warming.as_ref().and_then(|warming| warming.read_in(servo.cycles()));
@@ -153,11 +153,11 @@ mod app {
             figures.latest = figures.latest.max(late);
             figures.overruns += u32::from(!figures.ended && timer.is_due());
         });
-        // Still at work from the cycle before: it will find this one as well.
+        // If the task is still running from the previous cycle, it will find this record too.
         let _ = telemetry::spawn();
     }
 
-    /// Everything that the cycles produced goes out.
+    /// Sends everything that the cycles have produced.
     #[task(priority = 3, local = [telemetry], shared = [gauge, figures])]
     async fn telemetry(cx: telemetry::Context) {
         let out = cx.local.telemetry;
@@ -175,16 +175,16 @@ mod app {
         }
     }
 
-    /// Reads, checks and builds other tables, and offers them to the interrupt.
+    /// Reads, checks and builds the other tables, and offers them to the interrupt.
     #[task(priority = 1, local = [spare])]
     async fn exchange_tables(cx: exchange_tables::Context) {
         if let Some(servo) = cx.local.spare.take().and_then(Spare::build) {
-            // The mailbox is empty: these are the only tables that are ever offered.
+            // The mailbox is empty: no other tables are ever offered.
             let _ = EXCHANGE.offer(servo);
         }
     }
 
-    /// The growth that the sensors say. It does not wait for an exchange.
+    /// Computes the growth from the sensor readings, without waiting for an exchange.
     #[task(priority = 2, local = [thermal])]
     async fn thermal(cx: thermal::Context, row: u32) {
         if let Some(thermal) = cx.local.thermal {
@@ -192,7 +192,7 @@ mod app {
         }
     }
 
-    /// Says how it went, and ends.
+    /// Logs the result and ends.
     #[task(priority = 1, shared = [gauge, figures])]
     async fn finish(cx: finish::Context, lost_revolutions: u32) {
         let finish::SharedResources { gauge, figures, .. } = cx.shared;

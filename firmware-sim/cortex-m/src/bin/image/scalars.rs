@@ -1,4 +1,4 @@
-//! The image's scalars and positions.
+//! The image's scalar and position types.
 
 use trueaxis::contour::Span;
 use trueaxis::{Output, ServoLoop, State, roundness};

@@ -1,4 +1,4 @@
-//! The servo cycle: the interrupt's work, apart from the board.
+//! The servo cycle: the interrupt's work, independent of the board.
 
 #![deny(clippy::indexing_slicing)]
 
@@ -9,12 +9,12 @@ use trueaxis::{Bypass, Fault, GaugeRide, Input};
 use trueaxis_cortex_m::growth::Growths;
 use trueaxis_recording::{Cycle, Recording};
 
-/// The step or bypass that runs in a cycle. The state is the interrupt's alone: large, and never moved.
+/// The step or bypass that runs in a cycle. Only the interrupt owns the state, which is large and never moved.
 #[allow(clippy::large_enum_variant)]
 pub enum Running {
     /// The step.
     Step(&'static Loop, LoopState),
-    /// Commands pass uncorrected, with the reason in every record.
+    /// Passes commands uncorrected, with the reason in every record.
     Bypass(Bypass<Place, AXES>),
 }
 
@@ -22,7 +22,7 @@ pub enum Running {
 pub struct Gauge {
     /// The built gauge.
     pub plan: &'static GaugePlan,
-    /// Its state.
+    /// State of the gauge.
     pub state: &'static mut GaugeState,
 }
 
@@ -35,7 +35,7 @@ pub struct Produced {
     pub gauge: Option<GaugeCycle>,
 }
 
-/// A controller whose commands and readings come out of a recording.
+/// A controller whose commands and readings come from a recording.
 pub struct Servo {
     recording: Recording<'static, AXES>,
     pieces: &'static [Piece],
@@ -46,7 +46,7 @@ pub struct Servo {
 }
 
 impl Servo {
-    /// Before the first cycle.
+    /// The servo before its first cycle.
     pub fn new(
         recording: Recording<'static, AXES>,
         pieces: &'static [Piece],
@@ -63,17 +63,17 @@ impl Servo {
         self.next
     }
 
-    /// What came of thermal growth.
+    /// The thermal growth taken so far.
     pub fn growths(&self) -> &Growths<Scalar, AXES> {
         &self.growths
     }
 
-    /// The cycle that comes next is the one in which other tables are asked for.
+    /// Whether the recording requests other tables in the next cycle.
     pub fn is_exchange_due(&self) -> bool {
         self.recording.header().exchange_at == Some(self.next)
     }
 
-    /// One cycle; its output replaces that of the last one. `None` at the end of the recording.
+    /// Runs one cycle; its output replaces the previous one's. `None` at the end of the recording.
     pub fn cycle(&mut self, exchange: &Exchange<'static, Loop>, gauge: Option<&mut Gauge>) -> Option<&Produced> {
         let number = self.next;
         let cycle = self.recording.cycle(number)?;
@@ -96,7 +96,7 @@ impl Servo {
     }
 }
 
-// Either step is a function by itself, so that the stack of the one does not hold the locals of the other.
+// The two steps are separate functions, so that neither's stack frame holds the locals of the other.
 #[inline(never)]
 fn step(
     servo: &Loop,

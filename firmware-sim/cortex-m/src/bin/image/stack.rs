@@ -1,12 +1,12 @@
-//! Stack use of the servo interrupt: painted before every cycle, looked at after it.
+//! Stack use of the servo interrupt: painted before every cycle, measured after it.
 
 use core::arch::asm;
 
-/// Words that are painted below the interrupt's own frame.
+/// Number of words painted below the interrupt's own frame.
 pub const PAINTED_WORDS: u32 = 1024;
 const PAINT: u32 = 0xc0de_5afe;
 
-/// The stack pointer.
+/// Returns the stack pointer.
 #[inline(always)]
 pub fn pointer() -> u32 {
     let pointer;
@@ -18,7 +18,7 @@ pub fn pointer() -> u32 {
 /// Paints [`PAINTED_WORDS`] below the stack pointer.
 #[inline(always)]
 pub fn paint() {
-    // SAFETY: nobody owns what is below the stack pointer, and interrupts of higher priority there are none.
+    // SAFETY: nobody owns the memory below the stack pointer, and no interrupt has a higher priority.
     unsafe {
         asm!(
             "mov {place}, sp",
@@ -33,7 +33,7 @@ pub fn paint() {
     }
 }
 
-/// Bytes below the stack pointer that have been used since [`paint`], from the same function.
+/// Bytes below the stack pointer that were used since [`paint`]; must be called from the same function.
 #[inline(always)]
 pub fn used() -> u32 {
     let used;

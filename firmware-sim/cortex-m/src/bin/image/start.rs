@@ -1,4 +1,4 @@
-//! From flash to a servo that can run.
+//! Start-up: from the contents of flash to a servo that can run.
 
 use crate::board::Uart;
 use crate::leave;
@@ -17,9 +17,9 @@ use trueaxis_cortex_m::regions;
 use trueaxis_recording::Recording;
 use trueaxis_recording::warming::{MAGIC, Warming};
 
-/// Pieces of a path that fit.
+/// Maximum number of path pieces.
 pub const MOST_PIECES: usize = 2048;
-/// Cycles that may wait for the telemetry, and one.
+/// Maximum number of cycles waiting for the telemetry, plus one.
 const WAITING: usize = 65;
 
 static PIECES: ConstStaticCell<Vec<Piece, MOST_PIECES>> = ConstStaticCell::new(Vec::new());
@@ -32,28 +32,28 @@ static LOOP_B: StaticCell<Loop> = StaticCell::new();
 static GAUGE_PLAN: StaticCell<GaugePlan> = StaticCell::new();
 static GAUGE_STATE: ConstStaticCell<GaugeState> = ConstStaticCell::new(GaugeState::new());
 
-/// Everything that the tasks begin with.
+/// Initial data of the tasks.
 pub struct Started {
-    /// The interrupt's.
+    /// Data of the interrupt.
     pub servo: Servo,
-    /// The interrupt's, looked at by the telemetry.
+    /// The gauge, owned by the interrupt and read by the telemetry.
     pub gauge: Option<Gauge>,
     /// The interrupt's end of the queue.
     pub produced: Producer<'static, Produced>,
-    /// The telemetry's.
+    /// Data of the telemetry task.
     pub telemetry: Telemetry,
-    /// The exchange's.
+    /// Data of the exchange task.
     pub spare: Spare,
-    /// The thermal task's, where growth was flashed.
+    /// Data of the thermal task, if growth was flashed.
     pub thermal: Option<ThermalTask>,
 }
 
-/// Room for a second set of tables.
+/// Memory for a second set of tables.
 pub struct Spare {
     memory: &'static mut [Scalar; MEMORY],
     machine_id: u32,
     period_ns: u32,
-    /// There is a step to be exchanged.
+    /// Whether a step is running whose tables can be exchanged.
     runs: bool,
 }
 
@@ -89,7 +89,7 @@ fn say(which: &str, refused: &Refused) {
     );
 }
 
-/// Reads the recording and the first tables. Without a recording that can be run, ends with exit code 1.
+/// Reads the recording and the first tables. Without a usable recording, ends with exit code 1.
 pub fn start() -> Started {
     let recording = match Recording::<AXES>::parse(regions::recording()) {
         Ok(recording) => recording,
@@ -135,7 +135,7 @@ pub fn start() -> Started {
         axes.zip(warming(machine_id)).map(|(axes, warming)| ThermalTask::new(warming, axes, period_ns, offered));
     let spare = Spare { memory: MEMORY_B.take(), machine_id, period_ns, runs: matches!(running, Running::Step(..)) };
     let (produced, waiting) = WAITING_CYCLES.take().split();
-    // SAFETY: the only owner of either.
+    // SAFETY: the only owner of both ports.
     let (frames, raw) = unsafe { (Uart::zero(), Uart::one()) };
     Started {
         servo: Servo::new(recording, pieces, running, Growths::new(growths)),
@@ -147,8 +147,8 @@ pub fn start() -> Started {
     }
 }
 
-/// What was flashed of thermal growth; refused it is told, and the machine runs without. In flash that was never written there
-/// is none.
+/// The flashed thermal growth; if refused, this is logged and the machine runs without it. `None` if that flash was never
+/// written.
 fn warming(machine_id: u32) -> Option<Warming<'static>> {
     let bytes = regions::warming();
     let blank = |value: u8| bytes.iter().take(MAGIC.len()).all(|byte| *byte == value);

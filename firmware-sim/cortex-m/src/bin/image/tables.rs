@@ -1,4 +1,4 @@
-//! Tables out of flash into the form for the step, or the reason why not.
+//! Builds the step from tables in flash, or returns the reason for refusing them.
 
 use crate::scalars::{GaugePlan, Loop, Scalar};
 use defmt::Format;
@@ -7,22 +7,22 @@ use trueaxis::roundness::GaugeSettings;
 use trueaxis::tcomp::{Tcomp, TcompError};
 use trueaxis::{ConfigError, Fault};
 
-/// Memory of one set of tables, in scalars. The machine of `../machine` takes 2,116 (`trueaxis tables show`); the rest is
-/// room for its tables in the dearest form, volumetric and cubic: 6,084.
+/// Memory of one set of tables, in scalars. The machine of `../machine` uses 2,116 (`trueaxis tables show`); the most
+/// expensive form of its tables, volumetric and cubic, would use 6,084.
 pub const MEMORY: usize = 6 * 1024;
 
-/// Why tables are not taken.
+/// Reason for refusing tables.
 #[derive(Clone, Copy, Debug, Format)]
 pub enum Refused {
     /// Defect of the file.
     File(TcompError),
-    /// Scalars that the tables need; there are [`MEMORY`].
+    /// The tables need more scalars than [`MEMORY`].
     Capacity { needed: usize },
-    /// The gauge is made for another number of points.
+    /// The gauge has another number of points.
     Points(ConfigError),
-    /// The cycles' period, ns, is not the configured one.
+    /// The period of the cycles, ns, differs from the configured one.
     Period { found: u32, configured: u32 },
-    /// Settings from which the step cannot be built.
+    /// The step cannot be built from the settings.
     Config(ConfigError),
 }
 
@@ -54,20 +54,20 @@ impl From<ConfigError> for Refused {
     }
 }
 
-/// A step, ready to run, and the other contents of its file.
+/// A step that is ready to run, and the other contents of its file.
 pub struct Tables {
     /// The step.
     pub servo: Loop,
     /// The file, for its settings.
     pub file: Tcomp<'static>,
-    /// Memory taken.
+    /// Memory used, in scalars.
     pub used: usize,
 }
 
 /// Reads and checks a table file, and builds its step.
 ///
 /// # Errors
-/// Why the tables are not taken.
+/// The reason for refusing the tables.
 pub fn build(
     bytes: &'static [u8],
     machine_id: u32,
@@ -84,10 +84,10 @@ pub fn build(
     Ok(Tables { servo, file, used })
 }
 
-/// The gauge that a file describes, if it does.
+/// The gauge that a file describes, if any.
 ///
 /// # Errors
-/// Another number of points than this image's, or settings that it cannot be built from.
+/// The number of points differs from this image's, or the gauge cannot be built from the settings.
 pub fn gauge(settings: Option<&GaugeSettings>, period_ns: u32) -> Result<Option<GaugePlan>, Refused> {
     Ok(settings.map(|settings| GaugePlan::build(settings, period_ns)).transpose()?)
 }

@@ -1,6 +1,6 @@
 //! Output of records: frames on UART 0, raw outputs on UART 1 ([`outputs`]), notable events in the log.
 //!
-//! A cycle whose record was dropped is missing on both.
+//! A cycle whose record was dropped is missing from both.
 
 use crate::board::Uart;
 use crate::servo::{Gauge, Produced};
@@ -9,34 +9,34 @@ use trueaxis::Fault;
 use trueaxis::telemetry::{FRAME_BYTES, Frame, ROUNDNESS_FRAME_BYTES, RoundnessFrame};
 use trueaxis_recording::outputs;
 
-/// The task's end of the queue, and its ports.
+/// The telemetry task's end of the queue, and its ports.
 pub struct Telemetry {
     produced: Consumer<'static, Produced>,
     frames: Uart,
     raw: Uart,
     fault: Fault,
     tables_crc: u32,
-    /// Revolutions of which the record could not be taken.
+    /// Revolutions whose record could not be sent.
     lost_revolutions: u32,
 }
 
 impl Telemetry {
-    /// Ready for the first record of tables with this sum.
+    /// Ready for the first record of tables with this CRC.
     pub fn new(produced: Consumer<'static, Produced>, frames: Uart, raw: Uart, tables_crc: u32) -> Self {
         Telemetry { produced, frames, raw, fault: Fault::None, tables_crc, lost_revolutions: 0 }
     }
 
-    /// The next cycle, if there is one.
+    /// The next cycle, if any.
     pub fn next(&mut self) -> Option<Produced> {
         self.produced.dequeue()
     }
 
-    /// Nothing is waiting.
+    /// Whether no cycle is waiting.
     pub fn is_empty(&self) -> bool {
         !self.produced.ready()
     }
 
-    /// Revolutions of which the record could not be taken.
+    /// Revolutions whose record could not be sent.
     pub fn lost_revolutions(&self) -> u32 {
         self.lost_revolutions
     }

@@ -1,4 +1,4 @@
-//! The thermal task: readings of the sensors to growth lines for the servo interrupt.
+//! The thermal task: computes growth lines from sensor readings for the servo interrupt.
 
 use crate::scalars::{AXES, Scalar};
 use heapless::spsc::Producer;
@@ -7,19 +7,19 @@ use trueaxis::temperature::{Growth, SensorStatus};
 use trueaxis_cortex_m::growth::InForce;
 use trueaxis_recording::warming::{Task, Warming};
 
-/// Its settings and readings, its state, and its end of the queue.
+/// The thermal task's settings and readings, state, and end of the queue.
 pub struct ThermalTask {
     warming: Warming<'static>,
     task: Task,
     axes: AxisOrder<AXES>,
     period_ns: u32,
     offered: Producer<'static, InForce<Scalar, AXES>>,
-    /// The growth before.
+    /// The previous growth.
     before: Option<Growth>,
 }
 
 impl ThermalTask {
-    /// Before the first update.
+    /// The task before its first update.
     pub fn new(
         warming: Warming<'static>,
         axes: AxisOrder<AXES>,
@@ -34,11 +34,11 @@ impl ThermalTask {
         self.warming
     }
 
-    /// One update, offered to the interrupt; what has changed with a sensor is logged.
+    /// Runs one update and offers the growth to the interrupt; logs any change in a sensor's status.
     pub fn update(&mut self, row: u32) {
         let Some(growth) = self.warming.update(&mut self.task, row, self.period_ns) else { return };
         let lines = self.axes.slots(|axis| growth.line(axis));
-        // Of two that wait the first is in force before a third is computed: there is room.
+        // There is room: of two waiting growths, the first is in force before a third is computed.
         let _ = self.offered.enqueue(InForce { from: self.warming.in_force_from(row), lines });
         self.tell(&growth, row);
         self.before = Some(growth);
