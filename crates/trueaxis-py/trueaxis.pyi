@@ -187,6 +187,8 @@ def ballbar(
     pitch_x_mm: float | None = None,
     pitch_y_mm: float | None = None,
     pitch_z_mm: float | None = None,
+    machine: Machine | None = None,
+    compensated: bool = False,
     traces: bool = False,
 ) -> dict[str, Any]: ...
 def calibrate_plan(task: str | PathLike[str]) -> dict[str, Any]: ...
@@ -236,7 +238,10 @@ def evaluate_thermal(
     distance_mm: float | None = None,
 ) -> dict[str, Any]: ...
 def evaluate_step_diagonal(
-    record: Mapping[str, NDArray[np.float64]] | str | PathLike[str], *, alignment_urad: float | None = None
+    record: Mapping[str, NDArray[np.float64]] | str | PathLike[str],
+    *,
+    alignment_urad: float | None = None,
+    machine: Machine | None = None,
 ) -> dict[str, Any]: ...
 def evaluate_r_test(
     record: Mapping[str, NDArray[np.float64]] | str | PathLike[str],

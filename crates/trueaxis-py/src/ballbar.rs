@@ -1,5 +1,6 @@
 //! Circular tests.
 
+use crate::machine::Machine;
 use crate::measured::Measured;
 use crate::{Error, documents, told, warn};
 use numpy::PyArray1;
@@ -14,10 +15,11 @@ use trueaxis_evaluation::friction::pair;
 /// command and position in mm of the first axis, then of the second; or a file as the command reads. Rows of an array
 /// count from line 2. axes: the plane. pitch_x_mm, …: of periodic errors, else searched. traces=True adds arrays, one
 /// number a reading: angle_deg, direction, centred_um, the deviation about the circle's centre, and left_um, what the causes
-/// leave of it.
+/// leave of it. machine: `written` says what would become of every setting found in it, by the rule of the command; compensated:
+/// the record was taken with its tables at work. Nothing is written.
 #[pyfunction]
 #[pyo3(signature = (record, *, radius_mm, axes = "X,Y", pitch_x_mm = None, pitch_y_mm = None, pitch_z_mm = None,
-    traces = false))]
+    machine = None, compensated = false, traces = false))]
 pub(crate) fn ballbar<'py>(
     py: Python<'py>,
     record: &Bound<'py, PyAny>,
@@ -26,6 +28,8 @@ pub(crate) fn ballbar<'py>(
     pitch_x_mm: Option<f64>,
     pitch_y_mm: Option<f64>,
     pitch_z_mm: Option<f64>,
+    machine: Option<Bound<'py, Machine>>,
+    compensated: bool,
     traces: bool,
 ) -> PyResult<Bound<'py, PyDict>> {
     let axes = pair(axes).map_err(|error| Error::new_err(format!("axes: {error}")))?;
@@ -34,17 +38,23 @@ pub(crate) fn ballbar<'py>(
     let forms: [&[&str]; 2] = [&["angle_deg", "deviation_um", "direction"], &positions.each_ref().map(String::as_str)];
     let measured = Measured::of(record, "record", &forms)?;
     let options = told(Options::new(radius_mm, axes, [pitch_x_mm, pitch_y_mm, pitch_z_mm]).map_err(Into::into))?;
+    let machine = machine.as_ref().map(Bound::get);
     let mut notes = Vec::new();
     let found = py.detach(|| {
         let bytes = measured.bytes()?;
         let name = measured.name();
         let test = Test::read(&bytes, name, &options, |note| notes.push(note))?;
         let document = test.document();
-        Ok((test, document))
+        let written = match machine {
+            Some(machine) => machine.decided(&measured, test.additions(compensated))?,
+            None => None,
+        };
+        Ok((test, document, written))
     });
     notes.iter().try_for_each(|note| warn(py, note))?;
-    let (test, document) = told(found)?;
+    let (test, document, written) = told(found)?;
     let found = documents::dictionary(py, &document)?.cast_into::<PyDict>()?;
+    documents::with_decisions(&found, written.as_deref())?;
     if traces {
         let angles = test.readings.iter().map(|reading| reading.angle_rad.to_degrees());
         let ways = test.readings.iter().map(|reading| if reading.counterclockwise { 1.0 } else { -1.0 });

@@ -5,9 +5,11 @@ use crate::measured::Measured;
 use crate::{Error, documents, told, warn};
 use anyhow::Result;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 use serde::Serialize;
 use trueaxis_evaluation::rows::{Column, Rows};
 use trueaxis_evaluation::{diagonal, points as coordinates, probing, r_test, thermal_test};
+use trueaxis_tables::Additions;
 
 /// Reads a record, evaluates it without the interpreter's lock, and gives the document.
 fn evaluated<'py, const C: usize, D: Serialize + Send>(
@@ -15,15 +17,34 @@ fn evaluated<'py, const C: usize, D: Serialize + Send>(
     record: &Bound<'py, PyAny>,
     columns: &[Column; C],
     evaluate: impl FnOnce(&mut Rows<'_, C>, &str) -> Result<D> + Send,
-) -> PyResult<Bound<'py, PyAny>> {
+) -> PyResult<Bound<'py, PyDict>> {
+    decided(py, record, columns, None, |rows, name| Ok((evaluate(rows, name)?, Additions::default())))
+}
+
+/// Like [`evaluated`], with what would become of the findings in a machine.
+fn decided<'py, const C: usize, D: Serialize + Send>(
+    py: Python<'py>,
+    record: &Bound<'py, PyAny>,
+    columns: &[Column; C],
+    machine: Option<&Machine>,
+    evaluate: impl FnOnce(&mut Rows<'_, C>, &str) -> Result<(D, Additions)> + Send,
+) -> PyResult<Bound<'py, PyDict>> {
     let measured = Measured::of_columns(record, "record", columns)?;
     let mut notes = Vec::new();
     let found = py.detach(|| {
         let name = measured.name().display().to_string();
-        evaluate(&mut measured.rows(columns, &mut notes)?, &name)
+        let (document, additions) = evaluate(&mut measured.rows(columns, &mut notes)?, &name)?;
+        let written = match machine {
+            Some(machine) => machine.decided(&measured, additions)?,
+            None => None,
+        };
+        Ok((document, written))
     });
     notes.iter().try_for_each(|note| warn(py, note))?;
-    documents::dictionary(py, &told(found)?)
+    let (document, written) = told(found)?;
+    let found = documents::dictionary(py, &document)?.cast_into::<PyDict>()?;
+    documents::with_decisions(&found, written.as_deref())?;
+    Ok(found)
 }
 
 /// An option that is out of its range, with the name of the argument.
@@ -41,7 +62,7 @@ pub(crate) fn evaluate_probing<'py>(
     record: &Bound<'py, PyAny>,
     feature: &str,
     diameter_mm: Option<f64>,
-) -> PyResult<Bound<'py, PyAny>> {
+) -> PyResult<Bound<'py, PyDict>> {
     let feature = match feature {
         "ring" => probing::Feature::Ring,
         "sphere" => probing::Feature::Sphere,
@@ -68,7 +89,7 @@ pub(crate) fn evaluate_thermal<'py>(
     test: &str,
     period_min: f64,
     distance_mm: Option<f64>,
-) -> PyResult<Bound<'py, PyAny>> {
+) -> PyResult<Bound<'py, PyDict>> {
     let name = match test {
         "etve" => "etve",
         "spindle" => "spindle",
@@ -86,24 +107,28 @@ pub(crate) fn evaluate_thermal<'py>(
 
 /// Diagonal and step-diagonal tests after ISO 230-6: the document of `trueaxis evaluate step-diagonal --json`.
 ///
-/// record: a file, or a dict of arrays: diagonal, direction, x_mm, y_mm, z_mm, deviation_um[, run].
+/// record: a file, or a dict of arrays: diagonal, direction, x_mm, y_mm, z_mm, deviation_um[, run]. machine: `written` says what
+/// would become of every setting found in it, by the rule of the command. Nothing is written.
 #[pyfunction]
-#[pyo3(signature = (record, *, alignment_urad = None))]
+#[pyo3(signature = (record, *, alignment_urad = None, machine = None))]
 pub(crate) fn evaluate_step_diagonal<'py>(
     py: Python<'py>,
     record: &Bound<'py, PyAny>,
     alignment_urad: Option<f64>,
-) -> PyResult<Bound<'py, PyAny>> {
+    machine: Option<Bound<'py, Machine>>,
+) -> PyResult<Bound<'py, PyDict>> {
     asked(diagonal::check(alignment_urad))?;
-    evaluated(py, record, &diagonal::COLUMNS, |rows, _| {
-        Ok(diagonal::Document::new(&diagonal::read(rows)?, alignment_urad))
+    decided(py, record, &diagonal::COLUMNS, machine.as_ref().map(Bound::get), |rows, _| {
+        let test = diagonal::read(rows)?;
+        Ok((diagonal::Document::new(&test, alignment_urad), diagonal::additions(&test)))
     })
 }
 
 /// R-test after ISO 10791-6, location errors of the rotary axes: the document of `trueaxis evaluate r-test --json`.
 ///
 /// record: a file, or a dict of arrays: x_mm, y_mm, z_mm[, a_deg, b_deg, c_deg], dx_um, dy_um, dz_um[, ball]. tool_mm: the
-/// nest's centre, else the machine's. without: location errors that keep the machine's values, as "EX0C".
+/// nest's centre, else the machine's. without: location errors that keep the machine's values, as "EX0C". `written` says what
+/// would become of every location error found in the machine; it is left out for a compiled one. Nothing is written.
 #[pyfunction]
 #[pyo3(signature = (record, *, machine, tool_mm = None, without = Vec::new(), free_sensor = false))]
 pub(crate) fn evaluate_r_test<'py>(
@@ -113,17 +138,18 @@ pub(crate) fn evaluate_r_test<'py>(
     tool_mm: Option<[f64; 3]>,
     without: Vec<String>,
     free_sensor: bool,
-) -> PyResult<Bound<'py, PyAny>> {
+) -> PyResult<Bound<'py, PyDict>> {
     if let Some(value) = tool_mm.iter().flatten().find(|value| value.is_nan() || value.abs() > 1e6) {
         return Err(Error::new_err(format!("tool_mm: found {value}, needed a finite number of at most 1e6 mm")));
     }
-    let mut machine = machine.get().0.clone();
+    let own = machine.get();
+    let mut machine = own.0.clone();
     machine.settings.tool_mm = tool_mm.unwrap_or(machine.settings.tool_mm);
     let options = r_test::Options { without, free_sensor };
-    evaluated(py, record, &r_test::COLUMNS, move |rows, name| {
+    decided(py, record, &r_test::COLUMNS, Some(own), move |rows, name| {
         let record = r_test::Record::read(rows)?;
         let found = r_test::identify(&record, name, &machine, &options)?;
-        Ok(r_test::Document::new(&record, &found, &machine))
+        Ok((r_test::Document::new(&record, &found, &machine), found.additions()))
     })
 }
 
@@ -139,7 +165,7 @@ pub(crate) fn evaluate_points<'py>(
     machine: &Bound<'py, Machine>,
     nodes: Option<Vec<usize>>,
     without: Vec<String>,
-) -> PyResult<Bound<'py, PyAny>> {
+) -> PyResult<Bound<'py, PyDict>> {
     let nodes = nodes.as_deref().map(coordinates::nodes).transpose();
     let nodes = asked(nodes.map_err(|wrong| format!("nodes: {wrong}")))?;
     let machine = &machine.get().0;

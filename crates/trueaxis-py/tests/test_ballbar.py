@@ -7,7 +7,7 @@ import pytest
 
 import trueaxis
 from shared import refused
-from test_command_line import command, written
+from test_command_line import TABLES, command, written
 
 RADIUS = 100.0
 SQUARENESS, BACKLASH = 40e-6, 0.003  # rad; mm, of X
@@ -34,6 +34,11 @@ def test_a_test_is_that_of_the_command(tmp_path):
     assert found["squareness_urad"] == pytest.approx(1e6 * SQUARENESS, abs=0.5)
     assert found["backlash_um"]["x"] == pytest.approx(1e3 * BACKLASH, abs=0.1)
     assert found["sigma_um"] == pytest.approx(0.05, rel=0.1)
+    machine = TABLES / "mill-3axis"
+    code, out, err = command("ballbar", file, "--radius-mm", "100", "--machine", machine, "--json", "--dry-run")
+    assert code == 0, err
+    decided = trueaxis.ballbar(file, radius_mm=100.0, machine=trueaxis.Machine.load(machine))["written"]
+    assert decided == json.loads(out)["written"] and "axis.X.backlash_um" in {of["key"] for of in decided}
     traces = trueaxis.ballbar(rows, radius_mm=100.0, pitch_x_mm=10.0, traces=True)
     centred, left = traces.pop("centred_um"), traces.pop("left_um")
     assert np.allclose(traces.pop("angle_deg"), rows[:, 0]) and np.array_equal(traces.pop("direction"), rows[:, 2])

@@ -43,6 +43,12 @@ def test_diagonals(tmp_path):
     call = lambda record: trueaxis.evaluate_step_diagonal(record, alignment_urad=20)
     found = same_as_command(tmp_path, "step-diagonal", diagonals(), call, "--alignment-urad", "20")
     assert found["c0y_urad"]["value"] == pytest.approx(50, abs=0.2)
+    mill = TABLES / "mill-3axis"
+    machine = trueaxis.Machine.load(mill)
+    code, out, err = command("evaluate", "step-diagonal", tmp_path / "step-diagonal.csv", "--machine", mill, "--json", "--dry-run")
+    assert code == 0, err
+    decided = trueaxis.evaluate_step_diagonal(tmp_path / "step-diagonal.csv", machine=machine)["written"]
+    assert decided == json.loads(out)["written"] and "C0Y_urad" in {of["key"].split(".")[-1] for of in decided}
 
 
 def test_points_of_a_mill(tmp_path):
@@ -68,7 +74,9 @@ def test_location_errors_of_rotary_axes(tmp_path):
     record = columns("x_mm,y_mm,z_mm,a_deg,c_deg,dx_um,dy_um,dz_um", rows)
     five = trueaxis.Machine.load(TABLES / "mill-5axis")
     call = lambda record: trueaxis.evaluate_r_test(record, machine=five, without=["EX0C"])
-    found = same_as_command(tmp_path, "r-test", record, call, "--machine", TABLES / "mill-5axis", "--without", "EX0C")
+    options = ["--machine", TABLES / "mill-5axis", "--without", "EX0C", "--dry-run"]
+    found = same_as_command(tmp_path, "r-test", record, call, *options)
+    assert found["written"]
     assert {term["name"] for term in found["terms"]} >= {"EY0C", "EY0A"}
     mill = trueaxis.Machine.load(TABLES / "mill-3axis")
     assert refused(lambda: trueaxis.evaluate_r_test(record, machine=mill)).startswith("record:2: column a_deg: found an angle")
