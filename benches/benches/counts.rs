@@ -1,4 +1,4 @@
-//! Instruction counts under callgrind, one call of each thing with fixed input.
+//! Instruction counts under callgrind: one call of each function with fixed input.
 #![allow(missing_docs)]
 
 use gungraun::prelude::*;
@@ -60,7 +60,7 @@ fn binding() -> &'static mut Limits {
     leak(limits)
 }
 
-// Overhead of a look-up: the call, and its result in memory.
+// Overhead of a look-up: the call, and writing its result to memory.
 #[library_benchmark(setup = lookup)]
 #[bench::frame(Grid::Equidistant)]
 fn nothing(lookup: &'static Lookup) -> [f64; 3] {
@@ -187,7 +187,7 @@ fn forward(pose: &Pose) {
     black_box(pose.forward());
 }
 
-// Both branches, and the nearer one.
+// Both branches, and choosing the nearer one.
 fn inverse(pose: &Pose) {
     black_box(pose.inverse()).expect("a pose within reach");
 }

@@ -1,4 +1,4 @@
-//! Wall time beside other libraries, in one run on the same work.
+//! Wall time compared with other libraries, in one run on the same work.
 #![allow(missing_docs)]
 
 use criterion::{Criterion, criterion_group, criterion_main};
@@ -15,13 +15,13 @@ use trueaxis_benches::tables::{CELL_MM, FIRST_MM, Grid, nine_terms, position, ro
 
 const QUERIES: u64 = 256;
 
-/// Warm queries whose foot lies inside a span.
+/// Warm queries whose foot is inside a span.
 fn queries(shape: Shape) -> Vec<Query> {
     let track = Track::new(shape);
     (0..4 * QUERIES).map(|seed| track.query(seed)).filter(|q| { *q }.run().evaluations == 2).take(256).collect()
 }
 
-/// The cubic through four points of the span, at t = 0, 1/3, 2/3, 1: the span itself.
+/// The cubic through four points of the span, at t = 0, 1/3, 2/3, 1: identical to the span.
 fn bezier(span: &Span<f64, f64>) -> CubicBez {
     let at = |t: f64| {
         let [x, y, _] = span.position(t);
@@ -37,7 +37,7 @@ fn ours(queries: &[Query]) -> f64 {
     queries.iter().map(|query| query.repeat().error).sum()
 }
 
-/// 256 feet on spans of the polynomial butterfly: kurbo is given the span, we find it warm.
+/// 256 feet on spans of the polynomial butterfly: kurbo is given the span, trueaxis finds it in a warm search.
 fn against_kurbo(c: &mut Criterion) {
     let queries = queries(Shape::PolynomialCubic);
     let pieces: Vec<(CubicBez, Point)> = queries
@@ -55,7 +55,7 @@ fn against_kurbo(c: &mut Criterion) {
     group.finish();
 }
 
-/// 256 feet on the butterfly: truck starts from the parameter of the reference, or looks all over.
+/// 256 feet on the butterfly: truck starts from the reference's parameter, or searches the whole curve.
 fn against_truck(c: &mut Criterion) {
     let queries = queries(Shape::RationalCubic);
     let spline = Spline::butterfly();
@@ -88,7 +88,7 @@ fn against_truck(c: &mut Criterion) {
     group.finish();
 }
 
-/// Nine values from nine functions of 128 points at 256 positions of three axes: interpn one function at a time.
+/// Nine values from nine functions of 128 points at 256 positions of three axes; interpn evaluates one function at a time.
 fn against_interpn(c: &mut Criterion) {
     let compensation = nine_terms(Grid::Equidistant);
     let mut random = Random(3);

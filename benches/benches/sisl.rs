@@ -1,4 +1,4 @@
-//! Local projection beside SISL's: a foot near a guess on the butterfly, wall time in one run.
+//! Local projection compared with SISL's: a foot near a guess on the butterfly, wall time in one run.
 //!
 //! SISL is a C library (Debian: `libsisl-dev`), linked for this comparison only.
 #![allow(missing_docs, unsafe_code)]
@@ -9,15 +9,15 @@ use trueaxis::contour::{ContourSearch, Method, Path, Reference};
 use trueaxis_benches::Random;
 use trueaxis_benches::contour::{Shape, Spline, Track};
 
-/// Queries of a pass, and passes, of which the fastest counts.
+/// Queries per pass, and number of passes, of which the fastest counts.
 const QUERIES: usize = 512;
 const PASSES: u32 = 60;
 /// Half-window, mm.
 const WINDOW_MM: f64 = 2.0;
-/// Tolerance that SISL is given, mm.
+/// Tolerance passed to SISL, mm.
 const TOLERANCE_MM: f64 = 1e-9;
 
-/// SISL's curve, of which only pointers are handed on.
+/// SISL's curve, used only through pointers.
 #[repr(C)]
 struct Curve {
     _private: [u8; 0],
@@ -47,7 +47,7 @@ unsafe extern "C" {
     );
 }
 
-/// The same spline in both libraries.
+/// One spline in both libraries.
 struct Pair {
     curve: *mut Curve,
     spline: Spline,
@@ -74,7 +74,7 @@ impl Pair {
             coefficients.extend(rational.then_some(weight));
         }
         let mut knots = spline.knots.clone();
-        // SAFETY: arrays of the lengths said; copied.
+        // SAFETY: arrays with the given lengths, which the function copies.
         let curve = unsafe {
             newCurve(spline.points.len() as i32, 4, knots.as_mut_ptr(), coefficients.as_mut_ptr(), kind, 3, 1)
         };
@@ -83,7 +83,7 @@ impl Pair {
         Pair { curve, spline, path, lengths }
     }
 
-    /// The place at an arc length from the start, within the path.
+    /// Reference at an arc length from the start, clamped to the path.
     fn place(&self, mut arc: f64) -> Reference<f64> {
         let mut number = 0;
         while arc > self.lengths[number] && number + 1 < self.lengths.len() {
@@ -94,7 +94,7 @@ impl Pair {
         Reference { span: number as u32, t: span.t_at(arc) }
     }
 
-    /// Points up to 20 µm an axis beside the path, evenly along it; guesses `off` mm before or behind.
+    /// Points up to 20 µm per axis from the path, evenly distributed along it; guesses `off` mm ahead or behind.
     fn queries(&self, off: f64) -> Vec<Query> {
         let mut random = Random(5);
         let whole: f64 = self.lengths.iter().sum();
@@ -111,7 +111,7 @@ impl Pair {
     fn theirs(&self, query: &Query) -> f64 {
         let (mut found, mut status, mut point) = (0.0, 0, query.point);
         let (first, last) = (self.spline.knots[3], self.spline.knots[self.spline.points.len()]);
-        // SAFETY: a curve of `newCurve`, a point of three coordinates, two results.
+        // SAFETY: a curve from `newCurve`, a point of three coordinates, two results.
         unsafe {
             s1774(self.curve, point.as_mut_ptr(), 3, TOLERANCE_MM, first, last, query.u, &mut found, &mut status);
         }

@@ -1,4 +1,4 @@
-//! Wall time of the parts of the step and of the whole.
+//! Wall time of the whole step and its parts.
 #![allow(missing_docs)]
 
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};

@@ -1,4 +1,4 @@
-//! Adversarial cycles on the host, with the tables that the bare-metal image has.
+//! Adversarial cycles on the host, with the tables of the bare-metal image.
 
 use std::path::Path;
 use trueaxis::machine::ErrorModel::{Nine, Volumetric};
@@ -10,10 +10,10 @@ use trueaxis_recording::adversary::{AXES, Adversary, COURSES, Course, Digest, Mo
 use trueaxis_recording::outputs::Wire;
 use trueaxis_tables::Machine;
 
-/// Servo period, ns: that of the image's recording.
+/// Servo period, ns, equal to that of the image's recording.
 pub const PERIOD_NS: u32 = 1_000_000;
 
-/// Machines of `firmware-sim/cortex-m`: in force from the start, and exchanged for it.
+/// Machines of `firmware-sim/cortex-m`: the one in force from the start, and the one exchanged for it.
 const MACHINES: [&str; 2] = ["machine/machine.toml", "machine/warm.toml"];
 
 type Loop<R> = ServoLoop<'static, R, <R as Wire>::Place, AXES>;
@@ -32,17 +32,17 @@ pub struct Adversarial<R: Wire> {
 
 /// A cycle about to run.
 pub struct Cycle<'a, R: Wire> {
-    /// The loop.
+    /// Servo loop.
     pub servo: &'a Loop<R>,
-    /// Its state.
+    /// State of the loop.
     pub state: State<R, R::Place, AXES>,
-    /// Course and inputs.
+    /// Course and inputs of the cycle.
     pub moment: Moment<R, R::Place>,
     course: &'a Course<R, R::Place>,
 }
 
 impl<R: Wire> Cycle<'_, R> {
-    /// Runs it.
+    /// Runs the cycle.
     #[inline(always)]
     pub fn run(&mut self, output: &mut Output<R, R::Place, AXES>) {
         let on = self.course.path().on(self.moment.reference);
@@ -50,7 +50,7 @@ impl<R: Wire> Cycle<'_, R> {
     }
 }
 
-/// A machine of the image, compiled; it stays in memory as long as the process.
+/// A compiled machine of the image, kept in memory until the process ends.
 fn tables(file: &str) -> Tcomp<'static> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../firmware-sim/cortex-m");
     let machine = Machine::read(&folder.join(file)).expect("the image's machine");
@@ -83,13 +83,13 @@ impl<R: Wire> Default for Adversarial<R> {
 }
 
 impl<R: Wire> Adversarial<R> {
-    /// Draws the cycles `from` … `to` − 1, `from` being the first of a scene.
+    /// Draws the cycles `from` … `to` − 1; `from` must be the first of a scene.
     fn draw(&self, from: u32, to: u32) -> impl Iterator<Item = Moment<R, R::Place>> {
         let mut adversary = Adversary::new(&self.courses, PERIOD_NS);
         (from..to).map(move |number| adversary.cycle(number))
     }
 
-    /// Cycle `number` on nine terms, with the state that its scene leaves it.
+    /// Cycle `number` on nine terms, with the state after the preceding cycles of its scene.
     pub fn cycle(&self, number: u32) -> Cycle<'_, R> {
         let [first, second] = &self.servos;
         let mut state = first.start();

@@ -6,7 +6,7 @@ use trueaxis::glam::DVec3;
 
 const BUTTERFLY: &str = include_str!("../../crates/trueaxis/tests/data/butterfly.csv");
 
-/// A cubic spline as it stands in a program.
+/// A cubic spline as given in a program.
 #[derive(Clone, Debug, Default)]
 pub struct Spline {
     /// Knots.
@@ -40,13 +40,13 @@ impl Spline {
         Spline { weights: Vec::new(), ..Spline::butterfly() }
     }
 
-    /// As a segment of a path.
+    /// The spline as a segment of a path.
     pub fn segment(&self) -> Segment<'_> {
         Segment::Nurbs { degree: 3, knots: &self.knots, points: &self.points, weights: &self.weights }
     }
 }
 
-/// Which path is searched.
+/// Shape of the searched path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shape {
     /// The butterfly.
@@ -55,7 +55,7 @@ pub enum Shape {
     PolynomialCubic,
     /// A semicircle of 30 mm.
     Arc,
-    /// 100 mm straight.
+    /// A straight line of 100 mm.
     Line,
 }
 
@@ -88,9 +88,9 @@ pub fn spans(shape: Shape) -> Vec<Span<f64, f64>> {
 pub struct Query {
     /// The search.
     pub search: ContourSearch<f64>,
-    /// Its path.
+    /// Path that is searched.
     pub path: Path<'static, f64, f64>,
-    /// Its state.
+    /// State of the search.
     pub state: ContourState<f64>,
     /// Position of the interpolator.
     pub reference: Reference<f64>,
@@ -99,13 +99,13 @@ pub struct Query {
 }
 
 impl Query {
-    /// One cycle.
+    /// Runs one cycle.
     #[inline(always)]
     pub fn run(&mut self) -> ContourError<f64> {
         self.search.update(&mut self.state, &self.path, self.reference, self.point)
     }
 
-    /// The cycle's result from a copy of the state, so that it can be repeated.
+    /// Runs the cycle on a copy of the state, so that it can be repeated.
     #[inline(always)]
     pub fn repeat(&self) -> ContourError<f64> {
         let mut state = self.state;
@@ -119,11 +119,11 @@ impl Query {
 #[derive(Clone, Copy, Debug)]
 pub struct Track(Path<'static, f64, f64>, u32);
 
-/// Cycles after which a search that stands still is warm.
+/// Cycles after which a stationary search is warm.
 const WARM: usize = 100;
 
 impl Track {
-    /// Converts the shape; it stays in memory as long as the process.
+    /// Converts the shape, which stays in memory until the process ends.
     pub fn new(shape: Shape) -> Self {
         let spans = spans(shape);
         let count = spans.len() as u32;
@@ -140,8 +140,8 @@ impl Track {
         self.1
     }
 
-    /// Query number `seed`: warm at a random point, then up to 50 µm on, the tool up to 20 µm beside the path and up
-    /// to 20 µm away along it.
+    /// Query number `seed`: warm at a random point, then up to 50 µm further along the path, with the tool up to 20 µm off the
+    /// path and up to 20 µm away along it.
     pub fn query(&self, seed: u64) -> Query {
         let mut random = Random(seed.wrapping_mul(0x2545_f491_4f6c_dd1d));
         let number = ((random.unit() * f64::from(self.1)) as u32).min(self.1 - 1);

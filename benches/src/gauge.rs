@@ -1,16 +1,16 @@
-//! A gauge of three probes, 1024 points, nine and a half cycles to a point.
+//! A gauge of three probes with 1024 points, at nine and a half cycles per point.
 
 use crate::step::PERIOD_NS;
 use trueaxis::roundness::{self, Followed, GaugeSettings, ProbeAngles, Probes};
 
 /// Points of a revolution.
 pub const POINTS: usize = 1024;
-/// Counts of the spindle's encoder in a revolution.
+/// Counts of the spindle encoder per revolution.
 const COUNTS: i32 = 1 << 22;
-/// Counts in a cycle.
+/// Counts per cycle.
 const STEP: i32 = 431;
-/// Units of the forward transform, of the pairs, of the harmonics kept and of the inverse, and the twelve between and after
-/// them.
+/// Units of work of the forward transform, the pairs, the harmonics kept and the inverse, and the twelve units between and
+/// after them.
 const TRANSFORM_UNITS: usize = 512 + 256 + 127 + 512 + 12;
 
 /// A gauge and the readings of its next cycle.
@@ -18,7 +18,7 @@ const TRANSFORM_UNITS: usize = 512 + 256 + 127 + 512 + 12;
 pub struct Gauge {
     /// The gauge.
     pub gauge: Box<roundness::Gauge<f64, POINTS>>,
-    /// Its state.
+    /// State of the gauge.
     pub state: Box<roundness::GaugeState<f64, POINTS>>,
     /// Readings.
     pub probes: Probes<f64>,
@@ -35,7 +35,7 @@ impl Gauge {
         Gauge { gauge, state, probes: Probes::default(), cycle: 0 }
     }
 
-    /// The readings of another cycle.
+    /// Advances to the readings of the next cycle.
     pub fn advance(&mut self) {
         let before = self.cycle * STEP - 1000;
         self.cycle += 1;
@@ -53,7 +53,7 @@ impl Gauge {
         };
     }
 
-    /// First stage.
+    /// Runs the first stage.
     #[inline(always)]
     pub fn sample(&mut self) -> u16 {
         self.gauge.sample(&mut self.state, &self.probes, Followed::Whole).0
@@ -65,7 +65,7 @@ impl Gauge {
         place(self.cycle) != place(self.cycle - 1)
     }
 
-    /// In the middle of a revolution, before a cycle that passes a point, or does not.
+    /// A gauge in the middle of a revolution, before a cycle that passes a point or does not.
     pub fn sampling(passing: bool) -> Self {
         let mut gauge = Gauge::new();
         loop {
@@ -77,7 +77,7 @@ impl Gauge {
         }
     }
 
-    /// Before the first slice of work on a revolution.
+    /// A gauge before the first slice of work on a revolution.
     pub fn whole_revolution() -> Self {
         let mut gauge = Gauge::new();
         while gauge.state.is_settled() {
@@ -87,13 +87,13 @@ impl Gauge {
         gauge
     }
 
-    /// Forward transform, division and inverse of one revolution.
+    /// Runs forward transform, division and inverse of one revolution.
     #[inline(always)]
     pub fn transform(&mut self) -> bool {
         (0..TRANSFORM_UNITS).fold(false, |finished, _| finished | self.gauge.work(&mut self.state))
     }
 
-    /// Everything that is worked out of one revolution.
+    /// Runs all the work on one revolution.
     #[inline(always)]
     pub fn work(&mut self) {
         while !self.gauge.work(&mut self.state) {}

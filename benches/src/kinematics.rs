@@ -4,7 +4,7 @@ use trueaxis::kinematics::{InverseError, Kinematics, Solution, Tool};
 use trueaxis::machine::AXES;
 use trueaxis_testing::machine::Machine;
 
-/// A machine, a pose, its tool, and the pose of the cycle before.
+/// A machine, a pose, the pose's tool, and the pose of the previous cycle.
 #[derive(Clone, Copy, Debug)]
 pub struct Pose {
     kinematics: Kinematics<f64>,
@@ -14,7 +14,7 @@ pub struct Pose {
 }
 
 impl Pose {
-    /// Trunnion A on Y, table C in it, the tool on Z on X.
+    /// Trunnion A on Y carrying table C, and the tool on Z on X.
     pub fn trunnion() -> Self {
         let machine = Machine::new("w C' A' Y' b X Z t").tool([0.0, 0.0, -120.0]).each(|axis| {
             axis.offset_mm = if axis.axis.is_rotary() { [0.1, 20.0, -35.0] } else { [0.0; 3] };
@@ -26,13 +26,13 @@ impl Pose {
         Pose { kinematics, axes, before, tool: kinematics.forward(&axes) }
     }
 
-    /// From the axes to the tool.
+    /// Forward kinematics: from the axes to the tool.
     #[inline(always)]
     pub fn forward(&self) -> Tool<f64> {
         self.kinematics.forward(&self.axes)
     }
 
-    /// From the tool to the axes, near the cycle before.
+    /// Inverse kinematics: from the tool to the axes, near the previous cycle's pose.
     #[inline(always)]
     pub fn inverse(&self) -> Result<Solution<f64>, InverseError> {
         self.kinematics.inverse(&self.tool, &self.before)

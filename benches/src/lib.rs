@@ -1,4 +1,4 @@
-//! Fixed inputs for the benches: everything comes from seeds, so that instruction counts repeat exactly.
+//! Fixed inputs for the benchmarks, all generated from seeds, so that instruction counts repeat exactly.
 
 pub mod adversarial;
 pub mod contour;
@@ -9,7 +9,7 @@ pub mod step;
 pub mod tables;
 pub mod tool;
 
-/// Splitmix64: the same numbers on every machine.
+/// Splitmix64, which gives the same numbers on every machine.
 #[derive(Clone, Debug)]
 pub struct Random(pub u64);
 

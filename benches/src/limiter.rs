@@ -7,7 +7,7 @@ use trueaxis::machine::AxisSettings;
 /// Servo period, s.
 pub const PERIOD_S: f64 = 1e-4;
 
-/// Limiters, their state, and the wanted correction of the next cycle.
+/// Limiters, their states, and the wanted corrections of the next cycle.
 #[derive(Clone, Copy, Debug)]
 pub struct Limits {
     /// Limits of each axis.
@@ -25,7 +25,7 @@ impl Limits {
         Limits { limiter: [limiter; 3], state: Default::default(), wanted: [0.0; 3] }
     }
 
-    /// Locked on to a slow ramp: nothing binds.
+    /// Locked on to a slow ramp, with no limit binding.
     pub fn free() -> Self {
         let mut limits = Limits::new();
         for cycle in 0..100 {
@@ -36,7 +36,7 @@ impl Limits {
         limits
     }
 
-    /// In the middle of a jump of 80 µm on every axis: all are limited, braking law included.
+    /// In the middle of a jump of 80 µm on every axis: all are limited, including the braking law.
     pub fn binding() -> Self {
         let mut limits = Limits::new();
         limits.wanted = [0.08, -0.08, 0.07];
@@ -46,7 +46,7 @@ impl Limits {
         limits
     }
 
-    /// One cycle; how many axes are limited.
+    /// Runs one cycle; returns the number of limited axes.
     #[inline(always)]
     pub fn follow(&mut self) -> u8 {
         let mut limited = 0;

@@ -9,7 +9,7 @@ use trueaxis::{Axis, Config, Input, Output, ServoLoop, State};
 
 /// Servo period, ns.
 pub const PERIOD_NS: u32 = 100_000;
-/// Passes of the exact inverse.
+/// Number of passes of the exact inverse.
 pub const PASSES: u8 = 2;
 
 /// A running servo loop and the input of its next cycle.
@@ -17,34 +17,34 @@ pub const PASSES: u8 = 2;
 pub struct Cycle {
     /// The loop.
     pub servo: &'static ServoLoop<'static, f64, f64, 3>,
-    /// Its state.
+    /// State of the loop.
     pub state: State<f64, f64, 3>,
     /// Command and readings.
     pub input: Input<f64, 3>,
     /// The butterfly.
     pub path: Path<'static, f64, f64>,
-    /// Position of the command on it.
+    /// Reference of the command on the path.
     pub reference: Reference<f64>,
 }
 
 impl Cycle {
-    /// One cycle.
+    /// Runs one cycle.
     #[inline(always)]
     pub fn run(&mut self) -> Output<f64, f64, 3> {
         self.servo.step(&mut self.state, &self.input, self.path.on(self.reference), ())
     }
 }
 
-/// Cycles for which the walk stands first, until the search is warm and the correction is led in.
+/// Cycles at rest before the walk, until the search is warm and the correction is fully applied.
 pub const STANDING: u32 = 2000;
 
-/// Walks the butterfly at 100 mm/s, to its end or for so many cycles, with readings that stray by ±5 µm; calls `seen`
-/// with the number of every cycle, the cycle as it was before it ran, and its output.
+/// Walks the butterfly at 100 mm/s, to its end or for `cycles` cycles, with readings that deviate by ±5 µm; calls `seen` with
+/// the number of every cycle, the cycle before it ran, and its output.
 pub fn walk(cycles: u32, seen: impl FnMut(u32, &Cycle, &Output<f64, f64, 3>)) {
     walk_with(|_| (), cycles, seen);
 }
 
-/// The same after a change of the machine.
+/// Like [`walk`], after a change of the machine.
 pub fn walk_with(
     change: impl FnOnce(&mut MachineSettings),
     cycles: u32,
@@ -53,7 +53,7 @@ pub fn walk_with(
     walk_on(change, &[], cycles, seen);
 }
 
-/// The same with grids beside the tables.
+/// Like [`walk_with`], with grids in addition to the tables.
 pub fn walk_on(
     change: impl FnOnce(&mut MachineSettings),
     grids: &'static [GridData<'static>],
@@ -105,7 +105,7 @@ pub fn walk_on(
     }
 }
 
-/// The cycle of the walk with the most evaluations of the path, the most limited axes among those.
+/// The cycle of the walk with the most evaluations of the path, and the most limited axes among equals.
 pub fn worst(cycles: u32) -> Cycle {
     let mut found = None;
     walk(cycles, |_, cycle, output| {

@@ -11,19 +11,19 @@ use trueaxis_testing::machine::Machine;
 pub const POINTS: u32 = 128;
 /// First point of each table, mm.
 pub const FIRST_MM: f64 = -300.0;
-/// Mean distance of two points, mm.
+/// Mean distance between two points, mm.
 pub const CELL_MM: f64 = 5.0;
 
 /// Spacing of the points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Grid {
-    /// All at the same distance.
+    /// Equal distances.
     Equidistant,
     /// Distances vary by ±40 %.
     Free,
 }
 
-/// Lines of one table: errors of some 10 µm, changing by less than 1 µm from point to point.
+/// Rows of one table: errors of some 10 µm, changing by less than 1 µm from point to point.
 pub fn rows(grid: Grid, seed: u64) -> Vec<Row> {
     let mut random = Random(seed);
     let mut error = [0.0; 6];
@@ -43,7 +43,7 @@ pub fn machine() -> MachineSettings {
     Machine::three_axis().travel([-290.0, 325.0], 0.1).settings()
 }
 
-/// Memory for 3 tables; leaked, because it serves as long as the process.
+/// Memory for 3 tables, leaked because it is needed until the process ends.
 pub fn memory() -> &'static mut [f64] {
     // Value and slope of four numbers, and the grid with its guide.
     vec![0.0; (2 * 4 + 3) * 3 * POINTS as usize].leak()
@@ -61,7 +61,7 @@ pub fn nine_terms(grid: Grid) -> NineTerms<'static, f64, f64, 3> {
     .expect("valid tables")
 }
 
-/// Twists of an axis, 128 points: translations of some 10 µm, rotations of some 10 µrad; a rotary table is a full circle.
+/// Twists of an axis, 128 points: translations of some 10 µm, rotations of some 10 µrad; a rotary table spans a full circle.
 fn twists(axis: Axis) -> Vec<Row> {
     let mut random = Random(10 + axis.index() as u64);
     let mut error = [0.0; 6];
@@ -83,7 +83,7 @@ fn twists(axis: Axis) -> Vec<Row> {
     rows
 }
 
-/// The volumetric model of a machine with `N` axes: X Y Z on the tool side, and with five a table C on a trunnion A.
+/// The volumetric model of a machine with `N` axes: X Y Z on the tool side, and with five axes a table C on a trunnion A.
 pub fn volumetric<const N: usize>() -> Volumetric<'static, f64, f64, N> {
     let mut machine = machine();
     machine.compensation.model = ErrorModel::Volumetric;
@@ -100,7 +100,7 @@ pub fn volumetric<const N: usize>() -> Volumetric<'static, f64, f64, N> {
     Volumetric::build(&AxisOrder::of(&machine).expect("valid axes"), &machine, rows, memory).expect("valid tables")
 }
 
-/// A grid of translations over X and Y, or over all three axes: nodes 12.3 mm apart in X and Y, 61.5 mm in Z; leaked.
+/// A grid of translations over X and Y, or over all three axes, leaked: nodes 12.3 mm apart in X and Y, 61.5 mm in Z.
 pub fn grid(with_z: bool) -> &'static [GridData<'static>] {
     let mut random = Random(23);
     let along = |count: u32, pitch: f64| (0..count).map(|i| -290.0 + pitch * f64::from(i)).collect::<Vec<f64>>();

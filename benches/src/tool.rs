@@ -1,4 +1,4 @@
-//! The whole five-axis step on a machine with a swivelling head and a rotary table, direction included.
+//! The whole five-axis step with tool direction, on a machine with a swivelling head and a rotary table.
 
 use crate::Random;
 use crate::step::{PASSES, PERIOD_NS};
@@ -24,7 +24,7 @@ pub struct ToolCycle {
 }
 
 impl ToolCycle {
-    /// One cycle, joints commanded.
+    /// Runs one cycle with commanded joints.
     #[inline(always)]
     pub fn run(&mut self) -> (Output<f64, f64, 5>, OrientationError<f64>) {
         let mut on = OnToolPath::new(&self.path, self.reference, self.kinematics);
@@ -32,7 +32,7 @@ impl ToolCycle {
         (output, *on.orientation())
     }
 
-    /// One cycle, tool commanded.
+    /// Runs one cycle with a commanded tool.
     #[inline(always)]
     pub fn run_rtcp(&mut self) -> (Output<f64, f64, 5>, OrientationError<f64>) {
         let input = self.servo.rtcp(&self.state, &self.tool, &mut self.follow, self.kinematics, &self.input);
@@ -46,7 +46,7 @@ fn machine() -> MachineSettings {
     Machine::new("w C' b X Y Z A t").travel([-290.0, 325.0], 0.1).tool([0.0, 0.0, -150.0]).settings()
 }
 
-/// As many points on every axis; a whole turn that closes on rotary ones.
+/// The same number of points on every axis; a rotary table spans a closed full turn.
 fn table(axis: Axis, seed: u64) -> Vec<Row> {
     let mut rows = rows(Grid::Equidistant, seed);
     if axis.is_rotary() {
@@ -62,7 +62,7 @@ fn table(axis: Axis, seed: u64) -> Vec<Row> {
     rows
 }
 
-/// 80 mm straight, both rotary axes turning.
+/// A straight line of 80 mm with both rotary axes turning.
 fn path() -> (Vec<Span<f64, f64>>, Vec<Turn<f64>>) {
     let (mut spans, mut turns) = (Vec::new(), Vec::new());
     let line = Segment::Line { start: DVec3::new(10.0, 20.0, 0.0), end: DVec3::new(70.0, 70.0, 15.0) };
@@ -75,7 +75,7 @@ fn path() -> (Vec<Span<f64, f64>>, Vec<Turn<f64>>) {
     (spans, turns)
 }
 
-/// A cycle of a walk at 50 mm/s with readings that stray by ±2 µm, in which both searches end in the kernel and no limit
+/// A cycle of a walk at 50 mm/s with readings that deviate by ±2 µm, in which both searches end in the kernel and no limit
 /// binds: nine terms, tables of 128 points, linear.
 pub fn typical() -> ToolCycle {
     let machine: &'static MachineSettings = Box::leak(Box::new(machine()));

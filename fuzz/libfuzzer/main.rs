@@ -1,4 +1,4 @@
-//! The target that the environment variable `TRUEAXIS_FUZZ` names, under libFuzzer: see `fuzz/run.sh`.
+//! Runs the target named by the environment variable `TRUEAXIS_FUZZ` under libFuzzer: see `fuzz/run.sh`.
 
 #![no_main]
 
@@ -23,7 +23,7 @@ fuzz_target!(|input: &[u8]| {
     (target().run)(input);
 });
 
-// libFuzzer's own mutations, after most of them lengths and check sums made right.
+// libFuzzer's mutations; most are followed by a repair of lengths and check sums.
 fuzz_mutator!(|data: &mut [u8], size: usize, most: usize, seed: u32| {
     let size = fuzzer_mutate(data, size, most);
     if seed.is_multiple_of(8) {

@@ -1,6 +1,6 @@
 //! One `.tar.gz` for all inputs of a target, so that a checkout is not slowed by thousands of small files.
 //!
-//! Names are sorted and times and owners left out: the same inputs give the same bytes with the same version of `flate2`.
+//! Names are sorted, and times and owners are left out: the same inputs give the same bytes with the same version of `flate2`.
 
 use anyhow::{Context, Result, ensure};
 use flate2::bufread::GzDecoder;
@@ -13,10 +13,10 @@ use std::path::Path;
 /// Inputs by name; they run in the order of their names.
 pub type Inputs = BTreeMap<String, Vec<u8>>;
 
-/// The inputs as bytes of an archive.
+/// Packs the inputs into an archive.
 ///
 /// # Errors
-/// A name is not that of a file.
+/// A name that is not a plain file name.
 pub fn pack(inputs: &Inputs) -> Result<Vec<u8>> {
     let mut tar = tar::Builder::new(Vec::new());
     for (name, input) in inputs {
@@ -35,12 +35,12 @@ pub fn pack(inputs: &Inputs) -> Result<Vec<u8>> {
     Ok(gzip.finish()?)
 }
 
-/// The inputs of an archive, unpacked in memory.
+/// Unpacks an archive in memory.
 ///
 /// # Errors
-/// It is damaged, or holds something else than files in no folder.
+/// A damaged archive, or entries other than files without a folder.
 pub fn unpack(archive: &[u8]) -> Result<Inputs> {
-    // To the end first: the check sum of all is the last thing in the archive.
+    // Read to the end first: the check sum of the whole archive comes last.
     let mut gzip = GzDecoder::new(archive);
     let mut bytes = Vec::new();
     gzip.read_to_end(&mut bytes).context("no sound gzip")?;
@@ -59,7 +59,7 @@ pub fn unpack(archive: &[u8]) -> Result<Inputs> {
     Ok(inputs)
 }
 
-/// Unpacked into a folder, no input may land outside or in another folder.
+/// Once unpacked into a folder, no input may land outside it or in a subfolder.
 fn check_name(name: &str) -> Result<()> {
     ensure!(
         Path::new(name).file_name() == Some(OsStr::new(name)) && !name.contains(['\\', '\0']),
@@ -84,7 +84,7 @@ mod tests {
         gzip.finish().unwrap()
     }
 
-    /// An archive as another program may write it.
+    /// An archive as another program might write it.
     fn foreign(entries: &[(&str, tar::EntryType, &[u8])]) -> Vec<u8> {
         let mut tar = tar::Builder::new(Vec::new());
         for (name, kind, input) in entries {
@@ -134,7 +134,7 @@ mod tests {
         for bit in 0..8 * packed.len() {
             let mut damaged = packed.clone();
             damaged[bit / 8] ^= 1 << (bit % 8);
-            // Some bits do not matter: gzip's time, the one of two equal runs that a copy refers to.
+            // Some bits do not matter: gzip's time, or which of two equal runs a copy refers to.
             if let Ok(read) = unpack(&damaged) {
                 assert_eq!(read, inputs(), "bit {bit}");
             }

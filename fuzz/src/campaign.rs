@@ -1,4 +1,4 @@
-//! The seeded loop: the same target, seed and corpus give the same inputs in the same order, on every computer.
+//! The seeded loop: the same target, seed and corpus give the same inputs in the same order on every computer.
 
 use crate::Target;
 use crate::execution::execute;
@@ -9,24 +9,24 @@ use std::collections::HashSet;
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
-/// Most inputs that are kept beside seeds and corpus.
+/// Most inputs kept in addition to seeds and corpus.
 const MOST_KEPT: usize = 4096;
 
-/// Where a loop ends, if nothing is found.
+/// When a loop ends, if nothing is found.
 #[derive(Clone, Copy, Debug)]
 pub enum Until {
-    /// After so many executions: repeats exactly.
+    /// After this many executions: repeats exactly.
     Executions(u64),
-    /// After so much time.
+    /// After this much time.
     Elapsed(Duration),
 }
 
-/// What a loop has done.
+/// Statistics of a loop.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct Tally {
     /// Inputs run.
     pub executions: u64,
-    /// Of these, accepted.
+    /// Executions that accepted their input.
     pub accepted: u64,
     /// Different outcomes.
     pub outcomes: u64,
@@ -37,7 +37,7 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// Executions a second.
+    /// Executions per second.
     pub fn rate(&self) -> f64 {
         if self.seconds > 0.0 { self.executions as f64 / self.seconds } else { 0.0 }
     }
@@ -56,7 +56,7 @@ pub struct Campaign<'t> {
 }
 
 impl<'t> Campaign<'t> {
-    /// Begins with `inputs`: the target's seeds and corpus.
+    /// Creates a loop that begins with `inputs`: the target's seeds and corpus.
     pub fn new(target: &'t Target, seed: u64, mut inputs: Vec<Vec<u8>>) -> Campaign<'t> {
         let mutator = Mutator::new(seed, dictionary(target.dictionary), target.longest());
         if inputs.is_empty() {
@@ -66,7 +66,7 @@ impl<'t> Campaign<'t> {
         Campaign { target, seed, mutator, inputs, given, outcomes, tally: Tally::default(), input }
     }
 
-    /// Runs to the end or to the first finding. `tell` hears of every execution before it begins, and may break off.
+    /// Runs to the end or to the first finding. `tell` is called before every execution and may stop the loop.
     ///
     /// # Errors
     /// The finding.
@@ -93,7 +93,7 @@ impl<'t> Campaign<'t> {
         }
     }
 
-    /// The next input: first those given, as they are; then mutants, most of them repaired.
+    /// Selects the next input: first the given ones, unchanged; then mutants, most of them repaired.
     fn next_input(&mut self) {
         let number = self.tally.executions as usize;
         if number < self.given {

@@ -1,4 +1,4 @@
-//! Inputs kept in files: the committed corpus, an archive a target, and folders with a file an input.
+//! Inputs in files: the committed corpus, one archive per target, and folders with one file per input.
 
 use crate::Target;
 use crate::archive::{Inputs, pack, unpack};
@@ -12,15 +12,15 @@ pub fn home() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// The archive with the corpus of a target.
+/// The archive with a target's corpus.
 pub fn archive(target: &Target) -> PathBuf {
     home().join("corpus").join(format!("{}.tar.gz", target.name))
 }
 
-/// The inputs of an archive.
+/// Reads the inputs of an archive.
 ///
 /// # Errors
-/// There is none, or it is damaged.
+/// A missing or damaged archive.
 pub fn read(archive: &Path) -> Result<Inputs> {
     let shown = archive.display();
     let bytes = match fs::read(archive) {
@@ -34,10 +34,10 @@ pub fn read(archive: &Path) -> Result<Inputs> {
     })
 }
 
-/// Writes an archive, unless it holds these inputs already: another version of the compressor would write other bytes.
+/// Writes an archive, unless it already has these inputs: another version of the compressor would write other bytes.
 ///
 /// # Errors
-/// It cannot be written.
+/// A file that cannot be written.
 pub fn write(archive: &Path, inputs: &Inputs) -> Result<()> {
     if read(archive).is_ok_and(|kept| kept == *inputs) {
         return Ok(());
@@ -49,7 +49,7 @@ pub fn write(archive: &Path, inputs: &Inputs) -> Result<()> {
 /// Adds an input to an archive.
 ///
 /// # Errors
-/// The archive has another input of this name, or cannot be read or written.
+/// Another input of this name in the archive, or an archive that cannot be read or written.
 pub fn add(archive: &Path, name: &str, input: Vec<u8>) -> Result<()> {
     let mut inputs = read(archive)?;
     if let Some(kept) = inputs.insert(name.to_owned(), input) {
@@ -58,10 +58,10 @@ pub fn add(archive: &Path, name: &str, input: Vec<u8>) -> Result<()> {
     write(archive, &inputs)
 }
 
-/// Every file of a folder, in the order of their names; none where there is no folder.
+/// Every file of a folder, ordered by name; empty if the folder does not exist.
 ///
 /// # Errors
-/// Something cannot be read.
+/// A file that cannot be read.
 pub fn files(folder: &Path) -> io::Result<Vec<(PathBuf, Vec<u8>)>> {
     let entries = match fs::read_dir(folder) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
@@ -76,7 +76,7 @@ pub fn files(folder: &Path) -> io::Result<Vec<(PathBuf, Vec<u8>)>> {
 /// The files of a folder as inputs.
 ///
 /// # Errors
-/// There is no such folder, or something cannot be read.
+/// A missing folder, or a file that cannot be read.
 pub fn gather(folder: &Path) -> Result<Inputs> {
     let shown = folder.display();
     ensure!(folder.is_dir(), "{shown}: found no folder, needed one with a file an input");
@@ -88,10 +88,10 @@ pub fn gather(folder: &Path) -> Result<Inputs> {
     files(folder).with_context(|| shown.to_string())?.into_iter().map(named).collect()
 }
 
-/// Writes every input into a file of a folder, which must be new or empty: what lay there would be packed as well.
+/// Writes every input into a file of a folder, which must be new or empty: any other file would be packed as well.
 ///
 /// # Errors
-/// The folder has something in it, or cannot be written.
+/// A folder that is not empty or cannot be written.
 pub fn spread(inputs: &Inputs, folder: &Path) -> Result<()> {
     let shown = || folder.display().to_string();
     fs::create_dir_all(folder).with_context(shown)?;
@@ -103,7 +103,7 @@ pub fn spread(inputs: &Inputs, folder: &Path) -> Result<()> {
 /// Seeds and corpus of a target.
 ///
 /// # Errors
-/// The corpus cannot be read.
+/// A corpus that cannot be read.
 pub fn inputs(target: &Target) -> Result<Vec<Vec<u8>>> {
     Ok((target.seeds)().into_iter().chain(read(&archive(target))?.into_values()).collect())
 }
@@ -135,7 +135,7 @@ mod tests {
         let archive = folder.path().join("a.tar.gz");
         let inputs = one("1", b"input");
         let mut other_bytes = pack(&inputs).unwrap();
-        // The system it was written on, in gzip's head.
+        // The operating system in gzip's header.
         other_bytes[9] ^= 1;
         fs::write(&archive, &other_bytes).unwrap();
         write(&archive, &inputs).unwrap();

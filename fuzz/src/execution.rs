@@ -1,4 +1,4 @@
-//! One input, once: panics are caught, time is taken.
+//! Runs one input once, catches panics and measures the time.
 
 use crate::Target;
 use crate::outcome::{self, Outcome};
@@ -19,8 +19,8 @@ thread_local! {
 /// Runs an input.
 ///
 /// # Errors
-/// A broken promise, in words: the panic with its place, or a time above [`Target::slowest`] that a second run
-/// confirms. Time is that of the wall or of this process, the shorter: other processes keep the processors busy.
+/// A broken promise, in words: the panic with its location, or a time above [`Target::slowest`] that a second run confirms.
+/// Time is the shorter of wall time and process time: other processes keep the processors busy.
 pub fn execute(target: &Target, input: &[u8]) -> Result<Outcome, String> {
     listen();
     let (outcome, took) = timed(target, input)?;
@@ -43,13 +43,13 @@ fn timed(target: &Target, input: &[u8]) -> Result<(Outcome, Duration), String> {
     }
 }
 
-/// What this process has taken of the processors.
+/// Processor time used by this process.
 fn processor() -> Duration {
     let Timespec { tv_sec, tv_nsec } = clock_gettime(ClockId::ProcessCPUTime);
     Duration::new(tv_sec.unsigned_abs(), u32::try_from(tv_nsec).unwrap_or(0))
 }
 
-/// A panic of a guarded execution is kept, not printed.
+/// Stores a panic of a guarded execution instead of printing it.
 fn listen() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {

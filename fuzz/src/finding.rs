@@ -1,4 +1,4 @@
-//! A broken promise, written down so that it can be seen again.
+//! A broken promise, recorded so that it can be reproduced.
 
 use crate::Target;
 use crate::corpus;
@@ -22,17 +22,17 @@ pub struct Finding {
     pub input: Vec<u8>,
 }
 
-/// The folder of a target's findings.
+/// The folder for a target's findings.
 pub fn folder(target: &Target) -> PathBuf {
     corpus::home().join("findings").join(target.name)
 }
 
 impl Finding {
-    /// Writes the input to `folder`, and beside it, in a file that ends in `.txt`, what happened and the commands that show
-    /// it again. Returns the input's file.
+    /// Writes the input to `folder`, and beside it a `.txt` file with what happened and the commands that reproduce it.
+    /// Returns the input's file.
     ///
     /// # Errors
-    /// It cannot be written.
+    /// A file that cannot be written.
     pub fn write(&self, folder: &Path) -> io::Result<PathBuf> {
         fs::create_dir_all(folder)?;
         let mut hasher = DefaultHasher::new();
@@ -43,7 +43,7 @@ impl Finding {
         Ok(file)
     }
 
-    /// What happened, and the commands that show it again.
+    /// What happened, and the commands that reproduce it.
     pub fn report(&self, file: &Path) -> String {
         let Finding { target, seed, execution, what, input } = self;
         let run = "cargo run -p trueaxis-fuzz --profile fuzz --";
@@ -57,10 +57,10 @@ impl Finding {
     }
 }
 
-/// The findings that were written to a folder: inputs without the reports beside them.
+/// The findings in a folder: inputs without the reports beside them.
 ///
 /// # Errors
-/// A file cannot be read.
+/// A file that cannot be read.
 pub fn inputs(folder: &Path) -> io::Result<Vec<(PathBuf, Vec<u8>)>> {
     let mut files = corpus::files(folder)?;
     files.retain(|(path, _)| path.extension().is_none_or(|extension| extension != "txt"));

@@ -1,4 +1,4 @@
-//! Every untrusted input of trueaxis under attack: one [`Target`] each, run by a seeded loop or by libFuzzer.
+//! Attacks on every untrusted input of trueaxis: one [`Target`] each, run by a seeded loop or by libFuzzer.
 
 pub mod alone;
 pub mod archive;
@@ -20,33 +20,33 @@ use std::time::Duration;
 
 /// One untrusted input.
 pub struct Target {
-    /// Name on the command line, of its corpus and of its dictionary.
+    /// Name on the command line, and of the corpus and the dictionary.
     pub name: &'static str,
-    /// What is attacked, in a few words.
+    /// Short description of what is attacked.
     pub about: &'static str,
-    /// Reads the input as the product does, and panics if a promise about it is broken: not only that nothing panics,
-    /// but what an accepted input must keep and what a refusal must say ([`outcome::refused`]).
+    /// Reads the input as the product does, and panics if a promise is broken: not only that nothing panics, but also what an
+    /// accepted input must satisfy and what a refusal must say ([`outcome::refused`]).
     pub run: fn(&[u8]),
-    /// Inputs that are accepted, to begin from; the corpus comes on top.
+    /// Accepted inputs to begin from, in addition to the corpus.
     pub seeds: fn() -> Vec<Vec<u8>>,
-    /// Makes lengths and check sums right again after a mutation, so that the attack gets past them; leaves alone what
-    /// it does not recognise.
+    /// Corrects lengths and check sums after a mutation, so that the attack gets past them; does not change what it does not
+    /// recognise.
     pub repair: fn(&mut Vec<u8>),
-    /// Words of the format, as libFuzzer's dictionaries have them.
+    /// Words of the format, in the syntax of libFuzzer's dictionaries.
     pub dictionary: &'static str,
-    /// An execution that takes longer is a finding; [`SLOWEST`](execution::SLOWEST) unless what is attacked is known to take
-    /// its time.
+    /// An execution that takes longer is a finding; [`SLOWEST`](execution::SLOWEST) unless the attacked code is known to be
+    /// slow.
     pub slowest: Duration,
 }
 
-/// For formats without a check sum.
+/// The repair for formats without a check sum.
 pub fn no_repair(_: &mut Vec<u8>) {}
 
-/// Longest input of a target that has only small seeds, bytes.
+/// Longest input of a target with only small seeds, bytes.
 const LONGEST: usize = 4096;
 
 impl Target {
-    /// Longest input that is tried, bytes: 4 KiB, or a half more than its longest seed.
+    /// Longest input tried, bytes: 4 KiB, or one and a half times the longest seed.
     pub fn longest(&self) -> usize {
         let seed = (self.seeds)().iter().map(Vec::len).max().unwrap_or(0);
         LONGEST.max(seed + seed / 2)

@@ -1,4 +1,4 @@
-//! Small machines of every kind, as files in memory: seeds for what reads, compiles and runs them.
+//! Small machines of every kind, as files in memory: seeds for the code that reads, compiles and runs them.
 
 use std::path::Path;
 use std::sync::LazyLock;
@@ -9,19 +9,19 @@ use trueaxis_tables::files::Memory;
 /// Names and texts of a machine's files, `machine.toml` first.
 pub type Files = &'static [(&'static str, &'static str)];
 
-/// Three axes with the nine terms, five with twists, a grinder with its gauge, one axis alone, grids of two and three axes.
+/// Three axes with the nine terms, five with twists, a grinder with its gauge, a single axis, grids of two and three axes.
 pub const ALL: [Files; 5] = [THREE, FIVE, GRINDER, ONE, GRIDS];
 
-/// The machine of files that are known to be one.
+/// Reads a machine from files that are known to be valid.
 ///
 /// # Panics
-/// They are not.
+/// Invalid files.
 pub fn read(files: Files) -> Machine {
     let memory = Memory::new(files.iter().copied());
     Machine::read_from(&memory, Path::new("machine.toml"), &mut |_| {}).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// Settings of the one with five axes.
+/// Settings of the five-axis machine.
 pub fn five_axes() -> MachineSettings {
     static FIVE_AXES: LazyLock<MachineSettings> = LazyLock::new(|| read(FIVE).settings);
     FIVE_AXES.clone()

@@ -1,38 +1,38 @@
-//! What became of an input: the loop sees no coverage, so it keeps an input whose outcome is new.
+//! The outcome of an input: the loop sees no coverage, so it keeps every input with a new outcome.
 
 use std::cell::Cell;
 use std::fmt::Display;
 use std::hash::{DefaultHasher, Hash, Hasher};
 
-/// What an execution came to.
+/// Outcome of an execution.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Outcome {
-    /// Class of everything it told, in order; 0 where it told nothing.
+    /// Class of everything it reported, in order; 0 if it reported nothing.
     pub class: u64,
     /// Whether it was accepted ([`accepted`]).
     pub accepted: bool,
 }
 
-/// Words of a value of the program that was printed as the program sees it.
+/// Signs of a value printed in its debug form.
 const DUMPS: [&str; 6] = ["Some(", "None)", "Ok(", "Err(", "Error {", " { kind:"];
 
 thread_local! {
     static OUTCOME: Cell<Outcome> = const { Cell::new(Outcome { class: 0, accepted: false }) };
-    /// Which of [`DUMPS`] the input has itself, so that a refusal may repeat them.
+    /// Which of [`DUMPS`] the input contains, so that a refusal may repeat them.
     static GIVEN: Cell<[bool; DUMPS.len()]> = const { Cell::new([false; DUMPS.len()]) };
 }
 
-/// Begins an execution: what a refusal repeats of the input is not the program's.
+/// Begins an execution: a refusal may repeat parts of the input.
 pub fn begin(input: &[u8]) {
     take();
     GIVEN.set(DUMPS.map(|dump| input.windows(dump.len()).any(|part| part == dump.as_bytes())));
 }
 
-/// Longest refusal, characters: more is a dump.
+/// Longest refusal, characters: a longer one is a dump.
 const LONGEST_REFUSAL: usize = 2200;
 
-/// Tells that the target came through here: an input with a new sequence of these is kept. Few values, not one for every
-/// number.
+/// Reports that the target reached this point: an input with a new sequence of these is kept. Use few values, not one for
+/// every number.
 pub fn saw(what: impl Hash) {
     let mut hasher = DefaultHasher::new();
     let before = OUTCOME.get();
@@ -40,20 +40,20 @@ pub fn saw(what: impl Hash) {
     OUTCOME.set(Outcome { class: hasher.finish(), ..before });
 }
 
-/// Tells that the input was accepted.
+/// Reports that the input was accepted.
 pub fn accepted() {
     saw("accepted");
     OUTCOME.set(Outcome { accepted: true, ..OUTCOME.get() });
 }
 
-/// Tells that the input was refused, and checks what was said: something, on one line, for people.
+/// Reports that the input was refused, and checks the message: some text, on one line, for people.
 ///
 /// # Panics
-/// The message is empty, has more than one line, or is a dump of a value of the program.
+/// If the message is empty, has more than one line, or contains a debug form.
 pub fn refused(error: impl Display) {
     let message = error.to_string();
     assert!(!message.trim().is_empty(), "a refusal without a word");
-    // Other control characters are written out where a program prints it.
+    // Other control characters are escaped when a program prints the message.
     assert!(!message.contains('\n'), "a refusal of more than a line: {message:?}");
     let length = message.chars().count();
     assert!(length <= LONGEST_REFUSAL, "a refusal of {length} characters: {message:?}");
@@ -66,12 +66,13 @@ pub fn refused(error: impl Display) {
     saw(shape(&message));
 }
 
-/// What a message says by itself, without what it quotes of the input.
+/// The message without its quotations of the input.
 fn outside_quotes(message: &str) -> String {
     message.split(['"', '`']).step_by(2).collect()
 }
 
-/// What a message needs, or all of it where it does not say, without figures: of what was found, every input has its own.
+/// The part of a message that says what is needed, without figures; the whole message if there is none. The part on what was
+/// found would differ for every input.
 fn shape(message: &str) -> String {
     let said = message.rsplit_once("needed").map_or(message, |(_, needed)| needed);
     outside_quotes(said)
@@ -81,7 +82,7 @@ fn shape(message: &str) -> String {
         .collect()
 }
 
-/// What was told since the last call.
+/// The reports since the last call.
 pub(crate) fn take() -> Outcome {
     OUTCOME.take()
 }

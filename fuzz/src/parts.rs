@@ -1,11 +1,11 @@
-//! Several files in one input: each begins with its name on a line of its own, `== machine.toml ==`.
+//! Several files in one input: each begins with its name on a separate line, `== machine.toml ==`.
 
-/// An input of these files.
+/// Joins these files into an input.
 pub fn joined(files: &[(&str, &str)]) -> Vec<u8> {
     files.iter().flat_map(|(name, text)| format!("== {name} ==\n{text}").into_bytes()).collect()
 }
 
-/// The files of an input with their names; what stands before the first name belongs to `first`.
+/// The files of an input with their names; any text before the first name belongs to `first`.
 pub fn split<'i>(input: &'i [u8], first: &'i str) -> Vec<(&'i str, Vec<u8>)> {
     let mut files: Vec<(&str, Vec<u8>)> = Vec::new();
     for line in input.split_inclusive(|byte| *byte == b'\n') {

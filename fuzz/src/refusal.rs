@@ -1,13 +1,13 @@
-//! What refusals have to say that may repeat any part of a text without quotes, as a terminal shows them.
+//! Checks of refusals that may repeat any part of a text without quotes, as a terminal shows them.
 
 use crate::outcome;
 use trueaxis_tables::text::printable;
 
-/// One line that begins with the file's name, says what was found and what is needed, and names no line that the file
-/// does not have.
+/// Checks a message: one line that begins with the file's name, says what was found and what is needed, and names only lines
+/// that the file has.
 ///
 /// # Panics
-/// It does not.
+/// If the message does not meet this.
 pub fn of_file(message: &str, file: &str, text: &[u8]) {
     let message = &printable(message);
     assert!(!message.contains('\n'), "a refusal of more than a line: {message:?}");
@@ -21,10 +21,10 @@ pub fn of_file(message: &str, file: &str, text: &[u8]) {
     outcome::saw((line.is_some(), words(needed)));
 }
 
-/// A refusal without a file: words on one line.
+/// Checks a refusal without a file: words on one line.
 ///
 /// # Panics
-/// It is not.
+/// If the message does not meet this.
 pub fn in_words(message: &str) {
     let message = &printable(message);
     assert!(!message.trim().is_empty() && !message.contains('\n'), "a refusal of more than a line: {message:?}");
@@ -32,7 +32,7 @@ pub fn in_words(message: &str) {
     outcome::saw(words(said));
 }
 
-/// The words without the figures and without what is quoted.
+/// The words without figures and quotations.
 fn words(text: &str) -> String {
     let plain = text.split(['"', '`']).step_by(2).flat_map(str::chars);
     plain.filter(|c| !c.is_ascii_digit() && !matches!(c, '.' | '-' | '+' | 'e')).take(60).collect()

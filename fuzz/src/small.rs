@@ -1,4 +1,4 @@
-//! A machine of little work: three lines of errors along X.
+//! A machine that takes little work: three lines of errors along X.
 
 use trueaxis::machine::{AXES, Row};
 use trueaxis_tables::{Machine, Table};
@@ -7,7 +7,7 @@ use trueaxis_testing::machine;
 /// Travel of every axis, mm (deg), to either side.
 pub const TRAVEL: f64 = 400.0;
 
-/// The machine of a structural code; errors of a few µm and µrad, other ones in negative travel.
+/// The machine of a structural code, with errors of a few µm and µrad that differ in negative travel.
 pub fn machine(chain: &str) -> Machine {
     let row = |(position, error): (f64, f64)| {
         let forward = [error, -0.5 * error, 0.3 * error, 1e-3 * error, 0.0, -1e-3 * error];

@@ -1,4 +1,5 @@
-//! Every target under a short attack, the same each time; its seeds, its corpus; and that the attack finds what is there.
+//! Runs every target under a short, repeatable attack, with its seeds and corpus; and checks that the attack finds a planted
+//! defect.
 
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -9,7 +10,7 @@ use trueaxis_fuzz::finding;
 use trueaxis_fuzz::targets::TARGETS;
 use trueaxis_fuzz::{Target, corpus, for_each_target, no_repair};
 
-/// Executions of each target: a minute of a processor for all of them together.
+/// Executions of each target: one processor minute for all of them.
 const EXECUTIONS: u64 = 5_000;
 const SEED: u64 = 20_260_101;
 
@@ -21,7 +22,7 @@ fn attack(target: &Target) {
     }
 }
 
-/// A test a target.
+/// Makes one test per target.
 macro_rules! tests {
     ($($name:ident: $target:path,)*) => {
         mod attack_on {
@@ -68,7 +69,7 @@ fn every_input_of_the_corpus_and_every_former_finding_passes() {
             }
         }
     }
-    // fuzz/run.sh keeps 8 kB of a target, beside findings.
+    // fuzz/run.sh keeps 8 kB per target, in addition to findings.
     let most = 9_000 * TARGETS.len();
     assert!(bytes <= most, "the corpus has {bytes} bytes, needed at most {most}: a repository carries it");
 }
@@ -78,7 +79,7 @@ fn every_archive_of_the_corpus_and_every_dictionary_belongs_to_a_target() {
     for kind in ["corpus", "dictionaries"] {
         for entry in std::fs::read_dir(corpus::home().join(kind)).into_iter().flatten() {
             let path = entry.unwrap().path();
-            // Readers of one kind share their words.
+            // Readers of the same kind share their words.
             let words = std::fs::read_to_string(&path).unwrap_or_default();
             let belongs = |target: &&Target| {
                 if kind == "corpus" { corpus::archive(target) == path } else { target.dictionary == words }
@@ -143,7 +144,7 @@ fn an_execution_that_takes_long_is_a_finding() {
         seeds: Vec::new,
         repair: no_repair,
         dictionary: "",
-        // Other processes may have most of the processor meanwhile, whose time does not count.
+        // Other processes may use most of the processor; their time does not count.
         slowest: Duration::from_millis(10),
     };
     assert!(execute(&SLOW, b"").unwrap_err().starts_with("took "));

@@ -1,4 +1,4 @@
-//! A program run at the servo rate by whatever drives the axes, and how far the tip is off the programmed curve.
+//! Runs a program at the servo rate with any control of the axes, and measures the tip's deviation from the programmed curve.
 
 use trueaxis::contour::{Path, Reference};
 use trueaxis::glam::DVec3;
@@ -15,22 +15,22 @@ use trueaxis_tables::Machine;
 pub struct Command {
     /// Commanded position, mm.
     pub at: [f64; 3],
-    /// Where the motion is.
+    /// Set-point of the motion.
     pub setpoint: Setpoint,
-    /// The same for the step.
+    /// The set-point as the step's reference.
     pub reference: Reference<f64>,
-    /// Not in rapid motion.
+    /// Whether the motion is not rapid.
     pub cutting: bool,
 }
 
-/// The program, its commands and the path that the step takes. The origin of the program is that of the machine.
+/// The program, its commands and the step's path. The program's origin is the machine's.
 #[derive(Debug)]
 pub struct Course {
     /// Servo period, s.
     pub period_s: f64,
-    /// The program.
+    /// Part program.
     pub program: Program,
-    /// Every cycle.
+    /// Commands of every cycle.
     pub commands: Vec<Command>,
     path: PlannedPath,
 }
@@ -39,7 +39,7 @@ impl Course {
     /// Plans the motion of a program of X, Y, Z.
     ///
     /// # Panics
-    /// Program or settings are refused.
+    /// The program or the settings are refused.
     pub fn new(program: &str, settings: Settings, machine: &MachineSettings) -> Course {
         let program = Program::parse("course", program, "course.ngc").unwrap();
         let machine = Machine {
@@ -61,12 +61,12 @@ impl Course {
         Course { period_s: scenario.period_s(), commands: commands.collect(), program, path }
     }
 
-    /// The path as the step takes it.
+    /// The path in the step's form.
     pub fn path(&self) -> Path<'_, f64, f64> {
         self.path.view()
     }
 
-    /// Vector from the programmed curve to the tip, mm, found without the plugin.
+    /// Vector from the programmed curve to the tip, mm, computed independently of the plugin.
     pub fn deviation(&self, truth: &mut Truth, command: &Command, tip: [f64; 3]) -> DVec3 {
         let Setpoint { move_index, u, position, .. } = command.setpoint;
         truth.deviation(&self.program, DVec3::ZERO, (move_index, u), position.into(), tip.into())

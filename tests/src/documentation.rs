@@ -1,8 +1,8 @@
-//! The documentation shows the output of the programs: its commands are run, and their output compared.
+//! Runs the commands shown in the documentation and compares their output with the output shown.
 //!
-//! A block of four blanks begins with commands after `$`; what follows in it is the output of the last of them, an `…` line
-//! stands for any lines. With the environment variable `UPDATE_DOCS` set, figures that have changed are written into the
-//! file; where more than figures has changed, it takes a person.
+//! A block indented by four spaces begins with commands after `$`; the rest of it is the output of the last command, in which
+//! a line `…` matches any lines. With the environment variable `UPDATE_DOCS` set, changed figures are written into the file;
+//! any other change must be made by hand.
 
 use std::ops::Range;
 use std::path::Path;
@@ -11,11 +11,11 @@ use std::process::Command;
 const INDENT: &str = "    ";
 const ANY: &str = "…";
 
-/// Runs the commands of one program shown in a file of the repository `root`. `program`: its path; `shown`: which commands
-/// it takes.
+/// Runs the commands of one program shown in a file of the repository `root`. `program` is its path; `shown` selects its
+/// commands.
 ///
 /// # Panics
-/// Something printed is not what the file shows.
+/// The printed output differs from the file.
 pub(crate) fn check(root: &Path, file: &str, program: &Path, shown: impl Fn(&str) -> bool) {
     let path = root.join(file);
     let text = std::fs::read_to_string(&path).unwrap();
@@ -54,7 +54,7 @@ fn blocks(lines: &[String]) -> Vec<Range<usize>> {
             at += 1;
             continue;
         }
-        // Blank lines inside a block have no blanks of their own.
+        // Blank lines inside a block are not indented.
         let inside = |i: usize| {
             let next = lines[i..].iter().find(|line| !line.is_empty());
             next.is_some_and(|line| line.starts_with(INDENT))
@@ -66,7 +66,7 @@ fn blocks(lines: &[String]) -> Vec<Range<usize>> {
     blocks
 }
 
-/// The commands of a block, and which lines are their output.
+/// The commands of a block, and the range of their output lines.
 fn parts(lines: &[String], block: Range<usize>) -> (Vec<String>, Range<usize>) {
     let (mut commands, mut open) = (Vec::<String>::new(), false);
     let mut end = block.start;
@@ -90,13 +90,13 @@ fn printed(command: &str, program: &Path, folder: &Path) -> Vec<String> {
     String::from_utf8(output.stdout).unwrap().lines().map(|line| line.trim_end().to_owned()).collect()
 }
 
-/// Text without its figures.
+/// A line without its figures.
 fn frame(line: &str) -> String {
     let digits = |c: char| c.is_ascii_digit() || matches!(c, '.' | '-' | '−' | '+');
     line.split(|c: char| digits(c) || c == ' ').filter(|part| !part.is_empty()).collect::<Vec<_>>().join(" ")
 }
 
-/// Replaces the output shown by the output printed; the lines that differed.
+/// Replaces the shown output by the printed output; returns the lines that differed.
 fn compare(lines: &mut [String], output: Range<usize>, printed: &[String]) -> Vec<String> {
     let shown: Vec<String> =
         lines[output.clone()].iter().map(|line| line.strip_prefix(INDENT).unwrap_or_default().to_owned()).collect();

@@ -1,4 +1,4 @@
-//! End-to-end tests and cross-checks of trueaxis; the tests live in `tests/`, here what several of them run on.
+//! End-to-end tests and cross-checks of trueaxis: the tests are in `tests/`, their shared code is here.
 
 pub mod course;
 pub mod walk;

@@ -1,9 +1,9 @@
-//! Files in the tree that are made from other files in the tree.
+//! Committed files that are generated from other committed files.
 
 use std::path::Path;
 use trueaxis_tables::{Machine, compile};
 
-/// The embedding example's tables are the sample mill, compiled. `TRUEAXIS_BLESS=1` writes them anew.
+/// The embedding example's tables are the compiled sample mill. `TRUEAXIS_BLESS=1` rewrites them.
 #[test]
 fn the_examples_tables_are_the_sample_machine() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
@@ -16,7 +16,7 @@ fn the_examples_tables_are_the_sample_machine() {
     assert_eq!(std::fs::read(file).unwrap(), bytes);
 }
 
-/// The embedding example in the README is the one that is compiled and run as a documentation test.
+/// The embedding example in the README equals the one that is compiled and run as a documentation test.
 #[test]
 fn the_readme_shows_the_embedding_example() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");

@@ -1,4 +1,4 @@
-//! The fault table names tests that exist; what it says of clocks and files holds of every source.
+//! Every test named in the fault table exists; its statements on clocks and files hold for every source.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -12,7 +12,7 @@ fn read(path: &Path) -> String {
     fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-/// A row of the table: its cells.
+/// The rows of the table as cells.
 fn rows(page: &str) -> Vec<Vec<&str>> {
     let cells = |line: &'_ str| line.trim_matches('|').split(" | ").count();
     let table = page.lines().filter(|line| line.starts_with("| ") && cells(line) == 4);
@@ -32,7 +32,7 @@ fn links(cell: &str) -> Vec<(&str, &str)> {
         .collect()
 }
 
-/// Whether a source has a test of that name: under `#[test]`, in a macro's call or called by a runner.
+/// Whether a source has a test of that name: under `#[test]`, in a macro call or called by a runner.
 fn has_test(file: &str, source: &str, name: &str) -> bool {
     match file.rsplit('.').next() {
         Some("rs") => source.split(&format!("fn {name}(")).next().is_some_and(|before| {
@@ -40,7 +40,7 @@ fn has_test(file: &str, source: &str, name: &str) -> bool {
             before.len() < source.len() && attributes.contains("#[test]")
         }),
         Some("mjs") => source.contains(&format!("test(\"{name}\"")),
-        // Defined, and in the list that the runner takes.
+        // Defined, and in the runner's list.
         Some("py") => source.split_once("\nTESTS = ").is_some_and(|(tests, list)| {
             let listed = list.split(|c: char| !c.is_alphanumeric() && c != '_').any(|word| word == name);
             listed && tests.contains(&format!("\ndef {name}(folder):\n"))
@@ -78,7 +78,7 @@ fn a_test_that_is_none_is_told_apart() {
     assert_eq!(links("[a](b.rs), [c](d.py)"), [("a", "b.rs"), ("c", "d.py")]);
 }
 
-/// Sources of what is delivered: without tests, benches, examples, build scripts.
+/// Sources of the delivered code: without tests, benches, examples, build scripts.
 fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
     for entry in fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
@@ -92,7 +92,7 @@ fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-/// Every line of the delivered sources, with its file; a file's own tests stand at its end and are left out.
+/// Every line of the delivered sources, with its file, except for a file's own tests, which are at its end.
 fn lines() -> Vec<(String, String)> {
     let root = root();
     let mut files = Vec::new();
@@ -108,7 +108,7 @@ fn lines() -> Vec<(String, String)> {
     files.into_iter().flat_map(of).filter(|(_, line)| !line.trim_start().starts_with("//")).collect()
 }
 
-/// The clock on the wall may jump at any time: nobody looks at it.
+/// No code may use the wall clock, which can jump at any time.
 #[test]
 fn no_clock_but_the_monotonic_one_is_used() {
     for (file, line) in lines() {
@@ -120,8 +120,7 @@ fn no_clock_but_the_monotonic_one_is_used() {
     assert!(all.iter().any(|(file, line)| file.contains("pace/linux.rs") && line.contains("ClockId::Monotonic")));
 }
 
-/// Files come to their places through `trueaxis_tables::output`; what is written elsewhere is in folders that are
-/// thrown away.
+/// Files are put in place through `trueaxis_tables::output`; anything else is written to temporary folders.
 #[test]
 fn files_are_written_in_one_place() {
     let thrown_away = [

@@ -1,4 +1,4 @@
-//! The nine-term form against the plant's exact transforms: two implementations that share no code but the file reader.
+//! The nine-term form compared with the plant's exact transforms: two implementations that share only the file reader.
 
 use std::path::Path;
 use trueaxis::Axis;
@@ -10,10 +10,10 @@ use trueaxis_tables::Machine;
 use trueaxis_tables::exact::Geometry;
 use trueaxis_testing::noise::Noise;
 
-/// Largest difference, mm. Both interpolate in doubles; squareness and translations are exact in either form.
+/// Largest difference, mm. Both interpolate in doubles; squareness and translations are exact in both forms.
 const TOLERANCE_MM: f64 = 1e-12;
 
-/// A sample machine without its angular errors: nine terms hold the rest exactly.
+/// A sample machine without its angular errors: the nine terms represent the rest exactly.
 fn without_angles(name: &str) -> Machine {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../compensation-tables").join(name);
     let mut machine = Machine::read(&path).unwrap();
@@ -34,7 +34,7 @@ fn compare<const N: usize>(name: &str, model: ErrorModel) {
     let mut machine = without_angles(name);
     machine.settings.compensation.model = model;
     for axis in &mut machine.settings.axes {
-        // Lost motion of a rotary axis has a lever, and the nine terms have none.
+        // Lost motion of a rotary axis has a lever, which the nine terms lack.
         axis.backlash = if axis.axis.is_rotary() { 0.0 } else { axis.backlash };
     }
     let geometry = Geometry::new(&machine, 0.0).unwrap();
@@ -55,7 +55,7 @@ fn compare<const N: usize>(name: &str, model: ErrorModel) {
             let [low, high] = [low.max(settings.travel[0]), high.min(settings.travel[1])];
             let q = low + (high - low) * random.unit();
             (step[place], plant[i]) = (q, q);
-            // Backlash is the drive's in the plant and the table's in the plugin: it is left out on both sides.
+            // Backlash belongs to the drive in the plant and to the table in the plugin, so it is left out on both sides.
             if settings.backlash == 0.0 && random.unit() < 0.5 {
                 (directions[place], reversed[i]) = (Direction::NEGATIVE, 1.0);
             }

@@ -1,4 +1,4 @@
-//! Figures that are wrong by 30 %: the dynamic correction is never worse than none, in the simulator's own programs.
+//! Figures that are off by 30 %: the dynamic correction is never worse than none, in the simulator's own programs.
 
 use std::path::Path;
 use trueaxis::machine::FrictionSettings;
@@ -8,13 +8,13 @@ use trueaxis_sim::run::{Kind, Moment, Run, Sample};
 use trueaxis_sim::{Scenario, Settings};
 use trueaxis_tables::Machine;
 
-/// Factors by which the configured friction, gains and pre-sliding are wrong.
+/// Factors by which the configured friction, gains and pre-sliding are off.
 type Off = [f64; 3];
 
-/// Those of the eight combinations of 30 % that leave the largest errors, and the opposite of the worst.
+/// The worst of the eight combinations of 30 %, and the opposite of the very worst.
 const WRONG: [Off; 4] = [[0.7, 0.7, 0.7], [1.3, 0.7, 0.7], [1.3, 0.7, 1.3], [0.7, 1.3, 1.3]];
 
-/// The sample mill, its drives configured with the simulator's own figures, each `off` by a factor.
+/// The sample mill, its drives configured with the simulator's figures, each `off` by a factor.
 fn machine([friction, gains, presliding]: Off) -> Machine {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../compensation-tables/mill-3axis");
     let mut machine = Machine::read(&folder).unwrap();
@@ -35,7 +35,7 @@ fn machine([friction, gains, presliding]: Off) -> Machine {
     machine
 }
 
-/// Contour error while cutting that one cycle of a thousand exceeds, µm.
+/// Contour error while cutting that is exceeded in one cycle of a thousand, µm.
 fn envelope(program: &str, kind: Kind, off: Off) -> f32 {
     let program = Program::parse(program, &text(program), program).unwrap();
     let scenario = Scenario::new(machine(off), program, Settings::default()).unwrap();
@@ -56,7 +56,7 @@ fn text(program: &str) -> String {
     std::fs::read_to_string(folder.join(program)).unwrap()
 }
 
-/// With the true figures the envelope is far smaller than without, with wrong ones never larger.
+/// With the true figures the envelope is far smaller than without correction; with wrong figures it is never larger.
 fn never_worse(program: &str) {
     let without = envelope(program, Kind::Compensated, [1.0; 3]);
     let full = envelope(program, Kind::Full, [1.0; 3]);

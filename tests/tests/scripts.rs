@@ -1,11 +1,11 @@
-//! The LinuxCNC script that writes a record: the old file or the new one, as the programs do. LinuxCNC itself is not needed.
+//! The LinuxCNC script that writes a record leaves the old file or the new one, as the programs do. LinuxCNC is not needed.
 
 use std::fs;
 use std::path::Path;
 use std::process::Output;
 use trueaxis_testing::command::Folder;
 
-/// Runs lines of Python with the script's functions; LinuxCNC's module is an empty one.
+/// Runs lines of Python with the script's functions; LinuxCNC's module is replaced by an empty one.
 fn python(folder: &Folder, lines: &str) -> Option<Output> {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../integrations/linuxcnc/record-circles.py");
     let program = format!(
@@ -52,7 +52,7 @@ fn a_record_of_circles_is_written_whole_or_not_at_all() {
     assert_eq!(fs::read_to_string(at("r.csv")).unwrap(), "new");
     assert_eq!(names(folder.path()), ["r.csv"]);
 
-    // Killed while it writes.
+    // Killed while writing.
     let lines = "circles.os.fsync = lambda handle: circles.os.kill(circles.os.getpid(), 9)\n\
                  circles.write('r.csv', 'x' * 1000)";
     assert!(!python(&folder, lines).unwrap().status.success());
@@ -61,7 +61,7 @@ fn a_record_of_circles_is_written_whole_or_not_at_all() {
     assert!(python(&folder, "circles.write('r.csv', 'newer')").unwrap().status.success());
     assert_eq!((fs::read_to_string(at("r.csv")).unwrap().as_str(), names(folder.path()).len()), ("newer", 1));
 
-    // A device is written to, not replaced; an input is refused.
+    // A device is written to, not replaced; overwriting an input is refused.
     assert!(!python(&folder, "circles.write('/dev/full', 'x')").unwrap().status.success());
     let lines = "circles.refuse_inputs(types.SimpleNamespace(output='./r.csv', friction=None, machine='r.csv'))";
     let done = python(&folder, lines).unwrap();

@@ -1,4 +1,4 @@
-//! The wire format of docs/telemetry.md, checked against the code.
+//! The wire format in docs/telemetry.md, compared with the code.
 
 use trueaxis::Fault;
 use trueaxis::roundness::{ErrorMotion, Followed, Gauge, GaugeFlags, GaugeSettings, HARMONICS, ProbeAngles, Probes};
@@ -7,7 +7,7 @@ use trueaxis::telemetry::{
     RoundnessFrame, Status,
 };
 
-/// A frame with the longest variable-length numbers.
+/// A frame in which the variable-length numbers are longest.
 fn longest(axes: usize, dynamic: Option<DynamicFrame>) -> Frame {
     let axis = AxisFrame { command: 1.1, feedback: 1.1, correction: 1.1, dynamic };
     let mut frame = Frame {
@@ -26,7 +26,7 @@ fn longest(axes: usize, dynamic: Option<DynamicFrame>) -> Frame {
     frame
 }
 
-/// Sizes in docs/telemetry.md.
+/// Frame sizes in docs/telemetry.md.
 #[test]
 fn frames_are_as_long_as_documented() {
     let mut buffer = [0; FRAME_BYTES];
@@ -34,11 +34,11 @@ fn frames_are_as_long_as_documented() {
     assert_eq!(longest(6, None).encode(&mut buffer).unwrap().len(), 189);
     let dynamic = Some(DynamicFrame { sent: 1.1, feed_forward: 1.1, feedback: 1.1, crosstalk: 1.1, learned: 1.1 });
     assert_eq!(longest(3, dynamic).encode(&mut buffer).unwrap().len(), 186);
-    // COBS takes one byte more where no zero stands among the first 254.
+    // COBS takes one more byte if there is no zero among the first 254.
     assert!((309..=310).contains(&longest(6, dynamic).encode(&mut buffer).unwrap().len()));
 }
 
-/// Byte offsets and the numbers of the faults in docs/telemetry.md; COBS undone here, not by the code under test.
+/// Byte offsets and fault numbers in docs/telemetry.md; COBS is decoded here, independently of the code under test.
 #[test]
 fn frames_are_laid_out_as_documented() {
     let faults = [
@@ -79,7 +79,7 @@ fn frames_are_laid_out_as_documented() {
     }
 }
 
-/// A revolution with the longest numbers.
+/// A revolution in which the numbers are longest.
 fn longest_revolution() -> RoundnessFrame {
     let motion = ErrorMotion {
         synchronous_um: 1.1_f32,
@@ -125,7 +125,7 @@ fn revolutions_are_laid_out_as_documented() {
     assert!(frame.encode(&mut [0; 100]).is_err());
 }
 
-/// The results of a revolution arrive.
+/// The results of a revolution are transmitted.
 #[test]
 fn a_revolution_of_the_gauge_arrives() {
     let settings = GaugeSettings::with_defaults(64, ProbeAngles::Slots { p: 11, q: 15 }, 1 << 20);
@@ -155,7 +155,7 @@ fn a_revolution_of_the_gauge_arrives() {
     assert_eq!(RoundnessFrame::decode(frame.encode(&mut buffer).unwrap()).unwrap(), frame);
 }
 
-/// Consistent overhead byte stuffing, undone: every code byte gives the distance to the next zero.
+/// Decodes consistent overhead byte stuffing: every code byte gives the distance to the next zero.
 fn uncobs(mut bytes: &[u8]) -> Vec<u8> {
     let mut out = Vec::new();
     while let Some((&code, rest)) = bytes.split_first() {

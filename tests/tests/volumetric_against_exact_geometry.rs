@@ -1,4 +1,4 @@
-//! The volumetric form against the exact transforms: two implementations that share no code but the settings.
+//! The volumetric form compared with the exact transforms: two implementations that share only the settings.
 
 use trueaxis::compensation::Query;
 use trueaxis::compensation::{Compensation, Direction, ThermalLine, requirement};
@@ -9,9 +9,9 @@ use trueaxis_tables::exact::Geometry;
 use trueaxis_tables::{Machine, Table};
 use trueaxis_testing::noise::Noise;
 
-/// Linear axes travel ±250 mm, rotary ones wherever they want.
+/// Linear axes travel ±250 mm, rotary ones are unlimited.
 const REACH_MM: f64 = 250.0;
-/// Temperature of every comparison above the reference, K.
+/// Temperature above the reference in every comparison, K.
 const RISE_K: f64 = 3.0;
 
 /// A chain of X, Y, Z and `rotary` rotary axes in any order, each on either side.
@@ -37,7 +37,7 @@ fn chain(random: &mut Noise, rotary: usize) -> String {
     code + " t"
 }
 
-/// Errors of up to `mm` and `rad`; a table that changes slowly, as those of machines do.
+/// Errors of up to `mm` and `rad`; the table changes slowly, as those of machines do.
 fn rows(random: &mut Noise, axis: Axis, mm: f64, rad: f64) -> Vec<Row> {
     let rotary = axis.is_rotary();
     let (low, high) = if rotary { (-180.0, 180.0) } else { (-REACH_MM - 10.0, REACH_MM + 10.0) };
@@ -117,7 +117,7 @@ fn case(random: &mut Noise, rotary: usize, mm: f64, rad: f64) -> Case {
 }
 
 impl Case {
-    /// The same machine with all errors `factor` times as large.
+    /// The machine with all errors scaled by `factor`.
     fn scaled(&self, factor: f64) -> Case {
         let mut machine = self.machine.clone();
         for table in machine.tables.iter_mut().flatten() {
@@ -156,7 +156,7 @@ impl Case {
         })
     }
 
-    /// Positions in the order of the step in that of the plant.
+    /// Converts positions from the step's order to the plant's.
     fn plant<const N: usize>(&self, step: &[f64; N]) -> [f64; AXES] {
         let axes = AxisOrder::<N>::of(&self.machine.settings).unwrap().axes();
         let mut plant = [0.0; AXES];
@@ -183,7 +183,7 @@ fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-/// Largest error and largest difference from the exact one: tip (mm), direction (rad).
+/// Largest error, and largest difference from the exact one: tip (mm), direction (rad).
 fn compare<const N: usize>(case: &Case, seed: u64) -> [[f64; 2]; 2] {
     let geometry = Geometry::new(&case.machine, RISE_K).unwrap();
     let mut random = Noise::new(seed);
@@ -245,8 +245,8 @@ fn six_axes_agree_to_second_order() {
     first_order::<6>(300);
 }
 
-/// Largest distance, from the ideal pose at the command, of the pose that the corrected command reaches: tip in mm,
-/// direction in rad, of those poses whose slides and rotary axes can correct it; and the number of them.
+/// Largest distance between the ideal pose at the command and the pose reached by the corrected command: tip in mm, direction
+/// in rad, among the poses that slides and rotary axes can correct; and the number of these poses.
 fn landing<const N: usize>(case: &Case, seed: u64) -> ([f64; 2], u32) {
     let settings = &case.machine.settings;
     let geometry = Geometry::new(&case.machine, RISE_K).unwrap();
@@ -263,7 +263,7 @@ fn landing<const N: usize>(case: &Case, seed: u64) -> ([f64; 2], u32) {
             if !settings.compensation.orientation {
                 assert!(r[3..].iter().all(|r| *r == 0.0));
             }
-            // Directions of the slides, and turns of the tool by the rotary axes: differences of the exact geometry.
+            // Directions of the slides, and rotations of the tool by the rotary axes, as differences of the exact geometry.
             let moved = |place: usize, by: f64| {
                 let mut there = q;
                 there[place] += by;
@@ -290,7 +290,7 @@ fn landing<const N: usize>(case: &Case, seed: u64) -> ([f64; 2], u32) {
             largest[0] = largest[0].max(norm(minus(actual.tip_mm, ideal.tip_mm)));
             if settings.compensation.orientation {
                 let off = minus(actual.direction, ideal.direction);
-                // One axis corrects what lies along its column.
+                // One axis corrects only along its column.
                 let left = match columns.as_slice() {
                     [only] => (0..3).map(|k| off[k] * only[k]).sum::<f64>().abs() / norm(*only),
                     _ => norm(off),
@@ -311,7 +311,7 @@ fn exact_inverse<const N: usize>(chains: u64, orientation: bool) {
         let (found, poses) = landing::<N>(&large, seed);
         let (tenth, _) = landing::<N>(&large.scaled(0.1), seed);
         let chain = &large.machine.settings.chain;
-        // Second order, magnified by slides (1/0.06) and rotary axes (1/0.1) that stand badly: 20 nm of 6 µm.
+        // Second order, magnified by unfavourably oriented slides (1/0.06) and rotary axes (1/0.1): 20 nm of 6 µm.
         assert!(found[0] < 2e-5 && found[1] < 2e-8, "{chain}: {found:?}");
         for k in 0..2 {
             assert!(tenth[k] < found[k] / 50.0 + [1e-11, 1e-14][k], "{chain}: {found:?} {tenth:?}");

@@ -1,11 +1,11 @@
-//! The step against its contract on random sequences, and the contract against planted defects.
+//! The step checked by its contract on random sequences, and the contract checked with planted defects.
 
 use std::sync::atomic::AtomicBool;
 use trueaxis_tests::walk::{Combination, Events, Leg, Planted, Rule, Soak, Spoilt};
 
 const SEED: u64 = 1;
 
-/// 200,000 cycles, the ways home not counted, over every combination; every rule is tried.
+/// 200,000 cycles, excluding the ways home, over every combination; every rule is checked.
 #[test]
 fn every_combination_keeps_the_contract() {
     let legs = Combination::all().len() as u64;
@@ -20,8 +20,8 @@ fn every_combination_keeps_the_contract() {
     }
 }
 
-/// Legs, by seed and number, that broke a rule once: grids that a hold did not forget, and an axis without a table reported at
-/// its edge.
+/// Legs, by seed and number, that once broke a rule: grids that a hold did not forget, and an axis without a table that was
+/// reported at its edge.
 #[test]
 fn legs_that_broke_a_rule_keep_all() {
     for (seed, number) in [(11, 30), (18, 14), (34, 15), (13, 219), (28, 13)] {
@@ -33,7 +33,7 @@ fn legs_that_broke_a_rule_keep_all() {
 #[test]
 fn planted_defects_are_found_by_the_rule_that_forbids_them() {
     for (planted, rules) in Planted::ALL {
-        // A few combinations, until there was an occasion.
+        // Tries some combinations until the defect can occur.
         let found = (0..40).find_map(|number| Leg { planted: *planted, ..Leg::new(SEED, number, 2000) }.walk().err());
         let failure = found.unwrap_or_else(|| panic!("{planted:?} was not found"));
         let rule = failure.broken.rule;
@@ -41,7 +41,7 @@ fn planted_defects_are_found_by_the_rule_that_forbids_them() {
     }
 }
 
-/// A failure is repeated by seed and leg, names the command that repeats it, and keeps no event that it does not take.
+/// A failure is reproduced by seed and leg, names the command that reproduces it, and retains only the events that it needs.
 #[test]
 fn a_failure_is_repeated_and_shrunk() {
     let leg = Leg { planted: Planted::DriveOff, ..Leg::new(SEED, 3, 2000) };

@@ -1,4 +1,4 @@
-//! Whole steps one by one, for callgrind: each call of `counted` is a cycle.
+//! Runs whole steps one at a time for callgrind: each call of `counted` is a cycle.
 //!
 //! ```text
 //! counted walk                       cycles one cycle in twenty all along the butterfly
@@ -12,7 +12,7 @@
 //! counted replay CYCLE               inputs and output of an adversarial cycle
 //! ```
 //!
-//! With `--toggle-collect='counted::counted*' --dump-after='counted::counted*'` callgrind counts each cycle alone.
+//! With `--toggle-collect='counted::counted*' --dump-after='counted::counted*'` callgrind counts each cycle separately.
 
 use std::hint::black_box;
 use trueaxis::Output;
@@ -27,7 +27,7 @@ type Out = Output<f64, f64, 3>;
 #[inline(never)]
 fn counted_walk(cycle: &mut step::Cycle, output: &mut Out) {
     cycle.servo.step_into(&mut cycle.state, &cycle.input, cycle.path.on(cycle.reference), (), output);
-    // Callgrind is to see the end of this function, not that of one it jumps to.
+    // Callgrind must see the end of this function, not that of a tail call.
     black_box(output);
 }
 
@@ -44,7 +44,7 @@ fn print_digests<R: Wire>(scalar: &str) {
     println!("{scalar} digests of {CYCLES} cycles: {bare:08x} {gauged:08x} {volumetric:08x}");
 }
 
-/// One cycle in so many is counted.
+/// One cycle in this many is counted.
 const SAMPLED: u32 = 20;
 
 fn walk(parts: Option<ServoParts>) {

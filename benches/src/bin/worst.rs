@@ -1,8 +1,8 @@
-//! Looks for the contour query that costs most.
+//! Searches for the most expensive contour query.
 //!
-//! `worst SHAPE find COUNT KEEP` runs the queries 0 … COUNT − 1 and prints the KEEP that took the most evaluations of
-//! the path; `worst SHAPE count SEED...` calls `counted` once for each, so that callgrind with
-//! `--dump-after='worst::counted*' --toggle-collect='worst::counted*'` counts each one alone.
+//! `worst SHAPE find COUNT KEEP` runs the queries 0 … COUNT − 1 and prints the KEEP queries with the most evaluations of the
+//! path; `worst SHAPE count SEED...` calls `counted` once per seed, so that callgrind with `--dump-after='worst::counted*'
+//! --toggle-collect='worst::counted*'` counts each one separately.
 
 use std::hint::black_box;
 use trueaxis::contour::ContourError;

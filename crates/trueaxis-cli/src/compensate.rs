@@ -137,10 +137,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     result.finish(&machine, positions.count)
 }
 
-/// The result on its way out.
+/// A result being written.
 struct Written<'p> {
     out: Writer<'p>,
-    /// The rotary axes that have a corrected command of their own.
+    /// Rotary axes with a corrected command.
     rotary: Vec<Axis>,
     /// Positions beyond a table's end.
     clamped: usize,

@@ -12,19 +12,19 @@ use trueaxis_tables::finding::{Decision, table};
 use trueaxis_tables::output::{Alone, Outputs};
 use trueaxis_tables::{Additions, Edited};
 
-/// The folder that a machine is written into, for this command alone until the value is dropped: taken before the machine is read.
+/// Locks the folder that a machine is written into, until the value is dropped. Call it before reading the machine.
 pub(crate) fn alone(output: &Path) -> Result<Alone> {
     Ok(Alone::in_folder(output, &mut model::note)?)
 }
 
-/// Files of the machine that a command reads and must not write: none where it is to write into the machine's own folder.
+/// Files of the machine that a command reads and must not write. Empty if it writes into the machine's own folder.
 pub(crate) fn inputs(machine: &Path, output: Option<&Path>) -> Vec<PathBuf> {
     let same = output.is_some_and(|output| own(machine, output).1);
     if same { Vec::new() } else { model::files(machine).into_iter().collect() }
 }
 
-/// What `-o` of a command names that writes either: a file to read, or, with a machine and without the file's extension, the
-/// folder that it is written into.
+/// Splits `-o` of a command that writes either a result file or, with a machine and without the file's extension, a folder for
+/// the machine.
 pub(crate) fn file_or_folder<'o>(
     output: Option<&'o Path>,
     extension: &str,
@@ -36,7 +36,7 @@ pub(crate) fn file_or_folder<'o>(
     (file, output.filter(|_| file.is_none()))
 }
 
-/// The machine's own folder, and whether `output` is that.
+/// The machine's own folder, and whether `output` is that folder.
 fn own(machine: &Path, output: &Path) -> (PathBuf, bool) {
     let own = if machine.is_dir() { machine.to_path_buf() } else { machine.parent().unwrap_or(Path::new("")).into() };
     let own = if own.as_os_str().is_empty() { PathBuf::from(".") } else { own };
@@ -44,8 +44,8 @@ fn own(machine: &Path, output: &Path) -> (PathBuf, bool) {
     (own, same)
 }
 
-/// Stages `machine` with what was found in it, in `output`: its own folder, or another one that has no machine.toml yet, which
-/// gets all of its files. What is there already stays: other settings, their order, comments. Returns what to tell when it is written.
+/// Stages `machine` with the results added, in `output`: its own folder, or another one without a machine.toml, which gets all
+/// of its files. Existing settings, their order and comments are preserved. Returns the notes to print once it is written.
 pub(crate) fn write(
     outputs: &mut Outputs,
     machine: &Path,
@@ -96,12 +96,13 @@ pub(crate) struct Writing {
 }
 
 impl Writing {
-    /// What `-o` names; nothing in a dry run.
+    /// The folder or file that `-o` names; `None` in a dry run.
     pub(crate) fn output<'o>(&self, output: Option<&'o Path>) -> Option<&'o Path> {
         output.filter(|_| !self.dry_run)
     }
 
-    /// Whether the command decides: it writes `into` a machine, or only says what it would write. To force nothing is refused.
+    /// Whether the command decides on its findings: it writes `into` a machine, or only reports what it would write. Refuses
+    /// `--force` without a machine.
     pub(crate) fn decides(&self, into: Option<&Path>) -> Result<bool> {
         let decides = into.is_some() || self.dry_run;
         if self.force && !decides {
@@ -111,15 +112,15 @@ impl Writing {
     }
 }
 
-/// The decisions of a command, and the notes that it prints about them.
+/// The decisions of a command, and its notes on them.
 #[derive(Default)]
 pub(crate) struct Done {
-    /// Nothing without a machine.
+    /// `None` without a machine.
     decisions: Option<Vec<Decision>>,
     notes: Vec<String>,
 }
 
-/// The document of a command with what was decided, under `written`.
+/// The document of a command with its decisions, under `written`.
 #[derive(Serialize)]
 struct WithDecisions<'d, D> {
     #[serde(flatten)]
@@ -129,7 +130,7 @@ struct WithDecisions<'d, D> {
 }
 
 impl Done {
-    /// Tells what was decided and written.
+    /// Prints the notes on what was decided and written.
     pub(crate) fn tell(&self) {
         tell_written(&self.notes);
     }
@@ -139,7 +140,7 @@ impl Done {
         json(&WithDecisions { document, written: self.decisions.as_deref() })
     }
 
-    /// Prints what would be written: with the document as JSON, or alone.
+    /// Prints what would be written: with the document as JSON, or as notes only.
     pub(crate) fn dry_run(&self, document: &impl Serialize, as_json: bool) -> Result<()> {
         if as_json {
             return self.json(document);
@@ -148,8 +149,8 @@ impl Done {
     }
 }
 
-/// Decides on every finding of the additions, which rest on the file `record`, and stages the machine with what is written, as
-/// [`write()`] does. Without a folder to write into, nothing is staged, but what cannot be written is refused all the same.
+/// Decides on every finding of the additions, which are based on the file `record`, and stages the machine with the accepted
+/// ones, like [`write()`]. Without a folder nothing is staged, but a finding that cannot be written is still refused.
 pub(crate) fn decide(
     outputs: &mut Outputs,
     machine: &Path,
@@ -169,12 +170,12 @@ pub(crate) fn decide(
     Ok(Done { decisions: Some(decisions), notes })
 }
 
-/// Tells what was written.
+/// Prints notes on what was written.
 pub(crate) fn tell_written(notes: &[String]) {
     notes.iter().for_each(tell);
 }
 
-/// Stages a whole machine in a folder that has none yet. Returns what to tell when it is written.
+/// Stages a whole machine in a folder without one. Returns the notes to print once it is written.
 pub(crate) fn whole(outputs: &mut Outputs, output: &Path, files: &[(String, String)]) -> Result<Vec<String>> {
     if output.join("machine.toml").exists() {
         bail!("--output: found a machine in {}, needed a folder without one", output.display());

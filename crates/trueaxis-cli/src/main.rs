@@ -1,6 +1,6 @@
 //! `trueaxis`, the bench commands: error tables, corrections, contour error, roundness.
 
-// print! and its like panic when the other end of a pipe is closed: see `output`.
+// print! and similar macros panic when the reader closes a pipe: see `output`.
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
 mod ballbar;

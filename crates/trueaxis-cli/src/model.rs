@@ -9,27 +9,27 @@ pub(crate) use trueaxis_evaluation::model::{files, parsed};
 use trueaxis_tables::Machine;
 use trueaxis_tables::text::read_text;
 
-/// A machine, whatever form it came in.
+/// Reads a machine in either form.
 pub(crate) fn machine(path: &Path) -> Result<Machine> {
     model::machine(path, &mut note)
 }
 
-/// A machine in source form; separators other than commas and decimal commas are reported.
+/// Reads a machine in source form; reports separators other than commas and decimal commas.
 pub(crate) fn source(path: &Path) -> Result<Machine> {
     model::source(path, &mut note)
 }
 
-/// Says how an input was read.
+/// Prints a note on how an input was read.
 pub(crate) fn note(text: String) {
     tell(format_args!("note: {text}"));
 }
 
-/// Says where a command was ended while it wrote a file of this machine.
+/// Reports a command that was interrupted while it wrote a file of this machine.
 pub(crate) fn tell_left(path: &Path) {
     model::left(path).into_iter().for_each(note);
 }
 
-/// Kelvin above the reference temperature of the machine; none without a temperature.
+/// Kelvin above the machine's reference temperature; 0 without a temperature.
 pub(crate) fn rise(temperature_c: Option<f64>, machine: &Machine) -> Result<f64> {
     let kelvin = temperature_c.map_or(0.0, |t| t - machine.settings.reference_temperature_c);
     if !takes_rise(machine, kelvin) {
@@ -38,7 +38,7 @@ pub(crate) fn rise(temperature_c: Option<f64>, machine: &Machine) -> Result<f64>
     Ok(kelvin)
 }
 
-/// A file of another program, whose comments may be in any encoding.
+/// Reads a file of another program, whose comments may be in any encoding.
 pub(crate) fn text(file: &Path) -> Result<String> {
     Ok(read_text(file, &['#', ';'])?)
 }

@@ -1,4 +1,4 @@
-//! Numbers on the command line; the command line's own errors name the option.
+//! Numbers on the command line; clap names the option in errors.
 
 /// A finite number.
 pub(crate) fn number(text: &str) -> Result<f64, String> {
@@ -8,10 +8,10 @@ pub(crate) fn number(text: &str) -> Result<f64, String> {
     }
 }
 
-/// A list of numbers; named, because clap takes a `Vec` for an option that is given several times.
+/// A list of numbers; an alias, because clap reads a plain `Vec` as an option that may be repeated.
 pub(crate) type Numbers = Vec<f64>;
 
-/// Finite numbers with commas between them.
+/// Parses finite numbers separated by commas.
 pub(crate) fn numbers(text: &str) -> Result<Numbers, String> {
     text.split(',').map(number).collect()
 }
@@ -23,7 +23,7 @@ pub(crate) fn triple(text: &str) -> Result<[f64; 3], String> {
     values.try_into().map_err(|_| format!("found {count} numbers, needed three: X,Y,Z"))
 }
 
-/// The sense of an axis.
+/// Parses the sense of an axis.
 pub(crate) fn sense(text: &str) -> Result<i8, String> {
     match text.trim() {
         "1" | "+1" => Ok(1),

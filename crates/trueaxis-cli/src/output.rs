@@ -1,5 +1,5 @@
-//! Results: a file, written whole or not at all and never over an input, or the standard output; notes go to the
-//! standard error. The only place that prints.
+//! Results go to a file, written completely or not at all and never over an input, or to standard output; notes go to standard
+//! error. The only module that prints.
 
 use anyhow::{Context, Result};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -10,12 +10,12 @@ use std::process::ExitCode;
 use trueaxis_tables::output::{Outputs, Staged};
 use trueaxis_tables::text::printable;
 
-/// Writes a text for people to the standard output; what the names in it hold must not act on a terminal.
+/// Writes text for people to standard output; names in it must not act on a terminal.
 pub(crate) fn print(text: &str) -> Result<()> {
     data(&printable(text))
 }
 
-/// Writes a text for programs to the standard output, as it is.
+/// Writes text for programs to standard output, unchanged.
 pub(crate) fn data(text: &str) -> Result<()> {
     let mut out = std::io::stdout().lock();
     out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(standard_output)
@@ -26,17 +26,17 @@ pub(crate) fn json(document: &impl serde::Serialize) -> Result<()> {
     data(&trueaxis_evaluation::json::pretty(document)?)
 }
 
-/// A bar on the standard error; hidden by indicatif where that is no terminal.
+/// A progress bar on standard error; indicatif hides it if that is not a terminal.
 pub(crate) fn progress(steps: u64, what: &'static str) -> ProgressBar {
     let style =
         ProgressStyle::with_template("{bar:40} {percent:>3} %  {msg}").unwrap_or_else(|_| ProgressStyle::default_bar());
     ProgressBar::new(steps).with_style(style).with_message(what)
 }
 
-/// Rows of a result on their way to a file or to the standard output, in memory that does not grow with their number.
+/// Rows of a result being written to a file or to standard output, in memory that does not grow with their number.
 ///
-/// A file is written whole or not at all. The standard output gets nothing either where an error ends the command before
-/// [`KEPT`] bytes; past that the rows before the error have gone out.
+/// A file is written completely or not at all. Standard output also gets nothing if an error ends the command before [`KEPT`]
+/// bytes; after that, the rows before the error have been written.
 pub(crate) struct Writer<'p> {
     file: Option<&'p Path>,
     text: String,
@@ -46,7 +46,7 @@ pub(crate) struct Writer<'p> {
 
 /// Bytes kept in memory before anything is written.
 const KEPT: usize = 8 << 20;
-/// Bytes written at once after that.
+/// Bytes written at a time after that.
 const CHUNK: usize = 1 << 16;
 
 enum Begun {
@@ -55,7 +55,7 @@ enum Begun {
 }
 
 impl<'p> Writer<'p> {
-    /// Without a file: the standard output. A file that the command reads is refused.
+    /// Without a file, writes to standard output. Refuses a file that the command reads.
     pub(crate) fn new(file: Option<&'p Path>, inputs: impl IntoIterator<Item = PathBuf>) -> Result<Writer<'p>> {
         if let Some(file) = file {
             Outputs::of(inputs).refuse_input(file)?;
@@ -101,12 +101,12 @@ fn cannot_write(file: &Path) -> String {
     format!("cannot write {}", file.display())
 }
 
-/// Says something on the standard error. Nobody listening there is no error, and nothing could be said about it.
+/// Prints a line on standard error. A closed standard error is not an error, and there is nowhere to report one.
 pub(crate) fn tell(line: impl Display) {
     let _ = writeln!(std::io::stderr().lock(), "{}", printable(&line.to_string()));
 }
 
-/// The reader of the standard output has seen enough (`trueaxis … | head`).
+/// The reader of standard output closed it early (`trueaxis … | head`).
 #[derive(Debug)]
 struct Closed;
 
@@ -118,7 +118,7 @@ impl Display for Closed {
 
 impl std::error::Error for Closed {}
 
-/// Error of a failed write to the standard output; a pipe that its reader has closed gets an error of its own.
+/// Error of a failed write to standard output; a pipe closed by its reader gets a separate error.
 fn standard_output(error: std::io::Error) -> anyhow::Error {
     if error.kind() == std::io::ErrorKind::BrokenPipe {
         return Closed.into();
@@ -126,7 +126,7 @@ fn standard_output(error: std::io::Error) -> anyhow::Error {
     anyhow::Error::new(error).context("cannot write to the standard output")
 }
 
-/// A command that did what it is for and found that a person has to decide: exit code 3.
+/// A command that succeeded but needs a person to decide: exit code 3.
 #[derive(Debug)]
 pub(crate) struct NeedsPerson(pub(crate) String);
 
@@ -138,7 +138,7 @@ impl Display for NeedsPerson {
 
 impl std::error::Error for NeedsPerson {}
 
-/// The exit code: 0 done, or nobody reads on; 2 and the reason on the standard error; 3 where `keep` needs a person.
+/// The exit code: 0 for success or a closed pipe; 2 with the reason on standard error; 3 if `keep` needs a person.
 pub(crate) fn exit_code(result: Result<()>) -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -43,7 +43,7 @@ fn band(text: &str) -> Result<Ends, String> {
 }
 
 impl ProbeArguments {
-    /// As the evaluation takes them.
+    /// The arguments in the form of the evaluation.
     pub(crate) fn asked(&self) -> Probes {
         let ProbeArguments { n, harmonics, p, q, phi2_deg, phi3_deg } = *self;
         Probes { n, harmonics, p, q, phi2_deg, phi3_deg }

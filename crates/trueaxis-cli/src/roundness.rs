@@ -73,7 +73,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     for warning in plan.warnings(&separations, &readings) {
         tell(format_args!("warning: {warning}"));
     }
-    // Circles, harmonics and motion are nowhere but in the document and on the page.
+    // Only the document and the page show circles, harmonics and motion.
     let evaluation =
         (arguments.json || arguments.report.is_some()).then(|| plan.evaluate(&separations, &readings)).transpose()?;
     let mut outputs = Outputs::of([&arguments.readings]);

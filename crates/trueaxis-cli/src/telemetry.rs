@@ -79,7 +79,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// The axes that all records have.
+/// The axes that all records contain.
 fn axes(given: Option<&str>, all: &[(String, Received)]) -> Result<Vec<Axis>> {
     let mut frames = all.iter().flat_map(|(file, of)| of.frames.iter().map(move |frame| (file, frame)));
     let Some((file, first)) = frames.next() else {

@@ -1,4 +1,4 @@
-//! `trueaxis ballbar` as it is called; the circle is run by positions, not radii.
+//! `trueaxis ballbar` as called; the circle is run by positions, not radii.
 
 use std::fmt::Write;
 use trueaxis::telemetry::{AxisFrame, ContourFrame, FRAME_BYTES, FRAME_VERSION, Frame, Status};
@@ -43,8 +43,8 @@ fn causes_are_found() {
     assert!(page.contains("Circular test") && page.contains("squareness C0Y"));
 }
 
-/// Command and place on the circle of 40 mm about (7, −3), four places to a degree: the second axis lags by 5 µm and has
-/// 3 µm of lost motion, and moves the first by 30 µrad.
+/// Command and position on a circle of 40 mm about (7, −3), four per degree: the second axis lags by 5 µm, has 3 µm of lost
+/// motion and moves the first by 30 µrad.
 fn places() -> Vec<[[f64; 2]; 2]> {
     places_of(30e-6)
 }
@@ -61,7 +61,7 @@ fn places_of(squareness: f64) -> Vec<[[f64; 2]; 2]> {
     .collect()
 }
 
-/// CSV, halsampler's lines and telemetry of one circle give one document, and in another plane the squareness its name.
+/// One circle as CSV, halsampler lines and telemetry gives one document; another plane renames the squareness.
 #[test]
 fn positions_come_in_three_forms() {
     let folder = Folder::new(TRUEAXIS);
@@ -119,7 +119,7 @@ fn positions_come_in_three_forms() {
     assert_eq!((&other["plane"], &other["squareness"]), (&"ZX".into(), &"B0Z".into()));
     near(&other["squareness_urad"], -30.0, 0.1);
     assert_eq!(other["backlash_um"]["x"], found["backlash_um"]["y"]);
-    // What is wrong in them.
+    // Errors in these files are reported.
     folder.write("gap.txt", sampled.replacen("\n75 ", "\n#", 1).replace('#', "76 "));
     folder.write("lost.txt", sampled.replacen("\n80 ", "\noverrun\n80 ", 1));
     folder.write("zeros.bin", [0; 40]);
@@ -135,7 +135,7 @@ fn positions_come_in_three_forms() {
     folder.bad(&["ballbar", "samples.txt", "--radius-mm", "45"], &[wrong]);
 }
 
-/// Squareness and backlash in the machine, in the place of what it states or on top of it; the rest as it was.
+/// Squareness and backlash are written into the machine, replacing or adding to the stated values; the rest is unchanged.
 #[test]
 fn what_becomes_a_setting_is_written_into_the_machine() {
     let folder = Folder::new(TRUEAXIS);
@@ -161,7 +161,7 @@ fn what_becomes_a_setting_is_written_into_the_machine() {
     assert!((found("more/machine.toml", "C0Y_urad") - 70.0).abs() < 0.1);
     assert!((found("more/machine.toml", "backlash_um") - 6.0).abs() < 0.02);
     folder.good(&["tables", "check", "new"]);
-    // The same circles do not show twice what the tables leave; others do.
+    // The same record does not count twice on top of the tables; another one does.
     let own = ["ballbar", "record.csv", "--radius-mm", "100", "--machine", "new", "-o", "new", "--compensated"];
     let before = folder.read("new/machine.toml");
     assert!(folder.both(&own)[1].contains("this record is in it already"));
@@ -173,7 +173,7 @@ fn what_becomes_a_setting_is_written_into_the_machine() {
     folder.bad(&["ballbar", "record.csv", "--radius-mm", "100", "-o", "x"], &["--machine"]);
 }
 
-/// Only what the circle has told is said to be written, and a lost motion that is scatter is not.
+/// Only errors that the circle shows are reported as written; a lost motion within its scatter is not.
 #[test]
 fn what_has_not_changed_is_not_claimed() {
     let folder = Folder::new(TRUEAXIS);
@@ -194,12 +194,12 @@ fn what_has_not_changed_is_not_claimed() {
     folder.bad(&["ballbar", "record.csv", "--radius-mm", "100", "--force"], &["--machine"]);
 }
 
-/// Encoders of the axes do not see the squareness: that they show none does not take away what is stated.
+/// Axis encoders do not see squareness: finding none does not remove the stated value.
 #[test]
 fn positions_take_no_squareness_away() {
     let folder = Folder::new(TRUEAXIS);
     let rows = places_of(0.0).into_iter().enumerate().map(|(k, [command, place])| {
-        // Half a nanometre of an encoder's resolution.
+        // Noise of half a nanometre, the encoder's resolution.
         let noise = 5e-7 * f64::from([1, -1, 0, -1, 1, 0, 0][k % 7]);
         format!("{},{},{},{}\n", command[0], place[0] + noise, command[1], place[1] - noise)
     });
@@ -212,7 +212,7 @@ fn positions_take_no_squareness_away() {
     assert!(text.contains("[location]\nC0Y_urad = 38.0\n") && text.contains("backlash_um = 3"), "{text} {told}");
 }
 
-/// A control that takes up 8 µm too much: the cause is named, the squareness is written.
+/// A control that compensates 8 µm too much: the cause is named and the squareness is written.
 #[test]
 fn lost_motion_below_zero_refuses_nothing_else() {
     let folder = Folder::new(TRUEAXIS);
@@ -260,7 +260,7 @@ fn a_direction_is_read_as_people_write_it() {
     folder.bad(&["ballbar", "left.csv", "--radius-mm", "100"], &["left.csv:362: column direction: found \"left\""]);
 }
 
-/// Deviations in mm under a header of µm: no machine is so round.
+/// Deviations in mm under a header of µm: no machine is that round.
 #[test]
 fn a_circle_rounder_than_any_is_told() {
     let folder = Folder::new(TRUEAXIS);

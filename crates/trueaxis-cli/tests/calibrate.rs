@@ -1,5 +1,5 @@
-//! `trueaxis calibrate` as it is called. The control, the probe and the machine are a few lines here: every probing move of
-//! the program runs against artefacts on a machine with known scales, squareness and backlash.
+//! `trueaxis calibrate` as called. A few lines simulate the control, the probe and the machine: every probing move of the
+//! program runs against artefacts on a machine with known scales, squareness and backlash.
 
 use trueaxis_testing::command::Folder;
 
@@ -22,7 +22,7 @@ fn whole_task() -> String {
     format!("{HEAD}{REFERENCE}{BALL}{RING}{FLAT}{UPRIGHT}")
 }
 
-/// 40 and −30 and 20 ppm; C0Y 50, B0Z −20, A0Z 30 µrad; backlash of X 6 µm, of Y 3 µm; the tip 8 µm smaller.
+/// Scales 40, −30 and 20 ppm; C0Y 50, B0Z −20, A0Z 30 µrad; backlash of X 6 µm, of Y 3 µm; the tip 8 µm smaller.
 struct Bench {
     reverse: [bool; 3],
     lost_x_um: f64,
@@ -40,7 +40,7 @@ impl Bench {
         ]
     }
 
-    /// What the tip is away from the nearest artefact: the ball, or the ring of a set-up.
+    /// Distance from the tip to the nearest artefact: the ball, or the ring of a set-up.
     fn gap(&self, set_up: usize, tip: [f64; 3]) -> f64 {
         let radius = 3.0 - 0.008;
         let away = |centre: [f64; 3]| -> [f64; 3] { std::array::from_fn(|k| tip[k] - centre[k]) };
@@ -57,7 +57,7 @@ impl Bench {
         ball.min(ring)
     }
 
-    /// Runs a program; what it logs.
+    /// Runs a program and returns its log.
     fn run(mut self, program: &str) -> String {
         trueaxis_testing::control::run(program, |touch| {
             self.reverse = touch.reverse;
@@ -115,11 +115,11 @@ fn a_ring_and_a_ball_tell_the_machine() {
     // At 0, 500 mm: 40 ppm are 20 µm.
     let (_, rows) = trueaxis_testing::command::csv(&folder.read("mill/x.csv"));
     assert!((rows.last().unwrap()[1] - 20.0).abs() < 0.05 && rows.first().unwrap()[1].abs() < 0.01, "{rows:?}");
-    // What the tables say already is not found a second time.
+    // Errors that the tables already contain are not found a second time.
     let again = folder.json(&solve("mill", &["--json"]));
     near(&again["location"]["C0Y_urad"], 0.0, 0.05);
     near(&again["axes"]["X"]["scale_ppm"], 0.0, 0.05);
-    // A lost motion within its scatter is not written, but where it is forced.
+    // A lost motion within its scatter is written only if forced.
     let of = |found: &serde_json::Value| {
         found["written"].as_array().unwrap().iter().find(|of| of["key"] == "axis.Z.backlash_um").unwrap().clone()
     };
@@ -128,7 +128,7 @@ fn a_ring_and_a_ball_tell_the_machine() {
     assert!(of(&forced)["written"].is_object());
 }
 
-/// A control that takes up 6 µm too much in X.
+/// A control that compensates 6 µm too much in X.
 #[test]
 fn lost_motion_below_zero_refuses_nothing_else() {
     let (folder, program) = planned(&whole_task());
@@ -219,11 +219,11 @@ fn bad_logs_are_refused_with_their_line() {
         None => format!("{line}\n"),
     });
     refused(inches.collect(), &["probe.log:2:", "touch 1", "were its numbers inches", "a log in mm", "$13=0"]);
-    // The ring of another drawer: within the probing moves, but not its size. 150.4 mm, 16 µm by the tip, 4.5 µm by backlash,
-    // less 0.75 µm by the scales.
+    // A ring of another size, but within the probing moves: 150.4 mm, plus 16 µm by the tip and 4.5 µm by backlash, minus
+    // 0.75 µm by the scales.
     let other = Bench { ring_mm: 150.4, ..bench() };
     refused(other.run(&program), &["probe.log:", "ring at place 1 measured 150.4197 mm", "150 mm within 150 µm"]);
-    // 0.6 µm a touch are 24 µm from look to look.
+    // 0.6 µm per touch amount to 24 µm between two probings of the reference.
     let warm = Bench { drift_um: 0.6, ..bench() };
     refused(warm.run(&program), &["probe.log:", "a drift of", "µm", "less than what is measured"]);
     assert!(!folder.has("out") && folder.read("mill/machine.toml") == MACHINE);
@@ -250,9 +250,9 @@ fn what_a_set_up_cannot_tell_apart_is_named() {
         let line = told.lines().find(|line| line.contains("squareness C0Y")).unwrap_or_else(|| panic!("{told}"));
         line.split_whitespace().nth(2).unwrap().parse().unwrap()
     };
-    // 12 touches of 1 µm at six points over 0.9 of an arm tell its direction to 1 µm / (0.31 · length · √12): 4.7 and 6.2 µrad
-    // for 200 and 150 mm. Their angle has 7.8 µrad, the mean of both ways 5.5. A ball sees C0Y by r u_x u_y only: 58 touches
-    // with r = 15.5 mm, evenly spread, tell it to 1 µm / (r √(58/15)) = 33 µrad.
+    // 12 touches of 1 µm at six points over 0.9 of an arm give its direction to 1 µm / (0.31 · length · √12): 4.7 and 6.2 µrad
+    // for 200 and 150 mm. Their angle has 7.8 µrad, the mean of both orientations 5.5. A ball sees C0Y only by r u_x u_y: 58
+    // touches with r = 15.5 mm, evenly spread, give it to 1 µm / (r √(58/15)) = 33 µrad.
     let turned = expected(format!("{HEAD}{tip}{over}"));
     assert!((5.0..6.0).contains(&turned), "{turned}");
     let by_ball = expected(format!("{HEAD}{BALL}{square}"));
@@ -267,7 +267,7 @@ fn what_a_set_up_cannot_tell_apart_is_named() {
         format!("{HEAD}{BALL}").replace("25.0", "-25.0"),
         &["task.toml:8: key artefact.diameter_mm", "0.5 to 2000 mm"],
     );
-    // Touches at Z −12 are within the travel, the way over the square is not.
+    // Touches at Z −12 are within the travel; the path over the square is not.
     refused(
         format!("{HEAD}{tip}{over}").replace("-150.0", "-12.0"),
         &["task.toml:11: key artefact.place", "a way between touches with Z at 21", "room above"],

@@ -1,4 +1,4 @@
-//! `trueaxis circle` as it is called.
+//! `trueaxis circle` as called.
 
 use serde_json::Value;
 use trueaxis_testing::command::Folder;
@@ -20,7 +20,7 @@ fn near(value: &Value, truth: f64) {
     assert!((value - truth).abs() < 1e-9, "{value} for {truth}");
 }
 
-/// Eight points about (100, −50): four at 10 mm on the axes, two of 10.02 and two of 9.99 on the diagonals.
+/// Eight points about (100, −50): four at 10 mm on the axes, two at 10.02 and two at 9.99 on the diagonals.
 fn round() -> String {
     let mut text = String::from("# section\ny_mm,x_mm\n");
     let root = 0.5f64.sqrt();
@@ -56,7 +56,7 @@ fn all_four_circles_of_a_round_section() {
     assert!(found.get("refused").is_none());
 }
 
-/// The same section in the plane of X and Z, and in a plane that leans: a circle of 10 mm about (30, −20, 5) with the normal
+/// The section in the plane of X and Z, and in a tilted plane: a circle of 10 mm about (30, −20, 5) with the normal
 /// (2, −1, 2)/3, whose four points alternate by 1 µm on either side of it.
 #[test]
 fn other_planes_and_points_in_space() {

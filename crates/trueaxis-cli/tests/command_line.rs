@@ -1,4 +1,4 @@
-//! The commands as they are called, on files whose results can be worked out by hand.
+//! The commands as called, on files whose results can be worked out by hand.
 
 use serde_json::Value;
 use std::fs;
@@ -51,7 +51,7 @@ fn errors_and_corrected_commands_are_what_the_tables_say() {
     assert!(column(&csv, "ey_um").iter().all(|e| (e - 1.0).abs() < 1e-9));
     let ez = column(&csv, "ez_um");
     assert!((ez[0] + 2.0).abs() < 1e-9 && (ez[3] + 4.0).abs() < 1e-9, "{ez:?}");
-    // The corrected command lands: q' + E(q') = q. In the first row E is linear in x and y.
+    // The corrected command reaches the target: q' + E(q') = q. In the first row E is linear in x and y.
     let (cx, cy) = (column(&csv, "cx_mm")[0], column(&csv, "cy_mm")[0]);
     let error = |x: f64, y: f64| 1e-3 * (10.0 + 0.2 * x + 8.0 - 0.02 * y + 3.0) - 20e-6 * y;
     assert!((cx + error(cx, cy) - 25.0).abs() < 1e-6);
@@ -185,7 +185,8 @@ fn contour_errors_on_a_line_an_arc_and_a_spline() {
     directory.write("path.json", PATH);
     let (s, c) = 0.3_f64.sin_cos();
     let inside = format!("{},{},0", 10.0 + 9.99 * s, 10.0 - 9.99 * c);
-    // The spline is (10 − 5v, 20, 5/4 v²), v = u; at v = 1 its tangent is (−5, 0, 2.5): 3 µm along y is off at right angles.
+    // The spline is (10 − 5v, 20, 5/4 v²), v = u; at v = 1 its tangent is (−5, 0, 2.5), perpendicular to an offset of 3 µm
+    // along y.
     directory.write("actual.csv",
         format!(
             "segment,u,x_mm,y_mm,z_mm\n0,0.503,5,0.004,-0.003\n1,0.1,{inside}\n2,1.01,5,20.003,1.25\n0,1,10.002,-0.003,0\n"
@@ -205,7 +206,7 @@ fn contour_errors_on_a_line_an_arc_and_a_spline() {
         );
         assert!((column(&csv, "ey_um")[0] - 4.0).abs() < 1e-6 && (column(&csv, "ez_um")[0] + 3.0).abs() < 1e-6);
         assert!(column(&csv, "bracketed").iter().all(|b| *b == 1.0));
-        // Past the line's end the arc goes on: radius 10, centre (10, 10).
+        // Past the line's end the path continues with the arc: radius 10, centre (10, 10).
         assert!((error[3] - 1e3 * ((0.002_f64).hypot(10.003) - 10.0)).abs() < 1e-5);
     }
     let far = "segment,u,x_mm,y_mm,z_mm\n0,0.5,8,0,0\n";
@@ -256,7 +257,7 @@ fn bad_paths_and_positions_are_refused_with_their_place() {
     directory.bad(&["contour", "path.json", "actual.csv", "--max-lag-mm", "0"], &["--max-lag-mm"]);
 }
 
-/// A square of 10 mm, on whose sides one axis rests; X dies on the first of them.
+/// A square of 10 mm: on each side one axis rests. X freezes on the first side.
 #[test]
 fn a_coordinate_that_dies_on_the_path_is_refused_with_its_line_and_one_that_rests_is_not() {
     let directory = Folder::new(TRUEAXIS);
@@ -269,7 +270,7 @@ fn a_coordinate_that_dies_on_the_path_is_refused_with_its_line_and_one_that_rest
         })
         .collect();
     directory.write("path.json", format!("{{\"segments\":[{}]}}", sides.join(",")));
-    // Rows 0.1 mm apart, 2 µm off to the right, and fifty of a dwell in the first corner.
+    // Rows 0.1 mm apart, off by 2 µm in X, and fifty rows of a dwell at the first corner.
     let record = |dies: bool| {
         let mut text = String::from("segment,u,x_mm,y_mm,z_mm\n");
         for (segment, side) in corners.windows(2).enumerate() {
@@ -310,7 +311,7 @@ fn iso_230_2_before_and_after_compensation() {
     assert!(after["reversal"].as_f64().unwrap() < 0.5 * before["reversal"].as_f64().unwrap());
     let table = directory.good(&["tables", "accuracy", measured]);
     assert!(table.contains("bidirectional accuracy") && !table.contains("compensated"));
-    // A machine whose table is the measured mean: what is left is the scatter alone.
+    // A machine whose table is the measured mean: only the scatter remains.
     directory
         .write("m/machine.toml", "name = \"b\"\nchain = \"w b X t\"\n[axis.X]\ntable = \"x.csv\"\nbacklash_um = 3\n");
     directory.write("m/x.csv", "X_mm,EXX_um\n0,1\n100,21\n");
@@ -323,7 +324,7 @@ fn iso_230_2_before_and_after_compensation() {
     for what in ["accuracy", "systematic", "reversal"] {
         assert!(document["compensated"]["both"][what].as_f64().unwrap().abs() < 1e-9, "{document}");
     }
-    // What the standard asks for more of is told.
+    // The table says what the standard requires more of.
     let asked = "asks for five target positions a metre";
     assert!(!table.contains(asked), "{table}");
     directory.write("b.csv", "X_mm,+1,-1,+2,-2\n50,11,14,11,14\n");
@@ -354,7 +355,7 @@ fn tables_travel_to_other_controls_and_back() {
         }
         fs::remove_dir_all(directory.join("back")).unwrap();
     }
-    // A control in inches, and what states its own unit.
+    // A control in inches, and a format that states its unit.
     directory.write("inch.comp", "0 0.0001 0.0002\n1.1 1.1003 1.1004\n");
     let import = ["tables", "import", "--from", "linuxcnc", "inch.comp", "--axis", "X", "--unit", "inch", "-o", "back"];
     let [_, said] = directory.both(&import);
@@ -364,7 +365,7 @@ fn tables_travel_to_other_controls_and_back() {
     let import = |unit| ["tables", "import", "--from", "isg", "t.txt", "--unit", unit, "-o", "back"];
     directory.bad(&import("mm"), &["--unit", "isg, whose files state their units"]);
     directory.bad(&import("ell"), &["--unit", "ell", "needed mm or inch"]);
-    // Angles are degrees everywhere.
+    // Angles are always degrees.
     directory.write("cut.comp", "0 0.001 0.001\n90 90.002 90.002\n");
     directory.good(&["tables", "import", "--from", "linuxcnc", "cut.comp", "--axis", "C", "-o", "turn"]);
     directory.write("cut.comp", "0 0 0\n# LinuxCNC would stop reading here without a word\n50 50 50\n");
@@ -384,7 +385,7 @@ fn tables_travel_to_other_controls_and_back() {
     assert!(!directory.has("lost.mpf"));
 }
 
-/// A five-axis machine through the volumetric CSV: the same chain, and the same tip errors to 0.03 µm.
+/// A five-axis machine through the volumetric CSV and back: the same chain, and the same tip errors to 0.03 µm.
 #[test]
 fn five_axes_travel_to_another_control_and_back() {
     let directory = Folder::new(TRUEAXIS);
@@ -503,7 +504,7 @@ fn counts_and_numbers_read_as_people_write_them() {
     assert!(text.contains("m: no errors, 1 warning\n"), "{text}");
 }
 
-/// Every reader names the line of bytes that are no UTF-8, and what was found never moves the cursor.
+/// Every reader names the line of bytes that are not UTF-8, and no quoted input moves the cursor.
 #[test]
 fn odd_bytes_are_told_with_their_line_and_written_out() {
     let directory = Folder::new(TRUEAXIS);
@@ -522,7 +523,7 @@ fn odd_bytes_are_told_with_their_line_and_written_out() {
     for arguments in cases {
         directory.bad(arguments, &[":3: found bytes that are not UTF-8"]);
     }
-    // A carriage return alone ends a line.
+    // A single carriage return ends a line.
     directory.write("cr.csv", "x_mm,y_mm\n1,2\n3,4\r5\n6,7\n");
     directory.write("bell.csv", "x_mm,y_mm\n1,2\n3,\u{1b}[2J\n6,7\n");
     for (file, found) in [("cr.csv", "found 1 value"), ("bell.csv", "\\u{1b}[2J")] {
@@ -532,7 +533,7 @@ fn odd_bytes_are_told_with_their_line_and_written_out() {
     }
 }
 
-/// Files and commands that `--help` shows can be copied from a terminal of 80 columns.
+/// Files and commands in `--help` can be copied from a terminal of 80 columns.
 #[test]
 fn what_help_shows_is_read_as_it_stands_in_a_narrow_terminal() {
     let folder = Folder::new(TRUEAXIS);

@@ -1,4 +1,4 @@
-//! The three models of `trueaxis compensate` against products of transforms worked out elsewhere
+//! The three models of `trueaxis compensate` against independently computed products of transforms
 //! (tests/reference/volumetric.py).
 
 use serde_json::Value;
@@ -77,12 +77,12 @@ fn both_models_agree_with_homogeneous_transforms() {
             }
             println!("{}, {model}: {worst:.1e}", machine["name"]);
         }
-        // A compiled file says the same, bit for bit.
+        // A compiled file gives the same results, bit for bit.
         let plain = directory.csv(&["compensate", ".", "p.csv", "--model", "exact"]);
         assert!(directory.run(&["tables", "compile", ".", "-o", "m.tcomp"]).status.success());
         assert_eq!(directory.csv(&["compensate", "m.tcomp", "p.csv", "--model", "exact"]), plain);
         assert_eq!(plain.0, format!("{header},ex_um,ey_um,ez_um,cx_mm,cy_mm,cz_mm"));
-        // Sent to the corrected commands, the machine stands where it should: their error is what was taken away.
+        // At the corrected commands the machine reaches its targets: the error there equals the correction applied.
         let sent: Vec<Vec<f64>> =
             (plain.1.iter().zip(&rows)).map(|(row, at)| [&row[axes + 3..axes + 6], &at[3..]].concat()).collect();
         put_positions(&directory, "sent.csv", &header, &sent);
@@ -96,7 +96,7 @@ fn both_models_agree_with_homogeneous_transforms() {
     }
 }
 
-/// A machine whose largest errors stand in grids: every model's corrected commands leave what its inverse leaves.
+/// A machine whose largest errors are in grids: every model's corrected commands leave only the residual of its inverse.
 #[test]
 fn corrected_commands_of_every_model_take_the_grids_in() {
     let directory = Folder::new(TRUEAXIS);
@@ -104,7 +104,7 @@ fn corrected_commands_of_every_model_take_the_grids_in() {
     let router = router.to_str().unwrap();
     let at = [[0.0, 0.0, -250.0], [310.0, -220.0, -180.0], [-385.0, 140.0, -30.0], [75.0, 260.0, -205.0]];
     put_positions(&directory, "p.csv", "x_mm,y_mm,z_mm", &at.map(Vec::from));
-    // The nine terms and the first order are not the transforms: 1 nm and less.
+    // The nine terms and the first order differ from the exact transforms by at most 1 nm.
     for (model, left_um) in [("nine", 1e-3), ("volumetric", 1e-3), ("exact", 1e-8)] {
         let (_, rows) = directory.csv(&["compensate", router, "p.csv", "--model", model]);
         let sent: Vec<Vec<f64>> = rows.iter().map(|row| row[6..9].to_vec()).collect();
@@ -154,8 +154,8 @@ fn the_model_is_the_machines_own_unless_told() {
     }
 }
 
-/// X goes up and down by less than the hysteresis and by more; its straightness moves Y, whose drive turns although Y
-/// stands: Y has 2 µm of lost motion, X none.
+/// X moves up and down by less and by more than the hysteresis; its straightness makes Y's drive reverse although Y is not
+/// commanded to move: Y has 2 µm of lost motion, X none.
 #[test]
 fn in_order_the_direction_is_that_of_the_drives() {
     let directory = Folder::new(TRUEAXIS);
@@ -166,7 +166,7 @@ fn in_order_the_direction_is_that_of_the_drives() {
     directory.write("y.csv", "Y_mm,EYY_um\n-50,0\n50,0\n");
     let x = [10.0, 12.0, 14.0, 12.0, 30.0, 29.0, 25.0];
     put_positions(&directory, "p.csv", "x_mm,y_mm,z_mm", &x.map(|x| vec![x, 5.0, 0.0]));
-    // Y's drive: −0.2 (within 0.3 µm), −0.4 (turned), +0.2 (within), −1.6, +0.1 (within), +0.5 µm (turned).
+    // Y's drive: −0.2 (within 0.3 µm), −0.4 (reversed), +0.2 (within), −1.6, +0.1 (within), +0.5 µm (reversed).
     let reverse = [0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 0.0];
     for model in ["nine", "volumetric", "exact"] {
         let (_, rows) = directory.csv(&["compensate", ".", "p.csv", "--model", model, "--in-order"]);
@@ -177,7 +177,7 @@ fn in_order_the_direction_is_that_of_the_drives() {
                 "{model} {x}: {row:?}"
             );
         }
-        // Every row for itself, as ever.
+        // Without --in-order, every row is independent.
         let (_, rows) = directory.csv(&["compensate", ".", "p.csv", "--model", model]);
         assert!(rows.iter().zip(x).all(|(row, x)| (row[4] - 0.1 * x).abs() < 1e-9));
     }
@@ -194,7 +194,7 @@ fn check_tells_what_lost_motion_costs() {
     let document: Value = serde_json::from_slice(&output.stdout).unwrap();
     let lost = document["lost_motion"].as_array().unwrap();
     let y = lost.iter().find(|lost| lost["axis"] == "Y").unwrap();
-    // 2.2 µm, up at 5 m/s² and down at 4 m/s²; 250 mm/s.
+    // 2.2 µm, accelerated at 5 m/s² and decelerated at 4 m/s²; 250 mm/s.
     let ms = 1e3 * (2.0 * 2.2e-3 * (1.0 / 5000.0 + 1.0 / 4000.0_f64)).sqrt();
     for (key, truth) in [("play_um", 2.2), ("lead_in_ms", ms), ("feed_mm_per_s", 250.0), ("way_mm", 0.25 * ms)] {
         assert!((y[key].as_f64().unwrap() - truth).abs() < 1e-9, "{y}");

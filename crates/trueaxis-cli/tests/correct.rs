@@ -1,4 +1,4 @@
-//! `trueaxis correct`: against `compensate`, against exact transforms, and every way to ask wrongly.
+//! `trueaxis correct`: against `compensate`, against exact transforms, and every invalid query.
 
 use serde_json::Value;
 use std::path::Path;
@@ -29,7 +29,7 @@ fn folder() -> Folder {
     directory
 }
 
-/// The row that `compensate` makes of a position, without the position.
+/// The row that `compensate` writes for a position, without the position.
 fn compensated(directory: &Folder, machine: &str, header: &str, at: &str, options: &[&str]) -> Vec<f64> {
     directory.write("p.csv", format!("{header}\n{at}\n"));
     let [text, _] = directory.both(&[&["compensate", machine, "p.csv"], options].concat());
@@ -99,7 +99,7 @@ fn without_a_position_the_middle_of_the_travel() {
     assert!(text.contains("at X 0, Y 0, Z -200 mm (middle of the travel)") && told.is_empty(), "{text}{told}");
     let found = document(&directory, &["correct", "mill-3axis"]);
     assert_eq!(found, document(&directory, &["correct", "mill-3axis", "--at", "0,0,-200"]));
-    // Rotary axes stand at zero where they are left out.
+    // Rotary axes that are left out are at zero.
     let five = document(&directory, &["correct", "mill-5axis", "--at", "0,0,-100"]);
     assert_eq!(five, document(&directory, &["correct", "mill-5axis", "--at", "0,0,-100,0,0"]));
 }

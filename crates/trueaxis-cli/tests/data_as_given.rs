@@ -1,4 +1,4 @@
-//! Files as instruments and spreadsheets give them, closed pipes, and limits of size.
+//! Files as instruments and spreadsheets write them, closed pipes, and size limits.
 
 use serde_json::Value;
 use std::f64::consts::TAU;
@@ -43,7 +43,7 @@ fn separators_and_decimal_commas_are_recognised_everywhere() {
         assert_eq!(found, truth, "{text:?}");
         assert_eq!(error.matches(told).count(), 1, "{error}");
     }
-    // The machine's own tables too.
+    // So do the machine's own tables.
     directory.write("m/x.csv", "X_mm;EXX_um\n0;0\n100,5;20,5\n");
     directory.write("p.csv", plain);
     let [found, error] = directory.both(&["compensate", "m", "p.csv"]);
@@ -68,7 +68,7 @@ fn what_can_be_read_in_two_ways_is_refused() {
     }
 }
 
-/// Results longer than what is held in memory are the same as short ones, and whole or not at all.
+/// Results larger than the memory buffer equal short ones, and are written completely or not at all.
 #[test]
 fn long_files_stream_and_leave_nothing_behind_when_they_end_badly() {
     let directory = Folder::new(TRUEAXIS);
@@ -92,7 +92,7 @@ fn long_files_stream_and_leave_nothing_behind_when_they_end_badly() {
     assert_eq!(fs::read_dir(directory.path()).unwrap().count(), before);
 }
 
-/// Memory does not grow with the rows.
+/// Memory does not grow with the number of rows.
 #[test]
 #[cfg(target_os = "linux")]
 fn memory_is_flat_in_the_number_of_rows() {
@@ -135,7 +135,7 @@ fn a_closed_pipe_is_no_panic() {
     ];
     for arguments in calls {
         let code = directory.run(arguments).status.code();
-        // Both ends that it could write to are closed before it begins.
+        // Both streams that it could write to are closed before it starts.
         let closed = || {
             let (reader, writer) = std::io::pipe().unwrap();
             drop(reader);
@@ -148,7 +148,7 @@ fn a_closed_pipe_is_no_panic() {
     }
 }
 
-/// Inputs that would take gigabytes are refused with their line before anything is allocated.
+/// Inputs that would take gigabytes are refused, with their line, before any allocation.
 #[test]
 fn paths_without_end_are_refused_at_once() {
     let directory = Folder::new(TRUEAXIS);
@@ -206,7 +206,7 @@ fn a_matrix_of_runs_is_the_list_of_its_approaches() {
     }
 }
 
-/// Errors of 20 µm over 400 mm, as positions and as trims: the numbers say which.
+/// Errors of 20 µm over 400 mm, as positions and as trims: the numbers determine the type.
 #[test]
 fn the_type_of_a_linuxcnc_file_is_seen() {
     let directory = Folder::new(TRUEAXIS);
@@ -272,7 +272,7 @@ fn siemens_names_of_the_control_need_the_axis() {
     directory.bad(&arguments, &["two.ini:9", "AX2", "AX1"]);
 }
 
-/// Three probes at angles of their own, uneven and from any start: the same part as from equidistant readings.
+/// Traces of three probes with an angle column, uneven and from any start, give the same part as equidistant readings.
 #[test]
 fn traces_with_angles_are_resampled_and_the_error_is_stated() {
     let directory = Folder::new(TRUEAXIS);
@@ -298,7 +298,7 @@ fn traces_with_angles_are_resampled_and_the_error_is_stated() {
     };
     let (truth, _) = run("even.csv");
     assert!(truth.get("resampling").is_none());
-    // 1,003 rows a revolution from 73.2 degrees on, uneven; the angle begins anew with every revolution.
+    // 1,003 uneven rows per revolution from 73.2 degrees on; in the first case the angle restarts every revolution.
     for (rows, again) in [(1003, true), (2 * 1003 + 117, false)] {
         let mut trace = String::from("theta_deg;h1_um;h2_um;h3_um\n");
         for i in 0..rows {

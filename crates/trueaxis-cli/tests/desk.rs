@@ -1,4 +1,4 @@
-//! `trueaxis desk` as it is called.
+//! `trueaxis desk` as called.
 
 use trueaxis_testing::command::Folder;
 
@@ -28,15 +28,15 @@ mod served {
     use std::process::{Child, Command, Stdio};
     use std::time::{Duration, Instant};
 
-    /// What takes longer never comes, on a busy computer too.
+    /// Even on a busy computer, anything slower never arrives.
     const PATIENCE: Duration = Duration::from_secs(120);
 
-    /// The page as it was given to the build.
+    /// The page that the build embeds.
     fn page() -> Vec<u8> {
         fs::read(env!("TRUEAXIS_DESK_PAGE")).unwrap()
     }
 
-    /// A desk under way and its port.
+    /// A running desk and its port.
     struct Desk {
         child: Child,
         port: u16,
@@ -143,8 +143,8 @@ mod served {
         assert_eq!(desk.ask("GET", "/", &format!("Host: localhost:{}\r\n", desk.port)).0, 200);
     }
 
-    /// Clients that begin and do not go on, send no body, or read no answer: the page is there for the others all the same, the
-    /// computer has few threads for them, and Ctrl-C ends the desk while they hold on.
+    /// Clients that stop half-way, send no body or read no answer: other clients still get the page, the desk uses few threads
+    /// for them, and Ctrl-C ends the desk while they hold on.
     #[test]
     fn clients_that_hold_on_stall_neither_others_nor_the_end() {
         let desk = Desk::open(&["--port", "0"]);
@@ -160,7 +160,7 @@ mod served {
         for _ in 0..60 {
             for text in &begun {
                 let mut stream = desk.connect();
-                // It may be ended before it has all of that.
+                // The desk may close the connection before it has received everything.
                 let _ = stream.write_all(text.as_bytes());
                 held.push(stream);
             }
@@ -171,7 +171,7 @@ mod served {
         assert_eq!(desk.interrupt(), Some(0));
     }
 
-    /// A request has a length, wherever it is long, and the memory for it too.
+    /// A request is limited in length, whichever part is long, and so is the memory for it.
     #[test]
     fn what_is_longer_than_a_request_is_refused() {
         let desk = Desk::open(&["--port", "0"]);
@@ -183,7 +183,7 @@ mod served {
             let mut stream = desk.connect();
             stream.write_all(begin.as_bytes()).unwrap();
             let part = part.repeat(1 << 15);
-            // Far more than the system keeps between the two.
+            // Far more than the system buffers between the two.
             let refused = (0..1 << 11).find_map(|_| stream.write_all(part.as_bytes()).err());
             let refused = refused.is_some_and(|error| matches!(error.kind(), ConnectionReset | BrokenPipe));
             assert!(refused, "it reads {begin:?} for ever");
@@ -220,7 +220,7 @@ mod served {
         let taken = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
         let port = taken.local_addr().unwrap().port().to_string();
         Folder::new(TRUEAXIS).bad(&["desk", "--port", &port], &["--port: found", "which another program serves at"]);
-        // Two desks beside each other: the second finds the usual port taken.
+        // Two desks at once: the second finds the usual port taken.
         let [one, other] = [Desk::open(&[]), Desk::open(&[])];
         assert_ne!(one.port, other.port);
     }

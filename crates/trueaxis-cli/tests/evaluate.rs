@@ -1,4 +1,4 @@
-//! `trueaxis evaluate` as it is called.
+//! `trueaxis evaluate` as called.
 
 use serde_json::Value;
 use std::fmt::Write;
@@ -50,7 +50,7 @@ fn step_diagonal_prints_writes_and_refuses() {
     assert!((c0y(&folder.read("squared/machine.toml")) - 50.0).abs() < 1e-6, "{}", folder.read("squared/machine.toml"));
     assert_eq!(folder.read("squared/x.csv"), folder.read("mill/x.csv"));
     assert!(folder.read("out/step-diagonal.html").contains("<svg"), "out/step-diagonal.html");
-    // Into its own folder, comments kept.
+    // Writing into the machine's own folder keeps its comments.
     folder.good(&["evaluate", "step-diagonal", "record.csv", "--machine", "mill", "-o", "mill"]);
     let own = folder.read("mill/machine.toml");
     assert!((c0y(&own) - 50.0).abs() < 1e-6 && own.contains("# Vertical machining centre"), "{own}");
@@ -68,8 +68,8 @@ fn step_diagonal_prints_writes_and_refuses() {
     );
 }
 
-/// A diagonal test of a machine out of square by these, µrad, whose diagonals bow by some µm: a bow has no slope, but the slopes
-/// are known the worse for it.
+/// A diagonal test of a machine out of square by these, µrad, whose diagonals bow by some µm: a bow has no slope, but makes
+/// the slopes less certain.
 fn bowed([a0z, b0z, c0y]: [f64; 3], bow_um: f64) -> String {
     let mut text = String::from("diagonal,direction,x_mm,y_mm,z_mm,deviation_um\n");
     let signs = [[1.0, 1.0, 1.0], [-1.0, 1.0, 1.0], [1.0, -1.0, 1.0], [1.0, 1.0, -1.0]];
@@ -87,14 +87,14 @@ fn bowed([a0z, b0z, c0y]: [f64; 3], bow_um: f64) -> String {
     text
 }
 
-/// A number of a machine.toml by its section and key.
+/// A number in a machine.toml by its section and key.
 fn number(text: &str, section: &str, key: &str) -> Option<f64> {
     let own = text.split(&format!("[{section}]\n")).nth(1)?.split("\n[").next()?;
     let line = own.lines().find_map(|line| line.strip_prefix(key)?.trim_start().strip_prefix('='))?;
     line.split('#').next()?.trim().parse().ok()
 }
 
-/// A0Z stated as 32 ± 3 and measured to ± 11: the uncertainty beside the value is always that of the value, with two digits.
+/// A0Z is stated as 32 ± 3 and measured to ± 11: the written uncertainty is always that of the written value, with two digits.
 #[test]
 fn what_is_known_worse_moves_a_value_little_and_what_differs_takes_its_place_with_its_uncertainty() {
     let folder = folder();
@@ -125,7 +125,7 @@ fn what_is_known_worse_moves_a_value_little_and_what_differs_takes_its_place_wit
     );
     let row = told.lines().find(|line| line.starts_with("location.A0Z_urad")).unwrap_or_else(|| panic!("{told}"));
     assert!(row.contains("32 ± 3") && row.contains("25 ± 11") && row.contains("31.5 ± 2.9"), "{told}");
-    // More than twice 11.4 away from what is stated: the machine is another one than it was.
+    // More than twice 11.4 away from the stated value: the machine has changed.
     let ([_, told], _) = run(0.2174671317786221, "differs", &[]);
     let text = folder.read("differs/machine.toml");
     assert_eq!(of(&text)[..2], [0.0, 11.0], "{told}");
@@ -135,13 +135,13 @@ fn what_is_known_worse_moves_a_value_little_and_what_differs_takes_its_place_wit
         "four slopes of six targets"
     );
     assert!(told.contains("differs by 2.8 combined standard uncertainties"), "{told}");
-    // The same record a second time is no second measurement.
+    // Repeating the same record is not a second measurement.
     folder.write("record.csv", bowed([25.0, -36.0, 38.0], 2.0128));
     let again = ["evaluate", "step-diagonal", "record.csv", "--machine", "agrees", "-o", "agrees"];
     let before = folder.read("agrees/machine.toml");
     assert!(folder.both(&again)[1].contains("this record is in it already"));
     assert_eq!(folder.read("agrees/machine.toml"), before);
-    // Only said.
+    // A dry run only reports.
     let ([said, _], _) = run(25.0, "mill", &["--dry-run"]);
     assert!(said.contains("31.5 ± 2.9") && !said.contains("ISO 230-6"), "{said}");
     let ([said, _], _) = run(25.0, "mill", &["--dry-run", "--json"]);
@@ -151,14 +151,15 @@ fn what_is_known_worse_moves_a_value_little_and_what_differs_takes_its_place_wit
     assert!(said["a0z_urad"].is_object() && row["why"] == "agrees: both by their weights", "{said}");
     assert_eq!(folder.read("mill/machine.toml"), mill);
     folder.good(&["tables", "check", "agrees"]);
-    // Forced, what was found is written although the better known value agrees; alone there is nothing to force.
+    // With --force the measured value is written although the better known one agrees; without a machine there is nothing to
+    // force.
     let ([_, told], error) = run(25.0, "forced", &["--force"]);
     assert_eq!(of(&folder.read("forced/machine.toml"))[..2], [25.0, 11.0], "{error}");
     assert!(told.contains("forced, the rule writes 31.5 ± 2.9: agrees: both by their weights"), "{told}");
     folder.bad(&["evaluate", "step-diagonal", "record.csv", "--force"], &["--machine"]);
 }
 
-/// A head-less trunnion without an error of its own, whose table's centre line is off by 10 µm; and the record of another machine.
+/// A headless trunnion that states no errors, whose table's centre line is off by 10 µm; and the record of another machine.
 #[test]
 fn a_record_of_another_machine_writes_nothing() {
     let folder = folder();
@@ -170,7 +171,7 @@ fn a_record_of_another_machine_writes_nothing() {
         for k in 0..16 {
             let (sin, cos) = (-22.5 * f64::from(k)).to_radians().sin_cos();
             let (x, y) = (60.0 * cos, 60.0 * sin);
-            // The nest reads to a tenth of a micrometre; the other machine has errors that turn three times as fast.
+            // The nest reads to a tenth of a micrometre; the other machine's errors vary at three times the frequency.
             let other = other_um * (3.0 * 22.5 * f64::from(k)).to_radians().cos();
             let noise = [0.1, -0.1, 0.05, -0.05, 0.0][k as usize % 5];
             writeln!(
@@ -190,7 +191,7 @@ fn a_record_of_another_machine_writes_nothing() {
     let [_, told] = folder.both(&[&call[..], &["own"]].concat());
     let text = folder.read("own/machine.toml");
     assert!((number(&text, "location", "EX0C_um").unwrap().abs() - 10.0).abs() < 0.2, "{text} {told}");
-    // What is none is not written, however many digits it has.
+    // A value that is not significant is not written, however many digits it has.
     assert!(
         number(&text, "location", "EY0C_um").is_none() && told.contains("within 2 standard uncertainties of none"),
         "{told}"
@@ -199,7 +200,7 @@ fn a_record_of_another_machine_writes_nothing() {
     let [_, told] = folder.both(&[&call[..], &["other"]].concat());
     assert!(told.contains("misfit: ") && told.contains(" RMS are left"), "{told}");
     assert_eq!(folder.read("other/machine.toml"), folder.read("five/machine.toml"));
-    // Unless it is forced, which a dry run shows.
+    // A misfit is written only if forced; a dry run shows it.
     let before = folder.tree();
     let said = folder.json(&[&call[..5], &["--force", "--dry-run", "--json"]].concat());
     assert_eq!(folder.tree(), before);
@@ -209,7 +210,7 @@ fn a_record_of_another_machine_writes_nothing() {
     let text = folder.read("forced/machine.toml");
     assert_eq!(number(&text, "location", "EX0C_um"), row["written"]["value"].as_f64(), "{text}");
     folder.bad(&[&call[..5], &["--force"]].concat(), &["--force: found no machine that is written"]);
-    // By the stated noise, though most is explained.
+    // A misfit by the stated noise, although most is explained.
     folder.write("bk.csv", record(2.0));
     folder.good(&[&call[..], &["unstated"]].concat());
     let noise = "[uncertainty]\neve_um = 0.2\n";
@@ -219,7 +220,7 @@ fn a_record_of_another_machine_writes_nothing() {
     assert!(!folder.read("stated/machine.toml").contains("[location]"));
 }
 
-/// Points of the sample mill as its own step sees them: what comes out compensates as the sample does.
+/// Points of the sample mill as its own model predicts them: the resulting machine compensates like the sample.
 #[test]
 fn points_make_a_machine_that_compensate_agrees_with() {
     let folder = folder();
@@ -235,7 +236,8 @@ fn points_make_a_machine_that_compensate_agrees_with() {
     let call = ["compensate", "mill", "positions.csv", "--model", "exact"];
     let (_, rows) = folder.csv(&call);
     let mut points = String::from("x_mm,y_mm,z_mm,actual_x_mm,actual_y_mm,actual_z_mm,u_um\n");
-    // Only on the way there; the mill's Y has backlash, and every row but the first of a line goes in positive travel of Z.
+    // One direction of travel only: the mill's Y has backlash, and every row but the first of a line moves Z in positive
+    // travel.
     for row in &rows {
         let [x, y, z] = [row[0], row[1], row[2]];
         writeln!(points, "{x},{y},{z},{},{},{},0.5", x + 1e-3 * row[3], y + 1e-3 * row[4], z + 1e-3 * row[5]).unwrap();
@@ -247,7 +249,7 @@ fn points_make_a_machine_that_compensate_agrees_with() {
     assert!(found["left"]["rms_um"].as_f64().unwrap() < 0.6, "{}", found["left"]);
     assert!(folder.read("out/points.html").contains("<svg"), "out/points.html");
     folder.good(&["tables", "check", "measured"]);
-    // Through the command, the placement taken out of what was measured.
+    // Compare with the command, after removing the fitted placement from the measurement.
     let (_, again) = folder.csv(&["compensate", "measured", "positions.csv", "--model", "volumetric"]);
     let shift: Vec<f64> = found["shift_mm"].as_array().unwrap().iter().map(|v| 1e3 * v.as_f64().unwrap()).collect();
     let turn: Vec<f64> = found["turn_urad"].as_array().unwrap().iter().map(|v| 1e-3 * v.as_f64().unwrap()).collect();
@@ -276,7 +278,7 @@ fn points_make_a_machine_that_compensate_agrees_with() {
 fn r_test_thermal_and_probing_print_write_and_refuse() {
     let folder = folder();
     folder.copy(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../../compensation-tables/mill-5axis"), "five");
-    // A trunnion without errors of its own but the sample's: a record of zeros, so that what is found is the sample's negative.
+    // Readings of up to 2 µm on a trunnion, unrelated to the sample's errors.
     let mut record = String::from("x_mm,y_mm,z_mm,a_deg,c_deg,dx_um,dy_um,dz_um\n");
     for a in [-90, -60, -30, 0, 20] {
         for c in 0..8 {
@@ -294,7 +296,7 @@ fn r_test_thermal_and_probing_print_write_and_refuse() {
     assert_eq!(found["terms"].as_array().unwrap().len(), 8, "{found}");
     let ex0c = found["terms"].as_array().unwrap().iter().find(|term| term["name"] == "EX0C").unwrap();
     assert_eq!(ex0c["before"].as_f64().unwrap(), 13.0);
-    // No machine with these tables moves so.
+    // No machine with these tables moves like this.
     assert_eq!(folder.read("found/machine.toml"), folder.read("five/machine.toml"));
     assert_eq!(folder.read("found/c.csv"), folder.read("five/c.csv"));
     folder.good(&["tables", "check", "found"]);

@@ -1,4 +1,4 @@
-//! Commands and files: an input is never written, an edited machine stays, a refused command leaves nothing.
+//! Commands and files: an input is never written, an edited machine keeps its text, a refused command leaves nothing.
 
 use std::fs;
 use std::path::Path;
@@ -52,7 +52,7 @@ fn an_import_adds_an_axis_and_leaves_the_rest_of_the_machine_as_it_is_written() 
     assert_eq!(directory.read("m/machine.toml"), expected);
     assert_eq!(directory.read("m/x.csv"), "X_mm,EXX_fwd_um,EXX_rev_um\n-100,1,2\n0,1,2\n100,3,4\n");
     assert_eq!(directory.read("m/y-2024.csv"), Y);
-    // An axis of the chain without a section gets one.
+    // An axis in the chain without a section gets one.
     let said = directory
         .reported(&["tables", "import", "--from", "linuxcnc", "--unit", "mm", "new.comp", "--axis", "Z", "-o", "m"]);
     assert!(said.contains("axis Z: table added"), "{said}");
@@ -78,7 +78,7 @@ fn an_import_replaces_a_table_in_its_place_and_says_what_was_there() {
     }
     assert_eq!(directory.read("m/machine.toml"), MACHINE.replace("backlash_um = 2.5", "backlash_um = 0.0"));
     assert!(directory.read("m/y-2024.csv").starts_with("Y_mm,EYY_fwd_um,EYY_rev_um\n"));
-    // Once more: nothing of machine.toml is left to change.
+    // Repeated: nothing in machine.toml is left to change.
     let once = directory.read("m/machine.toml");
     let said = directory
         .reported(&["tables", "import", "--from", "linuxcnc", "--unit", "mm", "new.comp", "--axis", "Y", "-o", "m"]);
@@ -86,8 +86,8 @@ fn an_import_replaces_a_table_in_its_place_and_says_what_was_there() {
     assert_eq!(directory.read("m/machine.toml"), once);
 }
 
-/// A bed that rises by 0.2 mm: the import sets the limit that it needs and says so; where a limit takes something off, the commands that
-/// show corrections say how much.
+/// A bed that rises by 0.2 mm: the import sets the limit that it needs and says so; if a limit clips corrections, the commands
+/// that show them say by how much.
 #[test]
 fn what_limits_take_away_is_told() {
     let directory = Folder::new(TRUEAXIS);
@@ -114,7 +114,7 @@ fn what_limits_take_away_is_told() {
     assert_eq!(directory.json(&[&correct[..], &["--json"]].concat())["clipped"], serde_json::json!(["Z"]));
 }
 
-/// Errors that the settings state need no table, and kinematics need only the chain.
+/// Errors stated in the settings need no table, and kinematics needs only the chain.
 #[test]
 fn a_machine_needs_no_table() {
     let directory = Folder::new(TRUEAXIS);
@@ -138,13 +138,13 @@ fn a_machine_needs_no_table() {
     }
     assert!(!directory.reported(&["tables", "check", "a"]).contains("without a table"));
     directory.good(&["tables", "compile", "a", "-o", "a.tcomp"]);
-    // Squareness alone, 100 µrad over 200 mm.
+    // Squareness only, 100 µrad over 200 mm.
     directory.write("s/machine.toml", machine("[location]\nC0Y_urad = 100.0"));
     directory.good(&["tables", "check", "s"]);
     directory.write("p.csv", "x_mm,y_mm,z_mm\n0,200,0\n");
     let (_, rows) = directory.csv(&["compensate", "s", "p.csv"]);
     assert!((rows[0][6] - 0.02).abs() < 1e-9, "{rows:?}");
-    // Nothing but a chain.
+    // Only a chain.
     directory.write("k/machine.toml", "name = \"m\"\nchain = \"w C' A' b X Y Z t\"\n");
     directory.write("joints.csv", "x_mm,y_mm,z_mm,a_deg,c_deg\n1,2,3,0,0\n");
     let (_, rows) = directory.csv(&["kinematics", "forward", "--machine", "k", "joints.csv"]);
@@ -174,7 +174,7 @@ fn windows_line_ends_and_inline_sections_stay() {
     assert!(directory.read("i/a.csv").contains("100,3,4"));
 }
 
-/// The names of the ISG manual: Y0A without an axis A. No key of machine.toml is to blame.
+/// Names from the ISG manual: Y0A without an axis A. No key of machine.toml is at fault.
 #[test]
 fn location_errors_of_an_axis_that_is_nowhere_name_the_chain() {
     let directory = Folder::new(TRUEAXIS);
@@ -200,7 +200,7 @@ fn an_import_into_a_machine_that_cannot_take_it_is_refused() {
     let mut new = import("linuxcnc", "new.comp", "X");
     new.push("--new");
     directory.bad(&new, &["--new", "found m", "does not exist"]);
-    // The table of another axis stands where the new one would.
+    // The owner's file x.csv is where the new table would be.
     directory.write("m/x.csv", "notes of the owner\n");
     directory.bad(&import("linuxcnc", "new.comp", "X"), &["x.csv beside it"]);
     fs::remove_file(directory.join("m/x.csv")).unwrap();
@@ -212,13 +212,13 @@ fn an_import_into_a_machine_that_cannot_take_it_is_refused() {
     );
     directory.write("m/machine.toml", MACHINE.replace("name", "nam"));
     directory.bad(&import("linuxcnc", "new.comp", "X"), &["machine.toml", "name"]);
-    // A folder with a table and no machine.
+    // A folder with a table but without a machine.
     directory.write("bare/x.csv", "notes of the owner\n");
     directory.bad(
         &["tables", "import", "--from", "linuxcnc", "--unit", "mm", "new.comp", "--axis", "X", "-o", "bare"],
         &["bare/x.csv", "no machine.toml"],
     );
-    // A machine that is new leaves no folder when it is refused.
+    // A refused new machine leaves no folder.
     directory.bad(
         &[
             "tables",
@@ -259,12 +259,12 @@ fn an_import_from_a_file_that_states_a_chain_needs_that_chain() {
     let before = directory.read("copy/machine.toml");
     directory.reported(&["tables", "import", "--from", "isg", "head.csv", "-o", "copy"]);
     let after = directory.read("copy/machine.toml");
-    // The volumetric CSV states what the machine is: nothing but the decimals of the tables changes.
+    // The volumetric CSV describes the same machine: only the decimals of the tables change.
     assert_eq!(after, before);
     assert_ne!(directory.read("copy/x.csv"), fs::read_to_string(Path::new(head).join("x.csv")).unwrap());
 }
 
-/// Every command that writes, with every one of its inputs as its output, under three names.
+/// Every command that writes, with each of its inputs as its output, under three names.
 #[test]
 fn an_input_is_never_written() {
     let directory = Folder::new(TRUEAXIS);
@@ -297,7 +297,7 @@ fn an_input_is_never_written() {
         (&["identify", "balls.csv", "--axis", "C", "--machine", "m", "-o"], &["balls.csv", "m/x.csv"]),
     ];
     for (arguments, inputs) in cases {
-        // It does work, so that the refusal below is the output's.
+        // The command works, so the refusal below is due to the output.
         let out = if arguments[0] == "identify" { "out.csv" } else { "out" };
         directory.reported(&[arguments, &[out]].concat());
         fs::remove_file(directory.join(out)).unwrap();
@@ -316,7 +316,7 @@ fn an_input_is_never_written() {
             fs::remove_file(hard).unwrap();
         }
     }
-    // Folders and pages that would fall on an input.
+    // Folders and pages that would overwrite an input.
     directory.write("new/machine.toml", directory.read("m/machine.toml"));
     fs::copy(directory.join("x.comp"), directory.join("new/x.csv")).unwrap();
     directory.bad(
@@ -374,7 +374,7 @@ fn a_refused_command_leaves_nothing_behind() {
     directory.bad(&["tables", "compile", "m", "-o", "no/where.tcomp"], &["cannot write no/where.tcomp"]);
 }
 
-/// Names that would act on a terminal are written out in every message, as in a refusal.
+/// Names that would act on a terminal are escaped in every message, as in a refusal.
 #[cfg(unix)]
 #[test]
 fn names_do_not_act_on_a_terminal() {
@@ -393,12 +393,12 @@ fn names_do_not_act_on_a_terminal() {
     directory.write("m/machine.toml", MACHINE.replace("hall 2\"   #", "hall \u{2066}2\"   #"));
     let out = directory.good(&["tables", "check", "m"]);
     assert!(out.contains("hall \\u{2066}2") && !acts(&out), "{out:?}");
-    // What a program reads is as it is.
+    // Output for programs is unchanged.
     directory.write("m/machine.toml", MACHINE.replace("hall 2\"   #", "hall \u{202e}2\"   #"));
     assert!(directory.json(&["tables", "check", "m", "--json"]).to_string().contains("hall \u{202e}2"));
 }
 
-/// A link to a file that is not there yet is followed, one that leads nowhere refused.
+/// A link to a file that does not exist yet is followed; one that leads nowhere is refused.
 #[cfg(unix)]
 #[test]
 fn a_link_stays_one_wherever_it_leads() {
@@ -421,7 +421,7 @@ fn a_link_stays_one_wherever_it_leads() {
     assert_eq!(through.stdout, fs::read(directory.join("kept.tcomp")).unwrap());
 }
 
-/// A figure is written with the digits that were read, and nothing has no sign.
+/// A figure is written with the digits that were read, and zero has no sign.
 #[test]
 fn figures_have_the_digits_that_they_came_with() {
     let directory = Folder::new(TRUEAXIS);

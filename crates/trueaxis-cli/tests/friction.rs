@@ -1,4 +1,4 @@
-//! `trueaxis friction` as it is called. The record is made by an integration of its own.
+//! `trueaxis friction` as called. An independent integration makes the record.
 
 use serde_json::Value;
 use std::f64::consts::TAU;
@@ -12,7 +12,7 @@ const COULOMB: f64 = 0.5;
 const SHARE: f64 = 0.3;
 const PRESLIDING: f64 = 0.006;
 
-/// A machine whose drives the record is made with, and without anything else that concerns the servo.
+/// The machine whose drives make the record; it states nothing else about the servo.
 const MACHINE: &str = "name = \"m\"\nchain = \"w X' Y' b Z t\"\n[axis.X]\ntable = \"x.csv\"\ntravel_mm = [-100, 100]\n\
     [axis.Y]\ntravel_mm = [-100, 100]\n";
 const DRIVES: &str = "[axis.X.drive]\nposition_gain_per_s = 110\nvelocity_gain_per_s = 800\nreset_time_s = 0.006\n\
@@ -37,7 +37,7 @@ fn commands(feeds: &[f64]) -> [Vec<f64>; 2] {
     command
 }
 
-/// Readings of the drive above in whole steps of 10 nm; explicit steps of 20 µs, its command linear between samples.
+/// Readings of the drive above, rounded to 10 nm; explicit steps of 20 µs, with the command linear between samples.
 fn readings(command: &[f64]) -> Vec<f64> {
     let (h, steps) = (2e-5, (PERIOD_S / 2e-5).round() as usize);
     let [mut x, mut v, mut q, mut m, mut f] = [command[0], 0.0, 0.0, 0.0, 0.0];
@@ -68,7 +68,7 @@ fn text(feeds: &[f64]) -> String {
     text
 }
 
-/// A record that is good.
+/// A valid record.
 fn record() -> &'static str {
     static TEXT: OnceLock<String> = OnceLock::new();
     TEXT.get_or_init(|| text(&[25.0, -25.0, 10.0, -10.0]))
@@ -108,7 +108,7 @@ fn friction_is_found_and_what_is_written_is_a_machine_s() {
     }
     let page = folder.read("out/friction.html");
     assert!(page.contains("Spikes of axis Y") && page.contains("after, predicted"));
-    // Joined with the machine, the settings are ones that it takes.
+    // The machine accepts the settings when they are appended to it.
     let settings = folder.read("friction.toml");
     assert!(settings.contains("[axis.X.friction]") && !settings.contains(".drive]"), "{settings}");
     folder.write("joined.toml", format!("{MACHINE}{DRIVES}{settings}"));
@@ -130,7 +130,8 @@ fn the_drive_is_found_where_no_machine_states_it() {
             assert!(off < 4.0 * error || off < 0.05 * truth, "{key}: {axis}");
         }
     }
-    // Read when the command of the row takes effect; what is not known of that is in the uncertainty of the feed-forward.
+    // The encoder is read when the row's command takes effect; if that is unknown, the uncertainty of the feed-forward
+    // includes it.
     let timed = folder.json(&["friction", "record.csv", "--axes", "X,Y", "--json", "--read-after-us", "0"]);
     near(&timed["axes"][0]["drive"]["velocity_feed_forward"], 0.93, 0.003);
     let error = |found: &Value| found["axes"][0]["standard_errors"]["velocity_feed_forward"].as_f64().unwrap();
@@ -177,7 +178,7 @@ fn options_that_do_not_fit_are_refused() {
     folder.bad(&["friction", "record.csv", "--axes", "X,Y", "--dry-run"], &["--machine"]);
 }
 
-/// Decided and written as by every command: an axis' figures together, with how well they are known.
+/// Decided and written by the rule of all commands: an axis' figures together, with their uncertainties.
 #[test]
 fn friction_goes_into_a_machine_by_the_rule_of_all_commands() {
     let folder = folder(record());
@@ -211,11 +212,11 @@ fn friction_goes_into_a_machine_by_the_rule_of_all_commands() {
         assert!(text.contains(part), "{part} in {text}");
     }
     folder.good(&["tables", "check", "found"]);
-    // A record that is in the machine already counts once.
+    // A record that the machine already contains counts once.
     let [_, told] = folder.both(&["friction", "record.csv", "--axes", "X,Y", "--machine", "found", "-o", "found"]);
     assert!(told.contains("this record is in it already"), "{told}");
     assert_eq!(folder.read("found/machine.toml"), text);
-    // Spikes of which more is left than three times the noise that the machine states.
+    // More of the spikes remains than three times the noise that the machine states.
     folder.write("machine.toml", format!("{MACHINE}{DRIVES}{stated}[uncertainty]\neve_um = 0.0001\n"));
     let [_, told] = folder.both(&[&CALL[..], &["-o", "misfit"]].concat());
     assert!(told.contains("misfit: "), "{told}");

@@ -1,4 +1,4 @@
-//! `trueaxis helicoid` as it is called.
+//! `trueaxis helicoid` as called.
 
 use serde_json::Value;
 use std::fs;
@@ -27,7 +27,7 @@ fn rows(csv: &str) -> Vec<[f64; 7]> {
     lines.map(|line| numbers(line).try_into().unwrap()).collect()
 }
 
-/// Equal but for the last bit, which the JSON reader of this test may round.
+/// Equal except for the last bit, which this test's JSON reader may round.
 fn same(one: &[f64; 7], other: &[f64; 7]) {
     assert!(one.iter().zip(other).all(|(a, b)| (a - b).abs() <= 1e-12), "{one:?} for {other:?}");
 }
@@ -76,12 +76,12 @@ fn c_counts_on_over_full_turns() {
     for row in &found {
         assert!((row[6] + degrees(row[0] + row[1])).abs() < 1e-9, "{row:?}");
     }
-    // Also where it turns by more than half a turn between rows.
+    // Also if C turns by more than half a turn between rows.
     let found = rows(&text(&[&BASE, &["--u-rad", "0:0:1", "--theta-rad", "0:8:3"], &PIVOT]));
     let c: Vec<f64> = found.iter().map(|row| row[6]).collect();
     let truth = [0.0, -degrees(4.0), -degrees(8.0)];
     assert!(c.iter().zip(truth).all(|(c, truth)| (c - truth).abs() < 1e-9), "{c:?}");
-    // One value: START alone, whatever STOP says.
+    // With one value only START counts, whatever STOP is.
     let one = text(&[&BASE, &["--u-rad", "0.5:3:1", "--theta-rad", "-1:-1:1"], &PIVOT]);
     assert_eq!(rows(&one).iter().map(|row| [row[0], row[1]]).collect::<Vec<_>>(), [[0.5, -1.0]]);
 }
@@ -129,7 +129,7 @@ fn program(parts: &[&[&str]]) -> Vec<String> {
     text.lines().map(str::to_owned).collect()
 }
 
-/// X, Y, Z, A, C after a line.
+/// X, Y, Z, A, C after a line of the program.
 fn follow(at: [f64; 5], line: &str) -> [f64; 5] {
     let mut at = at;
     for word in line.split_whitespace().skip(1) {
@@ -167,7 +167,7 @@ fn the_program_goes_through_the_points_back_and_forth() {
     }
 }
 
-/// Before the first cut: the head turns only where no tool of that length can touch, and comes down onto the normal.
+/// Before the first cut the head turns only where no tool of that length can touch, and then descends onto the normal.
 #[test]
 fn the_program_turns_the_head_above_the_part_only() {
     for (form, rest) in [("vertical", [0.0, 1.0]), ("horizontal", [1.0, 0.0])] {
@@ -178,7 +178,7 @@ fn the_program_turns_the_head_above_the_part_only() {
             let mut before_cut = None;
             for line in lines.iter().filter(|line| line.starts_with("G0 ") || line.starts_with("G1 ")) {
                 let to = follow(at, line);
-                // The pivot is L above the tip along the spindle as it stands at A = 0.
+                // The pivot is L above the tip along the spindle's direction at A = 0.
                 let pivot_height = at[2] + 150.0 * rest[1];
                 let top = 36.0 / ((6f64.sqrt() - 2f64.sqrt()) / 4.0) * 0.1 + 20.0;
                 if line.starts_with("G0 ") && to[3..] != at[3..] {
@@ -199,13 +199,13 @@ fn the_program_turns_the_head_above_the_part_only() {
     }
 }
 
-/// Six decimals as a page writes them: groups of three with narrow spaces, a true minus sign.
+/// Six decimals as printed on a page: groups of three with narrow spaces, a true minus sign.
 fn as_on_a_page(value: f64) -> String {
     let text = format!("{value:.6}");
     if text.trim_start_matches(['-', '0', '.']).is_empty() { text.replace('-', "") } else { text.replace('-', "−") }
 }
 
-/// Rows of the table below a heading, cell by cell, without the spaces that group digits.
+/// Rows of the table below a heading, as cells, without the spaces that group digits.
 fn table(page: &str, heading: &str) -> Vec<Vec<String>> {
     let options = roxmltree::ParsingOptions { allow_dtd: true, ..Default::default() };
     let tree = roxmltree::Document::parse_with_options(page, options).unwrap();
@@ -256,7 +256,7 @@ fn the_page_is_whole_and_shows_the_same_values() {
     }
 }
 
-/// Every curve of the five figures goes through the points of its u: as many curves as values of u, none beyond five.
+/// Each of the five figures has as many curves as values of u, at most five; with a single θ, one curve over u.
 #[test]
 fn the_page_draws_five_displacements_for_several_u() {
     let directory = Folder::new(TRUEAXIS);

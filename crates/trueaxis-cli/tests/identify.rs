@@ -1,4 +1,4 @@
-//! `trueaxis identify` as it is called; readings from exact rotations of the ball, written apart from the rows.
+//! `trueaxis identify` as called; exact rotations of the ball give the readings, independently of the code's equations.
 
 use serde_json::Value;
 use std::fmt::Write;
@@ -19,7 +19,7 @@ fn turned(v: [f64; 3], axis: usize, angle: f64) -> [f64; 3] {
     out
 }
 
-/// Six errors at an angle, µm and µrad, with means.
+/// Six errors at an angle, µm and µrad, with non-zero means.
 fn truth(angle_deg: f64) -> [f64; 6] {
     std::array::from_fn(|i| {
         let k = i as f64;
@@ -27,7 +27,7 @@ fn truth(angle_deg: f64) -> [f64; 6] {
     })
 }
 
-/// Displacement of the ball: the small rotations about X, Y, Z one after the other, then the shift; µm.
+/// Displacement of the ball, µm: the small rotations about X, Y, Z in turn, then the shift.
 fn deviation(axis: usize, angle_deg: f64, (l, h): (f64, f64)) -> [f64; 3] {
     let ideal = turned([0.0, h, -l], axis, angle_deg.to_radians());
     let [x, y, z, a, b, c] = truth(angle_deg);
@@ -103,7 +103,7 @@ fn the_table_on_the_screen_has_the_figures() {
         assert!(text.contains(needed), "{needed}: {text}");
     }
     assert!(directory.join("page.html").is_file());
-    // A part of the circle is not closed.
+    // A partial circle is not closed.
     let table = directory.read("a.csv");
     assert_eq!(table.lines().count(), 11);
 }
@@ -125,7 +125,7 @@ fn free_offsets_do_not_reach_the_errors() {
             assert!((value - expected).abs() < 1e-3, "{key} {value} for {expected}");
         }
     }
-    // Offsets differ by 40 µm from set-up to set-up.
+    // Offsets differ by 40 µm between set-ups.
     let offset = |s: usize| found["set_ups"][s]["offset_um"][1].as_f64().unwrap();
     assert!((offset(1) - offset(0) - 40.0).abs() < 1e-2 && (offset(2) - offset(1) - 40.0).abs() < 1e-2);
 }
@@ -149,7 +149,7 @@ fn a_measured_closing_angle_is_taken_for_both_ends() {
     assert!((x - truth(0.0)[0] - 1.0).abs() < 1e-3, "{x}");
 }
 
-/// Bad readings are refused with a message that holds all of `needed`.
+/// Expects bad readings to be refused with a message that contains all of `needed`.
 fn refused(text: &str, arguments: &[&str], needed: &[&str]) {
     let directory = Folder::new(TRUEAXIS);
     directory.write("m.csv", text);
@@ -216,7 +216,7 @@ fn the_machine_must_have_the_axis() {
     refused(&text, &["--axis", "C", "--machine", "nowhere"], &["nowhere"]);
 }
 
-/// A head on X: the ball of the first set-up hangs 250 mm below the head, and RTCP keeps all of them there.
+/// A head on X: the ball of the first set-up hangs 250 mm below the head, and RTCP keeps every ball there.
 const HEAD: &str = "name = \"head\"\nchain = \"w b X Y Z C A t\"\n[axis.X]\ntable = \"x.csv\"\n";
 
 #[test]
@@ -247,21 +247,21 @@ fn the_linear_axes_own_errors_are_removed() {
         }
     }
     assert!(found["warnings"][0].as_str().unwrap().contains("own errors are removed"), "{found}");
-    // Without the machine, the errors of X go into those of C.
+    // Without the machine, the errors of X enter those of C.
     let raw = directory.json(&["identify", "m.csv", "--axis", "C", "--json"]);
     let apart = raw["angles"][4]["exc_um"].as_f64().unwrap() - found["angles"][4]["exc_um"].as_f64().unwrap();
     assert!(apart.abs() > 5.0, "{apart}");
-    // A start that takes X beyond its table is reported.
+    // A start that moves X beyond its table is reported.
     let far = ["identify", "m.csv", "--axis", "C", "--json", "--machine", "machine.toml", "--start-mm", "450,0,0"];
     let far = directory.json(&far);
     assert!(far["warnings"][1].as_str().unwrap().contains("edge value"), "{far}");
 }
 
-/// Decided and written as by every command: what the errors are more than table and location errors, all six together.
+/// Decided and written by the rule of all commands: the errors in excess of table and location errors, all six together.
 #[test]
 fn errors_of_an_axis_go_into_a_machine_by_the_rule_of_all_commands() {
     let directory = Folder::new(TRUEAXIS);
-    // Readings with a scatter of 0.2 µm that no two runs share.
+    // Readings with a scatter of 0.2 µm that differs between runs.
     let scattered = |size: f64, seed: usize| {
         let text = measured(2, &circle(15), &SET_UPS, |_| 0.0);
         let mut rows = text.lines().map(str::to_owned);
@@ -288,7 +288,7 @@ fn errors_of_an_axis_go_into_a_machine_by_the_rule_of_all_commands() {
     assert_eq!((written.len(), &written[0]["key"]), (6, &Value::from("axis.C.EXC_um")), "{said}");
     assert!(written.iter().all(|of| of["written"].is_object()) && said["angles"].is_array(), "{said}");
     directory.good(&[&call[..], &["-o", "head"]].concat());
-    // Table and location errors together are what was found.
+    // Table and location errors add up to the result.
     let table = directory.read("head/c.csv");
     let [first, last] = [1, table.lines().count() - 1].map(|line| table.lines().nth(line).unwrap());
     assert!(first.starts_with("-180,") && last.starts_with("180,"), "{table}");
@@ -307,7 +307,7 @@ fn errors_of_an_axis_go_into_a_machine_by_the_rule_of_all_commands() {
     assert!(text.contains("table = \"c.csv\" # ours") && text.contains("EX0C_um = 2\n"), "{text}");
     assert!(text.contains("[axis.C.uncertainty]") && text.contains("ECC_degrees_of_freedom = 72"), "{text}");
     directory.good(&["tables", "check", "head"]);
-    // The same record changes nothing; another one that agrees is averaged, all six by one share.
+    // The same record changes nothing; another one that agrees is averaged, with one weight for all six.
     let [_, told] = directory.both(&[&call[..], &["-o", "head"]].concat());
     assert!(told.contains("this record is in it already") && directory.read("head/c.csv") == table, "{told}");
     directory.write("m.csv", scattered(0.2, 2));
@@ -317,7 +317,7 @@ fn errors_of_an_axis_go_into_a_machine_by_the_rule_of_all_commands() {
         of["written"]["value"].as_f64().unwrap() / of["found"]["value"].as_f64().unwrap()
     });
     assert!(shares.clone().all(|share| (share - 0.5).abs() < 0.12), "{:?}", shares.collect::<Vec<_>>());
-    // Nothing is written of readings that six errors do not explain.
+    // Readings that six errors do not explain write nothing.
     directory.write("m.csv", scattered(40.0, 3));
     let before = directory.read("head/c.csv");
     let [_, told] = directory.both(&[&call[..], &["-o", "head"]].concat());
@@ -326,7 +326,7 @@ fn errors_of_an_axis_go_into_a_machine_by_the_rule_of_all_commands() {
     assert!(told.contains("forced, the rule writes nothing: misfit: "), "{told}");
     assert!(directory.read("forced/c.csv") != before && directory.read("head/c.csv") == before);
     directory.bad(&[&call[..], &["-o", "own.csv", "--force"]].concat(), &["--force: found no machine that is written"]);
-    // Without a machine, and for a .csv, the table to read.
+    // A .csv gets the table, to read, also with a machine.
     directory.good(&["identify", "m.csv", "--axis", "C", "--machine", "head", "-o", "own.csv"]);
     assert!(directory.read("own.csv").starts_with("C_deg,EXC_um"));
 }

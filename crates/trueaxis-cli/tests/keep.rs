@@ -1,4 +1,4 @@
-//! `trueaxis keep` as it is called. The machine, its drift and what its files correct are a few lines here.
+//! `trueaxis keep` as called. A few lines simulate the machine, its drift and the corrections of its files.
 
 use std::path::Path;
 use trueaxis_testing::command::{Folder, csv};
@@ -21,7 +21,7 @@ const SQUARE: &str = "[[term]]\nnames = [\"C0Y\"]\nlargest_update_urad = 60.0\nl
 
 const BACKLASH: &str = "[[term]]\nnames = [\"backlash X\"]\nlargest_update_um = 8.0\nlargest_total_um = 20.0\n";
 
-/// Errors of the machine beside those of its tables at the beginning: offsets, µm, C0Y, µrad, and lost motion of X, µm.
+/// Errors of the machine beyond those in its initial tables: offsets, µm, C0Y, µrad, and lost motion of X, µm.
 #[derive(Clone, Copy, Default)]
 struct Drift {
     offset_um: [f64; 3],
@@ -40,7 +40,7 @@ struct Bench<'f> {
     drift: Drift,
     /// Added to the ball's diameter, mm.
     larger: f64,
-    /// µm a touch.
+    /// µm per touch.
     creep_um: f64,
 }
 
@@ -63,7 +63,7 @@ impl Bench<'_> {
         let square = 1e-6 * (self.drift.c0y_urad - stated(&toml, "C0Y_urad"));
         let play = 1e-3 * (self.drift.backlash_um - stated(&toml, "backlash_um"));
         let own = |q: f64| 1e-3 * (3.0 - 3.0 * (q - 250.0).abs() / 250.0);
-        // The tables are read once for each place: they are straight lines there.
+        // Reads each table once per place: it is linear there.
         let ends = [0, 1, 2].map(|axis| [0.0, 1.0].map(|q| self.table(axis, [440.0, 340.0, -250.0][axis] + q)));
         trueaxis_testing::control::run(program, |touch| {
             let creep = 1e-3 * self.creep_um * touch.count;
@@ -113,7 +113,7 @@ fn keep<'a>(verb: &'a str, more: &[&'a str]) -> Vec<&'a str> {
     ["keep", verb].into_iter().chain(LOG).chain(more.iter().copied()).collect()
 }
 
-/// Begun without drift.
+/// A folder whose history has begun without drift.
 fn begun(task: &str) -> (Folder, String) {
     let (folder, program) = folder(task);
     probe(&folder, &program, Drift::default());
@@ -145,23 +145,23 @@ fn what_one_ball_tells_goes_round_by_round_into_the_tables_and_back() {
         "{applied}"
     );
     assert!(folder.read("out/keep.html").trim_end().ends_with("</html>") && folder.has("mill/mill.tcomp"));
-    // 6 µm more at every line that there was, and no line more.
+    // 6 µm more on every existing line, and no additional line.
     assert_eq!(folder.read("mill/x.csv").lines().count(), 4);
     let middle: f64 = folder.read("mill/x.csv").lines().nth(2).unwrap().split(',').nth(1).unwrap().parse().unwrap();
     assert!((middle - 9.0).abs() < 0.02, "{middle}");
     assert!(folder.read("mill/machine.toml").contains("# of my own hand"));
-    // The machine drifts on; the look finds what the tables leave, and adds it.
+    // The machine drifts further; re-probing finds what the tables leave, and adds it.
     probe(&folder, &program, Drift { offset_um: [6.0, 0.0, -14.0], ..Drift::default() });
     let second = folder.json(&keep("apply", &["--json"]));
     near(&term(&second, "offset Z")["value"], -5.0, 0.02);
     near(&term(&second, "offset Z")["to"], -14.0, 0.04);
     assert_eq!(term(&second, "offset X")["verdict"], "keep");
-    // Nothing moved: nothing is changed.
+    // Nothing moved, so nothing changes.
     probe(&folder, &program, Drift { offset_um: [6.0, 0.0, -14.05], ..Drift::default() });
     let tables = folder.read("mill/z.csv");
     let third = folder.json(&keep("apply", &["--json"]));
     assert!(third["applied"] == false && folder.read("mill/z.csv") == tables, "{third}");
-    // Back to before the second update, then to before the first.
+    // Undo to before the second update, then to before the first.
     let first = |name: &str| folder.read(Path::new("mill/keep/0003").join(name));
     let z = first("z.csv");
     folder.good(&["keep", "undo", "keep.toml"]);
@@ -170,7 +170,7 @@ fn what_one_ball_tells_goes_round_by_round_into_the_tables_and_back() {
     assert_eq!((folder.read("mill/machine.toml"), folder.read("mill/x.csv")), (MACHINE.into(), X_CSV.into()));
     assert!(!folder.has("mill/z.csv"));
     folder.bad(&["keep", "undo", "keep.toml"], &["no update since the beginning"]);
-    // An undo is taken back as anything else: as before entry 5, the first undo.
+    // An undo can be undone like any other entry: back to before entry 5, the first undo.
     folder.good(&["keep", "undo", "keep.toml", "5"]);
     assert_eq!(folder.read("mill/z.csv"), tables);
     let history = folder.json(&["keep", "history", "keep.toml", "--json"]);
@@ -207,12 +207,12 @@ fn two_balls_tell_a_squareness() {
     near(&squareness["written"]["value"], 40.0, 0.2);
     let toml = folder.read("mill/machine.toml");
     assert!((stated(&toml, "C0Y_urad") - 40.0).abs() < 0.2 && toml.contains("[uncertainty.location]"), "{toml}");
-    // 40 µrad are taken: what the tables leave is nothing.
+    // The tables now correct 40 µrad and leave nothing.
     probe(&folder, &program, Drift { offset_um: [0.0, 5.0, 0.0], c0y_urad: 40.0, ..Drift::default() });
     assert_eq!(folder.json(&keep("check", &["--json"]))["updates"], 0);
 }
 
-/// Lost motion that grows, and is taken up by a new nut: found beside an offset, entered, and never below none.
+/// Lost motion that grows, and that a new nut then removes: found together with an offset, recorded, and never negative.
 #[test]
 fn a_ball_touched_askew_tells_a_backlash() {
     let (folder, program) = begun(&format!("{HEAD}{PROBE}{BALL}{OFFSETS}{BACKLASH}"));
@@ -229,7 +229,7 @@ fn a_ball_touched_askew_tells_a_backlash() {
     );
     probe(&folder, &program, worn);
     assert_eq!(folder.json(&keep("check", &["--json"]))["updates"], 0);
-    // A new nut: less than nothing is left of what the tables take.
+    // With a new nut the tables correct too much: the rest is negative.
     let renewed = Drift { backlash_um: 0.0, ..worn };
     probe(&folder, &program, renewed);
     let found = folder.json(&keep("apply", &["--json"]));
@@ -238,7 +238,7 @@ fn a_ball_touched_askew_tells_a_backlash() {
     assert!((0.0..0.05).contains(&stated(&toml(), "backlash_um")), "{}", toml());
     probe(&folder, &program, renewed);
     assert_eq!(folder.json(&keep("check", &["--json"]))["updates"], 0);
-    // 9 µm at once are a crash, not wear.
+    // 9 µm at once indicate a crash, not wear.
     probe(&folder, &program, Drift { backlash_um: 9.0, ..worn });
     let output = folder.run(&keep("apply", &[]));
     let error = String::from_utf8(output.stderr).unwrap();
@@ -261,7 +261,7 @@ fn out_of_bounds_needs_a_person() {
     }
     folder.bad(&keep("apply", &["--accept", "offset W"]), &["--accept", "\"offset W\"", "offset X, offset Y"]);
     folder.good(&keep("apply", &["--accept", "offset Z"]));
-    // 22 and 12 µm are 34, of which 30 are taken in all.
+    // 22 and 12 µm add up to 34, of which 30 are permitted in total.
     far(34.0);
     let output = folder.run(&keep("apply", &[]));
     assert_eq!(output.status.code(), Some(3));
@@ -293,7 +293,7 @@ fn bad_looks_are_refused_with_their_line() {
     let bench = |larger: f64, creep_um: f64| Bench { folder: &folder, drift, larger, creep_um }.run(&program);
     refused(&bench(0.4, 0.0), &["look.log:", "ball at place 1 measured 25.3", "25 mm within 150 µm"]);
     refused(&bench(0.0, 2.0), &["look.log:", "a drift of", "less than what is measured"]);
-    // The same log twice would be added twice, and one of before is not of these tables.
+    // Applying a log twice would add it twice, and an earlier log does not belong to these tables.
     folder.write("look.log", &log);
     folder.good(&keep("apply", &["--time", "2026-05-04T08:00:00Z", "--parts", "10"]));
     refused(&log, &["history.jsonl", "the log of entry 2 for the second time"]);
@@ -315,7 +315,7 @@ fn a_machine_changed_by_hand_is_seen() {
     assert_eq!(folder.read("mill/x.csv"), X_CSV.replace(",3", ",4"));
 }
 
-/// The history would name a file that no undo may write.
+/// The history would name a file that an undo may not write.
 #[test]
 fn a_table_of_another_folder_is_refused_before_anything_is_probed() {
     let (folder, _) = folder(&one_ball());
@@ -331,7 +331,7 @@ fn a_command_that_was_ended_between_history_and_tables_is_told_and_entered() {
     let (folder, program) = begun(&one_ball());
     probe(&folder, &program, Drift { offset_um: [6.0, 0.0, -9.0], ..Drift::default() });
     folder.good(&keep("apply", &[]));
-    // The history is written first: this is what an end right after it leaves.
+    // The history is written first: this is the state after an interruption right behind it.
     folder.write("mill/machine.toml", MACHINE);
     folder.write("mill/x.csv", X_CSV);
     std::fs::remove_file(folder.join("mill/z.csv")).unwrap();
@@ -342,7 +342,7 @@ fn a_command_that_was_ended_between_history_and_tables_is_told_and_entered() {
     assert_eq!((folder.read("mill/machine.toml"), folder.read("mill/x.csv")), (MACHINE.into(), X_CSV.into()));
     let again = folder.json(&keep("apply", &["--json"]));
     near(&term(&again, "offset Z")["to"], -9.1, 0.02);
-    // An end between the tables: some are new, and machine.toml, which names them, is not.
+    // An interruption between the tables: some are new, but machine.toml, which names them, is not.
     folder.write("mill/machine.toml", MACHINE);
     folder.bad(&keep("check", &[]), &["somebody has changed", "entry 4"]);
     folder.good(&["keep", "undo", "keep.toml", "4", "--by-hand"]);
@@ -392,7 +392,7 @@ fn a_damaged_history_is_refused() {
     damaged(history.replace("\"parts\":0", "\"parts\":1"), &["history.jsonl:1:", "check sum"]);
     damaged(history.lines().nth(1).unwrap().to_owned() + "\n", &["history.jsonl:1:", "check sum"]);
     damaged("{}\n".into(), &["history.jsonl:1:"]);
-    // A file elsewhere, in a line whose sum is right.
+    // A file elsewhere, in a line whose check sum is right.
     let (first, second) = history.split_once('\n').unwrap();
     let check = first.rsplit_once(",\"check\":\"").unwrap().1.strip_suffix("\"}").unwrap();
     let body = second.rsplit_once(",\"check\":\"").unwrap().0.replace("\"x.csv\"", "\"../x.csv\"");
@@ -402,7 +402,7 @@ fn a_damaged_history_is_refused() {
         &["history.jsonl:2:", "\"../x.csv\"", "files of the machine's folder"],
     );
     folder.write("mill/keep/history.jsonl", &history);
-    // The kept copy has been changed.
+    // The saved copy has been changed.
     folder.write("mill/keep/0002/x.csv", "X_mm,EXX_um\n0,0\n500,1\n");
     folder.bad(&["keep", "undo", "keep.toml"], &["keep/0002/x.csv", "as entry 2 kept it"]);
     std::fs::remove_file(folder.join("mill/keep/0002/x.csv")).unwrap();
@@ -439,7 +439,7 @@ fn bounds_are_needed_and_bound_something() {
     refused(with("every_parts = 10\n", ""), &["every_parts", "found nothing"]);
     refused(with("mill.tcomp", "../mill.tcomp"), &["tcomp", "in the machine's folder"]);
     refused(with("kind = \"ball\"", "kind = \"ring\""), &["no ball that stays"]);
-    // One ball tells a squareness from an offset by its own roundness alone.
+    // With one ball, only its roundness distinguishes squareness from an offset.
     refused(format!("{}{SQUARE}", one_ball()), &["for offset X", "the balls and this probe can tell", "fewer terms"]);
 }
 

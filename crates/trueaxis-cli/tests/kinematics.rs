@@ -1,4 +1,4 @@
-//! `trueaxis kinematics` as it is called.
+//! `trueaxis kinematics` as called.
 
 use trueaxis_testing::command::Folder;
 
@@ -19,7 +19,7 @@ travel_deg = [-120.0, 30.0]
 [axis.C]
 ";
 
-/// Its A begins 0.05 degrees beyond the vertical.
+/// A machine whose A begins 0.05 degrees beyond the vertical.
 const BEGINNING: &str = "\
 name = \"beginning\"
 chain = \"w C' A' Y' b X Z t\"
@@ -53,7 +53,7 @@ fn near(found: &[f64], truth: &[f64]) {
 
 #[test]
 fn forward_says_where_the_tool_is() {
-    // The workpiece sees the spindle lean towards its +y at A −90; C turns that towards −x.
+    // Seen from the workpiece, the spindle leans towards its +y at A −90; C turns that towards −x.
     let directory = folder(TRUNNION, "# poses\nz_mm,a_deg,c_deg,x_mm\n10,0,0,1\n10,-90,0,1\n10,-90,90,0\n");
     let (header, rows) = directory.csv(&with("forward", &["in.csv"]));
     let expected = "z_mm,a_deg,c_deg,x_mm,tip_x_mm,tip_y_mm,tip_z_mm,tool_i,tool_j,tool_k,singularity_margin_deg";
@@ -61,7 +61,7 @@ fn forward_says_where_the_tool_is() {
     near(&rows[0][4..], &[1.0, 0.0, 10.0, 0.0, 0.0, 1.0, 0.0]);
     near(&rows[1][4..], &[1.0, 10.0, 0.0, 0.0, 1.0, 0.0, 90.0]);
     near(&rows[2][4..], &[-10.0, 0.0, 0.0, -1.0, 0.0, 0.0, 90.0]);
-    // A tool of 50 mm reaches 50 mm less far along its axis.
+    // A tool of 50 mm reaches 50 mm less far along the tool axis.
     let (_, rows) = directory.csv(&with("forward", &["in.csv", "--tool-length-mm", "50"]));
     near(&rows[1][4..7], &[1.0, -40.0, 0.0]);
     let (_, rows) = directory.csv(&with("forward", &["in.csv", "--tool-mm", "-1,0,-50"]));
@@ -90,7 +90,7 @@ fn the_inverse_takes_the_forwards_output_back() {
         near(&row[12..13], &pose[11..]);
         assert_eq!(row[13], 0.0);
     }
-    // C goes on beyond a turn, also from a start many turns away.
+    // C continues beyond a full turn, also from a start many turns away.
     let (_, rows) = directory.csv(&with("inverse", &["t.csv", tool[0], tool[1], "--start", "-1,-3600"]));
     near(&rows[99][9..11], &[-100.0, 11.7 * 99.0 - 3600.0]);
     let document = directory.json(&with("inverse", &["t.csv", "--json"]));
@@ -114,8 +114,9 @@ fn both_branches_and_the_one_asked_for() {
     assert_eq!(directory.csv(&with("inverse", &["t.csv"])).1[0], rows[0]);
 }
 
-/// Vectors as a post writes them, through the vertical: C stays but for what the noise asks of it outside the cone, the tip
-/// is exact, the direction is off by what is told. In closed form: tip = Rz(C) Rx(A) (x, y, z), direction = Rz(C) Rx(A) (0, 0, 1).
+/// Vectors through the vertical, rounded as a post writes them: C moves only as the noise requires outside the cone, the tip
+/// is exact, and the direction is off by the reported amount. In closed form: tip = Rz(C) Rx(A) (x, y, z), direction =
+/// Rz(C) Rx(A) (0, 0, 1).
 #[test]
 fn vectors_through_the_vertical_leave_the_table_where_it_is() {
     let mut text = String::from("tip_x_mm,tip_y_mm,tip_z_mm,tool_i,tool_j,tool_k\n");
@@ -141,7 +142,7 @@ fn vectors_through_the_vertical_leave_the_table_where_it_is() {
             let [x, y, z] = turned(0.0, 0.0, 1.0);
             let left = (j * z - k * y).hypot(k * x - i * z).hypot(i * y - j * x).asin().to_degrees();
             assert!((left - row[13]).abs() < 1e-9 && left < 2e-4, "{more:?} {row:?}");
-            // 1.4e-6 over the sine of half the cone.
+            // 1.4e-6 divided by the sine of half the cone.
             let half = if more.contains(&"0.01") { 0.005 } else { 0.05_f64 };
             assert!((row[10] - 90.0).abs() < (1.5e-6 / half.to_radians().sin()).to_degrees(), "{more:?} {row:?}");
             off = off.max(left);
@@ -154,7 +155,7 @@ fn vectors_through_the_vertical_leave_the_table_where_it_is() {
     assert!(rows.iter().any(|row| (row[10] - 90.0).abs() > 20.0) && rows.iter().all(|row| row[13] == 0.0));
 }
 
-/// Machine, way, input, more arguments, what the error names.
+/// Machine, direction, input, more arguments, what the error names.
 type Case<'a> = (&'a str, &'a str, &'a str, &'a [&'a str], &'a [&'a str]);
 
 #[test]

@@ -1,4 +1,4 @@
-//! `trueaxis learn` as it is called: parts made by a linear plant written here, and every refusal.
+//! `trueaxis learn` as called: parts made by a simulated linear plant, and every refusal.
 
 use std::fmt::Write;
 use trueaxis::learned::Learned;
@@ -16,7 +16,7 @@ fn disturbance(s: f64) -> [f64; 3] {
     [spike, 0.4 * (std::f64::consts::TAU * s / 5.0).sin(), -spike]
 }
 
-/// A part made with a correction that the plant passes on with a gain.
+/// A part made with a correction that the plant applies with a gain.
 fn record(table: Option<&[u8]>, gain: f64) -> String {
     let learned = table.map(|table| Learned::<f64>::parse(table).unwrap());
     let mut text = format!("{HEAD}{COLUMNS}");
@@ -50,7 +50,7 @@ fn what_is_left_falls_from_part_to_part_and_the_tables_count_them() {
             assert_eq!((&found["parts"], &found["program_id"]), (&part.into(), &"1a2b3c4d".into()));
             left.push(found["before"]["rms_um"].as_f64().unwrap());
             if gain == 1.0 && part > 1 {
-                // What was predicted of a plant of gain 1 is what comes.
+                // For a plant of gain 1 the prediction comes true.
                 let before = directory.json(&["learn", "1.csv", "--json", "-o", "again.tlearn"]);
                 let predicted = before["predicted"]["rms_um"].as_f64().unwrap();
                 assert!(part > 2 || (predicted - left[1]).abs() < 1e-3 * left[0], "{predicted} {left:?}");
@@ -58,7 +58,7 @@ fn what_is_left_falls_from_part_to_part_and_the_tables_count_them() {
             let table = std::fs::read(directory.join(&new)).unwrap();
             directory.write(&next, record(Some(&table), gain));
         }
-        // By the law 1 − L P (f + 1 − L P), 0.345 at the gain of 0.6; Q holds back a little of the spike.
+        // By the law 1 − L P (f + 1 − L P), 0.345 at a gain of 0.6; Q withholds a little of the spike.
         assert!(left.windows(2).all(|pair| pair[1] < pair[0]) && left[2] < 0.36 * left[0], "{gain}: {left:?}");
     }
 }
@@ -76,12 +76,12 @@ fn the_table_on_the_screen_and_the_page_have_the_figures() {
     let page = directory.read("out/learn.html");
     let tree = roxmltree::Document::parse(page.strip_prefix("<!DOCTYPE html>\n").unwrap()).unwrap();
     assert_eq!(tree.descendants().filter(|node| node.has_tag_name("figure")).count(), 2);
-    // The same file learned with another cut-off has other nodes, and still belongs.
+    // A table with another cut-off has different nodes, but still belongs.
     let other = ["learn", "r.csv", "--table", "t.tlearn", "--cutoff-mm", "1", "--json", "-o", "u.tlearn"];
     assert_eq!(directory.json(&other)["parts"], 2);
 }
 
-/// Rows that were not measured teach nothing and may be far apart.
+/// Unmeasured rows teach nothing and may be far apart.
 #[test]
 fn stretches_without_a_measurement_are_left_alone() {
     let directory = Folder::new(TRUEAXIS);
@@ -102,7 +102,7 @@ fn stretches_without_a_measurement_are_left_alone() {
     assert!(learned.at(7.0)[0].abs() < 1e-9 && (learned.at(2.0)[0] + 0.7e-3).abs() < 1e-6);
 }
 
-/// A bad record is refused with a message that holds all of `needed`; nothing is written.
+/// Expects a bad record to be refused with a message that contains all of `needed`, and nothing to be written.
 fn refused(text: &str, arguments: &[&str], needed: &[&str]) {
     let directory = Folder::new(TRUEAXIS);
     directory.write("r.csv", text);

@@ -1,4 +1,4 @@
-//! Commands that change one machine, at once.
+//! Concurrent commands that change one machine.
 
 use std::fs::File;
 use std::process::Stdio;
@@ -8,7 +8,7 @@ const TRUEAXIS: &str = env!("CARGO_BIN_EXE_trueaxis");
 
 const REFUSED: &str = "found another command that changes this machine, needed its end: try again";
 
-/// A machine without tables, and one of the control's.
+/// A machine without tables, and one table of the control.
 fn bare() -> Folder {
     let folder = Folder::new(TRUEAXIS);
     let axes = ["X", "Y", "Z"].map(|axis| format!("[axis.{axis}]\ntravel_mm = [0, 20]\nbacklash_um = 1\n")).concat();
@@ -21,7 +21,7 @@ fn import<'a>(axis: &'a str, output: &'a str) -> Vec<&'a str> {
     ["tables", "import", "--from", "linuxcnc-0", "--unit", "mm", "new.comp", "--axis", axis, "-o", output].to_vec()
 }
 
-/// Each of them takes the lock before it reads anything.
+/// Each command takes the lock before it reads anything.
 #[test]
 fn what_changes_a_machine_is_refused_while_another_command_does() {
     let folder = bare();
@@ -43,14 +43,14 @@ fn what_changes_a_machine_is_refused_while_another_command_does() {
     folder.bad(&["tables", "collapse", "m", "-o", "."], &[".: ", REFUSED]);
     drop(other);
     assert_eq!(folder.tree(), before);
-    // Reading is for everybody, and what does not change this machine too.
+    // Reading is always permitted, and so are commands that do not change this machine.
     folder.good(&["tables", "check", "m"]);
     folder.reported(&import("X", "n"));
     drop(first);
     folder.reported(&import("X", "m"));
 }
 
-/// Whichever of them come first: what was said to be done is in the machine, one that is new among them.
+/// In any order: the machine contains every import that reported success, including into a new machine.
 #[test]
 fn imports_at_once_lose_no_axis() {
     for round in 0..20 {
@@ -69,7 +69,7 @@ fn imports_at_once_lose_no_axis() {
                 assert!(machine.contains(&format!("table = \"{}.csv\"", axis.to_lowercase())), "{axis}: {machine}");
                 written += 1;
             } else {
-                // One that comes after the first axis of a new machine finds no other in its chain.
+                // A later import into a new machine does not find its axis in the chain that the first one wrote.
                 assert!(said.contains(REFUSED) || said.contains("in the chain"), "{axis}: {said}");
             }
         }

@@ -1,10 +1,10 @@
-//! Absurd numbers at the command line: every command that reads them refuses them; what passes, the controller runs.
+//! Absurd numbers on the command line: every command that reads them refuses them; the controller runs whatever passes.
 
 use trueaxis_testing::command::Folder;
 
 const TRUEAXIS: &str = env!("CARGO_BIN_EXE_trueaxis");
 
-/// A refusal whose message is short.
+/// Expects a refusal with a short message.
 fn bad(directory: &Folder, arguments: &[&str], parts: &[&str]) {
     let error = directory.bad(arguments, parts);
     assert!(error.len() < 400, "{arguments:?}: {error}");

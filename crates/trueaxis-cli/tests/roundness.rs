@@ -1,4 +1,4 @@
-//! `roundness` and `probe-angles` as they are called, against readings made from first principles.
+//! `roundness` and `probe-angles` as called, against readings computed from first principles.
 
 use serde_json::Value;
 use std::f64::consts::TAU;
@@ -24,7 +24,7 @@ fn close(a: &Value, b: f64, tolerance: f64) {
     assert!((a - b).abs() <= tolerance, "{a} {b}");
 }
 
-/// Probes that stand still at angles in degrees; profile over θ, motion `[x, y]` over revolution and θ.
+/// Stationary probes at angles in degrees; profile over θ, motion `[x, y]` over revolution and θ.
 fn write_probes(
     directory: &Folder,
     points: usize,
@@ -84,7 +84,7 @@ fn agrees_with_the_reference_script() {
     }
     let harmonics = json["harmonics"].as_array().unwrap();
     assert_eq!(harmonics.len(), 11);
-    // The amplitudes that the script gives its profile.
+    // The amplitudes of the script's profile.
     for (harmonic, truth) in harmonics.iter().zip([3.0, 1.75, 0.5, 2.25, 0.0, 1.0, 0.25, 0.75, 0.6, 0.3, 0.9]) {
         close(&harmonic["amplitude_um"], truth, 1e-9);
     }
@@ -118,7 +118,7 @@ fn zones_of_four_lobes_and_what_the_filter_leaves() {
     close(&spindle["x"]["total_um"], 0.5, 1e-9);
     close(&spindle["y"]["once_per_revolution_um"], 50.0, 1e-9);
     close(&spindle["y"]["once_per_revolution_phase_deg"], 0.0, 1e-9);
-    // The table of harmonics is before the filter.
+    // The harmonics are listed before filtering.
     close(&json["harmonics"][90]["amplitude_um"], 0.5, 1e-9);
 
     // Without the filter both waves have crests and troughs there.
@@ -259,7 +259,7 @@ fn the_best_pairs_are_found_and_a_given_one_is_compared() {
         assert_eq!(at_worst["noise_gain"], pair["worst_noise_gain"]);
         assert_eq!(pair.get("p"), None);
     }
-    // The band leaves out what the pair cannot see; it is named all the same.
+    // The band excludes the harmonics that the pair cannot see; they are still named.
     let narrow = ["probe-angles", "--n=64", "--harmonics=2..6", "--p=16", "--q=24", "--json"];
     let pair = &directory.json(&narrow)["pair"];
     assert_eq!(pair["singular"], serde_json::json!([7, 9, 15, 17, 23, 25, 31]));
@@ -270,7 +270,7 @@ fn the_best_pairs_are_found_and_a_given_one_is_compared() {
     );
 }
 
-/// The page is well-formed XML; texts of it, and its figures with every coordinate a number.
+/// Checks that the page is well-formed XML with numbers as coordinates; returns its text and the number of figures.
 fn read_page(page: &str) -> (String, usize) {
     let options = roxmltree::ParsingOptions { allow_dtd: true, ..Default::default() };
     let parsed = roxmltree::Document::parse_with_options(page, options).unwrap();
@@ -286,7 +286,7 @@ fn read_page(page: &str) -> (String, usize) {
                 assert!((-40.0..=size[3] + 40.0).contains(&number(y)), "{point} in {size:?}");
             }
             if shape.tag_name().name() == "text" && shape.attribute("transform").is_none() {
-                // No character of the fonts named in the style is wider than this share of its height, on the average.
+                // On average, no character of the fonts in the style is wider than this share of its height.
                 let height = number(shape.attribute("font-size").unwrap());
                 let width = 0.6 * height * shape.text().unwrap_or_default().trim().chars().count() as f64;
                 let x = number(shape.attribute("x").unwrap());
@@ -333,14 +333,14 @@ fn the_report_shows_circles_harmonics_and_orbits() {
     );
     assert!(text.contains("pin & \"x\".csv") && !page.contains("http-equiv") && !page.contains("<script"));
 
-    // Nothing but zeros, one revolution: still a page.
+    // Only zeros and one revolution still give a page.
     directory.write("zero.csv", ["h1_um,h2_um,h3_um\n", &"0,0,0\n".repeat(64)].concat());
     let zero = ["roundness", "zero.csv", "--n=64", "--p=11", "--q=13", "--json", "--report=zero"];
     close(&directory.json(&zero)["mzc_um"], 0.0, 0.0);
     let (text, _) = read_page(&directory.read("zero/roundness.html"));
     assert!(text.contains("no development"));
 
-    // A limit far above all gains would flatten them: it is reported, not drawn, and in no legend.
+    // A limit far above all gains would flatten them: it is reported, but neither drawn nor in a legend.
     let far =
         ["roundness", "zero.csv", "--n=64", "--p=11", "--q=13", "--noise-gain-limit=1e6", "--report=far", "-o=f.csv"];
     directory.good(&far);
@@ -365,7 +365,7 @@ fn the_report_of_points_shows_them_with_their_circles() {
     close(&json["mzc"]["zone_um"], 6.0, 1e-6);
     let page = directory.read("out/circle.html");
     let (text, _) = read_page(&page);
-    // 3 µm to either side: 21 mm on the page hold 5 mm/µm.
+    // 3 µm on either side: 21 mm on the page allow 5 mm/µm.
     for part in ["LSC, zone 6.00", "MZC", "MCC", "MIC", "Magnification 5000 : 1", "division is 2 µm", "points.csv"] {
         assert!(text.contains(part), "{part}: {text}");
     }
@@ -378,8 +378,8 @@ fn the_report_of_points_shows_them_with_their_circles() {
     assert!(text.contains(&format!("none: {}", json["refused"]["mic"].as_str().unwrap())), "{text}");
 }
 
-/// 20 µm of eccentricity, motion with and without the revolution, 10 nm of noise; a probe with a factor. The profile is the
-/// sum of four waves, 3.4 µm peak to valley.
+/// 20 µm of eccentricity, motion in and out of step with the revolution, 10 nm of noise; each probe with a factor. The profile
+/// is the sum of four waves, 3.4 µm peak to valley.
 fn warned(directory: &Folder, revolutions: usize, factors: [f64; 3], eccentricity: f64) -> Vec<String> {
     let mut noise = trueaxis_testing::noise::Noise::new(11);
     let mut text = String::from("h1_um,h2_um,h3_um\n");
@@ -402,13 +402,13 @@ fn warned(directory: &Folder, revolutions: usize, factors: [f64; 3], eccentricit
     let json = directory.json(&[&arguments[..], &["--json", "-o", "out.csv"]].concat());
     let warnings: Vec<String> =
         json["warnings"].as_array().unwrap().iter().map(|text| text.as_str().unwrap().to_owned()).collect();
-    // And without --json.
+    // The same warnings appear without --json.
     let [_, told] = directory.both(&[&arguments[..], &["-o", "out.csv"]].concat());
     assert!(warnings.iter().all(|warning| told.contains(&format!("warning: {warning}"))), "{told}");
     warnings
 }
 
-/// What the three probes have to cancel is left by one that counts the other way, or is 2 % off.
+/// A probe of reversed polarity, or 3 % off, leaves part of what the three have to cancel.
 #[test]
 fn probes_that_contradict_one_another_are_told() {
     let directory = Folder::new(TRUEAXIS);
@@ -425,7 +425,7 @@ fn probes_that_contradict_one_another_are_told() {
             assert!(off.len() == 1 && off[0].contains("the sensitivity or the angle of a probe"), "{off:?}");
         }
     }
-    // A part without eccentricity: the revolutions tell.
+    // Without eccentricity, the differences between revolutions reveal it.
     let centred = warned(&directory, 4, [1.0, -1.0, 1.0], 0.0);
     assert!(centred.last().unwrap().contains("differs from revolution to revolution by"), "{centred:?}");
 }

@@ -86,7 +86,7 @@ fn what_was_lost_is_told_and_the_rest_written() {
     let mut bytes = stream([frame(u32::MAX, 3, false), frame(0, 3, false), frame(4, 3, false)]);
     bytes.splice(0..0, *b"garbage\0");
     folder.write("t.bin", bytes);
-    // A controller that was started anew: no gap.
+    // A controller restart is not a gap.
     folder.write("u.bin", stream([frame(9, 3, false), frame(0, 3, false)]));
     let [_, told] = folder.both(&["telemetry", "t.bin", "u.bin", "-o", "t.csv"]);
     assert!(told.contains("t.bin: 1 damaged frame") && told.contains("t.bin: 3 records missing in 1 gap"), "{told}");

@@ -1,4 +1,4 @@
-//! `trueaxis thermal` as it is called: a machine that grows as its one sensor says, found, compiled, and every refusal.
+//! `trueaxis thermal` as called: a machine whose growth follows its one sensor, found and compiled, and every refusal.
 
 use std::fmt::Write;
 use trueaxis::temperature::{Readings, Thermal, ThermalState};
@@ -6,8 +6,8 @@ use trueaxis_testing::command::Folder;
 
 const TRUEAXIS: &str = env!("CARGO_BIN_EXE_trueaxis");
 
-/// Four cycles of 4 h, a row every 5 min at two positions of X. X grows by 12 µm/(m K) from 0 on, Z by 3 µm/K, both at once;
-/// the second sensor is a clock.
+/// Four cycles of 4 h, a row every 5 min at two positions of X. X grows by 12 µm/(m K) from 0 on, Z by 3 µm/K, both without
+/// lag; the second sensor is a clock.
 fn record() -> String {
     let mut text = String::from("t_s,cycle,x_mm,ex_um,ez_um,T1_c,T2_c\n");
     for row in 0..192_u32 {
@@ -69,7 +69,7 @@ fn bad_records_are_told_with_line_and_figure_and_nothing_is_written() {
     let folder = Folder::new(TRUEAXIS);
     let good = record();
     let line = |number: usize| good.lines().nth(number - 1).unwrap();
-    // T1 of line 200 and on.
+    // Changes T1 from line 200 on.
     let change = |from: usize, to: &dyn Fn(&str) -> String| {
         let lines = good.lines().enumerate();
         lines.fold(String::new(), |text, (k, line)| {
@@ -126,7 +126,7 @@ fn missing_rows_are_told_with_their_line_and_doubled_ones_are_refused() {
     let fit = |file: &str| folder.json(&["thermal", "fit", file, "--json"])["missing"].clone();
     folder.write("good.csv", &good);
     assert_eq!(fit("good.csv"), serde_json::json!([]));
-    // Both positions twice in cycle 1, and one position of one time in cycle 2; line 202 is row 100 at X 0.
+    // Both positions missing twice in cycle 1, and one position once in cycle 2; line 202 is row 100 at X 0.
     folder.write("gaps.csv", without(&[122, 123, 124, 125, 203]));
     let [first, second] = [(122, 1, 4, 900.0), (198, 2, 1, 600.0)].map(|(line, cycle, rows, found_s)| {
         serde_json::json!({ "line": line, "cycle": cycle, "rows": rows, "found_s": found_s, "interval_s": 300.0 })
@@ -135,7 +135,7 @@ fn missing_rows_are_told_with_their_line_and_doubled_ones_are_refused() {
     let table = folder.good(&["thermal", "fit", "gaps.csv", "--report", "out"]);
     assert!(table.contains("line 122: 4 rows of cycle 1 are missing, 900 s where rows are 300 s apart\n"), "{table}");
     assert!(folder.read("out/thermal.html").contains("Missing rows"));
-    // The beginning of a cycle has no plan, and a record that is uneven has none either.
+    // The beginning of a cycle has no expected time, and an uneven record has no expected interval.
     folder.write("late.csv", without(&[98, 99]));
     assert_eq!(fit("late.csv"), serde_json::json!([]));
     let uneven: Vec<usize> = (2..386_usize).filter(|line| (line / 2).is_multiple_of(4)).collect();
@@ -146,7 +146,8 @@ fn missing_rows_are_told_with_their_line_and_doubled_ones_are_refused() {
     folder.bad(&["thermal", "fit", "doubled.csv"], &["doubled.csv:61: column t_s: ", "(first in line 60)"]);
 }
 
-/// A hot end at 160 to 270 °C that warms by up to 1.5 K a minute: what it read is plausible to the task, and as fast as it is stated.
+/// A hot end at 160 to 270 °C that warms by up to 1.5 K a minute: the task accepts its readings as plausible, at the stated
+/// rate.
 #[test]
 fn a_hot_end_is_a_sensor() {
     let folder = Folder::new(TRUEAXIS);
@@ -165,7 +166,7 @@ fn a_hot_end_is_a_sensor() {
     let text = folder.read("thermal.toml");
     let most = text.split_once("plausible_c = [-30, ").unwrap().1.split_once(']').unwrap().0.parse::<f64>().unwrap();
     assert!((268.0..=300.0).contains(&most) && text.contains("rate_k_per_min = 8\n"), "{text}");
-    // Every 15 min, between which it moves by up to 12 K.
+    // Rows every 15 min, in which it changes by up to 12 K.
     let hot = folder.read("hot.csv");
     let coarse = hot.lines().enumerate().filter(|(k, _)| *k == 0 || (k - 1) / 2 % 3 == 0);
     folder.write("hot.csv", coarse.fold(String::new(), |text, (_, line)| text + line + "\n"));

@@ -1,4 +1,4 @@
-//! `trueaxis uncertainty` as it is called, and bands and verdicts of `trueaxis tables accuracy`.
+//! `trueaxis uncertainty` as called, and bands and verdicts of `trueaxis tables accuracy`.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -48,13 +48,13 @@ fn analytic_cases() {
     near(spread(&squareness, "worst", "jacobian"), [1.0 * k, 0.0, 0.0, 1.0 * k], 1e-6);
     assert_eq!(squareness["contributions"][0]["term"], "C0Y");
     assert!((squareness["contributions"][0]["share"].as_f64().unwrap() - 1.0).abs() < 1e-12);
-    // A point of a column at the point, and between two.
+    // Uncertainty of a table's nodes, at a node and between two.
     let points = "[axis.X.uncertainty]\nEXX_um = 2\ndegrees_of_freedom = 4\n";
     let at_point = found(points, "200,0,0");
     near(spread(&at_point, "at", "jacobian")[..1].repeat(4).try_into().unwrap(), [2.0 * 2.776_445; 4], 1e-6);
     let between = spread(&found(points, "100,0,0"), "at", "jacobian");
     assert!((between[0] - 2.0 * 0.5_f64.sqrt() * 2.776_445).abs() < 1e-5, "{between:?}");
-    // Scale: 3 ppm of 100 mm; and the temperature, α 11.5 µm/(m K), 0.5 K, together with it.
+    // Scale: 3 ppm of 100 mm; and temperature: 0.5 K with α = 11.5 µm/(m K).
     let scale = found("[axis.X.uncertainty]\nscale_ppm = 3\n", "100,0,0");
     near(spread(&scale, "at", "jacobian"), [0.3 * k, 0.0, 0.0, 0.3 * k], 1e-6);
     let warm = "[uncertainty]\ntemperature_k = 0.5\n[axis.X.thermal]\nexpansion_um_per_m_k = 11.5\n";
@@ -71,7 +71,7 @@ fn the_sample_mill() {
     for place in ["worst", "at"] {
         let [first, drawn] = ["jacobian", "monte_carlo"].map(|method| spread(&found, place, method));
         for (first, drawn) in first.into_iter().zip(drawn) {
-            // Quantities of 8 degrees of freedom are drawn from Student's distribution, 1.15 times as wide as its scale.
+            // Quantities with 8 degrees of freedom are drawn from Student's distribution, 1.15 times as wide as its scale.
             assert!(first > 0.5 && (0.98..1.1).contains(&(drawn / first)), "{place}: {first} {drawn}");
         }
     }
@@ -84,7 +84,7 @@ fn the_sample_mill() {
     assert!(not_stated.contains("axis.X.uncertainty.scale_ppm") && !not_stated.contains("eve_um"), "{not_stated}");
     let page = fs::read_to_string(folder.join("out/uncertainty.html")).unwrap();
     assert!(page.contains("What contributes") && page.contains("<svg") && page.contains("C0Y"));
-    // The same seed, the same machines; the text has both methods.
+    // The same seed draws the same machines; the text shows both methods.
     assert_eq!(folder.json(&arguments), found);
     let text = folder.good(&["uncertainty", mill, "--trials", "500"]);
     assert!(text.contains("by derivatives") && text.contains("by machines drawn"), "{text}");

@@ -33,25 +33,25 @@ pub enum Kind {
 pub struct Column {
     /// Name, with the unit if it has one (`error_um`); no two columns of a table have the same.
     pub name: String,
-    /// Type of its values.
+    /// Type of the column's values.
     pub kind: Kind,
 }
 
 impl Column {
-    /// A column of that name.
+    /// Creates a column with that name.
     pub fn new(name: impl Into<String>, kind: Kind) -> Column {
         Column { name: name.into(), kind }
     }
 }
 
-/// A value of a row.
+/// A value in a row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Value<'a> {
-    /// Of a column of numbers.
+    /// A value of a number column.
     Number(f64),
-    /// Of a column of whole numbers.
+    /// A value of a column of whole numbers.
     Whole(i64),
-    /// Of a column of texts.
+    /// A value of a text column.
     Text(&'a str),
 }
 
@@ -65,17 +65,17 @@ impl Value<'_> {
     }
 }
 
-/// How a table is written.
+/// File format of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
-    /// Apache Parquet, compressed with Snappy, 65,536 rows a group; needs the feature `parquet`.
+    /// Apache Parquet, compressed with Snappy, 65,536 rows per group; needs the feature `parquet`.
     Parquet,
-    /// Comma-separated values under a header; numbers in the digits that say them exactly.
+    /// Comma-separated values under a header; numbers with the digits that represent them exactly.
     Csv,
 }
 
 impl Form {
-    /// The form that a file's ending asks for: `.parquet` or `.csv`.
+    /// The form for a file's extension, `.parquet` or `.csv`.
     pub fn of(path: &Path) -> Option<Form> {
         match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
             "parquet" => Some(Form::Parquet),
@@ -85,7 +85,7 @@ impl Form {
     }
 }
 
-/// Whether Parquet can be written: the feature `parquet`.
+/// Whether this build can write Parquet (feature `parquet`).
 pub const PARQUET: bool = cfg!(feature = "parquet");
 
 enum Out<W: Write + Send> {
@@ -101,10 +101,10 @@ pub struct Writer<W: Write + Send> {
 }
 
 impl<W: Write + Send> Writer<W> {
-    /// A table of these columns.
+    /// Creates a table with these columns.
     ///
     /// # Errors
-    /// Of the writer; [`io::ErrorKind::InvalidInput`] without a column, or where two have one name;
+    /// Errors of the writer; [`io::ErrorKind::InvalidInput`] without a column, or if two have one name;
     /// [`io::ErrorKind::Unsupported`] for Parquet without its feature.
     pub fn new(out: W, form: Form, columns: &[Column]) -> io::Result<Writer<W>> {
         let twice =
@@ -125,11 +125,11 @@ impl<W: Write + Send> Writer<W> {
         Ok(Writer { out, columns: columns.to_vec() })
     }
 
-    /// Writes a row, a value for every column in their order.
+    /// Writes a row: one value per column, in order.
     ///
     /// # Errors
-    /// Of the writer; [`io::ErrorKind::InvalidInput`] where there are more or fewer values, or one of another kind than its
-    /// column. The table is then not to be gone on with.
+    /// Errors of the writer; [`io::ErrorKind::InvalidInput`] if there are more or fewer values, or one has another kind than
+    /// its column. The table must not be used after that.
     pub fn row<'v>(&mut self, values: impl IntoIterator<Item = Value<'v>>) -> io::Result<()> {
         let mut values = values.into_iter();
         for (at, column) in self.columns.iter().enumerate() {
@@ -155,10 +155,10 @@ impl<W: Write + Send> Writer<W> {
         }
     }
 
-    /// Writes what is left, and hands back what was written to.
+    /// Writes the remaining rows and returns the writer.
     ///
     /// # Errors
-    /// Of the writer.
+    /// Errors of the writer.
     pub fn finish(self) -> io::Result<W> {
         match self.out {
             #[cfg(feature = "parquet")]

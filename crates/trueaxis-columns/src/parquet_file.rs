@@ -1,4 +1,4 @@
-//! Apache Parquet by arrow's own crate.
+//! Apache Parquet, by arrow's crate.
 
 use crate::{Column, Kind, Value};
 use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical};
@@ -11,7 +11,7 @@ use std::io::{self, Write};
 use std::mem::take;
 use std::sync::Arc;
 
-/// Rows that are kept and compressed together.
+/// Rows collected and compressed together.
 const GROUP: usize = 1 << 16;
 
 enum Kept {
@@ -49,7 +49,7 @@ impl<W: Write + Send> File<W> {
         Ok(File { out, kept: kept.collect(), rows: 0 })
     }
 
-    /// The kinds were compared.
+    /// The caller has compared the kinds.
     pub(crate) fn put(&mut self, column: usize, value: Value<'_>) {
         match (&mut self.kept[column], value) {
             (Kept::Number(kept), Value::Number(value)) => kept.push(value),
@@ -88,7 +88,7 @@ impl<W: Write + Send> File<W> {
     }
 }
 
-/// A full disk stays what it is.
+/// Keeps the kind of an I/O error, such as a full disk.
 fn failed(error: ParquetError) -> io::Error {
     match error {
         ParquetError::External(error) => match error.downcast::<io::Error>() {

@@ -1,4 +1,4 @@
-//! Tables written, and read back by arrow's reader.
+//! Writes tables and reads them back with arrow's reader.
 
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::RowAccessor;
@@ -10,7 +10,7 @@ fn columns() -> [Column; 3] {
     [Column::new("axis", Kind::Text), Column::new("cycle", Kind::Whole), Column::new("error_um", Kind::Number)]
 }
 
-/// 70,000 rows are two groups.
+/// 70,000 rows make two groups.
 #[test]
 fn parquet_says_the_same_bit_for_bit() {
     let number = |n: i64| if n == 7 { f64::NAN } else { (n as f64).sqrt() / 3.0 };

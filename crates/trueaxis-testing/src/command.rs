@@ -1,4 +1,4 @@
-//! A program run in a temporary folder.
+//! Runs a program in a temporary folder.
 
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -15,12 +15,12 @@ pub struct Folder {
 }
 
 impl Folder {
-    /// An empty folder for a program, as a rule `env!("CARGO_BIN_EXE_…")`.
+    /// Creates an empty folder for a program, usually `env!("CARGO_BIN_EXE_…")`.
     pub fn new(program: &'static str) -> Self {
         Folder { directory: tempfile::tempdir().expect("a temporary folder"), program }
     }
 
-    /// The folder.
+    /// The folder's path.
     pub fn path(&self) -> &Path {
         self.directory.path()
     }
@@ -30,12 +30,12 @@ impl Folder {
         self.path().join(name)
     }
 
-    /// Whether a file or folder of that name is there.
+    /// Whether a file or folder with that name exists.
     pub fn has(&self, name: &str) -> bool {
         self.join(name).exists()
     }
 
-    /// Writes a file, with the folders above it.
+    /// Writes a file and creates the folders above it.
     #[track_caller]
     pub fn write(&self, name: impl AsRef<Path>, content: impl AsRef<[u8]>) {
         let path = self.join(name);
@@ -50,7 +50,7 @@ impl Folder {
         fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
     }
 
-    /// Copies the files of a folder elsewhere into a folder `name` of this one.
+    /// Copies the files of another folder into a folder `name` of this one.
     #[track_caller]
     pub fn copy(&self, from: &Path, name: &str) {
         for file in fs::read_dir(from).unwrap() {
@@ -59,7 +59,7 @@ impl Folder {
         }
     }
 
-    /// Every file with its bytes, every folder with none.
+    /// Every file with its bytes, and every folder without any.
     pub fn tree(&self) -> BTreeMap<PathBuf, Vec<u8>> {
         tree(self.path())
     }
@@ -77,7 +77,7 @@ impl Folder {
         self.command(arguments).output().unwrap()
     }
 
-    /// Runs the program, which succeeds: its standard output and standard error.
+    /// Runs the program, which must succeed; returns standard output and standard error.
     #[track_caller]
     pub fn both(&self, arguments: &[&str]) -> [String; 2] {
         let output = self.run(arguments);
@@ -86,34 +86,34 @@ impl Folder {
         [out, error]
     }
 
-    /// Standard output of a run that succeeds.
+    /// Standard output of a run that must succeed.
     #[track_caller]
     pub fn good(&self, arguments: &[&str]) -> String {
         let [out, _] = self.both(arguments);
         out
     }
 
-    /// Standard error of a run that succeeds.
+    /// Standard error of a run that must succeed.
     #[track_caller]
     pub fn reported(&self, arguments: &[&str]) -> String {
         let [_, error] = self.both(arguments);
         error
     }
 
-    /// Standard output of a run that succeeds, as JSON.
+    /// Standard output of a run that must succeed, as JSON.
     #[track_caller]
     pub fn json(&self, arguments: &[&str]) -> Value {
         serde_json::from_str(&self.good(arguments)).unwrap()
     }
 
-    /// Header and rows of the CSV that a run prints.
+    /// Header and rows of the CSV printed by a run.
     #[track_caller]
     pub fn csv(&self, arguments: &[&str]) -> (String, Vec<Vec<f64>>) {
         csv(&self.good(arguments))
     }
 
-    /// A run that is refused: exit code 2, nothing on the standard output, every part in the message, every file as it
-    /// was. Returns the message.
+    /// Runs the program, which must be refused: exit code 2, empty standard output, every part in the message, all files
+    /// unchanged. Returns the message.
     #[track_caller]
     pub fn bad(&self, arguments: &[&str], parts: &[&str]) -> String {
         let before = self.tree();

@@ -1,20 +1,20 @@
-//! A control in a few lines: runs a LinuxCNC probing program of X, Y, Z against whatever tells the gap to a surface.
+//! A minimal control: runs a LinuxCNC probing program of X, Y, Z against a function that returns the gap to a surface.
 
 use std::fmt::Write;
 
-/// Where the machine stands on a probing move.
+/// State of the machine on a probing move.
 pub struct Touch {
     /// Pauses passed, from 0.
     pub set_up: Option<usize>,
-    /// X, Y, Z as the control has them.
+    /// X, Y, Z as the control counts them.
     pub at: [f64; 3],
-    /// Which axes have come in negative travel.
+    /// Axes that arrived in negative travel.
     pub reverse: [bool; 3],
     /// Touches before this one.
     pub count: f64,
 }
 
-/// What a program logs. `gap`: from the tip to the nearest surface, mm, negative inside.
+/// Runs a program and returns its log. `gap`: from the tip to the nearest surface, mm, negative inside.
 pub fn run(program: &str, mut gap: impl FnMut(Touch) -> f64) -> String {
     let (mut log, mut at, mut reverse) = (String::new(), [0.0_f64; 3], [false; 3]);
     let (mut set_up, mut count) = (None::<usize>, 0.0);

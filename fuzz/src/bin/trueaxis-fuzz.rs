@@ -1,4 +1,4 @@
-//! Runs the attack: targets one after the other or side by side, or one input again.
+//! Runs the attack: targets in sequence or in parallel, or a single input again.
 
 use anyhow::{Context, Result, bail};
 use clap::{Args, Parser, Subcommand};
@@ -15,7 +15,7 @@ use trueaxis_fuzz::finding::{self, Finding};
 use trueaxis_fuzz::targets::{TARGETS, named};
 use trueaxis_fuzz::{Target, corpus};
 
-/// An execution that has not ended by then never will.
+/// An execution that takes longer is considered endless.
 const ENDLESS: Duration = Duration::from_secs(30);
 
 /// Attacks the untrusted inputs of trueaxis with mutants from a seed.
@@ -137,7 +137,7 @@ fn write_seeds(dir: &Path, target: &Target) -> Result<()> {
     Ok(())
 }
 
-/// Reads all before the first archive is written.
+/// Reads all inputs before writing the first archive.
 fn pack(dir: &Path, targets: &[&Target]) -> Result<()> {
     let folders = targets.iter().map(|target| corpus::gather(&dir.join(target.name))).collect::<Result<Vec<_>>>()?;
     targets.iter().zip(&folders).try_for_each(|(target, inputs)| corpus::write(&corpus::archive(target), inputs))
@@ -175,7 +175,7 @@ fn run(target: &str, files: &[PathBuf]) -> Result<ExitCode> {
     Ok(ExitCode::from(u8::from(broken)))
 }
 
-/// What a worker is at, for the one who watches that it ends.
+/// The current execution of a worker, for the watchdog.
 struct Desk {
     target: &'static Target,
     execution: u64,
@@ -271,7 +271,7 @@ fn written(target: &Target, finding: &Finding) -> Result<String> {
     Ok(finding.report(shown))
 }
 
-/// Ends the program when an execution does not end by itself.
+/// Ends the program if an execution does not end.
 fn watch(desks: Arc<Vec<Mutex<Option<Desk>>>>, seed: u64) {
     std::thread::spawn(move || {
         loop {

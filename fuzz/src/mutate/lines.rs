@@ -1,10 +1,10 @@
-//! Lines of a text, moved as a whole.
+//! Mutations of whole lines of a text.
 
 use super::Mutator;
 use std::ops::Range;
 
 impl Mutator {
-    /// A line left out, doubled, moved, or taken from the other text.
+    /// Removes, duplicates or moves a line, or takes one from the other text.
     pub(super) fn line(&mut self, input: &mut Vec<u8>, other: &[u8]) {
         let lines = lines(input);
         if lines.is_empty() {
@@ -38,7 +38,7 @@ impl Mutator {
     }
 }
 
-/// Every line with its line feed.
+/// Every line including its line feed.
 fn lines(text: &[u8]) -> Vec<Range<usize>> {
     let mut end = 0;
     text.split_inclusive(|byte| *byte == b'\n')

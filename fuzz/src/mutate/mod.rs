@@ -1,4 +1,4 @@
-//! Inputs made from other inputs: bytes, words of the format, numbers, lines and lengths.
+//! Mutants made from other inputs: bytes, words of the format, numbers, lines and lengths.
 
 mod lines;
 mod numbers;
@@ -10,7 +10,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore, SeedableRng};
 use std::ops::Range;
 
-/// Bytes that formats give a meaning.
+/// Bytes with a meaning in the formats.
 const TELLING: [u8; 16] = *b"\0\x01\x7f\x80\xff\n\r\t \",;.-(0";
 
 /// A seeded source of mutants.
@@ -21,22 +21,22 @@ pub struct Mutator {
 }
 
 impl Mutator {
-    /// Mutants of at most `longest` bytes, with these words of the format.
+    /// Creates a source of mutants of at most `longest` bytes, with these words of the format.
     pub fn new(seed: u64, words: Vec<Vec<u8>>, longest: usize) -> Mutator {
         Mutator { rng: ChaCha8Rng::seed_from_u64(seed), words, longest }
     }
 
-    /// A whole number below `count`, 0 where there is none.
+    /// A whole number below `count`; 0 if `count` is 0.
     pub fn below(&mut self, count: usize) -> usize {
         ((u128::from(self.rng.next_u64()) * count as u128) >> 64) as usize
     }
 
-    /// True once in so many times.
+    /// True once in `times`.
     pub fn once_in(&mut self, times: usize) -> bool {
         self.below(times) == 0
     }
 
-    /// Changes `input` in one to a few places; `other` is another input, to take parts from.
+    /// Changes `input` in one or a few places; `other` is another input to take parts from.
     pub fn mutate(&mut self, input: &mut Vec<u8>, other: &[u8]) {
         loop {
             self.change(input, other);
@@ -72,7 +72,7 @@ impl Mutator {
         if input.is_empty() { None } else { Some(self.below(input.len())) }
     }
 
-    /// A part of the input, mostly a short one.
+    /// A part of the input, usually a short one.
     fn part(&mut self, input: &[u8]) -> Range<usize> {
         let start = self.below(input.len());
         let left = input.len() - start;
@@ -117,13 +117,13 @@ impl Mutator {
         input.splice(at..at, copy);
     }
 
-    /// The beginning of this one and the end of the other.
+    /// Joins the beginning of this input and the end of the other.
     fn splice(&mut self, input: &mut Vec<u8>, other: &[u8]) {
         input.truncate(self.below(input.len() + 1));
         input.extend_from_slice(&other[self.below(other.len() + 1)..]);
     }
 
-    /// A part of the other one, in the place of a part of this one or between.
+    /// Inserts a part of the other input, or replaces a part of this one with it.
     fn transplant(&mut self, input: &mut Vec<u8>, other: &[u8]) {
         let taken = self.part(other);
         let place = if self.once_in(2) {
@@ -146,7 +146,7 @@ impl Mutator {
         input.splice(at..over, word);
     }
 
-    /// As long or as short as it may be.
+    /// Changes the length, up to both limits.
     fn stretch(&mut self, input: &mut Vec<u8>) {
         match self.below(4) {
             0 => input.clear(),
@@ -155,7 +155,7 @@ impl Mutator {
                 let part = self.part(input);
                 let piece = input[part.clone()].to_vec();
                 let most = self.longest.saturating_sub(input.len()) / piece.len();
-                // Rarely all of it: such an input takes its time.
+                // Rarely to the limit: such an input is slow.
                 let times = if self.once_in(4) { most } else { most.min(self.below(64)) };
                 input.splice(part.end..part.end, piece.repeat(times));
             }

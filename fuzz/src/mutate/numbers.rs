@@ -4,7 +4,7 @@ use super::Mutator;
 use rand_chacha::rand_core::RngCore;
 use std::ops::Range;
 
-/// As a text has them.
+/// Numbers as text.
 const WORDS: [&str; 40] = [
     "0",
     "-0",
@@ -48,7 +48,7 @@ const WORDS: [&str; 40] = [
     "1,5",
 ];
 
-/// As a file of bytes has them.
+/// Numbers as binary doubles.
 const DOUBLES: [f64; 14] = [
     0.0,
     -0.0,
@@ -69,7 +69,7 @@ const INTEGERS: [u64; 12] =
     [0, 1, 2, 6, 0x7f, 0x80, 0xff, 0xffff, 0x7fff_ffff, 0xffff_ffff, 0x7fff_ffff_ffff_ffff, u64::MAX];
 
 impl Mutator {
-    /// Another number in the place of one of the text.
+    /// Replaces a number in the text.
     pub(super) fn number_word(&mut self, input: &mut Vec<u8>) {
         let from = self.below(input.len() + 1);
         let Some(found) = number(input, from).or_else(|| number(input, 0)) else { return self.insert(input) };
@@ -98,7 +98,7 @@ impl Mutator {
         }
     }
 
-    /// A number of 1, 2, 4 or 8 bytes, little-endian, in the place of as many.
+    /// Replaces 1, 2, 4 or 8 bytes with a little-endian number.
     pub(super) fn number_bytes(&mut self, input: &mut [u8]) {
         let width = [1, 2, 4, 8, 8, 8][self.below(6)];
         if input.len() < width {

@@ -1,9 +1,9 @@
-//! libFuzzer's dictionaries: a word a line, in quotes, with a name or without; `\\`, `\"` and `\xAB` inside.
+//! libFuzzer's dictionaries: one word per line, in quotes, with or without a name; `\\`, `\"` and `\xAB` inside.
 
 /// The words of a dictionary.
 ///
 /// # Panics
-/// A line that is none: dictionaries are part of the program.
+/// An invalid line: dictionaries are part of the program.
 pub fn dictionary(text: &str) -> Vec<Vec<u8>> {
     let lines = text.lines().map(str::trim).enumerate();
     let lines = lines.filter(|(_, line)| !line.is_empty() && !line.starts_with('#'));

@@ -21,14 +21,14 @@ pub const TARGET: Target = Target {
 
 const FILE: &str = "record.csv";
 const RADIUS_MM: f64 = 100.0;
-/// Rows beyond which nothing new comes.
+/// Longer inputs reach nothing new.
 const MOST_ROWS: usize = 128;
-/// Of inputs that are good as far as they go, one in so many is evaluated with the circles that go on behind it; of these
-/// and of whole ones, one in so many has the pitches searched, which takes most of the time.
+/// One in so many valid but incomplete inputs is evaluated with the remaining circles appended; of these and of complete ones,
+/// one in so many has the pitches searched, which takes most of the time.
 const WHOLE_ONE_IN: u64 = 256;
 const SEARCH_ONE_IN: u64 = 256;
 
-/// The first line of a form and its rows.
+/// A form's first line and rows.
 struct Form {
     header: &'static str,
     rows: fn(angle_deg: f64, deviation_um: f64, direction: f64, number: usize) -> String,
@@ -46,7 +46,7 @@ const FORMS: [Form; 3] = [
             format!("{number},{:.6},{:.6},{:.6},{:.6}\n", command[0], actual[0], command[1], actual[1])
         },
     },
-    // The lines of halsampler have none.
+    // halsampler's lines have no header.
     Form {
         header: "",
         rows: |angle, deviation, _, number| {
@@ -83,7 +83,7 @@ fn run(bytes: &[u8]) {
     }
 }
 
-/// What is refused, if it is; of what is not, every figure looked at.
+/// Evaluates a record and checks every figure; returns the refusal, if any.
 fn told(bytes: &[u8], options: &Options) -> String {
     let test = match Test::read(bytes, Path::new(FILE), options, outcome::refused) {
         Ok(test) => test,
@@ -109,7 +109,7 @@ fn told(bytes: &[u8], options: &Options) -> String {
     String::new()
 }
 
-/// Two circles of a machine whose axes are not square, with lost motion, row by row.
+/// Two circles of a machine with squareness and lost motion, row by row.
 fn rows(form: usize) -> &'static [String] {
     static ROWS: [OnceLock<Vec<String>>; FORMS.len()] = [const { OnceLock::new() }; FORMS.len()];
     ROWS[form].get_or_init(|| {

@@ -17,7 +17,7 @@ pub const TARGET: Target = Target {
     slowest: SLOWEST,
 };
 
-/// Points beyond which the exact circles are not worth their time here.
+/// With more points, the exact circles take too long here.
 const MOST_POINTS: usize = 64;
 
 const FILE: &str = "points.csv";
@@ -33,11 +33,11 @@ fn run(bytes: &[u8]) {
     }
 }
 
-/// Finite circles that hold what their names say, to rounding.
+/// Checks that the circles are finite and bound the points as their names say, to rounding.
 fn accepted(found: &Evaluation) {
     let points = &found.points;
     assert!(points.len() >= 3 && found.lines.len() == points.len());
-    // A carriage return alone ends a row, but no line.
+    // A carriage return alone ends a row, but not a line.
     assert!(found.lines.windows(2).all(|pair| pair[0] <= pair[1]));
     let size = points.iter().flatten().fold(0.0_f64, |size, q| size.max(q.abs()));
     for circle in found.circles.iter().flatten() {
@@ -62,7 +62,7 @@ fn accepted(found: &Evaluation) {
     document.refused.values().for_each(outcome::refused);
 }
 
-/// No zone is narrower than the narrowest.
+/// No zone is narrower than the minimum zone.
 fn narrowest(found: &Evaluation, size: f64) {
     let [lsc, mzc, mcc, mic] = &found.circles;
     let Ok(mzc) = mzc else { return };
@@ -72,8 +72,8 @@ fn narrowest(found: &Evaluation, size: f64) {
     }
 }
 
-/// Of a distance among points as far from their origin as `size`: squares of distances are what is compared, so that
-/// points a million radii away take their digits from the near ones.
+/// Rounding of a distance among points as far from the origin as `size`: squares of distances are compared, so points a
+/// million radii away cost the near ones digits.
 fn rounding(size: f64, distance: f64) -> f64 {
     let square = 16.0 * f64::EPSILON * size * size;
     1e-9 * size + square.sqrt().min(square / distance)

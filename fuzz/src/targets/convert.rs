@@ -1,4 +1,4 @@
-//! Segments of any numbers, cut into spans: refused, or exact.
+//! Segments of arbitrary numbers, cut into spans: refused, or exact.
 
 use crate::execution::SLOWEST;
 use crate::outcome::{accepted, refused, saw};
@@ -17,7 +17,7 @@ pub const TARGET: Target = Target {
     slowest: SLOWEST,
 };
 
-/// So many spans of a segment are made and looked at.
+/// Most spans of a segment made and checked.
 const LOOKED_AT: usize = 64;
 
 /// A segment that owns its lists.
@@ -28,7 +28,7 @@ enum Shape {
     Nurbs { degree: usize, knots: Vec<f64>, points: Vec<DVec3>, weights: Vec<f64> },
 }
 
-/// Doubles one after the other; zero at the end.
+/// Consecutive doubles; zero beyond the end.
 struct Doubles<'i>(std::slice::Iter<'i, [u8; 8]>);
 
 impl Doubles<'_> {
@@ -72,7 +72,7 @@ impl Shape {
         }
     }
 
-    /// The point of the curve at u, by the plainest formula: nothing of what is attacked here.
+    /// The point of the curve at u, by the plainest formula, without the code under attack.
     fn at(&self, u: f64) -> DVec3 {
         match self {
             Shape::Line([start, end]) => *start + (*end - *start) * u,
@@ -84,8 +84,8 @@ impl Shape {
         }
     }
 
-    /// Start and end of an arc are apart by the nanometre below which it is a whole turn, to within rounding: nobody can say
-    /// which it is.
+    /// Whether start and end of an arc are apart by the nanometre below which it is a whole turn, to within rounding: either
+    /// reading is then correct.
     fn is_undecided(&self) -> bool {
         let Shape::Arc([start, end, center, normal], _) = self else { return false };
         let (radius, angle) = swept(*start, *end, *center, normal.normalize());
@@ -93,7 +93,7 @@ impl Shape {
         (angle * radius.max(1e-3) - 1e-9).abs() < 1e-14 * scale
     }
 
-    /// Error that rounding may leave, mm: that of coordinates so far from zero, and of the quotients of a spline.
+    /// Permitted rounding error, mm: from coordinates that far from zero, and from the quotients of a spline.
     fn tolerance(&self) -> f64 {
         let (points, weights): (&[DVec3], &[f64]) = match self {
             Shape::Line(points) => (points, &[]),
@@ -107,7 +107,7 @@ impl Shape {
         self.spiral() + 1e-9 + 1e-12 * scale * if weights.is_empty() { 1.0 } else { spread }
     }
 
-    /// What the documentation allows where the radius of an arc changes, mm.
+    /// Error that the documentation permits if the radius of an arc changes, mm.
     fn spiral(&self) -> f64 {
         let Shape::Arc([start, end, center, normal], _) = self else { return 0.0 };
         let radius = |point: &DVec3| (*point - *center).reject_from(*normal).length();
@@ -139,7 +139,7 @@ fn arc(start: DVec3, end: DVec3, center: DVec3, axis: DVec3, turns: u32, u: f64)
     center + (out * cosine + on * sine) * radius + axis * height
 }
 
-/// Cox's and de Boor's recursion on points and weights.
+/// Cox–de Boor recursion on points and weights.
 fn de_boor(degree: usize, knots: &[f64], points: &[DVec3], weights: &[f64], u: f64) -> DVec3 {
     let span = (degree..points.len()).rev().find(|i| knots[*i] <= u && knots[*i] < knots[i + 1]).unwrap_or(degree);
     let homogeneous = |i: usize| {
@@ -186,17 +186,18 @@ fn run(input: &[u8]) {
     }
 }
 
-/// Every span lies on the curve, has a length, and begins where the one before ends.
+/// Every span lies on the curve, has a length, and begins where the previous one ends.
 fn exact(shape: &Shape, spans: &[Span<f64, f64>]) {
     let (tolerance, undecided) = (shape.tolerance(), shape.is_undecided());
     let mut end: Option<DVec3> = None;
     for span in spans {
         assert_eq!(span.segment(), 7);
         let [first, last] = span.u_range();
-        // Equal where the parameter has no finer steps.
+        // Equal if the parameter has no finer steps.
         assert!(first <= last, "a span from {first} to {last}");
         assert!(span.length().is_finite() && (span.length() > 0.0 || span.stands()));
-        // A parameter has no finer steps than the numbers about it; where it has but a few, it names no place on the span.
+        // A parameter is no finer than the floating-point numbers near it; with only a few steps it does not identify a point
+        // on the span.
         let step = (f64::EPSILON * first.abs().max(last.abs())).max(f64::from_bits(1)) / (last - first);
         let named = step < 1e-3;
         let tolerance = tolerance + if named { 8.0 * step * span.length() } else { 0.0 };
@@ -217,7 +218,8 @@ fn exact(shape: &Shape, spans: &[Span<f64, f64>]) {
     }
 }
 
-/// The nearest point to a place beside the path: no farther than the point that it stands beside.
+/// Searches for the point nearest to a place beside the path: it must not be farther than the point beside which the place
+/// lies.
 fn foot(spans: &[Span<f64, f64>], on: [f64; 3]) {
     let search = ContourSearch::new(0.5, Method::Guarded).expect("a window of half a millimetre");
     let path = Path::new(spans, 0, false);

@@ -1,7 +1,7 @@
 //! Messages of the page to its module: exports with JSON, files and texts, several in a row.
 //!
-//! The input's lines that begin with `>` name an export; what follows up to the next is its arguments, with a line of `--`
-//! between two. Counts and sizes that the page sets by itself are small numbers here; texts are whatever they are.
+//! The input's lines that begin with `>` name an export; the text up to the next one is its arguments, separated by lines of
+//! `--`. Counts and sizes that the page determines are small numbers here; texts are arbitrary.
 
 use crate::alone::alone;
 use crate::choice::one_in;
@@ -24,11 +24,11 @@ pub const TARGET: Target = Target {
     slowest: SLOWEST,
 };
 
-/// Messages of one input.
+/// Most messages in one input.
 const MOST: usize = 6;
 /// Longest argument.
 const LONGEST: usize = 4096;
-/// Of inputs that ask for something dear, one in so many is answered.
+/// One in so many inputs with an expensive request is answered.
 const DEAR_ONE_IN: u64 = 64;
 
 thread_local! {
@@ -36,7 +36,7 @@ thread_local! {
 }
 
 fn run(bytes: &[u8]) {
-    // The page has nothing but texts.
+    // The page has only text.
     let Ok(text) = std::str::from_utf8(bytes) else { return };
     alone(|| {
         forget();
@@ -47,7 +47,7 @@ fn run(bytes: &[u8]) {
     });
 }
 
-/// Nothing is open, evaluated or under way: what a message finds is what those before it in the input have left.
+/// Closes and forgets everything: a message then finds only what earlier messages of its input left.
 fn forget() {
     SCOPES.take().into_iter().for_each(desk::scope::scope_close);
     let _ = desk::roundness::roundness_trace("", "");
@@ -71,12 +71,12 @@ impl<'t> Arguments<'t> {
         self.text().lines().next().unwrap_or_default()
     }
 
-    /// A number as a control of the page gives one.
+    /// A number as a control of the page provides it.
     fn number(&mut self) -> f64 {
         self.text().trim().parse().unwrap_or_default()
     }
 
-    /// A count that the page has set.
+    /// A count determined by the page.
     fn count(&mut self) -> usize {
         self.number() as usize % 64
     }
@@ -86,7 +86,7 @@ impl<'t> Arguments<'t> {
     }
 }
 
-/// Answers one message as the worker does.
+/// Answers one message like the worker.
 fn answer(message: &str, dear: bool) {
     let (name, rest) = message.split_once('\n').unwrap_or((message, ""));
     let a = &mut Arguments(rest.split("\n--\n"));
@@ -123,7 +123,7 @@ fn machine(name: &str, a: &mut Arguments<'_>) {
         }
         "machine_show" => json(machine_show(a.text(), a.number(), a.number())),
         "machine_change" => {
-            // What a change leaves is a machine again.
+            // A change must leave a valid machine.
             if let Some(files) = told(machine_change(a.text(), a.text())) {
                 assert!(machine_open(&files).is_ok(), "{files}");
             }
@@ -161,7 +161,7 @@ fn roundness(name: &str, a: &mut Arguments<'_>, dear: bool) {
 fn scope(name: &str, a: &mut Arguments<'_>, dear: bool) {
     use desk::scope::*;
     use desk::scope_settings::*;
-    // The last that was opened, or none.
+    // The scope opened last, or none.
     let number = SCOPES.with_borrow(|scopes| scopes.last().copied().unwrap_or(0));
     match name {
         "scope_open" if dear => {
@@ -236,7 +236,7 @@ fn evaluate(name: &str, a: &mut Arguments<'_>, dear: bool) {
     }
 }
 
-/// A test that was evaluated.
+/// An evaluated test.
 #[derive(Deserialize)]
 struct Evaluated<'t> {
     #[serde(borrow)]
@@ -252,7 +252,7 @@ fn thermal(name: &str, a: &mut Arguments<'_>, dear: bool) {
     }
 }
 
-/// With few points and draws: what they cost is asked for by the page.
+/// With few points and draws: the page determines their cost.
 fn uncertainty(a: &mut Arguments<'_>) {
     let (files, at, confidence) = (a.text(), a.text(), a.number());
     let (points, trials) = (2 + a.count() % 4, 100 + a.count());
@@ -262,7 +262,7 @@ fn uncertainty(a: &mut Arguments<'_>) {
     json(desk::uncertainty::uncertainty(files, &request));
 }
 
-/// What a machine gets is a machine again.
+/// Written settings must leave a valid machine.
 fn settings(answer: Result<String, Refused>) {
     told(answer).iter().for_each(|text| machine_again(text));
 }
@@ -278,7 +278,7 @@ fn machine_again(text: &str) {
     assert!(matches!(files, Ok(Ok(_))), "{text}");
 }
 
-/// Without simulation and fits, which target `friction` does.
+/// Without simulation and fits, which target `friction` covers.
 fn friction(name: &str, a: &mut Arguments<'_>) {
     use desk::friction::*;
     match name {
@@ -312,7 +312,7 @@ fn helicoid(name: &str, a: &mut Arguments<'_>, dear: bool) {
     }
 }
 
-/// What was answered; a refusal is words on one line.
+/// The answer; a refusal must be words on one line.
 fn told<T>(answer: Result<T, Refused>) -> Option<T> {
     match answer {
         Ok(answer) => {
@@ -326,7 +326,7 @@ fn told<T>(answer: Result<T, Refused>) -> Option<T> {
     }
 }
 
-/// One JSON document.
+/// Expects one JSON document.
 fn json(answer: Result<String, Refused>) {
     if let Some(text) = told(answer) {
         let document: Result<&RawValue, _> = serde_json::from_str(&text);
@@ -334,14 +334,14 @@ fn json(answer: Result<String, Refused>) {
     }
 }
 
-/// A figure, without what a page would run.
+/// Expects a figure without anything that a page would run.
 fn html(answer: Result<String, Refused>) {
     if let Some(text) = told(answer) {
         assert!(text.contains("<svg") && !text.contains("<script"), "{text}");
     }
 }
 
-/// A curve of numbers.
+/// Expects a curve of finite numbers.
 fn finite(answer: Result<Vec<f64>, Refused>) {
     if let Some(values) = told(answer) {
         assert!(values.iter().all(|value| value.is_finite()), "{values:?}");

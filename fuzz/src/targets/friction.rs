@@ -1,4 +1,4 @@
-//! Records of circles from which friction is found: `trueaxis friction` and the desk.
+//! Records of circles for identifying friction: `trueaxis friction` and the desk.
 
 use crate::choice::one_in;
 use crate::{Target, no_repair, outcome, refusal, small};
@@ -25,12 +25,12 @@ pub const TARGET: Target = Target {
 };
 
 const FILE: &str = "record.csv";
-/// A fit that hardly settles follows the record some thousand times.
+/// A fit that hardly converges follows the record some thousand times.
 const FITTED: Duration = Duration::from_secs(10);
 const AXES: [Axis; 2] = [Axis::X, Axis::Y];
-/// Rows beyond which nothing new comes.
+/// Longer inputs reach nothing new.
 const MOST_ROWS: usize = 64;
-/// Of inputs that are good as far as they go, one in so many is read as a whole record; of these, one in so many fitted.
+/// One in so many valid but incomplete inputs is completed; one in so many of these is fitted.
 const WHOLE_ONE_IN: u64 = 32;
 const FIT_ONE_IN: u64 = 4096;
 
@@ -75,7 +75,7 @@ fn record() -> &'static [String] {
     })
 }
 
-/// The input, and the rows of a record that follow on as many.
+/// The input, completed with the rows of a record that follow the first `rows`.
 fn whole(bytes: &[u8], rows: usize) {
     let mut text = bytes.to_vec();
     let rest = record().get(rows..).unwrap_or_default();
@@ -105,7 +105,7 @@ fn fitted(recording: &Recording) {
             }
             assert!(sections(&recording.file, &found).contains("[axis.Y.friction]"));
             let machine = Memory::new([("machine.toml", "name = \"m\"\nchain = \"w b X Y Z t\"\n")]);
-            // A figure that is known too badly may be rounded out of its range.
+            // A figure with a large uncertainty may be rounded out of its range.
             if let Err(error) = additions(&found).edit(&machine, Path::new("machine.toml")) {
                 refusal::in_words(&error.to_string());
             }

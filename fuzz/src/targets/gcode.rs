@@ -9,8 +9,8 @@ use std::time::Duration;
 use trueaxis_sim::program::limits::MOST_PIECES;
 use trueaxis_sim::program::{Curve, Move, Offsets, Program, ReadOptions, ToolTable};
 
-/// The program, and as further files its offsets (`offsets.toml` or `offsets.var`), its tools (`tool.tbl`) and the switch
-/// for block delete.
+/// The program and, as further files, its offsets (`offsets.toml` or `offsets.var`), its tools (`tool.tbl`) and the switch for
+/// block delete.
 pub const TARGET: Target = Target {
     name: "gcode",
     about: "NC programs with offsets, tools and canned cycles; one in 4096 as long as a program may be",
@@ -21,10 +21,10 @@ pub const TARGET: Target = Target {
     slowest: READ,
 };
 
-/// One line of a canned cycle may say the two million moves that a program may have.
+/// One line of a canned cycle may contain all two million moves that a program may have.
 const READ: Duration = Duration::from_secs(5);
 
-/// Pieces beyond which nothing new comes; a program may have two million of them, in one line of a canned cycle.
+/// Longer programs reach nothing new; a program may have two million pieces, in one line of a canned cycle.
 const MOST_FEW: u64 = 512;
 /// One input in so many may have all of them.
 const MANY_ONE_IN: u64 = 4096;
@@ -79,7 +79,7 @@ fn run(input: &[u8]) {
     }
 }
 
-/// LinuxCNC's own form of the offsets says the same.
+/// LinuxCNC's form of the offsets reads back with the same values.
 fn written_and_read(offsets: &Offsets) {
     let again = Offsets::parse(&offsets.parameters(1.0), "again.var").unwrap_or_else(|error| panic!("{error}"));
     let numbers = |offsets: &Offsets| {
@@ -92,10 +92,10 @@ fn written_and_read(offsets: &Offsets) {
     assert_eq!((again.active, again.g92_active), (offsets.active, offsets.g92_active));
 }
 
-/// Every position finite, each move where the last one ended, no more pieces than are allowed.
+/// Every position is finite, each move begins where the last one ended, and there are no more pieces than permitted.
 fn sound(program: &Program, most_pieces: u64) {
     let mut pieces = 0.0;
-    // Not their sequence: a kind of answer for every number of moves would keep the longest programs.
+    // Not their sequence: an outcome for every number of moves would keep the longest programs.
     let mut kinds = BTreeSet::new();
     let mut last: Option<&Move> = None;
     for element in &program.moves {

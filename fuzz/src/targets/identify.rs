@@ -1,4 +1,4 @@
-//! Readings of a ball from which the errors of a rotary axis are found: `trueaxis identify`.
+//! Readings of a ball for identifying the errors of a rotary axis: `trueaxis identify`.
 
 use crate::execution::SLOWEST;
 use crate::{Target, no_repair, outcome, refusal};
@@ -20,7 +20,7 @@ pub const TARGET: Target = Target {
 };
 
 const FILE: &str = "measured.csv";
-/// Rows beyond which nothing new comes.
+/// Longer inputs reach nothing new.
 const MOST_ROWS: usize = 64;
 
 fn run(bytes: &[u8]) {
@@ -34,7 +34,7 @@ fn run(bytes: &[u8]) {
     }
 }
 
-/// Every set-up at every angle, and what comes of it.
+/// Checks that every set-up has every angle, and the result.
 fn taken(readings: &Readings) {
     let angles = &readings.angles_deg;
     assert!(readings.balls.len() >= 3 && readings.deviations_mm.len() == angles.len());

@@ -1,4 +1,4 @@
-//! Compensation files of other controls, a target for each format.
+//! Compensation files of other controls, one target per format.
 
 use crate::execution::SLOWEST;
 use crate::outcome::{accepted, refused, saw};
@@ -13,7 +13,7 @@ use trueaxis_tables::text::decode;
 
 const DICTIONARY: &str = include_str!("../../dictionaries/import.dict");
 
-/// The file with a line before it: the letter of the axis that it is said to be for, or none.
+/// A target for the file after a line with the letter of its axis, which may be empty.
 const fn target(name: &'static str, about: &'static str, run: fn(&[u8]), seeds: fn() -> Vec<Vec<u8>>) -> Target {
     Target { name, about, run, seeds, repair: no_repair, dictionary: DICTIONARY, slowest: SLOWEST }
 }
@@ -95,7 +95,7 @@ fn run(format: Format, input: &[u8]) {
         _ => None,
     };
     let file = Path::new("given");
-    // As the command line does: comments of other programs may be in any encoding.
+    // Like the command line: comments of other programs may be in any encoding.
     let text = match decode(rest[1..].to_vec(), file, &['#', ';']) {
         Ok(text) => text,
         Err(error) => return refused(error),
@@ -109,7 +109,7 @@ fn run(format: Format, input: &[u8]) {
     }
 }
 
-/// The machine that comes of it is one, or is refused in words; in the same format again, it can be read.
+/// The resulting machine is valid or is refused in words; exported in its format, it can be read again.
 fn used(format: Format, axis: Option<Axis>, imported: &Imported) {
     for (axis, table) in &imported.tables {
         assert!(table.rows.len() >= 2 && table.given.contains(&true), "a table of {} without content", axis.letter());
@@ -140,7 +140,7 @@ fn used(format: Format, axis: Option<Axis>, imported: &Imported) {
             assert!(!exported.files.is_empty());
             for (name, text) in &exported.files {
                 if let Err(error) = import(format, text, Path::new(name), axis) {
-                    // A grid finer than the digits of the format is the reader's to refuse.
+                    // The reader may refuse a grid finer than the digits of the format.
                     refused(error);
                 }
             }

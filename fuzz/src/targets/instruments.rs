@@ -1,4 +1,4 @@
-//! Records of tests with instruments: `trueaxis evaluate`. The first byte says which.
+//! Records of tests with instruments: `trueaxis evaluate`. The first byte selects the test.
 
 use crate::execution::SLOWEST;
 use crate::{Target, no_repair, outcome, refusal};
@@ -20,7 +20,7 @@ pub const TARGET: Target = Target {
 };
 
 const FILE: &str = "record.csv";
-/// Rows beyond which nothing new comes.
+/// Longer inputs reach nothing new.
 const MOST_ROWS: usize = 64;
 
 fn run(bytes: &[u8]) {
@@ -44,7 +44,7 @@ fn rows<'t, const C: usize>(text: &'t [u8], columns: &[Column; C]) -> anyhow::Re
     Rows::new(text, Path::new(FILE), columns, outcome::refused)
 }
 
-/// A document of finite numbers: JSON writes others as null, so their count is that of the fields that may be null.
+/// A document of finite numbers: JSON writes others as null, so there must be as many nulls as empty optional fields.
 fn finite(values: impl IntoIterator<Item = f64>) {
     values.into_iter().for_each(|value| assert!(value.is_finite(), "{value}"));
 }

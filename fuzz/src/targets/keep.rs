@@ -23,9 +23,9 @@ pub const TARGET: Target = Target {
 
 const TASK: &str = "keep.toml";
 const HISTORY: &str = "history.jsonl";
-/// Of tasks that can be read, one in so many is planned.
+/// One in so many valid tasks is planned.
 const PLANNED_ONE_IN: u64 = 64;
-/// Begins the sum of a line.
+/// Begins the check sum of a line.
 const CHECK: &str = ",\"check\":\"";
 
 fn run(bytes: &[u8]) {
@@ -92,17 +92,17 @@ fn history(text: &str) {
     }
     let page =
         figures(&history.entries).into_iter().fold(Page::new("keep"), |page, figure| page.section("term", figure));
-    // Terms are called as the history says.
+    // The history names the terms, so a name may contain NaN.
     assert!(
         !page.document().contains("NaN") || format!("{:?}", history.entries).contains("NaN"),
         "not a number in a plot"
     );
     if let Some(last) = history.last() {
-        // One more is read back; without a line, or with two of them changed about, nothing is.
+        // One more entry is read back; without the first line or the end, nothing is.
         let next = Entry { entry: history.next(), ..last.clone() };
         let longer = history.with(&next);
         let read = History::read(&longer, file).expect("what was written is read");
-        // The last bit of a number may be another: it is read fast.
+        // The last bit of a number may differ: the reader parses fast.
         let told = |entry: &Entry| (entry.entry, entry.deed, entry.files.clone(), entry.measured.len());
         assert_eq!(read.entries.last().map(told), Some(told(&next)));
         let lines: Vec<&str> = longer.split_inclusive('\n').collect();
@@ -111,7 +111,7 @@ fn history(text: &str) {
     }
 }
 
-/// Sums of all lines made right, each over itself and the one before.
+/// Corrects the sums of all lines, each over its line and the previous sum.
 fn repair(bytes: &mut Vec<u8>) {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
     if !text.starts_with('{') {
@@ -147,7 +147,7 @@ fn seeds() -> Vec<Vec<u8>> {
     ]
 }
 
-/// A history of these deeds.
+/// A history with these entries.
 fn grown(deeds: &[Deed]) -> Vec<u8> {
     let mut history = History::read("", Path::new(HISTORY)).expect("an empty history");
     for deed in deeds {

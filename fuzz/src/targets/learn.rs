@@ -20,7 +20,7 @@ pub const TARGET: Target = Target {
 };
 
 const FILE: &str = "record.csv";
-/// A path beyond which its many nodes are not worth their time here, mm.
+/// A longer path has too many nodes to process here, mm.
 const LONGEST_MM: f64 = 60.0;
 
 fn run(bytes: &[u8]) {
@@ -43,13 +43,13 @@ fn run(bytes: &[u8]) {
     let correction = belongs(&file, &record, &first);
     outcome::accepted();
     outcome::saw((first.correction_mm.len().ilog2(), record.rows.iter().any(|row| row.error_mm.is_none())));
-    // A second part, made with what the first taught.
+    // A second part, made with the correction learned from the first.
     let second = lesson(Some(&correction)).expect("a record from which was learned");
     assert_eq!(second.header.parts, 2);
     belongs(&second.to_bytes().expect("a correction of two parts"), &record, &second);
 }
 
-/// The file of a lesson is one of this machine and program, within half a step of its resolution.
+/// The file of a lesson belongs to this machine and program, and agrees within half a step of its resolution.
 fn belongs<'b>(file: &'b [u8], record: &Record, lesson: &Lesson) -> Learned<'b, f64> {
     let learned = Learned::<f64>::parse(file).expect("a file that was learned");
     assert_eq!(learned.expect_machine(record.identity.machine_id), Ok(()));
@@ -60,7 +60,7 @@ fn belongs<'b>(file: &'b [u8], record: &Record, lesson: &Lesson) -> Learned<'b, 
         let off = written.iter().zip(meant).fold(0.0_f64, |off, (written, meant)| off.max((written - meant).abs()));
         assert!(off <= 0.5001 * step, "{written:?} for {meant:?}, resolution {step}");
     }
-    // No correction is larger than what it is learned from; rows of up to 1 mm are taken.
+    // No correction is larger than the errors it is learned from; rows of up to 1 mm are accepted.
     assert!(lesson.correction_mm.iter().flatten().all(|value| value.abs() <= 0.7 + 0.98 * 0.7 + 1e-9));
     learned
 }

@@ -1,4 +1,4 @@
-//! `machine.toml` with its tables, as the command line reads, checks and compiles them.
+//! `machine.toml` with its tables, read, checked and compiled like on the command line.
 
 use crate::execution::SLOWEST;
 use crate::outcome::{accepted, refused, saw};
@@ -10,7 +10,7 @@ use trueaxis_evaluation::check::{compiled, findings};
 use trueaxis_tables::Machine;
 use trueaxis_tables::files::Memory;
 
-/// All files of a machine in one text: the name of each on a line of its own between `==` and `==`.
+/// All files of a machine in one text: the name of each on a separate line between `==` and `==`.
 pub const TARGET: Target = Target {
     name: "machine",
     about: "machine.toml with axis tables and grids in CSV: read, checked, compiled",
@@ -43,15 +43,15 @@ fn run(input: &[u8]) {
     }
 }
 
-/// What was compiled is loaded, says what was read, and can be shown.
+/// The compiled file loads, agrees with the machine that was read, and can be shown.
 fn compiles(machine: &Machine, bytes: &[u8]) {
     let file = Tcomp::parse(bytes).unwrap_or_else(|error| panic!("compiled, but refused where it is loaded: {error}"));
     let mut again = Machine::from_tcomp(&file);
     for (again, settings) in again.settings.axes.iter_mut().zip(&machine.settings.axes) {
-        // The one thing that a compiled file does not say.
+        // The only setting that a compiled file omits.
         again.encoder_resolution = settings.encoder_resolution;
     }
-    // A grid is compiled as it is rounded, and read back as that.
+    // A grid is rounded when compiled, and read back rounded.
     for (again, grid) in again.grids.iter_mut().zip(&machine.grids) {
         assert_eq!(again.data(), grid.data());
         *again = grid.clone();
@@ -60,7 +60,7 @@ fn compiles(machine: &Machine, bytes: &[u8]) {
     let found = findings(machine, &file, RATE_HZ);
     let texts = found.warnings.iter().map(ToString::to_string).chain([found.summary.to_string()]);
     for text in texts {
-        // A machine may be called so.
+        // The machine's name may contain these words.
         let told = text.replace(machine.settings.name.as_str(), "");
         assert!(!text.is_empty() && !told.contains("NaN") && !told.contains("inf "), "{text}");
     }

@@ -28,7 +28,8 @@ pub mod warming;
 
 use crate::Target;
 
-/// Gives the list of all targets to a macro, in the order of the report: `name: its constant`, for what is made once for each.
+/// Passes the list of all targets to a macro, in the order of the report, as `name: constant`, for code needed once per
+/// target.
 #[macro_export]
 macro_rules! for_each_target {
     ($make:ident) => {
@@ -68,14 +69,14 @@ macro_rules! for_each_target {
 
 macro_rules! list {
     ($($name:ident: $target:path,)*) => {
-        /// All of them.
+        /// All targets.
         pub const TARGETS: &[&Target] = &[$(&$target),*];
     };
 }
 
 for_each_target!(list);
 
-/// The target of a name.
+/// The target with this name.
 pub fn named(name: &str) -> Option<&'static Target> {
     TARGETS.iter().copied().find(|target| target.name == name)
 }

@@ -8,7 +8,7 @@ use trueaxis::contour::{ContourSearch, Flags, Method};
 use trueaxis_evaluation::path::{MOST_SPANS, PathFile, ProgrammedPath};
 use trueaxis_tables::text::decode;
 
-/// Read, cut, and the nearest point looked for.
+/// Reads a path, cuts it and searches for nearest points.
 pub const TARGET: Target = Target {
     name: "path",
     about: "path JSON: read, cut into spans, searched",
@@ -19,7 +19,7 @@ pub const TARGET: Target = Target {
     slowest: SLOWEST,
 };
 
-/// A path of more spans is read, but only seldom cut: that takes its time and shows nothing new.
+/// A path with more spans is read but rarely cut: that is slow and shows nothing new.
 const MANY: u64 = 2000;
 
 fn seeds() -> Vec<Vec<u8>> {
@@ -57,7 +57,7 @@ fn run(input: &[u8]) {
     }
 }
 
-/// Spans that join, and the nearest point of a place beside each of the first segments.
+/// Spans join, and the point nearest to a place beside each of the first segments is found.
 fn searched(path: &ProgrammedPath) {
     let search = ContourSearch::new(1.0, Method::Guarded).expect("a window of 1 mm");
     for segment in 0..path.segments().min(8) {

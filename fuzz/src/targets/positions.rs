@@ -26,7 +26,7 @@ pub const TARGET: Target = Target {
 };
 
 const FILE: &str = "positions.csv";
-/// Rows beyond which nothing new comes.
+/// Longer inputs reach nothing new.
 const MOST_ROWS: usize = 64;
 
 /// A machine with its model built.
@@ -41,7 +41,7 @@ fn model() -> Model {
     let mut machine = small::machine("w C' A' X' Y' b Z t");
     machine.settings.compensation.model = ErrorModel::Volumetric;
     let rows = |axis: Axis| machine.rows(axis);
-    // Once a thread, for good.
+    // Once per thread, never freed.
     let memory = vec![0.0; requirement(&machine.settings, rows)].leak();
     let compensation = Compensation::build(&machine.settings, rows, &[], 2, memory).expect("a good machine");
     let axes = AxisOrder::<5>::of(&machine.settings).expect("five axes").axes();
@@ -62,14 +62,15 @@ fn run(bytes: &[u8]) {
     }
 }
 
-/// Row by row, as the command does: each within the travel, with finite errors, and a correction within the reach of the table.
+/// Row by row, like the command: each is within the travel, with finite errors, and a correction within the reach of the
+/// table.
 fn evaluate(model: &Model, bytes: &[u8]) -> Result<()> {
     let mut rows = Rows::new(bytes, Path::new(FILE), &COLUMNS, outcome::refused)?;
     let mut travel = Travel::new(&model.machine, model.axes.into_iter());
     let thermal = [ThermalLine::default(); 5];
     let mut line = 0;
     while let Some(row) = next(&model.machine, &mut rows)? {
-        // A carriage return alone ends a row, but no line.
+        // A carriage return alone ends a row, but not a line.
         assert!(row.line >= line, "line {} behind line {line}", row.line);
         line = row.line;
         assert_eq!(rows.cells().count(), rows.header.len());
@@ -92,7 +93,7 @@ fn evaluate(model: &Model, bytes: &[u8]) -> Result<()> {
     one(model, bytes)
 }
 
-/// Exact transforms tell the same error to second order.
+/// Exact transforms give the same error to second order.
 fn exact(model: &Model, values: &[f64; AXES], directions: &[Direction; 5], tip: [f64; 3]) {
     let mut at = [0.0; AXES];
     let mut reverse = [0.0; AXES];
@@ -109,9 +110,9 @@ fn exact(model: &Model, values: &[f64; AXES], directions: &[Direction; 5], tip: 
     assert!(correction.iter().all(|value| value.abs() < 1.0), "{correction:?} at {values:?}");
 }
 
-/// One position of the file, asked by itself, has the same error in every bit.
+/// One position of the file, queried separately, has the same error in every bit.
 fn one(model: &Model, bytes: &[u8]) -> Result<()> {
-    // Dear: the model is built anew.
+    // Expensive: this rebuilds the model.
     if !bytes.len().is_multiple_of(64) {
         return Ok(());
     }

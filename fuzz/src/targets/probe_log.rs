@@ -22,9 +22,9 @@ pub const TARGET: Target = Target {
 
 const FILE: &str = "probe.log";
 const DIALECTS: [Dialect; 3] = [Dialect::LinuxCnc, Dialect::GrblHal, Dialect::Klipper];
-/// Lines beyond which nothing new comes.
+/// Longer inputs reach nothing new.
 const MOST_LINES: usize = 200;
-/// Of whole logs one in so many is solved.
+/// One in so many complete logs is solved.
 const SOLVED_ONE_IN: u64 = 64;
 
 const TASK: &str = "machine = \"small\"\ndialect = \"linuxcnc\"\n[probe]\ntip_radius_mm = 3.0\nrepeats = 1\n\
@@ -88,7 +88,7 @@ fn run(bytes: &[u8]) {
     }
 }
 
-/// A log of all touches, in the middle of their moves.
+/// A log of all touches, each in the middle of its move.
 fn whole() -> String {
     let Planned { plan, .. } = planned();
     let head = format!("trueaxis calibrate {:08x} touches {}\n", plan.identity, plan.touches.len());

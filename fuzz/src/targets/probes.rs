@@ -21,12 +21,12 @@ pub const TARGET: Target = Target {
 };
 
 const FILE: &str = "probes.csv";
-/// Points of a revolution: the fewest that are taken.
+/// Points per revolution: the fewest accepted.
 const POINTS: usize = 64;
-/// Rows beyond which evaluation is not worth its time here.
+/// With more rows, evaluation takes too long here.
 const MOST_ROWS: usize = 3 * POINTS;
 
-/// What is asked, by the length of the input: without a filter, with one, with an arm.
+/// Requests, selected by the length of the input: without a filter, with one, with an arm.
 fn plans() -> [Plan; 3] {
     let plain = Request {
         probes: Probes { n: POINTS, harmonics: Some([2, 15]), p: Some(11), q: Some(14), ..Probes::default() },
@@ -64,13 +64,13 @@ fn run(bytes: &[u8]) {
     }
 }
 
-/// Finite figures, of which none contradicts another.
+/// Figures are finite and do not contradict one another.
 fn accepted(found: &Evaluation) {
     let document = &found.document;
     assert_eq!(document.n, POINTS);
     assert_eq!(document.per_revolution.len(), document.revolutions);
     let json = serde_json::to_string(document).expect("a document");
-    // serde_json writes what is no number as null; here two things may be null.
+    // serde_json writes non-finite numbers as null; here two things may be null.
     let nulls = usize::from(document.upr.is_none()) + 2 * usize::from(document.spindle.x.asynchronous_um.is_none());
     assert_eq!(json.matches(":null").count(), nulls, "{json}");
     let mut curves = found.profile.iter().chain(&found.x.mean_contour).chain(&found.y.mean_contour);

@@ -1,4 +1,4 @@
-//! Recorded servo cycles, as a bare-metal image and the host read them.
+//! Recorded servo cycles, as read by a bare-metal image and the host.
 
 use crate::execution::SLOWEST;
 use crate::{Target, outcome, sum};
@@ -29,7 +29,7 @@ fn run(bytes: &[u8]) {
     }
 }
 
-/// Reads a recording of `N` axes; all of it has to be there, and to survive being written again.
+/// Reads a recording of `N` axes, which must be complete and survive being written again.
 fn of<const N: usize>(bytes: &[u8]) -> Option<Refused> {
     let recording = match Recording::<N>::parse(bytes) {
         Ok(recording) => recording,
@@ -52,7 +52,7 @@ fn of<const N: usize>(bytes: &[u8]) -> Option<Refused> {
     }
     outcome::accepted();
     outcome::saw((N, header.gauge, path.len().min(3), cycles.len().min(3)));
-    // Numbers may be written in more than one way; what the writer makes of them is the same for good.
+    // Numbers may be written in more than one way; rewriting the writer's form changes nothing.
     let again = written(header, &path, &cycles);
     let read = Recording::<N>::parse(&again).expect("what was written");
     assert_eq!(written(read.header(), &read.path().collect::<Vec<_>>(), &all(&read)), again);
@@ -61,7 +61,7 @@ fn of<const N: usize>(bytes: &[u8]) -> Option<Refused> {
     None
 }
 
-/// Any one bit wrong, or the end missing: refused.
+/// A recording with any one bit wrong, or without its end, is refused.
 fn damaged<const N: usize>(good: &[u8], choice: &[u8]) {
     let sum = choice.iter().fold(0_usize, |sum, byte| sum.wrapping_mul(31).wrapping_add(usize::from(*byte)));
     let mut bytes = good.to_vec();
@@ -120,7 +120,7 @@ fn seed<const N: usize>(gauge: bool, lines: u32) -> Vec<u8> {
     written(&header, &path, &cycles)
 }
 
-/// Length and sum.
+/// Corrects length and sum.
 fn repair(bytes: &mut [u8]) {
     let Some(content) = bytes.len().checked_sub(HEAD + 4).filter(|_| bytes.starts_with(&MAGIC)) else { return };
     bytes[10..HEAD].copy_from_slice(&(content as u32).to_le_bytes());

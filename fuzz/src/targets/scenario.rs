@@ -1,4 +1,4 @@
-//! A simulation's scenario: settings with faults and events, and what is done to a run by hand.
+//! A simulation's scenario: settings with faults and events, and manual acts on a run.
 
 use crate::choice::one_in;
 use crate::execution::SLOWEST;
@@ -23,13 +23,13 @@ pub const TARGET: Target = Target {
 };
 
 const FILE: &str = "scenario.toml";
-/// Of accepted scenarios, one in so many is run.
+/// One in so many accepted scenarios is run.
 const RUN_ONE_IN: u64 = 128;
 /// Cycles of a run.
 const CYCLES: u64 = 120;
 
 fn run(bytes: &[u8]) {
-    // The file is read as text before.
+    // The caller has read the file as text.
     let Ok(text) = std::str::from_utf8(bytes) else { return };
     for (number, line) in text.lines().take(6).enumerate() {
         act(line, number);
@@ -40,7 +40,7 @@ fn run(bytes: &[u8]) {
     }
 }
 
-/// A line as an act, as the desk and `--fault` take it: what is understood is written back as the same.
+/// Parses a line as an act, like the desk and `--fault`: an accepted act is written back as the same.
 fn act(line: &str, number: usize) {
     match line.parse::<Act>() {
         Ok(act) => {
@@ -53,7 +53,7 @@ fn act(line: &str, number: usize) {
     }
 }
 
-/// Settings that are written and read again are the same, whatever they are.
+/// Settings that are written and read again are identical.
 fn accepted(settings: &Settings, bytes: &[u8]) {
     let written = settings.to_toml();
     assert_eq!(Settings::parse(&written, FILE).as_ref(), Ok(settings), "{written}");
@@ -77,7 +77,7 @@ fn machine() -> &'static Machine {
     MACHINE.get_or_init(|| small::machine("w b X Y Z t"))
 }
 
-/// The first cycles of a run in one go and in two: the same, with finite figures.
+/// The first cycles of a run, in one part and in two, are the same, with finite figures.
 fn simulated(settings: &Settings) {
     static PROGRAM: OnceLock<Program> = OnceLock::new();
     let program = PROGRAM.get_or_init(|| {

@@ -1,4 +1,4 @@
-//! Compiled table files: what is accepted is run, and keeps its limits.
+//! Compiled table files: every accepted one is run, and keeps its limits.
 
 use crate::execution::SLOWEST;
 use crate::outcome::{accepted, refused, saw};
@@ -13,7 +13,7 @@ use trueaxis::telemetry::{Frame, Status};
 use trueaxis::{Input, Nanometres, Position, Real, ServoLoop};
 use trueaxis_tables::{Machine, compile};
 
-/// Form, sum, settings, tables, grids; then a servo loop of them and some hundred cycles.
+/// Form, sum, settings, tables, grids; then a servo loop built from them and some hundred cycles.
 pub const TARGET: Target = Target {
     name: "tcomp",
     about: "compiled table files (.tcomp), loaded and run",
@@ -30,7 +30,7 @@ fn seeds() -> Vec<Vec<u8>> {
     machines::ALL.iter().map(|files| compile(&machines::read(files)).expect("a machine that compiles")).collect()
 }
 
-/// Length, version and sum of a file that begins as one; the id where the machine's name and chain can be found.
+/// Corrects length, version and sum of a file that begins like one; also the id, if the machine's name and chain can be found.
 fn repair(bytes: &mut [u8]) {
     if bytes.len() < HEADER_BYTES + 4 || bytes[..8] != MAGIC {
         return;
@@ -49,7 +49,7 @@ fn repair(bytes: &mut [u8]) {
     bytes[end..].copy_from_slice(&sum.to_le_bytes());
 }
 
-/// The first two things in the settings: each a length of one byte and its text.
+/// The first two entries of the settings, each a one-byte length and its text.
 fn name_and_chain(payload: &[u8]) -> Option<(&str, &str)> {
     let (name, rest) = text(payload)?;
     Some((name, text(rest)?.0))
@@ -77,7 +77,7 @@ fn run(input: &[u8]) {
     }
 }
 
-/// Written again and read again the file says the same.
+/// Written and read again, the file has the same content.
 fn same_again(file: &Tcomp<'_>) {
     let machine = Machine::from_tcomp(file);
     let bytes = compile(&machine).unwrap_or_else(|error| panic!("accepted, but not to be written: {error}"));
@@ -96,7 +96,7 @@ fn same_again(file: &Tcomp<'_>) {
     }
 }
 
-/// Single precision or double, by the draw.
+/// Runs in single or double precision, as drawn.
 fn in_both<const N: usize>(file: &Tcomp<'_>, mut random: ChaCha8Rng) {
     let period_ns = [1_000_000, 100_000, 31_250][random.next_u32() as usize % 3];
     if random.next_u32().is_multiple_of(2) {
@@ -114,7 +114,7 @@ fn in_one<R: Real, P: Position, const N: usize>(file: &Tcomp<'_>, period_ns: u32
     }
 }
 
-/// Correction, its change and the change of that, of one axis.
+/// Correction, its change and the change of that, for one axis.
 #[derive(Clone, Copy, Default)]
 struct Sent {
     correction: f64,
@@ -142,7 +142,7 @@ fn cycles<R: Real, P: Position, const N: usize>(
             let dynamic = out.record.dynamic.map_or(0.0, |parts| parts.sent[slot].to_f64());
             let total = out.record.correction[slot].to_f64() + dynamic;
             assert!(out.drive[slot].to_f64().is_finite() && out.feedback[slot].to_f64().is_finite());
-            // A letter without an axis has no drive, and no limits either.
+            // A letter without an axis has neither a drive nor limits.
             let Some(axis) = axes[slot] else { continue };
             keeps::<R>(&mut sent[slot], total, &axis.limits, period_s, held);
             if status.has(Status::ACTIVE) {
@@ -158,7 +158,7 @@ fn cycles<R: Real, P: Position, const N: usize>(
     saw((file.settings().axes.len(), file.settings().roundness.is_some()));
 }
 
-/// |c|, |Δc| and |Δ²c| within their limits, but for rounding; while the output holds nothing changes at all.
+/// |c|, |Δc| and |Δ²c| stay within their limits, apart from rounding; while the output holds, nothing changes at all.
 fn keeps<R: Real>(sent: &mut Sent, correction: f64, limits: &Limits, period_s: f64, held: bool) {
     let change = correction - sent.correction;
     let (most, fastest) = (limits.magnitude, limits.slope_per_s * period_s);
@@ -176,7 +176,7 @@ fn keeps<R: Real>(sent: &mut Sent, correction: f64, limits: &Limits, period_s: f
     *sent = Sent { correction, change };
 }
 
-/// A cycle as a machine has them, now and then one as it must not be.
+/// A cycle as machines produce it, and occasionally an invalid one.
 fn cycle<P: Position, const N: usize>(
     random: &mut ChaCha8Rng,
     at: &mut [f64; N],

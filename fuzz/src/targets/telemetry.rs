@@ -47,9 +47,9 @@ enum Read {
     Nothing,
 }
 
-/// One piece between zeros. It cannot be a frame of both kinds.
+/// Decodes one piece between zeros. It cannot be a frame of both kinds.
 fn read(piece: &[u8]) -> Read {
-    // The decoders change what they read.
+    // The decoders modify their input.
     let (mut one, mut other) = (piece.to_vec(), piece.to_vec());
     match (Frame::decode(&mut one), RoundnessFrame::decode(&mut other)) {
         (Ok(_), Ok(_)) => panic!("a frame of a cycle and of a revolution"),
@@ -59,7 +59,7 @@ fn read(piece: &[u8]) -> Read {
     }
 }
 
-/// What was decoded is encoded as one frame, which is decoded as the same.
+/// A decoded frame is encoded as one frame, which decodes to the same.
 fn frame_again(frame: &Frame) {
     assert_eq!(frame.version, FRAME_VERSION);
     let (mut buffer, mut again) = ([0xa5; FRAME_BYTES], [0x5a; FRAME_BYTES]);
@@ -67,13 +67,13 @@ fn frame_again(frame: &Frame) {
     one_frame(bytes);
     let mut scratch = bytes.to_vec();
     let decoded = Frame::decode(&mut scratch).expect("what was encoded");
-    // By its bytes: a number that is none differs from itself.
+    // Compare bytes: a NaN differs from itself.
     assert_eq!(decoded.encode(&mut again).expect("the same buffer"), bytes);
     let short = bytes.len() - 1;
     assert!(frame.encode(&mut again[..short]).is_err(), "{} bytes in {short}", bytes.len());
 }
 
-/// The same for a revolution.
+/// Like [`frame_again`], for a revolution.
 fn roundness_again(frame: &RoundnessFrame) {
     assert_eq!(frame.version, ROUNDNESS_FRAME_VERSION);
     let (mut buffer, mut again) = ([0xa5; ROUNDNESS_FRAME_BYTES], [0x5a; ROUNDNESS_FRAME_BYTES]);
@@ -84,14 +84,14 @@ fn roundness_again(frame: &RoundnessFrame) {
     assert_eq!(decoded.encode(&mut again).expect("the same buffer"), bytes);
 }
 
-/// No byte but the last is zero.
+/// Only the last byte is zero.
 fn one_frame(bytes: &[u8]) {
     let (last, rest) = bytes.split_last().expect("a frame has bytes");
     assert!(*last == 0 && !rest.contains(&0), "{bytes:?}");
 }
 
-/// A line that carries whole frames between pieces of the input: of the frames behind a zero none is lost, whatever came
-/// before; only one that garbage runs into without a zero between may be.
+/// Carries whole frames between pieces of the input: no frame behind a zero is lost, whatever came before; only one that
+/// garbage runs into without a zero between may be.
 fn resynchronises(garbage: &[u8]) {
     let Some(count) = garbage.first().map(|first| 1 + usize::from(*first) % 3) else { return };
     let mut line = Vec::with_capacity(2 * garbage.len() + 3 * FRAME_BYTES);
@@ -102,7 +102,7 @@ fn resynchronises(garbage: &[u8]) {
         let frame = sample(number as u32 | 0x0100_0000, usize::from(piece[0]) % 4 + 3, piece.len() % 2 == 1);
         let clear = line.last().is_none_or(|byte| *byte == 0);
         append(&frame, &mut line);
-        // Behind its own zero a second one is safe.
+        // A second frame is safe behind the zero of the first.
         let second = Frame { sequence: number as u32 | 0x0200_0000, ..frame.clone() };
         append(&second, &mut line);
         expected.extend(clear.then_some(frame).into_iter().chain([second]));
@@ -168,7 +168,7 @@ fn seeds() -> Vec<Vec<u8>> {
     vec![line.clone(), short.clone(), [short, line].concat(), long]
 }
 
-/// Every piece as a frame again, of the nearest kind: a mutation then changes what is in a frame, not whether it is one.
+/// Turns every piece into a frame of the nearest kind: a mutation then changes a frame's content, not whether it is one.
 fn repair(bytes: &mut Vec<u8>) {
     let mut line = Vec::with_capacity(bytes.len() + 8);
     for piece in bytes.split(|byte| *byte == 0).filter(|piece| !piece.is_empty()) {
@@ -181,7 +181,7 @@ fn repair(bytes: &mut Vec<u8>) {
     *bytes = line;
 }
 
-/// COBS: what a piece stands for, its end supplied where it is cut.
+/// COBS: decodes a piece, and supplies its end if it is truncated.
 fn without_zeros_undone(piece: &[u8]) -> Vec<u8> {
     let (mut content, mut rest) = (Vec::with_capacity(piece.len()), piece);
     while let Some((code, behind)) = rest.split_first() {
@@ -195,7 +195,7 @@ fn without_zeros_undone(piece: &[u8]) -> Vec<u8> {
     content
 }
 
-/// COBS: the content without zeros, then one.
+/// COBS: writes the content without zeros, then a zero.
 fn with_zeros_taken_out(content: &[u8], line: &mut Vec<u8>) {
     let runs: Vec<&[u8]> = content.split(|byte| *byte == 0).collect();
     for run in runs {

@@ -1,4 +1,4 @@
-//! Recorded warm-ups from which thermal growth is found, and texts of what was found: `trueaxis thermal`.
+//! Recorded warm-ups for identifying thermal growth, and texts with the result: `trueaxis thermal`.
 
 use crate::choice::one_in;
 use crate::{Target, no_repair, outcome, refusal, small};
@@ -23,7 +23,7 @@ pub const TARGET: Target = Target {
 const RECORD: &str = "record.csv";
 const TEXT: &str = "thermal.toml";
 const FITTED: Duration = Duration::from_secs(10);
-/// Of records that can be read, one in so many is fitted.
+/// One in so many readable records is fitted.
 const FIT_ONE_IN: u64 = 1024;
 const MOST_ROWS: usize = 120;
 

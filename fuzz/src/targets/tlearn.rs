@@ -48,7 +48,7 @@ fn run(bytes: &[u8]) {
     damaged(bytes);
 }
 
-/// Zero at the ends and beyond, never larger than the nodes, nearly the same in both precisions.
+/// Zero at the ends and beyond, never larger than the nodes, nearly equal in both precisions.
 fn both(double: &Learned<'_, f64>, single: &Learned<'_, f32>) {
     let header = double.header();
     let largest = double.nodes().flatten().fold(0.0_f64, |largest, value| largest.max(value.abs()));
@@ -70,7 +70,7 @@ fn both(double: &Learned<'_, f64>, single: &Learned<'_, f32>) {
     }
 }
 
-/// A bit wrong, a byte missing or one too many: refused.
+/// A file with a wrong bit, a missing byte or an additional one is refused.
 fn damaged(good: &[u8]) {
     let mut bytes = good.to_vec();
     let choice = usize::from(good[good.len() - 1]) << 8 | usize::from(good[good.len() - 2]);
@@ -102,7 +102,7 @@ fn seeds() -> Vec<Vec<u8>> {
     ]
 }
 
-/// A file of four nodes, as other targets need one.
+/// A file of four nodes for other targets.
 pub(super) fn seed() -> Vec<u8> {
     seeds().swap_remove(0)
 }
@@ -115,7 +115,7 @@ fn file(header: &LearnedHeader, nodes: &[[i16; 3]]) -> Vec<u8> {
     bytes
 }
 
-/// The number of nodes by the file's length, a path length that has as many, zero ends, and the sum.
+/// Sets the number of nodes from the file's length, a matching path length, zero ends, and the sum.
 fn repair(bytes: &mut Vec<u8>) {
     if !bytes.starts_with(&MAGIC) || bytes.len() < HEADER_BYTES + 2 * NODE_BYTES + 4 {
         return;
@@ -124,7 +124,7 @@ fn repair(bytes: &mut Vec<u8>) {
     bytes.truncate(HEADER_BYTES + NODE_BYTES * nodes + 4);
     let spacing = u64::from(u32::from_le_bytes([bytes[28], bytes[29], bytes[30], bytes[31]]));
     let length = u64::from_le_bytes([20, 21, 22, 23, 24, 25, 26, 27].map(|at: usize| bytes[at]));
-    // Keeps what of the length fits into the last cell.
+    // Keeps the part of the length that fits into the last cell.
     let rest = length.checked_rem(spacing).unwrap_or(0);
     let length = spacing.saturating_mul(nodes as u64 - 2).saturating_add(if rest == 0 { spacing } else { rest });
     bytes[20..28].copy_from_slice(&length.to_le_bytes());

@@ -1,4 +1,4 @@
-//! Files with thermal growth, as the controller reads them, and the task with any readings.
+//! Files with thermal growth, as the controller reads them, and the task with arbitrary readings.
 
 use crate::execution::SLOWEST;
 use crate::{Target, outcome, sum};
@@ -35,10 +35,10 @@ fn run(bytes: &[u8]) {
     damaged(bytes);
 }
 
-/// Readings from the file's own bytes: whatever they are, every line is one that the step takes.
+/// Takes readings from the file's bytes: whatever they are, the step accepts every line.
 fn task(thermal: &Thermal<'_>, bytes: &[u8], axes: &[(Axis, f64)]) {
     let mut state = ThermalState::new();
-    // Some sensors have to start, others are believed from their first reading on.
+    // Some sensors must start up, others are believed from their first reading on.
     let believed = bytes.iter().rev().enumerate().filter(|(_, byte)| *byte & 1 == 0).map(|(sensor, _)| sensor);
     believed.for_each(|sensor| state.believe(sensor));
     let mut words = bytes.chunks_exact(4).map(|word| u32::from_le_bytes([word[0], word[1], word[2], word[3]])).cycle();
@@ -60,13 +60,13 @@ fn task(thermal: &Thermal<'_>, bytes: &[u8], axes: &[(Axis, f64)]) {
         }
         growth.sensors.iter().for_each(|status| outcome::saw(*status as u8));
     }
-    // Without any reading everything stands still.
+    // Without readings nothing changes.
     let before = thermal.update(&mut state, 1.0, &Readings { temperatures_c: &[], spindle_rpm: None, tool_mm: 0.0 });
     let after = thermal.update(&mut state, 900.0, &Readings { temperatures_c: &[], spindle_rpm: None, tool_mm: 0.0 });
     assert_eq!(before.lines, after.lines);
 }
 
-/// A bit wrong, a byte missing or one too many: refused.
+/// A file with a wrong bit, a missing byte or an additional one is refused.
 fn damaged(good: &[u8]) {
     let choice = usize::from(good[good.len() - 1]) << 8 | usize::from(good[good.len() - 2]);
     let mut bytes = good.to_vec();
@@ -111,7 +111,7 @@ fn file(sensors: u8, axes: &[u8], speeds: &[u32]) -> Vec<u8> {
     bytes
 }
 
-/// The sum.
+/// Corrects the sum.
 #[expect(clippy::ptr_arg, reason = "the signature of every repair")]
 fn repair(bytes: &mut Vec<u8>) {
     if bytes.starts_with(&MAGIC) {

@@ -1,4 +1,4 @@
-//! Thermal growth with readings of its sensors, as a controller has them in flash, and the task with every row.
+//! Thermal growth with readings of its sensors, as stored in a controller's flash, and the task with every row.
 
 use super::ttherm;
 use crate::execution::SLOWEST;
@@ -17,11 +17,11 @@ pub const TARGET: Target = Target {
     slowest: SLOWEST,
 };
 
-/// Where growth begins, and in it the id of its machine.
+/// Offset of the growth, and of its machine's id.
 const GROWTH: usize = 18;
 const ID: usize = GROWTH + 10;
 
-/// The machine whose growth it is.
+/// The id of the growth's machine.
 fn id(bytes: &[u8]) -> u32 {
     bytes.get(ID..).and_then(|rest| rest.first_chunk()).map_or(0, |id| u32::from_le_bytes(*id))
 }
@@ -36,7 +36,7 @@ fn run(bytes: &[u8]) {
     let thermal = warming.thermal();
     outcome::saw((thermal.sensors(), warming.rows().min(3)));
     let mut task = Task::default();
-    // Some rows are left out.
+    // Skips some rows.
     for row in (0..warming.rows().min(64)).filter(|row| row % 5 != 3) {
         assert!(warming.in_force_from(row) > 0);
         let growth = warming.update(&mut task, row, 1_000_000).expect("a row that is there");
@@ -49,7 +49,7 @@ fn run(bytes: &[u8]) {
     damaged(bytes);
 }
 
-/// A bit of what is summed is wrong, or the end is missing: refused.
+/// A wrong bit under the sum, or a missing end, is refused.
 fn damaged(good: &[u8]) {
     let [.., first, second] = good else { return };
     let bit = (usize::from(*first) << 8 | usize::from(*second)) % (8 * GROWTH);
@@ -68,7 +68,7 @@ fn seeds() -> Vec<Vec<u8>> {
     ttherm::seeds().into_iter().zip([2, 1, 0]).map(of).collect()
 }
 
-/// Both sums, that of the growth first.
+/// Corrects both sums, that of the growth first.
 #[expect(clippy::ptr_arg, reason = "the signature of every repair")]
 fn repair(bytes: &mut Vec<u8>) {
     if !bytes.starts_with(&MAGIC) || bytes.len() < GROWTH {

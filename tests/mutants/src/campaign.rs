@@ -1,4 +1,4 @@
-//! Mutant by mutant: only tests that reach it, quick ones first, until one fails.
+//! Runs the mutants one by one, with only the tests that reach them, fast ones first, until one fails.
 
 use std::collections::{BTreeMap, HashMap, VecDeque};
 use std::path::Path;
@@ -13,10 +13,10 @@ use crate::list::Mutant;
 use crate::results::{Results, Verdict};
 use crate::trial::{self, On, Outcome, Test};
 
-/// Two processes at most: the machine is shared.
+/// At most two processes, because the machine is shared.
 const JOBS: usize = 2;
 
-/// Does the work for every item, two at a time; results in the order of the items.
+/// Runs `work` for every item, two at a time; returns the results in the order of the items.
 pub fn parallel<T: Sync, R: Send>(items: &[T], work: impl Fn(usize, &T) -> Result<R> + Sync) -> Result<Vec<R>> {
     let (next, results) = (AtomicUsize::new(0), Mutex::new(BTreeMap::new()));
     let failure: Mutex<Option<anyhow::Error>> = Mutex::new(None);
@@ -47,20 +47,20 @@ pub fn parallel<T: Sync, R: Send>(items: &[T], work: impl Fn(usize, &T) -> Resul
 /// One mutant to try: its number, site and variant.
 pub type Switch = (usize, usize, u8);
 
-/// What a campaign runs with.
+/// Inputs of a campaign.
 pub struct Campaign<'a> {
     pub mutants: &'a [Mutant],
     pub programs: &'a [Program],
     pub tests: &'a [Test],
-    /// No more tests for a mutant after this much processor time.
+    /// Processor time after which no further tests are run for a mutant.
     pub budget: Duration,
-    /// Nothing new is begun after this.
+    /// Time after which no new mutant is begun.
     pub until: Option<Instant>,
     pub folder: &'a Path,
 }
 
 impl Campaign<'_> {
-    /// Tries the mutants; every verdict goes to `results` at once. Returns how many were tried.
+    /// Tries the mutants; every verdict is stored in `results` at once. Returns the number of mutants tried.
     pub fn run(&self, switches: &[Switch], results: &Mutex<Results>) -> Result<usize> {
         let killers: Mutex<HashMap<&str, VecDeque<usize>>> = Mutex::new(HashMap::new());
         let (begun, done) = (Instant::now(), AtomicUsize::new(0));

@@ -1,4 +1,4 @@
-//! Builds the scratch copy; what the compiler refuses is taken out, error by error, until it compiles.
+//! Builds the scratch copy; removes the mutants that the compiler refuses, error by error, until it compiles.
 
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -56,11 +56,11 @@ pub struct Program {
     pub folder: PathBuf,
 }
 
-/// Takes out what does not compile; the refusals are kept in `refused` from run to run.
+/// Removes the mutants that do not compile; `refused` collects the refusals from run to run.
 pub fn settle(scratch: &Scratch, mutants: &[Mutant], refused: &mut Refused) -> Result<Files> {
     loop {
         let files = scratch.rewrite(mutants, refused)?;
-        // What has compiled once need not be checked again.
+        // A copy that has compiled once need not be checked again.
         let settled = scratch.workspace.with_extension("settled");
         if settled.exists() && scratch.has(&files) {
             scratch.copy(&files)?;
@@ -85,7 +85,7 @@ pub fn settle(scratch: &Scratch, mutants: &[Mutant], refused: &mut Refused) -> R
     }
 }
 
-/// Builds the tests of some packages; arguments as for `cargo test`.
+/// Builds the tests of some packages, with arguments as for `cargo test`.
 pub fn programs(scratch: &Scratch, packages: &[String], only: &[String]) -> Result<Vec<Program>> {
     let mut arguments = vec!["test", "--no-run"];
     packages.iter().for_each(|package| arguments.extend(["-p", package]));
@@ -94,7 +94,7 @@ pub fn programs(scratch: &Scratch, packages: &[String], only: &[String]) -> Resu
     if let Some(error) = lines.iter().filter_map(|l| l.message.as_ref()).find(|m| m.level == "error") {
         bail!("{}", error.rendered.as_deref().unwrap_or(&error.message));
     }
-    // Copies: what is built later must not change a run that goes on.
+    // Copies, because a later build must not change a running campaign.
     let copies = scratch.file(&format!("programs-{}", std::process::id()));
     std::fs::create_dir_all(&copies)?;
     let mut programs = Vec::new();
@@ -115,7 +115,7 @@ fn cargo(scratch: &Scratch, arguments: &[&str]) -> Result<Vec<Line>> {
         .current_dir(&scratch.workspace)
         .args(arguments)
         .arg("--message-format=json")
-        // Built once and run for every mutant: the core optimised, unlike for a developer.
+        // The core is optimised, unlike in a developer's build, because it is built once and run for every mutant.
         .args(["--config", "profile.dev.package.trueaxis.opt-level=1"])
         .env("CARGO_TARGET_DIR", &scratch.target)
         .stderr(Stdio::inherit())
@@ -134,7 +134,7 @@ fn overlaps(a: &Range<usize>, b: &Range<usize>) -> bool {
     a.start < b.end && b.start < a.end
 }
 
-/// The mutant, the place or the constant function that an error is about.
+/// Refuses the mutant, the place or the constant function that an error refers to.
 fn refuse(error: &Message, files: &Files, refused: &mut Refused) {
     if error.code.as_ref().is_some_and(|code| code.code == "E0015") && !error.message.contains("mutant_switch") {
         let name = error.message.split('`').nth(1).unwrap_or_default();
@@ -172,7 +172,7 @@ fn refuse(error: &Message, files: &Files, refused: &mut Refused) {
     }
 }
 
-/// A match that is not exhaustive once its arms have guards: none of them can be taken away.
+/// Refuses the arms of a match that is not exhaustive once they have guards: none of them can be removed.
 fn refuse_arms(matched: &Place, files: &Files, refused: &mut Refused) {
     let Some(file) = files.get(&matched.file_name) else { return };
     let mut depth = 0;

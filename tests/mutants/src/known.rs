@@ -1,4 +1,4 @@
-//! Mutants that are known to survive, each with its reason, and what the compiler has refused, from run to run.
+//! Mutants known to survive, each with a reason, and mutants refused by the compiler, kept from run to run.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -15,18 +15,18 @@ struct File {
     mutant: Vec<Explained>,
 }
 
-/// Why a mutant survives.
+/// Reason why a mutant survives.
 #[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq, Hash)]
 #[serde(rename_all = "lowercase")]
 pub enum Kind {
-    /// No input tells it from the code.
+    /// No input distinguishes it from the code.
     #[default]
     Equivalent,
-    /// Told apart only where two numbers are equal, and either answer keeps what is documented.
+    /// Differs only where two numbers are equal, and either result keeps what is documented.
     Border,
-    /// Results are those of the code, or as good within what is promised; what a cycle costs is not.
+    /// Its results equal the code's or are as good within the documented bounds, but the cost of a cycle differs.
     Cost,
-    /// It is not equivalent, and nothing has noticed it: the reason says what would.
+    /// Not equivalent, but not detected: the reason names what would detect it.
     Open,
 }
 
@@ -36,17 +36,17 @@ pub enum Kind {
 pub struct Explained {
     #[serde(default)]
     pub kind: Kind,
-    /// Below `crates/trueaxis/src`.
+    /// Path below `crates/trueaxis/src`.
     pub file: String,
-    /// Without it, the whole file.
+    /// Function; the whole file if omitted.
     pub function: Option<String>,
-    /// As cargo-mutants says it, without the function: `replace < with <=`; without it, every one.
+    /// Mutation as named by cargo-mutants, without the function: `replace < with <=`; all if omitted.
     pub mutation: Option<Words>,
-    /// Part of the line of the source; without it, every such mutant of the function.
+    /// Part of the source line; every such mutant of the function if omitted.
     pub code: Option<Words>,
-    /// Which of several on the line, by the column that cargo-mutants gives.
+    /// Column given by cargo-mutants, to select one of several on the line.
     pub column: Option<usize>,
-    /// For people.
+    /// Explanation for readers.
     pub reason: String,
 }
 
@@ -79,18 +79,18 @@ impl Explained {
     }
 }
 
-/// The first reason on the list for a mutant to survive.
+/// The first reason on the list that applies to a mutant.
 pub fn reason<'a>(list: &'a [Explained], mutant: &Mutant) -> Option<&'a Explained> {
     list.iter().find(|one| one.is(mutant))
 }
 
-/// The list of reasons.
+/// Reads the list of reasons.
 pub fn explained(path: &Path) -> Result<Vec<Explained>> {
     let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
     Ok(toml::from_str::<File>(&text).with_context(|| path.display().to_string())?.mutant)
 }
 
-/// Reads what was refused before; numbers follow the mutants of this run.
+/// Reads the mutants refused by earlier runs; numbers refer to the mutants of this run.
 pub fn refused(path: &Path, mutants: &[Mutant]) -> Refused {
     let numbers: HashMap<String, usize> = mutants.iter().enumerate().map(|(n, m)| (m.key(), n)).collect();
     let mut refused = Refused::default();
@@ -110,7 +110,7 @@ pub fn refused(path: &Path, mutants: &[Mutant]) -> Refused {
     refused
 }
 
-/// Writes what was refused.
+/// Writes the refused mutants.
 pub fn keep(path: &Path, refused: &Refused, mutants: &[Mutant]) -> Result<()> {
     let mut lines: Vec<String> = refused.constant.iter().map(|name| format!("constant\t{name}")).collect();
     lines.extend(refused.mutants.iter().map(|&n| format!("mutant\t{}", mutants[n].key())));

@@ -1,4 +1,4 @@
-//! The mutants, as `cargo mutants --list --json` names them.
+//! The mutants, as listed by `cargo mutants --list --json`.
 
 use std::path::Path;
 use std::process::Command;
@@ -6,7 +6,7 @@ use std::process::Command;
 use anyhow::{Context, Result, bail};
 use serde::Deserialize;
 
-/// The rooms of the core that the campaign is about: folders and files of `crates/trueaxis/src`.
+/// The rooms of the core that the campaign covers: folders and files of `crates/trueaxis/src`.
 pub const ROOMS: [&str; 9] =
     ["limiter", "sample", "output", "compensation", "contour", "kinematics", "roundness", "exchange", "tcomp"];
 
@@ -42,9 +42,9 @@ struct Listed {
 /// One mutant.
 #[derive(Clone, Debug)]
 pub struct Mutant {
-    /// As cargo-mutants says it, with file, line and column.
+    /// Name given by cargo-mutants, with file, line and column.
     pub name: String,
-    /// What is done, without the place: `replace + with - in Limiter<R>::new`.
+    /// The mutation without its location: `replace + with - in Limiter<R>::new`.
     pub change: String,
     pub file: String,
     pub function: String,
@@ -54,7 +54,7 @@ pub struct Mutant {
     pub column: usize,
     pub start: usize,
     pub end: usize,
-    /// The line of the source, trimmed.
+    /// The source line, trimmed.
     pub code: String,
 }
 
@@ -64,13 +64,13 @@ impl Mutant {
         inside.split('/').next().unwrap_or(inside).trim_end_matches(".rs")
     }
 
-    /// What it is recognised by in a later run: stays when lines move above it.
+    /// Key that identifies the mutant in a later run, even if lines above it have moved.
     pub fn key(&self) -> String {
         format!("{}|{}|{}|{}", self.file, self.column, self.change, self.code)
     }
 }
 
-/// All mutants of the rooms; with a diff, those on its lines only.
+/// Lists all mutants of the rooms; with a diff, only those on its lines.
 pub fn list(root: &Path, diff: Option<&Path>) -> Result<Vec<Mutant>> {
     let mut command = Command::new("cargo");
     command.current_dir(root).args(["mutants", "-p", "trueaxis", "--list", "--json"]);
@@ -84,7 +84,7 @@ pub fn list(root: &Path, diff: Option<&Path>) -> Result<Vec<Mutant>> {
     if !output.status.success() {
         bail!("cargo mutants --list: {}", String::from_utf8_lossy(&output.stderr));
     }
-    // It says nothing at all where the diff has no mutant, as of comments or tests.
+    // The output is empty if the diff contains no mutant, for example only comments or tests.
     if output.stdout.is_empty() {
         return Ok(Vec::new());
     }
@@ -117,7 +117,7 @@ fn placed(one: Listed, text: &str) -> Result<Mutant> {
     })
 }
 
-/// Byte of a line and column, both from 1, the column in characters.
+/// Byte offset of a line and column, both from 1, the column in characters.
 fn offset(text: &str, place: &Place) -> Option<usize> {
     let line = text.split_inclusive('\n').nth(place.line - 1)?;
     let before: usize = text.split_inclusive('\n').take(place.line - 1).map(str::len).sum();

@@ -1,4 +1,4 @@
-//! Mutation of the core. cargo-mutants lists the mutants; one build holds them all, and each run of a test switches one on.
+//! Mutation testing of the core. cargo-mutants lists the mutants; one build holds them all, and each test run enables one.
 
 mod campaign;
 mod compile;
@@ -102,7 +102,7 @@ fn main() -> Result<()> {
         let switches: Vec<Switch> = switches
             .filter(|&(number, ..)| {
                 let (mutant, results) = (&mutants[number], results.lock().unwrap());
-                // A survivor with a reason is not tried again; one without is tried in every run.
+                // A survivor with a reason is not tried again; one without a reason is tried in every run.
                 let open = match results.get(mutant) {
                     None => !options.again,
                     Some(Verdict::Survived | Verdict::Unreached) => {
@@ -182,7 +182,7 @@ fn hunt(
         programs: &programs,
         tests: &tests,
         budget: Duration::from_secs_f64(options.budget),
-        // From here on: a build that takes longer must not leave nothing to try.
+        // Counted from here, so that a long build does not use up the time.
         until: options.seconds.map(|seconds| Instant::now() + Duration::from_secs(seconds)),
         folder: &folder,
     };
@@ -192,7 +192,7 @@ fn hunt(
     Ok(())
 }
 
-/// In an order drawn from the seed (xorshift, Marsaglia 2003), so that a bounded run is a sample of all.
+/// Orders the mutants randomly by the seed (xorshift, Marsaglia 2003), so that a bounded run is a sample of all.
 fn shuffled(mut switches: Vec<Switch>, seed: Option<u64>) -> Vec<Switch> {
     let Some(seed) = seed else { return switches };
     let mut state = seed | 1;

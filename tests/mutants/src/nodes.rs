@@ -1,4 +1,4 @@
-//! Where in a file mutants can stand: expressions, arms, bodies, by their bytes.
+//! Places in a file where mutants can be: expressions, arms, bodies, by byte range.
 
 use std::ops::Range;
 
@@ -10,39 +10,39 @@ pub type Bytes = Range<usize>;
 
 #[derive(Clone, Debug, PartialEq)]
 pub enum Kind {
-    /// `a + b`, `a < b`: the operator is taken from the text.
+    /// `a + b`, `a < b`: the operator is read from the text.
     Binary { left: Bytes, op: Bytes, right: Bytes },
     /// `a += b`.
     Assign { left: Bytes, op: Bytes, right: Bytes },
     /// `-a`, `!a`.
     Unary { op: Bytes, inner: Bytes },
-    /// The body of a function, braces included.
+    /// The body of a function, including its braces.
     Body,
     /// The pattern of an arm without a guard.
     Pattern,
-    /// The guard of an arm: the arm's own mutant and the guard's.
+    /// The guard of an arm: both the arm's mutant and the guard's.
     Guard { arm: usize },
     /// The value of a field in a struct expression with a base.
     Field { member: String, base: Bytes },
-    /// The value of a constant of the file that a function can stand for.
+    /// The value of a constant of the file that a function can replace.
     Constant { name: String, of: String, value: Bytes },
-    /// A constant by its name, where it is used at run time.
+    /// A use of a constant by name at run time.
     Use { name: String },
-    /// The word `const` of a function.
+    /// The keyword `const` of a function.
     Const { function: String, body: Bytes },
 }
 
-/// One place; `anchor` is where cargo-mutants' span begins.
+/// A place; `anchor` is the start of cargo-mutants' span.
 #[derive(Clone, Debug)]
 pub struct Node {
     pub kind: Kind,
     pub range: Bytes,
     pub anchor: usize,
-    /// Inside a constant: nothing can be chosen at run time.
+    /// Inside a constant, where no choice is possible at run time.
     pub constant: bool,
 }
 
-/// All places of a file, outer ones first.
+/// All places of a file, outer ones before inner ones.
 pub fn nodes(text: &str) -> syn::Result<Vec<Node>> {
     let file = syn::parse_file(text)?;
     let mut found = Finder { text, nodes: Vec::new(), constant: false };
@@ -62,7 +62,7 @@ fn bytes(of: &impl Spanned) -> Bytes {
     of.span().byte_range()
 }
 
-/// A `let` among the conditions of a chain.
+/// Whether a chain of conditions contains a `let`.
 fn binds(expr: &syn::Expr) -> bool {
     match expr {
         syn::Expr::Let(_) => true,
@@ -110,7 +110,7 @@ impl<'ast> Visit<'ast> for Finder<'_> {
         visit::visit_trait_item_fn(self, item);
     }
     fn visit_item_const(&mut self, item: &'ast syn::ItemConst) {
-        // One that other files may use stays as it is.
+        // A constant that other files may use is left unchanged.
         if self.constant || !matches!(item.vis, syn::Visibility::Inherited) {
             return self.within_constant(|finder| visit::visit_item_const(finder, item));
         }
@@ -170,7 +170,7 @@ impl<'ast> Visit<'ast> for Finder<'_> {
                 | B::ShlAssign(_)
                 | B::ShrAssign(_)
         );
-        // Conditions with `let` in them cannot be joined by `||`: neither written here nor in the file itself.
+        // Conditions with a `let` cannot be joined by `||`, either in the rewritten or in the original file.
         if binds(&expr.left) || binds(&expr.right) {
             return visit::visit_expr_binary(self, expr);
         }

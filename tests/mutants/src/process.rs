@@ -1,4 +1,4 @@
-//! A process bounded in processor time, so that a loaded machine neither ends it early nor makes it seem slow.
+//! A process limited in processor time, so that a busy machine neither stops it early nor makes it appear slow.
 
 use std::os::unix::process::CommandExt;
 use std::process::Command;
@@ -19,7 +19,7 @@ unsafe extern "C" {
     fn wait4(pid: i32, status: *mut i32, options: i32, usage: *mut Usage) -> i32;
 }
 
-/// Linux: seconds of processor time, and wait4's option to return at once.
+/// Linux constants: the limit on processor time in seconds, and wait4's option to return at once.
 const RLIMIT_CPU: i32 = 0;
 const WNOHANG: i32 = 1;
 
@@ -27,13 +27,14 @@ const WNOHANG: i32 = 1;
 pub enum End {
     Passed,
     Failed,
-    /// Its time was over.
+    /// Exceeded its time.
     TimedOut,
 }
 
-/// Runs the command with so many whole seconds of processor time, and thirty times that by the clock; says what it took.
+/// Runs the command with a limit in whole seconds of processor time, and thirty times that in wall time; returns the time it
+/// took.
 pub fn run(command: &mut Command, seconds: u64) -> Result<(End, Duration)> {
-    // SAFETY: between fork and exec only setrlimit is called, with what Linux's takes.
+    // SAFETY: between fork and exec only setrlimit is called, with the arguments that Linux expects.
     unsafe {
         command.pre_exec(move || {
             setrlimit(RLIMIT_CPU, &[seconds, seconds]);
@@ -45,7 +46,7 @@ pub fn run(command: &mut Command, seconds: u64) -> Result<(End, Duration)> {
     let (mut pause, mut killed) = (Duration::from_micros(200), false);
     loop {
         let (mut status, mut usage) = (0, Usage::default());
-        // SAFETY: both point to what wait4 writes; nobody else waits for this child.
+        // SAFETY: both pointers are valid for wait4 to write to; no other code waits for this child.
         let found = unsafe { wait4(pid, &mut status, WNOHANG, &mut usage) };
         if found == pid {
             let micros = 1_000_000 * (usage.user[0] + usage.system[0]) + usage.user[1] + usage.system[1];

@@ -7,7 +7,7 @@ use crate::known::{self, Explained, Kind};
 use crate::list::{Mutant, ROOMS};
 use crate::results::{Results, Verdict};
 
-/// What became of one mutant.
+/// Result for one mutant.
 #[derive(Clone, Copy, PartialEq)]
 pub enum Fate {
     Unviable,
@@ -15,7 +15,7 @@ pub enum Fate {
     TimedOut,
     Survived,
     Unreached,
-    /// Survived, and the list says why.
+    /// Survived, for a reason on the list.
     Known(Kind),
     NotRun,
 }
@@ -43,7 +43,7 @@ pub fn fates(mutants: &[Mutant], unviable: &HashSet<usize>, results: &Results, l
     mutants.iter().enumerate().map(fate).collect()
 }
 
-/// Entries of the list that no survivor has.
+/// Entries of the list that match no survivor.
 pub fn idle<'a>(mutants: &[Mutant], fates: &[Fate], list: &'a [Explained]) -> Vec<&'a Explained> {
     let survives = |one: &Explained| {
         mutants.iter().zip(fates).any(|(m, fate)| matches!(fate, Fate::Known(_) | Fate::NotRun) && one.is(m))
@@ -52,14 +52,14 @@ pub fn idle<'a>(mutants: &[Mutant], fates: &[Fate], list: &'a [Explained]) -> Ve
     list.iter().filter(|one| here(one) && !survives(one)).collect()
 }
 
-/// Killed of those that were tried and are not equivalent, per cent; 100 where none was tried. Every other reason counts
-/// as survived.
+/// Share of killed mutants among those tried and not equivalent, per cent; 100 if none was tried. Any other reason counts as
+/// survived.
 pub fn score(fates: &[Fate]) -> f64 {
     let known = |fate: &Fate| matches!(fate, Fate::Known(kind) if *kind != Kind::Equivalent);
     share(fates, is_killed, |fate| known(fate) || is_open(fate))
 }
 
-/// Killed, or with any reason, of those that were tried, per cent.
+/// Share of mutants that were killed or have any reason, among those tried, per cent.
 pub fn told(fates: &[Fate]) -> f64 {
     share(fates, |fate| is_killed(fate) || matches!(fate, Fate::Known(_)), is_open)
 }
@@ -77,7 +77,7 @@ fn share(fates: &[Fate], good: impl Fn(&Fate) -> bool, bad: impl Fn(&Fate) -> bo
     if bad == 0 { 100.0 } else { 100.0 * good as f64 / (good + bad) as f64 }
 }
 
-/// One line a room, and all of them together, in Markdown.
+/// One line per room, and one for all rooms, in Markdown.
 pub fn table(mutants: &[Mutant], fates: &[Fate]) -> String {
     let mut text = String::from(
         "| room | mutants | viable | killed | timeout | equivalent | border | cost | open | no reason | not run | score |\n|---|---|---|---|---|---|---|---|---|---|---|---|\n",
@@ -112,7 +112,7 @@ pub fn table(mutants: &[Mutant], fates: &[Fate]) -> String {
     text
 }
 
-/// Survivors, file by file, each with its line of the source and the reason.
+/// Survivors by file, each with its source line and reason.
 pub fn survivors(mutants: &[Mutant], fates: &[Fate], reasons: &[Explained]) -> String {
     let mut files: BTreeMap<&str, Vec<(&Mutant, Fate)>> = BTreeMap::new();
     for (mutant, &fate) in mutants.iter().zip(fates) {

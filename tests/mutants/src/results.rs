@@ -1,4 +1,4 @@
-//! Verdicts on file: one line each, appended as they come, so that a run can be gone on with.
+//! Stored verdicts: one line each, appended at once, so that a run can be resumed.
 
 use std::collections::HashMap;
 use std::fs::{File, OpenOptions};
@@ -14,7 +14,7 @@ pub enum Verdict {
     Killed(String),
     TimedOut(String),
     Survived,
-    /// Survived, and no test comes there.
+    /// Survived; no test reaches it.
     Unreached,
 }
 
@@ -24,7 +24,7 @@ impl Verdict {
     }
 }
 
-/// The verdict of every mutant, by its key.
+/// The verdict on every mutant, by its key.
 pub struct Results {
     verdicts: HashMap<String, Verdict>,
     file: File,
@@ -35,7 +35,7 @@ impl Results {
         let text = std::fs::read_to_string(path).unwrap_or_default();
         let mut verdicts = HashMap::new();
         for (key, verdict) in text.lines().filter_map(read) {
-            // What one set of tests has noticed stays noticed when another has not.
+            // A mutant detected by one set of tests stays detected even if another set misses it.
             if !verdicts.get(&key).is_some_and(Verdict::is_noticed) {
                 verdicts.insert(key, verdict);
             }

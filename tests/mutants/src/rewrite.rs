@@ -1,4 +1,4 @@
-//! One file with all its mutants in it: every place becomes a choice by [`mutant_switch::at`].
+//! Rewrites a file to contain all its mutants: every place becomes a choice by [`mutant_switch::at`].
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 
@@ -7,19 +7,19 @@ use anyhow::{Context, Result};
 use crate::list::Mutant;
 use crate::nodes::{Bytes, Kind, Node, nodes};
 
-/// What the compiler has refused so far.
+/// Everything refused by the compiler so far.
 #[derive(Default)]
 pub struct Refused {
     /// Mutants whose own code does not compile.
     pub mutants: HashSet<usize>,
-    /// Places that cannot be written as a choice, by their first mutant; the value says how many forms failed.
+    /// Places that cannot be written as a choice, by their first mutant; the value is the number of failed forms.
     pub places: HashMap<usize, u8>,
     /// Functions that are called from constants.
     pub constant: HashSet<String>,
 }
 
 impl Refused {
-    /// How much has been refused.
+    /// Number of refusals.
     pub fn count(&self) -> usize {
         self.mutants.len() + self.constant.len() + self.places.values().map(|&forms| usize::from(forms)).sum::<usize>()
     }
@@ -28,32 +28,32 @@ impl Refused {
 /// A rewritten file.
 pub struct Rewritten {
     pub text: String,
-    /// Bytes of `text` that are one mutant's own.
+    /// Bytes of `text` that belong to one mutant.
     pub own: Vec<(Bytes, usize)>,
-    /// Bytes of `text` of a whole place, by its first mutant.
+    /// Bytes of `text` of a whole place, by the place's first mutant.
     pub places: Vec<(Bytes, usize)>,
     /// Mutant → site and variant.
     pub switches: Vec<(usize, usize, u8)>,
-    /// Mutants inside constants, or of no known place.
+    /// Mutants inside constants, or without a known place.
     pub left_out: Vec<usize>,
-    /// How many sites the file takes.
+    /// Number of sites used by the file.
     pub sites: usize,
 }
 
 struct Writer<'a> {
     text: &'a str,
     nodes: &'a [Node],
-    /// Node → mutants that stand there.
+    /// Node → mutants at that node.
     at: BTreeMap<usize, Vec<usize>>,
     mutants: &'a [Mutant],
     refused: &'a Refused,
-    /// Constants that a function stands for at run time.
+    /// Constants that are replaced by a function at run time.
     functions: HashSet<String>,
     first_site: usize,
     out: Rewritten,
 }
 
-/// Rewrites one file. `mutants` are all, `here` the numbers of those in this file; sites count from `first_site`.
+/// Rewrites one file. `mutants` are all mutants, `here` the numbers of those in this file; sites count from `first_site`.
 pub fn rewrite(
     text: &str,
     mutants: &[Mutant],
@@ -99,7 +99,7 @@ pub fn rewrite(
 }
 
 impl Writer<'_> {
-    /// The place of a mutant, unless it is in a constant or a function that must stay one.
+    /// The place of a mutant, unless it is in a constant or in a function that must remain constant.
     fn place_of(&self, mutant: &Mutant) -> Option<usize> {
         let fits = |node: &Node| match (mutant.genre.as_str(), &node.kind) {
             ("BinaryOperator", Kind::Binary { .. } | Kind::Assign { .. }) => node.anchor == mutant.start,
@@ -194,7 +194,7 @@ impl Writer<'_> {
         self.out.text.push_str(text);
     }
 
-    /// `0 => …, 1 => …, _ => …`: the code as it is written, then that of each mutant, marked as its own.
+    /// `0 => …, 1 => …, _ => …`: the original code, then the code of each mutant, marked as its own.
     fn variants(&mut self, alive: &[usize], code: impl Fn(&Mutant) -> String) {
         for (variant, &mutant) in alive.iter().enumerate() {
             let last = variant + 1 == alive.len();
@@ -263,7 +263,7 @@ impl Writer<'_> {
         let (left, op, right) = parts;
         let op = self.text[op.clone()].to_string();
         if matches!(op.as_str(), "&&" | "||") {
-            // Both by one `if`, so that the right side stays unread where the operator leaves it.
+            // Both in one `if`, so that the right side is not evaluated where the operator skips it.
             let unread = if op == "&&" { "!=" } else { "==" };
             self.push("(match ");
             self.render(left.clone(), inside);

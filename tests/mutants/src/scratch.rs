@@ -9,13 +9,13 @@ use anyhow::{Context, Result, bail};
 use crate::list::Mutant;
 use crate::rewrite::{Refused, Rewritten, rewrite};
 
-/// Where things are.
+/// Folders of the campaign.
 pub struct Scratch {
     pub root: PathBuf,
     pub workspace: PathBuf,
     pub target: PathBuf,
-    /// Folder of the switch that the copy depends on. One for each copy: cargo tells packages by their place in the
-    /// workspace, and would take what was built of one copy for the other's.
+    /// Folder of the switch crate that the copy depends on. Each copy has one: cargo distinguishes packages by their path in
+    /// the workspace, and would use the build of one copy for the other.
     switch: &'static str,
 }
 
@@ -23,7 +23,7 @@ pub struct Scratch {
 pub type Files = BTreeMap<String, Rewritten>;
 
 impl Scratch {
-    /// Of all mutants, or of those on changed lines, which are rewritten in a copy of their own.
+    /// The copy with all mutants, or a separate one with only those on changed lines.
     pub fn new(root: &Path, changed: bool) -> Self {
         let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), PathBuf::from);
         Scratch {
@@ -34,12 +34,12 @@ impl Scratch {
         }
     }
 
-    /// A file of the campaign beside the workspace.
+    /// Path of a campaign file beside the workspace.
     pub fn file(&self, name: &str) -> PathBuf {
         self.target.join("mutants").join(name)
     }
 
-    /// Copies what git knows, and what is new; files that have not changed stay as they are.
+    /// Copies tracked and new files of the git tree; unchanged files are not rewritten.
     pub fn copy(&self, rewritten: &Files) -> Result<()> {
         let list = Command::new("git")
             .current_dir(&self.root)
@@ -65,7 +65,7 @@ impl Scratch {
         self.write(rewritten)
     }
 
-    /// Takes away what is no longer there: a test that was moved would be built twice.
+    /// Removes files that no longer exist: a moved test would otherwise be built twice.
     fn sweep(&self, folder: &Path, names: &HashSet<&str>) -> Result<()> {
         let Ok(entries) = std::fs::read_dir(folder) else { return Ok(()) };
         for entry in entries {
@@ -82,7 +82,7 @@ impl Scratch {
         Ok(())
     }
 
-    /// Whether the copy has these very files.
+    /// Whether the copy contains exactly these files.
     pub fn has(&self, rewritten: &Files) -> bool {
         rewritten.iter().all(|(name, file)| {
             std::fs::read(self.workspace.join(name)).is_ok_and(|there| there == file.text.as_bytes())
@@ -112,7 +112,7 @@ impl Scratch {
     }
 }
 
-/// The core depends on the switch, and does not warn of how its choices are written.
+/// Makes the core depend on the switch, and silences warnings about the generated choices.
 fn adapted(name: &str, content: Vec<u8>, switch: &str) -> Vec<u8> {
     let replace = |what: &str, with: &str| String::from_utf8_lossy(&content).replacen(what, with, 1).into_bytes();
     match name {

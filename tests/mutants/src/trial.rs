@@ -1,4 +1,4 @@
-//! Test programs as processes: what they reach, and whether they notice a mutant.
+//! Runs test programs as processes: records what they reach, and whether they detect a mutant.
 
 use std::collections::{BTreeSet, HashMap};
 use std::fs::File;
@@ -11,7 +11,7 @@ use anyhow::{Context, Result};
 use crate::compile::Program;
 use crate::process::{self, End};
 
-/// One test of a program, and what it reaches without any mutant.
+/// One test of a program, and the sites that it reaches without any mutant.
 #[derive(Clone, Debug)]
 pub struct Test {
     pub program: usize,
@@ -27,15 +27,15 @@ pub enum Outcome {
     TimedOut(String),
 }
 
-/// What is switched on.
+/// What is enabled in a run.
 #[derive(Clone, Copy)]
 pub enum On<'a> {
     Mutant(usize, u8),
-    /// None, and what is reached goes to a file.
+    /// No mutant; the reached sites are written to a file.
     Cover(&'a Path),
 }
 
-/// Runs the named tests of a program in one process, one after the other; also says what processor time it took.
+/// Runs the named tests of a program in one process, one after the other; also returns the processor time used.
 pub fn run(program: &Program, tests: &[&str], on: On<'_>, out: &Path, seconds: u64) -> Result<(Outcome, Duration)> {
     let mut command = Command::new(&program.path);
     command.current_dir(&program.folder).args(["--exact", "--test-threads=1"]).args(tests);
@@ -59,7 +59,7 @@ pub fn run(program: &Program, tests: &[&str], on: On<'_>, out: &Path, seconds: u
     Ok((outcome, took))
 }
 
-/// The first test that failed, from what the program printed.
+/// The first failed test in the program's output.
 fn failed(out: &Path) -> Option<String> {
     let text = std::fs::read_to_string(out).ok()?;
     let line = text.lines().find(|line| line.starts_with("test ") && line.ends_with("FAILED"))?;
@@ -74,8 +74,8 @@ fn names(program: &Program) -> Result<Vec<String>> {
     Ok(text.lines().filter_map(|line| line.strip_suffix(": test")).map(str::to_string).collect())
 }
 
-/// Runs every test by itself and notes what it reaches and how long it takes; quick ones first. Those that take longer
-/// than `longest` are ended and left out.
+/// Runs every test separately and records what it reaches and how long it takes; returns fast tests first. Tests longer than
+/// `longest` are stopped and left out.
 pub fn survey(programs: &[Program], folder: &Path, longest: Duration) -> Result<Vec<Test>> {
     std::fs::create_dir_all(folder)?;
     let seconds = longest.as_secs_f64().ceil() as u64;
@@ -96,7 +96,7 @@ pub fn survey(programs: &[Program], folder: &Path, longest: Duration) -> Result<
     let mut tests = Vec::new();
     let mut seen: HashMap<String, ()> = HashMap::new();
     for (outcome, test) in found {
-        // A test that fails without a mutant says nothing about one.
+        // A test that fails without a mutant cannot detect one.
         if let Outcome::Failed(_) = outcome {
             eprintln!("fails without a mutant, left out: {} of {}", test.name, programs[test.program].name);
         } else if let Outcome::TimedOut(_) = outcome {
@@ -105,7 +105,7 @@ pub fn survey(programs: &[Program], folder: &Path, longest: Duration) -> Result<
             tests.push(test);
         }
     }
-    // What looks at the whole step from outside comes before the slower unit tests: it notices most.
+    // Tests of the whole step from outside precede the slower unit tests, because they detect the most mutants.
     let outside = |test: &Test| programs[test.program].name != "trueaxis";
     tests.sort_by_key(|test| if outside(test) { test.took.min(Duration::from_millis(25)) } else { test.took });
     Ok(tests)

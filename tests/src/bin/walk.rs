@@ -1,4 +1,4 @@
-//! The long walk: as many cycles as are asked for, over all combinations, against the contract of the step.
+//! The long walk: the requested number of cycles, over all combinations, checked against the contract of the step.
 
 use anyhow::{Context, Result, bail};
 use clap::Parser;
@@ -54,7 +54,7 @@ fn main() -> Result<()> {
         leg_cycles: arguments.leg_cycles,
         jobs: arguments.jobs.unwrap_or(cores).max(1),
     };
-    // Asked to end, it says what it has come to.
+    // When interrupted, it still reports its results so far.
     static STOP: AtomicBool = AtomicBool::new(false);
     ctrlc::set_handler(|| STOP.store(true, Ordering::Relaxed))?;
     let report = soak.run(&STOP, |cycles| bar.inc(cycles))?;

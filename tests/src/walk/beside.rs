@@ -1,4 +1,4 @@
-//! What no cycle is needed for.
+//! Checks that need no cycle.
 
 use super::device::Ground;
 use super::rule::{Broken, Rule, Tally};
@@ -7,7 +7,7 @@ use super::scalar::{Place, Scalar};
 use trueaxis::Fault;
 use trueaxis::tcomp::Tcomp;
 
-/// Periods; tables of other machines, and damaged ones.
+/// Checks periods, and tables that are damaged or belong to other machines.
 pub(super) fn check<R: Scalar, P: Place, const N: usize>(
     number: u64,
     ground: &Ground<'_, R, P, N>,

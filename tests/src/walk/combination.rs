@@ -1,9 +1,9 @@
-//! What a leg of the walk runs: axes, model, scalar, positions, what is measured, gauge.
+//! What a leg of the walk runs: axes, model, scalar, positions, measurement, gauge.
 
 use std::fmt;
 use trueaxis::machine::ErrorModel;
 
-/// Scalar of the step and type of its positions.
+/// Scalar of the step and its position type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Numbers {
     /// f64, positions in mm as f64.
@@ -19,33 +19,33 @@ pub enum Numbers {
 /// Reference of the contour error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Measured {
-    /// Nothing.
+    /// No contour error is measured.
     Nothing,
     /// The programmed path.
     Path,
-    /// The window of the last commands.
+    /// The window of the latest commands.
     Window,
-    /// Tip and direction of the tool on a path in workpiece coordinates, the tool commanded there now and then.
+    /// Tip and tool direction on a path in workpiece coordinates; the tool is commanded on it now and then.
     ToolPath,
 }
 
 /// One of [`Combination::all`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Combination {
-    /// 3 to 6.
+    /// Number of axes, 3 to 6.
     pub axes: usize,
     /// Error model.
     pub model: ErrorModel,
     /// Scalar and positions.
     pub numbers: Numbers,
-    /// What is measured.
+    /// Reference of the contour error.
     pub measured: Measured,
-    /// With a gauge of three probes.
+    /// Whether a gauge of three probes runs.
     pub gauge: bool,
 }
 
 impl Combination {
-    /// Every combination that the types allow: a tool path wants kinematics, which end at two rotary axes.
+    /// Every combination that the types allow: a tool path needs kinematics, which support at most two rotary axes.
     pub fn all() -> Vec<Combination> {
         let mut all = Vec::new();
         for numbers in [Numbers::Double, Numbers::SingleOnIntegers, Numbers::Mixed, Numbers::DoubleOnIntegers] {

@@ -8,16 +8,16 @@ use trueaxis::glam::DVec3;
 /// A path with the rotary positions along it.
 #[derive(Clone, Debug)]
 pub(super) struct Course<R: Scalar, P> {
-    /// In path order.
+    /// Spans in path order.
     pub spans: Vec<Span<R, P>>,
-    /// As many.
+    /// Rotary positions, one for each span.
     pub turns: Vec<Turn<R>>,
-    /// Its start and end are the same.
+    /// Whether start and end coincide.
     pub closed: bool,
 }
 
 impl<R: Scalar, P: Place> Course<R, P> {
-    /// Draws one about a centre, of lengths about `size` mm.
+    /// Draws a path about a centre, with lengths of about `size` mm.
     pub(super) fn draw(dice: &mut Dice, center: [f64; 3], size: f64, turning: bool) -> Self {
         let mut course = Course { spans: Vec::new(), turns: Vec::new(), closed: false };
         let mut at = DVec3::from(center);
@@ -49,7 +49,7 @@ impl<R: Scalar, P: Place> Course<R, P> {
                         after,
                     )
                 }
-                // Out and back, on itself or beside.
+                // Out and back, on the same line or beside it.
                 4 => {
                     let beside = DVec3::new(0.0, if dice.one_in(2) { 0.03 } else { 0.0 }, 0.0);
                     course.add(number, &Segment::Line { start: at, end: middle }, rotary, rotary)
@@ -69,7 +69,7 @@ impl<R: Scalar, P: Place> Course<R, P> {
         course
     }
 
-    /// A segment that is no path is left out.
+    /// Adds a segment, unless it is not a valid path.
     fn add(&mut self, number: usize, segment: &Segment<'_>, start: [f64; 3], end: [f64; 3]) -> bool {
         let held = self.spans.len();
         let full = PathError { field: "course", index: None, found: 256.0, needed: "fewer spans" };

@@ -1,4 +1,4 @@
-//! The plugin as a controller runs it: a state, a window of commands, a gauge, and the one call a cycle.
+//! The plugin as a controller runs it: a state, a window of commands, a gauge, and one call per cycle.
 
 use super::combination::Measured;
 use super::facts::Facts;
@@ -10,29 +10,29 @@ use trueaxis::kinematics::{Kinematics, Tool};
 use trueaxis::roundness::{self, Probes};
 use trueaxis::{Input, Measure, OnToolPath, Output, Ride, ServoLoop, State};
 
-/// Spans of the window of commands.
+/// Number of spans in the window of commands.
 pub(super) const WINDOW: usize = 24;
-/// Distance of its points, mm.
+/// Spacing of the window's points, mm.
 pub(super) const SPACING_MM: f64 = 0.005;
 
-/// What does not change during a leg.
+/// Constants of a leg.
 #[derive(Debug)]
 pub(super) struct Ground<'a, R: Scalar, P: Place, const N: usize> {
-    /// Configurations that are exchanged for one another: the first two say the same.
+    /// Configurations that are exchanged for one another; the first two are identical.
     pub loops: &'a [ServoLoop<'a, R, P, N>],
-    /// What they say.
+    /// Facts of each configuration.
     pub facts: &'a [Facts<P, N>],
     /// The path, in machine or workpiece coordinates.
     pub spans: &'a [Span<R, P>],
     /// Direction of the tool on each span.
     pub turns: &'a [Turn<R>],
-    /// The path is closed.
+    /// Whether the path is closed.
     pub closed: bool,
-    /// Up to two rotary axes.
+    /// Kinematics of a machine with up to two rotary axes.
     pub kinematics: Option<Kinematics<R>>,
-    /// Where the combination has one.
+    /// Gauge, if the combination has one.
     pub gauge: Option<AnyGauge<R>>,
-    /// Bound of its infeed, µm.
+    /// Bound of the gauge's infeed, µm.
     pub infeed_limit_um: f64,
 }
 
@@ -43,63 +43,63 @@ impl<'a, R: Scalar, P: Place, const N: usize> Ground<'a, R, P, N> {
     }
 }
 
-/// What a cycle is given.
+/// Inputs of a cycle.
 #[derive(Clone, Debug)]
 pub(super) struct Moment<R: Scalar, P, const N: usize> {
-    /// Of the step.
+    /// Input of the step.
     pub input: Input<P, N>,
-    /// What is measured in this cycle.
+    /// Reference of the contour error in this cycle.
     pub measured: Measured,
-    /// Where on the path.
+    /// Position on the path.
     pub reference: Reference<R>,
-    /// Of the gauge.
+    /// Input of the gauge.
     pub probes: Probes<R>,
-    /// The tool is commanded, and the axes are found in the cycle.
+    /// Commanded tool, for which the cycle computes the axes.
     pub tool: Option<Tool<R>>,
-    /// Another configuration, from this cycle on.
+    /// New configuration from this cycle.
     pub exchange: Option<usize>,
-    /// Thermal growth, from this cycle on.
+    /// Thermal growth from this cycle.
     pub thermal: Option<(usize, ThermalLine<R>)>,
-    /// The window begins anew.
+    /// Whether the window restarts.
     pub restart: bool,
 }
 
-/// What one cycle hands to the next.
+/// State passed from one cycle to the next.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Device<R: Scalar, P: Place, const N: usize> {
-    /// Of the step.
+    /// State of the step.
     pub state: State<R, P, N>,
-    /// Last commands.
+    /// Latest commands.
     pub window: CommandWindow<R, P, WINDOW>,
-    /// Of the gauge.
+    /// State of the gauge.
     pub gauge: AnyState<R>,
 }
 
 /// Outcome of a cycle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Outcome<R: Scalar, P: Place, const N: usize> {
-    /// Of the step.
+    /// Output of the step.
     pub output: Output<R, P, N>,
-    /// Of the gauge.
+    /// Output of the gauge.
     pub ride: roundness::Cycle<R>,
 }
 
 impl<R: Scalar, P: Place, const N: usize> Outcome<R, P, N> {
-    /// Before the first cycle.
+    /// The outcome before the first cycle.
     pub(super) fn none() -> Self {
         Outcome { output: Output::none(), ride: roundness::Cycle::default() }
     }
 }
 
 impl<R: Scalar, P: Place, const N: usize> Device<R, P, N> {
-    /// Fresh.
+    /// Fresh states.
     pub(super) fn new(ground: &Ground<'_, R, P, N>) -> Self {
         let window = CommandWindow::new([0.0, 0.0, 1.0], SPACING_MM).expect("a spacing within the range");
         let gauge = ground.gauge.as_ref().map_or_else(AnyState::none, AnyGauge::start);
         Device { state: ground.loops[0].start(), window, gauge }
     }
 
-    /// What is done between two cycles, then a cycle: by `step_into`, or by `step`.
+    /// Applies the changes between two cycles, then runs a cycle, by `step_into` or by `step`.
     pub(super) fn cycle<const INTO: bool>(
         &mut self,
         ground: &Ground<'_, R, P, N>,
@@ -135,7 +135,7 @@ struct Parts<'c, 'a, R: Scalar, P: Place, const N: usize> {
 }
 
 impl<R: Scalar, P: Place, const N: usize> Parts<'_, '_, R, P, N> {
-    /// One copy of the step for every measure and gauge: with one each this crate would build for minutes.
+    /// One copy of the step for all measures and gauges: with one copy each, this crate would take minutes to build.
     fn step<const INTO: bool>(self, ride: &mut dyn Ride<R>, output: &mut Output<R, P, N>) {
         let Parts { ground, servo, moment, state, window } = self;
         let input = &moment.input;

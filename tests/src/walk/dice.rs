@@ -8,7 +8,7 @@ use rand_chacha::rand_core::{RngCore, SeedableRng};
 pub(super) struct Dice(ChaCha8Rng);
 
 impl Dice {
-    /// The stream of a leg of a seed.
+    /// The stream of one leg for a seed.
     pub(super) fn new(seed: u64, leg: u64) -> Dice {
         let mut generator = ChaCha8Rng::seed_from_u64(seed);
         generator.set_stream(leg);
@@ -45,7 +45,7 @@ impl Dice {
         low + (high - low) * self.unit()
     }
 
-    /// Between two positive numbers, every factor as likely.
+    /// Between two positive numbers, uniform in the logarithm.
     pub(super) fn factor(&mut self, low: f64, high: f64) -> f64 {
         low * (high / low).powf(self.unit())
     }

@@ -1,10 +1,10 @@
-//! Bits of an outcome, condensed.
+//! Digest of the bits of an outcome.
 
 use super::device::Outcome;
 use super::scalar::{Place, Scalar};
 use trueaxis::contour::ContourError;
 
-/// Of everything that two runs must have in common; two with the same digest had the same bits, but for one chance in 2⁶⁴.
+/// Digest of everything that two runs must have in common; equal digests mean equal bits, except for a chance of one in 2⁶⁴.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Digest(pub(super) u64);
 
@@ -17,7 +17,7 @@ impl Digest {
         self.0 ^= self.0 >> 32;
     }
 
-    /// All but the ids of the tables. Numbers of spans and cycles, which only grow, where they are `counted`.
+    /// Adds everything except the ids of the tables. Span and cycle numbers, which only grow, are added if `counted`.
     pub(super) fn add<R: Scalar, P: Place, const N: usize>(&mut self, outcome: &Outcome<R, P, N>, counted: bool) {
         let (output, record) = (&outcome.output, &outcome.output.record);
         for positions in [&output.drive, &output.feedback, &record.command, &record.feedback] {
@@ -43,7 +43,7 @@ impl Digest {
         self.word(u64::from(outcome.ride.flags.0) | u64::from(outcome.ride.finished) << 16);
     }
 
-    /// The drives alone: cheap.
+    /// Adds only the drives, which is cheap.
     #[inline(always)]
     pub(super) fn drives<R: Scalar, P: Place, const N: usize>(&mut self, outcome: &Outcome<R, P, N>) {
         outcome.output.drive.iter().for_each(|drive| self.word(drive.bits()));

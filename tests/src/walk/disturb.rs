@@ -1,4 +1,4 @@
-//! The events of a cycle: how each begins, and what it does while it goes on.
+//! The events of a cycle: how each begins, and what it does while it lasts.
 
 use super::combination::Measured;
 use super::device::{Ground, Moment};
@@ -15,7 +15,7 @@ const REFUSALS: [Fault; 5] =
     [Fault::ToolUnreachable, Fault::SingularPose, Fault::BranchChange, Fault::CommandNotFinite, Fault::CommandJump];
 
 impl<R: Scalar, P: Place, const N: usize> Host<R, P, N> {
-    /// An event begins; some are over at once.
+    /// Begins an event; some end at once.
     pub(super) fn begin(
         &mut self,
         event: Event,
@@ -82,7 +82,7 @@ impl<R: Scalar, P: Place, const N: usize> Host<R, P, N> {
         }
     }
 
-    /// Switched off, the axes are set anew near the end of a travel.
+    /// Sets the switched-off axes near an end of a travel.
     fn at_an_end(&mut self, facts: &Facts<P, N>) {
         self.timers[Event::Disable as usize] = 2;
         let k = self.dice.below(N);
@@ -94,9 +94,9 @@ impl<R: Scalar, P: Place, const N: usize> Host<R, P, N> {
         self.motion.at[k] = if self.dice.one_in(2) { low + off } else { high - off };
     }
 
-    /// What the events under way do to a cycle.
+    /// Applies the current events to a cycle.
     pub(super) fn disturb(&mut self, ground: &Ground<'_, R, P, N>, facts: &Facts<P, N>, moment: &mut Moment<R, P, N>) {
-        // Nearly every cycle.
+        // The case of nearly every cycle.
         if self.timers.iter().all(|left| *left == 0) {
             return;
         }

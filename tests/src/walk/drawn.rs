@@ -1,4 +1,4 @@
-//! A machine as it was drawn.
+//! A randomly drawn machine.
 
 use trueaxis::Axis;
 use trueaxis::machine::{GridData, GridHeader, MachineSettings, Row};
@@ -6,7 +6,7 @@ use trueaxis::machine::{GridData, GridHeader, MachineSettings, Row};
 /// Settings, a table for every axis that has one, in the order of the settings' axes, and grids.
 #[derive(Clone, Debug)]
 pub(super) struct Drawn {
-    /// Everything but the tables.
+    /// All settings except the tables.
     pub settings: MachineSettings,
     /// The tables.
     pub tables: Vec<Option<Vec<Row>>>,
@@ -21,7 +21,7 @@ impl Drawn {
         self.tables[place].as_deref()
     }
 
-    /// The grids as a compiled file lends them.
+    /// The grids as borrowed from a compiled file.
     pub(super) fn grids(&self) -> Vec<GridData<'_>> {
         let grids = self.grids.iter().map(|(header, bytes)| GridData::new(*header, bytes).expect("enough bytes").0);
         grids.collect()

@@ -1,4 +1,4 @@
-//! What disturbs a cycle.
+//! Disturbances of a cycle.
 
 macro_rules! events {
     ($($name:ident: $text:literal,)*) => {
@@ -10,10 +10,10 @@ macro_rules! events {
         }
 
         impl Event {
-            /// All of them.
+            /// All events.
             pub const ALL: &'static [Event] = &[$(Event::$name),*];
 
-            /// What it is.
+            /// Description of the event.
             pub const fn text(self) -> &'static str {
                 match self { $(Event::$name => $text),* }
             }
@@ -47,20 +47,20 @@ events! {
     Measure: "another reference of the contour error, the window begun anew",
 }
 
-/// Events by bits.
+/// A set of events as bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Events(pub u32);
 
 impl Events {
-    /// All of them.
+    /// The set of all events.
     pub const ALL: Events = Events((1 << Event::ALL.len()) - 1);
 
-    /// Whether it is among them.
+    /// Whether the set contains an event.
     pub const fn has(self, event: Event) -> bool {
         self.0 >> event as u8 & 1 == 1
     }
 
-    /// Without one.
+    /// The set without an event.
     #[must_use]
     pub const fn without(self, event: Event) -> Events {
         Events(self.0 & !(1 << event as u8))

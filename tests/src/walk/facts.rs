@@ -1,10 +1,10 @@
-//! A machine's configuration as the contract needs it: per axis, in doubles, per cycle.
+//! A machine's configuration in the form that the contract needs: per axis, in doubles, per cycle.
 
 use super::drawn::Drawn;
 use trueaxis::machine::{AxisOrder, AxisSettings, DynamicSettings, GridHeader, Limits, wraps};
 use trueaxis::{Axis, Position};
 
-/// Angular errors of all tables and grids together stay below this as they are drawn, rad.
+/// Bound on the sum of the angular errors of all tables and grids as drawn, rad.
 const LARGEST_ANGLE: f64 = 5e-4;
 
 /// Magnitude, slope and acceleration in mm (deg) and cycles.
@@ -19,7 +19,7 @@ pub(super) struct Bounds {
 }
 
 impl Bounds {
-    /// Of limits in seconds.
+    /// Converts limits in seconds.
     pub(super) fn of(limits: &Limits, period_s: f64) -> Bounds {
         Bounds {
             c: limits.magnitude,
@@ -32,74 +32,74 @@ impl Bounds {
 /// One axis.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct AxisFacts<P> {
-    /// The machine has it, and it is no more than a letter of the step otherwise.
+    /// Whether the machine has the axis; otherwise it is only a letter of the step.
     pub present: bool,
-    /// Of the correction.
+    /// Limits of the correction.
     pub sum: Bounds,
-    /// Of the dynamic correction.
+    /// Limits of the dynamic correction.
     pub dynamic: Bounds,
-    /// Acceleration with which the geometric correction is led in beside a dynamic one.
+    /// Acceleration limit of the geometric correction beside a dynamic one.
     pub lead_a: f64,
-    /// Declared travel and range of the joint.
+    /// Declared travel.
     pub travel: [P; 2],
     /// Range of the joint.
     pub joint: [P; 2],
-    /// Largest plausible change of a command, of a reading; way without a change; distance of a reset.
+    /// Largest plausible change of a command.
     pub command_jump: f64,
-    /// Of a reading.
+    /// Largest plausible change of a reading.
     pub feedback_jump: f64,
-    /// Commanded way of a reading that stands.
+    /// Commanded travel after which a constant reading counts as stuck.
     pub stuck: f64,
-    /// A reading that changes by no more stands.
+    /// A reading that changes by no more than this is constant.
     pub still: f64,
-    /// A command that changes by no more asks for nothing that such a reading has to show.
+    /// A command that changes by no more than this need not show in such a reading.
     pub play: f64,
-    /// Where readings are believed: 1 mm (1°) beyond the joint.
+    /// Range in which readings are believed: 1 mm (1°) beyond the joint.
     pub readable: [P; 2],
-    /// Distance of a reset from the held command.
+    /// Maximum distance of a reset from the held command.
     pub resume: f64,
-    /// Ends between which the table and every grid of the axis say something; none where there is neither, or the table is
-    /// a whole turn.
+    /// Ends between which the table and every grid of the axis give errors; `None` if it has neither, or the table spans a
+    /// full turn.
     pub table: Option<[f64; 2]>,
-    /// Highest feed, mm (deg) a cycle.
+    /// Highest feed, mm (deg) per cycle.
     pub feed: f64,
     /// Hysteresis of the direction of travel.
     pub hysteresis: f64,
-    /// Something of the feed-forward is configured: it needs the drive's figures.
+    /// Whether a feed-forward is configured, which needs the drive's figures.
     pub fed_forward: bool,
-    /// Cycles in which a feed-forward that is switched off dies away: 25 time constants of velocity and position loop.
+    /// Cycles in which a switched-off feed-forward decays: 25 time constants of velocity and position loop.
     pub dies_away: f64,
-    /// Cross-talk moves this axis.
+    /// Whether cross-talk moves this axis.
     pub crosstalked: bool,
 }
 
 /// One configuration.
 #[derive(Clone, Debug)]
 pub(super) struct Facts<P, const N: usize> {
-    /// Axes by slot.
+    /// Facts of the axes by slot.
     pub axes: [AxisFacts<P>; N],
-    /// Letters by slot.
+    /// Axis letters by slot.
     pub letters: [Axis; N],
     /// Id of the machine.
     pub machine_id: u32,
-    /// Sum of the tables.
+    /// CRC of the tables.
     pub tables_crc: u32,
-    /// Servo period.
+    /// Servo period, ns.
     pub period_ns: u32,
-    /// Any part of the dynamic correction is configured.
+    /// Whether any part of the dynamic correction is configured.
     pub dynamic: bool,
-    /// Contour feedback is.
+    /// Whether contour feedback is configured.
     pub feedback: bool,
-    /// Errors are looked up at the feedback on some axis.
+    /// Whether errors are looked up at the feedback on any axis.
     pub at_feedback: bool,
     /// Largest sum of squareness and angular errors, rad.
     pub lean: f64,
-    /// Singular cone: largest angle that a commanded tool is left by.
+    /// Singular cone: largest deviation from a commanded tool direction, degrees.
     pub cone_deg: f64,
 }
 
 impl<P: Position, const N: usize> Facts<P, N> {
-    /// Of a machine.
+    /// Facts of a drawn machine.
     pub(super) fn of(drawn: &Drawn, machine_id: u32, tables_crc: u32, period_ns: u32) -> Self {
         let machine = &drawn.settings;
         let order = AxisOrder::<N>::of(machine).expect("a machine of so many axes");
@@ -146,7 +146,7 @@ impl<P: Position> AxisFacts<P> {
         let jump = faults.command_jump_factor * settings.max_feed_per_s * period_s;
         let servo = &settings.servo;
         let dynamic = servo.dynamic.unwrap_or(DynamicSettings::with_defaults(settings.axis));
-        // While the acceleration is fed forward, no faster than friction brakes (docs/dynamic.md).
+        // If acceleration is fed forward, limited to the deceleration by friction (docs/dynamic.md).
         let braking = match (&servo.drive, &servo.friction) {
             (Some(drive), Some(friction)) if dynamic.acceleration => {
                 friction.coulomb_per_s * drive.velocity_gain_per_s * period_s * period_s
@@ -154,7 +154,7 @@ impl<P: Position> AxisFacts<P> {
             _ => f64::INFINITY,
         };
         let sum = Bounds::of(&settings.limits, period_s);
-        // Three steps of the encoder, or a quarter of the way after which it is stuck.
+        // Three encoder steps, at most a quarter of the travel after which the axis is stuck.
         let stuck = pick(faults.stuck);
         let still = settings.encoder_resolution.map_or(0.0, |step| f64::min(3.0 * step, stuck / 4.0));
         AxisFacts {
@@ -183,8 +183,8 @@ impl<P: Position> AxisFacts<P> {
         }
     }
 
-    /// A letter that the machine does not have, believed in whatever it says. Only thermal growth that a host sets for it
-    /// is a correction of it, which moves no drive: within any limits.
+    /// An axis letter that the machine does not have; any reading is believed. Its only correction is thermal growth that a
+    /// host sets for it, which moves no drive: within any limits.
     fn absent(period_s: f64) -> Self {
         let any = Bounds { c: 1.0, v: 1e-3, a: 1e-3 };
         AxisFacts {

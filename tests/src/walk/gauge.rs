@@ -1,4 +1,4 @@
-//! A gauge of few points a revolution or of many: a leg has many revolutions, or long ones.
+//! A gauge with few or many points per revolution: a leg has many revolutions, or long ones.
 
 use super::dice::Dice;
 use super::scalar::Scalar;
@@ -6,9 +6,9 @@ use super::spindle;
 use trueaxis::roundness::{Counts, Cycle, Evaluation, Gauge, GaugeState, Probes};
 use trueaxis::{GaugeRide, Ride};
 
-/// As few points as there may be.
+/// Minimum number of points.
 const FEW: usize = 64;
-/// Points of a large gauge.
+/// Number of points of a large gauge.
 pub(super) const MANY: usize = 512;
 
 /// The gauge of a leg.
@@ -18,7 +18,7 @@ pub(super) enum AnyGauge<R: Scalar> {
     Many(Gauge<R, MANY>),
 }
 
-/// Its state.
+/// State of the gauge.
 #[derive(Clone, Copy, Debug)]
 #[allow(clippy::large_enum_variant, reason = "a device is copied as a whole, without an allocation")]
 pub(super) enum AnyState<R: Scalar> {
@@ -27,7 +27,7 @@ pub(super) enum AnyState<R: Scalar> {
 }
 
 impl<R: Scalar> AnyGauge<R> {
-    /// A gauge, and the bound of its infeed, µm.
+    /// Draws a gauge; returns it with the bound of its infeed, µm.
     pub(super) fn draw(dice: &mut Dice, period_ns: u32, many: bool) -> (Self, f64) {
         let settings = spindle::settings(dice, if many { MANY as u16 } else { FEW as u16 });
         let limit_um = settings.infeed.map_or(0.0, |infeed| infeed.limit_um);
@@ -46,7 +46,7 @@ impl<R: Scalar> AnyGauge<R> {
         }
     }
 
-    /// The axis of its infeed.
+    /// Slot of the infeed axis.
     pub(super) fn infeed_slot(&self) -> Option<usize> {
         match self {
             AnyGauge::Few(gauge) => gauge.infeed_slot(),
@@ -54,7 +54,7 @@ impl<R: Scalar> AnyGauge<R> {
         }
     }
 
-    /// One cycle with the gauge, by `step`.
+    /// Runs one cycle with the gauge, by `step`.
     pub(super) fn ride(
         &self,
         state: &mut AnyState<R>,
@@ -78,7 +78,7 @@ impl<R: Scalar> AnyGauge<R> {
 }
 
 impl<R: Scalar> AnyState<R> {
-    /// Of a device without a gauge.
+    /// State of a device without a gauge.
     pub(super) fn none() -> Self {
         AnyState::Few(GaugeState::new())
     }

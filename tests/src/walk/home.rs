@@ -1,4 +1,4 @@
-//! Back at a fixed position: the same bits as at the start, and what the stateless functions say.
+//! The return to a fixed position: the same bits as at the start, and agreement with the stateless functions.
 
 use super::combination::Measured;
 use super::device::{Ground, Moment};
@@ -11,15 +11,15 @@ use trueaxis::contour::Reference;
 use trueaxis::roundness::Probes;
 use trueaxis::{Conditions, Input};
 
-/// Cycles from the switch on that are compared.
+/// Number of compared cycles after switching on.
 const COMPARED: u32 = 150;
-/// Cycles after which a correction that is still limited is not waited for.
+/// Cycles after which a correction that is still limited is no longer waited for.
 const PATIENCE: u32 = 500;
 
 impl<R: Scalar, P: Place, const N: usize> Walker<'_, '_, R, P, N> {
-    /// Goes home switched off, by the configuration that has no dynamic correction, holds once, is switched on from rest; the
-    /// bits of what follows. Leaves the first of the
-    /// configurations in force, no thermal growth, a fresh gauge and an empty window.
+    /// Goes home switched off, using the configuration without dynamic correction, holds once, is switched on from rest;
+    /// returns a digest of the following bits. Leaves the first configuration in force, no thermal growth, a fresh gauge and
+    /// an empty window.
     pub(super) fn home(&mut self, home: [f64; N], measured: Measured) -> Result<u64, Broken> {
         let at = home.map(P::of);
         let period = self.ground.facts[0].period_ns;
@@ -38,7 +38,7 @@ impl<R: Scalar, P: Place, const N: usize> Walker<'_, '_, R, P, N> {
             self.device.gauge = gauge.start();
             self.contract.restart_gauge();
         }
-        // Released where it is held, switched off.
+        // Reset at the held position, switched off.
         for number in 0..6 {
             let (stopped, held) = self.contract.held();
             if !stopped && number > 0 {
@@ -55,7 +55,7 @@ impl<R: Scalar, P: Place, const N: usize> Walker<'_, '_, R, P, N> {
             self.cycle(&mut moment, None)?;
         }
         moment.thermal = None;
-        // The contract says for how long.
+        // The contract bounds the time.
         while !self.contract.is_at_zero() {
             self.cycle(&mut moment, None)?;
         }
@@ -77,7 +77,7 @@ impl<R: Scalar, P: Place, const N: usize> Walker<'_, '_, R, P, N> {
         Ok(digest.0)
     }
 
-    /// Stands until no limit binds: the correction is what the stateless functions say.
+    /// Rests until no limit binds: the correction must agree with the stateless functions.
     fn settle(&mut self, moment: &mut Moment<R, P, N>) -> Result<(), Broken> {
         let facts = &self.ground.facts[self.active];
         if facts.dynamic || facts.at_feedback {
@@ -99,7 +99,7 @@ impl<R: Scalar, P: Place, const N: usize> Walker<'_, '_, R, P, N> {
         let sent = record.correction.map(R::to_f64);
         let rounding = if R::EPSILON.to_f64() > 1e-10 { 5e-5 } else { 2e-6 } + P::GRAIN;
         let near = |a: f64, b: f64| (a - b).abs() <= rounding;
-        // Which way each axis came is the step's to know.
+        // Only the step knows each axis' direction of travel.
         let ways = (0..1_u32 << N).map(|bits| Conditions {
             directions: std::array::from_fn(|k| Direction::of(bits >> k & 1 == 1)),
             ..Conditions::default()
@@ -117,7 +117,7 @@ impl<R: Scalar, P: Place, const N: usize> Walker<'_, '_, R, P, N> {
         tally.that(Rule::Settles, found.is_some(), || format!("{sent:?}, not {forward:?}"))?;
         let way = found.unwrap_or_default();
         let Ok(errors) = servo.error_at(&self.outcome.output.drive, &way) else { return Ok(()) };
-        // The volumetric form corrects directions too; what its rotary axes do to the tip is not in these errors.
+        // The volumetric form also corrects directions; these errors do not include the effect of its rotary axes on the tip.
         let turned = servo.compensation().volumetric().is_some() && sent[3..].iter().any(|c| *c != 0.0);
         if !turned {
             let cancels = errors.iter().zip(sent).all(|(error, c)| near(-error.to_f64(), c));
@@ -127,7 +127,7 @@ impl<R: Scalar, P: Place, const N: usize> Walker<'_, '_, R, P, N> {
     }
 }
 
-/// In the middle of what all configurations have of travel; rotary axes at zero where a path is to be followed by a tool.
+/// The middle of the travel common to all configurations; rotary axes at zero if a tool is to follow a path.
 pub(super) fn place<R: Scalar, P: Place, const N: usize>(ground: &Ground<'_, R, P, N>, at_zero: bool) -> [f64; N] {
     std::array::from_fn(|k| {
         let travels = || ground.facts.iter().map(|facts| facts.axes[k].travel.map(P::to_f64));

@@ -1,4 +1,4 @@
-//! The host of a leg: plausible motion and a plant that follows it, events, and the way out of a stop.
+//! The host of a leg: plausible motion, a plant that follows it, events, and recovery from a stop.
 
 use super::combination::Measured;
 use super::device::{Ground, Moment, Outcome};
@@ -11,21 +11,21 @@ use super::spindle::Spindle;
 use trueaxis::kinematics::{BranchTracker, Choice, Tool};
 use trueaxis::{Dynamics, Input};
 
-/// Draws one cycle after the other.
+/// Draws the inputs of one cycle after the other.
 #[derive(Clone, Debug)]
 pub(super) struct Host<R: Scalar, P: Place, const N: usize> {
     pub(super) dice: Dice,
     allowed: Events,
-    /// How often each event began.
+    /// Number of times that each event began.
     pub seen: [u64; Event::ALL.len()],
-    /// Cycles that it goes on, and the axis that it happens to.
+    /// Remaining cycles of each event, and the axis that it affects.
     pub(super) timers: [u16; Event::ALL.len()],
     pub(super) victims: [u8; Event::ALL.len()],
     pub(super) motion: Motion<R, N>,
-    /// Follows the tool, while that is what is commanded.
+    /// Follows the tool while the tool is commanded.
     pub tracker: Option<BranchTracker<R>>,
     was_by_tool: bool,
-    /// Encoders: place, share of the way in a cycle, noise and step.
+    /// Encoders: position, share of the remaining travel per cycle, noise and resolution.
     pub(super) reading: [f64; N],
     follows: f64,
     noise: f64,
@@ -35,12 +35,12 @@ pub(super) struct Host<R: Scalar, P: Place, const N: usize> {
     pub(super) measured: Measured,
     pub(super) dynamics: Dynamics,
     pub(super) learned: [P; 3],
-    /// A reading that stands.
+    /// Value of a stuck reading.
     pub(super) stood: f64,
     stop: Stop,
 }
 
-/// The way out of a stop.
+/// Recovery from a stop.
 #[derive(Clone, Copy, Debug, Default)]
 struct Stop {
     cycles: u32,
@@ -49,7 +49,7 @@ struct Stop {
 }
 
 impl<R: Scalar, P: Place, const N: usize> Host<R, P, N> {
-    /// At home; with events that are `allowed`.
+    /// A host at home, with the events that are `allowed`.
     pub(super) fn new(mut dice: Dice, home: [f64; N], shift: [f64; 3], base: Measured, allowed: Events) -> Self {
         let follows = dice.one_of(&[1.0, 0.5, 0.3]);
         let noise = dice.one_of(&[0.0, 2e-4, 2e-3]);
@@ -77,7 +77,7 @@ impl<R: Scalar, P: Place, const N: usize> Host<R, P, N> {
         }
     }
 
-    /// What the next cycle is given, after what the last one gave.
+    /// The inputs of the next cycle, after the outcome of the last one.
     pub(super) fn next(
         &mut self,
         ground: &Ground<'_, R, P, N>,
@@ -139,7 +139,7 @@ impl<R: Scalar, P: Place, const N: usize> Host<R, P, N> {
         for (reading, drive) in self.reading.iter_mut().zip(&last.output.drive) {
             let drive = drive.to_f64();
             let way = drive - *reading;
-            // Switched off, axes are set anew.
+            // After the axes were set to another position while switched off.
             *reading = if way.abs() > 20.0 { drive } else { *reading + self.follows * way };
             *reading += self.noise * (f64::from(bits as u8) / 128.0 - 1.0);
             bits >>= 8;
@@ -149,7 +149,7 @@ impl<R: Scalar, P: Place, const N: usize> Host<R, P, N> {
         }
     }
 
-    /// Back near the held command, or not near enough; switched off where nothing else helps.
+    /// Returns near the held command, or not near enough; switches off if nothing else helps.
     fn recover(&mut self, facts: &Facts<P, N>, last: &Outcome<R, P, N>) -> (bool, (bool, bool)) {
         let stop = &mut self.stop;
         if stop.cycles == 0 {
@@ -179,11 +179,11 @@ impl<R: Scalar, P: Place, const N: usize> Host<R, P, N> {
                 _ => 0.8 * resume * self.dice.signed() * self.dice.unit(),
             };
         }
-        // Held down, it is no reset.
+        // Held down, it does not count as a reset.
         (true, switched)
     }
 
-    /// The tool in workpiece coordinates instead of the axes.
+    /// Commands the tool in workpiece coordinates instead of the axes.
     fn tool(&mut self, ground: &Ground<'_, R, P, N>, facts: &Facts<P, N>, moment: &mut Moment<R, P, N>) {
         let Some(kinematics) = ground.kinematics.as_ref().filter(|_| self.motion.by_tool) else {
             self.tracker = None;
@@ -204,7 +204,7 @@ impl<R: Scalar, P: Place, const N: usize> Host<R, P, N> {
         moment.tool = self.tracker.is_some().then_some(tool);
     }
 
-    /// Another way of saying where the tool is.
+    /// Makes the tool's pose invalid or sets another direction.
     pub(super) fn spoil(&mut self, tool: &mut Tool<R>) {
         let [x, y, z]: [R; 3] = tool.axis.into();
         match self.dice.below(4) {

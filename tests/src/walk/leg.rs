@@ -1,4 +1,4 @@
-//! A leg: machines, path and gauge drawn, walked, and home again.
+//! A leg: draws machines, path and gauge, walks, and returns home.
 
 use super::combination::{Combination, Measured, Numbers};
 use super::course::Course;
@@ -24,43 +24,43 @@ use trueaxis::{Config, ConfigError, Nanometres, ServoLoop, check};
 /// A leg to be walked.
 #[derive(Clone, Copy, Debug)]
 pub struct Leg {
-    /// Of the whole walk.
+    /// Seed of the whole walk.
     pub seed: u64,
-    /// Of the leg: with the seed, everything that is drawn.
+    /// Number of the leg; with the seed it determines everything that is drawn.
     pub number: u64,
-    /// What it runs.
+    /// Combination that it runs.
     pub combination: Combination,
-    /// Cycles, the way home not counted.
+    /// Cycles, excluding the way home.
     pub cycles: u64,
-    /// Events that may happen.
+    /// Events that may occur.
     pub events: Events,
     /// A defect for the contract to find.
     pub planted: Planted,
 }
 
-/// What came of a leg.
+/// Result of a leg.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Walked {
-    /// How often each rule was tried.
+    /// Number of times each rule was checked.
     pub tally: Tally,
-    /// How often each event began.
+    /// Number of times each event began.
     pub events: [u64; Event::ALL.len()],
-    /// Cycles, the way home included.
+    /// Cycles, including the way home.
     pub cycles: u64,
-    /// Condensed drives of all cycles.
+    /// Digest of the drives of all cycles.
     pub digest: u64,
-    /// Place of the combination among all.
+    /// Index of the combination among all.
     pub combination: usize,
 }
 
-/// A rule was broken.
+/// A broken rule.
 #[derive(Clone, Debug)]
 pub struct Failure {
-    /// In which leg, with the events that it takes.
+    /// The leg, with the events needed to break the rule.
     pub leg: Leg,
-    /// In which cycle, the way home included.
+    /// The cycle, including the way home.
     pub cycle: u64,
-    /// What was broken.
+    /// The broken rule.
     pub broken: Broken,
 }
 
@@ -82,17 +82,17 @@ impl fmt::Display for Failure {
 }
 
 impl Leg {
-    /// Leg `number` of a walk: the combinations in turn.
+    /// Leg `number` of a walk, which takes the combinations in turn.
     pub fn new(seed: u64, number: u64, cycles: u64) -> Leg {
         let all = Combination::all();
         let combination = all[(number % all.len() as u64) as usize];
         Leg { seed, number, combination, cycles, events: Events::ALL, planted: Planted::Nothing }
     }
 
-    /// Walks it.
+    /// Walks the leg.
     ///
     /// # Errors
-    /// The first rule that is broken.
+    /// The first broken rule.
     pub fn walk(&self) -> Result<Walked, Box<Failure>> {
         let walked = match self.combination.axes {
             3 => self.walk_axes::<3>(),
@@ -103,10 +103,10 @@ impl Leg {
         walked.map_err(|(cycle, broken)| Box::new(Failure { leg: *self, cycle, broken }))
     }
 
-    /// Walks it, and now and then once more: the same sequence, the same bits.
+    /// Walks the leg, and some legs a second time: the same sequence must give the same bits.
     ///
     /// # Errors
-    /// The first rule that is broken.
+    /// The first broken rule.
     pub fn walk_twice_now_and_then(&self) -> Result<Walked, Box<Failure>> {
         let mut walked = self.walk()?;
         if self.number % 47 == 5 {
@@ -118,7 +118,7 @@ impl Leg {
         Ok(walked)
     }
 
-    /// The same failure with as few kinds of events as it takes.
+    /// Reduces a failure to the kinds of events that it needs.
     pub fn shrink(failure: &Failure) -> Failure {
         let mut least = failure.clone();
         for event in Event::ALL {
@@ -186,7 +186,7 @@ impl Leg {
         self.run(&ground, host, home)
     }
 
-    /// A machine and two that it is exchanged for.
+    /// A machine and two that are exchanged for it.
     fn machines<R: Scalar, P: Place, const N: usize>(&self, dice: &mut Dice, period: u32) -> [Drawn; 3] {
         let mut draw = |like: Option<&MachineSettings>| {
             let mut refused = None;
@@ -251,7 +251,7 @@ impl Leg {
     }
 }
 
-/// The same machine without dynamic correction, its limits wide, so that the way home is short: the last configuration.
+/// The last configuration: the machine without dynamic correction and with wide limits, so that the way home is short.
 fn without_servo(drawn: &Drawn) -> Drawn {
     let mut plain = drawn.clone();
     for axis in &mut plain.settings.axes {

@@ -1,4 +1,4 @@
-//! Machines of a leg: drawn at random within what a configuration may say, at its extremes, or one of the samples.
+//! Machines of a leg: drawn at random within the permitted range of a configuration, at its extremes, or a sample.
 
 use super::combination::{Combination, Measured};
 use super::dice::Dice;
@@ -20,13 +20,13 @@ const CHAINS: [&[&str]; 4] = [
 /// Servo periods, ns.
 const PERIODS: [u32; 6] = [50_000, 100_000, 250_000, 500_000, 1_000_000, 2_000_000];
 
-/// Draws a period that machines of a leg share.
+/// Draws the period that the machines of a leg share.
 pub(super) fn period(dice: &mut Dice) -> u32 {
     dice.one_of(&PERIODS)
 }
 
-/// Draws a machine; `plain` the more, the more draws were refused. One that is exchanged for another has its axes and, as
-/// a rule, its travel.
+/// Draws a machine, which is simpler the larger `plain`, the number of refused draws. One that is exchanged for another has
+/// the same axes and usually the same travel.
 pub(super) fn draw(
     dice: &mut Dice,
     of: &Combination,
@@ -74,7 +74,7 @@ pub(super) fn draw(
     Drawn { settings, tables, grids }
 }
 
-/// One to three grids over two or three axes, within the travel or beyond it, free or equidistant; some fade.
+/// One to three grids over two or three axes, within the travel or beyond it, with free or equal spacing; some fade.
 fn grids(dice: &mut Dice, machine: &MachineSettings, plain: u32) -> Vec<(GridHeader, Vec<u8>)> {
     const OVER: [[bool; 3]; 4] = [[true, true, false], [true, true, true], [false, true, true], [true, false, true]];
     let size = 0.02 * f64::from(plain / 2 + 1).recip();
@@ -127,7 +127,7 @@ fn faults(dice: &mut Dice) -> FaultSettings {
     }
 }
 
-/// Limits of a correction: those of machines, or as far apart as the scalars hold.
+/// Limits of a correction: typical of machines, or as extreme as the scalars permit.
 fn limits(dice: &mut Dice, rotary: bool, period_s: f64) -> Limits {
     let extreme = dice.one_in(12);
     let magnitude = if extreme { dice.factor(2e-6, 5.0) } else { dice.factor(0.002, 0.3) };
@@ -148,7 +148,7 @@ fn axis(dice: &mut Dice, axis: Axis, known: AxisSettings, period_s: f64, plain: 
     };
     let travel = [-most * dice.range(0.3, 1.0), most * dice.range(0.3, 1.0)];
     let limits = limits(dice, rotary, period_s);
-    // Tight: a correction outwards at the end of the travel has no room.
+    // Tight: an outward correction at the end of the travel has no room.
     let room = if dice.one_in(3) { 0.0 } else { limits.magnitude };
     let hysteresis = dice.factor(0.1e-3, 3e-3) * f64::from(1 + plain);
     let look = |dice: &mut Dice| if plain < 10 && dice.one_in(6) { Lookup::Feedback } else { Lookup::Command };
@@ -168,7 +168,7 @@ fn axis(dice: &mut Dice, axis: Axis, known: AxisSettings, period_s: f64, plain: 
     }
 }
 
-/// A sum of two waves over the travel or a part of it, periodic where a turn is whole.
+/// A sum of two waves over the travel or a part of it, periodic for a full turn.
 fn table(dice: &mut Dice, axis: &AxisSettings, plain: u32) -> Option<Vec<Row>> {
     if dice.one_in(6) {
         return None;
@@ -179,7 +179,7 @@ fn table(dice: &mut Dice, axis: &AxisSettings, plain: u32) -> Option<Vec<Row>> {
     let count = 3 + dice.below(40);
     let free = dice.one_in(2);
     let wave = std::f64::consts::TAU / (end - start);
-    // Where errors are large and the travel short, the inverse does not contract; nothing is refused at zero.
+    // With large errors and short travel the inverse does not contract; no table is refused at zero.
     let size = 0.04 * f64::from(plain / 2 + 1).recip();
     let shapes: [[f64; 4]; 6] = std::array::from_fn(|k| {
         let size = if k < 3 { size } else { 1.5e-3 * size };
@@ -194,7 +194,7 @@ fn table(dice: &mut Dice, axis: &AxisSettings, plain: u32) -> Option<Vec<Row>> {
         (0..count).map(|k| if free && k > 0 && k + 1 < count { 0.4 * pitch * dice.signed() } else { 0.0 }).collect();
     let positions = (0..count).map(|k| if k + 1 == count { end } else { start + pitch * k as f64 + shifts[k] });
     Some(rows_both_ways(positions, |q, reverse| {
-        // The ends of a turn are the same number.
+        // Both ends of a turn have the same value.
         let q = if turn && q == end { start } else { q };
         std::array::from_fn(|k| {
             let [a, b, first, second] = shapes[k];

@@ -1,7 +1,7 @@
-//! The walk: one model of the step's contract, checked on random sequences.
+//! The walk: a single model of the step's contract, checked on random sequences.
 //!
-//! A *leg* runs one [`Combination`] with machines of its own: plausible motion with events in between, every cycle seen by
-//! the `Contract`. It is drawn from a seed and its number alone, so that any failure is repeated by both.
+//! A *leg* runs one [`Combination`] with machines drawn for it: plausible motion with events in between, every cycle checked
+//! by the `Contract`. It is drawn only from a seed and its number, so that these two reproduce any failure.
 
 mod beside;
 mod combination;

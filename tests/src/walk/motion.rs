@@ -1,4 +1,4 @@
-//! Plausible motion of the commands: standing, going, dithering, waves, along the path, from the tool.
+//! Plausible motion of the commands: standing, moving, dithering, waves, along the path, by the tool.
 
 use super::device::Ground;
 use super::dice::Dice;
@@ -6,24 +6,24 @@ use super::facts::Facts;
 use super::scalar::{Place, Scalar};
 use trueaxis::contour::Reference;
 
-/// What the axes do for some cycles.
+/// Motion of the axes for some cycles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Phase {
     Stand,
     Go,
     Dither,
     Wave,
-    /// To the start of the reference, then along the path.
+    /// Moves to the start of the reference, then along the path.
     Reach,
     Follow,
 }
 
-/// The commands without any event.
+/// The commands in the absence of events.
 #[derive(Clone, Debug)]
 pub(super) struct Motion<R, const N: usize> {
     /// Commanded positions, mm (deg).
     pub(super) at: [f64; N],
-    /// The tool is commanded in this phase.
+    /// Whether the tool is commanded in this phase.
     pub(super) by_tool: bool,
     pub(super) reference: Reference<R>,
     phase: Phase,
@@ -33,7 +33,7 @@ pub(super) struct Motion<R, const N: usize> {
     turn: [f64; 2],
     wave: [f64; 2],
     arc: f64,
-    /// From the path to the axes.
+    /// Offset from the path to the axes.
     shift: [f64; 3],
     home: [f64; N],
 }
@@ -56,12 +56,12 @@ impl<R: Scalar, const N: usize> Motion<R, N> {
         }
     }
 
-    /// Stands from here on, for another phase.
+    /// Stops at this position, until another phase begins.
     pub(super) fn stop_at(&mut self, at: [f64; N]) {
         (self.at, self.phase, self.left, self.by_tool) = (at, Phase::Stand, 3, false);
     }
 
-    /// The next command; it keeps the travel and the highest feed of every axis.
+    /// The next command, within the travel and the highest feed of every axis.
     pub(super) fn advance<P: Place>(
         &mut self,
         dice: &mut Dice,
@@ -112,7 +112,7 @@ impl<R: Scalar, const N: usize> Motion<R, N> {
         }
     }
 
-    /// A wave about where the axes stood: the changes of a turning pointer.
+    /// A wave about the axes' last position: the increments of a rotating pointer.
     fn ride(&mut self) {
         let [c, s] = self.turn;
         let [x, y] = self.wave;
@@ -194,7 +194,7 @@ impl<R: Scalar, const N: usize> Motion<R, N> {
         };
     }
 
-    /// To anywhere on the path.
+    /// Heads for any point of the path.
     fn set_out<P: Place>(&mut self, dice: &mut Dice, ground: &Ground<'_, R, P, N>) -> Phase {
         let number = dice.below(ground.spans.len());
         self.reference = Reference { span: number as u32, t: R::ZERO };

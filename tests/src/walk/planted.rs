@@ -1,54 +1,54 @@
-//! Defects planted into outputs, for the tests of the contract itself.
+//! Defects planted into outputs, to test the contract itself.
 
 use super::rule::Rule;
 use super::scalar::{Place, Scalar};
 use trueaxis::telemetry::Status;
 use trueaxis::{Fault, Input, Output};
 
-/// A defect of an output, from some cycle on wherever it fits.
+/// A defect of an output, applied from some cycle wherever it fits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Planted {
-    /// None.
+    /// No defect.
     #[default]
     Nothing,
     /// A cycle is not counted.
     SequenceSkips,
-    /// The number of the tables is that of others.
+    /// The CRC of the tables belongs to others.
     ForeignTables,
-    /// A correction that is no number.
+    /// A correction is NaN.
     NotANumber,
     /// The last bit of a drive changes while the output holds.
     HoldMoves,
     /// The last bit of a correction changes while the output holds.
     HoldRecordMoves,
-    /// A drive is off by a bit.
+    /// A drive is off by one bit.
     DriveOff,
-    /// The host's feedback is off by a bit.
+    /// The host's feedback is off by one bit.
     FeedbackOff,
-    /// Correction and drive run a little faster than the slope, or brake a little harder.
+    /// Correction and drive move slightly faster than the slope, or brake slightly harder.
     TooSharp,
-    /// Far above the magnitude.
+    /// A correction is far above the magnitude.
     TooLarge,
-    /// A latched stop is let go.
+    /// A latched stop is dropped.
     StopForgotten,
-    /// A stop for nothing.
+    /// A stop is requested without a cause.
     StopInvented,
     /// The fault's axis is the next one.
     WrongAxis,
-    /// A bad reading is not told.
+    /// A bad reading is not reported.
     FreezeForgotten,
-    /// A bad reading is shown as if it were believed.
+    /// A bad reading is shown as believed.
     ReadingBelieved,
-    /// The contour error is told of without being measured.
+    /// The contour error is reported without being measured.
     ErrorInvented,
-    /// The command in force is another.
+    /// The command in force is a different one.
     CommandChanged,
-    /// The bits of limited axes while switched off.
+    /// The bits of limited axes are missing while switched off.
     LimitedForgotten,
 }
 
 impl Planted {
-    /// All but none, with the rules of which one has to find it.
+    /// All defects, each with the rules of which one must find it.
     pub const ALL: &'static [(Planted, &'static [Rule])] = &[
         (Planted::SequenceSkips, &[Rule::Sequence]),
         (Planted::ForeignTables, &[Rule::Identity]),
@@ -69,7 +69,7 @@ impl Planted {
         (Planted::LimitedForgotten, &[Rule::LimitedTold]),
     ];
 
-    /// Plants it.
+    /// Applies the defect.
     #[inline(always)]
     pub(super) fn spoil<R: Scalar, P: Place, const N: usize>(
         self,
@@ -92,7 +92,7 @@ impl Planted {
         let held = output.stop_requested();
         let record = &mut output.record;
         let active = record.status.has(Status::ACTIVE);
-        // The least that the type can say.
+        // The smallest change that the type can express.
         let bit = |place: P| P::of(place.to_f64() * (1.0 + f64::EPSILON)).plus(R::of(P::GRAIN));
         let size = record.correction[0].to_f64();
         match self {

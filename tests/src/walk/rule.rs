@@ -1,4 +1,4 @@
-//! The rules of the contract, and how often each was tried.
+//! The rules of the contract, and the number of times each was checked.
 
 macro_rules! rules {
     ($($name:ident: $text:literal,)*) => {
@@ -10,15 +10,15 @@ macro_rules! rules {
         }
 
         impl Rule {
-            /// All of them.
+            /// All rules.
             pub const ALL: &'static [Rule] = &[$(Rule::$name),*];
 
-            /// Its name in reports.
+            /// Name in reports.
             pub const fn name(self) -> &'static str {
                 match self { $(Rule::$name => stringify!($name)),* }
             }
 
-            /// What it says.
+            /// Text of the rule.
             pub const fn text(self) -> &'static str {
                 match self { $(Rule::$name => $text),* }
             }
@@ -90,16 +90,16 @@ rules! {
     Allocation: "no cycle touches the heap",
 }
 
-/// A rule that was broken, and what was found.
+/// A broken rule, and the finding.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Broken {
     /// The rule.
     pub rule: Rule,
-    /// What was found.
+    /// The finding.
     pub found: String,
 }
 
-/// How often each rule was tried.
+/// Number of times each rule was checked.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Tally(pub [u64; Rule::ALL.len()]);
 
@@ -110,10 +110,10 @@ impl Default for Tally {
 }
 
 impl Tally {
-    /// The rule was tried, and `holds` or not.
+    /// Checks a rule; `holds` is the result.
     ///
     /// # Errors
-    /// It does not hold.
+    /// The rule does not hold.
     #[inline(always)]
     pub fn that(&mut self, rule: Rule, holds: bool, found: impl FnOnce() -> String) -> Result<(), Broken> {
         self.0[rule as usize] += 1;
@@ -125,12 +125,12 @@ impl Tally {
         self.0.iter_mut().zip(&other.0).for_each(|(sum, count)| *sum += count);
     }
 
-    /// How often the rule was tried.
+    /// Number of times the rule was checked.
     pub fn of(&self, rule: Rule) -> u64 {
         self.0[rule as usize]
     }
 
-    /// Rules that were never tried.
+    /// Rules that were never checked.
     pub fn idle(&self) -> impl Iterator<Item = Rule> + '_ {
         Rule::ALL.iter().copied().filter(|rule| self.of(*rule) == 0)
     }

@@ -1,4 +1,4 @@
-//! The sample machines of `compensation-tables`, as they come out of their compiled files.
+//! The sample machines of `compensation-tables`, read from their compiled files.
 
 use super::combination::Combination;
 use super::dice::Dice;
@@ -10,7 +10,7 @@ use trueaxis_tables::{Machine, compile};
 
 const NAMES: [&str; 5] = ["mill-3axis", "grinder", "mill-5axis", "head-5axis", "mill-turn"];
 
-/// The compiled files of the sample machines, in the order of their folders' names here.
+/// The compiled files of the sample machines, in the order of the folder names here.
 pub(super) static FILES: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../compensation-tables");
     NAMES.map(|name| compile(&Machine::read(&folder.join(name)).expect(name)).expect(name)).into()
@@ -20,7 +20,7 @@ static SAMPLES: LazyLock<Vec<Machine>> = LazyLock::new(|| {
     FILES.iter().map(|file| Machine::from_tcomp(&Tcomp::parse(file).expect("what was compiled"))).collect()
 });
 
-/// A sample of as many axes, if there is one, with the model that is asked for.
+/// A sample with the given number of axes, if any, and with the requested model.
 pub(super) fn with(dice: &mut Dice, of: &Combination) -> Option<Drawn> {
     let fitting: Vec<_> = SAMPLES.iter().filter(|machine| machine.settings.step_axes().count() == of.axes).collect();
     if fitting.is_empty() {

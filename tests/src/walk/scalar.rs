@@ -1,11 +1,11 @@
-//! Scalars and positions as the walk compares and draws them.
+//! Scalars and positions in the form that the walk compares and draws.
 
 use super::dice::Dice;
 use trueaxis::{Nanometres, Position, Real};
 
-/// A scalar with its bits.
+/// A scalar that exposes its bits.
 pub(super) trait Scalar: Real {
-    /// As it is stored.
+    /// The stored bits.
     fn bits(self) -> u64;
 }
 
@@ -23,13 +23,13 @@ impl Scalar for f32 {
     }
 }
 
-/// A position with its bits, and with what no machine should send.
+/// A position that exposes its bits and can be drawn with invalid values.
 pub(super) trait Place: Position {
-    /// Positions are whole steps of this, mm (deg); 0 where they are doubles.
+    /// Step of integer positions, mm (deg); 0 for doubles.
     const GRAIN: f64;
-    /// As it is stored.
+    /// The stored bits.
     fn bits(self) -> u64;
-    /// Anything: ends of the range, what is no number, subnormal and random bits.
+    /// Any value: ends of the range, NaN, subnormal and random bits.
     fn wild(dice: &mut Dice) -> Self;
 }
 

@@ -6,7 +6,7 @@ use trueaxis::machine::{
     CrosstalkSettings, DriveFigures, DynamicSettings, FeedbackSettings, FrictionSettings, Limits, MachineSettings,
 };
 
-/// Configures some or all of it.
+/// Configures some or all parts of it.
 pub(super) fn configure(dice: &mut Dice, machine: &mut MachineSettings) {
     let feedback = dice.one_in(2);
     for axis in &mut machine.axes {
@@ -49,7 +49,7 @@ pub(super) fn configure(dice: &mut Dice, machine: &mut MachineSettings) {
     if dice.one_in(2) {
         let mut entry = |tip, from, over, points: &[[f64; 2]]| {
             let points = points.iter().copied().collect();
-            // There is room for six.
+            // The list has room for six.
             let _ = machine.crosstalk.push(CrosstalkSettings { tip, from, over, points });
         };
         entry(Axis::X, Axis::Y, Axis::Y, &[[0.0, 1.2e-6]]);

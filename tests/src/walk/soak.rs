@@ -1,4 +1,4 @@
-//! Many legs over all combinations and cores, and the report of what they tried.
+//! Many legs over all combinations and cores, and the report of the rules checked.
 
 use super::combination::Combination;
 use super::event::Event;
@@ -10,40 +10,40 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
-/// Growth of the resident memory that is none, kB: what the allocator keeps of legs of different sizes.
+/// Growth of the resident memory that is ignored, kB: the allocator keeps some memory from legs of different sizes.
 const FLAT_KB: u64 = 16 * 1024;
-/// The first legs, in which the process takes what it needs.
+/// Number of first legs, in which the process allocates what it needs.
 const FIRST: u64 = 20;
 
-/// Cycles over all combinations.
+/// Settings of a soak over all combinations.
 #[derive(Clone, Copy, Debug)]
 pub struct Soak {
-    /// Of everything that is drawn.
+    /// Seed of everything that is drawn.
     pub seed: u64,
-    /// At least so many cycles.
+    /// Minimum number of cycles.
     pub cycles: u64,
-    /// Cycles of a leg, the ways home not counted.
+    /// Cycles of a leg, excluding the way home.
     pub leg_cycles: u64,
     /// Threads.
     pub jobs: usize,
 }
 
-/// What was walked.
+/// Results of a soak.
 #[derive(Clone, Debug, Serialize)]
 pub struct Report {
     /// Day of the run, UTC.
     pub date: String,
-    /// Version of the sources.
+    /// Commit of the sources.
     pub commit: String,
-    /// Of everything that was drawn.
+    /// Seed of everything that was drawn.
     pub seed: u64,
-    /// Cycles in all, the ways home included.
+    /// Total number of cycles, including the ways home.
     pub cycles: u64,
-    /// Legs in all, each home again with the bits that it set out with.
+    /// Total number of legs, each of which returned home with the bits of its start.
     pub legs: u64,
-    /// Cycles of a leg, the ways home not counted.
+    /// Cycles of a leg, excluding the way home.
     pub leg_cycles: u64,
-    /// Rules that were broken.
+    /// Number of broken rules.
     pub broken: u64,
     /// Wall time, s.
     pub seconds: f64,
@@ -51,9 +51,9 @@ pub struct Report {
     pub jobs: usize,
     /// Resident memory after the first legs and at the end, kB.
     pub resident_kb: [u64; 2],
-    /// How often each rule was tried.
+    /// Number of times each rule was checked.
     pub rules: BTreeMap<&'static str, u64>,
-    /// How often each event began.
+    /// Number of times each event began.
     pub events: BTreeMap<&'static str, u64>,
     /// Cycles of each combination.
     pub combinations: BTreeMap<String, u64>,
@@ -69,12 +69,12 @@ struct Sums {
     resident_kb: u64,
 }
 
-/// Why a soak failed.
+/// Reason why a soak failed.
 #[derive(Debug)]
 pub enum Spoilt {
-    /// A rule was broken; with as few events as it takes.
+    /// A rule was broken; reduced to the events needed.
     Broken(Box<Failure>),
-    /// Rules that nothing tried.
+    /// Rules that were never checked.
     Idle(Vec<&'static str>),
     /// The resident memory grew, kB.
     Grown([u64; 2]),
@@ -93,11 +93,11 @@ impl std::fmt::Display for Spoilt {
 impl std::error::Error for Spoilt {}
 
 impl Soak {
-    /// Walks until so many cycles are done, and every combination, or until `stop` says so; `progress` gets the cycles of
-    /// every leg that is done.
+    /// Walks until the number of cycles is reached and every combination has run, or until `stop` is set; `progress` gets the
+    /// cycles of every completed leg.
     ///
     /// # Errors
-    /// A rule that is broken, or was never tried; memory that grew.
+    /// A rule is broken or was never checked; or the memory grew.
     pub fn run(&self, stop: &AtomicBool, progress: impl Fn(u64) + Sync) -> Result<Report, Spoilt> {
         let begun = Instant::now();
         let combinations = Combination::all().len() as u64;
@@ -170,14 +170,14 @@ impl Soak {
     }
 }
 
-/// Resident memory of this process, kB; 0 where the system does not say.
+/// Resident memory of this process, kB; 0 if the system does not report it.
 fn resident_kb() -> u64 {
     let statm = std::fs::read_to_string("/proc/self/statm").unwrap_or_default();
     let pages: u64 = statm.split_whitespace().nth(1).and_then(|pages| pages.parse().ok()).unwrap_or(0);
     4 * pages
 }
 
-/// What another program says on its first line.
+/// The first line of another program's output.
 fn said(program: &str, arguments: &[&str]) -> String {
     let output = std::process::Command::new(program).args(arguments).output();
     output.map(|output| String::from_utf8_lossy(&output.stdout).trim().to_owned()).unwrap_or_default()

@@ -5,10 +5,10 @@ use super::scalar::Scalar;
 use trueaxis::Axis;
 use trueaxis::roundness::{Band, GaugeSettings, InfeedSettings, ProbeAngles, Probes};
 
-/// Counts of a revolution.
+/// Counts per revolution.
 const COUNTS: i32 = 1 << 16;
 
-/// Turns, and what the probes see.
+/// Turns the spindle and generates the probes' readings.
 #[derive(Clone, Debug)]
 pub(super) struct Spindle<R> {
     counts: i32,
@@ -23,12 +23,12 @@ impl<R: Scalar> Spindle<R> {
             let angle = std::f64::consts::TAU * k as f64 / 256.0;
             R::of((0..6).map(|n| amplitudes[n] * ((n + 2) as f64 * angle + n as f64).cos()).sum())
         });
-        // Slow enough, now and then, for a cycle for each of many points.
+        // Occasionally slow enough for one cycle at each of many points.
         let turning = if dice.one_in(2) { 100 + dice.below(900) } else { 10 + dice.below(90) };
         Spindle { counts: dice.below(1 << 20) as i32, turning: turning as i32, profile }
     }
 
-    /// One cycle on.
+    /// Advances one cycle.
     pub(super) fn turn(&mut self) -> Probes<R> {
         let before = self.counts;
         self.counts = self.counts.wrapping_add(self.turning);
@@ -44,7 +44,7 @@ impl<R: Scalar> Spindle<R> {
     }
 }
 
-/// A gauge of `points` a revolution and quick work.
+/// A gauge with `points` points per revolution and fast work.
 pub(super) fn settings(dice: &mut Dice, points: u16) -> GaugeSettings {
     let scale = points / 64;
     let angles = ProbeAngles::Slots { p: 11 * scale, q: 13 * scale };

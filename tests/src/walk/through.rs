@@ -1,11 +1,11 @@
-//! Refused tables: what comes instead of the step, on the same inputs.
+//! Refused tables: the bypass that replaces the step, on the same inputs.
 
 use super::rule::{Broken, Rule, Tally};
 use super::scalar::{Place, Scalar};
 use trueaxis::telemetry::Status;
 use trueaxis::{Bypass, Fault, Input, Output};
 
-/// The replacement, and what has to come of it.
+/// The bypass, and its expected results.
 #[derive(Clone, Debug)]
 pub(super) struct Through<P: Place, const N: usize> {
     bypass: Bypass<P, N>,
@@ -33,7 +33,7 @@ impl<P: Place, const N: usize> Through<P, N> {
         }
     }
 
-    /// One cycle of it.
+    /// Runs and checks one cycle.
     pub(super) fn check<R: Scalar>(&mut self, tally: &mut Tally, input: &Input<P, N>) -> Result<(), Broken> {
         let output: Output<R, P, N> = self.bypass.step(input);
         let usable = input.command.iter().all(|command| command.is_usable());

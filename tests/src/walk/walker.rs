@@ -1,4 +1,4 @@
-//! One cycle of a leg: what is done before it, the step, the contract, and a shadow that has to do the same.
+//! One cycle of a leg: the preceding changes, the step, the contract, and a shadow that must agree.
 
 use super::contract::{Contract, Seen};
 use super::device::{Device, Ground, Moment, Outcome};
@@ -12,10 +12,10 @@ use trueaxis::exchange::Exchange;
 use trueaxis::kinematics::{Kinematics, Tool};
 use trueaxis::{Fault, Input, ServoLoop};
 
-/// Cycles that a shadow goes along.
+/// Cycles for which a shadow runs along.
 const SHADOW: u32 = 200;
 
-/// A leg under way.
+/// A leg in progress.
 pub(super) struct Walker<'g, 'a, R: Scalar, P: Place, const N: usize> {
     pub(super) ground: &'g Ground<'a, R, P, N>,
     pub(super) servo: &'g ServoLoop<'a, R, P, N>,
@@ -32,7 +32,7 @@ pub(super) struct Walker<'g, 'a, R: Scalar, P: Place, const N: usize> {
     planted: Planted,
 }
 
-/// A copied state that is run beside: with the same configuration, or with the one that says the same.
+/// A copied state that runs in parallel: with the same configuration, or with its identical twin.
 struct Shadow<R: Scalar, P: Place, const N: usize> {
     device: Device<R, P, N>,
     outcome: Outcome<R, P, N>,
@@ -58,18 +58,18 @@ impl<'g, 'a, R: Scalar, P: Place, const N: usize> Walker<'g, 'a, R, P, N> {
         }
     }
 
-    /// A shadow from here on.
+    /// Starts a shadow.
     pub(super) fn cast(&mut self, twin: bool) {
         let (device, outcome) = (self.device, self.outcome);
         self.shadow = Some(Shadow { device, outcome, left: SHADOW, twin });
     }
 
-    /// Whether one is under way.
+    /// Whether a shadow is running.
     pub(super) fn has_shadow(&self) -> bool {
         self.shadow.is_some()
     }
 
-    /// One cycle.
+    /// Runs one cycle.
     pub(super) fn cycle(
         &mut self,
         moment: &mut Moment<R, P, N>,
@@ -78,7 +78,7 @@ impl<'g, 'a, R: Scalar, P: Place, const N: usize> Walker<'g, 'a, R, P, N> {
         let mut exchanged = false;
         if let Some(number) = moment.exchange {
             exchanged = number != self.active;
-            // Nothing was offered before.
+            // The mailbox is empty.
             let _ = self.mailbox.offer(&self.ground.loops[number]);
             self.mailbox.take_into(&mut self.servo);
             self.active = number;
@@ -108,7 +108,7 @@ impl<'g, 'a, R: Scalar, P: Place, const N: usize> Walker<'g, 'a, R, P, N> {
         Ok(())
     }
 
-    /// The positions for a tool: they bring it there.
+    /// Computes the axis positions for a tool, and checks that they bring it there.
     fn find_axes(&mut self, moment: &mut Moment<R, P, N>, host: &mut Host<R, P, N>) -> Result<(), Broken> {
         let (Some(tool), Some(tracker), Some(kinematics)) =
             (moment.tool, host.tracker.as_mut(), self.ground.kinematics.as_ref())
@@ -128,7 +128,7 @@ impl<'g, 'a, R: Scalar, P: Place, const N: usize> Walker<'g, 'a, R, P, N> {
         self.contract.tally.that(Rule::Rtcp, holds, found)
     }
 
-    /// Where the positions of a cycle bring the tool.
+    /// The tool's pose at the positions of a cycle.
     fn there(&self, kinematics: &Kinematics<R>, input: &Input<P, N>) -> Tool<R> {
         let mut joints = [R::ZERO; 6];
         for (letter, command) in self.ground.facts[self.active].letters.iter().zip(&input.command) {
@@ -137,8 +137,8 @@ impl<'g, 'a, R: Scalar, P: Place, const N: usize> Walker<'g, 'a, R, P, N> {
         kinematics.forward(&joints)
     }
 
-    /// How far beyond its travel an axis may have been before it was put to the end of it, mm or degrees: `rtcp` takes 64
-    /// units in the last place for rounding. Zero where no axis stands at an end.
+    /// Bound on how far beyond its travel an axis may have been before it was clamped to the end, mm or degrees: `rtcp` allows
+    /// 64 units in the last place for rounding. Zero if no axis is at an end.
     fn beyond(&self, input: &Input<P, N>) -> f64 {
         // The kinematics, and with them the travel, are those of the leg's first machine.
         let axes = self.ground.facts[0].axes.iter().zip(&input.command);
@@ -148,11 +148,11 @@ impl<'g, 'a, R: Scalar, P: Place, const N: usize> Walker<'g, 'a, R, P, N> {
         if at_an_end { R::EPSILON.to_f64() * 64.0 * 2e3 } else { 0.0 }
     }
 
-    /// Whether that is where it was commanded.
+    /// Whether the tool is where it was commanded.
     fn is_at(&self, there: &Tool<R>, [tip, axis]: [[R; 3]; 2], beyond: f64, left_deg: f64) -> bool {
         let near =
             |a: [R; 3], b: [R; 3], most: f64| a.iter().zip(b).all(|(a, b)| (a.to_f64() - b.to_f64()).abs() <= most);
-        // Whole micro-degrees on a lever of a metre, and rounding of coordinates of as much.
+        // Whole micro-degrees on a lever of one metre, and the rounding of coordinates of that size.
         let rounding = 1e-9 + 40.0 * P::GRAIN + R::EPSILON.to_f64() * 2e4;
         let rounding = rounding + beyond;
         let turned = 1e-3 * rounding + 1e-7 + (beyond + left_deg).to_radians();

@@ -1,4 +1,4 @@
-//! The profile run on the published axes, and what comes of it.
+//! Runs the profile on the published axes and evaluates the errors.
 
 use super::plant::{PUBLISHED, Plant};
 use trueaxis::machine::MachineSettings;
@@ -8,7 +8,7 @@ use trueaxis_tests::course::Course;
 
 const PROGRAM: &str = include_str!("../../programs/naca2415.ngc");
 
-/// Servo rate, and limits of the motion: a fast finishing cut.
+/// Servo rate, and motion limits of a fast finishing cut.
 const MOTION: &str = "rate_hz = 1000
 [motion]
 acceleration_mm_per_s2 = 2000
@@ -16,13 +16,13 @@ jerk_mm_per_s3 = 50000
 normal_acceleration_mm_per_s2 = 1000
 ";
 
-/// What decides on the drive positions of X and Y.
+/// Determines the drive positions of X and Y.
 pub(crate) trait Control {
-    /// Drive positions of a cycle, mm; `tip`: as it was read at the end of the last one.
+    /// Drive positions of a cycle, mm; `tip` was read at the end of the previous cycle.
     fn drive(&mut self, course: &Course, cycle: usize, tip: [f64; 2]) -> [f64; 2];
 }
 
-/// The commands go to the drives.
+/// Sends the commands to the drives unchanged.
 pub(crate) struct Nothing;
 
 impl Control for Nothing {
@@ -37,9 +37,9 @@ impl Control for Nothing {
 pub(crate) struct Outcome {
     /// Largest contour error.
     pub(crate) largest: f64,
-    /// Its mean.
+    /// Mean contour error.
     pub(crate) mean: f64,
-    /// Its root mean square.
+    /// Root mean square of the contour error.
     pub(crate) rms: f64,
     /// Largest and RMS tracking error of X and Y.
     pub(crate) axes: [[f64; 2]; 2],
@@ -52,7 +52,7 @@ pub(crate) fn profile(feed_mm_per_min: f64, machine: &MachineSettings) -> Course
     Course::new(PROGRAM, settings, machine)
 }
 
-/// Runs it.
+/// Runs the course with a control.
 pub(crate) fn run(course: &Course, control: &mut dyn Control) -> Outcome {
     let [x, y, _] = course.commands[0].at;
     let mut plants = [Plant::at(PUBLISHED[0], x), Plant::at(PUBLISHED[1], y)];

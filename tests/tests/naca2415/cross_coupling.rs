@@ -1,4 +1,4 @@
-//! Variable-gain cross-coupling, the published measure: Koren and Lo, CIRP Annals 40/1 (1991) 371.
+//! Variable-gain cross-coupling, the published reference: Koren and Lo, CIRP Annals 40/1 (1991) 371.
 //!
 //! ```text
 //! ε = C_y E_y − C_x E_x        E = command − tip
@@ -6,21 +6,21 @@
 //! u = K_p ε + K_i ∫ε dt        to Y by C_y, to X by −C_x
 //! ```
 //!
-//! Written apart from the plugin, which it is measured against.
+//! Written independently of the plugin that it is compared with.
 
 use super::course::Control;
 use trueaxis_tests::course::Course;
 
-/// What the path is taken for when the contour error is estimated.
+/// Approximation of the path for the contour error estimate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Estimate {
-    /// Its tangent at the command.
+    /// The tangent at the command.
     Tangent,
-    /// Its circle of curvature there.
+    /// The circle of curvature at the command.
     Circle,
 }
 
-/// Cross-coupling controller on top of the drives, at the place where the plugin acts too.
+/// Cross-coupling controller on top of the drives, at the same place as the plugin.
 pub(crate) struct CrossCoupling {
     pub(crate) estimate: Estimate,
     pub(crate) proportional: f64,
@@ -36,7 +36,7 @@ impl CrossCoupling {
 
 impl Control for CrossCoupling {
     fn drive(&mut self, course: &Course, cycle: usize, tip: [f64; 2]) -> [f64; 2] {
-        // The reading is that of the end of the last cycle, and so is the command it belongs to.
+        // The reading is from the end of the previous cycle, and so is the corresponding command.
         let before = &course.commands[cycle.saturating_sub(1)];
         let curve = &course.program.moves[before.setpoint.move_index].curve;
         let at = curve.derivatives(before.setpoint.u);

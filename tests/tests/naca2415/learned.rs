@@ -1,4 +1,4 @@
-//! Parts made one after the other, each learning from the record of the one before.
+//! Consecutive parts, each learning from the record of the previous one.
 
 use super::course::{Outcome, run};
 use super::plugin::{Plugin, machine, with_servo};
@@ -7,10 +7,10 @@ use trueaxis::learned::Learned;
 use trueaxis_metrology::learning::{Identity, Law, Lesson};
 use trueaxis_tests::course::Course;
 
-/// Time in which the axes can answer a correction, s: shorter waves than this at the programmed feed are not learned.
+/// Time in which the axes can respond to a correction, s: shorter waves at the programmed feed are not learned.
 const ANSWER_S: f64 = 0.04;
 
-/// Outcome of each of `parts` parts, the first without anything learned.
+/// Outcome of each of `parts` parts; the first has no learned correction.
 pub(crate) fn parts(course: &Course, feed_mm_per_min: f64, feed_forward: Option<Off>, parts: usize) -> Vec<Outcome> {
     let law = Law { cutoff_mm: ANSWER_S * feed_mm_per_min / 60.0, ..Law::default() };
     let identity = Identity { machine_id: 1, program_id: 1, length_mm: course.program.length() };

@@ -1,6 +1,6 @@
-//! A published benchmark: the NACA 2415 profile as a NURBS on the published transfer functions of two axes.
+//! A published benchmark: the NACA 2415 profile as a NURBS on two axes with published transfer functions.
 //!
-//! `docs/benchmark-naca.md` has the figures beside the published ones; `UPDATE_DOCS=1` writes them.
+//! `docs/benchmark-naca.md` lists the figures beside the published ones; `UPDATE_DOCS=1` writes them.
 
 mod course;
 mod cross_coupling;
@@ -18,7 +18,7 @@ use trueaxis_tests::course::Course;
 const FEEDS: [f64; 3] = [3_000.0, 6_000.0, 12_000.0];
 /// Gains of the contour feedback, near the largest that the margins permit on these axes.
 const GAINS: Gains = [0.15, 5.0];
-/// Gains of the cross-coupling: the same, and others that nobody checks.
+/// Gains of the cross-coupling: the same, and higher ones that no margin check covers.
 const CROSS_COUPLED: [Gains; 3] = [GAINS, [0.3, 10.0], [0.6, 60.0]];
 
 fn course(feed: f64) -> Course {
@@ -33,7 +33,7 @@ fn compensated(course: &Course, gains: Option<Gains>, feed_forward: Option<Off>)
     with_servo(&machine(gains, feed_forward), course, |servo| run(course, &mut Plugin::new(servo)))
 }
 
-/// The measure that the plugin is compared with is no straw man: it reduces the error, and more so with more gain.
+/// The reference that the plugin is compared with is effective: it reduces the error, and more so with more gain.
 #[test]
 fn cross_coupling_reduces_the_error() {
     for course in FEEDS.map(course) {
@@ -50,7 +50,7 @@ fn cross_coupling_reduces_the_error() {
 }
 
 /// Published: the largest error 65 % below that of cross-coupling with the tangent, 50 % below that with the circle of
-/// curvature (doi 10.1177/00202940241239227); by learning, the largest 45 % and the mean 54 % down (doi
+/// curvature (doi 10.1177/00202940241239227); by learning, the largest error 45 % and the mean error 54 % lower (doi
 /// 10.1177/1687814019868108).
 #[test]
 fn the_published_reductions_are_beaten() {
@@ -82,10 +82,10 @@ fn each_part_helps_and_both_together_most() {
     }
 }
 
-/// Gains, reset time, friction, each 30 % off either way: still far better than nothing.
+/// Gains, reset time, friction, each 30 % off in either direction: still far better than no correction.
 #[test]
 fn figures_far_off_do_no_harm() {
-    // Permitted with the worst of them too.
+    // Permitted even with the worst of these figures.
     const GENTLE: Gains = [0.075, 2.5];
     let right = Off::BY_NOTHING;
     for course in FEEDS.map(course) {
@@ -99,8 +99,8 @@ fn figures_far_off_do_no_harm() {
     }
 }
 
-/// Published: learning takes 45 % off the largest and 54 % off the mean error (doi 10.1177/1687814019868108). Here after
-/// three parts, with contour feedback alone, and with all on and figures that are wrong.
+/// Published: learning reduces the largest error by 45 % and the mean error by 54 % (doi 10.1177/1687814019868108). Tested
+/// after three parts, with contour feedback alone, and with everything enabled and wrong figures.
 #[test]
 fn three_parts_teach_more_than_the_published_ones() {
     for feed in FEEDS {

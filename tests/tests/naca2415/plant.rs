@@ -6,7 +6,7 @@
 //!        s⁴ + a3 s³ + a2 s² + a1 s + a0
 //! ```
 
-/// Longest step of the integration, s: 1 % of the fastest time constant.
+/// Longest integration step, s: 1 % of the fastest time constant.
 const STEP_S: f64 = 25e-6;
 
 /// Coefficients of one axis, lowest power first.
@@ -33,7 +33,7 @@ pub(crate) struct Plant {
 }
 
 impl Plant {
-    /// At rest.
+    /// The axis at rest.
     pub(crate) fn at(of: TransferFunction, position: f64) -> Plant {
         Plant { of, state: [position / of.a[0], 0.0, 0.0, 0.0], command: position }
     }
@@ -43,7 +43,7 @@ impl Plant {
         self.of.b.iter().zip(&self.state).map(|(b, x)| b * x).sum()
     }
 
-    /// One period, at whose end the command is `command`; the drive interpolates (fourth-order Runge–Kutta).
+    /// Advances one period, at whose end the command is `command`; the drive interpolates (fourth-order Runge–Kutta).
     pub(crate) fn advance(&mut self, command: f64, period_s: f64) {
         let steps = (period_s / STEP_S).ceil();
         let h = period_s / steps;
@@ -67,8 +67,8 @@ impl Plant {
     }
 }
 
-/// The cascade that has exactly this transfer function: position loop K_v with velocity feed-forward k_ff, velocity loop
-/// K_vp (1 + 1/(τ s)), current loop of time constant T_c, mass with viscous friction d.
+/// The cascade with exactly this transfer function: position loop K_v with velocity feed-forward k_ff, velocity loop K_vp (1 +
+/// 1/(τ s)), current loop of time constant T_c, mass with viscous friction d.
 ///
 /// ```text
 /// T_c s⁴ + (1 + d T_c) s³ + (d + K_vp) s² + K_vp (1/τ + K_v) s + K_vp K_v/τ     denominator
@@ -85,8 +85,8 @@ pub(crate) struct Cascade {
 }
 
 impl Cascade {
-    /// Solves the six coefficients for the six figures. Of the two solutions, the one whose reset time is the longer one
-    /// (the zeros −1/τ and −K_v/k_ff can be exchanged) and whose current loop is the faster one.
+    /// Solves the six coefficients for the six figures. There are two solutions (the zeros −1/τ and −K_v/k_ff can be
+    /// exchanged); returns the one with the longer reset time and the faster current loop.
     pub(crate) fn of(TransferFunction { a, b }: &TransferFunction) -> Cascade {
         let zero = (b[1] - (b[1] * b[1] - 4.0 * b[2] * b[0]).sqrt()) / (2.0 * b[2]);
         // K = K_vp/T_c: a1 − b1 = K (1 − k_ff)/τ and b2 = K k_ff.
@@ -137,7 +137,7 @@ fn the_published_axes_are_cascades() {
 
 #[test]
 fn the_plant_follows_its_transfer_function() {
-    // A sine: amplitude and phase by G(iω).
+    // A sine: amplitude and phase follow from G(iω).
     for of in PUBLISHED {
         let (period_s, omega) = (1e-4, 60.0_f64);
         let mut plant = Plant::at(of, 0.0);

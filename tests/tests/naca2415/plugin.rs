@@ -12,39 +12,39 @@ use trueaxis_metrology::learning::MeasuredError;
 use trueaxis_testing::machine::Machine;
 use trueaxis_tests::course::Course;
 
-/// Contour feedback: proportional, integral per second.
+/// Gains of the contour feedback: proportional, integral per second.
 pub(crate) type Gains = [f64; 2];
 
-/// Factors by which the configured figures are wrong.
+/// Factors by which the configured figures are off.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Off {
-    /// Of the gains of both loops.
+    /// Factor of the gains of both loops.
     pub(crate) gains: f64,
-    /// Of the reset time.
+    /// Factor of the reset time.
     pub(crate) reset: f64,
-    /// Of the friction.
+    /// Factor of the friction.
     pub(crate) friction: f64,
 }
 
 impl Off {
-    /// The figures as they are.
+    /// The true figures.
     pub(crate) const BY_NOTHING: Off = Off { gains: 1.0, reset: 1.0, friction: 1.0 };
-    /// As wrong as the simulator has them unless told otherwise.
+    /// The simulator's default errors.
     pub(crate) const AS_USUAL: Off = Off { gains: 1.05, reset: 1.0, friction: 0.9 };
 }
 
-/// A machine whose X and Y are configured with the figures of the published axes, `off` by factors: the plugin never sees
-/// the plant itself.
+/// A machine whose X and Y are configured with the figures of the published axes, `off` by factors; the plugin never sees the
+/// plant.
 ///
-/// The published axes have no Coulomb friction, and much viscous friction.
+/// The published axes have no Coulomb friction, but much viscous friction.
 pub(crate) fn machine(gains: Option<Gains>, feed_forward: Option<Off>) -> MachineSettings {
     let off = feed_forward.unwrap_or(Off::BY_NOTHING);
     let mut at = 0;
     let configured = Machine::three_axis().each(|axis| {
-        // Z stands still; feedback needs its drive all the same.
+        // Z is stationary, but feedback needs its drive nevertheless.
         let cascade = Cascade::of(&PUBLISHED[at % 2]);
         at += 1;
-        // The published motion is fast: lag and force take corrections that a machine tool's defaults do not let pass.
+        // The published motion is fast: lag and force need corrections that exceed a machine tool's default limits.
         let on = feed_forward.is_some();
         let limits = Limits { magnitude: 0.5, slope_per_s: 50.0, acceleration_per_s2: 50_000.0 };
         axis.joint = axis.travel.map(|end| end + limits.magnitude.copysign(end));
@@ -81,13 +81,13 @@ pub(crate) fn machine(gains: Option<Gains>, feed_forward: Option<Off>) -> Machin
         .settings()
 }
 
-/// A servo loop with its state.
+/// A servo loop and its state.
 pub(crate) struct Plugin<'s> {
     servo: &'s HostServo<'s, 3>,
     state: HostState<3>,
-    /// What earlier parts taught.
+    /// Correction learned from earlier parts.
     pub(crate) learned: Option<Learned<'s, f64>>,
-    /// Record of this one, for the next.
+    /// Record of this part, for the next one.
     pub(crate) record: Vec<MeasuredError>,
 }
 

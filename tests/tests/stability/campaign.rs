@@ -1,4 +1,4 @@
-//! Plants drawn at random, and what the contour feedback does on them.
+//! Randomly drawn plants, and the effect of the contour feedback on them.
 
 use super::drive::Drive;
 use trueaxis::machine::{DriveFigures, MachineSettings};
@@ -10,15 +10,15 @@ use trueaxis_tests::course::{Command, Course};
 const RATE: &str = "rate_hz = 2000\n";
 /// Cycles of a run of the campaign.
 pub(crate) const CYCLES: usize = 1000;
-/// Cycles in which a force pushes X away, mm/s²: a hard spot.
+/// Cycles in which a force deflects X, mm/s²: a hard spot.
 const PUSH: std::ops::Range<usize> = 240..260;
 const FORCE_MM_PER_S2: f64 = -2000.0;
-/// Cycles of each of the windows that are compared, at the end of the run.
+/// Cycles of each of the compared windows at the end of the run.
 const WINDOW: usize = 260;
 /// Radius of the circle, mm.
 const RADIUS_MM: f64 = 10.0;
 
-/// What is run.
+/// Shape of the track.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Shape {
     Line,
@@ -56,8 +56,8 @@ impl Track {
     }
 }
 
-/// Runs the track on two drives, with a push of 1 or none of 0; `control` makes drive positions of a command and a reading.
-/// The contour error of every cycle, µm.
+/// Runs the track on two drives, with the push scaled by 1 or 0; `control` computes drive positions from a command and a
+/// reading. Returns the contour error of every cycle, µm.
 pub(crate) fn errors(
     track: &Track,
     drives: &[DriveFigures; 2],
@@ -76,8 +76,8 @@ pub(crate) fn errors(
     track.commands(cycles).iter().enumerate().map(cycle).collect()
 }
 
-/// Largest effect of the push on the contour error in each window, µm. What the path itself asks for is taken out: axes
-/// with different lag draw an ellipse, which is no oscillation of the loop.
+/// Largest effect of the push on the contour error in each window, µm. The error due to the path alone is subtracted: axes
+/// with different lag describe an ellipse, which is not an oscillation of the loop.
 pub(crate) fn effects(pushed: &[f64], alone: &[f64]) -> [f64; 3] {
     let first = pushed.len() - 3 * WINDOW;
     std::array::from_fn(|i| {
@@ -86,7 +86,7 @@ pub(crate) fn effects(pushed: &[f64], alone: &[f64]) -> [f64; 3] {
     })
 }
 
-/// A machine tool drive. Ratios of the loops' speeds as they are tuned.
+/// A machine tool drive, with typical ratios of the loops' speeds.
 pub(crate) fn drive(random: &mut Noise) -> DriveFigures {
     let position_gain_per_s = 30.0 * 6.0_f64.powf(random.unit());
     let velocity_gain_per_s = position_gain_per_s * random.range(5.0, 10.0);

@@ -1,17 +1,17 @@
-//! A drive as the methods describe it, written apart from the plugin and from the simulator.
+//! A drive as described in the methods, written independently of the plugin and the simulator.
 
 use trueaxis::machine::DriveFigures;
 
-/// Longest step of the mechanics, s.
+/// Longest integration step of the mechanics, s.
 const STEP_S: f64 = 1e-4;
 
-/// Position loop K_v with velocity feed-forward, velocity loop K_vp (1 + 1/(τ s)), current loop, mass; commands arrive late
-/// by the dead time.
+/// Position loop K_v with velocity feed-forward, velocity loop K_vp (1 + 1/(τ s)), current loop, mass; commands are delayed by
+/// the dead time.
 #[derive(Clone, Debug)]
 pub(crate) struct Drive {
     figures: DriveFigures,
     period_s: f64,
-    /// Last commands, the newest first.
+    /// Latest commands, newest first.
     commands: Vec<f64>,
     command: f64,
     pub(crate) position: f64,
@@ -36,7 +36,7 @@ impl Drive {
         }
     }
 
-    /// One period, at whose end the axis should be at `command`; `force` pushes, mm/s².
+    /// Advances one period, at whose end the axis should be at `command`; `force` acts on the axis, mm/s².
     pub(crate) fn advance(&mut self, command: f64, force: f64) {
         let f = &self.figures;
         self.commands.rotate_right(1);

@@ -1,5 +1,5 @@
-//! Contour feedback never grows an oscillation on a drive near its configured figures, and where the loop is unstable all
-//! the same the step's watch finds it.
+//! Contour feedback never excites an oscillation on a drive near its configured figures, and if the loop is unstable
+//! nevertheless, the step's watch detects it.
 
 mod campaign;
 mod drive;
@@ -12,11 +12,11 @@ use trueaxis::machine::{DriveFigures, Limits, MachineSettings};
 use trueaxis_testing::machine::Machine;
 use trueaxis_testing::noise::Noise;
 
-/// Plants of the campaign.
+/// Number of plants in the campaign.
 const PLANTS: usize = 10_000;
 /// Share by which every figure of a plant may be off.
 const OFF: f64 = 0.4;
-/// Below this an effect is none, µm: less than 1 % of what the push does at first.
+/// Effects below this count as zero, µm: less than 1 % of the push's initial effect.
 const NOISE_UM: f64 = 0.02;
 /// Servo period of the tracks, s.
 const PERIOD_S: f64 = 0.5e-3;
@@ -27,8 +27,8 @@ fn tracks() -> [Track; 2] {
     [Shape::Line, Shape::Circle].map(|shape| Track::new(shape, &Machine::three_axis().settings()))
 }
 
-/// A configuration that the plugin takes, and its servo loop. Gains that it refuses are brought down to what it names as the
-/// largest, or to as little as half of that: most are near the margins.
+/// A configuration that the plugin accepts, and its servo loop. Refused gains are reduced to the largest permitted ones, or to
+/// as little as half of those, so most are near the margins.
 fn permitted(random: &mut Noise, limits: Option<Limits>) -> (DriveFigures, MachineSettings, HostServo<'static, 3>) {
     let (configured, mut gains) = (drive(random), [1.5 * random.unit(), 150.0 * random.unit()]);
     for _ in 0..5 {
@@ -60,23 +60,23 @@ fn no_plant_near_its_figures_is_made_to_oscillate() {
             errors
         });
         let [first, before, after] = effects(&pushed, &alone);
-        // The integral creeps, by real poles; an oscillation that does not decay shows in both.
+        // The integral creeps, with real poles; an oscillation that does not decay appears in both.
         let calm = after < (1.05 * before).max(NOISE_UM) && after < 0.5 * first;
         assert!(calm, "{first} {before} {after} {}", case());
     }
 }
 
-/// The same with a watch that never speaks.
+/// The machine with a watch that never triggers.
 fn unwatched(machine: &MachineSettings) -> MachineSettings {
     let mut machine = machine.clone();
     machine.contour.feedback.iter_mut().for_each(|feedback| feedback.watch_mm = 10.0);
     machine
 }
 
-/// Late readings that nobody told the configuration of, and gains that it took for granted.
+/// The readings are late, unknown to the configuration, for which the gains were permitted.
 #[test]
 fn an_unstable_loop_is_led_out() {
-    /// By then the oscillation is to be seen, and some time later the feedback is out.
+    /// Cycles until the oscillation is visible, and until the feedback must be out.
     const SEEN: usize = 4 * CYCLES;
     const LATER: usize = 6 * CYCLES;
     let tracks = tracks();
@@ -94,7 +94,7 @@ fn an_unstable_loop_is_led_out() {
             (errors, plugin.out_since)
         };
         let without = errors(track, &[late; 2], (LATER, 1.0), |command, _| [command.at[0], command.at[1]]);
-        // What would come of it.
+        // The result without the watch.
         let (blind, _) = run(&servo(&unwatched(&machine), PERIOD_S).unwrap(), SEEN);
         let [_, _, grown] = effects(&blind, &without[..SEEN]);
         if grown < 30.0 {
@@ -104,7 +104,7 @@ fn an_unstable_loop_is_led_out() {
         let (errors, out_since) = run(&watched, LATER);
         let case = || format!("{grown} {:?}: {:?} {late:?}", track.shape, machine.contour.feedback);
         assert!(out_since.is_some(), "{}", case());
-        // Once it is out the axes do as without.
+        // Once the feedback is out, the axes behave as without it.
         let [.., left] = effects(&errors, &without);
         assert!(left < 0.1, "{out_since:?} {left} {}", case());
     }

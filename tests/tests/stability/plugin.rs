@@ -1,4 +1,4 @@
-//! The step with contour feedback alone.
+//! The step with only contour feedback.
 
 use super::campaign::Track;
 use trueaxis::contour::Method;
@@ -8,10 +8,10 @@ use trueaxis::{Config, ConfigError, HostServo, HostState, Row};
 use trueaxis_testing::machine::Machine;
 use trueaxis_tests::course::Command;
 
-/// Limits that no plant of the campaign reaches: what is looked at is the loop.
+/// Limits that no plant of the campaign reaches, so that only the loop is tested.
 pub(crate) const WIDE: Limits = Limits { magnitude: 1.0, slope_per_s: 100.0, acceleration_per_s2: 100_000.0 };
 
-/// A machine with a drive on every axis and contour feedback; with the default limits unless others are given.
+/// A machine with a drive on every axis and contour feedback; with the default limits if none are given.
 pub(crate) fn machine(
     drive: DriveFigures,
     [proportional, integral_per_s]: [f64; 2],
@@ -52,7 +52,7 @@ pub(crate) struct Plugin<'s> {
     servo: &'s HostServo<'static, 3>,
     track: &'s Track,
     state: HostState<3>,
-    /// Cycle from which on the watch has led the feedback out.
+    /// Cycle from which the watch had switched the feedback off.
     pub(crate) out_since: Option<usize>,
     cycle: usize,
 }

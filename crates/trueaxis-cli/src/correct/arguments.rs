@@ -1,4 +1,4 @@
-//! A position, directions of travel and a temperature, as asked for.
+//! Position, directions of travel and temperature of a query.
 
 use crate::model;
 use crate::numbers::{Numbers, numbers};
@@ -30,7 +30,7 @@ pub(crate) struct Arguments {
     pub(super) json: bool,
 }
 
-/// A query, checked.
+/// A validated query.
 pub(super) struct Asked {
     pub(super) query: correct::Asked,
     /// Whether the position is the default one.

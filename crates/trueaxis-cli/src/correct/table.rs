@@ -1,4 +1,4 @@
-//! The result for people and for programs.
+//! The result as text and as JSON.
 
 use super::arguments::Asked;
 use serde_json::{Map, Value, json};

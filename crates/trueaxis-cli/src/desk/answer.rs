@@ -2,7 +2,7 @@
 
 use super::page;
 
-/// The page may run its own script, module and workers; it may load and send nothing.
+/// The page may run its embedded script, module and workers; it may not load or send anything.
 const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline' 'wasm-unsafe-eval' blob:; worker-src blob:; \
     style-src 'unsafe-inline'; img-src data: blob:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 /// Headers of every answer.
@@ -17,7 +17,7 @@ const HEADERS: [(&str, &str); 8] = [
     ("Connection", "close"),
 ];
 
-/// An answer as it is sent.
+/// A complete response, head and body.
 pub(super) type Answer = Vec<u8>;
 
 /// Answers the head of a request, without the empty line at its end.
@@ -25,7 +25,7 @@ pub(super) fn to(head: &[u8], port: u16, plain: &[u8]) -> Answer {
     let Some(Request { method, target, headers }) = std::str::from_utf8(head).ok().and_then(Request::read) else {
         return refusal("400 Bad Request", "needed a request of HTTP/1.1\n");
     };
-    // A name of another site that points here would otherwise read the page as its own.
+    // Prevents DNS rebinding: a foreign host name that resolves to this address could otherwise read the page as same-origin.
     let own = [format!("127.0.0.1:{port}"), format!("localhost:{port}")];
     let hosts: Vec<&str> = values(&headers, "Host").collect();
     if !matches!(hosts[..], [host] if own.iter().any(|own| own == host)) {
@@ -51,7 +51,7 @@ pub(super) fn to(head: &[u8], port: u16, plain: &[u8]) -> Answer {
     page
 }
 
-/// A request that is longer than the desk reads.
+/// Response to a request longer than the desk reads.
 pub(super) fn too_long(most: usize) -> Answer {
     refusal("431 Request Header Fields Too Large", &format!("needed a request of at most {most} bytes\n"))
 }
@@ -70,14 +70,14 @@ impl Request<'_> {
         if words.next().is_some() || !matches!(version, "HTTP/1.0" | "HTTP/1.1") {
             return None;
         }
-        // A folded line continues the header before it: it has no name, and is refused.
+        // A folded line continues the previous header: it has no name and is refused.
         let named = |(name, _): &(&str, &str)| !name.starts_with([' ', '\t']);
         let headers = lines.map(|line| line.split_once(':').filter(named)).collect::<Option<_>>()?;
         Some(Request { method, target, headers })
     }
 }
 
-/// The values of a header, as often as it was sent.
+/// All values of a header, one per occurrence.
 fn values<'r>(headers: &'r [(&str, &'r str)], name: &'static str) -> impl Iterator<Item = &'r str> {
     headers.iter().filter(move |(field, _)| field.eq_ignore_ascii_case(name)).map(|(_, value)| value.trim())
 }

@@ -38,7 +38,7 @@ pub(crate) struct Arguments {
     write: Option<PathBuf>,
 }
 
-/// Refused: how to get the page.
+/// Refuses, and explains how to get the page.
 #[cfg(not(feature = "desk"))]
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let Arguments { port: _, write: _ } = arguments;

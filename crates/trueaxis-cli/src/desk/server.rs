@@ -1,7 +1,7 @@
-//! The page on 127.0.0.1, until Ctrl-C.
+//! Serves the page on 127.0.0.1 until Ctrl-C.
 //!
-//! Each connection has its own thread, one request, and limits on size and time, so it can delay neither the others nor
-//! Ctrl-C.
+//! Each connection has its own thread and one request, with limits on size and time, so it can delay neither the other
+//! connections nor Ctrl-C.
 
 use super::{answer, page};
 use crate::output::{print, tell};
@@ -13,21 +13,21 @@ use std::sync::{Arc, Weak, mpsc};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-/// Where the desk is looked for: a bookmark stays good.
+/// Default port, fixed so that a bookmark stays valid.
 const USUAL_PORT: u16 = 8471;
 
-/// Most connections at once. A further one ends the oldest, so a client that only holds connections blocks nobody.
+/// Most connections at once. One more closes the oldest, so idle clients cannot block others.
 const CONNECTIONS: usize = 64;
 /// Longest head of a request, bytes.
 const HEAD: usize = 16 << 10;
 /// Bytes read and discarded after the head: closing a connection with unread bytes can discard the answer too.
 const BEHIND: u64 = 64 << 10;
-/// Time for a request to come.
+/// Time limit for receiving a request.
 const TO_COME: Duration = Duration::from_secs(10);
-/// Time for its answer to go.
+/// Time limit for sending the answer.
 const TO_GO: Duration = Duration::from_secs(60);
 
-/// Serves the page at `port`, or at the usual one, or at any free one.
+/// Serves the page at `port`; without one, at the usual port or, if that is taken, at any free one.
 pub(super) fn serve(port: Option<u16>) -> Result<()> {
     let listener = listener(port)?;
     let port = listener.local_addr().context("127.0.0.1")?.port();
@@ -40,7 +40,7 @@ pub(super) fn serve(port: Option<u16>) -> Result<()> {
     print(&format!("http://127.0.0.1:{port}/\n"))?;
     tell("note: open this address in a browser; Ctrl-C ends the desk");
     thread::Builder::new().spawn(move || accept(&listener, port, &plain)).context("127.0.0.1")?;
-    // The process ends with this, and every connection with it.
+    // When this returns, the process ends and closes every connection.
     interrupted.recv().context("Ctrl-C")
 }
 
@@ -57,7 +57,7 @@ fn listener(port: Option<u16>) -> Result<TcpListener> {
 }
 
 fn accept(listener: &TcpListener, port: u16, plain: &Arc<[u8]>) {
-    // A connection is its thread's: it is closed when that ends.
+    // Each thread owns its connection, which closes when the thread ends.
     let mut open: VecDeque<(Weak<TcpStream>, JoinHandle<()>)> = VecDeque::new();
     for stream in listener.incoming() {
         open.retain(|(_, thread)| !thread.is_finished());
@@ -69,7 +69,7 @@ fn accept(listener: &TcpListener, port: u16, plain: &Arc<[u8]>) {
             }
             let _ = thread.join();
         }
-        // The client has gone away, or no file descriptor is left.
+        // Accepting fails if the client has disconnected or no file descriptor is left.
         let Ok(stream) = stream.map(Arc::new) else { continue };
         let (held, plain) = (Arc::downgrade(&stream), Arc::clone(plain));
         if let Ok(thread) = thread::Builder::new().spawn(move || one(&stream, port, &plain)) {
@@ -78,7 +78,7 @@ fn accept(listener: &TcpListener, port: u16, plain: &Arc<[u8]>) {
     }
 }
 
-/// One request and its answer. A client that goes away or is too slow needs none.
+/// Handles one request. A client that disconnects or is too slow gets no answer.
 fn one(stream: &TcpStream, port: u16, plain: &[u8]) {
     let mut of_client = Until { stream, end: Instant::now() + TO_COME };
     if let Ok(head) = head(&mut of_client) {
@@ -109,14 +109,14 @@ fn head(of_client: &mut Until) -> io::Result<Option<Vec<u8>>> {
     Ok(None)
 }
 
-/// A connection up to a moment, however little comes or goes at a time.
+/// A connection with a deadline, however slowly the bytes arrive.
 struct Until<'s> {
     stream: &'s TcpStream,
     end: Instant,
 }
 
 impl Until<'_> {
-    /// Never zero, which would be a wait without an end.
+    /// Time left. Never zero, which would mean waiting without a limit.
     fn left(&self) -> io::Result<Option<Duration>> {
         let left = self.end.saturating_duration_since(Instant::now());
         if left.is_zero() { Err(ErrorKind::TimedOut.into()) } else { Ok(Some(left)) }

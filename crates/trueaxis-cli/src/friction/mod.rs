@@ -120,7 +120,7 @@ fn read_after(text: &str) -> Result<f64, String> {
     friction::read_after_s(text.parse().unwrap_or(f64::NAN))
 }
 
-/// The drives' figures that a machine states.
+/// The drives' figures stated by a machine.
 fn drives(path: &Path, axes: [Axis; 2]) -> Result<[Option<DriveFigures>; 2]> {
     friction::drives(&model::machine(path)?, &path.display().to_string(), axes)
 }

@@ -1,10 +1,10 @@
-//! The table that is printed.
+//! The printed table.
 
 use std::fmt::{Error, Write};
 use trueaxis_evaluation::friction::Document;
 use trueaxis_report::number::significant;
 
-/// A table to read.
+/// The result as a text table.
 pub(super) fn table(document: &Document) -> Result<String, Error> {
     let mut text = format!("{} samples at {} Hz\n", document.samples, significant(1.0 / document.period_s, 4));
     for own in &document.axes {

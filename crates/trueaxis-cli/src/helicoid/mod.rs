@@ -14,7 +14,7 @@ use trueaxis_tables::output::Outputs;
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let job = Job::new(&arguments.request())?;
     let points = job.points()?;
-    // Everything is made before anything is written.
+    // Create every output before writing any.
     let program = match &arguments.gcode {
         Some(file) => Some((job.program()?, file)),
         None => None,

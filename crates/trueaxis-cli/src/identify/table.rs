@@ -1,11 +1,11 @@
-//! The table that is printed.
+//! The printed table.
 
 use std::fmt::{Error, Write};
 use trueaxis::Axis;
 use trueaxis_evaluation::identify::{Document, names};
 use trueaxis_tables::text::counted;
 
-/// A table to read.
+/// The result as a text table.
 pub(super) fn table(document: &Document, axis: Axis) -> Result<String, Error> {
     let mut text = format!(
         "axis {}, {}, {}\n\n",

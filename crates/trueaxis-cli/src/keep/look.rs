@@ -1,4 +1,4 @@
-//! `trueaxis keep begin` and `check`, and what `apply` has in common with them.
+//! `trueaxis keep begin` and `check`, and the parts that `apply` shares with them.
 
 use super::{CheckArguments, LookArguments};
 use crate::model::{note, text};
@@ -18,7 +18,7 @@ pub(super) fn allowed<'a>(arguments: &'a CheckArguments, state: &State) -> Resul
     Ok(Let { accept: &arguments.accept, by_hand: arguments.by_hand })
 }
 
-/// Stages the page of the history with the entry that comes next, where it is asked for.
+/// If requested, stages the page of the history including the next entry.
 pub(super) fn show(outputs: &mut Outputs, state: &State, taken: &Taken, arguments: &LookArguments) -> Result<()> {
     let Some(directory) = &arguments.report else { return Ok(()) };
     let entries: Vec<Entry> = state.history.entries.iter().chain([&taken.entry]).cloned().collect();
@@ -26,7 +26,7 @@ pub(super) fn show(outputs: &mut Outputs, state: &State, taken: &Taken, argument
     report::write(outputs, &page, directory, "keep.html")
 }
 
-/// Ends the command where a term is out of its bounds.
+/// Ends the command if a term is out of bounds.
 pub(super) fn refused(taken: &Taken, log: &Path) -> Result<()> {
     taken.refusal(log).map_or(Ok(()), |reason| Err(NeedsPerson(reason).into()))
 }

@@ -1,4 +1,4 @@
-//! A look and a history as text.
+//! A re-probing and a history as text.
 
 use crate::output::{json, print};
 use anyhow::Result;
@@ -6,7 +6,7 @@ use std::fmt::Write;
 use trueaxis_evaluation::keep::{Document, Entry, deeds};
 use trueaxis_report::number::significant;
 
-/// Prints a look.
+/// Prints a re-probing.
 pub(super) fn put(document: &Document, as_json: bool) -> Result<()> {
     if as_json { json(document) } else { print(&table(document)?) }
 }
@@ -32,7 +32,7 @@ fn table(d: &Document) -> Result<String> {
     Ok(text)
 }
 
-/// The history, one entry a line.
+/// The history, one entry per line.
 pub(super) fn entries(entries: &[Entry]) -> Result<String> {
     let mut text = String::new();
     for (entry, deed) in entries.iter().zip(deeds(entries)) {

@@ -1,4 +1,4 @@
-//! Arguments and columns of both directions.
+//! Arguments and columns shared by both directions.
 
 use crate::numbers::triple;
 use anyhow::{Result, anyhow};
@@ -37,7 +37,7 @@ pub(super) const MARGIN: &str = "singularity_margin_deg";
 pub(super) const LEFT: &str = "direction_error_deg";
 pub(super) const BRANCH: &str = "branch";
 
-/// The machine with the tool asked for.
+/// The machine with the requested tool.
 pub(super) fn kinematics(common: &Common, settings: &MachineSettings) -> Result<Kinematics<f64>> {
     let kinematics =
         Kinematics::<f64>::new(settings).map_err(|error| anyhow!("{}: {error}", common.machine.display()))?;

@@ -51,7 +51,7 @@ pub(crate) struct Arguments {
     max_step_deg: Option<f64>,
 }
 
-/// Columns of the input: the tool, then what a forward or an inverse result has besides.
+/// Columns of the input: the tool, and the other columns of a forward or inverse result.
 const COLUMNS: [&str; 15] = {
     let [x, y, z, i, j, k] = TOOL_COLUMNS;
     let [qx, qy, qz, a, b, c] = AXIS_COLUMNS;
@@ -76,7 +76,7 @@ pub(super) fn run(arguments: &Arguments, settings: &MachineSettings) -> Result<(
     if let Some(start) = &arguments.start {
         walk = walk.from_angles(&kinematics, start).map_err(|error| anyhow!("--start: {error}"))?;
     }
-    // Rows of which only one solution was given.
+    // Rows for which only one solution was written.
     let mut left_out = 0;
     let used: Vec<Axis> = Axis::ALL.into_iter().filter(|axis| kinematics.has(*axis)).collect();
     let columns = COLUMNS.map(|name| Column { name, needed: TOOL_COLUMNS.contains(&name) });
@@ -116,7 +116,7 @@ pub(super) fn run(arguments: &Arguments, settings: &MachineSettings) -> Result<(
     sheet.finish()
 }
 
-/// An error at its line of the file.
+/// An error with the line of the file.
 fn at_line(file: &Path, line: u32, error: InverseError) -> anyhow::Error {
     let columns = match error {
         InverseError::NotADirection { .. } | InverseError::Unreachable { .. } | InverseError::SingularPose { .. } => {

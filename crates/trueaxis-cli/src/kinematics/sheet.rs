@@ -49,7 +49,7 @@ impl<'p> Sheet<'p> {
         }
         if let Some(json) = &mut self.json {
             json.put(format_args!("{}\n    {{", if self.first { "" } else { "," }))?;
-            // Cells were read as numbers before.
+            // The cells have already been parsed as numbers.
             let numbers = cells.filter_map(|cell| cell.parse::<f64>().ok()).chain(values);
             for (i, (name, value)) in self.names.iter().zip(numbers).enumerate() {
                 let number = if name == BRANCH { Value::from(value as u8) } else { Value::from(value) };

@@ -1,4 +1,4 @@
-//! What was learned, as printed.
+//! The learned correction as printed.
 
 use serde::Serialize;
 use std::fmt::Write;
@@ -6,7 +6,7 @@ use trueaxis_evaluation::learn::Record;
 use trueaxis_metrology::learning::{Law, Lesson};
 use trueaxis_tables::text::counted;
 
-/// Sizes of an error.
+/// Magnitudes of an error.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub(crate) struct Size {
     pub(crate) max_um: f64,
@@ -27,7 +27,7 @@ pub(crate) struct Document {
     pub(crate) cutoff_mm: f64,
     /// Contour error of the recorded part.
     pub(crate) before: Size,
-    /// The same with the new correction, if a correction moves the tip by as much.
+    /// Contour error with the new correction, if a correction moves the tip by its full amount.
     pub(crate) predicted: Size,
     /// Largest component of the new correction.
     pub(crate) correction_um: f64,
@@ -71,7 +71,7 @@ impl Document {
         }
     }
 
-    /// A table to read.
+    /// The document as a text table.
     pub(super) fn table(&self) -> Result<String, std::fmt::Error> {
         let mut text = format!(
             "program {}, machine {}, {:.3} mm, {}\n\n",
@@ -98,7 +98,7 @@ impl Document {
 }
 
 impl Size {
-    /// Of errors in mm.
+    /// Magnitudes of errors in mm.
     fn of(errors: impl Iterator<Item = [f64; 3]>) -> Size {
         let (mut largest, mut sum, mut count) = (0.0_f64, 0.0, 0_u64);
         for error in errors {

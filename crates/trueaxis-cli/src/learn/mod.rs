@@ -95,7 +95,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     if arguments.json { json(&document) } else { print(&document.table()?) }
 }
 
-/// A correction of the record's program and machine.
+/// Parses a correction that must belong to the record's program and machine.
 fn belonging<'b>(bytes: &'b [u8], record: &Record) -> Result<Learned<'b, f64>> {
     let learned = Learned::parse(bytes)?;
     learned.expect_machine(record.identity.machine_id)?;

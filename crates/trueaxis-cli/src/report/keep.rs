@@ -5,7 +5,7 @@ use trueaxis_evaluation::keep::{Document, Entry, deeds, figures};
 use trueaxis_report::number::significant;
 use trueaxis_report::{Page, Row, Table, summary};
 
-/// The whole page: the entries, and the look that came last.
+/// The whole page: the entries, and the latest re-probing.
 pub(crate) fn page(machine: &str, entries: &[Entry], document: Option<&Document>) -> String {
     let count = format!("{} entries", entries.len());
     let mut page = Page::new("A machine that keeps itself true").top(summary([html! { (machine) }, html! { (count) }]));

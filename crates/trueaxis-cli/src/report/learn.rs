@@ -5,10 +5,10 @@ use maud::html;
 use trueaxis_metrology::learning::Lesson;
 use trueaxis_report::{Figure, Page, Row, Scale, Stroke, Table, colour, decimate, number::significant, summary};
 
-/// Points of a curve: as many as a figure can show.
+/// Points per curve: as many as a figure can show.
 const CURVE: usize = 1400;
 
-/// The whole page; `source` is the name of the record, the curves come from the lesson.
+/// The whole page; `source` is the name of the record, and the curves come from the lesson.
 pub(crate) fn page(source: &str, found: &Document, lesson: &Lesson) -> String {
     let over = |values: &[[f64; 3]], what: &str, description: &str| over_length(found, values, what, description);
     Page::new("Learned correction")

@@ -18,13 +18,13 @@ use maud::{Markup, html};
 use std::path::Path;
 use trueaxis_tables::output::Outputs;
 
-/// A page in a folder, which is created if need be.
+/// Stages a page in a folder, which is created if needed.
 pub(crate) fn write(outputs: &mut Outputs, page: &str, directory: &Path, name: &str) -> Result<()> {
     outputs.folder(directory)?;
     Ok(outputs.put(&directory.join(name), page.as_bytes())?)
 }
 
-/// A page in a file, if the path's name ends in `.html`, or else under `name` in that folder.
+/// Stages a page as a file if the path's name ends in `.html`, otherwise under `name` in that folder.
 pub(crate) fn write_to(outputs: &mut Outputs, page: &str, path: &Path, name: &str) -> Result<()> {
     if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("html")) && !path.is_dir() {
         return Ok(outputs.put(path, page.as_bytes())?);
@@ -32,7 +32,7 @@ pub(crate) fn write_to(outputs: &mut Outputs, page: &str, path: &Path, name: &st
     write(outputs, page, path, name)
 }
 
-/// Warnings of a run, one a line.
+/// Warnings of a run, one per line.
 fn warnings(warnings: &[String]) -> Markup {
     html! { @if !warnings.is_empty() { ul { @for warning in warnings { li { (warning) } } } } }
 }

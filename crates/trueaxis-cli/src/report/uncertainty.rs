@@ -5,7 +5,7 @@ use trueaxis_evaluation::uncertainty::{AtPoint, Document, Spread};
 use trueaxis_report::number::significant;
 use trueaxis_report::{Figure, Page, Row, Scale, Stroke, Table, colour, heat_map, side_by_side, summary};
 
-/// Contributions that are drawn.
+/// Number of contributions drawn.
 const BARS: usize = 12;
 
 /// The whole page.
@@ -60,7 +60,7 @@ fn layer(document: &Document) -> Figure {
     figure
 }
 
-/// Distance of the tip from where it should be, of the machines drawn, as a distribution.
+/// Distribution over the machines drawn: distance of the tip from its ideal position.
 fn distribution(document: &Document) -> Figure {
     let distances = document.distances_um();
     let radius = document.worst.jacobian.radius_um;

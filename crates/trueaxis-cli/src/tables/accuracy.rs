@@ -12,7 +12,7 @@ use trueaxis_metrology::uncertainty::Verdict;
 use trueaxis_tables::text::counted;
 use trueaxis_tables::uncertainty::Uncertainties;
 
-/// What is asked of the uncertainty.
+/// Options for the uncertainty.
 pub(crate) struct Bands<'m> {
     /// Machine whose section uncertainty states the instrument.
     pub(crate) machine: &'m Path,
@@ -30,7 +30,7 @@ pub(crate) fn run(
 ) -> Result<()> {
     let text = model::text(file)?;
     let measurement = read(&text, file, axis, &mut |how| tell(format_args!("note: {how}")))?;
-    // Errors in the measurement are reported before those in the machine.
+    // Evaluate without the machine first, so that errors in the measurement are reported before those in the machine.
     let mut document = evaluate(&measurement, file, None)?;
     if let Some(path) = machine {
         document.compensated = evaluate(&measurement, file, Some((&model::machine(path)?, path)))?.compensated;

@@ -70,7 +70,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     if arguments.json { json(&document(&collapsed)) } else { print(&report(&collapsed)) }
 }
 
-/// Low and high end of X, Y and Z, where given.
+/// Low and high end of X, Y and Z, if given.
 pub(crate) type Volume = [Option<[f64; 2]>; 3];
 /// Rotary axes and their angles.
 pub(crate) type Pose = Vec<(Axis, f64)>;
@@ -109,10 +109,10 @@ pub(crate) fn pose(text: &str) -> Result<Pose, String> {
     text.split(',').map(one).collect()
 }
 
-/// First line of a machine.toml that this command wrote, which it may write again.
+/// First line of a machine.toml written by this command, which may overwrite it.
 const MARK: &str = "# Collapsed:";
 
-/// Tables first: a machine.toml is only there with all of them.
+/// Writes the tables first, so that a machine.toml never exists without all of them.
 fn write(input: &Path, output: &Path, files: &[(String, String)]) -> Result<()> {
     let source = if input.is_dir() { input.to_path_buf() } else { input.parent().unwrap_or(Path::new("")).into() };
     let source = if source.as_os_str().is_empty() { PathBuf::from(".") } else { source };
@@ -137,7 +137,7 @@ fn write(input: &Path, output: &Path, files: &[(String, String)]) -> Result<()> 
     Ok(())
 }
 
-/// The linear axes that the machine has, with the ends of the volume.
+/// The machine's linear axes with the ends of the volume.
 fn ranges(collapsed: &Collapsed) -> impl Iterator<Item = (char, [f64; 2])> {
     let ends = collapsed.volume_mm.into_iter().zip(['X', 'Y', 'Z']);
     ends.filter(|([low, high], _)| low < high).map(|(ends, letter)| (letter, ends))
@@ -182,7 +182,7 @@ fn verdict(collapsed: &Collapsed) -> String {
     text
 }
 
-/// What a grid beside the tables would do.
+/// The effect of adding a grid to the tables.
 fn advice(collapsed: &Collapsed) -> Option<String> {
     let GridAdvice { nodes, bytes, left, needed } = collapsed.grid?;
     let over: Vec<String> =

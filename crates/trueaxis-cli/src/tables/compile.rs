@@ -15,7 +15,7 @@ pub(super) fn check(path: &Path, rate_hz: f64, as_json: bool) -> Result<()> {
     let (machine, bytes) = compiled(path, rate_hz)?;
     let found = findings(&machine, &parsed(&bytes, path)?, rate_hz);
     if as_json {
-        // Through a value: the document's keys stand in alphabetical order.
+        // Converting to a `Value` sorts the document's keys alphabetically.
         return json(&serde_json::to_value(Document::from(found))?);
     }
     let Findings { warnings, lost_motion, margins, summary } = found;
@@ -32,7 +32,7 @@ pub(super) fn check(path: &Path, rate_hz: f64, as_json: bool) -> Result<()> {
     print(&format!("{}: no errors, {}\n", path.display(), counted(warnings.len(), "warning")))
 }
 
-/// A machine with its compiled form, accepted by what a controller runs at this rate.
+/// A machine with its compiled form, once a controller's build at this rate has accepted it.
 fn compiled(path: &Path, rate_hz: f64) -> Result<(Machine, Vec<u8>)> {
     let (folder, name) = Folder::of_machine(path);
     trueaxis_evaluation::check::rate(rate_hz)?;

@@ -54,7 +54,7 @@ pub(super) fn unit(name: &str) -> Result<Unit> {
     }
 }
 
-/// The content of a file in mm. A format that does not state its unit is read in the given one.
+/// Converts the content of a file to mm. A format that does not state its unit is read in the given one.
 fn in_millimetres(imported: Imported, format: Format, unit: Option<Unit>, file: &Path) -> Result<Imported> {
     if !matches!(format, Format::LinuxCnc(_) | Format::Siemens) {
         if unit.is_some() {
@@ -75,16 +75,16 @@ fn in_millimetres(imported: Imported, format: Format, unit: Option<Unit>, file: 
     }
 }
 
-/// How a file is read.
+/// Options for reading a file.
 pub(super) struct ImportOptions<'o> {
     pub(super) format: Format,
-    /// The numbers of a LinuxCNC file tell its type.
+    /// Determine the type of a LinuxCNC file from its numbers.
     pub(super) recognise: bool,
     pub(super) axis: Option<Axis>,
     pub(super) unit: Option<Unit>,
-    /// Name of a mesh.
+    /// Name of a mesh to read.
     pub(super) mesh: Option<&'o str>,
-    /// The machine must not be there yet.
+    /// Refuse a folder that already exists.
     pub(super) new: bool,
 }
 
@@ -132,7 +132,7 @@ pub(super) fn import(options: &ImportOptions<'_>, file: &Path, output: &Path) ->
     Ok(())
 }
 
-/// A machine with the imported axes alone; existing files are never overwritten.
+/// A machine with only the imported axes; existing files are never overwritten.
 fn new_machine(imported: &Imported, file: &Path, output: &Path) -> Result<Edited> {
     if let Some((axis, names)) = imported.axis_without_place() {
         let letter = axis.letter();
@@ -144,7 +144,7 @@ fn new_machine(imported: &Imported, file: &Path, output: &Path) -> Result<Edited
         );
     }
     let name = file.file_stem().map_or_else(|| "imported".into(), |stem| stem.to_string_lossy().into_owned());
-    // A machine.toml comes last: it is only there with all of its tables.
+    // machine.toml is written last, so it never exists without all of its tables.
     let made = imported.new_machine(&name);
     let mut paths = made.files.iter().map(|(name, _)| output.join(name));
     if let Some(path) = paths.find(|path| path.symlink_metadata().is_ok()) {
@@ -181,7 +181,7 @@ pub(super) fn export(format: Format, path: &Path, options: &ExportOptions, outpu
     Ok(())
 }
 
-/// The file of one axis: `OUT.comp` and `x.comp` make `OUT-x.comp`.
+/// The file for one axis: `OUT.comp` and `x.comp` make `OUT-x.comp`.
 fn beside(output: &Path, name: &str) -> PathBuf {
     let stem = output.file_stem().map_or(String::new(), |s| s.to_string_lossy().into_owned());
     let part = Path::new(name).file_stem().map_or(String::new(), |s| s.to_string_lossy().into_owned());
@@ -189,7 +189,7 @@ fn beside(output: &Path, name: &str) -> PathBuf {
     output.with_file_name(format!("{stem}-{part}{ending}"))
 }
 
-/// Sign and unit of a conversion.
+/// Sign and unit of values in a format.
 fn meaning(format: Format) -> &'static str {
     match format {
         Format::LinuxCnc(CompFileType::Positions) => {

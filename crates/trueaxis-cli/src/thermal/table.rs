@@ -1,4 +1,4 @@
-//! The lines that `trueaxis thermal fit` prints.
+//! The lines printed by `trueaxis thermal fit`.
 
 use anyhow::Result;
 use std::fmt::Write;

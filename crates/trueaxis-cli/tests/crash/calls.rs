@@ -1,9 +1,9 @@
-//! Every system call that touches a file, under strace: killed at it, refused by it, and in what order they come.
+//! Every system call that touches a file, under strace: the process is killed at it, the call fails, and the order is checked.
 
 use super::*;
 use std::process::Output;
 
-/// Calls by which a file comes to its place.
+/// System calls that put a file in its place.
 const CALLS: [&str; 12] = [
     "openat",
     "write",
@@ -22,7 +22,7 @@ const CALLS: [&str; 12] = [
 /// A command of several files: three tables and `machine.toml`.
 const IMPORT: [&str; 7] = ["tables", "import", "--from", "isg", "new.csv", "-o", "m"];
 
-/// Two machines, and the second one's file of the other control to be imported into the first; none without strace.
+/// Two machines, and a file of the second in another control's format to import into the first; `None` without strace.
 fn to_import() -> Option<Folder> {
     if !has("strace") {
         return None;
@@ -32,12 +32,13 @@ fn to_import() -> Option<Folder> {
     Some(folder)
 }
 
-/// The import under strace, which looks at these calls (`expressions`) and writes them to `to`; none where it may not.
+/// Runs the import under strace, which filters by `expressions` and writes the calls to `to`; `None` if tracing is not
+/// permitted.
 fn traced(folder: &Folder, expressions: &[&str], to: &str) -> Option<Output> {
     let mut strace = Command::new("strace");
     strace.args(["-f", "-qq", "-y", "-o", to]).args(expressions.iter().flat_map(|expression| ["-e", expression]));
     let done = strace.arg(TRUEAXIS).args(IMPORT).current_dir(folder.path()).output().unwrap();
-    // Exit code 1 is strace's own: the command has 0 and 2.
+    // Exit code 1 comes from strace: the command returns 0 or 2.
     if done.status.code() == Some(1) {
         eprintln!("not tested: strace may not trace here: {}", text(&done.stderr));
         return None;
@@ -45,8 +46,8 @@ fn traced(folder: &Folder, expressions: &[&str], to: &str) -> Option<Output> {
     Some(done)
 }
 
-/// Several files of one command: each is the old or the new one, and where they do not belong together every command
-/// that reads them says so.
+/// Several files of one command: each is the old or the new one, and if they do not belong together, every command that reads
+/// them says so.
 #[test]
 fn killed_at_any_system_call_a_machine_is_old_or_new_or_said_to_be_neither() {
     let Some(folder) = to_import() else { return };
@@ -92,7 +93,7 @@ fn killed_at_any_system_call_a_machine_is_old_or_new_or_said_to_be_neither() {
     assert!(seen[0] > 20 && seen[1] > CALLS.len() && seen[2] >= changed - 1, "old, new, mixed: {seen:?}");
 }
 
-/// All is on the disk before the first file takes its place, and the folder's entries are at the end.
+/// All data is on disk before the first file is renamed, and the folder's entries are flushed last.
 #[test]
 fn everything_is_flushed_before_the_first_rename_and_the_folder_after_the_last() {
     let Some(folder) = to_import() else { return };
@@ -111,7 +112,7 @@ fn everything_is_flushed_before_the_first_rename_and_the_folder_after_the_last()
     assert_eq!(order, expected, "{calls}");
 }
 
-/// A disk that fails when it is to keep what it took: told, and nothing has changed.
+/// A disk fails at the flush: the error is reported and nothing has changed.
 #[test]
 fn a_disk_that_fails_at_the_flush_is_told_and_nothing_has_changed() {
     let Some(folder) = to_import() else { return };
@@ -126,7 +127,7 @@ fn a_disk_that_fails_at_the_flush_is_told_and_nothing_has_changed() {
     }
 }
 
-/// A rename that fails when others have been made: the message says which files are new.
+/// A rename fails after others have succeeded: the message says which files are new.
 #[test]
 fn a_rename_that_fails_after_another_says_which_files_are_new() {
     let Some(folder) = to_import() else { return };

@@ -1,4 +1,4 @@
-//! Killed at points in time, and side by side.
+//! Commands killed at points in time, and run concurrently.
 
 use super::*;
 use std::process::Stdio;
@@ -32,7 +32,7 @@ fn killed_at_many_moments_the_file_is_the_old_or_the_new_one() {
     assert_eq!((&found[&folder.join("t.tcomp")], left.len()), (&new, 0));
 }
 
-/// Two commands that write the same file at once: one of the two stands, whole, and neither is taken for dead.
+/// Two commands write the same file at once: one of the two files remains, complete, and neither command is taken for dead.
 #[test]
 fn two_commands_at_once_leave_the_file_of_one() {
     let folder = machines();

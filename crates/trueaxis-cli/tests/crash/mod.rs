@@ -1,7 +1,7 @@
-//! A command that is ended at any moment, or finds no room, leaves the old file or the new one.
+//! A command interrupted at any moment, or without room, leaves the old file or the new one.
 //!
-//! What the file system does is the kernel's: processes are killed by signals, at points in time and at every system
-//! call that touches a file (strace), and find limits, full disks and read-only ones.
+//! The kernel's own file system is under test: signals kill processes at points in time and at every system call that touches
+//! a file (strace), and processes meet limits, full disks and read-only ones.
 
 mod calls;
 mod killed;
@@ -16,7 +16,7 @@ use trueaxis_testing::command::Folder;
 const TRUEAXIS: &str = env!("CARGO_BIN_EXE_trueaxis");
 const UNFINISHED: &str = ".trueaxis-tmp";
 
-/// A machine with three tables, and the same as the other control's file, with every error 2 µm larger.
+/// Two machines with three tables each: every error of `other` is 2 µm larger than that of `m`, and it has no backlash.
 fn machines() -> Folder {
     let folder = Folder::new(TRUEAXIS);
     for (name, more) in [("m", 0), ("other", 2)] {
@@ -34,7 +34,7 @@ fn machines() -> Folder {
     folder
 }
 
-/// The files of a folder, those that are unfinished apart.
+/// The files of a folder, with the unfinished ones listed separately.
 fn files(folder: &Path) -> (BTreeMap<PathBuf, Vec<u8>>, Vec<PathBuf>) {
     let mut found = BTreeMap::new();
     let mut left = Vec::new();

@@ -1,10 +1,10 @@
-//! No room: limits of a file, a full disk, one that is read-only, a device that takes nothing.
+//! No room: a file size limit, a full disk, a read-only disk, a device that accepts nothing.
 
 use super::*;
 use std::os::unix::process::ExitStatusExt;
 use std::process::Output;
 
-/// A disk that ends at any byte: refused with the file's name, the old file stands, nothing is beside it.
+/// The disk is full at any byte: the refusal names the file, the old file remains, and no other file is left.
 #[test]
 fn a_file_that_may_not_grow_past_any_byte_is_refused_and_the_old_one_stands() {
     if !has("prlimit") {
@@ -16,7 +16,7 @@ fn a_file_that_may_not_grow_past_any_byte_is_refused_and_the_old_one_stands() {
     fs::write(folder.join("t.tcomp"), "old").unwrap();
     let before = folder.tree();
     for limit in 0..=new.len() {
-        // Without the signal, which ends a process silently; the shell's ulimit counts blocks.
+        // Ignores the signal, which ends a process silently; prlimit, because the shell's ulimit counts blocks.
         let script = format!("trap '' XFSZ; exec prlimit --fsize={limit} {TRUEAXIS} {}", COMPILE.join(" "));
         let done = Command::new("sh").args(["-c", &script]).current_dir(folder.path()).output().unwrap();
         let said = text(&done.stderr);
@@ -31,7 +31,7 @@ fn a_file_that_may_not_grow_past_any_byte_is_refused_and_the_old_one_stands() {
     }
 }
 
-/// The signal that comes with such a limit ends the process: the old file stands, and the next command clears up.
+/// The signal of such a limit ends the process: the old file remains, and the next command cleans up.
 #[test]
 fn ended_by_the_signal_of_a_limit_the_old_file_stands_and_the_next_command_clears_up() {
     if !has("prlimit") {
@@ -49,7 +49,7 @@ fn ended_by_the_signal_of_a_limit_the_old_file_stands_and_the_next_command_clear
     assert!(found[&folder.join("t.tcomp")].len() > 100 && left.is_empty());
 }
 
-/// Runs a script where file systems can be mounted that nobody else sees; `None`: not permitted here.
+/// Runs a script in a private mount namespace; `None` if that is not permitted.
 fn mounted(folder: &Folder, script: &str) -> Option<Output> {
     let run = |more: &[&str], script: &str| {
         let mut unshare = Command::new("unshare");

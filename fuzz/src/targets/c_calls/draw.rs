@@ -1,11 +1,11 @@
 //! Decisions drawn from the bytes of the input.
 
-/// What is left of the input; beyond its end everything is zero.
+/// The rest of the input; every byte beyond its end is zero.
 pub(super) struct Draw<'b> {
     rest: &'b [u8],
 }
 
-/// Numbers at which something may change.
+/// Numbers at which the behaviour may change.
 const SPECIAL: [f64; 24] = [
     f64::NAN,
     f64::INFINITY,
@@ -60,7 +60,7 @@ impl<'b> Draw<'b> {
         u32::from_le_bytes([(); 4].map(|()| self.byte()))
     }
 
-    /// A number: mostly a small one, sometimes any.
+    /// A number, usually a small one, sometimes any.
     pub(super) fn number(&mut self) -> f64 {
         match self.byte() {
             0..128 => f64::from(self.byte() as i8),
@@ -74,7 +74,7 @@ impl<'b> Draw<'b> {
         [(); N].map(|()| self.number())
     }
 
-    /// What is wrong about the pointers of the next call: nothing, as a rule.
+    /// Selects a defect in the pointers of the next call, usually none.
     pub(super) fn wrong(&mut self) -> Wrong {
         let byte = self.byte();
         let kind = match byte {
@@ -91,16 +91,16 @@ impl<'b> Draw<'b> {
 enum Kind {
     Nothing,
     Null,
-    /// Not aligned.
+    /// Misaligned.
     Odd,
     Size,
 }
 
-/// One argument of a call that is not as the header asks.
+/// One argument of a call that violates the header.
 pub(super) struct Wrong {
     kind: Kind,
     argument: u8,
-    /// The call has such an argument, and must refuse.
+    /// Whether the call has such an argument, so that it must refuse.
     pub(super) met: bool,
 }
 
@@ -111,7 +111,7 @@ impl Wrong {
         met
     }
 
-    /// The pointer of an argument: as it is, null, or one byte off.
+    /// The pointer of an argument: unchanged, null, or one byte off.
     pub(super) fn at<T>(&mut self, argument: u8, pointer: *mut T) -> *mut T {
         if self.is(Kind::Null, argument) {
             std::ptr::null_mut()
@@ -122,7 +122,7 @@ impl Wrong {
         }
     }
 
-    /// The same where null is allowed: `None`.
+    /// Like [`at`](Wrong::at), for an argument that may be null: `None`.
     pub(super) fn or_null<T>(&mut self, argument: u8, pointer: Option<*mut T>) -> *mut T {
         match pointer {
             None => std::ptr::null_mut(),
@@ -131,7 +131,7 @@ impl Wrong {
         }
     }
 
-    /// Memory that has to be aligned to eight bytes.
+    /// Memory that must be aligned to eight bytes.
     pub(super) fn memory(&mut self, argument: u8, memory: &mut [u64]) -> *mut std::ffi::c_void {
         self.at(argument, memory.as_mut_ptr()).cast()
     }

@@ -1,11 +1,11 @@
-//! The gauge: building, restarting, asking for results.
+//! The gauge: building, restarting, reading results.
 
 use super::draw::Draw;
 use super::machines::PERIOD_NS;
 use super::world::{World, answered, bytes_of, explained};
 use trueaxis_capi::*;
 
-/// Builds the gauge of a file: mostly of the last, which has one.
+/// Builds the gauge of a file, usually of the last, which has one.
 pub(super) fn build(world: &mut World, draw: &mut Draw<'_>) {
     let mut wrong = draw.wrong();
     let mut file =
@@ -14,7 +14,7 @@ pub(super) fn build(world: &mut World, draw: &mut Draw<'_>) {
     let period_ns = if draw.below(16) == 0 { draw.word() } else { PERIOD_NS };
     let gauges = &mut world.gauges;
     let before = bytes_of(&*gauges.gauge).to_vec();
-    // SAFETY: what is wrong is null, misaligned or said to be of another size.
+    // SAFETY: a wrong argument is null, misaligned or has another stated size.
     let result = unsafe {
         trueaxis_gauge_build(
             wrong.at(0, &raw mut *gauges.gauge),
@@ -32,13 +32,13 @@ pub(super) fn build(world: &mut World, draw: &mut Draw<'_>) {
     }
 }
 
-/// A fresh state of the gauge.
+/// Starts a new state of the gauge.
 pub(super) fn restart(world: &mut World, draw: &mut Draw<'_>) {
     let mut wrong = draw.wrong();
     let sizes = [size_of::<GaugeState512>(), size_of::<GaugeState512>(), size_of::<GaugeState>(), 64];
     let gauges = &mut world.gauges;
     let size = sizes[draw.below(4)];
-    // SAFETY: as above; the storage is that of the larger state.
+    // SAFETY: as above; the storage has the size of the larger state.
     let result = unsafe {
         let gauge = wrong.at(0, (&raw const *gauges.gauge).cast_mut());
         trueaxis_gauge_restart(gauge, wrong.at(1, &raw mut *gauges.state), wrong.size(1, size))
@@ -47,7 +47,7 @@ pub(super) fn restart(world: &mut World, draw: &mut Draw<'_>) {
     answered("gauge_restart", result, &wrong, &[ERROR_GAUGE]);
 }
 
-/// The radius of the wheel.
+/// Sets the radius of the wheel.
 pub(super) fn wheel(world: &mut World, draw: &mut Draw<'_>) {
     let (mut wrong, wheel_mm) = (draw.wrong(), draw.number());
     // SAFETY: as above.
@@ -62,7 +62,7 @@ pub(super) fn wheel(world: &mut World, draw: &mut Draw<'_>) {
     }
 }
 
-/// What the gauge has found.
+/// Reads the gauge's results.
 pub(super) fn results(world: &mut World, draw: &mut Draw<'_>) {
     let (mut wrong, kind) = (draw.wrong(), draw.below(3));
     let gauge = wrong.at(0, (&raw const *world.gauges.gauge).cast_mut()).cast_const();
@@ -90,7 +90,7 @@ pub(super) fn results(world: &mut World, draw: &mut Draw<'_>) {
         _ => {
             let size = if draw.flag() { GAUGE_FRAME_BYTES } else { draw.below(256) };
             let (mut buffer, mut written) = ([0xa5_u8; GAUGE_FRAME_BYTES], usize::MAX);
-            // SAFETY: as above; the buffer is as large as said, or larger.
+            // SAFETY: as above; the buffer is at least as large as stated.
             let result = unsafe {
                 let bytes = wrong.at(2, buffer.as_mut_ptr());
                 trueaxis_gauge_frame_encode(gauge, state, 7, bytes, size, wrong.at(3, &raw mut written))

@@ -1,4 +1,4 @@
-//! Table files for the calls, and the limits that a file sets.
+//! Table files for the calls, and the limits set by a file.
 
 use crate::small;
 use trueaxis::Axis;
@@ -8,13 +8,13 @@ use trueaxis::tcomp::Tcomp;
 use trueaxis_capi::AXES_MAX;
 use trueaxis_tables::{Machine, compile};
 
-/// The servo period of all of them.
+/// The servo period for all of them.
 pub(super) const PERIOD_NS: u32 = 100_000;
-/// Counts of the spindle in a revolution of the gauge.
+/// Counts of the spindle per revolution of the gauge.
 pub(super) const COUNTS: i32 = 1 << 12;
 
-/// A mill of nine terms; with volumetric errors a trunnion, a head with four axes, a machine with six; the mill with friction,
-/// lag and feedback; the mill with a gauge.
+/// A mill with nine terms; with volumetric errors a trunnion, a head with four axes and a machine with six; the mill with
+/// friction, lag and feedback; the mill with a gauge.
 pub(super) fn files() -> Vec<Vec<u8>> {
     let mill = small::machine("w X' Y' b Z t");
     let machines = [
@@ -28,7 +28,7 @@ pub(super) fn files() -> Vec<Vec<u8>> {
     machines.iter().map(|machine| compile(machine).expect("a good machine")).collect()
 }
 
-/// The sample mill with its dynamic correction, two lines of each table.
+/// The sample mill with its dynamic correction, two lines per table.
 fn with_dynamics() -> Machine {
     let file = include_bytes!("../../../../crates/trueaxis/tests/data/mill-3axis.tcomp");
     let mut machine = Machine::from_tcomp(&Tcomp::parse(file).expect("a committed file"));
@@ -59,24 +59,24 @@ fn with_gauge(mut machine: Machine) -> Machine {
     machine
 }
 
-/// What a correction has to keep to in a cycle, by axis of the step.
+/// Limits of a correction per cycle, by axis of the step.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Bound {
-    /// Of the sum, mm (deg), and in a cycle and between two.
+    /// Limits of the sum, mm (deg): its value, its change per cycle, and the change of that.
     pub(super) sum: [f64; 3],
-    /// Of the dynamic part.
+    /// Limits of the dynamic part.
     pub(super) dynamic: [f64; 3],
 }
 
 impl Bound {
-    /// The wider of both: after an exchange a correction comes from one to the other.
+    /// The wider of both: an exchange hands a correction over from one to the other.
     pub(super) fn or(self, other: Bound) -> Bound {
         let wider = |one: [f64; 3], other: [f64; 3]| [0, 1, 2].map(|i| one[i].max(other[i]));
         Bound { sum: wider(self.sum, other.sum), dynamic: wider(self.dynamic, other.dynamic) }
     }
 }
 
-/// The bounds of a file that is sound; nothing may be added to an axis that the machine has not got.
+/// The bounds of a sound file; the correction of an axis that the machine does not have must be zero.
 pub(super) fn bounds(file: &[u8], period_ns: u32) -> [Bound; AXES_MAX] {
     let tables = Tcomp::parse(file).expect("a file that a loop was built of");
     let settings = tables.settings();

@@ -1,7 +1,7 @@
 //! The C interface as sequences of calls: every byte of the input is an opcode or an argument.
 //!
-//! Objects are built, used, copied, exchanged and asked in any order, some arguments null, misaligned or of a wrong size, as
-//! far as the header permits: a pointer that is neither points to what its type says.
+//! Objects are built, used, copied, exchanged and queried in any order. Some arguments are null, misaligned or of a wrong
+//! size, as far as the header permits; every other pointer points to what its type says.
 #![allow(unsafe_code)]
 
 mod draw;
@@ -30,17 +30,17 @@ pub const TARGET: Target = Target {
     slowest: SLOWEST,
 };
 
-/// Calls, or groups of cycles, of one input.
+/// Most calls, or groups of cycles, in one input.
 const MOST: usize = 40;
 
-/// First bytes of inputs that begin with nothing built.
+/// Inputs whose first byte is below this begin with nothing built.
 const FROM_NOTHING: u8 = 64;
-/// Sound files to begin with.
+/// Number of sound files to begin with.
 const FILES: u8 = 6;
 
 type Call = fn(&mut World, &mut Draw<'_>);
 
-/// By opcode; the step, which everything else is for, has several.
+/// Calls by opcode; the step has several, because everything else serves it.
 const CALLS: [Call; 24] = [
     servo::build,
     servo::bypass,
@@ -68,7 +68,7 @@ const CALLS: [Call; 24] = [
     other,
 ];
 
-/// The rarer ones.
+/// The less frequent calls.
 fn other(world: &mut World, draw: &mut Draw<'_>) {
     match draw.below(4) {
         0 => poses::program(world, draw),
@@ -86,7 +86,7 @@ fn run(bytes: &[u8]) {
     WORLD.with_borrow_mut(|world| {
         world.reset();
         let mut draw = Draw::new(bytes);
-        // A loop and a state of it to begin with, as a rule: one wrong byte in what builds them, and nothing else is reached.
+        // Usually begin with a loop and a state: one wrong byte in their construction would make everything else unreachable.
         if let Some(file) = draw.byte().checked_sub(FROM_NOTHING) {
             servo::build(world, &mut Draw::new(&seed::build(file % FILES, 0)[1..]));
             servo::start(world, &mut Draw::new(&seed::start(0, 0)[1..]));
@@ -104,9 +104,9 @@ fn run(bytes: &[u8]) {
     });
 }
 
-/// Bytes of a call, as [`CALLS`] draw them.
+/// Bytes of a call, as read by [`CALLS`].
 mod seed {
-    /// A loop of a file.
+    /// Builds a loop from a file.
     pub(super) fn build(file: u8, slot: u8) -> Vec<u8> {
         vec![0, 0, file, 0, slot, 0, 5, 1]
     }
@@ -115,12 +115,12 @@ mod seed {
         vec![2, 0, servo, state, 1]
     }
 
-    /// Plain motion along the axes, against a measure, with a gauge or not.
+    /// Plain motion along the axes, against a measure, with or without a gauge.
     pub(super) fn step(servo: u8, state: u8, delta: u8, against: u8, gauge: bool) -> Vec<u8> {
         vec![3, servo, state, 11, 1, delta, 0, delta, 0, 0, 0, against, u8::from(!gauge), 0, 0, 1, 0]
     }
 
-    /// A wild cycle, and plain ones after it.
+    /// A wild cycle, followed by plain ones.
     pub(super) fn wild(what: u8, argument: &[u8]) -> Vec<u8> {
         [&[3, 0, 0, 3, what, 1, 1, 1, 0, 0, 0][..], argument, &[0, 1, 0, 0, 0, 0]].concat()
     }

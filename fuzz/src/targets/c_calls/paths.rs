@@ -1,11 +1,11 @@
-//! Paths, their segments, windows of commands, feet.
+//! Paths, their segments, windows of commands, foot points.
 
 use super::draw::{Draw, Wrong};
 use super::world::{World, answered, bytes_of, explained};
 use std::ptr::{null, null_mut};
 use trueaxis_capi::*;
 
-/// Starts a path, of a tool or not.
+/// Starts a path, with or without a tool.
 pub(super) fn start(world: &mut World, draw: &mut Draw<'_>) {
     let (mut wrong, slot, of_tool) = (draw.wrong(), draw.below(2), draw.flag());
     let first = [0, 1, draw.word(), u32::MAX, u32::MAX - 3][draw.below(5)];
@@ -13,7 +13,7 @@ pub(super) fn start(world: &mut World, draw: &mut Draw<'_>) {
     let bytes = if draw.below(8) == 0 { draw.below(256) * 8 } else { 8 * paths.memory[slot].len() };
     let before = bytes_of(&*paths.objects[slot]).to_vec();
     let function = if of_tool { trueaxis_path_start_tool } else { trueaxis_path_start };
-    // SAFETY: what is wrong is null, misaligned or said to be of another size; the memory is of this path alone.
+    // SAFETY: a wrong argument is null, misaligned or has another stated size; the memory belongs to this path alone.
     let result = unsafe {
         let path = wrong.at(0, &raw mut *paths.objects[slot]);
         let size = wrong.size(0, size_of::<Path>());
@@ -29,13 +29,13 @@ pub(super) fn start(world: &mut World, draw: &mut Draw<'_>) {
 
 fn count(world: &World, slot: usize) -> (u32, u32) {
     let (mut segments, mut spans) = (u32::MAX, u32::MAX);
-    // SAFETY: everything is as the types say.
+    // SAFETY: every argument matches its type.
     let result = unsafe { trueaxis_path_count(&*world.paths.objects[slot], &mut segments, &mut spans) };
     assert_eq!(result, OK);
     (segments, spans)
 }
 
-/// Appends a segment: a line, an arc, a spline, a turn; mostly where the last one ended.
+/// Appends a segment: a line, an arc, a spline or a turn, usually where the last one ended.
 pub(super) fn segment(world: &mut World, draw: &mut Draw<'_>) {
     let (mut wrong, slot, kind) = (draw.wrong(), draw.below(2), draw.below(4));
     let before = world.paths.started[slot].map(|_| count(world, slot));
@@ -71,7 +71,7 @@ pub(super) fn segment(world: &mut World, draw: &mut Draw<'_>) {
     assert!(after.0 == segments + 1 && after.1 > spans, "{after:?} after {segments} {spans}");
 }
 
-/// Start and end on a small grid, so that segments meet; sometimes any.
+/// Start and end on a small grid, so that segments meet; sometimes any numbers.
 fn ends(draw: &mut Draw<'_>, before: Option<(u32, u32)>) -> ([f64; 3], [f64; 3]) {
     if draw.below(16) == 0 {
         return (draw.numbers(), draw.numbers());
@@ -117,7 +117,7 @@ fn nurbs(path: *mut Path, wrong: &mut Wrong, draw: &mut Draw<'_>, error: *mut Er
     }
 }
 
-/// Plane, directions and ends of a path.
+/// Sets the plane, the axes or the directions of a path, or closes or clears it.
 pub(super) fn shape(world: &mut World, draw: &mut Draw<'_>) {
     let (mut wrong, slot, kind) = (draw.wrong(), draw.below(2), draw.below(5));
     let (one, other) = (draw.numbers::<3>(), draw.numbers::<3>());
@@ -144,7 +144,7 @@ pub(super) fn shape(world: &mut World, draw: &mut Draw<'_>) {
     }
 }
 
-/// A point of a path.
+/// Looks up a point of a path.
 pub(super) fn reference(world: &mut World, draw: &mut Draw<'_>) {
     let (mut wrong, slot) = (draw.wrong(), draw.below(2));
     let (segment, u) = (if draw.below(8) == 0 { draw.word() } else { draw.below(8) as u32 }, draw.number());
@@ -164,7 +164,7 @@ pub(super) fn reference(world: &mut World, draw: &mut Draw<'_>) {
     assert!(found.span.wrapping_sub(first) < spans, "{found:?} of {spans} spans from {first}");
 }
 
-/// The nearest foot of a point.
+/// Searches for the foot point nearest to a point.
 pub(super) fn foot(world: &mut World, draw: &mut Draw<'_>) {
     let (mut wrong, slot, point) = (draw.wrong(), draw.below(2), draw.numbers::<3>());
     // SAFETY: numbers only.

@@ -4,11 +4,11 @@ use super::draw::Draw;
 use super::world::{World, answered, bytes_of, damage, explained};
 use trueaxis_capi::*;
 
-/// Kinematics of a file.
+/// Builds the kinematics of a file.
 pub(super) fn build(world: &mut World, draw: &mut Draw<'_>) {
     let (mut wrong, mut file) = (draw.wrong(), world.file(draw));
     let before = bytes_of(&*world.kinematics).to_vec();
-    // SAFETY: what is wrong is null, misaligned or said to be of another size.
+    // SAFETY: a wrong argument is null, misaligned or has another stated size.
     let result = unsafe {
         trueaxis_kinematics_build(
             wrong.at(0, &raw mut *world.kinematics),
@@ -25,7 +25,7 @@ pub(super) fn build(world: &mut World, draw: &mut Draw<'_>) {
     }
 }
 
-/// Tool and forward kinematics, with the tracker started there.
+/// Tool and forward kinematics; the tracker starts there.
 pub(super) fn forward(world: &mut World, draw: &mut Draw<'_>) {
     let (mut wrong, kind) = (draw.wrong(), draw.below(3));
     let numbers = draw.numbers::<AXES_MAX>();
@@ -46,7 +46,7 @@ pub(super) fn forward(world: &mut World, draw: &mut Draw<'_>) {
             answered("kinematics_forward", result, &wrong, &[ERROR_ARGUMENT]);
             let told = tool.tip.iter().chain(&tool.axis);
             assert!(told.clone().all(|q| q.is_nan()) || result == OK, "a refused tool was written");
-            // Beyond any machine a sum may overflow.
+            // Beyond the range of any machine a sum may overflow.
             let sane = numbers.iter().all(|q| q.abs() <= 1e9);
             assert!(result != OK || !sane || tool.axis.iter().all(|q| q.is_finite()), "{tool:?}");
         }
@@ -69,7 +69,7 @@ pub(super) fn forward(world: &mut World, draw: &mut Draw<'_>) {
     }
 }
 
-/// Axis positions for a tool, into the input of the next step.
+/// Writes the axis positions for a tool into the input of the next step.
 pub(super) fn rtcp(world: &mut World, draw: &mut Draw<'_>) {
     let (mut wrong, servo, slot) = (draw.wrong(), draw.below(3), draw.below(2));
     let axis = if draw.flag() { [0.0, 0.0, 1.0] } else { draw.numbers() };
@@ -102,12 +102,12 @@ pub(super) fn rtcp(world: &mut World, draw: &mut Draw<'_>) {
     assert!(result == OK && (0.0..=45.0).contains(&left), "{result} {left}");
 }
 
-/// A learned correction, whole or damaged, and its value.
+/// Builds a learned correction, whole or damaged, or evaluates it.
 pub(super) fn learned(world: &mut World, draw: &mut Draw<'_>) {
     let mut wrong = draw.wrong();
     if draw.flag() {
         let (length, mut found) = (draw.number(), [f64::NAN; 3]);
-        // SAFETY: what is wrong is null or misaligned; the file that was read is still there.
+        // SAFETY: a wrong argument is null or misaligned; the file that was read still exists.
         let result = unsafe {
             let learned = wrong.at(0, (&raw const *world.learned).cast_mut());
             trueaxis_learned_at(learned, length, wrong.at(1, found.as_mut_ptr()))
@@ -135,7 +135,7 @@ pub(super) fn learned(world: &mut World, draw: &mut Draw<'_>) {
     };
     answered("learned_build", result, &wrong, &[ERROR_LEARNED, ERROR_MACHINE, ERROR_ARGUMENT]);
     if result == OK {
-        // The bytes stay where they are.
+        // Swapping does not move the bytes.
         world.lessons.swap(0, 1);
         return;
     }
@@ -143,7 +143,7 @@ pub(super) fn learned(world: &mut World, draw: &mut Draw<'_>) {
     assert!(before == bytes_of(&*world.learned), "a refused correction was written");
 }
 
-/// The id of a program.
+/// Sets the id of a program.
 pub(super) fn program(world: &mut World, draw: &mut Draw<'_>) {
     let (mut wrong, kind) = (draw.wrong(), draw.below(3));
     let numbers = draw.numbers::<6>();
@@ -171,7 +171,7 @@ pub(super) fn program(world: &mut World, draw: &mut Draw<'_>) {
     }
 }
 
-/// An object of another kind in the place of a loop, and of a state.
+/// Passes an object of another kind as a loop, and as a state.
 pub(super) fn other_kinds(world: &mut World, draw: &mut Draw<'_>) {
     let object: *const Loop = match draw.below(5) {
         0 => (&raw const *world.states.objects[0]).cast(),
@@ -181,7 +181,7 @@ pub(super) fn other_kinds(world: &mut World, draw: &mut Draw<'_>) {
         _ => (&raw const *world.learned).cast(),
     };
     let mut output = *world.output;
-    // SAFETY: of an object of another kind only the first word is read.
+    // SAFETY: only the first word of an object of another kind is read.
     let result = unsafe {
         let state = &raw mut *world.states.objects[1];
         trueaxis_step(object, state, &*world.input, std::ptr::null_mut(), std::ptr::null_mut(), &mut output)
@@ -189,12 +189,12 @@ pub(super) fn other_kinds(world: &mut World, draw: &mut Draw<'_>) {
     assert!([ERROR_UNBUILT, ERROR_ARGUMENT].contains(&result), "another object was taken for a loop: {result}");
 }
 
-/// Versions, texts, and times of 64 bits.
+/// Versions, texts, and 64-bit times.
 pub(super) fn version(draw: &mut Draw<'_>) {
     let (version, result) = (draw.word(), draw.word() as i32);
     assert_eq!(trueaxis_check_abi(trueaxis_abi_version()), OK);
     assert!([OK, ERROR_ABI].contains(&trueaxis_check_abi(version)));
-    // SAFETY: a constant string, closed by a zero.
+    // SAFETY: a constant, zero-terminated string.
     let text = unsafe { std::ffi::CStr::from_ptr(trueaxis_result_text(result)) };
     assert!(!text.to_str().expect("UTF-8").is_empty());
     let host_ns = i64::from(version) * i64::from(result);

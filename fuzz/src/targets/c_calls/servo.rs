@@ -6,7 +6,7 @@ use super::world::{Built, Loops, Running, World, answered, bytes_of, copy, expla
 use std::ptr::{null, null_mut};
 use trueaxis_capi::*;
 
-/// Table file, and a loop of it in memory that no other loop uses.
+/// Describes a table file and builds a loop from it in memory that no other loop uses.
 pub(super) fn build(world: &mut World, draw: &mut Draw<'_>) {
     let mut wrong = draw.wrong();
     let file = world.file(draw);
@@ -22,7 +22,7 @@ pub(super) fn build(world: &mut World, draw: &mut Draw<'_>) {
     };
     let size = if draw.below(16) == 0 { 8 * draw.below(64) } else { 8 * memory[free].len() };
     let before = bytes_of(&*objects[slot]).to_vec();
-    // SAFETY: what is wrong is null, misaligned or said to be of another size; the memory is no loop's.
+    // SAFETY: a wrong argument is null, misaligned or has another stated size; no loop uses the memory.
     let result = unsafe {
         trueaxis_loop_build(
             wrong.at(0, &raw mut *objects[slot]),
@@ -56,14 +56,14 @@ pub(super) fn build(world: &mut World, draw: &mut Draw<'_>) {
     });
 }
 
-/// What a file says of itself, if it is sound.
+/// The description of a file, if it is sound.
 fn info(world: &mut World, file: &[u8], draw: &mut Draw<'_>) -> Option<TablesInfo> {
     let mut wrong = draw.wrong();
     // SAFETY: numbers only.
     let mut info: TablesInfo = unsafe { std::mem::zeroed() };
     info.size = wrong.size(0, size_of::<TablesInfo>()) as u32;
     let before = info;
-    // SAFETY: what is wrong is null, misaligned or said to be of another size.
+    // SAFETY: a wrong argument is null, misaligned or has another stated size.
     let result = unsafe {
         let (file, length) = (wrong.at(1, file.as_ptr().cast_mut()), file.len());
         trueaxis_tables_info(file, length, wrong.at(0, &raw mut info), &raw mut *world.error)
@@ -72,10 +72,10 @@ fn info(world: &mut World, file: &[u8], draw: &mut Draw<'_>) -> Option<TablesInf
     if result != OK {
         explained(&world.error, result);
         assert!(bytes_of(&before) == bytes_of(&info), "a refused description was written");
-        // For the loop the file is described without fault.
+        // The loop needs the description without the defect.
         if wrong.met {
             info.size = size_of::<TablesInfo>() as u32;
-            // SAFETY: everything is as the types say.
+            // SAFETY: every argument matches its type.
             let result = unsafe { trueaxis_tables_info(file.as_ptr(), file.len(), &mut info, null_mut()) };
             return (result == OK).then_some(info);
         }
@@ -112,7 +112,7 @@ pub(super) fn bypass(world: &mut World, draw: &mut Draw<'_>) {
     });
 }
 
-/// A copy of a loop, which is as good.
+/// Copies a loop; the copy is equally valid.
 pub(super) fn copy_loop(world: &mut World, draw: &mut Draw<'_>) {
     let (from, to) = (draw.below(3), draw.below(3));
     let Loops { objects, built, .. } = &mut world.loops;
@@ -122,7 +122,7 @@ pub(super) fn copy_loop(world: &mut World, draw: &mut Draw<'_>) {
     built[to] = built[from];
 }
 
-/// A fresh state.
+/// Starts a new state.
 pub(super) fn start(world: &mut World, draw: &mut Draw<'_>) {
     let (mut wrong, servo, slot) = (draw.wrong(), draw.below(3), draw.below(2));
     let period_ns = if draw.below(8) == 0 { draw.word() } else { PERIOD_NS };
@@ -154,7 +154,7 @@ pub(super) fn start(world: &mut World, draw: &mut Draw<'_>) {
     });
 }
 
-/// Keeps a state, or puts the one that was kept back.
+/// Saves a state, or restores the saved one.
 pub(super) fn keep_state(world: &mut World, draw: &mut Draw<'_>) {
     let (slot, back) = (draw.below(2), draw.flag());
     let states = &mut world.states;
@@ -169,7 +169,7 @@ pub(super) fn keep_state(world: &mut World, draw: &mut Draw<'_>) {
     }
 }
 
-/// The temperature of an axis.
+/// Sets the temperature of an axis.
 pub(super) fn thermal(world: &mut World, draw: &mut Draw<'_>) {
     let (mut wrong, servo, slot, axis) = (draw.wrong(), draw.below(3), draw.below(2), draw.below(8) as u32);
     let kelvin = draw.number();
@@ -187,14 +187,14 @@ pub(super) fn thermal(world: &mut World, draw: &mut Draw<'_>) {
     assert!(kelvin.is_finite() && world.states.running[slot].is_some_and(|running| axis < running.axes));
 }
 
-/// Errors and corrections at a position, without a state.
+/// Queries errors and corrections at a position, without a state.
 pub(super) fn query(world: &mut World, draw: &mut Draw<'_>) {
     let (mut wrong, servo, correction) = (draw.wrong(), draw.below(3), draw.flag());
     let (position, kelvin) = (draw.numbers::<AXES_MAX>(), draw.numbers::<AXES_MAX>());
     let (negative, with_kelvin) = (draw.byte(), draw.flag());
     let mut found = [f64::NAN; AXES_MAX];
     let function = if correction { trueaxis_correction_at } else { trueaxis_error_at };
-    // SAFETY: as above; six numbers are enough for any loop.
+    // SAFETY: as above; six numbers suffice for any loop.
     let result = unsafe {
         let servo = wrong.at(0, (&raw const *world.loops.objects[servo]).cast_mut());
         let position = wrong.at(1, position.as_ptr().cast_mut());
@@ -211,19 +211,19 @@ pub(super) fn query(world: &mut World, draw: &mut Draw<'_>) {
     assert!(beyond.iter().all(|value| value.is_nan()), "written beyond the axes");
 }
 
-/// The telemetry frame of the last output, whole or damaged.
+/// Writes the telemetry frame of the last output, whole or damaged.
 pub(super) fn frame(world: &mut World, draw: &mut Draw<'_>) {
     let mut wrong = draw.wrong();
     let mut output = *world.output;
     let damaged = draw.below(4) == 0;
     if damaged {
         let at = usize::from(u16::from_le_bytes([draw.byte(), draw.byte()])) % size_of::<Output>();
-        // SAFETY: numbers only, within the structure.
+        // SAFETY: only numbers, within the structure.
         unsafe { *(&raw mut output).cast::<u8>().add(at) ^= draw.byte().max(1) };
     }
     let size = if draw.below(4) == 0 { draw.below(256) } else { FRAME_BYTES };
     let (mut buffer, mut written) = ([0xa5_u8; FRAME_BYTES], usize::MAX);
-    // SAFETY: as above; the buffer is as large as said, or larger.
+    // SAFETY: as above; the buffer is at least as large as stated.
     let result = unsafe {
         let output = wrong.at(0, &raw mut output);
         trueaxis_frame_encode(output, wrong.at(1, buffer.as_mut_ptr()), size, wrong.at(2, &raw mut written))

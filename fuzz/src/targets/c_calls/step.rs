@@ -1,4 +1,4 @@
-//! The step, and what has to be true of every cycle.
+//! The step, and the promises of every cycle.
 
 use super::draw::Draw;
 use super::machines::PERIOD_NS;
@@ -7,7 +7,7 @@ use crate::outcome;
 use std::ptr::{null, null_mut};
 use trueaxis_capi::*;
 
-/// Some cycles: mostly plain motion, the readings where the drives were sent; the first may be anything.
+/// Runs some cycles: usually plain motion with readings at the drives' commands; the first may be anything.
 pub(super) fn run(world: &mut World, draw: &mut Draw<'_>) {
     let (servo, slot, cycles) = (draw.below(3), draw.below(2), 1 + draw.below(12));
     let what = draw.byte();
@@ -25,13 +25,13 @@ pub(super) fn run(world: &mut World, draw: &mut Draw<'_>) {
             (world.input.refusal, world.input.encoder_alarm) = (0, 0);
         }
         let mut measure = measure(world, against, reference);
-        // A cycle with something wrong about a pointer, then the others without.
+        // The first cycle may have a defective pointer, the others have none.
         let odd = if cycle == 0 { draw.byte() } else { 0 };
         one(world, [servo, slot], &mut measure, gauge, odd);
     }
 }
 
-/// The switches of these cycles, and in a wild one everything else.
+/// Draws the switches of these cycles, and in a wild one everything else.
 fn plan(world: &mut World, slot: usize, draw: &mut Draw<'_>, what: u8) {
     let input = &mut world.input;
     let switches = if what.is_multiple_of(4) { draw.byte() } else { 0b11 };
@@ -108,12 +108,12 @@ fn one(world: &mut World, [servo, slot]: [usize; 2], measure: &mut Option<Measur
     let untouched = output;
     if let Some(ride) = &mut ride {
         ride.readings[0] += world.input.learned[0];
-        // Large: only where the call must be refused.
+        // A large copy, made only if the call must be refused.
         if odd >= 200 {
             super::world::copy(&*world.gauges.state, &mut *world.gauges.before);
         }
     }
-    // SAFETY: what is wrong is null, misaligned or says another size; everything else is as the types say.
+    // SAFETY: a wrong argument is null, misaligned or has another stated size; everything else matches its type.
     let result = unsafe {
         let measure = wrong.or_null(3, measure.as_mut().map(|measure| &raw mut *measure));
         let gauge = wrong.or_null(4, ride.as_mut().map(|ride| &raw mut *ride));
@@ -126,7 +126,7 @@ fn one(world: &mut World, [servo, slot]: [usize; 2], measure: &mut Option<Measur
             wrong.at(5, &raw mut output),
         )
     };
-    // A measure names objects of its own.
+    // A measure also contains a size and pointers, which may be wrong.
     let named = measure.as_ref().is_some_and(|m| m.size == 0 || m.path.is_null() || m.window.is_null());
     wrong.met |= named && [ERROR_NULL, ERROR_SIZE].contains(&result);
     let refusals = [ERROR_AXES, ERROR_STATE, ERROR_MACHINE, ERROR_ARGUMENT, ERROR_NO_OUTPUT, ERROR_GAUGE];
@@ -156,7 +156,7 @@ fn one(world: &mut World, [servo, slot]: [usize; 2], measure: &mut Option<Measur
     assert!(!(fits && plain), "a good step was refused with {result}");
 }
 
-/// Every number that was written is one.
+/// Every number written is finite.
 fn finite(output: &Output, result: ResultCode, measure: Option<&Measure>, ride: Option<&GaugeRide>) {
     let record = &output.record;
     let no_output = result == ERROR_NO_OUTPUT;
@@ -197,17 +197,17 @@ fn finite(output: &Output, result: ResultCode, measure: Option<&Measure>, ride: 
     outcome::saw((record.fault, record.status, record.limited != 0, record.tip.flags));
 }
 
-/// What the cycle had to keep of the ones before it.
+/// Checks the cycle against the previous ones.
 fn followed(built: Built, before: Running, input: &Input, output: &Output, result: ResultCode) -> Running {
     let (record, axes) = (&output.record, built.axes as usize);
     assert_eq!(output.axes, built.axes);
     let crc = (record.machine_id, record.tables_crc);
     assert!(crc == (built.machine_id, built.tables_crc), "{crc:?}");
     let quiet = STATUS_FROZEN | STATUS_STOP_REQUEST | STATUS_NO_OUTPUT;
-    // In a cycle that takes no time nothing moves, switched off too.
+    // A cycle without elapsed time moves nothing, even when switched off.
     let plain = record.fault == FAULT_NONE && record.status & quiet == 0 && input.elapsed_ns == PERIOD_NS;
     let mut after = Running { cycles: before.cycles + 1, plain: if plain { before.plain + 1 } else { 0 }, ..before };
-    // A loop without a dynamic part goes on with what was sent as its geometric correction: the sum keeps its limits.
+    // A loop without a dynamic part takes over the correction sent as its geometric one: the sum keeps its limits.
     let taken_over = record.dynamic.sent[..axes].iter().all(|sent| *sent == 0.0);
     for axis in 0..axes {
         after.bounds[axis] = before.bounds[axis].or(built.bounds[axis]);
@@ -234,7 +234,7 @@ fn followed(built: Built, before: Running, input: &Input, output: &Output, resul
     after
 }
 
-/// Magnitude, slope and, of plain cycles, acceleration.
+/// Checks magnitude, slope and, for plain cycles, acceleration.
 fn within(
     [now, change]: [f64; 2],
     [past, past_change]: [f64; 2],

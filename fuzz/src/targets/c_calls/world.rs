@@ -1,4 +1,4 @@
-//! The objects of a C program, and what is known of them.
+//! The objects of a C program, and the expected state of each.
 
 use super::draw::{Draw, Wrong};
 use super::machines::{Bound, PERIOD_NS, files};
@@ -8,32 +8,32 @@ use trueaxis_capi::*;
 /// Storage of an object, all words zero.
 pub(super) fn zeroed<T>() -> Box<T> {
     let mut storage = Box::<T>::new_uninit();
-    // SAFETY: the objects of the header are arrays of words, its structures numbers and pointers.
+    // SAFETY: the header's objects are arrays of words, and its structures consist of numbers and pointers.
     unsafe {
         storage.as_mut_ptr().write_bytes(0, 1);
         storage.assume_init()
     }
 }
 
-/// All bytes of an object without paddings.
+/// All bytes of an object without padding.
 pub(super) fn bytes_of<T>(value: &T) -> &[u8] {
-    // SAFETY: as many bytes as the value has, all of them written.
+    // SAFETY: exactly the bytes of the value, all of them initialised.
     unsafe { std::slice::from_raw_parts((&raw const *value).cast(), size_of::<T>()) }
 }
 
-/// Copies an object, as the header allows for some.
+/// Copies an object, which the header permits for some.
 pub(super) fn copy<T>(from: &T, to: &mut T) {
-    // SAFETY: two whole objects of words.
+    // SAFETY: two complete objects of words.
     unsafe { (&raw mut *to).copy_from_nonoverlapping(from, 1) }
 }
 
-/// An object as it was before it was built.
+/// Returns an object to its unbuilt state.
 fn forget<T>(object: &mut T) {
     // SAFETY: objects begin with a word.
     unsafe { (&raw mut *object).cast::<u64>().write(0) }
 }
 
-/// A loop that was built.
+/// A loop that has been built.
 #[derive(Clone, Copy)]
 pub(super) struct Built {
     pub(super) axes: u32,
@@ -41,24 +41,24 @@ pub(super) struct Built {
     pub(super) machine_id: u32,
     pub(super) tables_crc: u32,
     pub(super) period_ns: u32,
-    /// Which memory it lies in.
+    /// Which memory the loop uses.
     pub(super) memory: usize,
     pub(super) bounds: [Bound; AXES_MAX],
 }
 
-/// A state that was started, and the cycles before the next.
+/// A started state, with the history of its cycles.
 #[derive(Clone, Copy)]
 pub(super) struct Running {
     pub(super) axes: u32,
     pub(super) bypass: bool,
     pub(super) bounds: [Bound; AXES_MAX],
-    /// Commands and readings go on from here.
+    /// Commands and readings continue from here.
     pub(super) command: [f64; AXES_MAX],
     pub(super) reading: [f64; AXES_MAX],
-    /// Cycles run, and those since anything but a plain one.
+    /// Cycles run, and consecutive plain ones.
     pub(super) cycles: u32,
     pub(super) plain: u32,
-    /// The correction sent and its change; its dynamic part and the change of that.
+    /// The correction sent and its change; the dynamic part and its change.
     pub(super) sent: [[f64; 2]; AXES_MAX],
     pub(super) dynamic: [[f64; 2]; AXES_MAX],
 }
@@ -78,7 +78,7 @@ pub(super) struct States {
 pub(super) struct Paths {
     pub(super) objects: [Box<Path>; 2],
     pub(super) memory: [Vec<u64>; 2],
-    /// Number of the first span, and whether it is of a tool.
+    /// Number of the first span, and whether the path has a tool.
     pub(super) started: [Option<(u32, bool)>; 2],
     pub(super) window: Box<CommandWindow>,
 }
@@ -86,12 +86,12 @@ pub(super) struct Paths {
 pub(super) struct Gauges {
     pub(super) gauge: Box<Gauge>,
     pub(super) state: Box<GaugeState>,
-    /// Before a call.
+    /// The state before a call.
     pub(super) before: Box<GaugeState>,
     pub(super) spindle: i32,
 }
 
-/// Everything that the calls work on.
+/// Everything that the calls use.
 pub(super) struct World {
     pub(super) files: Vec<Vec<u8>>,
     /// A learned correction for the machine of the first file.
@@ -103,7 +103,7 @@ pub(super) struct World {
     pub(super) kinematics: Box<Kinematics>,
     pub(super) tracker: Box<BranchTracker>,
     pub(super) learned: Box<Learned>,
-    /// Files of the correction in use and of the next.
+    /// Files of the current correction and of the next.
     pub(super) lessons: [Vec<u8>; 2],
     pub(super) program: Box<Program>,
     pub(super) input: Box<Input>,
@@ -141,7 +141,7 @@ impl World {
         }
     }
 
-    /// As at the start of a program: nothing is built.
+    /// Returns to the start of a program: nothing is built.
     pub(super) fn reset(&mut self) {
         self.loops.objects.iter_mut().for_each(|object| forget(&mut **object));
         self.states.objects.iter_mut().for_each(|object| forget(&mut **object));
@@ -177,7 +177,7 @@ impl World {
         self.error.size = size_of::<Error>() as u32;
     }
 
-    /// A table file, whole or damaged, with the sum made right again or not.
+    /// A table file, whole or damaged, with or without a corrected check sum.
     pub(super) fn file(&self, draw: &mut Draw<'_>) -> Vec<u8> {
         let mut file = self.files[draw.below(self.files.len())].clone();
         damage(&mut file, draw);
@@ -185,7 +185,7 @@ impl World {
     }
 }
 
-/// Damages a file at up to two places or cuts it; as a rule not.
+/// Damages a file at up to two places or truncates it; usually leaves it whole.
 pub(super) fn damage(file: &mut Vec<u8>, draw: &mut Draw<'_>) {
     let how = draw.byte();
     if how < 192 || file.is_empty() {
@@ -203,8 +203,8 @@ pub(super) fn damage(file: &mut Vec<u8>, draw: &mut Draw<'_>) {
     }
 }
 
-/// A call has answered: with a result that the header has, OK only where nothing about the arguments was wrong, and what may be
-/// said otherwise is in `allowed` or true of every function.
+/// Checks a call's result: OK only if no argument was wrong, and otherwise a result that is in `allowed` or permitted for
+/// every function.
 pub(super) fn answered(function: &'static str, result: ResultCode, wrong: &Wrong, allowed: &[ResultCode]) {
     outcome::saw((function, result));
     let always = [ERROR_NULL, ERROR_SIZE, ERROR_ALIGNMENT, ERROR_UNBUILT];
@@ -213,12 +213,12 @@ pub(super) fn answered(function: &'static str, result: ResultCode, wrong: &Wrong
         "{function} answers {result}, which the header does not name"
     );
     assert!(!(wrong.met && result == OK), "{function} takes a pointer or size that is wrong");
-    // Every argument is our own: what is not made wrong here is neither null nor odd.
+    // All other arguments are valid: none is null or misaligned unless made so here.
     let pointer = [ERROR_NULL, ERROR_SIZE, ERROR_ALIGNMENT].contains(&result);
     assert!(wrong.met || !pointer, "{function} refuses good pointers and sizes with {result}");
 }
 
-/// The explanation of a refusal: in words, on one line, with the function's own result.
+/// Checks the explanation of a refusal: in words, on one line, with the function's result.
 pub(super) fn explained(error: &Error, result: ResultCode) {
     if [ERROR_NULL, ERROR_SIZE, ERROR_ALIGNMENT].contains(&result) {
         return;

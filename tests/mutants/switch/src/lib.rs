@@ -1,6 +1,6 @@
-//! Which mutant is on. The scratch copy of the core calls [`at`] wherever a mutant may stand.
+//! Selects the active mutant. The scratch copy of the core calls [`at`] at every place of a mutant.
 //!
-//! `MUTANT=site:variant` switches one on; `MUTANT_COVER=file` writes the sites that were reached when the process ends.
+//! `MUTANT=site:variant` enables one; `MUTANT_COVER=file` writes the reached sites when the process ends.
 
 use std::fs::OpenOptions;
 use std::io::Write;
@@ -12,7 +12,7 @@ const COVER: u8 = u8::MAX;
 static STATE: [AtomicU8; SITES] = [const { AtomicU8::new(0) }; SITES];
 static REACHED: [AtomicU8; SITES] = [const { AtomicU8::new(0) }; SITES];
 
-/// The variant that is on at a site; 0: the code as it is written.
+/// The active variant at a site; 0 is the original code.
 #[inline(always)]
 pub fn at(site: usize) -> u8 {
     match STATE[site].load(Relaxed) {
@@ -41,19 +41,19 @@ unsafe extern "C" {
 #[unsafe(link_section = ".init_array")]
 static START: extern "C" fn() = start;
 
-/// A mutant that allocates without end is ended before it fills the memory of the machine.
+/// A mutant that allocates without end is stopped before it fills the machine's memory.
 const ADDRESS_SPACE: (i32, u64) = (9, 4 << 30);
 
 extern "C" fn start() {
     if let Some((site, variant)) = std::env::var("MUTANT").ok().as_deref().and_then(|on| on.split_once(':')) {
         let site: usize = site.parse().expect("MUTANT: a number before the colon");
         STATE[site].store(variant.parse().expect("MUTANT: a number after the colon"), Relaxed);
-        // SAFETY: the resource and the two numbers are what Linux's setrlimit takes.
+        // SAFETY: the resource and the two numbers match the arguments of Linux's setrlimit.
         unsafe { setrlimit(ADDRESS_SPACE.0, &[ADDRESS_SPACE.1; 2]) };
     }
     if std::env::var_os("MUTANT_COVER").is_some() {
         STATE.iter().for_each(|state| state.store(COVER, Relaxed));
-        // SAFETY: `report` takes nothing and does not unwind.
+        // SAFETY: `report` takes no arguments and does not unwind.
         unsafe { atexit(report) };
     }
 }

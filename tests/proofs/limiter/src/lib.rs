@@ -1,6 +1,6 @@
-//! The limiter's functions for one scalar each: what `prove.py` reads is the LLVM code of these.
+//! The limiter's functions for one scalar each: `prove.py` reads their LLVM code.
 //!
-//! Nothing is known to the compiler about an argument: the proof is of every value that memory can hold.
+//! The compiler knows nothing about the arguments: the proof covers every value that memory can hold.
 
 #![no_std]
 

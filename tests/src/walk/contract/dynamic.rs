@@ -1,4 +1,4 @@
-//! The dynamic correction: its own limits, its parts, its switches, its watch.
+//! The dynamic correction: its limits, parts, switches and watch.
 
 use super::moving::Moving;
 use super::{Contract, Seen, Verdict};
@@ -7,14 +7,14 @@ use crate::walk::scalar::{Place, Scalar};
 use trueaxis::telemetry::Status;
 use trueaxis::{DynamicParts, Dynamics};
 
-/// What the dynamic correction left behind.
+/// State of the dynamic correction after the previous cycle.
 #[derive(Clone, Debug)]
 pub(super) struct Parts<R: Scalar, const N: usize> {
     sent: [Moving; N],
     geometric: [Moving; N],
-    /// Cycles since a limit bound, by axis.
+    /// Cycles since a limit last bound, by axis.
     free: [u32; N],
-    /// What the feedback wanted, under a refused reading with these parts on.
+    /// The feedback's wanted correction during a refused reading, with the parts that were switched on.
     frozen: Option<([R; N], Dynamics)>,
     out: bool,
 }
@@ -27,7 +27,7 @@ impl<R: Scalar, const N: usize> Default for Parts<R, N> {
 }
 
 impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
-    /// Of every cycle.
+    /// Checks every cycle.
     pub(super) fn dynamic(
         &mut self,
         seen: &Seen<'_, '_, R, P, N>,
@@ -57,7 +57,7 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         for (k, axis) in seen.facts.axes.iter().enumerate() {
             let (sent, geometric) = (parts.sent[k].to_f64(), record.correction[k].to_f64());
             if verdict.holds() || first {
-                // That nothing moves is for others to see.
+                // Other rules check that nothing moves.
                 (self.parts.sent[k].c, self.parts.geometric[k].c) = (sent, geometric);
                 self.parts.sent[k].stop();
                 self.parts.geometric[k].stop();
@@ -112,7 +112,7 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         }
         let on = if works { input.dynamics } else { Dynamics::NONE };
         let any = |of: Dynamics| on.0 & of.0 != 0;
-        // From the cycle after the one in which it was found out.
+        // From the cycle after its detection.
         let out = self.parts.out && seen.outcome.output.record.status.has(Status::FEEDBACK_OUT);
         for (k, axis) in facts.axes.iter().enumerate() {
             let linear = k < 3;
@@ -138,7 +138,7 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         Ok(())
     }
 
-    /// Of every cycle; `verdict` is the one before the output was looked at.
+    /// Checks the watch in every cycle; `verdict` is the one before the output was examined.
     pub(super) fn watch(&mut self, seen: &Seen<'_, '_, R, P, N>, verdict: Verdict, first: bool) -> Result<(), Broken> {
         let (input, record) = (&seen.moment.input, &seen.outcome.output.record);
         let on = input.dynamics.has(Dynamics::FEEDBACK);

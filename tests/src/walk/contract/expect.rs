@@ -1,4 +1,4 @@
-//! What the first stage has to make of an input: which commands and readings are believed, what stops, what freezes.
+//! Required result of the first stage for an input: which commands and readings are believed, what stops, what freezes.
 
 use super::{Seen, Verdict, apart};
 use crate::walk::rule::{Broken, Rule, Tally};
@@ -7,17 +7,17 @@ use trueaxis::Fault;
 use trueaxis::sample::Refusal;
 use trueaxis::telemetry::Status;
 
-/// A late cycle excuses no more periods than these.
+/// Maximum number of periods that a late cycle excuses.
 const LONGEST: f64 = 16.0;
 
-/// What commands and readings left behind.
+/// State of commands and readings after the previous cycle.
 #[derive(Clone, Debug)]
 pub(super) struct Senses<P, const N: usize> {
-    /// A command was accepted.
+    /// Whether a command was accepted.
     pub(super) started: bool,
     active: bool,
     reset: bool,
-    /// Time in which corrections have not moved yet, ns, and whether they may in this cycle.
+    /// Time for which corrections have not moved yet, ns, and whether they may move in this cycle.
     time: f64,
     pub(super) due: bool,
     pub(super) latched: Option<(Fault, u8)>,
@@ -26,7 +26,7 @@ pub(super) struct Senses<P, const N: usize> {
     pub(super) held: [P; N],
     good: [P; N],
     missing: [u16; N],
-    /// Where a reading stands, up to which command its way is counted, and that way.
+    /// Position at which a reading is constant, command up to which the commanded travel has been counted, and that travel.
     stands: [P; N],
     counted: [P; N],
     unmoved: [f64; N],
@@ -53,7 +53,7 @@ impl<P: Place, const N: usize> Default for Senses<P, N> {
     }
 }
 
-/// A quantity against its limit: so near that rounding decides.
+/// A quantity compared with its limit; `Either` if so close that rounding decides.
 #[derive(Clone, Copy, PartialEq)]
 enum Size {
     Within,
@@ -64,7 +64,7 @@ enum Size {
 fn size<P: Place>(value: f64, limit: f64) -> Size {
     let grain = 2.0 * P::GRAIN + 1e-9 + 1e-6 * limit.min(1e3);
     match value {
-        // Far beyond everything, also where the limit is infinite.
+        // The first case covers an infinite limit.
         _ if limit == f64::INFINITY => Size::Within,
         value if value <= limit - grain => Size::Within,
         value if value <= limit + grain => Size::Either,
@@ -72,13 +72,13 @@ fn size<P: Place>(value: f64, limit: f64) -> Size {
     }
 }
 
-/// A limit as positions compare it, half a step above the last that is within.
+/// A limit as positions compare it, half a step above the last position within it.
 fn steps<P: Place>(limit: f64) -> f64 {
     if P::GRAIN == 0.0 { limit } else { ((limit / P::GRAIN).round_ties_even() + 0.5) * P::GRAIN }
 }
 
 impl<P: Place, const N: usize> Senses<P, N> {
-    /// Takes an input; the verdict that has to follow. Where rounding decides, that of the output.
+    /// Takes an input; returns the required verdict. Where rounding decides, follows the output.
     pub(super) fn expect<R: Scalar>(
         &mut self,
         tally: &mut Tally,
@@ -139,7 +139,7 @@ impl<P: Place, const N: usize> Senses<P, N> {
             return Ok(if placed { Verdict::Held } else { Verdict::Nowhere });
         };
         let may = rising && placed && acceptable;
-        // Released, the range of a joint may be left at once again.
+        // After a release, the output may leave the range of a joint at once and stop again.
         let goes_on = !stops || told.0 == Fault::JointRange;
         let released = match near {
             Size::Within if may => {
@@ -166,13 +166,13 @@ impl<P: Place, const N: usize> Senses<P, N> {
         Ok(if placed { Verdict::Held } else { Verdict::Nowhere })
     }
 
-    /// From now on the command in force is held.
+    /// Holds the command in force from now on.
     pub(super) fn latch(&mut self, fault: (Fault, u8)) {
         (self.latched, self.counted) = (Some(fault), self.held);
     }
 
-    /// Whether a cycle is off its time, by more than a quarter of the period or so that corrections have to stand: each
-    /// movement takes 0.999 of a period, and less than that is left over of any time.
+    /// Whether a cycle is off its time, by more than a quarter of the period or so much that corrections must not move: each
+    /// movement takes 0.999 of a period, and less than that remains of any time.
     fn off(&mut self, period_ns: u32, elapsed_ns: u32) -> bool {
         let pace = f64::from(period_ns - period_ns / 1000);
         let passed = if self.started { self.time + f64::from(elapsed_ns) } else { f64::INFINITY };
@@ -182,7 +182,7 @@ impl<P: Place, const N: usize> Senses<P, N> {
         !self.due || !(0.75..=1.25).contains(&(f64::from(elapsed_ns) / f64::from(period_ns)))
     }
 
-    /// What is wrong with the command of each axis.
+    /// The fault of each axis' command.
     fn command_faults<R: Scalar>(&self, seen: &Seen<'_, '_, R, P, N>, active: bool, late: bool) -> [Fault; N] {
         let (facts, input) = (seen.facts, &seen.moment.input);
         let mut due = [Fault::None; N];
@@ -208,7 +208,7 @@ impl<P: Place, const N: usize> Senses<P, N> {
         due
     }
 
-    /// Believes the readings that are plausible; what is wrong with each.
+    /// Accepts the plausible readings; returns the fault of each reading.
     fn readings<R: Scalar>(&mut self, seen: &Seen<'_, '_, R, P, N>, command: &[P; N], watch: bool) -> [Fault; N] {
         let input = &seen.moment.input;
         let believed = &seen.outcome.output.record.feedback;
@@ -226,7 +226,7 @@ impl<P: Place, const N: usize> Senses<P, N> {
             } else if !watch {
                 Fault::None
             } else {
-                // A reading that was missing may have gone on as long.
+                // The limit grows with the number of missing readings.
                 let limit = axis.feedback_jump * (1.0 + f64::from(self.missing[k]));
                 let jumps = size::<P>(apart(reading, self.good[k]), limit);
                 if jumps == Size::Beyond || jumps == Size::Either && believed[k] != reading {
@@ -242,14 +242,14 @@ impl<P: Place, const N: usize> Senses<P, N> {
                     if way > steps::<P>(axis.play) || !self.active {
                         self.counted[k] = command[k];
                     }
-                    // No output tells which axis it was of several: to the step.
+                    // Exact to the position step, because no output shows which of several axes was stuck.
                     if self.unmoved[k] > steps::<P>(axis.stuck) { Fault::EncoderStuck } else { Fault::None }
                 }
             };
             match fault {
                 Fault::None => (self.good[k], self.missing[k]) = (reading, 0),
-                // Before the first command there is nothing to fall back on but the command; nor is what is not to be
-                // believed.
+                // Before the first command only the command can replace a reading; likewise if the last good reading is out of
+                // range.
                 _ if !self.started || !readable(self.good[k]) => {
                     (self.good[k], self.stands[k]) = (command[k], command[k]);
                 }
@@ -266,7 +266,7 @@ impl<P: Place, const N: usize> Senses<P, N> {
         faults
     }
 
-    /// Held before the first command: the machine stands where every axis was read last. Returns whether that is known.
+    /// A stop before the first command: the machine is where every axis was last read. Returns whether that is known.
     fn placed<R: Scalar>(&mut self, seen: &Seen<'_, '_, R, P, N>) -> bool {
         let all = ((1_u32 << N) - 1) as u8;
         if self.known == all {
@@ -284,7 +284,7 @@ impl<P: Place, const N: usize> Senses<P, N> {
         self.known == all
     }
 
-    /// The command is near the held one, on every axis.
+    /// Compares the command with the held one on every axis.
     fn near<R: Scalar>(&self, seen: &Seen<'_, '_, R, P, N>) -> Size {
         let mut near = Size::Within;
         for k in 0..N {
@@ -302,7 +302,7 @@ impl<P: Place, const N: usize> Senses<P, N> {
         near
     }
 
-    /// The reading that the record has to show.
+    /// The reading that the record must show.
     pub(super) fn believed(&self) -> &[P; N] {
         &self.good
     }

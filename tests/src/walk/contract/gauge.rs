@@ -1,4 +1,4 @@
-//! The gauge that rides along: its probes, the bound of its infeed, what it learns and what it must not.
+//! The gauge in the loop: its probes, the bound of its infeed, what it must and must not learn.
 
 use super::{Contract, Seen, Verdict};
 use crate::walk::gauge::MANY;
@@ -6,25 +6,25 @@ use crate::walk::rule::{Broken, Rule};
 use crate::walk::scalar::{Place, Scalar};
 use trueaxis::roundness::GaugeFlags;
 
-/// Between two points of the infeed lies a cubic through four of them: its weights add up to no more.
+/// Bound on the weights of the cubic through four points that interpolates the infeed between two of them.
 const BETWEEN: f64 = 1.26;
 
-/// What the gauge left behind.
+/// State of the gauge after the previous cycle.
 #[derive(Clone, Debug)]
 pub(super) struct GaugeMemory<R: Scalar> {
-    /// The infeed as it was after the last revolution.
+    /// The infeed after the last revolution.
     correction: [R; MANY],
     sampled: u32,
-    /// Cycles since, and those in which the infeed was followed in part, and not at all.
+    /// Cycles since then, and those in which the infeed was followed only in part, or not at all.
     cycles: u32,
     limited: u32,
     unheard: u32,
-    /// The axis of the infeed was limited in the last cycle.
+    /// Whether the axis of the infeed was limited in the last cycle.
     was_limited: bool,
-    /// Revolutions that a new part has made nothing of.
+    /// Revolutions discarded because of a new part.
     lost: u32,
     clearing: bool,
-    /// Nothing is known of what came before.
+    /// Whether the preceding state is unknown.
     anew: bool,
 }
 
@@ -45,18 +45,18 @@ impl<R: Scalar> Default for GaugeMemory<R> {
 }
 
 impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
-    /// Of every cycle with a gauge.
+    /// Checks every cycle with a gauge.
     pub(super) fn gauged(&mut self, seen: &Seen<'_, '_, R, P, N>, verdict: Verdict) -> Result<(), Broken> {
         let Some(gauge) = &seen.ground.gauge else { return Ok(()) };
         let (ride, state, probes) = (&seen.outcome.ride, &seen.device.gauge, &seen.moment.probes);
         let good = probes.readings.iter().all(|reading| reading.to_f64().abs() <= 1000.0);
         let told = ride.flags.has(GaugeFlags::PROBE_RANGE);
-        // Without an angle nobody asks the probes.
+        // Without an angle the probes are not evaluated.
         let holds = if good { !told } else { ride.flags.discards() };
         self.tally.that(Rule::Probes, holds, || format!("{:?} for {:?}", ride.flags, probes.readings))?;
         let limit = seen.ground.infeed_limit_um * 1e-3;
         let infeed = ride.infeed.to_f64();
-        // Not so of what is not a number.
+        // False for NaN.
         let bounded = infeed.abs() <= BETWEEN * limit * (1.0 + 1e-5);
         self.tally.that(Rule::InfeedBound, bounded, || format!("{infeed} mm of {limit}"))?;
 
@@ -90,7 +90,7 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
             (memory.lost, memory.clearing) = (loose, true);
         }
         memory.clearing &= !state.is_settled();
-        // Clearing away what was learned of the last part is work, but none on a revolution.
+        // Clearing what was learned from the last part counts as work, but not as work on a revolution.
         let in_work = u32::from(!state.is_settled() && !memory.clearing);
         let done = loose.wrapping_sub(memory.lost);
         self.tally.that(Rule::GaugeCounts, done == in_work, || format!("{counts:?}, in work: {in_work}"))?;
@@ -100,7 +100,7 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         Ok(())
     }
 
-    /// A revolution has been worked off.
+    /// Checks a completed revolution.
     fn revolution(&mut self, seen: &Seen<'_, '_, R, P, N>) -> Result<(), Broken> {
         let state = &seen.device.gauge;
         let Some(latest) = state.latest() else { return Ok(()) };

@@ -1,4 +1,4 @@
-//! What goes to the drives: sum, limits over every transition, hold, freeze, the way out.
+//! The output to the drives: sum, limits across every transition, hold, freeze, ramping out.
 
 use super::moving::{Moving, SHARE};
 use super::{Contract, Seen, Verdict};
@@ -7,17 +7,17 @@ use crate::walk::rule::{Broken, Rule};
 use crate::walk::scalar::{Place, Scalar};
 use trueaxis::Output;
 
-/// What was sent last.
+/// The last output.
 #[derive(Clone, Debug)]
 pub(super) struct Motion<R: Scalar, P: Place, const N: usize> {
     sum: [Moving; N],
     drive: [P; N],
-    /// All that was added to the command, and its parts, as they were told.
+    /// Total correction of the command, and its geometric part as reported.
     total: [R; N],
     correction: [R; N],
-    /// They were two parts.
+    /// Whether the correction had two parts.
     parted: bool,
-    /// Cycles since the step was switched off, and how many the way out may take.
+    /// Cycles since the step was switched off, and the number that ramping out may take.
     dark: f64,
     may: f64,
 }
@@ -42,7 +42,7 @@ impl<R: Scalar, P: Place, const N: usize> Motion<R, P, N> {
         self.total.iter().all(|c| *c == R::ZERO)
     }
 
-    /// The drive moves by so much at most, whichever way, in a cycle.
+    /// Maximum movement of the drive in one cycle, in either direction.
     fn reach(&self, k: usize, axis: &AxisFacts<P>) -> f64 {
         axis.sum.v.max(self.sum[k].v.abs()) * (1.0 + SHARE) + 4.0 * P::GRAIN + 1e-7
     }
@@ -57,7 +57,7 @@ fn rule_of(broken: [bool; 3]) -> Rule {
 }
 
 impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
-    /// The output leaves the range of a joint: it has to hold, and it must have been possible.
+    /// The output would leave the range of a joint and must hold; checks that this was possible.
     pub(super) fn joint_range(
         &mut self,
         seen: &Seen<'_, '_, R, P, N>,
@@ -78,7 +78,7 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         self.tally.that(Rule::JointRangeOnlyWhenDue, possible, found)
     }
 
-    /// Drives, corrections and the host's feedback.
+    /// Checks drives, corrections and the host's feedback.
     pub(super) fn follow(&mut self, seen: &Seen<'_, '_, R, P, N>, verdict: Verdict, first: bool) -> Result<(), Broken> {
         let output = &seen.outcome.output;
         let total = totals(output);
@@ -109,10 +109,10 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         Ok(())
     }
 
-    /// The output holds.
+    /// The output is held.
     fn stands(&mut self, seen: &Seen<'_, '_, R, P, N>, total: &[R; N], first: bool) -> Result<(), Broken> {
         let (motion, output) = (&mut self.motion, &seen.outcome.output);
-        // A configuration without dynamic correction calls all of it geometric.
+        // A configuration without dynamic correction reports the whole correction as geometric.
         let renamed = seen.exchanged && motion.parted != output.record.dynamic.is_some();
         for k in 0..N {
             let place = if first { self.senses.held[k] } else { motion.drive[k] };
@@ -174,7 +174,7 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         Ok(())
     }
 
-    /// Magnitude, slope and acceleration of one axis, and the freeze.
+    /// Checks magnitude, slope and acceleration of one axis, and the freeze.
     #[inline(always)]
     fn limited(&mut self, seen: &Seen<'_, '_, R, P, N>, k: usize, c: R, verdict: Verdict) -> Result<(), Broken> {
         let (axis, moving) = (&seen.facts.axes[k], &mut self.motion.sum[k]);
@@ -184,7 +184,7 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         }
         let before = *moving;
         if !self.senses.due {
-            // Split into other parts and added up again, a sum that stands may be rounded anew.
+            // A constant sum may be rounded differently after being split into other parts and summed.
             let rounding = 8.0 * R::EPSILON.to_f64() * (before.c.abs() + before.beside().max(beside.abs()));
             let dynamic = seen.exchanged || seen.facts.dynamic || before.beside() > 0.0;
             let stands = (c.to_f64() - before.c).abs() <= if dynamic { rounding } else { 0.0 };
@@ -212,7 +212,7 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         Ok(())
     }
 
-    /// Switched off: out within the time that the limits take, and then through bit for bit.
+    /// Switched off: the correction must reach zero within the time that the limits take; then commands pass bit for bit.
     fn passes(&mut self, seen: &Seen<'_, '_, R, P, N>, total: &[R; N]) -> Result<(), Broken> {
         let (output, motion) = (&seen.outcome.output, &mut self.motion);
         let record = &output.record;
@@ -228,7 +228,7 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
             }
         }
         motion.dark += f64::from(u8::from(self.senses.due));
-        // The feed-forward of a drive dies away like what it makes up for.
+        // The feed-forward of a drive decays like the error that it compensates.
         let gone = if seen.facts.dynamic { 1e-9 } else { 0.0 };
         if total.iter().any(|c| c.to_f64().abs() > gone) {
             let found = || format!("{total:?} after {} cycles, {} at most", motion.dark, motion.may);
@@ -237,7 +237,7 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         if total.iter().all(|c| *c == R::ZERO) {
             let commands = output.drive.iter().zip(&seen.moment.input.command).zip(&record.correction);
             let same = commands.clone().all(|((drive, command), part)| match drive.bits() == command.bits() {
-                // Two parts that lead each other out: what is sent is rounded once, the parts that are told each by itself.
+                // Two parts that cancel each other: the output is rounded once, the reported parts separately.
                 false => *part != R::ZERO && is_near::<R, P>(*drive, *command, *command, *part),
                 true => true,
             });
@@ -248,7 +248,7 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
     }
 }
 
-/// Cycles in which a correction is gone, with room: twice the time of the way at the slope, and of what the acceleration takes.
+/// Cycles until a correction is zero, with margin: twice the time for its size at the slope, and for the acceleration.
 fn way_out<P>(moving: &Moving, axis: &AxisFacts<P>, dynamic: bool) -> f64 {
     let time = |c: f64, bounds: &Bounds, a: f64| {
         let v = moving.v.abs().max(bounds.v.min((2.0 * a * c).sqrt()));
@@ -258,13 +258,13 @@ fn way_out<P>(moving: &Moving, axis: &AxisFacts<P>, dynamic: bool) -> f64 {
     if !dynamic {
         return geometric;
     }
-    // Both parts, each by its own limiter, and then through that of the sum.
+    // Both parts, each through its own limiter, then through that of the sum.
     let c = axis.sum.c + axis.dynamic.c;
     axis.dies_away
         + 2.0 * (geometric + time(c, &axis.sum, axis.lead_a) + time(axis.dynamic.c, &axis.dynamic, axis.dynamic.a))
 }
 
-/// All that is added to the command.
+/// Total correction of the command.
 fn totals<R: Scalar, P: Place, const N: usize>(output: &Output<R, P, N>) -> [R; N] {
     let record = &output.record;
     match &record.dynamic {
@@ -273,7 +273,7 @@ fn totals<R: Scalar, P: Place, const N: usize>(output: &Output<R, P, N>) -> [R; 
     }
 }
 
-/// The same but for what adding up two parts rounds.
+/// Whether two positions are equal except for the rounding of a sum of two parts.
 fn is_near<R: Scalar, P: Place>(a: P, b: P, place: P, part: R) -> bool {
     let part = part.to_f64().abs() + 0.2;
     let rounding = 2.0 * P::GRAIN + 4.0 * R::EPSILON.to_f64() * part + 1e-15 * place.to_f64().abs();

@@ -1,4 +1,4 @@
-//! Contour errors: told where they are measured, on the path, consistent; the window of commands.
+//! Contour errors: reported when measured, on the path, consistent; the window of commands.
 
 use super::{Contract, Seen, Verdict};
 use crate::walk::combination::Measured;
@@ -9,20 +9,20 @@ use trueaxis::Fault;
 use trueaxis::contour::{ContourError, Flags, Path};
 use trueaxis::telemetry::{Record, Status};
 
-/// Evaluations of the path in a cycle at most.
+/// Maximum number of evaluations of the path in a cycle.
 const EVALUATIONS: u8 = 8;
-/// Farther than this from the path, integers saturate and single precision says little, mm.
+/// Distance from the path, mm, beyond which integers saturate and single precision is too coarse.
 const FAR_MM: f64 = 1000.0;
 
-/// What the window left behind.
+/// State of the window after the previous cycle.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct WindowMemory {
-    /// Number of its newest span.
+    /// Number of the newest span.
     newest: Option<u32>,
 }
 
 impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
-    /// Of every cycle.
+    /// Checks every cycle.
     pub(super) fn measured(
         &mut self,
         seen: &Seen<'_, '_, R, P, N>,
@@ -33,7 +33,7 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         let measured = seen.moment.measured;
         let told = record.status.has(Status::CONTOUR) == record.tip.is_measured();
         let believed = matches!(verdict, Verdict::Active | Verdict::Inactive) && measured != Measured::Nothing;
-        // The joint's range is looked at after the error was measured.
+        // The joint's range is checked after the error was measured.
         let may = believed || record.fault == Fault::JointRange && measured != Measured::Nothing;
         let found = || format!("{:?}, {verdict:?}: {:?}, {:?}", record.status, record.tip, record.encoder);
         let none = !record.tip.is_measured() && !record.encoder.is_measured();
@@ -69,12 +69,12 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         self.tally.that(Rule::Orientation, holds, found)
     }
 
-    /// The encoder's foot is where span and parameter say.
+    /// Checks that the encoder's foot is at the reported span and parameter.
     fn on_path(&mut self, seen: &Seen<'_, '_, R, P, N>, path: &Path<'_, R, P>) -> Result<(), Broken> {
         let record = &seen.outcome.output.record;
         let error = &record.encoder;
         let Some(span) = path.span(error.span).filter(|_| error.is_measured()) else { return Ok(()) };
-        // The encoder's foot is found from the tip's: far off, single precision says little of it.
+        // The encoder's foot is found from the tip's: far away, single precision is too coarse.
         let size = error.error.to_f64() + record.tip.error.to_f64();
         if size > FAR_MM {
             return Ok(());
@@ -84,7 +84,7 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         for k in 0..3 {
             let (reading, foot) = (record.feedback[k].to_f64(), foot[k].to_f64());
             let rounding = 1e-9 + 2.0 * P::GRAIN + R::EPSILON.to_f64() * (64.0 + 8.0 * size);
-            // A foot past the end of the integers is told at their end.
+            // A foot beyond the range of integers is reported at its end.
             if P::GRAIN > 0.0 && foot.abs() >= P::GRAIN * f64::from(i32::MAX) {
                 continue;
             }
@@ -110,7 +110,7 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         let (end, command) = (newest.position(at.t), &seen.moment.input.command);
         let off = (0..3).map(|k| (end[k].to_f64() - command[k].to_f64()).abs()).fold(0.0, f64::max);
         let size = command[..3].iter().map(|x| x.to_f64().abs()).fold(0.0, f64::max);
-        // Within a 250th of the spacing a command is where the last point is.
+        // Within a 250th of the spacing a command counts as being at the last point; a 200th is tolerated.
         let near = off <= SPACING_MM / 200.0 + 4.0 * P::GRAIN + 64.0 * R::EPSILON.to_f64() + 1e-15 * size;
         self.tally.that(Rule::WindowEnds, near, || format!("{off} mm from {command:?}"))?;
         if let Some(before) = path.span(at.span.wrapping_sub(1)) {
@@ -120,7 +120,7 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
             let near = off <= 4.0 * P::GRAIN + 64.0 * R::EPSILON.to_f64() + 1e-15 * size;
             self.tally.that(Rule::WindowJoined, near, || format!("{off} mm at span {}", at.span))?;
         }
-        // One further at most in a cycle; one back where a command comes back to the last point.
+        // At most one further per cycle; one back if a command returns to the last point.
         let number = at.span;
         let ordered = self.window.newest.is_none_or(|last| number.wrapping_sub(last).wrapping_add(1) <= 3);
         self.tally.that(Rule::WindowJoined, ordered, || format!("{number} after {:?}", self.window.newest))?;
@@ -129,7 +129,7 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         self.on_path(seen, &path)
     }
 
-    /// The newest command is on the path, and nothing nearer is passed over.
+    /// Checks that the newest command is on the path, and that no nearer point is skipped.
     fn nearest(&mut self, seen: &Seen<'_, '_, R, P, N>, path: &Path<'_, R, P>, end: &[P; 3]) -> Result<(), Broken> {
         let record = &seen.outcome.output.record;
         let error = &record.encoder;
@@ -145,8 +145,8 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
             return Ok(());
         }
         let rounding = 1e-5 + R::EPSILON.to_f64() * (64.0 + 16.0 * distance);
-        // Which of two spans is nearer, their chords decide, and of an arc that turns by 40 degrees its chord is off by a
-        // ninth; and they decide for the tip, from whose foot the encoder's is found.
+        // Chords decide which of two spans is nearer, and the chord of an arc that turns by 40 degrees is off by a ninth; they
+        // decide for the tip, from whose foot the encoder's is found.
         let chord = path.span(error.span).map_or(0.0, |span| span.length().to_f64());
         let allowed = distance + chord / 9.0 + 2.0 * apart(record, path) + rounding;
         let holds = error.error.to_f64() <= allowed;
@@ -154,7 +154,7 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
     }
 }
 
-/// Distance of the encoder's position from the tip's, mm.
+/// Distance between the positions of encoder and tip, mm.
 fn apart<R: Scalar, P: Place, const N: usize>(record: &Record<R, P, N>, path: &Path<'_, R, P>) -> f64 {
     let tip = &record.tip;
     let Some(span) = path.span(tip.span).filter(|_| tip.is_measured()) else { return 0.0 };

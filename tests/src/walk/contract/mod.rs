@@ -1,5 +1,5 @@
-//! The contract of the step, as an oracle from outside: given the configuration, the cycle before, this input and this
-//! output, what must and may follow. Written from the documentation; it knows the tables' ends, but not their values.
+//! The contract of the step, as an external oracle: given the configuration, the previous cycle, this input and this output,
+//! what must and may follow. Written from the documentation; it knows the ends of the tables, but not their values.
 
 mod dynamic;
 mod expect;
@@ -20,49 +20,49 @@ use limits::Motion;
 use measured::WindowMemory;
 use trueaxis::{Fault, Position};
 
-/// How a cycle is to be treated.
+/// Required treatment of a cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Verdict {
     /// Not homed or not enabled.
     Inactive,
     /// Corrected.
     Active,
-    /// A reading is refused.
+    /// A reading is refused; corrections are frozen.
     Frozen,
     /// The output holds.
     Held,
-    /// It would, but there is none.
+    /// The output should hold, but none exists.
     Nowhere,
 }
 
 impl Verdict {
-    /// Nothing new goes to the drives.
+    /// Whether the drives get nothing new.
     pub(super) fn holds(self) -> bool {
         matches!(self, Verdict::Held | Verdict::Nowhere)
     }
 }
 
-/// A cycle and what came of it.
+/// A cycle and its results.
 #[derive(Debug)]
 pub(super) struct Seen<'c, 'a, R: Scalar, P: Place, const N: usize> {
-    /// What does not change.
+    /// Constants of the leg.
     pub ground: &'c Ground<'a, R, P, N>,
     /// The configuration in force.
     pub facts: &'c Facts<P, N>,
-    /// It was taken in this cycle.
+    /// Whether it was exchanged in this cycle.
     pub exchanged: bool,
-    /// What the cycle was given.
+    /// Inputs of the cycle.
     pub moment: &'c Moment<R, P, N>,
-    /// What it gave.
+    /// Outputs of the cycle.
     pub outcome: &'c Outcome<R, P, N>,
-    /// What it left behind.
+    /// State after the cycle.
     pub device: &'c Device<R, P, N>,
 }
 
-/// Memory of the contract from cycle to cycle.
+/// State of the contract between cycles.
 #[derive(Clone, Debug)]
 pub(super) struct Contract<R: Scalar, P: Place, const N: usize> {
-    /// How often each rule was tried.
+    /// Number of times each rule was checked.
     pub tally: Tally,
     senses: Senses<P, N>,
     motion: Motion<R, P, N>,
@@ -70,7 +70,7 @@ pub(super) struct Contract<R: Scalar, P: Place, const N: usize> {
     window: WindowMemory,
     gauge: GaugeMemory<R>,
     next: Option<u32>,
-    /// What thermal growth may add to a look-up, mm (deg), by slot.
+    /// Bound on the thermal growth of a look-up, mm (deg), by slot.
     grown: [f64; N],
 }
 
@@ -90,10 +90,10 @@ impl<R: Scalar, P: Place, const N: usize> Default for Contract<R, P, N> {
 }
 
 impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
-    /// Checks a cycle against everything before.
+    /// Checks a cycle, given all earlier ones.
     ///
     /// # Errors
-    /// The first rule that is broken.
+    /// The first broken rule.
     pub(super) fn check(&mut self, seen: &Seen<'_, '_, R, P, N>) -> Result<Verdict, Broken> {
         self.record(seen)?;
         let first = !self.senses.started;
@@ -118,17 +118,17 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         Ok(verdict)
     }
 
-    /// The gauge was made new.
+    /// Resets the memory of the gauge.
     pub(super) fn restart_gauge(&mut self) {
         self.gauge = GaugeMemory::default();
     }
 
-    /// All corrections have come to zero.
+    /// Whether all corrections have reached zero.
     pub(super) fn is_at_zero(&self) -> bool {
         self.motion.is_at_zero()
     }
 
-    /// A stop is requested, and the command that is held.
+    /// Whether a stop is requested, and the held command.
     pub(super) fn held(&self) -> (bool, [P; N]) {
         (self.senses.latched.is_some(), self.senses.held)
     }

@@ -1,4 +1,4 @@
-//! The record tells what is: counts, ids, finite numbers, state, commands and readings in force, ends of tables.
+//! Checks the record: counts, ids, finite numbers, state, commands and readings in force, ends of tables.
 
 use super::{Contract, Seen, Verdict};
 use crate::walk::rule::{Broken, Rule};
@@ -30,7 +30,7 @@ fn contour_is_finite<R: Scalar>(error: &ContourError<R>) -> bool {
 }
 
 impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
-    /// What holds of every record by itself.
+    /// Rules for any single record.
     pub(super) fn record(&mut self, seen: &Seen<'_, '_, R, P, N>) -> Result<(), Broken> {
         let (tally, output) = (&mut self.tally, &seen.outcome.output);
         let record = &output.record;
@@ -43,7 +43,7 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         tally.that(Rule::Finite, is_finite(output), || format!("{output:?}"))
     }
 
-    /// What it tells of the verdict.
+    /// Rules that depend on the verdict.
     pub(super) fn told(&mut self, seen: &Seen<'_, '_, R, P, N>, verdict: Verdict) -> Result<(), Broken> {
         let (tally, input, output) = (&mut self.tally, &seen.moment.input, &seen.outcome.output);
         let record = &output.record;
@@ -71,11 +71,11 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
             && let Some(reach) = self.grown.get_mut(slot)
         {
             let from_datum = [-3000.0, 3000.0].map(|way| line.at(R::of(way)).to_f64().abs());
-            // A rotary axis moves what stands far from it.
+            // A rotary axis moves points far from it.
             let lever = if slot > 2 { 40.0 } else { 1.0 };
             *reach = lever * from_datum.into_iter().fold(0.0, f64::max);
         }
-        // Of an axis that the machine does not have, a command may be anything: a long lever for every angle.
+        // The command of an axis that the machine does not have may be anything, a long lever for every angle.
         let farthest = input.command.iter().map(|command| command.to_f64().abs()).fold(0.0, f64::max);
         let far = farthest > 1e5;
         let leaning = 1.5 * seen.facts.lean * farthest;
@@ -84,7 +84,7 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         }
         for (k, axis) in seen.facts.axes.iter().enumerate() {
             let Some([low, high]) = axis.table else { continue };
-            // Look-ups lie as far from the command as the correction may.
+            // Look-ups are as far from the command as the correction may be.
             let margin = 2.0 * axis.sum.c + 0.1 + leaning + 1.5 * self.grown.iter().sum::<f64>();
             let at = [input.command[k], record.feedback[k]].map(P::to_f64);
             let told = record.at_edge >> k & 1 == 1;

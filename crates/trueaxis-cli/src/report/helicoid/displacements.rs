@@ -1,17 +1,17 @@
-//! Displacements over one parameter, a curve for some values of the other.
+//! Displacements over one parameter, with one curve for each of several values of the other.
 
 use super::tables::AXES;
 use maud::Markup;
 use trueaxis_evaluation::helicoid::{Document, Job, Point};
 use trueaxis_report::{Colour, Figure, Scale, Stroke, colour, number::shortest, side_by_side};
 
-/// One a curve.
+/// One colour per curve.
 const COLOURS: [Colour; 5] =
     [colour::COMPENSATED, colour::UNCOMPENSATED, colour::SERVO, colour::FOURTH, colour::MEASURED];
 /// Most points of a curve.
 const DRAWN: usize = 2000;
 
-/// The grid as curves: along θ, or along u where θ has one value.
+/// The grid as curves: along θ, or along u if θ has a single value.
 struct Curves<'d> {
     caption: &'static str,
     /// Name and points, and where along the curve each point lies.
@@ -23,7 +23,7 @@ fn curves<'d>(job: &Job, document: &'d Document) -> Curves<'d> {
     let (rows, columns) = (job.u.count, job.theta.count);
     let is_along_theta = columns > 1 || rows == 1;
     let (count, length) = if is_along_theta { (rows, columns) } else { (columns, rows) };
-    // First and last, and evenly between them.
+    // First and last, and evenly spaced ones between them.
     let shown = count.min(COLOURS.len());
     let picked = (0..shown).map(|i| if shown > 1 { i * (count - 1) / (shown - 1) } else { 0 });
     let every = length.div_ceil(DRAWN).max(1);

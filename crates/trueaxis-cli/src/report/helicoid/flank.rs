@@ -11,7 +11,7 @@ const POINTS: usize = 60;
 /// Tools drawn in each direction.
 const TOOLS: usize = 3;
 
-/// A direction of view: what lies to the right and what up.
+/// A direction of view: which axes point right and up.
 struct View {
     name: &'static str,
     captions: [&'static str; 2],
@@ -23,14 +23,14 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a.into_iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// `count` values of a range; its single value where it has but one.
+/// `count` values of a range; one if the range has a single value.
 fn values(range: Range, count: usize) -> Vec<f64> {
     Range { count: if range.count == 1 { 1 } else { count }, ..range }.values().collect()
 }
 
 pub(super) fn figures(job: &Job) -> Markup {
     let middle = |range: Range| if range.count == 1 { range.start } else { 0.5 * (range.start + range.stop) };
-    // From the side: the eye looks along the part of the outward normal that is square to the gear's axis.
+    // Side view: the line of sight is the part of the outward normal perpendicular to the gear's axis.
     let [x, y, _] = job.surface.normal(middle(job.u), middle(job.theta));
     let length = x.hypot(y);
     let views = [
@@ -50,7 +50,7 @@ pub(super) fn figures(job: &Job) -> Markup {
     side_by_side(views.map(|view| view.figure(job)))
 }
 
-/// Lines of u and of θ over the flank, and from the places of the tool its axis.
+/// Lines of constant u and θ on the flank, and the tool axis at some of its points.
 struct Drawing {
     flank: Vec<Vec<[f64; 3]>>,
     tools: Vec<[[f64; 3]; 2]>,
@@ -104,7 +104,7 @@ impl View {
         figure
     }
 
-    /// The same length a millimetre in both directions.
+    /// Scales with the same length per millimetre in both directions.
     fn scales<P: Iterator<Item = [f64; 2]>>(&self, all: impl Fn() -> P) -> [Scale; 2] {
         let ranges = [0, 1].map(|i| range(all().map(|point| point[i])));
         let half = ranges.iter().map(|[low, high]| 0.5 * (high - low)).fold(1e-6, f64::max) * 1.06;

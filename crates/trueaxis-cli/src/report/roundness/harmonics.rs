@@ -7,9 +7,9 @@ use trueaxis_report::{
     number::{shortest, significant},
 };
 
-/// A column reaches this far to either side of its harmonic.
+/// A column extends this far on either side of its harmonic.
 const COLUMN: [f64; 2] = [-0.38, 0.38];
-/// A limit above this many times the largest gain is stated only: it would flatten the columns.
+/// A limit above this many times the largest gain is only stated: drawn, it would flatten the columns.
 const WITHIN: f64 = 30.0;
 
 pub(super) fn figures(found: &Document, limit: f64) -> Markup {

@@ -1,4 +1,4 @@
-//! Error motion of the spindle: orbit, over the angle, and over the revolutions.
+//! Error motion of the spindle: orbit, motion over the angle, and development over the revolutions.
 
 use maud::{Markup, Render};
 use trueaxis_evaluation::roundness::{DRAWN_REVOLUTIONS, Document, Evaluation, Revolution, motion_scale, orbit};

@@ -1,14 +1,14 @@
-//! How far a rounded correction goes beyond its magnitude at worst: the proof that it never does is of exact arithmetic.
+//! Measures how far a rounded correction can exceed its magnitude; the proof that it never does assumes exact arithmetic.
 //!
-//! Drives the limiter against its ends from all over the grid of limits, with targets that jump between them, creep up to
-//! them and stop the approach in each cycle. Prints the largest |c|/C − 1 for every scalar, and how many cycles of braking
-//! it had behind it; fails above the bound that is stated for it, (N + 8) units of rounding for N cycles of braking.
+//! Drives the limiter against its ends over the whole grid of limits, with targets that jump between them, creep up to them
+//! and stop the approach in each cycle. Prints the largest |c|/C − 1 for every scalar, and the preceding number of braking
+//! cycles; fails above the stated bound, (N + 8) units of rounding for N cycles of braking.
 
 use trueaxis::Real;
 use trueaxis::limiter::{Limiter, LimiterState};
 use trueaxis::machine::Limits;
 
-/// Numbers that no input influences: xorshift.
+/// Random numbers that do not depend on any input: xorshift.
 struct Random(u64);
 impl Random {
     fn unit(&mut self) -> f64 {
@@ -19,13 +19,13 @@ impl Random {
     }
 }
 
-/// Largest share beyond the bound's unit, and beyond C.
+/// Prints the largest excess over C and its share of the stated bound; returns whether the bound holds.
 fn run<R: Real>(name: &str, unit: f64, longest: f64) -> bool {
     let mut random = Random(0x9e37_79b9_7f4a_7c15);
     let (mut worst, mut cycles_behind, mut share) = (0.0f64, 0.0, 0.0f64);
     for _ in 0..4000 {
         let magnitude = 10f64.powf(-3.0 + 3.0 * random.unit());
-        // Cycles of braking from full speed, and full speed as a share of what the way permits.
+        // Braking cycles from full speed, and full speed as a share of what the magnitude permits.
         let brake = 10f64.powf(longest.log10() * random.unit());
         let slope = magnitude / brake * 2.0 * random.unit().max(1e-3);
         let limits = Limits { magnitude, slope_per_s: slope, acceleration_per_s2: slope / brake };
