@@ -1,4 +1,4 @@
-// The page: starts the module, the views and what they share.
+// The page: starts the module, the views and their shared parts.
 
 import { XzReadableStream } from "xz-decompress";
 import "uplot/dist/uPlot.min.css";
@@ -125,18 +125,18 @@ async function start(): Promise<void> {
   });
 
   async function open(state: Kept): Promise<void> {
-    // Refused files leave everything as it is.
+    // Refused files leave the state unchanged.
     await bench.call("machine_open", JSON.stringify(state.machine.files));
     desk.clear();
     machine.set(state.machine.name, state.machine.files);
     for (const one of shown) {
       if (!(one.view.id in state.views)) continue;
-      // A view is built while it is seen: plots need its width.
+      // A view is built while it is visible, because plots need its width.
       await show(one.view.id);
       try {
         await one.view.open(state.views[one.view.id]);
       } catch (thrown) {
-        // Of a part that is not there the browser knows only what it could not do with it.
+        // For a missing part the browser reports only the failed operation.
         throw thrown instanceof TypeError ? new Error(`views.${one.view.id}: found a state with parts missing or of another kind (${message(thrown)}), needed one that this page saved`) : thrown;
       }
     }
@@ -152,14 +152,14 @@ async function start(): Promise<void> {
     if (given) await open(given);
     else await show(location.hash.slice(1) || front.view.id);
   } catch (thrown) {
-    // Behind the view, whose own beginning takes errors away.
+    // After showing the view, whose start clears errors.
     await show(front.view.id);
     desk.fail(thrown);
   }
   const root = document.documentElement.dataset;
   root.readyMs = String(Math.round(performance.now()));
   root.ready = "true";
-  // For a look behind the page in the browser's console.
+  // For inspection in the browser's console.
   Object.assign(globalThis, { trueaxisDesk: desk });
 }
 

@@ -1,4 +1,4 @@
-// Runs the module apart from the page, so that drawing never starves it nor it the drawing.
+// Runs the module outside the page's thread, so that drawing and computing do not delay each other.
 
 import * as module from "../pkg/trueaxis_desk";
 import type { Answer } from "./core/bench";
@@ -33,7 +33,7 @@ function answer({ id, name, given }: Request): void {
     post({ kind: "done", id, value }, ArrayBuffer.isView(value) ? [value.buffer] : []);
   } catch (error) {
     if (ended) return;
-    // A trap that no panic announced, as of memory or stack at their ends, leaves the module unusable as well.
+    // A trap without a preceding panic, such as exhausted memory or stack, also makes the module unusable.
     if (error instanceof WebAssembly.RuntimeError || error instanceof RangeError) {
       ended = true;
       post({ kind: "panicked", message: error.message });

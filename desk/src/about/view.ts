@@ -1,4 +1,4 @@
-// What the page is, and the licences of all that is inside it.
+// Information about the page, and the licences of its contents.
 
 import licences from "../../../crates/trueaxis-cli/THIRD-PARTY.txt";
 import type { View } from "../core/desk";

@@ -1,4 +1,4 @@
-// What the module answers: the command line's document, and curves.
+// The module's response: the command line's document, and curves.
 
 export interface Ways {
   ccw: number | null;

@@ -1,4 +1,4 @@
-// A recorded circle: figures after ISO 230-4, what causes the deviation, and what of it the machine gets.
+// A recorded circle: figures after ISO 230-4, causes of the deviation, and the corrections written to the machine.
 
 import { IntoMachine, type Becomes } from "../core/becomes";
 import { message, type Desk } from "../core/desk";

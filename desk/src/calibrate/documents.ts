@@ -1,4 +1,4 @@
-// What the module answers: the command line's documents, curves, the machine with what was found.
+// The module's responses: the command line's documents, curves, the corrected machine.
 
 import type { Becomes } from "../core/becomes";
 

@@ -1,4 +1,4 @@
-// A task of probing: its text, the machine, the program that is planned from it, the log of the control.
+// A probing task: its text, the machine, the planned program, the control's log.
 
 import { IntoMachine } from "../core/becomes";
 import { message, type Desk } from "../core/desk";
@@ -99,7 +99,7 @@ export abstract class Probing {
     );
     onDrop(root, open, desk.fail);
     desk.machine.subscribe(() => {
-      // With what was found in it, the machine would get it twice.
+      // A machine that already has the solved errors would get them twice.
       if (!this.own && !this.into.done) soon();
     });
   }
@@ -140,7 +140,7 @@ export abstract class Probing {
     }
     const machine = texts.get(DESCRIPTION);
     const files: Files = {};
-    // A file that a task names is none.
+    // A TOML file that another task names is not a task.
     const tasks = [this.task.value, ...[...texts].filter(([name]) => name.endsWith(".toml")).map(([, content]) => content)];
     for (const [name, content] of texts) {
       const named = (of: string | undefined) => of?.includes(`"${name}"`);

@@ -1,4 +1,4 @@
-// What a log tells: terms, curves, residuals, drift.
+// Results of a log: terms, curves, residuals, drift.
 
 import { el, section, table, warnings, type Cell } from "../core/dom";
 import { shown } from "../core/number";

@@ -1,4 +1,4 @@
-// A task to begin with: a ring and a ball on the sample mill.
+// Initial task: a ring and a ball on the sample mill.
 
 export const SAMPLE = `machine = "mill-3axis"              # here: the machine that is shown, or one dropped with the task
 dialect = "linuxcnc"                # or grblhal, klipper

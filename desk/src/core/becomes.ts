@@ -1,4 +1,4 @@
-// What of a measurement becomes settings of the machine, and the button that puts them into it.
+// Measured values that become machine settings, and the button that applies them.
 
 import type { Desk } from "./desk";
 import { button, el, notes, section, table, type Cell } from "./dom";

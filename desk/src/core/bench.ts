@@ -1,4 +1,4 @@
-// The module in a worker. Every export can be called by its name; a panic ends the worker and another is started.
+// The module in a worker. Every export can be called by name; a panic ends the worker, and another is started.
 
 import type * as Module from "../../pkg/trueaxis_desk";
 
@@ -64,12 +64,12 @@ export class Bench {
       else if (data.kind === "panicked") this.restart(data.message);
       else this.answer(data);
     });
-    // Memory that cannot be had, or whatever else no panic reports.
+    // Failures that no panic reports, such as running out of memory.
     worker.addEventListener("error", (event) => {
       event.preventDefault();
       this.restart(event.message || "the worker ended");
     });
-    // The first message; calls come after it.
+    // The worker expects the module as its first message, before any call.
     worker.postMessage({ module: this.module });
     return worker;
   }

@@ -1,4 +1,4 @@
-// What the views are given, and what they give.
+// Interface between the views and the desk.
 
 import type { Bench } from "./bench";
 import type { MachineStore } from "./machine";

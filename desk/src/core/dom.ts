@@ -1,4 +1,4 @@
-// Elements of the page: every control has a visible label and works by keyboard.
+// Page elements: every control has a visible label and works by keyboard.
 
 import { fixed } from "./number";
 
@@ -126,7 +126,7 @@ export function optionalField(label: string, unit: string, placeholder: string, 
 /** A text typed in, told while it is typed. */
 export function textField(label: string, placeholder: string, onInput: () => void, type: "text" | "number" = "text"): { root: HTMLElement; input: HTMLInputElement } {
   const id = unique("text");
-  // While it is typed, not when the field is left: a click on a button is what leaves it, and would be lost.
+  // On input, not when the field loses focus: that would lose the click on a button that took the focus.
   const input = el("input", { id, type, placeholder, oninput: onInput });
   return { root: el("div", { class: "field" }, el("label", { for: id }, label), input), input };
 }

@@ -1,4 +1,4 @@
-// Batches of corners on the graphics card.
+// Batches of vertices on the graphics card.
 
 const VERTEX = `#version 300 es
 in vec3 at; in vec3 tint; in vec3 normal;

@@ -1,4 +1,4 @@
-// Files dropped, picked and saved. Nothing leaves the page.
+// Dropped, picked and saved files. Nothing leaves the page.
 
 /** A file that was given: its path within what was dropped, and its bytes. */
 export interface Given {
@@ -59,7 +59,7 @@ export function onDrop(element: HTMLElement, take: (files: Given[]) => void, fai
     if (!event.dataTransfer?.files.length) return;
     event.preventDefault();
     event.stopPropagation();
-    // Both lists end with the event: entries and files are taken before the first wait.
+    // Both lists are valid only during the event: entries and files are read before the first await.
     const entries = [...event.dataTransfer.items].map((item) => item.webkitGetAsEntry?.() ?? null);
     const plain = [...event.dataTransfer.files];
     const walked = async () => {
@@ -92,7 +92,7 @@ export function picker(
   root.append(label, input);
   input.addEventListener("change", () => {
     const files = [...(input.files ?? [])];
-    // The same file may be picked again after it was changed.
+    // Allows the same file to be picked again after a change.
     input.value = "";
     Promise.all(files.map((file) => read(file.webkitRelativePath || file.name, file))).then(take, failed);
   });

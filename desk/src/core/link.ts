@@ -1,4 +1,4 @@
-// Everything that the page shows as one text, for a link or a file.
+// The state of the page as one text, for a link or a file.
 
 import { message } from "./desk";
 import type { Files } from "./machine";

@@ -1,4 +1,4 @@
-// The one machine that every view shows: the texts of its files.
+// The machine shared by all views: the texts of its files.
 
 import type { Bench } from "./bench";
 

@@ -1,4 +1,4 @@
-// How numbers are written.
+// Number formatting.
 
 /** So many significant digits, without an exponent between 1e-4 and 1e6. */
 export function significant(value: number, digits: number): string {

@@ -1,4 +1,4 @@
-// Curves over a common axis: uPlot with a data table behind it, a cursor that the keyboard moves, and both themes.
+// Curves over a common axis: uPlot with a data table behind it, a keyboard-controlled cursor, and both themes.
 
 import uPlot from "uplot";
 import { button, el, unique } from "./dom";
@@ -109,7 +109,7 @@ export class Plot {
   private stand(index: number | null): void {
     const x = index === null ? undefined : this.data[0]?.[index];
     if (this.plot && x !== null && x !== undefined) {
-      // Not told further: uPlot's types leave the last parameter out.
+      // Not published to other plots: uPlot's types omit the last parameter.
       const move = this.plot.setCursor as (at: { left: number; top: number }, fire: boolean, publish: boolean) => void;
       move({ left: this.plot.valToPos(x, "x"), top: this.plot.over.clientHeight / 2 }, true, false);
     }

@@ -1,4 +1,4 @@
-// Radial deviation over the angle, enlarged about the circle, as a ballbar shows it.
+// Radial deviation over the angle, magnified about the circle, as on a ballbar plot.
 
 import { button, el, table, unique, type Cell } from "./dom";
 import { save } from "./files";

@@ -1,4 +1,4 @@
-// A picture in three dimensions: lines, points, arrows and surfaces in WebGL 2, turned by pointer and keys.
+// A three-dimensional picture: lines, points, arrows and surfaces in WebGL 2, rotated by pointer and keys.
 
 import { el, unique } from "./dom";
 import { build, upload, type Batch } from "./drawing";
@@ -224,7 +224,7 @@ export class Scene {
     canvas.addEventListener(
       "wheel",
       (event) => {
-        // Without Ctrl the page scrolls, as everywhere else.
+        // Without Ctrl the wheel scrolls the page, as elsewhere.
         if (!event.ctrlKey) return;
         event.preventDefault();
         this.nearer(Math.exp(-event.deltaY * 0.002));

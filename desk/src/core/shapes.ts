@@ -1,4 +1,4 @@
-// Corners and normals of what is drawn, three numbers each.
+// Vertices and normals of the shapes, three numbers each.
 
 import type { Vector } from "./space";
 

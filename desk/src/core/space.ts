@@ -1,4 +1,4 @@
-// Vectors and matrices of the pictures, columns first as WebGL takes them.
+// Vectors and matrices of the pictures, column-major for WebGL.
 
 export type Vector = [number, number, number];
 export type Matrix = Float32Array;

@@ -1,4 +1,4 @@
-// Light and dark, and the colours of curves: told apart by the colour-blind, and by lightness.
+// Light and dark themes, and curve colours that remain distinguishable by lightness and for the colour-blind.
 
 /** After the palette of Okabe and Ito (jfly.uni-koeln.de/color), darkened on white and lightened on black. */
 const COLOURS = {

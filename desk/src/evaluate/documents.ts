@@ -1,4 +1,4 @@
-// What the module answers: what the report's page of the command line has.
+// The module's response: the contents of the command line's report page.
 
 import type { Becomes } from "../core/becomes";
 import type { Cell } from "../core/dom";

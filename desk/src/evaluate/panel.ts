@@ -1,4 +1,4 @@
-// A record of a test with an instrument: which test it is of, its figures and curves, what of it the machine gets.
+// A record of a test with an instrument: the kind of test, its figures and curves, and the corrections written to the machine.
 
 import { IntoMachine } from "../core/becomes";
 import { type Desk } from "../core/desk";
@@ -39,7 +39,7 @@ export class Evaluate {
     const again = () => void this.evaluate();
     const later = debounce(400, again);
     const soon = () => {
-      // What the former options gave is not taken meanwhile.
+      // Corrections from the previous options must not be applied in the meantime.
       this.into.begin();
       later();
     };
@@ -68,7 +68,7 @@ export class Evaluate {
     onDrop(root, open, desk.fail);
     desk.machine.subscribe(() => {
       const { test } = this;
-      // What was put into it comes back as another machine, and is shown as it was.
+      // A machine that was corrected here comes back as a new machine; the results shown remain those of the original.
       if (test && TESTS[test].machine && desk.machine.json !== this.offered) again();
       else this.describe();
     });

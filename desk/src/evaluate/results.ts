@@ -1,4 +1,4 @@
-// What is shown of a test: tables, plots, a map.
+// Display of a test: tables, plots, a map.
 
 import { el, notes, section, table, type Cell } from "../core/dom";
 import { fixed, significant } from "../core/number";
@@ -40,7 +40,7 @@ export class Results {
     const parts = curves.map((curve) => this.curve(curve, look, y[1]));
     const plot = new Plot(this.plots, { title, x: named(x), y: named(y), height: 240, series: parts.flatMap(({ series }) => series) });
     plot.set([at, ...parts.flatMap(({ columns }) => columns)]);
-    // Bars of a report are lines here.
+    // The report's bars are drawn as lines here.
     if (caption !== "") plot.root.querySelector("figcaption")?.after(el("small", {}, caption.replace("Bars:", "Thin lines:")));
   }
 

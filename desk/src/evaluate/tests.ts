@@ -1,4 +1,4 @@
-// The tests: what they are, what a record of them has, and what is to be known beside it.
+// The tests: their descriptions, the contents of their records, and the additional inputs they need.
 
 import { choice, textField, numberField, optionalField, tick, typed } from "../core/dom";
 import { word } from "../core/shell";

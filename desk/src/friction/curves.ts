@@ -1,4 +1,4 @@
-// Spikes round the reversals and circles, side by side.
+// Spikes at the reversals and circles, side by side.
 
 import { el } from "../core/dom";
 import { fixed, significant } from "../core/number";

@@ -1,4 +1,4 @@
-// What the module answers: the command lines' documents, and curves.
+// The module's responses: the command lines' documents, and curves.
 
 export interface Friction<T> {
   coulomb_mm_per_s: T;

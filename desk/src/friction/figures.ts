@@ -1,4 +1,4 @@
-// What was found, in tables.
+// The identified figures in tables.
 
 import { el, table, type Cell } from "../core/dom";
 import { shown } from "../core/number";

@@ -1,4 +1,4 @@
-// What was found, and the circles simulated with it.
+// The identified friction, and the circles simulated with it.
 
 import { button, el, section } from "../core/dom";
 import { save } from "../core/files";

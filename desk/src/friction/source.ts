@@ -1,4 +1,4 @@
-// Where the record comes from: a file, or circles simulated on the machine.
+// Source of the record: a file, or circles simulated on the machine.
 
 import { button, choice, el, group, numberField, type Field } from "../core/dom";
 import { picker, text, type Given } from "../core/files";

@@ -1,4 +1,4 @@
-// Recorded circles: what friction does at the reversals, what is found of it, and the same circles with it.
+// Recorded circles: the effect of friction at the reversals, the identified friction, and the circles simulated with it.
 
 import "./friction.css";
 import type { View } from "../core/desk";

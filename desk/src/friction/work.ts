@@ -1,4 +1,4 @@
-// What the module is asked for, one request after the other.
+// Requests to the module, one after the other.
 
 import type { Becomes } from "../core/becomes";
 import type { Desk } from "../core/desk";

@@ -80,7 +80,7 @@ export class Curves {
       ...letters.map(([letter, colour]): Series => ({ name: `${letter}, branch 2`, colour, dash: [6, 4] })),
     ];
     this.root.replaceChildren();
-    // One tells where the cursor is: those of the same key move with it.
+    // One plot reports the cursor's position: plots with the same key move with it.
     const plot = (title: string, y: string, series: Series[], onCursor?: (index: number | null) => void) =>
       new Plot(this.root, { title, x, y, series, sync: SYNC, height: 190, digits: 8, ...(onCursor ? { onCursor } : {}) });
     this.plots = [

@@ -1,4 +1,4 @@
-// What the module answers.
+// The module's responses.
 
 export type AxisLetter = "X" | "Y" | "Z" | "A" | "C";
 export const AXES = ["X", "Y", "Z", "A", "C"] as const;

@@ -1,4 +1,4 @@
-// The tip's error along a line of the flank, before and after the machine's own tables.
+// Tip error along a line of the flank, before and after correction by the machine's tables.
 
 import { message, type Desk } from "../core/desk";
 import { el, table, type Cell } from "../core/dom";

@@ -1,4 +1,4 @@
-// The fields: gear, machine, grid, program.
+// Form fields: gear, machine, grid, program.
 
 import { choice, el, group, numberField, slider, type Field } from "../core/dom";
 import type { Inputs, Span } from "./request";
@@ -11,7 +11,7 @@ export function form(inputs: Inputs, changed: () => void): HTMLElement {
     numberField({ label, value: inputs[name], ...(unit ? { unit } : {}) }, (value) => set(name, value)).root;
   const slide = (name: Names<number>, label: string, unit: string, min: number, max: number, step: number): HTMLElement => {
     const { root, input } = slider({ label, value: inputs[name], min, max, step, ...(unit ? { unit } : {}) }, (value) => set(name, value));
-    // Any number may be typed: the module says what it refuses, as the command line does.
+    // Any number may be typed: the module reports what it refuses, as the command line does.
     input.step = "any";
     input.removeAttribute("min");
     input.removeAttribute("max");

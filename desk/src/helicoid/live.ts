@@ -1,4 +1,4 @@
-// Numbers of one place of the flank, of the flank and of the travel.
+// Figures of one point of the flank, of the whole flank, and of the travel.
 
 import { el, table, type Cell } from "../core/dom";
 import { cell, fixed, significant } from "../core/number";

@@ -76,7 +76,7 @@ export class Picture {
     for (const grid of grids) this.net(grid as Float32Array);
     for (const one of lines!) scene.polyline(one as Float32Array, "full");
     if (!this.turned) {
-      // From the side of the tool, so that neither it nor the flank is seen end on.
+      // Viewed from beside the tool, so that neither tool nor flank is seen end on.
       this.turned = true;
       scene.look(Math.atan2(tool.normal[1], tool.normal[0]) + 0.95, 0.5);
     }

@@ -1,4 +1,4 @@
-// What is typed in, as the module's request and as a command line.
+// The form's inputs as the module's request and as a command line.
 
 export interface Span {
   start: number;

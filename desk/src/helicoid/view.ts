@@ -1,4 +1,4 @@
-// The interactive window: a gear's flank, the tool on it, and the five axes that hold it there.
+// Interactive view of a gear's flank, the tool on it, and the positions of the five axes.
 
 import "./helicoid.css";
 import { message, type Desk, type View } from "../core/desk";
@@ -137,7 +137,7 @@ class Window {
   private move(i: 0 | 1, value: number): void {
     this.at[i] = value;
     void this.tool().catch((error: unknown) => this.desk.fail(error));
-    // The held parameter moves the curves, the other the cursor.
+    // The fixed parameter moves the curves, the other one the cursor.
     if ((this.line === "theta") === (i === 0)) {
       this.soonLines();
       this.soonErrors();

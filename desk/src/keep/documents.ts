@@ -1,4 +1,4 @@
-// What the module answers: the command line's documents, verdicts and entries in words, the machine with the updates.
+// The module's responses: the command line's documents, verdicts and entries in words, the updated machine.
 
 import type { Becomes } from "../core/becomes";
 

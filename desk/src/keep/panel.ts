@@ -1,4 +1,4 @@
-// Balls that stay on the machine: a look planned, its log against the history, the machine with what it updates.
+// Balls that stay on the machine: planning a re-probing, checking its log against the history, updating the machine.
 
 import { Probing, type Kept as Task, type Log } from "../calibrate/probing";
 import type { Desk } from "../core/desk";
@@ -119,7 +119,7 @@ export class Keep extends Probing {
     ]);
     const balls = d.balls.map(({ name, centre_mm, standard_error_um }): Cell[] => [name, ...centre_mm.map((value) => shown(value, 9)), shown(Math.max(...standard_error_um), 2)]);
     const past = entries.map(({ entry, time, parts, deed, changed }): Cell[] => [String(entry), time ?? "", parts === null ? "" : String(parts), deed, changed.join("; ")]);
-    // A machine gets its updates below, and the history with them.
+    // If there are updates, applying them below also enters them in the history.
     const enter = becomes || refusal ? [] : [button("Enter it in the history", () => this.enter(), { class: "primary" })];
     const saves = written.map(([name, content]) => button(`Save ${name}`, () => save(name.replaceAll("../", "").replaceAll("/", "-"), content)));
     this.results.replaceChildren(
@@ -144,7 +144,7 @@ export class Keep extends Probing {
     if (!this.looked) return;
     this.history = this.looked.history;
     const { entry } = this.looked.document;
-    // Its machine is the one that is shown now.
+    // The updated machine is now the one that is shown.
     if (this.looked.becomes) this.own = undefined;
     this.log = undefined;
     this.entered = true;

@@ -1,4 +1,4 @@
-// A machine that keeps itself true.
+// Updates of a machine by re-probing balls.
 
 import "../core/figures.css";
 import "../calibrate/calibrate.css";

@@ -1,4 +1,4 @@
-// The columns of one error, and their points.
+// The table columns of one error, and their points.
 
 import { length, micro, type Axis, type Column } from "./document";
 import type { PointsOf } from "./handles";
@@ -22,7 +22,7 @@ export function pointsOf(axis: Axis, component: number): PointsOf[] {
       unit: micro(component < 3 ? "um" : "urad"),
       positionUnit: length(axis.unit),
       points: table.rows.map((row, number) => ({ row: number, position: row[at] ?? 0, value: row[index] ?? 0 })),
-      // Backlash is added to what the reverse column says.
+      // Backlash is added to the values of the reverse column.
       offset: own && !column.forward ? axis.backlash : 0,
     };
   });

@@ -1,4 +1,4 @@
-// What the module says about a machine: desk/wasm/src/shown.rs.
+// The module's description of a machine: desk/wasm/src/shown.rs.
 
 export interface Column {
   name: string;

@@ -1,4 +1,4 @@
-// The machine being edited: its files, what the module says about them, and the way back.
+// The machine being edited: its files, the module's description of them, and the undo history.
 
 import type { Desk } from "../core/desk";
 import type { Files } from "../core/machine";
@@ -31,7 +31,7 @@ export class Editor {
   constructor(readonly desk: Desk) {
     desk.machine.subscribe(() => {
       if (desk.machine.json === this.json) return;
-      // Another view, a link or a file brought another machine.
+      // Another view, a link or a file has loaded another machine.
       this.back.length = this.forth.length = 0;
       void this.refresh();
     });
@@ -157,7 +157,7 @@ export class Editor {
         await action();
       } catch (error) {
         this.desk.fail(error);
-        // Controls go back to what holds.
+        // Reset the controls to the valid values.
         this.tell();
       }
     }

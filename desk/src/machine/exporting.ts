@@ -1,4 +1,4 @@
-// The machine as files, and the command lines that do the same.
+// The machine as files, and the equivalent command lines.
 
 import type { Desk } from "../core/desk";
 import { button, commandLine, el, section } from "../core/dom";

@@ -1,4 +1,4 @@
-// What the module says of a field, and what is asked of it. Errors are actual − ideal, in machine directions.
+// Request for a field, and the module's response. Errors are actual − ideal, in machine directions.
 
 export type Model = "nine" | "volumetric";
 export type Triple = [number, number, number];

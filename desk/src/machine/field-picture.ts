@@ -1,4 +1,4 @@
-// The field in three dimensions: a cone at every point, before and after side by side, turned together.
+// The field in three dimensions: a cone at every point, before and after side by side, rotated together.
 
 import { button, el } from "../core/dom";
 import { fixed, significant } from "../core/number";

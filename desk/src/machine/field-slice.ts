@@ -1,4 +1,4 @@
-// One plane of the field as a map of colours, before and after, and the largest error of every plane.
+// One plane of the field as a colour map, before and after, and the largest error of every plane.
 
 import { choice, el, slider, type Field } from "../core/dom";
 import { significant } from "../core/number";

@@ -1,4 +1,4 @@
-// The volumetric error over the working volume, before and after the correction; it follows the machine.
+// The volumetric error over the working volume, before and after the correction, updated with the machine.
 
 import "./field.css";
 import { message, type Desk } from "../core/desk";

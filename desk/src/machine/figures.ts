@@ -1,4 +1,4 @@
-// What there is to say about the machine: warnings, accuracy, limits, margins, the compiled file.
+// Figures of the machine: warnings, accuracy, limits, margins, the compiled file.
 
 import { el, numberField, section, table, type Cell } from "../core/dom";
 import { cell, fixed } from "../core/number";

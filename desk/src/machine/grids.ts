@@ -1,4 +1,4 @@
-// Errors over two or three axes: along one of them at a time, at a place of the others.
+// Errors over two or three axes: along one of them at a time, at fixed positions of the others.
 
 import { choice, el, section, slider } from "../core/dom";
 import { significant } from "../core/number";

@@ -42,7 +42,7 @@ export class Handles {
     private readonly plot: Plot,
     private readonly move: (column: string, row: number, value: number, gesture: number) => Promise<void>,
   ) {
-    // A picture has no parts; this one has.
+    // The role `img` has no children; this element has some.
     plot.root.querySelector(".plot")?.setAttribute("role", "group");
     onTheme(this, (handles) => handles.place());
     new ResizeObserver(() => requestAnimationFrame(() => this.place())).observe(plot.root);
@@ -50,7 +50,7 @@ export class Handles {
     this.layer.addEventListener("pointerdown", (event) => this.grasp(event));
     this.layer.addEventListener("pointermove", (event) => this.pull(event));
     for (const name of ["pointerup", "pointercancel"] as const) this.layer.addEventListener(name, () => (this.drag = undefined));
-    // The plot's own drag zooms.
+    // Dragging on the plot itself zooms.
     for (const name of ["mousedown", "dblclick"] as const) this.layer.addEventListener(name, (event) => event.stopPropagation());
   }
 
@@ -122,7 +122,7 @@ export class Handles {
     const { drag } = this;
     if (!drag) return;
     const wanted = drag.point.value + (drag.y - event.clientY) * drag.perPixel;
-    // As fine as a pixel, in a round number.
+    // Rounded to a round number no finer than a pixel.
     const grain = 10 ** Math.floor(Math.log10(Math.max(drag.perPixel, 1e-3)));
     const value = Number((Math.round(wanted / grain) * grain).toFixed(3));
     if (value === drag.value) return;

@@ -1,4 +1,4 @@
-// Ways to a machine: a sample, a folder, files, a drop.
+// Opening a machine: a sample, a folder, files, a drop.
 
 import type { Desk } from "../core/desk";
 import { choice, el } from "../core/dom";
@@ -21,7 +21,7 @@ export async function opening(root: HTMLElement, desk: Desk, editor: Editor): Pr
   const notes = el("span", { class: "said", role: "status" });
 
   const take = async (given: Given[]) => {
-    // Files alone join the machine that stands.
+    // Files without a machine description are added to the current machine.
     const taken = JSON.parse(await desk.bench.call("machine_from_files", desk.machine.json, ...packed(given))) as Taken;
     const joins = !given.some(({ path }) => /\.(toml|tcomp)$/i.test(path));
     await editor.load(joins ? desk.machine.name : taken.name, taken.files, `opened ${given.length === 1 ? given[0]?.path : taken.name}`);

@@ -1,4 +1,4 @@
-// The numbers of a table, typed in; rows added and taken out.
+// Table values as input fields; rows can be added and removed.
 
 import { button, el, numberField } from "../core/dom";
 import { length, micro, type Axis, type Column } from "./document";
@@ -103,7 +103,7 @@ export class Points {
     const number = () => this.first + line.sectionRowIndex;
     const cells = all.map((column) => {
       const input = el("input", { type: "number", step: "any" });
-      // What is being typed is not written over by an answer to something before.
+      // A response to an earlier change must not overwrite the value being typed.
       input.addEventListener("input", () => (input.dataset.typed = ""));
       input.addEventListener("change", () => {
         delete input.dataset.typed;

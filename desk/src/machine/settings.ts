@@ -1,4 +1,4 @@
-// Squareness, backlash and temperature by sliders; the other settings of the axis that is chosen.
+// Squareness, backlash and temperature by sliders; the other settings of the selected axis.
 
 import { choice, el, group, numberField, section, slider, type Child, type Field } from "../core/dom";
 import { length, micro, type Axis } from "./document";
@@ -55,7 +55,7 @@ export class Settings {
     }
     for (const [field, value] of [...this.bound, ...this.ownBound]) {
       const now = value();
-      // What is being moved is ahead of the machine.
+      // A control being moved is ahead of the machine.
       if (now === undefined || (!this.editor.settled && field.root.contains(document.activeElement))) continue;
       const shown = Number(now.toPrecision(12));
       if (field.value !== shown) field.value = shown;

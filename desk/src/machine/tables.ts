@@ -1,4 +1,4 @@
-// Error tables: an axis and one of its errors, plotted between the points as the step looks it up, and edited.
+// Error tables: one error of an axis, plotted between the points as the step interpolates it, and edited.
 
 import type { Desk } from "../core/desk";
 import { button, choice, el, group, section, tick } from "../core/dom";
@@ -102,7 +102,7 @@ export class Tables {
       [this.undo, "Undo", this.editor.undoable],
       [this.redo, "Redo", this.editor.redoable],
     ] as const) {
-      // Not `disabled`, which would take the keyboard's place away.
+      // Not `disabled`, which would lose the keyboard focus.
       control.setAttribute("aria-disabled", String(what === undefined));
       control.title = what ? `${name}: ${what}` : `Nothing to ${name.toLowerCase()}`;
     }
@@ -180,7 +180,7 @@ export class Tables {
       const warm = growth.some((value) => value !== 0);
       const { plot, handles } = this.pair();
       plot.set([positions, forward, two ? reverse : none, warm ? forward.map((value, i) => value + (growth[i] ?? 0)) : none]);
-      // The legend names what is drawn.
+      // The legend lists only the drawn curves.
       const legend = [...plot.root.querySelectorAll<HTMLElement>(".u-legend .u-series")].slice(-3);
       [true, two, warm].forEach((drawn, i) => legend[i] && (legend[i].style.display = drawn ? "" : "none"));
       const first = legend[0]?.querySelector(".u-label");

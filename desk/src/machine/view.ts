@@ -1,4 +1,4 @@
-// Machine: its tables and settings, what they do, and the way to the controller.
+// The machine view: tables and settings, their effect, and export to the controller.
 
 import "./machine.css";
 import type { Desk, View } from "../core/desk";
@@ -36,7 +36,7 @@ async function build(root: HTMLElement, desk: Desk): Promise<void> {
     limits(editor),
     accuracy(editor),
   );
-  // Of the whole page, wherever the keyboard stands while this view is shown.
+  // On the whole page, wherever the focus is while this view is shown.
   document.addEventListener("keydown", (event) => root.hidden || keys(event, editor));
   const field = fieldSection(root, desk);
   look.subscribe((temperature) => {

@@ -1,4 +1,4 @@
-// Probe angles moved by hand, their noise gain, and the best pairs.
+// Manually adjusted probe angles, their noise gain, and the best pairs.
 
 import { message, type Desk } from "../core/desk";
 import { button, commandLine, el, numberField, section, table, type Cell } from "../core/dom";

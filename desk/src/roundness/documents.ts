@@ -1,4 +1,4 @@
-// Documents of the module, as the command line prints them.
+// The module's documents, as printed by the command line.
 
 export interface Probes {
   n: number;

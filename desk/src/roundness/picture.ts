@@ -1,4 +1,4 @@
-// Figures that the module draws, and a picture of the probes round the part.
+// Figures drawn by the module, and a picture of the probes around the part.
 
 import type { ColourName } from "../core/theme";
 

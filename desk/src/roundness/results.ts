@@ -104,7 +104,7 @@ export class Results {
     this.amplitudes.set([k, harmonics.map((of) => (of.suppressed ? null : of.amplitude_um))]);
     this.amplitudes.mark(suppressed.map((at, i) => ({ x: at, text: i === 0 ? `${at} suppressed` : "" })));
     const worst = Math.max(...harmonics.map((of) => of.noise_gain));
-    // A limit far above would flatten the bars.
+    // A limit far above the bars would flatten them.
     const drawn = limit < 30 * worst ? limit : null;
     this.gains.set([
       k,

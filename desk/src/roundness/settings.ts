@@ -1,4 +1,4 @@
-// What is asked of readings: probes, arm, filter, limit.
+// Settings of the evaluation: probes, arm, filter, limit.
 
 import { el, group, numberField, tick, unique } from "../core/dom";
 import { word } from "../core/shell";

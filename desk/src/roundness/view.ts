@@ -1,4 +1,4 @@
-// Roundness and spindle from three probes, or a trace with its circles.
+// Roundness and spindle error from three probes, or a trace with its circles.
 
 import "./style.css";
 import type { Desk, View } from "../core/desk";
@@ -118,7 +118,7 @@ class Roundnesses {
     this.stale = false;
     const { name, text = this.sample.text } = this.source;
     this.shownText = text;
-    // The header says which of the two it is.
+    // The header determines which of the two it is.
     const trace = /\bx_mm\b/.test(text.slice(0, 4096));
     this.command.set(trace ? `trueaxis circle ${word(name)} --json` : this.settings.command(name));
     try {
@@ -126,7 +126,7 @@ class Roundnesses {
         ? await this.desk.bench.call("roundness_trace", name, text)
         : await this.desk.bench.call("roundness_evaluate", name, text, JSON.stringify(this.settings.value));
       if (turn !== this.latest) return;
-      // What was refused before is over once there is an answer, not when its last plot is drawn.
+      // An earlier refusal is obsolete as soon as there is a response, not only once its last plot is drawn.
       this.desk.clear();
       await (trace ? this.showTrace(said) : this.show(said));
     } catch (error) {

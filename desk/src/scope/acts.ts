@@ -1,4 +1,4 @@
-// What is done to a run in motion: faults, other tables, switches; and the list of all of it.
+// Acts on a run in motion: faults, other tables, switches; and the list of them.
 
 import { button, choice, el, group, numberField, type Field } from "../core/dom";
 import { fixed } from "../core/number";

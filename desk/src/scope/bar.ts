@@ -1,4 +1,4 @@
-// Run, pause, steps, and how far a run is.
+// Run, pause, steps, and the progress of a run.
 
 import { button, choice, el, numberField } from "../core/dom";
 import { fixed } from "../core/number";

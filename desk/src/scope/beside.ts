@@ -1,4 +1,4 @@
-// A run kept as A, beside the one that is B now.
+// A run kept as A, compared with the current run, B.
 
 import { button, choice, el, section, table } from "../core/dom";
 import { Plot } from "../core/plot";
@@ -85,7 +85,7 @@ export class Beside {
       });
     }
     const name = `${this.kind.value}.error_um`;
-    // Over the longer of the two; at each place the nearest row of the other.
+    // Over the longer run; at each position the nearest row of the other.
     const longer = (now.rows.column(over).at(-1) ?? 0) >= (kept.rows.column(over).at(-1) ?? 0) ? now : kept;
     const at = longer.rows.column(over);
     const curve = (of: Kept) => {

@@ -67,7 +67,7 @@ export class Controls {
 
   /** Reads the defaults once, and what the machine states of its drives. */
   async machine(files: Files): Promise<void> {
-    // Shown again it would take back what is being typed.
+    // Redrawing the controls would discard what is being typed.
     if (files === this.files) return;
     const [read, known] = await Promise.all([this.bench.call("scope_settings", "", "settings"), this.bench.call("scope_agreed", JSON.stringify(files))]);
     this.defaults = (JSON.parse(read) as SettingsRead).settings;

@@ -119,7 +119,7 @@ export class Curves {
 
   private fill(): void {
     const { rows, description } = this;
-    // uPlot has no axes without a number.
+    // uPlot needs at least one value for its axes.
     if (!rows?.count || !description || !this.contour || !this.corrections) return;
     const time = rows.column("time_s");
     this.contour.set([time, ...description.kinds.map((kind) => rows.curve(`${kind}.error_um`))]);

@@ -1,4 +1,4 @@
-// What the module answers about a run.
+// The module's responses about a run.
 
 export interface BuiltIn {
   name: string;

@@ -1,4 +1,4 @@
-// Machines whose tables a run is given in motion.
+// Machines whose tables a run receives in motion.
 
 import type { Bench } from "../core/bench";
 import { packed, type Given } from "../core/files";

@@ -1,4 +1,4 @@
-// The text of a part program, the line being run marked; long programs draw only what is in sight.
+// The text of a part program with the current line marked; only the visible lines of a long program are drawn.
 
 import { el, unique } from "../core/dom";
 

@@ -1,4 +1,4 @@
-// Where the tool is: the path in three dimensions, coloured by contour error.
+// Position of the tool: the path in three dimensions, coloured by contour error.
 
 import { choice, el } from "../core/dom";
 import { fixed } from "../core/number";
@@ -71,7 +71,7 @@ export class Place {
     const { scene, rows } = this;
     scene.clear();
     scene.box(this.low, this.high);
-    // What is still to come: under what has been run it would flicker.
+    // Only the remaining path: below the completed part it would flicker.
     const reached = rows && rows.count > 0 ? Math.max(0, this.lines.lastIndexOf(rows.at(rows.count - 1, "line"))) : 0;
     scene.polyline(this.path.subarray(3 * reached), "servo");
     if (rows && rows.count > 0) {

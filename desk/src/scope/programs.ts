@@ -1,4 +1,4 @@
-// The part program: one of those built in, or a file.
+// The part program: a built-in one, or a file.
 
 import { choice, el, section } from "../core/dom";
 import { picker, text, type Given } from "../core/files";
@@ -61,6 +61,6 @@ export function sort(files: readonly Given[]): Taken {
     if (decoded === undefined) throw new Error(`${name}: found bytes that are not UTF-8, needed a text`);
     return { settings: decoded, file: name };
   }
-  // Comments of a program may be in any encoding.
+  // A program's comments may be in any encoding.
   return { program: { name, text: decoded ?? new TextDecoder("latin1").decode(file.bytes) } };
 }

@@ -1,4 +1,4 @@
-// Figures of a run, and of a run that was kept beside it.
+// Figures of a run, and of the run kept for comparison.
 
 import { el, table, type Cell } from "../core/dom";
 import { cell } from "../core/number";

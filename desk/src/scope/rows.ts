@@ -48,7 +48,7 @@ export function nearest(of: Float64Array, at: Float64Array): Int32Array {
   let row = 0;
   return Int32Array.from(at, (wanted) => {
     while (row + 1 < of.length && Math.abs(of[row + 1]! - wanted) <= Math.abs(of[row]! - wanted)) row++;
-    // Beyond its end there is nothing to compare with.
+    // Beyond the last row there is nothing to compare.
     const last = of[of.length - 1] ?? -Infinity;
     return wanted > last * (1 + 1e-9) + 1e-9 ? -1 : row;
   });

@@ -1,4 +1,4 @@
-// A run in the worker for long work, in slices, so that the page draws and answers in between.
+// A run in the worker for long tasks, in slices, so that the page draws and responds in between.
 
 import { Restarted, type Bench } from "../core/bench";
 import type { Files } from "../core/machine";

@@ -1,4 +1,4 @@
-// The view's run: opened from what is set up, acted on, and handed on.
+// The view's run: opened from the setup, acted on, and exported.
 
 import "./scope.css";
 import type { Desk } from "../core/desk";

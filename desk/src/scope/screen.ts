@@ -1,4 +1,4 @@
-// Everything that shows a run, with one cursor for traces, program and place.
+// All displays of a run, with one cursor for traces, program and position.
 
 import { el, section } from "../core/dom";
 import { Acts, type ActsHost } from "./acts";

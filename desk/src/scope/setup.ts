@@ -1,4 +1,4 @@
-// What a run is made of: program, settings, error model, acts, and the machines whose tables are exchanged.
+// The inputs of a run: program, settings, error model, acts, and the machines whose tables are exchanged.
 
 import type { Files } from "../core/machine";
 

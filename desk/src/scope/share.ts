@@ -1,4 +1,4 @@
-// A scenario for others: the command line that reproduces it, and its files.
+// A scenario for sharing: the command line that reproduces it, and its files.
 
 import { strToU8, zipSync } from "fflate";
 import type { Desk } from "../core/desk";

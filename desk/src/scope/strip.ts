@@ -1,4 +1,4 @@
-// Flags over time: a lane each, filled where it is raised.
+// Flags over time: one lane each, filled while the flag is set.
 
 import uPlot from "uplot";
 import { el, table, unique } from "../core/dom";
@@ -75,7 +75,7 @@ export class Strip {
           { ...look, label: "time / s", size: AXIS, labelSize: 16, grid: { stroke: colour("grid"), width: 1 }, ticks: { stroke: colour("grid"), width: 1 } },
           {
             ...look,
-            // As wide as the axes of the plots above.
+            // The width of the axes of the plots above.
             font: "10px system-ui, sans-serif",
             size: 74,
             splits: () => this.lanes.map((_, i) => count - i - 0.5),

@@ -1,4 +1,4 @@
-// When an act begins.
+// Start time of an act.
 
 /** When an act begins, s. */
 export function time(act: string): number {

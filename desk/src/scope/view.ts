@@ -1,4 +1,4 @@
-// The servo scope: a part program through the real step against a simulated machine.
+// The servo scope: runs a part program through the real step with a simulated machine.
 
 import type { Desk, View } from "../core/desk";
 import { Scope } from "./scope";

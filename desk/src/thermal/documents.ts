@@ -1,4 +1,4 @@
-// What the module answers: the command line's document, drifts of held-out cycles, the texts.
+// The module's response: the command line's document, drifts of held-out cycles, the texts.
 
 interface Curve {
   of: string;

@@ -1,4 +1,4 @@
-// A recorded warm-up: lags of sensors, curves of growth, what they leave of cycles that took no part, the controller's file.
+// A recorded warm-up: sensor lags, growth curves, residuals of held-out cycles, the controller's file.
 
 import { type Desk } from "../core/desk";
 import { button, commandLine, debounce, el, textField, section, typed } from "../core/dom";

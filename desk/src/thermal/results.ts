@@ -1,4 +1,4 @@
-// What a warm-up tells: drift of held-out cycles, lags and curves.
+// Results of a warm-up: drift of held-out cycles, lags and curves.
 
 import { el, section, table, type Cell } from "../core/dom";
 import { shown, significant } from "../core/number";

@@ -1,4 +1,4 @@
-// What the module answers: the command line's document and a distribution.
+// The module's response: the command line's document and a distribution.
 
 export interface Spread {
   standard_um: [number, number, number];

@@ -1,4 +1,4 @@
-// How well the corrected position of the machine that is shown is known.
+// Uncertainty of the machine's corrected position.
 
 import { type Desk } from "../core/desk";
 import { bars, commandLine, debounce, el, textField, numberField, section, table, typed, warnings, type Cell } from "../core/dom";
@@ -91,7 +91,7 @@ export class Position {
       if (turn !== this.latest) return;
       this.status.textContent = "Nothing can be said of this machine.";
       this.results.hidden = true;
-      // A machine that states nothing is told here, not as a fault of the page.
+      // A machine that states no uncertainties is reported here, not as an error of the page.
       if (error instanceof Error && words.length === 0) this.status.textContent = error.message;
       else desk.fail(error);
     }

@@ -1,6 +1,6 @@
-//! A circular test: figures after ISO 230-4, causes, what of it becomes settings.
+//! Circular tests: figures after ISO 230-4, causes, and the resulting settings.
 //!
-//! The test that was evaluated last is kept for the machine.
+//! The latest evaluated test is kept so that it can be written to the machine.
 
 use crate::becomes::Becomes;
 use crate::{Refused, json, told};
@@ -14,24 +14,24 @@ use trueaxis_tables::Additions;
 use trueaxis_tables::finding::record_number;
 use wasm_bindgen::prelude::*;
 
-/// What is to be known beside the record.
+/// Inputs in addition to the record.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Request {
     radius_mm: f64,
     /// `X,Y`.
     axes: String,
-    /// Of periodic errors of X, Y, Z; null is searched.
+    /// Pitches of the periodic errors of X, Y, Z; null to search for the pitch.
     #[serde(default)]
     pitches_mm: [Option<f64>; 3],
 }
 
-/// A record that was evaluated.
+/// An evaluated record.
 #[derive(Serialize)]
 struct Evaluated {
-    /// What `trueaxis ballbar --json` prints.
+    /// The document printed by `trueaxis ballbar --json`.
     document: Document,
-    /// The causes as it prints them without: name, value, half of the interval of 95 %.
+    /// The causes as printed without `--json`: name, value, half-width of the 95 % interval.
     values: Vec<[String; 3]>,
     traces: Vec<Trace>,
     notes: Vec<String>,
@@ -54,7 +54,7 @@ fn evaluate(name: &str, bytes: &[u8], request: &str) -> Result<String> {
     json(&evaluated)
 }
 
-/// Evaluates a record in any form that `trueaxis ballbar` reads: document, causes as text, curves, notes. `request`:
+/// Evaluates a record in any format that `trueaxis ballbar` reads: document, causes as text, curves, notes. `request`:
 /// `{"radius_mm": 100, "axes": "X,Y", "pitches_mm": [10, null, null]}`.
 #[wasm_bindgen]
 pub fn ballbar_evaluate(name: &str, bytes: &[u8], request: &str) -> Result<String, Refused> {
@@ -70,14 +70,14 @@ fn settings(files: &str, compensated: bool) -> Result<String> {
     })
 }
 
-/// The machine with what of the test becomes settings: `files`, `settings` (`key`, `before`, `after`, `uncertainty`),
-/// `notes`. `compensated`: its tables corrected it while the circles were run.
+/// The machine with the settings from the test: `files`, `settings` (`key`, `before`, `after`, `uncertainty`), `notes`.
+/// `compensated`: whether its tables corrected it while the circles were run.
 #[wasm_bindgen]
 pub fn ballbar_settings(files: &str, compensated: bool) -> Result<String, Refused> {
     told(settings(files, compensated))
 }
 
-/// The test is forgotten.
+/// Discards the test.
 #[wasm_bindgen]
 pub fn ballbar_forget() {
     TEST.take();

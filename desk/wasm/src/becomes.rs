@@ -1,4 +1,4 @@
-//! What of a measurement becomes settings of the machine on the page.
+//! Converts measurement results into settings of the page's machine.
 
 use crate::files::{DESCRIPTION, Texts, machine_of, texts};
 use anyhow::Result;
@@ -9,32 +9,32 @@ use trueaxis_tables::files::Memory;
 use trueaxis_tables::formats::location_values;
 use trueaxis_tables::{Additions, Machine};
 
-/// The machine with what was found.
+/// The machine with the measurement applied.
 #[derive(Debug, Serialize)]
 pub(crate) struct Becomes {
-    /// Its files.
+    /// The machine's files.
     files: Texts,
-    /// Numbers of `machine.toml` that change.
+    /// Changed numbers of `machine.toml`.
     settings: Vec<Changed>,
     /// Whether any file changes.
     changes: bool,
-    /// What is done about every value, and what else the files get.
+    /// The decision on every value, and other changes to the files.
     notes: Vec<String>,
 }
 
-/// A number of `machine.toml` that changes.
+/// A changed number of `machine.toml`.
 #[derive(Debug, Serialize)]
 struct Changed {
-    /// Full name of its key.
+    /// Full name of the key.
     key: String,
     before: f64,
     after: f64,
-    /// Standard uncertainty that is stated beside it.
+    /// Standard uncertainty stated for it.
     uncertainty: Option<f64>,
 }
 
 impl Becomes {
-    /// The machine of `files` with `additions`.
+    /// Applies `additions` to the machine of `files`.
     pub(crate) fn new(files: &str, additions: &Additions) -> Result<Becomes> {
         let (files, name) = (texts(files)?, Path::new(DESCRIPTION));
         let memory = Memory::new(files.clone());
@@ -46,7 +46,7 @@ impl Becomes {
         Becomes::with(files, changed, notes, &written.collect::<Vec<_>>())
     }
 
-    /// The machine of `files` with those that changed.
+    /// Replaces the changed files of the machine.
     pub(crate) fn with(
         files: Texts,
         changed: impl IntoIterator<Item = (String, String)>,
@@ -58,7 +58,7 @@ impl Becomes {
         Becomes::between(&files, after, notes, stated)
     }
 
-    /// The machine of `after` in place of that of `files`.
+    /// Replaces all files of the machine by `after`.
     pub(crate) fn whole(files: &str, after: Vec<(String, String)>) -> Result<Becomes> {
         let names: Vec<&str> = after.iter().map(|(name, _)| name.as_str()).collect();
         let note = format!("written anew, without comments and grids of before: {}", names.join(" "));

@@ -1,4 +1,4 @@
-//! Calibration with a touch probe: from a task to a program, from its log to errors and the machine with them.
+//! Calibration with a touch probe: a program from a task, and errors and the corrected machine from its log.
 
 use crate::becomes::Becomes;
 use crate::files::{machine_of, texts};
@@ -11,20 +11,20 @@ use trueaxis_evaluation::calibrate::{Curves, Document, Foreseen, Planning, Resid
 use trueaxis_tables::Machine;
 use wasm_bindgen::prelude::*;
 
-/// A task that was planned.
+/// A planned task.
 #[derive(Serialize)]
 struct Planned {
-    /// What `trueaxis calibrate plan --json` prints.
+    /// The document printed by `trueaxis calibrate plan --json`.
     foreseen: Foreseen,
     /// The program.
     program: String,
     notes: Vec<String>,
 }
 
-/// A log that was solved.
+/// A solved log.
 #[derive(Serialize)]
 struct Found {
-    /// What `trueaxis calibrate solve --json` prints.
+    /// The document printed by `trueaxis calibrate solve --json`.
     document: Document,
     residuals: Residuals,
     curves: Vec<Curves>,
@@ -43,8 +43,8 @@ fn plan(files: &str, name: &str, task: &str) -> Result<String> {
     json(&Planned { foreseen, program, notes })
 }
 
-/// Plans a task on the machine of these files, whichever the task names: `foreseen`, `program`, `notes`. `name` is the task's in
-/// refusals.
+/// Plans a task on the machine of these files, whichever machine the task names: `foreseen`, `program`, `notes`. Errors refer
+/// to the task by `name`.
 #[wasm_bindgen]
 pub fn calibrate_plan(files: &str, name: &str, task: &str) -> Result<String, Refused> {
     told(plan(files, name, task))
@@ -64,7 +64,7 @@ fn solve(files: &str, name: &str, task: &str, log_name: &str, log: &str) -> Resu
     })
 }
 
-/// Solves a log of the task's program: `document`, `residuals`, `curves`, `becomes` (the machine with what was found), `notes`.
+/// Solves a log of the task's program: `document`, `residuals`, `curves`, `becomes` (the corrected machine), `notes`.
 #[wasm_bindgen]
 pub fn calibrate_solve(files: &str, name: &str, task: &str, log_name: &str, log: &str) -> Result<String, Refused> {
     told(solve(files, name, task, log_name, log))

@@ -1,4 +1,4 @@
-//! Records of tests with instruments: which test a record is of, what is shown of it, what of it becomes settings.
+//! Records of tests with instruments: detecting the test, displaying the results, and the resulting settings.
 
 use crate::becomes::Becomes;
 use crate::files::machine;
@@ -13,7 +13,7 @@ use trueaxis_tables::Additions;
 use trueaxis_tables::sheet::Sheet;
 use wasm_bindgen::prelude::*;
 
-/// What is to be known beside the record: every test takes what is its own, under the names of its options.
+/// Inputs in addition to the record: every test uses those that apply to it, under the names of its options.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields, default)]
 struct Request {
@@ -46,17 +46,17 @@ impl Default for Request {
     }
 }
 
-/// A record that was evaluated.
+/// An evaluated record.
 #[derive(Serialize)]
 struct Evaluated {
-    /// What the report's page of `trueaxis evaluate` has.
+    /// The contents of the `trueaxis evaluate` report page.
     shown: Shown,
-    /// The machine with what was found, of tests that find any of its errors.
+    /// The corrected machine, for tests that determine any of its errors.
     becomes: Option<Becomes>,
     notes: Vec<String>,
 }
 
-/// The tests with their columns, as the command line calls them.
+/// The tests under their command-line names, with their columns.
 const TESTS: [(&str, &[Column]); 5] = [
     ("step-diagonal", &diagonal::COLUMNS),
     ("r-test", &r_test::COLUMNS),
@@ -65,7 +65,7 @@ const TESTS: [(&str, &[Column]); 5] = [
     ("thermal", &thermal_test::COLUMNS),
 ];
 
-/// The test that has most of a header's columns; of several the one that needs no others.
+/// The test with most of a header's columns; among several, the one that requires no further column.
 fn test_of(header: &[String]) -> Option<&'static str> {
     let fitting = TESTS.iter().filter_map(|(test, columns)| {
         let count = columns.iter().filter(|column| header.iter().any(|cell| cell == column.name)).count();
@@ -88,7 +88,7 @@ fn test(name: &str, bytes: &[u8]) -> Result<String> {
     })?)
 }
 
-/// Which test a record is of, by its columns: "step-diagonal", "r-test", "points", "probing" or "thermal".
+/// Detects the test of a record by its columns: "step-diagonal", "r-test", "points", "probing" or "thermal".
 #[wasm_bindgen]
 pub fn evaluate_test(name: &str, bytes: &[u8]) -> Result<String, Refused> {
     told(test(name, bytes))
@@ -156,8 +156,8 @@ fn evaluate(test: &str, files: &str, name: &str, bytes: &[u8], request: &str) ->
     json(&Evaluated { shown, becomes, notes })
 }
 
-/// Evaluates a record of a test ([`evaluate_test`]) on the machine of these files: `shown` (what the report's page of
-/// `trueaxis evaluate` has), `becomes` (the machine with what was found), `notes`. `request`: the test's options by their names.
+/// Evaluates a record of a test ([`evaluate_test`]) on the machine of these files: `shown` (the contents of the `trueaxis
+/// evaluate` report page), `becomes` (the corrected machine), `notes`. `request`: the test's options by name.
 #[wasm_bindgen]
 pub fn evaluate_record(test: &str, files: &str, name: &str, bytes: &[u8], request: &str) -> Result<String, Refused> {
     told(evaluate(test, files, name, bytes, request))

@@ -18,7 +18,7 @@ fn figures(files: &str, request: &str) -> anyhow::Result<String> {
     json(&fields::figures(&machine(files, &mut Vec::new())?, &settings(request)?)?)
 }
 
-/// The field as rows of nine: x, y, z, mm; error before; after, µm. `request`: [`Settings`] as JSON.
+/// The field as rows of nine numbers: x, y, z, mm; error before and error after, µm. `request`: [`Settings`] as JSON.
 #[wasm_bindgen]
 pub fn field(files: &str, request: &str) -> Result<Vec<f32>, Refused> {
     told(rows(files, request))

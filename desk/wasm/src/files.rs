@@ -1,4 +1,4 @@
-//! Files of a machine as the page holds them.
+//! A machine's files as the page stores them.
 
 use anyhow::{Context, Result, anyhow, bail};
 use serde::Serialize;
@@ -10,7 +10,7 @@ use trueaxis_tables::files::Memory;
 use trueaxis_tables::formats::{iso230_2::read_measurement, machine_files};
 use trueaxis_tables::text::{counted, decode};
 
-/// Name of a machine's description among its files.
+/// File name of a machine's description.
 pub(crate) const DESCRIPTION: &str = "machine.toml";
 
 /// Texts by name.
@@ -21,17 +21,17 @@ pub(crate) fn texts(files: &str) -> Result<Texts> {
     serde_json::from_str(files).context("the files of a machine")
 }
 
-/// The same as a source of files.
+/// A source of files from `{"name": "text", …}`.
 pub(crate) fn memory(files: &str) -> Result<Memory> {
     Ok(Memory::new(texts(files)?))
 }
 
-/// The machine of these files; how their separators were recognised goes to `notes`.
+/// The machine of these files; `notes` receives the detected separators.
 pub(crate) fn machine(files: &str, notes: &mut Vec<String>) -> Result<Machine> {
     machine_of(&texts(files)?, notes)
 }
 
-/// The same of texts that were taken apart.
+/// Like [`machine`], from parsed texts.
 pub(crate) fn machine_of(texts: &Texts, notes: &mut Vec<String>) -> Result<Machine> {
     read(&Memory::new(texts.clone()), notes)
 }
@@ -40,21 +40,21 @@ fn read(memory: &Memory, notes: &mut Vec<String>) -> Result<Machine> {
     Ok(Machine::read_from(memory, Path::new(DESCRIPTION), &mut |note| notes.push(note))?)
 }
 
-/// Files taken in as a machine.
+/// Files read as a machine.
 #[derive(Debug, Serialize)]
 pub(crate) struct Taken {
     /// Name of the folder, of the file, or of the machine.
     pub(crate) name: String,
     /// Texts by name.
     pub(crate) files: Texts,
-    /// What was recognised or left out.
+    /// Detected formats and omitted files.
     pub(crate) notes: Vec<String>,
 }
 
-/// A file as it was given.
+/// A given file: its path and bytes.
 type Given<'b> = (PathBuf, &'b [u8]);
 
-/// The files of `names`, `[["mill/x.csv", 1234], …]`, whose bytes follow one another.
+/// The files of `names`, `[["mill/x.csv", 1234], …]`, whose bytes are concatenated.
 pub(crate) fn given<'b>(names: &str, bytes: &'b [u8]) -> Result<Vec<Given<'b>>> {
     let names: Vec<(PathBuf, usize)> = serde_json::from_str(names).context("names and lengths of files")?;
     let mut rest = bytes;
@@ -66,11 +66,11 @@ pub(crate) fn given<'b>(names: &str, bytes: &'b [u8]) -> Result<Vec<Given<'b>>> 
     names.into_iter().map(next).collect()
 }
 
-/// A machine from files as they are dropped: a folder with its `machine.toml`, a compiled file, or files that replace or
-/// join those of the machine that stands.
+/// Reads a machine from dropped files: a folder with its `machine.toml`, a compiled file, or files that replace those of the
+/// current machine or are added to them.
 ///
 /// # Errors
-/// No machine or several among the files; all that reading refuses, with file, line and column.
+/// There is no machine or more than one among the files; all errors of reading, with file, line and column.
 pub(crate) fn taken(standing: &Texts, given: &[Given<'_>]) -> Result<Taken> {
     if let [(name, bytes)] = given
         && has_ending(name, "tcomp")
@@ -83,7 +83,7 @@ pub(crate) fn taken(standing: &Texts, given: &[Given<'_>]) -> Result<Taken> {
     }
 }
 
-/// The texts of a compiled machine, as the library writes machines.
+/// The files of a compiled machine, in the library's format.
 fn from_tcomp(name: &Path, bytes: &[u8]) -> Result<Taken> {
     let tables = Tcomp::parse(bytes).map_err(|error| anyhow!("{}: {error}", name.display()))?;
     let machine = Machine::from_tcomp(&tables);
@@ -97,7 +97,7 @@ fn has_ending(name: &Path, ending: &str) -> bool {
     name.extension().is_some_and(|own| own.eq_ignore_ascii_case(ending))
 }
 
-/// The one `machine.toml` that stands highest, or the only TOML file.
+/// The single `machine.toml` at the highest level, or the only TOML file.
 fn description<'g>(given: &'g [Given<'_>]) -> Result<Option<&'g Path>> {
     let depth = |name: &Path| name.components().count();
     let called = |name: &&Path| name.file_name().is_some_and(|own| own == DESCRIPTION);
@@ -118,7 +118,7 @@ fn description<'g>(given: &'g [Given<'_>]) -> Result<Option<&'g Path>> {
     }
 }
 
-/// A folder with everything that belongs to a machine.
+/// Takes a folder with all the files of a machine.
 fn folder(description: &Path, given: &[Given<'_>]) -> Result<Taken> {
     let folder = description.parent().unwrap_or(Path::new(""));
     let (mut files, mut left) = (BTreeMap::new(), 0);
@@ -131,7 +131,7 @@ fn folder(description: &Path, given: &[Given<'_>]) -> Result<Taken> {
             left += 1;
         }
     }
-    // A table may have any ending.
+    // A table may have any file extension.
     if let Ok(text) = decode(files[Path::new(DESCRIPTION)].to_vec(), description, &[]) {
         for (name, bytes) in given {
             let own = relative(name, folder);
@@ -149,7 +149,7 @@ fn folder(description: &Path, given: &[Given<'_>]) -> Result<Taken> {
     told(files, own, notes)
 }
 
-/// A path as the folder of the description names it.
+/// A path relative to the folder of the description.
 fn relative(name: &Path, folder: &Path) -> PathBuf {
     let mut up = PathBuf::new();
     for ancestor in folder.ancestors() {
@@ -161,7 +161,7 @@ fn relative(name: &Path, folder: &Path) -> PathBuf {
     name.to_path_buf()
 }
 
-/// Files that replace those of the same name, and measurements that join them.
+/// Replaces the machine's files of the same name, and adds measurements.
 fn joined(standing: &Texts, given: &[Given<'_>]) -> Result<Taken> {
     if given.is_empty() {
         bail!("found no files, needed a folder with a {DESCRIPTION}, its tables, or a .tcomp");
@@ -187,12 +187,12 @@ fn joined(standing: &Texts, given: &[Given<'_>]) -> Result<Taken> {
     told(files, None, Vec::new())
 }
 
-/// Reads the machine and keeps its files as texts.
+/// Reads the machine and stores its files as texts.
 fn told(files: BTreeMap<PathBuf, &[u8]>, name: Option<String>, mut notes: Vec<String>) -> Result<Taken> {
     let machine = read(&Memory::new(files.iter().map(|(name, bytes)| (name, *bytes))), &mut notes)?;
     let mut texts = Texts::new();
     for (name, bytes) in files {
-        // Comments of a table may be in any encoding; the rest of it was read.
+        // Comments of a table may be in any encoding; everything else was read.
         texts.insert(name.to_string_lossy().into_owned(), String::from_utf8_lossy(bytes).into_owned());
     }
     Ok(Taken { name: name.unwrap_or_else(|| machine.settings.name.to_string()), files: texts, notes })

@@ -26,7 +26,7 @@ pub(crate) fn sample() -> Result<Machine> {
     machine(&grinding_machine(), &mut Vec::new())
 }
 
-/// Points, band and angles of a gauge as the bench commands take them.
+/// Points, band and angles of a gauge in the form of the bench commands.
 pub(crate) fn probes(gauge: &GaugeSettings) -> Probes {
     let of = Probes {
         n: usize::from(gauge.points),
@@ -69,7 +69,7 @@ fn advance(cycles: u32) -> Result<f64> {
     })
 }
 
-/// At most so many further cycles; the share done, 1 once both runs have ended.
+/// Runs at most `cycles` further cycles; returns the fraction done, 1 once both runs have ended.
 #[wasm_bindgen]
 pub fn grinding_advance(cycles: u32) -> Result<f64, Refused> {
     told(advance(cycles))
@@ -95,7 +95,7 @@ fn finish() -> Result<String> {
     json(&Document::new(&comparison.finish()?, &grinding)?)
 }
 
-/// The document of `firmware-sim grind --json`, without the time that it took.
+/// The document of `firmware-sim grind --json`, without the elapsed time.
 #[wasm_bindgen]
 pub fn grinding_finish() -> Result<String, Refused> {
     told(finish())
@@ -118,7 +118,7 @@ mod tests {
         let grinding = request.grinding(sample().unwrap()).unwrap();
         let whole = trueaxis_sim::grinding::simulate(&grinding, &mut |_| {}).unwrap();
         let document = Document::new(&whole, &grinding).unwrap();
-        // As texts: numbers that are read back may differ in their last bit.
+        // Compared as texts, since numbers read back may differ in their last bit.
         assert_eq!(found, trueaxis_evaluation::json::compact(&document).unwrap());
         let found: Value = serde_json::from_str(&found).unwrap();
         assert!(found["corrected"]["evaluated"].as_u64().unwrap() > 0);

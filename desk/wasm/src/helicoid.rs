@@ -14,7 +14,7 @@ use trueaxis_tables::formats::machine_files;
 use wasm_bindgen::prelude::*;
 
 fn job(request: &str) -> Result<Job> {
-    // By way of a value: errors then name what is wrong and no place in a text that nobody has written.
+    // Via a value, so that errors name the wrong option and not a position in a text that the user did not write.
     let value: Value = serde_json::from_str(request)?;
     let request: Request = serde_json::from_value(value).map_err(|error| anyhow!("{error}"))?;
     Job::new(&request)
@@ -45,20 +45,20 @@ fn document(request: &str) -> Result<String> {
     json(&Document::new(&job, points))
 }
 
-/// The command line's table.
+/// The command line's CSV table.
 #[wasm_bindgen]
 pub fn helicoid_csv(request: &str) -> Result<String, Refused> {
     told(job(request).and_then(|job| Ok(csv(&job.points()?))))
 }
 
-/// The text that `--gcode` writes.
+/// The text written by `--gcode`.
 #[wasm_bindgen]
 pub fn helicoid_gcode(request: &str) -> Result<String, Refused> {
     told(job(request).and_then(|job| job.program()))
 }
 
-/// What is known of a request before its points: inputs, flank and gear data, notes, travel on both branches, and whether the
-/// desk's machine is of the kind.
+/// Data of a request without its points: inputs, flank and gear data, notes, travel on both branches, and whether the desk's
+/// machine fits.
 #[derive(Serialize)]
 struct Outline {
     /// The document without its points.
@@ -72,7 +72,7 @@ struct Outline {
 
 /// Inputs, flank and gear data, notes, travel of both branches within the limits, and whether the machine fits.
 ///
-/// `limits` is `{"X": [low, high], …}`; empty text: the machine's own, where it has A and C.
+/// `limits` is `{"X": [low, high], …}`; an empty text means the machine's own limits, if it has A and C.
 #[wasm_bindgen]
 pub fn helicoid_outline(request: &str, limits: &str, files: &str) -> Result<String, Refused> {
     told(outline(request, limits, files))
@@ -87,7 +87,7 @@ fn outline(request: &str, typed: &str, files: &str) -> Result<String> {
     json(&Outline { document: Document::new(&job, Vec::new()), count, notes, reach, fit })
 }
 
-/// The tool at (u, θ), rad: both branches with their travel, independent check of the pose, distance from the singular one.
+/// The tool at (u, θ), rad: both branches with their travel, independent check of the pose, distance from the singular pose.
 #[wasm_bindgen]
 pub fn helicoid_tool(request: &str, limits: &str, u: f64, theta: f64) -> Result<String, Refused> {
     told(tool(request, limits, u, theta))
@@ -97,14 +97,14 @@ fn tool(request: &str, typed: &str, u: f64, theta: f64) -> Result<String> {
     json(&job(request)?.tool(u, theta, &limits(typed)?)?)
 }
 
-/// Eleven columns: u or θ, then X, Y, Z, A and C of branch 1 and of branch 2, `count` values along `theta` or `u` with the
-/// other held.
+/// Eleven columns: u or θ, then X, Y, Z, A and C of branch 1 and of branch 2, for `count` values along `theta` or `u` with the
+/// other parameter fixed.
 #[wasm_bindgen]
 pub fn helicoid_curve(request: &str, line: &str, held: f64, count: usize) -> Result<Vec<f64>, Refused> {
     told(job(request).and_then(|job| job.curve(along(line)?, held, count)))
 }
 
-/// Points of the flank, rows of θ with columns of u, in the gear's frame, lifted off it by so many mm.
+/// Points of the flank, rows of θ with columns of u, in the gear's frame, raised from it by `lift_mm`.
 #[wasm_bindgen]
 pub fn helicoid_mesh(request: &str, rows: usize, columns: usize, lift_mm: f64) -> Result<Vec<f32>, Refused> {
     told(job(request).map(|job| job.mesh(rows, columns, lift_mm)))
@@ -116,7 +116,7 @@ pub fn helicoid_surroundings(request: &str) -> Result<Vec<f32>, Refused> {
     told(job(request).map(|job| job.surroundings()))
 }
 
-/// The tip's error along a line of the flank on the machine of these files, before and after its own compensation.
+/// Tip error along a line of the flank on the machine of these files, before and after its own compensation.
 #[wasm_bindgen]
 pub fn helicoid_flank(request: &str, files: &str, line: &str, held: f64, count: usize) -> Result<String, Refused> {
     told(flank(request, files, line, held, count))
@@ -126,7 +126,7 @@ fn flank(request: &str, files: &str, line: &str, held: f64, count: usize) -> Res
     json(&evaluation::flank(&job(request)?, &machine(files, &mut Vec::new())?, along(line)?, held, count)?)
 }
 
-/// A machine of the chain `w C' b X Y Z A t`, upright and of positive senses, made into the request's: its files.
+/// Adapts an upright machine of the chain `w C' b X Y Z A t` with positive senses to the request; returns its files.
 #[wasm_bindgen]
 pub fn helicoid_machine(request: &str, files: &str) -> Result<String, Refused> {
     told(adapted(request, files))

@@ -1,4 +1,4 @@
-//! A machine that keeps itself true: a look planned, its log against the history, the machine with what it updates.
+//! Updates of a machine by re-probing balls: the plan, checking a log against the history, the updated machine.
 
 use crate::becomes::Becomes;
 use crate::files::texts;
@@ -10,22 +10,22 @@ use trueaxis_evaluation::keep::{Document, Entry, Foreseen, HISTORY, Keep, Let, L
 use trueaxis_tables::files::Memory;
 use wasm_bindgen::prelude::*;
 
-/// A look that was planned.
+/// A planned re-probing.
 #[derive(Serialize)]
 struct Planned {
-    /// What `trueaxis keep plan --json` prints.
+    /// The document printed by `trueaxis keep plan --json`.
     foreseen: Foreseen,
     program: String,
     notes: Vec<String>,
 }
 
-/// What is to be known beside a log.
+/// Inputs in addition to a log.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Request {
-    /// Text of the history; empty before the first look.
+    /// Text of the history; empty before the first re-probing.
     history: String,
-    /// Everything is counted from this look, as from the first one.
+    /// Whether everything counts from this re-probing, as from the first one.
     begin: bool,
     time: Option<String>,
     parts: Option<u64>,
@@ -33,27 +33,27 @@ struct Request {
     by_hand: bool,
 }
 
-/// A look that was taken.
+/// An evaluated re-probing.
 #[derive(Serialize)]
 struct Looked {
-    /// What `trueaxis keep begin --json` or `check --json` prints.
+    /// The document printed by `trueaxis keep begin --json` or `check --json`.
     document: Document,
-    /// Verdicts in words, one a term.
+    /// Verdicts in words, one per term.
     verdicts: Vec<String>,
-    /// Why a person has to look.
+    /// Reason why an operator must check the machine.
     refusal: Option<String>,
-    /// The machine with the updates, where there are some.
+    /// The updated machine, if there are updates.
     becomes: Option<Becomes>,
-    /// The history with this look at its end, unless it is refused.
+    /// The history ending with this re-probing, unless it is refused.
     entries: Vec<Past>,
-    /// Texts that `begin` or `apply` writes, by their names in the machine's folder, in their order.
+    /// Texts that `begin` or `apply` writes, by their names in the machine's folder, in the same order.
     written: Vec<(String, String)>,
-    /// The same of the history.
+    /// The new text of the history.
     history: String,
     notes: Vec<String>,
 }
 
-/// An entry in words.
+/// An entry of the history in words.
 #[derive(Serialize)]
 struct Past {
     entry: u32,
@@ -63,7 +63,7 @@ struct Past {
     changed: Vec<String>,
 }
 
-/// The task on the machine of these files, whichever it names.
+/// The task's state on the machine of these files, whichever machine the task names.
 fn state(files: &str, name: &str, task: &str, history: &str, notes: &mut Vec<String>) -> Result<State> {
     let keep = Keep::read(task, Path::new(name))?;
     State::of_texts(keep, Memory::new(texts(files)?), history, &mut |note| notes.push(note))
@@ -76,8 +76,8 @@ fn plan(files: &str, name: &str, task: &str) -> Result<String> {
     json(&Planned { foreseen, program, notes })
 }
 
-/// Plans the looks of a task on the machine of these files, whichever the task names: `foreseen`, `program`, `notes`. `name` is
-/// the task's in refusals.
+/// Plans the re-probing of a task on the machine of these files, whichever machine the task names: `foreseen`, `program`,
+/// `notes`. Errors refer to the task by `name`.
 #[wasm_bindgen]
 pub fn keep_plan(files: &str, name: &str, task: &str) -> Result<String, Refused> {
     told(plan(files, name, task))
@@ -101,7 +101,7 @@ fn look(files: &str, name: &str, task: &str, log_name: &str, log: &str, request:
     let mut written = Vec::new();
     let mut entries: Vec<Entry> = state.history.entries.clone();
     if refusal.is_none() {
-        // The controller's files are compiled in the view of the machine.
+        // The machine view compiles the controller's files.
         let all = state.written(&taken.entry, &taken.files)?.into_iter();
         written.extend(all.filter_map(|(name, bytes)| Some((name.to_string_lossy().into_owned(), text(bytes)?))));
         entries.push(taken.entry);
@@ -130,8 +130,9 @@ fn look(files: &str, name: &str, task: &str, log_name: &str, log: &str, request:
     })
 }
 
-/// Takes the log of a look, the first one where there is no history yet. `request`: `history`, `begin`, `time`, `parts`,
-/// `accept`, `by_hand`. Answers with `document`, `verdicts`, `refusal`, `becomes`, `entries`, `written`, `history`, `notes`.
+/// Evaluates the log of a re-probing, or of the first one if there is no history. `request`: `history`, `begin`, `time`,
+/// `parts`, `accept`, `by_hand`. Returns `document`, `verdicts`, `refusal`, `becomes`, `entries`, `written`, `history`,
+/// `notes`.
 #[wasm_bindgen]
 pub fn keep_look(
     files: &str,

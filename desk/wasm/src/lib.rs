@@ -1,10 +1,10 @@
-//! The desk's module: what the page asks of the crates of trueaxis. It has no formula of its own.
+//! The desk's module: the page's interface to the crates of trueaxis. It contains no formulas.
 //!
-//! Every export takes texts and numbers and gives a JSON document, a text or an array of numbers. Machines are the texts of
-//! their files as a JSON object, `{"machine.toml": "…", "x.csv": "…"}`. What the crates refuse is thrown as the text that the
-//! command line prints ([`Refused`]). The documents themselves come from `trueaxis-evaluation`, the runs from `trueaxis-sim`.
+//! Every export takes texts and numbers and returns a JSON document, a text or an array of numbers. A machine is a JSON object
+//! with the texts of its files, `{"machine.toml": "…", "x.csv": "…"}`. An error of the crates is thrown as the text that the
+//! command line prints ([`Refused`]). The documents come from `trueaxis-evaluation`, the runs from `trueaxis-sim`.
 //!
-//! A panic is reported to the page ([`panics`]) and ends the module; the page starts another.
+//! A panic is reported to the page ([`panics`]) and ends the module; the page starts a new one.
 #![forbid(unsafe_code)]
 
 pub mod ballbar;
@@ -38,8 +38,8 @@ pub fn version() -> String {
     env!("CARGO_PKG_VERSION").to_owned()
 }
 
-/// Why an export refuses, thrown on the page as an `Error` with this text. A program that calls the exports without a page
-/// reads the text itself.
+/// Reason for a refusal by an export, thrown on the page as an `Error` with this text. A program that calls the exports
+/// without a page reads the text directly.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Refused(String);
 
@@ -57,7 +57,7 @@ impl From<Refused> for JsValue {
     }
 }
 
-/// A result as the page takes it: the error's text, with its causes, on one line even where it repeats a text of several.
+/// Converts a result for the page: the error's text with its causes, on one line even if it quotes several lines.
 fn told<T>(result: anyhow::Result<T>) -> Result<T, Refused> {
     result.map_err(|error| Refused(printable(&format!("{error:#}")).replace('\n', "\\n")))
 }

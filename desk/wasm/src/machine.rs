@@ -1,4 +1,4 @@
-//! A machine and its tables: read, shown, edited, compiled.
+//! A machine and its tables: reading, displaying, editing, compiling.
 
 use crate::files::{DESCRIPTION, Taken, Texts, given, machine, memory, taken, texts};
 use crate::shown::shown;
@@ -49,8 +49,8 @@ fn from_files(standing: &str, names: &str, bytes: &[u8]) -> Result<Taken> {
     taken(&texts(standing)?, &given(names, bytes)?)
 }
 
-/// A machine from files as they are dropped, `{"name", "files", "notes"}`: a folder, a `.tcomp`, or files that replace or join
-/// those that stand. `names` are paths and lengths, `[["mill/x.csv", 1234], …]`, of files whose bytes follow one another.
+/// Reads a machine from dropped files, `{"name", "files", "notes"}`: a folder, a `.tcomp`, or files that replace or join the
+/// current ones. `names` are paths and lengths, `[["mill/x.csv", 1234], …]`, of files whose bytes are concatenated.
 #[wasm_bindgen]
 pub fn machine_from_files(standing: &str, names: &str, bytes: &[u8]) -> Result<String, Refused> {
     told(from_files(standing, names, bytes).and_then(|taken| json(&taken)))
@@ -61,14 +61,14 @@ fn to_tcomp(files: &str, rate_hz: f64) -> Result<Vec<u8>> {
     compiled(&machine, &memory(files)?, Path::new(DESCRIPTION), rate_hz)
 }
 
-/// The compiled file, as `trueaxis tables compile` writes it.
+/// The compiled file, as written by `trueaxis tables compile`.
 #[wasm_bindgen]
 pub fn machine_to_tcomp(files: &str, rate_hz: f64) -> Result<Vec<u8>, Refused> {
     told(to_tcomp(files, rate_hz))
 }
 
-/// Everything about a machine at a servo rate, as JSON. `feed_per_min`: of all axes, mm/min and degrees/min, for slopes and
-/// accelerations of the correction; zero for the top feed of each.
+/// The full description of a machine at a servo rate, as JSON. `feed_per_min` is the feed of all axes, mm/min and degrees/min,
+/// for slopes and accelerations of the correction; zero means the top feed of each.
 #[wasm_bindgen]
 pub fn machine_show(files: &str, rate_hz: f64, feed_per_min: f64) -> Result<String, Refused> {
     told(shown(files, rate_hz, feed_per_min).and_then(|shown| json(&shown)))
@@ -99,8 +99,8 @@ fn curve_of(files: &str, axis: &str, component: usize, temperature_c: f64, point
     curve(&machine(files, &mut Vec::new())?, axis, component, temperature_c, points)
 }
 
-/// One error of an axis between its points: positions, then as many values in positive travel, in negative travel, and of
-/// the growth at a temperature, °C. `component`: 0 to 5 for EX to EC.
+/// One error of an axis between its points: positions, then the same number of values in positive travel, in negative travel,
+/// and of the growth at a temperature, °C. `component`: 0 to 5 for EX to EC.
 #[wasm_bindgen]
 pub fn machine_curve(
     files: &str,
@@ -180,7 +180,7 @@ mod tests {
             let before = machine(&sample(name), &mut Vec::new()).unwrap();
             assert_eq!(again.tables, before.tables, "{name}");
             assert_eq!(taken.name, name);
-            // Angular limits are kept in degrees and written in µrad: of a rotary machine the last place may differ.
+            // Angular limits are stored in degrees and written in µrad, so the last place may differ for a rotary machine.
             if !["mill-5axis", "head-5axis", "mill-turn"].contains(&name) {
                 assert!(to_tcomp(&files, 10_000.0).unwrap() == bytes, "{name}");
             }
@@ -213,7 +213,7 @@ mod tests {
         assert_eq!(shown["measurements"][0]["file"], "x-iso230-2.csv");
         let both = &shown["measurements"][0]["figures"]["measured"]["both"];
         assert!(both["accuracy"].as_f64().unwrap() > both["systematic"].as_f64().unwrap());
-        // At a tenth of the feed a tenth of the rate, a hundredth of the acceleration.
+        // At a tenth of the feed: a tenth of the rate, a hundredth of the acceleration.
         let slow = serde_json::to_value(super::shown(&sample("mill-3axis"), 10_000.0, 1200.0).unwrap()).unwrap();
         let fast = serde_json::to_value(super::shown(&sample("mill-3axis"), 10_000.0, 12_000.0).unwrap()).unwrap();
         for (key, factor) in [("rate", 10.0), ("acceleration", 100.0)] {

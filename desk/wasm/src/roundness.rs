@@ -1,6 +1,6 @@
-//! Roundness and spindle error from three probes, reference circles of a trace, angles of probes.
+//! Roundness and spindle error from three probes, reference circles of a trace, probe angles.
 //!
-//! What was evaluated last is kept for its figure and curves.
+//! The latest evaluation is kept for its figure and curves.
 
 use crate::{Refused, json, told};
 use anyhow::{Context, Result};
@@ -12,7 +12,7 @@ use trueaxis_evaluation::{circle, probe_angles, roundness};
 use trueaxis_sim::grinding;
 use wasm_bindgen::prelude::*;
 
-/// Revolutions of the readings to begin with.
+/// Revolutions of the sample readings.
 const SAMPLE_REVOLUTIONS: u32 = 8;
 
 enum Evaluated {
@@ -26,7 +26,7 @@ thread_local! {
     static SEARCH: RefCell<Option<probe_angles::Search>> = const { RefCell::new(None) };
 }
 
-/// A document with what the command line says beside it.
+/// A document with the command line's notes.
 #[derive(Serialize)]
 struct Noted<D> {
     document: D,
@@ -84,7 +84,7 @@ fn polar(lsc: bool, mzc: bool, mic: bool, mcc: bool) -> Result<String> {
     })
 }
 
-/// Polar plot of what was evaluated last, with these circles, as HTML.
+/// Polar plot of the latest evaluation with these circles, as HTML.
 #[wasm_bindgen]
 pub fn roundness_polar(lsc: bool, mzc: bool, mic: bool, mcc: bool) -> Result<String, Refused> {
     told(polar(lsc, mzc, mic, mcc))
@@ -102,7 +102,7 @@ fn curve(name: &str) -> Result<Vec<f64>> {
     })
 }
 
-/// A curve of the readings evaluated last over θ, µm: `profile`, or the mean contours `x` and `y` of the spindle.
+/// A curve of the latest evaluated readings over θ, µm: `profile`, or the mean contours `x` and `y` of the spindle.
 #[wasm_bindgen]
 pub fn roundness_curve(name: &str) -> Result<Vec<f64>, Refused> {
     told(curve(name))
@@ -115,13 +115,13 @@ fn orbit() -> Result<String> {
     })
 }
 
-/// Orbit of the spindle's axis in the readings evaluated last, single revolutions and their mean, as HTML.
+/// Orbit of the spindle axis in the latest evaluated readings, single revolutions and their mean, as HTML.
 #[wasm_bindgen]
 pub fn roundness_orbit() -> Result<String, Refused> {
     told(orbit())
 }
 
-/// Readings to begin with, and what is asked of them.
+/// Sample readings and their evaluation request.
 #[derive(Serialize)]
 struct Sample {
     name: &'static str,
@@ -153,7 +153,7 @@ fn angles(probes: &str) -> Result<String> {
     json(&probe_angles::curve(&serde_json::from_str(probes).context("the angles of the probes")?)?)
 }
 
-/// Noise gain of an arrangement of probes over the band, also of a blind one; quick enough for every move of a slider.
+/// Noise gain of an arrangement of probes over the band, even of a blind one; fast enough for every move of a slider.
 #[wasm_bindgen]
 pub fn probe_angles_curve(probes: &str) -> Result<String, Refused> {
     told(angles(probes))
@@ -167,13 +167,13 @@ fn open(request: &str) -> Result<f64> {
     Ok(steps)
 }
 
-/// Prepares the search for the best pairs; the number of its steps.
+/// Prepares the search for the best pairs; returns its number of steps.
 #[wasm_bindgen]
 pub fn probe_angles_open(request: &str) -> Result<f64, Refused> {
     told(open(request))
 }
 
-/// So many steps of the search; the share done, 1 at the end.
+/// Runs that many steps of the search; returns the fraction done, 1 at the end.
 #[wasm_bindgen]
 pub fn probe_angles_advance(steps: u32) -> Result<f64, Refused> {
     told(SEARCH.with_borrow_mut(|search| Ok(search.as_mut().context(NO_SEARCH)?.advance(steps as usize))))
@@ -227,7 +227,7 @@ mod tests {
         assert!(curve("profile").is_err());
     }
 
-    /// The arrangement published with CN1927535, and one that cannot see every second harmonic.
+    /// The arrangement published in CN1927535, and one that is blind to every second harmonic.
     #[test]
     fn noise_gain_of_good_and_blind_angles() {
         let of = |probes: Value| -> Value { serde_json::from_str(&angles(&probes.to_string()).unwrap()).unwrap() };
@@ -244,7 +244,7 @@ mod tests {
         assert_eq!(open(&json!({"probes": {"n": 512}, "count": 2}).to_string()).unwrap(), 170.0);
         while SEARCH.with_borrow_mut(|search| search.as_mut().unwrap().advance(7)) < 1.0 {}
         let found = SEARCH.take().unwrap().finish().unwrap();
-        // Known from a search with the complex gain over all pairs.
+        // Expected values from a search over all pairs with the complex gain.
         assert_eq!((found.best[0].p, found.best[0].q), (Some(155), Some(172)));
         assert!(probe_angles::Request { probes: Default::default(), count: 0 }.search().is_err());
     }

@@ -10,7 +10,7 @@ macro_rules! sample {
     };
 }
 
-/// A machine by its name, with its files.
+/// A machine's name and files.
 type Sample = (&'static str, &'static [(&'static str, &'static str)]);
 
 const SAMPLES: [Sample; 6] = [
@@ -22,19 +22,19 @@ const SAMPLES: [Sample; 6] = [
     sample!("router": "machine.toml" "x.csv" "y.csv" "rail.csv" "surface.csv"),
 ];
 
-/// A sample machine in a sentence.
+/// A sample machine described in one sentence.
 #[derive(Debug, Serialize)]
 pub(crate) struct Described {
     name: &'static str,
     description: String,
 }
 
-/// All of them.
+/// All sample machines.
 pub(crate) fn samples() -> Vec<Described> {
     SAMPLES.iter().map(|(name, files)| Described { name, description: description(files) }).collect()
 }
 
-/// The first sentence of the comment at the head of its `machine.toml`.
+/// The first sentence of the opening comment in `machine.toml`.
 fn description(files: &[(&str, &str)]) -> String {
     let text = files.iter().find(|(name, _)| *name == DESCRIPTION).map_or("", |(_, text)| text);
     let comment: Vec<&str> = text.lines().map_while(|line| line.strip_prefix("# ")).collect();
@@ -42,7 +42,7 @@ fn description(files: &[(&str, &str)]) -> String {
     comment.split_once(". ").map_or(comment.as_str(), |(first, _)| first).trim_end_matches('.').to_owned()
 }
 
-/// The files of one.
+/// The files of one sample.
 pub(crate) fn sample(name: &str) -> Result<Texts> {
     let known = || SAMPLES.map(|(name, _)| name).join(" ");
     let (_, files) = SAMPLES

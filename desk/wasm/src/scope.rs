@@ -1,4 +1,4 @@
-//! Runs of a part program through the real step, in slices; several side by side, each by its number.
+//! Runs of a part program through the real step, in slices; several in parallel, each identified by a number.
 
 mod documents;
 mod request;
@@ -12,7 +12,7 @@ use std::cell::RefCell;
 use std::collections::BTreeMap;
 use wasm_bindgen::prelude::*;
 
-/// The scopes that are open.
+/// The open scopes.
 #[derive(Default)]
 struct Open {
     last: u32,
@@ -38,7 +38,7 @@ fn with<T>(scope: u32, ask: impl FnOnce(&mut Session) -> Result<T>) -> Result<T>
     })
 }
 
-/// Opens a scope, ready to run: its number.
+/// Opens a scope, ready to run; returns its number.
 ///
 /// `request`: JSON of `machine` (texts of its files by name), `program` (`{"builtin": name}` or `{"name", "text"}`),
 /// `settings` (TOML as `firmware-sim scenario` prints, any part of it), and optionally `model` (`"nine"`, `"volumetric"`),
@@ -48,20 +48,20 @@ pub fn scope_open(request: &str) -> Result<u32, Refused> {
     told(opened(request))
 }
 
-/// What the scope runs: machine, program with its lines, cycles, axes with the limits of their corrections, notes.
+/// Describes the scope: machine, program with its lines, cycles, axes with the limits of their corrections, notes.
 #[wasm_bindgen]
 pub fn scope_describe(scope: u32) -> Result<String, Refused> {
     told(with(scope, |session| json(&session.describe()?)))
 }
 
-/// The programmed path, a few thousand points: x, y, z in mm (machine coordinates; with rotary axes those of the workpiece),
-/// line, 1 where it cuts.
+/// The programmed path, a few thousand points: x, y, z in mm (machine coordinates; with rotary axes, workpiece coordinates),
+/// line, 1 while cutting.
 #[wasm_bindgen]
 pub fn scope_path(scope: u32) -> Result<Vec<f32>, Refused> {
     told(with(scope, |session| Ok(session.path())))
 }
 
-/// Runs at most `cycles` further cycles: cycle, cycles, time, whether it is done.
+/// Runs at most `cycles` further cycles; returns cycle, cycles, time, and whether the run has ended.
 #[wasm_bindgen]
 pub fn scope_advance(scope: u32, cycles: u32) -> Result<String, Refused> {
     told(with(scope, |session| json(&session.advance(cycles))))
@@ -73,8 +73,8 @@ pub fn scope_columns(scope: u32) -> Result<Vec<String>, Refused> {
     told(with(scope, |session| Ok(session.traces.names())))
 }
 
-/// The run so far, row after row: a few thousand of its cycles, among them those at which an error, a fault, a limited
-/// correction or a correction is largest. NaN where a machine has stopped.
+/// The run so far, row after row: a few thousand of its cycles, including those at which an error, a fault, a limited
+/// correction or a correction is largest. NaN once a machine has stopped.
 #[wasm_bindgen]
 pub fn scope_traces(scope: u32) -> Result<Vec<f64>, Refused> {
     told(with(scope, |session| Ok(session.traces.rows())))
@@ -86,14 +86,14 @@ pub fn scope_figures(scope: u32) -> Result<String, Refused> {
     told(with(scope, |session| json(&session.figures())))
 }
 
-/// Does something to the run before its next cycle, or later: a fault or an event as in a scenario, with `@now` or a time.
-/// `{"act", "files"}` gives the files of a machine whose tables are exchanged for. What was recorded: list, act, time.
+/// Acts on the run before its next cycle, or later: a fault or an event as in a scenario, with `@now` or a time. `{"act",
+/// "files"}` also gives the files of the machine whose tables are exchanged. Returns the recorded list, act and time.
 #[wasm_bindgen]
 pub fn scope_act(scope: u32, act: &str) -> Result<String, Refused> {
     told(with(scope, |session| json(&session.act(act)?)))
 }
 
-/// The scenario with all that was done: TOML, the command line that runs it again, and the files that it names.
+/// The scenario with all acts: TOML, the command line that repeats it, and the files that it names.
 #[wasm_bindgen]
 pub fn scope_scenario(scope: u32) -> Result<String, Refused> {
     told(with(scope, |session| json(&session.reproduction()?)))
@@ -105,7 +105,7 @@ pub fn scope_close(scope: u32) {
     OPEN.with_borrow_mut(|open| open.sessions.remove(&scope));
 }
 
-/// The shipped programs: names, what they do, texts.
+/// The shipped programs: names, descriptions, texts.
 #[wasm_bindgen]
 pub fn scope_programs() -> Result<String, Refused> {
     told(json(&documents::programs()))

@@ -1,4 +1,4 @@
-//! Settings of a run as the page's controls hold them, and machines to exchange for.
+//! Settings of a run as the page's controls store them, and machines to exchange.
 
 use crate::files::machine;
 use crate::{Refused, json, told};
@@ -17,7 +17,7 @@ struct Read {
     changes: Vec<Change>,
 }
 
-/// A setting that is not the default: values as they stand in TOML.
+/// A setting that differs from the default, with values in TOML notation.
 #[derive(Serialize)]
 struct Change {
     key: String,
@@ -32,7 +32,7 @@ fn settings(text: &str, file: &str) -> anyhow::Result<String> {
     json(&Read { settings, changes })
 }
 
-/// What a machine's own figures ask of the simulated drives.
+/// Settings of the simulated drives that agree with the machine's stated figures.
 #[derive(Serialize)]
 struct Agreed {
     stated: bool,
@@ -55,20 +55,20 @@ fn scaled(files: &str, share: f64) -> anyhow::Result<String> {
     json(&machine_files(&machine, &comment).into_iter().collect::<BTreeMap<_, _>>())
 }
 
-/// Reads settings in TOML; `file` stands in errors: `{settings: {…}, changes: [{key, value, default}]}`.
+/// Reads settings in TOML; errors name `file`: `{settings: {…}, changes: [{key, value, default}]}`.
 #[wasm_bindgen]
 pub fn scope_settings(text: &str, file: &str) -> Result<String, Refused> {
     told(settings(text, file))
 }
 
-/// The simulated drive for which the plugin's figures are right: `{stated, friction, reference_temperature_c, drive:
-/// {position_gain_per_s, …}}`; the defaults where the machine states none.
+/// The simulated drive that agrees with the plugin's figures: `{stated, friction, reference_temperature_c, drive:
+/// {position_gain_per_s, …}}`; the defaults if the machine states none.
 #[wasm_bindgen]
 pub fn scope_agreed(files: &str) -> Result<String, Refused> {
     told(agreed_drive(files))
 }
 
-/// Files of the machine with every entry of its error tables times `share`.
+/// The machine's files with every entry of its error tables multiplied by `share`.
 #[wasm_bindgen]
 pub fn scope_scaled(files: &str, share: f64) -> Result<String, Refused> {
     told(scaled(files, share))
@@ -83,7 +83,7 @@ mod tests {
         serde_json::to_string(&crate::samples::sample("mill-3axis").unwrap()).unwrap()
     }
 
-    /// docs/commands.md says with which settings the figures of the samples are right.
+    /// docs/commands.md states the settings that agree with the samples' figures.
     #[test]
     fn the_drive_of_the_sample_is_the_documented_one() {
         let found: Value = serde_json::from_str(&agreed_drive(&sample()).unwrap()).unwrap();

@@ -1,4 +1,4 @@
-//! A machine as its view shows it.
+//! A machine as displayed by its view.
 
 use crate::files::{DESCRIPTION, memory, texts};
 use anyhow::Result;
@@ -12,12 +12,12 @@ use trueaxis_metrology::accuracy::Accuracy;
 use trueaxis_tables::text::decode;
 use trueaxis_tables::{DriveRate, GridSource, Machine, TableText, rates, table_texts};
 
-/// Everything about a machine.
+/// The full description of a machine.
 #[derive(Debug, Serialize)]
 pub(crate) struct Shown {
-    /// How separators were recognised.
+    /// Detected separators.
     notes: Vec<String>,
-    /// What `trueaxis tables check --json` prints.
+    /// The document printed by `trueaxis tables check --json`.
     check: Document,
     reference_temperature_c: f64,
     axes: Vec<AxisShown>,
@@ -63,19 +63,19 @@ struct Column {
     reverse: bool,
 }
 
-/// A grid of errors as it was given.
+/// A grid of errors as given.
 #[derive(Debug, Serialize)]
 struct GridShown {
-    /// Along X, Y, Z; none along an axis over which it does not stand.
+    /// Along X, Y, Z; empty for an axis that the grid does not depend on.
     nodes_mm: [Vec<f64>; 3],
-    /// Which of the six errors are given.
+    /// Which of the six errors the grid gives.
     given: [bool; 6],
-    /// Errors of the nodes, µm and µrad: those along X outermost, those along Z next to each other.
+    /// Errors of the nodes, µm and µrad: X varies slowest, Z fastest.
     micro: Vec<[f64; 6]>,
     fade_mm: Option<[f64; 2]>,
 }
 
-/// How the correction of a drive changes at a feed; mm or degrees per s and s².
+/// Rate of change of a drive's correction at a feed; mm or degrees per s and s².
 #[derive(Debug, Serialize)]
 struct Correction {
     rate: f64,
@@ -91,12 +91,12 @@ struct Measured {
     file: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     figures: Option<accuracy::Document>,
-    /// Why there are none.
+    /// Reason why there are none.
     #[serde(skip_serializing_if = "Option::is_none")]
     refused: Option<String>,
 }
 
-/// The document; errors as the command line has them.
+/// The document; errors as on the command line.
 pub(crate) fn shown(files: &str, rate_hz: f64, feed_per_min: f64) -> Result<Shown> {
     let (source, name) = (memory(files)?, Path::new(DESCRIPTION));
     let mut notes = Vec::new();
@@ -171,7 +171,7 @@ fn table_shown(table: TableText) -> TableShown {
     TableShown { file: table.file, columns: columns.collect(), rows: table.rows }
 }
 
-/// The files that `machine.toml` does not name, as measurements.
+/// Files that `machine.toml` does not name, read as measurements.
 fn measurements(files: &str, machine: &Machine, tables: &[TableText]) -> Result<Vec<Measured>> {
     let mut measured = Vec::new();
     for (file, text) in texts(files)? {

@@ -1,4 +1,4 @@
-//! Thermal growth: from a recorded warm-up to a model, its text and the controller's file.
+//! Thermal growth: a model from a recorded warm-up, its text and the controller's file.
 
 use crate::files::machine;
 use crate::{Refused, json, told};
@@ -10,37 +10,37 @@ use trueaxis_evaluation::rows::Rows;
 use trueaxis_evaluation::thermal::{COLUMNS, Document, Found, Recording, model, settings, worst, written};
 use wasm_bindgen::prelude::*;
 
-/// What is to be known beside the record.
+/// Inputs in addition to the record.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Request {
-    /// Cycles that take no part in the fit; the last where there are none.
+    /// Cycles to hold out of the fit; the last one if empty.
     hold_out: Vec<u32>,
-    /// Sensors to leave out, by name.
+    /// Names of sensors to omit.
     without: Vec<String>,
 }
 
-/// Drift of an axis in a held-out cycle, where it is largest.
+/// Drift of an axis in a held-out cycle, at the point where it is largest.
 #[derive(Serialize)]
 struct Drift {
     axis: char,
     cycle: u32,
-    /// X, Y, Z and the tool's length.
+    /// X, Y, Z and the tool length.
     point_mm: [f64; 4],
     hours: Vec<f64>,
     measured_um: Vec<f64>,
-    /// As the task says.
+    /// Drift computed by the task.
     said_um: Vec<f64>,
     left_um: Vec<f64>,
 }
 
-/// A record that was fitted.
+/// A fitted record.
 #[derive(Serialize)]
 struct Fitted {
-    /// What `trueaxis thermal fit --json` prints.
+    /// The document printed by `trueaxis thermal fit --json`.
     document: Document,
     drifts: Vec<Drift>,
-    /// What it writes.
+    /// The text that the command writes.
     toml: String,
     notes: Vec<String>,
 }
@@ -76,7 +76,8 @@ fn fit(files: &str, name: &str, text: &str, request: &str) -> Result<String> {
     })
 }
 
-/// Fits a recorded warm-up on the machine of these files: `document`, `drifts`, `toml`, `notes`. `request`: `hold_out`, `without`.
+/// Fits a recorded warm-up on the machine of these files: `document`, `drifts`, `toml`, `notes`. `request`: `hold_out`,
+/// `without`.
 #[wasm_bindgen]
 pub fn thermal_fit(files: &str, name: &str, text: &str, request: &str) -> Result<String, Refused> {
     told(fit(files, name, text, request))
@@ -88,7 +89,7 @@ fn compile(files: &str, name: &str, text: &str) -> Result<Vec<u8>> {
     model.encode(machine_id(&settings.name, &settings.chain)).map_err(|error| anyhow!("{name}: {error}"))
 }
 
-/// A thermal.toml as the file of the controller, for the machine of these files.
+/// Compiles a thermal.toml into the controller's file, for the machine of these files.
 #[wasm_bindgen]
 pub fn thermal_compile(files: &str, name: &str, text: &str) -> Result<Vec<u8>, Refused> {
     told(compile(files, name, text))

@@ -1,4 +1,4 @@
-//! How well the corrected position is known.
+//! Uncertainty of the corrected position.
 
 use crate::files::{DESCRIPTION, machine, memory};
 use crate::{Refused, json, told};
@@ -10,11 +10,11 @@ use trueaxis_evaluation::uncertainty::{Document, Options, evaluate};
 use trueaxis_tables::uncertainty::Uncertainties;
 use wasm_bindgen::prelude::*;
 
-/// What is asked for.
+/// Options of the evaluation.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Request {
-    /// Also at this position; nowhere where it is empty.
+    /// Additional position to evaluate; none if empty.
     at: Vec<f64>,
     points: usize,
     confidence_percent: f64,
@@ -22,12 +22,12 @@ struct Request {
     seed: u64,
 }
 
-/// What is known.
+/// Result of the evaluation.
 #[derive(Serialize)]
 struct Known {
-    /// What `trueaxis uncertainty --json` prints.
+    /// The document printed by `trueaxis uncertainty --json`.
     document: Document,
-    /// Distances of the tip at the worst point, µm, of the machines drawn, rising: every hundredth of them.
+    /// Distances of the tip at the worst point, µm, over the random machines in ascending order: every hundredth of them.
     distances_um: Vec<f64>,
     notes: Vec<String>,
 }

@@ -1,4 +1,4 @@
-//! What the calls share: a record, what was found in it, and the simulation under way.
+//! Shared state of the calls: a record, the friction identified in it, and the running simulation.
 
 use crate::becomes::Becomes;
 use crate::files::machine;
@@ -16,20 +16,20 @@ use trueaxis_sim::run::Kind;
 use trueaxis_tables::Additions;
 use trueaxis_tables::finding::record_number;
 
-/// How the errors name a simulated record, as on the command line.
+/// Name of a simulated record in error messages, as on the command line.
 const SIMULATED: &str = "the recorded circles";
 
-/// What is kept between the calls.
+/// State kept between the calls.
 #[derive(Default)]
 pub(super) struct Bench {
     recording: Option<Recording>,
-    /// Number of a record that was dropped.
+    /// Number of a dropped record.
     number: Option<String>,
     found: Option<[Identified; 2]>,
     simulation: Option<Simulation>,
     before: Option<(Pass, Circles, Settings)>,
     after: Option<Pass>,
-    /// Whether the record is that of `before`.
+    /// Whether the record is the one in `before`.
     is_simulated: bool,
 }
 
@@ -40,15 +40,15 @@ struct Simulation {
     pass: Which,
 }
 
-/// What a pass of the circles is for.
+/// Purpose of a pass of the circles.
 #[derive(Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 enum Which {
-    /// To find friction in.
+    /// A record for identifying friction.
     Record,
-    /// To compare with, beside a record that was dropped.
+    /// A comparison, in addition to a dropped record.
     Before,
-    /// With what was found.
+    /// With the identified friction.
     After,
 }
 
@@ -60,13 +60,13 @@ pub(super) struct Read {
     notes: Vec<String>,
 }
 
-/// What was found.
+/// Result of the identification.
 #[derive(Serialize)]
 pub(super) struct Found {
     document: Document,
     spikes: Vec<SpikeCurves>,
     circles: Vec<CircleCurves>,
-    /// As TOML.
+    /// The settings as TOML.
     settings: String,
 }
 
@@ -79,14 +79,14 @@ struct Simulated {
     radius_mm: f64,
     feeds_mm_per_min: Vec<f64>,
     turns: u32,
-    /// Settings by key, as `--set` takes them.
+    /// Settings by key, as accepted by `--set`.
     set: Vec<(String, String)>,
 }
 
-/// The circles without and with what was found.
+/// The circles without and with the identified friction.
 #[derive(Serialize)]
 pub(super) struct Closed {
-    /// Where the record is that of the simulation.
+    /// Present if the record is the simulation's.
     outcome: Option<Outcome>,
     before: Curves,
     after: Curves,
@@ -171,7 +171,7 @@ impl Bench {
         Ok(())
     }
 
-    /// Share that has been simulated; at 1 the pass is kept.
+    /// Advances the simulation; returns the fraction done. At 1 the pass is stored.
     pub(super) fn advance(&mut self, cycles: f64) -> Result<f64> {
         let simulation = self.simulation.as_mut().ok_or_else(|| anyhow!("found no simulation, needed one begun"))?;
         if simulation.recorder.advance(cycles as u64) {
@@ -219,7 +219,7 @@ impl Bench {
         };
         let curves = |pass: &Pass| -> Result<Curves> {
             let record = pass.path()?;
-            // The plane's order, which need not be that of the record that was dropped.
+            // In the order of the plane, which may differ from that of the dropped record.
             let [first, second] = [0, 1].map(|i| found.iter().find(|own| own.axis == record.axes[i].axis));
             let (Some(first), Some(second)) = (first, second) else { return Err(anyhow!("{SIMULATED}: other axes")) };
             let found = [first.clone(), second.clone()];

@@ -1,6 +1,6 @@
-//! Friction of two axes: a record, dropped or simulated, what is found in it, and the circles run again with it.
+//! Friction of two axes: a dropped or simulated record, the friction identified in it, and the circles repeated with it.
 //!
-//! A record and what was found stay in the module between the calls; a simulation goes on in slices.
+//! The module keeps the record and the results between the calls; a simulation runs in slices.
 
 mod bench;
 
@@ -14,12 +14,12 @@ use wasm_bindgen::prelude::*;
 #[cfg(target_arch = "wasm32")]
 #[wasm_bindgen]
 extern "C" {
-    /// The worker's: told how far a call under way has come.
+    /// The worker's callback for the progress of the current call.
     #[wasm_bindgen(js_name = trueaxisProgress)]
     fn progress(what: &str);
 }
 
-/// Without a page there is no worker to be told.
+/// Without a page there is no worker to notify.
 #[cfg(not(target_arch = "wasm32"))]
 fn progress(_: &str) {}
 
@@ -31,37 +31,37 @@ fn with<T>(user: impl FnOnce(&mut Bench) -> Result<T>) -> Result<T, Refused> {
     told(BENCH.with_borrow_mut(user))
 }
 
-/// Reads a record of `axes` (`X,Y`): samples, period, notes. Found before is forgotten.
+/// Reads a record of `axes` (`X,Y`): samples, period, notes. Discards earlier results.
 #[wasm_bindgen]
 pub fn friction_read(name: &str, text: &str, axes: &str) -> Result<String, Refused> {
     with(|bench| json(&bench.read(name, text, axes)?))
 }
 
-/// The simulator's settings unless others are given.
+/// The simulator's default settings.
 #[wasm_bindgen]
 pub fn friction_settings() -> Result<String, Refused> {
     told(json(&Settings::default()))
 }
 
-/// Begins to simulate circles on a machine; its record or the comparison without or with what was found.
+/// Begins to simulate circles on a machine: as the record, or for comparison without or with the identified friction.
 #[wasm_bindgen]
 pub fn friction_start(files: &str, request: &str) -> Result<(), Refused> {
     with(|bench| bench.start(files, request))
 }
 
-/// Simulates some cycles further: the share that is done, 1 at the end.
+/// Simulates some further cycles; returns the fraction done, 1 at the end.
 #[wasm_bindgen]
 pub fn friction_advance(cycles: f64) -> Result<f64, Refused> {
     with(|bench| bench.advance(cycles))
 }
 
-/// The record at hand: samples, period.
+/// The simulated record: samples, period.
 #[wasm_bindgen]
 pub fn friction_record() -> Result<String, Refused> {
     with(|bench| json(&bench.simulated_record()?))
 }
 
-/// Following errors of the record for drawing.
+/// Following errors of the record, for plotting.
 #[wasm_bindgen]
 pub fn friction_trace(points: usize) -> Result<String, Refused> {
     with(|bench| json(&bench.recording()?.trace(points)))
@@ -73,20 +73,20 @@ pub fn friction_csv() -> Result<String, Refused> {
     with(|bench| bench.csv())
 }
 
-/// Finds friction, and the drives where the machine does not state them or `find_drive` asks for it: the command line's
-/// document, spikes, circles, settings as TOML.
+/// Identifies friction, and the drives if the machine does not state them or `find_drive` is set: the command line's document,
+/// spikes, circles, settings as TOML.
 #[wasm_bindgen]
 pub fn friction_fit(files: &str, find_drive: bool) -> Result<String, Refused> {
     with(|bench| json(&bench.fit(files, find_drive, &mut progress)?))
 }
 
-/// The simulated circles without and with what was found.
+/// The simulated circles without and with the identified friction.
 #[wasm_bindgen]
 pub fn friction_closed() -> Result<String, Refused> {
     with(|bench| json(&bench.closed()?))
 }
 
-/// The machine of `files` with what of the figures found is written: `files`, `changes`, `notes`.
+/// The machine of `files` with those identified figures that are written: `files`, `changes`, `notes`.
 #[wasm_bindgen]
 pub fn friction_becomes(files: &str) -> Result<String, Refused> {
     with(|bench| json(&bench.becomes(files)?))

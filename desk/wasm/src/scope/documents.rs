@@ -1,4 +1,4 @@
-//! What a scope tells of itself.
+//! A scope's description of its run.
 
 use super::request::{MACHINE_FOLDER, Model, ProgramText, SCENARIO_FILE};
 use super::session::Session;
@@ -31,19 +31,19 @@ pub(super) fn programs() -> Vec<Shipped> {
 struct Axis {
     axis: char,
     rotary: bool,
-    /// Of position, of the correction and of its change.
+    /// Units of position, of the correction and of its derivatives.
     position_unit: &'static str,
     unit: &'static str,
     slope_unit: &'static str,
     acceleration_unit: &'static str,
     travel: [f64; 2],
-    /// Of the correction by the tables now in force.
+    /// Limits of the correction by the tables now in force.
     limits: CorrectionLimits,
-    /// Of the dynamic correction, on a machine that has any.
+    /// Limits of the dynamic correction, on a machine that has one.
     dynamic_limits: Option<CorrectionLimits>,
 }
 
-/// A scenario as it was understood.
+/// Description of a scenario.
 #[derive(Serialize)]
 pub(super) struct Description {
     machine: String,
@@ -56,7 +56,7 @@ pub(super) struct Description {
     axes: Vec<Axis>,
     /// The program's lines; the first is number 1.
     lines: Vec<String>,
-    /// Settings that are not the default: key, value, default.
+    /// Settings that differ from the default: key, value, default.
     settings: Vec<(String, String, String)>,
     notes: Vec<String>,
 }
@@ -103,7 +103,7 @@ impl Session {
         })
     }
 
-    /// The scenario with all that was done, for anyone to run again.
+    /// The scenario with all acts, for repeating the run elsewhere.
     pub(super) fn reproduction(&self) -> Result<Reproduction> {
         let request = &self.request;
         let mut files = BTreeMap::new();
@@ -138,11 +138,11 @@ impl Session {
 pub(super) struct Reproduction {
     toml: String,
     command: String,
-    /// Texts by their paths, which the command names.
+    /// Texts by the paths that the command names.
     files: BTreeMap<String, String>,
 }
 
-/// A word as a shell takes it.
+/// A word quoted for a shell.
 fn quoted(word: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '.' | '_' | '-');
     if word.chars().all(plain) { word.to_owned() } else { format!("'{}'", word.replace('\'', "'\\''")) }

@@ -1,4 +1,4 @@
-//! What a scope is opened with.
+//! The request that opens a scope.
 
 use crate::files::{Texts, machine_of};
 use anyhow::{Context, Result, bail};
@@ -25,7 +25,7 @@ pub(super) enum ProgramText {
     File { name: String, text: String },
 }
 
-/// Error model in place of the machine file's.
+/// Error model that replaces the machine file's.
 #[derive(Clone, Copy, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum Model {
@@ -33,7 +33,7 @@ pub(super) enum Model {
     Volumetric,
 }
 
-/// A scenario in texts.
+/// A scenario as texts.
 #[derive(Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Request {
@@ -45,16 +45,16 @@ pub(super) struct Request {
     pub(super) model: Option<Model>,
     #[serde(default)]
     pub(super) orientation: Option<bool>,
-    /// Machines whose tables may be exchanged for, by the name that an event gives.
+    /// Machines whose tables an exchange can use, by the name in the event.
     #[serde(default)]
     pub(super) exchanges: BTreeMap<String, Texts>,
-    /// By [`Kind::name`]; left out, those of [`Kind::of`].
+    /// Names as in [`Kind::name`]; those of [`Kind::of`] if omitted.
     #[serde(default)]
     kinds: Option<Vec<String>>,
 }
 
 impl ProgramText {
-    /// Name of the file, or of the shipped program; its text.
+    /// Name of the file or of the shipped program, and its text.
     pub(super) fn parts(&self) -> Result<(&str, &str)> {
         match self {
             ProgramText::File { name, text } => {
@@ -87,7 +87,7 @@ impl Request {
         Ok(request)
     }
 
-    /// The scenario; how files were read goes to `notes`.
+    /// The scenario; `notes` receives details on how files were read.
     pub(super) fn scenario(&self, notes: &mut Vec<String>) -> Result<Scenario> {
         let settings = Settings::parse(&self.settings, SCENARIO_FILE)?;
         let own = self.machine(&self.machine, notes)?;
@@ -101,7 +101,7 @@ impl Request {
         Ok(Scenario::new(own, program, settings)?.with_exchanges(exchanges))
     }
 
-    /// A machine with the error model asked for.
+    /// A machine with the requested error model.
     pub(super) fn machine(&self, files: &Texts, notes: &mut Vec<String>) -> Result<Machine> {
         let mut machine = machine_of(files, notes)?;
         let model = self.model.map(|model| match model {
@@ -121,7 +121,7 @@ impl Request {
     }
 }
 
-/// A name that becomes a folder beside the scenario's other files.
+/// Checks a name that becomes a folder beside the scenario's other files.
 pub(super) fn exchange_name(name: &str) -> Result<()> {
     plain("exchange", name)?;
     if name == MACHINE_FOLDER {

@@ -1,4 +1,4 @@
-//! A scope that is open: a run with its curves, and what was done to it.
+//! An open scope: a run with its curves, and the acts on it.
 
 use super::request::{Request, exchange_name};
 use super::traces::Traces;
@@ -12,26 +12,26 @@ use trueaxis_sim::path::drawn;
 use trueaxis_sim::run::{Figures, Kind, Run, feedback_refused};
 use trueaxis_sim::{Scenario, Settings};
 
-/// Stretches of a curved move, and of the whole path where that has more points.
+/// Sections of a curved move, and of the whole path if that has more points.
 const PARTS_OF_A_MOVE: u32 = 64;
 const PARTS_OF_THE_PATH: usize = 700;
 
-/// A run under way.
+/// A run in progress.
 pub(super) struct Session {
     pub(super) request: Request,
     pub(super) scenario: Arc<Scenario>,
-    /// With all that was done since.
+    /// Settings including all acts so far.
     pub(super) settings: Settings,
     pub(super) kinds: Vec<Kind>,
     pub(super) notes: Vec<String>,
     run: Run,
     pub(super) traces: Traces,
     done: bool,
-    /// The machine whose tables were exchanged for last.
+    /// The machine of the latest exchange.
     pub(super) exchanged: Option<String>,
 }
 
-/// Where a run is.
+/// Progress of a run.
 #[derive(Serialize)]
 pub(super) struct Progress {
     cycle: u64,
@@ -40,16 +40,16 @@ pub(super) struct Progress {
     done: bool,
 }
 
-/// Something done to a run.
+/// A requested act on a run.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Asked {
     act: String,
-    /// Of the machine whose tables are exchanged for, where it is not known yet.
+    /// Files of the machine to exchange, if it is not known yet.
     files: Option<Texts>,
 }
 
-/// The same as it was recorded.
+/// An act as recorded.
 #[derive(Serialize)]
 pub(super) struct Recorded {
     /// `faults` or `events` of the scenario.
@@ -82,7 +82,7 @@ impl Session {
         })
     }
 
-    /// At most `cycles` further cycles.
+    /// Runs at most `cycles` further cycles.
     pub(super) fn advance(&mut self, cycles: u32) -> Progress {
         self.done = !self.run.advance(cycles.into(), &mut self.traces);
         self.progress()
@@ -113,7 +113,7 @@ impl Session {
         kept.iter().flat_map(row).collect()
     }
 
-    /// Does something to the run: an act as in a scenario, whose time may be `now`, or JSON with it and a machine's files.
+    /// Acts on the run: an act as in a scenario, whose time may be `now`, or JSON with the act and a machine's files.
     pub(super) fn act(&mut self, asked: &str) -> Result<Recorded> {
         let asked = match asked.trim_start().starts_with('{') {
             true => serde_json::from_str(asked).context("what is to be done to the run")?,
@@ -143,7 +143,7 @@ impl Session {
         })
     }
 
-    /// Takes in the files of another machine; a name stands for the same files all along.
+    /// Stores the files of another machine; a name must always refer to the same files.
     fn know(&mut self, name: &str, files: Texts) -> Result<()> {
         exchange_name(name)?;
         match self.request.exchanges.get(name) {

@@ -1,4 +1,4 @@
-//! Scopes as the page uses them, but for the border to JavaScript.
+//! Scopes as used by the page, except for the JavaScript interface.
 
 use super::*;
 use serde_json::{Value, json};

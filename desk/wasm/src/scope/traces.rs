@@ -1,4 +1,4 @@
-//! Curves of a run in memory of fixed size: cycles kept whole, those at which something is largest or smallest.
+//! Curves of a run in memory of fixed size: complete cycles, those at which a value is largest or smallest.
 
 use trueaxis::Axis;
 use trueaxis::machine::AXES;
@@ -6,11 +6,11 @@ use trueaxis_report::Thinner;
 use trueaxis_sim::Scenario;
 use trueaxis_sim::run::{Kind, Moment, Sample, Sink};
 
-/// Stretches of time of which the extremes are kept: a few thousand rows.
+/// Time intervals whose extremes are kept: a few thousand rows.
 const BUCKETS: usize = 256;
-/// What cycles are kept for: contour errors of five machines, fault, limited, correction, dynamic correction.
+/// Values whose extremes are kept: contour errors of five machines, fault, limited, correction, dynamic correction.
 const EXTREMES: usize = 9;
-/// Columns of a machine of six axes with everything, run in every kind.
+/// Columns of a six-axis machine with every part, run in every kind.
 const MOST_COLUMNS: usize = 96;
 
 /// A number of a sample.
@@ -30,7 +30,7 @@ enum Field {
     Crosstalk(usize),
 }
 
-/// The number of an axis.
+/// Selects the value of an axis.
 type OfAxis = fn(usize) -> Field;
 
 impl Field {
@@ -53,7 +53,7 @@ impl Field {
     }
 }
 
-/// A column of the rows: of which machine, what.
+/// A column of the rows: its machine and value.
 struct Column {
     name: String,
     machine: usize,
@@ -73,7 +73,7 @@ struct Row {
     values: [f32; MOST_COLUMNS],
 }
 
-/// Gathers the rows.
+/// Collects the rows.
 pub(super) struct Traces {
     rotary: Vec<Axis>,
     columns: Vec<Column>,
@@ -113,7 +113,7 @@ impl Traces {
                 ("feedback", Field::Feedback),
                 ("crosstalk", Field::Crosstalk),
             ];
-            // Geometry alone has no dynamic parts.
+            // The run with geometry alone has no dynamic parts.
             let count = if *kind == Kind::Compensated { 1 } else { whole.len() };
             for (what, field) in whole.into_iter().take(count) {
                 axes.iter().for_each(|axis| add(machine, format!("{what}.{}", axis.letter()), field(axis.index())));
@@ -135,7 +135,7 @@ impl Traces {
         own.into_iter().chain(rotary).chain(self.columns.iter().map(|column| column.name.clone())).collect()
     }
 
-    /// The rows kept, one after the other.
+    /// The rows kept, concatenated.
     pub(super) fn rows(&self) -> Vec<f64> {
         let mut numbers = Vec::new();
         for row in self.rows.items() {
@@ -149,7 +149,7 @@ impl Traces {
     }
 }
 
-/// Of a machine that has stopped.
+/// Value of a machine that has stopped.
 const NOTHING: f32 = f32::NAN;
 
 /// The component of the largest magnitude, with its sign.
