@@ -1,6 +1,6 @@
 //! Circular tests.
 
-use crate::machine::Machine;
+use crate::machine::{Machine, decided};
 use crate::measured::Measured;
 use crate::{Error, documents, told, warn};
 use numpy::PyArray1;
@@ -45,10 +45,7 @@ pub(crate) fn ballbar<'py>(
         let name = measured.name();
         let test = Test::read(&bytes, name, &options, |note| notes.push(note))?;
         let document = test.document();
-        let written = match machine {
-            Some(machine) => machine.decided(&measured, test.additions(compensated))?,
-            None => None,
-        };
+        let written = decided(machine, &measured, || Ok(test.additions(compensated)), &mut notes);
         Ok((test, document, written))
     });
     notes.iter().try_for_each(|note| warn(py, note))?;

@@ -1,6 +1,6 @@
 //! Records of tests with instruments: the documents of `trueaxis evaluate`.
 
-use crate::machine::Machine;
+use crate::machine::{self, Machine};
 use crate::measured::Measured;
 use crate::{Error, documents, told, warn};
 use anyhow::Result;
@@ -34,10 +34,7 @@ fn decided<'py, const C: usize, D: Serialize + Send>(
     let found = py.detach(|| {
         let name = measured.name().display().to_string();
         let (document, additions) = evaluate(&mut measured.rows(columns, &mut notes)?, &name)?;
-        let written = match machine {
-            Some(machine) => machine.decided(&measured, additions)?,
-            None => None,
-        };
+        let written = machine::decided(machine, &measured, || Ok(additions), &mut notes);
         Ok((document, written))
     });
     notes.iter().try_for_each(|note| warn(py, note))?;

@@ -1,6 +1,6 @@
 //! Errors of rotary axes and friction, found from measurements.
 
-use crate::machine::Machine;
+use crate::machine::{Machine, decided};
 use crate::measured::Measured;
 use crate::{Error, documents, told, warn};
 use pyo3::prelude::*;
@@ -8,6 +8,7 @@ use pyo3::types::PyDict;
 use trueaxis::Axis;
 use trueaxis_evaluation::{friction as circles, identify as ball};
 use trueaxis_metrology::identification::Offsets;
+use trueaxis_tables::Additions;
 use trueaxis_tables::formats::write_axis_csv;
 
 /// The six errors of a rotary axis from readings of a ball that RTCP holds in place: the document of
@@ -55,16 +56,8 @@ pub(crate) fn identify<'py>(
         let name = measured.name().display().to_string();
         let mut found = ball::identify(readings, &name, axis, offsets, known)?;
         let table = if table { Some(write_axis_csv(&found.table()?, axis)) } else { None };
-        let written = match machine {
-            Some(machine) => match found.additions(&machine.0) {
-                Ok(additions) => machine.decided(&measured, additions)?,
-                Err(error) => {
-                    notes.push(format!("{name}: nothing is decided about the machine: {error}"));
-                    None
-                }
-            },
-            None => None,
-        };
+        let additions = || machine.map_or(Ok(Additions::default()), |machine| found.additions(&machine.0));
+        let written = decided(machine, &measured, additions, &mut notes);
         Ok((found.document, table, written))
     });
     notes.iter().try_for_each(|note| warn(py, note))?;
@@ -113,10 +106,7 @@ pub(crate) fn friction<'py>(
         recording.record.read_after_s = read_after_s;
         let (found, document) = circles::fit(&recording, given, &mut |_, _| {})?;
         let sections = toml.then(|| circles::sections(measured.name(), &found));
-        let written = match machine {
-            Some(machine) => machine.decided(&measured, circles::additions(&found))?,
-            None => None,
-        };
+        let written = decided(machine, &measured, || Ok(circles::additions(&found)), &mut notes);
         Ok((document, sections, written))
     });
     notes.iter().try_for_each(|note| warn(py, note))?;

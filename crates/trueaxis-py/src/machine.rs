@@ -211,19 +211,27 @@ pub(crate) fn columns(machine: &trueaxis_tables::Machine) -> impl Iterator<Item 
     Axis::ALL.into_iter().filter(|axis| !axis.is_rotary() || machine.settings.axis(*axis).is_some())
 }
 
-impl Machine {
-    /// What is done about every finding of a record in the machine as its files are now, by the rule of the commands; nothing for a
-    /// compiled file, which states nothing. Nothing is written.
-    pub(crate) fn decided(&self, record: &Measured, additions: Additions) -> anyhow::Result<Option<Vec<Decision>>> {
-        if self.1.is_none() {
-            return Ok(None);
-        }
-        let (folder, name) = Folder::of_machine(&self.2);
-        let additions = additions.of_record(&record.bytes()?);
+/// Decides what would become of the findings of a record in a machine as its files are now, by the rule of the commands, and
+/// writes nothing. `None` without a machine, for a compiled one, which states nothing, and, with a note, if the machine could
+/// not take them.
+pub(crate) fn decided(
+    machine: Option<&Machine>,
+    record: &Measured,
+    additions: impl FnOnce() -> anyhow::Result<Additions>,
+    notes: &mut Vec<String>,
+) -> Option<Vec<Decision>> {
+    let machine = machine.filter(|machine| machine.1.is_some())?;
+    let (folder, name) = Folder::of_machine(&machine.2);
+    let decide = || -> anyhow::Result<_> {
+        let additions = additions()?.of_record(&record.bytes()?);
         additions.edit(&folder, &name)?;
-        Ok(Some(additions.decide(&folder, &name)?))
-    }
+        Ok(additions.decide(&folder, &name)?)
+    };
+    let note = |error| format!("{}: nothing is decided about the machine: {error:#}", record.name().display());
+    decide().map_err(|error| notes.push(note(error))).ok()
+}
 
+impl Machine {
     /// Positions of a call, checked against the declared travel.
     pub(crate) fn asked(
         &self,
