@@ -43,6 +43,17 @@ fn record(circles: &[Circle], period_s: f64, ramp_s: f64, drive: &DriveFigures, 
     Record::new(&stamps, axes).unwrap()
 }
 
+/// The standard circles, with the time within the cycle at which the encoder is read.
+fn read_at(period_s: f64, friction: &FrictionSettings, within: (Commands, f64)) -> Record {
+    let [x, y] = commands(&CIRCLES, period_s, 0.05);
+    let stamps = times(x.len(), period_s);
+    let recorded = |axis, command: Vec<f64>, seed| {
+        let reading = read_within(&command, period_s, (&DRIVE, friction), seed, within);
+        Recorded { axis, command, reading }
+    };
+    Record::new(&stamps, [recorded(Axis::X, x, 1), recorded(Axis::Y, y, 2)]).unwrap()
+}
+
 /// X and Y of the standard circles, simulated once.
 fn standard() -> &'static Record {
     static RECORD: OnceLock<Record> = OnceLock::new();
@@ -165,29 +176,19 @@ fn at_one_kilohertz_too() {
 #[test]
 fn what_is_found_does_not_depend_on_when_the_encoder_is_read() {
     let friction = FrictionSettings { viscous: 0.0, ..FRICTION };
-    {
-        for (commands_taken, share) in [(Commands::Sampled, 0.0), (Commands::Held, 1.0), (Commands::Linear, 0.5)] {
-            let [x, y] = commands(&CIRCLES, 1e-3, 0.05);
-            let read =
-                |command: &[f64], seed| read_within(command, 1e-3, (&DRIVE, &friction), seed, (commands_taken, share));
-            let axis = |axis, command: &Vec<f64>, seed| Recorded {
-                axis,
-                command: command.clone(),
-                reading: read(command, seed),
-            };
-            let record = Record::new(&times(x.len(), 1e-3), [axis(Axis::X, &x, 1), axis(Axis::Y, &y, 2)]).unwrap();
-            let what = format!("{commands_taken:?}, read after {share} of the cycle");
-            for found in found(&record, Some(DRIVE)).unwrap() {
-                near(&what, found.coulomb_per_s, friction.coulomb_per_s, 0.03);
-                near(&what, found.presliding, friction.presliding, 0.05);
-                let viscous = found.viscous;
-                let band = 3.0 * viscous.standard_error.unwrap_or(0.0);
-                assert!(viscous.value <= band, "{what}: viscous {viscous:?}");
-                // A held command acts half a cycle late; a loop closed once per cycle uses readings just as old.
-                let acts = if matches!(commands_taken, Commands::Held) { 0.5 } else { 0.0 };
-                let lag = 1e-3 * (acts - share);
-                assert!((found.reading_lag_s.value - lag).abs() < 1e-5, "{what}: {:?}", found.reading_lag_s);
-            }
+    for (commands_taken, share) in [(Commands::Sampled, 0.0), (Commands::Held, 1.0), (Commands::Linear, 0.5)] {
+        let record = read_at(1e-3, &friction, (commands_taken, share));
+        let what = format!("{commands_taken:?}, read after {share} of the cycle");
+        for found in found(&record, Some(DRIVE)).unwrap() {
+            near(&what, found.coulomb_per_s, friction.coulomb_per_s, 0.03);
+            near(&what, found.presliding, friction.presliding, 0.05);
+            let viscous = found.viscous;
+            let band = 3.0 * viscous.standard_error.unwrap_or(0.0);
+            assert!(viscous.value <= band, "{what}: viscous {viscous:?}");
+            // A held command acts half a cycle late; a loop closed once a cycle uses readings that are as old.
+            let acts = if matches!(commands_taken, Commands::Held) { 0.5 } else { 0.0 };
+            let lag = 1e-3 * (acts - share);
+            assert!((found.reading_lag_s.value - lag).abs() < 1e-5, "{what}: {:?}", found.reading_lag_s);
         }
     }
 }
@@ -197,15 +198,7 @@ fn what_is_found_does_not_depend_on_when_the_encoder_is_read() {
 #[test]
 fn the_drive_found_is_as_uncertain_as_the_time_at_which_the_encoder_is_read() {
     let period_s = 1e-4;
-    let [x, y] = commands(&CIRCLES, period_s, 0.05);
-    let late = (Commands::Linear, 1.0);
-    let recorded = |axis, command: &Vec<f64>, seed| Recorded {
-        axis,
-        command: command.clone(),
-        reading: read_within(command, period_s, (&DRIVE, &FRICTION), seed, late),
-    };
-    let axes = [recorded(Axis::X, &x, 1), recorded(Axis::Y, &y, 2)];
-    let mut record = Record::new(&times(x.len(), period_s), axes).unwrap();
+    let mut record = read_at(period_s, &FRICTION, (Commands::Linear, 1.0));
     let gain = |record: &Record| {
         let [found, _] = found(record, None).unwrap();
         (found.drive.position_gain_per_s - DRIVE.position_gain_per_s, found.drive_errors.unwrap()[0])

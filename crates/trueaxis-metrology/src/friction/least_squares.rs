@@ -77,10 +77,13 @@ fn squares(residuals: &[f64]) -> f64 {
     residuals.iter().map(|r| r * r).sum()
 }
 
+fn dot(one: &[f64], other: &[f64]) -> f64 {
+    one.iter().zip(other).map(|(a, b)| a * b).sum()
+}
+
 fn linearised(problem: &Problem, values: &Values, residuals: &[f64], free: &[usize]) -> Linear {
     let derivative = |&parameter: &usize| problem.derivative(values, residuals, parameter);
     let columns: Vec<Vec<f64>> = free.par_iter().map(derivative).collect();
-    let dot = |one: &[f64], other: &[f64]| one.iter().zip(other).map(|(a, b)| a * b).sum::<f64>();
     let mut normal = DMatrix::zeros(free.len(), free.len());
     for i in 0..free.len() {
         for j in 0..=i {
@@ -130,7 +133,7 @@ fn judged(problem: &Problem, values: Values, residuals: &[f64], cost: f64, free:
     let plain = &inverse * (cost / (samples - size as f64).max(1.0));
     let bent = |(time, uncertainty): (usize, f64)| {
         let column = problem.derivative(&values, residuals, time);
-        let dots = linear.columns.iter().map(|own| own.iter().zip(&column).map(|(a, b)| a * b).sum::<f64>());
+        let dots = linear.columns.iter().map(|own| dot(own, &column));
         &inverse * DVector::from_iterator(size, dots) * uncertainty
     };
     let bent: Vec<_> = problem.open_times(free).into_iter().map(bent).collect();

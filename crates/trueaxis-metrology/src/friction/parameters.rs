@@ -109,6 +109,12 @@ impl Values {
         next
     }
 
+    /// Whether a parameter is at an end of its range.
+    pub(super) fn is_at_an_end(&self, parameter: usize) -> bool {
+        let Kind { low, high, step, .. } = KINDS[parameter];
+        self.0[parameter] <= low + step || self.0[parameter] >= high - step
+    }
+
     /// Converts a standard error from the scale in which the parameter is varied to the parameter's unit.
     pub(super) fn unscaled(&self, parameter: usize, error: f64) -> f64 {
         if KINDS[parameter].log { error * self.0[parameter] } else { error }
@@ -182,12 +188,6 @@ impl Problem {
         let feed = (FEED_LAG, 1.0 / 3_f64.sqrt());
         let open = [is_read_any_time.then_some(reading), Some(feed)];
         open.into_iter().flatten().filter(|(time, _)| !free.contains(time)).collect()
-    }
-
-    /// Whether a parameter is at an end of its range.
-    pub(super) fn is_at_an_end(values: &Values, parameter: usize) -> bool {
-        let Kind { low, high, step, .. } = KINDS[parameter];
-        values.0[parameter] <= low + step || values.0[parameter] >= high - step
     }
 
     /// Whether a sample counts.

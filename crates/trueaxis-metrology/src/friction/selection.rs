@@ -53,9 +53,8 @@ pub(super) fn reduced(
     values = found.values;
     (values.0[VISCOUS], values.0[FEED_LAG]) = (0.0, 0.5);
     let late = fit_of_what_is_told(problem, values, with(FEED_LAG), with_drive, tell);
-    let is_as_good = |(other, _): &(Fit, Vec<usize>)| {
-        !Problem::is_at_an_end(&other.values, FEED_LAG) && other.rms <= EXCHANGED * found.rms
-    };
+    let is_as_good =
+        |(other, _): &(Fit, Vec<usize>)| !other.values.is_at_an_end(FEED_LAG) && other.rms <= EXCHANGED * found.rms;
     Ok(late.filter(is_as_good).unwrap_or((found, told)))
 }
 
