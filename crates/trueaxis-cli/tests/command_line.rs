@@ -291,7 +291,7 @@ fn a_coordinate_that_dies_on_the_path_is_refused_with_its_line_and_one_that_rest
         &["contour", "path.json", "dead.csv", "-o", "out.csv"],
         &[
             "dead.csv:42: column x_mm: found 4.002 for ",
-            "while the path goes on by 10.000 mm",
+            "while the path advances by 10.000 mm",
             "a position that follows the path",
         ],
     );

@@ -54,7 +54,7 @@ pub(crate) struct Arguments {
     /// Find the drives' figures even where the machine states them.
     #[arg(long)]
     find_drive: bool,
-    /// Beside a drive that is found: how long after the command of its row takes effect the encoder is read, µs; negative: before.
+    /// When the encoder is read, µs after the command of its row takes effect (negative: before); for a drive that is found.
     #[arg(long, value_name = "US", allow_negative_numbers = true, value_parser = read_after)]
     read_after_us: Option<f64>,
     /// One JSON document instead of a table.
@@ -117,7 +117,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
 }
 
 fn read_after(text: &str) -> Result<f64, String> {
-    friction::read_after_s(text.parse().unwrap_or(f64::NAN))
+    text.parse().map_err(|wrong: std::num::ParseFloatError| wrong.to_string()).and_then(friction::read_after_s)
 }
 
 /// The drives' figures stated by a machine.

@@ -27,8 +27,8 @@ their shares can be told apart.
 
 Curves by least squares, lags by search. A sensor is taken in when it makes the cycles predict one another better; what the
 others tell as well is left out. What is left is reported for cycles that took no part, by the task's own code.
-Refused: sensors that jump, stick or run together, records in which nothing moves, rows missing for longer than a lag; rows
-missing for less are told, where the others are even.
+Refused: sensors that jump, stick or run together, records in which nothing moves, rows missing for longer than a lag.
+Shorter gaps in an otherwise even record are reported.
 
 -o thermal.toml is made a file for the controller by `trueaxis thermal compile`.
 

@@ -105,7 +105,7 @@ impl Alive {
         let standing = self.0.iter().enumerate().find_map(|(axis, followed)| Some((axis, followed.standing()?)));
         standing.map_or(Ok(()), |(axis, (stuck, way))| {
             let found =
-                format!("{} for {} readings in a row while the path goes on by {way:.3} mm", stuck.value, stuck.count);
+                format!("{} for {} readings in a row while the path advances by {way:.3} mm", stuck.value, stuck.count);
             Err(Standing { axis, row: stuck.from, found })
         })
     }
