@@ -16,7 +16,7 @@ from lanes import Step, run  # noqa: E402
 
 ROOT = Path(__file__).resolve().parent.parent
 TARGET = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
-TOOLS = Path(os.environ.get("TRUEAXIS_TOOLS", TARGET / "tools"))
+TOOLS = Path(subprocess.check_output([ROOT / ".ci/install", "--where"], text=True).strip())
 REFERENCE = ROOT.parent / "shared/data"
 
 TOOLS_SCRIPT = """
@@ -25,7 +25,7 @@ TOOLS_SCRIPT = """
     rustup:nightly:rust-src rustup:component:llvm-tools rustup:component:clippy rustup:component:rustfmt \\
     gcc g++ make libc6-dev libc6-dbg valgrind llvm qemu-system-arm gcc-arm-none-eabi libnewlib-arm-none-eabi \\
     linuxcnc-uspace linuxcnc-uspace-dev chromium python3-venv \\
-    cargo:cargo-deny@0.20.2 cargo:gungraun-runner@=0.20.0 cargo:defmt-print@1.2.0
+    cargo:cargo-deny@0.20.2 cargo:gungraun-runner@=0.20.0 cargo:defmt-print@1.2.0 crate:desk/bindgen
 rm -rf "$tools/build"
 """
 

@@ -26,8 +26,8 @@ target=${CARGO_TARGET_DIR:-$PWD/../target}
 # Panics name their files: not where the packages lie on this machine.
 export CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_RUSTFLAGS="--remap-path-prefix=${CARGO_HOME:-$HOME/.cargo}/registry/src="
 cargo build -p trueaxis-desk --profile "$profile" --target wasm32-unknown-unknown
-CARGO_TARGET_DIR="$PWD/bindgen/target" cargo build --release --locked --manifest-path bindgen/Cargo.toml
-bindgen/target/release/desk-bindgen "$target/wasm32-unknown-unknown/$folder/trueaxis_desk.wasm" pkg
+../.ci/install crate:desk/bindgen
+"$(../.ci/install --where)/bin/desk-bindgen" "$target/wasm32-unknown-unknown/$folder/trueaxis_desk.wasm" pkg
 
 # Once for each state of the lock file.
 if ! cmp -s package-lock.json node_modules/.installed; then

@@ -3,7 +3,7 @@
 # and checks what it sends: the host's outputs bit for bit, the same again in a second run, a refusal for every bad input,
 # its size and stack; then the counts of instructions.
 #
-# Installs the target and defmt-print (into target/tools; TRUEAXIS_TOOLS names another folder), and QEMU where root may.
+# Installs the target and defmt-print, and QEMU where root may.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 exec </dev/null
@@ -11,8 +11,7 @@ exec </dev/null
 repository=$(cd ../.. && pwd)
 on_host=${CARGO_TARGET_DIR:-$repository/target}
 target=${CARGO_TARGET_DIR:-$PWD/target}
-tools=${TRUEAXIS_TOOLS:-$on_host/tools}
-export PATH="$tools/bin:${CARGO_HOME:-$HOME/.cargo}/bin:$PATH"
+export PATH="$("$repository/.ci/install" --where)/bin:${CARGO_HOME:-$HOME/.cargo}/bin:$PATH"
 mcu=thumbv7em-none-eabihf
 cores=(m4f m7)
 
@@ -21,7 +20,7 @@ say() {
 }
 
 say 'what is needed'
-TRUEAXIS_TOOLS="$tools" "$repository/.ci/install" "rustup:target:$mcu" qemu-system-arm cargo:defmt-print@1.2.0
+"$repository/.ci/install" "rustup:target:$mcu" qemu-system-arm cargo:defmt-print@1.2.0
 
 say 'host'
 # In the repository's folder: this one's configuration asks for the processor's target.

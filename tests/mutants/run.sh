@@ -5,9 +5,8 @@ set -euo pipefail
 here="$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)"
 root="$(cd "$here/../.." && pwd)"
 target="${CARGO_TARGET_DIR:-$root/target}"
-tools="${TRUEAXIS_TOOLS:-$target/tools}"
-export PATH="$tools/bin:${CARGO_HOME:-$HOME/.cargo}/bin:$PATH"
-TRUEAXIS_TOOLS="$tools" "$root/.ci/install" cargo:cargo-mutants@27.1.0
+export PATH="$("$root/.ci/install" --where)/bin:${CARGO_HOME:-$HOME/.cargo}/bin:$PATH"
+"$root/.ci/install" cargo:cargo-mutants@27.1.0
 # Long tests run a part of their cases: what slips through is few, and every mutant runs them.
 export TRUEAXIS_TEST_SHARE="${TRUEAXIS_TEST_SHARE:-40}"
 CARGO_TARGET_DIR="$target/mutants/tool" cargo build --quiet --locked --manifest-path "$here/Cargo.toml"
