@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 """Checks the documents: docs/check.py, from any folder.
 
-- Every relative link and every #anchor in README.md, ARCHITECTURE.md, CONTRIBUTING.md, docs, and the README files of the
-  crates and integrations leads somewhere.
+- Every relative link and every #anchor in the documents at the root, in docs, and in the README files leads somewhere.
 - Every page in docs is in docs/SUMMARY.md, and every page there exists.
-- Every command of trueaxis and firmware-sim in a code block names a subcommand and flags of docs/commands.md, and every flag
-  there is an argument in the programs' sources.
+- Every command of trueaxis and firmware-sim in a code block names a subcommand and flags of docs/commands.md, and the flags
+  are arguments in the program's sources.
+- Every page in docs/controllers has the same headings, in the same order.
 - A code block below `<!-- from FILE -->` is in that file, line by line.
 
 Prints one line for every defect and exits with 1 if there are any. SPDX-License-Identifier: MIT OR Apache-2.0
@@ -13,6 +13,7 @@ Prints one line for every defect and exits with 1 if there are any. SPDX-License
 
 import re
 import sys
+from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -21,12 +22,12 @@ PROGRAMS = {"trueaxis": "crates/trueaxis-cli/src", "firmware-sim": "firmware-sim
 # [text](target), ![text](target); a text may contain `code` and one level of brackets.
 LINK = re.compile(r"!?\[(?:[^\[\]]|\[[^\[\]]*\])*\]\(([^()\s]+)\)")
 INCLUDE = re.compile(r"\{\{#include ([^}\s]+)\}\}")
+GUIDE = ["What you need", "Install", "Configure", "First corrected move", "Check that it works", "When something is wrong"]
 FLAG = re.compile(r"--[a-z][a-z0-9-]*")
 
 
 def documents():
-    globs = ("README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "compensation-tables/README.md", "benches/README.md")
-    globs += ("docs/**/*.md", "crates/*/README.md", "integrations/*/*.md")
+    globs = ("*.md", "*/README.md", "docs/**/*.md", "crates/*/README.md", "integrations/*/*.md", "tests/*/README.md")
     return sorted({path for glob in globs for path in ROOT.glob(glob) if path.name != "SUMMARY.md"})
 
 
@@ -106,7 +107,8 @@ def commands(path):
             continue
         # A comment ends a command; so do a pipe and a list.
         for part in re.split(r"\s+#\s|&&|\|\|?|;", joined.removeprefix("$ ")):
-            words = part.split()
+            # Words are apart by one blank; a diagram has more.
+            words = [] if re.match(r"\s*\S+  ", part) else part.split()
             if words[:2] == ["cargo", "run"] and "--" in words:
                 program = words[words.index("-p") + 1] if "-p" in words else "firmware-sim"
                 program = {"trueaxis-cli": "trueaxis"}.get(program, program)
@@ -123,10 +125,16 @@ def subcommands(program):
     return set(re.findall(rf"\b{program} ([a-z][a-z-]*(?: [a-z][a-z-]*)?)", text))
 
 
-def is_argument(flag, sources):
+@cache
+def sources(program):
+    return "".join(path.read_text(encoding="utf-8") for path in sorted((ROOT / PROGRAMS[program]).rglob("*.rs")))
+
+
+@cache
+def is_argument(flag, program):
     """Whether a program has the flag: a field of its arguments, or a name stated beside one."""
     field = flag[2:].replace("-", "_")
-    return re.search(rf'\b{field}\s*:|long = "{flag[2:]}"|--{flag[2:]}\b', sources) is not None
+    return re.search(rf'\b{field}\s*:|long = "{flag[2:]}"|--{flag[2:]}\b', sources(program)) is not None
 
 
 def check_commands(path, known, flags):
@@ -141,10 +149,21 @@ def check_commands(path, known, flags):
         for flag in FLAG.findall(" ".join(words)):
             if flag not in flags:
                 yield number, f"found {program} {word} {flag}, needed a flag of docs/commands.md"
+            elif flag not in GIVEN and not is_argument(flag, program):
+                yield number, f"found {program} {word} {flag}, needed an argument of the program"
 
 
+# Flags that every program has.
+GIVEN = {"--help", "--version"}
 # Commands of trueaxis whose second word is a command too.
 GROUPS = ("tables", "calibrate", "keep", "evaluate", "thermal", "kinematics")
+
+
+def check_guide(path):
+    """A page of a controller has the headings of all of them."""
+    found = [line[3:] for _, line, code in lines_of(path) if code is False and line.startswith("## ")]
+    if path.parent == DOCS / "controllers" and found[: len(GUIDE)] != GUIDE:
+        yield 0, f"found the headings {found[: len(GUIDE)]}, needed {GUIDE}"
 
 
 def check_quoted(path):
@@ -170,14 +189,9 @@ def main():
     defects = list(check_summary())
     page = DOCS / "commands.md"
     known = {program: subcommands(program) for program in PROGRAMS}
-    flags = set(FLAG.findall(page.read_text(encoding="utf-8"))) | {"--help", "--version"}
-    for number, program, words in commands(page):
-        text = "".join(path.read_text(encoding="utf-8") for path in sorted((ROOT / PROGRAMS[program]).rglob("*.rs")))
-        for flag in FLAG.findall(" ".join(words)):
-            if flag != "--help" and not is_argument(flag, text):
-                defects.append((page, number, f"found {program} {flag}, needed an argument of the program"))
+    flags = set(FLAG.findall(page.read_text(encoding="utf-8"))) | GIVEN
     for path in documents():
-        found = [*check_links(path), *check_commands(path, known, flags), *check_quoted(path)]
+        found = [*check_links(path), *check_commands(path, known, flags), *check_guide(path), *check_quoted(path)]
         defects += [(path, number, text) for number, text in found]
     for path, number, text in defects:
         print(f"{path.relative_to(ROOT)}{f':{number}' if number else ''}: {text}", file=sys.stderr)
