@@ -140,7 +140,11 @@ STEPS = [
             --exclude trueaxis-linuxcnc --exclude trueaxis-desk --exclude trueaxis-fuzz --no-verify --allow-dirty
         """, ("tools",)),
     Step("the two commands of the README", COMMANDS, ("commands",)),
-    Step("format and circles of files", ".ci/format\n.ci/circles.py crates/* firmware-sim desk/wasm benches tests fuzz", ("tools",)),
+    Step("format and circles of files", """
+        .ci/format
+        .ci/circles.py crates/* firmware-sim desk/wasm benches tests fuzz
+        docs/check.py
+        """, ("tools",)),
     Step("one recording through every host", 'tests/hosts/table.py --check "$target/hosts" docs/hosts.md',
          ("C interface", "Python", "grblHAL", "LinuxCNC", "Klipper", "ROS 2 control", "bare metal", "EtherCAT")),
 ]

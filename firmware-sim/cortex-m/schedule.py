@@ -178,7 +178,7 @@ ON_HOST = [
     ("limiter, three axes, nothing binding", "limiter.free"),
     ("kinematics of five axes, forward; inverse with both branches", "kinematics.forward", "kinematics.inverse"),
     ("whole step, three axes, all along the butterfly: typical; mean; worst", "walk.typical", "walk.mean", "walk.worst"),
-    ("the dearest adversarial cycle", "adversarial.worst"),
+    ("the most expensive adversarial cycle", "adversarial.worst"),
     ("three-probe gauge, a cycle's readings; at one of 1024 points", "gauge_sampling.between_points", "gauge_sampling.at_a_point"),
 ]
 

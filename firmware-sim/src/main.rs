@@ -48,7 +48,7 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Simulate a program three times: without and with compensation, and on a geometrically perfect machine.
+    /// Simulate a program three or four times: without and with compensation, with perfect geometry, and in full.
     ///
     /// A machine with friction, a dynamic correction, contour feedback or cross-talk gets a fourth run, full: everything
     /// that the plugin has. The compensated run leaves the servo alone.

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Records the runs that GUIDE.md shows and draws them into plots/. Needs what test.sh needs.
+# Records the runs that docs/controllers/linuxcnc.md shows and draws them into plots/. Needs what test.sh needs.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 exec </dev/null

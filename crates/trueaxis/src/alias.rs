@@ -14,6 +14,10 @@ pub type HostInput<const N: usize> = Input<f64, N>;
 pub type HostPath<const SPANS: usize> = PathBuffer<f64, f64, SPANS>;
 
 /// A servo loop on a microcontroller with single precision: positions in integers of 1e-6 mm (degrees).
+///
+/// ```
+#[doc = include_str!("../examples/mcu.rs")]
+/// ```
 pub type McuServo<'a, const N: usize> = ServoLoop<'a, f32, Nanometres, N>;
 /// State of an [`McuServo`].
 pub type McuState<const N: usize> = State<f32, Nanometres, N>;
