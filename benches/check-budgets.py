@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Counts instructions under callgrind and holds them against budgets.toml.
+"""Counts instructions under callgrind and compares them with budgets.toml.
 
 check-budgets.py [--commit] [base|v3 ...]     both targets where none is named
 
@@ -37,7 +37,7 @@ def instructions(summary):
 
 
 def measure(target):
-    """Runs the counts built for a target; a count for every thing."""
+    """Runs the counts built for a target; a count for every part."""
     environment = dict(os.environ, RUSTFLAGS=FLAGS[target])
     root = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", HERE.parent / "target"))
     if target != "base":
@@ -76,14 +76,14 @@ def each(program, function, *arguments):
     """Instructions of every call of a function."""
     with tempfile.TemporaryDirectory() as folder:
         out = pathlib.Path(folder) / "out"
-        # Two patterns that differ: callgrind takes one name for one thing only.
+        # Two different patterns: callgrind accepts a name for one option only.
         options = [f"--toggle-collect=counted::{function}*", f"--dump-after=*{function}*", "--combine-dumps=yes"]
         command = ["valgrind", "--tool=callgrind", *options, f"--callgrind-out-file={out}", program, *arguments]
         done = subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, check=False)
         if done.returncode != 0:
             sys.exit(f"{function} did not run:\n{done.stderr}")
         totals = [int(line.split()[1]) for line in out.read_text().splitlines() if line.startswith("totals:")]
-    # What is left at the end is nothing.
+    # The last dump is empty.
     counts = [count for count in totals if count]
     if len(counts) < 100:
         sys.exit(f"{function}: found {len(counts)} calls, needed each of them counted alone")
@@ -131,7 +131,7 @@ def main():
                 verdict.append("NOT MEASURED")
                 failed = True
             else:
-                # Of a difference to a frame the whole is held: what it repeats to is a share of the whole.
+                # A difference to a frame may grow by a share of the whole, as counts repeat to a share of the whole.
                 if committed is None or measured > committed + (GROWTH - 1) * (committed + frame):
                     verdict.append("NOT COMMITTED" if committed is None else "GREW")
                     failed = True

@@ -1,8 +1,8 @@
 #!/bin/sh
-# The long attack: fuzz/run.sh SECONDS [TARGET…], so long for each target [all], one after the other.
-# With libFuzzer where there is a nightly toolchain (one from the environment: NIGHTLY=nightly-2026-01-01), else with the
-# seeded loop. RUNS=N ends a target after N executions, SEED=N begins elsewhere, KEEP=1 puts what libFuzzer found worth
-# keeping into the corpus. Ends with a table; exit 1 where something was found (fuzz/findings/TARGET).
+# Long fuzzing: fuzz/run.sh SECONDS [TARGET…] runs each target [all] for SECONDS, one after the other.
+# Uses libFuzzer if a nightly toolchain is installed (NIGHTLY=nightly-2026-01-01 chooses one), else the
+# seeded loop. RUNS=N ends a target after N executions, SEED=N starts from another seed, KEEP=1 adds the inputs that
+# libFuzzer kept to the corpus. Prints a table at the end; exit 1 if a target failed (fuzz/findings/TARGET).
 set -eu
 [ $# -gt 0 ] || { sed -n '2,5s/^# //p' "$0"; exit 2; }
 seconds=$1
@@ -59,7 +59,7 @@ for target in "$@"; do
         rm -rf "$work/merged"
         mkdir "$work/merged"
         "$attack" -set_cover_merge=1 "$work/merged" "$work/inputs/$target" "$corpus/$target" > "$log.merge" 2>&1
-        # The smallest first, until the room is used up; former findings stay whatever they cover.
+        # The smallest first, up to the limit; former findings stay whatever they cover.
         find "$corpus/$target" -type f ! -name 'finding-*' -delete
         kept=$(cat "$corpus/$target"/* 2>/dev/null | wc -c)
         for file in $(ls -Sr "$work/merged"); do

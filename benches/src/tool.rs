@@ -46,7 +46,7 @@ fn machine() -> MachineSettings {
     Machine::new("w C' b X Y Z A t").travel([-290.0, 325.0], 0.1).tool([0.0, 0.0, -150.0]).settings()
 }
 
-/// The same number of points on every axis; a rotary table spans a closed full turn.
+/// Equal numbers of points on all axes; a rotary table spans a closed full turn.
 fn table(axis: Axis, seed: u64) -> Vec<Row> {
     let mut rows = rows(Grid::Equidistant, seed);
     if axis.is_rotary() {

@@ -150,7 +150,7 @@ test("positions come in another plane and in other forms", async () => {
     await drop(panel, { [name]: text });
     await panel.getByText(`${name}: `).waitFor();
     await figures(panel, await cli(["ballbar", file, "--radius-mm", "40", "--axes", "Z,X", "--json"]));
-    await panel.getByText("made of positions").waitFor();
+    await panel.getByText("computed from positions").waitFor();
   }
   // A pitch that is known.
   await panel.getByLabel("Pitch of X / mm").fill("10");

@@ -160,7 +160,7 @@ test("an R-test has the location errors of the command line, and writes none whe
   assert.equal(fit["in line"].value, found.left_max_line);
   assert.deepEqual(await panel.getByRole("list", { name: "Notes" }).getByRole("listitem").allTextContents(), found.notes);
   assert.equal(await code(panel), "trueaxis evaluate r-test bk.csv --machine mill-5axis -o mill-5axis");
-  const plot = panel.getByRole("img", { name: "What the location errors leave" });
+  const plot = panel.getByRole("img", { name: "Residuals of the location errors" });
   await plot.focus();
   await page.keyboard.press("Home");
   assert.match(await plot.locator("xpath=following-sibling::output").textContent(), /reading: 1\.0000\s+along X \S+ µm\s+along Y/);
@@ -204,7 +204,7 @@ test("diagonals have the figures of the command line, and the machine their squa
     for (const [name, um] of [["E", e_um], ["B", b_um], ["M", m_um], ["R", r_um]]) near(own[`${name}(D), µm`], um, `${name}(${diagonal})`);
   }
   near(figures.largest["E(D), µm"], found.e_d_um, "E_d");
-  const terms = await shownTable(panel, "What the diagonals tell");
+  const terms = await shownTable(panel, "Results of the diagonals");
   near(terms["squareness C0Y"].value, found.c0y_urad.value, "C0Y");
   near(terms["squareness C0Y"]["standard error"], found.c0y_urad.standard_error, "C0Y");
   near(terms["scale Z"].value, found.steps.scales_ppm[2].value, "scale Z");
@@ -227,10 +227,10 @@ test("measured points have the 21 errors of the command line, and become a machi
     near(errors[name].to, range[1], name);
     near(errors[name]["standard error"], standard_error, name);
   }
-  const left = await shownTable(panel, "What is left of the points");
+  const left = await shownTable(panel, "Residuals of the points");
   near(left["held out"].RMS, found.held_out.rms_um, "held out");
   // The map's cells, root mean squares of the points in them, hold all that is left.
-  const map = panel.getByRole("table", { name: /^Root mean square of what is left over X and Y/ });
+  const map = panel.getByRole("table", { name: /^Root mean square of the residuals over X and Y/ });
   const cells = await map.locator("td[data-value]").evaluateAll((all) => all.map((cell) => Number(cell.dataset.value)));
   assert.ok(cells.length > 20 && Math.max(...cells) <= found.left.max_um && Math.max(...cells) >= found.left.rms_um);
   assert.equal(await code(panel), "trueaxis evaluate points points.csv --machine mill-3axis -o mill-3axis-measured");

@@ -183,6 +183,6 @@ test("a term out of its bounds needs a person, and bad looks are refused in the 
   await drop(panel, { "machine.toml": `${machine}# by hand\n`, "look.log": look });
   await page.getByRole("alert").filter({ hasText: "somebody has changed" }).waitFor();
   await panel.getByRole("checkbox", { name: "changed by hand" }).check();
-  await panel.getByText("taken as they are").waitFor();
+  await panel.getByText("used as they are").waitFor();
   await close();
 });

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Holds counts of the image against the committed ones: check.py [--commit] counts.toml m4f=FILE m7=FILE host=FILE
+"""Compares counts of the image with the committed ones: check.py [--commit] counts.toml m4f=FILE m7=FILE host=FILE
 
 Fails (exit 1) where a count is above the committed one by more than 0.5 %, or where the image's outputs over the
 adversarial cycles are not the host's, bit for bit. A committed count above its limit is shown as "limit missed" in every
@@ -15,9 +15,9 @@ from pathlib import Path
 
 GROWTH = 1.005
 SCALAR = {"m4f": "f32", "m7": "f64"}
-# Adversarial cycles that have to be met at least, of 100,000.
+# Least number of adversarial cycles, of 100,000, in which each state must occur.
 MET = {"active": 50_000, "frozen": 2_000, "stopped": 1_000, "limited": 10_000, "bracketed": 5_000, "undisturbed": 50_000}
-# Lines that are no counts.
+# Lines that are not counts.
 NO_COUNTS = ("digests", "dearest", "replay", "dynamic")
 
 
@@ -53,14 +53,14 @@ def commit(path, measured):
 
 
 def after(path, beginning):
-    """The rest of every line that begins so."""
+    """The rest of every line with this beginning."""
     lines = open(path, encoding="ascii").read().splitlines()
     return [line.removeprefix(beginning).strip() for line in lines if line.startswith(beginning)]
 
 
 def commit_dearest(path, files):
-    """The dearest adversarial cycles of every target, and what the first of them was."""
-    text = "# Adversarial cycles that cost most, nine terms, dearest first; of the first what it is. Written by count.sh --commit;\n"
+    """The dearest adversarial cycles of every target, and a description of the first."""
+    text = "# Adversarial cycles that cost most, nine terms, dearest first, with a description of the first. Written by count.sh --commit;\n"
     text += "# `count.sh --replay CYCLE` runs one. benches/check-budgets.sh counts those of the M7 on the host.\n"
     for target, file in files.items():
         scalar = SCALAR[target]
@@ -130,7 +130,7 @@ def main():
             print(f"{target}: found {found.get('recording.cycles')} cycles and {found.get('recording.revolutions')} revolutions, "
                   "needed 10000 and a whole one")
             failed = True
-        # Nor the adversarial cycles: every state has to be met often.
+        # Nor must the adversarial cycles: every state has to occur often.
         rare = {name: found.get(f"met.{name}", 0) for name in MET if found.get(f"met.{name}", 0) < MET[name]}
         if rare:
             print(f"{target}: found {rare} adversarial cycles, needed at least {MET}")

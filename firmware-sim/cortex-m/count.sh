@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # Counts the instructions of the step and its parts on a Cortex-M4F (f32) and a Cortex-M7 (f64) in QEMU, over a recording
-# with reversals, corners, faults, an exchange of tables and a whole revolution at the gauge, and holds them against
-# counts.toml, and over 100,000 adversarial cycles, whose outputs must be the host's bit for bit.
+# with reversals, corners, faults, an exchange of tables and a whole revolution at the gauge, and over 100,000 adversarial
+# cycles, whose outputs must be the host's bit for bit. Compares the counts with counts.toml.
 #
-#   count.sh --commit                      writes what was measured into counts.toml and adversarial.toml instead
+#   count.sh --commit                      writes the counts into counts.toml and adversarial.toml instead
 #   count.sh --replay CYCLE                runs an adversarial cycle: events, stages, inputs
 #   count.sh --replay-recorded CYCLE       runs a cycle of the recording
 #
@@ -18,9 +18,9 @@ target=${CARGO_TARGET_DIR:-$PWD/target}
 mcu=thumbv7em-none-eabihf
 "$repository/.ci/install" "rustup:target:$mcu" qemu-system-arm
 
-# In the repository's folder: this one's configuration asks for the processor's target.
+# In the repository's folder: the configuration of this folder builds for the processor.
 CARGO_TARGET_DIR=$on_host "$repository/.ci/commands"
-# As the budgets of the host have built it.
+# With the flags of the host's budgets, which have built it already.
 (cd "$repository" && CARGO_TARGET_DIR=$on_host cargo build --quiet --profile image -p trueaxis-benches --features counts --bin counted)
 inputs=$target/count
 mkdir -p "$inputs"

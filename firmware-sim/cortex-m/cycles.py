@@ -17,13 +17,13 @@ from pathlib import Path
 
 PROCESSOR = {"m4f": "cortex-m4", "m7": "cortex-m7"}
 TRIPLE = "thumbv7em-none-eabihf"
-# Instructions put through the model at a time where single ones are asked for: its answer grows with the square.
+# Instructions per run of the model if single ones are printed: its output grows with the square.
 CHUNK = 300
-# Conditions in pairs.
+# Conditions and their opposites.
 PAIRS = ["eq ne", "hs lo", "mi pl", "vs vc", "hi ls", "ge lt", "gt le"]
 OTHERWISE = {a: b for pair in map(str.split, PAIRS) for a, b in (pair, pair[::-1])}
 BRANCH = re.compile(r"bl?|b(eq|ne|hs|lo|mi|pl|vs|vc|hi|ls|ge|lt|gt|le)|cbn?z")
-# Cycles in which an M4F fills its pipeline after a branch that was taken: 1 to 3, by alignment and width.
+# Cycles in which an M4F fills its pipeline after a taken branch: 1 to 3, by alignment and width.
 REFILL = 2
 # Flash: wait states, bytes of a line, lines kept.
 WAIT_STATES, LINE, LINES = 5, 16, 64
@@ -36,7 +36,7 @@ def disassembled(elf, processor):
     found, function = {}, "?"
     for line in listing.splitlines():
         if head := re.match(r"[0-9a-f]+ <(.*)>:", line):
-            # Data and code within a function have symbols of their own.
+            # Data and code within a function have separate symbols.
             function = function if head[1].startswith("$") else re.sub(r"::h[0-9a-f]{16}$", "", head[1])
         elif body := re.match(r"\s*([0-9a-f]+):\s+(\S.*)", line):
             found[int(body[1], 16)] = (body[2].split("@")[0].strip(), function)
@@ -44,7 +44,7 @@ def disassembled(elf, processor):
 
 
 def executed(trace, listing):
-    """What the call executed, up to its return into the counter, and where."""
+    """Executed instructions of the call and their addresses, up to its return into the counter."""
     run, addresses = [], []
     for line in Path(trace).read_text().split():
         address = int(line, 16)
@@ -101,7 +101,7 @@ def model(instructions, processor, *options):
 
 
 def taken(addresses, lengths):
-    """Branches that were taken."""
+    """Taken branches."""
     return sum(after != before + lengths[before] for before, after in zip(addresses, addresses[1:]))
 
 
@@ -137,7 +137,7 @@ def waits(instructions, addresses, processor):
 
 
 def sources(addresses, elf):
-    """Function and line of every address; inlined functions by themselves."""
+    """Function and line of every address; inlined functions separately."""
     command = ["llvm-symbolizer", f"--obj={elf}", "--functions=short", "--demangle", "--inlines"]
     asked = "".join(f"{address:#x}\n" for address in addresses)
     answer = subprocess.run(command, input=asked, capture_output=True, text=True, check=True).stdout
@@ -178,7 +178,7 @@ def estimate(core, elf, trace):
     summary = model(instructions, PROCESSOR[core])["SummaryView"]
     lengths, cycles = lengths_of(listing), summary["TotalCycles"]
     jumps = taken(addresses, lengths)
-    # The model of the M7 stands for its prediction, whose misses are not known here.
+    # The model of the M7 includes its branch prediction, whose misses are not known here.
     branches = REFILL * jumps if core == "m4f" else 0
     found = {"executed": len(instructions), "model": cycles, "taken": jumps, "branches": branches}
     if core == "m4f":

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Estimates the cycles of a typical cycle of the recording, its worst and the worst adversarial one on both cores: the
 # instructions that QEMU executes go through llvm-mca's models of the cores. Written into cycles.toml, from which the tables
-# of docs/bare-metal.md follow (schedule.py). By hand, after count.sh, whose images, recording and worst cycles it takes:
+# of docs/bare-metal.md follow (schedule.py). Run by hand after count.sh, whose images, recording and worst cycles it uses:
 #
 #   cycles.sh             all of them
 #   cycles.sh --where     also prints where the instructions go and where the models wait, by function and by line

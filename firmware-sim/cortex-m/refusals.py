@@ -1,4 +1,4 @@
-"""Inputs that an image has to refuse, and what it has to say of each.
+"""Inputs that an image has to refuse, and the expected message of each.
 
     refusals.py machines MACHINE FOLDER    variants of the machine file that this image has no room for
     refusals.py make FOLDER                the inputs, from FOLDER's good, mill, wide and points.tcomp, good and mill.ttherm,
@@ -77,7 +77,7 @@ def summed(data):
 
 
 def warming(growth, sensors=2, interval=100, rows=5):
-    """What is flashed of thermal growth: settings of the task, and readings of 20 °C that rise by 1 K a row."""
+    """Thermal growth as flashed: settings of the task, and readings of 20 °C that rise by 1 K a row."""
     head = b"TAXISTMP" + struct.pack("<HII", 1, interval, len(growth)) + growth + struct.pack("<BI", sensors, rows)
     readings = (value for row in range(rows) for value in [20_000 + 1_000 * row] * sensors + [0])
     return summed(head + b"".join(struct.pack("<i", value) for value in readings))

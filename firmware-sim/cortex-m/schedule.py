@@ -26,7 +26,7 @@ CONFIGURATIONS = [
     ("three axes, volumetric, cubic tables", "step_volumetric", "adversarial_volumetric"),
 ]
 RATES = [1_000, 2_000, 4_000, 10_000, 20_000]
-# Of the period: the rest is the host's own.
+# Share of the period: the host has the rest.
 SHARE = 0.5
 # Rows of the counts table.
 SHOWN = [
@@ -148,7 +148,7 @@ def cycles(estimates):
     return head + rows
 
 
-# Rows of the stack table: symbol, and what is left out.
+# Rows of the stack table: symbol, and what it excludes.
 STACKS = [
     ("step, nine terms only", "proved_step", "volumetric"),
     ("step, any model", "proved_step", None),

@@ -1,4 +1,4 @@
-"""Holds what an image takes of flash, memory and stack against sizes.toml: sizes.py sizes.toml CORE ELF LOG"""
+"""Compares an image's flash, memory and stack with sizes.toml: sizes.py sizes.toml CORE ELF LOG"""
 
 import re
 import struct
@@ -8,7 +8,7 @@ from pathlib import Path
 
 RAM = 0x2000_0000
 EMPTY, ALLOCATED = 8, 2
-# A committed figure that is larger than what is found by more than this is no limit any more.
+# A committed figure that exceeds the measured one by more than this is too loose a limit.
 STALE = 0.95
 
 
@@ -40,7 +40,7 @@ def main(limits, core, elf, log):
         wrong |= bad
         print(f"{core} {name}: {bytes_} bytes of {limit}{'  <-- not the committed figure' if bad else ''}")
     if wrong:
-        sys.exit("sizes.toml: needed figures that are kept to, and not more than 5 % above what is found")
+        sys.exit("sizes.toml: needed figures that the image keeps to, at most 5 % above the measured ones")
 
 
 main(*sys.argv[1:])

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The bare-metal image from end to end: builds it for a Cortex-M4F (f32) and a Cortex-M7 (f64), runs recordings in QEMU
-# and checks what it sends: the host's outputs bit for bit, the same again in a second run, a refusal for every bad input,
+# and checks its messages: the host's outputs bit for bit, the same in a second run, a refusal for every bad input,
 # its size and stack; then the counts of instructions.
 #
 # Installs the target and defmt-print, and QEMU where root may.
@@ -23,7 +23,7 @@ say 'what is needed'
 "$repository/.ci/install" "rustup:target:$mcu" qemu-system-arm cargo:defmt-print@1.2.0
 
 say 'host'
-# In the repository's folder: this one's configuration asks for the processor's target.
+# In the repository's folder: the configuration of this folder builds for the processor.
 CARGO_TARGET_DIR=$on_host "$repository/tests/hosts/recording.sh"
 simulator=$on_host/release/firmware-sim
 trueaxis=$on_host/release/trueaxis
@@ -71,8 +71,8 @@ grow machine "$work/good.ttherm"
 compare() {
     local core=$1 run=$2 with=(--machine machine --exchange-at 12000 --second machine/warm.toml
         --growth "$work/good.ttherm" --temperatures machine/temperatures.csv)
-    # Friction, feedback and everything else that acts on the servo: fewer cycles will do. Single precision is not held
-    # against double there: a reversal seen a cycle apart leads lost motion in a cycle apart, in more than one of 1,000 cycles.
+    # Friction, feedback and everything else that acts on the servo: fewer cycles suffice. Single precision is not compared
+    # with double there: a reversal seen a cycle apart starts lost motion a cycle apart, in more than one of 1,000 cycles.
     [[ $run != dynamic ]] || with=(--machine machine/dynamic.toml --cycles 6000)
     timeout 900 "$simulator" compare --json --core "$core" "--image-$core" "$(elf "$core")" --folder "$work/$run" \
         --program short-tour --rate-hz 1000 --drill "${with[@]}" >"$work/$run-$core.json" || [[ $run == dynamic ]]
@@ -123,7 +123,7 @@ hosts=$repository/tests/hosts
 for core in "${cores[@]}"; do
     timeout 900 "$simulator" compare --json --core "$core" "--image-$core" "$(elf "$core")" --folder "$work/hosts" \
         --machine "$hosts/machine" --program "$hosts/path.ngc" --origin-mm 0,0,0 --rate-hz 1000 >"$work/hosts-$core.json" ||
-        # Bad may be the contour error alone: beside this path's corners single precision takes another foot.
+        # Only the contour error may differ: near this path's corners single precision finds another foot.
         [[ $? == 1 ]]
     cmp "$work/hosts/recording.rec" "$on_host/hosts/run.rec"
     python3 - "$core" "$work/hosts-$core.json" "$on_host/hosts" <<'PYTHON'
@@ -164,7 +164,7 @@ grow machine "$bad/good.ttherm"
 grow "$repository/compensation-tables/mill-3axis" "$bad/mill.ttherm"
 "$simulator" record --machine machine --program short-tour --rate-hz 1000 --cycles 600 --exchange-at 100 -o "$bad/small.rec"
 read -ra cases < <(python3 refusals.py make "$bad")
-# Runs an image with the files of a folder, and leaves there what it sent and logged: core, ELF, folder, where to
+# Runs an image with the files of a folder, and leaves there its records and log: core, ELF, folder, where to
 run() {
     local core=$1 elf=$2 inputs=$3 to=$4 board file flash=() code=0
     case $core in

@@ -44,7 +44,7 @@ pub fn unpack(archive: &[u8]) -> Result<Inputs> {
     let mut gzip = GzDecoder::new(archive);
     let mut bytes = Vec::new();
     gzip.read_to_end(&mut bytes).context("no sound gzip")?;
-    ensure!(gzip.into_inner().is_empty(), "more behind its end");
+    ensure!(gzip.into_inner().is_empty(), "bytes after its end");
     let mut inputs = Inputs::new();
     for entry in tar::Archive::new(bytes.as_slice()).entries()? {
         let mut entry = entry?;

@@ -25,7 +25,9 @@ pub fn read(archive: &Path) -> Result<Inputs> {
     let shown = archive.display();
     let bytes = match fs::read(archive) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => {
-            bail!("{shown}: found no archive, needed one, be it empty: `trueaxis-fuzz pack` writes it from a folder")
+            bail!(
+                "{shown}: found no archive, needed one, even an empty one: `trueaxis-fuzz pack` writes it from a folder"
+            )
         }
         bytes => bytes.with_context(|| shown.to_string())?,
     };
@@ -79,7 +81,7 @@ pub fn files(folder: &Path) -> io::Result<Vec<(PathBuf, Vec<u8>)>> {
 /// A missing folder, or a file that cannot be read.
 pub fn gather(folder: &Path) -> Result<Inputs> {
     let shown = folder.display();
-    ensure!(folder.is_dir(), "{shown}: found no folder, needed one with a file an input");
+    ensure!(folder.is_dir(), "{shown}: found no folder, needed a folder with one file per input");
     let named = |(path, input): (PathBuf, Vec<u8>)| {
         let name = path.file_name().and_then(|name| name.to_str());
         let name = name.with_context(|| format!("{}: needed a name that is UTF-8", path.display()))?;
@@ -171,6 +173,6 @@ mod tests {
         assert!(refusal().ends_with("needed an archive of inputs as `trueaxis-fuzz pack` writes it"), "{}", refusal());
         let loose = folder.path().join("loose");
         let refusal = gather(&loose).unwrap_err().to_string();
-        assert_eq!(refusal, format!("{}: found no folder, needed one with a file an input", loose.display()));
+        assert_eq!(refusal, format!("{}: found no folder, needed a folder with one file per input", loose.display()));
     }
 }

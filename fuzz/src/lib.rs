@@ -22,7 +22,7 @@ use std::time::Duration;
 pub struct Target {
     /// Name on the command line, and of the corpus and the dictionary.
     pub name: &'static str,
-    /// Short description of what is attacked.
+    /// Short description of the attacked input.
     pub about: &'static str,
     /// Reads the input as the product does, and panics if a promise is broken: not only that nothing panics, but also what an
     /// accepted input must satisfy and what a refusal must say ([`outcome::refused`]).

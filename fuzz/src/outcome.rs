@@ -52,7 +52,7 @@ pub fn accepted() {
 /// If the message is empty, has more than one line, or contains a debug form.
 pub fn refused(error: impl Display) {
     let message = error.to_string();
-    assert!(!message.trim().is_empty(), "a refusal without a word");
+    assert!(!message.trim().is_empty(), "an empty refusal");
     // Other control characters are escaped when a program prints the message.
     assert!(!message.contains('\n'), "a refusal of more than a line: {message:?}");
     let length = message.chars().count();

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Makes the recording that every host replays, in target/hosts: machine.tcomp, run.rec, and run.csv with what the library
-# sends to the drives. Every test script of a host calls it, then leaves its own result there for table.py.
+# Makes the recording that every host replays, in target/hosts: machine.tcomp, run.rec, and run.csv with the library's
+# drive positions. Every test script of a host calls it, then leaves its result there for table.py.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 exec </dev/null
@@ -16,5 +16,5 @@ trap 'rm -rf "$out"' EXIT
     "$target/release/firmware-sim" record --machine machine --program path.ngc --origin-mm 0,0,0 --rate-hz 1000 -o "$out/run.rec" &&
         "$target/release/firmware-sim" replay "$out/run.rec" "$out/machine.tcomp" -o "$out/run.csv"
 } >"$out/log" 2>&1 || { cat "$out/log" >&2; exit 1; }
-# Two scripts at a time make the same files.
+# Two scripts may run at a time and make the same files.
 mv "$out/machine.tcomp" "$out/run.rec" "$out/run.csv" "$target/hosts"

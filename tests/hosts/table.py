@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Puts what the hosts' tests found over one recording into a table of docs/hosts.md: table.py [--check] RESULTS PAGE.
+"""Writes the results of the hosts' tests over one recording into a table of docs/hosts.md: table.py [--check] RESULTS PAGE.
 
 RESULTS is target/hosts, where every host's test script has left HOST.json: drive positions compared (samples), how many are
 the library's to the last bit (same; null: not counted), and the largest difference (largest_mm). A host that is missing, or
@@ -12,7 +12,7 @@ import re
 import sys
 from pathlib import Path
 
-# Host: name, what is compared, largest difference that is agreement (nm; 0: every bit).
+# Host: name, compared quantity, largest difference that counts as agreement (nm; 0: every bit).
 HOSTS = {
     "c": ("C library", "drive positions of every cycle", 0.0),
     "m7": ("bare metal, Cortex-M7, double precision", "drive positions of every cycle, in QEMU", 0.0),
@@ -26,7 +26,7 @@ HOSTS = {
 BEGIN, END = "<!-- hosts -->", "<!-- /hosts -->"
 
 arguments = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
-arguments.add_argument("--check", action="store_true", help="write nothing; the page must say what was found")
+arguments.add_argument("--check", action="store_true", help="write nothing; the page must have these results")
 arguments.add_argument("results", type=Path)
 arguments.add_argument("page", type=Path)
 given = arguments.parse_args()
@@ -53,6 +53,6 @@ if times != 1:
     sys.exit(f"{given.page}: needed {BEGIN} and {END} once")
 print("\n".join(rows))
 if given.check and changed != text:
-    sys.exit(f"{given.page}: the table is not what was found; tests/hosts/table.py {given.results} {given.page}")
+    sys.exit(f"{given.page}: the table differs from the results; run tests/hosts/table.py {given.results} {given.page}")
 if not given.check:
     given.page.write_text(changed)

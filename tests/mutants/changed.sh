@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Mutants on the lines changed since BASE (the commit before the last unless given), within about 90 s: where there are more,
-# a sample drawn from a seed. Fails when fewer than nine of ten are noticed by the core's quick tests or have a reason in
+# Mutants on the lines changed since BASE (the commit before the last unless given), within about 90 s: if there are more,
+# a sample drawn from a seed. Fails if the core's quick tests detect fewer than nine of ten, counting those with a reason in
 # equivalent.toml.
 #     changed.sh [BASE]
 set -euo pipefail

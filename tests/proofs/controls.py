@@ -11,7 +11,7 @@ SOURCE = HERE / "../../crates/trueaxis/src/limiter.rs"
 FUNCTION = {"follow": ", wanted: f32) -> bool { limiter.follow(state, wanted) }",
             "freeze": ") { limiter.freeze(state) }", "hold": ") { limiter.hold(state) }"}
 
-# name: (function, what stands there, what is planted).
+# name: (function, original text, planted text).
 DEFECTS = {
     "no_bound_of_slope": ("follow", ".min(self.velocity);", ";"),
     "no_bound_of_acceleration": ("follow", "up.min(fastest).max(slowest)", "up"),

@@ -22,12 +22,12 @@ NAME = r'(?:[%@](?:"[^"]*"|[-\w$.]+))'
 WIDTHS = {"float": (8, 24), "double": (11, 53)}
 IGNORED = ("llvm.experimental.noalias.scope.decl", "llvm.assume", "llvm.lifetime", "llvm.dbg")
 COMPARISONS = {"eq": Kind.FP_EQUAL, "gt": Kind.FP_GT, "ge": Kind.FP_GEQ, "lt": Kind.FP_LT, "le": Kind.FP_LEQ}
-# What is true of numbers where the other is not.
+# Unordered predicates as negations of ordered ones.
 NEGATED = {"ueq": ("one",), "ugt": ("ole",), "uge": ("olt",), "ult": ("oge",), "ule": ("ogt",), "une": ("oeq",)}
 
 
 class Unknown:
-    """An integer of which nothing is known."""
+    """An unknown integer."""
 
 
 class Module:
@@ -144,7 +144,7 @@ class Machine:
 
     # Running.
     def run(self, name, arguments, memory):
-        """The result of a function; `memory` is changed, `facts` says what is known of the unknown numbers."""
+        """The result of a function; `memory` is changed, `facts` holds the facts about the unknown numbers."""
         parameters, body = self.module.functions[name]
         values = dict(zip(parameters, arguments, strict=True))
         reached, edges, results = {}, {}, []
@@ -208,7 +208,7 @@ class Machine:
             base, byte = values[pointer]
             return base, byte + int(offset)
         if word in ("fadd", "fsub", "fmul", "fdiv"):
-            # No flag of fast arithmetic may stand here: what it permits the compiler is not IEEE 754.
+            # Flags of fast arithmetic are refused: they permit the compiler results other than those of IEEE 754.
             kind, a, b = read(r"(float|double) (\S+), (\S+)", rest)
             self.same_scalar(kind)
             make = {"fadd": self.add, "fsub": self.sub}.get(word, self.signed)

@@ -1,4 +1,4 @@
-"""Proves what the limiter keeps in a cycle, on the compiler's own code of it and bit for bit.
+"""Proves the limiter's bounds in a cycle on the compiler's code of it, bit for bit.
 
     limiter.py CODE.ll SIZES.txt           the code of `limiter/` and the compiler's word on how its types lie in memory
     limiter.py --must-fail CODE.ll SIZES.txt FUNCTION...
@@ -24,7 +24,7 @@ LARGE = {"float": 2.0**125, "double": 2.0**1021}
 
 
 def layout(text, name, scalar):
-    """Field to byte, as the compiler printed them (-Zprint-type-sizes): in the order in which they lie."""
+    """Field to byte, as printed by the compiler (-Zprint-type-sizes), in memory order."""
     found = re.search(rf"type: `\S*::{name}<{scalar}>`: (\d+) bytes.*\n((?:print-type-size     .*\n)+)", text)
     if not found:
         sys.exit(f"limiter.py: found no type {name}<{scalar}> in the compiler's list, needed its layout")
@@ -132,7 +132,7 @@ class Cycle:
         return self.either(self.equal(after, moved), self.equal(self.after["velocity"], passed))
 
     def told(self):
-        """'limited' is returned exactly where sent' differs from what is wanted"""
+        """'limited' is returned exactly where sent' differs from the wanted correction"""
         same = self.equal(self.after["sent"], self.wanted)
         return self.machine.of(Kind.XOR, self.limited, same)
 
@@ -156,7 +156,7 @@ class Cycle:
         return self.all(still, self.equal(self.after["sent"], self.before["sent"]))
 
 
-# Of each function: takes it a wanted correction, and what it keeps (name of the claim, of any velocity).
+# For each function: whether it takes a wanted correction, and its claims (name of the claim, whether for any velocity).
 FUNCTIONS = {
     "follow": (1, [("slope", False), ("acceleration", False), ("numbers", False), ("added", False), ("told", False),
                    ("aimed", False), ("slowed", True), ("acceleration", True), ("numbers", True)]),
@@ -173,7 +173,7 @@ LONGEST = {}
 
 
 def holds(cycle, moving, claim):
-    """Whether the claim follows, for all values; None where the solver has not ended in its time."""
+    """Whether the claim follows, for all values; None if the solver runs out of time."""
     options = Options()
     for milliseconds in LONGEST.values():
         options.set(Option.TIME_LIMIT_PER, milliseconds)
@@ -193,12 +193,12 @@ def holds(cycle, moving, claim):
 
 
 def chosen(function, full):
-    """Its claims, without those of any velocity where these take long and `full` is not asked for."""
+    """Its claims; without `full`, not the slow ones for any velocity."""
     return [(name, moving) for name, moving in FUNCTIONS[function][1] if full or function != "follow" or not moving]
 
 
 def words(name, claim, moving, kept, seconds):
-    """Tells of a claim."""
+    """Reports a claim."""
     said = {True: "proved", False: "FAILS ", None: "open  "}[kept]
     of = getattr(Cycle, claim).__doc__ + (", of any velocity" if moving else "")
     print(f"{name:12} {said} {of}  {seconds:.1f} s", flush=True)
@@ -212,8 +212,8 @@ def cycle_of(module, sizes, name, exact):
 def main():
     arguments = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     arguments.add_argument("--must-fail", action="store_true", help="every FUNCTION must break a claim")
-    arguments.add_argument("--full", action="store_true", help="also what takes long: follow from any velocity")
-    arguments.add_argument("--minutes", type=float, help="longest time for a claim, which then stands as open")
+    arguments.add_argument("--full", action="store_true", help="also the slow claims: follow from any velocity")
+    arguments.add_argument("--minutes", type=float, help="longest time for a claim, which then counts as open")
     arguments.add_argument("--exact", action="store_true", help="sums bit for bit, instead of by the laws of rounding")
     arguments.add_argument("code")
     arguments.add_argument("sizes")

@@ -27,7 +27,7 @@ def limit(x, least, most):
     return z3.If(x < most, x, most)
 
 
-# What the law chooses, of room up >= 0 above and low >= 0 below, with the last change w: anything between the bounds.
+# Choice of the law with room up >= 0 above and low >= 0 below and the last change w: anything between the bounds.
 fastest = z3.If(z3.If(up < w + a, up, w + a) > w - a, z3.If(up < w + a, up, w + a), w - a)
 slowest = z3.If(z3.If(-low > w - a, -low, w - a) < w + a, z3.If(-low > w - a, -low, w - a), w + a)
 frozen = w - limit(w, -a, a)

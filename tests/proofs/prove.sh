@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Proves what the limiter keeps, on the compiler's own code of it and in real arithmetic, and sees each proof fail on
+# Proves the limiter's bounds on the compiler's code of it and in real arithmetic, and checks that each proof fails on
 # planted defects. Installs its Python packages into target/proofs/venv.
 #
 #   prove.sh           single precision on the host; a minute of one core
@@ -21,12 +21,12 @@ if ! "$python" -c 'import bitwuzla, z3' 2>/dev/null; then
 fi
 
 # Manifest, name of the crate, further flags: its LLVM code and the layout of its types, to $target/NAME.{ll,sizes}.
-# Two numbers in one instruction would be another language to read; they change no number.
+# Without vector instructions, which the reader does not know; they change no number.
 emit() {
     local manifest=$1 name=$2 folder=$target/$2
     shift 2
     rm -f "$folder"/*/deps/"$name"-*.ll "$folder"/*/*/deps/"$name"-*.ll
-    # Always compiled anew: the layout is only printed then.
+    # Always recompiled: the compiler prints the layout only then.
     touch "$(dirname "$manifest")/src/lib.rs"
     CARGO_TARGET_DIR=$folder RUSTC_BOOTSTRAP=1 cargo rustc --quiet --release --lib --manifest-path "$manifest" "$@" -- \
         --emit=llvm-ir -Cno-vectorize-slp -Cno-vectorize-loops -Cdebuginfo=0 -Zprint-type-sizes >"$folder.sizes"
@@ -44,7 +44,7 @@ mapfile -t defects <"$target/controls.txt"
 "$python" limiter.py --must-fail "$target"/trueaxis_limiter_controls.{ll,sizes} "${defects[@]}"
 
 "$python" magnitude.py
-# The proof is of exact numbers; what rounding adds at the ends is measured, and held against its bound.
+# The proof is of exact numbers; the part that rounding adds at the ends is measured and compared with its bound.
 CARGO_TARGET_DIR=$target/trueaxis_limiter_ir cargo run --quiet --release --manifest-path limiter/Cargo.toml --bin extremes
 [[ -n $full ]] || exit 0
 

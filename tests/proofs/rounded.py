@@ -4,7 +4,7 @@ from bitwuzla import Kind
 
 
 class Bits:
-    """Comparisons and signs of numbers on their bits, which are cheaper for a solver than its own of floating point."""
+    """Comparisons and signs of numbers on their bits, which are cheaper for a solver than its floating-point ones."""
 
     def __init__(self, terms, exponent, significand):
         self.terms, self.width, self.fraction = terms, exponent + significand, significand - 1
@@ -87,7 +87,7 @@ class Sums:
         self.facts.append(self.of(Kind.IMPLIES, self.of(Kind.AND, *premises) if len(premises) > 1 else premises[0], claim))
 
     def law(self, x, y, result):
-        """Of one sum: where it is no number, infinities, and x + 0 = x."""
+        """Laws of one sum: when it is not a number, infinities, and x + 0 = x."""
         of, no = self.of, lambda kind, a: self.of(Kind.NOT, self.of(kind, a))
         for a, b in ((x, y), (y, x)):
             self.facts.append(of(Kind.IMPLIES, of(Kind.FP_IS_NAN, a), of(Kind.FP_IS_NAN, result)))
@@ -97,7 +97,7 @@ class Sums:
             down = of(Kind.OR, of(Kind.FP_IS_NEG, b), of(Kind.FP_IS_ZERO, b))
             self.given([*numbers, up], of(Kind.FP_LEQ, a, result))
             self.given([*numbers, down], of(Kind.FP_LEQ, result, a))
-        # The sign is that of the exact sum: below nothing is lost.
+        # The sign is that of the exact sum: an underflowing sum is exact.
         numbers = [no(Kind.FP_IS_NAN, a) for a in (x, y, result)]
         zero, opposite = self.zero, of(Kind.FP_NEG, y)
         for kind in (Kind.FP_LEQ, Kind.FP_GEQ):

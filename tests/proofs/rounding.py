@@ -1,4 +1,4 @@
-"""Proves the laws of rounded sums that `rounded.Sums` goes by, of the sums of IEEE 754 bit for bit.
+"""Proves the laws of rounded sums that `rounded.Sums` uses, for the sums of IEEE 754, bit for bit.
 
 For all operands of a format of nine bits, in which a solver can do it within a minute; the laws are the same words for
 every width, and those of IEEE 754 whatever the width. Half precision (5 11) takes minutes:

@@ -41,7 +41,7 @@ pub(crate) fn check(root: &Path, file: &str, program: &Path, shown: impl Fn(&str
     if std::env::var_os("UPDATE_DOCS").is_some() {
         std::fs::write(&path, lines.join("\n") + "\n").unwrap();
     } else {
-        assert!(wrong.is_empty(), "not as printed (UPDATE_DOCS=1 writes the figures anew):\n{}", wrong.join("\n"));
+        assert!(wrong.is_empty(), "not as printed (UPDATE_DOCS=1 rewrites the figures):\n{}", wrong.join("\n"));
     }
 }
 

@@ -111,7 +111,7 @@ fn positions_come_in_three_forms() {
     near(&found["servo_mismatch_um"], -5.0, 0.02);
     near(&found["backlash_um"]["y"], 3.0, 0.05);
     near(&found["backlash_um"]["x"], 0.0, 0.05);
-    assert!(found["warnings"][0].as_str().unwrap().starts_with("made of positions"));
+    assert!(found["warnings"][0].as_str().unwrap().starts_with("computed from positions"));
     for file in ["samples.txt", "bare.txt", "frames.bin"] {
         assert_eq!(of(file), found, "{file}");
     }
@@ -164,7 +164,7 @@ fn what_becomes_a_setting_is_written_into_the_machine() {
     // The same record does not count twice on top of the tables; another one does.
     let own = ["ballbar", "record.csv", "--radius-mm", "100", "--machine", "new", "-o", "new", "--compensated"];
     let before = folder.read("new/machine.toml");
-    assert!(folder.both(&own)[1].contains("this record is in it already"));
+    assert!(folder.both(&own)[1].contains("this record is already included"));
     assert_eq!(folder.read("new/machine.toml"), before);
     folder.write("record.csv", format!("# again\n{}", record(&[1.0, -1.0])));
     folder.good(&own);
@@ -185,10 +185,10 @@ fn what_has_not_changed_is_not_claimed() {
     let text = folder.read("new/machine.toml");
     assert!(text.contains("A0Z_urad = 32.123456789\nB0Z_urad = 38.987654321\nC0Y_urad = 50"), "{text}");
     assert!(text.contains("[axis.X]\nbacklash_um = 5") && !text.contains("[axis.Y]"), "{text}");
-    assert!(told.lines().any(|line| line.starts_with("axis.Y.backlash_um") && line.contains("of none")), "{told}");
+    assert!(told.lines().any(|line| line.starts_with("axis.Y.backlash_um") && line.contains("of zero")), "{told}");
     let call = ["ballbar", "record.csv", "--radius-mm", "100", "--machine", "m", "-o", "forced", "--force"];
     let [_, told] = folder.both(&call);
-    assert!(told.contains("forced, the rule writes nothing: within 2 standard uncertainties of none"), "{told}");
+    assert!(told.contains("forced, the rule writes nothing: within 2 standard uncertainties of zero"), "{told}");
     let text = folder.read("forced/machine.toml");
     assert!(text.contains("[axis.Y]\nbacklash_um = ") && text.contains("B0Z_urad = 38.987654321\n"), "{text}");
     folder.bad(&["ballbar", "record.csv", "--radius-mm", "100", "--force"], &["--machine"]);

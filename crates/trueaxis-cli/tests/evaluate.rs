@@ -139,7 +139,7 @@ fn what_is_known_worse_moves_a_value_little_and_what_differs_takes_its_place_wit
     folder.write("record.csv", bowed([25.0, -36.0, 38.0], 2.0128));
     let again = ["evaluate", "step-diagonal", "record.csv", "--machine", "agrees", "-o", "agrees"];
     let before = folder.read("agrees/machine.toml");
-    assert!(folder.both(&again)[1].contains("this record is in it already"));
+    assert!(folder.both(&again)[1].contains("this record is already included"));
     assert_eq!(folder.read("agrees/machine.toml"), before);
     // A dry run only reports.
     let ([said, _], _) = run(25.0, "mill", &["--dry-run"]);
@@ -148,14 +148,14 @@ fn what_is_known_worse_moves_a_value_little_and_what_differs_takes_its_place_wit
     let said: Value = serde_json::from_str(&said).unwrap();
     let row = said["written"].as_array().unwrap().iter().find(|of| of["key"] == "location.A0Z_urad").unwrap();
     assert_eq!((&row["old"]["value"], &row["written"]["value"]), (&Value::from(32.0), &Value::from(31.5)), "{row}");
-    assert!(said["a0z_urad"].is_object() && row["why"] == "agrees: both by their weights", "{said}");
+    assert!(said["a0z_urad"].is_object() && row["why"] == "agrees: weighted mean of both", "{said}");
     assert_eq!(folder.read("mill/machine.toml"), mill);
     folder.good(&["tables", "check", "agrees"]);
     // With --force the measured value is written although the better known one agrees; without a machine there is nothing to
     // force.
     let ([_, told], error) = run(25.0, "forced", &["--force"]);
     assert_eq!(of(&folder.read("forced/machine.toml"))[..2], [25.0, 11.0], "{error}");
-    assert!(told.contains("forced, the rule writes 31.5 ± 2.9: agrees: both by their weights"), "{told}");
+    assert!(told.contains("forced, the rule writes 31.5 ± 2.9: agrees: weighted mean of both"), "{told}");
     folder.bad(&["evaluate", "step-diagonal", "record.csv", "--force"], &["--machine"]);
 }
 
@@ -193,12 +193,12 @@ fn a_record_of_another_machine_writes_nothing() {
     assert!((number(&text, "location", "EX0C_um").unwrap().abs() - 10.0).abs() < 0.2, "{text} {told}");
     // A value that is not significant is not written, however many digits it has.
     assert!(
-        number(&text, "location", "EY0C_um").is_none() && told.contains("within 2 standard uncertainties of none"),
+        number(&text, "location", "EY0C_um").is_none() && told.contains("within 2 standard uncertainties of zero"),
         "{told}"
     );
     folder.write("bk.csv", record(20.0));
     let [_, told] = folder.both(&[&call[..], &["other"]].concat());
-    assert!(told.contains("misfit: ") && told.contains(" RMS are left"), "{told}");
+    assert!(told.contains("misfit: ") && told.contains(" RMS remain"), "{told}");
     assert_eq!(folder.read("other/machine.toml"), folder.read("five/machine.toml"));
     // A misfit is written only if forced; a dry run shows it.
     let before = folder.tree();

@@ -214,7 +214,7 @@ fn friction_goes_into_a_machine_by_the_rule_of_all_commands() {
     folder.good(&["tables", "check", "found"]);
     // A record that the machine already contains counts once.
     let [_, told] = folder.both(&["friction", "record.csv", "--axes", "X,Y", "--machine", "found", "-o", "found"]);
-    assert!(told.contains("this record is in it already"), "{told}");
+    assert!(told.contains("this record is already included"), "{told}");
     assert_eq!(folder.read("found/machine.toml"), text);
     // More of the spikes remains than three times the noise that the machine states.
     folder.write("machine.toml", format!("{MACHINE}{DRIVES}{stated}[uncertainty]\neve_um = 0.0001\n"));

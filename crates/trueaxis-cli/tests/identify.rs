@@ -309,11 +309,11 @@ fn errors_of_an_axis_go_into_a_machine_by_the_rule_of_all_commands() {
     directory.good(&["tables", "check", "head"]);
     // The same record changes nothing; another one that agrees is averaged, with one weight for all six.
     let [_, told] = directory.both(&[&call[..], &["-o", "head"]].concat());
-    assert!(told.contains("this record is in it already") && directory.read("head/c.csv") == table, "{told}");
+    assert!(told.contains("this record is already included") && directory.read("head/c.csv") == table, "{told}");
     directory.write("m.csv", scattered(0.2, 2));
     let said = directory.json(&[&call[..], &["-o", "head", "--json"]].concat());
     let shares = said["written"].as_array().unwrap().iter().map(|of| {
-        assert_eq!(of["why"], "agrees: both by their weights", "{said}");
+        assert_eq!(of["why"], "agrees: weighted mean of both", "{said}");
         of["written"]["value"].as_f64().unwrap() / of["found"]["value"].as_f64().unwrap()
     });
     assert!(shares.clone().all(|share| (share - 0.5).abs() < 0.12), "{:?}", shares.collect::<Vec<_>>());

@@ -292,7 +292,7 @@ fn bad_looks_are_refused_with_their_line() {
     refused("", &["look.log", "no touch 1"]);
     let bench = |larger: f64, creep_um: f64| Bench { folder: &folder, drift, larger, creep_um }.run(&program);
     refused(&bench(0.4, 0.0), &["look.log:", "ball at place 1 measured 25.3", "25 mm within 150 µm"]);
-    refused(&bench(0.0, 2.0), &["look.log:", "a drift of", "less than what is measured"]);
+    refused(&bench(0.0, 2.0), &["look.log:", "a drift of", "less than the measured errors"]);
     // Applying a log twice would add it twice, and an earlier log does not belong to these tables.
     folder.write("look.log", &log);
     folder.good(&keep("apply", &["--time", "2026-05-04T08:00:00Z", "--parts", "10"]));
@@ -335,7 +335,7 @@ fn a_command_that_was_ended_between_history_and_tables_is_told_and_entered() {
     folder.write("mill/machine.toml", MACHINE);
     folder.write("mill/x.csv", X_CSV);
     std::fs::remove_file(folder.join("mill/z.csv")).unwrap();
-    let ended = ["before entry 2", "ended before it changed them", "2 --by-hand"];
+    let ended = ["before entry 2", "interrupted before it changed them", "2 --by-hand"];
     probe(&folder, &program, Drift { offset_um: [6.0, 0.0, -9.1], ..Drift::default() });
     folder.bad(&keep("apply", &[]), &ended);
     folder.good(&["keep", "undo", "keep.toml", "2", "--by-hand"]);
@@ -365,8 +365,8 @@ fn a_second_command_does_not_write_meanwhile() {
     let before = folder.tree();
     let first = std::fs::File::open(folder.join("mill")).unwrap();
     first.lock().unwrap();
-    folder.bad(&keep("apply", &[]), &["mill", "another command that changes this machine"]);
-    folder.bad(&["keep", "undo", "keep.toml", "2"], &["mill", "another command that changes this machine"]);
+    folder.bad(&keep("apply", &[]), &["mill", "another command that is changing this machine"]);
+    folder.bad(&["keep", "undo", "keep.toml", "2"], &["mill", "another command that is changing this machine"]);
     folder.good(&keep("check", &[]));
     assert_eq!(folder.tree(), before);
     drop(first);
@@ -429,7 +429,7 @@ fn bounds_are_needed_and_bound_something() {
     refused(with("largest_total_um = 30.0", "largest_total_um = 10.0"), &["found 10.0", "at least 15"]);
     refused(
         with("largest_update_um = 15.0", "largest_update_um = 0.2"),
-        &["largest update of 0.2", "this probe can tell"],
+        &["largest update of 0.2", "this probe can resolve"],
     );
     refused(with("\"offset Y\"", "\"offset X\""), &["\"offset X\" a second time"]);
     refused(with("\"offset Y\"", "\"EX0C\""), &["no C"]);
@@ -438,9 +438,12 @@ fn bounds_are_needed_and_bound_something() {
     refused(with("every_parts = 10", "every_parts = 0"), &["keep.toml:3:", "every_parts", "1 to 1000000"]);
     refused(with("every_parts = 10\n", ""), &["every_parts", "found nothing"]);
     refused(with("mill.tcomp", "../mill.tcomp"), &["tcomp", "in the machine's folder"]);
-    refused(with("kind = \"ball\"", "kind = \"ring\""), &["no ball that stays"]);
+    refused(with("kind = \"ball\"", "kind = \"ring\""), &["not a ball at a fixed place"]);
     // With one ball, only its roundness distinguishes squareness from an offset.
-    refused(format!("{}{SQUARE}", one_ball()), &["for offset X", "the balls and this probe can tell", "fewer terms"]);
+    refused(
+        format!("{}{SQUARE}", one_ball()),
+        &["for offset X", "the balls and this probe can resolve", "fewer terms"],
+    );
 }
 
 #[test]

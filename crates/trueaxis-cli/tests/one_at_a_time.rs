@@ -6,7 +6,7 @@ use trueaxis_testing::command::Folder;
 
 const TRUEAXIS: &str = env!("CARGO_BIN_EXE_trueaxis");
 
-const REFUSED: &str = "found another command that changes this machine, needed its end: try again";
+const REFUSED: &str = "found another command that is changing this machine, needed it to end: try again";
 
 /// A machine without tables, and one table of the control.
 fn bare() -> Folder {

@@ -97,7 +97,10 @@ fn bad_records_are_told_with_line_and_figure_and_nothing_is_written() {
     for (file, told) in [
         ("stuck.csv", "stuck.csv:200: column T1_c: found T1 at one reading for"),
         ("jump.csv", "jump.csv:200: column T1_c: found T1 "),
-        ("jump.csv", "is taken with --rate-k-per-min, one that is not needed left out with --without T1"),
+        (
+            "jump.csv",
+            "--rate-k-per-min admits a sensor that warms faster, --without T1 leaves out one that is not needed",
+        ),
         ("gone.csv", "gone.csv:200: column T1_c: found nothing, needed a number"),
         ("absurd.csv", "absurd.csv:200: column T1_c: found 850, needed -60 to 300 degrees Celsius"),
         ("twice.csv", "found T1 and T2 running together (correlation 1.00000)"),
@@ -191,7 +194,7 @@ fn bad_texts_are_told_with_their_line() {
         ("sensor.T1]", "sensor.T2]", "key axis.X.sensor.T2: found T2, needed the name of a [[sensor]]"),
         ("[-1.0, 1.0]", "[-1.0]", "key axis.X.sensor.T1: found 1 values, needed one for each of 2 knots"),
         ("lag_s", "leg_s", "leg_s"),
-        ("60.0", "-60.0", "lag, ms: found -60000, beyond what the file holds"),
+        ("60.0", "-60.0", "lag, ms: found -60000, beyond the range of the file's field"),
     ] {
         folder.write("bad.toml", good.replacen(from, to, 1));
         folder.bad(&["thermal", "compile", "bad.toml", "--machine", ".", "-o", "bad.ttherm"], &[told]);

@@ -85,7 +85,7 @@ pub fn judge(bands: &Positioning, tolerance_um: f64) -> Option<Judgement> {
     Some(Judgement { figure: band.figure, tolerance_um, verdict: verdict(band.interval, tolerance_um) })
 }
 
-/// Reads a measurement; `file` is only named in errors. `tell` receives a note on separators other than commas.
+/// Reads a measurement; `file` is only named in errors. `tell` is called with a note on separators other than commas.
 ///
 /// # Errors
 /// As [`read_measurement`].

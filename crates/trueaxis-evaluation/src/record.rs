@@ -236,7 +236,7 @@ impl Stuck {
         // The value as written in the file: nine decimals undo the change of unit.
         let value = (1e9 * scale * self.value).round() / 1e9;
         let found = format!("{value} for {} readings in a row", self.count);
-        rows.error(line, column, found, "a sensor that does not stand still")
+        rows.error(line, column, found, "a sensor whose readings change")
     }
 }
 

@@ -72,7 +72,7 @@ pub fn response(bare: &Machine, unit: Unit, places: &[[f64; AXES]]) -> Result<Ve
                 axis.index().checked_sub(Axis::A.index()).and_then(|k| machine.settings.location.rotary.get_mut(k));
             let own = own
                 .and_then(|own| own.get_mut(component))
-                .ok_or_else(|| anyhow!("{} is no rotary axis", axis.letter()))?;
+                .ok_or_else(|| anyhow!("{} is not a rotary axis", axis.letter()))?;
             *own = SIZE;
         }
         Unit::Linear(axis, component) => {

@@ -165,7 +165,7 @@ impl<'r, const C: usize> Rows<'r, C> {
     ///
     /// # Errors
     /// A row that cannot be read, or a file without rows.
-    #[expect(clippy::should_implement_trait, reason = "a row may be an error, and none is no end of an iterator")]
+    #[expect(clippy::should_implement_trait, reason = "a row may be an error, and an error does not end an iterator")]
     pub fn next(&mut self) -> Result<Option<Row<C>>> {
         let mut values = [0.0; C];
         if !self.sheet.next_row()? {

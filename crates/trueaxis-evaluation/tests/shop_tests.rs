@@ -98,7 +98,7 @@ fn a_probe_that_dies_half_way_is_refused_with_its_line() {
         .collect();
     refused(
         &dead,
-        "drift.csv:122: column x1_um: found 12.5 for 121 readings in a row, needed a sensor that does not stand still",
+        "drift.csv:122: column x1_um: found 12.5 for 121 readings in a row, needed a sensor whose readings change",
     );
     refused(
         &good.replacen("\n160,", "\n100,", 1),

@@ -72,7 +72,7 @@ def test_a_round_leaves_the_files_of_the_command(folder, tmp_path):
     for name, truth in [("offset X", 6), ("offset Y", 0), ("offset Z", -9)]:
         assert terms[name]["value"] == pytest.approx(truth, abs=4 * terms[name]["standard_error"])
         assert terms[name]["verdict"] == ("update" if truth else "keep")
-    assert found["notes"] == ["12 parts since the last look, 10 are stated"] and changes
+    assert found["notes"] == ["12 parts since the last re-probing, every_parts is 10"] and changes
 
     done = trueaxis.keep_apply(folder / "keep.toml", log, time=LATER, parts=12)
     assert done.pop("changes") == changes and done["applied"]
@@ -125,7 +125,7 @@ def test_bad_looks_are_refused_in_the_words_of_the_command(folder):
     assert tree(folder) == before
     (folder / "mill" / "machine.toml").write_text(probing.MACHINE + "# by hand\n")
     assert "somebody has changed" in refused(lambda: trueaxis.keep_apply(task, log))
-    with pytest.warns(UserWarning, match="taken as they are"):
+    with pytest.warns(UserWarning, match="used as they are"):
         assert trueaxis.keep_apply(task, log, by_hand=True)["applied"]
     (folder / "mill" / "keep" / "history.jsonl").unlink()
     assert "no beginning" in refused(lambda: trueaxis.keep_check(task, log))

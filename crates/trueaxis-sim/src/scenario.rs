@@ -71,7 +71,7 @@ impl Scenario {
     /// The step's transformation to workpiece coordinates, if the program needs it.
     ///
     /// # Errors
-    /// The machine has none: a linear axis is missing, or there are more than two rotary ones.
+    /// The machine has none: it lacks a linear axis, or has more than two rotary ones.
     pub fn kinematics(&self) -> Result<Option<Kinematics<f64>>> {
         self.kinematics_of(&self.machine)
     }

@@ -298,7 +298,7 @@ fn refusals_name_line_and_word() {
         ("M99999", 1, "M99999", "M30"),
         ("O100 SUB", 1, "O100SUB", "--interpreter rs274"),
         ("N5 O<drill> CALL [1]", 1, "O<DRILL>", "--interpreter rs274"),
-        ("O100 G0 X1", 1, "O100G0X1", "line of its own"),
+        ("O100 G0 X1", 1, "O100G0X1", "separate line"),
         ("#1=5", 1, "#1=5", "--interpreter rs274"),
         ("G0 X#1", 1, "X#1", "--interpreter rs274"),
         ("G0 X[1+2]", 1, "X[1+2]", "--interpreter rs274"),

@@ -131,7 +131,7 @@ impl Additions {
         let Edited { files, notes } = &mut edited;
         let text =
             widened(&document, &standing.text, files, (machine, name), Some(&before), notes).map_err(|error| {
-                let needed = format!("{} (in the machine with what was found; nothing is written)", error.needed);
+                let needed = format!("{} (in the machine with the found values; nothing is written)", error.needed);
                 FileError { needed, ..error }
             })?;
         if text != standing.text {
@@ -213,7 +213,7 @@ fn write(
     let Some(record) = record.filter(|_| any) else { return Ok(()) };
     let section = table_at(document.as_table_mut(), "uncertainty", origin)?;
     let list = section.entry("records").or_insert_with(|| Item::Value(toml_edit::Array::new().into()));
-    let list = list.as_array_mut().ok_or_else(|| origin.whole("records that are no list", "a list of records"))?;
+    let list = list.as_array_mut().ok_or_else(|| origin.whole("records that are not a list", "a list of records"))?;
     if list.iter().all(|own| own.as_str() != Some(record)) {
         list.push(record);
     }
@@ -227,7 +227,7 @@ fn table_at<'d>(table: &'d mut dyn TableLike, name: &str, origin: &Origin) -> Re
         new.set_implicit(true);
         Item::Table(new)
     };
-    let refused = || origin.whole(format!("a {name} that is no section"), format!("a section [{name}]"));
+    let refused = || origin.whole(format!("a {name} that is not a section"), format!("a section [{name}]"));
     table.entry(name).or_insert_with(new).as_table_like_mut().ok_or_else(refused)
 }
 

@@ -265,7 +265,7 @@ fn key_set(
             table.set_implicit(!is_last);
             Item::Table(table)
         };
-        let refused = || origin.at(0, key, format!("{name} that is no section"), format!("a section [{sections}]"));
+        let refused = || origin.at(0, key, format!("{name} that is not a section"), format!("a section [{sections}]"));
         section = section.entry(name).or_insert_with(new).as_table_like_mut().ok_or_else(refused)?;
     }
     match value {

@@ -40,7 +40,7 @@ pub(crate) fn section<'d>(
     axis: Axis,
     origin: &Origin,
 ) -> Result<&'d mut dyn TableLike, FileError> {
-    let no_section = || origin.whole("an axis that is no section", "[axis.…] sections");
+    let no_section = || origin.whole("an axis that is not a section", "[axis.…] sections");
     let axes = document.entry("axis").or_insert_with(|| {
         let mut axes = toml_edit::Table::new();
         axes.set_implicit(true);

@@ -143,7 +143,7 @@ fn add_grid(
     let csv = replaced.files.pop().unwrap_or_else(|| grid_csv_name((0..).find(free).unwrap_or(0)));
     let mut text = String::new();
     grid_section(&mut text, grid, &csv);
-    let no_section = || origin.whole("a grid that is no list of sections", "sections [[grid]]");
+    let no_section = || origin.whole("a grid that is not a list of sections", "sections [[grid]]");
     let new = text.parse::<DocumentMut>().map_err(|error| origin.whole(error.message().to_owned(), "a grid"))?;
     let new = new.get("grid").and_then(Item::as_array_of_tables).and_then(|list| list.get(0)).ok_or_else(no_section)?;
     let mut section = toml_edit::Table::new();
@@ -249,7 +249,7 @@ fn outdated(axis: Axis, table: &Table, standing: &Standing<'_>, notes: &mut Vec<
     }
     let cross = table.given.iter().enumerate().any(|(other, given)| *given && other != component);
     if cross && own.measured_at_mm != [0.0; 3] {
-        notes.push(format!("axis {letter}: measured_at_mm set to zero, where the file's errors hold"));
+        notes.push(format!("axis {letter}: measured_at_mm set to zero, where the file's errors are valid"));
         set.push((String::from("measured_at_mm"), [0.0; 3].into_iter().collect()));
     }
     set
@@ -268,7 +268,7 @@ fn location(
         return Ok(());
     }
     let section = document.entry("location").or_insert_with(toml_edit::table).as_table_like_mut();
-    let section = section.ok_or_else(|| origin.whole("a location that is no section", "[location]"))?;
+    let section = section.ok_or_else(|| origin.whole("a location that is not a section", "[location]"))?;
     let names: Vec<&str> = given.iter().map(|(key, _)| key.as_str()).collect();
     notes.push(format!("location errors set: {}", names.join(" ")));
     for (key, value) in &given {

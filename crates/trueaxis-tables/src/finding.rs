@@ -108,10 +108,10 @@ impl fmt::Display for Why {
                 write!(f, "differs by {times:.1} combined standard uncertainties")
             }
             Why::BetterKnown => write!(f, "no uncertainty is stated"),
-            Why::Combined => write!(f, "agrees: both by their weights"),
-            Why::Nothing => write!(f, "within {AGREE} standard uncertainties of none"),
-            Why::Together => write!(f, "known only together with what differs"),
-            Why::SameRecord => write!(f, "agrees: this record is in it already"),
+            Why::Combined => write!(f, "agrees: weighted mean of both"),
+            Why::Nothing => write!(f, "within {AGREE} standard uncertainties of zero"),
+            Why::Together => write!(f, "known only together with a value that differs"),
+            Why::SameRecord => write!(f, "agrees: this record is already included"),
             Why::Moved => write!(f, "by the test's own statistics"),
             Why::Unknown => write!(f, "found without an uncertainty"),
             Why::OverCompensated => {
@@ -244,7 +244,7 @@ impl Fit {
     /// stated, more than half of the mean square. `noise_mm`: the machine's noise.
     pub(crate) fn misfit(&self, noise_mm: Option<f64>) -> Option<String> {
         let um = |mm: f64| format!("{:.2} µm", 1e3 * mm);
-        let left = || format!("{} of {} RMS are left", um(self.left_mm), um(self.before_mm));
+        let left = || format!("{} of {} RMS remain", um(self.left_mm), um(self.before_mm));
         match self.noise_mm.or(noise_mm) {
             Some(noise) => (self.left_mm > MISFIT * noise).then(|| format!("{}, the noise is {}", left(), um(noise))),
             None => (self.left_mm.powi(2) > 0.5 * self.before_mm.powi(2)).then(|| {

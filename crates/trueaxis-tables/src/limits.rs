@@ -40,7 +40,7 @@ impl Need {
 
     fn is_set(&self) -> String {
         let (name, value) = (self.name(), self.set_to());
-        let most = if value < self.needed { ", the most there is" } else { "" };
+        let most = if value < self.needed { ", the maximum" } else { "" };
         let (needed, limit) = (four_digits(self.needed), four_digits(self.limit));
         format!("{name} set to {value}{most}, as the corrections reach {needed}; the default is {limit}")
     }
@@ -301,7 +301,7 @@ fn widen(
         }
         let section = section(document, need.axis, origin)?;
         let limits = section.entry("limits").or_insert_with(toml_edit::table).as_table_like_mut();
-        let no_section = || origin.whole("limits that are no section", "[axis.….limits]");
+        let no_section = || origin.whole("limits that are not a section", "[axis.….limits]");
         set(limits.ok_or_else(no_section)?, need.key, Value::from(need.set_to()));
         notes.push(need.is_set());
     }

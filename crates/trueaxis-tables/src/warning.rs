@@ -238,7 +238,7 @@ impl fmt::Display for Warning {
                 write!(
                     f,
                     "axis {letter}: the correction reaches {correction}, its magnitude is limited to {limit}; the largest term is \
-                     {term}, {part} by itself"
+                     {term}, {part} alone"
                 )
             }
         }

@@ -138,9 +138,9 @@ fn what_is_forced_is_written_and_says_what_the_rule_does() {
     assert_eq!(
         why,
         [
-            "forced, the rule writes 10.1 ± 0.89: agrees: both by their weights",
+            "forced, the rule writes 10.1 ± 0.89: agrees: weighted mean of both",
             "forced, the rule writes the same: no uncertainty is stated",
-            "forced, the rule writes nothing: within 2 standard uncertainties of none",
+            "forced, the rule writes nothing: within 2 standard uncertainties of zero",
         ]
     );
     let misfit = Some(Fit { before_mm: 3.3e-3, left_mm: 3.2e-3, noise_mm: None });

@@ -141,7 +141,7 @@ fn measured_elsewhere_comes_back_measured_at_zero() {
         ] {
             assert!(notes.contains(told), "{told}: {notes}");
         }
-        assert!(notes.contains("axis Z stands 0.3333333333333333 -20 200 mm"), "{notes}");
+        assert!(notes.contains("axis Z is 0.3333333333333333 -20 200 mm"), "{notes}");
     }
 }
 
@@ -259,7 +259,7 @@ fn losses_of_five_axes_are_named() {
         String::from("tool_axis 0 1 0"),
         String::from("compensation settings: model volumetric, orientation false, fade_deg 5"),
         String::from(
-            "measured_at_mm 0 0 80 of axis X: its error holds there, elsewhere its angular errors of up to 14.074 urad \
+            "measured_at_mm 0 0 80 of axis X: its error is valid there, elsewhere its angular errors of up to 14.074 urad \
             change it",
         ),
         String::from("offset_mm 0 0 150 of axis A"),

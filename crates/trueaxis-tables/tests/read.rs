@@ -88,7 +88,7 @@ fn a_machine_in_memory_is_the_one_in_its_folder() {
     }
     let alone = Memory::new([("./machine.toml", MACHINE)]);
     let error = Machine::read_from(&alone, Path::new("machine.toml"), &mut |_| {}).unwrap_err().to_string();
-    let found = "machine.toml:4: key axis.X.table: found \"x.csv\", which is no file at x.csv, ";
+    let found = "machine.toml:4: key axis.X.table: found \"x.csv\", but no file at x.csv, ";
     assert_eq!(error, format!("{found}needed the CSV of the axis, relative to this file"));
 }
 
@@ -352,11 +352,8 @@ fn bad_machines_are_refused_with_their_line() {
             MACHINE.replace("name =", "reference_temperature_c = -300\nname ="),
             "machine.toml:1: key reference_temperature_c: found -300",
         ),
-        (
-            MACHINE.replace("x.csv", "gone.csv"),
-            "machine.toml:4: key axis.X.table: found \"gone.csv\", which is no file at",
-        ),
-        (MACHINE.replace("x.csv", "."), "machine.toml:4: key axis.X.table: found \".\", which is no file"),
+        (MACHINE.replace("x.csv", "gone.csv"), "machine.toml:4: key axis.X.table: found \"gone.csv\", but no file at"),
+        (MACHINE.replace("x.csv", "."), "machine.toml:4: key axis.X.table: found \".\", but no file"),
         (
             axis("travel_mm = [0, 20]\njoint_mm = [-0.0005, 21]"),
             "machine.toml:6: key axis.X.joint_mm: found -0.001 mm as command + correction",

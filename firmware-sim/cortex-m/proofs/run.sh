@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Proves on the host, on a Cortex-M4F (f32) and on a Cortex-M7 (f64) that no function of the step can panic or allocate,
-# with negative controls that must not link; bounds the stack and holds bounds and sizes against budgets.toml.
+# with negative controls that must not link; bounds the stack and compares bounds and sizes with budgets.toml.
 # Installs the target, the LLVM tools, and QEMU where root may.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
@@ -35,7 +35,7 @@ prove() {
             exit 1
         }
     done
-    # Symbols that a panic or an allocation needs; the host's C library, linked at run time, is not asked for either.
+    # Symbols that a panic or an allocation needs; the host's C library, linked at run time, is not searched for either.
     if grep -E 'panicking|__rust_alloc|__rg_alloc|[UT] (malloc|calloc|realloc)' <<<"$symbols"; then
         echo "$core: a panic or an allocation is in the program" >&2
         exit 1
@@ -59,7 +59,7 @@ prove() {
 # core, features, flags, board, processor
 bound() {
     local core=$1 features=$2 flags=$3 board=$4 processor=$5 elf=$target/$1-painted.elf
-    # Fat LTO makes all code in the last step: the program's own flags are enough for every frame.
+    # Fat LTO generates all code in the last step: the program's own flags suffice for every frame.
     RUSTC_BOOTSTRAP=1 build "$core-painted" "$mcu" "$features" "$flags" \
         -Zemit-stack-sizes "-Clink-arg=-L$PWD" -Clink-arg=-Tstack-sizes.ld
     timeout 600 qemu-system-arm -M "$board" -cpu "$processor" -nographic -monitor none -serial none \
@@ -68,7 +68,7 @@ bound() {
         failed=1
 }
 
-# The host's also with what takes tables and learned corrections apart, from any bytes of any length.
+# On the host also the decoders of tables and learned corrections, for any bytes of any length.
 prove host "$host" double,decoders ''
 prove m4f "$mcu" '' ''
 prove m7 "$mcu" double,fp64 '-Ctarget-cpu=cortex-m7'

@@ -52,7 +52,7 @@ def registers(operands):
 
 
 def sizes(nm, elf):
-    """Address to size: behind a function's end there is filling, which disassembles to anything."""
+    """Address to size: the padding after a function disassembles to anything."""
     known = {}
     for line in run(nm, "--print-size", "--defined-only", elf).splitlines():
         words = line.split()
@@ -141,8 +141,8 @@ def main():
     parser.add_argument("--tools", required=True, help="directory of llvm-nm, llvm-objdump and llvm-readobj")
     parser.add_argument("--budgets", required=True)
     parser.add_argument("--target", required=True)
-    parser.add_argument("--painted", help="lines of: symbol bytes, as a run found them")
-    parser.add_argument("--path", help="symbol whose deepest path is shown")
+    parser.add_argument("--painted", help="lines of symbol and bytes, measured in a run")
+    parser.add_argument("--path", help="symbol whose deepest path to print")
     parser.add_argument("elf")
     options = parser.parse_args()
 

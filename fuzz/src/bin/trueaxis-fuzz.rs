@@ -40,15 +40,15 @@ enum Command {
     },
     /// Lists the targets.
     List,
-    /// Writes what another fuzzer begins from: seeds into DIR/TARGET, words into DIR/TARGET.dict, and the greatest length
-    /// of an input into DIR/TARGET.longest.
+    /// Writes the starting data of another fuzzer: seeds into DIR/TARGET, words into DIR/TARGET.dict, and the largest
+    /// length of an input into DIR/TARGET.longest.
     Seeds {
         /// Folder.
         dir: PathBuf,
         /// Targets [default: all].
         targets: Vec<String>,
     },
-    /// Adds an input to the corpus of a target, under a name: a finding that is mended.
+    /// Adds an input to the corpus of a target, under a name: a finding that was fixed.
     Add {
         /// Target that reads it.
         target: String,
@@ -57,14 +57,14 @@ enum Command {
         /// The input.
         file: PathBuf,
     },
-    /// Writes the corpus of each target into DIR/TARGET, a file an input.
+    /// Writes the corpus of each target into DIR/TARGET, one file per input.
     Unpack {
         /// Folder.
         dir: PathBuf,
         /// Targets [default: all].
         targets: Vec<String>,
     },
-    /// Makes the files of DIR/TARGET the corpus of each target, in place of what it was.
+    /// Replaces the corpus of each target by the files of DIR/TARGET.
     Pack {
         /// Folder.
         dir: PathBuf,
@@ -87,10 +87,10 @@ struct Attack {
     /// Seed of the mutants.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// Targets side by side.
+    /// Number of targets run in parallel.
     #[arg(long, value_name = "J", default_value_t = 1)]
     jobs: usize,
-    /// A line of JSON for each target in place of the table.
+    /// Print a line of JSON for each target instead of the table.
     #[arg(long)]
     json: bool,
 }
@@ -152,7 +152,10 @@ fn chosen(names: &[String]) -> Result<Vec<&'static Target>> {
         return Ok(TARGETS.to_vec());
     }
     let known = || TARGETS.iter().map(|target| target.name).collect::<Vec<_>>().join(", ");
-    names.iter().map(|name| named(name).with_context(|| format!("no target {name}; there are {}", known()))).collect()
+    names
+        .iter()
+        .map(|name| named(name).with_context(|| format!("no target {name}; the targets are {}", known())))
+        .collect()
 }
 
 fn run(target: &str, files: &[PathBuf]) -> Result<ExitCode> {

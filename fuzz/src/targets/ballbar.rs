@@ -11,7 +11,7 @@ use trueaxis_evaluation::ballbar::{Options, Test};
 /// See [`Target`].
 pub const TARGET: Target = Target {
     name: "ballbar",
-    about: "records of a circular test in its three forms, whole circles by what goes on behind the input",
+    about: "records of a circular test in its three formats, some completed to whole circles after the input",
     run,
     seeds,
     repair: no_repair,

@@ -41,7 +41,7 @@ impl Doubles<'_> {
 }
 
 impl Shape {
-    /// Kind, number (turns of an arc, degree of a spline), number of points, whether there are weights.
+    /// Kind, number (turns of an arc, degree of a spline), number of points, whether it has weights.
     fn of(input: &[u8]) -> Option<Shape> {
         let ([kind, number, count, weighted], rest) = input.split_first_chunk()?;
         let mut doubles = Doubles(rest.as_chunks().0.iter());

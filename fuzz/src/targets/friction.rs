@@ -16,7 +16,7 @@ use trueaxis_tables::files::Memory;
 /// See [`Target`].
 pub const TARGET: Target = Target {
     name: "friction",
-    about: "records of circles (CSV), whole ones by what goes on behind the input, and friction found in some",
+    about: "records of circles (CSV), some completed to whole circles after the input, and friction found in some",
     run,
     seeds,
     repair: no_repair,

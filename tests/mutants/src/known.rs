@@ -22,7 +22,7 @@ pub enum Kind {
     /// No input distinguishes it from the code.
     #[default]
     Equivalent,
-    /// Differs only where two numbers are equal, and either result keeps what is documented.
+    /// Differs only where two numbers are equal, and either result meets the documented behaviour.
     Border,
     /// Its results equal the code's or are as good within the documented bounds, but the cost of a cycle differs.
     Cost,

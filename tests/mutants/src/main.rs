@@ -25,13 +25,13 @@ use list::Mutant;
 use results::{Results, Verdict};
 use scratch::Scratch;
 
-/// Mutates the core and says which mutants no test notices.
+/// Mutates the core and lists the mutants that no test detects.
 #[derive(Parser)]
 struct Options {
     /// Only these rooms
     #[arg(long, value_parser = clap::builder::PossibleValuesParser::new(list::ROOMS))]
     room: Vec<String>,
-    /// Only mutants whose file and change have this in them
+    /// Only mutants whose file and change contain this text
     #[arg(long)]
     only: Option<String>,
     /// Only mutants on the lines of this diff
@@ -43,22 +43,22 @@ struct Options {
     /// Forget earlier verdicts; without it, survivors alone are tried again
     #[arg(long)]
     fresh: bool,
-    /// Only those that an earlier run has tried
+    /// Only mutants that an earlier run tried
     #[arg(long)]
     again: bool,
-    /// Try survivors again that have a reason too
+    /// Also try survivors that have a reason
     #[arg(long)]
     explained: bool,
-    /// Try nothing, print what is on file
+    /// Try nothing, print the stored results
     #[arg(long)]
     report: bool,
     /// Stop so many seconds after the build
     #[arg(long)]
     seconds: Option<u64>,
-    /// Packages whose tests are to notice
+    /// Packages whose tests have to detect the mutants
     #[arg(long, default_values_t = [String::from("trueaxis")])]
     package: Vec<String>,
-    /// Passed on to `cargo test --no-run`: which tests of them
+    /// Arguments of `cargo test --no-run` that select tests of these packages
     #[arg(long, allow_hyphen_values = true)]
     tests: Vec<String>,
     /// Leave out tests that take longer, s
@@ -70,7 +70,7 @@ struct Options {
     /// With `--seconds`: draw the order from this seed
     #[arg(long)]
     seed: Option<u64>,
-    /// Exit with 1 when fewer are killed or have a reason, in per cent of those tried
+    /// Exit with 1 if fewer mutants, in per cent of those tried, are killed or have a reason
     #[arg(long)]
     least: Option<f64>,
 }
@@ -136,7 +136,7 @@ fn main() -> Result<()> {
     println!("{}", report::table(&shown, &fates));
     if let Some(least) = options.least {
         let told = report::told(&fates);
-        println!("noticed or with a reason: {told:.1} %, needed at least {least} %");
+        println!("detected or with a reason: {told:.1} %, needed at least {least} %");
         if told < least {
             std::process::exit(1);
         }

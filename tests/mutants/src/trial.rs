@@ -27,7 +27,7 @@ pub enum Outcome {
     TimedOut(String),
 }
 
-/// What is enabled in a run.
+/// Options of a run.
 #[derive(Clone, Copy)]
 pub enum On<'a> {
     Mutant(usize, u8),

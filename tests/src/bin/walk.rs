@@ -10,10 +10,10 @@ use trueaxis_tests::walk::{Leg, Soak};
 /// Walks the step through random sequences and checks every cycle against its contract.
 #[derive(Parser)]
 struct Arguments {
-    /// Cycles in all.
+    /// Total number of cycles.
     #[arg(long, default_value_t = 1_000_000)]
     cycles: u64,
-    /// Seed of everything that is drawn.
+    /// Seed of all random draws.
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// Threads; as many as there are cores unless given.
@@ -22,7 +22,7 @@ struct Arguments {
     /// Cycles of a leg.
     #[arg(long, default_value_t = 40_000)]
     leg_cycles: u64,
-    /// One leg alone, as a failure names it.
+    /// Only the leg with this number, as named by a failure.
     #[arg(long)]
     leg: Option<u64>,
     /// The report as JSON on stdout.

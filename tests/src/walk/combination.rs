@@ -1,4 +1,4 @@
-//! What a leg of the walk runs: axes, model, scalar, positions, measurement, gauge.
+//! Configuration of a leg of the walk: axes, model, scalar, positions, measurement, gauge.
 
 use std::fmt;
 use trueaxis::machine::ErrorModel;

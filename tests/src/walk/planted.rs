@@ -37,7 +37,7 @@ pub enum Planted {
     WrongAxis,
     /// A bad reading is not reported.
     FreezeForgotten,
-    /// A bad reading is shown as believed.
+    /// A bad reading is reported as believed.
     ReadingBelieved,
     /// The contour error is reported without being measured.
     ErrorInvented,

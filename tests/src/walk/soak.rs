@@ -18,7 +18,7 @@ const FIRST: u64 = 20;
 /// Settings of a soak over all combinations.
 #[derive(Clone, Copy, Debug)]
 pub struct Soak {
-    /// Seed of everything that is drawn.
+    /// Seed of all random draws.
     pub seed: u64,
     /// Minimum number of cycles.
     pub cycles: u64,

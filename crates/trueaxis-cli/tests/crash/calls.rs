@@ -135,6 +135,6 @@ fn a_rename_that_fails_after_another_says_which_files_are_new() {
     let Some(done) = traced(&folder, &["trace=rename,renameat,renameat2", inject], "/dev/null") else { return };
     let said = text(&done.stderr);
     assert_eq!(done.status.code(), Some(2), "{said}");
-    let new = said.split("new already: ").nth(1).expect(&said);
+    let new = said.split("already written: ").nth(1).expect(&said);
     assert!(said.contains("cannot write ") && new.contains(".csv: Input/output error"), "{said}");
 }

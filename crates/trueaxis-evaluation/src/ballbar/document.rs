@@ -174,8 +174,8 @@ impl Test {
         let mut warnings = Vec::new();
         if self.of_positions {
             warnings.push(
-                "made of positions: an axis' own encoder does not see the squareness, the straightness and the scale error of \
-                 the machine, only what the drive makes of its command"
+                "computed from positions: an axis' encoder does not see the squareness, the straightness and the scale error of \
+                 the machine, only how the drive follows its command"
                     .into(),
             );
         }
@@ -204,7 +204,7 @@ impl Test {
         }
         if !found.whole_circles {
             warnings.push(
-                "an arc, no whole circle: F is not known, as its centre is defined by a whole circle; G, G(b) and H are those of \
+                "an arc, not a whole circle: F is not known, as its centre is defined by a whole circle; G, G(b) and H are those of \
                  the arc, and radius, centre, scale mismatch and straightness are known less well"
                     .into(),
             );
@@ -212,14 +212,14 @@ impl Test {
         if found.spikes_of_another_shape {
             warnings.push(
                 "the spikes at reversals are not of the shape h (u/w) exp(1 − u/w): the intervals of backlash and scale mismatch \
-                 are wider for it, and the spikes' height is that of what was found"
+                 are wider for that, and the spikes' height is that of the shape found"
                     .into(),
             );
         }
         if found.spikes_unresolved {
             let per_turn = self.readings.len() / if found.both_directions { 2 } else { 1 };
             warnings.push(format!(
-                "the spikes at reversals are narrower than {per_turn} readings a turn show, and higher than is found: record \
+                "the spikes at reversals are narrower than {per_turn} readings a turn resolve, and higher than the fit found: record \
                  more readings a turn"
             ));
         }

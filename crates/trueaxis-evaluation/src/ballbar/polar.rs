@@ -40,7 +40,7 @@ pub fn polar(test: &Test) -> Figure {
 
 /// Residuals of the fit.
 pub fn left(test: &Test) -> Figure {
-    drawn(test, |trace| &trace.left_um, "What the causes leave of it.")
+    drawn(test, |trace| &trace.left_um, "Residuals of the causes.")
 }
 
 fn drawn(test: &Test, take: fn(&Trace) -> &Vec<f64>, caption: &str) -> Figure {

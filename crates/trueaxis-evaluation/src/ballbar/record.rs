@@ -131,7 +131,7 @@ fn positions_of(positions: &[Position], lines: &[u32], file: &Path, options: &Op
         if let Some(stuck) = record::left_behind(&command, &actual) {
             let (letter, line) = (axis.letter().to_ascii_lowercase(), lines.get(stuck.from));
             let found = format!("{} for {} readings in a row while the command moves", stuck.value, stuck.count);
-            let needed = "a sensor that does not stand still".into();
+            let needed = "a sensor whose readings change".into();
             let column = Some(format!("{letter}_mm"));
             return Err(FileError { file: file.into(), line: line.copied(), column, found, needed }.into());
         }

@@ -158,7 +158,7 @@ impl Calibration {
         }
         if solution.sigma_mm > 2.0 * task.probe.repeatability_mm {
             warnings.push(format!(
-                "a touch scatters by {:.2} µm, {:.2} µm are stated: shapes that the terms do not hold, or a worse probe",
+                "touches scatter by {:.2} µm, {:.2} µm is stated: form errors that the terms do not model, or a less repeatable probe",
                 1e3 * solution.sigma_mm,
                 1e3 * task.probe.repeatability_mm
             ));
@@ -179,7 +179,7 @@ impl Calibration {
                 };
                 let name = &self.observed.names[index];
                 warnings.push(format!(
-                    "{name} is found {:.1} {unit} from what is stated, {:.1} {unit} are its uncertainty",
+                    "{name} is found {:.1} {unit} from the stated value, whose uncertainty is {:.1} {unit}",
                     factor * away,
                     factor * stated
                 ));
@@ -207,7 +207,7 @@ impl Calibration {
             if 1e3 * effect > POOR_UM {
                 let name = term.name();
                 warnings.push(format!(
-                    "{name} is known to {:.0} µm only over the travel: a longer base would tell it",
+                    "{name} is known to {:.0} µm only over the travel: a longer measuring base would determine it better",
                     1e3 * effect
                 ));
             }

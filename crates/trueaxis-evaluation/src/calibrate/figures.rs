@@ -17,10 +17,10 @@ pub fn residuals(task: &Task, plan: &Plan, calibration: &Calibration) -> Figure 
     figure.across(2.0 * sigma, colour::LIMIT).across(-2.0 * sigma, colour::LIMIT);
     let stroke = Stroke::new(colour::COMPENSATED, 1.0);
     figure.line(left.iter().copied(), stroke.opacity(0.5)).dots(left.iter().copied(), colour::COMPENSATED);
-    figure.key("what is left of a touch, positive outside the surface", stroke);
+    figure.key("residual of a touch, positive outside the surface", stroke);
     figure.key("two standard deviations of a touch", Stroke::new(colour::LIMIT, 1.2).dashed());
     figure.labels_above(visits.into_iter().map(|(first, name)| (first as f64, name)));
-    figure.caption("What the machine's terms, the places of the artefacts and the drift leave of every touch.");
+    figure.caption("Residual of every touch after the machine's terms, the places of the artefacts and the drift.");
     figure
 }
 
@@ -35,9 +35,7 @@ pub fn curves(calibration: &Calibration, axis: Axis) -> Option<Figure> {
     };
     let curves = [0, 1, 2].map(|k| (names[k].as_str(), curve(k)));
     let mut figure = error_bars(&format!("Errors found of axis {letter}"), x, "µm", &curves);
-    figure.caption(format!(
-        "Errors of {letter} that are added to its table, with bars of two standard errors to either side."
-    ));
+    figure.caption(format!("Errors of {letter} added to its table. Bars: 2 standard errors to either side."));
     Some(figure)
 }
 
@@ -55,6 +53,6 @@ pub fn drift(calibration: &Calibration) -> Option<Figure> {
     let x = Scale::linear("time in minutes, without pauses", knots.iter().map(|(time, _)| time / 60.0));
     let curves = [("X", curve(0)), ("Y", curve(1)), ("Z", curve(2))];
     let mut figure = error_bars("Drift of the reference", x, "µm", &curves);
-    figure.caption("The reference against its first look, with bars of two standard errors to either side.");
+    figure.caption("Movement of the reference since its first probing. Bars: 2 standard errors to either side.");
     Some(figure)
 }

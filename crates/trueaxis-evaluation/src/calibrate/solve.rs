@@ -118,7 +118,7 @@ impl Source<'_> {
                 };
                 let found = format!("a set-up that cannot tell apart {one}{more}");
                 let needed = "artefacts or places that do (a known size along each of them, a ball for the tip's radius, a \
-                              reversal), or less to be found in [solve]";
+                              reversal), or fewer unknowns in [solve]";
                 let file = self.task.file.clone();
                 FileError { file, line: None, column: None, found, needed: needed.into() }.into()
             }
@@ -126,7 +126,7 @@ impl Source<'_> {
                 let found = format!("touch {} {residual_mm:.3} mm off {}", touch + 1, self.name(touch));
                 self.error(self.line(touch), found, "touches on the artefact that the task names")
             }
-            Refused::NotFinite { touch } => self.error(self.line(touch), "a position that is no number", "numbers"),
+            Refused::NotFinite { touch } => self.error(self.line(touch), "a position that is not a number", "numbers"),
             refused => anyhow!("{}: {refused}", self.task.file.display()),
         }
     }
@@ -249,7 +249,7 @@ fn touches_hold(source: &Source<'_>, solution: &Solution) -> Result<()> {
     match worst {
         Some((touch, residual)) if residual.abs() > limit => {
             let found = format!(
-                "touch {} on {} {:.1} µm off what the others say",
+                "touch {} on {} {:.1} µm off the position by the other touches",
                 touch + 1,
                 source.name(touch),
                 1e3 * residual
@@ -275,9 +275,9 @@ fn drift_holds(source: &Source<'_>, observed: &Observed, solution: &Solution) ->
         let moved = (0..3).map(|k| (at(knots[1].1, k) - at(knots[0].1, k)).powi(2)).sum::<f64>().sqrt();
         if moved > limit {
             let touch = source.plan.touches.iter().position(|touch| touch.visit == pair[1]);
-            let found = format!("a drift of {:.1} µm since the last look at the reference", 1e3 * moved);
+            let found = format!("a drift of {:.1} µm since the last probing of the reference", 1e3 * moved);
             let needed = format!(
-                "less than what is measured, {:.1} µm: a warm machine, or the reference more often (reference.every)",
+                "less than the measured errors, {:.1} µm: a warm machine, or the reference probed more often (reference.every)",
                 1e3 * limit
             );
             return Err(source.error(touch.and_then(|touch| source.line(touch)), found, needed));

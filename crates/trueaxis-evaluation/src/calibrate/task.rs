@@ -190,8 +190,7 @@ fn read_reference(section: Section<'_>, artefacts: &[Artefact]) -> Result<Refere
             && artefact.places[0].rotary_deg[0] == [0.0; 3]
     };
     let found = found.filter(|index| is_still(&artefacts[*index]));
-    let found =
-        found.ok_or_else(|| section.wrong(&name, "the name of a ball that stays at one place, A, B, C at 0 first"))?;
+    let found = found.ok_or_else(|| section.wrong(&name, "the name of a ball at one place, with A, B, C = 0 first"))?;
     let every = whole(&section, "every", [5, 100_000])?.unwrap_or(60);
     section.finish(None)?;
     Ok(Reference { artefact: found, every })

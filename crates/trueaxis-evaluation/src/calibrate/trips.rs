@@ -50,7 +50,7 @@ pub fn trips(task: &Task, plan: &Plan, log: &Log, file: &Path) -> Result<Vec<Log
             inches.position[..3].iter_mut().for_each(|q| *q *= MM_PER_INCH);
             let (found, needed) = match check(task, touch, id, &inches) {
                 Ok(()) => (
-                    format!("touch {id} on its probing move, were its numbers inches"),
+                    format!("touch {id} on its probing move only if its numbers are inches"),
                     "a log in mm (grblHAL: $13=0)".into(),
                 ),
                 Err(_) => (found, needed),

@@ -129,7 +129,7 @@ pub struct Document {
     pub refused: BTreeMap<&'static str, String>,
 }
 
-/// A circle, or why there is none.
+/// A circle, or the reason why the points have none.
 pub type Fitted = Result<ReferenceCircle, NoCircle>;
 
 /// Points and the circles about them.

@@ -218,7 +218,9 @@ fn limits(test: &Test, steps: Option<&Steps>) -> Vec<String> {
         None if test.steps => limits.push(
             "the steps are not evaluated: not every interval of every axis was measured on all four diagonals".into(),
         ),
-        None => limits.push("four diagonals tell three squarenesses and one scale; those of X, Y, Z take steps".into()),
+        None => limits.push(
+            "four diagonals determine three squarenesses and one scale; separate scales of X, Y, Z need steps".into(),
+        ),
         Some(steps) => {
             let worst = steps.scale_per_10_urad_ppm.iter().copied().fold(0.0, f64::max);
             limits.push(format!(
@@ -233,7 +235,9 @@ fn limits(test: &Test, steps: Option<&Steps>) -> Vec<String> {
                         .into(),
                 );
             }
-            limits.push("angular errors enter the shapes by the way beside the beam (Soons 2005)".into());
+            limits.push(
+                "angular errors enter the shapes through the mirror's travel beside the beam (Soons 2005)".into(),
+            );
         }
     }
     limits

@@ -38,8 +38,11 @@ impl Document {
             }
             put("sigma of a step", "µm", steps.sigma_um, None);
         }
-        let terms =
-            Table { caption: "What the diagonals tell", header: vec!["term", "value", "standard error", "unit"], rows };
+        let terms = Table {
+            caption: "Results of the diagonals",
+            header: vec!["term", "value", "standard error", "unit"],
+            rows,
+        };
         Shown {
             title: "Diagonal displacement test",
             summary: vec![
@@ -63,7 +66,7 @@ impl Document {
                 ..Curve::new(format!("E{of}{axis}"), c, shape.points.iter().map(|point| point.error_um[c]).collect())
             });
             Plot {
-                section: "What the steps tell",
+                section: "Results of the steps",
                 title: format!("Errors of {axis}, slopes removed"),
                 x: (axis.to_string(), "mm"),
                 y: ("error", "µm"),
@@ -102,7 +105,7 @@ fn deviations(test: &Test) -> Plot {
     Plot {
         section: "Deviation",
         title: "Mean deviation along the four diagonals".into(),
-        x: ("way along the diagonal".into(), "mm"),
+        x: ("distance along the diagonal".into(), "mm"),
         y: ("deviation", "µm"),
         look: Look::Dotted,
         caption: "Targets on the diagonals: ISO 230-6.",

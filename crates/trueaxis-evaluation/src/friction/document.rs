@@ -196,7 +196,7 @@ impl Document {
             let letter = &own.axis;
             if own.drive_found && own.standard_errors.drive.dead_time_s.is_none() && record.read_after_s.is_none() {
                 warnings.push(format!(
-                    "axis {letter}: the record does not tell when in its cycle the encoder was read; the uncertainties hold \
+                    "axis {letter}: the record does not determine when in its cycle the encoder was read; the uncertainties are valid \
                      for every time within half a cycle of the command (--read-after-us states it)"
                 ));
             }
@@ -206,8 +206,9 @@ impl Document {
                 (own.standard_errors.friction.viscous.is_none(), "viscous friction", "0"),
             ] {
                 if held {
-                    warnings
-                        .push(format!("axis {letter}: the record does not tell the {name}, which is held at {value}"));
+                    warnings.push(format!(
+                        "axis {letter}: the record does not determine the {name}, which is fixed at {value}"
+                    ));
                 }
             }
         }

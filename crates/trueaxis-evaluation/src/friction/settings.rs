@@ -41,7 +41,7 @@ fn drive(axis: &Identified) -> Option<[Entry; 5]> {
 /// its standard error; the first line names `record`.
 pub fn sections(record: &Path, found: &[Identified]) -> String {
     let mut text = format!(
-        "# Friction found in {} by `trueaxis friction`; behind ± the standard error, which is not read.\n",
+        "# Friction found in {} by `trueaxis friction`; the standard error after ± is not read.\n",
         record.file_name().unwrap_or_default().to_string_lossy().replace(acts, " ")
     );
     for axis in found {
@@ -86,7 +86,7 @@ fn line(text: &mut String, key: &str, value: f64, error: Option<f64>) {
     let shown = plain(value);
     let _ = match error {
         Some(error) => writeln!(text, "{key} = {shown}  # ± {}", significant(error, 2)),
-        None => writeln!(text, "{key} = {shown}  # not told by the record"),
+        None => writeln!(text, "{key} = {shown}  # not determined by the record"),
     };
 }
 

@@ -136,7 +136,7 @@ impl Document {
             ("inside", _) => "inside: the errors contain the axis' location errors and the zero of the gauges",
             (_, "C") => "removed: EXC, EYC, EZC have no mean; constant angular errors are inside",
             _ => {
-                "removed: the translations have no mean, and of the angular errors what turns with the axis is left out"
+                "removed: the translations have no mean, and the angular errors lack the part that rotates with the axis"
             }
         }
     }

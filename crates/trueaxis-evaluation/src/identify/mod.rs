@@ -90,7 +90,7 @@ pub fn identify(
     let worst = errors.angles.iter().map(|angle| angle.condition).fold(0.0, f64::max);
     if worst > DOUBTFUL_CONDITION {
         warnings.push(format!(
-            "condition number {worst:.0}: the set-ups are nearly on one line, the errors come out that much worse than the gauges read"
+            "condition number {worst:.0}: the set-ups are nearly on one line, so the errors are that many times less accurate than the readings"
         ));
     }
     let document = Document::new(&readings, &errors, warnings);

@@ -95,7 +95,7 @@ impl Look {
         let mut notes = Vec::new();
         if sigma > 2.0 * keep.task.probe.repeatability_mm {
             notes.push(format!(
-                "a touch scatters by {:.2} µm, {:.2} µm are stated: errors that the terms do not hold, or a worse probe",
+                "touches scatter by {:.2} µm, {:.2} µm is stated: errors that the terms do not model, or a less repeatable probe",
                 1e3 * sigma,
                 1e3 * keep.task.probe.repeatability_mm
             ));

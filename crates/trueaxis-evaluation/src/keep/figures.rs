@@ -44,7 +44,7 @@ fn figure(entries: &[Entry], name: &str, unit: &str) -> Figure {
         figure.line([[at, value - half], [at, value + half]], bar);
     }
     figure.dots(found.iter().map(|[at, value, _]| [*at, *value]), colour::UNCOMPENSATED);
-    figure.key("found by a look, what the tables left", bar);
-    figure.caption(format!("{name}: bars are two standard errors to either side."));
+    figure.key("error found by a re-probing, with the tables active", bar);
+    figure.caption(format!("{name}. Bars: 2 standard errors to either side."));
     figure
 }

@@ -55,7 +55,7 @@ impl History {
                 return Err(error(format!("the check sum {check:?}, of the line {own}"), needed));
             }
             let entry: Entry = serde_json::from_str(&format!("{body}}}"))
-                .map_err(|why| error(format!("a line that is no entry: {why}"), "an entry of `trueaxis keep`"))?;
+                .map_err(|why| error(format!("a line that is not an entry: {why}"), "an entry of `trueaxis keep`"))?;
             let number = history.entries.len() as u32 + 1;
             let sound = match entry.deed {
                 Deed::Begin => !entry.balls.is_empty(),
@@ -110,7 +110,7 @@ impl History {
     /// A history without a beginning.
     pub fn beginning(&self) -> Result<&Entry, FileError> {
         let begun = self.entries.iter().rev().find(|entry| entry.deed == Deed::Begin);
-        begun.ok_or_else(|| self.error("no beginning", "a first look, by `trueaxis keep begin`"))
+        begun.ok_or_else(|| self.error("no beginning", "a first probing, by `trueaxis keep begin`"))
     }
 
     fn error(&self, found: impl Into<String>, needed: impl Into<String>) -> FileError {
@@ -147,7 +147,7 @@ impl History {
             let after = now.iter().any(|number| *number >= entry.entry);
             if after || entry.deed == Deed::Look {
                 let found = format!("the log of entry {} for the second time", entry.entry);
-                return Err(self.error(found, "a new one: what it tells is in the tables already"));
+                return Err(self.error(found, "a new one: its findings are already in the tables"));
             }
         }
         let last = |of: fn(&Entry) -> bool| self.entries.iter().rev().find(|entry| of(entry));

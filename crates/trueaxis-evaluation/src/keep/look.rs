@@ -119,7 +119,7 @@ pub fn foreseen(keep: &Keep, machine: &Machine, plan: &Plan) -> Result<Vec<f64>>
             let (unit, factor) = kept.term.unit();
             return Err(anyhow!(
                 "{}:{}: key term: found a largest update of {} {unit} for {}, needed at least {:.2} {unit}, which the balls \
-                 and this probe can tell ({} standard errors), or fewer terms",
+                 and this probe can resolve ({} standard errors), or fewer terms",
                 keep.task.file.display(),
                 kept.line,
                 factor * kept.bounds.update,
@@ -218,10 +218,10 @@ fn verdict(keep: &Keep, machine: &Machine, selection: &Selection, index: usize, 
         Decision::Update
     } else if value.abs() > kept.bounds.update {
         let (moved, most) = (shown(value), shown(kept.bounds.update));
-        Decision::Refused(format!("moved by {moved} {unit}, at most {most} {unit} are taken at once"))
+        Decision::Refused(format!("moved by {moved} {unit}, at most {most} {unit} is applied at once"))
     } else if (total + value).abs() > kept.bounds.total {
         let (sum, most) = (shown(total + value), shown(kept.bounds.total));
-        Decision::Refused(format!("would be {sum} {unit} from the beginning, at most {most} {unit} are taken in all"))
+        Decision::Refused(format!("would be {sum} {unit} since the beginning, at most {most} {unit} is applied in all"))
     } else {
         Decision::Update
     };

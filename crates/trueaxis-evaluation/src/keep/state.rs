@@ -88,19 +88,19 @@ impl State {
         }
         let folder = self.folder.display();
         if by_hand {
-            note(format!("{folder}: tables {now} in place of {after}, taken as they are"));
+            note(format!("{folder}: tables {now} instead of {after}, used as they are"));
             return Ok(());
         }
         if now == *before {
             bail!(
-                "{folder}: found tables as before entry {}, which was ended before it changed them, needed them as after it: \
+                "{folder}: found tables as before entry {}, which was interrupted before it changed them, needed them as after it: \
                  `trueaxis keep undo … {} --by-hand` enters that",
                 last.entry,
                 last.entry
             );
         }
         bail!(
-            "{folder}: found tables {now}, which somebody has changed, needed {after} as entry {} left them: --by-hand takes \
+            "{folder}: found tables {now}, which somebody has changed, needed {after} as entry {} left them: --by-hand uses \
              them as they are",
             last.entry
         )

@@ -54,7 +54,7 @@ impl Taken {
         let reasons: Vec<String> = self.look.refused().map(|(name, reason)| format!("{name} {reason}")).collect();
         (!reasons.is_empty()).then(|| {
             format!(
-                "{}: {}: nothing is changed; has the ball been moved, has something been hit? --accept TERM lets it pass",
+                "{}: {}: nothing is changed; the ball may have been moved or hit. To apply it anyway: --accept TERM",
                 log.display(),
                 reasons.join("; ")
             )
@@ -113,7 +113,7 @@ impl State {
         let look = begin(&self.keep, &self.machine, &plan, &trips, log.file)?;
         let entry = self.entry(log, &plan, &look, Deed::Begin);
         let mut document = look.document(&self.keep, &self.machine.settings.name, entry.entry);
-        document.notes.push("the beginning: later looks are held against the places of these balls".into());
+        document.notes.push("the beginning: later re-probings are compared with the places of these balls".into());
         Ok(Taken { look, document, entry, files: New::new(), changes: Vec::new() })
     }
 
@@ -148,7 +148,7 @@ impl State {
         if let Some(since) = log.parts.zip(last).map(|(now, before)| now - before) {
             let every = self.keep.every_parts;
             if since > u64::from(every) {
-                document.notes.push(format!("{since} parts since the last look, {every} are stated"));
+                document.notes.push(format!("{since} parts since the last re-probing, every_parts is {every}"));
             }
         }
         let mut entry = self.entry(log, &plan, &look, Deed::Look);

@@ -76,7 +76,7 @@ impl Keep {
             for artefact in &task.artefacts {
                 let stays = matches!(artefact.kind, Kind::Ball { .. }) && artefact.places.len() == 1;
                 if !stays {
-                    let found = format!("{}, which is no ball that stays where it is", artefact.name);
+                    let found = format!("{}, which is not a ball at a fixed place", artefact.name);
                     return Err(root.at(artefact.line, "artefact", &found, "balls, each at one place"));
                 }
             }
@@ -88,7 +88,8 @@ impl Keep {
             task.compensated = true;
             task.reference = Some(Reference { artefact: 0, every: AT_THE_ENDS });
             let every = whole(&root, "every_parts", [1, 1_000_000])?;
-            let every = every.ok_or_else(|| root.missing("every_parts", "the number of parts between two looks"))?;
+            let every =
+                every.ok_or_else(|| root.missing("every_parts", "the number of parts between two re-probings"))?;
             let [tcomp, thermal, ttherm] = [("tcomp", ".tcomp"), ("thermal", ".toml"), ("ttherm", ".ttherm")]
                 .map(|(key, ending)| file_name(&root, key, ending));
             let (tcomp, thermal, ttherm) = (tcomp?, thermal?, ttherm?);

@@ -79,7 +79,7 @@ pub struct Document {
     pub degrees_of_freedom: usize,
     /// Number of unknowns.
     pub unknowns: usize,
-    /// Number of conditions that fix what no point can determine.
+    /// Number of conditions that fix the quantities which no point determines.
     pub conventions: usize,
     /// Rank of points and conditions.
     pub rank: usize,
@@ -177,22 +177,25 @@ impl Document {
 
 fn notes(points: &Points, found: &Found) -> Vec<String> {
     let mut notes = vec![
-        "the instrument stands on the workpiece's side; its placement is taken out, errors are zero at the reference position, \
+        "the instrument is on the workpiece's side; its placement is removed, errors are zero at the reference position, \
          straightnesses have no slope"
             .to_owned(),
     ];
     if !found.unseen.is_empty() {
         notes.push(format!(
-            "{}: no lever in these points that tells them from translations of the same axis; left at zero, the tables hold for {}",
+            "{}: no lever in these points separates them from translations of the same axis; with them at zero, the tables are valid for {}",
             found.unseen.join(" "),
             if points.tools_mm.len() > 1 { "these reflector offsets" } else { "this reflector offset" }
         ));
     }
     if found.held_out_mm.is_empty() {
-        notes.push("nothing is held out: fewer than 60 points, or too few without one in ten".into());
+        notes.push("no point is held out: fewer than 60 points, or too few without one in ten".into());
     }
     if found.errors.sigma > 2.0 && points.stated {
-        notes.push(format!("what is left is {:.1} times what the stated uncertainties allow", found.errors.sigma));
+        notes.push(format!(
+            "the residuals are {:.1} times as large as the stated uncertainties allow",
+            found.errors.sigma
+        ));
     }
     notes.extend(found.limits.iter().cloned());
     notes

@@ -41,7 +41,7 @@ impl Document {
             notes: self.notes.clone(),
             tables: vec![
                 Table {
-                    caption: "What is left of the points",
+                    caption: "Residuals of the points",
                     header: vec!["µm", "points", "largest", "RMS", "largest in line"],
                     rows: rows.collect(),
                 },
@@ -96,8 +96,8 @@ fn residuals(points: &Points, found: &Found) -> impl Iterator<Item = Plot> {
         let (at, order) = Plot::ascending(&places);
         let left: Vec<[f64; 3]> = order.iter().map(|i| found.left_mm[*i].map(|mm| 1e3 * mm)).collect();
         Plot {
-            section: "What is left",
-            title: format!("What is left over {letter}"),
+            section: "Residuals",
+            title: format!("Residuals over {letter}"),
             x: (letter.to_string(), "mm"),
             y: ("left", "µm"),
             look: Look::Points,
@@ -129,9 +129,9 @@ fn map(points: &Points, found: &Found) -> Map {
     }
     let rms = |(sum, count): (f64, u32)| if count == 0 { f64::NAN } else { (sum / f64::from(count)).sqrt() };
     Map {
-        title: "Root mean square of what is left over X and Y",
+        title: "Root mean square of the residuals over X and Y",
         unit: "µm",
-        caption: "All heights together; blank where there is no point.",
+        caption: "All heights together; blank where no point was measured.",
         ends_mm,
         rows: sums.into_iter().map(|row| row.into_iter().map(rms).collect()).collect(),
     }

@@ -146,16 +146,14 @@ impl Document {
             notes.push(format!("a run has {few} points; ISO 230-10 takes {usual}"));
         }
         if tip.is_none() && record.feature != Feature::Point {
-            notes.push("the tip's effective diameter takes the calibrated one of the artefact: --diameter-mm".into());
+            notes.push("the tip's effective diameter needs the calibrated one of the artefact: --diameter-mm".into());
         }
         if tip.is_some_and(|tip| tip <= 0.0) {
-            notes.push(
-                "the tip's effective diameter comes out negative: a ring is probed inside, a sphere outside".into(),
-            );
+            notes.push("the tip's effective diameter is negative: a ring is probed inside, a sphere outside".into());
         }
         if record.oriented && oriented.is_none() && record.feature != Feature::Point {
             notes.push(
-                "one orientation of the spindle does not tell the tip's offset: turn it by 180°, or by 90° four times"
+                "one orientation of the spindle does not determine the tip's offset: turn it by 180°, or by 90° four times"
                     .into(),
             );
         }

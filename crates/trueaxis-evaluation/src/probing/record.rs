@@ -135,7 +135,8 @@ impl Record {
             let worst = run.points.iter().max_by(|one, other| off(one).total_cmp(&off(other)));
             if let Some(worst) = worst.filter(|worst| off(worst) > MOST_FORM_MM) {
                 let line = readings.iter().position(|own| own == worst).map_or(1, |k| lines[k]);
-                let found = format!("a point {:.3} mm off what the others of run {} make", off(worst), run.run);
+                let found =
+                    format!("a point {:.3} mm off the feature through the others of run {}", off(worst), run.run);
                 return Err(rows.error(
                     line,
                     "x_mm",
@@ -157,7 +158,7 @@ fn solve(run: &mut Measured, feature: Feature, nominal: Option<f64>) -> Result<(
             }
             let flat: Vec<[f64; 2]> = run.points.iter().map(|[x, y, _]| [*x, *y]).collect();
             let circle = least_squares(&flat).map_err(|error| {
-                format!("found points that make no circle ({error}), needed points all round a ring")
+                format!("found points that do not form a circle ({error}), needed points all round a ring")
             })?;
             let heights = run.points.iter().map(|point| point[2]).sum::<f64>() / count as f64;
             run.centre = [circle.centre[0], circle.centre[1], heights];

@@ -85,7 +85,7 @@ impl Document {
             .map(|(reading, left)| (reading.line, left))
             .fold((0, 0.0), |worst, one| if one.1 >= worst.1 { one } else { worst });
         let mut notes = vec![format!(
-            "the linear axes' own errors and what is not sought are removed, as {} predicts them in positive travel",
+            "the linear axes' own errors and the errors not sought are removed, as {} predicts them in positive travel",
             machine.settings.name
         )];
         if let Some((apart, [first, again])) = record.repeated() {
@@ -96,18 +96,18 @@ impl Document {
         }
         if found.sensor_mm.is_none() {
             notes.push(
-                "the nest is taken to be calibrated to the spindle and tool_mm; --free-sensor leaves its zero open"
+                "the nest is assumed to be calibrated to the spindle and tool_mm; --free-sensor makes its zero an unknown"
                     .into(),
             );
         }
         if found.condition > DOUBTFUL_CONDITION {
             notes.push(format!(
-                "condition number {:.0}: some errors come out that much worse than a probe reads",
+                "condition number {:.0}: some errors are that many times less accurate than the readings",
                 found.condition
             ));
         }
         if found.clamped {
-            notes.push("an axis stands beyond its table, where the edge value is clamped".into());
+            notes.push("an axis is beyond its table, where the edge value is clamped".into());
         }
         Document {
             readings: record.readings.len(),

@@ -22,7 +22,7 @@ impl Document {
         let fit = [
             ("readings, RMS, µm", Cell::number(self.rms_um, 3)),
             ("left, RMS, µm", Cell::number(self.left_rms_um, 3)),
-            ("largest left, µm", Cell::number(self.left_max_um, 3)),
+            ("largest residual, µm", Cell::number(self.left_max_um, 3)),
             ("in line", Cell::count(self.left_max_line as usize)),
             ("sigma of a coordinate, µm", Cell::number(self.sigma_um, 3)),
             ("degrees of freedom", Cell::count(self.degrees_of_freedom)),
@@ -45,7 +45,7 @@ impl Document {
             ],
             plots: vec![
                 over_readings("Displacement", "Displacement of the tool from the ball", "displacement", &displacements),
-                over_readings("What is left", "What the location errors leave", "left", &found.left_mm),
+                over_readings("Residuals", "Residuals of the location errors", "left", &found.left_mm),
             ],
             map: None,
         }

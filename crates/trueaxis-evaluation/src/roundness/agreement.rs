@@ -67,7 +67,7 @@ fn once_per_revolution(weights: [f64; 3], probes: &[Vec<f64>; 3], points: usize,
         None => "the polarity, the sensitivity or the angle of a probe is not the stated one".to_owned(),
     };
     Some(format!(
-        "{} % of the once-per-revolution signal is left where the three probes have to cancel it: {cause}",
+        "{} % of the once-per-revolution signal remains where the three probes must cancel it: {cause}",
         significant(100.0 * left(None) / signal, 2)
     ))
 }

@@ -34,8 +34,6 @@ pub fn orbit(evaluation: &Evaluation) -> Figure {
         .bold(&mean, colour::COMPENSATED)
         .key("mean of the revolutions (synchronous)", Stroke::new(colour::COMPENSATED, 2.2))
         .key("single revolutions (asynchronous)", Stroke::new(colour::GREY, 0.6))
-        .caption(format!(
-            "{shown} of the revolutions; position and once-per-revolution part are taken out (ISO 230-7)."
-        ));
+        .caption(format!("{shown} of the revolutions; position and once-per-revolution part are removed (ISO 230-7)."));
     figure
 }

@@ -89,7 +89,7 @@ impl Given for InMemory<'_> {
         record::dead(&channels(probes)).map_or(Ok(()), |(channel, stuck)| {
             let (name, record::Stuck { from, count, value }) = (channel.name, stuck);
             Err(anyhow!(
-                "{name}[{from}]: found {value} for {count} readings in a row, needed a sensor that does not stand still"
+                "{name}[{from}]: found {value} for {count} readings in a row, needed a sensor whose readings change"
             ))
         })
     }

@@ -48,10 +48,10 @@ pub fn residuals(found: &Found, axis: Axis) -> Figure {
     let x = Scale::linear("hours since the cycle began", all().map(|point| point[0]));
     let y = Scale::symmetric("left in µm", all().map(|point| point[1]));
     let letter = axis.letter();
-    let mut figure = Figure::full(&format!("what is left of {letter}"), 200, x, y);
+    let mut figure = Figure::full(&format!("residuals of {letter}"), 200, x, y);
     figure
         .dots(fitted, colour::GREY)
         .dots(held_out, colour::SERVO)
-        .caption(format!("What is left of E{letter} at every measuring point; green: held-out cycles."));
+        .caption(format!("Residuals of E{letter} at every measuring point; green: held-out cycles."));
     figure
 }

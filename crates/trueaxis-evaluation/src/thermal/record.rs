@@ -151,7 +151,7 @@ impl Recording {
         let first = match refused {
             Refused::Twice { first, .. } => self.lines.get(*first).map(|line| format!(" (first in line {line})")),
             Refused::Jump { sensor, .. } => Some(format!(
-                "; a sensor that warms faster is taken with --rate-k-per-min, one that is not needed left out with --without {sensor}"
+                "; --rate-k-per-min admits a sensor that warms faster, --without {sensor} leaves out one that is not needed"
             )),
             _ => None,
         };

@@ -104,7 +104,7 @@ pub fn model(text: &str, file: &Path, machine: &MachineSettings) -> Result<Model
     for sensor in &read.sensor {
         let name = sensor.name.get_ref();
         if name.is_empty() || sensors.iter().any(|known| known.name == *name) {
-            return Err(place.at(sensor.name.span().start, "sensor.name", name, "a name of its own"));
+            return Err(place.at(sensor.name.span().start, "sensor.name", name, "a unique name"));
         }
         let knots = sensor.knots_c.get_ref();
         ascending(&place, &sensor.knots_c, "sensor.knots_c")?;

@@ -12,7 +12,7 @@ pub fn written(found: &Found) -> String {
     let document = found.document();
     let [drift, left] = document.held_out_um;
     let mut text = format!(
-        "# Thermal growth found in {file} by `trueaxis thermal fit`; behind ± standard errors, which are not read.\n\
+        "# Thermal growth found in {file} by `trueaxis thermal fit`; the standard errors after ± are not read.\n\
          # Held-out cycles {:?}: largest drift {} µm, left {} µm.\n\
          reference_temperature_c = {}\n",
         found.fit.held_out,

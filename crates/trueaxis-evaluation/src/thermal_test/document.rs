@@ -121,14 +121,14 @@ impl Document {
         }
         let least = if name == "etve" { 4.0 * 60.0 } else { 60.0 };
         if duration_min < least {
-            notes.push(format!("ISO 230-3 wants {} h at least for this test", least / 60.0));
+            notes.push(format!("ISO 230-3 asks for at least {} h in this test", least / 60.0));
         }
         let typical = test.all_times_s.last().copied().unwrap_or(0.0) / test.all_times_s.len().max(2) as f64;
         if test.gap_s.0 > 10.0 * typical {
-            notes.push(format!("nothing was read for {:.1} min after line {}", test.gap_s.0 / 60.0, test.gap_s.1));
+            notes.push(format!("no reading for {:.1} min after line {}", test.gap_s.0 / 60.0, test.gap_s.1));
         }
         if distance_mm.is_none() && test.displacements_um.iter().any(|of| !of[3].is_empty() || !of[4].is_empty()) {
-            notes.push("tilts take the distance of the probes: --distance-mm".into());
+            notes.push("tilts need the distance between the probes: --distance-mm".into());
         }
         Document {
             test: name,

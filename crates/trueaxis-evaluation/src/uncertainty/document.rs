@@ -161,7 +161,7 @@ impl AtPoint {
         differs.then(|| {
             format!(
                 "at {} the methods differ: {first:.3} µm by derivatives, {drawn:.3} µm by machines drawn. Trust the second: \
-                 it takes few degrees of freedom, cosine errors and products of errors as they are",
+                 it includes few degrees of freedom, cosine errors and products of errors",
                 self.place()
             )
         })

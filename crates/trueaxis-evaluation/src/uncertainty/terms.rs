@@ -134,7 +134,7 @@ impl Terms {
             .collect();
         if stated.temperature_k.is_some_and(|u| u > 0.0) && !without.is_empty() {
             self.warnings.push(format!(
-                "no thermal.expansion_um_per_m_k of {}: the temperature counts as nothing there",
+                "no thermal.expansion_um_per_m_k of {}: the temperature counts as zero there",
                 without.join(", ")
             ));
         }
@@ -192,8 +192,7 @@ impl Terms {
                 }
                 Some(_) => {}
                 None if said => {
-                    self.warnings
-                        .push(format!("axis {letter} has no table: the uncertainty of {name} counts as nothing"));
+                    self.warnings.push(format!("axis {letter} has no table: the uncertainty of {name} counts as zero"));
                 }
                 None if given => self.not_stated.push(key(&name)),
                 None => self.not_stated.push(format!("{} (not in the table either)", key(&name))),

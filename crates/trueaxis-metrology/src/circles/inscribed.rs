@@ -5,7 +5,7 @@ use super::{NoCircle, ReferenceCircle, check, largest_gap, least_squares};
 use core::f64::consts::{FRAC_1_SQRT_2, PI};
 use std::vec::Vec;
 
-/// Largest circle that contains no point and is held by points on all sides, MIC.
+/// Largest circle that contains no point and is bounded by points on all sides, MIC.
 ///
 /// Its centre lies strictly between the points it touches: three of them form an acute triangle around it (a vertex of the
 /// nearest-point Voronoi diagram inside its own Delaunay triangle). The search for the largest is like that for the minimum
@@ -20,8 +20,8 @@ use std::vec::Vec;
 /// # Errors
 ///
 /// [`NoCircle::TooFew`], [`NoCircle::NonFinite`], [`NoCircle::Straight`]; [`NoCircle::PartArc`] if the points leave half a
-/// turn or more open as seen from the least-squares centre, or if no circle is held on all sides; [`NoCircle::Unresolved`] if
-/// 150,000 squares are not enough: outliers 10⁶ and 10⁹ times farther away than the other points.
+/// turn or more open as seen from the least-squares centre, or if no circle is bounded on all sides;
+/// [`NoCircle::Unresolved`] if 150,000 squares are not enough: outliers 10⁶ and 10⁹ times farther away than the other points.
 pub fn maximum_inscribed(points: &[[f64; 2]]) -> Result<ReferenceCircle, NoCircle> {
     check(points)?;
     let (local, c) = least_squares::fit(points).map_err(|_| NoCircle::PartArc)?;
@@ -184,7 +184,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Accepts a circle on three points if it is the largest so far, contains no point, and is held on all sides.
+    /// Accepts a circle on three points if it is the largest so far, contains no point, and is bounded on all sides.
     fn offer(&mut self, c: [f64; 2], on: [&Point; 3], near: &[Point], all: &[Point]) {
         let values = on.map(|p| p.f(c));
         let least = values.iter().copied().fold(f64::INFINITY, f64::min);

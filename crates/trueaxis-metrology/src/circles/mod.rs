@@ -54,7 +54,7 @@ pub struct ReferenceCircle {
     pub contacts: Vec<usize>,
 }
 
-/// Why there is no reference circle.
+/// Why the points have no reference circle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum NoCircle {

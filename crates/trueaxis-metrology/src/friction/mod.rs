@@ -63,7 +63,7 @@ const STEP_S: f64 = 2e-4;
 const COARSE_S: f64 = 1e-3;
 /// Step of the fits before the last, s.
 const ROUGH_S: f64 = 5e-4;
-/// Samples before this time, s, are ignored unless the axis stands still: the state before them is unknown.
+/// Samples before this time, s, are ignored unless the axis is at rest: the state before them is unknown.
 const UNKNOWN_S: f64 = 0.15;
 /// Least share of the spikes that the model has to explain.
 const EXPLAINED: f64 = 0.5;

@@ -35,7 +35,7 @@ pub enum Refused {
         axis: Axis,
         /// The quantity with its value and unit.
         found: String,
-        /// What the quantity has to be.
+        /// Required value of the quantity.
         needed: &'static str,
     },
     /// An axis has too few reversals in motion.
@@ -175,7 +175,7 @@ impl Refused {
                 f,
                 "axis {}: found friction of {found_mm_per_s:.5} mm/s with a standard error of \
                  {standard_error_mm_per_s:.5} mm/s, needed more than 3 standard errors: spikes at the reversals that \
-                 stand out of the readings",
+                 exceed the noise of the readings",
                 axis.letter()
             ),
             Refused::NotExcited { axis, figure, relative_error, needed } => write!(

@@ -58,7 +58,7 @@ impl fmt::Display for Refused {
         match *self {
             Refused::NotRotary(axis) => write!(f, "found axis {}, needed A, B or C", axis.letter()),
             Refused::NotFinite { set_up } => {
-                write!(f, "set-up {}: found a value that is no finite number, needed finite numbers", set_up + 1)
+                write!(f, "set-up {}: found a value that is not finite, needed finite numbers", set_up + 1)
             }
             Refused::TooFewSetUps { found } => write!(f, "found {found} set-ups, needed at least 3 (L, H)"),
             Refused::Collinear { along_mm, off_mm, rank, condition } => {

@@ -195,8 +195,8 @@ impl fmt::Display for Refused {
             ),
             Self::Collinear { sensors: [one, other], found } => write!(
                 f,
-                "found {one} and {other} running together (correlation {found:.5}), needed sensors that differ: nothing \
-                 tells their shares apart, leave one out"
+                "found {one} and {other} running together (correlation {found:.5}), needed sensors that differ: their \
+                 shares cannot be separated, leave one out"
             ),
             Self::NothingFound => f.write_str(
                 "found no sensor from which one cycle is predicted by the others, needed one near where the machine grows",

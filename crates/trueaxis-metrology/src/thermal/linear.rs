@@ -147,6 +147,9 @@ mod tests {
         let all = column((0..9).map(|k| a[k % 3]).collect(), None);
         let left = |lone| predicted(&[all.clone(), column(own.clone(), lone)], &right, &[3, 6, 9]);
         assert!(left(Some(1)) < 1e-12);
-        assert!((left(None) - 75.0).abs() < 1e-6, "predicted from cycles that have nothing of it, it is left whole");
+        assert!(
+            (left(None) - 75.0).abs() < 1e-6,
+            "cycles without the cause predict nothing of it, so all of it remains"
+        );
     }
 }

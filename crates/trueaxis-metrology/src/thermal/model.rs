@@ -86,7 +86,7 @@ pub enum NotEncoded {
 impl fmt::Display for NotEncoded {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Figure { what, found } => write!(f, "{what}: found {found}, beyond what the file holds"),
+            Self::Figure { what, found } => write!(f, "{what}: found {found}, beyond the range of the file's field"),
             Self::Count { index, found, needed } => {
                 write!(f, "curve {}: found {found} values, needed one for each of {needed} knots", index + 1)
             }

@@ -37,7 +37,7 @@ impl Block {
             let number = text.trim_start_matches(|c: char| c == 'N' || c.is_ascii_digit()).get(1..).unwrap_or_default();
             if number.is_empty() || !number.bytes().all(|b| b.is_ascii_digit()) {
                 let needed =
-                    format!("a program number O1234 on a line of its own; subprograms and loops {THROUGH_LINUXCNC}");
+                    format!("a program number O1234 on a separate line; subprograms and loops {THROUGH_LINUXCNC}");
                 return Err(Refusal::new(line, format!("`{text}`"), needed));
             }
             block.program_number = true;

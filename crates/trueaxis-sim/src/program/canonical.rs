@@ -144,7 +144,7 @@ impl Canonical {
             "PROGRAM_END" | "FINISH" => self.ended = true,
             "DWELL" | "PROGRAM_STOP" | "OPTIONAL_PROGRAM_STOP" | "CHANGE_TOOL" => {
                 self.builder.stop();
-                self.builder.notes.add(line, name, "the axes stop, and go on at once");
+                self.builder.notes.add(line, name, "the axes stop and continue at once");
             }
             "SET_NAIVECAM_TOLERANCE"
             | "SET_FEED_REFERENCE"

@@ -286,7 +286,7 @@ impl<'o> Interpreter<'o> {
             Some(2 | 30) => self.ended = true,
             Some(number) => {
                 self.builder.stop();
-                self.note(block.line, &format!("M{number}"), "the axes stop, and go on at once");
+                self.note(block.line, &format!("M{number}"), "the axes stop and continue at once");
             }
             None => {}
         }

@@ -14,7 +14,7 @@ const NURBS_END: u16 = 53;
 const PROBE: u16 = 382;
 
 impl Interpreter<'_> {
-    /// Executes the motion of a line, if there is one.
+    /// Executes the motion of a line, if any.
     pub(super) fn go(&mut self, block: &mut Block) -> Result<(), Refusal> {
         let line = block.line;
         let explicit = block.g[g::MOTION];
@@ -71,7 +71,7 @@ impl Interpreter<'_> {
         if !self.builder.line_to(line, pace, end, self.plane.normal())? {
             return Err(Refusal::new(line, "a probing move without length", "an end away from where it starts"));
         }
-        self.note(line, "G38.2", "goes to its end: there is nothing to touch");
+        self.note(line, "G38.2", "moves to its end: the simulation has nothing to touch");
         self.builder.probe();
         Ok(())
     }

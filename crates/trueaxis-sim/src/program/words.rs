@@ -42,7 +42,7 @@ impl<'t> Words<'t> {
             '#' | '[' => return refuse(rest, &format!("numbers; parameters and expressions {THROUGH_LINUXCNC}")),
             'A'..='Z' => {}
             '/' => return refuse(rest, "/ only at the beginning of a line"),
-            '%' => return refuse(rest, "% on a line of its own"),
+            '%' => return refuse(rest, "% on a separate line"),
             _ => return refuse(rest, "words of a letter and a number, ( ) or ;"),
         }
         let number = rest.get(1..).unwrap_or_default();

@@ -72,7 +72,7 @@ pub fn notes(scenario: &Scenario, cycles: u64, machines: &[(Kind, Tallies)]) -> 
         notes.push(Warning::NoErrorsStated.to_string());
     }
     if compensated.is_some_and(|compensated| compensated.stopped) {
-        notes.push("the compensated run was ended by a stop request".into());
+        notes.push("a stop request ended the compensated run".into());
     }
     let clipped = compensated.map(|compensated| compensated.clipped.notes(&scenario.machine.settings, "cycle"));
     let before = notes.len();
@@ -90,7 +90,7 @@ pub fn notes(scenario: &Scenario, cycles: u64, machines: &[(Kind, Tallies)]) -> 
     notes.extend(full.zip(compensated).and_then(|(full, compensated)| note_of_full(full, compensated)));
     if let Some(more) = compensated.map(|compensated| compensated.more_faults).filter(|more| *more > 0) {
         notes.push(format!(
-            "faults: the first {MOST_FAULT_SPANS} are listed; there are faults in {} after them",
+            "faults: the first {MOST_FAULT_SPANS} are listed; faults follow in {}",
             counted(more as usize, "cycle")
         ));
     }
@@ -100,7 +100,7 @@ pub fn notes(scenario: &Scenario, cycles: u64, machines: &[(Kind, Tallies)]) -> 
 /// A note if the full run was stopped and the compensated one was not, or if their faults differ.
 fn note_of_full(full: &Tallies, compensated: &Tallies) -> Option<String> {
     if full.stopped && !compensated.stopped {
-        return Some("the full run was ended by a stop request".into());
+        return Some("a stop request ended the full run".into());
     }
     let (in_full, in_compensated) = (full.fault_cycles(), compensated.fault_cycles());
     (in_full != in_compensated).then(|| {

@@ -55,7 +55,7 @@ impl<S: Owned<N>, const N: usize> Plugin<S, N> {
             if let Some(settings) = machine.settings.axis(axis) {
                 *line = ThermalLine::for_axis(&settings.thermal, kelvin).ok_or_else(|| {
                     let what = format!("thermal growth of axis {}", axis.letter());
-                    SimError::unsuited(what, format!("{kelvin} K"), "a growth that the step can hold")
+                    SimError::unsuited(what, format!("{kelvin} K"), "a growth that the step can represent")
                 })?;
             }
         }

@@ -75,7 +75,7 @@ pub enum GeometryError {
         needed: &'static str,
     },
     /// The structural code and the list of axes disagree.
-    #[error("structural code \"{chain}\": axis {axis} is not among the machine's axes or stands there twice")]
+    #[error("structural code \"{chain}\": axis {axis} is not among the machine's axes or occurs there twice")]
     Axis {
         /// The code as given.
         chain: String,

@@ -265,7 +265,7 @@ fn grid(block: &Block, arguments: &[Axis], origin: &Origin) -> Result<Grid, File
         if component >= 3 {
             if let Some((line, angle)) = values.into_iter().find(|(_, angle)| *angle != 0.0) {
                 let needed =
-                    "0, or a table over one axis: over several only EX, EY and EZ are taken, as they act at the tool";
+                    "0, or a table over one axis: over several, only EX, EY and EZ are read, as they act at the tool";
                 return Err(origin.at(line, name, angle, needed));
             }
             continue;

@@ -7,7 +7,7 @@ use trueaxis::machine::{AxisSettings, Interpolation, MachineSettings};
 pub(super) fn measured(settings: &AxisSettings) -> String {
     let cubic = if settings.interpolation == Interpolation::Cubic { "; a cubic differs between the lines" } else { "" };
     format!(
-        "measured_at_mm {} of axis {} is applied: the translations written hold with the other linear axes at 0, exact at every \
+        "measured_at_mm {} of axis {} is applied: the translations written are valid with the other linear axes at 0, exact at every \
          line{cubic}",
         losses::numbers(&settings.measured_at_mm),
         settings.axis.letter()
@@ -25,7 +25,7 @@ pub(super) fn machine(settings: &MachineSettings, notes: &mut Vec<String>) {
         settings.chain
     ));
     notes.push(String::from(
-        "translations hold for a tool of length 0 with the other linear axes and the rotary axes at 0; errors act at the origin \
+        "translations are valid for a tool of length 0 with the other linear axes and the rotary axes at 0; errors act at the origin \
          of the axis' frame, whose lever to the tool is the control's",
     ));
     if settings.tool_mm != [0.0; 3] {
@@ -38,8 +38,7 @@ pub(super) fn machine(settings: &MachineSettings, notes: &mut Vec<String>) {
         let letter = axis.axis.letter();
         if axis.offset_mm != [0.0; 3] {
             let offset = losses::numbers(&axis.offset_mm);
-            notes
-                .push(format!("axis {letter} stands {offset} mm from its carrier: set it in the control's kinematics"));
+            notes.push(format!("axis {letter} is {offset} mm from its carrier: set it in the control's kinematics"));
         }
         if axis.axis.is_rotary() {
             let sense = axis.direction;

@@ -82,7 +82,7 @@ pub(super) fn import(
     if points.windows(2).any(|pair| matches!(pair, [(_, [before, ..]), (_, [nominal, ..])] if nominal < before)) {
         points.sort_by(|(_, [one, ..]), (_, [other, ..])| one.total_cmp(other));
         notes.push(String::from(
-            "the nominals do not increase, which LinuxCNC needs: the lines are taken in their order",
+            "the nominals do not increase, as LinuxCNC requires: the lines are used in their order",
         ));
     }
     let to_table = if axis.is_rotary() { std::f64::consts::PI / 180.0 } else { 1.0 };

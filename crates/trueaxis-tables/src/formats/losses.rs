@@ -124,7 +124,7 @@ pub(super) fn machine_losses(machine: &Machine, only: Option<Axis>, dropped: &mu
         let angle = largest(table, 3..6, None);
         if axis.measured_at_mm != [0.0; 3] && angle != 0.0 {
             dropped.push(format!(
-                "measured_at_mm {} of axis {letter}: its error holds there, elsewhere its angular errors of up to {} change it",
+                "measured_at_mm {} of axis {letter}: its error is valid there, elsewhere its angular errors of up to {} change it",
                 numbers(&axis.measured_at_mm),
                 micro(0.0, angle)
             ));

@@ -206,7 +206,7 @@ pub struct Exported {
 /// use trueaxis::machine::Axis;
 /// use trueaxis_tables::formats::{Format, import};
 ///
-/// // At 10 mm the axis stands at 10.002 mm, coming from below: an error of +2 µm.
+/// // At 10 mm, approached from below, the axis is at 10.002 mm: an error of +2 µm.
 /// let format = Format::from_name("linuxcnc-0").unwrap();
 /// let imported = import(format, "0 0 0\n10 10.002 10.003\n", Path::new("x.comp"), Some(Axis::X))?;
 /// let files = imported.machine_files("my mill");
@@ -244,7 +244,7 @@ fn open_circle(axis: Axis, table: &Table) -> Option<String> {
     let left = 360.0 - (last - first);
     (axis.is_rotary() && left >= 1e-9 && left <= widest).then(|| {
         format!(
-            "axis {}: the table ends at {last} degrees and does not wrap, beyond its ends their values hold; a line at {} degrees with \
+            "axis {}: the table ends at {last} degrees and does not wrap, beyond its ends their values apply; a line at {} degrees with \
              the values of that at {first} closes it",
             axis.letter(),
             first + 360.0

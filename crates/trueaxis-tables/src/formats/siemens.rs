@@ -9,7 +9,7 @@
 //! $AA_ENC_COMP_IS_MODULO[e,AX]= 0, or 1: repeated cyclically
 //!
 //! $AN_CEC[t,N]=value            compensation value of point N of table t, for the output axis; also _STEP[t], _MIN[t], _MAX[t]
-//! $AN_CEC_INPUT_AXIS[t]=(Y1)    axis over whose position the table stands
+//! $AN_CEC_INPUT_AXIS[t]=(Y1)    axis whose position is the table's argument
 //! $AN_CEC_OUTPUT_AXIS[t]=(Z1)   axis that is corrected: Z over Y is EZY, in the table of Y
 //! $AN_CEC_DIRECTION[t]=0        of travel of the input axis: 0 both, 1 positive alone, -1 negative alone
 //! $AN_CEC_IS_MODULO[t]=0        as above;  $AN_CEC_MULT_BY_TABLE[t]=0: not multiplied by another table

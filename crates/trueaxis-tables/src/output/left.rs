@@ -42,7 +42,7 @@ pub fn left_notes(files: impl IntoIterator<Item = PathBuf>) -> Vec<String> {
     let of = |file: PathBuf| left_beside(&file).into_iter().map(move |left| (left, file.clone()));
     let say = |(left, file): (PathBuf, PathBuf)| {
         format!(
-            "{}: left by a command that was ended while it wrote {}; others of its files may be new already: repeat it",
+            "{}: left by a command that was interrupted while it wrote {}; its other files may already be new: repeat it",
             left.display(),
             file.display()
         )

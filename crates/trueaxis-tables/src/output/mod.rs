@@ -53,7 +53,7 @@ pub enum OutputError {
     #[error("{}: found two outputs for this file, needed a file for each", .0.display())]
     Twice(PathBuf),
     /// Another command has locked the machine's folder, [`Alone`].
-    #[error("{}: found another command that changes this machine, needed its end: try again", .0.display())]
+    #[error("{}: found another command that is changing this machine, needed it to end: try again", .0.display())]
     Busy(PathBuf),
     /// The file system failed.
     #[error("cannot write {}", .output.display())]
@@ -65,7 +65,7 @@ pub enum OutputError {
         error: io::Error,
     },
     /// The file system failed after some of the files were in place.
-    #[error("cannot write {}; new already: {}", .output.display(), list(.written))]
+    #[error("cannot write {}; already written: {}", .output.display(), list(.written))]
     Between {
         /// The first output that is unchanged.
         output: PathBuf,

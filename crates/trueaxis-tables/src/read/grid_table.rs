@@ -65,8 +65,8 @@ fn header(sheet: &Sheet<'_>, axes: &[Axis], origin: &Origin) -> Result<Vec<Conte
         if let Content::Position(k) = content
             && !axes.contains(&LINEAR[k])
         {
-            let needed = format!("the positions of {} alone, over which the grid stands", letters(axes));
-            return Err(origin.at(line, name, "an axis that the grid does not stand over", needed));
+            let needed = format!("the positions of {} only, the axes of the grid", letters(axes));
+            return Err(origin.at(line, name, "an axis that the grid does not have", needed));
         }
         columns.push(content);
     }
@@ -190,7 +190,7 @@ fn complete(
     let mut known: BTreeMap<usize, &Node> = BTreeMap::new();
     for line in lines {
         if let Some(before) = known.insert(number(&line.at), line) {
-            let needed = format!("every node once: it stands in line {} already", before.line);
+            let needed = format!("every node once: line {} already has it", before.line);
             return Err(origin.at(line.line, "", place(&line.at, axes), needed));
         }
     }

@@ -246,7 +246,7 @@ fn read_grid(
     let name = beside(machine_toml, &reference.file);
     let path = files.path(&name);
     if !files.entry(&name).is_file() {
-        let found = format!("{:?}, which is no file at {}", reference.file, path.display());
+        let found = format!("{:?}, but no file at {}", reference.file, path.display());
         let needed = "the CSV of the grid, relative to this file";
         return Err(of_machine.at(reference.line, &reference.key, found, needed));
     }
@@ -268,7 +268,7 @@ fn read_table(
     let name = beside(machine_toml, &reference.file);
     let path = files.path(&name);
     if !files.entry(&name).is_file() {
-        let found = format!("{:?}, which is no file at {}", reference.file, path.display());
+        let found = format!("{:?}, but no file at {}", reference.file, path.display());
         let needed = "the CSV of the axis, relative to this file";
         return Err(of_machine.at(reference.line, &reference.key, found, needed));
     }

@@ -82,7 +82,7 @@ fn is_section(field: Field) -> bool {
     matches!(field, Field::Friction | Field::Feedback)
 }
 
-/// What an error needs, with the section or value that it refers to.
+/// The `needed` of an error, with the section or value that it refers to.
 fn needed(error: &ConfigError, bound: Option<f64>) -> String {
     let letter = error.axis.map_or(' ', Axis::letter);
     match (error.field, bound) {

@@ -2,7 +2,7 @@
 //!
 //! | recognised | how |
 //! |---|---|
-//! | comma, semicolon or tab between the fields | the one that stands between the names of the header |
+//! | comma, semicolon or tab between the fields | the one between the names of the header |
 //! | decimal points or decimal commas | the first decimal number; the other kind is then refused |
 //! | fields in quotes | `"…"`, closed on the same line |
 //! | comments, blank lines, byte order mark | lines that begin with `#` are skipped |

@@ -29,7 +29,7 @@ mod allocation {
 #[cfg(feature = "allocation")]
 use allocation::control;
 
-/// The control that was asked for.
+/// The control that the feature selects.
 pub static TABLE: &[Proved] = &[
     #[cfg(any(feature = "variable-index", feature = "variable-division", feature = "allocation"))]
     Proved(control as *const ()),

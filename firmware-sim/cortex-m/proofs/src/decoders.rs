@@ -1,6 +1,7 @@
-//! What takes bytes from outside apart, each a function of its own name: of any bytes, of any length.
+//! The decoders of bytes from outside, each under a separate name: for any bytes, of any length.
 //!
-//! Telemetry frames are not among them: the link fails in what decodes COBS and postcard, whose bounds no compiler sees.
+//! Telemetry frames are not among them: the decoders of COBS and postcard do not link, as the compiler cannot prove their
+//! bounds.
 
 use crate::symbols::Proved;
 use trueaxis::Row;

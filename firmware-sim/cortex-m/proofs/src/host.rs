@@ -2,7 +2,7 @@
 
 #![cfg(not(target_arch = "arm"))]
 
-/// One thread: nothing to keep out.
+/// One thread: nothing to exclude.
 struct Alone;
 critical_section::set_impl!(Alone);
 

@@ -1,10 +1,10 @@
-//! A program of the servo step alone, that links only if no panic can be reached in it.
+//! A program of the servo step alone, which links only if no panic is reachable in it.
 //!
-//! The panic handler calls a function that does not exist. Where the compiler cannot show that a panic is out of reach,
-//! the call stays, and the linker names it: `a_panic_can_be_reached`. There is no allocator and no standard library, so
-//! that an allocation does not build at all. `run.sh` links it, and sees the negative controls fail.
+//! The panic handler calls a function that does not exist. If the compiler cannot prove a panic unreachable, the
+//! call remains, and the linker names it: `a_panic_can_be_reached`. The program has no allocator and no standard library,
+//! so that an allocation does not build at all. `run.sh` links it, and checks that the negative controls fail.
 //!
-//! Nothing about the arguments of a function is known to the compiler: all are called through pointers in a table.
+//! The compiler knows nothing about the arguments of a function: all are called through pointers in a table.
 
 #![no_std]
 #![no_main]
@@ -25,7 +25,7 @@ fn panic(_: &core::panic::PanicInfo) -> ! {
     unsafe extern "C" {
         fn a_panic_can_be_reached() -> !;
     }
-    // SAFETY: never called, for it does not exist.
+    // SAFETY: never called, because it does not exist.
     unsafe { a_panic_can_be_reached() }
 }
 
@@ -38,7 +38,7 @@ fn main() -> ! {
     }
 }
 
-/// Keeps every function that is proved, and the negative control that was asked for.
+/// Keeps every function that is proved, and the chosen negative control.
 fn proved() {
     black_box(symbols::TABLE);
     black_box(controls::TABLE);

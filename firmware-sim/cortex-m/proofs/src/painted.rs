@@ -24,7 +24,7 @@ mod shared;
 
 const PERIOD_NS: u32 = 100_000;
 const CYCLES: u32 = 3000;
-/// Bytes that are painted: more than any function needs.
+/// Painted bytes: more than any function needs.
 const PAINTED: usize = 16_384;
 const PAINT: u32 = 0xdead_beef;
 
@@ -35,7 +35,7 @@ fn panic(info: &core::panic::PanicInfo) -> ! {
     loop {}
 }
 
-/// Calls it, and keeps the deepest that the stack was below this frame.
+/// Calls the function, and records its largest stack depth below this frame.
 #[inline(always)]
 fn deepest(worst: &mut usize, call: impl FnOnce()) {
     let top = msp::read() as usize;
@@ -80,7 +80,7 @@ fn settings(axes: &[Axis], model: ErrorModel) -> MachineSettings {
     machine
 }
 
-/// Tables with a grid that is not even, so that its search is run too.
+/// Tables with an uneven grid, so that its search runs too.
 fn rows() -> [Row; 6] {
     [-1000.0, -400.0, -90.0, 10.0, 380.0, 1000.0].map(|position| {
         let e = 0.004 + 4e-6 * position;
@@ -91,7 +91,7 @@ fn rows() -> [Row; 6] {
     })
 }
 
-/// A corner between two lines and an arc: a closed path, followed for ever.
+/// A corner between two lines and an arc: a closed path, followed endlessly.
 fn pieces() -> heapless::Vec<Span<R, P>, 64> {
     let normal = [0.0, 0.0, 1.0];
     let segments = [
@@ -235,7 +235,7 @@ fn five_axes(worst: &mut [usize; 2], model: ErrorModel) {
     let rows = rows();
     let mut memory = [<R as Real>::ZERO; 2048];
     let servo: ServoLoop<'_, R, P, 5> = config.build(|_| Some(&rows[..]), &mut memory).expect("a configuration");
-    // SAFETY: the table's functions want a static loop; nothing of it outlives this function.
+    // SAFETY: the table's functions need a static loop; nothing of it outlives this function.
     let servo: &'static ServoLoop<'static, R, P, 5> = unsafe { core::mem::transmute(&servo) };
     let kinematics = Kinematics::<R>::new(&machine).expect("a chain");
     let spans = pieces();
@@ -266,7 +266,7 @@ fn five_axes(worst: &mut [usize; 2], model: ErrorModel) {
         let [x, y, z, a, b, c] = joints(cycle);
         let input = input(cycle, [x, y, z, a, c].map(|joint| P::default().plus(joint)));
         let (reference, _) = place(&spans, cycle);
-        // A tip that nothing reaches, now and then.
+        // Now and then a tip out of reach.
         let far = if cycle % 700 == 699 { scalar(5000.0) } else { x };
         let tool = kinematics.forward(&[far, y, z, a, b, c]);
         deepest(&mut worst[1], || {
@@ -278,7 +278,7 @@ fn five_axes(worst: &mut [usize; 2], model: ErrorModel) {
 
 #[entry]
 fn main() -> ! {
-    // Keeps the compiler from making functions for these calls alone.
+    // Prevents the compiler from specialising functions for these calls.
     crate::proved();
     let (mut three, mut five) = ([0; 5], [0; 2]);
     for model in [ErrorModel::Nine, ErrorModel::Volumetric] {

@@ -1,4 +1,4 @@
-//! The step in the forms in which a controller calls it, each a function of its own name.
+//! The step in the forms in which a controller calls it, each under a separate name.
 //!
 //! Single precision with positions in nanometres, or doubles with the feature `double`.
 
@@ -117,7 +117,7 @@ pub fn proved_take_into(
 /// One pointer to a function.
 #[derive(Clone, Copy)]
 pub struct Proved(#[allow(dead_code, reason = "it is there to be pointed to")] pub *const ());
-// SAFETY: an address, never followed.
+// SAFETY: an address, never dereferenced.
 unsafe impl Sync for Proved {}
 
 /// All of them.

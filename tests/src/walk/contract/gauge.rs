@@ -1,4 +1,4 @@
-//! The gauge in the loop: its probes, the bound of its infeed, what it must and must not learn.
+//! The gauge in the loop: its probes, the bound of its infeed, and which revolutions it must and must not learn from.
 
 use super::{Contract, Seen, Verdict};
 use crate::walk::gauge::MANY;
@@ -90,7 +90,7 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
             (memory.lost, memory.clearing) = (loose, true);
         }
         memory.clearing &= !state.is_settled();
-        // Clearing what was learned from the last part counts as work, but not as work on a revolution.
+        // Clearing the profile learned from the last part counts as work, but not as work on a revolution.
         let in_work = u32::from(!state.is_settled() && !memory.clearing);
         let done = loose.wrapping_sub(memory.lost);
         self.tally.that(Rule::GaugeCounts, done == in_work, || format!("{counts:?}, in work: {in_work}"))?;

@@ -13,7 +13,7 @@ pub(super) struct Moving {
     pub(super) v: f64,
     /// Bound on |c| while limits that were lowered in motion are being reached.
     pub(super) ceiling: f64,
-    /// Sizes of what it was added up from, in the last cycle and the one before.
+    /// Sizes of its summands, in the last cycle and the one before.
     beside: [f64; 2],
 }
 

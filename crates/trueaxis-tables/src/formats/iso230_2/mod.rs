@@ -148,7 +148,7 @@ pub(super) fn import(text: &str, origin: &Origin, axis: Option<Axis>) -> Result<
     let one_way = (measurement.directions.len() == 1).then(|| {
         let key = if axis.is_rotary() { "backlash_urad" } else { "backlash_um" };
         format!(
-            "one direction of approach: the table holds for both, without lost motion, which {key} of the axis states"
+            "one direction of approach: the table is valid for both, without lost motion, which {key} of the axis states"
         )
     });
     Ok(Imported {
