@@ -127,7 +127,7 @@ fn a_part_arc_has_no_inscribed_circle() {
 #[test]
 fn bad_points_are_refused_with_what_is_needed() {
     let cases: [(&str, &[&str]); 8] = [
-        ("x_mm,y_mm\n1,2\n3,4\n", &["points.csv", "found 2 points", "needed at least 3"]),
+        ("x_mm,y_mm\n1,2\n3,4\n", &["points.csv", "points: found 2", "needed at least 3"]),
         (
             "x_mm,y_mm\n0.1,0.1\n0.2,0.2\n0.3,0.3\n0.7,0.7\n",
             &["points.csv", "4 points on one straight line", "needed three"],

@@ -104,7 +104,7 @@ fn bad_records_are_told_with_line_and_figure_and_nothing_is_written() {
         ("gone.csv", "gone.csv:200: column T1_c: found nothing, needed a number"),
         ("absurd.csv", "absurd.csv:200: column T1_c: found 850, needed -60 to 300 degrees Celsius"),
         ("twice.csv", "found T1 and T2 running together (correlation 1.00000)"),
-        ("short.csv", "short.csv: found 1 cycles, needed at least 3"),
+        ("short.csv", "short.csv: cycles: found 1, needed at least 3"),
         (
             "backward.csv",
             "backward.csv:6: column t_s: found a figure that is not finite or a time that does not ascend",
@@ -192,7 +192,7 @@ fn bad_texts_are_told_with_their_line() {
         ("[axis.X]", "[axis.U]", "found U, needed an axis of the chain w X' Y' b Z t"),
         ("datum_mm = 0.0", "datum_mm = 5.0", "bad.toml:7: key axis.X.datum_mm: found 5, needed 0, the datum of"),
         ("sensor.T1]", "sensor.T2]", "key axis.X.sensor.T2: found T2, needed the name of a [[sensor]]"),
-        ("[-1.0, 1.0]", "[-1.0]", "key axis.X.sensor.T1: found 1 values, needed one for each of 2 knots"),
+        ("[-1.0, 1.0]", "[-1.0]", "key axis.X.sensor.T1: found 1 value, needed one for each of 2 knots"),
         ("lag_s", "leg_s", "leg_s"),
         ("60.0", "-60.0", "lag, ms: found -60000, beyond the range of the file's field"),
     ] {

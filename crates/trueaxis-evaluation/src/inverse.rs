@@ -3,6 +3,7 @@
 use anyhow::{Result, bail};
 use trueaxis::kinematics::{BranchTracker, Choice, InverseError, Kinematics, Solution, Solutions, Tool};
 use trueaxis::machine::{AXES, Axis};
+use trueaxis_tables::text::counted;
 
 /// Largest starting angle, degrees.
 const MOST_DEG: f64 = 1e6;
@@ -45,7 +46,7 @@ impl Walk {
         let rotary = || Axis::ALL.into_iter().filter(|axis| axis.is_rotary() && kinematics.has(*axis));
         if rotary().count() != angles.len() {
             let letters: String = rotary().map(Axis::letter).collect();
-            bail!("found {} angles, needed one for each rotary axis ({letters})", angles.len());
+            bail!("found {}, needed one for each rotary axis ({letters})", counted(angles.len(), "angle"));
         }
         for (axis, &angle) in rotary().zip(angles) {
             if angle.is_nan() || angle.abs() > MOST_DEG {

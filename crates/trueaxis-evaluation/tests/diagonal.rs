@@ -228,7 +228,7 @@ fn what_cannot_be_read_is_refused_with_its_line() {
         refused(&left.join("\n"), told);
     }
     let run: Vec<&str> = lines.iter().filter(|line| !line.starts_with("2,2,-1,")).copied().collect();
-    refused(&run.join("\n"), "diagonal 2: found 1 runs back, needed 2 as of diagonal 1");
+    refused(&run.join("\n"), "diagonal 2: found 1 run back, needed 2 as of diagonal 1");
     refused(&good.replacen(lines[7].rsplit_once(',').unwrap().1, "16000", 1), ":8: column deviation_um: found 16000");
     refused(&good.replacen("\n2,", "\n5,", 1), "column diagonal: found 5, needed 1, 2, 3 or 4");
     refused(&good.replacen("\n1,1,1,", "\n1,1,0,", 1), ":2: column direction: found 0");

@@ -367,7 +367,7 @@ fn what_has_no_circle_is_refused() {
         .collect();
     assert_eq!(maximum_inscribed(&arc), Err(NoCircle::PartArc));
     assert!(minimum_zone(&arc).is_ok_and(|zone| zone.zone < 0.02), "a part arc has a zone");
-    assert_eq!(NoCircle::TooFew { found: 2 }.to_string(), "found 2 points, needed at least 3");
+    assert_eq!(NoCircle::TooFew { found: 2 }.to_string(), "points: found 2, needed at least 3");
 }
 
 /// Values from `tests/reference/circles.py`: full enumeration with 60 digits.

@@ -252,10 +252,10 @@ fn why(record: Result<Record, Refused>) -> String {
 fn records_of_other_motions_are_refused_with_their_figures() {
     let even = |c, x| [c, x];
     let cases = [
-        (vec![(40.0, 20.0, 0.15), (40.0, -20.0, 0.15)], "axis X: found 0 reversals in motion, needed at least 4"),
+        (vec![(40.0, 20.0, 0.15), (40.0, -20.0, 0.15)], "axis X, reversals in motion: found 0, needed at least 4"),
         (vec![(20.0, 20.0, 2.0), (20.0, 10.0, 2.0)], "needed at least 2 of each: circles in both directions"),
         (vec![(20.0, 20.0, 2.0), (20.0, -20.0, 2.0)], "circles of two radii or at two feeds"),
-        (vec![(1.0, 20.0, 1.0)], "samples, needed at least 2000"),
+        (vec![(1.0, 20.0, 1.0)], ", needed at least 2000"),
     ];
     for (circles, needed) in cases {
         let why = why(lagging(&circles, even));

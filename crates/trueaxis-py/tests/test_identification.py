@@ -64,7 +64,7 @@ def test_what_identify_refuses():
     mill = trueaxis.Machine.load(TABLES / "mill-3axis")
     assert refused(lambda: trueaxis.identify(rows, axis="X")).startswith('axis: found "X"')
     assert refused(lambda: trueaxis.identify(rows[:, :5].copy(), axis="C")).startswith("readings: found shape (48, 5)")
-    assert refused(lambda: trueaxis.identify(rows[::4].copy(), axis="C")).startswith("readings: columns l_mm, h_mm: found 1 set-ups")
+    assert refused(lambda: trueaxis.identify(rows[::4].copy(), axis="C")).startswith("readings: columns l_mm, h_mm: found 1 set-up")
     twice = np.vstack([rows, rows[5]])
     assert refused(lambda: trueaxis.identify(twice, axis="C")).startswith("readings:50: column angle_deg: found a second row")
     assert refused(lambda: trueaxis.identify(rows, axis="C", machine=mill)).endswith("needed the axis that was measured")

@@ -16,6 +16,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use trueaxis::machine::AXES;
 use trueaxis_tables::error::FileError;
+use trueaxis_tables::text::counted;
 
 /// A touch as logged.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -175,7 +176,7 @@ impl Reader<'_> {
             return Err(self.error(line, "", format!("{text:?}"), "touch, its number, X Y Z A B C and 1"));
         };
         if values.len() != AXES {
-            return Err(self.error(line, "", format!("{} positions", values.len()), "X Y Z A B C"));
+            return Err(self.error(line, "", counted(values.len(), "position"), "X Y Z A B C"));
         }
         let mut position = [0.0; AXES];
         for (to, word) in position.iter_mut().zip(values) {
@@ -207,7 +208,7 @@ impl Reader<'_> {
             };
             let words: Vec<&str> = values.split(',').collect();
             if !(3..=AXES).contains(&words.len()) {
-                return Err(self.error(line, "", format!("{} positions", words.len()), "3 to 6"));
+                return Err(self.error(line, "", counted(words.len(), "position"), "3 to 6"));
             }
             let mut position = [0.0; AXES];
             for (to, word) in position.iter_mut().zip(&words) {

@@ -13,6 +13,7 @@ use crate::rows::{Column, Rows};
 use anyhow::{Result, anyhow};
 use trueaxis_metrology::accuracy::Direction;
 use trueaxis_metrology::diagonal::{Reading, Refused, Test};
+use trueaxis_tables::text::counted;
 
 /// Columns of a record.
 pub const COLUMNS: [Column; 7] = [
@@ -141,9 +142,10 @@ fn whole(rows: &Rows<'_, 7>, lines: &[u32], readings: &[Reading]) -> Result<()> 
         if let Some(missing) = record::missing(&runs, |one, other| one == other).filter(|_| !absent) {
             let [found, needed] = missing.rows;
             return Err(anyhow!(
-                "{}: diagonal {}: found {found} runs {word}, needed {needed} as of diagonal {}",
+                "{}: diagonal {}: found {} {word}, needed {needed} as of diagonal {}",
                 rows.file.display(),
                 missing.part + 1,
+                counted(found, "run"),
                 missing.like[0] + 1
             ));
         }

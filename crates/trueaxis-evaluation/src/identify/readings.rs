@@ -6,6 +6,7 @@ use anyhow::{Result, anyhow};
 use std::path::Path;
 use trueaxis::Axis;
 use trueaxis_metrology::identification::{AngleReadings, Ball, BallTest};
+use trueaxis_tables::text::counted;
 
 /// Columns of the readings.
 pub const COLUMNS: [Column; 6] = [
@@ -55,9 +56,9 @@ impl Readings {
         if set_ups.len() < 3 {
             let named: Vec<String> = set_ups.iter().map(|set_up| name(set_up.ball)).collect();
             return Err(anyhow!(
-                "{}: columns l_mm, h_mm: found {} set-ups ({}), needed at least 3 that are not on one line",
+                "{}: columns l_mm, h_mm: found {} ({}), needed at least 3 that are not on one line",
                 file.display(),
-                named.len(),
+                counted(named.len(), "set-up"),
                 named.join("; ")
             ));
         }

@@ -8,6 +8,7 @@ use serde::Deserialize;
 use std::collections::HashMap;
 use trueaxis_metrology::circles::least_squares;
 use trueaxis_metrology::sphere;
+use trueaxis_tables::text::counted;
 
 /// Columns of a record.
 pub const COLUMNS: [Column; 5] = [
@@ -122,7 +123,10 @@ impl Record {
         let counts: Vec<Vec<usize>> = runs.iter().map(|run| (0..run.points.len()).collect()).collect();
         if let Some(missing) = record::missing(&counts, |one, other| one == other) {
             let ([run, like], [found, needed]) = ([missing.part, missing.like[0]].map(|k| runs[k].run), missing.rows);
-            return Err(anyhow!("{file}: run {run}: found {found} points, needed {needed} as in run {like}"));
+            return Err(anyhow!(
+                "{file}: run {run}: found {}, needed {needed} as in run {like}",
+                counted(found, "point")
+            ));
         }
         for run in &mut runs {
             solve(run, feature, diameter_mm).map_err(|why| anyhow!("{file}: run {}: {why}", run.run))?;
@@ -154,7 +158,7 @@ fn solve(run: &mut Measured, feature: Feature, nominal: Option<f64>) -> Result<(
     match feature {
         Feature::Ring => {
             if count < LEAST_ON_RING {
-                return Err(format!("found {count} points, needed {LEAST_ON_RING} (36 in ISO 230-10)"));
+                return Err(format!("found {}, needed {LEAST_ON_RING} (36 in ISO 230-10)", counted(count, "point")));
             }
             let flat: Vec<[f64; 2]> = run.points.iter().map(|[x, y, _]| [*x, *y]).collect();
             let circle = least_squares(&flat).map_err(|error| {

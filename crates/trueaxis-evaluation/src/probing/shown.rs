@@ -3,6 +3,7 @@
 use super::{Document, Feature, Record, Spread};
 use crate::shown::{Cell, Curve, Look, Plot, Shown, Table};
 use trueaxis_report::number::significant;
+use trueaxis_tables::text::counted;
 
 impl Document {
     /// The figures of all runs as text: name and value.
@@ -47,7 +48,7 @@ impl Document {
         });
         Shown {
             title: "Probing test",
-            summary: vec![self.feature.into(), format!("{} runs", self.runs.len())],
+            summary: vec![self.feature.into(), counted(self.runs.len(), "run")],
             notes: self.notes.clone(),
             tables: vec![
                 Table { caption: "Figures of ISO 230-10", header: vec!["figure", "value"], rows: figures.collect() },

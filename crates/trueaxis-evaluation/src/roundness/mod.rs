@@ -244,7 +244,7 @@ impl Readings {
             self.probes[0].len() / points,
             match resampling.unused_rows {
                 0 => String::new(),
-                unused => format!("; {unused} rows behind the last whole revolution are not used"),
+                unused => format!("; not used behind the last whole revolution: {}", counted(unused, "row")),
             }
         ))
     }

@@ -8,7 +8,7 @@ use trueaxis::Axis;
 use trueaxis::machine::MachineSettings;
 use trueaxis_metrology::thermal::{AxisCurves, Model, SensorCurve, Spindle};
 use trueaxis_tables::error::FileError;
-use trueaxis_tables::text::line_at;
+use trueaxis_tables::text::{counted, line_at};
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -187,7 +187,7 @@ fn of_axis(
             if given.len() != knots {
                 let needed = format!("one for each of {knots} knots");
                 let key = format!("axis.{letter}.{key}");
-                return Err(place.at(offset, &key, format!("{} values", given.len()), needed));
+                return Err(place.at(offset, &key, counted(given.len(), "value"), needed));
             }
             for (value, given) in values.iter_mut().zip(given) {
                 value[part] = scale * given;

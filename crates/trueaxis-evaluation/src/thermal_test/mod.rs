@@ -13,6 +13,7 @@ use crate::range::OutOfRange;
 use crate::record;
 use crate::rows::{Column, Row, Rows};
 use anyhow::Result;
+use trueaxis_tables::text::counted;
 
 /// Displacements and temperatures of a record.
 pub const COLUMNS: [Column; 10] = [
@@ -123,7 +124,7 @@ pub fn read(rows: &mut Rows<'_, 10>) -> Result<Test> {
             return Err(rows.error(
                 line,
                 "t_s",
-                format!("{} readings at position {number}", own.len()),
+                format!("{} at position {number}", counted(own.len(), "reading")),
                 format!("at least {LEAST}"),
             ));
         }

@@ -168,7 +168,7 @@ pub const LEAST_ARC_DEG: f64 = 200.0;
 impl fmt::Display for Refused {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::TooFew { found } => write!(f, "found {found} readings, needed at least {LEAST}"),
+            Self::TooFew { found } => write!(f, "readings: found {found}, needed at least {LEAST}"),
             Self::NotAReading { index } => {
                 write!(f, "found a reading at index {index} that is not finite or as large as the radius")
             }

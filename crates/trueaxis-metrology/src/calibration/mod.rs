@@ -70,11 +70,11 @@ pub enum Refused {
 impl fmt::Display for Refused {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::TooFew { found, needed } => write!(f, "found {found} touches, needed at least {needed}"),
+            Self::TooFew { found, needed } => write!(f, "touches: found {found}, needed at least {needed}"),
             Self::NotFinite { touch } => write!(f, "found a value that is not finite in touch {touch}, needed numbers"),
             Self::NotApart { combinations } => {
                 let count = combinations.len();
-                write!(f, "found {count} combinations of unknowns that no touch tells apart, needed other places")
+                write!(f, "combinations of unknowns that no touch tells apart: found {count}, needed other places")
             }
             Self::Unsettled { touch, residual_mm } => {
                 write!(f, "found touch {touch} {residual_mm:.3} mm off its artefact, needed touches on the artefacts")

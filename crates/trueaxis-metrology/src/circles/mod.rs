@@ -86,7 +86,7 @@ pub enum NoCircle {
 impl core::fmt::Display for NoCircle {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
-            Self::TooFew { found } => write!(f, "found {found} points, needed at least 3"),
+            Self::TooFew { found } => write!(f, "points: found {found}, needed at least 3"),
             Self::NonFinite { index } => write!(f, "found a value that is not finite at index {index}"),
             Self::Straight => f.write_str("found points that fit a straight line as well as any circle"),
             Self::Unresolved => {

@@ -159,7 +159,7 @@ impl fmt::Display for Refused {
             }
             Refused::Twice { .. } => write!(f, "found a target a second time, needed each once a run and direction"),
             Refused::TooFew { diagonal, found } => {
-                write!(f, "diagonal {diagonal}: found {found} targets on it, needed at least {LEAST}")
+                write!(f, "targets on diagonal {diagonal}: found {found}, needed at least {LEAST}")
             }
             Refused::NotABodyDiagonal { diagonal, travel_mm: [x, y, z] } => write!(
                 f,

@@ -131,7 +131,7 @@ impl fmt::Display for Refused {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Refused::TooFewSamples { found, needed } => {
-                write!(f, "found {found} samples, needed at least {needed}: several circles at 500 Hz or more")
+                write!(f, "samples: found {found}, needed at least {needed}: several circles at 500 Hz or more")
             }
             Refused::Uneven { index, found_s, period_s } => write!(
                 f,
@@ -147,7 +147,7 @@ impl fmt::Display for Refused {
             }
             Refused::Reversals { axis, found, needed } => write!(
                 f,
-                "axis {}: found {found} reversals in motion, needed at least {needed}: whole circles",
+                "axis {}, reversals in motion: found {found}, needed at least {needed}: whole circles",
                 axis.letter()
             ),
             Refused::OneDirection { axis, clockwise, counterclockwise } => write!(

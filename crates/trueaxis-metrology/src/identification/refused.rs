@@ -60,7 +60,7 @@ impl fmt::Display for Refused {
             Refused::NotFinite { set_up } => {
                 write!(f, "set-up {}: found a value that is not finite, needed finite numbers", set_up + 1)
             }
-            Refused::TooFewSetUps { found } => write!(f, "found {found} set-ups, needed at least 3 (L, H)"),
+            Refused::TooFewSetUps { found } => write!(f, "set-ups (L, H): found {found}, needed at least 3"),
             Refused::Collinear { along_mm, off_mm, rank, condition } => {
                 write!(
                     f,
@@ -75,7 +75,7 @@ impl fmt::Display for Refused {
                 f.write_str("; needed points that are not on one line: turning about it moves no ball")
             }
             Refused::Readings { angle, found, needed } => {
-                write!(f, "angle {}: found {found} readings, needed one for each of {needed} set-ups", angle + 1)
+                write!(f, "readings at angle {}: found {found}, needed one for each of {needed} set-ups", angle + 1)
             }
             Refused::NoAngles => f.write_str("found no angles, needed at least one"),
             Refused::Offsets { found, needed } => write!(

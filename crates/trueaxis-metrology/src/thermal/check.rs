@@ -158,12 +158,12 @@ impl fmt::Display for Refused {
         match self {
             Self::Cycles { found } => write!(
                 f,
-                "found {found} cycles, needed at least {LEAST_CYCLES}: one is held out, the others predict each other"
+                "cycles: found {found}, needed at least {LEAST_CYCLES}: one is held out, the others predict each other"
             ),
             Self::HeldOut { cycle } => {
                 write!(f, "found no cycle {cycle} to hold out, or fewer than two left for the fit")
             }
-            Self::Rows { cycle, found } => write!(f, "cycle {cycle}: found {found} rows, needed at least {LEAST_ROWS}"),
+            Self::Rows { cycle, found } => write!(f, "rows of cycle {cycle}: found {found}, needed at least {LEAST_ROWS}"),
             Self::Sensors { found } => write!(f, "found {found} sensors, needed 1 to {SENSORS}"),
             Self::NoAxis => f.write_str("found no drift of any axis, needed ex_um, ey_um or ez_um"),
             Self::Row { .. } => f.write_str("found a figure that is not finite or a time that does not ascend"),

@@ -88,7 +88,7 @@ impl fmt::Display for NotEncoded {
         match self {
             Self::Figure { what, found } => write!(f, "{what}: found {found}, beyond the range of the file's field"),
             Self::Count { index, found, needed } => {
-                write!(f, "curve {}: found {found} values, needed one for each of {needed} knots", index + 1)
+                write!(f, "values of curve {}: found {found}, needed one for each of {needed} knots", index + 1)
             }
             Self::Refused(error) => error.fmt(f),
         }
