@@ -19,7 +19,7 @@ const MOST: u64 = 100_000;
 #[command(after_help = "Examples:
   firmware-sim calibrate --machines 200              200 mills and a tenth as many five-axis machines
   firmware-sim calibrate --machines 5 --report out   out/calibration.html
-  firmware-sim calibrate --machines 50 --angle-urad 10   with angular errors, which the terms do not hold
+  firmware-sim calibrate --machines 50 --angle-urad 10   with angular errors, which the terms do not contain
   firmware-sim calibrate --machines 40 --task firmware-sim/src/calibration/gauge-and-square.toml
                                                      step gauges and a square that is turned over")]
 pub(crate) struct CalibrateArgs {

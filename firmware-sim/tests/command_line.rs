@@ -150,7 +150,9 @@ fn the_trace_keeps_the_limits_and_the_report_is_written() {
     assert!(output.status.success());
     let text = String::from_utf8(output.stdout).unwrap();
     assert!(
-        text.contains("without compensation") && text.contains("servo alone") && text.contains("FeedbackNotFinite")
+        text.contains("without compensation")
+            && text.contains("perfect geometry")
+            && text.contains("FeedbackNotFinite")
     );
     let lines = text.lines().filter(|line| line.starts_with("  ") && line.contains("µm") && !line.contains("left"));
     assert_eq!(lines.count(), 4, "{text}");

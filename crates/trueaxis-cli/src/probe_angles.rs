@@ -23,7 +23,7 @@ Example: trueaxis probe-angles --n 1024 --harmonics 2..100 --p 188 --q 667 --jso
 pub(crate) struct Arguments {
     #[command(flatten)]
     probes: ProbeArguments,
-    /// Best pairs to list.
+    /// Number of best pairs to list.
     #[arg(long, value_name = "COUNT", default_value_t = USUAL_COUNT)]
     count: usize,
     /// Print one JSON document.

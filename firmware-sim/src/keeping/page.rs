@@ -24,7 +24,7 @@ pub fn page(outcome: &Outcome) -> String {
         });
         Row::new(format!("after part {}", look.parts), [what, difference, step, limits])
     });
-    let head = ["look", "updated", "new − old tables, µm", "largest step in a cycle, µm", "of the limits"];
+    let head = ["re-probing", "updated", "new − old tables, µm", "largest step in a cycle, µm", "of the limits"];
     Page::new("A machine that keeps itself true")
         .top(summary([
             html! { (outcome.machine) },
@@ -33,7 +33,7 @@ pub fn page(outcome: &Outcome) -> String {
         ]))
         .top(html! {
             p.result {
-                "Over the shift and the volume the tip is off by " strong { (um(outcome.rms_um[1])) } " RMS instead of "
+                "Over the shift and the volume the error of the tip is " strong { (um(outcome.rms_um[1])) } " RMS instead of "
                 strong { (um(outcome.rms_um[0])) } ", at most by " (um(outcome.largest_um[1])) " instead of "
                 (um(outcome.largest_um[0])) "."
             }
@@ -42,7 +42,7 @@ pub fn page(outcome: &Outcome) -> String {
             "Error of the tip",
             html! { (figure(outcome, 0, "RMS over the volume")) (figure(outcome, 1, "largest in the volume")) },
         )
-        .section("Looks", Table::new(head, looks).words(&[1]))
+        .section("Re-probings", Table::new(head, looks).words(&[1]))
         .document()
 }
 
@@ -59,6 +59,8 @@ fn figure(outcome: &Outcome, which: usize, name: &str) -> Figure {
     let updated = outcome.looks.iter().filter(|look| look.updates > 0).map(|look| [f64::from(look.parts), 0.0]);
     let refused = outcome.looks.iter().filter(|look| !look.refused.is_empty() || look.log_refused.is_some());
     figure.dots(updated, colour::COMPENSATED).dots(refused.map(|look| [f64::from(look.parts), 0.0]), colour::LIMIT);
-    figure.caption("Just before a look. Dots below: looks that updated the tables, and looks that needed a person.");
+    figure.caption(
+        "Just before a re-probing. Dots below: re-probings that updated the tables, and those that needed a person.",
+    );
     figure
 }

@@ -11,30 +11,30 @@ use trueaxis_report::number::significant;
 use trueaxis_tables::output::Outputs;
 
 pub(crate) const HELP: &str = "\
-RECORD.csv: x_mm,y_mm,z_mm[,run][,spindle_deg], one row a point: where the centre of the stylus tip stood when the machine's probe
+RECORD.csv: x_mm,y_mm,z_mm[,run][,spindle_deg], one row a point: position of the centre of the stylus tip when the machine's probe
 triggered, the number of the measurement of the whole feature, the spindle's orientation (constant in a run).
 
   --feature ring     P_FTU,2D: range of the points' distances from the least-squares circle's centre, for every run (36 points)
-  --feature sphere   P_FTU,3D: the same of a sphere (25 points over its half)
+  --feature sphere   P_FTU,3D: the same for a sphere (25 points over its half)
   --feature point    repeatability: range and standard deviation of one point probed again and again (10 times)
 Runs together give the repeatability of the location (range of the centres); spindle orientations the offset e of the tip from the
 spindle's axis, centre(θ) = c + R(θ) e; the calibrated diameter D of the artefact the effective diameter of the tip: D − d in a ring,
-d − D on a sphere (d: diameter through the tip's centres). After ISO 230-10; check its edition for how many points and where.
+d − D on a sphere (d: diameter through the tip's centres). After ISO 230-10; check its edition for the number and places of the points.
 
 Example: trueaxis evaluate probing ring.csv --feature ring --diameter-mm 50.0012 --report out";
 
 #[derive(Args)]
 pub(crate) struct Arguments {
-    /// Points that the machine's probe found.
+    /// Points measured by the machine's probe.
     #[arg(value_name = "RECORD.csv")]
     record: PathBuf,
-    /// What was probed.
+    /// The probed feature.
     #[arg(long, value_enum)]
     feature: Of,
     /// Calibrated diameter of the ring or sphere.
     #[arg(long, value_name = "D")]
     diameter_mm: Option<f64>,
-    /// One JSON document instead of a table.
+    /// Print one JSON document instead of a table.
     #[arg(long)]
     json: bool,
     /// Write probing.html with a plot into a folder.
