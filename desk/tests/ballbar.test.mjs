@@ -105,11 +105,11 @@ test("a bar's record has the figures of trueaxis ballbar, and the machine what i
   await page.setViewportSize({ width: 1400, height: await page.evaluate(() => document.body.scrollHeight) });
   await shot(page, "ballbar");
 
-  // What becomes a setting.
-  const settings = await numbers(panel.getByRole("table", { name: "What becomes a setting" }));
+  // The settings that change.
+  const settings = await numbers(panel.getByRole("table", { name: "Settings that change" }));
   assert.deepEqual(Object.keys(settings), ["axis.X.backlash_um", "axis.Y.backlash_um", "location.C0Y_urad"]);
-  near(settings["location.C0Y_urad"].stands, 38, "C0Y before");
-  assert.ok(Math.abs(settings["location.C0Y_urad"]["with what was found"] - 50) < 1, "C0Y after");
+  near(settings["location.C0Y_urad"].before, 38, "C0Y before");
+  assert.ok(Math.abs(settings["location.C0Y_urad"].after - 50) < 1, "C0Y after");
   await panel.getByText("axis.Y.backlash_um: found").waitFor();
   for (const more of [[], ["--compensated"]]) {
     if (more.length > 0) {

@@ -74,7 +74,7 @@ test("a log has the terms of trueaxis calibrate solve, and the machine what it w
   assert.equal(await panel.locator("code").nth(1).textContent(), "trueaxis calibrate solve task.toml probe.log -o mill-3axis");
 
   // Residuals by the keyboard, with their numbers behind them.
-  const plot = panel.getByRole("img", { name: "What is left of every touch" });
+  const plot = panel.getByRole("img", { name: "Residual of every touch" });
   await plot.focus();
   await page.keyboard.press("Home");
   assert.match(await plot.locator("xpath=following-sibling::output").textContent(), /touch: 1\.0000\s+left, positive outside the surface .* µm/);

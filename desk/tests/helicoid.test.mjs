@@ -185,7 +185,7 @@ test("a machine that does not fit is told, one that does is taken, and errors be
   // Another pivot length no longer fits; the same poses on the machine's own positions still have errors.
   await type(panel, { "Work offset X / mm": 0, "Pivot length / mm": 180 });
   await panel.getByText("pivot length: found 150 mm, needed 180 mm").first().waitFor();
-  await panel.getByText("at positions of its own for the same poses").waitFor();
+  await panel.getByText("at different positions for the same poses").waitFor();
   await panel.getByRole("button", { name: "Take a machine that fits" }).click();
   await panel.getByText("mill-turn, fits").waitFor();
 
@@ -205,7 +205,7 @@ test("typed limits, a grid of one value, and a tool near the singular pose", asy
   const warning = panel.getByRole("status").filter({ hasText: "Nearer than 5°" });
   await warning.waitFor();
   // γ = atan(1/36) = 1.5911°, 1/sin γ = √(1 + 36²).
-  assert.match(await warning.textContent(), /1\.5911° away; turning the tool by 1 µrad asks C for up to 36\.0 µrad/);
+  assert.match(await warning.textContent(), /1\.5911° away; turning the tool by 1 µrad turns C by up to 36\.0 µrad/);
   await close();
 });
 

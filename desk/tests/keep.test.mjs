@@ -55,7 +55,7 @@ async function looked(panel, found) {
     assert.equal(own.verdict, term.reason ? `refused: ${term.reason}` : term.verdict);
     assert.equal(own.unit, term.unit);
   }
-  const balls = await numbers(panel.getByRole("table", { name: "Where the balls stand" }));
+  const balls = await numbers(panel.getByRole("table", { name: "Positions of the balls" }));
   for (const { name, centre_mm, standard_error_um } of found.balls) {
     for (const [k, letter] of ["X", "Y", "Z"].entries()) near(balls[name][`${letter} / mm`], centre_mm[k], letter);
     near(balls[name]["± µm"], Math.max(...standard_error_um), name);
@@ -92,7 +92,7 @@ test("a round is that of trueaxis keep, and leaves its files", async () => {
   assert.equal(line, "trueaxis keep begin keep.toml begin.log --time 2026-05-04T06:00:00Z --parts 0");
   await looked(panel, await cli([...line.split(" ").slice(1), "--json"], { cwd: folder }));
   await panel.getByRole("button", { name: "Enter it in the history" }).click();
-  await panel.getByText("Entry 1 stands in the history").waitFor();
+  await panel.getByText("Entry 1 is in the history").waitFor();
 
   // What is typed for the second look leaves the files of the first one to be saved.
   await panel.getByRole("textbox", { name: "probed at" }).fill("2026-05-04T07:00:00Z");

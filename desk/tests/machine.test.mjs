@@ -55,7 +55,7 @@ test("figures are those of tables check and accuracy", async () => {
       assert.equal(row["Magnitude limit"], axis.magnitude_micro, name);
       assert.equal(row["Slope limit"], axis.slope_per_s);
       const lost = lost_motion.find((one) => one.axis === axis.axis);
-      assert.equal(row["Led in within / ms"], lost ? lost.lead_in_ms : "–");
+      assert.equal(row["Applied within / ms"], lost ? lost.lead_in_ms : "–");
       const most = axis.table?.errors.filter(({ unit }) => (unit === "um") === (axis.unit === "mm")).map((one) => one.max_abs);
       assert.equal(row["Largest table error"], most ? Math.max(...most) : "no table");
     }
@@ -196,7 +196,7 @@ test("a point is dragged and typed, undone, and what is saved compiles to the sa
   await page.keyboard.press("Control+Z");
   await until(page, (files) => files["x.csv"] === before["x.csv"], "the whole drag is one step");
   await page.keyboard.press("Control+Shift+Z");
-  await until(page, (files) => files["x.csv"] === dragged, "done again");
+  await until(page, (files) => files["x.csv"] === dragged, "redone");
   await panel.getByRole("button", { name: "Redo" }).click();
   await until(page, (files) => files["x.csv"].includes("17.25"), "and again");
 

@@ -67,7 +67,7 @@ fn table(document: &Document) -> Result<String> {
     if let Some(given) = &document.pair {
         line(&given.pair)?;
         let percent = 100.0 * given.share_of_best;
-        writeln!(text, "\nThe last line is the pair asked for: {percent:.1} % of the best worst gain.")?;
+        writeln!(text, "\nThe last line is the given pair: {percent:.1} % of the best worst gain.")?;
     }
     Ok(text)
 }

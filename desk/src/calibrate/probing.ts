@@ -155,7 +155,7 @@ export abstract class Probing {
 
   /** A log that was refused. */
   protected fails(log: Log, error: unknown): void {
-    this.solved.textContent = `${log.name} tells nothing.`;
+    this.solved.textContent = `${log.name} could not be evaluated.`;
     this.clear();
     this.into.root.hidden = true;
     this.desk.fail(error);
@@ -201,11 +201,11 @@ export abstract class Probing {
     this.refused.hidden = true;
     const { machine, touches, minutes, terms, rank, condition, warnings } = planned.foreseen;
     const network = rank === undefined ? "." : ` without set-ups. Rank ${rank}, condition ${significant(condition ?? 0, 2)}.`;
-    this.about.textContent = [`${machine}: ${touches} touches, about ${Math.ceil(minutes)} minutes${network}`, ...planned.notes].join(" ");
+    this.about.textContent = [`${machine}: ${touches} touches, about ${Math.ceil(minutes)} ${Math.ceil(minutes) === 1 ? "minute" : "minutes"}${network}`, ...planned.notes].join(" ");
     const bounds = terms.some(({ largest_total }) => largest_total !== undefined);
     const row = ({ name, standard_error, unit, largest_update, largest_total }: Expected): Cell[] => [name, shown(standard_error, 2), ...(bounds ? [shown(largest_update ?? 0, 2), shown(largest_total ?? 0, 2)] : []), unit];
     this.expected.replaceChildren(
-      table("How well every term would be known", ["term", "expected standard error", ...(bounds ? ["at most at once", "in all"] : []), "unit"], terms.map(row)),
+      table("Expected standard error of every term", ["term", "expected standard error", ...(bounds ? ["at most at once", "in all"] : []), "unit"], terms.map(row)),
       notes("Notes", warnings ?? []),
     );
   }

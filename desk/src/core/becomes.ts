@@ -56,8 +56,8 @@ export class IntoMachine {
     if (!becomes) return;
     const rows = becomes.settings.map(({ key, before, after, uncertainty }): Cell[] => [key, shown(before, 4), shown(after, 4), uncertainty === null ? "" : shown(uncertainty, 4)]);
     this.place.append(
-      rows.length > 0 ? table("What becomes a setting", ["key of machine.toml", "stands", "with what was found", "standard uncertainty"], rows) : el("p", {}, "No setting changes."),
-      notes("What is done", becomes.notes),
+      rows.length > 0 ? table("Settings that change", ["key of machine.toml", "before", "after", "standard uncertainty"], rows) : el("p", {}, "No setting changes."),
+      notes("Decisions", becomes.notes),
     );
   }
 
@@ -73,7 +73,7 @@ export class IntoMachine {
       this.taken = false;
       throw error;
     }
-    tell(`${this.what} put into ${machine.name}: every view has it now. Export it in the view Machine.`);
+    tell(`${this.what} put into ${machine.name}: every view uses it now. Export it in the view Machine.`);
     this.status.textContent = `In ${machine.name} now.`;
     this.whenDone();
   }

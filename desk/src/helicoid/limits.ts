@@ -39,7 +39,7 @@ export class Travel {
   /** The limits that hold: of a machine without A and C there are none. */
   of(fit: Fit): Limits {
     if (this.source.value === "typed") return this.typed;
-    this.said.textContent = fit.travel ? `Declared travel of ${fit.machine}.` : `${fit.machine} has not got A and C: no limits. Type them, or take a machine that has.`;
+    this.said.textContent = fit.travel ? `Declared travel of ${fit.machine}.` : `${fit.machine} has no A and C axes, and therefore no limits. Type them, or take a machine with both.`;
     return fit.travel ?? {};
   }
 

@@ -84,7 +84,7 @@ export class Editor {
   }
 
   redo(): Promise<void> {
-    return this.queue("", () => this.exchange(this.forth, this.back, "done again"));
+    return this.queue("", () => this.exchange(this.forth, this.back, "redone"));
   }
 
   private async exchange(from: Step[], to: Step[], done: string): Promise<void> {

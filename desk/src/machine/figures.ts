@@ -75,7 +75,7 @@ export function limits(editor: Editor): HTMLElement {
 }
 
 function rates(shown: Shown): HTMLElement {
-  const header = ["Axis", "Largest table error", "Magnitude limit", "Slope", "Slope limit", "Most of it from", "Acceleration", "Acceleration limit", "Lost motion", "Led in within / ms"];
+  const header = ["Axis", "Largest table error", "Magnitude limit", "Slope", "Slope limit", "Most of it from", "Acceleration", "Acceleration limit", "Lost motion", "Applied within / ms"];
   const rows = shown.axes.map(({ axis, unit, micro: small, correction }): Cell[] => {
     const summary = shown.check.summary.axes.find((one) => one.axis === axis);
     const errors = summary?.table?.errors.filter((one) => one.unit === small).map((one) => one.max_abs) ?? [];

@@ -47,7 +47,7 @@ export class Tables {
       el("div", { class: "row" }, group("Axis", this.axes), this.errors.root, this.undo, this.redo, this.both.root),
       this.none,
       this.place,
-      el("p", { class: "said" }, "Drag a point, or take it with Tab and move it with the arrow keys: ↑ ↓ by 0.1, with Alt 0.01, with Shift 1; ← → to its neighbours. Drag beside the points to zoom, double-click to see all."),
+      el("p", { class: "said" }, "Drag a point, or select it with Tab and move it with the arrow keys: ↑ ↓ by 0.1, with Alt 0.01, with Shift 1; ← → to its neighbours. Drag beside the points to zoom, double-click to see all."),
       this.points.root,
     );
     editor.subscribe(() => this.render());

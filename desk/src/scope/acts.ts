@@ -108,9 +108,9 @@ export class Acts {
     this.list.dataset.key = key;
     const head = el("tr", {}, ...["time / s", "act", "", ""].map((name) => el("th", { scope: "col" }, name)));
     const rows = timed.map(({ act, at }) =>
-      el("tr", {}, el("td", { class: "number" }, fixed(at, 4)), el("td", {}, el("code", {}, act)), el("td", {}, at <= now_s ? "done" : "to come"), el("td", {}, button("Remove", () => this.host.remove(act), { "aria-label": `Remove ${act}` }))),
+      el("tr", {}, el("td", { class: "number" }, fixed(at, 4)), el("td", {}, el("code", {}, act)), el("td", {}, at <= now_s ? "done" : "pending"), el("td", {}, button("Remove", () => this.host.remove(act), { "aria-label": `Remove ${act}` }))),
     );
-    const none = el("tr", {}, el("td", { colspan: 4 }, "none yet: whatever is done here is part of the scenario and done again after Restart"));
+    const none = el("tr", {}, el("td", { colspan: 4 }, "none yet: every act here is part of the scenario and is repeated after Restart"));
     this.list.replaceChildren(el("table", {}, el("caption", {}, "Acts in motion"), el("thead", {}, head), el("tbody", {}, ...(rows.length > 0 ? rows : [none]))));
   }
 

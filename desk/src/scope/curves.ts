@@ -18,7 +18,7 @@ const STATUS: readonly (readonly [bit: number, name: string])[] = [
 /** Corrections to look at: columns of the rows up to the axis. */
 const SHOWN = [
   ["compensated.correction", "geometry"],
-  ["full.correction", "geometry, all on"],
+  ["full.correction", "geometry, full"],
   ["full.sent", "dynamic, sent"],
   ["full.feed_forward", "feed-forward wanted"],
   ["full.feedback", "feedback wanted"],

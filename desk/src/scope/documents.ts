@@ -77,8 +77,8 @@ export interface Scenario {
 
 /** The machines by their names in the figures, as people call them. */
 export const KINDS: Record<Kind, { text: string; colour: "before" | "after" | "servo" | "full"; dash?: number[] }> = {
-  uncompensated: { text: "without correction", colour: "before" },
-  compensated: { text: "with correction", colour: "after" },
-  servo_only: { text: "servo alone", colour: "servo", dash: [6, 3] },
-  full: { text: "everything on", colour: "full" },
+  uncompensated: { text: "without compensation", colour: "before" },
+  compensated: { text: "with compensation", colour: "after" },
+  servo_only: { text: "perfect geometry", colour: "servo", dash: [6, 3] },
+  full: { text: "full", colour: "full" },
 };

@@ -69,7 +69,7 @@ export class Scope {
       if (this.look?.progress.cycle) this.screen.bar.changed("The machine has changed: Restart runs it, Exchange takes its tables.");
       else void this.reopen().catch(desk.fail);
     });
-    desk.runs.onRestart(() => this.screen.bar.changed("The run is lost: Run begins anew."));
+    desk.runs.onRestart(() => this.screen.bar.changed("The run is lost: Run starts it again."));
     await this.reopen().catch(desk.fail);
   }
 
@@ -185,6 +185,6 @@ export class Scope {
   private async given(files: readonly Given[]): Promise<void> {
     const name = await this.exchanges.give(files);
     this.screen.acts.offer(name);
-    this.desk.tell(`${name}: tables to exchange for, in "Acts in motion".`);
+    this.desk.tell(`${name}: its tables can be exchanged in "Acts in motion".`);
   }
 }
