@@ -35,7 +35,7 @@ async function opened() {
 }
 
 async function planned(panel, found) {
-  const shown = await numbers(panel.getByRole("table", { name: "How well every term" }));
+  const shown = await numbers(panel.getByRole("table", { name: "Expected standard error" }));
   assert.deepEqual(Object.keys(shown), found.terms.map(({ name }) => name));
   for (const { name, standard_error, largest_update, largest_total, unit } of found.terms) {
     near(shown[name]["expected standard error"], standard_error, name);
