@@ -133,7 +133,7 @@ export class Ballbar {
     }
   }
 
-  /** What the machine that is shown would get. */
+  /** The changes that the machine shown would get. */
   private async settings(): Promise<void> {
     if (this.into.root.hidden) return;
     const turn = this.latest;

@@ -56,7 +56,7 @@ export class Results {
     );
   }
 
-  /** The deviation and what is left, each in a scale of its own. */
+  /** The deviation and its residual, each with its own scale. */
   private draw(plane: string, traces: Trace[]): void {
     const axes = [plane[0] ?? "X", plane[1] ?? "Y"] as const;
     const cells = el("div", { class: "grid" });

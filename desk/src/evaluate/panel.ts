@@ -18,10 +18,10 @@ const ALL = Object.entries(TESTS) as [Test, (typeof TESTS)[Test]][];
 
 export class Evaluate {
   private record: { name: string; bytes: Uint8Array } | undefined;
-  /** Told by the columns of the record. */
+  /** Identified from the columns of the record. */
   private recognised: Test | undefined;
   private latest = 0;
-  /** Files that the machine gets: what another machine is told from. */
+  /** Files that the machine gets; they identify a different machine. */
   private offered = "";
   private readonly options = new Map<Test, Option[]>();
   private readonly groups = new Map<Test, HTMLElement>();

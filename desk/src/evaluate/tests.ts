@@ -10,12 +10,12 @@ export type Value = number | string | boolean | null;
 export interface Option {
   key: string;
   root: HTMLElement;
-  /** As it stands in its control, for a file. */
+  /** Value of the control, for a file. */
   kept(): Value;
   open(value: Value): void;
-  /** As the module takes it. */
+  /** Value for the module. */
   given(): unknown;
-  /** As the command line takes it. */
+  /** Value for the command line. */
   words(): string[];
 }
 
@@ -24,7 +24,7 @@ export interface Described {
   /** Columns of a record; those in brackets may be missing. */
   columns: string;
   about: string;
-  /** Whether the machine that is shown has a part in it. */
+  /** Whether the test needs the machine shown. */
   machine: boolean;
   options(again: () => void): Option[];
 }
@@ -44,7 +44,7 @@ function optional(key: string, label: string, unit: string, placeholder: string,
   };
 }
 
-/** A list; `numbers` says what they are to be, nothing typed in is `none`. */
+/** A list; `numbers` describes the numbers needed, `none` is shown while it is empty. */
 function list(key: string, label: string, placeholder: string, again: () => void, numbers?: string): Option {
   const { root, input } = textField(label, placeholder, again);
   return {

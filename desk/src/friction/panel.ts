@@ -170,7 +170,7 @@ export class Friction {
     this.status.textContent = [done, ...notes].join(" ");
   }
 
-  /** The command line of what is shown. */
+  /** The command line of the result shown. */
   private describe(): void {
     const find = this.drives.value === "found";
     const { name } = this.desk.machine;
@@ -196,7 +196,7 @@ export class Friction {
     if (fitted) await this.run(() => this.fit());
   }
 
-  /** Something to be seen at once. */
+  /** Shows something at the start. */
   begin(): void {
     if (!this.record) void this.run(() => this.simulate());
   }

@@ -52,7 +52,7 @@ const GEAR: readonly [string, string, string][] = [
   ["reference_roll_angle_rad", "Size of u at the reference radius", "rad"],
 ];
 
-/** What follows from the gear or the base circle. */
+/** Values derived from the gear or the base circle. */
 export function derived({ surface, gear, inputs, count }: Outline): HTMLElement {
   const row = (name: string, unit: string, value: number): Cell[] => [`${name} / ${unit}`, cell(value, DECIMALS)];
   const of_gear = gear ? GEAR.map(([key, name, unit]) => row(name, unit, gear[key]!)) : [];

@@ -29,7 +29,7 @@ const WORDS = {
 export class Keep extends Probing {
   private history = "";
   private looked: Looked | undefined;
-  /** The look that is shown stands in the history. */
+  /** Whether the history contains the re-probing shown. */
   private entered = false;
   private readonly results: HTMLElement;
   private readonly time: HTMLInputElement;
@@ -74,7 +74,7 @@ export class Keep extends Probing {
     this.results.hidden = true;
   }
 
-  /** What was entered stays until the next look, for its files to be saved. */
+  /** An entry stays visible until the next re-probing, so that its files can be saved. */
   protected override idle(): void {
     if (!this.entered) super.idle();
   }
@@ -139,12 +139,12 @@ export class Keep extends Probing {
     this.results.hidden = false;
   }
 
-  /** Takes the look into the history: the next log is held against it. */
+  /** Enters the re-probing in the history: the next log is compared with it. */
   private enter(): void {
     if (!this.looked) return;
     this.history = this.looked.history;
     const { entry } = this.looked.document;
-    // The updated machine is now the one that is shown.
+    // The updated machine is now the one shown.
     if (this.looked.becomes) this.own = undefined;
     this.log = undefined;
     this.entered = true;

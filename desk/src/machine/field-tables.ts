@@ -47,7 +47,7 @@ function sentence(worst: Worst): string {
   return `worst ${fixed(worst.size_um, 3)} µm at ${at} mm${cause}`;
 }
 
-/** Which table, and which term in it, makes the error at the worst point. */
+/** The tables, and their terms, that cause the error at the worst point. */
 export function causes(title: string, worst: Worst): HTMLElement {
   const numbers = ({ error_um, along_um }: { error_um: readonly number[]; along_um: number }): Cell[] => [
     ...error_um.map((um) => cell(um)),

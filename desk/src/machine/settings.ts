@@ -17,7 +17,7 @@ type Bound = [Field, () => number | undefined];
 
 export class Settings {
   readonly root: HTMLElement;
-  /** Those of the axis that is chosen. */
+  /** Controls of the selected axis. */
   readonly own = el("div");
   private readonly sliders = el("div", { class: "settings" });
   private bound: Bound[] = [];

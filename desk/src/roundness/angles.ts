@@ -102,7 +102,7 @@ export class Angles {
     this.command.set(["trueaxis probe-angles", ...probeOptions(this.controls.value), "--count", this.count.value, "--json"].join(" "));
   }
 
-  /** The search goes in slices, so that it can be left. */
+  /** The search runs in slices, so that it can be stopped. */
   private async run(): Promise<void> {
     this.search += 1;
     if (!this.progress.hidden) {

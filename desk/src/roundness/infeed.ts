@@ -7,7 +7,7 @@ import { Plot } from "../core/plot";
 import { word } from "../core/shell";
 import type { Ground, RunFigures } from "./documents";
 
-/** What `firmware-sim grind` is asked for. */
+/** Request to `firmware-sim grind`. */
 export interface GrindRequest {
   revolutions: number;
   rate_hz: number;
@@ -32,7 +32,7 @@ export class Infeed {
   private readonly command = commandLine("The same on the command line:");
   private readonly plots: HTMLElement;
   private run = 0;
-  /** What the figures belong to, until something is changed. */
+  /** Command line of the figures shown, until a setting is changed. */
   private ground: string | undefined;
 
   constructor(private readonly desk: Desk) {

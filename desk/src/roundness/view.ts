@@ -96,7 +96,7 @@ class Roundnesses {
     await this.evaluate();
   }
 
-  /** Shows again after the module was started anew. */
+  /** Shows the state again after a restart of the module. */
   async refresh(): Promise<void> {
     if (this.stale) await this.evaluate();
   }

@@ -33,7 +33,7 @@ export class Beside {
   private now: Kept | undefined;
   kept: Kept | undefined;
 
-  /** `current` gives the run to keep; `changed` is told when there is an A or none any more; `settings` takes A's. */
+  /** `current` gives the run to keep; `changed` is called when A is kept or removed; `settings` receives those of A. */
   constructor(
     current: () => Kept | undefined,
     private readonly changed: () => void,

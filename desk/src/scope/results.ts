@@ -4,7 +4,7 @@ import { el, table, type Cell } from "../core/dom";
 import { cell } from "../core/number";
 import { KINDS, type Figures, type Kind, type Progress, type Size } from "./documents";
 
-/** A run's figures and how far it is. */
+/** A run's figures and its progress. */
 export interface Result {
   progress: Progress;
   figures: Figures;

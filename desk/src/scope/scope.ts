@@ -90,7 +90,7 @@ export class Scope {
     if (this.look) this.screen.show(this.look, this.controls.setup, this.runner.isGoing, anew);
   }
 
-  /** Another setup: opened at once, for its program and errors to be seen. */
+  /** Sets another setup: opened at once, to show its program and errors. */
   private take(setup: Setup): void {
     const before = this.controls.setup;
     this.controls.set(setup);
@@ -106,7 +106,7 @@ export class Scope {
     else void this.reopen().catch(this.desk.fail);
   }
 
-  /** Opens the run of the present setup, at its beginning; one after the other, and those that are stale not at all. */
+  /** Opens the run of the present setup, at its beginning; one after the other; stale requests are skipped. */
   private reopen(files?: Files): Promise<void> {
     const ticket = ++this.opening;
     const stands = () => ticket === this.opening;
