@@ -10,7 +10,7 @@ export function significant(value: number, digits: number): string {
   return minus(value.toFixed(Math.min(places, 12)));
 }
 
-/** A number with `digits` decimals. */
+/** A number with `decimals` decimals. */
 export function fixed(value: number, decimals: number): string {
   return Number.isFinite(value) ? minus(value.toFixed(decimals)) : "–";
 }

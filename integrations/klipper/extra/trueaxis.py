@@ -65,7 +65,7 @@ class TrueAxis:
         self.max_correction = config.getfloat("max_correction", 1.0, above=0.0)
         self.max_slope = config.getfloat("max_slope", 0.01, above=0.0, below=0.1)
         self.wanted = config.getboolean("enable", True)
-        self.refused = self.note = None  # a line each: why there are no tables; what to know of those there are
+        self.refused = self.note = None  # a line each: why the tables were refused; notes on those in use
         self.shim = self.machine = self.tables = None
         self.on = self.homing = self.switching = False
         self.probed = None
@@ -256,7 +256,7 @@ class TrueAxis:
         return p + newpos[3:]
 
     def _reread(self, change):
-        """Makes a change at standstill: motors keep their steps, the position is read anew."""
+        """Makes a change at standstill: motors keep their steps, the position is read again."""
         self.switching = True
         try:
             self.toolhead.flush_step_generation()
@@ -359,7 +359,7 @@ class TrueAxis:
         self._switch(self.wanted and self._homed(), tables)
         self._tell_note()
 
-    cmd_TRUEAXIS_STATUS_help = "Tell the tables and the correction where the tool stands"
+    cmd_TRUEAXIS_STATUS_help = "Show the tables, and the correction at the tool's position"
 
     def cmd_TRUEAXIS_STATUS(self, gcmd):
         self._needed(gcmd, self.tables)
