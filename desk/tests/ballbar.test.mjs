@@ -1,4 +1,4 @@
-// Circular tests: figures against the command line, every form of a record, what the machine gets, bad records.
+// Circular tests: figures against the command line, every form of a record, changes to the machine, bad records.
 
 import assert from "node:assert/strict";
 import fs from "node:fs";
@@ -80,7 +80,7 @@ async function opened() {
 
 const code = (panel) => panel.locator("code").first().textContent();
 
-test("a bar's record has the figures of trueaxis ballbar, and the machine what it writes", async () => {
+test("a bar's record has the figures of trueaxis ballbar, and the machine gets the changes that it writes", async () => {
   const { page, panel, close } = await opened();
   await drop(panel, { "record.csv": fs.readFileSync(record) });
   await panel.getByText("record.csv: 720 readings, plane XY, radius 100").waitFor();

@@ -1,4 +1,4 @@
-// Calibration with a touch probe: plan and log against the command line, what the machine gets, what is refused.
+// Calibration with a touch probe: plan and log against the command line, changes to the machine, refusals.
 
 import assert from "node:assert/strict";
 import fs from "node:fs";
@@ -50,7 +50,7 @@ test("the task to begin with is planned on the machine that is shown", async () 
   await close();
 });
 
-test("a log has the terms of trueaxis calibrate solve, and the machine what it writes", async () => {
+test("a log has the terms of trueaxis calibrate solve, and the machine gets the changes that it writes", async () => {
   const { page, panel, close } = await opened();
   await drop(panel, { "task.toml": task, "machine.toml": machine });
   await panel.getByText("mill: 81 touches").waitFor();
@@ -90,7 +90,7 @@ test("a log has the terms of trueaxis calibrate solve, and the machine what it w
   await close();
 });
 
-test("what cannot be told is refused in the command line's words", async () => {
+test("terms that cannot be separated are refused in the command line's words", async () => {
   const { panel, page, close } = await opened();
   const lines = log.split("\n");
   const logs = {

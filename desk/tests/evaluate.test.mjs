@@ -1,4 +1,4 @@
-// Tests with instruments: every table against the command line, what the machine gets, bad records.
+// Tests with instruments: every table against the command line, changes to the machine, bad records.
 
 import assert from "node:assert/strict";
 import fs from "node:fs";
@@ -132,7 +132,7 @@ async function put(page, panel, written) {
   for (const name of fs.readdirSync(path.join(folder, written))) assert.equal(files[name], fs.readFileSync(path.join(folder, written, name), "utf8"), name);
 }
 
-test("before a record there is what a record has", async () => {
+test("before a record the page shows the columns of records", async () => {
   const { page, panel, close } = await opened();
   const rows = await shownTable(panel, "Columns of a record");
   assert.equal(Object.keys(rows).length, 5);
@@ -143,7 +143,7 @@ test("before a record there is what a record has", async () => {
   await close();
 });
 
-test("an R-test has the location errors of the command line, and writes none where it does not fit the machine", async () => {
+test("an R-test has the location errors of the command line, and writes none if it does not fit the machine", async () => {
   const { page, panel, close } = await opened("mill-5axis");
   await dropped(panel, "bk.csv", "R-test");
   const found = await evaluate(["r-test", "bk.csv", "--machine", sample("mill-5axis"), "-o", "five"]);
@@ -239,7 +239,7 @@ test("measured points have the 21 errors of the command line, and become a machi
   await close();
 });
 
-test("probing and thermal tests have the figures of the command line, and are no machine's", async () => {
+test("probing and thermal tests have the figures of the command line, and change no machine", async () => {
   const { page, panel, close } = await opened();
   await dropped(panel, "ring.csv", "Probing test");
   await panel.getByLabel("Calibrated diameter / mm").fill("50.0012");

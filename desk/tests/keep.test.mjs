@@ -1,4 +1,4 @@
-// A machine that keeps itself true: plan, looks and what they write against the command line, what needs a person.
+// A machine that keeps itself true: plan, re-probings and their files against the command line, terms that need a person.
 
 import assert from "node:assert/strict";
 import fs from "node:fs";
@@ -83,7 +83,7 @@ test("a round is that of trueaxis keep, and leaves its files", async () => {
   const program = await saved(page, panel.getByRole("button", { name: "Save the program" }));
   assert.equal(program.bytes.toString(), fs.readFileSync(at("look.ngc"), "utf8"));
 
-  // The first look.
+  // The first re-probing.
   await panel.getByRole("textbox", { name: "probed at" }).fill("2026-05-04T06:00:00Z");
   await panel.getByRole("spinbutton", { name: "parts made" }).fill("0");
   await drop(panel, { "begin.log": begin });
@@ -102,7 +102,7 @@ test("a round is that of trueaxis keep, and leaves its files", async () => {
   assert.equal(kept.name, "keep-history.jsonl");
   sameHistory(kept.bytes.toString(), history());
 
-  // The second, against it: what the command says, and what it writes.
+  // The second, compared with it: the command's output and its files.
   await drop(panel, { "look.log": look, "history.jsonl": history() });
   await panel.getByText("look.log: 46 touches on mill.").waitFor();
   assert.equal(await command(panel), "trueaxis keep check keep.toml look.log --time 2026-05-04T07:00:00Z --parts 12");

@@ -221,7 +221,7 @@ test("settings act, and a link opens the same run in another page", async () => 
   await third.close();
 });
 
-test("the page answers and draws while a run goes on", async () => {
+test("the page responds and draws during a run", async () => {
   const { page, panel, close } = await open();
   const frames = () =>
     page.evaluate(
@@ -242,7 +242,7 @@ test("the page answers and draws while a run goes on", async () => {
   await panel.getByRole("button", { name: "Run", exact: true }).click();
   await state(panel, "running");
   const going = await frames();
-  console.log(`frames a second: ${idle.toFixed(1)} idle, ${going.toFixed(1)} while a run goes on`);
+  console.log(`frames a second: ${idle.toFixed(1)} idle, ${going.toFixed(1)} during a run`);
   assert.match(await panel.locator(".bar output").textContent(), /million cycles a second/);
   // A picture that a busy machine hardly draws when nothing runs says nothing about the run.
   assert.ok(going > Math.min(30, 0.5 * idle), `${going} frames a second, ${idle} idle`);
@@ -268,7 +268,7 @@ test("after a panic the run starts again", async () => {
   await close();
 });
 
-test("a run kept as A stands beside B", async () => {
+test("a run kept as A is shown beside B", async () => {
   const { panel, close } = await open();
   await program(panel, "tiny.ngc", TINY);
   await toTheEnd(panel);

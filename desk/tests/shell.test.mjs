@@ -35,7 +35,7 @@ test("tabs go by the keyboard and show one view each", async () => {
   await close();
 });
 
-test("the page carries the licences of what is inside it", async () => {
+test("the page contains the licences of everything built into it", async () => {
   const { page, close } = await openDesk();
   const panel = await view(page, "About");
   const text = await panel.getByLabel("Licences").textContent();

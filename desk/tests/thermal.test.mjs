@@ -1,4 +1,4 @@
-// Thermal growth: a recorded warm-up against the command line, its texts, what is refused.
+// Thermal growth: a recorded warm-up against the command line, its texts, refusals.
 
 import assert from "node:assert/strict";
 import fs from "node:fs";
@@ -71,7 +71,7 @@ test("a record has the figures and texts of trueaxis thermal fit", async () => {
   await close();
 });
 
-test("what tells nothing is refused in the command line's words, and nothing of before stays", async () => {
+test("a useless record is refused in the command line's words, and no earlier result stays", async () => {
   const { page, panel, close } = await opened();
   await drop(panel, { "record.csv": record });
   await panel.getByText("384 readings").waitFor();

@@ -118,7 +118,7 @@ fn text(machines: &Machines, found: &Summary) -> Result<String> {
         um(found.median_tilt_urad)
     )?;
     if found.refused > 0 {
-        writeln!(text, "{} machines refused, in none of these figures:", found.refused)?;
+        writeln!(text, "{} machines refused, which the figures do not include:", found.refused)?;
     }
     for one in &machines.refused {
         writeln!(text, "  {one}")?;

@@ -79,7 +79,7 @@ must_fail() { # name, sanitizer, words needed, file of the component, change of 
         exit 1
     fi
     compile "$sanitizer" "$name" "$out/$name.c"
-    # Without names of functions, which take longer to look up than the program takes to end by itself.
+    # Without names of functions, which take longer to look up than the program runs.
     if ASAN_OPTIONS="$ASAN_OPTIONS:symbolize=0" run_gantry "$name" 4000 >"$out/$name.log" 2>&1 ||
         ! grep -q "$words" "$out/$name.log"; then
         echo "sanitize.sh: the planted defect '$name' was not found: needed '$words', see $out/$name.log" >&2

@@ -47,7 +47,7 @@ static double tool(int i) {
     return at;
 }
 
-/* A step, what the plugin takes for no turn in what it plans and in what it follows, and single precision. */
+/* A step, the plugin's hysteresis of turns in its plan and in the steps it follows, and single precision. */
 static double bound(int i) {
     return 1.0 / (double)settings.axis[i].steps_per_mm + 0.00065;
 }
@@ -182,7 +182,7 @@ static void sequence(float steps_per_mm) {
                 memcpy(target, wanted, sizeof wanted);
                 for (int back = 0; back < 2; back++) {
                     system_convert_array_steps_to_mpos(told_at, sys.probe_position);
-                    hold(back ? "place touched, told when off it" : "place touched", i, told_at[i], touch_at);
+                    hold(back ? "touched place, reported when off it" : "place touched", i, told_at[i], touch_at);
                     target[i] = wanted[i] + 1.0f;
                     if (!back) {
                         line_to(target[0], target[1], target[2], feed);

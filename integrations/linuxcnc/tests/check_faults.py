@@ -30,7 +30,7 @@ def switching(folder):
     rig.copy(folder, rig.HERE, "shuttle.ngc")
     printed = rig.linuxcnc(folder, "mill-3axis.ini", "switching")
     run, marks = Recording.load(os.path.join(folder, "run")), marks_of(folder)
-    expect(not any("standing" in mark for mark in marks), "the machine stood still", marks)
+    expect(not any("standing" in mark for mark in marks), "the machine did not move", marks)
     expect(marks["running"] == 1, "the program did not go on", marks)
     expect(marks["code of damaged"] == 6 and marks["code of stranger"] == 7, "codes of refused files", marks)
     expect(marks["failed after first"] == 0, "a good reload must clear the pin", marks)
