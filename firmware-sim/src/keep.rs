@@ -88,7 +88,7 @@ pub(crate) fn keep(args: &KeepArgs) -> Result<()> {
 
 fn text(outcome: &Outcome) -> Result<String> {
     let um = |value: f64| significant(value, 3);
-    let mut text = format!("{}, {} parts\n\n", outcome.machine, outcome.parts.len());
+    let mut text = format!("{}, {}\n\n", outcome.machine, counted(outcome.parts.len(), "part"));
     writeln!(text, "error of the tip over volume and shift, µm    without       with")?;
     writeln!(
         text,

@@ -74,7 +74,7 @@ export function travel({ branch, axes }: Reach): HTMLElement {
     cell(low),
     cell(high),
     limit ? `${fixed(limit[0], 0)} to ${fixed(limit[1], 0)}` : "–",
-    beyond > 0 ? { text: `${beyond} points beyond`, value: beyond } : "within",
+    beyond > 0 ? { text: `${beyond} ${beyond === 1 ? "point" : "points"} beyond`, value: beyond } : "within",
   ]);
   return table(`Travel over the grid, branch ${branch}`, ["", "From", "To", "Travel", ""], rows);
 }

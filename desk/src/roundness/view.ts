@@ -141,7 +141,7 @@ class Roundnesses {
 
   private async show(said: string): Promise<void> {
     const { document, notes } = JSON.parse(said) as Noted<Roundness>;
-    this.say(`${document.revolutions} revolutions of ${document.n} points`, notes, document.warnings);
+    this.say(`${document.revolutions} ${document.revolutions === 1 ? "revolution" : "revolutions"} of ${document.n} points`, notes, document.warnings);
     await this.polar.draw();
     await this.results.show(document, this.settings.value.noise_gain_limit);
   }

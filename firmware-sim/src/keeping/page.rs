@@ -4,6 +4,7 @@ use super::{Outcome, Part};
 use maud::html;
 use trueaxis_report::number::{quantity, significant};
 use trueaxis_report::{Figure, Page, Row, Scale, Stroke, Table, colour, summary};
+use trueaxis_tables::text::counted;
 
 /// Renders the whole page.
 pub fn page(outcome: &Outcome) -> String {
@@ -12,7 +13,7 @@ pub fn page(outcome: &Outcome) -> String {
         let what = match (&look.log_refused, look.refused.as_slice()) {
             (Some(reason), _) => reason.clone(),
             (None, []) if look.updates == 0 => "nothing to change".into(),
-            (None, []) => format!("{} terms", look.updates),
+            (None, []) => counted(look.updates, "term"),
             (None, reasons) => format!("refused: {}", reasons.join("; ")),
         };
         let [difference, step, limits] = look.exchanged.map_or([const { String::new() }; 3], |own| {
@@ -28,8 +29,8 @@ pub fn page(outcome: &Outcome) -> String {
     Page::new("A machine that keeps itself true")
         .top(summary([
             html! { (outcome.machine) },
-            html! { (outcome.parts.len()) " parts" },
-            html! { (outcome.updates) " updates, " (outcome.refusals) " refusals" },
+            html! { (counted(outcome.parts.len(), "part")) },
+            html! { (counted(outcome.updates, "update")) ", " (counted(outcome.refusals, "refusal")) },
         ]))
         .top(html! {
             p.result {

@@ -9,6 +9,7 @@ use std::path::PathBuf;
 use trueaxis_evaluation::probing::{COLUMNS, Document, Feature, Record, check};
 use trueaxis_report::number::significant;
 use trueaxis_tables::output::Outputs;
+use trueaxis_tables::text::counted;
 
 pub(crate) const HELP: &str = "\
 RECORD.csv: x_mm,y_mm,z_mm[,run][,spindle_deg], one row a point: position of the centre of the stylus tip when the machine's probe
@@ -73,7 +74,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
 }
 
 fn table(d: &Document) -> Result<String> {
-    let mut text = format!("{}, {} runs; ISO 230-10\n\n", d.feature, d.runs.len());
+    let mut text = format!("{}, {}; ISO 230-10\n\n", d.feature, counted(d.runs.len(), "run"));
     for run in &d.runs {
         let [x, y, z] = run.centre_mm;
         write!(text, "run {:<4} {:>4} points   centre {x:.4}, {y:.4}, {z:.4} mm", run.run, run.points)?;
