@@ -17,12 +17,12 @@ pub(crate) const HELP: &str = "\
 POSITIONS.csv: x_mm,y_mm,z_mm[,a_deg,b_deg,c_deg], commanded positions, columns in any order.
 Output: the same columns and
   ex_um,ey_um,ez_um   error of the tool tip at the uncorrected command: actual − ideal, machine coordinates
-  cx_mm,cy_mm,cz_mm   corrected command: where the axes must be sent so that the tool is at the position
+  cx_mm,cy_mm,cz_mm   corrected command: axis positions that put the tool at the commanded position
 and with --orientation (volumetric and exact)
   ea_urad,eb_urad,ec_urad   error of the tool's orientation: small rotation, actual − ideal, machine coordinates
   ca_deg,cb_deg,cc_deg      corrected command of the machine's rotary axes; the tool's direction becomes the ideal one away
                             from its singular pose ([compensation] fade_deg), and cx, cy, cz cancel the motion they cause
-Without --orientation only X, Y and Z are corrected (nine: whatever the tables say of them).
+Without --orientation only X, Y and Z are corrected (nine: by all tables that give their errors).
 A two-sided table is read in positive travel, every position for itself; with --reverse in negative travel, backlash
 included; with --in-order in the direction in which the drive, position and correction, has come from the rows before.
 Corrections are not limited. A note counts those that the step's magnitude limit would reduce.

@@ -54,7 +54,7 @@ pub(crate) fn write(
 ) -> Result<Vec<String>> {
     let (folder, name) = Folder::of_machine(machine);
     if machine.extension().is_some_and(|extension| extension == "tcomp") {
-        bail!("--machine: found {}, needed a machine.toml or its folder where one is written", machine.display());
+        bail!("--machine: found {}, needed a machine.toml or its folder to write into", machine.display());
     }
     let (own, same) = own(machine, output);
     if !same && output.join("machine.toml").exists() {

@@ -16,7 +16,7 @@ use trueaxis_tables::text::counted;
 pub(crate) const HELP: &str = "\
 FRAMES: telemetry of a controller, COBS frames as in docs/telemetry.md, one file or several of one machine.
 Columns are the record's fields: sequence, machine_id, tables_crc, fault (code), fault_axis, status, limited, at_edge; of
-every axis x_command_mm, x_feedback_mm, x_correction_mm and, where any record has it, its dynamic correction; of tip and
+every axis x_command_mm, x_feedback_mm, x_correction_mm and, if any record has it, its dynamic correction; of tip and
 encoder tip_error_mm, tip_normal_mm, tip_binormal_mm, tip_lag_mm, tip_flags; orientation_rad, orientation_flags. Rotary
 axes are in degrees. With several files the column `file` names the one that a row is from.
 Damaged frames are skipped. Their number is printed, and the number of records missing by the sequence.

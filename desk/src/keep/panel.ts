@@ -19,7 +19,7 @@ const WORDS = {
   task: "keep.toml",
   program: "look.ngc",
   sample: SAMPLE,
-  label: "Machine, probe, balls that stay, and the terms that may change, with their bounds",
+  label: "Machine, probe, balls that stay in place, and the terms that may change, with their bounds",
   hint: "or drop them: keep.toml; machine.toml with its tables where it is not the machine shown; thermal.toml; keep/history.jsonl; the log of a re-probing",
   accept: ".toml,.csv,.log,.txt,.jsonl",
   what: "Updates of the re-probing",

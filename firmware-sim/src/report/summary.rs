@@ -116,5 +116,5 @@ fn fault_table(faults: &[FaultEntry]) -> Table {
         let time = decimals(if fault.time_s.is_finite() { fault.time_s } else { 0.0 }, 4);
         Row::new(format!("{time} s"), [fault.code.clone(), count(fault.cycles), fault.description.clone()])
     });
-    Table::new(["first at", "code", "cycles", "what happened"], rows).words(&[1, 3])
+    Table::new(["first at", "code", "cycles", "description"], rows).words(&[1, 3])
 }

@@ -13,7 +13,7 @@ use trueaxis_tables::output::Outputs;
 pub(crate) const HELP: &str = "\
 POINTS.csv: x_mm,y_mm,z_mm,actual_x_mm,actual_y_mm,actual_z_mm[,u_um][,tool_x_mm,tool_y_mm,tool_z_mm], one row a point: the
 commanded position, the coordinates that a tracker, tracer or several of them found (instrument on the workpiece's side, in the
-machine's directions, within 2 mm), their standard uncertainty, and the reflector's offset from the last tool-side frame where
+machine's directions, within 2 mm), their standard uncertainty, and the reflector's offset from the last tool-side frame if
 it differs from the machine's tool_mm. Rotary axes are at zero; points are approached in positive travel.
 
 One least-squares fit finds the 21 errors of X, Y, Z over nodes (the levels of the points, up to 41; else 11) together with the place of

@@ -15,7 +15,7 @@ use trueaxis_tables::output::Outputs;
 pub(crate) const HELP: &str = "\
 RECORD.csv: x_mm,y_mm,z_mm,a_deg,b_deg,c_deg,dx_um,dy_um,dz_um[,ball], one row a pose (ISO 10791-6, tests BK): commanded position
 under RTCP, and how far the tool has moved from the ball on the table, actual − commanded, in machine directions. `ball` numbers the
-balls, where there are several.
+balls, if there are several.
 
 One least-squares fit finds the two offsets and two tilts across every rotary axis that turns (EY0A EZ0A EB0A EC0A, EX0B EZ0B EA0B
 EC0B, EX0C EY0C EA0C EB0C) together with the offset of each ball from its commanded place. The effect of the machine's tables and its other

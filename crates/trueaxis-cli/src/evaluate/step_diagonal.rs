@@ -25,7 +25,7 @@ The slopes of the four diagonals (u: unit vector) give three squarenesses and on
 Steps add the shapes of the nine errors EXX … EZZ with their slopes removed. The scales of X, Y, Z depend on how square the flat
 mirror is to each diagonal, by as many ppm as it is µrad off: they are given with --alignment-urad, its standard
 uncertainty, and with the standard error that follows from it.
--o writes the squarenesses into the machine of --machine, or into another folder with a copy of it, where they differ from
+-o writes the squarenesses into the machine of --machine, or into another folder with a copy of it, if they differ from
 those that it states by more than the uncertainties of both; values that agree become their weighted mean.
 
 Example: trueaxis evaluate step-diagonal record.csv --alignment-urad 20 --report out";

@@ -13,7 +13,7 @@ use std::path::PathBuf;
 use trueaxis_evaluation::keep::time;
 
 pub(crate) const HELP: &str = "\
-KEEP.toml names the machine, the probe, balls that stay where they are, and what may be changed within which bounds:
+KEEP.toml names the machine, the probe, balls that stay in place, and the terms that may change, with their bounds:
 
   machine = \"mill\"                  # its folder; its tables are in force
   dialect = \"linuxcnc\"              # or grblhal, klipper

@@ -22,7 +22,7 @@ RECORD.csv: one part, cycle by cycle, three comments before the header:
   # length_mm = 1234.567890    path length of the program
   s_mm,ex_um,ey_um,ez_um,measured
 s_mm: path length of the reference; ex_um…: contour error, tip − foot, machine directions; measured (may be left out): 1, or
-0 where there is none (rapid motion, search of the foot, fault).
+0 if there is none (rapid motion, search of the foot, fault).
 
   u <- f u − L Q e      f --forget, L --gain, Q a Gaussian low-pass without phase, half at --cutoff-mm
 
