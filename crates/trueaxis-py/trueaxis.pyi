@@ -10,10 +10,10 @@ __all__ = ["Error", "NeedsPerson", "__version__", "Machine", "Path", "Program", 
 __version__: str
 
 class Error(ValueError):
-    """Input that was refused: where, what was found, what is needed, in the words of the command line."""
+    """Refused input: place, value found and value needed, in the words of the command line."""
 
 class NeedsPerson(Error):
-    """A term of a look is out of its bounds: nothing is changed, and a person has to look; exit code 3 of `trueaxis keep`."""
+    """A term of a re-probing is out of its bounds: nothing is changed, and a person has to decide; exit code 3 of `trueaxis keep`."""
 
 @type_check_only
 class ContourError(TypedDict):

@@ -82,7 +82,7 @@ async function start(): Promise<void> {
     },
   };
   for (const worker of [bench, runs])
-    worker.onRestart((why) => desk.fail(new Error(`The computation stopped and was started anew: ${why}`)));
+    worker.onRestart((why) => desk.fail(new Error(`The computation stopped and was restarted: ${why}`)));
 
   const shown = views.map((view) => new Shown(view, desk));
   let front = shown[0]!;

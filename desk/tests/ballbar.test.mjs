@@ -1,4 +1,4 @@
-// Circular tests: figures against the command line, every form of a record, what the machine gets, bad records.
+// Circular tests: figures against the command line, every form of a record, changes to the machine, bad records.
 
 import assert from "node:assert/strict";
 import fs from "node:fs";
@@ -80,7 +80,7 @@ async function opened() {
 
 const code = (panel) => panel.locator("code").first().textContent();
 
-test("a bar's record has the figures of trueaxis ballbar, and the machine what it writes", async () => {
+test("a bar's record has the figures of trueaxis ballbar, and the machine gets the changes that it writes", async () => {
   const { page, panel, close } = await opened();
   await drop(panel, { "record.csv": fs.readFileSync(record) });
   await panel.getByText("record.csv: 720 readings, plane XY, radius 100").waitFor();
@@ -105,11 +105,11 @@ test("a bar's record has the figures of trueaxis ballbar, and the machine what i
   await page.setViewportSize({ width: 1400, height: await page.evaluate(() => document.body.scrollHeight) });
   await shot(page, "ballbar");
 
-  // What becomes a setting.
-  const settings = await numbers(panel.getByRole("table", { name: "What becomes a setting" }));
+  // The settings that change.
+  const settings = await numbers(panel.getByRole("table", { name: "Settings that change" }));
   assert.deepEqual(Object.keys(settings), ["axis.X.backlash_um", "axis.Y.backlash_um", "location.C0Y_urad"]);
-  near(settings["location.C0Y_urad"].stands, 38, "C0Y before");
-  assert.ok(Math.abs(settings["location.C0Y_urad"]["with what was found"] - 50) < 1, "C0Y after");
+  near(settings["location.C0Y_urad"].before, 38, "C0Y before");
+  assert.ok(Math.abs(settings["location.C0Y_urad"].after - 50) < 1, "C0Y after");
   await panel.getByText("axis.Y.backlash_um: found").waitFor();
   for (const more of [[], ["--compensated"]]) {
     if (more.length > 0) {

@@ -1,4 +1,4 @@
-// Calibration with a touch probe: plan and log against the command line, what the machine gets, what is refused.
+// Calibration with a touch probe: plan and log against the command line, changes to the machine, refusals.
 
 import assert from "node:assert/strict";
 import fs from "node:fs";
@@ -32,7 +32,7 @@ async function opened() {
 }
 
 async function planned(panel, found) {
-  const shown = await numbers(panel.getByRole("table", { name: "How well every term" }));
+  const shown = await numbers(panel.getByRole("table", { name: "Expected standard error" }));
   assert.deepEqual(Object.keys(shown), found.terms.map(({ name }) => name));
   for (const { name, standard_error, unit } of found.terms) {
     near(shown[name]["expected standard error"], standard_error, name);
@@ -50,7 +50,7 @@ test("the task to begin with is planned on the machine that is shown", async () 
   await close();
 });
 
-test("a log has the terms of trueaxis calibrate solve, and the machine what it writes", async () => {
+test("a log has the terms of trueaxis calibrate solve, and the machine gets the changes that it writes", async () => {
   const { page, panel, close } = await opened();
   await drop(panel, { "task.toml": task, "machine.toml": machine });
   await panel.getByText("mill: 81 touches").waitFor();
@@ -74,7 +74,7 @@ test("a log has the terms of trueaxis calibrate solve, and the machine what it w
   assert.equal(await panel.locator("code").nth(1).textContent(), "trueaxis calibrate solve task.toml probe.log -o mill-3axis");
 
   // Residuals by the keyboard, with their numbers behind them.
-  const plot = panel.getByRole("img", { name: "What is left of every touch" });
+  const plot = panel.getByRole("img", { name: "Residual of every touch" });
   await plot.focus();
   await page.keyboard.press("Home");
   assert.match(await plot.locator("xpath=following-sibling::output").textContent(), /touch: 1\.0000\s+left, positive outside the surface .* µm/);
@@ -90,7 +90,7 @@ test("a log has the terms of trueaxis calibrate solve, and the machine what it w
   await close();
 });
 
-test("what cannot be told is refused in the command line's words", async () => {
+test("terms that cannot be separated are refused in the command line's words", async () => {
   const { panel, page, close } = await opened();
   const lines = log.split("\n");
   const logs = {

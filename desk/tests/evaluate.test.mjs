@@ -1,4 +1,4 @@
-// Tests with instruments: every table against the command line, what the machine gets, bad records.
+// Tests with instruments: every table against the command line, changes to the machine, bad records.
 
 import assert from "node:assert/strict";
 import fs from "node:fs";
@@ -132,18 +132,18 @@ async function put(page, panel, written) {
   for (const name of fs.readdirSync(path.join(folder, written))) assert.equal(files[name], fs.readFileSync(path.join(folder, written, name), "utf8"), name);
 }
 
-test("before a record there is what a record has", async () => {
+test("before a record the page shows the columns of records", async () => {
   const { page, panel, close } = await opened();
-  const rows = await shownTable(panel, "What a record has");
+  const rows = await shownTable(panel, "Columns of a record");
   assert.equal(Object.keys(rows).length, 5);
   await pictured(page, "tests");
   // A test that is chosen shows its options and its command line before there is a record.
-  await panel.getByLabel("Which test it is").selectOption("r-test");
+  await panel.getByLabel("Kind of test").selectOption("r-test");
   assert.equal(await code(panel), "trueaxis evaluate r-test record.csv --machine mill-3axis -o mill-3axis");
   await close();
 });
 
-test("an R-test has the location errors of the command line, and writes none where it does not fit the machine", async () => {
+test("an R-test has the location errors of the command line, and writes none if it does not fit the machine", async () => {
   const { page, panel, close } = await opened("mill-5axis");
   await dropped(panel, "bk.csv", "R-test");
   const found = await evaluate(["r-test", "bk.csv", "--machine", sample("mill-5axis"), "-o", "five"]);
@@ -239,11 +239,11 @@ test("measured points have the 21 errors of the command line, and become a machi
   await close();
 });
 
-test("probing and thermal tests have the figures of the command line, and are no machine's", async () => {
+test("probing and thermal tests have the figures of the command line, and change no machine", async () => {
   const { page, panel, close } = await opened();
   await dropped(panel, "ring.csv", "Probing test");
-  await panel.getByLabel("Its calibrated diameter / mm").fill("50.0012");
-  await panel.getByLabel("Its calibrated diameter / mm").press("Tab");
+  await panel.getByLabel("Calibrated diameter / mm").fill("50.0012");
+  await panel.getByLabel("Calibrated diameter / mm").press("Tab");
   await panel.getByRole("rowheader", { name: "effective diameter of the tip" }).waitFor();
   const given = ["probing", "ring.csv", "--feature", "ring", "--diameter-mm", "50.0012"];
   assert.equal(await code(panel), `trueaxis evaluate ${given.join(" ")}`);
@@ -305,10 +305,10 @@ test("a record that cannot be used is refused in the command line's words, and n
   // No test's columns at all; a test that is chosen against the columns; an option out of its range.
   await drop(panel, { "other.csv": "angle_deg,deviation\n0,1\n" });
   await page.getByRole("alert").filter({ hasText: "other.csv:1: found columns angle_deg, deviation, needed those of one of step-diagonal (diagonal" }).waitFor();
-  await panel.getByLabel("Which test it is").selectOption("probing");
+  await panel.getByLabel("Kind of test").selectOption("probing");
   await drop(panel, { "warming.csv": records["warming.csv"] });
   await page.getByRole("alert").filter({ hasText: "warming.csv:1: column t_s: found t_s, needed one of x_mm, y_mm" }).waitFor();
-  await panel.getByLabel("Which test it is").selectOption("");
+  await panel.getByLabel("Kind of test").selectOption("");
   await panel.getByText("Thermal test, warming.csv").waitFor();
   await panel.getByLabel("Period / min").fill("0");
   await panel.getByLabel("Period / min").press("Tab");
@@ -318,7 +318,7 @@ test("a record that cannot be used is refused in the command line's words, and n
 
 test("a file opens test and options again", async () => {
   const { page, panel, close } = await opened();
-  await panel.getByLabel("Which test it is").selectOption("thermal");
+  await panel.getByLabel("Kind of test").selectOption("thermal");
   await panel.getByLabel("Period / min").fill("30");
   await panel.getByLabel("Period / min").press("Tab");
   await panel.getByText("--period-min 30").waitFor();

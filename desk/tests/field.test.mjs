@@ -1,4 +1,4 @@
-// The field of the volumetric error, against what the command line says of the same points.
+// The field of the volumetric error, against the command line at the same points.
 
 import assert from "node:assert/strict";
 import fs from "node:fs";

@@ -161,7 +161,7 @@ test("a record that cannot be used is refused in the command line's words", asyn
     await alert.waitFor({ timeout: 300_000 });
     assert.equal(await alert.locator("span").textContent(), refused.stderr.trim().replace(/^error: /, ""));
   }
-  // The record from before still stands.
+  // The earlier record is still shown.
   assert.ok(await panel.getByRole("button", { name: "Find friction" }).isEnabled());
   await panel.getByLabel("Radius / mm").fill("0");
   await panel.getByLabel("Radius / mm").press("Tab");

@@ -75,7 +75,7 @@ for (const { name, fields, line, at } of CASES)
     const given = ["helicoid", ...line.split(" ")];
     const document = await cli([...given, "--json"]);
 
-    // The number of points is what was typed last.
+    // The number of points is the last one typed.
     await settled(panel, "Flank and machine", "Points of the grid", document.points.length);
     const data = await settled(panel, "Flank and machine", "Lead parameter", document.surface.lead_parameter_mm_per_rad);
     assert.equal(data["Base radius / mm"].Value, document.surface.base_radius_mm);
@@ -95,7 +95,7 @@ for (const { name, fields, line, at } of CASES)
     for (const [point, there, [u, theta]] of [[first, opposite.points[0], at], [last, opposite.points.at(-1), [last.u_rad, last.theta_rad]]]) {
       await type(panel, { "Tool at u / rad": u, "Tool at θ / rad": theta });
       const branch = `Branch ${document.inputs.branch}`;
-      // C alone tells that both fields were taken: Y and A do not depend on θ.
+      // C alone shows that both fields were read: Y and A do not depend on θ.
       await table(panel, "Displacements of the five axes").locator(`[data-value="${point.c_deg}"]`).first().waitFor();
       const rows = await numbers(table(panel, "Displacements of the five axes"));
       for (const [axis, key] of [["X / mm", "x_mm"], ["Y / mm", "y_mm"], ["Z / mm", "z_mm"], ["A / degrees", "a_deg"], ["C / degrees", "c_deg"]]) {
@@ -135,7 +135,7 @@ for (const { name, fields, line, at } of CASES)
     await close();
   });
 
-test("what is refused is told in the command line's words, and what was shown is marked", async () => {
+test("a refusal is reported in the command line's words, and the earlier result is marked", async () => {
   const { panel, close } = await open();
   for (const [fields, line] of [
     [{ "Helix angle / degrees": 0 }, "--module-mm 3 --teeth 24 --pressure-angle-deg 20 --helix-angle-deg 0 --u-rad 0.1:0.6:6 --theta-rad 0:0.2:9 --pivot-mm 150"],
@@ -158,7 +158,7 @@ test("what is refused is told in the command line's words, and what was shown is
   await close();
 });
 
-test("a machine that does not fit is told, one that does is taken, and errors before and after are shown", async () => {
+test("a machine that does not fit is reported, one that fits is used, and errors before and after are shown", async () => {
   const { page, panel, close } = await open();
   const fits = panel.getByRole("status").filter({ hasText: "The machine of the desk" });
   assert.match(await fits.textContent(), /mill-3axis, does not fit: found the axes X, Y, Z, needed X, Y, Z, A and C/);
@@ -170,7 +170,7 @@ test("a machine that does not fit is told, one that does is taken, and errors be
   assert.ok(before["Tip / µm"].Before > 10 && before["Tip / µm"].After < 0.1, JSON.stringify(before));
   assert.ok(Math.abs(before["Along the normal / µm"].Before) <= before["Tip / µm"].Before);
 
-  // Shifted beyond the travel of X: told for the point, for the grid, and on the line.
+  // Shifted beyond the travel of X: reported for the point, for the grid, and on the line.
   await type(panel, { "Work offset X / mm": 500 });
   await panel.getByText("branch 1 and branch 2 beyond it").first().waitFor();
   const { points } = await cli(`${START} --work-offset-mm 500,0,0 --json`.split(" "));
@@ -185,7 +185,7 @@ test("a machine that does not fit is told, one that does is taken, and errors be
   // Another pivot length no longer fits; the same poses on the machine's own positions still have errors.
   await type(panel, { "Work offset X / mm": 0, "Pivot length / mm": 180 });
   await panel.getByText("pivot length: found 150 mm, needed 180 mm").first().waitFor();
-  await panel.getByText("at positions of its own for the same poses").waitFor();
+  await panel.getByText("at different positions for the same poses").waitFor();
   await panel.getByRole("button", { name: "Take a machine that fits" }).click();
   await panel.getByText("mill-turn, fits").waitFor();
 
@@ -205,7 +205,7 @@ test("typed limits, a grid of one value, and a tool near the singular pose", asy
   const warning = panel.getByRole("status").filter({ hasText: "Nearer than 5°" });
   await warning.waitFor();
   // γ = atan(1/36) = 1.5911°, 1/sin γ = √(1 + 36²).
-  assert.match(await warning.textContent(), /1\.5911° away; turning the tool by 1 µrad asks C for up to 36\.0 µrad/);
+  assert.match(await warning.textContent(), /1\.5911° away; turning the tool by 1 µrad turns C by up to 36\.0 µrad/);
   await close();
 });
 

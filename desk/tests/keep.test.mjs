@@ -1,4 +1,4 @@
-// A machine that keeps itself true: plan, looks and what they write against the command line, what needs a person.
+// A machine that keeps itself true: plan, re-probings and their files against the command line, terms that need a person.
 
 import assert from "node:assert/strict";
 import fs from "node:fs";
@@ -35,7 +35,7 @@ async function opened() {
 }
 
 async function planned(panel, found) {
-  const shown = await numbers(panel.getByRole("table", { name: "How well every term" }));
+  const shown = await numbers(panel.getByRole("table", { name: "Expected standard error" }));
   assert.deepEqual(Object.keys(shown), found.terms.map(({ name }) => name));
   for (const { name, standard_error, largest_update, largest_total, unit } of found.terms) {
     near(shown[name]["expected standard error"], standard_error, name);
@@ -55,7 +55,7 @@ async function looked(panel, found) {
     assert.equal(own.verdict, term.reason ? `refused: ${term.reason}` : term.verdict);
     assert.equal(own.unit, term.unit);
   }
-  const balls = await numbers(panel.getByRole("table", { name: "Where the balls stand" }));
+  const balls = await numbers(panel.getByRole("table", { name: "Positions of the balls" }));
   for (const { name, centre_mm, standard_error_um } of found.balls) {
     for (const [k, letter] of ["X", "Y", "Z"].entries()) near(balls[name][`${letter} / mm`], centre_mm[k], letter);
     near(balls[name]["± µm"], Math.max(...standard_error_um), name);
@@ -83,7 +83,7 @@ test("a round is that of trueaxis keep, and leaves its files", async () => {
   const program = await saved(page, panel.getByRole("button", { name: "Save the program" }));
   assert.equal(program.bytes.toString(), fs.readFileSync(at("look.ngc"), "utf8"));
 
-  // The first look.
+  // The first re-probing.
   await panel.getByRole("textbox", { name: "probed at" }).fill("2026-05-04T06:00:00Z");
   await panel.getByRole("spinbutton", { name: "parts made" }).fill("0");
   await drop(panel, { "begin.log": begin });
@@ -92,7 +92,7 @@ test("a round is that of trueaxis keep, and leaves its files", async () => {
   assert.equal(line, "trueaxis keep begin keep.toml begin.log --time 2026-05-04T06:00:00Z --parts 0");
   await looked(panel, await cli([...line.split(" ").slice(1), "--json"], { cwd: folder }));
   await panel.getByRole("button", { name: "Enter it in the history" }).click();
-  await panel.getByText("Entry 1 stands in the history").waitFor();
+  await panel.getByText("Entry 1 is in the history").waitFor();
 
   // What is typed for the second look leaves the files of the first one to be saved.
   await panel.getByRole("textbox", { name: "probed at" }).fill("2026-05-04T07:00:00Z");
@@ -102,7 +102,7 @@ test("a round is that of trueaxis keep, and leaves its files", async () => {
   assert.equal(kept.name, "keep-history.jsonl");
   sameHistory(kept.bytes.toString(), history());
 
-  // The second, against it: what the command says, and what it writes.
+  // The second, compared with it: the command's output and its files.
   await drop(panel, { "look.log": look, "history.jsonl": history() });
   await panel.getByText("look.log: 46 touches on mill.").waitFor();
   assert.equal(await command(panel), "trueaxis keep check keep.toml look.log --time 2026-05-04T07:00:00Z --parts 12");

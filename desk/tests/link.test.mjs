@@ -1,4 +1,4 @@
-// Links by themselves, without the page around them.
+// Links alone, without the page.
 
 import assert from "node:assert/strict";
 import path from "node:path";
@@ -14,7 +14,7 @@ const { fromLink, link, parse } = await import(`data:text/javascript;base64,${Bu
 const kept = { version: 1, view: "scope", machine: { name: "m", files: { "machine.toml": "µ" } }, views: { scope: { a: [1, null] } } };
 const fragment = (bytes) => `#open=${deflateRawSync(bytes).toString("base64url")}`;
 
-test("a link keeps what it was made of", async () => {
+test("a link keeps its content", async () => {
   const address = await link(kept);
   assert.deepEqual(await fromLink(new URL(address).hash), kept);
   assert.equal(await fromLink("#scope"), undefined);
@@ -33,7 +33,7 @@ test("a link is unpacked up to 16 MB and no further", async () => {
   await assert.rejects(link({ ...kept, view: "x".repeat(17 << 20) }), /found 18 MB, needed at most 16 in a link/);
 });
 
-test("a state of a view says what was found and needed", () => {
+test("a refused state of a view names the value found and the value needed", () => {
   const of = (state) => () => parse(JSON.stringify({ ...kept, views: { x: state } }));
   assert.throws(of(null), /views\.x: found null, needed what this page saved of a view/);
   assert.throws(of(3), /views\.x: found a number, needed/);

@@ -1,4 +1,4 @@
-// The Machine view: its figures are the command line's, its errors too, and what it saves is what the library compiles.
+// The Machine view: its figures and errors are the command line's, and its saved file is the one that the library compiles.
 
 import assert from "node:assert/strict";
 import fs from "node:fs";
@@ -55,7 +55,7 @@ test("figures are those of tables check and accuracy", async () => {
       assert.equal(row["Magnitude limit"], axis.magnitude_micro, name);
       assert.equal(row["Slope limit"], axis.slope_per_s);
       const lost = lost_motion.find((one) => one.axis === axis.axis);
-      assert.equal(row["Led in within / ms"], lost ? lost.lead_in_ms : "–");
+      assert.equal(row["Applied within / ms"], lost ? lost.lead_in_ms : "–");
       const most = axis.table?.errors.filter(({ unit }) => (unit === "um") === (axis.unit === "mm")).map((one) => one.max_abs);
       assert.equal(row["Largest table error"], most ? Math.max(...most) : "no table");
     }
@@ -147,7 +147,7 @@ test("a folder is opened with what belongs to it", async () => {
   await close();
 });
 
-test("separators of a dropped table are told", async () => {
+test("separators of a dropped table are reported", async () => {
   const { page, close } = await openDesk();
   const panel = await panelOf(page);
   await drop(panel, { "y.csv": "Y_mm;EYY_um\n-200;-1,5\n0;0,0\n200;2,5\n" });
@@ -160,7 +160,7 @@ test("separators of a dropped table are told", async () => {
   await close();
 });
 
-test("a point is dragged and typed, undone, and what is saved compiles to the same bytes", async () => {
+test("a point is dragged and typed, undone, and the saved files compile to the same bytes", async () => {
   const { page, close } = await openDesk();
   const panel = await panelOf(page);
   const before = await files(page);
@@ -196,7 +196,7 @@ test("a point is dragged and typed, undone, and what is saved compiles to the sa
   await page.keyboard.press("Control+Z");
   await until(page, (files) => files["x.csv"] === before["x.csv"], "the whole drag is one step");
   await page.keyboard.press("Control+Shift+Z");
-  await until(page, (files) => files["x.csv"] === dragged, "done again");
+  await until(page, (files) => files["x.csv"] === dragged, "redone");
   await panel.getByRole("button", { name: "Redo" }).click();
   await until(page, (files) => files["x.csv"].includes("17.25"), "and again");
 
@@ -210,7 +210,7 @@ test("a point is dragged and typed, undone, and what is saved compiles to the sa
   assert.equal(code, 0, stderr);
   assert.ok(tcomp.bytes.equals(fs.readFileSync(path.join(place, "m.tcomp"))));
 
-  // The compiled file opens again, with what was edited.
+  // The compiled file opens again, with the edits.
   await drop(panel, { "again.tcomp": tcomp.bytes });
   await until(page, (files) => files["machine.toml"].startsWith("# From a compiled file"), "the .tcomp opens");
   assert.match((await files(page))["x.csv"], new RegExp(`\n-100,${value},`));
@@ -252,7 +252,7 @@ test("all of it by the keyboard", async () => {
   await close();
 });
 
-test("a refused edit is told and changes nothing", async () => {
+test("a refused edit is reported and changes nothing", async () => {
   const { page, close } = await openDesk();
   const panel = await panelOf(page);
   const position = panel.getByLabel("X_mm, row 2", { exact: true });

@@ -145,7 +145,7 @@ test("readings at equidistant angles: figures, warnings, suppressed harmonics", 
   await close();
 });
 
-test("readings with angles of their own, a trace, and files that are wrong", async () => {
+test("readings with their own angles, a trace, and wrong files", async () => {
   const thetas = Array.from({ length: 1100 }, (_, row) => 20 + row + 0.3 * Math.sin(row));
   const text = probes("uneven.csv", [60.47, 234.14], thetas, "theta_deg,h1_um,h2_um,h3_um");
   const { page, close } = await openDesk();
@@ -261,7 +261,7 @@ test("probe angles by keyboard, blind ones named, best pairs", async () => {
   const [list] = stderr.match(/cannot see harmonics [\d, and]+\d/);
   const harmonics = list.match(/\d+/g);
   assert.ok(harmonics.length > 30, list);
-  // The first of the two angles alone has a list of its own.
+  // The first of the two angles alone has a separate list.
   const same = new RegExp(`cannot see harmonics ${harmonics.join("[, and]+")}(?!\\d)`);
   await panel.getByRole("status").filter({ hasText: same }).waitFor();
   await close();

@@ -12,7 +12,7 @@ after(closeBrowser);
 
 /** Test machines are shared. */
 const LONG = 240_000;
-const KINDS = { "without correction": "uncompensated", "with correction": "compensated", "servo alone": "servo_only", "everything on": "full" };
+const KINDS = { "without compensation": "uncompensated", "with compensation": "compensated", "perfect geometry": "servo_only", full: "full" };
 const SIZES = /^Contour error of the true tip/;
 /** A few seconds of everything that an act may meet. */
 const TINY = "G21 G90 G94 G17\nF2400\nG0 Z5\nG1 Z0\nX20 Y10\nG2 X20 Y-10 I0 J-10\nG1 X-10\nY0\nX0\nM2\n";
@@ -82,7 +82,7 @@ test("a built-in program gives the command line's figures and digests", async ()
   const document = await sim(["run", "--program", "short-tour", "--json"]);
   same(await figures(panel), document);
   assert.equal(await panel.locator(".bar progress").evaluate((meter) => meter.value), 1);
-  const counts = await numbers(panel.getByRole("table", { name: "The machine with correction" }));
+  const counts = await numbers(panel.getByRole("table", { name: "The machine with compensation" }));
   assert.equal(counts.cycles.run, document.cycles);
   assert.equal(counts["correction limited / cycles"].run, document.limited_cycles);
   await close();
@@ -221,7 +221,7 @@ test("settings act, and a link opens the same run in another page", async () => 
   await third.close();
 });
 
-test("the page answers and draws while a run goes on", async () => {
+test("the page responds and draws during a run", async () => {
   const { page, panel, close } = await open();
   const frames = () =>
     page.evaluate(
@@ -242,7 +242,7 @@ test("the page answers and draws while a run goes on", async () => {
   await panel.getByRole("button", { name: "Run", exact: true }).click();
   await state(panel, "running");
   const going = await frames();
-  console.log(`frames a second: ${idle.toFixed(1)} idle, ${going.toFixed(1)} while a run goes on`);
+  console.log(`frames a second: ${idle.toFixed(1)} idle, ${going.toFixed(1)} during a run`);
   assert.match(await panel.locator(".bar output").textContent(), /million cycles a second/);
   // A picture that a busy machine hardly draws when nothing runs says nothing about the run.
   assert.ok(going > Math.min(30, 0.5 * idle), `${going} frames a second, ${idle} idle`);
@@ -251,14 +251,14 @@ test("the page answers and draws while a run goes on", async () => {
   await close();
 });
 
-test("after a panic the run begins anew", async () => {
+test("after a panic the run starts again", async () => {
   const { page, panel, close } = await open();
   await program(panel, "tiny.ngc", TINY);
   await panel.getByRole("button", { name: "Step on" }).click();
   await state(panel, "paused");
   await page.evaluate(() => globalThis.trueaxisDesk.runs.call("panic_on_purpose").catch(() => {}));
-  await page.getByRole("alert").getByText(/stopped and was started anew/).waitFor();
-  await panel.getByText("The run is lost: Run begins anew.").waitFor();
+  await page.getByRole("alert").getByText(/stopped and was restarted/).waitFor();
+  await panel.getByText("The run is lost: Run starts it again.").waitFor();
   await toTheEnd(panel);
   const after = await figures(panel);
   await panel.getByRole("button", { name: "Restart" }).click();
@@ -268,7 +268,7 @@ test("after a panic the run begins anew", async () => {
   await close();
 });
 
-test("a run kept as A stands beside B", async () => {
+test("a run kept as A is shown beside B", async () => {
   const { panel, close } = await open();
   await program(panel, "tiny.ngc", TINY);
   await toTheEnd(panel);
@@ -289,7 +289,7 @@ test("a run kept as A stands beside B", async () => {
     assert.notEqual(row["B RMS"], row["A RMS"]);
     assert.ok(Math.abs(row["B − A RMS"] - (row["B RMS"] - row["A RMS"])) < 1e-12);
   }
-  const differs = panel.getByRole("table", { name: "What differs" });
+  const differs = panel.getByRole("table", { name: "Differences" });
   assert.match(await differs.textContent(), /motion\.feed_percent\s*default\s*50/);
   const plot = panel.getByRole("img", { name: "Contour error, A beside B" });
   assert.match(await plot.getAttribute("aria-description"), /length along the path \/ mm\. A: .* to .*; B: .* to /);

@@ -35,7 +35,7 @@ test("tabs go by the keyboard and show one view each", async () => {
   await close();
 });
 
-test("the page carries the licences of what is inside it", async () => {
+test("the page contains the licences of everything built into it", async () => {
   const { page, close } = await openDesk();
   const panel = await view(page, "About");
   const text = await panel.getByLabel("Licences").textContent();
@@ -76,11 +76,11 @@ test("a link and a file open the same view and machine", async () => {
   await cut.close();
 });
 
-test("a panic of the module is told, and the page works on", async () => {
+test("a panic of the module is reported, and the page works on", async () => {
   const { page, close } = await openDesk();
   const message = await page.evaluate(() => globalThis.trueaxisDesk.bench.call("panic_on_purpose").then(() => "none", (error) => error.message));
   assert.match(message, /asked for by the page's check of itself/);
-  assert.match(await page.getByRole("alert").first().textContent(), /stopped and was started anew/);
+  assert.match(await page.getByRole("alert").first().textContent(), /stopped and was restarted/);
   assert.match(await page.evaluate(() => globalThis.trueaxisDesk.bench.call("version")), /^\d+\.\d+\.\d+$/);
   await close();
 });

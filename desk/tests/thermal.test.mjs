@@ -1,4 +1,4 @@
-// Thermal growth: a recorded warm-up against the command line, its texts, what is refused.
+// Thermal growth: a recorded warm-up against the command line, its texts, refusals.
 
 import assert from "node:assert/strict";
 import fs from "node:fs";
@@ -41,13 +41,13 @@ function near(found, needed, what) {
 
 test("a record has the figures and texts of trueaxis thermal fit", async () => {
   const { page, panel, close } = await opened();
-  await panel.getByLabel("Cycles that take no part").fill("2");
+  await panel.getByLabel("Cycles held out of the fit").fill("2");
   await panel.getByLabel("Sensors to leave out").fill("T2");
   await drop(panel, { "record.csv": record });
   await panel.getByText("record.csv: 384 readings, on mill-3axis.").waitFor();
   file("record.csv", record);
   const found = await cli(["thermal", "fit", "record.csv", "--machine", mill, "--hold-out", "2", "--without", "T2", "--json", "-o", "thermal.toml"], { cwd: folder });
-  const cycles = await numbers(panel.getByRole("table", { name: "Drift, and what is left" }));
+  const cycles = await numbers(panel.getByRole("table", { name: "Drift and remainder" }));
   for (const { axis, cycle, held_out, drift_um, left_um } of found.cycles) {
     const shown = cycles[`E${axis}${axis}, cycle ${cycle}`];
     near(shown["largest drift / µm"], drift_um, "drift");
@@ -71,7 +71,7 @@ test("a record has the figures and texts of trueaxis thermal fit", async () => {
   await close();
 });
 
-test("what tells nothing is refused in the command line's words, and nothing of before stays", async () => {
+test("a useless record is refused in the command line's words, and no earlier result stays", async () => {
   const { page, panel, close } = await opened();
   await drop(panel, { "record.csv": record });
   await panel.getByText("384 readings").waitFor();

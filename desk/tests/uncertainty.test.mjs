@@ -26,7 +26,7 @@ test("worst point, a position and contributions are those of trueaxis uncertaint
   await panel.getByText("mill-3axis: standard uncertainty").waitFor();
   const found = await cli(["uncertainty", mill, "--trials", "2000", "--json"]);
   await spread(panel, "Worst point", found.worst);
-  const shares = await numbers(panel.getByRole("table", { name: "What contributes" }));
+  const shares = await numbers(panel.getByRole("table", { name: "Contributions" }));
   for (const { term, share, rms_um, worst_um } of found.contributions) {
     near(shares[term]["share / %"], 100 * share, term);
     near(shares[term]["RMS over the volume / µm"], rms_um, term);
@@ -35,10 +35,10 @@ test("worst point, a position and contributions are those of trueaxis uncertaint
   await panel.getByLabel("Seed").fill("7");
   await panel.getByLabel("Coverage").fill("99");
   await panel.getByLabel("Also at").fill("120, -40, -200");
-  await panel.getByRole("table", { name: "Position asked for" }).waitFor();
+  await panel.getByRole("table", { name: "Requested position" }).waitFor();
   const asked = await cli(["uncertainty", mill, "--at=120,-40,-200", "--confidence", "99", "--trials", "2000", "--seed", "7", "--json"]);
   await panel.getByText("expanded, 99 %").first().waitFor();
-  await spread(panel, "Position asked for", asked.at);
+  await spread(panel, "Requested position", asked.at);
   await spread(panel, "Worst point", asked.worst);
   assert.equal(await panel.locator("code").first().textContent(), "trueaxis uncertainty mill-3axis --at=120,-40,-200 --confidence 99 --points 9 --trials 2000 --seed 7");
   await page.evaluate(() => scrollTo(0, 0));

@@ -10,6 +10,7 @@ use std::path::PathBuf;
 use trueaxis_report::number::significant;
 use trueaxis_sim::calibration::Class;
 use trueaxis_tables::output::Outputs;
+use trueaxis_tables::text::counted;
 
 /// Maximum number of machines in a run.
 const MOST: u64 = 100_000;
@@ -19,7 +20,7 @@ const MOST: u64 = 100_000;
 #[command(after_help = "Examples:
   firmware-sim calibrate --machines 200              200 mills and a tenth as many five-axis machines
   firmware-sim calibrate --machines 5 --report out   out/calibration.html
-  firmware-sim calibrate --machines 50 --angle-urad 10   with angular errors, which the terms do not hold
+  firmware-sim calibrate --machines 50 --angle-urad 10   with angular errors, which the terms do not contain
   firmware-sim calibrate --machines 40 --task firmware-sim/src/calibration/gauge-and-square.toml
                                                      step gauges and a square that is turned over")]
 pub(crate) struct CalibrateArgs {
@@ -102,23 +103,23 @@ fn text(machines: &Machines, found: &Summary) -> Result<String> {
     }
     writeln!(
         text,
-        "\n{} three-axis machines: {:.1} % of the volumetric error removed at the median, {:.1} % at the least, {} made worse",
-        found.machines,
+        "\n{}: {:.1} % of the volumetric error removed at the median, {:.1} % at the least, {} made worse",
+        counted(found.machines, "three-axis machine"),
         100.0 * found.median_removed,
         100.0 * found.least_removed,
         found.made_worse
     )?;
     writeln!(
         text,
-        "{} five-axis machines: centre lines within {} µm and {} µrad, at the median {} µm and {} µrad",
-        five.len(),
+        "{}: centre lines within {} µm and {} µrad, at the median {} µm and {} µrad",
+        counted(five.len(), "five-axis machine"),
         um(found.worst_place_um),
         um(found.worst_tilt_urad),
         um(found.median_place_um),
         um(found.median_tilt_urad)
     )?;
     if found.refused > 0 {
-        writeln!(text, "{} machines refused, in none of these figures:", found.refused)?;
+        writeln!(text, "{} refused, which the figures do not include:", counted(found.refused, "machine"))?;
     }
     for one in &machines.refused {
         writeln!(text, "  {one}")?;

@@ -25,23 +25,23 @@ use trueaxis::tcomp::machine_id;
   trueaxis thermal compile thermal.toml --machine mymill -o mymill.ttherm
   firmware-sim compare --machine mymill --rate-hz 1000 --cycles 20000 --growth mymill.ttherm --temperatures readings.csv
                                     with the thermal task; readings.csv: t_s,spindle_rpm,T1_c,T2_c
-Exit code 1: host and image do not agree as they must.")]
+Exit code 1: host and image do not agree.")]
 pub(crate) struct CompareArgs {
     #[command(flatten)]
     scenario: ScenarioArgs,
     #[command(flatten)]
     how: How,
-    /// Tables that are asked for in motion, with --exchange-at: another machine.toml of the same machine.
+    /// Tables that are requested in motion, with --exchange-at: another machine.toml of the same machine.
     #[arg(long, value_name = "M", requires = "exchange_at")]
     second: Option<PathBuf>,
     /// Thermal growth of the machine, compiled (`trueaxis thermal compile`), with --temperatures.
     #[arg(long, value_name = "TTHERM", requires = "temperatures")]
     growth: Option<PathBuf>,
-    /// What its sensors read over the run: CSV t_s, T1_c … in the order of the growth's sensors, and spindle_rpm; even times,
-    /// the first row in the first cycle; an empty cell is no reading. The growth of a row is in force half an interval later.
+    /// Readings of its sensors over the run: CSV t_s, T1_c … in the order of the growth's sensors, and spindle_rpm; even times,
+    /// the first row in the first cycle; an empty cell is a missing reading. The growth of a row is in force half an interval later.
     #[arg(long, value_name = "CSV", requires = "growth")]
     temperatures: Option<PathBuf>,
-    /// Which core.
+    /// Core of the image.
     #[arg(long, value_enum, default_value_t = Cores::Both)]
     core: Cores,
     /// A built image for the Cortex-M4F [default: built with cargo].
@@ -50,7 +50,7 @@ pub(crate) struct CompareArgs {
     /// A built image for the Cortex-M7 [default: built with cargo].
     #[arg(long, value_name = "ELF")]
     image_m7: Option<PathBuf>,
-    /// Where tables, recording and what the images sent are put.
+    /// Folder for tables, recording and the data that the images send.
     #[arg(long, value_name = "DIR", default_value = "target/compare")]
     folder: PathBuf,
     /// Print one JSON document and nothing else.
@@ -74,7 +74,7 @@ enum Cores {
 /// Runs the comparison; returns whether host and image agree.
 pub(crate) fn compare(args: &CompareArgs) -> Result<bool> {
     if args.how.exchange_at.is_some() && args.second.is_none() {
-        bail!("--exchange-at: found no tables to ask for, needed --second");
+        bail!("--exchange-at: found no tables to request, needed --second");
     }
     let machines = [Some(args.scenario.machine.as_path()), args.second.as_deref()].into_iter().flatten();
     let images = [&args.image_m4f, &args.image_m7].into_iter().flatten().map(PathBuf::as_path);

@@ -15,7 +15,7 @@ use trueaxis_sim::grinding::{self, Grinding, Process, Request};
 #[command(after_help = "Examples:
   firmware-sim grind                            40 revolutions at 30 rpm
   firmware-sim grind --skip 3 --json            at a speed at which three of four revolutions are skipped
-  firmware-sim grind --gain 0.3 --report out    another gain of the correction; out/grinding.html shows what happened")]
+  firmware-sim grind --gain 0.3 --report out    another gain of the correction; out/grinding.html shows the result")]
 pub(crate) struct GrindArgs {
     /// Machine with a gauge: a machine.toml, its folder, or the name of a sample.
     #[arg(long, value_name = "M", default_value = "grinder")]

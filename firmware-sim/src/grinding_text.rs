@@ -61,7 +61,7 @@ impl fmt::Display for Summary<'_> {
         for (name, run) in [("without correction", before), ("with correction", after)] {
             writeln!(f, "  {name:<36} {:>9.4} µm rms {:>13.3} µm", run.imprint_um, run.roundness_um)?;
         }
-        writeln!(f, "  {:<36} {:>9.1} %", "what is left", 100.0 * o.imprint_ratio())?;
+        writeln!(f, "  {:<36} {:>9.1} %", "remaining", 100.0 * o.imprint_ratio())?;
         writeln!(f)?;
         writeln!(f, "error motion of the pin's centre        synchronous  asynchronous  once per revolution")?;
         let mut row = |name: &str, motion: &ErrorMotion<f64>| {

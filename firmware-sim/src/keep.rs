@@ -9,12 +9,13 @@ use std::fmt::Write;
 use std::path::PathBuf;
 use trueaxis_report::number::significant;
 use trueaxis_tables::output::Outputs;
+use trueaxis_tables::text::counted;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Kind {
     /// Three axes, three balls.
     Mill,
-    /// A trunnion with A and C, one ball that is turned.
+    /// A trunnion with A and C, one ball at several angles.
     FiveAxes,
 }
 
@@ -22,10 +23,10 @@ pub(crate) enum Kind {
 #[derive(Args)]
 #[command(after_help = "Examples:
   firmware-sim keep --report out                 a mill with three balls over a shift of 60 parts, out/keeping.html
-  firmware-sim keep --machine five-axes          centre lines by one ball that is turned
-  firmware-sim keep --hit 30                     from part 30 on a ball stands elsewhere: the loop refuses, and changes nothing")]
+  firmware-sim keep --machine five-axes          centre lines by one ball at several angles
+  firmware-sim keep --hit 30                     from part 30 on a ball is displaced: the loop refuses, and changes nothing")]
 pub(crate) struct KeepArgs {
-    /// The machine; its tables are true when the shift begins.
+    /// The machine; its tables are exact at the start of the shift.
     #[arg(long, value_enum, default_value_t = Kind::Mill)]
     machine: Kind,
     /// Parts of the shift.
@@ -40,7 +41,7 @@ pub(crate) struct KeepArgs {
     /// Part at which the first ball is hit and moved by 80 µm.
     #[arg(long, value_name = "PART")]
     hit: Option<u32>,
-    /// Another task of the same machine: balls, probe, bounds, parts between two looks.
+    /// Another task of the same machine: balls, probe, bounds, parts between two re-probings.
     #[arg(long, value_name = "KEEP.toml")]
     task: Option<PathBuf>,
     /// Seed of machine, drift and noise.
@@ -87,7 +88,7 @@ pub(crate) fn keep(args: &KeepArgs) -> Result<()> {
 
 fn text(outcome: &Outcome) -> Result<String> {
     let um = |value: f64| significant(value, 3);
-    let mut text = format!("{}, {} parts\n\n", outcome.machine, outcome.parts.len());
+    let mut text = format!("{}, {}\n\n", outcome.machine, counted(outcome.parts.len(), "part"));
     writeln!(text, "error of the tip over volume and shift, µm    without       with")?;
     writeln!(
         text,
@@ -102,7 +103,7 @@ fn text(outcome: &Outcome) -> Result<String> {
         um(outcome.largest_um[1])
     )?;
     let (looks, updates, refusals) = (outcome.looks.len(), outcome.updates, outcome.refusals);
-    writeln!(text, "\n{looks} looks: {updates} with updates, {refusals} for a person")?;
+    writeln!(text, "\n{}: {updates} with updates, {refusals} for a person", counted(looks, "re-probing"))?;
     for look in &outcome.looks {
         for reason in look.refused.iter().chain(&look.log_refused) {
             writeln!(text, "  after part {}: {reason}", look.parts)?;
@@ -111,7 +112,7 @@ fn text(outcome: &Outcome) -> Result<String> {
     let led_in = outcome.longest_led_in_s.map_or("never".into(), |time| format!("within {} s", um(time)));
     writeln!(
         text,
-        "exchanges in motion: tables up to {} µm apart, largest step in a cycle {} µm, {:.0} % of the limits, led in {led_in}",
+        "exchanges in motion: tables up to {} µm apart, largest step in a cycle {} µm, {:.0} % of the limits, fully applied {led_in}",
         um(outcome.largest_difference_um),
         um(outcome.largest_step_um),
         1e2 * outcome.of_limits

@@ -28,10 +28,10 @@ pub(crate) struct LearnArgs {
     /// Number of parts, 1 to 100.
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=100))]
     parts: u32,
-    /// Correction that the first part is made with [default: none].
+    /// Correction with which the first part is made [default: none].
     #[arg(long, value_name = "FILE.tlearn")]
     learned: Option<PathBuf>,
-    /// What measures the contour error that is learned from.
+    /// Source of the contour error to learn from.
     #[arg(long, value_name = "WHAT", value_enum, default_value_t = MeasuredBy::Estimate)]
     measured_by: MeasuredBy,
     /// Gain of the law, above 0 and below 2.
@@ -40,7 +40,7 @@ pub(crate) struct LearnArgs {
     /// Forgetting of the law, above 0 to 1.
     #[arg(long, value_name = "F", default_value_t = DEFAULT_FORGET, allow_negative_numbers = true)]
     forget: f64,
-    /// Wavelength along the path from which on errors are learned.
+    /// Cut-off along the path: errors of longer wavelength are learned.
     #[arg(long, value_name = "MM", default_value_t = DEFAULT_CUTOFF_MM, allow_negative_numbers = true)]
     cutoff_mm: f64,
     /// Print one JSON document and nothing else.

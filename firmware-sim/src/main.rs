@@ -32,13 +32,13 @@ use console::{Closed, tell};
 use std::process::ExitCode;
 use trueaxis_tables::text::printable;
 
-/// Runs a part program through the compensated servo step against a simulated machine, and shows what was gained on
-/// the part and what each cycle cost.
+/// Runs a part program through the compensated servo step against a simulated machine, and shows the gain on the
+/// part and the cost of each cycle.
 ///
 /// Without a command: `run` with the default scenario, and the report in ./report.
 ///
 /// Exit code 0: done; 2: bad input. A reader that closes the standard output or error early (`| head`) ends the program
-/// without a word: exit code 0.
+/// silently with exit code 0.
 #[derive(Parser)]
 #[command(version, args_conflicts_with_subcommands = true)]
 struct Cli {
@@ -48,21 +48,21 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Simulate a program three or four times: without and with compensation, with perfect geometry, and in full.
+    /// Simulate a program three or four times: without compensation, with compensation, with perfect geometry, and full.
     ///
-    /// A machine with friction, a dynamic correction, contour feedback or cross-talk gets a fourth run, full: everything
-    /// that the plugin has. The compensated run leaves the servo alone.
+    /// A machine with friction, a dynamic correction, contour feedback or cross-talk gets the fourth run, full, with every
+    /// correction of the plugin. The run with compensation corrects only the geometry.
     ///
     /// The drives of the simulated machine are settings of the scenario, [drive] and [axis.X] in `firmware-sim scenario`;
-    /// what the plugin knows of them is in machine.toml. They need not agree: --set drive.coulomb_mm_per_s2=500 or
-    /// --set axis.Y.friction_factor=1.3 is a machine that differs from what its plugin was told.
+    /// those that the plugin uses are in machine.toml. They need not agree: --set drive.coulomb_mm_per_s2=500 or
+    /// --set axis.Y.friction_factor=1.3 simulates a machine that differs from its machine.toml.
     Run(run::RunArgs),
     /// Print the settings of a simulation as a scenario file, which --scenario reads back.
     Scenario(scenario_command::PrintArgs),
     /// Time the step alone, without the simulated machine.
     Bench(bench_command::BenchArgs),
-    /// Run a program over and over for a simulated day, several times side by side, and hold the runs against one another:
-    /// however busy the host is, all have the same bits.
+    /// Repeat a program for a simulated day in several runs side by side, and compare the runs: however busy the host is, all
+    /// have the same bits.
     Soak(soak_command::SoakArgs),
     /// Grind a crankpin twice: without and with the infeed correction of the three-probe gauge.
     ///
@@ -71,19 +71,19 @@ enum Command {
     /// The pin circles with the crankshaft; three probes on an arm that follows it see the surface and the motion of the
     /// pin's centre. That motion is imprinted on the pin: where the centre comes toward the wheel, too much is ground off.
     /// The gauge separates surface and motion while the servo loop runs, and corrects the infeed of the next revolutions.
-    /// Only what repeats with every turn (the synchronous imprint) can be corrected; it should fall below a tenth.
+    /// Only the part that repeats with every turn (the synchronous imprint) can be corrected; it should fall below a tenth.
     ///
     /// The gauge works on one revolution while the next is sampled. When a revolution is shorter than the work, it skips
     /// whole revolutions: --skip chooses a speed at which that happens.
     Grind(grind::GrindArgs),
     /// Make a program several times, each part with the correction learned from those before.
     ///
-    /// Learned is from the contour error that the step itself estimates, or that a grid encoder measures, between two parts
-    /// and over path length, as `trueaxis learn` does from a record; every part has encoder noise of its own.
+    /// Between two parts, the correction over path length is learned from the contour error that the step itself estimates,
+    /// or that a grid encoder measures, as `trueaxis learn` does from a record; every part has different encoder noise.
     Learn(learn::LearnArgs),
-    /// Measure a head's rotary axes with a ball under RTCP, identify their errors, correct them, and show what is left.
+    /// Measure a head's rotary axes with a ball under RTCP, identify their errors, correct them, and show the residual.
     ///
-    /// C turns a full circle, A a quarter, with three set-ups of the ball each. Linear axes are taken for perfect.
+    /// C turns a full circle, A a quarter, with three set-ups of the ball each. Linear axes are perfect.
     Rtcp(rtcp::RtcpArgs),
     /// Record circles, find the friction of X and Y in them, configure its feed-forward, record again, and show the spikes
     /// at reversals before and after.
@@ -95,29 +95,29 @@ enum Command {
     /// the step in the loop.
     ///
     /// Spindle, feed, coolant and the air of the hall warm bodies of two nodes each. Drift is probed at four points every five
-    /// minutes. The judged shift has other speeds, longer spells and other places.
+    /// minutes. The judged shift has other speeds, longer periods and other positions.
     Thermal(thermal::ThermalArgs),
-    /// Calibrate random machines with a touch probe, a ring and a ball, and show what is left of their errors.
+    /// Calibrate random machines with a touch probe, a ring and a ball, and show their remaining errors.
     ///
     /// Every machine gets the probing program of `trueaxis calibrate plan`; the probe with its scatter and pre-travel touches
-    /// artefacts that stand a little off, the machine drifts, and what the log tells becomes a table. What is left is judged
-    /// over the volume by exact transforms, in both directions of travel.
+    /// slightly misplaced artefacts, the machine drifts, and the log becomes tables. The remaining error is evaluated over
+    /// the volume by exact transforms, in both directions of travel.
     Calibrate(calibrate::CalibrateArgs),
     /// Let a machine drift over a shift, re-probe balls every so many parts as `trueaxis keep` does, update its tables and
-    /// exchange them in motion, and show the tip's error with and without.
+    /// exchange them in motion, and show the tip's error with and without the updates.
     ///
-    /// Bodies warm as in `thermal`, location errors wander; no thermal model takes anything away. The probing program runs on
-    /// the corrected machine with scatter; errors are judged over the volume by exact transforms.
+    /// Bodies warm as in `thermal`, location errors wander; no thermal model compensates the growth. The probing program runs
+    /// on the corrected machine with scatter; errors are evaluated over the volume by exact transforms.
     Keep(keep::KeepArgs),
-    /// Record what the step is given in every cycle of a run, for the bare-metal image.
+    /// Record the step's inputs in every cycle of a run, for the bare-metal image.
     ///
     /// Positions are rounded to 1e-6 mm. A machine file with [roundness] adds a workpiece that turns at three probes.
     Record(record::RecordArgs),
-    /// Run a recording through the step on this host, and write what was given and what was sent, cycle by cycle.
+    /// Run a recording through the step on this host, and write its inputs and outputs, cycle by cycle.
     ///
-    /// What a controller of your own is held against: other hosts of trueaxis are, by docs/hosts.md.
+    /// Compare your own controller with this file; every other host of trueaxis is compared with it (docs/hosts.md).
     Replay(replay::ReplayArgs),
-    /// Run the same recording on this host and in the bare-metal image under QEMU, and hold one against the other.
+    /// Run the same recording on this host and in the bare-metal image under QEMU, and compare the two.
     ///
     /// Needs qemu-system-arm and, unless built images are given, the Rust target thumbv7em-none-eabihf. In the same scalar
     /// both must agree in every bit; single and double precision within 2 nm.

@@ -14,13 +14,13 @@ pub(crate) struct ProgramArgs {
     /// Tool table in LinuxCNC's form, for G43 [default: tools without length].
     #[arg(long, value_name = "FILE")]
     tool_table: Option<PathBuf>,
-    /// Work offsets G54 to G59.3 and G92, places of G28 and G30: LinuxCNC's parameter file, or a .toml [default: all zero].
+    /// Work offsets G54 to G59.3 and G92, positions of G28 and G30: LinuxCNC's parameter file, or a .toml [default: all zero].
     #[arg(long, value_name = "FILE")]
     pub(crate) offsets: Option<PathBuf>,
-    /// Leave out the lines that begin with `/`.
+    /// Skip the lines that begin with `/`.
     #[arg(long)]
     block_delete: bool,
-    /// Who interprets the program.
+    /// Interpreter of the program.
     #[arg(long, value_name = "WHO", value_enum, default_value_t = Interpreter::Own)]
     interpreter: Interpreter,
 }
@@ -29,7 +29,7 @@ pub(crate) struct ProgramArgs {
 enum Interpreter {
     /// This program.
     Own,
-    /// LinuxCNC's own, where it is installed: parameters, subprograms, cutter compensation.
+    /// LinuxCNC's own, if it is installed: parameters, subprograms, cutter compensation.
     Rs274,
 }
 

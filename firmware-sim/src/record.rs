@@ -33,14 +33,14 @@ pub(crate) struct RecordArgs {
 /// Arguments of a recording.
 #[derive(Args, Clone, Copy)]
 pub(crate) struct How {
-    /// Stop after so many cycles.
+    /// Stop after this many cycles.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     cycles: Option<u32>,
-    /// Write over the run what a controller meets: not homed first, a jump and a command out of travel with their resets
-    /// while the machine stands, alarms, glitches and late cycles in motion.
+    /// Overlay the run with the situations of a controller: not homed first, a jump and a command out of travel with their
+    /// resets while the machine is at rest, alarms, glitches and late cycles in motion.
     #[arg(long)]
     drill: bool,
-    /// Ask for other tables in this cycle.
+    /// Request other tables in this cycle.
     #[arg(long, value_name = "CYCLE")]
     pub(crate) exchange_at: Option<u32>,
     /// Speed of the workpiece at a gauge.

@@ -20,13 +20,13 @@ use trueaxis_tables::text::counted;
 #[command(after_help = "Examples:
   trueaxis tables compile mill -o mill.tcomp
   firmware-sim record --machine mill --rate-hz 1000 -o run.rec
-  firmware-sim replay run.rec mill.tcomp -o run.csv       what the step was given and what it sent, cycle by cycle
+  firmware-sim replay run.rec mill.tcomp -o run.csv       inputs and outputs of the step, cycle by cycle
 
 Columns, for every axis: x_cmd_mm (command), x_mm (encoder), x_drive_mm (sent to the drive), and for every cycle elapsed_ns,
-homed, enable, reset, encoder_alarm and limited (a bit for every axis) and fault (its code). Rotary axes in degrees. Numbers have the
-digits that say them exactly: a controller of your own that is given the commands and the readings must send these.")]
+homed, enable, reset, encoder_alarm and limited (a bit for every axis) and fault (its code). Rotary axes in degrees. Numbers are
+exact: your own controller, given the same commands and readings, must send the same values.")]
 pub(crate) struct ReplayArgs {
-    /// The recording, of `firmware-sim record`.
+    /// Recording of `firmware-sim record`.
     recording: PathBuf,
     /// Compiled tables of the machine that it was recorded on.
     tables: PathBuf,

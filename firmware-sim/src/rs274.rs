@@ -54,7 +54,7 @@ pub fn read(name: &str, bytes: &[u8], file: &str, options: &ReadOptions) -> Resu
     if !done || !canonical.has_ended() {
         let errors = std::fs::read(path("errors")).unwrap_or_default();
         let (line, found) = refusal(&String::from_utf8_lossy(&errors), canonical.line(), done);
-        return Err(wrong(line, found, "a program that its interpreter takes"));
+        return Err(wrong(line, found, "a program that its interpreter accepts"));
     }
     Ok(canonical.finish(name))
 }
@@ -83,7 +83,7 @@ fn refusal(errors: &str, last: u32, done: bool) -> (u32, String) {
         let number = text.trim_start_matches('/').strip_prefix(['N', 'n'])?;
         number.split(|c: char| !c.is_ascii_digit()).next()?.parse().ok()
     });
-    (line.unwrap_or(last), format!("what LinuxCNC refuses: {message}"))
+    (line.unwrap_or(last), format!("a program that LinuxCNC refuses: {message}"))
 }
 
 /// A child process that is killed when it exceeds the time limit or when dropped.

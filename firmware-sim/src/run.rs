@@ -28,7 +28,7 @@ pub(crate) struct RunArgs {
     scenario: ScenarioArgs,
     #[command(flatten)]
     acts: ActArgs,
-    /// Time the steps in a further compensated run at the real rate, with real-time scheduling where it is permitted.
+    /// Time the steps in a further compensated run at the real rate, with real-time scheduling if it is permitted.
     #[arg(long)]
     paced: bool,
     /// Print one JSON document and nothing else.
@@ -41,13 +41,13 @@ pub(crate) struct RunArgs {
     /// for DuckDB, Polars or pandas; needs the feature `parquet`.
     #[arg(long, value_name = "DIR")]
     parquet: Option<PathBuf>,
-    /// Correction that was learned on this program, for the full run.
+    /// Correction learned on this program, for the full run.
     #[arg(long, value_name = "FILE.tlearn")]
     learned: Option<PathBuf>,
     /// Write the contour error of the full run over path length, for `trueaxis learn`.
     #[arg(long, value_name = "FILE.csv")]
     record: Option<PathBuf>,
-    /// What measures the contour error of that record.
+    /// Source of the contour error of that record.
     #[arg(long, value_name = "WHAT", value_enum, default_value_t = MeasuredBy::Estimate)]
     measured_by: MeasuredBy,
     /// The traces keep every Nth cycle.
@@ -118,7 +118,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     }
 }
 
-/// What measures the contour error that is learned from.
+/// Source of the contour error to learn from.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum MeasuredBy {
     /// The step, from the encoders.

@@ -25,7 +25,7 @@ pub(crate) struct SettingsArgs {
     /// Temperature of the machine, °C [default: the tables' reference temperature].
     #[arg(long, value_name = "C", allow_hyphen_values = true, help_heading = "Settings")]
     temperature_c: Option<f64>,
-    /// Machine coordinates of the place that the program's controller calls zero: program zero where nothing shifts it
+    /// Machine coordinates of the zero of the program's controller: program zero unless an offset shifts it
     /// [default: 0,0,0 with --offsets, else the middle of the declared travels].
     #[arg(long, value_name = "X,Y,Z", value_delimiter = ',', allow_hyphen_values = true, help_heading = "Settings")]
     origin_mm: Option<Vec<f64>>,
@@ -50,7 +50,7 @@ pub(crate) struct SettingsArgs {
     /// Dead time between a command and the drives [default: 0].
     #[arg(long, value_name = "MS", allow_negative_numbers = true, help_heading = "Settings")]
     dead_time_ms: Option<f64>,
-    /// Lost motion of X, Y, Z that the tables do not know [default: 0].
+    /// Lost motion of X, Y, Z that the tables do not contain [default: 0].
     #[arg(long, value_name = "UM", allow_negative_numbers = true, help_heading = "Settings")]
     lost_motion_um: Option<f64>,
     /// Noise of the linear encoders, RMS [default: 0.005].

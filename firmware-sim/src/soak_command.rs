@@ -10,6 +10,7 @@ use std::sync::Arc;
 use trueaxis_sim::Scenario;
 use trueaxis_sim::motion::MOST_CYCLES;
 use trueaxis_sim::run::Kind;
+use trueaxis_tables::text::counted;
 
 /// Arguments of `soak`.
 #[derive(Args)]
@@ -89,13 +90,13 @@ fn digests(mark: &soak::Mark) -> String {
 
 fn text(soak: &Soak, scenario: &Scenario, times: usize) -> String {
     let mut text = format!(
-        "{} {} times, {:.2} h at {} Hz: {} cycles, {} runs side by side\n",
+        "{} {}, {:.2} h at {} Hz: {} cycles, {} side by side\n",
         scenario.program.name,
-        times,
+        counted(times, "time"),
         soak.simulated_s / 3600.0,
         scenario.rate_hz(),
         soak.cycles,
-        soak.runs
+        counted(soak.runs, "run")
     );
     for ((kind, size), (_, faults)) in soak.contour_error_um.0.iter().zip(&soak.fault_cycles.0) {
         text += &format!(

@@ -13,9 +13,9 @@ use trueaxis_sim::warming::{SENSORS, Warming};
 /// Arguments of `thermal`.
 #[derive(Args)]
 #[command(after_help = "Examples:
-  firmware-sim thermal                              what is left of the drift of a shift that was not fitted
+  firmware-sim thermal                              the drift that remains in a shift outside the fit
   firmware-sim thermal --report out                 out/thermal.html, the record and its thermal.toml's source beside it
-  firmware-sim thermal --fails nose                 a sensor goes missing half-way: its share stands still
+  firmware-sim thermal --fails nose                 a sensor fails half-way: its share is frozen
   trueaxis thermal fit out/record.csv               the same record on the bench")]
 pub(crate) struct ThermalArgs {
     /// Machine of three linear axes whose step corrects: a machine.toml, its folder, or the name of a sample.
@@ -30,7 +30,7 @@ pub(crate) struct ThermalArgs {
     /// Time between two updates of the task, an even number.
     #[arg(long, value_name = "S", default_value_t = 10, value_parser = clap::value_parser!(u32).range(2..=600))]
     update_s: u32,
-    /// A sensor that goes missing half-way through the judged shift.
+    /// Sensor that fails half-way through the judged shift.
     #[arg(long, value_name = "SENSOR", value_parser = SENSORS)]
     fails: Option<String>,
     /// Seed of duty cycles and noise.

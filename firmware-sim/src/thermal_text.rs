@@ -104,7 +104,7 @@ pub(crate) fn summary(warming: &Warming, outcome: &Outcome) -> String {
     let [drift, left] = outcome.rms_mm;
     text += &format!("  {:<28} {:>8.2} {:>8.2}\n", "RMS, judged shift", 1e3 * drift, 1e3 * left);
     text += &format!(
-        "\nleft of the largest drift, in a shift of another kind: {:.1} %\n\
+        "\nremaining of the largest drift, in a shift of another kind: {:.1} %\n\
          largest step of a correction in a cycle {:.3} µm, {:.0} % of the limiter's limits{}\n",
         1e2 * outcome.left_share(),
         1e3 * outcome.largest_step_mm,
@@ -113,8 +113,8 @@ pub(crate) fn summary(warming: &Warming, outcome: &Outcome) -> String {
     );
     if let Some(failed) = outcome.failed {
         text += &format!(
-            "{failed} went missing half-way: {}\n",
-            if outcome.told { "told, its share stood still" } else { "it has no share" }
+            "{failed} failed half-way: {}\n",
+            if outcome.told { "reported, its share frozen" } else { "it has no share" }
         );
     }
     text

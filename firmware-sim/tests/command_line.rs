@@ -51,13 +51,18 @@ fn the_report_has_the_circle_and_reversals_where_there_are_some() {
         directory.read("out/index.html")
     };
     let whole = page("mill-3axis");
-    for expected in
-        ["Circle in polar coordinates", "circle of 20.0 mm in the plane XY", "full, zone", "X turns", "Y turns"]
-    {
+    for expected in [
+        "Circle in polar coordinates",
+        "circle of 20.0 mm in the plane XY",
+        "full, zone",
+        "<th>full</th>",
+        "X turns",
+        "Y turns",
+    ] {
         assert!(whole.contains(expected), "`{expected}` is missing");
     }
     let plain = page("plain");
-    assert!(!plain.contains("Dynamic correction at reversals") && !plain.contains("full: servo"));
+    assert!(!plain.contains("Dynamic correction at reversals") && !plain.contains("<th>full</th>"));
     let run = directory.json(&["run", "--json", "--program", "own.ngc", "--rate-hz", "2000", "--machine", "plain"]);
     assert!(run["contour_error_um"]["servo_only"].is_object() && run["contour_error_um"].get("full").is_none());
 }
@@ -150,7 +155,9 @@ fn the_trace_keeps_the_limits_and_the_report_is_written() {
     assert!(output.status.success());
     let text = String::from_utf8(output.stdout).unwrap();
     assert!(
-        text.contains("without compensation") && text.contains("servo alone") && text.contains("FeedbackNotFinite")
+        text.contains("without compensation")
+            && text.contains("perfect geometry")
+            && text.contains("FeedbackNotFinite")
     );
     let lines = text.lines().filter(|line| line.starts_with("  ") && line.contains("µm") && !line.contains("left"));
     assert_eq!(lines.count(), 4, "{text}");

@@ -180,7 +180,7 @@ fn a_spindle_that_stops_in_mid_revolution_freezes_the_correction() {
     assert_eq!(watched.run.counts.discarded, 1);
     // At standstill the infeed is constant and non-zero.
     let standing: Vec<_> = watched.cycles.iter().filter(|c| c.3.has(GaugeFlags::STOPPED)).collect();
-    let [first, .., last] = standing[..] else { panic!("it must have stood") };
+    let [first, .., last] = standing[..] else { panic!("it must have stopped") };
     assert!(standing.len() > 2000 && first.4 == last.4);
     assert!((first.1 - last.1).abs() < 0.02 && first.1.abs() > 0.05, "{} {}", first.1, last.1);
     assert!((first.2 - last.2).abs() < 0.02);
@@ -214,7 +214,7 @@ fn a_probe_that_is_knocked_off_freezes_the_table_and_the_correction_goes_on() {
     assert_eq!(watched.table_changes_between(25.2, 27.9), 0);
     assert!(watched.table_changes_between(27.9, 32.0) > 0);
     let fed = watched.cycles.iter().filter(|c| (25.2..26.5).contains(&c.0)).map(|c| c.1.abs()).fold(0.0, f64::max);
-    assert!(fed > 1.0, "the correction that is there goes on: {fed}");
+    assert!(fed > 1.0, "the existing correction continues: {fed}");
     watched.recovers(&grinding);
 }
 

@@ -142,7 +142,7 @@ fn a_realistic_page_is_complete_and_self_contained() {
         "The largest contour error of the tool tip fell from 18.4 µm to 1.31 µm (to 7.1 %).",
         "mill <3> & \"Söhne\"",
         "w X' b Y Z t",
-        "servo only (perfect geometry)",
+        "perfect geometry",
         "limit ±20.0 µm",
         "limit ±200 µm, outside the figure",
         "limit ±0.0500 mm/s",
@@ -174,7 +174,7 @@ fn a_realistic_page_is_complete_and_self_contained() {
 fn the_largest_error_stands_in_the_figure_at_its_place() {
     let mut report = circle();
     report.contour.uncompensated[12_345] = [64.64, -33.3];
-    assert!(text_of(&render(&report)).contains("uncompensated: largest 33.3 µm at 64.64 mm"));
+    assert!(text_of(&render(&report)).contains("without compensation: largest 33.3 µm at 64.64 mm"));
 }
 
 #[test]

@@ -16,7 +16,7 @@ data = bytearray(open(sys.argv[1], "rb").read())
 data[len(data) // 2] ^= 1
 open(sys.argv[2], "wb").write(data)
 PYTHON
-# There is no such network: but the table is refused, and told, before one is touched.
+# That network does not exist, but the table is refused and reported before any is accessed.
 timeout 120 "$target/debug/examples/servo" no-such-interface "$target/damaged.tcomp" 2>"$target/refused.txt" && exit 1
 head -1 "$target/refused.txt"
 grep -qx 'trueaxis: the file is damaged (its CRC-32 is wrong); running uncompensated' "$target/refused.txt"

@@ -1,4 +1,4 @@
-/* The machine's tables in flash, in a section of their own: TRUEAXIS_TABLES names the .tcomp. MIT OR Apache-2.0. */
+/* The machine's tables in flash, in a separate section: TRUEAXIS_TABLES names the .tcomp. MIT OR Apache-2.0. */
     .section .rodata.trueaxis_tables, "a"
     .balign 4
     .global trueaxis_tables, trueaxis_tables_end

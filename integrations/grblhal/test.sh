@@ -113,7 +113,7 @@ cat "$out"/replay-{host,m4f,m7}.txt | awk '{ samples += $1; if ($2 > largest) la
     END { printf "{\"host\": \"grblhal\", \"samples\": %d, \"same\": null, \"largest_mm\": %g}\n", samples, largest }' >"$target/hosts/grblhal.json"
 
 # Refused before anything moves, in one line, and the machine runs as without the plugin.
-refused() { # core, name, what is told; tables and flags
+refused() { # core, name, message; tables and flags
     local core=$1 name=$2 told=$3
     shift 3
     build "$core" "$name" "$@" "${plugin[@]}" tests/refused.c

@@ -4,13 +4,13 @@
     record-circles.py --axes X,Y --centre 0,0 -o record.csv
     record-circles.py --axes X,Y --centre 0,0 --machine mymill/machine.toml -o record.csv --friction friction.toml
 
-The machine is on, homed and idle; nothing stands in the way of circles of --radius-mm about --centre. The program moves to
+The machine is on, homed and idle; nothing is in the way of circles of --radius-mm about --centre. The program moves to
 the first point at feed, then twice round in either direction at each of two feeds, and leaves the axes there. Every servo
-cycle, `sampler` takes what the drives are sent and what the encoders read; `trueaxis friction` evaluates it.
+cycle, `sampler` records the drives' commands and the encoders' readings; `trueaxis friction` evaluates it.
 
 RECORD.csv: t_s,x_cmd_mm,x_mm,y_cmd_mm,y_mm, in mm on a machine in inches too ([TRAJ]LINEAR_UNITS; `sampler` then resolves
 25 nm). A reading is taken at the start of a cycle, before the new command: the rows
-pair each command with the reading of the cycle after it. Exit code 0: done; 2: refused, with what was found and needed.
+pair each command with the reading of the cycle after it. Exit code 0: done; 2: refused, with the value found and the value needed.
 """
 import argparse
 import fcntl
@@ -45,7 +45,7 @@ def exists(pin):
 
 
 def pins_of(joint):
-    """What the drive of a joint is sent and its encoder reads: at trueaxis where it is loaded, else at motion."""
+    """Command of a joint's drive and reading of its encoder: at trueaxis if it is loaded, else at motion."""
     if exists("ta.joint.%d.motor-pos-cmd-out" % joint):
         return ["ta.joint.%d.motor-pos-cmd-out" % joint, "ta.joint.%d.motor-pos-fb-in" % joint]
     return ["joint.%d.motor-pos-cmd" % joint, "joint.%d.motor-pos-fb" % joint]
@@ -104,7 +104,7 @@ class Machine:
         self.stat.poll()
         if self.stat.task_state != linuxcnc.STATE_ON:
             raise Refused("machine: found it off, needed it on")
-        # What was said before concerns others.
+        # Earlier messages concern others.
         while self.errors.poll():
             pass
         if not all(self.stat.homed[joint] for joint in joints):
@@ -113,7 +113,7 @@ class Machine:
             raise Refused("machine: found a program under way, needed it idle")
 
     def mm_per_unit(self):
-        """Of the pins: LinuxCNC tells machine units in a millimetre."""
+        """Scale of the pins: LinuxCNC gives the machine units per millimetre."""
         return 1.0 / self.stat.linear_units
 
     def mdi(self, line, seconds):
@@ -234,7 +234,7 @@ def write(output, text):
 
 
 def sweep(target):
-    """Removes what a command that was ended left beside the target: who still writes holds a lock."""
+    """Removes files that a killed command left beside the target; a command still writing holds a lock."""
     for left in glob.glob(glob.escape(target) + ".??????.trueaxis-tmp"):
         try:
             with open(left, "r+") as f:
@@ -265,12 +265,12 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--axes", default="X,Y", help="plane of the circles: X,Y (default), Z,X or Y,Z")
     parser.add_argument("--joints", help="joints of the axes (default: X 0, Y 1, Z 2)")
-    parser.add_argument("--centre", required=True, help="of the circles, mm, in the work coordinates in force")
-    parser.add_argument("--radius-mm", type=float, default=25.0037, help="default 25.0037: no multiple of a scale's period")
+    parser.add_argument("--centre", required=True, help="centre of the circles, mm, in the work coordinates in force")
+    parser.add_argument("--radius-mm", type=float, default=25.0037, help="default 25.0037: not a multiple of a scale's period")
     parser.add_argument("--feeds", default="1500,600", help="mm/min, two (default 1500,600)")
-    parser.add_argument("--turns", type=int, default=2, help="of each circle (default 2)")
-    parser.add_argument("--machine", help="machine.toml whose drives' figures are taken")
-    parser.add_argument("--friction", help="TOML file with what was found")
+    parser.add_argument("--turns", type=int, default=2, help="turns of each circle (default 2)")
+    parser.add_argument("--machine", help="machine.toml that states the drives' figures")
+    parser.add_argument("--friction", help="TOML file for the friction found")
     parser.add_argument("--report", help="folder for a page with the spikes")
     parser.add_argument("--trueaxis", default="trueaxis", help="the program trueaxis (default: found in PATH)")
     parser.add_argument("--no-evaluation", action="store_true", help="only record")

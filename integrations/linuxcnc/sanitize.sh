@@ -79,7 +79,7 @@ must_fail() { # name, sanitizer, words needed, file of the component, change of 
         exit 1
     fi
     compile "$sanitizer" "$name" "$out/$name.c"
-    # Without names of functions, which take longer to look up than the program takes to end by itself.
+    # Without names of functions, which take longer to look up than the program runs.
     if ASAN_OPTIONS="$ASAN_OPTIONS:symbolize=0" run_gantry "$name" 4000 >"$out/$name.log" 2>&1 ||
         ! grep -q "$words" "$out/$name.log"; then
         echo "sanitize.sh: the planted defect '$name' was not found: needed '$words', see $out/$name.log" >&2
@@ -97,9 +97,9 @@ machines() { # sanitizer of the library that was built last, program
             joint_tables="right:1=$out/left.tcomp"
         drive "$2" "$cycles" 0 tables="$out/gauge.tcomp" inch=1
         drive "$2" "$cycles" 0 tables="$out/trt.tcomp" units=mm angular_units=degree
-        # The thread has another period than was said.
+        # The thread has another period than stated.
         drive "$2" 200 0 units=mm tables="$out/mill.tcomp" servo_period_nsec=500000
-        # Also where 32 bits of it are what was said.
+        # Also if its lower 32 bits are those stated.
         period=4295967296 drive "$2" 2000 0 units=mm tables="$out/mill.tcomp"
         period=-4293967296 drive "$2" 2000 0 units=mm tables="$out/mill.tcomp"
     } >"$out/$2.txt" || { cat "$out/$2.txt"; return 1; }

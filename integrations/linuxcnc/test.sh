@@ -18,7 +18,7 @@ if [[ $# == 0 ]]; then
     (cd "$root" && TRUEAXIS_LINUXCNC=1 cargo test --quiet --workspace --test simulator linuxcnc::)
 fi
 
-# The ordinary user cannot be expected to read this folder: it gets a copy of what it needs.
+# The ordinary user cannot be expected to read this folder: it gets a copy of the files it needs.
 work=$(mktemp -d /tmp/trueaxis-linuxcnc.XXXXXX)
 user=
 module=$(./install.sh --where)
@@ -58,14 +58,14 @@ if [[ -n $others ]]; then
     printf 'test.sh: the realtime functions call %s\n' "$others" >&2
     exit 1
 fi
-# The same source against headers of 2.10's shape, found by its Makefile: what it asks of HAL there is 2.10's.
+# The same source against headers of 2.10's shape, found by its Makefile: its calls of HAL are then those of 2.10.
 rm -rf "$target/linuxcnc-2.10"
 cp -r component "$target/linuxcnc-2.10"
 make --silent -C "$target/linuxcnc-2.10" modules CC="gcc -I$PWD/tests/linuxcnc-2.10" \
     LIBRARY="$target/release/libtrueaxis_capi.a" INCLUDE="$root/crates/trueaxis-capi/include"
 asked=$(nm -u "$target/linuxcnc-2.10/"*.o | grep -oE 'hal_(pin|param)_[a-z0-9_]+' | sort -u | paste -sd ' ')
 if [[ $asked != 'hal_param_new_real hal_pin_new_bool hal_pin_new_real hal_pin_new_si32 hal_pin_new_ui32' ]]; then
-    echo "test.sh: found $asked asked of LinuxCNC 2.10, needed what it does not deprecate" >&2
+    echo "test.sh: found $asked, needed only functions that LinuxCNC 2.10 does not deprecate" >&2
     exit 1
 fi
 as_user=(env -i)

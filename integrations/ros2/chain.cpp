@@ -1,5 +1,5 @@
 // The chainable controller in a chain, on a double of ros2_control (double/): a controller before it writes references, drives
-// stand where they are commanded, and a manager without ROS takes both through their lives at 1 kHz, with faults. Exit code 0:
+// that follow exactly, and a manager without ROS takes both through their lives at 1 kHz, with faults. Exit code 0:
 // all that is asserted here holds. SPDX-License-Identifier: MIT OR Apache-2.0
 #include "check.hpp"
 #include "trueaxis_controller.hpp"
@@ -18,7 +18,7 @@ constexpr std::int64_t period_ns = 1'000'000;
 constexpr double step_m = 40e-6;  // 40 mm/s
 // The limiter lets the correction change by 5 mm/s.
 constexpr double led_in_m = 5e-6 + 1e-9;
-// A frozen one comes to rest from what the tables let it change in a cycle.
+// A frozen one comes to rest from the largest change per cycle that the tables permit.
 constexpr double frozen_m = 1e-8;
 const double nan = std::numeric_limits<double>::quiet_NaN();
 const std::vector<std::string> joints = { "x", "y", "z" };
@@ -52,7 +52,7 @@ struct Handle {
 };
 #endif
 
-// Hardware with drives that stand where they are told, and encoders.
+// Hardware with drives that follow exactly, and encoders.
 struct Machine {
     Machine() {
         for (const std::string &joint : joints) {
@@ -166,7 +166,7 @@ struct Bench {
 };
 
 void refusals(const char *tables, const char *cut) {
-    // In the order of `tables`, `joints`, `machine_id`, `update_rate`: each told in one line, nothing offered.
+    // In the order of `tables`, `joints`, `machine_id`, `update_rate`: each reported in one line, nothing offered.
     CHECK(!Bench("no/such.tcomp").configured());
     CHECK(rclcpp::logged.back() == "trueaxis: tables 'no/such.tcomp': cannot be read, or empty");
     CHECK(!Bench(cut).configured() && rclcpp::logged.back().find("uncompensated") == std::string::npos);
@@ -242,7 +242,7 @@ void chain(const char *tables, const char *points) {
     std::printf("drive %.9f %.9f %.9f\n", bench.before[0] * 1e3, bench.before[1] * 1e3, bench.before[2] * 1e3);
 
     // Time: what does not fit into 32 bits, or runs backwards, is a late cycle; 2^32 ns and a period is not a period. The
-    // correction stands in it and the reference passes. The reference passes too where no time has passed.
+    // correction is frozen in it and the reference passes. The reference passes too if no time has passed.
     const std::int64_t wrapped_ns = (std::int64_t{1} << 32) + period_ns;
     for (std::int64_t elapsed_ns : { period_ns * 3 / 2, wrapped_ns, INT64_MAX, -period_ns, INT64_MIN }) {
         double correction = bench.correction(0);
@@ -257,7 +257,7 @@ void chain(const char *tables, const char *points) {
     CHECK(bench.cycle(0) == return_type::OK && std::abs(bench.moved[0] - bench.way) < led_in_m);
     bench.run(100);
 
-    // An encoder that drops out: the correction stands, the reference passes.
+    // An encoder that drops out: the correction is frozen, the reference passes.
     double correction = bench.correction(0);
     bench.machine.state[0]->set(nan);
     bench.reference[0] += bench.way;
@@ -281,7 +281,7 @@ void chain(const char *tables, const char *points) {
     bench.run(100);
 #endif
 
-    // Switched off and on again while it runs, and without axes referenced: led out and in.
+    // Switched off and on again while it runs, and without axes referenced: ramped out and in.
     bench.controller.set_enabled(false);
     bench.run(500);
     CHECK(bench.largest() < 1e-12);
@@ -295,7 +295,7 @@ void chain(const char *tables, const char *points) {
     bench.run(500);
 
     // The mode cannot change under it. Deactivated, it leaves the corrected command where it is; activated again, nothing is
-    // written before a new reference, and from where the drives stand none jumps. The reference of before counts no more.
+    // written before a new reference, and from the drives' position none jumps. The former reference no longer counts.
     CHECK(!bench.controller.set_chained_mode(false) && bench.controller.is_in_chained_mode());
     double stood[3] = { bench.before[0], bench.before[1], bench.before[2] };
     CHECK(bench.controller.deactivate() && bench.machine.command[1]->get() == stood[1]);
@@ -324,7 +324,7 @@ void chain(const char *tables, const char *points) {
     std::copy(bench.before, bench.before + 3, bench.reference);
     bench.run(1000);
 
-    // A reference that is no number, or jumps: commands are held and the manager hears of it, until a new activation.
+    // A reference that is not a number, or jumps: commands are held and the manager is notified, until a new activation.
     for (double bad : { nan, std::numeric_limits<double>::infinity(), bench.reference[1] + 0.05 }) {
         double good = bench.reference[1];
         bench.reference[1] = bad;

@@ -34,7 +34,7 @@ int main(int argc, char **argv) {
     auto cycle = [&](std::int64_t elapsed_ns = period_ns) {
         CHECK(filter.update(command, position, elapsed_ns, true, true, drive));
         for (int i = 0; i < 3; i++) {
-            position[i] = drive[i];  // drives that stand where they are told
+            position[i] = drive[i];  // drives that follow exactly
         }
     };
     cycle();
@@ -46,7 +46,7 @@ int main(int argc, char **argv) {
         CHECK(std::abs(drive[0] - before[0] - 40e-6) < 6e-6 && filter.record().fault == TRUEAXIS_FAULT_NONE);
         CHECK(std::abs(filter.feedback(0) - command[0]) < 45e-6);
     }
-    // An encoder that drops out: the correction stands, the command passes.
+    // An encoder that drops out: the correction is frozen, the command passes.
     double geometric = filter.record().correction[0];
     command[0] += 40e-6;
     position[0] = std::numeric_limits<double>::quiet_NaN();
@@ -65,7 +65,7 @@ int main(int argc, char **argv) {
     std::ofstream(argv[2]) << "x_mm,y_mm,z_mm\n" << std::to_string(command[0] * 1e3) << ',' << command[1] * 1e3 << ",-200\n";
     std::printf("drive %.9f %.9f %.9f\n", drive[0] * 1e3, drive[1] * 1e3, drive[2] * 1e3);
 
-    // A command that jumps: held, a stop is asked for; taken up again near where it stands.
+    // A command that jumps: held, a stop is requested; followed again near the held position.
     double stood = drive[0], good = command[0];
     command[0] += 0.05;
     cycle();

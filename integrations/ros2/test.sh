@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Builds the filter's example and, on a double of ros2_control as Humble, Jazzy before 4.44 and today's releases have it, the
-# controller in a chain; runs them, and holds what they send at standstill against `trueaxis compensate`.
+# controller in a chain; runs them, and compares their outputs at standstill with `trueaxis compensate`.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 exec </dev/null
@@ -22,7 +22,7 @@ build() { # source, program, flags
         "-I$root/crates/trueaxis-capi/include" "$source" \
         "$target/release/libtrueaxis_capi.a" -Wl,--gc-sections -lpthread -ldl -o "$out/$program"
 }
-run() { # program, arguments; leaves what it compensated at standstill
+run() { # program, arguments; leaves its compensated positions at standstill
     local program=$1
     shift
     timeout 120 "$out/$program" "$@" "$out/$program.csv" | tee "$out/$program.txt"

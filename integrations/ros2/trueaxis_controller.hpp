@@ -106,7 +106,7 @@ public:
     controller_interface::InterfaceConfiguration command_interface_configuration() const override { return positions(); }
     controller_interface::InterfaceConfiguration state_interface_configuration() const override { return positions(); }
 
-    // Nothing is written before every reference is a number: drives stay where they are told to be.
+    // Nothing is written before every reference is a number: drives keep their commanded position.
     CallbackReturn on_activate(const rclcpp_lifecycle::State &) override {
         if (command_interfaces_.size() != joints_.size() || state_interfaces_.size() != joints_.size()) {
             return refuse("found " + std::to_string(command_interfaces_.size()) + " commands and " +
@@ -197,7 +197,7 @@ protected:
             if (!wanted) {
                 return return_type::OK;
             }
-            // From where the machine stands: a first reference that it cannot reach in a cycle is a jump.
+            // From the machine's position: a first reference that it cannot reach in a cycle is a jump.
             following_ = read && filter_.update(position, position, elapsed_ns, homed(), enabled(), drive);
             if (!following_) {
                 return return_type::ERROR;

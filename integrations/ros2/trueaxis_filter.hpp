@@ -52,7 +52,7 @@ public:
         return reason_.empty();
     }
 
-    // A fresh state, in on_activate: the first command passes, the correction is then led in by its limiter.
+    // A fresh state, in on_activate: the first command passes, its limiter then ramps the correction in.
     bool activate() {
         started_ = axes_ != 0 && trueaxis_start(&loop_, &state_, sizeof state_, period_ns_) == TRUEAXIS_OK;
         input_ = trueaxis_input_t{};

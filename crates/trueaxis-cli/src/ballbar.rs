@@ -21,21 +21,21 @@ automatically:
   positions       CSV x_cmd_mm,x_mm,y_cmd_mm,y_mm (z_cmd_mm,z_mm), as from a grid encoder or from record-circles.py
   halsampler      LinuxCNC's lines without a header: command and position of the first axis, of the second (-t or not)
   telemetry       what a controller sent, COBS frames: commands and readings of the encoders
-Of positions the way to the circle and from it is left out.
+In positions, the approach to the circle and the exit from it are left out.
 
 After ISO 230-4: G circular deviation and G(b) bidirectional circular deviation, minimum zone circles (MZC); F radial
-deviation about the least-squares centre (LSC) of its direction; H circular hysteresis. One fit tells the causes apart, each
+deviation about the least-squares centre (LSC) of its direction; H circular hysteresis. One fit separates the causes, each
 with half of its interval of 95 % (d = +1 counterclockwise, -1 clockwise):
   scale mismatch  (R/2)(s_x − s_y) cos 2θ         squareness      −(R/2) C0Y sin 2θ (Y,Z: A0Z; Z,X: −B0Z)
   servo mismatch  (d/2)(l_x − l_y) sin 2θ         straightness    q_x cos²θ sin θ + q_y sin²θ cos θ
   backlash        (d/2)(b_x sgn(sin θ) cos θ − b_y sgn(cos θ) sin θ)
   lateral play    (d/2)(p_x |sin θ| − p_y |cos θ|)
   reversal        spikes of height h after an axis' reversals; cyclic: periodic errors, their pitch searched or given
-One direction cannot tell servo mismatch and lateral play; they are null then, and so is F of an arc. Readings from an axis'
+One direction cannot show servo mismatch and lateral play; they are null then, and so is F of an arc. Readings from an axis'
 reversal until its play is taken up are left out of the fit. Spikes of another shape than u/w exp(1 − u/w) widen the
-intervals of what they are like, and are noted.
--o writes squareness and backlash into a machine with their uncertainties, where they differ from what it states by more than
-two of both together; values that agree become their weighted mean. The rest has no place in a table.
+intervals of similar causes, and a note says so.
+-o writes squareness and backlash into a machine with their uncertainties, if they differ from its values by more than two of
+both together; values that agree become their weighted mean. Tables do not store the other causes.
 
 Examples:
   trueaxis ballbar record.csv --radius-mm 100 --report out
@@ -68,16 +68,15 @@ pub(crate) struct Arguments {
     /// The machine that was measured, for -o.
     #[arg(long, value_name = "M", requires = "into")]
     machine: Option<PathBuf>,
-    /// The machine was corrected by its tables while the circles were run: what was found is added to them, in place of
-    /// taking their place.
+    /// The machine's tables corrected it during the circles: add the errors found to them instead of replacing them.
     #[arg(long, requires = "machine")]
     compensated: bool,
-    /// Folder that the machine is written into: its own, or a new one.
+    /// Folder to write the machine into: its own, or a new one.
     #[arg(short, long, value_name = "MACHINE_DIR", requires = "machine")]
     output: Option<PathBuf>,
     #[command(flatten)]
     writing: Writing,
-    /// One JSON document instead of a table.
+    /// Print one JSON document instead of a table.
     #[arg(long)]
     json: bool,
     /// Write ballbar.html with polar plots into a folder.

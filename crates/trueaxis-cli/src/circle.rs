@@ -31,7 +31,7 @@ pub(crate) struct Arguments {
     /// Points on a nominally round section.
     #[arg(value_name = "POINTS.csv")]
     points: PathBuf,
-    /// One JSON document instead of a table.
+    /// Print one JSON document instead of a table.
     #[arg(long)]
     json: bool,
     /// Write circle.html with a polar plot into a folder.

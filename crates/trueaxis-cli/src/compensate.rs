@@ -17,15 +17,15 @@ pub(crate) const HELP: &str = "\
 POSITIONS.csv: x_mm,y_mm,z_mm[,a_deg,b_deg,c_deg], commanded positions, columns in any order.
 Output: the same columns and
   ex_um,ey_um,ez_um   error of the tool tip at the uncorrected command: actual − ideal, machine coordinates
-  cx_mm,cy_mm,cz_mm   corrected command: where the axes must be sent so that the tool is at the position
+  cx_mm,cy_mm,cz_mm   corrected command: axis positions that put the tool at the commanded position
 and with --orientation (volumetric and exact)
   ea_urad,eb_urad,ec_urad   error of the tool's orientation: small rotation, actual − ideal, machine coordinates
   ca_deg,cb_deg,cc_deg      corrected command of the machine's rotary axes; the tool's direction becomes the ideal one away
-                            from its singular pose ([compensation] fade_deg), and cx, cy, cz take back what they move
-Without --orientation only X, Y and Z are corrected (nine: whatever the tables say of them).
+                            from its singular pose ([compensation] fade_deg), and cx, cy, cz cancel the motion they cause
+Without --orientation only X, Y and Z are corrected (nine: by all tables that give their errors).
 A two-sided table is read in positive travel, every position for itself; with --reverse in negative travel, backlash
 included; with --in-order in the direction in which the drive, position and correction, has come from the rows before.
-Corrections are as the tables want them. A note says where the step's limit of their magnitude would take something off.
+Corrections are not limited. A note counts those that the step's magnitude limit would reduce.
 
 Example: trueaxis compensate compensation-tables/mill-3axis positions.csv -o corrected.csv";
 
@@ -51,19 +51,19 @@ pub(crate) struct Arguments {
     /// Error model [default: the machine's own, key model of compensation].
     #[arg(long, value_enum)]
     model: Option<Model>,
-    /// Look-ups of the exact inverse, 1 to 8 [default: what the machine needs for 1e-3 µm; exact: until it stands].
+    /// Passes of the exact inverse, 1 to 8 [default: as many as 1e-3 µm needs; exact: until it converges].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=8))]
     inverse_passes: Option<u8>,
     /// All axes travel in negative direction.
     #[arg(long)]
     reverse: bool,
-    /// The positions are travelled in their order; they begin in positive travel.
+    /// The positions are approached in their order, the first in positive travel.
     #[arg(long, conflicts_with = "reverse")]
     in_order: bool,
     /// Temperature of the machine, °C, for its thermal growth [default: its reference temperature].
     #[arg(long, value_name = "C", allow_hyphen_values = true)]
     temperature_c: Option<f64>,
-    /// Also the error of the tool's orientation, and the rotary axes' commands that correct its direction.
+    /// Also compute the error of the tool's orientation, and the rotary axes' commands that correct its direction.
     #[arg(long)]
     orientation: bool,
     /// Result [default: standard output].

@@ -17,8 +17,8 @@ PATH.json: {\"segments\":[
 ACTUAL.csv: segment,u,x_mm,y_mm,z_mm; u is where the reference is: 0..1 on lines and arcs, the knot domain on NURBS.
 Output: segment,u,error_um,ex_um,ey_um,ez_um,evaluations,bracketed: the foot point, its distance, the vector actual − foot.
 A path is cut into spans within 8 mm of their middle that turn by 30° at most; it may have 1,000,000 (16 km straight).
-The nearest point within --max-lag-mm of path length on either side of the reference is found, each row for itself.
-Refused: a coordinate of one value over eight rows and a fifth of those in which the path moves along its axis.
+The nearest point within --max-lag-mm of path length on either side of the reference is found for each row separately.
+Refused: a coordinate that keeps one value over eight rows and a fifth of those in which the path moves along its axis.
 
 Example: trueaxis contour path.json actual.csv -o error.csv";
 

@@ -21,7 +21,7 @@ coincide with the machine's. A machine has X, Y, Z and up to two of A, B, C, eac
            direction_error_deg
 
 singularity_margin_deg: angle between the tool and the rotary axis nearest the workpiece (in the code). Below the machine's
-singular_cone_deg that axis stays, or is led to where it has to come out, and direction_error_deg is the angle between the
+singular_cone_deg that axis is held, or guided to the angle at which it leaves, and direction_error_deg is the angle between the
 tool reached and the one asked for; elsewhere 0. 90 on machines with less than two rotary axes.
 
 Example: trueaxis kinematics forward --machine compensation-tables/mill-5axis axes.csv -o tool.csv
@@ -29,10 +29,10 @@ Example: trueaxis kinematics forward --machine compensation-tables/mill-5axis ax
 
 #[derive(Subcommand)]
 pub(crate) enum Command {
-    /// From axis positions to the tool in workpiece coordinates.
+    /// Convert axis positions to the tool in workpiece coordinates.
     #[command(after_help = HELP)]
     Forward(Common),
-    /// From the tool in workpiece coordinates to axis positions.
+    /// Convert the tool in workpiece coordinates to axis positions.
     #[command(after_help = HELP)]
     Inverse(inverse::Arguments),
 }

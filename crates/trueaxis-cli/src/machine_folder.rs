@@ -54,7 +54,7 @@ pub(crate) fn write(
 ) -> Result<Vec<String>> {
     let (folder, name) = Folder::of_machine(machine);
     if machine.extension().is_some_and(|extension| extension == "tcomp") {
-        bail!("--machine: found {}, needed a machine.toml or its folder where one is written", machine.display());
+        bail!("--machine: found {}, needed a machine.toml or its folder to write into", machine.display());
     }
     let (own, same) = own(machine, output);
     if !same && output.join("machine.toml").exists() {
@@ -86,11 +86,11 @@ pub(crate) fn write(
 /// How a command writes into a machine.
 #[derive(Args, Clone, Copy, Debug)]
 pub(crate) struct Writing {
-    /// Print what would be written into the machine and why, with the old values, and write nothing.
+    /// Print the changes to the machine, with old values and reasons, and write nothing.
     #[arg(long)]
     pub(crate) dry_run: bool,
-    /// Write what was found whatever the rule says: within its scatter of nothing, less well known than what is stated, a misfit.
-    /// The command says what the rule would have written. A figure that the controller would refuse is refused.
+    /// Write every value found, also one that the rule rejects: within its scatter of zero, less certain than the stated one, a
+    /// misfit. The command reports what the rule would have written. A value that the controller would refuse is refused.
     #[arg(long)]
     pub(crate) force: bool,
 }

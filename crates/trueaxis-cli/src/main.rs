@@ -34,15 +34,15 @@ mod uncertainty;
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 
-/// Geometric error compensation and contour error of CNC machines, from files.
+/// Computes geometric error compensation and contour errors of CNC machines, from files.
 ///
 /// Lengths are mm, positions of rotary axes degrees, errors µm and µrad. Error = actual − ideal (ISO 230-1), of the tool
-/// relative to the workpiece. Exit code 0: done; 2: bad input, with file, line, column, what was found and what is needed.
-/// A reader that closes the standard output or error early (`| head`) ends the program silently: exit code 0.
+/// relative to the workpiece. Exit code 0: done; 2: bad input, with file, line, column, value found and value needed.
+/// A reader that closes the standard output or error early (`| head`) ends the program silently with exit code 0.
 #[derive(Parser)]
 #[command(version, name = "trueaxis", args_conflicts_with_subcommands = true, arg_required_else_help = true)]
 struct Cli {
-    /// Print the licence of this program and those of all that is inside it.
+    /// Print the licences of this program and of everything built into it.
     #[arg(long)]
     licences: bool,
     #[command(subcommand)]
@@ -56,61 +56,61 @@ enum Command {
     /// Check, compile, show and convert error tables; evaluate measurements after ISO 230-2.
     #[command(subcommand)]
     Tables(tables::Command),
-    /// Errors and corrected commands at positions.
+    /// Compute the error and the corrected command at each position.
     #[command(after_help = compensate::HELP)]
     Compensate(compensate::Arguments),
-    /// Error, its sources and the correction at one position.
+    /// Show the error, its sources and the correction at one position.
     #[command(after_help = correct::HELP)]
     Correct(correct::Arguments),
-    /// Contour error of measured positions against a path.
+    /// Compute the contour error of measured positions against a path.
     #[command(after_help = contour::HELP)]
     Contour(contour::Arguments),
-    /// Roundness and spindle error from three probes.
+    /// Evaluate roundness and spindle error from the readings of three probes.
     #[command(after_help = roundness::HELP)]
     Roundness(roundness::Arguments),
-    /// Angles of three probes: the best slots of a circle, and the noise gain of a given pair.
+    /// Find the best angles of three probes, or the noise gain of a given pair.
     #[command(after_help = probe_angles::HELP)]
     ProbeAngles(probe_angles::Arguments),
-    /// Least-squares, minimum zone, maximum inscribed and minimum circumscribed circle of points.
+    /// Fit the least-squares, minimum zone, maximum inscribed and minimum circumscribed circle to points.
     #[command(after_help = circle::HELP)]
     Circle(circle::Arguments),
-    /// Circular test after ISO 230-4, and what causes its deviation.
+    /// Evaluate a circular test after ISO 230-4 and find the causes of its deviation.
     #[command(after_help = ballbar::HELP)]
     Ballbar(ballbar::Arguments),
-    /// Records of tests with instruments, after ISO 230 and ISO 10791.
+    /// Evaluate records of tests with instruments, after ISO 230 and ISO 10791.
     #[command(subcommand)]
     Evaluate(evaluate::Command),
-    /// From a touch probe to tables: write the probing program, turn its log into errors of the machine.
+    /// Calibrate a machine with its touch probe: write the probing program, turn its log into errors of the machine.
     #[command(subcommand, after_help = calibrate::HELP)]
     Calibrate(calibrate::Command),
-    /// A machine that keeps itself true: re-probe a ball every so many parts, update location and growth within bounds.
+    /// Keep a machine true: re-probe balls every so many parts, update location errors and growth within bounds.
     #[command(subcommand, after_help = keep::HELP)]
     Keep(keep::Command),
-    /// Axis positions to tool and back: five-axis transformation.
+    /// Convert axis positions to the tool's pose and back (five-axis transformation).
     #[command(subcommand)]
     Kinematics(kinematics::Command),
-    /// Displacements of five axes that stand a tool normal to the flank of a helical gear, as CSV and as a program.
+    /// Compute displacements of five axes that keep a tool normal to the flank of a helical gear, as CSV and as a program.
     #[command(after_help = helicoid::HELP)]
     Helicoid(Box<helicoid::Arguments>),
-    /// Six errors of a rotary axis from a ball measured under RTCP.
+    /// Identify the six errors of a rotary axis from a ball measured under RTCP.
     #[command(after_help = identify::HELP)]
     Identify(identify::Arguments),
-    /// Friction of two axes, and their drives' figures, from recorded circles.
+    /// Identify the friction of two axes, and their drives' figures, from recorded circles.
     #[command(after_help = friction::HELP)]
     Friction(friction::Arguments),
-    /// Correction over path length for the next part of a program, from the contour error of the last.
+    /// Learn a correction over path length for the next part of a program from the contour error of the last one.
     #[command(after_help = learn::HELP)]
     Learn(learn::Arguments),
-    /// Thermal growth: lags and curves from a recorded warm-up, and their file for the controller.
+    /// Fit thermal growth to a recorded warm-up, and compile it for the controller.
     #[command(subcommand)]
     Thermal(thermal::Command),
-    /// Uncertainty of the corrected position, from how well the machine's figures are known.
+    /// Compute the uncertainty of the corrected position from the uncertainties of the machine's figures.
     #[command(after_help = uncertainty::HELP)]
     Uncertainty(uncertainty::Arguments),
-    /// Telemetry of a controller as a table, Parquet or CSV.
+    /// Convert a controller's telemetry to a table, Parquet or CSV.
     #[command(after_help = telemetry::HELP)]
     Telemetry(telemetry::Arguments),
-    /// The desk: machine, servo, helicoid, roundness and friction in a page that runs these same commands' code.
+    /// Serve the desk: machine, servo, helicoid, roundness and friction in a page that runs the code of these commands.
     #[command(after_help = desk::HELP)]
     Desk(desk::Arguments),
 }

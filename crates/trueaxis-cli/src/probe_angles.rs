@@ -23,7 +23,7 @@ Example: trueaxis probe-angles --n 1024 --harmonics 2..100 --p 188 --q 667 --jso
 pub(crate) struct Arguments {
     #[command(flatten)]
     probes: ProbeArguments,
-    /// Best pairs to list.
+    /// Number of best pairs to list.
     #[arg(long, value_name = "COUNT", default_value_t = USUAL_COUNT)]
     count: usize,
     /// Print one JSON document.
@@ -67,7 +67,7 @@ fn table(document: &Document) -> Result<String> {
     if let Some(given) = &document.pair {
         line(&given.pair)?;
         let percent = 100.0 * given.share_of_best;
-        writeln!(text, "\nThe last line is the pair asked for: {percent:.1} % of the best worst gain.")?;
+        writeln!(text, "\nThe last line is the given pair: {percent:.1} % of the best worst gain.")?;
     }
     Ok(text)
 }

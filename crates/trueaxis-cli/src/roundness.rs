@@ -15,13 +15,13 @@ use trueaxis_tables::output::Outputs;
 pub(crate) const HELP: &str = "\
 PROBES.csv: h1_um,h2_um,h3_um, whole revolutions of N rows, equidistant in θ (the angle over the part's surface) from 0.
     With a column theta_deg, any number of rows at any increasing angles: they are resampled to N a revolution, and the
-    interpolation error is stated (here and in JSON, resampling). The angle may begin anew every 360°.
-    h1 = r(θ) + RY cos β + RX sin β; probe 2 stands φ2, probe 3 φ2 + φ3 further in the sense of θ. β = 0 without --arm.
+    interpolation error is stated (here and in JSON, resampling). The angle may restart every 360°.
+    h1 = r(θ) + RY cos β + RX sin β; probe 2 is φ2, probe 3 φ2 + φ3 further in the sense of θ. β = 0 without --arm.
 OUT.csv: theta_deg,r_um,rx_um,ry_um, all revolutions: profile (high is above 0, before --upr), motion of the centre across
     and along the direction of probe 1.
 Zones (peak to valley; LSC, MZC, MIC, MCC of ISO 12181-1) are of the profile averaged over the revolutions, after --upr.
 Harmonic k of the table: A cos(k θ + phase). Mean and first harmonic are motion of the centre and not in the profile.
-Spindle error motion after ISO 230-7, the once-per-revolution part apart.
+Spindle error motion after ISO 230-7, with the once-per-revolution part separate.
 
 N = 1024, harmonics 2..100: the published angles (90°, 181.05°) and (60.82°, 240.12°) let noise grow 19 times in the worst
 harmonic, the slots p 188, q 667 (66.094°, 234.492°) 3.1 times; see `trueaxis probe-angles --help`.
@@ -35,13 +35,13 @@ pub(crate) struct Arguments {
     readings: PathBuf,
     #[command(flatten)]
     probes: ProbeArguments,
-    /// Crank throw, wheel radius and pin radius, mm, of an arm that follows the pin [default: it stands still].
+    /// Crank throw, wheel radius and pin radius, mm, of an arm that follows the pin [default: a fixed arm].
     #[arg(long, value_name = "R,RS,RW", value_parser = arm, allow_hyphen_values = true)]
     arm: Option<Lengths>,
     /// Cut-off of the Gaussian filter in undulations per revolution: 15, 50, 150 or 500 [default: no filter].
     #[arg(long, value_name = "UPR")]
     upr: Option<u16>,
-    /// Harmonics whose noise gain is above this are left out and marked.
+    /// Noise gain above which a harmonic is suppressed and marked.
     #[arg(long, value_name = "GAIN", default_value_t = NOISE_GAIN_LIMIT, allow_negative_numbers = true)]
     noise_gain_limit: f64,
     /// Print one JSON document.

@@ -13,12 +13,12 @@ use trueaxis_tables::formats::{ExportOptions, Loss};
 
 #[derive(Subcommand)]
 pub(crate) enum Command {
-    /// Read a machine and its tables; refuse errors, warn of doubtful settings.
+    /// Check a machine and its tables: refuse errors, warn of doubtful settings.
     Check {
         /// machine.toml or its folder.
         #[arg(value_name = "M")]
         machine: PathBuf,
-        /// Servo rate for which slope and acceleration are judged.
+        /// Servo rate for which slope and acceleration are checked.
         #[arg(long, value_name = "HZ", default_value_t = 10_000.0)]
         rate_hz: f64,
         /// Print one JSON document.
@@ -31,7 +31,7 @@ pub(crate) enum Command {
         /// machine.toml or its folder.
         #[arg(value_name = "M")]
         machine: PathBuf,
-        /// Servo rate of the controller, for which slope and acceleration are judged.
+        /// Servo rate of the controller, for which slope and acceleration are checked.
         #[arg(long, value_name = "HZ", default_value_t = 10_000.0)]
         rate_hz: f64,
         /// The compiled file.
@@ -47,19 +47,19 @@ pub(crate) enum Command {
         #[arg(long)]
         json: bool,
     },
-    /// The best nine tables of a machine with angular errors, and the error they leave.
+    /// Find the best nine tables of a machine with angular errors, and the error that they leave.
     #[command(after_help = collapse::HELP)]
     Collapse(collapse::Arguments),
     /// Read another control's compensation file into machine.toml and axis tables.
     #[command(after_help = convert::FORMATS)]
     Import {
-        /// Its format.
+        /// Format of the file.
         #[arg(long, value_name = "FORMAT")]
         from: String,
         /// The file.
         #[arg(value_name = "FILE")]
         file: PathBuf,
-        /// Axis that the file is for, where it does not say so itself.
+        /// Axis of the file, if the file does not name it.
         #[arg(long, value_name = "AXIS")]
         axis: Option<String>,
         /// COMP_FILE_TYPE of a LinuxCNC file.
@@ -71,11 +71,11 @@ pub(crate) enum Command {
         /// Name of the mesh in a file of several, with bed-mesh; the one called default unless given.
         #[arg(long, value_name = "NAME")]
         mesh: Option<String>,
-        /// Folder of the machine; where one stands, its tables of these axes are added or replaced and the rest stays. A bed mesh
-        /// replaces the one before it. Limits that the corrections need above the defaults are set.
+        /// Folder of the machine. An existing machine gets these axes' tables, added or replaced, and keeps the rest. A bed mesh
+        /// replaces an earlier one. Limits that the corrections need above the defaults are set.
         #[arg(short, long, value_name = "DIR")]
         output: PathBuf,
-        /// Make a new machine; a folder that exists is refused.
+        /// Make a new machine; refuse an existing folder.
         #[arg(long)]
         new: bool,
     },
@@ -88,19 +88,19 @@ pub(crate) enum Command {
         /// machine.toml or its folder.
         #[arg(value_name = "M")]
         machine: PathBuf,
-        /// Only this axis.
+        /// Write only this axis.
         #[arg(long, value_name = "AXIS")]
         axis: Option<String>,
         /// COMP_FILE_TYPE of a LinuxCNC file.
         #[arg(long, value_name = "0|1", value_parser = clap::value_parser!(u8).range(0..=1))]
         comp_file_type: Option<u8>,
-        /// Leave out what the format cannot hold, and say so, instead of refusing.
+        /// Omit and list settings that the format cannot store, instead of refusing.
         #[arg(long)]
         drop: bool,
         /// Resample onto points this far apart, mm or degrees (Siemens, for free grids).
         #[arg(long, value_name = "STEP")]
         step: Option<f64>,
-        /// The file (where the format needs one per axis: the axis letter is put before its ending).
+        /// File to write (if the format needs one per axis, the axis letter goes before the extension).
         #[arg(short, long, value_name = "FILE")]
         output: PathBuf,
     },
@@ -117,10 +117,10 @@ pub(crate) enum Command {
         /// Also evaluate the deviations that this machine's tables would leave.
         #[arg(long, value_name = "M")]
         machine: Option<PathBuf>,
-        /// Axis measured, where the file does not say so.
+        /// Measured axis, if the file does not name it.
         #[arg(long, value_name = "AXIS")]
         axis: Option<String>,
-        /// Machine whose section uncertainty states the instrument and the set-up: gives every figure its band.
+        /// Machine whose section uncertainty states the instrument and the set-up; every figure gets its band.
         #[arg(long, value_name = "M")]
         instrument: Option<PathBuf>,
         /// Largest permitted accuracy A: pass and fail only outside its band (ISO 14253-1).

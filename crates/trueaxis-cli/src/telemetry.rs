@@ -14,12 +14,12 @@ use trueaxis_tables::output::Outputs;
 use trueaxis_tables::text::counted;
 
 pub(crate) const HELP: &str = "\
-FRAMES: what a controller sent, COBS frames as in docs/telemetry.md, one file or several of one machine.
+FRAMES: telemetry of a controller, COBS frames as in docs/telemetry.md, one file or several of one machine.
 Columns are the record's fields: sequence, machine_id, tables_crc, fault (code), fault_axis, status, limited, at_edge; of
-every axis x_command_mm, x_feedback_mm, x_correction_mm and, where any record has it, its dynamic correction; of tip and
+every axis x_command_mm, x_feedback_mm, x_correction_mm and, if any record has it, its dynamic correction; of tip and
 encoder tip_error_mm, tip_normal_mm, tip_binormal_mm, tip_lag_mm, tip_flags; orientation_rad, orientation_flags. Rotary
 axes are in degrees. With several files the column `file` names the one that a row is from.
-Damaged frames are left out. How many there were is printed, and how many records are missing by the sequence.
+Damaged frames are skipped. Their number is printed, and the number of records missing by the sequence.
 
 Examples:
   trueaxis telemetry frames.bin -o telemetry.parquet
@@ -34,10 +34,10 @@ pub(crate) struct Arguments {
     /// The table: .parquet or .csv.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// Letters of the axes in the step's order; needed where there are more than three [default: XYZ].
+    /// Letters of the axes in the step's order; needed for more than three axes [default: XYZ].
     #[arg(long, value_name = "XYZAC")]
     axes: Option<String>,
-    /// A table of the gauge's revolutions too.
+    /// Also write a table of the gauge's revolutions.
     #[arg(long, value_name = "FILE")]
     revolutions: Option<PathBuf>,
 }

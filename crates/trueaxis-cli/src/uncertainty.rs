@@ -16,18 +16,18 @@ use trueaxis_tables::output::Outputs;
 use trueaxis_tables::uncertainty::Uncertainties;
 
 pub(crate) const HELP: &str = "\
-How well the machine's figures are known stands in its machine.toml, as standard uncertainties (k = 1):
+The machine.toml states how well the machine's figures are known, as standard uncertainties (k = 1):
   [uncertainty]           instrument and set-up after ISO/TR 230-9: device_um_per_m, device_um, misalignment_mm,
                           temperature_k, expansion_um_per_m_k with temperature_difference_k, eve_um
   [uncertainty.location]  the keys of [location]
   [axis.X.uncertainty]    scale_ppm, backlash_um, repeatability_um, and EXX_um … ECX_urad of every point of a column;
                           or point by point in the table, as a column EXX_u_um
-and degrees_of_freedom in each. What is not stated is taken as zero, and listed.
+and degrees_of_freedom in each. Uncertainties that are not stated count as zero and are listed.
 
 They are carried to the tip through the error model twice: by its derivatives (first order), and by machines drawn at random,
 whose exact geometry is corrected by the tables as they are. Expanded: Student's factor times the standard uncertainty, or
-the interval that holds as much of what was drawn. Radius: of the sphere about the corrected position that holds the tip.
-All axes travel in negative direction, where lost motion counts. What nine terms leave of angular errors is no uncertainty:
+the interval that contains that share of the machines drawn. Radius: of the sphere about the corrected position that holds the tip.
+All axes travel in negative direction, where lost motion counts. Angular errors that nine terms leave are not part of it:
 see trueaxis tables collapse.
 
 Example: trueaxis uncertainty compensation-tables/mill-3axis --at 120,-40,-200 --report out";
@@ -37,7 +37,7 @@ pub(crate) struct Arguments {
     /// machine.toml or its folder.
     #[arg(value_name = "M")]
     machine: PathBuf,
-    /// Also at this position: X, Y, Z in mm, then the machine's rotary axes in the order A, B, C in degrees.
+    /// Also evaluate this position: X, Y, Z in mm, then the machine's rotary axes in the order A, B, C in degrees.
     #[arg(long, value_name = "X,Y,Z[,A,B,C]", value_parser = numbers, allow_hyphen_values = true)]
     at: Option<Numbers>,
     /// Working volume, mm; an empty entry: the declared travel, or the table's range.
@@ -52,13 +52,13 @@ pub(crate) struct Arguments {
     /// Coverage of the expanded uncertainty, percent; 95.45 is k = 2 of a well-known standard uncertainty.
     #[arg(long, value_name = "PERCENT", default_value_t = 95.0)]
     confidence: f64,
-    /// Machines drawn at random.
+    /// Number of machines drawn at random.
     #[arg(long, value_name = "N", default_value_t = 10_000)]
     trials: usize,
-    /// Of the machines drawn: the same seed, the same machines.
+    /// Seed of the machines drawn; the same seed draws the same machines.
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     seed: u64,
-    /// One JSON document instead of a table.
+    /// Print one JSON document instead of a table.
     #[arg(long)]
     json: bool,
     /// Write a page with plots: a folder (uncertainty.html) or a file that ends in .html.

@@ -324,7 +324,7 @@ fn iso_230_2_before_and_after_compensation() {
     for what in ["accuracy", "systematic", "reversal"] {
         assert!(document["compensated"]["both"][what].as_f64().unwrap().abs() < 1e-9, "{document}");
     }
-    // The table says what the standard requires more of.
+    // The table says that the standard requires more.
     let asked = "asks for five target positions a metre";
     assert!(!table.contains(asked), "{table}");
     directory.write("b.csv", "X_mm,+1,-1,+2,-2\n50,11,14,11,14\n");

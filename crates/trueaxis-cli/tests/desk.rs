@@ -85,7 +85,7 @@ mod served {
                 }
                 std::thread::sleep(Duration::from_millis(20));
             }
-            panic!("it goes on after Ctrl-C");
+            panic!("it continues after Ctrl-C");
         }
 
         /// A figure of `/proc/PID/status`.

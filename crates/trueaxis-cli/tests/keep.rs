@@ -128,7 +128,7 @@ fn one_ball() -> String {
 #[test]
 fn what_one_ball_tells_goes_round_by_round_into_the_tables_and_back() {
     let (folder, program) = begun(&one_ball());
-    assert!(!program.contains("M0\n"), "nobody stands beside it");
+    assert!(!program.contains("M0\n"), "the program must not pause for an operator");
     let drifted = Drift { offset_um: [6.0, 0.0, -9.0], ..Drift::default() };
     probe(&folder, &program, drifted);
     let before = folder.tree();
@@ -150,7 +150,7 @@ fn what_one_ball_tells_goes_round_by_round_into_the_tables_and_back() {
     let middle: f64 = folder.read("mill/x.csv").lines().nth(2).unwrap().split(',').nth(1).unwrap().parse().unwrap();
     assert!((middle - 9.0).abs() < 0.02, "{middle}");
     assert!(folder.read("mill/machine.toml").contains("# of my own hand"));
-    // The machine drifts further; re-probing finds what the tables leave, and adds it.
+    // The machine drifts further; re-probing finds the remaining error and adds it.
     probe(&folder, &program, Drift { offset_um: [6.0, 0.0, -14.0], ..Drift::default() });
     let second = folder.json(&keep("apply", &["--json"]));
     near(&term(&second, "offset Z")["value"], -5.0, 0.02);

@@ -155,7 +155,7 @@ fn vectors_through_the_vertical_leave_the_table_where_it_is() {
     assert!(rows.iter().any(|row| (row[10] - 90.0).abs() > 20.0) && rows.iter().all(|row| row[13] == 0.0));
 }
 
-/// Machine, direction, input, more arguments, what the error names.
+/// Machine, direction, input, more arguments, parts of the error.
 type Case<'a> = (&'a str, &'a str, &'a str, &'a [&'a str], &'a [&'a str]);
 
 #[test]

@@ -277,7 +277,7 @@ fn read_page(page: &str) -> (String, usize) {
     let mut svgs = 0;
     for svg in parsed.descendants().filter(|node| node.tag_name().name() == "svg") {
         assert_eq!(svg.tag_name().namespace(), Some("http://www.w3.org/2000/svg"));
-        let number = |text: &str| text.parse::<f64>().unwrap_or_else(|_| panic!("{text} is no number"));
+        let number = |text: &str| text.parse::<f64>().unwrap_or_else(|_| panic!("{text} is not a number"));
         let size: Vec<f64> = svg.attribute("viewBox").unwrap().split(' ').map(number).collect();
         for shape in svg.descendants() {
             for point in shape.attribute("points").unwrap_or_default().split_whitespace() {
@@ -408,7 +408,7 @@ fn warned(directory: &Folder, revolutions: usize, factors: [f64; 3], eccentricit
     warnings
 }
 
-/// A probe of reversed polarity, or 3 % off, leaves part of what the three have to cancel.
+/// A probe of reversed polarity, or 3 % off, leaves part of the signal that the three have to cancel.
 #[test]
 fn probes_that_contradict_one_another_are_told() {
     let directory = Folder::new(TRUEAXIS);

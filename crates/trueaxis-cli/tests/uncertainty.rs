@@ -83,7 +83,7 @@ fn the_sample_mill() {
     let not_stated = found["not_stated"].to_string();
     assert!(not_stated.contains("axis.X.uncertainty.scale_ppm") && !not_stated.contains("eve_um"), "{not_stated}");
     let page = fs::read_to_string(folder.join("out/uncertainty.html")).unwrap();
-    assert!(page.contains("What contributes") && page.contains("<svg") && page.contains("C0Y"));
+    assert!(page.contains("Contributions") && page.contains("<svg") && page.contains("C0Y"));
     // The same seed draws the same machines; the text shows both methods.
     assert_eq!(folder.json(&arguments), found);
     let text = folder.good(&["uncertainty", mill, "--trials", "500"]);

@@ -31,7 +31,7 @@ fn shape_of(shape: &[usize]) -> String {
     format!("shape ({}{})", lengths.join(", "), if shape.len() == 1 { "," } else { "" })
 }
 
-/// The first value that is no finite number of a sensible size is refused with its index.
+/// Refuses the first value that is not a finite number of a sensible size, with its index.
 fn check(values: &[f64], columns: Option<usize>, name: &str) -> PyResult<()> {
     let Some(at) = values.iter().position(|value| value.is_nan() || value.abs() > MOST) else { return Ok(()) };
     let place = columns.map_or(format!("{at}"), |columns| format!("{}, {}", at / columns, at % columns));

@@ -14,9 +14,9 @@ use trueaxis_evaluation::friction::pair;
 /// record: (n, 3), of a bar, columns angle_deg, deviation_um and direction (1 counterclockwise, -1 clockwise); or (n, 4),
 /// command and position in mm of the first axis, then of the second; or a file as the command reads. Rows of an array
 /// count from line 2. axes: the plane. pitch_x_mm, …: of periodic errors, else searched. traces=True adds arrays, one
-/// number a reading: angle_deg, direction, centred_um, the deviation about the circle's centre, and left_um, what the causes
-/// leave of it. machine: `written` says what would become of every setting found in it, by the rule of the command; compensated:
-/// the record was taken with its tables at work. Nothing is written.
+/// number a reading: angle_deg, direction, centred_um, the deviation about the circle's centre, and left_um, the residual of
+/// the causes. machine: `written` has the decision on every setting found, by the rule of the command; compensated: its tables
+/// corrected the machine during the record. Nothing is written.
 #[pyfunction]
 #[pyo3(signature = (record, *, radius_mm, axes = "X,Y", pitch_x_mm = None, pitch_y_mm = None, pitch_z_mm = None,
     machine = None, compensated = false, traces = false))]

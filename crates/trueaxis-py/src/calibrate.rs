@@ -25,13 +25,13 @@ fn read(path: &Path, notes: &mut Vec<String>) -> Result<Read> {
     Ok(Read { task, folder, name, machine })
 }
 
-/// The probing program of a task and how well it would tell every term: the document of `trueaxis calibrate plan --json`, and
-/// the program's text under `program_text`.
+/// The probing program of a task and the expected standard error of every term: the document of
+/// `trueaxis calibrate plan --json`, and the program's text under `program_text`.
 ///
-/// Standard errors are σ √((JᵀJ)⁻¹)_kk with the stated repeatability σ of a touch and J at the planned touches; units stand
+/// Standard errors are σ √((JᵀJ)⁻¹)_kk with the stated repeatability σ of a touch and J at the planned touches; units are
 /// beside them. task: a task.toml, docs/calibration.md; the machine's folder counts from it.
 ///
-/// Raises trueaxis.Error with file and line: a place out of the machine's travel, a set-up that cannot tell its terms apart.
+/// Raises trueaxis.Error with file and line: a place out of the machine's travel, a set-up that cannot separate its terms.
 #[pyfunction]
 pub(crate) fn calibrate_plan(py: Python<'_>, task: PathBuf) -> PyResult<Bound<'_, PyDict>> {
     let mut notes = Vec::new();
@@ -47,15 +47,16 @@ pub(crate) fn calibrate_plan(py: Python<'_>, task: PathBuf) -> PyResult<Bound<'_
 }
 
 /// The errors of a machine from the log of a probing program: the document of `trueaxis calibrate solve --json`, under `written`
-/// what is done about every value (key, old, found, written, None where what is stated stays, and why), and with files=True the
+/// the decision on every value (key, old, found, written, or None if the stated value stays, and why), and with files=True the
 /// machine's changed files under `files`, a dict of texts by name.
 ///
 /// One least-squares network of touches, places, sizes, tip and drift. Errors are actual − ideal, of the tool relative to the
 /// workpiece: µrad, µm, ppm by their names; standard errors under the same names. task: the one that the program was planned
-/// from. log: the control's, or a CSV id, x_mm, y_mm, z_mm[, a_deg, b_deg, c_deg], tripped. force: as --force, what was found takes the place of what the rule would write. Nothing is written.
+/// from. log: the control's, or a CSV id, x_mm, y_mm, z_mm[, a_deg, b_deg, c_deg], tripped. force:
+/// as --force, every value found instead of the rule's. Nothing is written.
 ///
 /// Raises trueaxis.Error with file and line: a log of another task, touches that are missing, doubled or off their artefact, an
-/// artefact outside its size, a drift above what is measured, terms that cannot be told apart.
+/// artefact outside its size, a drift larger than the measured errors, terms that cannot be separated.
 #[pyfunction]
 #[pyo3(signature = (task, log, *, files = false, force = false))]
 pub(crate) fn calibrate_solve(

@@ -16,7 +16,7 @@ pub(crate) fn dictionary<'py>(py: Python<'py>, document: &impl Serialize) -> PyR
     py.import("json")?.call_method1("loads", (text,))
 }
 
-/// What was decided about a machine, under `written` as in the documents of the commands; nothing without one.
+/// The decisions about a machine, under `written` as in the documents of the commands; nothing without a machine.
 pub(crate) fn with_decisions(document: &Bound<'_, PyDict>, written: Option<&[Decision]>) -> PyResult<()> {
     let Some(written) = written else { return Ok(()) };
     document.set_item("written", dictionary(document.py(), &written)?)
@@ -88,7 +88,7 @@ pub(crate) fn roundness<'py>(
     Ok(found)
 }
 
-/// Where to set three probes: the document of `trueaxis probe-angles --json`, the `count` best pairs of slots and, where
+/// Best angles of three probes: the document of `trueaxis probe-angles --json`, the `count` best pairs of slots and, if
 /// angles are given, that pair.
 #[pyfunction]
 #[pyo3(signature = (*, n, harmonics = None, p = None, q = None, phi2_deg = None, phi3_deg = None,

@@ -21,7 +21,7 @@ fn evaluated<'py, const C: usize, D: Serialize + Send>(
     decided(py, record, columns, None, |rows, name| Ok((evaluate(rows, name)?, Additions::default())))
 }
 
-/// Like [`evaluated`], with what would become of the findings in a machine.
+/// Like [`evaluated`], with the decision on every finding for a machine.
 fn decided<'py, const C: usize, D: Serialize + Send>(
     py: Python<'py>,
     record: &Bound<'py, PyAny>,
@@ -104,8 +104,8 @@ pub(crate) fn evaluate_thermal<'py>(
 
 /// Diagonal and step-diagonal tests after ISO 230-6: the document of `trueaxis evaluate step-diagonal --json`.
 ///
-/// record: a file, or a dict of arrays: diagonal, direction, x_mm, y_mm, z_mm, deviation_um[, run]. machine: `written` says what
-/// would become of every setting found in it, by the rule of the command. Nothing is written.
+/// record: a file, or a dict of arrays: diagonal, direction, x_mm, y_mm, z_mm, deviation_um[, run]. machine: `written` has the
+/// decision on every setting found, by the rule of the command. Nothing is written.
 #[pyfunction]
 #[pyo3(signature = (record, *, alignment_urad = None, machine = None))]
 pub(crate) fn evaluate_step_diagonal<'py>(
@@ -124,8 +124,8 @@ pub(crate) fn evaluate_step_diagonal<'py>(
 /// R-test after ISO 10791-6, location errors of the rotary axes: the document of `trueaxis evaluate r-test --json`.
 ///
 /// record: a file, or a dict of arrays: x_mm, y_mm, z_mm[, a_deg, b_deg, c_deg], dx_um, dy_um, dz_um[, ball]. tool_mm: the
-/// nest's centre, else the machine's. without: location errors that keep the machine's values, as "EX0C". `written` says what
-/// would become of every location error found in the machine; it is left out for a compiled one. Nothing is written.
+/// nest's centre, else the machine's. without: location errors that keep the machine's values, as "EX0C". `written` has the
+/// decision on every location error found; it is absent for a compiled machine. Nothing is written.
 #[pyfunction]
 #[pyo3(signature = (record, *, machine, tool_mm = None, without = Vec::new(), free_sensor = false))]
 pub(crate) fn evaluate_r_test<'py>(
@@ -153,7 +153,7 @@ pub(crate) fn evaluate_r_test<'py>(
 /// The 21 errors of X, Y, Z from measured coordinates: the document of `trueaxis evaluate points --json`.
 ///
 /// record: a file, or a dict of arrays: x_mm, y_mm, z_mm, actual_x_mm, actual_y_mm, actual_z_mm[, u_um][, tool_x_mm …].
-/// machine: its chain, offsets and tool are taken. nodes: of the tables of X, Y, Z. without: angular errors left at zero.
+/// machine: states chain, offsets and tool. nodes: of the tables of X, Y, Z. without: angular errors left at zero.
 #[pyfunction]
 #[pyo3(signature = (record, *, machine, nodes = None, without = Vec::new()))]
 pub(crate) fn evaluate_points<'py>(

@@ -15,10 +15,10 @@ use trueaxis_tables::formats::write_axis_csv;
 /// `trueaxis identify --json`, and with table=True the axis' table as CSV text under `table`.
 ///
 /// readings: (n, 6), columns angle_deg, l_mm, h_mm, dx_um, dy_um, dz_um, or a file of these; rows of an array count from line 2.
-/// axis: "A", "B" or "C". machine: its sense of the axis is taken and its linear axes' own errors are removed, with X, Y, Z at
+/// axis: "A", "B" or "C". machine: states the sense of the axis, and its linear axes' own errors are removed, with X, Y, Z at
 /// start_mm in the first set-up at the first angle. free_offsets: the gauges were zeroed in every set-up. With a machine that is
-/// no compiled file `written` says what would become of every error in it as its files are now: key, old, found, written, None
-/// where what is stated stays, and why. Nothing is written.
+/// not a compiled file `written` has the decision on every error for its files as they are now: key, old, found, written
+/// (None if the stated value stays), and why. Nothing is written.
 #[pyfunction]
 #[pyo3(signature = (readings, *, axis, machine = None, start_mm = None, free_offsets = false, table = false))]
 pub(crate) fn identify<'py>(
@@ -37,7 +37,7 @@ pub(crate) fn identify<'py>(
         found => return Err(Error::new_err(format!("axis: found {found:?}, needed \"A\", \"B\" or \"C\""))),
     };
     if start_mm.is_some() && machine.is_none() {
-        return Err(Error::new_err("start_mm: found no machine, needed the one that stands there"));
+        return Err(Error::new_err("start_mm: found no machine, needed the one measured"));
     }
     if let Some(value) = start_mm.iter().flatten().find(|value| value.is_nan() || value.abs() > 1e6) {
         return Err(Error::new_err(format!("start_mm: found {value}, needed a finite number of at most 1e6 mm")));
@@ -74,9 +74,9 @@ pub(crate) fn identify<'py>(
 /// toml=True the sections of a machine.toml under `toml`.
 ///
 /// record: (n, 5), time in s, then command and reading in mm of the first axis and of the second, or a file as the command
-/// reads; rows of an array count from line 2. axes: as "X,Y". machine: the figures of its drives are taken, unless find_drive;
-/// `written` says what would become of every figure in it, as that of `identify` does. Nothing is written. read_after_us: how
-/// long after the command of its row takes effect the encoder is read, beside a drive that is found.
+/// reads; rows of an array count from line 2. axes: as "X,Y". machine: states the figures of its drives, unless find_drive;
+/// `written` has the decision on every figure, as that of `identify`. Nothing is written. read_after_us: time of the
+/// encoder's reading after the command of its row takes effect, for a drive found here.
 #[pyfunction]
 #[pyo3(signature = (record, *, axes, machine = None, find_drive = false, read_after_us = None, toml = false))]
 pub(crate) fn friction<'py>(

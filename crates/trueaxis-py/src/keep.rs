@@ -1,4 +1,4 @@
-//! A machine that keeps itself true: looks at balls that stay, by the code of `trueaxis keep`.
+//! A machine that keeps itself true: re-probings of balls that stay in place, by the code of `trueaxis keep`.
 
 use crate::{Error, NeedsPerson, documents, told, warn};
 use anyhow::{Result, anyhow};
@@ -22,7 +22,7 @@ fn time_of(time: Option<String>) -> PyResult<Option<String>> {
     time.map_err(Error::new_err)
 }
 
-/// A look with its arguments.
+/// A re-probing with its arguments.
 struct Asked {
     task: PathBuf,
     log: PathBuf,
@@ -44,7 +44,7 @@ impl Asked {
         Log { file: &self.log, text, time: self.time.clone(), parts: self.parts }
     }
 
-    /// Writes what a look enters and changes.
+    /// Writes the history entry and the changes of a re-probing.
     fn put(&self, state: &State, taken: &Taken) -> Result<()> {
         let mut outputs = Outputs::of([&self.task, &self.log]);
         state.stage(&mut outputs, &state.written(&taken.entry, &taken.files)?)?;
@@ -52,20 +52,20 @@ impl Asked {
     }
 }
 
-/// A look's document, with a sentence on each change under `changes`.
+/// The document of a re-probing, with a sentence on each change under `changes`.
 fn document<'py>(py: Python<'py>, taken: &Taken) -> PyResult<Bound<'py, PyDict>> {
     let document = documents::dictionary(py, &taken.document)?.cast_into::<PyDict>()?;
     document.set_item("changes", &taken.changes)?;
     Ok(document)
 }
 
-/// The program of a look at the balls of a task and how well it would tell every term: the document of `trueaxis keep plan
+/// The re-probing program of a task and the expected standard error of every term: the document of `trueaxis keep plan
 /// --json`, and the program's text under `program_text`.
 ///
-/// Standard errors are those of a look that takes the balls' places at the beginning as known; bounds stand beside them, in
-/// the same unit. task: a keep.toml, docs/calibration.md; the machine's folder counts from it.
+/// Standard errors are those of a re-probing that takes the balls' places at the beginning as known; the bounds have the
+/// same unit. task: a keep.toml, docs/calibration.md; the machine's folder counts from it.
 ///
-/// Raises trueaxis.Error with file and line: balls that do not tell the terms apart, a bound below what they can tell.
+/// Raises trueaxis.Error with file and line: balls that do not separate the terms, a bound below the smallest change that they show.
 #[pyfunction]
 pub(crate) fn keep_plan(py: Python<'_>, task: PathBuf) -> PyResult<Bound<'_, PyDict>> {
     let planned = noting(py, |notes| {
@@ -77,7 +77,8 @@ pub(crate) fn keep_plan(py: Python<'_>, task: PathBuf) -> PyResult<Bound<'_, PyD
     Ok(document)
 }
 
-/// Takes a first look, from which everything is counted, and enters it in the history: `trueaxis keep begin`; its document.
+/// Evaluates the first re-probing, with which all later ones are compared, and records it in the history: the document of
+/// `trueaxis keep begin`.
 ///
 /// Nothing of the machine changes; keep/history.jsonl in its folder gets a line. time: when it was probed, UTC,
 /// "2026-05-04T06:00:00Z"; parts: made until then, as the control counts them.
@@ -103,12 +104,12 @@ pub(crate) fn keep_begin(
     document(py, &taken)
 }
 
-/// What a look would change, and why: the document of `trueaxis keep check --json`, with a sentence on each change under
+/// The changes that a log would make, and why: the document of `trueaxis keep check --json`, with a sentence on each under
 /// `changes`, and with files=True the machine's changed files under `files`, a dict of texts by name. Nothing is written.
 ///
-/// Every term: what the tables leave of it with its standard error, the sum of the updates before and after (`from`, `to`), the
+/// Every term: its remainder after the tables with its standard error, the sum of the updates before and after (`from`, `to`), the
 /// bounds, and the verdict `keep`, `update` or `refused` with its `reason`; `refused` counts those that need a person. accept:
-/// terms that may be out of their bounds; by_hand: tables that are not as the history left them are taken.
+/// terms that may be out of their bounds; by_hand: accepts tables that are not as the history left them.
 ///
 /// Raises trueaxis.Error with file and line: no beginning, a log of another task or taken before, tables changed by hand.
 #[pyfunction]
@@ -139,12 +140,12 @@ pub(crate) fn keep_check(
     Ok(document)
 }
 
-/// Changes what a look says and enters it in the history: `trueaxis keep apply`; its document, with `applied` and `changes`.
+/// Applies the changes and records them in the history: the document of `trueaxis keep apply`, with `applied` and `changes`.
 ///
-/// Files are written whole or not at all, as the command writes them: what is replaced is kept in keep/NUMBER, tcomp and ttherm
-/// are compiled anew. Arguments as those of keep_check.
+/// Files are written whole or not at all, as the command writes them: replaced files are kept in keep/NUMBER, tcomp and ttherm
+/// are recompiled. Arguments as those of keep_check.
 ///
-/// Raises trueaxis.NeedsPerson where a term is out of its bounds: nothing is written. Raises trueaxis.Error as keep_check does,
+/// Raises trueaxis.NeedsPerson if a term is out of its bounds: nothing is written. Raises trueaxis.Error as keep_check does,
 /// and while another command changes the machine.
 #[pyfunction]
 #[pyo3(signature = (task, log, *, time = None, parts = None, accept = Vec::new(), by_hand = false))]
@@ -174,12 +175,12 @@ pub(crate) fn keep_apply(
     }
 }
 
-/// Puts the machine's files back to where they were before an entry of the history: `trueaxis keep undo`; the entry that it
-/// makes, as keep_history has it.
+/// Restores the machine's files as they were before an entry of the history: `trueaxis keep undo`; returns the new entry,
+/// as keep_history has it.
 ///
-/// entry: the first that is taken back, with all behind it; None for the last update in effect.
+/// entry: the first to undo, with all after it; None for the last update in effect.
 ///
-/// Raises trueaxis.Error: nothing to take back, tables changed by hand, copies that are missing or damaged.
+/// Raises trueaxis.Error: nothing to undo, tables changed by hand, copies that are missing or damaged.
 #[pyfunction]
 #[pyo3(signature = (task, entry = None, *, time = None, by_hand = false))]
 pub(crate) fn keep_undo(

@@ -25,7 +25,7 @@ fn table<'py>(py: Python<'py>, values: Vec<f64>, width: usize) -> PyResult<Bound
 
 #[pymethods]
 impl Machine {
-    /// The tool in workpiece coordinates where the axes stand: tip (n, 3), mm, tool axis (n, 3), a unit vector from the tip to
+    /// The tool in workpiece coordinates at axis positions: tip (n, 3), mm, tool axis (n, 3), a unit vector from the tip to
     /// the spindle, and singularity margin (n,), degrees: the columns of `trueaxis kinematics forward`.
     ///
     /// positions: (n, 3) or the machine's columns. tool_mm: the tip from the last tool-side frame at all axes zero, in place
@@ -53,12 +53,12 @@ impl Machine {
         Ok((table(py, tips, 3)?, table(py, tools, 3)?, PyArray1::from_vec(py, margins)))
     }
 
-    /// Where the axes stand for a tool: positions (n, columns), branch (n,), 1 or 2, singularity margin (n,) and direction
+    /// Axis positions for a tool: positions (n, columns), branch (n,), 1 or 2, singularity margin (n,) and direction
     /// error (n,), degrees: the columns of `trueaxis kinematics inverse`. The direction error is 0 outside the machine's
     /// singular cone.
     ///
     /// tip, tool: (n, 3). branch: "nearest" to the row before (the first to `start`, angles of the rotary axes in the order A,
-    /// B, C), "1" or "2". max_step_deg: refuses a change of branch (but through the singular pose), and a larger step of a
+    /// B, C), "1" or "2". max_step_deg: refuses a change of branch (except through the singular pose), and a larger step of a
     /// rotary axis from row to row.
     #[pyo3(signature = (tip, tool, *, branch = "nearest", start = None, max_step_deg = None, tool_mm = None))]
     fn inverse<'py>(
@@ -121,7 +121,7 @@ impl Machine {
     }
 }
 
-/// Displacements of five axes that stand a tool normal to the flank of a helical gear: the document of
+/// Displacements of five axes that keep a tool normal to the flank of a helical gear: the document of
 /// `trueaxis helicoid --json`, and with gcode=True the program under `program`.
 ///
 /// The arguments are the command's options with underscores; ranges are texts START:STOP:COUNT:

@@ -1,4 +1,4 @@
-//! The Python module: arrays in, the crates' functions, arrays out. It holds no formula of its own.
+//! The Python module: arrays in, the crates' functions, arrays out. It contains no formula.
 //!
 //! The interpreter's lock is released during computation.
 
@@ -24,14 +24,14 @@ create_exception!(
     trueaxis,
     Error,
     PyValueError,
-    "Input that was refused: where, what was found, what is needed, in the words of the command line."
+    "Refused input: place, value found and value needed, in the words of the command line."
 );
 
 create_exception!(
     trueaxis,
     NeedsPerson,
     Error,
-    "A term of a look is out of its bounds: nothing is changed, and a person has to look; exit code 3 of `trueaxis keep`."
+    "A term of a re-probing is out of its bounds: nothing is changed, and a person has to decide; exit code 3 of `trueaxis keep`."
 );
 
 /// An error of the crates as the exception of the module.
@@ -39,7 +39,7 @@ fn told<T>(result: anyhow::Result<T>) -> PyResult<T> {
     result.map_err(|error| Error::new_err(format!("{error:#}")))
 }
 
-/// Raises as a Python warning what the command line prints as a note.
+/// Raises a note of the command line as a Python warning.
 fn warn(py: Python<'_>, note: &str) -> PyResult<()> {
     let text = std::ffi::CString::new(note.replace('\0', " "))?;
     PyErr::warn(py, &py.get_type::<pyo3::exceptions::PyUserWarning>(), &text, 1)

@@ -40,7 +40,7 @@ pub(crate) struct Asked {
 impl Machine {
     /// Reads and checks a machine: a machine.toml, its folder, or a compiled .tcomp.
     ///
-    /// Raises trueaxis.Error with file, line, what was found and what is needed.
+    /// Raises trueaxis.Error with file, line, the value found and the value needed.
     #[staticmethod]
     fn load(py: Python<'_>, path: PathBuf) -> PyResult<Machine> {
         let mut notes = Vec::new();
@@ -86,7 +86,7 @@ impl Machine {
 
     /// Error of the tool tip at commanded positions, actual − ideal, µm: an array (n, 3).
     ///
-    /// positions: (n, 3) or the machine's columns, mm and degrees; rotary axes left out stand at 0. model: "nine", "volumetric"
+    /// positions: (n, 3) or the machine's columns, mm and degrees; omitted rotary axes are at 0. model: "nine", "volumetric"
     /// or "exact" (transforms). reverse: all axes in negative travel; in_order: as the drives come from row to row. Columns
     /// ex_um, ey_um, ez_um of `trueaxis compensate`. Beyond a table's end its edge value is clamped, with a warning.
     #[pyo3(signature = (positions, *, model = None, reverse = false, in_order = false, temperature_c = None))]
@@ -122,7 +122,7 @@ impl Machine {
 
     /// Corrections of commanded positions: an array of the shape of `positions`, mm and degrees, to be added to them.
     ///
-    /// positions + correction is where the axes must be sent so that the tool stands at the position: columns cx_mm, cy_mm,
+    /// positions + correction is where the axes must be sent so that the tool is at the position: columns cx_mm, cy_mm,
     /// cz_mm of `trueaxis compensate`. orientation: the rotary axes correct the tool's direction, columns ca_deg, cb_deg,
     /// cc_deg of `--orientation`. The other arguments are those of `error`.
     #[pyo3(signature = (positions, *, model = None, reverse = false, in_order = false, temperature_c = None,
@@ -149,15 +149,15 @@ impl Machine {
         asked.corrections(py)
     }
 
-    /// How well the corrected position is known: the document of `trueaxis uncertainty --json`.
+    /// Uncertainty of the corrected position: the document of `trueaxis uncertainty --json`.
     ///
-    /// Σ = Σ_k s_k s_kᵀ, s_k what one standard uncertainty of a figure k moves the tip; beside it machines drawn at random. µm,
+    /// Σ = Σ_k s_k s_kᵀ, s_k the displacement of the tip by one standard uncertainty of figure k; beside it machines drawn at random. µm,
     /// along X, Y, Z of the machine: standard_um, expanded_um = factor · standard_um, and radius_um of the sphere that holds the
-    /// tip. at: also this position, X, Y, Z in mm, then the rotary axes in degrees. volume_mm: [low, high] of X, Y, Z, None for
+    /// tip. at: also evaluates this position, X, Y, Z in mm, then the rotary axes in degrees. volume_mm: [low, high] of X, Y, Z, None for
     /// the travel. pose_deg: angles of rotary axes over the volume, {"A": 30}. points along each linear axis, 2 to 51;
     /// confidence, 50 to 99.99 %; trials, machines drawn; seed, the same machines.
     ///
-    /// Raises trueaxis.Error where the machine's files state no uncertainty, or an argument is out of its range.
+    /// Raises trueaxis.Error if the machine's files state no uncertainty, or an argument is out of its range.
     #[pyo3(signature = (*, at = None, volume_mm = None, pose_deg = None, points = 9, confidence = 95.0, trials = 10_000,
         seed = 1))]
     fn uncertainty<'py>(
@@ -211,8 +211,8 @@ pub(crate) fn columns(machine: &trueaxis_tables::Machine) -> impl Iterator<Item 
     Axis::ALL.into_iter().filter(|axis| !axis.is_rotary() || machine.settings.axis(*axis).is_some())
 }
 
-/// Decides what would become of the findings of a record in a machine as its files are now, by the rule of the commands, and
-/// writes nothing. `None` without a machine, for a compiled one, which states nothing, and, with a note, if the machine could
+/// Decides on the findings of a record for a machine as its files are now, by the rule of the commands, and writes
+/// nothing. `None` without a machine, for a compiled one, which states nothing, and, with a note, if the machine could
 /// not take them.
 pub(crate) fn decided(
     machine: Option<&Machine>,

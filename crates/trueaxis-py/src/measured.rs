@@ -1,4 +1,4 @@
-//! What was measured: a file as the command line reads it, or an array.
+//! Measurements: a file as the command line reads it, or an array.
 
 use crate::{Error, arrays};
 use pyo3::prelude::*;
@@ -10,7 +10,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 use trueaxis_evaluation::rows::{Column, Rows};
 
-/// A file, or an array as the text of one: what reads it says the line of what is wrong.
+/// A file, or an array as the text of one, so that errors name the line.
 pub(crate) enum Measured {
     File(PathBuf),
     Text { name: &'static str, text: String },

@@ -50,8 +50,8 @@ impl Path {
     /// actual: (n, 3), mm; segment and u: (n,), where the reference is. Gives the columns of `trueaxis contour` as arrays:
     /// segment and u of the foot, error_um (its distance), vector_um (n, 3; actual − foot), evaluations, bracketed.
     ///
-    /// Raises trueaxis.Error with the row: a reference that is not on the path, a coordinate that stands still while the path
-    /// goes on along it.
+    /// Raises trueaxis.Error with the row: a reference that is not on the path, a coordinate that does not change while the
+    /// path moves along it.
     #[pyo3(signature = (segment, u, actual, *, max_lag_mm = 1.0, method = "guarded"))]
     fn contour_error<'py>(
         &self,

@@ -17,7 +17,7 @@ use trueaxis_sim::run::{Column, Document, Kind, Moment, Run, Sample, columns};
 use trueaxis_sim::scenario::choose_model;
 use trueaxis_sim::{Scenario, Settings};
 
-/// Cycles between two looks at the keyboard.
+/// Cycles between two checks for a keyboard interrupt.
 const STRETCH: u64 = 1 << 15;
 
 /// A part program, read and checked.
@@ -35,7 +35,7 @@ impl Program {
 
     /// Reads a G-code file, or a shipped program by its name: `--program` of `firmware-sim run`.
     ///
-    /// tool_table: LinuxCNC's; offsets: its parameter file, or a .toml; block_delete leaves out the lines that begin with `/`.
+    /// tool_table: LinuxCNC's; offsets: its parameter file, or a .toml; block_delete skips the lines that begin with `/`.
     #[staticmethod]
     #[pyo3(signature = (path, *, tool_table = None, offsets = None, block_delete = false))]
     fn load(
@@ -144,14 +144,14 @@ impl Trace {
     }
 }
 
-/// Simulates a program on a machine: the document of `firmware-sim run --json` but for what a clock measures.
+/// Simulates a program on a machine: the document of `firmware-sim run --json` without measured times.
 ///
 /// scenario: the text of a scenario file; settings: any of its keys over it, as `--set` ({"drive.dead_time_s": 0.001});
 /// rate_hz, seed, temperature_c, origin_mm: the same over those; faults and events join the scenario's, an event
 /// `exchange:NAME@2s` takes its machine from `exchanges`. learned: a .tlearn file. kinds: the machines to simulate side by
-/// side, some of uncompensated, compensated, servo_only, full, configured; left out, those of the command.
+/// side, some of uncompensated, compensated, servo_only, full, configured; by default those of the command.
 ///
-/// trace_every: keep every so many cycles; `trace` of the document then has, for every machine, the columns of trace.csv
+/// trace_every: keep every Nth cycle; `trace` of the document then has, for every machine, the columns of trace.csv
 /// (trace-full.csv) as arrays, not rounded.
 ///
 /// The same arguments give the same bits. The interpreter's lock is released; simulations in several threads run side by side.

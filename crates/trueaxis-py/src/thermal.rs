@@ -13,10 +13,10 @@ use trueaxis_evaluation::thermal::{COLUMNS, Found, Recording, settings, written}
 /// e = c + Σ_j [O_j(θ_j) + S_j(θ_j) (q − q0)] + Σ_k x_k (G_k + Θ_k L), θ_j' = (T_j − θ_j)/τ_j, x_k' = (h_k(n) − x_k)/τ; drift of
 /// the tool relative to the workpiece, actual − ideal, µm. record: a file, or a dict of arrays: t_s, cycle, T1_c[, …, T16_c]
 /// [, spindle_rpm], ex_um[, ey_um, ez_um][, x_mm, y_mm, z_mm, tool_mm]; a row of them counts from line 2. machine: its reference
-/// temperature and datums, else 20 °C and 0 mm. hold_out: cycles that take no part in the fit, else the last. without: sensors
-/// to leave out, "T3".
+/// temperature and datums, else 20 °C and 0 mm. hold_out: cycles to exclude from the fit, else the last. without: sensors
+/// to omit, "T3".
 ///
-/// Rows missing where the others are even stand under `missing`, each with a warning.
+/// Rows missing from an otherwise even record are under `missing`, each with a warning.
 ///
 /// Raises trueaxis.Error with line and column: a sensor that jumps, sticks or is missing, rows missing for longer than a lag, a
 /// record in which nothing moves.

@@ -1,5 +1,5 @@
 //! The step's outputs to the last bit: the same inputs give the same outputs, on every host and from one version to the
-//! next. Whoever means to change a number writes the new digests here; the bare-metal image is held to the same ones by
+//! next. A change of a number needs new digests here; the bare-metal image is compared with the same ones by
 //! `firmware-sim/cortex-m`.
 
 use trueaxis::contour::Method;
@@ -19,7 +19,7 @@ const CYCLES: u32 = 4000;
 struct Case {
     model: ErrorModel,
     interpolation: Interpolation,
-    /// Points of the tables stand unevenly.
+    /// Points of the tables are unevenly spaced.
     free: bool,
     parts: Option<ServoParts>,
     method: Method,

@@ -71,7 +71,7 @@ fn recording(gauge: bool) -> Vec<u8> {
 fn what_is_written_is_read() {
     for gauge in [false, true] {
         let mut bytes = recording(gauge);
-        // A region of flash is longer than what is in it.
+        // A region of flash is longer than its content.
         bytes.extend([0xff; 1000]);
         let read = Recording::<3>::parse(&bytes).unwrap();
         assert_eq!((read.header().cycles, read.header().machine_id), (100, 77));
@@ -83,7 +83,7 @@ fn what_is_written_is_read() {
         assert_eq!(read.cycle(100), None);
         let path: Vec<Span<f64, f64>> = read.path().collect();
         assert_eq!(path, spans::<f64, f64>());
-        // The rounded path is what the conversion makes in that scalar.
+        // The rounded path is the result of the conversion in that scalar.
         let rounded: Vec<Span<f32, Nanometres>> = read.path().collect();
         assert_eq!(rounded, spans::<f32, Nanometres>());
     }

@@ -14,11 +14,11 @@ pub const GREY: Colour = Colour(150, 156, 165);
 pub const UNCOMPENSATED: Colour = Colour(213, 94, 0);
 /// With compensation.
 pub const COMPENSATED: Colour = Colour(0, 90, 170);
-/// The servo on a geometrically perfect machine.
+/// Perfect geometry.
 pub const SERVO: Colour = Colour(0, 140, 100);
-/// Corrections and latencies: none of the three runs.
+/// Corrections and latencies, which belong to no run.
 pub const NEUTRAL: Colour = Colour(92, 72, 150);
-/// A fourth curve beside the three of [`AXES`]; the full run beside the three.
+/// A fourth curve beside the three of [`AXES`]; the full run.
 pub const FOURTH: Colour = Colour(130, 70, 160);
 /// Limits, budgets, periods, suppressed harmonics.
 pub const LIMIT: Colour = Colour(160, 20, 40);

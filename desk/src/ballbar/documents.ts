@@ -41,10 +41,10 @@ export interface Evaluated {
 
 export type Axes = "X,Y" | "Z,X" | "Y,Z" | "Y,X" | "X,Z" | "Z,Y";
 
-/** What is to be known beside the record. */
+/** Settings that the record does not contain. */
 export interface Request {
   radius_mm: number;
   axes: Axes;
-  /** Of X, Y, Z; null is searched. */
+  /** Pitches of X, Y, Z; null: searched. */
   pitches_mm: [number | null, number | null, number | null];
 }

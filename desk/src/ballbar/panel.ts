@@ -51,17 +51,17 @@ export class Ballbar {
       });
     });
     this.pitches = pitches.map(({ input }) => input);
-    this.corrected = tick("The machine's tables corrected it while the circles were run: what was found is added to them", false, (compensated) => {
+    this.corrected = tick("The machine's tables corrected it during the circles: add the errors found to them", false, (compensated) => {
       this.compensated = compensated;
       void this.settings();
     });
-    this.into = new IntoMachine(desk, "What the circles tell", this.corrected.root);
+    this.into = new IntoMachine(desk, "Errors found by the circular test", this.corrected.root);
     const files = picker("Open a record", { accept: ".csv,.txt,.bin" }, (given) => this.take(given), desk.fail);
     const form = el("small", {}, "or drop one: angle_deg,deviation_um,direction of a bar; x_cmd_mm,x_mm,y_cmd_mm,y_mm; lines of LinuxCNC's halsampler; telemetry");
     root.append(
       section(
         "Record",
-        el("div", { class: "source" }, group("Recorded circles about one centre", files, form), group("What is to be known beside it", this.radius.root, this.plane.root), group("Pitch of periodic errors", ...pitches.map((field) => field.root))),
+        el("div", { class: "source" }, group("Recorded circles about one centre", files, form), group("Data of the circles", this.radius.root, this.plane.root), group("Pitch of periodic errors", ...pitches.map((field) => field.root))),
         el("div", { class: "row" }, this.status),
         this.command.root,
       ),
@@ -74,7 +74,7 @@ export class Ballbar {
       this.describe();
       void this.settings();
     });
-    desk.bench.onRestart(() => this.forget("The record went with the computation: drop it again."));
+    desk.bench.onRestart(() => this.forget("The record was lost with the computation: drop it again."));
     this.describe();
   }
 
@@ -133,7 +133,7 @@ export class Ballbar {
     }
   }
 
-  /** What the machine that is shown would get. */
+  /** The changes that the machine shown would get. */
   private async settings(): Promise<void> {
     if (this.into.root.hidden) return;
     const turn = this.latest;

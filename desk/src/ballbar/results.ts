@@ -56,12 +56,12 @@ export class Results {
     );
   }
 
-  /** The deviation and what is left, each in a scale of its own. */
+  /** The deviation and its residual, each with its own scale. */
   private draw(plane: string, traces: Trace[]): void {
     const axes = [plane[0] ?? "X", plane[1] ?? "Y"] as const;
     const cells = el("div", { class: "grid" });
     this.curves.replaceChildren(keys(traces.map(way)), cells);
-    const plots = [["Seen from the circle's centre", "deviation_um"], ["What the causes leave of it", "left_um"]] as const;
+    const plots = [["Seen from the circle's centre", "deviation_um"], ["Residual of the causes", "left_um"]] as const;
     for (const [title, part] of plots) {
       const series = traces.map((trace): PolarSeries => ({ ...way(trace), angle_deg: trace.angle_deg, value_um: trace[part] }));
       new Polar(cells, title, axes, series, largest(series));

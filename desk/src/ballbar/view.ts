@@ -16,7 +16,7 @@ export const view: View = {
   state: () => ballbar?.state,
   open: async (state) => {
     const kept = state as Partial<Kept> | null;
-    if (!kept?.request || kept.compensated === undefined) throw new Error("ballbar: found a state without what belongs to a record, needed one that this page saved");
+    if (!kept?.request || kept.compensated === undefined) throw new Error("ballbar: found a state without the settings of a record, needed one that this page saved");
     ballbar?.open(kept as Kept);
   },
 };

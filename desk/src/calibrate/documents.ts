@@ -2,7 +2,7 @@
 
 import type { Becomes } from "../core/becomes";
 
-/** A term, and its bounds where it may be changed within some. */
+/** A term, with bounds if it may only change within them. */
 export interface Expected {
   name: string;
   standard_error: number;

@@ -19,7 +19,7 @@ export interface Log {
   text: string;
 }
 
-/** What a kind of task is called, and what of it differs. */
+/** Names and differences of a kind of task. */
 export interface Words {
   /** The module's export, and the command. */
   plan: "calibrate_plan" | "keep_plan";
@@ -28,11 +28,11 @@ export interface Words {
   task: string;
   program: string;
   sample: string;
-  /** What stands over the task, and what may be dropped. */
+  /** The heading above the task, and the files that may be dropped. */
   label: string;
   hint: string;
   accept: string;
-  /** What is put into the machine, and what is said without a log. */
+  /** Name of the result that the machine gets, and the text shown without a log. */
   what: string;
   without: string;
 }
@@ -41,7 +41,7 @@ const DESCRIPTION = "machine.toml";
 
 export abstract class Probing {
   protected name: string;
-  /** A machine that was dropped with the task, as one without tables, which no other view shows. */
+  /** A machine dropped with the task, such as one without tables; no other view shows it. */
   protected own: Files | undefined;
   protected log: Log | undefined;
   protected planned: Planned | undefined;
@@ -107,10 +107,10 @@ export abstract class Probing {
   /** Solves a log; nothing is shown once `turn` is not the latest any more. */
   protected abstract found(turn: number, files: string, task: string, log: Log): Promise<void>;
   protected abstract clear(): void;
-  /** The command on a log, after the names of task and log. */
+  /** The command for a log, from the names of task and log. */
   protected abstract command(task: string, log: string): string;
 
-  /** What a view keeps beside the task from dropped files; true where it has taken this one. */
+  /** Lets a view keep a dropped file beside the task; true if it has taken the file. */
   protected takes(_name: string, _content: string): boolean {
     return false;
   }
@@ -153,9 +153,9 @@ export abstract class Probing {
     void this.work();
   }
 
-  /** A log that was refused. */
+  /** Shows that a log was refused. */
   protected fails(log: Log, error: unknown): void {
-    this.solved.textContent = `${log.name} tells nothing.`;
+    this.solved.textContent = `${log.name} could not be evaluated.`;
     this.clear();
     this.into.root.hidden = true;
     this.desk.fail(error);
@@ -165,7 +165,7 @@ export abstract class Probing {
     return turn === this.latest;
   }
 
-  /** Plans the task, and solves the log where there is one. */
+  /** Plans the task, and solves the log if one is open. */
   protected async work(): Promise<void> {
     const turn = ++this.latest;
     this.into.begin();
@@ -189,7 +189,7 @@ export abstract class Probing {
     else this.idle();
   }
 
-  /** No log is open. */
+  /** Closes the log. */
   protected idle(): void {
     this.solved.textContent = this.words.without;
     this.into.root.hidden = true;
@@ -201,11 +201,11 @@ export abstract class Probing {
     this.refused.hidden = true;
     const { machine, touches, minutes, terms, rank, condition, warnings } = planned.foreseen;
     const network = rank === undefined ? "." : ` without set-ups. Rank ${rank}, condition ${significant(condition ?? 0, 2)}.`;
-    this.about.textContent = [`${machine}: ${touches} touches, about ${Math.ceil(minutes)} minutes${network}`, ...planned.notes].join(" ");
+    this.about.textContent = [`${machine}: ${touches} touches, about ${Math.ceil(minutes)} ${Math.ceil(minutes) === 1 ? "minute" : "minutes"}${network}`, ...planned.notes].join(" ");
     const bounds = terms.some(({ largest_total }) => largest_total !== undefined);
     const row = ({ name, standard_error, unit, largest_update, largest_total }: Expected): Cell[] => [name, shown(standard_error, 2), ...(bounds ? [shown(largest_update ?? 0, 2), shown(largest_total ?? 0, 2)] : []), unit];
     this.expected.replaceChildren(
-      table("How well every term would be known", ["term", "expected standard error", ...(bounds ? ["at most at once", "in all"] : []), "unit"], terms.map(row)),
+      table("Expected standard error of every term", ["term", "expected standard error", ...(bounds ? ["at most at once", "in all"] : []), "unit"], terms.map(row)),
       notes("Notes", warnings ?? []),
     );
   }

@@ -37,7 +37,7 @@ export class Results {
       table("Network", ["", "value"], [
         ["sigma of a touch / µm", shown(d.sigma_um, 3)],
         ["stated / µm", shown(d.repeatability_um, 3)],
-        ["what is measured / µm RMS", shown(d.signal_um, 3)],
+        ["measured / µm RMS", shown(d.signal_um, 3)],
         ["degrees of freedom", whole(d.degrees_of_freedom)],
         ["unknowns, rank", whole(d.rank)],
         ["condition", shown(d.condition, 2)],
@@ -54,7 +54,7 @@ export class Results {
   private drawResiduals({ residuals: { residual_um, sigma_um, visits } }: Found): void {
     this.residuals.replaceChildren();
     const plot = new Plot(this.residuals, {
-      title: "What is left of every touch",
+      title: "Residual of every touch",
       x: "touch",
       y: "residual / µm",
       height: 240,
@@ -87,7 +87,7 @@ export class Results {
     this.drift.replaceChildren();
     if (drift.length < 2) return;
     const plot = new Plot(this.drift, {
-      title: "Drift of the reference from its first look on",
+      title: "Drift of the reference from its first probing on",
       x: "time without pauses / min",
       y: "drift / µm",
       series: XYZ.map((letter, i) => ({ name: letter, colour: colour(letter), dash: DASHES[i]!, dots: true, unit: "µm" })),

@@ -5,13 +5,13 @@ import { button, el, notes, section, table, type Cell } from "./dom";
 import { adopt, type Files } from "./machine";
 import { shown } from "./number";
 
-/** The machine with what was found, as the module gives it. */
+/** The machine with the results, as the module returns it. */
 export interface Becomes {
   files: Files;
   settings: { key: string; before: number; after: number; uncertainty: number | null }[];
   changes: boolean;
   notes: string[];
-  /** Of the machine, where it is not the one that is shown. */
+  /** Name of the machine, if it is not the one shown. */
   name?: string;
 }
 
@@ -22,10 +22,10 @@ export class IntoMachine {
   private readonly put: HTMLButtonElement;
   private becomes: Becomes | undefined;
   private taken = false;
-  /** Called when a machine has it. */
+  /** Called once a machine has the results. */
   whenDone: () => void = () => {};
 
-  /** `controls` stand before the table. */
+  /** `controls` are placed before the table. */
   constructor(
     private readonly desk: Desk,
     private readonly what: string,
@@ -35,18 +35,18 @@ export class IntoMachine {
     this.root = section("Into the machine", ...controls, this.place, el("div", { class: "row" }, this.put, this.status));
   }
 
-  /** Whether a machine has it. */
+  /** Whether a machine has the results. */
   get done(): boolean {
     return this.taken;
   }
 
-  /** Another measurement, that no machine has yet. */
+  /** Begins another measurement, which no machine has yet. */
   begin(): void {
     this.taken = false;
     this.show(undefined);
   }
 
-  /** Shows what the machine would get, or why it gets nothing. What it has it is not offered again: it would be added twice. */
+  /** Shows what the machine would get, or why it gets nothing. Results that it already has are not offered again: they would be added twice. */
   show(becomes: Becomes | undefined, why = ""): void {
     if (this.taken) return;
     this.becomes = becomes;
@@ -56,8 +56,8 @@ export class IntoMachine {
     if (!becomes) return;
     const rows = becomes.settings.map(({ key, before, after, uncertainty }): Cell[] => [key, shown(before, 4), shown(after, 4), uncertainty === null ? "" : shown(uncertainty, 4)]);
     this.place.append(
-      rows.length > 0 ? table("What becomes a setting", ["key of machine.toml", "stands", "with what was found", "standard uncertainty"], rows) : el("p", {}, "No setting changes."),
-      notes("What is done", becomes.notes),
+      rows.length > 0 ? table("Settings that change", ["key of machine.toml", "before", "after", "standard uncertainty"], rows) : el("p", {}, "No setting changes."),
+      notes("Decisions", becomes.notes),
     );
   }
 
@@ -73,7 +73,7 @@ export class IntoMachine {
       this.taken = false;
       throw error;
     }
-    tell(`${this.what} put into ${machine.name}: every view has it now. Export it in the view Machine.`);
+    tell(`${this.what} put into ${machine.name}: every view uses it now. Export it in the view Machine.`);
     this.status.textContent = `In ${machine.name} now.`;
     this.whenDone();
   }

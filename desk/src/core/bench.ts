@@ -12,7 +12,7 @@ type Calls = {
 };
 export type CallName = Exclude<keyof Calls, "default" | "initSync" | "start">;
 
-/** What the worker answers. */
+/** Answers of the worker. */
 export type Answer =
   | { kind: "done"; id: number; value: unknown }
   | { kind: "refused"; id: number; message: string }
@@ -24,14 +24,14 @@ interface Waiting {
   failed: (error: Error) => void;
 }
 
-/** The module panicked: what was under way is lost, the worker has been started anew. */
+/** The module panicked: calls in progress are lost, and the worker has been restarted. */
 export class Restarted extends Error {}
 
 export class Bench {
-  /** Started with the first call, so that a page loads no more than what is shown. */
+  /** Started with the first call, so that a page loads only the parts that are shown. */
   private worker: Worker | undefined;
   private readonly waiting = new Map<number, Waiting>();
-  /** Told how far a long call has come. */
+  /** Receives the progress of a long call. */
   onProgress: ((text: string) => void) | undefined;
   private readonly restarts = new Set<(message: string) => void>();
   private next = 0;
@@ -51,7 +51,7 @@ export class Bench {
     });
   }
 
-  /** Told after each restart, with what the module said. */
+  /** Called after each restart with the module's message. */
   onRestart(listener: (message: string) => void): void {
     this.restarts.add(listener);
   }

@@ -11,7 +11,7 @@ export interface View {
   build(root: HTMLElement, desk: Desk): void | Promise<void>;
   /** Called each time the view comes to the front. */
   shown?(): void;
-  /** What a link or file has to keep to show the same again; JSON. */
+  /** State that a link or file keeps to restore the view; JSON. */
   state(): unknown;
   /** Shows a kept state; called after `build`. */
   open(state: unknown): Promise<void>;
@@ -34,11 +34,11 @@ export interface Desk {
   /** Opens a program in the scope and shows it. */
   openProgram(program: Program): Promise<void>;
   onProgram(take: (program: Program) => Promise<void>): void;
-  /** Says something in the status line. */
+  /** Shows a message in the status line. */
   tell(text: string): void;
-  /** Shows an error, with what the module said. */
+  /** Shows an error with the module's message. */
   fail(error: unknown): void;
-  /** Takes the error away. */
+  /** Clears the error. */
   clear(): void;
 }
 

@@ -46,11 +46,11 @@ export interface FieldOptions {
   min?: number;
   max?: number;
   step?: number;
-  /** Told under the input. */
+  /** Shown under the input. */
   hint?: string;
 }
 
-/** A number typed in. Text that is no number, or out of range, is marked and not reported. */
+/** A number typed in. Text that is not a number, or out of range, is marked and not reported. */
 export function numberField(options: FieldOptions, onChange: (value: number) => void): Field {
   const id = unique("number");
   const { min, max, step } = options;
@@ -67,7 +67,7 @@ export function numberField(options: FieldOptions, onChange: (value: number) => 
   return field(root, input);
 }
 
-/** A slider with a number input beside it, both of one value. */
+/** A slider and a number input for the same value. */
 export function slider(options: FieldOptions & { min: number; max: number }, onChange: (value: number) => void): Field {
   const numbers = numberField(options, (value) => {
     range.value = String(value);
@@ -112,7 +112,7 @@ function field(root: HTMLElement, input: HTMLInputElement): Field {
   };
 }
 
-/** A number that may be missing: nothing typed in is null. What is no number is marked. */
+/** An optional number: an empty input is null. Text that is not a number is marked. */
 export function optionalField(label: string, unit: string, placeholder: string, onChange: (value: number | null) => void): Field {
   const field = numberField({ label, unit, value: Number.NaN }, () => undefined);
   field.input.placeholder = placeholder;
@@ -123,7 +123,7 @@ export function optionalField(label: string, unit: string, placeholder: string, 
   return field;
 }
 
-/** A text typed in, told while it is typed. */
+/** A text input, reported while it is typed. */
 export function textField(label: string, placeholder: string, onInput: () => void, type: "text" | "number" = "text"): { root: HTMLElement; input: HTMLInputElement } {
   const id = unique("text");
   // On input, not when the field loses focus: that would lose the click on a button that took the focus.
@@ -187,12 +187,12 @@ export function bars(of: HTMLTableElement, shares: readonly number[]): void {
     row.append(el("td", { "aria-hidden": "true" }, el("div", { class: "share", style: `width: ${fixed(120 * shares[i]!, 1)}px` })));
 }
 
-/** Sentences one below the other; nothing where there are none. */
+/** Sentences one below the other; hidden if there are none. */
 export function notes(name: string, texts: readonly string[], own = ""): HTMLElement {
   return el("ul", { class: `notes ${own}`, "aria-label": name, hidden: texts.length === 0 }, ...texts.map((text) => el("li", {}, text)));
 }
 
-/** What is doubtful of a result. */
+/** Warnings about a result. */
 export function warnings(texts: readonly string[]): HTMLElement {
   return notes("Warnings", texts, "warning");
 }
@@ -213,7 +213,7 @@ export function group(legend: string, ...children: Child[]): HTMLFieldSetElement
   return el("fieldset", {}, el("legend", {}, legend), ...children);
 }
 
-/** A command line that gives the same, with a button that copies it. */
+/** A command line that gives the same result, with a button that copies it. */
 export function commandLine(title: string): { root: HTMLElement; set(text: string): void; text(): string } {
   const code = el("code");
   const said = el("span", { role: "status", class: "said" });

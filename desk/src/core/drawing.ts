@@ -15,7 +15,7 @@ precision mediump float;
 in vec3 colour; out vec4 pixel;
 void main() { pixel = vec4(colour, 1.0); }`;
 
-/** What is drawn in one call: places, colours and normals, three numbers a corner. */
+/** A batch drawn in one call: positions, colours and normals, three numbers per vertex. */
 export interface Batch {
   mode: "lines" | "points" | "triangles";
   at: Float32Array;

@@ -1,12 +1,12 @@
 // Dropped, picked and saved files. Nothing leaves the page.
 
-/** A file that was given: its path within what was dropped, and its bytes. */
+/** A file from the user: its path within the dropped folder, and its bytes. */
 export interface Given {
   path: string;
   bytes: Uint8Array;
 }
 
-/** Files as the module takes them: paths and lengths, and the bytes one after the other. */
+/** Files in the module's format: paths and lengths, and the bytes one after the other. */
 export function packed(files: readonly Given[]): [names: string, bytes: Uint8Array] {
   const bytes = new Uint8Array(files.reduce((sum, file) => sum + file.bytes.length, 0));
   let at = 0;

@@ -3,19 +3,19 @@
 import { message } from "./desk";
 import type { Files } from "./machine";
 
-/** What a link or a file keeps. */
+/** Content of a link or a file. */
 export interface Kept {
   version: 1;
   view: string;
   machine: { name: string; files: Files };
-  /** By view. */
+  /** State of each view. */
   views: Record<string, unknown>;
 }
 
-/** Most that a link holds once it is unpacked. A text of a few kB can unpack to as many MB. */
+/** Largest unpacked size of a link. A text of a few kB can unpack to as many MB. */
 const LARGEST = 16 << 20;
 
-/** What comes out of a stream, of at most `most` bytes: it is read no further than that. */
+/** The output of a stream, of at most `most` bytes; it is read no further. */
 async function through(bytes: Uint8Array<ArrayBuffer>, stream: ReadableWritablePair<Uint8Array<ArrayBuffer>, BufferSource>, most: number): Promise<Uint8Array<ArrayBuffer>> {
   const reader = new Blob([bytes]).stream().pipeThrough(stream).getReader();
   const parts: Uint8Array<ArrayBuffer>[] = [];
@@ -42,7 +42,7 @@ export async function link(kept: Kept): Promise<string> {
   return `${location.href.split("#")[0]}#open=${text}`;
 }
 
-/** What a link's fragment keeps; none without one. */
+/** The state in a link's fragment; undefined without one. */
 export async function fromLink(fragment: string): Promise<Kept | undefined> {
   const text = /^#open=([\w-]+)$/.exec(fragment)?.[1];
   if (!text) return undefined;

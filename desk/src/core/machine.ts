@@ -8,10 +8,10 @@ export class MachineStore {
   private listeners = new Set<() => void>();
   name = "";
   files: Files = {};
-  /** The files as the module takes them. */
+  /** The files in the module's format. */
   json = "{}";
 
-  /** Another machine, or the same after an edit; the files have been read by the module before. */
+  /** Sets another machine, or the same one after an edit; the module has already read the files. */
   set(name: string, files: Files): void {
     this.name = name;
     this.files = files;

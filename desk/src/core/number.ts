@@ -1,6 +1,6 @@
 // Number formatting.
 
-/** So many significant digits, without an exponent between 1e-4 and 1e6. */
+/** A number with `digits` significant digits, without an exponent between 1e-4 and 1e6. */
 export function significant(value: number, digits: number): string {
   if (!Number.isFinite(value)) return "–";
   if (value === 0) return "0";
@@ -10,7 +10,7 @@ export function significant(value: number, digits: number): string {
   return minus(value.toFixed(Math.min(places, 12)));
 }
 
-/** So many decimals. */
+/** A number with `decimals` decimals. */
 export function fixed(value: number, decimals: number): string {
   return Number.isFinite(value) ? minus(value.toFixed(decimals)) : "–";
 }

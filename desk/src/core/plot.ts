@@ -9,18 +9,18 @@ import { colour, onTheme, type ColourName } from "./theme";
 export interface Series {
   name: string;
   colour: ColourName;
-  /** Dashes, in px, so that curves can be told apart without colour. */
+  /** Dashes, in px, so that curves are distinguishable without colour. */
   dash?: number[];
   /** Points instead of a line. */
   points?: boolean;
   /** A line with a point at every value. */
   dots?: boolean;
-  /** Bars instead of a line; hatched ones are told apart without colour. */
+  /** Bars instead of a line; hatched ones are distinguishable without colour. */
   bars?: "solid" | "hatched";
   width?: number;
-  /** Unit where it is not that of the axis. */
+  /** Unit, if it differs from that of the axis. */
   unit?: string;
-  /** A line goes on over places without a value. */
+  /** Connects the line across missing values. */
   joined?: boolean;
 }
 
@@ -38,7 +38,7 @@ export interface PlotOptions {
   /** Plots of one key move their cursors together. */
   sync?: string;
   height?: number;
-  /** Told where the cursor stands; null away from the plot. */
+  /** Receives the position of the cursor; null if it is outside the plot. */
   onCursor?: (index: number | null) => void;
   /** Significant digits of the readout. */
   digits?: number;
@@ -83,7 +83,7 @@ export class Plot {
     onTheme(this, (plot) => plot.rebuild());
   }
 
-  /** Columns: the horizontal axis first, then one a series; null leaves a gap. */
+  /** Columns: the horizontal axis first, then one per series; null leaves a gap. */
   set(data: Column[]): void {
     this.data = data;
     if (this.plot) this.plot.setData(this.aligned());
@@ -116,7 +116,7 @@ export class Plot {
     if (this.cursor !== index) this.moved(index);
   }
 
-  /** The uPlot behind it, for what only one view needs. */
+  /** The underlying uPlot, for functions that only one view needs. */
   get inner(): uPlot | undefined {
     return this.plot;
   }
@@ -167,7 +167,7 @@ export class Plot {
     this.describe();
   }
 
-  /** Room for bars at both ends, and for points, which are drawn whole and all of one place. */
+  /** Room at both ends for bars and for points, which are drawn whole. */
   private beyond(): uPlot.Scale {
     const { series } = this.options;
     const room = (low: number, high: number) => (series.some((one) => one.bars) ? 0.6 : 0.02 * (high - low || 1));
@@ -211,7 +211,7 @@ export class Plot {
     this.options.onCursor?.(index);
   }
 
-  /** What stands at a point, in words. */
+  /** The values at a point, in words. */
   private words(index: number): string {
     const digits = this.options.digits ?? 4;
     const number = (column: Column | undefined, digits: number) => {

@@ -41,7 +41,7 @@ export function largest(all: PolarSeries[]): number {
   return most;
 }
 
-/** A legend that says what the dashes mean. */
+/** A legend that explains the dashes. */
 export function keys(entries: readonly { name: string; colour: ColourName; dash?: string }[]): HTMLElement {
   const parts = entries.map(({ name, colour, dash }) => {
     const line = draw("svg", { viewBox: "0 0 28 8", "aria-hidden": "true" });
@@ -57,7 +57,7 @@ export class Polar {
   private readonly factor: number;
   private at: number | null = null;
 
-  /** `most` is the deviation that reaches furthest: one scale for circles side by side. */
+  /** `most` is the largest deviation: one scale for circles side by side. */
   constructor(
     host: HTMLElement,
     private readonly title: string,

@@ -32,7 +32,7 @@ export class Scene {
   private rise = 0.45;
   private zoom = 1;
   private asked = false;
-  /** Pictures that are turned together, this one among them. */
+  /** Pictures that rotate together, including this one. */
   private together: Scene[] = [this];
 
   constructor(host: HTMLElement, options: SceneOptions) {
@@ -52,14 +52,14 @@ export class Scene {
     });
   }
 
-  /** Turns with another picture, and it with this one. */
+  /** Couples the rotation of this picture and another one. */
   follow(other: Scene): void {
     this.together = other.together;
     this.together.push(this);
     this.orbit(0, 0);
   }
 
-  /** Takes everything away; the view stays. */
+  /** Removes everything; the view stays. */
   clear(): void {
     for (const batch of this.batches) this.free(batch);
     this.batches = [];
@@ -67,7 +67,7 @@ export class Scene {
     this.labels.replaceChildren();
   }
 
-  /** Sets what the picture shows, from corner to corner. */
+  /** Sets the displayed box, from corner to corner. */
   fit(low: Vector, high: Vector): void {
     [this.low, this.high] = [low, high];
   }
@@ -148,7 +148,7 @@ export class Scene {
     this.written.push({ at, element });
   }
 
-  /** Draws at the next frame, once however often it is asked. */
+  /** Draws at the next frame, once even after several calls. */
   draw(): void {
     if (this.asked) return;
     this.asked = true;
@@ -262,7 +262,7 @@ export class Scene {
   }
 }
 
-/** A bar that says which colour stands for which size. */
+/** A colour scale for sizes. */
 export function colourBar(host: HTMLElement, label: string): (largest: string) => void {
   const canvas = el("canvas", { width: 160, height: 12, role: "img", "aria-label": `Colours from 0 to the largest ${label}` });
   const end = el("span");

@@ -22,7 +22,7 @@ export function cones(places: ArrayLike<number>, vectors: ArrayLike<number>, cou
   return { at, normal };
 }
 
-/** A surface over a grid of points, `rows` times `columns`; `corners` says which point a corner is. */
+/** A surface over a grid of points, `rows` times `columns`; `corners` gives the point of each vertex. */
 export function surface(points: ArrayLike<number>, rows: number, columns: number): Shape & { corners: number[] } {
   const corners: number[] = [];
   for (let r = 0; r + 1 < rows; r++)
@@ -52,7 +52,7 @@ function cross(p: Vector, q: Vector): Vector {
   return [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]];
 }
 
-/** One colour for so many corners. */
+/** One colour for `count` vertices. */
 export function repeated(one: readonly number[], count: number): Float32Array {
   const all = new Float32Array(3 * count);
   for (let i = 0; i < count; i++) all.set(one, 3 * i);

@@ -14,7 +14,7 @@ export function multiply(p: Matrix, q: Matrix): Matrix {
   return product;
 }
 
-/** A lens of so many radians from bottom to top. */
+/** A perspective projection; `angle` from bottom to top, rad. */
 export function perspective(angle: number, aspect: number, near: number, far: number): Matrix {
   const f = 1 / Math.tan(angle / 2);
   const depth = near - far;

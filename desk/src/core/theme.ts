@@ -22,7 +22,7 @@ const COLOURS = {
 export type ColourName = keyof typeof COLOURS;
 
 const query = matchMedia("(prefers-color-scheme: dark)");
-/** Weakly held, so that a plot or picture that is gone is let go of. */
+/** Weak references, so that removed plots and pictures are collected. */
 const listeners = new Set<{ owner: WeakRef<object>; listener: (owner: never) => void }>();
 
 export type Theme = "system" | "light" | "dark";
@@ -43,7 +43,7 @@ export function rgb(name: ColourName): [number, number, number] {
   return [(value >> 16) / 255, ((value >> 8) & 255) / 255, (value & 255) / 255];
 }
 
-/** Called whenever the colours change, as long as the owner is in use; `listener` must not hold it otherwise. */
+/** Called whenever the colours change, as long as the owner is in use; `listener` must not keep a reference to it. */
 export function onTheme<T extends object>(owner: T, listener: (owner: T) => void): void {
   listeners.add({ owner: new WeakRef(owner), listener });
 }
@@ -80,7 +80,7 @@ const SCALE: ReadonlyArray<readonly [number, number, number]> = [
   [0.995, 0.909, 0.217],
 ];
 
-/** Colour of a size from 0 to 1; reversed in the light, where the darkest stands for the largest. */
+/** Colour of a size from 0 to 1; reversed in the light theme, in which the darkest is the largest. */
 export function scale(size: number): [number, number, number] {
   const clamped = Math.min(1, Math.max(0, size));
   const at = (dark() ? clamped : 1 - clamped) * (SCALE.length - 1);

@@ -11,13 +11,13 @@ export interface Curve {
   colour: number;
   dashed: boolean;
   values: (number | null)[];
-  /** Standard errors; none where they are not known. */
+  /** Standard errors; missing if they are unknown. */
   errors: number[];
 }
 
 export interface Plotted {
   title: string;
-  /** What runs to the right and upward, with their units. */
+  /** Quantities to the right and upward, with units. */
   x: [string, string];
   y: [string, string];
   look: "line" | "dotted" | "points";

@@ -18,15 +18,15 @@ const ALL = Object.entries(TESTS) as [Test, (typeof TESTS)[Test]][];
 
 export class Evaluate {
   private record: { name: string; bytes: Uint8Array } | undefined;
-  /** Told by the columns of the record. */
+  /** Identified from the columns of the record. */
   private recognised: Test | undefined;
   private latest = 0;
-  /** Files that the machine gets: what another machine is told from. */
+  /** Files that the machine gets; they identify a different machine. */
   private offered = "";
   private readonly options = new Map<Test, Option[]>();
   private readonly groups = new Map<Test, HTMLElement>();
   private readonly chosen;
-  private readonly status = el("p", { role: "status" }, "Open a record, or drop one: its columns tell the test.");
+  private readonly status = el("p", { role: "status" }, "Open a record, or drop one: its columns identify the test.");
   private readonly overview: HTMLElement;
   private readonly command = commandLine("The same on the command line:");
   private readonly results = new Results();
@@ -43,15 +43,15 @@ export class Evaluate {
       this.into.begin();
       later();
     };
-    this.chosen = choice<Test | "">("Which test it is", [["", "as the record's columns tell"], ...ALL.map(([test, { title }]) => [test, title] as const)], "", again);
+    this.chosen = choice<Test | "">("Kind of test", [["", "as the record's columns show"], ...ALL.map(([test, { title }]) => [test, title] as const)], "", again);
     for (const [test, { title, columns, about, options }] of ALL) {
       const own = options(soon);
       this.options.set(test, own);
       const rows = el("div", {}, ...[`Columns: ${columns}`, about].map((text) => el("small", {}, text)));
       this.groups.set(test, group(title, ...own.map((option) => option.root), rows));
     }
-    this.overview = table("What a record has", ["test", "columns, those in brackets may be missing", "what a row is, what it gives"], ALL.map(([, { title, columns, about }]) => [title, columns, about]));
-    this.into = new IntoMachine(desk, "What the test tells");
+    this.overview = table("Columns of a record", ["test", "columns, those in brackets may be missing", "rows and results"], ALL.map(([, { title, columns, about }]) => [title, columns, about]));
+    this.into = new IntoMachine(desk, "Errors found by the test");
     this.into.root.hidden = true;
     const open = (given: Given[]) => this.take(given);
     root.append(
@@ -135,7 +135,7 @@ export class Evaluate {
       if (becomes) this.into.show(becomes);
     } catch (error) {
       if (turn !== this.latest) return;
-      const on = this.test && TESTS[this.test].machine ? ` on ${desk.machine.name}, the machine that is shown` : "";
+      const on = this.test && TESTS[this.test].machine ? ` on ${desk.machine.name}, the machine shown` : "";
       this.status.textContent = `${record.name} could not be evaluated${on}.`;
       this.describe();
       desk.fail(error);

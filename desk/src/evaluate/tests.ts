@@ -10,12 +10,12 @@ export type Value = number | string | boolean | null;
 export interface Option {
   key: string;
   root: HTMLElement;
-  /** As it stands in its control, for a file. */
+  /** Value of the control, for a file. */
   kept(): Value;
   open(value: Value): void;
-  /** As the module takes it. */
+  /** Value for the module. */
   given(): unknown;
-  /** As the command line takes it. */
+  /** Value for the command line. */
   words(): string[];
 }
 
@@ -24,7 +24,7 @@ export interface Described {
   /** Columns of a record; those in brackets may be missing. */
   columns: string;
   about: string;
-  /** Whether the machine that is shown has a part in it. */
+  /** Whether the test needs the machine shown. */
   machine: boolean;
   options(again: () => void): Option[];
 }
@@ -44,7 +44,7 @@ function optional(key: string, label: string, unit: string, placeholder: string,
   };
 }
 
-/** A list; `numbers` says what they are to be, nothing typed in is `none`. */
+/** A list; `numbers` describes the numbers needed, `none` is shown while it is empty. */
 function list(key: string, label: string, placeholder: string, again: () => void, numbers?: string): Option {
   const { root, input } = textField(label, placeholder, again);
   return {
@@ -85,7 +85,7 @@ export const TESTS: Record<Test, Described> = {
   "r-test": {
     title: "R-test, ISO 10791-6",
     columns: "x_mm,y_mm,z_mm[,a_deg][,b_deg][,c_deg],dx_um,dy_um,dz_um[,ball]",
-    about: "A row a pose: commanded position under RTCP, and how far the tool has moved from the ball on the table, actual − commanded. Gives the location errors of the rotary axes of the machine that is shown.",
+    about: "One row per pose: commanded position under RTCP, and displacement of the tool from the ball on the table, actual − commanded. Gives the location errors of the rotary axes of the machine shown.",
     machine: true,
     options: (again) => [
       list("tool_mm", "Centre of the nest from the last tool-side frame / mm", "X, Y, Z: the machine's tool", again, "three numbers: X,Y,Z"),
@@ -96,14 +96,14 @@ export const TESTS: Record<Test, Described> = {
   "step-diagonal": {
     title: "Diagonals and steps, ISO 230-6",
     columns: "diagonal[,run],direction,x_mm,y_mm,z_mm,deviation_um",
-    about: "A row a reading: 1 to 4 for the body diagonal, 1 away from its first target or −1 back, commanded position, actual less commanded displacement along the beam. Gives squareness and scale; with steps the shapes of the errors.",
+    about: "One row per reading: 1 to 4 for the body diagonal, 1 away from its first target or −1 back, commanded position, actual less commanded displacement along the beam. Gives squareness and scale; with steps the shapes of the errors.",
     machine: true,
     options: (again) => [optional("alignment_urad", "Standard uncertainty of the mirror's alignment", "µrad", "not known", again)],
   },
   points: {
     title: "Measured points, multilateration",
     columns: "x_mm,y_mm,z_mm,actual_x_mm,actual_y_mm,actual_z_mm[,u_um][,tool_x_mm,tool_y_mm,tool_z_mm]",
-    about: "A row a point: commanded position, coordinates that a tracker or tracer found, their standard uncertainty, the reflector's offset. Gives the 21 errors of X, Y, Z of the machine that is shown.",
+    about: "One row per point: commanded position, coordinates measured by a tracker or tracer, their standard uncertainty, the reflector's offset. Gives the 21 errors of X, Y, Z of the machine shown.",
     machine: true,
     options: (again) => [
       list("nodes", "Nodes of the tables of X, Y, Z", "the levels of the points", again, "three numbers of 2 to 101"),
@@ -113,17 +113,17 @@ export const TESTS: Record<Test, Described> = {
   probing: {
     title: "Probing, ISO 230-10",
     columns: "x_mm,y_mm[,z_mm][,run][,spindle_deg]",
-    about: "A row a point: where the centre of the stylus tip stood when the machine's own probe triggered, number of the measurement, orientation of the spindle. Gives form, repeatability, offset and diameter of the tip.",
+    about: "One row per point: position of the centre of the stylus tip when the machine's own probe triggered, number of the measurement, orientation of the spindle. Gives form, repeatability, offset and diameter of the tip.",
     machine: false,
     options: (again) => [
-      pick("feature", "What was probed", [["ring", "a ring"], ["sphere", "a sphere"], ["point", "a point, again and again"]], "ring", again),
-      optional("diameter_mm", "Its calibrated diameter", "mm", "not known", again),
+      pick("feature", "Probed feature", [["ring", "a ring"], ["sphere", "a sphere"], ["point", "a point, again and again"]], "ring", again),
+      optional("diameter_mm", "Calibrated diameter", "mm", "not known", again),
     ],
   },
   thermal: {
     title: "Thermal test, ISO 230-3",
     columns: "t_s[,position][,x1_um][,y1_um][,z_um][,x2_um][,y2_um][,ambient_c][,spindle_c][,machine_c]",
-    about: "A row a reading: time, position of the axis that moves, displacements of the tool from the workpiece, temperatures. Gives the drift over stated periods.",
+    about: "One row per reading: time, position of the axis that moves, displacements of the tool from the workpiece, temperatures. Gives the drift over stated periods.",
     machine: false,
     options: (again) => [
       pick("test", "Test", [["etve", "environment (ETVE)"], ["spindle", "rotating spindle"], ["axis", "moving linear axis"]], "spindle", again),

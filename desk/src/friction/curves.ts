@@ -7,7 +7,7 @@ import type { ColourName } from "../core/theme";
 import type { CircleCurves, SpikeCurves, Trace } from "./documents";
 import { Polar, keys, largest, type PolarSeries } from "../core/polar";
 
-/** A curve of several stages, told apart by colour and dashes. */
+/** A curve of several stages, distinguished by colour and dashes. */
 export interface Stage<T> {
   name: string;
   colour: ColourName;
@@ -29,7 +29,7 @@ function alikeSpike(of: SpikeCurves[], { axis, acceleration_mm_per_s2 }: SpikeCu
 const alikeCircle = (one: CircleCurves) => (other: CircleCurves) =>
   other.counterclockwise === one.counterclockwise && same(other.radius_mm, one.radius_mm) && same(other.feed_mm_per_min, one.feed_mm_per_min);
 
-/** A legend that says what the dashes mean. */
+/** A legend that explains the dashes. */
 function legend<T>(stages: Stage<T>[]): HTMLElement {
   return keys(stages.map(({ name, colour, dash }) => ({ name, colour, ...(dash ? { dash: dash.join(" ") } : {}) })));
 }
@@ -47,7 +47,7 @@ export function showTrace(host: HTMLElement, name: string, axes: readonly string
   plot.set([trace.time_s, ...trace.following_error_um]);
 }
 
-/** One plot for each axis and size of circle; the first stage says which there are. */
+/** One plot for each axis and size of circle; the first stage determines which. */
 export function showSpikes(host: HTMLElement, stages: Stage<SpikeCurves>[]): void {
   const cells = el("div", { class: "grid" });
   host.replaceChildren(legend(stages), cells);

@@ -101,7 +101,7 @@ export interface Outcome {
 }
 
 export interface Closed {
-  /** Where the record was simulated. */
+  /** Present if the record was simulated. */
   outcome: Outcome | null;
   before: Curves;
   after: Curves;

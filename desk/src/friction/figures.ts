@@ -22,7 +22,7 @@ const value = (own: AxisFound, key: Key): number => (key in own.friction ? own.f
 
 const sizes = (size: Size): Cell[] => [shown(size.max, 3), shown(size.rms, 3)];
 
-/** Figures with standard errors, the fit, the spikes, what is held. */
+/** Figures with standard errors, the fit, the spikes, the fixed figures. */
 export function showFound(host: HTMLElement, { document: { axes, warnings } }: Found): void {
   const names = axes.flatMap(({ axis }) => [axis, `± ${axis}`]);
   const figures = FIGURES.map(([key, name]): Cell[] => [

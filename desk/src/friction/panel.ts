@@ -69,7 +69,7 @@ export class Friction {
     root.append(section("Record", this.source.root, this.plot, row, this.command.root), this.results.root, this.results.closed);
     onDrop(root, (files) => this.source.take(files), desk.fail);
     desk.machine.subscribe(() => this.describe());
-    desk.runs.onRestart(() => this.forget("The record went with the computation: drop or simulate it again."));
+    desk.runs.onRestart(() => this.forget("The record was lost with the computation: drop or simulate it again."));
     this.describe();
   }
 
@@ -165,12 +165,12 @@ export class Friction {
   private async merge(): Promise<void> {
     if (!this.found) return;
     const { changes, notes } = await this.work.merge();
-    if (changes) this.desk.tell(`Friction put into ${this.desk.machine.name}: every view has it now. Export it in the view Machine.`);
+    if (changes) this.desk.tell(`Friction put into ${this.desk.machine.name}: every view uses it now. Export it in the view Machine.`);
     const done = changes ? `In ${this.desk.machine.name}'s machine.toml now.` : `Nothing of ${this.desk.machine.name} changes.`;
     this.status.textContent = [done, ...notes].join(" ");
   }
 
-  /** The command line of what is shown. */
+  /** The command line of the result shown. */
   private describe(): void {
     const find = this.drives.value === "found";
     const { name } = this.desk.machine;
@@ -196,7 +196,7 @@ export class Friction {
     if (fitted) await this.run(() => this.fit());
   }
 
-  /** Something to be seen at once. */
+  /** Shows something at the start. */
   begin(): void {
     if (!this.record) void this.run(() => this.simulate());
   }

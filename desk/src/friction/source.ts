@@ -31,7 +31,7 @@ const PLANT = [
   ["axis.Z.friction_factor", "Z by a factor of", ""],
 ] as const;
 
-/** Defaults: small circles, whose record is short, and no multiple of the encoders' signal period. */
+/** Defaults: small circles, whose record is short, and not a multiple of the encoders' signal period. */
 export const CIRCLES: Circles = { plane: "XY", radius_mm: 12.0037, feeds_mm_per_min: [1200, 500], turns: 1, set: {} };
 
 /** Settings of the simulator, in sections. */
@@ -118,7 +118,7 @@ export class Source {
     else this.events.record(file.path.split("/").at(-1) ?? file.path, content, this.axes);
   }
 
-  /** Which buttons can be used. */
+  /** Enables the buttons that can be used. */
   enable(state: { busy: boolean; simulating: boolean; simulated: boolean }): void {
     this.buttons.simulate.disabled = state.busy;
     this.buttons.stop.disabled = !state.simulating;

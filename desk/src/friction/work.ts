@@ -6,7 +6,7 @@ import { adopt } from "../core/machine";
 import type { Closed, Found, RecordRead, Trace } from "./documents";
 import { request, type Axes, type Circles } from "./source";
 
-/** Cycles between two looks at the progress. */
+/** Cycles between two reports of progress. */
 const SLICE = 20_000;
 /** Points of a drawn record. */
 const POINTS = 4000;
@@ -18,7 +18,7 @@ export class Work {
 
   constructor(private readonly desk: Desk) {}
 
-  /** Ends the simulation under way. */
+  /** Ends the running simulation. */
   stop(): void {
     this.stopping = true;
   }
@@ -67,7 +67,7 @@ export class Work {
     return JSON.parse(await this.desk.runs.call("friction_closed")) as Closed;
   }
 
-  /** Puts what of the figures found is written into the machine that all views share; says whether it changes and what is done. */
+  /** Writes the accepted figures into the machine that all views share; returns whether it changes, and the decisions. */
   async merge(): Promise<Becomes> {
     const { runs, machine } = this.desk;
     const becomes = JSON.parse(await runs.call("friction_becomes", machine.json)) as Becomes;

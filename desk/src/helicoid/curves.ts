@@ -21,7 +21,7 @@ export class Curves {
 
   constructor(
     private readonly desk: Desk,
-    /** Told where the cursor was brought. */
+    /** Receives the cursor's new position. */
     private readonly moved: (parameter: number) => void,
   ) {}
 
@@ -40,7 +40,7 @@ export class Curves {
     angles.mark(marks(["A", "C"]));
   }
 
-  /** Brings the cursor to a parameter without telling so. */
+  /** Moves the cursor to a parameter without reporting it. */
   show(parameter: number): void {
     if (this.parameter.length === 0 || !this.plots) return;
     let nearest = 0;

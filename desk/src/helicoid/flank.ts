@@ -25,7 +25,7 @@ export class Flank {
     try {
       found = JSON.parse(await this.desk.bench.call("helicoid_flank", request(inputs), this.desk.machine.json, line, held, POINTS)) as Flanked;
     } catch (error) {
-      this.said.textContent = `This machine cannot take the tool there. ${message(error)}`;
+      this.said.textContent = `This machine cannot move the tool there. ${message(error)}`;
       this.figures.hidden = this.host.hidden = true;
       return;
     }
@@ -33,7 +33,7 @@ export class Flank {
     const { fit, before, after, out_of_travel } = found;
     const by = fit.fits
       ? `On ${fit.machine}, at the displacements above.`
-      : `On ${fit.machine}, ${fit.chain}, at positions of its own for the same poses of the tool: the displacements above are another machine's (${fit.reasons.join("; ")}).`;
+      : `On ${fit.machine}, ${fit.chain}, at different positions for the same poses of the tool: the displacements above are another machine's (${fit.reasons.join("; ")}).`;
     const beyond = out_of_travel.length > 0 ? ` Beyond the declared travel on the way: ${out_of_travel.join(", ")}.` : "";
     this.said.textContent = `${by} Exact geometry; after: with the correction that the servo step settles to.${beyond}`;
     const names = ["Tip / µm", "Along the normal / µm", "Direction of the tool / µrad"];

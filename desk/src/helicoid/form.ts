@@ -5,7 +5,7 @@ import type { Inputs, Span } from "./request";
 
 type Names<T> = { [K in keyof Inputs]: Inputs[K] extends T ? K : never }[keyof Inputs];
 
-/** The form of these inputs; a change of a field changes them and is told. */
+/** The form of these inputs; a change of a field changes them and is reported. */
 export function form(inputs: Inputs, changed: () => void): HTMLElement {
   const number = (name: Names<number>, label: string, unit?: string): HTMLElement =>
     numberField({ label, value: inputs[name], ...(unit ? { unit } : {}) }, (value) => set(name, value)).root;

@@ -19,7 +19,7 @@ export class Travel {
     this.reveal(false);
   }
 
-  /** What is kept in a link. */
+  /** The state for a link. */
   state(): unknown {
     return { source: this.source.value, typed: this.typed };
   }
@@ -31,15 +31,15 @@ export class Travel {
     this.reveal(false);
   }
 
-  /** As the module takes them: an empty text asks for the machine's. */
+  /** Limits in the module's format: an empty text requests the machine's. */
   asked(): string {
     return this.source.value === "machine" ? "" : JSON.stringify(this.typed);
   }
 
-  /** The limits that hold: of a machine without A and C there are none. */
+  /** The limits in force; a machine without A and C has none. */
   of(fit: Fit): Limits {
     if (this.source.value === "typed") return this.typed;
-    this.said.textContent = fit.travel ? `Declared travel of ${fit.machine}.` : `${fit.machine} has not got A and C: no limits. Type them, or take a machine that has.`;
+    this.said.textContent = fit.travel ? `Declared travel of ${fit.machine}.` : `${fit.machine} has no A and C axes, and therefore no limits. Type them, or take a machine with both.`;
     return fit.travel ?? {};
   }
 

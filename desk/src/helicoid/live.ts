@@ -38,7 +38,7 @@ function small(value: number): Cell {
 export function place(tool: Tool): HTMLElement {
   const list = (values: readonly number[], decimals: number) => values.map((value) => fixed(value, decimals)).join(", ");
   const { margin_deg, a_deg, gain, fade_deg, near } = tool.singular;
-  const singular = `The singular pose, tool along the C axis, is at A = ${fixed(a_deg, 0)}°: ${significant(margin_deg, 5)}° away; turning the tool by 1 µrad asks C for up to ${significant(gain, 3)} µrad.`;
+  const singular = `The singular pose, tool along the C axis, is at A = ${fixed(a_deg, 0)}°: ${significant(margin_deg, 5)}° away; turning the tool by 1 µrad turns C by up to ${significant(gain, 3)} µrad.`;
   return el("div", {},
     el("p", { class: "said" }, `Tip at [${list(tool.point_mm, 4)}] mm of the gear, radius ${fixed(tool.radius_mm, 4)} mm; outward normal [${list(tool.normal, 6)}].`),
     el("p", near ? { class: "warning", role: "status" } : { class: "said" }, near ? `${singular} Nearer than ${fixed(fade_deg, 0)}°: the correction of the tool's direction fades.` : singular));
@@ -52,7 +52,7 @@ const GEAR: readonly [string, string, string][] = [
   ["reference_roll_angle_rad", "Size of u at the reference radius", "rad"],
 ];
 
-/** What follows from the gear or the base circle. */
+/** Values derived from the gear or the base circle. */
 export function derived({ surface, gear, inputs, count }: Outline): HTMLElement {
   const row = (name: string, unit: string, value: number): Cell[] => [`${name} / ${unit}`, cell(value, DECIMALS)];
   const of_gear = gear ? GEAR.map(([key, name, unit]) => row(name, unit, gear[key]!)) : [];
@@ -74,7 +74,7 @@ export function travel({ branch, axes }: Reach): HTMLElement {
     cell(low),
     cell(high),
     limit ? `${fixed(limit[0], 0)} to ${fixed(limit[1], 0)}` : "–",
-    beyond > 0 ? { text: `${beyond} points beyond`, value: beyond } : "within",
+    beyond > 0 ? { text: `${beyond} ${beyond === 1 ? "point" : "points"} beyond`, value: beyond } : "within",
   ]);
   return table(`Travel over the grid, branch ${branch}`, ["", "From", "To", "Travel", ""], rows);
 }

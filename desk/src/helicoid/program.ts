@@ -43,7 +43,7 @@ export class Program {
       this.details);
   }
 
-  /** Other inputs, or another machine. */
+  /** Sets other inputs, or another machine. */
   set(): void {
     this.line.set(command(this.inputs()));
     this.said.textContent = "";
@@ -70,7 +70,7 @@ export class Program {
     }
   }
 
-  /** The sample machine made into that of the inputs becomes the desk's. */
+  /** Makes the sample machine, adapted to the inputs, the desk's machine. */
   private async adapt(): Promise<void> {
     const sample = await this.desk.bench.call("machine_sample", SAMPLE);
     const files = JSON.parse(await this.desk.bench.call("helicoid_machine", request(this.inputs()), sample)) as Files;

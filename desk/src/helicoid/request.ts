@@ -32,7 +32,7 @@ export interface Inputs {
   passes: "theta" | "u";
 }
 
-/** What the view starts with; feed, clearance and passes as the command line has them unless asked. */
+/** Initial values of the view; feed, clearance and passes are the command line's defaults. */
 export const START: Inputs = {
   source: "gear",
   module_mm: 3,
@@ -92,7 +92,7 @@ export function narrowed(inputs: Inputs, u: Span, theta: Span): string {
   return request({ ...inputs, u, theta });
 }
 
-/** The command line that gives the same. */
+/** The command line that gives the same result. */
 export function command(inputs: Inputs): string {
   const words = options(inputs).map(([name, value]) => `--${name.replaceAll("_", "-")} ${String(value)}`);
   return ["trueaxis helicoid", ...words, "--gcode helicoid.ngc", "-o helicoid.csv"].join(" ");

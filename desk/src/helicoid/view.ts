@@ -13,7 +13,7 @@ import { Picture } from "./picture";
 import { Program } from "./program";
 import { request, START, type Inputs, type Span } from "./request";
 
-/** What a link keeps. */
+/** State for a link. */
 interface State {
   inputs: Inputs;
   at: [number, number];
@@ -27,7 +27,7 @@ class Window {
   line: Line = "theta";
   private outline: Outline | undefined;
   private limits: Limits = {};
-  /** Counts what was asked, so that an answer that came too late is not shown. */
+  /** Counts the requests, so that a late answer is not shown. */
   private asked = 0;
   private moves = 0;
   private readonly fields = el("div");
@@ -80,14 +80,14 @@ class Window {
     desk.machine.subscribe(() => this.soon());
   }
 
-  /** Fields and sliders anew, from the inputs. */
+  /** Rebuilds fields and sliders from the inputs. */
   async start(): Promise<void> {
     this.fields.replaceChildren(form(this.inputs, () => this.soon()));
     this.along.value = this.line;
     await this.refresh();
   }
 
-  /** Everything anew, after a change of the inputs, the limits or the machine. */
+  /** Updates everything after a change of the inputs, the limits or the machine. */
   private async refresh(): Promise<void> {
     const token = ++this.asked;
     const { inputs, desk } = this;

@@ -19,17 +19,17 @@ const WORDS = {
   task: "keep.toml",
   program: "look.ngc",
   sample: SAMPLE,
-  label: "Machine, probe, balls that stay, and what may be changed within which bounds",
-  hint: "or drop them: keep.toml; machine.toml with its tables where it is not the machine shown; thermal.toml; keep/history.jsonl; the log of a look",
+  label: "Machine, probe, balls that stay in place, and the terms that may change, with their bounds",
+  hint: "or drop them: keep.toml; machine.toml with its tables where it is not the machine shown; thermal.toml; keep/history.jsonl; the log of a re-probing",
   accept: ".toml,.csv,.log,.txt,.jsonl",
-  what: "What the look updates",
+  what: "Updates of the re-probing",
   without: "Run the program between parts, with the compensation on; then open the control's log here.",
 } as const;
 
 export class Keep extends Probing {
   private history = "";
   private looked: Looked | undefined;
-  /** The look that is shown stands in the history. */
+  /** Whether the history contains the re-probing shown. */
   private entered = false;
   private readonly results: HTMLElement;
   private readonly time: HTMLInputElement;
@@ -44,8 +44,8 @@ export class Keep extends Probing {
     const time = textField("probed at, UTC", "2026-05-04T06:00:00Z", soon);
     const parts = textField("parts made until then", "0", soon, "number");
     const accept = textField("terms that may be out of their bounds", "offset X, C0Y", soon);
-    const byHand = tick("take tables that were changed by hand", false, soon);
-    const anew = tick("a new beginning", false, soon);
+    const byHand = tick("accept tables that were changed by hand", false, soon);
+    const anew = tick("a new history", false, soon);
     super(root, desk, WORDS, results, el("div", { class: "row" }, time.root, parts.root, accept.root, byHand.root, anew.root));
     this.results = results;
     [this.time, this.parts, this.accept, this.byHand, this.anew] = [time.input, parts.input, accept.input, byHand.input, anew.input];
@@ -74,7 +74,7 @@ export class Keep extends Probing {
     this.results.hidden = true;
   }
 
-  /** What was entered stays until the next look, for its files to be saved. */
+  /** An entry stays visible until the next re-probing, so that its files can be saved. */
   protected override idle(): void {
     if (!this.entered) super.idle();
   }
@@ -124,13 +124,13 @@ export class Keep extends Probing {
     const saves = written.map(([name, content]) => button(`Save ${name}`, () => save(name.replaceAll("../", "").replaceAll("/", "-"), content)));
     this.results.replaceChildren(
       section(
-        "Look",
+        "Re-probing",
         el(
           "div",
           { class: "figures" },
           warnings([...(refusal ? [refusal] : []), ...d.notes]),
           table("Verdicts", ["term", "left by the tables", "standard error", "significance", "updates in all", "then", "at most at once", "at most in all", "unit", "verdict"], terms),
-          table("Where the balls stand", ["ball", "X / mm", "Y / mm", "Z / mm", "± µm"], balls),
+          table("Positions of the balls", ["ball", "X / mm", "Y / mm", "Z / mm", "± µm"], balls),
           el("p", {}, `Scatter of a touch: ${significant(d.sigma_um, 2)} µm.`),
         ),
       ),
@@ -139,17 +139,17 @@ export class Keep extends Probing {
     this.results.hidden = false;
   }
 
-  /** Takes the look into the history: the next log is held against it. */
+  /** Enters the re-probing in the history: the next log is compared with it. */
   private enter(): void {
     if (!this.looked) return;
     this.history = this.looked.history;
     const { entry } = this.looked.document;
-    // The updated machine is now the one that is shown.
+    // The updated machine is now the one shown.
     if (this.looked.becomes) this.own = undefined;
     this.log = undefined;
     this.entered = true;
     this.anew.checked = false;
-    this.solved.textContent = `Entry ${entry} stands in the history: save it beside the machine's files, and open the log of the next look.`;
+    this.solved.textContent = `Entry ${entry} is in the history: save it beside the machine's files, and open the log of the next re-probing.`;
     this.describe();
     for (const one of this.results.querySelectorAll<HTMLButtonElement>("button.primary")) one.disabled = true;
   }

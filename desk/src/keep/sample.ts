@@ -2,7 +2,7 @@
 
 export const SAMPLE = `machine = "mill-3axis"              # here: the machine that is shown, or one dropped with the task
 dialect = "linuxcnc"                # or grblhal, klipper
-every_parts = 10                    # parts between two looks
+every_parts = 10                    # parts between two re-probings
 
 [probe]
 tip_radius_mm = 3.0

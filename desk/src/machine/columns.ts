@@ -3,7 +3,7 @@
 import { length, micro, type Axis, type Column } from "./document";
 import type { PointsOf } from "./handles";
 
-/** The columns of an error in the table of an axis: one, or one a direction; not that of its uncertainty. */
+/** The columns of an error in the table of an axis: one, or one per direction; not that of its uncertainty. */
 export function columnsOf(axis: Axis | undefined, component: number): Column[] {
   return axis?.table?.columns.filter((column) => column.component === component && (column.forward || column.reverse)) ?? [];
 }

@@ -91,7 +91,7 @@ export interface Shown {
   measurements: { file: string; figures?: { measured: Accuracy; compensated?: Accuracy }; refused?: string }[];
 }
 
-/** A change as `machine_change` takes it. */
+/** A change in the format of `machine_change`. */
 export type Change =
   | { change: "point"; axis: string; column: string; row: number; value: number; also?: [string, number][] }
   | { change: "insert"; axis: string; position: number }

@@ -10,14 +10,14 @@ interface Step {
   what: string;
 }
 
-/** Changes of one gesture within this time are one step back, ms. */
+/** Changes of one gesture within this time are one undo step, ms. */
 const GESTURE_MS = 1500;
 const MOST_STEPS = 200;
 
 export class Editor {
   shown: Shown | undefined;
   rate_hz = 10_000;
-  /** Of all axes per minute; 0: the top feed of each. */
+  /** Feed of all axes per minute; 0: the top feed of each. */
   feed_per_min = 0;
   private readonly back: Step[] = [];
   private readonly forth: Step[] = [];
@@ -41,7 +41,7 @@ export class Editor {
     this.listeners.add(listener);
   }
 
-  /** Nothing waits for its turn: what the module said last holds. */
+  /** Whether nothing is queued, so that the module's latest response is current. */
   get settled(): boolean {
     return this.waiting.size === 0;
   }
@@ -54,7 +54,7 @@ export class Editor {
     return this.forth.at(-1)?.what;
   }
 
-  /** Looks at the machine again, after a change of rate or feed, or as it was given. */
+  /** Evaluates the machine again after a change of rate or feed, or as it was loaded. */
   refresh(): Promise<void> {
     return this.queue("refresh", async () => {
       const json = this.desk.machine.json;
@@ -65,7 +65,7 @@ export class Editor {
     });
   }
 
-  /** Makes a change; of those with one key (none: "") only the last waits for its turn. A refused one changes nothing. */
+  /** Makes a change; of several with the same key (none: "") only the last is queued. A refused one changes nothing. */
   apply(change: Change, what: string, key: string): Promise<void> {
     return this.queue(key, async () => {
       const { machine, bench } = this.desk;
@@ -84,7 +84,7 @@ export class Editor {
   }
 
   redo(): Promise<void> {
-    return this.queue("", () => this.exchange(this.forth, this.back, "done again"));
+    return this.queue("", () => this.exchange(this.forth, this.back, "redone"));
   }
 
   private async exchange(from: Step[], to: Step[], done: string): Promise<void> {
@@ -137,7 +137,7 @@ export class Editor {
     for (const listener of this.listeners) listener();
   }
 
-  /** One thing after the other. */
+  /** Runs tasks one after the other. */
   private queue(key: string, action: () => Promise<void>): Promise<void> {
     this.count += 1;
     const name = key === "" ? `once ${this.count}` : key;

@@ -3,7 +3,7 @@
 export type Model = "nine" | "volumetric";
 export type Triple = [number, number, number];
 
-/** As `Settings` of the module. */
+/** The module's `Settings`. */
 export interface Request {
   points: number;
   kelvin: number;
@@ -80,7 +80,7 @@ export class Rows {
     this.sizes = { before: this.size(3), after: this.size(6) };
   }
 
-  /** Three numbers a point: place, error before, error after. */
+  /** Three numbers per point: position, error before, error after. */
   columns(from: 0 | 3 | 6): Float32Array {
     const found = new Float32Array(3 * this.count);
     for (let i = 0; i < this.count; i++) found.set(this.all.subarray(9 * i + from, 9 * i + from + 3), 3 * i);

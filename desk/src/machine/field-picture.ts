@@ -35,7 +35,7 @@ export class Picture {
   private readonly own: HTMLButtonElement;
   private readonly layouts: Map<Layout, HTMLButtonElement>;
   layout: Layout = "both";
-  /** Colours and cones after the correction by a scale of their own. */
+  /** Whether colours and cones after the correction have their own scale. */
   ownScale = false;
 
   constructor(
@@ -55,7 +55,7 @@ export class Picture {
     host.append(choices, this.root);
   }
 
-  /** What is shown, and by which scale. */
+  /** Sets the pictures shown and their scale. */
   set(layout: Layout, ownScale: boolean): void {
     [this.layout, this.ownScale] = [layout, ownScale];
     for (const [one, pressed] of this.layouts) pressed.setAttribute("aria-pressed", String(one === layout));
@@ -71,7 +71,7 @@ export class Picture {
     this.paint();
   }
 
-  /** Size that the darkest or lightest colour stands for, µm. */
+  /** Size at the end of the colour scale, µm. */
   full(half: Half): number {
     return (this.ownScale ? this.rows?.largest(half) : this.rows?.largest("before")) || 1e-9;
   }

@@ -13,7 +13,7 @@ const HALVES = ["before", "after"] as const;
 export class Slice {
   private across = 2;
   private index = 0;
-  /** Point that the readout is about: along the horizontal and the vertical of the maps. */
+  /** Point of the readout: along the horizontal and the vertical of the maps. */
   private cursor: [number, number] = [0, 0];
   private rows: Rows | undefined;
   private figures: Figures | undefined;
@@ -23,7 +23,7 @@ export class Slice {
   private readonly readout = el("output", { class: "readout" });
   private readonly plot: Plot;
 
-  /** `full`: size that the end of the scale stands for, µm. */
+  /** `full`: size at the end of the scale, µm. */
   constructor(
     host: HTMLElement,
     private readonly full: (half: Half) => number,
@@ -73,7 +73,7 @@ export class Slice {
     this.paintAll();
   }
 
-  /** After another scale. */
+  /** Redraws after a change of scale. */
   paint(): void {
     if (!this.rows || !this.figures) return;
     for (const half of HALVES) this.map(half, this.rows, this.figures);

@@ -36,7 +36,7 @@ export function summary(figures: Figures): string {
   if (after) parts.push(`After, ${modelName[figures.model]}: ${sentence(after.worst)}.`);
   if (Object.keys(figures.travel_deg).length > 0)
     parts.push(figures.corrects_orientation && figures.model === "volumetric" ? "The rotary axes turn the tool back." : "The rotary axes are not corrected for the tool's direction.");
-  if (figures.clamped_points > 0) parts.push(`${figures.clamped_points} points are beyond the end of a table, where its edge value holds.`);
+  if (figures.clamped_points > 0) parts.push(`${figures.clamped_points} ${figures.clamped_points === 1 ? "point is" : "points are"} beyond the end of a table, where its edge value holds.`);
   return parts.join(" ");
 }
 
@@ -47,7 +47,7 @@ function sentence(worst: Worst): string {
   return `worst ${fixed(worst.size_um, 3)} µm at ${at} mm${cause}`;
 }
 
-/** Which table, and which term in it, makes the error at the worst point. */
+/** The tables, and their terms, that cause the error at the worst point. */
 export function causes(title: string, worst: Worst): HTMLElement {
   const numbers = ({ error_um, along_um }: { error_um: readonly number[]; along_um: number }): Cell[] => [
     ...error_um.map((um) => cell(um)),

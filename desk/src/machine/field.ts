@@ -17,13 +17,13 @@ interface State {
 }
 
 export interface FieldSection {
-  /** The machine is another one, or the section has come to the front. */
+  /** Updates for another machine, or when the section becomes visible. */
   refresh(): void;
   state(): unknown;
   open(state: unknown): void;
 }
 
-/** Builds the section into `root`; it computes only while it is seen. */
+/** Builds the section into `root`; it computes only while it is visible. */
 export function fieldSection(root: HTMLElement, desk: Desk): FieldSection {
   return new FieldView(root, desk);
 }
@@ -33,7 +33,7 @@ class FieldView implements FieldSection {
   private busy = false;
   private stale = true;
   private visible = false;
-  /** Machine that the request suits, and chain that the controls suit. */
+  /** Machine of the request, and chain of the controls. */
   private machine = "";
   private chain = "";
   private readonly status = el("p", { role: "status", class: "said" });
@@ -107,7 +107,7 @@ class FieldView implements FieldSection {
     this.refresh();
   }
 
-  /** An edited machine keeps the request, another one only what does not depend on its axes. */
+  /** An edited machine keeps the request, another one only the parts that do not depend on its axes. */
   private changed(): void {
     if (this.desk.machine.name !== this.machine) {
       this.machine = this.desk.machine.name;

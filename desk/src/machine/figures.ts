@@ -75,7 +75,7 @@ export function limits(editor: Editor): HTMLElement {
 }
 
 function rates(shown: Shown): HTMLElement {
-  const header = ["Axis", "Largest table error", "Magnitude limit", "Slope", "Slope limit", "Most of it from", "Acceleration", "Acceleration limit", "Lost motion", "Led in within / ms"];
+  const header = ["Axis", "Largest table error", "Magnitude limit", "Slope", "Slope limit", "Most of it from", "Acceleration", "Acceleration limit", "Lost motion", "Applied within / ms"];
   const rows = shown.axes.map(({ axis, unit, micro: small, correction }): Cell[] => {
     const summary = shown.check.summary.axes.find((one) => one.axis === axis);
     const errors = summary?.table?.errors.filter((one) => one.unit === small).map((one) => one.max_abs) ?? [];
@@ -132,7 +132,7 @@ function iso(shown: Shown): HTMLElement[] {
     const header = ["", "measured", ...(compensated ? ["with these tables"] : [])];
     const rows = FIGURES.map(([name, of]): Cell[] => [name, cell(of(measured), 2), ...(compensated ? [cell(of(compensated), 2)] : [])]);
     const runs = measured.runs < 5 ? "; ISO 230-2 asks for five runs" : "";
-    parts.push(table(`${file}: axis ${measured.axis}, ${measured.runs} runs, ${micro(measured.unit)}${runs}`, header, rows));
+    parts.push(table(`${file}: axis ${measured.axis}, ${measured.runs} ${measured.runs === 1 ? "run" : "runs"}, ${micro(measured.unit)}${runs}`, header, rows));
   }
   const own = shown.axes.filter((axis) => axis.figures);
   if (own.length > 0) {

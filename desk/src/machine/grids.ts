@@ -67,7 +67,7 @@ function one(grid: Grid, name: string): HTMLElement {
   return el("div", {}, el("p", {}, `${name}: nodes ${counts}${fades}.`), controls, host);
 }
 
-/** Of a node: those along X outermost, those along Z next to each other. */
+/** Index of a node: X is the outermost index, Z the innermost. */
 function row({ nodes_mm }: Grid, [x, y, z]: number[]): number {
   const count = (axis: number) => Math.max(1, nodes_mm[axis]!.length);
   return (x! * count(1) + y!) * count(2) + z!;

@@ -18,24 +18,24 @@ export interface PointsOf {
   unit: string;
   positionUnit: string;
   points: Point[];
-  /** The curve lies above the points by so much: backlash. */
+  /** Offset of the curve above the points: backlash. */
   offset: number;
 }
 
-/** Beyond so many only those in view can be taken hold of. */
+/** Above this number only visible points have handles. */
 const MOST = 400;
-/** A key press moves a point by so much, µm or µrad. */
+/** Step of a key press, µm or µrad. */
 const STEP = 0.1;
 
 export class Handles {
   private readonly layer = el("div", { class: "handles", role: "group", "aria-label": "Points of the table" });
   private columns: PointsOf[] = [];
   private hooked: unknown;
-  /** Where the keyboard stands. */
+  /** The point with keyboard focus. */
   private at = { column: 0, row: 0 };
   private drag: { element: HTMLElement; column: PointsOf; point: Point; y: number; value: number; perPixel: number } | undefined;
 
-  /** What the keyboard has asked for and the machine not yet shown: the next press counts from there. */
+  /** Value requested by keyboard that the machine does not show yet: the next press starts from it. */
   private keyed: { column: string; row: number; value: number; settled: boolean } | undefined;
 
   constructor(
@@ -60,7 +60,7 @@ export class Handles {
     this.place();
   }
 
-  /** Puts the points where the plot has them. */
+  /** Places the handles on the plotted points. */
   private place(): void {
     const plot = this.plot.inner;
     if (!plot) return;

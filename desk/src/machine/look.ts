@@ -4,7 +4,7 @@ type Listener = (temperature_c: number) => void;
 
 class Look {
   private listeners = new Set<Listener>();
-  /** Of all axes, °C; undefined: the machine's reference. */
+  /** Temperature of all axes, °C; undefined: the machine's reference. */
   temperature_c: number | undefined;
 
   set(temperature_c: number | undefined): void {

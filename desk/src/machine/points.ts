@@ -77,7 +77,7 @@ export class Points {
     return `${name.replace(/_(mm|deg|um|urad)$/, "").replace("_fwd", " positive").replace("_rev", " negative")} / ${unit}`;
   }
 
-  /** A line of inputs; one that stands is used again, so that the cursor stays. */
+  /** A line of inputs; an existing one is reused, so that the cursor stays. */
   private row(row: number, all: Column[], old: HTMLTableRowElement | undefined): HTMLElement {
     const names = all.map(({ name }) => name).join();
     const table = this.axis?.table;

@@ -17,7 +17,7 @@ type Bound = [Field, () => number | undefined];
 
 export class Settings {
   readonly root: HTMLElement;
-  /** Those of the axis that is chosen. */
+  /** Controls of the selected axis. */
   readonly own = el("div");
   private readonly sliders = el("div", { class: "settings" });
   private bound: Bound[] = [];
@@ -92,7 +92,7 @@ export class Settings {
   }
 
   private temperature(): HTMLElement {
-    const options = { label: "Axes at", unit: "°C", value: 20, min: 0, max: 50, step: 0.5, hint: "to look at; no setting of the machine" };
+    const options = { label: "Axes at", unit: "°C", value: 20, min: 0, max: 50, step: 0.5, hint: "for display; not a setting of the machine" };
     const field = slider(options, (value) => look.set(value));
     this.bound.push([field, () => look.temperature_c ?? this.editor.shown?.reference_temperature_c]);
     return group("Temperature", field.root);

@@ -47,7 +47,7 @@ export class Tables {
       el("div", { class: "row" }, group("Axis", this.axes), this.errors.root, this.undo, this.redo, this.both.root),
       this.none,
       this.place,
-      el("p", { class: "said" }, "Drag a point, or take it with Tab and move it with the arrow keys: ↑ ↓ by 0.1, with Alt 0.01, with Shift 1; ← → to its neighbours. Drag beside the points to zoom, double-click to see all."),
+      el("p", { class: "said" }, "Drag a point, or select it with Tab and move it with the arrow keys: ↑ ↓ by 0.1, with Alt 0.01, with Shift 1; ← → to its neighbours. Drag beside the points to zoom, double-click to see all."),
       this.points.root,
     );
     editor.subscribe(() => this.render());
@@ -65,7 +65,7 @@ export class Tables {
     for (const listener of this.listeners) listener();
   }
 
-  /** Another axis: of its errors the same, or its own after the own of another. */
+  /** Selects another axis and the same error of it, or its positioning error after that of another axis. */
   private turn(axis: string): void {
     const own = (letter: string) => "XYZABC".indexOf(letter);
     const { component } = this.chosen;
@@ -108,7 +108,7 @@ export class Tables {
     }
   }
 
-  /** The columns of the error that is chosen. */
+  /** The columns of the selected error. */
   private columns(): Column[] {
     return columnsOf(this.axis, this.chosen.component);
   }
@@ -150,7 +150,7 @@ export class Tables {
     return this.editor.apply({ change: "point", axis, column, row, value, also }, `${column}, row ${row + 1}: ${value} ${this.unit()}`, `${axis} ${column} ${row} ${gesture}`);
   }
 
-  /** The other direction, moved by as much. */
+  /** The other direction, moved by the same amount. */
   private beside(column: string, row: number, value: number): [string, number][] {
     const table = this.axis?.table;
     const at = (name: string) => table?.rows[row]?.[table.columns.findIndex((one) => one.name === name)] ?? 0;
@@ -160,7 +160,7 @@ export class Tables {
       .map(({ name }) => [name, Number((at(name) + by).toFixed(3))]);
   }
 
-  /** The curve from the module; of several that are under way the last counts. */
+  /** The curve from the module; of several requests the last one counts. */
   private async curve(): Promise<void> {
     const { axis } = this;
     if (!axis?.table || this.columns().length === 0) return;

@@ -49,7 +49,7 @@ async function build(root: HTMLElement, desk: Desk): Promise<void> {
   await editor.refresh();
 }
 
-/** Ctrl+Z and Ctrl+Shift+Z or Ctrl+Y, where nothing is being typed. */
+/** Ctrl+Z and Ctrl+Shift+Z or Ctrl+Y, unless text is being typed. */
 function keys(event: KeyboardEvent, editor: Editor): void {
   if (!(event.ctrlKey || event.metaKey) || event.altKey) return;
   const { target } = event;

@@ -102,7 +102,7 @@ export class Angles {
     this.command.set(["trueaxis probe-angles", ...probeOptions(this.controls.value), "--count", this.count.value, "--json"].join(" "));
   }
 
-  /** The search goes in slices, so that it can be left. */
+  /** The search runs in slices, so that it can be stopped. */
   private async run(): Promise<void> {
     this.search += 1;
     if (!this.progress.hidden) {
@@ -143,7 +143,7 @@ export class Angles {
   private list({ best, pair }: Best): void {
     const row = (name: string, of: Pair): Cell[] => [name, slot(of.p), slot(of.q), cell(of.phi2_deg, 4), cell(of.phi3_deg, 4), cell(of.worst_gain, 4), cell(of.worst_noise_gain), { text: String(of.worst_harmonic), value: of.worst_harmonic }];
     const rows = best.map((of, i) => row(String(i + 1), of));
-    if (pair) rows.push(row(`asked for, ${fixed(100 * pair.share_of_best, 1)} % of the best gain`, pair));
+    if (pair) rows.push(row(`given pair, ${fixed(100 * pair.share_of_best, 1)} % of the best gain`, pair));
     const listing = table("Best pairs", ["pair", "p", "q", "φ2 / °", "φ3 / °", "worst gain", "worst noise gain", "at harmonic"], rows);
     listing.querySelector("thead tr")?.append(el("th", { scope: "col" }, "show"));
     listing.querySelectorAll("tbody tr").forEach((line, i) => {

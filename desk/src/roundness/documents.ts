@@ -59,7 +59,7 @@ export interface Trace extends Record<CircleName, Circle | null> {
   refused?: Partial<Record<CircleName, string>>;
 }
 
-/** A document with what the command line says beside it. */
+/** A document with the command line's notes. */
 export interface Noted<D> {
   document: D;
   notes: string[];

@@ -7,7 +7,7 @@ import { Plot } from "../core/plot";
 import { word } from "../core/shell";
 import type { Ground, RunFigures } from "./documents";
 
-/** What `firmware-sim grind` is asked for. */
+/** Request to `firmware-sim grind`. */
 export interface GrindRequest {
   revolutions: number;
   rate_hz: number;
@@ -32,7 +32,7 @@ export class Infeed {
   private readonly command = commandLine("The same on the command line:");
   private readonly plots: HTMLElement;
   private run = 0;
-  /** What the figures belong to, until something is changed. */
+  /** Command line of the figures shown, until a setting is changed. */
   private ground: string | undefined;
 
   constructor(private readonly desk: Desk) {
@@ -59,7 +59,7 @@ export class Infeed {
     this.plots = el("div", { class: "pair", hidden: true }, one, other);
     this.root = section(
       "Infeed correction",
-      el("p", {}, "A crankpin is ground twice from the same seed: the gauge of three probes measures while the servo step runs, and in the second run its infeed corrects what it saw in earlier revolutions."),
+      el("p", {}, "A crankpin is ground twice from the same seed: the gauge of three probes measures while the servo step runs, and in the second run its infeed corrects the error measured in earlier revolutions."),
       group("Grinding", this.of.root, ...Object.values(this.fields).map((of) => of.root), this.start, this.progress),
       this.plots,
       this.figures,
@@ -85,7 +85,7 @@ export class Infeed {
     const name = machine === "sample" ? "grinder" : this.desk.machine.name;
     const said = ["firmware-sim grind --machine", word(name), ...options, "--json"].join(" ");
     this.command.set(said);
-    if (this.ground !== undefined && this.ground !== said) this.figures.replaceChildren(el("p", { class: "said" }, "The plots show the run before; grind again for these settings."));
+    if (this.ground !== undefined && this.ground !== said) this.figures.replaceChildren(el("p", { class: "said" }, "The plots show the previous run; grind again for these settings."));
   }
 
   private async grind(): Promise<void> {
@@ -121,7 +121,7 @@ export class Infeed {
       }
       const found = JSON.parse(await runs.call("grinding_finish")) as Ground;
       this.show(found);
-      this.stopped(`Ground: ${fixed(100 * found.imprint_ratio, 1)} % of the imprint is left.`);
+      this.stopped(`Ground: ${fixed(100 * found.imprint_ratio, 1)} % of the imprint remains.`);
     } catch (error) {
       if (mine === this.run) this.stopped("");
       this.desk.fail(error);
@@ -153,10 +153,10 @@ export class Infeed {
     const header = ["run", "roundness / µm", "imprint / µm", "revolutions evaluated", "skipped", "discarded", "cycles limited"];
     const caption = `Mean of the last ${found.averaged_revolutions} revolutions; harmonics ${found.harmonics.join(" to ")} are corrected`;
     const share = el("strong", { "data-value": String(found.imprint_ratio) }, `${fixed(100 * found.imprint_ratio, 1)} %`);
-    const limits = found.limits_exceeded === 0 ? "No correction passed a limit" : `In ${found.limits_exceeded} cycles a correction passed a limit`;
+    const limits = found.limits_exceeded === 0 ? "No correction exceeded a limit" : `In ${found.limits_exceeded} cycles a correction exceeded a limit`;
     this.figures.replaceChildren(
       table(caption, header, [row("without correction", found.uncorrected), row("with correction", found.corrected)]),
-      el("p", {}, share, ` of the imprint is left at a gain of ${found.gain}. ${limits}; ${found.cycles} servo cycles a run.`),
+      el("p", {}, share, ` of the imprint remains at a gain of ${found.gain}. ${limits}; ${found.cycles} servo cycles a run.`),
     );
   }
 }

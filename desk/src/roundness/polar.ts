@@ -35,7 +35,7 @@ export class Polar {
     });
   }
 
-  /** What was evaluated last. */
+  /** The latest result. */
   async draw(): Promise<void> {
     const { lsc, mzc, mic, mcc } = this.shown;
     this.root.innerHTML = themed(await this.desk.bench.call("roundness_polar", lsc, mzc, mic, mcc));

@@ -37,7 +37,7 @@ export class ProbeControls {
     this.show();
   }
 
-  /** Without telling: all controls as the value has them. */
+  /** Sets all controls to the value without reporting it. */
   private show(): void {
     const { probes } = this;
     const slots = probes.p !== undefined;
@@ -64,7 +64,7 @@ export class ProbeControls {
     this.changed();
   }
 
-  /** Another number of points; the angles stay as near as slots allow. */
+  /** Sets another number of points; the angles stay as close as slots allow. */
   private resize(n: number): void {
     const { p, q, n: before } = this.probes;
     const [first, last] = this.band();

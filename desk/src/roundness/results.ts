@@ -116,7 +116,7 @@ export class Results {
     this.left_out.textContent = `${which}; limit of the noise gain ${limit}${drawn === null ? ", above the figure" : ""}.`;
   }
 
-  /** Circles of a trace: nothing is known of harmonics and spindle. */
+  /** Circles of a trace, which has no harmonics and no spindle error. */
   showTrace(found: Trace): void {
     this.root.hidden = true;
     this.tables.replaceChildren(traceTable(found));

@@ -68,7 +68,7 @@ export class Settings {
     this.limit.value = request.noise_gain_limit;
   }
 
-  /** The command that gives the same. */
+  /** The command that gives the same result. */
   command(file: string): string {
     const { probes, arm, upr, noise_gain_limit } = this.request;
     const options = [...probeOptions(probes), ...(arm ? ["--arm", arm.join(",")] : []), ...(upr ? ["--upr", upr] : [])];
@@ -82,7 +82,7 @@ export class Settings {
   }
 }
 
-/** A slider over the cut-offs, which are no even scale. */
+/** A slider over the cut-offs, which are not evenly spaced. */
 function filterSlider(take: (upr: number | undefined) => void): { root: HTMLElement; set(upr: number | undefined): void } {
   const id = unique("filter");
   const input = el("input", { id, type: "range", min: 0, max: FILTERS.length - 1, step: 1, value: 0 });

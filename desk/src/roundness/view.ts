@@ -96,7 +96,7 @@ class Roundnesses {
     await this.evaluate();
   }
 
-  /** Shows again after the module was started anew. */
+  /** Shows the state again after a restart of the module. */
   async refresh(): Promise<void> {
     if (this.stale) await this.evaluate();
   }
@@ -141,7 +141,7 @@ class Roundnesses {
 
   private async show(said: string): Promise<void> {
     const { document, notes } = JSON.parse(said) as Noted<Roundness>;
-    this.say(`${document.revolutions} revolutions of ${document.n} points`, notes, document.warnings);
+    this.say(`${document.revolutions} ${document.revolutions === 1 ? "revolution" : "revolutions"} of ${document.n} points`, notes, document.warnings);
     await this.polar.draw();
     await this.results.show(document, this.settings.value.noise_gain_limit);
   }

@@ -4,11 +4,11 @@ import { button, choice, el, group, numberField, type Field } from "../core/dom"
 import { fixed } from "../core/number";
 import { time } from "./times";
 
-/** A fault as it is asked for. */
+/** A fault as requested. */
 interface FaultKind {
   text: string;
   axis: boolean;
-  /** Name and first value of what it needs besides; the unit follows the axis. */
+  /** Name and initial value of its parameter; the unit follows the axis. */
   value?: { label: string; first: number; periods?: boolean };
   cycles: number;
 }
@@ -22,7 +22,7 @@ const FAULTS: Record<string, FaultKind> = {
   "jump-command": { text: "command jumps", axis: true, value: { label: "By", first: 3 }, cycles: 1 },
 };
 
-/** What can be switched, as the scenario file calls it. */
+/** Parts that can be switched, by their names in the scenario file. */
 const SWITCHES: readonly (readonly [string, string])[] = [
   ["correction", "Correction"],
   ["friction", "Friction"],
@@ -34,9 +34,9 @@ const SWITCHES: readonly (readonly [string, string])[] = [
 ];
 
 export interface ActsHost {
-  /** Injects or switches: the specification without its time, and what follows the time. */
+  /** Injects or switches: the specification before and after the time. */
   act(what: string, after: string, at: number | undefined): void;
-  /** Exchanges for half the tables, the machine of the first view, or a machine that was given. */
+  /** Exchanges for half the tables, the machine of the first view, or an opened machine. */
   exchange(source: string, at: number | undefined): void;
   remove(act: string): void;
 }
@@ -83,14 +83,14 @@ export class Acts {
     this.kind("dropout", cycles);
   }
 
-  /** Another run: its axes. */
+  /** Sets another run: its axes. */
   open(axes: readonly string[]): void {
     const now = this.axis.value;
     this.axis.select.replaceChildren(...axes.map((axis) => el("option", { value: axis }, axis)));
     if (axes.includes(now)) this.axis.value = now;
   }
 
-  /** A machine that can be exchanged for. */
+  /** Adds a machine whose tables can be exchanged. */
   offer(name: string): void {
     if (![...this.source.select.options].some((option) => option.value === `given:${name}`)) this.source.select.append(el("option", { value: `given:${name}` }, name));
     this.source.select.value = `given:${name}`;
@@ -108,9 +108,9 @@ export class Acts {
     this.list.dataset.key = key;
     const head = el("tr", {}, ...["time / s", "act", "", ""].map((name) => el("th", { scope: "col" }, name)));
     const rows = timed.map(({ act, at }) =>
-      el("tr", {}, el("td", { class: "number" }, fixed(at, 4)), el("td", {}, el("code", {}, act)), el("td", {}, at <= now_s ? "done" : "to come"), el("td", {}, button("Remove", () => this.host.remove(act), { "aria-label": `Remove ${act}` }))),
+      el("tr", {}, el("td", { class: "number" }, fixed(at, 4)), el("td", {}, el("code", {}, act)), el("td", {}, at <= now_s ? "done" : "pending"), el("td", {}, button("Remove", () => this.host.remove(act), { "aria-label": `Remove ${act}` }))),
     );
-    const none = el("tr", {}, el("td", { colspan: 4 }, "none yet: whatever is done here is part of the scenario and done again after Restart"));
+    const none = el("tr", {}, el("td", { colspan: 4 }, "none yet: every act here is part of the scenario and is repeated after Restart"));
     this.list.replaceChildren(el("table", {}, el("caption", {}, "Acts in motion"), el("thead", {}, head), el("tbody", {}, ...(rows.length > 0 ? rows : [none]))));
   }
 

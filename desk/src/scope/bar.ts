@@ -60,7 +60,7 @@ export class Bar {
     this.root.dataset.state = state;
   }
 
-  /** What Restart would take. */
+  /** Shows the changes that Restart would apply. */
   changed(what: string): void {
     this.stale.textContent = what;
     this.buttons.restart.classList.toggle("primary", what !== "");

@@ -33,7 +33,7 @@ export class Beside {
   private now: Kept | undefined;
   kept: Kept | undefined;
 
-  /** `current` gives the run to keep; `changed` is told when there is an A or none any more; `settings` takes A's. */
+  /** `current` gives the run to keep; `changed` is called when A is kept or removed; `settings` receives those of A. */
   constructor(
     current: () => Kept | undefined,
     private readonly changed: () => void,
@@ -46,7 +46,7 @@ export class Beside {
     this.over = choice<Over>("Over", OVER, "length_mm", () => this.draw(true));
     this.body.append(el("div", { class: "row" }, this.kind.root, this.over.root), this.host, this.table);
     this.body.hidden = true;
-    const hint = el("p", { class: "note" }, "Keep a run, change the settings, run again: both traces, both figures and what differs.");
+    const hint = el("p", { class: "note" }, "Keep a run, change the settings, run again: the page shows both traces, both figures and the differences.");
     this.root = section("A beside B", el("div", { class: "row" }, keep, this.drop, this.back), hint, this.body);
   }
 
@@ -96,6 +96,6 @@ export class Beside {
     this.plot.set([at, curve(kept), curve(now)]);
     const found = differences(kept.setup, now.setup);
     const rows = found.length > 0 ? found : [["nothing", "", ""]];
-    this.table.replaceChildren(table("What differs", ["setting", "A", "B"], rows));
+    this.table.replaceChildren(table("Differences", ["setting", "A", "B"], rows));
   }
 }

@@ -6,7 +6,7 @@ import { choice, debounce, el, group, numberField, slider, type Field, type Fiel
 import type { Files } from "../core/machine";
 import { toml, withSettings, type Direction, type Model, type Setup, type SettingsRead } from "./setup";
 
-/** What the machine's files say of its drives, and the defaults of the settings. */
+/** Figures of the drives in the machine's files, and the defaults of the settings. */
 export interface Known {
   stated: boolean;
   friction: boolean;
@@ -23,7 +23,7 @@ const MISMATCH = [
 
 interface Control {
   field: Field;
-  /** Shows what the settings say. */
+  /** Shows the settings. */
   show(): void;
 }
 
@@ -65,9 +65,9 @@ export class Controls {
     this.root = el("div", { class: "setup" }, motion, drives, group("Model and noise", this.model.root, this.orientation.root, seed, all));
   }
 
-  /** Reads the defaults once, and what the machine states of its drives. */
+  /** Reads the defaults once, and the machine's figures of its drives. */
   async machine(files: Files): Promise<void> {
-    // Redrawing the controls would discard what is being typed.
+    // Redrawing the controls would discard text being typed.
     if (files === this.files) return;
     const [read, known] = await Promise.all([this.bench.call("scope_settings", "", "settings"), this.bench.call("scope_agreed", JSON.stringify(files))]);
     this.defaults = (JSON.parse(read) as SettingsRead).settings;
@@ -79,7 +79,7 @@ export class Controls {
     this.show();
   }
 
-  /** Another setup, as from a link. */
+  /** Sets another setup, such as one from a link. */
   set(setup: Setup): void {
     this.setup = structuredClone(setup);
     this.show();
@@ -168,7 +168,7 @@ function round(value: number): number {
   return Number(value.toPrecision(12));
 }
 
-/** As TOML writes it. */
+/** The value in TOML notation. */
 function decimal(value: number): string {
   return String(value);
 }

@@ -8,17 +8,17 @@ import type { Rows } from "./rows";
 import { Strip, type Lane } from "./strip";
 
 const SYNC = "scope";
-/** Status bits of the step that say that something is not as usual (`trueaxis::telemetry::Status`). */
+/** Status bits of the step that report a deviation from normal operation (`trueaxis::telemetry::Status`). */
 const STATUS: readonly (readonly [bit: number, name: string])[] = [
   [2, "frozen"],
   [4, "stop"],
   [32, "feedback out"],
 ];
 
-/** Corrections to look at: columns of the rows up to the axis. */
+/** Corrections that can be shown: columns of the rows up to the axis. */
 const SHOWN = [
   ["compensated.correction", "geometry"],
-  ["full.correction", "geometry, all on"],
+  ["full.correction", "geometry, full"],
   ["full.sent", "dynamic, sent"],
   ["full.feed_forward", "feed-forward wanted"],
   ["full.feedback", "feedback wanted"],
@@ -112,7 +112,7 @@ export class Curves {
     return [...by].map(([at, axes]) => ({ axes: axes.join(", "), at: Number(at.toPrecision(6)) }));
   }
 
-  /** Those that are drawn. */
+  /** The corrections that are drawn. */
   private bounds(): { axes: string; at: number }[] {
     return this.limits.input.checked ? this.all() : [];
   }

@@ -6,7 +6,7 @@ export interface BuiltIn {
 }
 
 export interface Limits {
-  /** µm, of rotary axes µrad. */
+  /** µm; rotary axes µrad. */
   magnitude: number;
 }
 
@@ -53,7 +53,7 @@ export interface FaultSpan {
   cycles: number;
 }
 
-/** Some of what `firmware-sim run --json` prints. */
+/** A part of the document of `firmware-sim run --json`. */
 export interface Figures {
   contour_error_um: Partial<Record<Kind, Size>>;
   orientation_error_urad?: Partial<Record<Kind, Size>>;
@@ -75,10 +75,10 @@ export interface Scenario {
   files: Record<string, string>;
 }
 
-/** The machines by their names in the figures, as people call them. */
+/** Labels of the runs, by their names in the figures. */
 export const KINDS: Record<Kind, { text: string; colour: "before" | "after" | "servo" | "full"; dash?: number[] }> = {
-  uncompensated: { text: "without correction", colour: "before" },
-  compensated: { text: "with correction", colour: "after" },
-  servo_only: { text: "servo alone", colour: "servo", dash: [6, 3] },
-  full: { text: "everything on", colour: "full" },
+  uncompensated: { text: "without compensation", colour: "before" },
+  compensated: { text: "with compensation", colour: "after" },
+  servo_only: { text: "perfect geometry", colour: "servo", dash: [6, 3] },
+  full: { text: "full", colour: "full" },
 };

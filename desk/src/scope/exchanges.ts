@@ -13,7 +13,7 @@ export class Exchanges {
     private readonly machine: MachineStore,
   ) {}
 
-  /** Reads files of a machine, joined to those that stand where they are only tables: the name they are known by. */
+  /** Reads files of a machine; tables alone are added to the present machine. Returns the machine's name. */
   async give(given: readonly Given[]): Promise<string> {
     const taken = JSON.parse(await this.bench.call("machine_from_files", this.machine.json, ...packed(given))) as { name: string; files: Files };
     const name = taken.name.replace(/[^\w.-]+/g, "-").replace(/^[.-]+/, "") || "given";
@@ -21,7 +21,7 @@ export class Exchanges {
     return name;
   }
 
-  /** Files of a source of [`Acts`], and a name for them that no others of `known` have. */
+  /** Files of a source of [`Acts`], with a name that is not yet in `known`. */
   async of(source: string, own: Files, known: Record<string, Files>): Promise<{ name: string; files: Files }> {
     if (source === "edited") return named("edited", this.machine.files, known);
     if (source === "half") return named("half-tables", JSON.parse(await this.bench.call("scope_scaled", JSON.stringify(own), 0.5)) as Files, known);

@@ -16,7 +16,7 @@ export class Listing {
   private running = 0;
   private chosen = 0;
 
-  /** `chose` gets the line, from 1, that was clicked or reached by keys. */
+  /** `chose` receives the line, from 1, selected by click or by keys. */
   constructor(private readonly chose: (line: number) => void) {
     this.sheet = el("div", { class: "sheet", role: "presentation" });
     this.box = el(

@@ -31,7 +31,7 @@ export class Place {
     this.root = el("div", { class: "place" }, box, el("div", { class: "row inline" }, this.which.root, bar), this.said);
   }
 
-  /** Another run; the path in rows of x, y, z, line, cutting. */
+  /** Sets another run; the path in rows of x, y, z, line, cutting. */
   open(path: Float32Array, kinds: readonly Kind[]): void {
     const count = Math.floor(path.length / 5);
     this.path = Float32Array.from({ length: 3 * count }, (_, i) => path[5 * Math.floor(i / 3) + (i % 3)]!);
@@ -57,7 +57,7 @@ export class Place {
     this.draw();
   }
 
-  /** Marks where a program line is, run or not. */
+  /** Marks the position of a program line, whether it has run or not. */
   line(line: number): void {
     const first = this.lines.indexOf(line);
     if (first < 0) return;

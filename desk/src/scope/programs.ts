@@ -28,12 +28,12 @@ export class Programs {
     this.root = section("Part program", this.which.root, el("div", { class: "row" }, open), this.listing.root, hint);
   }
 
-  /** The programs that are built in. */
+  /** The built-in programs. */
   builtIn(programs: readonly BuiltIn[]): void {
     this.which.select.prepend(...programs.map(({ name, description }) => el("option", { value: name }, `${name}: ${description}`)));
   }
 
-  /** Shows which program is run, and its lines. */
+  /** Shows the program being run, and its lines. */
   set(program: ProgramOf, lines: readonly string[]): void {
     if ("builtin" in program) this.which.value = program.builtin;
     else {
@@ -47,10 +47,10 @@ export class Programs {
   }
 }
 
-/** What was dropped or picked: a program, settings, or files of a machine. */
+/** Dropped or picked input: a program, settings, or files of a machine. */
 export type Taken = { program: { name: string; text: string } } | { settings: string; file: string } | { machine: readonly Given[] };
 
-/** Sorts files by what they are. */
+/** Sorts files by their kind. */
 export function sort(files: readonly Given[]): Taken {
   const [file] = files;
   if (!file) throw new Error("found no file, needed a part program, settings (.toml), or the folder or compiled file of a machine");

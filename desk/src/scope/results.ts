@@ -4,7 +4,7 @@ import { el, table, type Cell } from "../core/dom";
 import { cell } from "../core/number";
 import { KINDS, type Figures, type Kind, type Progress, type Size } from "./documents";
 
-/** A run's figures and how far it is. */
+/** A run's figures and its progress. */
 export interface Result {
   progress: Progress;
   figures: Figures;
@@ -60,10 +60,10 @@ function counts(run: Result, kept: Result | undefined): HTMLElement {
     ["correction limited / cycles", ...all.map(({ figures }) => whole(figures.limited_cycles))],
     ["stopped by the step", ...all.map(({ figures }) => (figures.stopped ? "yes" : "no"))],
   ];
-  return table("The machine with correction", ["", ...(kept ? ["A", "B"] : ["run"])], rows);
+  return table("The machine with compensation", ["", ...(kept ? ["A", "B"] : ["run"])], rows);
 }
 
 function faults(figures: Figures): HTMLElement {
   const rows = figures.faults.map((fault): Cell[] => [fault.time_s.toFixed(4), fault.fault, fault.axis, String(fault.line), String(fault.cycles)]);
-  return table("Faults that the step reported, with correction", ["time / s", "fault", "axis", "line", "cycles"], rows);
+  return table("Faults that the step reported, with compensation", ["time / s", "fault", "axis", "line", "cycles"], rows);
 }

@@ -15,7 +15,7 @@ export class Rows {
     return this.columns.includes(name);
   }
 
-  /** One column; NaN throughout where there is none of that name. */
+  /** One column; NaN throughout if no column has that name. */
   column(name: string): Float64Array {
     const kept = this.kept.get(name);
     if (kept) return kept;
@@ -27,7 +27,7 @@ export class Rows {
     return values;
   }
 
-  /** The same for a plot: no value where the module gives none. */
+  /** One column for a plot: null if the module returns no value. */
   curve(name: string): (number | null)[] {
     return Array.from(this.column(name), (value) => (Number.isFinite(value) ? value : null));
   }
@@ -43,12 +43,12 @@ export class Rows {
   }
 }
 
-/** The nearest row for each place: `of` and `at` increase. */
+/** The nearest row for each position: `of` and `at` increase. */
 export function nearest(of: Float64Array, at: Float64Array): Int32Array {
   let row = 0;
   return Int32Array.from(at, (wanted) => {
     while (row + 1 < of.length && Math.abs(of[row + 1]! - wanted) <= Math.abs(of[row]! - wanted)) row++;
-    // Beyond the last row there is nothing to compare.
+    // No row to compare beyond the last one.
     const last = of[of.length - 1] ?? -Infinity;
     return wanted > last * (1 + 1e-9) + 1e-9 ? -1 : row;
   });

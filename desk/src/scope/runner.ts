@@ -5,12 +5,12 @@ import type { Files } from "../core/machine";
 import type { Description, Figures, Progress, Recorded, Scenario } from "./documents";
 import { Rows } from "./rows";
 
-/** How long a slice takes, ms: what an act in motion waits for at most. */
+/** Duration of a slice, ms: the longest wait of an act in motion. */
 const SLICE_MS = 40;
-/** Between two looks at the traces, ms: at least, and at most where drawing takes long. */
+/** Time between two updates of the traces, ms: the least, and the most if drawing is slow. */
 const LOOK_MS = 110;
 const LONGEST_LOOK_MS = 1500;
-/** Drawing gets a sixth of the time, so that a slow machine shows fewer pictures of the run and still answers. */
+/** Drawing gets a sixth of the time, so that a slow computer draws less often and still responds. */
 const REST = 6;
 /** Two frames of a screen that has nothing to draw, ms. */
 const TWO_FRAMES_MS = 34;
@@ -18,14 +18,14 @@ const FIRST_SLICE = 500;
 const MOST_CYCLES = 50_000;
 
 export type Pace = "fast" | "real" | "slow";
-/** Simulated seconds in one of the clock. */
+/** Simulated seconds per second of the clock. */
 const SPEED: Record<Exclude<Pace, "fast">, number> = { real: 1, slow: 0.1 };
 
 export interface Look {
   progress: Progress;
   figures: Figures;
   rows: Rows;
-  /** Cycles a second while the run went on. */
+  /** Cycles per second while running. */
   rate: number;
 }
 
@@ -63,7 +63,7 @@ export class Runner {
     return this.going;
   }
 
-  /** Opens a run in place of the one before, which stays where this one is refused. */
+  /** Opens a run in place of the previous one, which stays if the new one is refused. */
   async open(request: string): Promise<Opened> {
     await this.pause();
     const handle = await this.runs.call("scope_open", request);
@@ -79,7 +79,7 @@ export class Runner {
     return { description, path };
   }
 
-  /** Goes on until the end or a pause. */
+  /** Continues until the end or a pause. */
   start(): void {
     if (this.going || this.handle === undefined) return;
     this.going = true;
@@ -89,13 +89,13 @@ export class Runner {
     });
   }
 
-  /** Ends the slice that is under way. */
+  /** Ends the running slice. */
   async pause(): Promise<void> {
     this.going = false;
     await this.loop;
   }
 
-  /** So many cycles. */
+  /** Runs this many cycles. */
   async step(cycles: number): Promise<void> {
     await this.pause();
     if (this.handle === undefined) return;
@@ -107,7 +107,7 @@ export class Runner {
     this.progress = JSON.parse(await this.runs.call("scope_advance", handle, cycles)) as Progress;
   }
 
-  /** An act in motion, at the next cycle where its time is `now`; as it stands in the scenario. */
+  /** An act in motion, at the next cycle if its time is `now`; in the form of the scenario. */
   async act(act: string, files?: Files): Promise<Recorded> {
     if (this.handle === undefined) throw new Error("found no run, needed one that is open");
     return JSON.parse(await this.runs.call("scope_act", this.handle, JSON.stringify({ act, files }))) as Recorded;
@@ -148,7 +148,7 @@ export class Runner {
     this.looked({ progress: this.progress, figures, rows, rate: this.spent_ms > 0 ? (1e3 * this.spent_cycles) / this.spent_ms : 0 });
   }
 
-  /** How long the page takes to draw what it was shown, and so how often it is shown something. */
+  /** Measures the page's drawing time, which sets the time between updates. */
   private measure(): void {
     const began = performance.now();
     const drawn = () => {
@@ -164,7 +164,7 @@ export class Runner {
     if (handle !== undefined) await this.runs.call("scope_close", handle);
   }
 
-  /** The module was started anew: what it held is gone. */
+  /** The module was restarted: its runs are gone. */
   private lost(): void {
     this.going = false;
     this.handle = undefined;

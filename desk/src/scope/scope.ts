@@ -69,7 +69,7 @@ export class Scope {
       if (this.look?.progress.cycle) this.screen.bar.changed("The machine has changed: Restart runs it, Exchange takes its tables.");
       else void this.reopen().catch(desk.fail);
     });
-    desk.runs.onRestart(() => this.screen.bar.changed("The run is lost: Run begins anew."));
+    desk.runs.onRestart(() => this.screen.bar.changed("The run is lost: Run starts it again."));
     await this.reopen().catch(desk.fail);
   }
 
@@ -90,7 +90,7 @@ export class Scope {
     if (this.look) this.screen.show(this.look, this.controls.setup, this.runner.isGoing, anew);
   }
 
-  /** Another setup: opened at once, for its program and errors to be seen. */
+  /** Sets another setup: opened at once, to show its program and errors. */
   private take(setup: Setup): void {
     const before = this.controls.setup;
     this.controls.set(setup);
@@ -106,7 +106,7 @@ export class Scope {
     else void this.reopen().catch(this.desk.fail);
   }
 
-  /** Opens the run of the present setup, at its beginning; one after the other, and those that are stale not at all. */
+  /** Opens the run of the present setup, at its beginning; one after the other; stale requests are skipped. */
   private reopen(files?: Files): Promise<void> {
     const ticket = ++this.opening;
     const stands = () => ticket === this.opening;
@@ -185,6 +185,6 @@ export class Scope {
   private async given(files: readonly Given[]): Promise<void> {
     const name = await this.exchanges.give(files);
     this.screen.acts.offer(name);
-    this.desk.tell(`${name}: tables to exchange for, in "Acts in motion".`);
+    this.desk.tell(`${name}: its tables can be exchanged in "Acts in motion".`);
   }
 }

@@ -13,10 +13,10 @@ import type { Look } from "./runner";
 import type { Setup } from "./setup";
 import { time } from "./times";
 
-/** Between two pictures in three dimensions, and two tables of figures, while a run goes on, ms. */
+/** Time between two three-dimensional pictures, and between two tables of figures, during a run, ms. */
 const PLACE_MS = 400;
 
-/** What is asked for on the screen. */
+/** Requests from the screen. */
 export interface ScreenHost extends ActsHost, BarHost, ProgramsHost {
   settings(setup: Setup): void;
 }
@@ -59,7 +59,7 @@ export class Screen {
     );
   }
 
-  /** Another run, at its beginning. */
+  /** Sets another run, at its start. */
   open(description: Description, path: Float32Array, setup: Setup): void {
     this.description = description;
     this.cursor = null;
@@ -70,7 +70,7 @@ export class Screen {
     this.bar.changed("");
   }
 
-  /** The run as it was last seen; `anew` draws all of it at once. */
+  /** Shows the latest state of the run; `anew` redraws everything at once. */
   show(look: Look, setup: Setup, going: boolean, anew = false): void {
     const { description } = this;
     if (!description) return;
@@ -96,7 +96,7 @@ export class Screen {
     if (this.shown) this.figures.replaceChildren(results(this.shown.result, this.beside.kept?.result));
   }
 
-  /** The cursor of the plots stands at a row, or nowhere. */
+  /** Sets the row of the plots' cursor, or none. */
   private moved(row: number | null): void {
     const rows = this.shown?.rows;
     if (row === this.cursor || !rows) return;
@@ -106,7 +106,7 @@ export class Screen {
     this.place.show(at);
   }
 
-  /** Brings cursor and place to a program line. */
+  /** Moves cursor and position to a program line. */
   private toLine(line: number): void {
     const row = this.shown?.rows.ofLine(line);
     if (row !== undefined) this.curves.show(row);

@@ -9,7 +9,7 @@ export type Direction = "machine" | "on" | "off";
 /** Kept by links and files. */
 export interface Setup {
   program: ProgramOf;
-  /** Settings that are not the default: dotted key, value as in TOML; faults and events are apart. */
+  /** Settings that are not the default: dotted key, value as in TOML; faults and events are separate. */
   settings: Record<string, string>;
   model: Model;
   orientation: Direction;
@@ -28,12 +28,12 @@ export const FIRST: Setup = {
   exchanges: {},
 };
 
-/** Whether an act is one of the plugin, not a fault of the plant. */
+/** Whether an act concerns the plugin, not a fault of the plant. */
 export function isEvent(act: string): boolean {
   return /^\s*(on|off|exchange)\b/.test(act);
 }
 
-/** Where `exchange:NAME@TIMEs` gets its tables. */
+/** Source of the tables of `exchange:NAME@TIMEs`. */
 export function exchangeOf(act: string): string | undefined {
   return /^\s*exchange:(.*)@[^@]*$/.exec(act)?.[1]?.trim();
 }
@@ -49,7 +49,7 @@ export function toml(setup: Setup): string {
   return lines.map((line) => `${line}\n`).join("");
 }
 
-/** What `scope_settings` answers. */
+/** Response of `scope_settings`. */
 export interface SettingsRead {
   settings: Record<string, unknown>;
   changes: { key: string; value: string; default: string }[];
@@ -64,7 +64,7 @@ export function withSettings(setup: Setup, read: SettingsRead): Setup {
   return { ...setup, settings: Object.fromEntries(own.map(({ key, value }) => [key, value])), acts };
 }
 
-/** What `scope_open` takes. */
+/** Request to `scope_open`. */
 export function request(setup: Setup, machine: Files): string {
   const { program, model, orientation, exchanges } = setup;
   return JSON.stringify({
@@ -87,7 +87,7 @@ export function fromState(state: unknown): Setup {
   return setup;
 }
 
-/** What differs between two setups, in words: name, one, other. */
+/** Differences between two setups, in words: name, one, other. */
 export function differences(one: Setup, other: Setup): [string, string, string][] {
   const name = (setup: Setup) => ("builtin" in setup.program ? setup.program.builtin : setup.program.name);
   const found: [string, string, string][] = [];

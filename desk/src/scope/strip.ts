@@ -7,7 +7,7 @@ import { colour, onTheme, type ColourName } from "../core/theme";
 export interface Lane {
   name: string;
   colour: ColourName;
-  /** Raised where not zero. */
+  /** Raised if not zero. */
   values: ArrayLike<number>;
 }
 
@@ -133,7 +133,7 @@ export class Strip {
   }
 }
 
-/** Stretches in which a flag is raised: first and last row. */
+/** Intervals in which a flag is raised: first and last row. */
 export function runs(values: ArrayLike<number>): [number, number][] {
   const found: [number, number][] = [];
   for (let row = 0; row < values.length; row++) {

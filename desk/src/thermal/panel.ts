@@ -30,7 +30,7 @@ export class Growth {
   ) {
     const again = () => void this.fit();
     const soon = debounce(400, again);
-    const holdOut = textField("Cycles that take no part in the fit", "the last", soon);
+    const holdOut = textField("Cycles held out of the fit", "the last", soon);
     const without = textField("Sensors to leave out", "none", soon);
     [this.holdOut, this.without] = [holdOut.input, without.input];
     const open = (given: Given[]) => this.take(given);
@@ -104,7 +104,7 @@ export class Growth {
       this.results.show(this.fitted);
     } catch (error) {
       if (turn !== this.latest) return;
-      this.status.textContent = `${record.name} tells nothing.`;
+      this.status.textContent = `${record.name} could not be evaluated.`;
       desk.fail(error);
     }
   }

@@ -15,7 +15,7 @@ export class Results {
   private readonly figures = el("div", { class: "figures" });
 
   constructor() {
-    this.root = el("div", { class: "columns" }, section("Cycles that took no part in the fit", this.left, this.plots), section("Model", this.figures));
+    this.root = el("div", { class: "columns" }, section("Held-out cycles", this.left, this.plots), section("Model", this.figures));
     this.clear();
   }
 
@@ -26,7 +26,7 @@ export class Results {
   show({ document: d, drifts }: Fitted): void {
     this.root.hidden = false;
     const [drift, left] = d.held_out_um;
-    this.left.textContent = `Of a largest drift of ${significant(drift, 3)} µm, ${significant(left, 3)} µm are left.`;
+    this.left.textContent = `Of a largest drift of ${significant(drift, 3)} µm, ${significant(left, 3)} µm remain.`;
     this.plots.replaceChildren();
     drifts.forEach((own) => this.draw(own));
     this.figures.replaceChildren(...this.tables(d));
@@ -54,7 +54,7 @@ export class Results {
       curves.map((of): Cell[] => [`E${axis}${axis}, ${of.of}`, of.knots.map((knot) => significant(knot, 3)).join(", "), pairs(of.offset_um, of.offset_error_um), pairs(of.slope, of.slope_error)]),
     );
     const tables = [
-      table("Drift, and what is left", ["", "largest drift / µm", "left / µm", "left, RMS / µm", ""], cycles),
+      table("Drift and remainder", ["", "largest drift / µm", "left / µm", "left, RMS / µm", ""], cycles),
       table("Lags", ["sensor", "lag / s"], lags),
       table("Curves", ["", "knots / °C or rpm", "offset or growth / µm", "slope / µm/m, tilt / µrad"], curves),
     ];

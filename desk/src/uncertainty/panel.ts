@@ -44,11 +44,11 @@ export class Position {
     const at = textField("Also at / mm, °", "X, Y, Z", soon);
     this.at = at.input;
     const fields = Object.values(this.fields).map(({ root }) => root);
-    this.results = el("div", { class: "columns" }, section("Where it is known worst", this.plots), section("Figures", this.tables));
+    this.results = el("div", { class: "columns" }, section("Largest uncertainty", this.plots), section("Figures", this.tables));
     root.append(
       section(
         "Uncertainty of the corrected position",
-        el("p", {}, "How well tables and settings are known stands in machine.toml as standard uncertainties, [uncertainty], and is carried to the tip: by derivatives, and by machines drawn at random."),
+        el("p", {}, "The machine.toml states how well tables and settings are known, as standard uncertainties, [uncertainty]. They are carried to the tip by derivatives, and by machines drawn at random."),
         el("div", { class: "row" }, ...fields, at.root),
         this.status,
         this.command.root,
@@ -89,7 +89,7 @@ export class Position {
       this.show(known);
     } catch (error) {
       if (turn !== this.latest) return;
-      this.status.textContent = "Nothing can be said of this machine.";
+      this.status.textContent = "This machine could not be evaluated.";
       this.results.hidden = true;
       // A machine that states no uncertainties is reported here, not as an error of the page.
       if (error instanceof Error && words.length === 0) this.status.textContent = error.message;
@@ -102,12 +102,12 @@ export class Position {
     this.status.textContent = [`${d.machine}: standard uncertainty ${significant(d.standard_rms_um, 3)} µm RMS over ${d.points} points.`, ...notes].join(" ");
     this.draw(d, distances_um);
     const shares = table(
-      "What contributes",
+      "Contributions",
       ["contribution", "share / %", "RMS over the volume / µm", "at the worst point / µm"],
       d.contributions.map(({ term, share, rms_um, worst_um }): Cell[] => [term, { text: (100 * share).toFixed(1), value: 100 * share }, shown(rms_um), shown(worst_um)]),
     );
     bars(shares, d.contributions.map(({ share }) => share));
-    this.tables.replaceChildren(warnings(d.warnings), this.spread("Worst point", d, d.worst), ...(d.at ? [this.spread("Position asked for", d, d.at)] : []), shares, el("p", {}, `Not stated, taken as zero: ${d.not_stated.join(", ") || "nothing"}.`));
+    this.tables.replaceChildren(warnings(d.warnings), this.spread("Worst point", d, d.worst), ...(d.at ? [this.spread("Requested position", d, d.at)] : []), shares, el("p", {}, `Not stated, taken as zero: ${d.not_stated.join(", ") || "nothing"}.`));
   }
 
   private spread(name: string, d: Uncertainty, point: AtPoint): HTMLElement {

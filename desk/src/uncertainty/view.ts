@@ -16,7 +16,7 @@ export const view: View = {
   state: () => position?.state,
   open: async (state) => {
     const kept = state as Partial<Kept> | null;
-    if (!kept?.request || typeof kept.at !== "string") throw new Error("uncertainty: found a state without what was asked for, needed one that this page saved");
+    if (!kept?.request || typeof kept.at !== "string") throw new Error("uncertainty: found a state without a request, needed one that this page saved");
     position?.open(kept as Kept);
   },
 };

@@ -61,7 +61,7 @@ impl Becomes {
     /// Replaces all files of the machine by `after`.
     pub(crate) fn whole(files: &str, after: Vec<(String, String)>) -> Result<Becomes> {
         let names: Vec<&str> = after.iter().map(|(name, _)| name.as_str()).collect();
-        let note = format!("written anew, without comments and grids of before: {}", names.join(" "));
+        let note = format!("rewritten, without the former comments and grids: {}", names.join(" "));
         Becomes::between(&texts(files)?, after.into_iter().collect(), vec![note], &[])
     }
 

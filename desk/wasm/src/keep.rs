@@ -84,7 +84,7 @@ pub fn keep_plan(files: &str, name: &str, task: &str) -> Result<String, Refused>
 }
 
 fn look(files: &str, name: &str, task: &str, log_name: &str, log: &str, request: &str) -> Result<String> {
-    let request: Request = serde_json::from_str(request).context("the request of a look")?;
+    let request: Request = serde_json::from_str(request).context("the request of a re-probing")?;
     let mut notes = Vec::new();
     let state = state(files, name, task, &request.history, &mut notes)?;
     let time = request.time.map(|given| time(&given).map_err(|needed| anyhow!("--time: found {given:?}, {needed}")));

@@ -186,17 +186,14 @@ impl Outcome {
             let faults: Vec<String> =
                 one.faults.iter().map(|(code, n)| format!("{code} ({})", counted(*n, "cycle"))).collect();
             let exchange = match (one.exchange_at, header.exchange_at) {
-                (Some(at), Some(asked)) => format!("asked for in cycle {asked}, in force from {at}"),
-                (None, Some(asked)) => format!("asked for in cycle {asked}, not made"),
+                (Some(at), Some(asked)) => format!("requested in cycle {asked}, in force from {at}"),
+                (None, Some(asked)) => format!("requested in cycle {asked}, not made"),
                 _ => "none".to_owned(),
             };
             let growth = one.growth.map_or("none".to_owned(), |grown| {
                 let [least, most] = grown.offset_mm.map(|mm| 1e3 * mm);
                 let times = counted(grown.in_force, "time");
-                format!(
-                    "{times} in force, {} with a share that stands still, {least:.1} to {most:.1} µm",
-                    grown.not_good
-                )
+                format!("{times} in force, {} with a frozen share, {least:.1} to {most:.1} µm", grown.not_good)
             });
             let _ = write!(
                 text,

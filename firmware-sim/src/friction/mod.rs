@@ -27,7 +27,7 @@ pub(crate) struct FrictionArgs {
     /// Machine: a machine.toml, its folder, or the name of a sample (mill-3axis, mill-5axis, mill-turn).
     #[arg(long, value_name = "M", default_value = "mill-3axis")]
     machine: PathBuf,
-    /// Radius of the circles, 1 to 1000; no multiple of the encoders' signal period, so that their errors differ from
+    /// Radius of the circles, 1 to 1000; not a multiple of the encoders' signal period, so that their errors differ from
     /// reversal to reversal.
     #[arg(long, value_name = "MM", default_value_t = 25.0037, allow_negative_numbers = true)]
     radius_mm: f64,
@@ -40,7 +40,7 @@ pub(crate) struct FrictionArgs {
     /// Whole turns of every circle, 1 to 20.
     #[arg(long, value_name = "N", default_value_t = 1)]
     turns: u32,
-    /// Take the drives' figures that the machine states, instead of finding them too.
+    /// Use the drives' figures that the machine states, instead of finding them too.
     #[arg(long)]
     given_drive: bool,
     /// Write the first record, for `trueaxis friction`.
@@ -88,7 +88,7 @@ pub(crate) fn friction(args: &FrictionArgs) -> Result<()> {
     .map_err(|refused| anyhow!("the recorded circles: {refused}"))?;
     bar.set_message("recording again");
     let again = Recorder::new(&circles, configured(machine, &found), settings.clone(), Kind::Configured);
-    let after = recorded(again.context("with the friction that was found")?, &bar);
+    let after = recorded(again.context("with the friction found")?, &bar);
     bar.finish_and_clear();
 
     let outcome = Outcome::new(&circles, &settings, [&before, &after], &found)?;

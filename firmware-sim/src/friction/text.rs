@@ -3,6 +3,7 @@
 use std::fmt::{self, Write};
 use trueaxis_report::number::significant;
 use trueaxis_sim::friction::{Figures, Outcome, Pair};
+use trueaxis_tables::text::counted;
 
 fn rows<T: Copy>(figures: &Figures<T>) -> [T; 9] {
     [
@@ -36,8 +37,11 @@ pub(super) fn text(outcome: &Outcome) -> Result<String, fmt::Error> {
     let [fast, slow] = outcome.feeds_mm_per_min;
     writeln!(
         f,
-        "circles  R {} mm at {fast} and {slow} mm/min, {} turns each way, {} cycles at {} Hz",
-        outcome.radius_mm, outcome.turns, outcome.cycles, outcome.servo_rate_hz
+        "circles  R {} mm at {fast} and {slow} mm/min, {} each way, {} cycles at {} Hz",
+        outcome.radius_mm,
+        counted(outcome.turns as usize, "turn"),
+        outcome.cycles,
+        outcome.servo_rate_hz
     )?;
     for own in &outcome.axes {
         writeln!(f, "\naxis {}, {} reversals", own.axis, own.reversals)?;

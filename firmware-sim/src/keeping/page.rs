@@ -4,6 +4,7 @@ use super::{Outcome, Part};
 use maud::html;
 use trueaxis_report::number::{quantity, significant};
 use trueaxis_report::{Figure, Page, Row, Scale, Stroke, Table, colour, summary};
+use trueaxis_tables::text::counted;
 
 /// Renders the whole page.
 pub fn page(outcome: &Outcome) -> String {
@@ -12,7 +13,7 @@ pub fn page(outcome: &Outcome) -> String {
         let what = match (&look.log_refused, look.refused.as_slice()) {
             (Some(reason), _) => reason.clone(),
             (None, []) if look.updates == 0 => "nothing to change".into(),
-            (None, []) => format!("{} terms", look.updates),
+            (None, []) => counted(look.updates, "term"),
             (None, reasons) => format!("refused: {}", reasons.join("; ")),
         };
         let [difference, step, limits] = look.exchanged.map_or([const { String::new() }; 3], |own| {
@@ -24,16 +25,16 @@ pub fn page(outcome: &Outcome) -> String {
         });
         Row::new(format!("after part {}", look.parts), [what, difference, step, limits])
     });
-    let head = ["look", "updated", "new − old tables, µm", "largest step in a cycle, µm", "of the limits"];
+    let head = ["re-probing", "updated", "new − old tables, µm", "largest step in a cycle, µm", "of the limits"];
     Page::new("A machine that keeps itself true")
         .top(summary([
             html! { (outcome.machine) },
-            html! { (outcome.parts.len()) " parts" },
-            html! { (outcome.updates) " updates, " (outcome.refusals) " refusals" },
+            html! { (counted(outcome.parts.len(), "part")) },
+            html! { (counted(outcome.updates, "update")) ", " (counted(outcome.refusals, "refusal")) },
         ]))
         .top(html! {
             p.result {
-                "Over the shift and the volume the tip is off by " strong { (um(outcome.rms_um[1])) } " RMS instead of "
+                "Over the shift and the volume the error of the tip is " strong { (um(outcome.rms_um[1])) } " RMS instead of "
                 strong { (um(outcome.rms_um[0])) } ", at most by " (um(outcome.largest_um[1])) " instead of "
                 (um(outcome.largest_um[0])) "."
             }
@@ -42,7 +43,7 @@ pub fn page(outcome: &Outcome) -> String {
             "Error of the tip",
             html! { (figure(outcome, 0, "RMS over the volume")) (figure(outcome, 1, "largest in the volume")) },
         )
-        .section("Looks", Table::new(head, looks).words(&[1]))
+        .section("Re-probings", Table::new(head, looks).words(&[1]))
         .document()
 }
 
@@ -59,6 +60,8 @@ fn figure(outcome: &Outcome, which: usize, name: &str) -> Figure {
     let updated = outcome.looks.iter().filter(|look| look.updates > 0).map(|look| [f64::from(look.parts), 0.0]);
     let refused = outcome.looks.iter().filter(|look| !look.refused.is_empty() || look.log_refused.is_some());
     figure.dots(updated, colour::COMPENSATED).dots(refused.map(|look| [f64::from(look.parts), 0.0]), colour::LIMIT);
-    figure.caption("Just before a look. Dots below: looks that updated the tables, and looks that needed a person.");
+    figure.caption(
+        "Just before a re-probing. Dots below: re-probings that updated the tables, and those that needed a person.",
+    );
     figure
 }

@@ -20,8 +20,8 @@ use trueaxis_sim::run::{self, Kind, ReportedFault, Run, Sink, Tallies};
 const STRETCH: u64 = 4096;
 
 /// Note for long steps or late cycles.
-const BUSY_KERNEL: &str = "steps over the budget and late cycles are the doing of a busy kernel, which took the processor \
-away: the work of a step is bounded, its median and 99 % are what it costs";
+const BUSY_KERNEL: &str = "a busy kernel that took the processor away causes steps over the budget and late cycles: the work \
+of a step is bounded, and its median and 99 % show its cost";
 
 /// Figures of the runs.
 #[derive(Debug)]

@@ -13,8 +13,7 @@ impl Outcome {
     }
 }
 
-const RUNS: [&str; 4] =
-    ["without compensation", "with compensation", "servo alone (perfect geometry)", "full: servo corrected too"];
+const RUNS: [&str; 4] = ["without compensation", "with compensation", "perfect geometry", "full"];
 
 /// Prints the outcome as plain text.
 pub struct Summary<'o> {
@@ -67,7 +66,7 @@ impl Summary<'_> {
         let Outcome { uncompensated, compensated, full, .. } = self.outcome;
         let before = uncompensated.error;
         if before.max_um > 0.0 && before.rms_um > 0.0 {
-            let shares = [("what is left", Some(compensated)), ("what is left in full", full.as_ref())];
+            let shares = [("remaining with compensation", Some(compensated)), ("remaining in full", full.as_ref())];
             for (name, after) in shares.into_iter().filter_map(|(name, run)| Some((name, run?.error))) {
                 let share = [after.max_um / before.max_um, after.rms_um / before.rms_um].map(|share| 100.0 * share);
                 writeln!(f, "  {name:<46} {:>9.1} %  {:>7.1} %", share[0], share[1])?;

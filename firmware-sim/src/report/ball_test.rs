@@ -44,14 +44,14 @@ fn summary(test: &BallCycle, outcome: &Outcome) -> Markup {
             html! { "seed " (test.seed) },
         ]))
         p.result {
-            "Of the tip error that the rotary axes cause, " strong { (left(outcome.before, outcome.after)) } " is left: "
+            "Of the tip error that the rotary axes cause, " strong { (left(outcome.before, outcome.after)) } " remains: "
             strong { (quantity(outcome.after.rms, "µm")) } " rms instead of "
             strong { (quantity(outcome.before.rms, "µm")) } "."
         }
         p {
             "Three set-ups of a ball for either axis, RTCP holding its centre; linear axes are perfect. The identified \
              tables were compiled and used by the volumetric correction; the true tip error is judged at every degree, \
-             not only where the gauge stood."
+             not only at the stops of the gauge."
         }
         (table(outcome, left))
     }

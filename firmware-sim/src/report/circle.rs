@@ -10,14 +10,14 @@ const BUCKETS: usize = 700;
 
 pub(super) fn section(report: &Report) -> Option<Section> {
     let circle = report.circle.as_ref()?;
-    let before = curve("uncompensated", colour::UNCOMPENSATED, &circle.uncompensated);
-    let compensated = curve("compensated", colour::COMPENSATED, &circle.compensated);
-    let servo = curve("servo only", colour::SERVO, &circle.servo_only);
+    let before = curve("without compensation", colour::UNCOMPENSATED, &circle.uncompensated);
+    let compensated = curve("with compensation", colour::COMPENSATED, &circle.compensated);
+    let servo = curve("perfect geometry", colour::SERVO, &circle.servo_only);
     let full = curve("full", colour::FOURTH, &circle.full);
     let after = if full.is_some() { [compensated.clone(), full.clone()] } else { [servo, compensated.clone()] };
     let figures = [
         figure(circle, "Before and after.", [before, full.or(compensated)]),
-        figure(circle, "What is left, enlarged.", after),
+        figure(circle, "The small deviations, enlarged.", after),
     ];
     let content = html! { (side_by_side(figures.into_iter().flatten())) };
     Some(Section { heading: "Circle in polar coordinates", content })

@@ -28,9 +28,9 @@ impl Curve {
 pub(super) fn section(report: &Report) -> Option<Section> {
     let series = &report.contour;
     let curves: Vec<Curve> = [
-        Curve::new("uncompensated", colour::UNCOMPENSATED, &series.uncompensated),
-        Curve::new("compensated", colour::COMPENSATED, &series.compensated),
-        Curve::new("servo only", colour::SERVO, &series.servo_only),
+        Curve::new("without compensation", colour::UNCOMPENSATED, &series.uncompensated),
+        Curve::new("with compensation", colour::COMPENSATED, &series.compensated),
+        Curve::new("perfect geometry", colour::SERVO, &series.servo_only),
         Curve::new("full", colour::FOURTH, &series.full),
     ]
     .into_iter()
@@ -60,7 +60,7 @@ fn figure(report: &Report, curves: &[&Curve], all: &[&Curve], caption: &str) -> 
     let names: Vec<&str> = curves.iter().map(|curve| curve.name).collect();
     let mut figure = Figure::full(&format!("{caption} Curves: {}", names.join(", ")), 270, x, y);
     figure.labels_above(report.contour.program_lines.iter().map(|(length, line)| (*length, line.to_string())));
-    // The compensated curve precedes servo only in the legend, but is drawn on top of it.
+    // The curve with compensation precedes perfect geometry in the legend, but is drawn on top of it.
     for curve in curves.iter().rev() {
         let stroke = Stroke::new(curve.colour, 1.2).opacity(0.85);
         figure.interrupted(&curve.points, &report.contour.breaks, stroke);

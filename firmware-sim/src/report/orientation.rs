@@ -12,9 +12,9 @@ type Curve = (String, Colour, Vec<[f64; 2]>);
 pub(super) fn section(report: &Report) -> Option<Section> {
     let series = &report.orientation;
     let runs = [
-        ("uncompensated", colour::UNCOMPENSATED, &series.uncompensated),
-        ("compensated", colour::COMPENSATED, &series.compensated),
-        ("servo only", colour::SERVO, &series.servo_only),
+        ("without compensation", colour::UNCOMPENSATED, &series.uncompensated),
+        ("with compensation", colour::COMPENSATED, &series.compensated),
+        ("perfect geometry", colour::SERVO, &series.servo_only),
         ("full", colour::FOURTH, &series.full),
     ];
     let error: Vec<Curve> = (runs.into_iter())

@@ -43,8 +43,8 @@ fn views(points: &[PathPoint], plane: [usize; 2]) -> Vec<Figure> {
         points.iter().map(|point| plane.map(|axis| value(point)[axis])).collect()
     };
     let deviated = |name, colour, value| Deviated { name, colour, deviation_um: projected(value) };
-    let before = deviated("uncompensated", colour::UNCOMPENSATED, |point| point.uncompensated_um);
-    let after = deviated("compensated", colour::COMPENSATED, |point| point.compensated_um);
+    let before = deviated("without compensation", colour::UNCOMPENSATED, |point| point.uncompensated_um);
+    let after = deviated("with compensation", colour::COMPENSATED, |point| point.compensated_um);
     let view = |caption, curves| View {
         caption,
         axes: plane.map(|axis| AXES[axis]),
@@ -55,7 +55,7 @@ fn views(points: &[PathPoint], plane: [usize; 2]) -> Vec<Figure> {
     let enlarged = after.largest_um() > 0.0 && after.largest_um() < ENLARGE_BELOW * before.largest_um();
     let mut figures = vec![view("Before and after", vec![before, after.clone()]).figure()];
     if enlarged {
-        figures.push(view("What compensation leaves behind", vec![after]).figure());
+        figures.push(view("With compensation", vec![after]).figure());
     }
     figures
 }

@@ -21,8 +21,8 @@ pub(super) fn section(report: &Report) -> Option<Section> {
     let figures = report.reversals.iter().flat_map(|reversal| [parts(reversal), errors(reversal)]);
     let content = html! {
         p {
-            "Of each axis the reversal with the largest contour error while the servo is left alone (compensated run). Left: \
-             what the full run adds to the command. Right: what it gains."
+            "For each axis, the reversal with the largest contour error in the run with compensation. Left: the dynamic \
+             correction that the full run adds to the command. Right: its effect on the contour error."
         }
         (side_by_side(figures))
     };
@@ -48,7 +48,7 @@ fn parts(reversal: &ReversalReport) -> Figure {
 
 fn errors(reversal: &ReversalReport) -> Figure {
     let curves = vec![
-        ("compensated", colour::COMPENSATED, decimate(&reversal.compensated_um, BUCKETS)),
+        ("with compensation", colour::COMPENSATED, decimate(&reversal.compensated_um, BUCKETS)),
         ("full", colour::FOURTH, decimate(&reversal.full_um, BUCKETS)),
     ];
     figure(reversal, "contour error in µm", curves)

@@ -62,12 +62,12 @@ fn contour_table(report: &Report) -> Table {
         Row::new(name, [significant(size.max_um, 3), significant(size.rms_um, 3), share])
     };
     let rows = [
-        row("uncompensated", &errors.uncompensated),
-        row("compensated", &errors.compensated),
-        row("servo only (perfect geometry)", &errors.servo_only),
+        row("without compensation", &errors.uncompensated),
+        row("with compensation", &errors.compensated),
+        row("perfect geometry", &errors.servo_only),
     ];
-    let rows = rows.into_iter().chain(errors.full.as_ref().map(|full| row("full: servo corrected too", full)));
-    Table::new(["", "max in µm", "RMS in µm", "max against uncompensated"], rows)
+    let rows = rows.into_iter().chain(errors.full.as_ref().map(|full| row("full", full)));
+    Table::new(["", "max in µm", "RMS in µm", "max, share of the first"], rows)
         .caption("Contour error of the true tool tip")
 }
 
@@ -116,5 +116,5 @@ fn fault_table(faults: &[FaultEntry]) -> Table {
         let time = decimals(if fault.time_s.is_finite() { fault.time_s } else { 0.0 }, 4);
         Row::new(format!("{time} s"), [fault.code.clone(), count(fault.cycles), fault.description.clone()])
     });
-    Table::new(["first at", "code", "cycles", "what happened"], rows).words(&[1, 3])
+    Table::new(["first at", "code", "cycles", "description"], rows).words(&[1, 3])
 }

@@ -52,11 +52,11 @@ pub fn render(warming: &Warming, outcome: &Outcome) -> String {
             ]))
             p.result {
                 "In a shift of another kind, " strong { (significant(1e2 * outcome.left_share(), 2)) " %" }
-                " of the largest drift is left: " strong { (quantity(1e3 * outcome.largest_mm[1], "µm")) } " instead of "
+                " of the largest drift remains: " strong { (quantity(1e3 * outcome.largest_mm[1], "µm")) } " instead of "
                 strong { (quantity(1e3 * outcome.largest_mm[0], "µm")) } "."
             }
             p {
-                "Bodies are lumped masses of two nodes; the fitted form is none of theirs. Speeds, spells and places of the \
+                "Bodies are lumped masses of two nodes; the fitted form is none of theirs. Speeds, periods and positions of the \
                  judged shift were not in the record; the task's lines went through the step and its limiter."
             }
         })

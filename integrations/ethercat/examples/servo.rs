@@ -1,7 +1,7 @@
 //! Three CSP drives on a network, with distributed clocks: `cargo run --release --example servo -- eth0 machine.tcomp`.
 //!
 //! The drives' process data have to be mapped as in `IMAGE_BYTES` (their EEPROM's or fixed PDOs), their mode set to cyclic
-//! synchronous position (0x6060 = 8, done here). The command is X to and fro by 1 mm, from where the drives stand.
+//! synchronous position (0x6060 = 8, done here). The command moves X to and fro by 1 mm, from the drives' position.
 
 use std::time::{Duration, Instant};
 
@@ -76,7 +76,7 @@ async fn run(interface: &str, cycle: &mut Cycle<'_>) -> Result<(), Error> {
         let frame = match group.tx_rx_dc(&main_device).await {
             Ok(response) => {
                 wait = response.extra.next_cycle_wait;
-                // A drive counts 1 for what it gave and 2 for what it took.
+                // A drive counts 1 for the data read from it and 2 for the data written to it.
                 if response.working_counter as usize == 3 * AXES && response.all_op() {
                     Frame::Received { system_time_ns: response.extra.dc_system_time }
                 } else {

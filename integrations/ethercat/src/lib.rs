@@ -1,7 +1,7 @@
 //! One cycle of drives in cyclic synchronous position mode (CiA 402) with the step of trueaxis in it.
 //!
-//! [`Cycle::run`] takes what a frame brought back and fills what the next one carries. It knows no main device: the example
-//! `servo` calls it with ethercrab, the tests with a process image of their own.
+//! [`Cycle::run`] reads the inputs of a returned frame and fills the outputs of the next. It knows no main device: the example
+//! `servo` calls it with ethercrab, the tests with a separate process image.
 //!
 //! | | then |
 //! |---|---|
@@ -9,7 +9,7 @@
 //! | [`LOST_MAX`] frames in a row | quick stop, until [`Cycle::reset`] |
 //! | the cycle came late or early by more than a quarter, by the distributed clock | the correction freezes in it |
 //! | a drive reports a fault | quick stop of all |
-//! | a command is no number, jumps, leaves the travel | the step holds; quick stop of all |
+//! | a command is not a number, jumps, leaves the travel | the step holds; quick stop of all |
 
 use trueaxis::sample::WrappingCounter;
 use trueaxis::tcomp::Tcomp;
@@ -36,7 +36,7 @@ pub enum Frame {
     Lost,
 }
 
-/// Why the machine stands.
+/// Reason for the stop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stop {
     /// Too many frames lost in a row.
@@ -47,14 +47,14 @@ pub enum Stop {
     Command(Fault),
 }
 
-/// What a cycle did.
+/// Result of a cycle.
 #[derive(Debug)]
 pub struct Report {
     /// All drives follow their targets.
     pub running: bool,
     /// Quick stop, latched.
     pub stop: Option<Stop>,
-    /// Of the step: correction, status, fault.
+    /// The step's report: correction, status, fault.
     pub output: Output<f64, f64, AXES>,
 }
 
@@ -63,7 +63,7 @@ enum Step<'a> {
     Bypass(Bypass<f64, AXES>),
 }
 
-/// What one cycle hands to the next.
+/// State passed from one cycle to the next.
 pub struct Cycle<'a> {
     step: Step<'a>,
     counts_per_mm: f64,
@@ -109,20 +109,20 @@ impl<'a> Cycle<'a> {
         }
     }
 
-    /// Releases a stop in the next cycle; the command has to be where the machine stands.
+    /// Releases a stop in the next cycle; the command has to be at the machine's position.
     pub fn reset(&mut self) {
         self.stop = None;
         self.reset = true;
     }
 
-    /// Where the drives stand, mm: where commands begin.
+    /// Positions of the drives, mm, at which commands begin.
     pub fn position(&self) -> [f64; AXES] {
         self.position.map(|counts| counts as f64 / self.counts_per_mm)
     }
 
     /// One cycle: `command` in mm; inputs and outputs of each drive as in [`IMAGE_BYTES`].
     ///
-    /// Until all drives follow, targets are where they stand, and the command does not count.
+    /// Until all drives follow, targets are their positions, and the command is ignored.
     pub fn run(
         &mut self,
         frame: Frame,

@@ -8,7 +8,7 @@ const TABLES: &[u8] = include_bytes!("../../../crates/trueaxis/tests/data/mill-3
 const COUNTS_PER_MM: f64 = 100_000.0;
 const START: [i32; AXES] = [1_000_000, -2_000_000, -20_000_000];
 
-/// Drives of CiA 402 that stand where they were told in the cycle before.
+/// Drives of CiA 402 that are at the target of the cycle before.
 struct Drives {
     inputs: [[u8; IMAGE_BYTES]; AXES],
     outputs: [[u8; IMAGE_BYTES]; AXES],
@@ -60,7 +60,7 @@ impl Drives {
     }
 }
 
-/// 20 mm/s in X from where the drives stand.
+/// 20 mm/s in X from the drives' position.
 fn command(n: u32) -> [f64; AXES] {
     let start = START.map(|counts| f64::from(counts) / COUNTS_PER_MM);
     [start[0] + 0.02 * f64::from(n), start[1], start[2]]
@@ -142,7 +142,7 @@ fn a_lost_frame_freezes_the_correction_and_the_command_passes() {
                 assert!((now - before).abs() < 1.5e-5, "{now} {before}");
             }
         }
-        // The clock went on meanwhile: that is not a late cycle.
+        // The clock has advanced: that is not a late cycle.
         for i in 0..10 {
             *n += 1;
             let report = drives.cycle(cycle, command(*n), PERIOD_NS, false);
@@ -199,7 +199,7 @@ fn frames_that_stay_away_stop_the_machine_until_a_reset() {
         assert!((0..AXES).all(|drive| drives.control(drive) == 0x02));
         let report = drives.cycle(cycle, command(*n), PERIOD_NS, true);
         assert!(!report.running && held == drives.outputs, "targets hold");
-        // Frames come back: it stays stopped, its targets where the drives stand.
+        // Frames come back: it stays stopped, its targets at the drives' positions.
         for _ in 0..5 {
             let report = drives.cycle(cycle, command(*n), PERIOD_NS, false);
             assert_eq!(report.stop, Some(Stop::Frames));
@@ -213,7 +213,7 @@ fn frames_that_stay_away_stop_the_machine_until_a_reset() {
             running = drives.cycle(cycle, here, PERIOD_NS, false).running;
         }
         assert!(running, "comes back into operation");
-        // By at most what the correction is led in, and no jump.
+        // By at most the limiter's step of the correction, and no jump.
         assert!(
             stood.iter().zip(drives.position).all(|(a, b)| (a - b).abs() < 3000),
             "{stood:?} {:?}",

@@ -14,7 +14,7 @@
 #include "trueaxis.h"
 
 #ifndef TRUEAXIS_MEMORY_BYTES
-/* For the tables' nodes; `trueaxis tables show` prints what a machine takes. */
+/* For the tables' nodes; `trueaxis tables show` prints the memory that a machine needs. */
 #ifdef TRUEAXIS_SINGLE
 #define TRUEAXIS_MEMORY_BYTES 24576
 #else
@@ -37,15 +37,15 @@ unsigned trueaxis_correction_axis(unsigned slot);
 /* Bits of the controller's axes that the tables speak of. */
 uint8_t trueaxis_correction_axes(void);
 
-/* The largest correction of that axis that a search of the tables' travel finds, mm, and 1 um for what it may miss. */
+/* The largest correction of that axis found by a search of the tables' travel, mm, plus 1 um that it may miss. */
 float trueaxis_correction_largest(unsigned slot);
 
-/* q = p + c(p): where the drives stand when the tool is to be at p. mm, rotary axes degrees. `negative`: bit 0 = X, ...:
+/* q = p + c(p): position of the drives for the tool at p. mm, rotary axes degrees. `negative`: bit 0 = X, ...:
  * the axis last moved in its negative direction. Outside the tables' travel the correction of its edge holds; above
  * `correction_limit` it is clamped. Axes without tables pass. `drive` may be `command`. */
 void trueaxis_correction_forward(const float *command, uint8_t negative, float *drive);
 
-/* p from q, by repeating p = q - c(p) until it stands to 1 nm, at most 8 times. The slope of a correction is below 1e-2,
+/* p from q, by repeating p = q - c(p) until it converges to 1 nm, at most 8 times. The slope of a correction is below 1e-2,
  * so every pass brings two digits. `command` may be `drive`. */
 void trueaxis_correction_inverse(const float *drive, uint8_t negative, float *command);
 

@@ -326,7 +326,7 @@ static void park_on(void) {
         case 2:
             sys.parking_state = Parking_DoorClosed;
             if (core_held) {
-                core_held(); /* nothing is told before the operator has closed the door */
+                core_held(); /* no report before the operator has closed the door */
             }
             return;
         case 3:
@@ -445,7 +445,7 @@ static void serve(void) {
     }
 }
 
-/* One round of the foreground loop, and the steps taken meanwhile. False on a reset or a stop: the caller gives up. */
+/* One round of the foreground loop, and the steps taken during it. False on a reset or a stop: the caller gives up. */
 static bool protocol_execute_realtime(void) {
     do {
         if (requests) {
@@ -465,7 +465,7 @@ static void auto_cycle_start(void) {
     }
 }
 
-/* The main loop begins anew after a reset. Position is lost where the motors were moving. */
+/* The main loop restarts after a reset. Position is lost if the motors were moving. */
 static void start_anew(void) {
     if (sys.abort) {
         bool lost = stepping;
@@ -562,7 +562,7 @@ status_code_t core_line(const float *target, plan_line_data_t pl_data) {
     return status;
 }
 
-/* Whatever became of the jog meanwhile, its end is the program's position. */
+/* However the jog ended, its end is the program's position. */
 status_code_t core_jog(const float *target, plan_line_data_t pl_data) {
     float end[N_AXIS];
     memcpy(end, target, sizeof end);

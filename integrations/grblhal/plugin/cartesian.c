@@ -1,5 +1,5 @@
 /*
- * Cartesian kinematics, for a core that has none of its own.
+ * Cartesian kinematics, for a core without them.
  *
  * SPDX-License-Identifier: GPL-3.0-or-later
  */

@@ -1,6 +1,6 @@
 /*
- * Where the drives are, by the steps that have been taken and not by what was planned: the core may drop its queue at any
- * time. A drive that turns first takes up its lost motion while the tool stands.
+ * Where the drives are, by the steps that have been taken and not by the plan: the core may drop its queue at any
+ * time. A drive that turns first takes up its lost motion while the tool is at rest.
  *
  * SPDX-License-Identifier: GPL-3.0-or-later
  */

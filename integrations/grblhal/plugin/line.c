@@ -23,7 +23,7 @@ static struct {
     float length, rate_multiplier;
     coord_data_t start, change; /* machine coordinates: begin, end − begin */
     coord_data_t drive;         /* corrected, at `tick` */
-    coord_data_t from, motor;   /* motors: where the planner stands, what it is handed */
+    coord_data_t from, motor;   /* motors: position of the planner, and next target */
     coord_data_t *below;        /* of the stretch in `present` */
     bool rapid, turned;         /* `turned`: lost motion was taken up at `tick` */
     bool amid;                  /* the drives stopped amid their lost motion before this line */
@@ -69,7 +69,7 @@ mpos_t trueaxis_planner_steps(void) {
     return to_steps((coord_data_t *)plan_get_position());
 }
 
-/* The drives stand and the queue is empty, but not at the end of what was planned: the core has dropped the rest. Where the
+/* The drives are at rest and the queue is empty, but not at the planned end: the core has dropped the rest. Where the
    steps agree, the side of the lost motion still shows in the program's position. */
 static bool stopped_elsewhere(const mpos_t *steps) {
     coord_data_t program;
@@ -107,7 +107,7 @@ static coord_data_t *begin(coord_data_t *target, const coord_data_t *position, p
         trueaxis_shared.present.transform_steps_to_cartesian(&line.start, &steps);
         trueaxis_correction_inverse(line.start.values, trueaxis_shared.planned.negative, line.start.values);
     }
-    /* The end of the line before, where that is what the planner rounded to its steps: an axis that is not commanded then
+    /* The end of the line before, if the planner rounded it to these steps: an axis that is not commanded then
        does not move at all. */
     if (steps_between(&line.start, &trueaxis_shared.last) < 1.5f) {
         line.start = trueaxis_shared.last;
@@ -213,7 +213,7 @@ static void next_stretch(plan_line_data_t *pl_data) {
     line.inside = true;
 }
 
-/* A jog that is cancelled ends here; the lines of a program do not, though the core tells of the command then too. */
+/* A jog that is cancelled ends here; the lines of a program do not, though the core reports the command then too. */
 static bool cancelled(void) {
     return line.jog && trueaxis_shared.jog_cancelled;
 }

@@ -1,7 +1,7 @@
 /*
  * trueaxis for grblHAL: geometric error compensation around the kinematics that are there.
  *
- * These files become part of a grblHAL firmware and use its interface, so they stand under grblHAL's licence.
+ * These files become part of a grblHAL firmware and use its interface, so they are under grblHAL's licence.
  * SPDX-License-Identifier: GPL-3.0-or-later
  */
 #include <math.h>
@@ -97,7 +97,7 @@ static void cut_to_travel(float *target, float *position, work_envelope_t *envel
     apply_travel_limits(target, position, &wider);
 }
 
-/* Switching: nothing moves, the program's position is taken over from the steps anew. */
+/* Switching: nothing moves, the program's position is computed again from the steps. */
 
 static void correct(bool on) {
     if (trueaxis_shared.correcting != on) {
@@ -153,7 +153,7 @@ static void jog_cancel(sys_state_t state) {
     }
 }
 
-/* What is told. */
+/* Messages. */
 
 static void tell_state(void) {
     hal.stream.write(trueaxis_shared.correcting ? "[TRUEAXIS:on" : "[TRUEAXIS:uncompensated, ");
@@ -169,7 +169,7 @@ static void report_options(bool newopt) {
     }
 }
 
-/* $TRUEAXIS tells, $TRUEAXIS=1 and =0 switch. */
+/* $TRUEAXIS reports, $TRUEAXIS=1 and =0 switch. */
 static status_code_t command(sys_state_t state, char *args) {
     if (args && *args) {
         if ((*args != '0' && *args != '1') || args[1]) {
@@ -265,7 +265,7 @@ void my_plugin_init(void) {
     };
     static sys_commands_t registered = { .n_commands = 1, .commands = commands };
 
-    /* The core calls the hooks before `start`; kinematics of its own come after this and overwrite them. */
+    /* The core calls the hooks before `start`; its own kinematics come after this and overwrite them. */
     if (!kinematics.segment_line) {
         kinematics = trueaxis_cartesian();
     }

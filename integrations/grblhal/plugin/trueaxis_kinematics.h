@@ -37,7 +37,7 @@ typedef struct {
 typedef struct {
     kinematics_t present;      /* the kinematics below: the core's, or cartesian */
     bool correcting;           /* changes only with the position taken over from the steps, and never amid a line */
-    trueaxis_sides_t planned;  /* at the end of what the planner was handed */
+    trueaxis_sides_t planned;  /* at the end of the planner's last target */
     trueaxis_sides_t executed; /* by the steps that were taken */
     coord_data_t last;         /* end of the last line, machine coordinates */
     mpos_t sent;               /* motors: the last point that the planner was handed */
@@ -55,7 +55,7 @@ void trueaxis_validate(const coord_data_t *target, plan_line_data_t *pl_data);
 /* The hook of that name: lines bent so that the tool follows them. */
 coord_data_t *trueaxis_segment_line(coord_data_t *target, coord_data_t *position, plan_line_data_t *pl_data, bool init);
 
-/* Ends a line that is being handed to the planner, if the core has dropped its queue meanwhile. */
+/* Ends a line that is being handed to the planner, if the core has dropped its queue. */
 void trueaxis_line_dropped(void);
 
 /* The planner's position, steps of the motors. */
@@ -80,7 +80,7 @@ void trueaxis_program(coord_data_t *position);
 /* Position of the tool where the probe triggered. */
 void trueaxis_probed(coord_data_t *tool);
 
-/* The planner starts anew where the drives are. */
+/* The planner restarts at the drives' position. */
 void trueaxis_take_over(void);
 
 #endif

@@ -47,7 +47,7 @@ static double tool(int i) {
     return at;
 }
 
-/* A step, what the plugin takes for no turn in what it plans and in what it follows, and single precision. */
+/* A step, the plugin's hysteresis of turns in its plan and in the steps it follows, and single precision. */
 static double bound(int i) {
     return 1.0 / (double)settings.axis[i].steps_per_mm + 0.00065;
 }
@@ -77,7 +77,7 @@ static void report(sys_state_t state) {
     }
 }
 
-/* What comes amid the motion, and what the operator does when it stands. */
+/* The event during the motion, and the operator's action when it has stopped. */
 static bool dropped, parked;
 static void resumed_or_reset(void) {
     if (below(2)) {
@@ -167,7 +167,7 @@ static void sequence(float steps_per_mm) {
         unsigned when = 1 + below((unsigned)(steps_per_mm * (below(2) ? 0.1f : 10.0f)) + 2);
         dropped = parked = false;
         memcpy(target, wanted, sizeof wanted);
-        if (kind == 0) { /* probe, then off what was touched */
+        if (kind == 0) { /* probe, then off the touched place */
             doing = "probe";
             int i = (int)below(3);
             target[i] = fmaxf(wanted[i] - 5.0f, 1.0f - (float)travel[i]);
@@ -182,7 +182,7 @@ static void sequence(float steps_per_mm) {
                 memcpy(target, wanted, sizeof wanted);
                 for (int back = 0; back < 2; back++) {
                     system_convert_array_steps_to_mpos(told_at, sys.probe_position);
-                    hold(back ? "place touched, told when off it" : "place touched", i, told_at[i], touch_at);
+                    hold(back ? "touched place, reported when off it" : "place touched", i, told_at[i], touch_at);
                     target[i] = wanted[i] + 1.0f;
                     if (!back) {
                         line_to(target[0], target[1], target[2], feed);
@@ -337,7 +337,7 @@ static void lines_of_a_program_are_no_jogs(void) {
     hold("place", 0, tool(0), -60);
 }
 
-/* Soft limits give way by what the tables can reach, 64 um on X, and not by the limit of the correction, 1 mm. */
+/* Soft limits give way by the tables' largest correction, 64 um on X, and not by the limit of the correction, 1 mm. */
 static void soft_limits(void) {
     begin("soft limits", 400.0f);
     bool good = fabsf(trueaxis_correction_largest(0) - 0.064f) < 0.0015f && fabsf(trueaxis_correction_largest(1) - 0.045f) < 0.0015f &&

@@ -1,4 +1,4 @@
-/* What a controller tells and does with tables that are refused. SPDX-License-Identifier: MIT OR Apache-2.0 */
+/* Messages and behaviour of a controller with refused tables. SPDX-License-Identifier: MIT OR Apache-2.0 */
 #include <stdio.h>
 
 #include "machine.h"

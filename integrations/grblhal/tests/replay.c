@@ -1,5 +1,5 @@
-/* Rapids through the recording that every host replays: POINTS has a line of it for each, where the motors are to stand
- * beside. Tells the largest difference. SPDX-License-Identifier: MIT OR Apache-2.0 */
+/* Rapids through the recording that every host replays: POINTS has a line of it for each, and the motors' target
+ * beside. Prints the largest difference. SPDX-License-Identifier: MIT OR Apache-2.0 */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>

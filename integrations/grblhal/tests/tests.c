@@ -1,4 +1,4 @@
-/* Behaviour of the plugin on the double, and moves for checks.py, which holds them against the exact machine.
+/* Behaviour of the plugin on the double, and moves for checks.py, which compares them with the exact machine.
    SPDX-License-Identifier: MIT OR Apache-2.0 */
 #include <math.h>
 #include <stdio.h>
@@ -71,9 +71,9 @@ static void homing_switches_on_without_a_move(void) {
     power_up(COARSE, NULL);
     told[0] = '\0';
     core_home(all, true);
-    CHECK(at(-120000, -80000, -160000)); /* the drives stand at the switches' places, as without the plugin */
+    CHECK(at(-120000, -80000, -160000)); /* the drives are at the switches, as without the plugin */
     CHECK(!strcmp(told, "[MSG:Info: trueaxis: correction on]\r\n"));
-    /* The tool does not stand there: the program is told so, to well below a step. */
+    /* The tool is not there: the program's position shows it, to well below a step. */
     float drive[N_AXIS], most = 0.0f;
     trueaxis_correction_forward(gc_state.position, 0, drive);
     for (int idx = 0; idx < N_AXIS; idx++) {
@@ -141,7 +141,7 @@ static void limits_and_feeds(void) {
     CHECK(line_to(0, 0, 0, rapid) && !soft_limit_alarm);
     CHECK(!line_to(0.11f, 0, 0, feed) && soft_limit_alarm);
     CHECK(!line_to(-300.11f, 0, 0, feed) && soft_limit_alarm);
-    /* From every corner where drives can stand after homing. */
+    /* From every corner that the drives can have after homing. */
     for (int corner = 0; corner < 8; corner++) {
         float p[N_AXIS];
         for (int idx = 0; idx < N_AXIS; idx++) {
@@ -345,7 +345,7 @@ static void fourth_axis_passes(void) {
         CHECK(blocks[block_count - 2].steps[3] < sys.position[3] && blocks[0].steps[3] >= 0);
     }
     CHECK(gc_state.position[3] == 17.5f);
-    sys.position[3] = 20000; /* set down elsewhere: it goes on from there */
+    sys.position[3] = 20000; /* set down elsewhere: it continues from there */
     plan_sync_position();
     target[3] = 60.0f;
     block_count = 0;

@@ -60,12 +60,12 @@ class TrueAxis:
         self.printer = config.get_printer()
         self.gcode = self.printer.lookup_object("gcode")
         self.file = config.get("tables")
-        self.shim_file = os.path.expanduser(config.get("shim"))  # not in the extras folder: the host imports what lies there
+        self.shim_file = os.path.expanduser(config.get("shim"))  # not in the extras folder: the host imports every file there
         self.machine_id = int(config.get("machine_id", "0"), 16)
         self.max_correction = config.getfloat("max_correction", 1.0, above=0.0)
         self.max_slope = config.getfloat("max_slope", 0.01, above=0.0, below=0.1)
         self.wanted = config.getboolean("enable", True)
-        self.refused = self.note = None  # a line each: why there are no tables; what to know of those there are
+        self.refused = self.note = None  # a line each: why the tables were refused; notes on those in use
         self.shim = self.machine = self.tables = None
         self.on = self.homing = self.switching = False
         self.probed = None
@@ -147,7 +147,7 @@ class TrueAxis:
         flags = self.shim.trueaxis_shim_flags(original)
         wrap = self.ffi.gc(self.shim.trueaxis_shim_wrap(self.machine, original), self.host.free)
         stepper.set_stepper_kinematics(wrap)
-        # For the input shaper, which copies what it finds; the outermost gets its own when the machine is ready.
+        # For the input shaper, which copies the kinematics that it finds; the outermost gets its own when the machine is ready.
         self.shim.trueaxis_shim_active(wrap, XYZ)
         # Who asks for a rail's axis means the mechanics, not the correction.
         stepper.is_active_axis = lambda axis: bool(flags & (1 << "xyz".index(axis)))
@@ -256,7 +256,7 @@ class TrueAxis:
         return p + newpos[3:]
 
     def _reread(self, change):
-        """Makes a change at standstill: motors keep their steps, the position is read anew."""
+        """Makes a change at standstill: motors keep their steps, the position is read again."""
         self.switching = True
         try:
             self.toolhead.flush_step_generation()
@@ -359,7 +359,7 @@ class TrueAxis:
         self._switch(self.wanted and self._homed(), tables)
         self._tell_note()
 
-    cmd_TRUEAXIS_STATUS_help = "Tell the tables and the correction where the tool stands"
+    cmd_TRUEAXIS_STATUS_help = "Show the tables, and the correction at the tool's position"
 
     def cmd_TRUEAXIS_STATUS(self, gcmd):
         self._needed(gcmd, self.tables)

@@ -5,7 +5,7 @@
 #
 #   TRUEAXIS_PROBE ID=17 X=120.5 Y=80 Z=-5 F=60
 #
-# moves in a straight line until the probe trips and says where the machine stood then:
+# moves in a straight line until the probe trips and reports the machine's position then:
 #
 #   // trueaxis touch 17 X:118.402500 Y:80.000000 Z:-5.000000 tripped:1
 #
@@ -65,7 +65,7 @@ class TrueaxisProbe:
         for index, axis in enumerate("XYZ"):
             to[index] = gcmd.get_float(axis, to[index])
         speed = gcmd.get_float("F", above=0.0) / 60.0
-        # Not the host's probing_move: that refuses every move in which one of the motors stands still.
+        # Not the host's probing_move: that refuses every move in which one of the motors does not move.
         move = homing.HomingMove(self.printer, [(self.endstop, "probe")])
         trip = move.homing_move(to, speed, probe_pos=True)
         if all(motor.trig_pos == motor.start_pos for motor in move.stepper_positions):

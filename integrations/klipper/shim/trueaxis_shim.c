@@ -16,7 +16,7 @@
 
 #define EXPORT __attribute__((visibility("default")))
 #define PERIOD_NS 1000000 /* of no effect on a correction at a position, but a loop has one */
-#define STILL_T 500.0     /* within a move that stands still, far from its ends */
+#define STILL_T 500.0     /* within a move at rest, far from its ends */
 #define PASSES 16
 #define SETTLED_MM 1e-9
 #define GRID 24
@@ -34,7 +34,7 @@ struct tables {
 /* What all steppers of a machine share. Changed only while no steps are generated. */
 struct machine {
     struct tables *tables; /* NULL: uncorrected */
-    int held;              /* the correction stands still at `hold` */
+    int held;              /* the correction is held at `hold` */
     double hold[3];
     double datum_z;
 };
@@ -122,7 +122,7 @@ EXPORT void trueaxis_shim_hold(struct machine *m, const double *p) {
         correction(m, p, m->hold);
 }
 
-/* The correction of Z counts from where the drives stood, uncorrected, when the probe touched; NULL: from none. */
+/* The correction of Z counts from the drives' uncorrected position when the probe touched; NULL: from none. */
 EXPORT void trueaxis_shim_datum(struct machine *m, const struct tables *t, const double *probed) {
     double p[3], c[3] = { 0 };
     if (t && probed) {
@@ -195,7 +195,7 @@ EXPORT void trueaxis_shim_free(struct tables *t) {
     free(t);
 }
 
-/* NULL and one line in `told` where the file is refused. */
+/* NULL and one line in `told` if the file is refused. */
 EXPORT struct tables *trueaxis_shim_load(const unsigned char *file, size_t length, unsigned machine_id, double max_correction,
                                          double max_slope, char *told, size_t told_size) {
     struct tables *t = calloc(1, sizeof *t);

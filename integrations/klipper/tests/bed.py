@@ -7,7 +7,7 @@ import json
 
 from . import truth
 
-START = 20.0  # mm; where Z stands before it is homed
+START = 20.0  # mm; position of Z before it is homed
 
 
 class Bed:

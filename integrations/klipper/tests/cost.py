@@ -1,4 +1,4 @@
-# COST writes the time that the host spent solving for steps, ns, and starts anew. SPDX-License-Identifier: GPL-3.0-or-later
+# COST writes the time that the host spent solving for steps, ns, and restarts. SPDX-License-Identifier: GPL-3.0-or-later
 import time
 
 

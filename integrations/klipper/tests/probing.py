@@ -11,7 +11,7 @@ MESH = [20.0, 60.0, 100.0, 140.0, 180.0]
 PLACES = (20, 20), (180, 30), (100, 100), (40, 170), (170, 180)
 OTHER = 150, 40  # homed there too
 ABOVE = 2.0
-ALLOWED = 1.5  # microsteps; the touch is a step's, and so is where the motors stand
+ALLOWED = 1.5  # microsteps; the touch is on a step, and so are the motors
 SECTIONS = f"""
 [probe]
 pin: ^PA30
@@ -38,7 +38,7 @@ def program():
 
 
 def check(trueaxis, machine, record):
-    """Largest deviation in microsteps of: points probed, mesh, tool above the bed, positions told."""
+    """Largest deviation in microsteps of: points probed, mesh, tool above the bed, positions reported."""
     looks = [entry for entry in map(json.loads, open(record)) if "look" in entry]
     stood = tools(trueaxis, machine, [entry["drives"] for entry in looks])
     largest = dict.fromkeys(("probed", "mesh", "above", "told"), 0.0)
@@ -64,7 +64,7 @@ def check(trueaxis, machine, record):
                     held("mesh", found, height(x, y))
         for axis in (0, 1):
             held("told", entry["told"][axis], tool[axis])
-            if entry["look"] in ("above", "switched"):  # while a probe goes down, the correction stands still
+            if entry["look"] in ("above", "switched"):  # while a probe goes down, the correction is held
                 held("above", tool[axis], place[axis])
         held("told", entry["told"][2], tool[2] - (zero if entry["look"] in ("probed", "homed") else bed))
     return largest

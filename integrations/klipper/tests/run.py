@@ -47,11 +47,11 @@ M400
 
 
 def config(kinematics, extra, limits):
-    # The host's own compression of steps would otherwise take half a microstep and hide what is looked for.
+    # The host's own compression of steps would otherwise take half a microstep and hide the effect.
     text = "[exact]\n[mcu]\nserial: /dev/null\n" if main_line else "[mcu]\nserial: /dev/null\nmax_stepper_error: 0.000001\n"
     text += f"[printer]\nkinematics: {kinematics}\nmax_velocity: 300\nmax_accel: 3000\n"
     text += "max_z_velocity: 50\nmax_z_accel: 500\n[gcode_arcs]\nresolution: 0.5\n[force_move]\nenable_force_move: True\n[drain]\n"
-    # Two motors lift Z where the axes have motors of their own.
+    # Two motors lift Z if each axis has its own motors.
     for i, name in enumerate(["x", "y", "z"] + ["z1"] * (kinematics == "cartesian")):
         text += STEPPER.format(name=name, pin=4 * i, dir=4 * i + 1, enable=4 * i + 2)
         if name in limits:
@@ -60,7 +60,7 @@ def config(kinematics, extra, limits):
 
 
 def host(name, kinematics, program, extra="", limits=LIMITS, refused=False):
-    """Steps that the host sends, as text, and what it tells; a program that is to be refused ends it."""
+    """Steps that the host sends, as text, and its messages; a program that is to be refused ends it."""
     cfg, ngc, sent, log = (out / f"{name}.{kind}" for kind in ("cfg", "gcode", "serial", "log"))
     log.unlink(missing_ok=True)  # the host adds to it
     cfg.write_text(config(kinematics, extra, limits))
@@ -125,12 +125,12 @@ for kinematics in ("cartesian", "corexy"):
         sys.exit(f"shaped: found net steps {net(shaped)}, needed {net(corrected)} at other times")
     print(f"{kinematics}, input shaper: the same net steps, {net(shaped)}")
 
-    # Switched and loaded anew at standstill: not a step.
+    # Switched and reloaded at standstill: not a step.
     switched = "TRUEAXIS ENABLE=0\nTRUEAXIS ENABLE=1\n" * 3 + f"TRUEAXIS_LOAD FILE={tables}\nM400\n"
     again, told = host(f"{kinematics}-switched", kinematics, START + MOVES + switched, own(tables))
     same(f"{kinematics}, switched at standstill", corrected, again)
 
-    # Refused: told in a line, and the machine runs as without the extra.
+    # Refused: reported in one line, and the machine runs as without the extra.
     plain, _ = host(f"{kinematics}-plain", kinematics, START + MOVES)
     if plain == corrected:
         sys.exit("the correction changes no step")
@@ -226,14 +226,14 @@ for kinematics in ("cartesian", "corexy"):
         if words not in told:
             sys.exit(f"{name}, {what}: needed {words!r} in\n{told[-3000:]}")
 
-# Tables of less than the machine's travel: told.
+# Tables of less than the machine's travel: reported.
 wide = {**LIMITS, "x": "position_min: 0\nposition_max: 400\n"}
 _, told = host("partial", "cartesian", START + MOVES, own(tables), wide)
 words = "trueaxis: the tables cover X -300 to 300 of 0 to 400 mm; beyond, their value at the end holds"
 if words not in told:
     sys.exit(f"partial: needed {words!r} in\n{told[-3000:]}")
 
-# What solving for a step costs: the least of some runs. Klipper's main line solves in C and tells no time of it.
+# Cost of solving for a step: the least of some runs. Klipper's main line solves in C and reports no time.
 for kinematics in ("cartesian", "corexy")[: 0 if main_line else 2]:
     spent = {}
     for name, extra in (("plain", ""), ("corrected", own(tables))):
@@ -245,7 +245,7 @@ for kinematics in ("cartesian", "corexy")[: 0 if main_line else 2]:
     print(f"{kinematics}: solving for a step takes {spent['plain']:.0f} ns, with the correction {spent['corrected']:.0f} ns")
 
 # Through every tenth command of the recording that all hosts replay, from where all axes are well within their travel:
-# motors that stand at its end stand for a position beyond it.
+# motors at its end have a tool position beyond it.
 with (hosts / "run.csv").open() as file:
     points = [tuple(float(row[f"{axis}_cmd_mm"]) for axis in "xyz") for row in csv.DictReader(file)][::10]
 points = points[next(k for k, point in enumerate(points) if max(point) < -1.0):]

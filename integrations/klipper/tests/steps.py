@@ -37,7 +37,7 @@ def at(time):
     return [s + k * way for s, k in zip(start, r)]
 
 
-# What a motor stands at when the axes stand at x, y, z.
+# Position of a motor with the axes at x, y, z.
 if sync["kinematics"] == "CoreXYKinematics":
     MOTORS = {"x": lambda p: p[0] + p[1], "y": lambda p: p[0] - p[1], "z": lambda p: p[2]}
 else:

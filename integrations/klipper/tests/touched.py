@@ -14,7 +14,7 @@ SCALE_X, SCALE_Y, SQUARENESS = 60e-6, -40e-6, 150e-6  # C0Y: X moves by -C0Y y
 TIP = 3.0 - 0.008  # mm, effective
 BALL, BALL_DIAMETER = (40.0, 40.0, -150.0), 25.0
 RING, RING_DIAMETER = (130.0, 120.0, -100.0), 100.0
-OFF = (0.21, -0.34, 0.15)  # they stand where a person puts them
+OFF = (0.21, -0.34, 0.15)  # a person places them
 MACHINE = 'name = "router"\nchain = "w Y\' b Z X t"\n' + "".join(
     f"\n[axis.{axis}]\ntravel_mm = [{low}.0, {high}.0]\n" for axis, low, high in (("X", 0, 200), ("Y", 0, 200), ("Z", -300, 0)))
 TASK = f"""machine = "router"
@@ -55,7 +55,7 @@ def program(trueaxis, folder):
 
 
 def check(trueaxis, folder, log):
-    """What the log tells of scale and squareness: name, found, standard error, truth, ppm and urad."""
+    """Scale and squareness from the log: name, found, standard error, truth, ppm and urad."""
     shutil.rmtree(folder / "solved", ignore_errors=True)
     run = subprocess.run([trueaxis, "calibrate", "solve", folder / "task.toml", log, "-o", folder / "solved", "--json"], check=True, capture_output=True, text=True)
     truth = {"squareness C0Y": SQUARENESS, "scale of X": SCALE_X, "scale of Y": SCALE_Y}

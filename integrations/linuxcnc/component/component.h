@@ -42,7 +42,7 @@
 #define THERMAL_BYTES (16 * 1024)
 /* Distance between two points of the commanded path at slow feeds. */
 #define WINDOW_SPACING_MM 0.005
-/* So near its reading, a joint is commanded where it stands: mm, degrees. */
+/* A command this close to the reading is at the joint's position: mm, degrees. */
 #define STANDING 0.05
 
 /* Reasons of the component itself to refuse; the library's results are smaller. */
@@ -72,12 +72,12 @@ struct joint {
     double own;     /* correction from its own table, sent */
     double sent;    /* whole correction sent */
     double drive;   /* motor position sent, once `known` */
-    bool known;     /* there is a motor position that may be sent */
+    bool known;     /* a motor position may be sent */
 };
 
 struct joint_pins {
     hal_real_t pos_cmd, motor_cmd_in, motor_cmd_out, motor_fb_in, motor_fb_out, correction;
-    /* The dynamic part of the correction, and what asked for it. */
+    /* The dynamic part of the correction, and its origin. */
     hal_real_t dynamic, feed_forward, contour_feedback, crosstalk, learned;
     hal_bool_t homed, alarm;
 };
@@ -141,7 +141,7 @@ struct setup {
     bool letters_from_file;
     int joints;
     int axis_of_joint[MAX_JOINTS];  /* slot of its axis in the step */
-    int table_of_joint[MAX_JOINTS]; /* of its own, or -1 */
+    int table_of_joint[MAX_JOINTS]; /* its own table, or -1 */
     char axis_letters[MAX_AXES];
     int letter_of_axis[MAX_AXES]; /* among X Y Z A B C */
     int axes;
@@ -161,7 +161,7 @@ struct thermal {
     uint8_t file[THERMAL_BYTES]; /* read in place by the growth */
     trueaxis_thermal_t growth;
     trueaxis_thermal_state_t task;
-    trueaxis_growth_t last; /* size 0: none yet */
+    trueaxis_growth_t last; /* size 0: not loaded */
     uint64_t since_ns;
     bool believed;
 };

@@ -37,7 +37,7 @@ void cycle_update_feedback(void *arg, long period)
     }
 }
 
-/* Whether motion commands every joint to where it stands: without power for the drives, its command follows them. */
+/* Whether motion commands every joint to its present position: without drive power, its command follows the drives. */
 static bool standing(const struct instance *instance)
 {
     for (int j = 0; j < instance->setup.joints; j++) {
@@ -52,7 +52,7 @@ static bool standing(const struct instance *instance)
 }
 
 /* A machine that lost its power at speed comes to rest away from the held output, where the library would release the
- * stop. Nothing can jump there: it begins anew from where the machine stands. */
+ * stop. Nothing can jump there: it restarts from the machine's position. */
 static void release_without_power(struct instance *instance, uint32_t period_ns)
 {
     struct servo *servo = &instance->servo;
@@ -76,7 +76,7 @@ static void follow_readings(struct instance *instance)
     }
 }
 
-/* The dynamic part of a joint's correction on pins: that of its axis and, with tables of its own, theirs. */
+/* The dynamic part of a joint's correction on pins: that of its axis and, if it has its own tables, theirs. */
 static void show_dynamic(struct joint_pins *p, const trueaxis_dynamic_t *of, int slot, double unit, bool more)
 {
     hal_set_real(p->dynamic, of->sent[slot] / unit + (more ? hal_get_real(p->dynamic) : 0.0));

@@ -1,7 +1,7 @@
 /* HAL as LinuxCNC 2.10 has it, on 2.9 too: handles (`hal_real_t` ...), read by `hal_get_...`, written by `hal_set_...`, made by
  * `hal_pin_new_...` and `hal_param_new_...`. The component knows nothing else of either.
  *
- * 2.10 has all of that in its hal.h, and the Makefile then says so by TRUEAXIS_HAL_HANDLES: LinuxCNC tells no version. Pins
+ * 2.10 has all of that in its hal.h, and the Makefile then says so by TRUEAXIS_HAL_HANDLES: LinuxCNC gives no version. Pins
  * and parameters have the same names, types (bit, float, u32, s32) and values on both.
  *
  * License: MIT OR Apache-2.0

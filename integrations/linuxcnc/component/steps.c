@@ -1,4 +1,4 @@
-/* The library's steps of a cycle: that of the axes, and one for each joint with tables of its own. Realtime, as cycle.c. */
+/* The library's steps of a cycle: that of the axes, and one for each joint with its own tables. Realtime, as cycle.c. */
 #include "component.h"
 
 #include <math.h>
@@ -79,7 +79,7 @@ void steps_gather(const struct instance *instance, trueaxis_input_t *input)
     }
 }
 
-/* The tables that belong to one joint only: a step of its own, in which no other axis moves. */
+/* The tables of a single joint: a separate step, in which no other axis moves. */
 static int step_joint(struct instance *instance, int t, const trueaxis_input_t *axes, trueaxis_output_t *output)
 {
     struct servo *servo = &instance->servo;

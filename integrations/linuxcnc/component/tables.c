@@ -108,7 +108,7 @@ static uint32_t joint_match(const struct instance *instance, int t, struct table
             alone = false;
     if (!alone) {
         rtapi_snprintf(line, LINE_BYTES,
-                       "%s: for joint %d: found tables of other axes or none of %c, needed one of %c alone",
+                       "%s: for joint %d: found tables of other axes or without %c, needed one of %c alone",
                        instance->setup.joint_path[t], instance->setup.joint_of_table[t], letter, letter);
         return REFUSED_JOINTS;
     }

@@ -1,6 +1,6 @@
 component ballplate "A ball plate on a machine with errors, and its touch probe, for tests.";
 
-pin in float position-#[3] "Where the drives of X, Y, Z stand, machine units";
+pin in float position-#[3] "Positions of the drives of X, Y, Z, machine units";
 pin out bit touch "The tip has met a ball";
 
 param rw float unit = 1 "mm in a machine unit";
@@ -17,7 +17,7 @@ license "MIT OR Apache-2.0";
 
 #include <rtapi_math.h>
 
-/* The true tip of a chain w b X Y Z t, in closed form: X goes along itself, and Y and Z, which it carries, stand turned. Written
+/* The true tip of a chain w b X Y Z t, in closed form: X goes along itself, and Y and Z, which it carries, are rotated. Written
  * for the test alone. */
 FUNCTION(_) {
     const double turn = 1e-6 * squareness;

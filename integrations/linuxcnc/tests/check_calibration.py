@@ -13,7 +13,7 @@ SCALE, SQUARENESS = (45.0, -35.0, 0.0), 60.0
 DIAMETER, TIP = 20.0, 3.0
 PLACE = (-100.0, -75.0, -150.0)
 BALLS = ((0, 0, 0), (200, 0, 0), (0, 150, 0))
-# A probing move goes on by 1 um in a cycle: a touch is late by up to that.
+# A probing move advances by 1 um in a cycle: a touch is late by up to that.
 STEP_UM = 1.0
 
 MACHINE = "name = \"probed\"\nchain = \"w b X Y Z t\"\n" + "".join(

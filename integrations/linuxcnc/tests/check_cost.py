@@ -59,7 +59,7 @@ def one(folder, machine, letters, offset):
     text = COST_HAL % {
         "tables": machine + ".tcomp", "cycles": CYCLES, "nets": "\n".join(nets), "offset": offset,
         "times": "\n".join("net t%d %s.time => sampler.0.pin.%d" % (k, of, k) for k, of in enumerate(FUNCTIONS)),
-        # From here on: loading and the first cycles are no part of it.
+        # From here on: loading and the first cycles do not count.
         "reset": "\n".join("setp %s.tmax 0" % of for of in FUNCTIONS),
         "tmax": "\n".join("getp %s.tmax" % of for of in FUNCTIONS),
     }

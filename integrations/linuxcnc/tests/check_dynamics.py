@@ -48,7 +48,7 @@ def dynamics(folder):
         marks = json.load(f)
     expect(marks["running"] == 1, "the program did not go on", marks)
     expect(max(run.column("ta.fault-code")) == 0, "faults", set(run.column("ta.fault-code")))
-    expect(max(run.column("ta.feedback-out")) == 0, "the feedback was led out")
+    expect(max(run.column("ta.feedback-out")) == 0, "the feedback was ramped out")
     rows = {int(sequence): n for n, sequence in enumerate(run.column("ta.sequence"))}
     for pin, parts in PARTS.items():
         off, on = rows[marks[pin + " off"]], rows[marks[pin + " on"]]

@@ -1,4 +1,4 @@
-"""What happens in mid-motion that should not, and what an operator may do there."""
+"""Faults during motion, and the operator's actions."""
 import json
 import math
 import os
@@ -30,7 +30,7 @@ def switching(folder):
     rig.copy(folder, rig.HERE, "shuttle.ngc")
     printed = rig.linuxcnc(folder, "mill-3axis.ini", "switching")
     run, marks = Recording.load(os.path.join(folder, "run")), marks_of(folder)
-    expect(not any("standing" in mark for mark in marks), "the machine stood still", marks)
+    expect(not any("standing" in mark for mark in marks), "the machine did not move", marks)
     expect(marks["running"] == 1, "the program did not go on", marks)
     expect(marks["code of damaged"] == 6 and marks["code of stranger"] == 7, "codes of refused files", marks)
     expect(marks["failed after first"] == 0, "a good reload must clear the pin", marks)
@@ -75,7 +75,7 @@ net x-spoiled spoil-cmd.out => ta.joint.0.pos-cmd
 
 
 def faults(folder):
-    """Bad readings freeze the correction and the path goes on; a command that is not a number stops the machine."""
+    """Bad readings freeze the correction and the path continues; a command that is not a number stops the machine."""
     mill(folder, machines.geometry_alone)
     rig.copy(folder, rig.HERE, "shuttle.ngc")
     for key in ("FERROR", "MIN_FERROR"):
@@ -158,7 +158,7 @@ net {0}-encoder drive-{0}.out => power-{0}.in0 ta.joint.{1}.motor-pos-fb-in
 
 
 def switched_off(folder):
-    """Without power, LinuxCNC's command jumps to where the drives stand: no fault, and no stop that cannot be left."""
+    """Without power, LinuxCNC's command jumps to the drives' position: no fault, and no stop that cannot be left."""
     mill(folder, machines.geometry_alone)
     rig.copy(folder, rig.HERE, "shuttle.ngc")
     for j in range(3):

@@ -34,7 +34,7 @@ loadusr -w halsampler -n %d
 
 
 def stream(folder):
-    """streamer -> component -> sampler, against what the straight lines of the tables give in closed form."""
+    """streamer -> component -> sampler, against the tables' straight lines in closed form."""
     compile_tables(folder, os.path.join(rig.MACHINES, "stream", "machine.toml"), "stream.tcomp")
     stated = (("units=mm", 1.0), ("inch=0", 1.0), ("units=INCH", 25.4), ("inch=1", 25.4), ("units=0.0393700787 inch=1", 25.4))
     return "%d samples exact to the sixth decimal, in mm and in inches" % sum(
@@ -60,8 +60,8 @@ def streamed(folder, words, unit):
     sampled = [line.split() for line in printed.splitlines() if line.count(" ") >= 3 and line[0] in "-0123456789"]
     expect(len(sampled) == len(way), "%d samples of %d" % (len(sampled), len(way)), printed[:2000])
     for n, (got, wanted) in enumerate(zip(sampled, expected)):
-        # halsampler prints six decimals; the inverse goes on from the correction sent last, of which the first cycle has none:
-        # 1e-4 of what is missing is left.
+        # halsampler prints six decimals; the inverse starts from the correction sent last, of which the first cycle has none:
+        # 1e-4 of the difference remains.
         expect(all(abs(float(g) - w) <= 0.5e-6 + 4e-9 for g, w in zip(got, wanted)), "sample %d" % n, got, wanted)
     return len(sampled)
 
@@ -128,7 +128,7 @@ def gauge(folder):
             count = step * n
             theta = 2.0 * math.pi * count / turn
             index = count % turn < step and n > 0
-            # The centre runs round by 8 um and wobbles: none of it is roundness.
+            # The centre runs round by 8 um and wobbles: neither is roundness.
             x, y = 8.0 * math.sin(theta), 8.0 * math.cos(theta) + 3.0 * math.sin(2.3 * theta)
             probes = []
             for slot in (0, 94, 94 + 333):
@@ -151,7 +151,7 @@ def gauge(folder):
     expect(int(rows[-1][3]) == 0, "flags of the revolution", rows[-1])
     worst = 0.0
     for n in range(1200, cycles):
-        # Feedback is taken before the stream goes on: the reading of the cycle before.
+        # Feedback is read before the stream advances: the reading of the cycle before.
         x, z = encoder(n - 1)
         # The tables: 0.02 um per mm of X.
         tip = abs(math.hypot(1.00002 * x, z) - radius)
@@ -187,7 +187,7 @@ show funct
 
 
 def instances(folder):
-    """Two machines in one component, with tables, joints and states of their own."""
+    """Two machines in one component, with separate tables, joints and states."""
     for name in ("stream", "gantry"):
         compile_tables(folder, os.path.join(rig.MACHINES, name, "machine.toml"), name + ".tcomp")
     compile_tables(folder, os.path.join(rig.MACHINES, "gantry", "left.toml"), "side.tcomp")
@@ -236,7 +236,7 @@ loadusr -w halsampler -n %d
 
 
 def joint_stop(folder):
-    """One joint of a gantry leaves the travel of its own table: both hold, and both go on together after a reset."""
+    """One joint of a gantry leaves the travel of its own table: both hold, and both continue together after a reset."""
     machine = os.path.join(rig.MACHINES, "gantry")
     compile_tables(folder, os.path.join(machine, "machine.toml"), "gantry.tcomp")
     edited_tables(folder, machine, "short", lambda text: text.replace("-200.0, 200.0", "-20.0, 20.0"), None, "left.toml")
@@ -288,8 +288,8 @@ getp ta.reloads
 
 
 def warm(folder):
-    """An axis that grows by 11.5 um/(m K) is 10 K warmer; new tables are told, a broken sensor changes nothing."""
-    # The encoder stands whatever the drive does: contour feedback would run to its limit.
+    """An axis that grows by 11.5 um/(m K) is 10 K warmer; new tables are reported, a broken sensor changes nothing."""
+    # The encoder does not move whatever the drive does: contour feedback would run to its limit.
     edited_tables(folder, os.path.join(SAMPLES, "mill-3axis"), "mill", geometry_alone, None)
     code, printed = rig.halrun(folder, WARM_HAL)
     values = [float(line) for line in printed.splitlines() if line.strip()[:1] in list("-0123456789")]
@@ -335,7 +335,7 @@ getp ta.thermal.sensor-1-status
 
 
 def thermal(folder):
-    """Growth from a sensor on a pin, once it has started; one that jumps or is missing keeps its share, and is told."""
+    """Growth from a sensor on a pin, once it has started; one that jumps or is missing keeps its share, and is reported."""
     edited_tables(folder, os.path.join(SAMPLES, "mill-3axis"), "mill", geometry_alone, None)
     with open(os.path.join(folder, "thermal.toml"), "w") as f:
         f.write(THERMAL_TOML)

@@ -1,4 +1,4 @@
-"""Circles recorded on a machine whose drives have friction, and what is found in them."""
+"""Circles recorded on a machine whose drives have friction, and the friction found in them."""
 import json
 import os
 import subprocess

@@ -166,7 +166,7 @@ M2
 
 
 def gantry(folder):
-    """Two joints on one axis: the axis' table for both, and one of its own for each."""
+    """Two joints on one axis: the axis' table for both, and a separate one for each."""
     machine = os.path.join(rig.MACHINES, "gantry")
     mill(folder)
     compile_tables(folder, os.path.join(machine, "machine.toml"), "mill-3axis.tcomp")
@@ -268,7 +268,7 @@ def tip_truth(folder, run):
     for n, e in zip(chosen, held):
         after = max(after, math.dist([d + x / 1000.0 for d, x in zip(drives[n], e)], commands[n][:3]) * 1000.0)
     expect(before > 20.0 and after < 0.1, "true tip: %g um before, %g um after" % (before, after))
-    # In motion joints are interpolated and lag the tip: the kinematics are compared where the machine stands.
+    # In motion joints are interpolated and lag the tip: the kinematics are compared at rest.
     poses = [n for n in range(100, len(commands)) if len(set(commands[n - 50 : n])) == 1 and commands[n] != commands[n - 1]]
     forward = table_of(folder, ["kinematics", "forward", "--machine", machine], [commands[n - 1] for n in poses])
     apart = max(math.dist([float(row[k]) for k in ("tip_x_mm", "tip_y_mm", "tip_z_mm")], tips[n - 20])

@@ -25,7 +25,7 @@ def replay(folder, tables, joints):
 
 
 def controls(folder, run):
-    """Both checkers must see what is wrong by a hair in a single sample."""
+    """Both checkers must see the smallest violation in a single sample."""
     spoiled = Recording(run.names, [list(row) for row in run.rows])
     middle = len(spoiled.rows) // 2
     spoiled.rows[middle][run.place["ta.joint.1.motor-pos-cmd-out"]] += 1e-11

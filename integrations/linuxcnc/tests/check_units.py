@@ -1,4 +1,4 @@
-"""A machine in inches: what its INI file says is what is corrected, recorded and probed."""
+"""A machine in inches: correction, recording and probing follow the units of its INI file."""
 import csv
 import json
 import math
@@ -23,7 +23,7 @@ def stands(folder, change):
 
 
 def inches(folder):
-    """The sample configuration told in inches: it stands where that in mm does, and is corrected as much."""
+    """The sample configuration in inches: it has the positions and corrections of that in mm."""
     metric = stands(os.path.join(folder, "mm"), lambda text: text)
     imperial = stands(os.path.join(folder, "inch"), in_inches)
     largest = 0.0

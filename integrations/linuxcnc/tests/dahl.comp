@@ -1,7 +1,7 @@
 component dahl "A drive with friction, for tests: position and velocity loop, mass, pre-sliding.";
 
 pin in float cmd "Position command, mm";
-pin out float pos "Position, mm: where the axis stands one period after the command";
+pin out float pos "Position of the axis, mm, one period after the command";
 
 param rw float position_gain = 110 "1/s";
 param rw float velocity_gain = 800 "1/s";

@@ -1,4 +1,4 @@
-"""What every recorded correction must keep, whatever was asked: magnitude, slope, acceleration, in every sample."""
+"""Limits of every recorded correction, whatever was requested: magnitude, slope, acceleration, in every sample."""
 from rig import expect
 
 PERIOD_S = 1e-3
@@ -25,7 +25,7 @@ def kept(corrections, magnitude, slope, acceleration, what):
 
 
 def all_kept(recording, joints, limits):
-    """Corrections of all joints, as what was sent minus what motion commanded."""
+    """Corrections of all joints: position sent minus position commanded by motion."""
     most = [0.0, 0.0, 0.0]
     for j in range(joints):
         sent = recording.columns("joint.%d.motor-pos-cmd" % j, "ta.joint.%d.motor-pos-cmd-out" % j)

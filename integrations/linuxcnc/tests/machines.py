@@ -1,4 +1,4 @@
-"""The machines that the tests run, in a folder of their own."""
+"""The machines that the tests run, each in a separate folder."""
 import os
 import re
 import shutil
@@ -37,7 +37,7 @@ LENGTH = re.compile(r"^((?:MAX|MIN|DEFAULT)_\w+|\w*FERROR|HOME\w*) = (-?[\d.]+)$
 
 
 def in_inches(text):
-    """Change of an INI file of linear joints: the same machine, told in inches."""
+    """Change of an INI file of linear joints: the same machine in inches."""
     text = LENGTH.sub(lambda m: m[0] if m[1] == "HOME_SEQUENCE" else "%s = %r" % (m[1], float(m[2]) / 25.4), text)
     return rig.with_ini(text, "TRAJ", "LINEAR_UNITS", "inch")
 
@@ -77,7 +77,7 @@ def scaled(factor):
 
 
 def hal_of(letters, more=""):
-    """trueaxis.hal for other joints than X, Y, Z, with drives that stand where they are told."""
+    """trueaxis.hal for other joints than X, Y, Z, with drives that follow their commands exactly."""
     with open(os.path.join(rig.CONFIG, "trueaxis.hal")) as f:
         text = f.read()
     start, end = text.index("net x-pos-cmd"), text.index("# Correction is on")

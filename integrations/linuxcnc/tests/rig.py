@@ -1,4 +1,4 @@
-"""A run of LinuxCNC or of halrun in a directory of its own, under a clock."""
+"""A run of LinuxCNC or of halrun in a separate directory, with a time limit."""
 import os
 import re
 import shutil
@@ -30,7 +30,7 @@ PATIENCE = 5
 
 
 def run(words, folder, seconds, **more):
-    """Runs a program in a session of its own and ends the whole session when its time is over."""
+    """Runs a program in a separate session and ends the whole session when its time is over."""
     seconds *= PATIENCE
     process = subprocess.Popen(words, cwd=folder, env=environment(folder, **more), stdin=subprocess.DEVNULL,
                                stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace",
@@ -49,7 +49,7 @@ def run(words, folder, seconds, **more):
 
 
 def halrun(folder, text, seconds=30):
-    """Runs a HAL file; its exit code and what it printed."""
+    """Runs a HAL file; returns its exit code and output."""
     with open(os.path.join(folder, "run.hal"), "w") as f:
         f.write(text)
     return run(["halrun", "-f", "run.hal"], folder, seconds)

@@ -1,4 +1,4 @@
-"""What the simulated machine is made to do; run by pilot.py inside LinuxCNC. What must have come out is in checks."""
+"""Scenarios of the simulated machine; run by pilot.py inside LinuxCNC. The checks have the expected results."""
 import json
 import os
 import shutil
@@ -45,7 +45,7 @@ def homing_offset(pilot):
 
 
 def break_off(pilot, marks):
-    """Ends a program that is to run still, and writes what was recorded and marked."""
+    """Ends a program that is still running, and writes the recording and the marks."""
     marks["running"] = int(pilot.running())
     pilot.command.abort()
     pilot.wait(lambda: not pilot.running(), "abort")
@@ -199,7 +199,7 @@ def homing(pilot):
 
 
 def switched_off(pilot):
-    """Drives that lag and stand where they are without power: off, emergency stop and a bad command at full speed."""
+    """Drives that lag and keep their position without power: off, emergency stop and a bad command at full speed."""
     marks = {}
     pilot.record(joints(3, *STREAM[:3]) + ["ta.active", "ta.fault-code", "ta.stop-request", "motion.motion-enabled"])
     pilot.on()
@@ -227,7 +227,7 @@ def switched_off(pilot):
 
 
 def probing(pilot):
-    """A surface stands at a true X of 40 mm; probed with and without correction, then touched off."""
+    """A surface is at a true X of 40 mm; probed with and without correction, then touched off."""
     marks = {}
     pilot.on()
     pilot.home()
@@ -289,7 +289,7 @@ STANDS = ((100, 50, -100), (-120, 80, -200), (40, -150, -20), (0, 0, 0))
 
 
 def stands(pilot):
-    """At some places, in mm: commands, outputs to the drives and corrections once the machine stands."""
+    """At some positions, in mm: commands, outputs to the drives and corrections once the machine is at rest."""
     pilot.on()
     pilot.home()
     found = []

@@ -27,12 +27,12 @@ TASK.toml names the machine's folder, the control, the probe, and artefacts of k
   uncertainty_um = 0.5
   [[artefact.place]]
   at_mm = [120.0, 90.0, -200.0]     # of the machine, the tip in its middle
-  normal = \"Z\"                      # how it stands
+  normal = \"Z\"                      # its orientation
   [reference]
   artefact = \"ball\"                 # touched again and again against drift
 
-A ring tells scales and squareness of the plane it stands in, a ball the tip's radius; a square needs its angle or a second
-place turned over (reversed = true); a ball at several rotary_deg tells centre lines and tilts of rotary axes.
+A ring determines scales and squareness of its plane, a ball the tip's radius; a square needs its angle or a second place
+turned over (reversed = true); a ball at several rotary_deg determines centre lines and tilts of rotary axes.
 All keys: docs/calibration.md
 
 Example: trueaxis calibrate plan task.toml -o probe.ngc
@@ -40,7 +40,7 @@ Example: trueaxis calibrate plan task.toml -o probe.ngc
 
 #[derive(Subcommand)]
 pub(crate) enum Command {
-    /// Write the probing program of a task; refused where its places would not tell the terms apart.
+    /// Write the probing program of a task; refuse a task whose places cannot separate the terms.
     Plan(PlanArguments),
     /// Turn the log of the program into errors of the machine, and write the machine with them.
     Solve(SolveArguments),
@@ -54,7 +54,7 @@ pub(crate) struct PlanArguments {
     /// The program [default: standard output].
     #[arg(short, value_name = "probe.ngc")]
     output: Option<PathBuf>,
-    /// One JSON document of how well every term would be known.
+    /// Print one JSON document with the expected standard error of every term.
     #[arg(long, requires = "output")]
     json: bool,
 }
@@ -67,12 +67,12 @@ pub(crate) struct SolveArguments {
     /// Log of the control, or a CSV: id, x_mm, y_mm, z_mm, tripped, and a_deg, b_deg, c_deg of rotary axes.
     #[arg(value_name = "LOG")]
     log: PathBuf,
-    /// The machine with what was found: the task's own folder, or one that has no machine.toml yet.
+    /// Folder to write the machine with the errors found into: the task's own, or one without a machine.toml.
     #[arg(short, value_name = "MACHINE_DIR", required_unless_present = "dry_run")]
     output: Option<PathBuf>,
     #[command(flatten)]
     writing: Writing,
-    /// One JSON document instead of a table.
+    /// Print one JSON document instead of a table.
     #[arg(long)]
     json: bool,
     /// Write calibrate.html with residuals and curves into a folder.

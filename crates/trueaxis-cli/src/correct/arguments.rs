@@ -15,8 +15,8 @@ pub(crate) struct Arguments {
     /// machine.toml, its folder, or a compiled .tcomp.
     #[arg(value_name = "M")]
     pub(super) machine: PathBuf,
-    /// Commanded position: X, Y, Z in mm, then the machine's rotary axes in the order A, B, C in degrees (zero where left
-    /// out) [default: the middle of the travel].
+    /// Commanded position: X, Y, Z in mm, then the machine's rotary axes in the order A, B, C in degrees (zero if
+    /// omitted) [default: the middle of the travel].
     #[arg(long, value_name = "X,Y,Z[,A,B,C]", value_parser = numbers, allow_hyphen_values = true)]
     pub(super) at: Option<Numbers>,
     /// Directions of travel, as in +x,-y [default: + on every axis].

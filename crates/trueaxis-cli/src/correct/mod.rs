@@ -17,11 +17,11 @@ Evaluates the machine's own error model at one position, as the servo step does.
 the declared travel of every axis, else the middle of its table, else zero.
 
   error of the tip   actual − ideal at the uncorrected command, machine coordinates; below it the share of each axis
-  correction         added to the command so that the tip comes to the position; of rotary axes in degrees
+  correction         added to the command so that the tip reaches the position; of rotary axes in degrees
   command            position + correction
 
 Two-sided tables and backlash depend on the direction of travel. Beyond the end of a table its edge value is clamped, and a
-note says so. Another says where the step's limit of the magnitude would take something off the correction.
+note says so. Another says if the step's magnitude limit would reduce the correction.
 
 --json: machine, model, at_mm, error_um, correction_mm, command_mm (each [x, y, z]), contributions [{source, error_um}],
 clamped, out_of_travel, clipped (letters of axes). With rotary axes also at_deg, correction_deg, command_deg (by letter), and with the

@@ -25,15 +25,15 @@ It is served to this computer alone (127.0.0.1) until Ctrl-C, or written as a fi
 
 Examples:
   trueaxis desk                       open the address that it prints
-  trueaxis desk --port 9000           at that port or not at all
+  trueaxis desk --port 9000           at that port only
   trueaxis desk --write desk.html     the page as a file, to keep or to pass on";
 
 #[derive(Args)]
 pub(crate) struct Arguments {
-    /// Port to serve at; 0 takes any free one [default: 8471, or any free one where that is taken].
+    /// Port to serve at; 0 selects any free one [default: 8471, or any free one if that is in use].
     #[arg(long, value_name = "P", conflicts_with = "write")]
     port: Option<u16>,
-    /// Write the page into a file and serve nothing.
+    /// Write the page to a file instead of serving it.
     #[arg(long, value_name = "HTML")]
     write: Option<PathBuf>,
 }

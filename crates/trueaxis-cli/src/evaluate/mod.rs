@@ -10,19 +10,19 @@ use anyhow::Result;
 
 #[derive(clap::Subcommand)]
 pub(crate) enum Command {
-    /// The 21 errors of X, Y, Z from coordinates that a tracker or tracer measured: a machine that compensates them.
+    /// Find the 21 errors of X, Y, Z from coordinates measured by a tracker or tracer, and write a machine with them.
     #[command(after_help = points::HELP)]
     Points(points::Arguments),
-    /// Probing tests of the machine's own probe after ISO 230-10: form error, repeatability, tip offset and diameter.
+    /// Evaluate probing tests of the machine's own probe after ISO 230-10: form error, repeatability, tip offset and diameter.
     #[command(after_help = probing::HELP)]
     Probing(probing::Arguments),
-    /// R-test after ISO 10791-6: location errors of the rotary axes from a ball on the table.
+    /// Evaluate an R-test after ISO 10791-6: location errors of the rotary axes from a ball on the table.
     #[command(after_help = r_test::HELP)]
     RTest(r_test::Arguments),
-    /// Diagonal and step-diagonal displacement tests after ISO 230-6: figures, squareness, scale, and what steps tell.
+    /// Evaluate diagonal and step-diagonal displacement tests after ISO 230-6: figures, squareness, scale, error shapes.
     #[command(after_help = step_diagonal::HELP)]
     StepDiagonal(step_diagonal::Arguments),
-    /// Thermal tests after ISO 230-3: drift over stated periods, by probe and tilt.
+    /// Evaluate thermal tests after ISO 230-3: drift over stated periods, by probe and tilt.
     #[command(after_help = thermal::HELP)]
     Thermal(thermal::Arguments),
 }

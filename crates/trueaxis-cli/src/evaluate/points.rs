@@ -13,20 +13,20 @@ use trueaxis_tables::output::Outputs;
 pub(crate) const HELP: &str = "\
 POINTS.csv: x_mm,y_mm,z_mm,actual_x_mm,actual_y_mm,actual_z_mm[,u_um][,tool_x_mm,tool_y_mm,tool_z_mm], one row a point: the
 commanded position, the coordinates that a tracker, tracer or several of them found (instrument on the workpiece's side, in the
-machine's directions, within 2 mm), their standard uncertainty, and the reflector's offset from the last tool-side frame where
-it differs from the machine's tool_mm. Rotary axes stand at zero; points are approached in positive travel.
+machine's directions, within 2 mm), their standard uncertainty, and the reflector's offset from the last tool-side frame if
+it differs from the machine's tool_mm. Rotary axes are at zero; points are approached in positive travel.
 
-One least-squares fit finds the 21 errors of X, Y, Z over nodes (the levels of the points, up to 41; else 11) together with where the
-instrument stands. A constant of an error and the slope of a straightness cannot be told from that: every error is zero at machine
-zero (or the nearest end), straightnesses have no slope, squareness stands apart. A rotation that these points see only as a
+One least-squares fit finds the 21 errors of X, Y, Z over nodes (the levels of the points, up to 41; else 11) together with the place of
+the instrument. A constant of an error and the slope of a straightness cannot be separated from that: every error is zero at machine
+zero (or the nearest end), straightnesses have no slope, squareness is separate. A rotation that these points see only as a
 translation of its own axis is left at zero and named: a second reflector offset shows it. Points that leave more than that open are
-refused with the names of what they cannot tell apart; --without leaves an angular error out. Second differences of the tables
+refused with the names of the errors that they cannot separate; --without omits an angular error. Second differences of the tables
 are held at zero with a thousandth of a reading's weight, which binds nodes without points and moves no other.
-One point in ten is held out of a first fit; what that leaves of them is the figure to trust.
+One point in ten is excluded from a first fit; the error that it leaves at those points is the figure to trust.
 
--o writes the machine of --machine with these tables and squarenesses, model volumetric, into a folder of its own:
+-o writes the machine of --machine with these tables and squarenesses, model volumetric, into a separate folder:
   trueaxis compensate MACHINE_DIR positions.csv --model volumetric
-gives the measured errors back, the instrument's placement taken out.
+then gives back the measured errors without the instrument's placement.
 
 Example: trueaxis evaluate points tracer.csv --machine mill -o mill-measured --report out";
 
@@ -35,19 +35,19 @@ pub(crate) struct Arguments {
     /// Measured points.
     #[arg(value_name = "POINTS.csv")]
     points: PathBuf,
-    /// Machine whose chain, offsets, tool and `measured_at_mm` are taken.
+    /// Machine that states chain, offsets, tool and `measured_at_mm`.
     #[arg(long, value_name = "M")]
     machine: PathBuf,
-    /// Folder that the machine with the errors is written into.
+    /// Folder to write the machine with the errors into.
     #[arg(short, long, value_name = "MACHINE_DIR")]
     output: Option<PathBuf>,
     /// Nodes of the tables of X, Y, Z, evenly spaced [default: the levels of the points, else 11].
     #[arg(long, value_name = "NX,NY,NZ", value_delimiter = ',')]
     nodes: Option<Vec<usize>>,
-    /// Angular errors left at zero.
+    /// Angular errors to leave at zero.
     #[arg(long, value_name = "EBX,…", value_delimiter = ',')]
     without: Vec<String>,
-    /// One JSON document instead of a table.
+    /// Print one JSON document instead of a table.
     #[arg(long)]
     json: bool,
     /// Write points.html with plots into a folder.

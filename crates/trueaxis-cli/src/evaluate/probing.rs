@@ -9,32 +9,33 @@ use std::path::PathBuf;
 use trueaxis_evaluation::probing::{COLUMNS, Document, Feature, Record, check};
 use trueaxis_report::number::significant;
 use trueaxis_tables::output::Outputs;
+use trueaxis_tables::text::counted;
 
 pub(crate) const HELP: &str = "\
-RECORD.csv: x_mm,y_mm,z_mm[,run][,spindle_deg], one row a point: where the centre of the stylus tip stood when the machine's probe
+RECORD.csv: x_mm,y_mm,z_mm[,run][,spindle_deg], one row a point: position of the centre of the stylus tip when the machine's probe
 triggered, the number of the measurement of the whole feature, the spindle's orientation (constant in a run).
 
   --feature ring     P_FTU,2D: range of the points' distances from the least-squares circle's centre, for every run (36 points)
-  --feature sphere   P_FTU,3D: the same of a sphere (25 points over its half)
+  --feature sphere   P_FTU,3D: the same for a sphere (25 points over its half)
   --feature point    repeatability: range and standard deviation of one point probed again and again (10 times)
 Runs together give the repeatability of the location (range of the centres); spindle orientations the offset e of the tip from the
 spindle's axis, centre(θ) = c + R(θ) e; the calibrated diameter D of the artefact the effective diameter of the tip: D − d in a ring,
-d − D on a sphere (d: diameter through the tip's centres). After ISO 230-10; check its edition for how many points and where.
+d − D on a sphere (d: diameter through the tip's centres). After ISO 230-10; check its edition for the number and places of the points.
 
 Example: trueaxis evaluate probing ring.csv --feature ring --diameter-mm 50.0012 --report out";
 
 #[derive(Args)]
 pub(crate) struct Arguments {
-    /// Points that the machine's probe found.
+    /// Points measured by the machine's probe.
     #[arg(value_name = "RECORD.csv")]
     record: PathBuf,
-    /// What was probed.
+    /// The probed feature.
     #[arg(long, value_enum)]
     feature: Of,
     /// Calibrated diameter of the ring or sphere.
     #[arg(long, value_name = "D")]
     diameter_mm: Option<f64>,
-    /// One JSON document instead of a table.
+    /// Print one JSON document instead of a table.
     #[arg(long)]
     json: bool,
     /// Write probing.html with a plot into a folder.
@@ -73,7 +74,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
 }
 
 fn table(d: &Document) -> Result<String> {
-    let mut text = format!("{}, {} runs; ISO 230-10\n\n", d.feature, d.runs.len());
+    let mut text = format!("{}, {}; ISO 230-10\n\n", d.feature, counted(d.runs.len(), "run"));
     for run in &d.runs {
         let [x, y, z] = run.centre_mm;
         write!(text, "run {:<4} {:>4} points   centre {x:.4}, {y:.4}, {z:.4} mm", run.run, run.points)?;

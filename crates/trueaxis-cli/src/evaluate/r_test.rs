@@ -15,14 +15,14 @@ use trueaxis_tables::output::Outputs;
 pub(crate) const HELP: &str = "\
 RECORD.csv: x_mm,y_mm,z_mm,a_deg,b_deg,c_deg,dx_um,dy_um,dz_um[,ball], one row a pose (ISO 10791-6, tests BK): commanded position
 under RTCP, and how far the tool has moved from the ball on the table, actual − commanded, in machine directions. `ball` numbers the
-balls, where there are several.
+balls, if there are several.
 
 One least-squares fit finds the two offsets and two tilts across every rotary axis that turns (EY0A EZ0A EB0A EC0A, EX0B EZ0B EA0B
-EC0B, EX0C EY0C EA0C EB0C) together with where each ball was off its commanded place. What the machine's tables and its other errors make
-of the ball is taken out first. Poses that cannot tell some of them apart are refused with their names: turn the axis that carries them, or
-leave some as they are with --without (in a head the first axis' offsets are the ball's own place).
+EC0B, EX0C EY0C EA0C EB0C) together with the offset of each ball from its commanded place. The effect of the machine's tables and its other
+errors on the ball is removed first. Poses that cannot separate some of them are refused with their names: turn the axis that carries them, or
+keep some as they are with --without (in a head the first axis' offsets are the ball's own place).
 --free-sensor: the nest was not calibrated to the spindle; its zero in the tool's frame is an unknown too.
--o writes what was found into the machine: its own folder, or another one with a copy of it; values that agree with stated
+-o writes the errors found into the machine: its own folder, or another one with a copy of it; values that agree with stated
 ones become their weighted mean. A record that does not fit the machine writes nothing.
 
 Example: trueaxis evaluate r-test bk1.csv --machine mill-5axis -o mill-5axis-found";
@@ -41,15 +41,15 @@ pub(crate) struct Arguments {
     /// Location errors that keep the machine's values.
     #[arg(long, value_name = "EX0C,…", value_delimiter = ',')]
     without: Vec<String>,
-    /// Leave the zero of the nest open.
+    /// Also fit the zero of the nest.
     #[arg(long)]
     free_sensor: bool,
-    /// Folder that the machine is written into: its own, or a new one.
+    /// Folder to write the machine into: its own, or a new one.
     #[arg(short, long, value_name = "MACHINE_DIR")]
     output: Option<PathBuf>,
     #[command(flatten)]
     writing: Writing,
-    /// One JSON document instead of a table.
+    /// Print one JSON document instead of a table.
     #[arg(long)]
     json: bool,
     /// Write r-test.html with plots into a folder.

@@ -23,9 +23,9 @@ ISO 230-6, for every diagonal D with the means x↑, x↓ of the runs at its tar
 The slopes of the four diagonals (u: unit vector) give three squarenesses and one scale:
   slope = u_x² s_x + u_y² s_y + u_z² s_z − u_x u_y C0Y + u_x u_z B0Z − u_y u_z A0Z
 Steps add the shapes of the nine errors EXX … EZZ with their slopes removed. The scales of X, Y, Z depend on how square the flat
-mirror stands to each diagonal, by as many ppm as it is µrad off: they are given with --alignment-urad, its standard
+mirror is to each diagonal, by as many ppm as it is µrad off: they are given with --alignment-urad, its standard
 uncertainty, and with the standard error that follows from it.
--o writes the squarenesses into the machine of --machine, or into another folder with a copy of it, where they differ from
+-o writes the squarenesses into the machine of --machine, or into another folder with a copy of it, if they differ from
 those that it states by more than the uncertainties of both; values that agree become their weighted mean.
 
 Example: trueaxis evaluate step-diagonal record.csv --alignment-urad 20 --report out";
@@ -40,15 +40,15 @@ pub(crate) struct Arguments {
     /// Standard uncertainty of the mirror's (and the beam's) alignment to a diagonal.
     #[arg(long, value_name = "U")]
     alignment_urad: Option<f64>,
-    /// Machine that gets the squarenesses.
+    /// Machine to write the squarenesses into.
     #[arg(long, value_name = "M", requires = "into")]
     machine: Option<PathBuf>,
-    /// Folder that the machine is written into: its own, or a new one.
+    /// Folder to write the machine into: its own, or a new one.
     #[arg(short, long, value_name = "MACHINE_DIR", requires = "machine")]
     output: Option<PathBuf>,
     #[command(flatten)]
     writing: Writing,
-    /// One JSON document instead of a table.
+    /// Print one JSON document instead of a table.
     #[arg(long)]
     json: bool,
     /// Write step-diagonal.html with plots into a folder.
@@ -115,7 +115,7 @@ fn table(d: &Document) -> Result<String> {
         for (axis, name) in ["X", "Y", "Z"].into_iter().enumerate() {
             let if_aligned = significant(steps.scales_if_aligned_ppm[axis], 4);
             let known = steps.scales_ppm.map_or_else(|| "not known".into(), |scales| value(scales[axis], "ppm"));
-            writeln!(text, "scale {name}: {known}; {if_aligned} ppm if the mirror stood exactly square")?;
+            writeln!(text, "scale {name}: {known}; {if_aligned} ppm if the mirror is exactly square")?;
         }
         let (sigma, freedom) = (significant(steps.sigma_um, 3), steps.degrees_of_freedom);
         writeln!(text, "sigma of a step {sigma} µm, {freedom} degrees of freedom")?;

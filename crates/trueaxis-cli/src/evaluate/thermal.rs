@@ -13,7 +13,7 @@ use trueaxis_tables::output::Outputs;
 pub(crate) const HELP: &str = "\
 RECORD.csv: t_s[,position],x1_um,y1_um,z_um,x2_um,y2_um[,ambient_c,spindle_c,machine_c], one row a reading: time, the position of the
 axis that moves (--test axis: 1 for P1, 2 for P2), displacements of the tool from the workpiece, temperatures. Any of the five
-displacements may be missing: x1, y1, z look at the mandrel's tip, x2, y2 at a distance L above it, towards the spindle.
+displacements may be missing: x1, y1, z measure at the mandrel's tip, x2, y2 at a distance L above it, towards the spindle.
 
   --test etve      environmental temperature variation error: nothing moves, 4 h at least
   --test spindle   thermal distortion by the rotating spindle, warm-up and cooling
@@ -33,13 +33,13 @@ pub(crate) struct Arguments {
     /// The test of ISO 230-3.
     #[arg(long, value_enum, default_value = "spindle")]
     test: Kind,
-    /// The period.
+    /// Length of a period.
     #[arg(long, value_name = "T", default_value_t = 60.0)]
     period_min: f64,
     /// Distance of the probes at both heights.
     #[arg(long, value_name = "L")]
     distance_mm: Option<f64>,
-    /// One JSON document instead of a table.
+    /// Print one JSON document instead of a table.
     #[arg(long)]
     json: bool,
     /// Write thermal.html with plots into a folder.

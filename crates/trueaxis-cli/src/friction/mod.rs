@@ -14,26 +14,26 @@ use trueaxis_evaluation::friction::{self, Recording};
 use trueaxis_tables::output::Outputs;
 
 pub(crate) const HELP: &str = "\
-RECORD.csv: t_s and for each axis what its drive was sent and what its encoder read, x_cmd_mm,x_mm,y_cmd_mm,y_mm, sampled
+RECORD.csv: t_s and for each axis the command sent to its drive and the reading of its encoder, x_cmd_mm,x_mm,y_cmd_mm,y_mm, sampled
 together at an even 500 Hz or more. Circles of two radii or at two feeds, in both directions, whole turns; the record starts
-at rest and stops between the circles. Radii that are no multiple of the encoder's signal period do best.
+at rest and stops between the circles. Radii that are not multiples of the encoder's signal period work best.
 
   r  = K_v (c − x) + k_ff c'                        F = F_c (1 + s/(1 + (v/v_s)²)) f
   v' = K_vp (r − v + 1/τ ∫(r − v) dt) − F − d v     f' = (v − |v| f)/z
 
 The following error of this model along the recorded commands is fitted to the recorded one: F_c/K_vp, s, v_s, z, d/K_vp,
-and K_v, K_vp, τ, k_ff where --machine does not state them. A share, velocity or viscous friction that the record does not
-tell stays at 0, 2 mm/s, 0.
+and K_v, K_vp, τ, k_ff if --machine does not state them. A share, velocity or viscous friction that the record does not
+determine stays at 0, 2 mm/s, 0.
 
-When in its cycle the encoder is read is found where the drive's figures are given. Beside a drive that is found it acts like
-velocity feed-forward, and the uncertainties hold for every reading within half a cycle of its command. --read-after-us states
-it: an encoder that is read at the end of a cycle of 1 ms has 1000 where commands go evenly to the next, 500 where they are held.
+The time in its cycle at which the encoder is read is found if the drive's figures are given. If they are found too, it acts
+like velocity feed-forward, and the uncertainties hold for every reading within half a cycle of its command. --read-after-us
+states it: an encoder read at the end of a cycle of 1 ms has 1000 if commands go evenly to the next, 500 if they are held.
 
--o friction.toml: the sections [axis.X.friction] and, where they were found, [axis.X.drive] of a machine.toml, with standard
-errors, to read. -o MACHINE_DIR: the machine of --machine with what of them is written, in its own folder or another one with
-a copy of it. An axis' friction and the drive found with it are known together: all are written where one of them differs from
-what is stated by more than two uncertainties of both, or where nothing or no uncertainty is stated; where all agree, their
-means with one weight are; and nothing where the spikes do not fit.
+-o friction.toml: the sections [axis.X.friction] and, if they were found, [axis.X.drive] of a machine.toml, with standard
+errors, to read. -o MACHINE_DIR: the machine of --machine with the values that are written, in its own folder or another one
+with a copy of it. An axis' friction and the drive found with it belong together: all are written if one of them differs from
+its stated value by more than two uncertainties of both, or if no value or no uncertainty is stated; if all agree, their
+means with one weight are written; nothing is written if the spikes do not fit.
 
 Examples:
   trueaxis friction record.csv --axes X,Y --report out -o friction.toml
@@ -48,22 +48,22 @@ pub(crate) struct Arguments {
     /// The two axes of the circles' plane, in its sense: X,Y, Z,X or Y,Z, or a pair the other way round.
     #[arg(long, value_name = "X,Y", value_parser = friction::pair)]
     axes: [Axis; 2],
-    /// Machine whose drives' figures are taken.
+    /// Machine that states the figures of the drives.
     #[arg(long, value_name = "M")]
     machine: Option<PathBuf>,
-    /// Find the drives' figures even where the machine states them.
+    /// Find the drives' figures even if the machine states them.
     #[arg(long)]
     find_drive: bool,
-    /// When the encoder is read, µs after the command of its row takes effect (negative: before); for a drive that is found.
+    /// Time of the encoder's reading, µs after the command of its row takes effect (negative: before); for a drive found here.
     #[arg(long, value_name = "US", allow_negative_numbers = true, value_parser = read_after)]
     read_after_us: Option<f64>,
-    /// One JSON document instead of a table.
+    /// Print one JSON document instead of a table.
     #[arg(long)]
     json: bool,
     /// Write friction.html with the spikes before, predicted and after into a folder.
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
-    /// A .toml file for the settings found, or the folder that the machine is written into: its own, or a new one.
+    /// A .toml file for the settings found, or the folder to write the machine into: its own, or a new one.
     #[arg(short, long, value_name = "TOML|MACHINE_DIR")]
     output: Option<PathBuf>,
     #[command(flatten)]

@@ -19,8 +19,8 @@ The machine: table C turns the workpiece about z, head A the tool about x. γ = 
   branch 2: C = 180° − φ, A = −γ (vertical) or 90° − γ (horizontal)
   [X, Y, Z] = R_z(C) (F + w) + L (R_x(A) t0 − t0),  t0 = +z (vertical) or +y (horizontal)
 
-OUT.csv: u_rad,theta_rad,x_mm,y_mm,z_mm,a_deg,c_deg; u is the slow parameter; C counts on over full turns. A feed
-of G94 counts along X Y Z; where only A and C turn it is degrees a minute.
+OUT.csv: u_rad,theta_rad,x_mm,y_mm,z_mm,a_deg,c_deg; u is the slow parameter; C continues over full turns. A feed
+of G94 counts along X Y Z; if only A and C turn, it is in degrees per minute.
 
 Example: trueaxis helicoid --module-mm 3 --teeth 24 --pressure-angle-deg 20 --helix-angle-deg 15 \\
            --u-rad 0.1:0.6:6 --theta-rad 0:0.2:9 --form vertical --pivot-mm 150 --gcode flank.ngc -o flank.csv";
@@ -63,7 +63,7 @@ pub(crate) struct Arguments {
     /// Radius r of the edge finder's ball.
     #[arg(long, value_name = "R", value_parser = number, allow_hyphen_values = true)]
     edge_finder_radius_mm: Option<f64>,
-    /// Which of the two stands of the axes.
+    /// Which of the two solutions for the axes.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=2))]
     branch: u8,
     /// Side of the tooth, seen from +z with its tip up.

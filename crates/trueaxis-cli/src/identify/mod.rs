@@ -19,7 +19,7 @@ pub(crate) const HELP: &str = "\
 MEASURED.csv: angle_deg,l_mm,h_mm,dx_um,dy_um,dz_um, one row for each set-up and angle, # comments.
 RTCP holds the centre of a ball while the axis turns; d: how far it has moved (actual − ideal, tool relative to workpiece,
 machine directions). L: how far the ball's centre lies below the intersection of the rotary axes, H: beside it, along +Y
-for A and C, along +X for B, while the measured axis stands at 0. C stands at 0 while A or B is measured.
+for A and C, along +X for B, while the measured axis is at 0. C is at 0 while A or B is measured.
 
   axis C at angle C:   dx = X − L β − H cos C · γ
                        dy = Y + L α − H sin C · γ
@@ -30,12 +30,12 @@ for A and C, along +X for B, while the measured axis stands at 0. C stands at 0 
 
 X Y Z α β γ become EXC EYC EZC EAC EBC ECC (EXA … ECA). Three set-ups (L, H) at least, not on one line.
 --free-offsets: the gauges were zeroed in every set-up. Then ΣX = ΣY = ΣZ = 0 over the angles, and for A the patterns
-β = −k1 cos A + k2 sin A, γ = −k1 sin A − k2 cos A, which no reading sees, are at their minimum norm.
+β = −k1 cos A + k2 sin A, γ = −k1 sin A − k2 cos A, which no reading can show, are at their minimum norm.
 
 -o c.csv: the errors as the axis' table, to read. -o MACHINE_DIR: the machine of --machine, in its own folder or another one with
-a copy of it, with the errors less those that its table and its location errors state added to that table. The six are known
-together: all are written where one of them differs from what is stated by more than two uncertainties of both; where all
-agree, the share of them by their weights is; and nothing where the readings do not fit.
+a copy of it; the excess over its table and its location errors is added to that table. The six belong together: all are
+written if one of them differs from its stated value by more than two uncertainties of both; if all agree, their weighted
+share is written; nothing is written if the readings do not fit.
 
 Examples:
   trueaxis identify measured.csv --axis C -o c.csv
@@ -50,22 +50,22 @@ pub(crate) struct Arguments {
     /// The axis that turns.
     #[arg(long, value_enum, ignore_case = true)]
     axis: Rotary,
-    /// Machine whose sense of the axis is taken (`direction`), and whose linear axes' own errors are removed.
+    /// Machine that states the sense of the axis (`direction`); the errors of its linear axes are removed.
     #[arg(long, value_name = "M")]
     machine: Option<PathBuf>,
-    /// With --machine: where X, Y, Z stand in the first set-up at the first angle; from there RTCP moves them.
+    /// With --machine: position of X, Y, Z in the first set-up at the first angle; RTCP moves them from there.
     #[arg(long, value_name = "X,Y,Z", value_parser = triple, allow_hyphen_values = true, requires = "machine")]
     start_mm: Option<[f64; 3]>,
-    /// Leave one offset, constant in machine directions, free in every set-up.
+    /// Also fit one offset per set-up, constant in machine directions.
     #[arg(long)]
     free_offsets: bool,
-    /// One JSON document instead of a table.
+    /// Print one JSON document instead of a table.
     #[arg(long)]
     json: bool,
     /// Write a page with plots: a folder (identify.html) or a file that ends in .html.
     #[arg(long, value_name = "DIR|FILE")]
     report: Option<PathBuf>,
-    /// A .csv file for the errors as the axis' table, or the folder that the machine is written into: its own, or a new one.
+    /// A .csv file for the errors as the axis' table, or the folder to write the machine into: its own, or a new one.
     #[arg(short, long, value_name = "CSV|MACHINE_DIR")]
     output: Option<PathBuf>,
     #[command(flatten)]

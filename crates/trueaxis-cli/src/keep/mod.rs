@@ -13,17 +13,17 @@ use std::path::PathBuf;
 use trueaxis_evaluation::keep::time;
 
 pub(crate) const HELP: &str = "\
-KEEP.toml names the machine, the probe, balls that stay where they are, and what may be changed within which bounds:
+KEEP.toml names the machine, the probe, balls that stay in place, and the terms that may change, with their bounds:
 
   machine = \"mill\"                  # its folder; its tables are in force
   dialect = \"linuxcnc\"              # or grblhal, klipper
-  every_parts = 10                  # parts between two looks
+  every_parts = 10                  # parts between two re-probings
   # Optional; in the machine's folder, recompiled after each change:
   tcomp = \"mill.tcomp\"
   [probe]
   tip_radius_mm = 3.0
   tip_uncertainty_um = 2.0
-  [[artefact]]                      # a ball; more of them tell more
+  [[artefact]]                      # a ball; more balls determine more
   name = \"ball\"
   kind = \"ball\"
   diameter_mm = 25.0
@@ -44,26 +44,26 @@ One round, by a script of the control after every so many parts:
 
   # Once; run it between parts, compensation on:
   trueaxis keep plan keep.toml -o look.ngc
-  # The first log: everything is counted from here:
+  # The first log, with which all later ones are compared:
   trueaxis keep begin keep.toml trueaxis-1a2b3c4d.log
-  # What would be changed, and why; the same, done; undo takes it back:
+  # Show the changes and why, then apply them; undo reverts them:
   trueaxis keep check keep.toml trueaxis-1a2b3c4d.log
   trueaxis keep apply keep.toml trueaxis-1a2b3c4d.log
 
-Exit code 0: done, or nothing to do; 3: a term is out of its bounds, nothing is written and a person has to look; 2: bad input.
-The history stands in keep/history.jsonl of the machine's folder, what was replaced in keep/NUMBER. docs/calibration.md";
+Exit code 0: done, or nothing to do; 3: a term is out of its bounds, nothing is written and a person has to decide; 2: bad input.
+The history is in keep/history.jsonl of the machine's folder, replaced files are in keep/NUMBER. docs/calibration.md";
 
 #[derive(Subcommand)]
 pub(crate) enum Command {
-    /// Write the probing program, which runs without a pause, and say how well every term would be known.
+    /// Write the probing program, which runs without a pause, and print the expected standard error of every term.
     Plan(PlanArguments),
-    /// Take a first look, from which everything is counted; changes nothing of the machine.
+    /// Evaluate the first re-probing, with which all later ones are compared; the machine is not changed.
     Begin(LookArguments),
-    /// Say what a look would change: nothing is written but the report.
+    /// Show what this log would change, without writing anything except the report.
     Check(CheckArguments),
-    /// Change what a look says, if all of it is within its bounds, and enter it in the history.
+    /// Apply the changes if every one is within its bounds, and record them in the history.
     Apply(CheckArguments),
-    /// Put the machine's files back to where they were before an entry of the history.
+    /// Restore the machine's files as they were before an entry of the history.
     Undo(UndoArguments),
     /// Print the history.
     History(HistoryArguments),
@@ -77,7 +77,7 @@ pub(crate) struct PlanArguments {
     /// The program [default: standard output].
     #[arg(short, value_name = "look.ngc")]
     output: Option<PathBuf>,
-    /// One JSON document of how well every term would be known.
+    /// Print one JSON document with the expected standard error of every term.
     #[arg(long, requires = "output")]
     json: bool,
 }
@@ -90,13 +90,13 @@ pub(crate) struct LookArguments {
     /// Log of the control, or a CSV: id, x_mm, y_mm, z_mm, tripped, and a_deg, b_deg, c_deg of rotary axes.
     #[arg(value_name = "LOG")]
     log: PathBuf,
-    /// When it was probed, UTC: 2026-05-04T06:00:00Z.
+    /// Time of the probing, UTC: 2026-05-04T06:00:00Z.
     #[arg(long, value_parser = time)]
     time: Option<String>,
     /// Parts made until then, as the control counts them.
     #[arg(long, value_name = "COUNT")]
     parts: Option<u64>,
-    /// One JSON document instead of a table.
+    /// Print one JSON document instead of a table.
     #[arg(long)]
     json: bool,
     /// Write keep.html with the history's curves into a folder.
@@ -108,10 +108,10 @@ pub(crate) struct LookArguments {
 pub(crate) struct CheckArguments {
     #[command(flatten)]
     look: LookArguments,
-    /// Let a term out of its bounds, by its name.
+    /// Accept a term that is out of its bounds, by its name.
     #[arg(long, value_name = "TERM")]
     accept: Vec<String>,
-    /// Take the tables as they are, though they are not as the history left them.
+    /// Accept tables that are not as the history left them.
     #[arg(long)]
     by_hand: bool,
 }
@@ -121,13 +121,13 @@ pub(crate) struct UndoArguments {
     /// Machine, probe, balls and bounds.
     #[arg(value_name = "KEEP.toml")]
     task: PathBuf,
-    /// The first entry that is taken back, with all behind it [default: the last update in effect].
+    /// First entry to undo, with all entries after it [default: the last update in effect].
     #[arg(value_name = "ENTRY")]
     entry: Option<u32>,
-    /// When, UTC: 2026-05-04T06:00:00Z.
+    /// Time of the undo, UTC: 2026-05-04T06:00:00Z.
     #[arg(long, value_parser = time)]
     time: Option<String>,
-    /// Replace the tables though they are not as the history left them.
+    /// Replace the tables even if they are not as the history left them.
     #[arg(long)]
     by_hand: bool,
 }
@@ -137,7 +137,7 @@ pub(crate) struct HistoryArguments {
     /// Machine, probe, balls and bounds.
     #[arg(value_name = "KEEP.toml")]
     task: PathBuf,
-    /// All entries as one JSON document.
+    /// Print all entries as one JSON document.
     #[arg(long)]
     json: bool,
     /// Write keep.html with its curves into a folder.

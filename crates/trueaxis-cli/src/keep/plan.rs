@@ -27,7 +27,7 @@ pub(super) fn run(arguments: &PlanArguments) -> Result<()> {
     if arguments.json {
         return json(&foreseen);
     }
-    tell("expected standard errors, and what is taken at once and in all:");
+    tell("expected standard errors, and the largest updates at once and in all:");
     for term in &foreseen.terms {
         let shown = |value: f64| significant(value, 2);
         let (error, update, total) =

@@ -11,8 +11,8 @@ pub(super) fn run(arguments: &UndoArguments) -> Result<()> {
     let state = State::alone(&arguments.task, &mut note)?;
     let undone = state.undone(arguments.entry, arguments.time.clone(), arguments.by_hand, &mut note)?;
     state.put_back(Outputs::of([&arguments.task]), &undone)?;
-    let back = undone.files.iter().filter(|(_, bytes)| bytes.is_some()).map(|(file, _)| ("put back", file));
-    for (how, file) in back.chain(undone.away.iter().map(|file| ("taken away", file))) {
+    let back = undone.files.iter().filter(|(_, bytes)| bytes.is_some()).map(|(file, _)| ("restored", file));
+    for (how, file) in back.chain(undone.away.iter().map(|file| ("removed", file))) {
         tell(format_args!("{how} {}", state.folder.join(file).display()));
     }
     let before = undone.entry.undone.unwrap_or_default();

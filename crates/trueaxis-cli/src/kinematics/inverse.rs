@@ -42,11 +42,11 @@ pub(crate) struct Arguments {
     /// Angles of the machine's rotary axes before the first row, in the order A, B, C, degrees [default: zero].
     #[arg(long, value_name = "DEG,…", value_parser = numbers, allow_hyphen_values = true)]
     start: Option<Numbers>,
-    /// Nearer than this to the singular pose the axis nearest the workpiece stays or is led, 0 … 45 degrees [default: the
+    /// Angle to the singular pose below which the axis nearest the workpiece is held or guided, 0 … 45 degrees [default: the
     /// machine's].
     #[arg(long, value_name = "D")]
     singular_cone_deg: Option<f64>,
-    /// Refuse a change of branch (but through the singular pose), and a step of a rotary axis above this, from row to row.
+    /// Refuse a change of branch (except through the singular pose) and a step of a rotary axis above this between two rows.
     #[arg(long, value_name = "DEG")]
     max_step_deg: Option<f64>,
 }

@@ -22,11 +22,11 @@ RECORD.csv: one part, cycle by cycle, three comments before the header:
   # length_mm = 1234.567890    path length of the program
   s_mm,ex_um,ey_um,ez_um,measured
 s_mm: path length of the reference; ex_um…: contour error, tip − foot, machine directions; measured (may be left out): 1, or
-0 where there is none (rapid motion, search of the foot, fault).
+0 if there is none (rapid motion, search of the foot, fault).
 
   u <- f u − L Q e      f --forget, L --gain, Q a Gaussian low-pass without phase, half at --cutoff-mm
 
-u: correction over path length for the next part, for which --table gives the part before. What is left of an error falls by
+u: correction over path length for the next part, for which --table gives the part before. The remainder of an error falls by
 |f − L Q P| a part, P the response of drives and contour feedback; below 1 for 0 < L P < 2.
 `predicted` takes P for 1.
 
@@ -37,7 +37,7 @@ pub(crate) struct Arguments {
     /// Contour error of a part over path length.
     #[arg(value_name = "RECORD.csv")]
     record: PathBuf,
-    /// The correction that the part was made with [default: none].
+    /// Correction with which the part was made [default: none].
     #[arg(long, value_name = "OLD.tlearn")]
     table: Option<PathBuf>,
     /// Gain L, above 0 and below 2.
@@ -46,10 +46,10 @@ pub(crate) struct Arguments {
     /// Forgetting f, above 0 to 1.
     #[arg(long, value_name = "F", default_value_t = DEFAULT_FORGET, allow_negative_numbers = true)]
     forget: f64,
-    /// Wavelength along the path from which on errors are learned.
+    /// Cut-off along the path: errors of longer wavelength are learned.
     #[arg(long, value_name = "MM", default_value_t = DEFAULT_CUTOFF_MM, allow_negative_numbers = true)]
     cutoff_mm: f64,
-    /// One JSON document instead of a table.
+    /// Print one JSON document instead of a table.
     #[arg(long)]
     json: bool,
     /// Write a page with plots: a folder (learn.html) or a file that ends in .html.

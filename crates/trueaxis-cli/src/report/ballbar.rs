@@ -31,6 +31,6 @@ pub(crate) fn page(source: &str, test: &Test, document: &Document) -> String {
         .top(figures)
         .section("Deviation", polar(test))
         .section("Causes", html! { (causes) (Table::new(["cause", "share", "RMS"], shares)) })
-        .section("What is left", left(test))
+        .section("Residuals", left(test))
         .document()
 }

@@ -23,7 +23,7 @@ pub(crate) fn page(source: &str, task: &Task, plan: &Plan, found: &Calibration, 
         [
             Row::new("sigma of a touch, µm", [significant(document.sigma_um, 3)]),
             Row::new("stated, µm", [significant(document.repeatability_um, 3)]),
-            Row::new("what is measured, µm RMS", [significant(document.signal_um, 3)]),
+            Row::new("measured, µm RMS", [significant(document.signal_um, 3)]),
             Row::new("degrees of freedom", [document.degrees_of_freedom.to_string()]),
             Row::new("unknowns, rank", [document.rank.to_string()]),
             Row::new("condition", [significant(document.condition, 2)]),

@@ -89,7 +89,7 @@ fn figure(own: &AxisFound, spike: &Spike) -> Figure {
     }
     figure.caption(format!(
         "Mean of {} reversals at {acceleration} mm/s² (feed²/radius), turned into the new direction of travel. After: the record \
-         with what the feed-forward of the parameters found takes away in the model.",
+         minus the effect of the feed-forward with the parameters found, in the model.",
         spike.reversals
     ));
     figure

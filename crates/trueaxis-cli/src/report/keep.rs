@@ -17,7 +17,7 @@ pub(crate) fn page(machine: &str, entries: &[Entry], document: Option<&Document>
             Row::new(term.name.clone(), [found, shown(term.from), shown(term.to), bounds, term.in_words()])
         });
         let head = ["term", "left by the tables", "in all", "then", "at most at once, in all", "verdict"];
-        page = page.top(super::warnings(&document.notes)).section("This look", Table::new(head, terms));
+        page = page.top(super::warnings(&document.notes)).section("This re-probing", Table::new(head, terms));
     }
     let all = figures(entries);
     if !all.is_empty() {

@@ -4,6 +4,7 @@ use crate::learn::document::Document;
 use maud::html;
 use trueaxis_metrology::learning::Lesson;
 use trueaxis_report::{Figure, Page, Row, Scale, Stroke, Table, colour, decimate, number::significant, summary};
+use trueaxis_tables::text::counted;
 
 /// Points per curve: as many as a figure can show.
 const CURVE: usize = 1400;
@@ -16,7 +17,7 @@ pub(crate) fn page(source: &str, found: &Document, lesson: &Lesson) -> String {
             html! { (source) },
             html! { "program " (found.program_id) },
             html! { "machine " (found.machine_id) },
-            html! { (found.parts) " parts" },
+            html! { (counted(found.parts.into(), "part")) },
             html! { "gain " (found.gain) ", forgetting " (found.forget) ", cut-off " (found.cutoff_mm) " mm" },
         ]))
         .top(table(found))

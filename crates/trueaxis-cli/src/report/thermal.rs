@@ -52,7 +52,7 @@ pub(crate) fn page(source: &str, found: &Found, document: &Document) -> String {
         .top(html! {
             p.result {
                 "Of a largest drift of " strong { (um(drift)) " µm" } " in cycles that took no part in the fit, "
-                strong { (um(left)) " µm" } " is left."
+                strong { (um(left)) " µm" } " remains."
             }
         })
         .top(cycles)
@@ -60,7 +60,7 @@ pub(crate) fn page(source: &str, found: &Found, document: &Document) -> String {
             "Held-out cycles",
             html! { @for axis in axes { @if let Some(figure) = figure(found, *axis) { (figure) } } },
         )
-        .section("What is left", html! { @for axis in axes { (residuals(found, *axis)) } })
+        .section("Remaining drift", html! { @for axis in axes { (residuals(found, *axis)) } })
         .section("Curves", html! { (Table::new(["cause", "lag, s"], lags)) (curves) })
         .section("Left out", html! { (Table::new(["sensor", "why"], left_out)) });
     let page =

@@ -18,8 +18,8 @@ pub(crate) fn page(document: &Document) -> String {
         .top(super::warnings(&document.warnings))
         .section("Worst point", html! { (document.worst.place()) (methods(&document.worst)) })
         .section("Where", side_by_side([layer(document), distribution(document)]))
-        .section("What contributes", html! { (bars(document)) (contributions(document)) })
-        .section("Position asked for", asked(document))
+        .section("Contributions", html! { (bars(document)) (contributions(document)) })
+        .section("Requested position", asked(document))
         .section("Not stated, taken as zero", html! { (document.not_stated.join(", ")) })
         .document()
 }

@@ -15,9 +15,9 @@ use trueaxis_tables::limits::raise;
 use trueaxis_tables::output::Outputs;
 
 pub(crate) const HELP: &str = "\
-The tables are the least-squares ones over the working volume for one tool and one pose of the rotary axes; what they
-leave is evaluated by the controller's own nine-term model at points of its own. A grid of stated size is tried on what
-they leave, and the last line says whether one is needed; grids of the machine stay.
+The tables are the least-squares ones over the working volume for one tool and one pose of the rotary axes; the controller's
+own nine-term model evaluates the error that they leave, at other points. A grid of stated size is tried on that error, and
+the last line says whether it is needed; grids of the machine stay.
 
 Example: trueaxis tables collapse compensation-tables/mill-3axis -o mill-nine --volume -200:200,-150:150,-300:-50";
 
@@ -26,7 +26,7 @@ pub(crate) struct Arguments {
     /// machine.toml, its folder, or a compiled .tcomp.
     #[arg(value_name = "M")]
     machine: PathBuf,
-    /// Folder that the machine with the nine tables is written into.
+    /// Folder to write the machine with the nine tables into.
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
     /// Tool tip from the last tool-side frame, mm [default: the machine's tool_mm].
@@ -41,7 +41,7 @@ pub(crate) struct Arguments {
     /// Angles of the rotary axes, degrees [default: zero].
     #[arg(long, value_name = "A=..,C=..", value_parser = pose, allow_hyphen_values = true)]
     pose: Option<Pose>,
-    /// Nodes along X, Y, Z of the grid that is tried beside the tables; 0 or 1: not over that axis.
+    /// Nodes along X, Y, Z of the grid to try beside the tables; 0 or 1: not over that axis.
     #[arg(long, value_name = "NX,NY,NZ", value_parser = nodes, default_value = "5,5,5")]
     grid: [usize; 3],
     /// Print one JSON document.

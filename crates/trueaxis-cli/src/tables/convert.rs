@@ -12,18 +12,18 @@ use trueaxis_tables::output::Outputs;
 use trueaxis_tables::{Edited, Machine, Table};
 
 pub(super) const FORMATS: &str = "\
-Formats, and what they hold for an error E = actual − ideal:
-  linuxcnc    COMP_FILE, type 0 (nominal + E, both directions; mm, degrees) or type 1 (−E). Import tells them apart by the
-              numbers and refuses a file that could be either; export writes type 0. --comp-file-type says which; import
+Formats, and how they store an error E = actual − ideal:
+  linuxcnc    COMP_FILE, type 0 (nominal + E, both directions; mm, degrees) or type 1 (−E). Import distinguishes them by the
+              numbers and refuses a file that could be either; export writes type 0. --comp-file-type sets it; import
               needs --unit mm or inch, as the machine's LINEAR_UNITS
   siemens     $AA_ENC_COMP, +E in one direction (mm, degrees); a file with AX1 needs --axis; import needs --unit, and reads
-              $AN_CEC too: sag and angularity, Z over Y is EZY, each direction of travel with a table of its own or not
+              $AN_CEC too: sag and angularity, Z over Y is EZY, one table for each direction of travel or for both
   isg         ISG/Beckhoff volumetric CSV, all six errors (mm, rad; rotary arguments in degrees); chain and offsets as comments;
               import takes a table over two or three linear axes as a grid
   iso230-2    measured deviations (µm, µrad), one row per approach, or one per target with a column per run:
               X_mm,+1,-1,+2,-2,… or X_mm,fwd_1_um,rev_1_um,…
   bed-mesh    [bed_mesh NAME] of Klipper's printer.cfg, a grid over X and Y: EZ = −height of the bed, with the points that
-              Klipper lays between the probed ones (mesh_x_pps, algo); fade_start, fade_end and fade_target of [bed_mesh] (the
+              Klipper interpolates between the probed ones (mesh_x_pps, algo); fade_start, fade_end and fade_target of [bed_mesh] (the
               mesh's mean unless given) become its fade. --mesh names one of several. Read only
   grid        X_mm,Y_mm[,Z_mm],EX_um,…,EC_urad, +E, a line for every node in any order. Read only";
 
@@ -137,7 +137,7 @@ fn new_machine(imported: &Imported, file: &Path, output: &Path) -> Result<Edited
     if let Some((axis, names)) = imported.axis_without_place() {
         let letter = axis.letter();
         bail!(
-            "{}: found location errors of axis {letter} ({names}) and nothing that says where it stands, needed a comment \
+            "{}: found location errors of axis {letter} ({names}) and no chain that it is in, needed a comment \
              // trueaxis chain: w b X Y Z {letter} t, that of the machine, in the file; or -o with a machine whose chain has it (nothing \
              is written)",
             file.display()

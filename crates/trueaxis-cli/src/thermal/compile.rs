@@ -17,7 +17,7 @@ Example: trueaxis thermal compile thermal.toml --machine mymill -o mymill.ttherm
 
 #[derive(Args)]
 pub(crate) struct Arguments {
-    /// What `trueaxis thermal fit` wrote, or a text like it.
+    /// Growth in the format that `trueaxis thermal fit` writes.
     #[arg(value_name = "thermal.toml")]
     thermal: PathBuf,
     /// The machine.

@@ -12,25 +12,25 @@ use trueaxis_tables::output::Outputs;
 
 pub(super) const HELP: &str = "\
 RECORD.csv: one row a reading of the instrument, in order of time,
-  t_s                  time, s; after a rest of 4 h or more the machine is taken for one in equilibrium
-  cycle                number of the duty cycle: 3 at least, one of them held out, each in one piece
+  t_s                  time, s; after a rest of 4 h or more the machine counts as in equilibrium
+  cycle                number of the duty cycle: 3 at least, one of them held out, each uninterrupted
   T1_c … T16_c         sensors, degrees Celsius
   spindle_rpm          speed of the spindle
   ex_um, ey_um, ez_um  drift of the tool relative to the workpiece, actual − ideal, of the axes that were measured; zero
                        where a cycle begins, or wherever the instrument was set to zero before it
-  x_mm, y_mm, z_mm     where the axes stand at the measuring point: two positions of an axis tell its slope from its offset
-  tool_mm              length from the spindle's nose to the measuring point: two of them tell tilt from growth
+  x_mm, y_mm, z_mm     axis positions at the measuring point: two positions of an axis separate its slope from its offset
+  tool_mm              length from the spindle's nose to the measuring point: two of them separate tilt from growth
 Visit several points one after the other, every few minutes. Vary speed, coolant and air from cycle to cycle, so that
-their shares can be told apart.
+their shares can be separated.
 
   e = c + Σ_j [O_j(θ_j) + S_j(θ_j) (q − q0)] + Σ_k x_k (G_k + Θ_k L)     θ_j' = (T_j − θ_j)/τ_j     x_k' = (h_k(n) − x_k)/τ
 
-Curves by least squares, lags by search. A sensor is taken in when it makes the cycles predict one another better; what the
-others tell as well is left out. What is left is reported for cycles that took no part, by the task's own code.
+Curves by least squares, lags by search. A sensor is included if it makes the cycles predict one another better; one that
+adds nothing to the others is left out. The remaining error is reported for the cycles held out, by the task's own code.
 Refused: sensors that jump, stick or run together, records in which nothing moves, rows missing for longer than a lag.
 Shorter gaps in an otherwise even record are reported.
 
--o thermal.toml is made a file for the controller by `trueaxis thermal compile`.
+`trueaxis thermal compile` turns the thermal.toml of -o into a file for the controller.
 
 Examples:
   trueaxis thermal fit warm-up.csv --report out -o thermal.toml
@@ -41,26 +41,26 @@ pub(crate) struct Arguments {
     /// Recorded cycles.
     #[arg(value_name = "RECORD.csv")]
     record: PathBuf,
-    /// Machine whose reference temperature and datums hold [default: 20 °C, 0 mm].
+    /// Machine that states reference temperature and datums [default: 20 °C, 0 mm].
     #[arg(long, value_name = "M")]
     machine: Option<PathBuf>,
-    /// Cycles that take no part in the fit [default: the last].
+    /// Cycles to exclude from the fit [default: the last].
     #[arg(long, value_name = "N,…", value_delimiter = ',')]
     hold_out: Vec<u32>,
-    /// Sensors to leave out, by name: T3.
+    /// Sensors to omit, by name: T3.
     #[arg(long, value_name = "T,…", value_delimiter = ',')]
     without: Vec<String>,
-    /// Fastest that a sensor warms or cools, K a minute: a faster one is refused as one that jumps. It becomes the
-    /// rate_k_per_min of the sensors where it is above 5.
+    /// Largest rate at which a sensor warms or cools, K/min; a faster change is refused as a jump. Above 5, it becomes the
+    /// rate_k_per_min of the sensors.
     #[arg(long, value_name = "R", default_value_t = RATE_K_PER_MIN)]
     rate_k_per_min: f64,
-    /// One JSON document instead of a table.
+    /// Print one JSON document instead of a table.
     #[arg(long)]
     json: bool,
-    /// Write thermal.html with the drift measured, by the task and left into a folder.
+    /// Write thermal.html with the drift measured, computed and remaining into a folder.
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
-    /// Write what was found as a thermal.toml.
+    /// Write the result as a thermal.toml.
     #[arg(short, long, value_name = "TOML")]
     output: Option<PathBuf>,
 }
@@ -81,7 +81,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<()> {
     let recording = Recording::read(csv_in::open(&arguments.record, &COLUMNS, "rows")?, &arguments.without)?;
     let bar = progress(0, "fitting").with_style(indicatif::ProgressStyle::default_spinner());
     let found = Found::of(recording, &settings, &mut |cause| {
-        bar.set_message(format!("fitting: {cause} taken in"));
+        bar.set_message(format!("fitting: {cause} included"));
         bar.tick();
     });
     bar.finish_and_clear();

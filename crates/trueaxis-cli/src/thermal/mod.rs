@@ -9,10 +9,10 @@ use clap::Subcommand;
 
 #[derive(Subcommand)]
 pub(crate) enum Command {
-    /// Lags of sensors and curves of growth, from a recorded warm-up after ISO 230-3.
+    /// Find lags of sensors and curves of growth from a recorded warm-up after ISO 230-3.
     #[command(after_help = fit::HELP)]
     Fit(fit::Arguments),
-    /// A thermal.toml as the file that the controller's task reads.
+    /// Compile a thermal.toml into the file that the controller's task reads.
     #[command(after_help = compile::HELP)]
     Compile(compile::Arguments),
 }

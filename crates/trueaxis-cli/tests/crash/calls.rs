@@ -73,7 +73,7 @@ fn killed_at_any_system_call_a_machine_is_old_or_new_or_said_to_be_neither() {
                 assert!(*bytes == old[path] || *bytes == new[path], "{}: {}", path.display(), text(bytes));
             }
             let mixed = found != old && found != new;
-            assert!(!mixed || !left.is_empty(), "mixed, and nothing tells: {call} {nth}");
+            assert!(!mixed || !left.is_empty(), "mixed, and nothing reports it: {call} {nth}");
             if !left.is_empty() {
                 let said = folder.reported(&["tables", "check", "m"]);
                 for left in &left {

@@ -139,9 +139,9 @@ pub(super) fn correction(grinding: &Grinding, outcome: &Outcome) -> Figure {
     let mut figure = Figure::full("infeed correction over the angle of the surface", 250, x, y);
     let wide = Stroke::new(colour::UNCOMPENSATED, 3.0).opacity(0.45);
     figure
-        .curve("what stands on the surface without correction", stands, wide)
-        .curve("correction that the gauge has learnt", fed, Stroke::new(colour::COMPENSATED, 1.4))
-        .caption("Where the surface would stand high, the wheel is fed in further.");
+        .curve("deviation of the surface without correction", stands, wide)
+        .curve("correction learned by the gauge", fed, Stroke::new(colour::COMPENSATED, 1.4))
+        .caption("Where the surface would be high, the wheel is fed in further.");
     figure
 }
 

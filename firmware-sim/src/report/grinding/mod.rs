@@ -50,12 +50,12 @@ fn summary(grinding: &Grinding, outcome: &Outcome) -> Markup {
         ]))
         p.result {
             "With correction " strong { (significant(100.0 * outcome.imprint_ratio(), 2)) " %" }
-            " of the synchronous imprint is left: " strong { (quantity(after.imprint_um, "µm")) } " instead of "
+            " of the synchronous imprint remains: " strong { (quantity(after.imprint_um, "µm")) } " instead of "
             strong { (quantity(before.imprint_um, "µm")) } "."
         }
         p {
-            "The synchronous imprint is what repeats with every turn: the root mean square of the corrected harmonics of \
-             the true surface, averaged over the last " (after.averaged) " revolutions, so that what does not repeat \
+            "The synchronous imprint is the part that repeats with every turn: the root mean square of the corrected harmonics of \
+             the true surface, averaged over the last " (after.averaged) " revolutions, so that the rest \
              cancels. Once-per-revolution motion leaves an eccentric pin, asynchronous motion a random one; neither is \
              corrected."
         }

@@ -24,7 +24,7 @@ pub(super) fn runs(outcome: &Outcome) -> Table {
         row("revolutions skipped", &|run| count(run.counts.skipped.into())),
         row("revolutions discarded", &|run| count(run.counts.discarded.into())),
         row("cycles of work on a revolution, at most", &|run| count(run.cycles_of_work as u64)),
-        row("cycles in which the limiter held back", &|run| count(run.limited_cycles)),
+        row("cycles in which the limiter acted", &|run| count(run.limited_cycles)),
         row("cycles beyond a limit of the correction", &|run| count(run.limits_exceeded)),
     ];
     Table::new(["", "without", "with correction"], rows).caption("The two runs")

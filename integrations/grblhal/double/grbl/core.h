@@ -45,7 +45,7 @@ typedef union {
     };
 } axes_signals_t;
 
-/* States of the controller; idle is none of the others. */
+/* States of the controller; idle: no other state. */
 typedef uint_fast16_t sys_state_t;
 #define STATE_IDLE 0
 #define STATE_ALARM bit(0)
@@ -151,7 +151,7 @@ typedef struct {
 extern system_t sys;
 
 typedef struct {
-    float position[N_AXIS]; /* where the program stands, mm */
+    float position[N_AXIS]; /* the program's position, mm */
 } parser_state_t;
 extern parser_state_t gc_state;
 
@@ -222,7 +222,7 @@ bool task_run_on_startup(foreground_task_ptr fn, void *data);
 void report_message(const char *text, message_type_t type);
 void report_plugin(const char *name, const char *version);
 char *ftoa(float value, uint8_t decimals);
-coord_data_t *limits_homing_pulloff(coord_data_t *distance); /* NULL: only tells */
+coord_data_t *limits_homing_pulloff(coord_data_t *distance); /* NULL: only reports */
 plan_block_t *plan_get_current_block(void);
 float *plan_get_position(void);
 void plan_sync_position(void);

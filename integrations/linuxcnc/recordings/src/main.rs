@@ -17,7 +17,7 @@ struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum What {
-    /// Runs the recorded commands and readings through the library and compares what was sent to the drives.
+    /// Runs the recorded commands and readings through the library and compares the drives' commands.
     Replay {
         /// Compiled tables that the component had in force.
         tables: PathBuf,

@@ -1,4 +1,4 @@
-//! The same commands and readings through the library itself.
+//! Runs the recorded commands and readings through the library itself.
 
 use crate::recording::Recording;
 use anyhow::{Context, Result, anyhow, bail};
@@ -12,7 +12,7 @@ use trueaxis::{Axis, HostServo, Input};
 pub(crate) struct Agreement {
     /// Samples compared, of every joint.
     pub(crate) samples: usize,
-    /// Of those, how many are the same to the last bit.
+    /// Number of those that are equal to the last bit.
     pub(crate) same_bits: usize,
     /// Largest difference of a position sent to a drive, mm (deg).
     pub(crate) largest_difference: f64,

@@ -69,7 +69,7 @@ void *hal_malloc(long int size)
     return block;
 }
 
-/* A pin or parameter of that name, and its place. 2.9's are no byte larger than the type. */
+/* A pin or parameter of that name, and its place. 2.9's are exactly as large as the type. */
 static int add(hal_type_t type, bool input, bool parameter, void **place, int component, const char *name)
 {
 #ifdef TRUEAXIS_HAL_HANDLES

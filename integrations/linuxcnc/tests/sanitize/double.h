@@ -1,4 +1,4 @@
-/* A double of HAL in one process: what the component asks of HAL and RTAPI, each pin in memory of its own, so that a
+/* A double of HAL in one process: the functions of HAL and RTAPI that the component calls, each pin in separate memory, so that a
  * sanitizer sees whoever reaches beyond it or keeps it too long.
  *
  *   double.c   HAL and RTAPI
@@ -38,7 +38,7 @@ extern struct function double_functions[MAX_FUNCTIONS];
 extern int double_function_count;
 /* The call of HAL that fails, counted from 1; 0: none. And the calls so far. */
 extern int double_fails, double_calls;
-/* Hears what the component prints; NULL: nobody. */
+/* Receives the component's messages; NULL: discarded. */
 extern void (*double_hears)(const char *line);
 
 /* The pin or parameter of that name; ends the program if there is none. */
@@ -58,7 +58,7 @@ struct motion {
 uint64_t inputs_random(struct motion *motion);
 void inputs_set(const char *instance, struct motion *motion, enum inputs kind);
 
-/* files.c: overwrites the file `path` with one of those given, whole or damaged, or with what is no file of tables. */
+/* files.c: overwrites the file `path` with one of those given, whole or damaged, or with other content. */
 void files_change(const char *path, char **whole, int count, struct motion *motion);
 
 #endif

@@ -1,4 +1,4 @@
-/* Loads the component into the double of HAL, runs each instance in a servo thread of its own while its file is exchanged,
+/* Loads the component into the double of HAL, runs each instance in a separate servo thread while its file is exchanged,
  * and unloads it.
  *
  *   drive CYCLES SEED FAILS PERIOD WORD... [-- FILE...]
@@ -133,7 +133,7 @@ static void cycle(struct servo_thread *thread, enum inputs kind)
     thread->stopped += double_pin(thread->instance, "stop-request")->value->b;
 }
 
-/* Asks for an exchange and goes on until it has been answered. */
+/* Requests an exchange and continues until it has been answered. */
 static void reload(struct servo_thread *thread)
 {
     const struct timespec pause = {0, 1000000};
@@ -157,7 +157,7 @@ static void reload(struct servo_thread *thread)
     thread->refused += seen(double_pin(thread->instance, "reload-failed"));
 }
 
-/* After an attack a stop stands: the machine is switched off, is where motion says, and is released by a reset. */
+/* After an attack the machine is stopped: switched off, at the position of motion, and released by a reset. */
 static void release(struct servo_thread *thread)
 {
     hal_data_u *reset = double_pin(thread->instance, "reset")->value;
