@@ -33,7 +33,7 @@
 #define TRUEAXIS_ABI_MAJOR 3
 #endif
 #ifndef TRUEAXIS_ABI_MINOR
-#define TRUEAXIS_ABI_MINOR 1
+#define TRUEAXIS_ABI_MINOR 2
 #endif
 #ifdef TRUEAXIS_SINGLE
 #define TRUEAXIS_ABI_VERSION (UINT32_C(0x80000000) | (uint32_t)TRUEAXIS_ABI_MAJOR << 16 | TRUEAXIS_ABI_MINOR)
@@ -879,6 +879,10 @@ typedef struct trueaxis_gauge_state_512_t {
 /// Not a whole, undamaged `.ttherm` file of this format; see `trueaxis_error_t`.
 #define TRUEAXIS_ERROR_THERMAL 21
 
+/// The function, or a setting of the table file, needs a part that this build of the library leaves out; see
+/// `trueaxis_error_t`.
+#define TRUEAXIS_ERROR_LEFT_OUT 22
+
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -893,7 +897,7 @@ uint32_t trueaxis_abi_version(void);
 /// `trueaxis_loop_bypass`, `trueaxis_start` and `trueaxis_step`, which refuse structures of another size. Real-time safe.
 trueaxis_result_t trueaxis_check_abi(uint32_t header_version);
 
-/// Text of a result: a constant string for any number. Real-time safe.
+/// Text of a result: a constant string for any number, empty in a build without the part `text`. Real-time safe.
 const char *trueaxis_result_text(trueaxis_result_t result);
 
 /// Checks a whole table file and describes its contents. `file`: of any alignment. Not real-time; about 15 KiB of stack.

@@ -65,11 +65,13 @@ pub(crate) struct Built {
 
 /// A servo loop of any number of axes.
 #[allow(clippy::large_enum_variant)] // storage has the size of the largest anyway
-#[cfg_attr(feature = "three", allow(dead_code, reason = "more than three are never built"))]
 pub(crate) enum AnyServo {
     Three(Servo<3>),
+    #[cfg(all(feature = "rotary", not(feature = "three")))]
     Four(Servo<4>),
+    #[cfg(all(feature = "rotary", not(feature = "three")))]
     Five(Servo<5>),
+    #[cfg(all(feature = "rotary", not(feature = "three")))]
     Six(Servo<6>),
     /// Commands pass uncorrected.
     Bypass {
@@ -82,8 +84,11 @@ pub(crate) enum AnyServo {
 #[allow(clippy::large_enum_variant)] // as above
 pub(crate) enum Running {
     Three(ServoState<3>),
+    #[cfg(all(feature = "rotary", not(feature = "three")))]
     Four(ServoState<4>),
+    #[cfg(all(feature = "rotary", not(feature = "three")))]
     Five(ServoState<5>),
+    #[cfg(all(feature = "rotary", not(feature = "three")))]
     Six(ServoState<6>),
     BypassThree(Bypass<CorePosition, 3>),
     BypassFour(Bypass<CorePosition, 4>),
@@ -97,8 +102,11 @@ macro_rules! with_servo {
         use $crate::built::{AnyServo, Running};
         match (&$built.servo, $running) {
             (AnyServo::Three($servo), Running::Three($state)) => Ok($work),
+            #[cfg(all(feature = "rotary", not(feature = "three")))]
             (AnyServo::Four($servo), Running::Four($state)) => Ok($work),
+            #[cfg(all(feature = "rotary", not(feature = "three")))]
             (AnyServo::Five($servo), Running::Five($state)) => Ok($work),
+            #[cfg(all(feature = "rotary", not(feature = "three")))]
             (AnyServo::Six($servo), Running::Six($state)) => Ok($work),
             (AnyServo::Bypass { axes: 3, .. }, Running::BypassThree($passing)) => Ok($pass),
             (AnyServo::Bypass { axes: 4, .. }, Running::BypassFour($passing)) => Ok($pass),
@@ -120,8 +128,11 @@ impl AnyServo {
     pub(crate) fn axes(&self) -> usize {
         match self {
             AnyServo::Three(_) => 3,
+            #[cfg(all(feature = "rotary", not(feature = "three")))]
             AnyServo::Four(_) => 4,
+            #[cfg(all(feature = "rotary", not(feature = "three")))]
             AnyServo::Five(_) => 5,
+            #[cfg(all(feature = "rotary", not(feature = "three")))]
             AnyServo::Six(_) => 6,
             AnyServo::Bypass { axes, .. } => *axes,
         }
@@ -132,9 +143,15 @@ impl Running {
     pub(crate) fn axes(&self) -> usize {
         match self {
             Running::Three(_) | Running::BypassThree(_) => 3,
-            Running::Four(_) | Running::BypassFour(_) => 4,
-            Running::Five(_) | Running::BypassFive(_) => 5,
-            Running::Six(_) | Running::BypassSix(_) => 6,
+            Running::BypassFour(_) => 4,
+            #[cfg(all(feature = "rotary", not(feature = "three")))]
+            Running::Four(_) => 4,
+            Running::BypassFive(_) => 5,
+            #[cfg(all(feature = "rotary", not(feature = "three")))]
+            Running::Five(_) => 5,
+            Running::BypassSix(_) => 6,
+            #[cfg(all(feature = "rotary", not(feature = "three")))]
+            Running::Six(_) => 6,
         }
     }
 }
@@ -158,13 +175,13 @@ impl Built {
         let rows = |axis| tables.table(axis);
         let servo = match crate::tables::axes_of(tables) {
             3 => AnyServo::Three(config.build(rows, memory)?),
-            #[cfg(not(feature = "three"))]
+            #[cfg(all(feature = "rotary", not(feature = "three")))]
             4 => AnyServo::Four(config.build(rows, memory)?),
-            #[cfg(not(feature = "three"))]
+            #[cfg(all(feature = "rotary", not(feature = "three")))]
             5 => AnyServo::Five(config.build(rows, memory)?),
-            #[cfg(not(feature = "three"))]
+            #[cfg(all(feature = "rotary", not(feature = "three")))]
             _ => AnyServo::Six(config.build(rows, memory)?),
-            #[cfg(feature = "three")]
+            #[cfg(not(all(feature = "rotary", not(feature = "three"))))]
             _ => AnyServo::Three(config.build(rows, memory)?), // refuses the other axes
         };
         let (mut growth, mut order) = ([ThermalGrowth::default(); AXES_MAX], [None; AXES_MAX]);
@@ -188,8 +205,11 @@ impl Built {
         }
         Ok(match &self.servo {
             AnyServo::Three(servo) => Running::Three(servo.start()),
+            #[cfg(all(feature = "rotary", not(feature = "three")))]
             AnyServo::Four(servo) => Running::Four(servo.start()),
+            #[cfg(all(feature = "rotary", not(feature = "three")))]
             AnyServo::Five(servo) => Running::Five(servo.start()),
+            #[cfg(all(feature = "rotary", not(feature = "three")))]
             AnyServo::Six(servo) => Running::Six(servo.start()),
             AnyServo::Bypass { axes: 3, reason } => Running::BypassThree(Bypass::new(*reason)),
             AnyServo::Bypass { axes: 4, reason } => Running::BypassFour(Bypass::new(*reason)),
@@ -236,10 +256,30 @@ pub(crate) fn cycle(
     gauge: &mut Riding<'_>,
 ) -> Result<Output, ResultCode> {
     with_servo!(built, running,
-        servo(servo, state) => Output::of(&servo.step(state, &input.to_core(), measure, gauge)),
+        servo(servo, state) => {
+            let input = input.to_core();
+            if cfg!(feature = "fast") {
+                Output::of(&servo.step(state, &input, measure, gauge))
+            } else {
+                let mut measure = measure;
+                shared_step(servo, state, &input, &mut measure, gauge)
+            }
+        },
         bypass(bypass) => {
             gauge.measure_on();
             Output::of(&bypass.step::<Real>(&input.to_core()))
         }
     )
+}
+
+/// The step of any measure, for a library in which one copy of it serves them all.
+#[inline(never)]
+fn shared_step<const N: usize>(
+    servo: &Servo<N>,
+    state: &mut ServoState<N>,
+    input: &trueaxis::Input<CorePosition, N>,
+    measure: &mut dyn Measure<Real, CorePosition, N>,
+    gauge: &mut Riding<'_>,
+) -> Output {
+    Output::of(&servo.step(state, input, measure, gauge))
 }

@@ -1,8 +1,9 @@
 //! Details of a refusal, for the operator's screen and the log.
 
+use crate::part::LeftOut;
 use crate::pointer::{Sized32, check_sized};
 use crate::result::{
-    ERROR_CONFIG, ERROR_LEARNED, ERROR_MACHINE, ERROR_MEMORY, ERROR_PATH, ERROR_POSE, ERROR_TABLES, ERROR_THERMAL,
+    ERROR_CONFIG, ERROR_LEARNED, ERROR_LEFT_OUT, ERROR_MACHINE, ERROR_MEMORY, ERROR_PATH, ERROR_POSE, ERROR_TABLES, ERROR_THERMAL,
     ResultCode,
 };
 use crate::text::Text;
@@ -60,6 +61,8 @@ pub(crate) enum Refusal {
     Config(ConfigError),
     /// Bytes of memory: lent, needed.
     Memory(usize, usize),
+    /// A function of a part that this build leaves out.
+    LeftOut(LeftOut),
     /// A segment of a path.
     Path(PathError),
     /// A pose of the tool.
@@ -107,6 +110,9 @@ impl fmt::Display for Refusal {
             Refusal::Tables(error) => write!(f, "table file: {error}"),
             Refusal::Config(error) => error.fmt(f),
             Refusal::Memory(lent, needed) => write!(f, "memory: found {lent} bytes, needed {needed} bytes"),
+            Refusal::LeftOut(LeftOut(part)) => {
+                write!(f, "the function needs the part {part}, which this build of the library leaves out")
+            }
             Refusal::Path(error) => error.fmt(f),
             Refusal::Pose(error) => write!(f, "pose: {error}"),
             Refusal::Learned(error) => write!(f, "learned correction: {error}"),
@@ -120,6 +126,9 @@ impl Refusal {
         match self {
             Refusal::Code(code) => *code,
             Refusal::Tables(TcompError::WrongMachine) => ERROR_MACHINE,
+            Refusal::Tables(TcompError::Content(ConfigError { left_out: Some(_), .. }))
+            | Refusal::Config(ConfigError { left_out: Some(_), .. })
+            | Refusal::LeftOut(_) => ERROR_LEFT_OUT,
             Refusal::Tables(_) => ERROR_TABLES,
             Refusal::Config(ConfigError { field: Field::Memory, .. }) | Refusal::Memory(..) => ERROR_MEMORY,
             Refusal::Config(_) => ERROR_CONFIG,
@@ -153,6 +162,7 @@ impl Refusal {
                 }
             }
             Refusal::Config(config) => error.add(config),
+            Refusal::LeftOut(LeftOut(part)) => error.needed = Text::of(part),
             Refusal::Learned(learned) => error.code = learned.code().into(),
             Refusal::Thermal(thermal) => error.code = thermal.code().into(),
             Refusal::Memory(lent, needed) => {

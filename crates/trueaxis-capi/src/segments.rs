@@ -2,6 +2,7 @@
 
 use crate::error::{Error, explained};
 use crate::opaque;
+use crate::part::{TOOLPATH, need};
 use crate::path::Path;
 use crate::pointer::{slice, vector};
 use crate::result::{ERROR_ARGUMENT, ResultCode};
@@ -106,6 +107,7 @@ pub unsafe extern "C" fn trueaxis_path_nurbs(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_path_turning(path: *mut Path, point: *const f64, error: *mut Error) -> ResultCode {
     let work = || {
+        need(TOOLPATH)?;
         // SAFETY: the caller's promise.
         let (point, spans) = unsafe { (vector(point)?, opaque::content_mut(path)?) };
         if !spans.is_of_tool() {

@@ -7,6 +7,7 @@ pub use field::Field;
 pub use key::Key;
 
 use crate::axis::Axis;
+use crate::part::{self, Part};
 use core::fmt;
 
 /// An invalid setting, with the value found and the one required.
@@ -26,12 +27,22 @@ pub struct ConfigError {
     pub needed: &'static str,
     /// The figure that `needed` speaks of where it follows from other settings, in the unit of `found`.
     pub bound: Option<f64>,
+    /// The part that the setting needs and this build leaves out, if that is what is wrong.
+    pub left_out: Option<Part>,
 }
 
 impl ConfigError {
     /// An error of the machine as a whole.
+    #[cold]
     pub fn new(field: Field, found: f64, needed: &'static str) -> Self {
-        ConfigError { field, axis: None, index: None, found, needed, bound: None }
+        let needed = part::text(needed);
+        ConfigError { field, axis: None, index: None, found, needed, bound: None, left_out: None }
+    }
+
+    /// A setting of a part that this build leaves out.
+    #[cold]
+    pub(crate) fn left_out(part: Part, field: Field) -> Self {
+        ConfigError { left_out: Some(part), ..ConfigError::new(field, 0.0, part.name()) }
     }
 
     /// The same, of one axis.
@@ -64,6 +75,9 @@ impl fmt::Display for ConfigError {
         }
         if let Some(index) = self.index {
             write!(f, " [{index}]")?;
+        }
+        if let Some(part) = self.left_out {
+            return write!(f, ": needs the part {part}, which this build leaves out");
         }
         let figure = |value| Figure(key.map_or(value, |key| key.in_its_unit(value)));
         write!(f, ": found {}, needed {}", figure(self.found), self.needed)?;

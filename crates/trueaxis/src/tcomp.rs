@@ -19,9 +19,10 @@
 //! double for every axis ends the payload: the step of its encoder (mm, degrees), 0 if not stated.
 
 use crate::check;
-use crate::error::ConfigError;
+use crate::error::{ConfigError, Field};
 use crate::machine::Rows;
 use crate::machine::{AXES, Axis, AxisSettings, GRIDS, GridData, GridHeader, MachineSettings, Row, Twist};
+use crate::part::{self, Part};
 use core::fmt;
 use crc::{CRC_32_ISO_HDLC, Crc};
 use heapless::Vec;
@@ -378,6 +379,9 @@ fn grids<'a>(rest: &mut &'a [u8], version: u16) -> Result<Vec<GridData<'a>, GRID
     let mut grids = Vec::new();
     if *count == 0 && version == VERSION_WITHOUT_ENCODERS {
         return Err(TcompError::GridHeader);
+    }
+    if *count > 0 && part::GRIDS.is_none() {
+        return Err(TcompError::Content(ConfigError::left_out(Part::Grids, Field::GridTable)));
     }
     for _ in 0..*count {
         let (header, bytes) = postcard::take_from_bytes::<GridHeader>(behind).map_err(|_| TcompError::GridHeader)?;
