@@ -28,16 +28,15 @@ COMMITTED = HERE / "sizes.toml"
 BEGIN, END = "<!-- sizes -->\n", "<!-- /sizes -->\n"
 GROWN, STALE = 1.02, 0.95
 
-ALL = "grids,volumetric,rotary,dynamic,gauge,toolpath,growth"
+ALL = "grids,volumetric,rotary,dynamic,gauge,curves,toolpath,growth"
 # Name, features beside `single`, optimisations that are measured, those that --check builds.
 ROWS = [
     ("three to six axes, everything", f"{ALL},text,fast", "3z", ""),
     ("three axes, everything", f"three,{ALL},text,fast", "3sz", "z"),
     ("… one copy of the step (without `fast`)", f"three,{ALL},text", "3sz", ""),
     ("… and without `text`", f"three,{ALL}", "3sz", "z"),
-    ("three axes, nine terms, records, `dynamic`", "three,dynamic", "z", ""),
-    ("three axes, nine terms, records, `text`", "three,text", "z", ""),
-    ("three axes, nine terms, records", "three", "3sz", "z"),
+    ("three axes, nine terms, lines and curves, records", "three,curves", "3sz", ""),
+    ("three axes, nine terms, lines, records", "three", "3sz", "z"),
 ]
 COLUMNS = [("3", "speed"), ("s", "size, `s`"), ("z", "size, `z`")]
 CPU = "-mcpu=cortex-m4 -mthumb -mfloat-abi=hard -mfpu=fpv4-sp-d16 -DTRUEAXIS_SINGLE".split()

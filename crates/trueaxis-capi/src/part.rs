@@ -10,6 +10,7 @@ pub(crate) struct Part {
     is_built: bool,
 }
 
+pub(crate) const CURVES: Part = Part { name: "curves", is_built: cfg!(feature = "curves") };
 pub(crate) const DYNAMIC: Part = Part { name: "dynamic", is_built: cfg!(feature = "dynamic") };
 pub(crate) const GAUGE: Part = Part { name: "gauge", is_built: cfg!(feature = "gauge") };
 pub(crate) const TOOLPATH: Part = Part { name: "toolpath", is_built: cfg!(feature = "toolpath") };

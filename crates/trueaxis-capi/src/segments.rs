@@ -2,7 +2,7 @@
 
 use crate::error::{Error, explained};
 use crate::opaque;
-use crate::part::{TOOLPATH, need};
+use crate::part::{CURVES, TOOLPATH, need};
 use crate::path::Path;
 use crate::pointer::{slice, vector};
 use crate::result::{ERROR_ARGUMENT, ResultCode};
@@ -51,6 +51,7 @@ pub unsafe extern "C" fn trueaxis_path_arc(
     error: *mut Error,
 ) -> ResultCode {
     let work = || {
+        need(CURVES)?;
         // SAFETY: the caller's promise.
         let (start, end, center, normal) = unsafe { (vector(start)?, vector(end)?, vector(center)?, vector(normal)?) };
         // SAFETY: the caller's promise.
@@ -85,6 +86,7 @@ pub unsafe extern "C" fn trueaxis_path_nurbs(
     error: *mut Error,
 ) -> ResultCode {
     let work = || {
+        need(CURVES)?;
         let degree = degree as usize;
         let knot_count = point_count.checked_add(degree).and_then(|sum| sum.checked_add(1)).ok_or(ERROR_ARGUMENT)?;
         // SAFETY: the caller's promise; points of three numbers lie one behind the other.

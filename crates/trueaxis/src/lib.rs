@@ -34,7 +34,14 @@
 #![forbid(unsafe_code)]
 // In a build that leaves parts out, what only they reach is not.
 #![cfg_attr(
-    not(all(feature = "grids", feature = "volumetric", feature = "rotary", feature = "dynamic", feature = "gauge")),
+    not(all(
+        feature = "grids",
+        feature = "volumetric",
+        feature = "rotary",
+        feature = "dynamic",
+        feature = "gauge",
+        feature = "curves"
+    )),
     allow(dead_code, unreachable_code, unreachable_patterns, unused_variables)
 )]
 

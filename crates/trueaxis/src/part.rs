@@ -22,6 +22,8 @@ pub enum Part {
     Dynamic = 4,
     /// The three-probe gauge.
     Gauge = 5,
+    /// Arcs, helices and splines in paths.
+    Curves = 6,
 }
 
 impl Part {
@@ -33,6 +35,7 @@ impl Part {
             Part::Rotary => "rotary",
             Part::Dynamic => "dynamic",
             Part::Gauge => "gauge",
+            Part::Curves => "curves",
         }
     }
 
@@ -44,6 +47,7 @@ impl Part {
             Part::Rotary => cfg!(feature = "rotary"),
             Part::Dynamic => cfg!(feature = "dynamic"),
             Part::Gauge => cfg!(feature = "gauge"),
+            Part::Curves => cfg!(feature = "curves"),
         }
     }
 }

@@ -40,7 +40,7 @@ fn per_tolerance<R: Real>() -> R {
 /// Finds the foot near `guess`; `point` is relative to the span's origin.
 #[inline(always)]
 pub(super) fn foot<R: Real, P: Position>(span: &Span<R, P>, point: &[R; 3], guess: R) -> Foot<R> {
-    match span.form {
+    match span.form() {
         Form::Cubic => cubic::<R, false>(&span.coefficients, point, guess),
         Form::RationalCubic => cubic::<R, true>(&span.coefficients, point, guess),
         Form::Quintic => quintic::<R, false>(&span.coefficients, point, guess),
@@ -300,7 +300,7 @@ pub(super) fn evaluate<R: Real, P: Position>(span: &Span<R, P>, point: &[R; 3], 
 pub(super) fn evaluated<R: Real, P: Position>(span: &Span<R, P>, point: &[R; 3], t: R) -> Evaluation<R> {
     let [c0, c1, c2, c3, c4, c5] = &span.coefficients;
     // Horner's scheme for value (p), first (q) and half second derivative (r), from the third power down.
-    let (p3, q3, r2) = match span.form {
+    let (p3, q3, r2) = match span.form() {
         Form::Cubic | Form::RationalCubic => (*c3, *c3, *c3),
         Form::Quintic | Form::RationalQuintic => {
             let p4 = mad(c4, t, c5);

@@ -1,5 +1,6 @@
 //! A path in the form that the step searches.
 
+use crate::part::Part;
 use crate::position::Position;
 use crate::real::Real;
 use crate::vector::V3;
@@ -12,10 +13,13 @@ pub enum Form {
     /// Degree up to 3, weight 1.
     Cubic,
     /// Degree up to 3 with weights (circular arcs, rational cubics).
+    #[cfg_attr(not(feature = "curves"), serde(skip_deserializing))]
     RationalCubic,
     /// Degree up to 5, weight 1.
+    #[cfg_attr(not(feature = "curves"), serde(skip_deserializing))]
     Quintic,
     /// Degree up to 5 with weights (helices, rational splines).
+    #[cfg_attr(not(feature = "curves"), serde(skip_deserializing))]
     RationalQuintic,
 }
 
@@ -72,6 +76,12 @@ impl Span<f64, f64> {
 }
 
 impl<R: Real, P: Position> Span<R, P> {
+    /// Its form; without curves there are only lines.
+    #[inline(always)]
+    pub(super) fn form(&self) -> Form {
+        if Part::Curves.is_built() { self.form } else { Form::Cubic }
+    }
+
     /// A span without length: the tip stays at `point` (mm) while the tool's direction turns.
     ///
     /// In a [`super::ToolPath`] the search of the tip skips it and continues on the spans on either side; the [`super::Turn`]

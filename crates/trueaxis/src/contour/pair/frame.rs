@@ -94,7 +94,7 @@ pub(super) fn feet<R: Real, P: Position>(
     along: &mut Tangent<R>,
 ) -> Seen {
     let Start { guess, window, place, max_lag } = start;
-    match span.form {
+    match span.form() {
         Form::Cubic => cubic::<R, P, false>(span, position, d, guess, window, place, max_lag, tip, encoder, along),
         Form::RationalCubic => {
             cubic::<R, P, true>(span, position, d, guess, window, place, max_lag, tip, encoder, along)
