@@ -91,8 +91,11 @@ pub(crate) enum Running {
     #[cfg(all(feature = "rotary", not(feature = "three")))]
     Six(ServoState<6>),
     BypassThree(Bypass<CorePosition, 3>),
+    #[cfg(all(feature = "rotary", not(feature = "three")))]
     BypassFour(Bypass<CorePosition, 4>),
+    #[cfg(all(feature = "rotary", not(feature = "three")))]
     BypassFive(Bypass<CorePosition, 5>),
+    #[cfg(all(feature = "rotary", not(feature = "three")))]
     BypassSix(Bypass<CorePosition, 6>),
 }
 
@@ -109,8 +112,11 @@ macro_rules! with_servo {
             #[cfg(all(feature = "rotary", not(feature = "three")))]
             (AnyServo::Six($servo), Running::Six($state)) => Ok($work),
             (AnyServo::Bypass { axes: 3, .. }, Running::BypassThree($passing)) => Ok($pass),
+            #[cfg(all(feature = "rotary", not(feature = "three")))]
             (AnyServo::Bypass { axes: 4, .. }, Running::BypassFour($passing)) => Ok($pass),
+            #[cfg(all(feature = "rotary", not(feature = "three")))]
             (AnyServo::Bypass { axes: 5, .. }, Running::BypassFive($passing)) => Ok($pass),
+            #[cfg(all(feature = "rotary", not(feature = "three")))]
             (AnyServo::Bypass { axes: 6, .. }, Running::BypassSix($passing)) => Ok($pass),
             (servo, running) => Err($crate::built::mismatch(servo, running)),
         }
@@ -143,15 +149,12 @@ impl Running {
     pub(crate) fn axes(&self) -> usize {
         match self {
             Running::Three(_) | Running::BypassThree(_) => 3,
-            Running::BypassFour(_) => 4,
             #[cfg(all(feature = "rotary", not(feature = "three")))]
-            Running::Four(_) => 4,
-            Running::BypassFive(_) => 5,
+            Running::Four(_) | Running::BypassFour(_) => 4,
             #[cfg(all(feature = "rotary", not(feature = "three")))]
-            Running::Five(_) => 5,
-            Running::BypassSix(_) => 6,
+            Running::Five(_) | Running::BypassFive(_) => 5,
             #[cfg(all(feature = "rotary", not(feature = "three")))]
-            Running::Six(_) => 6,
+            Running::Six(_) | Running::BypassSix(_) => 6,
         }
     }
 }
@@ -211,10 +214,13 @@ impl Built {
             AnyServo::Five(servo) => Running::Five(servo.start()),
             #[cfg(all(feature = "rotary", not(feature = "three")))]
             AnyServo::Six(servo) => Running::Six(servo.start()),
-            AnyServo::Bypass { axes: 3, reason } => Running::BypassThree(Bypass::new(*reason)),
+            #[cfg(all(feature = "rotary", not(feature = "three")))]
             AnyServo::Bypass { axes: 4, reason } => Running::BypassFour(Bypass::new(*reason)),
+            #[cfg(all(feature = "rotary", not(feature = "three")))]
             AnyServo::Bypass { axes: 5, reason } => Running::BypassFive(Bypass::new(*reason)),
-            AnyServo::Bypass { reason, .. } => Running::BypassSix(Bypass::new(*reason)),
+            #[cfg(all(feature = "rotary", not(feature = "three")))]
+            AnyServo::Bypass { axes: 6, reason } => Running::BypassSix(Bypass::new(*reason)),
+            AnyServo::Bypass { reason, .. } => Running::BypassThree(Bypass::new(*reason)),
         })
     }
 
@@ -231,6 +237,7 @@ impl Built {
 }
 
 /// A measure for any number of axes.
+#[cfg(all(feature = "rotary", not(feature = "three")))]
 pub(crate) trait AnyMeasure:
     Measure<Real, CorePosition, 3>
     + Measure<Real, CorePosition, 4>
@@ -238,6 +245,7 @@ pub(crate) trait AnyMeasure:
     + Measure<Real, CorePosition, 6>
 {
 }
+#[cfg(all(feature = "rotary", not(feature = "three")))]
 impl<M> AnyMeasure for M where
     M: Measure<Real, CorePosition, 3>
         + Measure<Real, CorePosition, 4>
@@ -245,6 +253,11 @@ impl<M> AnyMeasure for M where
         + Measure<Real, CorePosition, 6>
 {
 }
+/// A measure for three axes.
+#[cfg(not(all(feature = "rotary", not(feature = "three"))))]
+pub(crate) trait AnyMeasure: Measure<Real, CorePosition, 3> {}
+#[cfg(not(all(feature = "rotary", not(feature = "three"))))]
+impl<M> AnyMeasure for M where M: Measure<Real, CorePosition, 3> {}
 
 /// A cycle of a loop and a state that belong together.
 #[inline(always)]
@@ -255,16 +268,12 @@ pub(crate) fn cycle(
     measure: impl AnyMeasure,
     gauge: &mut Riding<'_>,
 ) -> Result<Output, ResultCode> {
+    if cfg!(not(feature = "fast")) {
+        let mut measure = measure;
+        return shared_cycle(built, running, input, &mut measure, gauge);
+    }
     with_servo!(built, running,
-        servo(servo, state) => {
-            let input = input.to_core();
-            if cfg!(feature = "fast") {
-                Output::of(&servo.step(state, &input, measure, gauge))
-            } else {
-                let mut measure = measure;
-                shared_step(servo, state, &input, &mut measure, gauge)
-            }
-        },
+        servo(servo, state) => Output::of(&servo.step(state, &input.to_core(), measure, gauge)),
         bypass(bypass) => {
             gauge.measure_on();
             Output::of(&bypass.step::<Real>(&input.to_core()))
@@ -272,14 +281,30 @@ pub(crate) fn cycle(
     )
 }
 
-/// The step of any measure, for a library in which one copy of it serves them all.
+/// [`cycle`] in a library in which one copy of the step serves every measure.
 #[inline(never)]
+fn shared_cycle(
+    built: &Built,
+    running: &mut Running,
+    input: &Input,
+    measure: &mut dyn AnyMeasure,
+    gauge: &mut Riding<'_>,
+) -> Result<Output, ResultCode> {
+    with_servo!(built, running,
+        servo(servo, state) => shared_step(servo, state, input, measure, gauge),
+        bypass(bypass) => {
+            gauge.measure_on();
+            Output::of(&bypass.step::<Real>(&input.to_core()))
+        }
+    )
+}
+
 fn shared_step<const N: usize>(
     servo: &Servo<N>,
     state: &mut ServoState<N>,
-    input: &trueaxis::Input<CorePosition, N>,
+    input: &Input,
     measure: &mut dyn Measure<Real, CorePosition, N>,
     gauge: &mut Riding<'_>,
 ) -> Output {
-    Output::of(&servo.step(state, input, measure, gauge))
+    Output::of(&servo.step(state, &input.to_core(), measure, gauge))
 }

@@ -237,6 +237,39 @@ pub struct Tcomp<'a> {
     inverse_passes: u8,
 }
 
+/// Bytes for postcard. Its own reads are inlined at every field, which takes kilobytes.
+struct Bytes<'a>(&'a [u8]);
+
+impl<'a> postcard::de_flavors::Flavor<'a> for Bytes<'a> {
+    type Remainder = &'a [u8];
+    type Source = &'a [u8];
+
+    #[inline(never)]
+    fn pop(&mut self) -> postcard::Result<u8> {
+        let (first, rest) = self.0.split_first().ok_or(postcard::Error::DeserializeUnexpectedEnd)?;
+        self.0 = rest;
+        Ok(*first)
+    }
+
+    #[inline(never)]
+    fn try_take_n(&mut self, count: usize) -> postcard::Result<&'a [u8]> {
+        let (taken, rest) = self.0.split_at_checked(count).ok_or(postcard::Error::DeserializeUnexpectedEnd)?;
+        self.0 = rest;
+        Ok(taken)
+    }
+
+    fn finalize(self) -> postcard::Result<&'a [u8]> {
+        Ok(self.0)
+    }
+}
+
+/// A value in postcard, and the bytes after it.
+fn decoded<'a, T: Deserialize<'a>>(bytes: &'a [u8]) -> Option<(T, &'a [u8])> {
+    let mut source = postcard::Deserializer::from_flavor(Bytes(bytes));
+    let value = T::deserialize(&mut source).ok()?;
+    Some((value, source.finalize().ok()?))
+}
+
 fn split<const N: usize>(bytes: &[u8]) -> Result<([u8; N], &[u8]), TcompError> {
     bytes.split_first_chunk().map(|(first, rest)| (*first, rest)).ok_or(TcompError::TooShort)
 }
@@ -270,8 +303,7 @@ impl<'a> Tcomp<'a> {
         if bytes.get(..bytes.len().saturating_sub(4)).map(checksum) != Some(crc) {
             return Err(TcompError::Checksum);
         }
-        let (mut settings, mut rest) =
-            postcard::take_from_bytes::<MachineSettings>(payload).map_err(|_| TcompError::Settings)?;
+        let (mut settings, mut rest) = decoded::<MachineSettings>(payload).ok_or(TcompError::Settings)?;
         let mut tables = Vec::new();
         for _ in &settings.axes {
             let (table, behind) = table(rest)?;
@@ -350,7 +382,7 @@ impl<'a> Tcomp<'a> {
 }
 
 fn table(bytes: &[u8]) -> Result<(Option<TableData<'_>>, &[u8]), TcompError> {
-    let (header, rest) = postcard::take_from_bytes::<TableHeader>(bytes).map_err(|_| TcompError::TableHeader)?;
+    let (header, rest) = decoded::<TableHeader>(bytes).ok_or(TcompError::TableHeader)?;
     if !header.is_sound() {
         return Err(TcompError::TableHeader);
     }
@@ -384,7 +416,7 @@ fn grids<'a>(rest: &mut &'a [u8], version: u16) -> Result<Vec<GridData<'a>, GRID
         return Err(TcompError::Content(ConfigError::left_out(Part::Grids, Field::GridTable)));
     }
     for _ in 0..*count {
-        let (header, bytes) = postcard::take_from_bytes::<GridHeader>(behind).map_err(|_| TcompError::GridHeader)?;
+        let (header, bytes) = decoded::<GridHeader>(behind).ok_or(TcompError::GridHeader)?;
         let (grid, after) = GridData::new(header, bytes).ok_or(TcompError::GridTooLong)?;
         grids.push(grid).map_err(|_| TcompError::GridHeader)?;
         behind = after;

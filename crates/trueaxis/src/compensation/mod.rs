@@ -229,9 +229,7 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
         match (self.model(), self.grids()) {
             (Model::Nine(nine), None) => nine.correction(query, passes, clamped),
             (Model::Nine(_), Some(_)) => self.correction_with_grids(query, passes, clamped),
-            (Model::Volumetric(volumetric), grids) => {
-                volumetric.correction_with(query, grids, passes, clamped)
-            }
+            (Model::Volumetric(volumetric), grids) => volumetric.correction_with(query, grids, passes, clamped),
         }
     }
 
