@@ -27,7 +27,8 @@ pub struct Error {
     pub result: ResultCode,
     /// Of a table file: 1 too short, 2 too long, 3 not a `.tcomp`, 4 other format version, 5 wrong CRC-32, 6 settings or
     /// 7 table header not readable, 8 table or 9 payload too long, 10 machine id against the name, 11 contents out of
-    /// range (see `field`), 12 other machine, 13 grid header not readable, 14 grid too long. Of a learned correction: 1 too short, 2 too long, 3 not a learned correction,
+    /// range (see `field`), 12 other machine, 13 grid header not readable, 14 grid too long.
+    /// Of a learned correction: 1 too short, 2 too long, 3 not a learned correction,
     /// 4 other format version, 5 wrong CRC-32, 6 spacing, 7 resolution, 8 parts, 9 number of nodes, 10 not 0 at its ends,
     /// 11 other program, 12 other path length, 13 other machine. Of thermal growth: 1 to 5 likewise, 6 sensors, 7 axes,
     /// 8 number or 9 order of knots, 10 a time, 11 plausible readings, 12 an axis, 13 not 0, 14 a slope, 15 other machine.

@@ -36,7 +36,7 @@ static void functions(void) {
     REFUSED(trueaxis_kinematics_build(NULL, 0, NULL, 0, NULL));
     REFUSED(trueaxis_kinematics_set_tool(NULL, NULL));
     REFUSED(trueaxis_kinematics_forward(NULL, NULL, NULL));
-    REFUSED(trueaxis_branch_tracker_start(NULL, 0, NULL, NULL, NULL, 0, NULL));
+    REFUSED(trueaxis_branch_tracker_start(NULL, 0, NULL, NULL, 0, NULL));
     REFUSED(trueaxis_branch_tracker_direction_error(NULL, NULL));
     REFUSED(trueaxis_rtcp(NULL, NULL, NULL, NULL, NULL, NULL));
     REFUSED(trueaxis_path_start_tool(NULL, 0, NULL, 0, 0));
@@ -50,7 +50,7 @@ static void functions(void) {
     REFUSED(trueaxis_program_id(NULL, NULL));
     REFUSED(trueaxis_learned_build(NULL, 0, NULL, 0, 0, 0, 0, NULL));
     REFUSED(trueaxis_learned_at(NULL, 0, NULL));
-    REFUSED(trueaxis_thermal_build(NULL, 0, NULL, 0, NULL, 0, NULL));
+    REFUSED(trueaxis_thermal_build(NULL, 0, NULL, 0, 0, NULL, NULL));
     REFUSED(trueaxis_thermal_start(NULL, 0));
     REFUSED(trueaxis_thermal_update(NULL, NULL, NULL, NULL));
     REFUSED(trueaxis_thermal_believe(NULL, 0));

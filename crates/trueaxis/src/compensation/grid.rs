@@ -31,9 +31,8 @@ mod kept;
 mod tests;
 
 use crate::compensation::key::Key;
-use crate::error::{ConfigError, Field};
 use crate::machine::{Axis, GRIDS, GridData, MachineSettings, links};
-use crate::part::{self, Part, Presence};
+use crate::part::{self, Presence};
 use crate::real::Real;
 use crate::vector::V3;
 pub(crate) use beside::Beside;
@@ -147,14 +146,11 @@ impl<'a, R: Real> Grids<'a, R> {
     /// The grids of a machine, from where they are stored; none where it has none.
     ///
     /// Checked grids ([`crate::check::grids`]) only: of others the values mean nothing.
-    ///
-    /// # Errors
-    /// This build has no grids.
-    pub(crate) fn build(machine: &MachineSettings, grids: &[GridData<'a>]) -> Result<Option<Self>, ConfigError> {
+    pub(crate) fn build(machine: &MachineSettings, grids: &[GridData<'a>]) -> Option<Self> {
         if grids.is_empty() {
-            return Ok(None);
+            return None;
         }
-        let part = part::GRIDS.ok_or_else(|| ConfigError::left_out(Part::Grids, Field::GridTable))?;
+        let part = part::GRIDS?;
         let links = links(&machine.chain).unwrap_or_default();
         let volumetric = machine.compensation.is_volumetric();
         let carries_tool = |axis: usize| {
@@ -213,7 +209,7 @@ impl<'a, R: Real> Grids<'a, R> {
         key.add_all(&on_tool);
         built.swings = built.turns && links.iter().any(|link| link.axis.is_rotary());
         built.key = key.0 | 1;
-        Ok(Some(built))
+        Some(built)
     }
 
     /// There are none in a build without them.

@@ -25,6 +25,7 @@ pub use volumetric::Volumetric;
 
 use crate::error::{ConfigError, Field};
 use crate::machine::{Axis, AxisOrder, ErrorModel, GridData, MachineSettings, Rows};
+use crate::part::{self, Part};
 use crate::position::Position;
 use crate::real::Real;
 use crate::vector::V3;
@@ -104,12 +105,15 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
         if !(1..=8).contains(&passes) {
             return Err(ConfigError::new(Field::Inverse, f64::from(passes), "1 to 8 passes"));
         }
+        if part::GRIDS.is_none() && !grids.is_empty() {
+            return Err(ConfigError::left_out(Part::Grids, Field::GridTable));
+        }
         table::enough(memory.len(), requirement(machine, &rows))?;
         let model = match machine.compensation.model {
             ErrorModel::Nine => Model::Nine(NineTerms::build(order, machine, rows, memory)?),
             ErrorModel::Volumetric => Model::Volumetric(Volumetric::build(order, machine, rows, memory)?),
         };
-        Ok(Compensation { model, grids: Grids::build(machine, grids)?, passes })
+        Ok(Compensation { model, grids: Grids::build(machine, grids), passes })
     }
 
     /// Passes of the exact inverse.
