@@ -80,6 +80,12 @@ impl From<ResultCode> for Refusal {
     }
 }
 
+impl From<LeftOut> for Refusal {
+    fn from(part: LeftOut) -> Self {
+        Refusal::LeftOut(part)
+    }
+}
+
 impl From<TcompError> for Refusal {
     fn from(error: TcompError) -> Self {
         Refusal::Tables(error)

@@ -1,6 +1,5 @@
 //! Parts that a build of the library may leave out.
 
-use crate::error::Refusal;
 use crate::result::{ERROR_LEFT_OUT, ResultCode};
 
 /// A part: its feature, and whether this build has it.
@@ -29,11 +28,5 @@ pub(crate) struct LeftOut(pub(crate) &'static str);
 impl From<LeftOut> for ResultCode {
     fn from(_: LeftOut) -> Self {
         ERROR_LEFT_OUT
-    }
-}
-
-impl From<LeftOut> for Refusal {
-    fn from(part: LeftOut) -> Self {
-        Refusal::LeftOut(part)
     }
 }
