@@ -11,7 +11,7 @@ use crate::part::{self, Part};
 use core::fmt;
 
 /// An invalid setting, with the value found and the one required.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, PartialEq)]
 #[non_exhaustive]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ConfigError {
@@ -58,6 +58,18 @@ impl ConfigError {
     /// The same, at one element of a list.
     pub fn at(self, index: usize) -> Self {
         ConfigError { index: u32::try_from(index).ok(), ..self }
+    }
+}
+
+impl fmt::Debug for ConfigError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut text = f.debug_struct("ConfigError");
+        text.field("field", &self.field).field("axis", &self.axis).field("index", &self.index);
+        text.field("found", &self.found).field("needed", &self.needed).field("bound", &self.bound);
+        if let Some(part) = &self.left_out {
+            text.field("left_out", part);
+        }
+        text.finish()
     }
 }
 

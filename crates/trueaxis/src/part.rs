@@ -106,7 +106,6 @@ macro_rules! tokens {
 tokens! {
     "grids" Grids GRIDS;
     "volumetric" Volumetric VOLUMETRIC;
-    "rotary" Rotary ROTARY;
     "dynamic" Dynamic DYNAMIC;
     "gauge" Gauge GAUGE;
 }
