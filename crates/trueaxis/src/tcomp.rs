@@ -39,7 +39,13 @@ pub const VERSION_WITHOUT_GRIDS: u16 = 4;
 /// Bytes before the payload.
 pub const HEADER_BYTES: usize = 18;
 
-pub(crate) static CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
+/// With a table of 1 KiB, or bit by bit.
+#[cfg(feature = "fast")]
+pub(crate) type Table = crc::Table<1>;
+#[cfg(not(feature = "fast"))]
+pub(crate) type Table = crc::NoTable;
+
+pub(crate) static CRC: Crc<u32, Table> = Crc::<u32, Table>::new(&CRC_32_ISO_HDLC);
 
 /// Computes CRC-32/ISO-HDLC, the checksum at the end of the file.
 pub fn checksum(bytes: &[u8]) -> u32 {
