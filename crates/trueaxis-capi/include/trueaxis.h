@@ -33,7 +33,7 @@
 #define TRUEAXIS_ABI_MAJOR 3
 #endif
 #ifndef TRUEAXIS_ABI_MINOR
-#define TRUEAXIS_ABI_MINOR 1
+#define TRUEAXIS_ABI_MINOR 2
 #endif
 #ifdef TRUEAXIS_SINGLE
 #define TRUEAXIS_ABI_VERSION (UINT32_C(0x80000000) | (uint32_t)TRUEAXIS_ABI_MAJOR << 16 | TRUEAXIS_ABI_MINOR)
@@ -415,7 +415,8 @@ typedef struct trueaxis_error_t {
     trueaxis_result_t result;
     /// Of a table file: 1 too short, 2 too long, 3 not a `.tcomp`, 4 other format version, 5 wrong CRC-32, 6 settings or
     /// 7 table header not readable, 8 table or 9 payload too long, 10 machine id against the name, 11 contents out of
-    /// range (see `field`), 12 other machine. Of a learned correction: 1 too short, 2 too long, 3 not a learned correction,
+    /// range (see `field`), 12 other machine, 13 grid header not readable, 14 grid too long.
+    /// Of a learned correction: 1 too short, 2 too long, 3 not a learned correction,
     /// 4 other format version, 5 wrong CRC-32, 6 spacing, 7 resolution, 8 parts, 9 number of nodes, 10 not 0 at its ends,
     /// 11 other program, 12 other path length, 13 other machine. Of thermal growth: 1 to 5 likewise, 6 sensors, 7 axes,
     /// 8 number or 9 order of knots, 10 a time, 11 plausible readings, 12 an axis, 13 not 0, 14 a slope, 15 other machine.
@@ -879,6 +880,10 @@ typedef struct trueaxis_gauge_state_512_t {
 /// Not a whole, undamaged `.ttherm` file of this format; see `trueaxis_error_t`.
 #define TRUEAXIS_ERROR_THERMAL 21
 
+/// The function, or a setting of the table file, needs a part that this build of the library leaves out; see
+/// `trueaxis_error_t`.
+#define TRUEAXIS_ERROR_LEFT_OUT 22
+
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -893,7 +898,7 @@ uint32_t trueaxis_abi_version(void);
 /// `trueaxis_loop_bypass`, `trueaxis_start` and `trueaxis_step`, which refuse structures of another size. Real-time safe.
 trueaxis_result_t trueaxis_check_abi(uint32_t header_version);
 
-/// Text of a result: a constant string for any number. Real-time safe.
+/// Text of a result: a constant string for any number, empty in a build without the part `text`. Real-time safe.
 const char *trueaxis_result_text(trueaxis_result_t result);
 
 /// Checks a whole table file and describes its contents. `file`: of any alignment. Not real-time; about 15 KiB of stack.
@@ -1111,8 +1116,9 @@ trueaxis_result_t trueaxis_loop_build(struct trueaxis_loop_t *loop,
 
 /// Builds a loop that passes every command uncorrected and reports why in every record: for going on without tables.
 ///
-/// `axes`: 3 to 6. `reason`: `TRUEAXIS_FAULT_PERIOD_MISMATCH`, `_TABLES_REFUSED`, `_CAPACITY_TOO_SMALL` or
-/// `_ABI_MISMATCH`. `period_ns`: 1,000 to 100,000,000. After an invalid command the last one is held (before the first:
+/// `axes`: 3 to 6; 3 in a library for three axes only.
+///
+/// `reason`: `TRUEAXIS_FAULT_PERIOD_MISMATCH`, `_TABLES_REFUSED`, `_CAPACITY_TOO_SMALL` or `_ABI_MISMATCH`. `period_ns`: 1,000 to 100,000,000. After an invalid command the last one is held (before the first:
 /// the position read), and a stop is requested until the next valid one.
 ///
 /// Real-time safe. `_AXES`, `_ARGUMENT` (reason, period).

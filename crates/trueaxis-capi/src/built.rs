@@ -65,11 +65,13 @@ pub(crate) struct Built {
 
 /// A servo loop of any number of axes.
 #[allow(clippy::large_enum_variant)] // storage has the size of the largest anyway
-#[cfg_attr(feature = "three", allow(dead_code, reason = "more than three are never built"))]
 pub(crate) enum AnyServo {
     Three(Servo<3>),
+    #[cfg(all(feature = "rotary", not(feature = "three")))]
     Four(Servo<4>),
+    #[cfg(all(feature = "rotary", not(feature = "three")))]
     Five(Servo<5>),
+    #[cfg(all(feature = "rotary", not(feature = "three")))]
     Six(Servo<6>),
     /// Commands pass uncorrected.
     Bypass {
@@ -82,12 +84,18 @@ pub(crate) enum AnyServo {
 #[allow(clippy::large_enum_variant)] // as above
 pub(crate) enum Running {
     Three(ServoState<3>),
+    #[cfg(all(feature = "rotary", not(feature = "three")))]
     Four(ServoState<4>),
+    #[cfg(all(feature = "rotary", not(feature = "three")))]
     Five(ServoState<5>),
+    #[cfg(all(feature = "rotary", not(feature = "three")))]
     Six(ServoState<6>),
     BypassThree(Bypass<CorePosition, 3>),
+    #[cfg(all(feature = "rotary", not(feature = "three")))]
     BypassFour(Bypass<CorePosition, 4>),
+    #[cfg(all(feature = "rotary", not(feature = "three")))]
     BypassFive(Bypass<CorePosition, 5>),
+    #[cfg(all(feature = "rotary", not(feature = "three")))]
     BypassSix(Bypass<CorePosition, 6>),
 }
 
@@ -97,12 +105,18 @@ macro_rules! with_servo {
         use $crate::built::{AnyServo, Running};
         match (&$built.servo, $running) {
             (AnyServo::Three($servo), Running::Three($state)) => Ok($work),
+            #[cfg(all(feature = "rotary", not(feature = "three")))]
             (AnyServo::Four($servo), Running::Four($state)) => Ok($work),
+            #[cfg(all(feature = "rotary", not(feature = "three")))]
             (AnyServo::Five($servo), Running::Five($state)) => Ok($work),
+            #[cfg(all(feature = "rotary", not(feature = "three")))]
             (AnyServo::Six($servo), Running::Six($state)) => Ok($work),
             (AnyServo::Bypass { axes: 3, .. }, Running::BypassThree($passing)) => Ok($pass),
+            #[cfg(all(feature = "rotary", not(feature = "three")))]
             (AnyServo::Bypass { axes: 4, .. }, Running::BypassFour($passing)) => Ok($pass),
+            #[cfg(all(feature = "rotary", not(feature = "three")))]
             (AnyServo::Bypass { axes: 5, .. }, Running::BypassFive($passing)) => Ok($pass),
+            #[cfg(all(feature = "rotary", not(feature = "three")))]
             (AnyServo::Bypass { axes: 6, .. }, Running::BypassSix($passing)) => Ok($pass),
             (servo, running) => Err($crate::built::mismatch(servo, running)),
         }
@@ -120,8 +134,11 @@ impl AnyServo {
     pub(crate) fn axes(&self) -> usize {
         match self {
             AnyServo::Three(_) => 3,
+            #[cfg(all(feature = "rotary", not(feature = "three")))]
             AnyServo::Four(_) => 4,
+            #[cfg(all(feature = "rotary", not(feature = "three")))]
             AnyServo::Five(_) => 5,
+            #[cfg(all(feature = "rotary", not(feature = "three")))]
             AnyServo::Six(_) => 6,
             AnyServo::Bypass { axes, .. } => *axes,
         }
@@ -132,8 +149,11 @@ impl Running {
     pub(crate) fn axes(&self) -> usize {
         match self {
             Running::Three(_) | Running::BypassThree(_) => 3,
+            #[cfg(all(feature = "rotary", not(feature = "three")))]
             Running::Four(_) | Running::BypassFour(_) => 4,
+            #[cfg(all(feature = "rotary", not(feature = "three")))]
             Running::Five(_) | Running::BypassFive(_) => 5,
+            #[cfg(all(feature = "rotary", not(feature = "three")))]
             Running::Six(_) | Running::BypassSix(_) => 6,
         }
     }
@@ -158,13 +178,13 @@ impl Built {
         let rows = |axis| tables.table(axis);
         let servo = match crate::tables::axes_of(tables) {
             3 => AnyServo::Three(config.build(rows, memory)?),
-            #[cfg(not(feature = "three"))]
+            #[cfg(all(feature = "rotary", not(feature = "three")))]
             4 => AnyServo::Four(config.build(rows, memory)?),
-            #[cfg(not(feature = "three"))]
+            #[cfg(all(feature = "rotary", not(feature = "three")))]
             5 => AnyServo::Five(config.build(rows, memory)?),
-            #[cfg(not(feature = "three"))]
+            #[cfg(all(feature = "rotary", not(feature = "three")))]
             _ => AnyServo::Six(config.build(rows, memory)?),
-            #[cfg(feature = "three")]
+            #[cfg(not(all(feature = "rotary", not(feature = "three"))))]
             _ => AnyServo::Three(config.build(rows, memory)?), // refuses the other axes
         };
         let (mut growth, mut order) = ([ThermalGrowth::default(); AXES_MAX], [None; AXES_MAX]);
@@ -188,13 +208,19 @@ impl Built {
         }
         Ok(match &self.servo {
             AnyServo::Three(servo) => Running::Three(servo.start()),
+            #[cfg(all(feature = "rotary", not(feature = "three")))]
             AnyServo::Four(servo) => Running::Four(servo.start()),
+            #[cfg(all(feature = "rotary", not(feature = "three")))]
             AnyServo::Five(servo) => Running::Five(servo.start()),
+            #[cfg(all(feature = "rotary", not(feature = "three")))]
             AnyServo::Six(servo) => Running::Six(servo.start()),
-            AnyServo::Bypass { axes: 3, reason } => Running::BypassThree(Bypass::new(*reason)),
+            #[cfg(all(feature = "rotary", not(feature = "three")))]
             AnyServo::Bypass { axes: 4, reason } => Running::BypassFour(Bypass::new(*reason)),
+            #[cfg(all(feature = "rotary", not(feature = "three")))]
             AnyServo::Bypass { axes: 5, reason } => Running::BypassFive(Bypass::new(*reason)),
-            AnyServo::Bypass { reason, .. } => Running::BypassSix(Bypass::new(*reason)),
+            #[cfg(all(feature = "rotary", not(feature = "three")))]
+            AnyServo::Bypass { axes: 6, reason } => Running::BypassSix(Bypass::new(*reason)),
+            AnyServo::Bypass { reason, .. } => Running::BypassThree(Bypass::new(*reason)),
         })
     }
 
@@ -211,6 +237,7 @@ impl Built {
 }
 
 /// A measure for any number of axes.
+#[cfg(all(feature = "rotary", not(feature = "three")))]
 pub(crate) trait AnyMeasure:
     Measure<Real, CorePosition, 3>
     + Measure<Real, CorePosition, 4>
@@ -218,6 +245,7 @@ pub(crate) trait AnyMeasure:
     + Measure<Real, CorePosition, 6>
 {
 }
+#[cfg(all(feature = "rotary", not(feature = "three")))]
 impl<M> AnyMeasure for M where
     M: Measure<Real, CorePosition, 3>
         + Measure<Real, CorePosition, 4>
@@ -225,6 +253,11 @@ impl<M> AnyMeasure for M where
         + Measure<Real, CorePosition, 6>
 {
 }
+/// A measure for three axes.
+#[cfg(not(all(feature = "rotary", not(feature = "three"))))]
+pub(crate) trait AnyMeasure: Measure<Real, CorePosition, 3> {}
+#[cfg(not(all(feature = "rotary", not(feature = "three"))))]
+impl<M> AnyMeasure for M where M: Measure<Real, CorePosition, 3> {}
 
 /// A cycle of a loop and a state that belong together.
 #[inline(always)]
@@ -235,6 +268,10 @@ pub(crate) fn cycle(
     measure: impl AnyMeasure,
     gauge: &mut Riding<'_>,
 ) -> Result<Output, ResultCode> {
+    if cfg!(not(feature = "fast")) {
+        let mut measure = measure;
+        return shared_cycle(built, running, input, &mut measure, gauge);
+    }
     with_servo!(built, running,
         servo(servo, state) => Output::of(&servo.step(state, &input.to_core(), measure, gauge)),
         bypass(bypass) => {
@@ -242,4 +279,32 @@ pub(crate) fn cycle(
             Output::of(&bypass.step::<Real>(&input.to_core()))
         }
     )
+}
+
+/// [`cycle`] in a library in which one copy of the step serves every measure.
+#[inline(never)]
+fn shared_cycle(
+    built: &Built,
+    running: &mut Running,
+    input: &Input,
+    measure: &mut dyn AnyMeasure,
+    gauge: &mut Riding<'_>,
+) -> Result<Output, ResultCode> {
+    with_servo!(built, running,
+        servo(servo, state) => shared_step(servo, state, input, measure, gauge),
+        bypass(bypass) => {
+            gauge.measure_on();
+            Output::of(&bypass.step::<Real>(&input.to_core()))
+        }
+    )
+}
+
+fn shared_step<const N: usize>(
+    servo: &Servo<N>,
+    state: &mut ServoState<N>,
+    input: &Input,
+    measure: &mut dyn Measure<Real, CorePosition, N>,
+    gauge: &mut Riding<'_>,
+) -> Output {
+    Output::of(&servo.step(state, &input.to_core(), measure, gauge))
 }

@@ -1,9 +1,10 @@
 //! Details of a refusal, for the operator's screen and the log.
 
+use crate::part::LeftOut;
 use crate::pointer::{Sized32, check_sized};
 use crate::result::{
-    ERROR_CONFIG, ERROR_LEARNED, ERROR_MACHINE, ERROR_MEMORY, ERROR_PATH, ERROR_POSE, ERROR_TABLES, ERROR_THERMAL,
-    ResultCode,
+    ERROR_CONFIG, ERROR_LEARNED, ERROR_LEFT_OUT, ERROR_MACHINE, ERROR_MEMORY, ERROR_PATH, ERROR_POSE, ERROR_TABLES,
+    ERROR_THERMAL, ResultCode,
 };
 use crate::text::Text;
 use core::ffi::c_char;
@@ -26,7 +27,8 @@ pub struct Error {
     pub result: ResultCode,
     /// Of a table file: 1 too short, 2 too long, 3 not a `.tcomp`, 4 other format version, 5 wrong CRC-32, 6 settings or
     /// 7 table header not readable, 8 table or 9 payload too long, 10 machine id against the name, 11 contents out of
-    /// range (see `field`), 12 other machine. Of a learned correction: 1 too short, 2 too long, 3 not a learned correction,
+    /// range (see `field`), 12 other machine, 13 grid header not readable, 14 grid too long.
+    /// Of a learned correction: 1 too short, 2 too long, 3 not a learned correction,
     /// 4 other format version, 5 wrong CRC-32, 6 spacing, 7 resolution, 8 parts, 9 number of nodes, 10 not 0 at its ends,
     /// 11 other program, 12 other path length, 13 other machine. Of thermal growth: 1 to 5 likewise, 6 sensors, 7 axes,
     /// 8 number or 9 order of knots, 10 a time, 11 plausible readings, 12 an axis, 13 not 0, 14 a slope, 15 other machine.
@@ -60,6 +62,8 @@ pub(crate) enum Refusal {
     Config(ConfigError),
     /// Bytes of memory: lent, needed.
     Memory(usize, usize),
+    /// A function of a part that this build leaves out.
+    LeftOut(LeftOut),
     /// A segment of a path.
     Path(PathError),
     /// A pose of the tool.
@@ -73,6 +77,12 @@ pub(crate) enum Refusal {
 impl From<ResultCode> for Refusal {
     fn from(code: ResultCode) -> Self {
         Refusal::Code(code)
+    }
+}
+
+impl From<LeftOut> for Refusal {
+    fn from(part: LeftOut) -> Self {
+        Refusal::LeftOut(part)
     }
 }
 
@@ -107,6 +117,9 @@ impl fmt::Display for Refusal {
             Refusal::Tables(error) => write!(f, "table file: {error}"),
             Refusal::Config(error) => error.fmt(f),
             Refusal::Memory(lent, needed) => write!(f, "memory: found {lent} bytes, needed {needed} bytes"),
+            Refusal::LeftOut(LeftOut(part)) => {
+                write!(f, "the function needs the part {part}, which this build of the library leaves out")
+            }
             Refusal::Path(error) => error.fmt(f),
             Refusal::Pose(error) => write!(f, "pose: {error}"),
             Refusal::Learned(error) => write!(f, "learned correction: {error}"),
@@ -120,6 +133,9 @@ impl Refusal {
         match self {
             Refusal::Code(code) => *code,
             Refusal::Tables(TcompError::WrongMachine) => ERROR_MACHINE,
+            Refusal::Tables(TcompError::Content(ConfigError { left_out: Some(_), .. }))
+            | Refusal::Config(ConfigError { left_out: Some(_), .. })
+            | Refusal::LeftOut(_) => ERROR_LEFT_OUT,
             Refusal::Tables(_) => ERROR_TABLES,
             Refusal::Config(ConfigError { field: Field::Memory, .. }) | Refusal::Memory(..) => ERROR_MEMORY,
             Refusal::Config(_) => ERROR_CONFIG,
@@ -153,6 +169,7 @@ impl Refusal {
                 }
             }
             Refusal::Config(config) => error.add(config),
+            Refusal::LeftOut(LeftOut(part)) => error.needed = Text::of(part),
             Refusal::Learned(learned) => error.code = learned.code().into(),
             Refusal::Thermal(thermal) => error.code = thermal.code().into(),
             Refusal::Memory(lent, needed) => {

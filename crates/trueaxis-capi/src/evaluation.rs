@@ -2,6 +2,7 @@
 
 use crate::Real;
 use crate::gauge::{Gauge, GaugeState, either, pair};
+use crate::part::{GAUGE, need};
 use crate::pointer::{Buffer, Sized32, check, check_sized};
 use crate::result::{self, ERROR_ARGUMENT, ERROR_BUFFER, ERROR_NOT_YET, ResultCode};
 use trueaxis::roundness::{ErrorMotion, HARMONICS};
@@ -111,6 +112,7 @@ pub unsafe extern "C" fn trueaxis_gauge_latest(
     evaluation: *mut Evaluation,
 ) -> ResultCode {
     let work = || {
+        need(GAUGE)?;
         // SAFETY: the caller's promise.
         unsafe { check_sized(evaluation) }?;
         // SAFETY: the caller's promise.
@@ -155,6 +157,7 @@ pub unsafe extern "C" fn trueaxis_gauge_harmonic(
     amplitudes_um: *mut Real,
 ) -> ResultCode {
     let work = || {
+        need(GAUGE)?;
         check(amplitudes_um)?;
         let k = harmonic as usize;
         // SAFETY: the caller's promise.
@@ -189,6 +192,7 @@ pub unsafe extern "C" fn trueaxis_gauge_frame_encode(
     written: *mut usize,
 ) -> ResultCode {
     let work = || {
+        need(GAUGE)?;
         let buffer = Buffer::new(buffer, size, written)?;
         // SAFETY: the caller's promise.
         let frame = either!(unsafe { pair(gauge, gauge_state) }?.points, gauge, state => {

@@ -3,6 +3,7 @@
 use crate::Real;
 use crate::error::{Error, explained};
 use crate::opaque::{self, Kept, Storage};
+use crate::part::{GAUGE, need};
 use crate::pointer::slice;
 use crate::result::{self, ERROR_GAUGE, ResultCode};
 use trueaxis::roundness::{self, Cycle, Followed, GaugeSettings, Probes};
@@ -158,6 +159,7 @@ pub unsafe extern "C" fn trueaxis_gauge_build(
     error: *mut Error,
 ) -> ResultCode {
     let work = || {
+        need(GAUGE)?;
         let place = opaque::place(gauge, gauge_size)?;
         // SAFETY: the caller's promise.
         let tables = Tcomp::parse(unsafe { slice(file, length) }?)?;
@@ -193,6 +195,7 @@ pub unsafe extern "C" fn trueaxis_gauge_restart(
     state_size: usize,
 ) -> ResultCode {
     let work = || {
+        need(GAUGE)?;
         // SAFETY: the caller's promise.
         match &unsafe { opaque::content(gauge) }?.points {
             AnyGauge::Points1024(gauge) => {
@@ -225,6 +228,7 @@ pub unsafe extern "C" fn trueaxis_gauge_set_wheel(
     error: *mut Error,
 ) -> ResultCode {
     let work = || {
+        need(GAUGE)?;
         // SAFETY: the caller's promise.
         Ok(either!(unsafe { pair(gauge, gauge_state) }?.points, gauge, state => gauge.set_wheel(state, wheel_mm))?)
     };

@@ -2,6 +2,7 @@
 
 use crate::Real;
 use crate::gauge::{Gauge, GaugeState, Pair, pair};
+use crate::part::{GAUGE, need};
 use crate::pointer::{Sized32, read_sized};
 use crate::result::ResultCode;
 use trueaxis::roundness::{Cycle, Followed, Probes};
@@ -74,6 +75,7 @@ impl Riding<'_> {
         if gauge.is_null() {
             return Ok(Riding { pair: None, probes: Probes::default(), cycle: Cycle::default() });
         }
+        need(GAUGE)?;
         // SAFETY: the caller's promise.
         let ride = unsafe { read_sized(gauge) }?;
         // SAFETY: the caller's promise.

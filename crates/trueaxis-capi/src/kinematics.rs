@@ -5,6 +5,7 @@ use crate::axes::AXES_MAX;
 use crate::built::Built;
 use crate::error::{Error, explained};
 use crate::opaque::{self, Storage};
+use crate::part::{TOOLPATH, need};
 use crate::pointer::{check, slice, vector};
 use crate::result::{self, ERROR_ARGUMENT, ERROR_MACHINE, ResultCode};
 use crate::steps::{ToolStep, tool_step};
@@ -99,6 +100,7 @@ pub unsafe extern "C" fn trueaxis_kinematics_build(
     error: *mut Error,
 ) -> ResultCode {
     let work = || {
+        need(TOOLPATH)?;
         let place = opaque::place(kinematics, kinematics_size)?;
         // SAFETY: the caller's promise.
         let tables = Tcomp::parse(unsafe { slice(file, length) }?)?;
@@ -124,6 +126,7 @@ pub unsafe extern "C" fn trueaxis_kinematics_build(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_kinematics_set_tool(kinematics: *mut Kinematics, tool_mm: *const f64) -> ResultCode {
     let work = || {
+        need(TOOLPATH)?;
         // SAFETY: the caller's promise.
         let (tool, chain) = unsafe { (vector(tool_mm)?, opaque::content_mut(kinematics)?) };
         if !tool.iter().all(|x| x.abs() <= 1e9) {
@@ -147,6 +150,7 @@ pub unsafe extern "C" fn trueaxis_kinematics_forward(
     tool: *mut Tool,
 ) -> ResultCode {
     let work = || {
+        need(TOOLPATH)?;
         check(tool)?;
         // SAFETY: the caller's promise.
         let chain = unsafe { opaque::content(kinematics) }?;

@@ -2,6 +2,7 @@
 
 use crate::error::{Error, explained};
 use crate::opaque::{self, Storage};
+use crate::part::{DYNAMIC, need};
 use crate::plugin::{CorePosition, from_core};
 use crate::pointer::{check, slice};
 use crate::result::{self, ERROR_ARGUMENT, ResultCode};
@@ -55,6 +56,7 @@ pub unsafe extern "C" fn trueaxis_program_start(
     length_mm: f64,
 ) -> ResultCode {
     let work = || {
+        need(DYNAMIC)?;
         let place = opaque::place(program, program_size)?;
         if !(0.0..=1e12).contains(&length_mm) {
             return Err(ERROR_ARGUMENT);
@@ -76,6 +78,7 @@ pub unsafe extern "C" fn trueaxis_program_start(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_program_point(program: *mut Program, coordinates: *const f64) -> ResultCode {
     let work = || {
+        need(DYNAMIC)?;
         // SAFETY: the caller's promise.
         let (program, coordinates) = unsafe { (opaque::content_mut(program)?, slice(coordinates, 6)?) };
         let coordinates: [f64; 6] = coordinates.try_into().map_err(|_| ERROR_ARGUMENT)?;
@@ -95,6 +98,7 @@ pub unsafe extern "C" fn trueaxis_program_point(program: *mut Program, coordinat
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_program_id(program: *mut Program, id: *mut u32) -> ResultCode {
     let work = || {
+        need(DYNAMIC)?;
         check(id)?;
         // SAFETY: the caller's promise.
         let points = core::mem::replace(unsafe { opaque::content_mut(program) }?, ProgramId::new(0.0));
@@ -127,6 +131,7 @@ pub unsafe extern "C" fn trueaxis_learned_build(
     error: *mut Error,
 ) -> ResultCode {
     let work = || {
+        need(DYNAMIC)?;
         let place = opaque::place(learned, learned_size)?;
         if !length_mm.is_finite() {
             return Err(ERROR_ARGUMENT.into());
@@ -159,6 +164,7 @@ pub unsafe extern "C" fn trueaxis_learned_at(
     correction: *mut Position,
 ) -> ResultCode {
     let work = || {
+        need(DYNAMIC)?;
         check(correction)?;
         // SAFETY: the caller's promise.
         let found = unsafe { opaque::content(learned) }?.at(length_mm);

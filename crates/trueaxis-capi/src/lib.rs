@@ -30,6 +30,7 @@ mod kinematics;
 mod learned;
 mod measure;
 mod opaque;
+mod part;
 mod path;
 mod plugin;
 mod pointer;

@@ -6,6 +6,7 @@ use crate::command_window::CommandWindow;
 use crate::contour::Reference;
 use crate::kinematics::Kinematics;
 use crate::opaque;
+use crate::part::{TOOLPATH, need};
 use crate::path::Path;
 use crate::plugin::{CorePosition, Window};
 use crate::pointer::{Sized32, read_sized};
@@ -79,6 +80,7 @@ impl Against<'_> {
                 Ok(Against::Commands(window.step, &mut window.commands))
             }
             MEASURE_TOOL => {
+                need(TOOLPATH)?;
                 // SAFETY: the caller's promise.
                 let (path, kinematics) =
                     unsafe { (opaque::content(measure.path)?, opaque::content(measure.kinematics)?) };

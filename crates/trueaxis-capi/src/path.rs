@@ -2,6 +2,7 @@
 
 use crate::contour::Reference;
 use crate::opaque::{self, Storage};
+use crate::part::{TOOLPATH, need};
 use crate::pointer::{apart, check, memory, vector};
 use crate::result::{self, ERROR_ARGUMENT, ResultCode};
 use crate::spans::{Direction, Spans};
@@ -57,8 +58,12 @@ pub unsafe extern "C" fn trueaxis_path_start_tool(
     memory_size: usize,
     first_span: u32,
 ) -> ResultCode {
-    // SAFETY: the caller's promise.
-    result::of(unsafe { start(path, path_size, memory, memory_size, first_span, true) })
+    let work = || {
+        need(TOOLPATH)?;
+        // SAFETY: the caller's promise.
+        unsafe { start(path, path_size, memory, memory_size, first_span, true) }
+    };
+    result::of(work())
 }
 
 /// # Safety
@@ -109,6 +114,7 @@ pub unsafe extern "C" fn trueaxis_path_plane(path: *mut Path, normal: *const f64
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_path_axes(path: *mut Path, start: *const f64, end: *const f64) -> ResultCode {
     let work = || {
+        need(TOOLPATH)?;
         // SAFETY: the caller's promise.
         let (start, end, spans) = unsafe { (vector(start)?, vector(end)?, opaque::content_mut(path)?) };
         spans.set_direction(Direction::Axes(start, end))
@@ -124,6 +130,7 @@ pub unsafe extern "C" fn trueaxis_path_axes(path: *mut Path, start: *const f64, 
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_path_directions(path: *mut Path, start: *const f64, end: *const f64) -> ResultCode {
     let work = || {
+        need(TOOLPATH)?;
         // SAFETY: the caller's promise.
         let (start, end, spans) = unsafe { (vector(start)?, vector(end)?, opaque::content_mut(path)?) };
         spans.set_direction(Direction::Vectors(start, end))

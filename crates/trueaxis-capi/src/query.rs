@@ -105,15 +105,13 @@ unsafe fn at(
     let kelvin = if kelvin.is_null() { &[][..] } else { unsafe { slice(kelvin, axes) }? };
     let found = match &built.servo {
         AnyServo::Three(servo) => asked(built, servo, position, negative, kelvin, wanted),
-        #[cfg(not(feature = "three"))]
+        #[cfg(all(feature = "rotary", not(feature = "three")))]
         AnyServo::Four(servo) => asked(built, servo, position, negative, kelvin, wanted),
-        #[cfg(not(feature = "three"))]
+        #[cfg(all(feature = "rotary", not(feature = "three")))]
         AnyServo::Five(servo) => asked(built, servo, position, negative, kelvin, wanted),
-        #[cfg(not(feature = "three"))]
+        #[cfg(all(feature = "rotary", not(feature = "three")))]
         AnyServo::Six(servo) => asked(built, servo, position, negative, kelvin, wanted),
         AnyServo::Bypass { .. } => Err(ERROR_STATE),
-        #[cfg(feature = "three")]
-        _ => Err(ERROR_STATE), // never built
     }?;
     // SAFETY: checked; as many writable numbers by the caller's promise, and not those of a local array.
     unsafe { to.copy_from_nonoverlapping(found.as_ptr(), axes) };

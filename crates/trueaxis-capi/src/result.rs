@@ -1,5 +1,6 @@
 //! Results of functions.
 
+use crate::text::TEXT;
 use core::ffi::{CStr, c_char};
 
 /// Result of a function: `TRUEAXIS_OK` or one of `TRUEAXIS_ERROR_…`, never negative.
@@ -52,7 +53,14 @@ pub const ERROR_LEARNED: ResultCode = 20;
 /// Not a whole, undamaged `.ttherm` file of this format; see `trueaxis_error_t`.
 pub const ERROR_THERMAL: ResultCode = 21;
 
+/// The function, or a setting of the table file, needs a part that this build of the library leaves out; see
+/// `trueaxis_error_t`.
+pub const ERROR_LEFT_OUT: ResultCode = 22;
+
 pub(crate) fn text(result: ResultCode) -> &'static CStr {
+    if !TEXT {
+        return c"";
+    }
     match result {
         OK => c"done",
         ERROR_NULL => c"a required pointer is NULL",
@@ -80,11 +88,12 @@ pub(crate) fn text(result: ResultCode) -> &'static CStr {
             c"the learned correction is refused: damaged, cut off, not of this format, or of another program"
         }
         ERROR_THERMAL => c"the file of thermal growth is refused: damaged, cut off, or not a .ttherm of this format",
+        ERROR_LEFT_OUT => c"it needs a part that this build of the library leaves out",
         _ => c"not a result of this library",
     }
 }
 
-/// Text of a result: a constant string for any number. Real-time safe.
+/// Text of a result: a constant string for any number, empty in a build without the part `text`. Real-time safe.
 #[unsafe(no_mangle)]
 pub extern "C" fn trueaxis_result_text(result: ResultCode) -> *const c_char {
     text(result).as_ptr()

@@ -6,6 +6,7 @@ use crate::cycle::Input;
 use crate::error::{Error, Refusal, explained};
 use crate::kinematics::{Kinematics, Tool};
 use crate::opaque::{self, Storage};
+use crate::part::{TOOLPATH, need};
 use crate::pointer::check;
 use crate::result::{self, ERROR_ARGUMENT, ERROR_STATE, ResultCode};
 use trueaxis::kinematics;
@@ -47,6 +48,7 @@ pub unsafe extern "C" fn trueaxis_branch_tracker_start(
     error: *mut Error,
 ) -> ResultCode {
     let work = || {
+        need(TOOLPATH)?;
         let place = opaque::place(tracker, tracker_size)?;
         // SAFETY: the caller's promise.
         let chain = unsafe { opaque::content(kinematics) }?;
@@ -77,6 +79,7 @@ pub unsafe extern "C" fn trueaxis_branch_tracker_direction_error(
     error_deg: *mut Real,
 ) -> ResultCode {
     let work = || {
+        need(TOOLPATH)?;
         check(error_deg)?;
         // SAFETY: the caller's promise.
         let tracker = unsafe { opaque::content(tracker) }?;
@@ -109,6 +112,7 @@ pub unsafe extern "C" fn trueaxis_rtcp(
     input: *mut Input,
 ) -> ResultCode {
     let work = || {
+        need(TOOLPATH)?;
         // SAFETY: the caller's promise.
         let mut result = unsafe { Input::read_unrefused(input) }?;
         check(tool)?;

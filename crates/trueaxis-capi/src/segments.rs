@@ -2,6 +2,7 @@
 
 use crate::error::{Error, explained};
 use crate::opaque;
+use crate::part::{CURVES, TOOLPATH, need};
 use crate::path::Path;
 use crate::pointer::{slice, vector};
 use crate::result::{ERROR_ARGUMENT, ResultCode};
@@ -50,6 +51,7 @@ pub unsafe extern "C" fn trueaxis_path_arc(
     error: *mut Error,
 ) -> ResultCode {
     let work = || {
+        need(CURVES)?;
         // SAFETY: the caller's promise.
         let (start, end, center, normal) = unsafe { (vector(start)?, vector(end)?, vector(center)?, vector(normal)?) };
         // SAFETY: the caller's promise.
@@ -84,6 +86,7 @@ pub unsafe extern "C" fn trueaxis_path_nurbs(
     error: *mut Error,
 ) -> ResultCode {
     let work = || {
+        need(CURVES)?;
         let degree = degree as usize;
         let knot_count = point_count.checked_add(degree).and_then(|sum| sum.checked_add(1)).ok_or(ERROR_ARGUMENT)?;
         // SAFETY: the caller's promise; points of three numbers lie one behind the other.
@@ -106,6 +109,7 @@ pub unsafe extern "C" fn trueaxis_path_nurbs(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_path_turning(path: *mut Path, point: *const f64, error: *mut Error) -> ResultCode {
     let work = || {
+        need(TOOLPATH)?;
         // SAFETY: the caller's promise.
         let (point, spans) = unsafe { (vector(point)?, opaque::content_mut(path)?) };
         if !spans.is_of_tool() {

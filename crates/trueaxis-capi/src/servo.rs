@@ -94,10 +94,14 @@ fn copied(grids: &[GridData<'_>], room: &'static mut [u8]) -> [GridData<'static>
     copies
 }
 
+/// Most axes of a loop.
+const MOST_AXES: u32 = if cfg!(all(feature = "rotary", not(feature = "three"))) { AXES_MAX as u32 } else { 3 };
+
 /// Builds a loop that passes every command uncorrected and reports why in every record: for going on without tables.
 ///
-/// `axes`: 3 to 6. `reason`: `TRUEAXIS_FAULT_PERIOD_MISMATCH`, `_TABLES_REFUSED`, `_CAPACITY_TOO_SMALL` or
-/// `_ABI_MISMATCH`. `period_ns`: 1,000 to 100,000,000. After an invalid command the last one is held (before the first:
+/// `axes`: 3 to 6; 3 in a library for three axes only.
+///
+/// `reason`: `TRUEAXIS_FAULT_PERIOD_MISMATCH`, `_TABLES_REFUSED`, `_CAPACITY_TOO_SMALL` or `_ABI_MISMATCH`. `period_ns`: 1,000 to 100,000,000. After an invalid command the last one is held (before the first:
 /// the position read), and a stop is requested until the next valid one.
 ///
 /// Real-time safe. `_AXES`, `_ARGUMENT` (reason, period).
@@ -114,7 +118,7 @@ pub unsafe extern "C" fn trueaxis_loop_bypass(
 ) -> ResultCode {
     let work = || {
         let place = opaque::place(r#loop, loop_size)?;
-        if !(3..=AXES_MAX as u32).contains(&axes) {
+        if !(3..=MOST_AXES).contains(&axes) {
             return Err(ERROR_AXES);
         }
         let reason = match Fault::try_from(reason) {

@@ -2,6 +2,7 @@
 
 use crate::Real;
 use crate::error::Refusal;
+use crate::part::{TOOLPATH, need};
 use crate::plugin::{CorePosition, PathSpan};
 use crate::result::{ERROR_ARGUMENT, ERROR_PATH, ResultCode};
 use crate::steps::{PathStep, path_step};
@@ -112,7 +113,7 @@ impl Spans {
 
     /// Directions are kept.
     pub(crate) fn is_of_tool(&self) -> bool {
-        !self.turns.is_null()
+        need(TOOLPATH).is_ok() && !self.turns.is_null()
     }
 
     pub(crate) fn set_direction(&mut self, direction: Direction) -> Result<(), ResultCode> {
@@ -160,10 +161,11 @@ impl Spans {
         let Spans { spans, turns, capacity, direction, mut count, .. } = *self;
         let mut full = false;
         let appended = self.builder.append(segment, |span: PathSpan| {
-            let Some(turn) = (if turns.is_null() { Some(None) } else { direction.turn(&span, domain).map(Some) })
-            else {
+            let of_tool = need(TOOLPATH).is_ok() && !turns.is_null();
+            let turn = if of_tool { direction.turn(&span, domain) } else { None };
+            if of_tool && turn.is_none() {
                 return Err(PathError { field: "direction", index: None, found: f64::NAN, needed: "a turn" });
-            };
+            }
             if count == capacity {
                 full = true;
                 return Err(PathError { field: "memory", index: None, found: count as f64, needed: "more spans" });

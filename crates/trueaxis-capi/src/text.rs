@@ -3,6 +3,9 @@
 use core::ffi::c_char;
 use core::fmt::{self, Display, Write};
 
+/// Whether the build has the text of refusals.
+pub(crate) const TEXT: bool = cfg!(feature = "text");
+
 /// A fixed text under construction; what does not fit is left out.
 pub(crate) struct Text<const N: usize> {
     characters: [c_char; N],
@@ -12,7 +15,12 @@ pub(crate) struct Text<const N: usize> {
 
 impl<const N: usize> Text<N> {
     /// The text of something that can be printed.
+    #[inline]
     pub(crate) fn of(what: &dyn Display) -> [c_char; N] {
+        if TEXT { Self::written(what) } else { [0; N] }
+    }
+
+    fn written(what: &dyn Display) -> [c_char; N] {
         let mut text = Text { characters: [0; N], length: 0, full: false };
         // Writing here never fails; what does not fit is left out.
         let _ = write!(text, "{what}");

@@ -3,6 +3,7 @@
 use crate::built::{Loop, State, with_servo};
 use crate::error::{Error, explained};
 use crate::opaque::{self, Storage};
+use crate::part::{GROWTH, need};
 use crate::pointer::{Sized32, check_sized, read_sized, slice};
 use crate::result::{self, ERROR_ARGUMENT, ERROR_AXES, ResultCode};
 use trueaxis::Axis;
@@ -129,6 +130,7 @@ pub unsafe extern "C" fn trueaxis_thermal_build(
     error: *mut Error,
 ) -> ResultCode {
     let work = || {
+        need(GROWTH)?;
         let place = opaque::place(thermal, thermal_size)?;
         if !sensors.is_null() {
             crate::pointer::check(sensors)?;
@@ -158,6 +160,7 @@ pub unsafe extern "C" fn trueaxis_thermal_build(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_thermal_start(task: *mut ThermalTask, task_size: usize) -> ResultCode {
     let work = || {
+        need(GROWTH)?;
         let place = opaque::place(task, task_size)?;
         // SAFETY: storage of the size that the caller vouched for.
         unsafe { opaque::fill(place, ThermalState::new()) };
@@ -181,6 +184,7 @@ pub unsafe extern "C" fn trueaxis_thermal_update(
     growth: *mut Growth,
 ) -> ResultCode {
     let work = || {
+        need(GROWTH)?;
         // SAFETY: the caller's promise.
         unsafe { check_sized(growth) }?;
         // SAFETY: the caller's promise.
@@ -209,6 +213,7 @@ pub unsafe extern "C" fn trueaxis_thermal_update(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_thermal_believe(task: *mut ThermalTask, sensor: u32) -> ResultCode {
     let work = || {
+        need(GROWTH)?;
         // SAFETY: the caller's promise.
         let task = unsafe { opaque::content_mut(task) }?;
         if sensor as usize >= SENSORS {
@@ -234,6 +239,7 @@ pub unsafe extern "C" fn trueaxis_set_growth(
     growth: *const Growth,
 ) -> ResultCode {
     let work = || {
+        need(GROWTH)?;
         // SAFETY: the caller's promise.
         let growth = unsafe { read_sized(growth) }?;
         // SAFETY: the caller's promise.

@@ -9,21 +9,14 @@ use std::f64::consts::TAU;
 use std::ptr::null_mut;
 use trueaxis::Axis;
 use trueaxis::contour::{self, Segment, convert};
-use trueaxis::machine::{CrosstalkSettings, DriveFigures, DynamicSettings, FeedbackSettings, FrictionSettings};
+use trueaxis::machine::{CrosstalkSettings, DynamicSettings, FeedbackSettings, FrictionSettings};
 use trueaxis_capi::*;
 
 /// The mill with every part configured.
 fn dynamic_mill() -> Vec<u8> {
     let mut machine = read("mill-3axis");
     for axis in &mut machine.settings.axes {
-        axis.servo.drive = Some(DriveFigures {
-            position_gain_per_s: 110.0,
-            velocity_gain_per_s: 800.0,
-            reset_time_s: 0.01,
-            velocity_feed_forward: 0.9,
-            current_loop_s: 0.00025,
-            dead_time_s: 0.0,
-        });
+        axis.servo.drive = Some(drive());
         axis.servo.friction = Some(FrictionSettings::with_defaults(0.5, 0.02));
         let dynamic = DynamicSettings::with_defaults(axis.axis);
         axis.servo.dynamic = Some(DynamicSettings { lag: true, acceleration: true, take_up: true, ..dynamic });

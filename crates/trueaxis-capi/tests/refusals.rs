@@ -409,8 +409,8 @@ fn every_result_has_its_words() {
         // SAFETY: a constant string.
         unsafe { std::ffi::CStr::from_ptr(trueaxis_result_text(result)) }.to_str().unwrap().to_string()
     };
-    let mut all: Vec<String> = (OK..=ERROR_THERMAL).map(words).collect();
-    let unknown = words(ERROR_THERMAL + 1);
+    let mut all: Vec<String> = (OK..=ERROR_LEFT_OUT).map(words).collect();
+    let unknown = words(ERROR_LEFT_OUT + 1);
     assert_eq!((&unknown, &unknown), (&words(-1), &words(i32::MAX)));
     all.push(unknown);
     let count = all.len();

@@ -29,6 +29,7 @@ use crate::error::{ConfigError, Field};
 use crate::machine::{
     Axis, AxisSettings, Curve, ErrorModel, GridData, Link, MachineSettings, Rows, links, nine_terms, wraps,
 };
+use crate::part::{self, Part};
 use crate::range;
 
 /// Values at both ends of a full circle agree within this, mm.
@@ -53,9 +54,10 @@ pub fn settings(machine: &MachineSettings) -> Result<(), ConfigError> {
         !machine.name.chars().any(char::is_control),
         ConfigError::new(Field::Name, machine.name.len() as f64, "a name without control characters"),
     )?;
+    left_out(machine)?;
     let links = links(&machine.chain)?;
     axes_of_chain(machine, &links)?;
-    if machine.compensation.model == ErrorModel::Nine {
+    if !machine.compensation.is_volumetric() {
         nine_terms(&links)?;
     }
     scalars::machine(machine)?;
@@ -63,6 +65,21 @@ pub fn settings(machine: &MachineSettings) -> Result<(), ConfigError> {
     machine.axes.iter().try_for_each(axis_settings)?;
     servo::settings(machine)?;
     roundness(machine)
+}
+
+/// Nothing in the settings needs a part that this build leaves out.
+fn left_out(machine: &MachineSettings) -> Result<(), ConfigError> {
+    let need = |part: Part, used: bool, field| need(part.is_built() || !used, ConfigError::left_out(part, field));
+    need(Part::Volumetric, machine.compensation.model == ErrorModel::Volumetric, Field::Model)?;
+    need(Part::Gauge, machine.roundness.is_some(), Field::Points)?;
+    need(Part::Dynamic, machine.contour.feedback.is_some(), Field::Feedback)?;
+    need(Part::Dynamic, !machine.crosstalk.is_empty(), Field::CrosstalkTable)?;
+    machine.axes.iter().try_for_each(|axis| {
+        let here = |error: ConfigError| error.on(axis.axis);
+        need(Part::Rotary, axis.axis.is_rotary(), Field::Axes).map_err(here)?;
+        need(Part::Dynamic, axis.servo.friction.is_some(), Field::Friction).map_err(here)?;
+        need(Part::Dynamic, axis.servo.dynamic.is_some(), Field::DynamicMagnitude).map_err(here)
+    })
 }
 
 /// The tool axis has a direction.
@@ -76,7 +93,7 @@ fn five_axes(machine: &MachineSettings) -> Result<(), ConfigError> {
 
 /// A gauge, where there is one: its settings, and an infeed axis that the machine has and may move far enough.
 fn roundness(machine: &MachineSettings) -> Result<(), ConfigError> {
-    let Some(settings) = &machine.roundness else { return Ok(()) };
+    let (Some(settings), Some(_)) = (&machine.roundness, part::GAUGE) else { return Ok(()) };
     settings.check()?;
     let Some(infeed) = &settings.infeed else { return Ok(()) };
     let index = infeed.axis.index() as f64;

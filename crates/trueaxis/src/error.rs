@@ -7,10 +7,11 @@ pub use field::Field;
 pub use key::Key;
 
 use crate::axis::Axis;
+use crate::part::{self, Part};
 use core::fmt;
 
 /// An invalid setting, with the value found and the one required.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, PartialEq)]
 #[non_exhaustive]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ConfigError {
@@ -26,12 +27,22 @@ pub struct ConfigError {
     pub needed: &'static str,
     /// The figure that `needed` speaks of where it follows from other settings, in the unit of `found`.
     pub bound: Option<f64>,
+    /// The part that the setting needs and this build leaves out, if that is what is wrong.
+    pub left_out: Option<Part>,
 }
 
 impl ConfigError {
     /// An error of the machine as a whole.
+    #[cold]
     pub fn new(field: Field, found: f64, needed: &'static str) -> Self {
-        ConfigError { field, axis: None, index: None, found, needed, bound: None }
+        let needed = part::text(needed);
+        ConfigError { field, axis: None, index: None, found, needed, bound: None, left_out: None }
+    }
+
+    /// A setting of a part that this build leaves out.
+    #[cold]
+    pub(crate) fn left_out(part: Part, field: Field) -> Self {
+        ConfigError { left_out: Some(part), ..ConfigError::new(field, 0.0, part.name()) }
     }
 
     /// The same, of one axis.
@@ -50,6 +61,18 @@ impl ConfigError {
     }
 }
 
+impl fmt::Debug for ConfigError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut text = f.debug_struct("ConfigError");
+        text.field("field", &self.field).field("axis", &self.axis).field("index", &self.index);
+        text.field("found", &self.found).field("needed", &self.needed).field("bound", &self.bound);
+        if let Some(part) = &self.left_out {
+            text.field("left_out", part);
+        }
+        text.finish()
+    }
+}
+
 impl fmt::Display for ConfigError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let key = self.key();
@@ -64,6 +87,9 @@ impl fmt::Display for ConfigError {
         }
         if let Some(index) = self.index {
             write!(f, " [{index}]")?;
+        }
+        if let Some(part) = self.left_out {
+            return write!(f, ": needs the part {part}, which this build leaves out");
         }
         let figure = |value| Figure(key.map_or(value, |key| key.in_its_unit(value)));
         write!(f, ": found {}, needed {}", figure(self.found), self.needed)?;

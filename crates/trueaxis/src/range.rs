@@ -6,6 +6,7 @@
 
 use crate::axis::Axis;
 use crate::error::{ConfigError, Field};
+use crate::part;
 
 /// A range, both ends included.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,7 +21,7 @@ pub struct Range {
 
 impl Range {
     const fn new(least: f64, most: f64, needed: &'static str) -> Range {
-        Range { least, most, needed }
+        Range { least, most, needed: part::text(needed) }
     }
 
     /// Whether a value lies in the range; `false` for NaN.

@@ -19,9 +19,10 @@
 //! double for every axis ends the payload: the step of its encoder (mm, degrees), 0 if not stated.
 
 use crate::check;
-use crate::error::ConfigError;
+use crate::error::{ConfigError, Field};
 use crate::machine::Rows;
 use crate::machine::{AXES, Axis, AxisSettings, GRIDS, GridData, GridHeader, MachineSettings, Row, Twist};
+use crate::part::{self, Part};
 use core::fmt;
 use crc::{CRC_32_ISO_HDLC, Crc};
 use heapless::Vec;
@@ -38,7 +39,13 @@ pub const VERSION_WITHOUT_GRIDS: u16 = 4;
 /// Bytes before the payload.
 pub const HEADER_BYTES: usize = 18;
 
-pub(crate) static CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
+/// With a table of 1 KiB, or bit by bit.
+#[cfg(feature = "fast")]
+pub(crate) type Table = crc::Table<1>;
+#[cfg(not(feature = "fast"))]
+pub(crate) type Table = crc::NoTable;
+
+pub(crate) static CRC: Crc<u32, Table> = Crc::<u32, Table>::new(&CRC_32_ISO_HDLC);
 
 /// Computes CRC-32/ISO-HDLC, the checksum at the end of the file.
 pub fn checksum(bytes: &[u8]) -> u32 {
@@ -236,6 +243,39 @@ pub struct Tcomp<'a> {
     inverse_passes: u8,
 }
 
+/// Bytes for postcard. Its own reads are inlined at every field, which takes kilobytes.
+struct Bytes<'a>(&'a [u8]);
+
+impl<'a> postcard::de_flavors::Flavor<'a> for Bytes<'a> {
+    type Remainder = &'a [u8];
+    type Source = &'a [u8];
+
+    #[inline(never)]
+    fn pop(&mut self) -> postcard::Result<u8> {
+        let (first, rest) = self.0.split_first().ok_or(postcard::Error::DeserializeUnexpectedEnd)?;
+        self.0 = rest;
+        Ok(*first)
+    }
+
+    #[inline(never)]
+    fn try_take_n(&mut self, count: usize) -> postcard::Result<&'a [u8]> {
+        let (taken, rest) = self.0.split_at_checked(count).ok_or(postcard::Error::DeserializeUnexpectedEnd)?;
+        self.0 = rest;
+        Ok(taken)
+    }
+
+    fn finalize(self) -> postcard::Result<&'a [u8]> {
+        Ok(self.0)
+    }
+}
+
+/// A value in postcard, and the bytes after it.
+fn decoded<'a, T: Deserialize<'a>>(bytes: &'a [u8]) -> Option<(T, &'a [u8])> {
+    let mut source = postcard::Deserializer::from_flavor(Bytes(bytes));
+    let value = T::deserialize(&mut source).ok()?;
+    Some((value, source.finalize().ok()?))
+}
+
 fn split<const N: usize>(bytes: &[u8]) -> Result<([u8; N], &[u8]), TcompError> {
     bytes.split_first_chunk().map(|(first, rest)| (*first, rest)).ok_or(TcompError::TooShort)
 }
@@ -269,8 +309,7 @@ impl<'a> Tcomp<'a> {
         if bytes.get(..bytes.len().saturating_sub(4)).map(checksum) != Some(crc) {
             return Err(TcompError::Checksum);
         }
-        let (mut settings, mut rest) =
-            postcard::take_from_bytes::<MachineSettings>(payload).map_err(|_| TcompError::Settings)?;
+        let (mut settings, mut rest) = decoded::<MachineSettings>(payload).ok_or(TcompError::Settings)?;
         let mut tables = Vec::new();
         for _ in &settings.axes {
             let (table, behind) = table(rest)?;
@@ -349,7 +388,7 @@ impl<'a> Tcomp<'a> {
 }
 
 fn table(bytes: &[u8]) -> Result<(Option<TableData<'_>>, &[u8]), TcompError> {
-    let (header, rest) = postcard::take_from_bytes::<TableHeader>(bytes).map_err(|_| TcompError::TableHeader)?;
+    let (header, rest) = decoded::<TableHeader>(bytes).ok_or(TcompError::TableHeader)?;
     if !header.is_sound() {
         return Err(TcompError::TableHeader);
     }
@@ -379,8 +418,11 @@ fn grids<'a>(rest: &mut &'a [u8], version: u16) -> Result<Vec<GridData<'a>, GRID
     if *count == 0 && version == VERSION_WITHOUT_ENCODERS {
         return Err(TcompError::GridHeader);
     }
+    if *count > 0 && part::GRIDS.is_none() {
+        return Err(TcompError::Content(ConfigError::left_out(Part::Grids, Field::GridTable)));
+    }
     for _ in 0..*count {
-        let (header, bytes) = postcard::take_from_bytes::<GridHeader>(behind).map_err(|_| TcompError::GridHeader)?;
+        let (header, bytes) = decoded::<GridHeader>(behind).ok_or(TcompError::GridHeader)?;
         let (grid, after) = GridData::new(header, bytes).ok_or(TcompError::GridTooLong)?;
         grids.push(grid).map_err(|_| TcompError::GridHeader)?;
         behind = after;

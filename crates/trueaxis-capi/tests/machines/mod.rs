@@ -7,7 +7,7 @@ pub(crate) mod rust;
 
 use std::ptr::{null, null_mut};
 use std::sync::OnceLock;
-use trueaxis::machine::Row;
+use trueaxis::machine::{DriveFigures, Row};
 use trueaxis::tcomp::Tcomp;
 use trueaxis_capi::*;
 use trueaxis_tables::{Machine, Table, compile};
@@ -58,6 +58,18 @@ pub(crate) fn sample(name: &str) -> Vec<u8> {
 pub(crate) fn read(name: &str) -> Machine {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../compensation-tables/");
     Machine::read(format!("{folder}{name}").as_ref()).unwrap()
+}
+
+/// Figures of a drive that is stable.
+pub(crate) fn drive() -> DriveFigures {
+    DriveFigures {
+        position_gain_per_s: 110.0,
+        velocity_gain_per_s: 800.0,
+        reset_time_s: 0.01,
+        velocity_feed_forward: 0.9,
+        current_loop_s: 0.00025,
+        dead_time_s: 0.0,
+    }
 }
 
 /// The same machine with half the errors.

@@ -4,6 +4,7 @@ use super::bounds::reach;
 use super::need;
 use crate::error::{ConfigError, Field};
 use crate::machine::{Axis, GRID_NODES, GRIDS, GridAxis, GridData, GridExtremes, MachineSettings, Rows, links};
+use crate::part::{self, Part};
 use crate::range;
 use heapless::Vec;
 
@@ -15,6 +16,9 @@ use heapless::Vec;
 pub fn grids(machine: &MachineSettings, grids: &[GridData<'_>]) -> Result<(), ConfigError> {
     let found = grids.len() as f64;
     need(grids.len() <= GRIDS, ConfigError::new(Field::GridTable, found, "at most 4 grids"))?;
+    if part::GRIDS.is_none() {
+        return need(grids.is_empty(), ConfigError::left_out(Part::Grids, Field::GridTable));
+    }
     grids.iter().enumerate().try_for_each(|(index, grid)| one(machine, grid).map_err(|error| error.at(index)))
 }
 
@@ -116,6 +120,9 @@ impl GridBounds {
     /// Of some grids. Cost: every node once.
     pub fn of(grids: &[GridData<'_>]) -> Self {
         let mut bounds = Self::NONE;
+        if part::GRIDS.is_none() {
+            return bounds;
+        }
         for grid in grids {
             let header = grid.header();
             let mut extremes = grid.extremes();
@@ -136,12 +143,18 @@ impl GridBounds {
 
     /// Largest |∂E/∂q| of an error along a linear axis, all grids together, mm or rad per mm; zero along a rotary one.
     pub fn slope(&self, axis: Axis, component: usize) -> f64 {
+        if part::GRIDS.is_none() {
+            return 0.0;
+        }
         let of = |bound: &Bound| bound.extremes.slopes.get(component)?.get(axis.index()).copied();
         self.0.iter().filter_map(of).sum()
     }
 
     /// Smallest and largest value of an error, all grids together, mm or rad.
     pub fn values(&self, component: usize) -> [f64; 2] {
+        if part::GRIDS.is_none() {
+            return [0.0; 2];
+        }
         let of = |bound: &Bound| bound.extremes.values.get(component).copied();
         self.0.iter().filter_map(of).fold([0.0; 2], |[low, high], [least, most]| [low + least, high + most])
     }
@@ -153,6 +166,9 @@ impl GridBounds {
         rows: &impl Fn(Axis) -> Option<&'r T>,
     ) -> TipBounds {
         let mut sum = TipBounds::default();
+        if part::GRIDS.is_none() {
+            return sum;
+        }
         for bound in &self.0 {
             sum.add(machine, rows, bound);
         }

@@ -5,7 +5,7 @@ use super::grid::GridBounds;
 use super::volumetric;
 use crate::compensation::ThermalLine;
 use crate::error::{ConfigError, Field};
-use crate::machine::{Axis, AxisSettings, ErrorModel, Link, MachineSettings, Rows, is_turned, links};
+use crate::machine::{Axis, AxisSettings, Link, MachineSettings, Rows, is_turned, links};
 
 /// Most look-ups of the exact inverse.
 pub const MOST_PASSES: u8 = 8;
@@ -25,7 +25,7 @@ pub fn jacobian_norm<'r, T: Rows + ?Sized + 'r>(
     rows: impl Fn(Axis) -> Option<&'r T>,
     grids: &GridBounds,
 ) -> f64 {
-    if machine.compensation.model == ErrorModel::Volumetric {
+    if machine.compensation.is_volumetric() {
         return volumetric::contraction(machine, &rows, grids).0;
     }
     let links = links(&machine.chain).unwrap_or_default();
@@ -65,7 +65,7 @@ pub fn error_range<'r, T: Rows + ?Sized + 'r>(
     drive: &AxisSettings,
     own: [f64; 2],
 ) -> (f64, f64) {
-    if machine.compensation.model == ErrorModel::Volumetric {
+    if machine.compensation.is_volumetric() {
         return volumetric::error_range(machine, &rows, grids, drive, own);
     }
     let axis = drive.axis;
@@ -158,7 +158,7 @@ pub fn machine_passes<'r, T: Rows + ?Sized + 'r>(
     rows: impl Fn(Axis) -> Option<&'r T>,
     grids: &GridBounds,
 ) -> Result<u8, ConfigError> {
-    if machine.compensation.model == ErrorModel::Volumetric {
+    if machine.compensation.is_volumetric() {
         let (norm, magnitude) = volumetric::contraction(machine, &rows, grids);
         let thermal = ThermalLine::<f64>::SLOPE_LIMIT * volumetric::thermal_gain(machine);
         return inverse_passes(norm + thermal, magnitude);

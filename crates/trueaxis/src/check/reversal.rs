@@ -5,7 +5,7 @@ use super::grid::GridBounds;
 use super::inverse::jacobian_norm;
 use super::volumetric;
 use crate::error::{ConfigError, Field};
-use crate::machine::{AXES, Axis, AxisSettings, ErrorModel, MachineSettings, Rows, is_turned, links, lost};
+use crate::machine::{AXES, Axis, AxisSettings, MachineSettings, Rows, is_turned, links, lost};
 
 /// Steps of the encoder that a hysteresis must span: a reading that stands between two counts shows either, and the drive
 /// that closes its loop on it moves by as much to and fro.
@@ -144,7 +144,7 @@ fn steps_of<'r, T: Rows + ?Sized + 'r>(
     if twist.iter().all(|step| width(step) == 0.0) {
         return steps;
     }
-    if machine.compensation.model == ErrorModel::Volumetric {
+    if machine.compensation.is_volumetric() {
         return volumetric::reversal_steps(machine, rows, moving, &twist);
     }
     for (drive, step) in machine.axes.iter().zip(&mut steps) {

@@ -5,6 +5,7 @@ use super::margins::{Margins, margins};
 use super::need;
 use crate::error::{ConfigError, Field};
 use crate::machine::{Axis, AxisSettings, MachineSettings};
+use crate::part;
 
 /// Delay of the step itself, in servo periods: one until a reading has become a command, half of one for the hold between
 /// two commands.
@@ -13,6 +14,9 @@ const OWN_DELAY: f64 = 1.5;
 /// Everything but the margins: drive figures wherever they are needed, and those of a stable drive; limits within those of
 /// the axis; cross-talk between axes of the machine, onto a linear one, with positions that increase.
 pub(super) fn settings(machine: &MachineSettings) -> Result<(), ConfigError> {
+    if part::DYNAMIC.is_none() {
+        return Ok(());
+    }
     machine.axes.iter().try_for_each(axis)?;
     if machine.contour.feedback.is_some() {
         let mut without = machine.axes.iter().filter(|axis| !axis.axis.is_rotary() && axis.servo.drive.is_none());
@@ -97,7 +101,7 @@ pub fn feedback_margins(machine: &MachineSettings, period_s: f64) -> impl Iterat
 /// The proportional gain, or the integral one where the other is zero; bound: the largest permitted one at the same ratio of
 /// the two, rounded down to three digits.
 pub fn feedback(machine: &MachineSettings, period_s: f64) -> Result<(), ConfigError> {
-    let Some(settings) = &machine.contour.feedback else { return Ok(()) };
+    let (Some(settings), Some(_)) = (&machine.contour.feedback, part::DYNAMIC) else { return Ok(()) };
     let all = feedback_margins(machine, period_s).map(|(axis, margins)| (axis, margins.factor));
     let Some((axis, factor)) = all.reduce(|least, next| if next.1 < least.1 { next } else { least }) else {
         return Ok(());

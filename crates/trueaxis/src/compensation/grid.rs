@@ -31,7 +31,8 @@ mod kept;
 mod tests;
 
 use crate::compensation::key::Key;
-use crate::machine::{Axis, ErrorModel, GRIDS, GridData, MachineSettings, links};
+use crate::machine::{Axis, GRIDS, GridData, MachineSettings, links};
+use crate::part::{self, Presence};
 use crate::real::Real;
 use crate::vector::V3;
 pub(crate) use beside::Beside;
@@ -106,6 +107,7 @@ pub(crate) struct Grids<'a, R> {
     /// The lever of their rotations turns with a rotary axis.
     swings: bool,
     key: u64,
+    part: part::Grids,
 }
 
 /// The slides that move the tip and over which the grid does not stand.
@@ -148,8 +150,9 @@ impl<'a, R: Real> Grids<'a, R> {
         if grids.is_empty() {
             return None;
         }
+        let part = part::GRIDS?;
         let links = links(&machine.chain).unwrap_or_default();
-        let volumetric = machine.compensation.model == ErrorModel::Volumetric;
+        let volumetric = machine.compensation.is_volumetric();
         let carries_tool = |axis: usize| {
             let own = |axis: Axis| axis.index();
             links.iter().any(|link| own(link.axis) == axis && !link.carries_workpiece)
@@ -162,7 +165,7 @@ impl<'a, R: Real> Grids<'a, R> {
                 *sum += own;
             }
         }
-        let mut built = Grids { grids: [None; GRIDS], turns: false, swings: false, key: 0 };
+        let mut built = Grids { grids: [None; GRIDS], turns: false, swings: false, key: 0, part };
         let mut key = Key(u64::from(volumetric));
         for (place, data) in built.grids.iter_mut().zip(grids) {
             let header = data.header();
@@ -207,6 +210,12 @@ impl<'a, R: Real> Grids<'a, R> {
         built.swings = built.turns && links.iter().any(|link| link.axis.is_rotary());
         built.key = key.0 | 1;
         Some(built)
+    }
+
+    /// There are none in a build without them.
+    #[inline(always)]
+    pub(crate) fn exist(&self) {
+        self.part.exists();
     }
 
     /// Tells these grids from others; never 0.

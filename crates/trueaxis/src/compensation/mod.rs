@@ -25,6 +25,7 @@ pub use volumetric::Volumetric;
 
 use crate::error::{ConfigError, Field};
 use crate::machine::{Axis, AxisOrder, ErrorModel, GridData, MachineSettings, Rows};
+use crate::part::{self, Part};
 use crate::position::Position;
 use crate::real::Real;
 use crate::vector::V3;
@@ -68,9 +69,10 @@ pub fn requirement<'r, T: Rows + ?Sized + 'r>(
     machine: &MachineSettings,
     rows: impl Fn(Axis) -> Option<&'r T>,
 ) -> usize {
-    match machine.compensation.model {
-        ErrorModel::Nine => table::requirement_of_all::<4, T>(machine, rows),
-        ErrorModel::Volumetric => table::requirement_of_all::<6, T>(machine, rows),
+    if machine.compensation.is_volumetric() {
+        table::requirement_of_all::<6, T>(machine, rows)
+    } else {
+        table::requirement_of_all::<4, T>(machine, rows)
     }
 }
 
@@ -103,6 +105,9 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
         if !(1..=8).contains(&passes) {
             return Err(ConfigError::new(Field::Inverse, f64::from(passes), "1 to 8 passes"));
         }
+        if part::GRIDS.is_none() && !grids.is_empty() {
+            return Err(ConfigError::left_out(Part::Grids, Field::GridTable));
+        }
         table::enough(memory.len(), requirement(machine, &rows))?;
         let model = match machine.compensation.model {
             ErrorModel::Nine => Model::Nine(NineTerms::build(order, machine, rows, memory)?),
@@ -118,7 +123,7 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
 
     /// The nine-term form, if that is the machine's model.
     pub fn nine_terms(&self) -> Option<&NineTerms<'a, R, P, N>> {
-        match &self.model {
+        match self.model() {
             Model::Nine(nine) => Some(nine),
             Model::Volumetric(_) => None,
         }
@@ -126,22 +131,30 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
 
     /// The volumetric form, if that is the machine's model.
     pub fn volumetric(&self) -> Option<&Volumetric<'a, R, P, N>> {
-        match &self.model {
+        match self.model() {
             Model::Nine(_) => None,
             Model::Volumetric(volumetric) => Some(volumetric),
         }
     }
 
+    #[inline(always)]
+    fn model(&self) -> &Model<'a, R, P, N> {
+        if let Model::Volumetric(volumetric) = &self.model {
+            volumetric.exists();
+        }
+        &self.model
+    }
+
     /// Its grids.
     #[inline(always)]
     pub(crate) fn grids(&self) -> Option<&Grids<'a, R>> {
-        self.grids.as_ref()
+        self.grids.as_ref().inspect(|grids| grids.exist())
     }
 
     /// The positions as the tables count them.
     #[inline(always)]
     pub fn coordinates(&self, positions: &[P; N]) -> [R; N] {
-        match &self.model {
+        match self.model() {
             Model::Nine(nine) => nine.coordinates(positions),
             Model::Volumetric(volumetric) => volumetric.coordinates(positions),
         }
@@ -153,7 +166,7 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
     /// [`Compensation::pose_error`]. All look-ups at `at`; `clamped` gets a bit for every axis whose edge value is clamped.
     #[inline(always)]
     pub fn errors(&self, query: &Query<'_, R, N>, clamped: &mut u8) -> Errors<R, N> {
-        let mut errors = match &self.model {
+        let mut errors = match self.model() {
             Model::Nine(nine) => nine.errors(query, clamped),
             Model::Volumetric(volumetric) => {
                 let mut errors = [R::ZERO; N];
@@ -164,7 +177,7 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
                 errors
             }
         };
-        if let Some(grids) = &self.grids {
+        if let Some(grids) = self.grids() {
             let (tip, _) = self.of_grids(grids, query.command, clamped);
             for (error, tip) in errors.iter_mut().zip(tip.array()) {
                 *error += tip;
@@ -176,7 +189,7 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
     /// Errors of tip and direction that the grids add at a position in table coordinates.
     #[inline(never)]
     fn of_grids(&self, grids: &Grids<'_, R>, at: &[R; N], clamped: &mut u8) -> (V3<R>, V3<R>) {
-        let sum = match &self.model {
+        let sum = match self.model() {
             Model::Nine(nine) => grids.of_slides(&nine.slides(at)),
             Model::Volumetric(volumetric) => volumetric.of_grids(grids, at),
         };
@@ -187,7 +200,7 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
     /// Error of the tool's pose at a position; arguments as for [`Compensation::errors`].
     #[inline]
     pub fn pose_error(&self, query: &Query<'_, R, N>, clamped: &mut u8) -> PoseError<R> {
-        let pose = match &self.model {
+        let pose = match self.model() {
             Model::Nine(nine) => {
                 let mut error_of_tip = [R::ZERO; 3];
                 for (tip, error) in error_of_tip.iter_mut().zip(nine.errors(query, clamped)) {
@@ -197,7 +210,7 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
             }
             Model::Volumetric(volumetric) => volumetric.pose_error(query, clamped),
         };
-        let Some(grids) = &self.grids else { return pose };
+        let Some(grids) = self.grids() else { return pose };
         let (tip, turn) = self.of_grids(grids, query.command, clamped);
         PoseError {
             tip: (V3::from_glam(pose.tip) + tip).glam(),
@@ -217,12 +230,10 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
     /// The same in another number of passes.
     #[inline(always)]
     pub(crate) fn correction_in(&self, query: &Query<'_, R, N>, passes: u8, clamped: &mut u8) -> [R; N] {
-        match (&self.model, &self.grids) {
+        match (self.model(), self.grids()) {
             (Model::Nine(nine), None) => nine.correction(query, passes, clamped),
             (Model::Nine(_), Some(_)) => self.correction_with_grids(query, passes, clamped),
-            (Model::Volumetric(volumetric), grids) => {
-                volumetric.correction_with(query, grids.as_ref(), passes, clamped)
-            }
+            (Model::Volumetric(volumetric), grids) => volumetric.correction_with(query, grids, passes, clamped),
         }
     }
 

@@ -78,7 +78,7 @@ const LINEAR: u8 = 1;
 const CUBIC: u8 = 2;
 
 /// Selects by a constant and is always inlined: a function argument is called through a shim, with its result in memory.
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 fn look_up<const KIND: u8, R: Real, P: Position>(
     table: &AxisTable<'_, R, P>,
     at: R,
@@ -207,7 +207,7 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
     }
 
     /// Converts positions to table coordinates.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub fn coordinates(&self, positions: &[P; N]) -> [R; N] {
         let mut at = [R::ZERO; N];
         for ((at, table), position) in at.iter_mut().zip(&self.tables).zip(positions) {
@@ -217,7 +217,7 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
     }
 
     /// X, Y, Z from machine zero, mm, from table coordinates.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn slides(&self, at: &[R; N]) -> [R; 3] {
         let mut slides = [R::ZERO; 3];
         for ((q, at), origin) in slides.iter_mut().zip(at).zip(&self.origins) {
@@ -229,7 +229,7 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
     /// Returns the error of the nine terms alone at table coordinates, for plain tables: the inner loop of the step.
     ///
     /// Sets a bit in `clamped` for every axis whose edge value is clamped.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub fn plain_terms(&self, at: &[R; N], reverse: &[Direction; N], clamped: &mut u8) -> Errors<R, N> {
         self.sum_of::<PLAIN>(at, reverse, clamped)
     }
@@ -248,7 +248,7 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
     }
 
     /// Sum of the translations of all tables, all looked up at one position.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn sum_of<const KIND: u8>(&self, at: &[R; N], reverse: &[Direction; N], clamped: &mut u8) -> Errors<R, N> {
         let mut sum = [R::ZERO; 3];
         if let ([of_x, of_y, of_z, ..], [x, y, z, ..], [reverse_x, reverse_y, reverse_z, ..]) =
@@ -331,7 +331,7 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
     }
 
     /// Squareness and thermal growth: linear in the position, and not clamped at a table's edge.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn add_linear(&self, at: &[R; N], thermal: &[ThermalLine<R>; N], errors: &mut Errors<R, N>) {
         let mut position = [R::ZERO; N];
         for ((q, at), origin) in position.iter_mut().zip(at).zip(&self.origins) {
@@ -350,7 +350,7 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
     /// Returns the errors at a position: modelled deviation of the tip from the axis positions, and of the rotary axes.
     ///
     /// Sets a bit in `clamped` for every axis whose edge value is clamped.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub fn errors(&self, query: &Query<'_, R, N>, clamped: &mut u8) -> Errors<R, N> {
         let Query { command, feedback, directions, thermal } = *query;
         let mut errors = if self.kind == Kind::Plain {
@@ -369,7 +369,7 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
     /// Returns the wanted correction: `r` with `q + r + E(q + r) = q`, by `passes` look-ups `r ← −E(q + r)` from `r = 0`.
     ///
     /// mm, rotary axes in degrees. Errors looked up at the feedback need no inverse and are used as read.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub fn correction(&self, query: &Query<'_, R, N>, passes: u8, clamped: &mut u8) -> [R; N] {
         let command = query.command;
         let mut at = *command;
@@ -386,7 +386,7 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
 }
 
 /// Rotates a vector about X (0), Y (1) or Z (2) by an angle in degrees.
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 fn turned<R: Real>([x, y, z]: [R; 3], about: usize, angle: R) -> [R; 3] {
     let (c, s) = cos_sin_deg(angle);
     match about {

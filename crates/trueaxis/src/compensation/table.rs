@@ -53,7 +53,7 @@ pub(super) struct Piece<'a, R, const W: usize> {
 
 impl<R: Real> Piece<'_, R, 4> {
     /// Translations at a parameter.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn at(&self, t: R) -> [R; 3] {
         match (self.linear, self.cubic) {
             (Some([value, slope]), _) => xyz(&along(value, t, slope)),
@@ -64,7 +64,7 @@ impl<R: Real> Piece<'_, R, 4> {
 }
 
 /// The translations of a contribution.
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 pub(super) fn xyz<R: Real>([x, y, z, _]: &Contribution<R, 4>) -> [R; 3] {
     [*x, *y, *z]
 }
@@ -259,7 +259,7 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
 
     /// Converts a position to a table coordinate: from the table's first point, reduced by whole turns if the table
     /// wraps.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub fn coordinate(&self, position: P) -> R {
         if self.wraps { position.turn_since(self.origin) } else { position.since(self.origin) }
     }
@@ -374,7 +374,7 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
     /// Returns the contribution at a coordinate of a *plain* table, and whether its edge value is clamped.
     ///
     /// `v + t s` with the interval and `t` from one multiplication.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub fn at_plain(&self, coordinate: R, direction: Direction) -> (Contribution<R, W>, bool) {
         let wanted = coordinate * self.scale;
         let clamped = wanted.limit(R::ZERO, self.last);
@@ -392,7 +392,7 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
     }
 
     /// Returns the contribution at a coordinate of a *linear* table on any grid, and whether its edge value is clamped.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub fn at_linear(&self, coordinate: R, direction: Direction) -> (Contribution<R, W>, bool) {
         if self.knots.is_empty() {
             return self.at_plain(coordinate, direction);
@@ -411,7 +411,7 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
     }
 
     /// Returns the contribution at a coordinate of a *cubic* table on any grid, and whether its edge value is clamped.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub fn at_cubic(&self, coordinate: R, direction: Direction) -> (Contribution<R, W>, bool) {
         let (index, t, edge) = if self.knots.is_empty() {
             let wanted = coordinate * self.scale;
@@ -430,7 +430,7 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
     }
 
     /// A correction can carry the reduced angle of a wrapping table across the seam: it continues from the other side.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn over_the_seam(&self, coordinate: R) -> R {
         if !self.wraps {
             coordinate
@@ -561,7 +561,7 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
     /// Interval of a free grid and the distance from its first point.
     ///
     /// A bucket of the guide contains at most one point, unless the grid is very uneven; one comparison then decides.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn search(&self, coordinate: R) -> (usize, R) {
         let bucket = (coordinate * self.scale).to_u32() as usize;
         let first = self.guide.get(bucket).map_or(0, |entry| entry.to_index());
@@ -640,7 +640,7 @@ impl<R: Real, const W: usize> Interval<'_, R, W> {
     }
 
     /// Coefficients of the polynomial around a parameter, per mm (deg): value and slope, and for a cubic table the rest.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn powers(&self, t: R) -> ([[R; W]; 2], Option<[[R; W]; 2]>) {
         let (zero, f) = ([R::ZERO; W], self.per_mm);
         match self.line {
@@ -691,7 +691,7 @@ pub(super) fn requirement_of_all<'r, const W: usize, T: Rows + ?Sized + 'r>(
     machine.axes.iter().map(need).sum()
 }
 
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 fn along<R: Real, const W: usize>(value: &[R; W], t: R, slope: &[R; W]) -> [R; W] {
     core::array::from_fn(|k| value[k] + t * slope[k])
 }

@@ -40,9 +40,10 @@ use super::reversal::Direction;
 use super::table::{AxisTable, requirement_of_all};
 use super::thermal::ThermalLine;
 use super::trig::coarse_cos_sin_deg;
-use crate::error::ConfigError;
+use crate::error::{ConfigError, Field};
 use crate::machine::{Axis, Lookup, MachineSettings};
 use crate::machine::{AxisOrder, Lines, Rows, Twist};
+use crate::part::{self, Part, Presence};
 use crate::position::Position;
 use crate::real::Real;
 use crate::vector::{About, V3};
@@ -86,6 +87,7 @@ pub struct Volumetric<'a, R, P, const N: usize> {
     /// For three slides: width of the boxes, mm, and whether anything but products is curved in them.
     width: R,
     curved: bool,
+    part: part::Volumetric,
 }
 
 /// Translations and rotations of a twist.
@@ -163,6 +165,7 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
         rows: impl Fn(Axis) -> Option<&'r T>,
         mut memory: &'a mut [R],
     ) -> Result<Self, ConfigError> {
+        let part = part::VOLUMETRIC.ok_or_else(|| ConfigError::left_out(Part::Volumetric, Field::Model))?;
         let axes = order.axes();
         let (mut chain, levers) = Carriages::build(order, machine)?;
         let mut tables = [AxisTable::zero(); N];
@@ -234,7 +237,14 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
             overlaps,
             width,
             curved,
+            part,
         })
+    }
+
+    /// There is none in a build without the model.
+    #[inline(always)]
+    pub(crate) fn exists(&self) {
+        self.part.exists();
     }
 
     /// Converts positions to table coordinates.

@@ -4,6 +4,7 @@ mod arc;
 mod spline;
 
 use super::span::{Form, Span};
+use crate::part::{Part, text};
 use crate::position::Position;
 use crate::real::Real;
 use core::fmt;
@@ -77,7 +78,7 @@ impl fmt::Display for PathError {
 impl core::error::Error for PathError {}
 
 fn refuse<T>(field: &'static str, index: Option<usize>, found: f64, needed: &'static str) -> Result<T, PathError> {
-    Err(PathError { field, index, found, needed })
+    Err(PathError { field, index, found, needed: text(needed) })
 }
 
 /// Largest distance of a span from its origin, mm.
@@ -161,6 +162,9 @@ impl<R: Real, P: Position, S: FnMut(Span<R, P>) -> Result<(), PathError>> Maker<
     fn segment(&mut self, segment: &Segment<'_>) -> Result<(), PathError> {
         match *segment {
             Segment::Line { start, end } => self.line(start, end),
+            Segment::Arc { .. } | Segment::Nurbs { .. } if !Part::Curves.is_built() => {
+                refuse("segment", None, 0.0, "a line: this build leaves the part curves out")
+            }
             Segment::Arc { start, end, center, normal, turns } => self.arc(start, end, center, normal, turns),
             Segment::Turning { point } => {
                 finite("point", point)?;

@@ -32,15 +32,15 @@ pub(super) struct Foot<R> {
 }
 
 /// Reciprocal of the remainder along the path that counts as rounding: 1e-12 mm (single precision: 3e-7 mm).
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 fn per_tolerance<R: Real>() -> R {
     if R::EPSILON.to_f64() < 1e-10 { R::of(1e12) } else { R::of(3.162_277_660_168_379e6) }
 }
 
 /// Finds the foot near `guess`; `point` is relative to the span's origin.
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 pub(super) fn foot<R: Real, P: Position>(span: &Span<R, P>, point: &[R; 3], guess: R) -> Foot<R> {
-    match span.form {
+    match span.form() {
         Form::Cubic => cubic::<R, false>(&span.coefficients, point, guess),
         Form::RationalCubic => cubic::<R, true>(&span.coefficients, point, guess),
         Form::Quintic => quintic::<R, false>(&span.coefficients, point, guess),
@@ -54,7 +54,7 @@ impl<R: Real, P: Position> Span<R, P> {
     ///
     /// `None` if the kernel's own test does not trust the result: the guess is too far off, the foot lies beyond an end, or a
     /// maximum is near. [`super::ContourSearch`] brackets in these cases.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub fn foot_near(&self, point: &[P; 3], guess: R) -> Option<(R, R::Vec3)> {
         let foot = foot(self, &self.relative(point), guess);
         foot.trusted.then(|| (foot.t, foot.vector.map(|x| -x).into()))
@@ -73,7 +73,7 @@ fn quintic<R: Real, const RATIONAL: bool>(c: &[[R; 4]; 6], point: &[R; 3], t: R)
 }
 
 /// Polynomial coefficients about `t`.
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 pub(super) fn shifted_cubic<R: Real, const RATIONAL: bool>([c0, c1, c2, c3, ..]: &[[R; 4]; 6], t: R) -> [[R; 4]; 4] {
     let p2 = horner::<R, RATIONAL>(c2, t, c3);
     let p1 = horner::<R, RATIONAL>(c1, t, &p2);
@@ -85,7 +85,7 @@ pub(super) fn shifted_cubic<R: Real, const RATIONAL: bool>([c0, c1, c2, c3, ..]:
 }
 
 /// Polynomial coefficients about `t`.
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 pub(super) fn shifted_quintic<R: Real, const RATIONAL: bool>(c: &[[R; 4]; 6], t: R) -> [[R; 4]; 6] {
     let mut shifted = *c;
     // Taylor shift by synthetic division: fifteen steps in a triangle.
@@ -109,14 +109,14 @@ pub(super) fn shifted_quintic<R: Real, const RATIONAL: bool>(c: &[[R; 4]; 6], t:
 }
 
 /// `a + t b`, skipping the weights if they are constant.
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 fn horner<R: Real, const RATIONAL: bool>(a: &[R; 4], t: R, b: &[R; 4]) -> [R; 4] {
     let lane = |k: usize| a[k].add_product(t, b[k]);
     if RATIONAL { mad(a, t, b) } else { [lane(0), lane(1), lane(2), R::ZERO] }
 }
 
 /// The step and its correction from the C coefficients about the guess.
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 fn solve<R: Real, const RATIONAL: bool, const C: usize>(s: [[R; 4]; C], p: &[R; 3], t: R) -> Foot<R> {
     let (x, w) = homogeneous::<R, RATIONAL, C>(&s, p);
     let Some(step) = third_order::<R, RATIONAL, C>(&x, &w) else { return nowhere(t) };
@@ -125,7 +125,7 @@ fn solve<R: Real, const RATIONAL: bool, const C: usize>(s: [[R; 4]; C], p: &[R; 
 }
 
 /// x = shifted − w p; with weight 1 only the constant term changes.
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 pub(super) fn homogeneous<R: Real, const RATIONAL: bool, const C: usize>(
     s: &[[R; 4]; C],
     p: &[R; 3],
@@ -158,7 +158,7 @@ pub(super) struct Step<R> {
     sane: bool,
 }
 
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 pub(super) fn third_order<R: Real, const RATIONAL: bool, const C: usize>(
     x: &[[R; 3]; C],
     w: &[R; C],
@@ -196,7 +196,7 @@ pub(super) struct Taylor<R> {
 }
 
 /// Value, derivative and half the second derivative of a cubic or quintic at h, without redundant multiplications.
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 fn series<R: Real, const C: usize>(c: &[R; C], h: R) -> [R; 3] {
     match &c[..] {
         [a, b, d, e] => {
@@ -219,7 +219,7 @@ fn series<R: Real, const C: usize>(c: &[R; C], h: R) -> [R; 3] {
 }
 
 impl<R: Real> Taylor<R> {
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn at<const RATIONAL: bool, const C: usize>(x: &[[R; 3]; C], w: &[R; C], h: R) -> Self {
         let [mut r, mut v, mut z] = [[R::ZERO; 3]; 3];
         for (k, ((r, v), z)) in r.iter_mut().zip(&mut v).zip(&mut z).enumerate() {
@@ -230,7 +230,7 @@ impl<R: Real> Taylor<R> {
     }
 
     /// Applies one Newton correction after the step from `t` and tests whether the result can be trusted.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn correct<const RATIONAL: bool>(&self, step: &Step<R>, t: R) -> Foot<R> {
         let Taylor { r, v, z, rw, vw, zw } = self;
         let (one, two) = (R::ONE, R::TWO);
@@ -296,11 +296,11 @@ pub(super) fn evaluate<R: Real, P: Position>(span: &Span<R, P>, point: &[R; 3], 
 }
 
 /// Inlined version of [`evaluate`].
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 pub(super) fn evaluated<R: Real, P: Position>(span: &Span<R, P>, point: &[R; 3], t: R) -> Evaluation<R> {
     let [c0, c1, c2, c3, c4, c5] = &span.coefficients;
     // Horner's scheme for value (p), first (q) and half second derivative (r), from the third power down.
-    let (p3, q3, r2) = match span.form {
+    let (p3, q3, r2) = match span.form() {
         Form::Cubic | Form::RationalCubic => (*c3, *c3, *c3),
         Form::Quintic | Form::RationalQuintic => {
             let p4 = mad(c4, t, c5);

@@ -1,5 +1,6 @@
 //! A path in the form that the step searches.
 
+use crate::part::Part;
 use crate::position::Position;
 use crate::real::Real;
 use crate::vector::V3;
@@ -12,10 +13,13 @@ pub enum Form {
     /// Degree up to 3, weight 1.
     Cubic,
     /// Degree up to 3 with weights (circular arcs, rational cubics).
+    #[cfg_attr(not(feature = "curves"), serde(skip_deserializing))]
     RationalCubic,
     /// Degree up to 5, weight 1.
+    #[cfg_attr(not(feature = "curves"), serde(skip_deserializing))]
     Quintic,
     /// Degree up to 5 with weights (helices, rational splines).
+    #[cfg_attr(not(feature = "curves"), serde(skip_deserializing))]
     RationalQuintic,
 }
 
@@ -72,6 +76,12 @@ impl Span<f64, f64> {
 }
 
 impl<R: Real, P: Position> Span<R, P> {
+    /// Its form; without curves there are only lines.
+    #[cfg_attr(feature = "fast", inline(always))]
+    pub(super) fn form(&self) -> Form {
+        if Part::Curves.is_built() { self.form } else { Form::Cubic }
+    }
+
     /// A span without length: the tip stays at `point` (mm) while the tool's direction turns.
     ///
     /// In a [`super::ToolPath`] the search of the tip skips it and continues on the spans on either side; the [`super::Turn`]
@@ -97,7 +107,7 @@ impl<R: Real, P: Position> Span<R, P> {
     ///
     /// Real-time: some sixty multiplications and three roots. The arc length is by Simpson's rule, to 1e-6 of its value at 20°
     /// of turn.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn hermite(from: &[P; 3], way: V3<R>, start: V3<R>, end: V3<R>, number: u32, plane: [R; 3]) -> Self {
         let [x, y, z] = from;
         let half = way * R::HALF;
@@ -128,7 +138,7 @@ impl<R: Real, P: Position> Span<R, P> {
     }
 
     /// Whether the tip stands still on this span ([`Span::turning`]).
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub fn stands(&self) -> bool {
         // Every other span has a speed at its start; a cusp's cubic at least contains the whole length.
         let [a, b, c] = self.arc;
@@ -154,14 +164,14 @@ impl<R: Real, P: Position> Span<R, P> {
     /// Arc length from the start of the span to `t`, mm.
     ///
     /// Cubic in t: exact at both ends, elsewhere to 1e-4 of the span's length on lines and circles, to some 1e-3 on splines.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub fn arc_length(&self, t: R) -> R {
         let [a, b, c] = self.arc;
         t * (a + t * (b + t * c))
     }
 
     /// d(arc length)/dt at `t`, mm, at least a tenth of the mean.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn arc_speed(&self, t: R) -> R {
         let [a, b, c] = self.arc;
         (a + t * (R::TWO * b + R::THREE * t * c)).max(R::of(0.1) * self.length())
@@ -203,7 +213,7 @@ impl<R: Real, P: Position> Span<R, P> {
     }
 
     /// Point at `t`, relative to the origin, mm.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn local(&self, t: R) -> [R; 3] {
         let [x, y, z, w] = self.coefficients.iter().rev().fold([R::ZERO; 4], |sum, c| mad(c, t, &sum));
         let i = R::ONE / w;
@@ -211,7 +221,7 @@ impl<R: Real, P: Position> Span<R, P> {
     }
 
     /// Start of a cubic, relative to the origin, and the vector from there to its end, mm.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn chord(&self) -> ([R; 4], V3<R>) {
         let [start, [x1, y1, z1, _], [x2, y2, z2, _], [x3, y3, z3, _], ..] = self.coefficients;
         (start, V3::new(x1 + x2 + x3, y1 + y2 + y3, z1 + z2 + z3))
@@ -225,7 +235,7 @@ impl<R: Real, P: Position> Span<R, P> {
     }
 
     /// Point relative to the origin, for points within a few millimetres of the span.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn relative(&self, point: &[P; 3]) -> [R; 3] {
         let ([x, y, z], [ox, oy, oz]) = (point, &self.origin);
         [x.since_near(*ox), y.since_near(*oy), z.since_near(*oz)]
@@ -236,13 +246,13 @@ impl<R: Real, P: Position> Span<R, P> {
 const TURNS_IN_A_ROW: u32 = 8;
 
 /// a·b.
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 pub(super) fn dot<R: Real>(a: &[R; 3], b: &[R; 3]) -> R {
     (a[0] * b[0]).add_product(a[1], b[1]).add_product(a[2], b[2])
 }
 
 /// `a + t b`.
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 pub(super) fn mad<R: Real>(a: &[R; 4], t: R, b: &[R; 4]) -> [R; 4] {
     [a[0].add_product(t, b[0]), a[1].add_product(t, b[1]), a[2].add_product(t, b[2]), a[3].add_product(t, b[3])]
 }
@@ -300,13 +310,13 @@ impl<'a, R: Real, P: Position> Path<'a, R, P> {
     }
 
     /// Point given by span and parameter, for the step.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub fn on(&self, reference: Reference<R>) -> OnPath<'a, R, P> {
         OnPath { path: *self, reference }
     }
 
     /// The span with a sequence number.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub fn span(&self, number: u32) -> Option<&'a Span<R, P>> {
         #[cfg(test)]
         super::tests::LOOKED_AT.with(|count| count.set(count.get() + 1));
@@ -314,21 +324,21 @@ impl<'a, R: Real, P: Position> Path<'a, R, P> {
     }
 
     /// Number of the next span after `number` on which the tip moves, if there is one.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn next(&self, number: u32) -> Option<u32> {
         let next = self.following(number)?;
         if self.turning { self.pass(next, Self::following) } else { Some(next) }
     }
 
     /// Number of the last span before `number` on which the tip moves, if there is one.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn previous(&self, number: u32) -> Option<u32> {
         let previous = self.preceding(number)?;
         if self.turning { self.pass(previous, Self::preceding) } else { Some(previous) }
     }
 
     /// Whether the tip stands still on a span.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn stands(&self, number: u32) -> bool {
         self.span(number).is_some_and(Span::stands)
     }
@@ -346,7 +356,7 @@ impl<'a, R: Real, P: Position> Path<'a, R, P> {
     }
 
     /// Equivalent of a point on a span on which the tip moves, if there is one nearby; otherwise the point itself.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn moving(&self, at: Reference<R>) -> Reference<R> {
         if self.turning && self.stands(at.span) { self.beside(at) } else { at }
     }
@@ -362,7 +372,7 @@ impl<'a, R: Real, P: Position> Path<'a, R, P> {
     }
 
     /// Number of the span after `number`, if there is one.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn following(&self, number: u32) -> Option<u32> {
         let next = number.wrapping_add(1);
         if (next.wrapping_sub(self.first) as usize) < self.spans.len() {
@@ -373,7 +383,7 @@ impl<'a, R: Real, P: Position> Path<'a, R, P> {
     }
 
     /// Number of the span before `number`, if there is one.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn preceding(&self, number: u32) -> Option<u32> {
         if number == self.first {
             let last = self.first.wrapping_add(self.spans.len() as u32).wrapping_sub(1);
@@ -413,7 +423,7 @@ pub struct Reference<R> {
 
 impl<R: Real> Reference<R> {
     /// Whether the parameter is within 0 to 1 and not −0; false if it is not a number.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub(crate) fn is_on_its_span(&self) -> bool {
         self.t.is_in_unit()
     }

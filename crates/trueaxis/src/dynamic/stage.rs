@@ -11,6 +11,7 @@ use crate::check::of_dynamic;
 use crate::error::ConfigError;
 use crate::limiter::{Limiter, LimiterState};
 use crate::machine::{AxisOrder, AxisSettings, DynamicSettings, Limits, MachineSettings};
+use crate::part::{self, Presence};
 use crate::position::Position;
 use crate::real::Real;
 use crate::sample::{Sample, Verdict};
@@ -46,6 +47,7 @@ pub(crate) struct DynamicStage<R, P, const N: usize> {
     takes_up: bool,
     feedback: Option<(Feedback<R>, Watch<R>)>,
     crosstalk: Option<Crosstalk<R, P>>,
+    part: part::Dynamic,
 }
 
 /// What a cycle brings.
@@ -70,6 +72,7 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         machine: &MachineSettings,
         period_s: f64,
     ) -> Result<Option<Self>, ConfigError> {
+        let Some(part) = part::DYNAMIC else { return Ok(None) };
         let feedback = machine.contour.feedback.as_ref();
         let crosstalk = Crosstalk::new(order, machine, period_s)?;
         let mut any = feedback.is_some() || !machine.crosstalk.is_empty();
@@ -93,7 +96,13 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         let feedback = feedback.map(|settings| (Feedback::new(settings, period_s), Watch::new(settings, period_s)));
         let crosstalk = (!machine.crosstalk.is_empty()).then_some(crosstalk);
         let takes_up = axes.iter().any(|act| act.takes_up);
-        Ok(any.then_some(DynamicStage { axes, takes_up, feedback, crosstalk }))
+        Ok(any.then_some(DynamicStage { axes, takes_up, feedback, crosstalk, part }))
+    }
+
+    /// There is none in a build without the part.
+    #[inline(always)]
+    pub(crate) fn exists(&self) {
+        self.part.exists();
     }
 
     /// Leads the geometric corrections in; a bit for every axis that is not there yet.

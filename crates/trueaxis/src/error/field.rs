@@ -160,6 +160,8 @@ fields! {
     CrosstalkTable: "crosstalk.table";
     /// Cross-talk that is the same everywhere; of the axis that accelerates.
     CrosstalkConstant: "crosstalk.k_um_per_m_per_s2" | "crosstalk.k_um_per_deg_per_s2";
+    /// Model of the errors.
+    Model: "compensation.model";
     /// Errors on a grid.
     GridTable: "grid.table";
     /// Axes over which a grid stands.

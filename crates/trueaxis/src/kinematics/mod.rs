@@ -34,6 +34,7 @@ pub use inverse::{Choice, Solution, Solutions};
 use crate::compensation::trig::{atan2, cos_sin_deg};
 use crate::error::{ConfigError, Field};
 use crate::machine::{AXES, Axis, MachineSettings};
+use crate::part::Part;
 use crate::real::Real;
 use crate::vector::{About, V3};
 use chain::{Chain, Rotary};
@@ -69,6 +70,9 @@ impl<R: Real> Kinematics<R> {
     /// A structural code that cannot be parsed or does not fit the axes; a missing linear axis; three rotary axes; a second
     /// rotary axis parallel to the tool axis, so that it cannot turn the tool.
     pub fn new(machine: &MachineSettings) -> Result<Self, ConfigError> {
+        if !Part::Rotary.is_built() {
+            return Err(ConfigError::left_out(Part::Rotary, Field::ToolAxis));
+        }
         let [x, y, z] = machine.kinematics.tool_axis;
         let length = libm::sqrt(x * x + y * y + z * z);
         if !(1e-3..=1e3).contains(&length) {

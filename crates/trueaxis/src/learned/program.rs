@@ -1,6 +1,6 @@
 //! The id of a program's path.
 
-use crate::tcomp::CRC;
+use crate::tcomp::{CRC, Table};
 
 /// Distance between the path points that enter the id, mm of path length.
 pub const POINTS_EVERY_MM: u32 = 1;
@@ -25,7 +25,7 @@ pub const POINTS_EVERY_MM: u32 = 1;
 /// }
 /// assert_eq!(line.finish(), 0xf613_9514);
 /// ```
-pub struct ProgramId(crc::Digest<'static, u32>);
+pub struct ProgramId(crc::Digest<'static, u32, Table>);
 
 impl ProgramId {
     /// Starts the id of a path of this length, mm.

@@ -25,6 +25,7 @@ pub use servo::{
     FeedbackSettings, FrictionSettings,
 };
 
+use crate::part;
 use crate::roundness::GaugeSettings;
 use heapless::{String, Vec};
 use serde::{Deserialize, Serialize};
@@ -251,6 +252,13 @@ pub struct CompensationSettings {
     /// The correction of the direction is full while the tool is at least this far from the axis of the rotary axis next
     /// to the workpiece (its singular pose), and fades to zero towards it: degrees.
     pub fade_deg: f64,
+}
+
+impl CompensationSettings {
+    /// The volumetric model; no machine has it in a build without.
+    pub(crate) fn is_volumetric(&self) -> bool {
+        part::VOLUMETRIC.is_some() && self.model == ErrorModel::Volumetric
+    }
 }
 
 impl Default for CompensationSettings {

@@ -5,6 +5,7 @@ use super::plan::Plan;
 use super::resample::Resampler;
 use super::{Arm, Band, Cycle, Followed, Gain, GaugeSettings, GaugeState, Probes};
 use crate::error::{ConfigError, Field};
+use crate::part::{self, Part};
 use crate::real::Real;
 
 /// The immutable half: angles, multipliers, limits. `N` is the number of points of a revolution.
@@ -19,6 +20,7 @@ pub struct Gauge<R, const N: usize> {
     pub(super) band: Band,
     pub(super) noise_gain_limit: f64,
     pub(super) plan: Plan<R, N>,
+    _part: part::Gauge,
 }
 
 impl<R: Real, const N: usize> Gauge<R, N> {
@@ -28,6 +30,7 @@ impl<R: Real, const N: usize> Gauge<R, N> {
     /// The first setting that is wrong, with the value found and the one needed; `N` different from the settings' number of
     /// points.
     pub fn build(settings: &GaugeSettings, period_ns: u32) -> Result<Self, ConfigError> {
+        let part = part::GAUGE.ok_or_else(|| ConfigError::left_out(Part::Gauge, Field::Points))?;
         if usize::from(settings.points) != N {
             return Err(ConfigError::new(Field::Points, f64::from(settings.points), "the capacity of this build"));
         }
@@ -45,6 +48,7 @@ impl<R: Real, const N: usize> Gauge<R, N> {
             band: settings.band,
             noise_gain_limit: settings.noise_gain_limit,
             slices_per_cycle: settings.slices_per_cycle,
+            _part: part,
         })
     }
 

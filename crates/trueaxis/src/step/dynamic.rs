@@ -17,7 +17,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     /// Command plus the geometric correction sent last.
     #[inline(always)]
     pub(super) fn place(&self, state: &State<R, P, N>, command: &[P; N]) -> [P; N] {
-        let offsets = match &self.dynamic {
+        let offsets = match self.dynamic() {
             None => state.output.offsets(),
             Some(_) => state.geometric_offsets(),
         };
@@ -28,6 +28,12 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         place
     }
 
+    /// The dynamic correction, where anything of it is configured.
+    #[inline(always)]
+    pub(super) fn dynamic(&self) -> Option<&DynamicStage<R, P, N>> {
+        self.dynamic.as_ref().inspect(|stage| stage.exists())
+    }
+
     /// The same of the last cycle: where the drives were to go, but for the dynamic correction.
     #[inline(always)]
     pub(super) fn targets<'s>(
@@ -36,7 +42,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         dynamic: &'s DynamicState<R, P, N>,
         cycle: u32,
     ) -> &'s [P; N] {
-        match &self.dynamic {
+        match self.dynamic() {
             None => output.drive(),
             Some(_) => geometric_targets(output, dynamic, cycle),
         }

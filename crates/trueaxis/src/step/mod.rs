@@ -26,6 +26,7 @@ use crate::dynamic::{DynamicStage, DynamicState};
 use crate::error::Fault;
 use crate::machine::AxisOrder;
 use crate::output::{Applied, Outlets, OutputStage, OutputState};
+use crate::part;
 use crate::position::Position;
 use crate::real::Real;
 use crate::sample::{Input, Sample, SampleState, Sampler, Verdict};
@@ -160,7 +161,9 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         output: &mut Output<R, P, N>,
         mut watch: impl FnMut(Stage),
     ) {
-        if self.sampler.glance(&mut state.sample, input) {
+        if !part::FAST {
+            self.any_cycle(state, input, &mut measure, &mut gauge, output, &mut watch);
+        } else if self.sampler.glance(&mut state.sample, input) {
             self.calm_cycle(state, input, &mut measure, &mut gauge, output, &mut watch);
         } else {
             self.other_cycle(state, input, &mut measure, &mut gauge, output, &mut watch);
@@ -197,6 +200,26 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         self.cycle(state, &sample, measure, gauge, output, watch);
     }
 
+    /// Any cycle, by one copy of the stages.
+    #[inline(never)]
+    fn any_cycle(
+        &self,
+        state: &mut State<R, P, N>,
+        input: &Input<P, N>,
+        measure: &mut impl Measure<R, P, N>,
+        gauge: &mut impl Ride<R>,
+        output: &mut Output<R, P, N>,
+        watch: &mut impl FnMut(Stage),
+    ) {
+        let mut believed = [[P::default(); N]; 2];
+        let sample = if self.sampler.glance(&mut state.sample, input) {
+            Sample::calm(input)
+        } else {
+            self.sampler.look(&mut state.sample, input, &mut believed)
+        };
+        self.cycle(state, &sample, measure, gauge, output, watch);
+    }
+
     /// The stages after the sample.
     #[inline(always)]
     fn cycle(
@@ -215,7 +238,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         measure.measure(self, state, sample, &modelled, &mut output.record);
         watch(Stage::Contour);
         let Output { drive, feedback, record } = output;
-        let applied = match &self.dynamic {
+        let applied = match self.dynamic() {
             None => {
                 record.dynamic = None;
                 let outlets = Outlets { drive, feedback, correction: &mut record.correction };

@@ -5,6 +5,7 @@ use super::cell::{Cell, Window, plus};
 use super::tables::{Form, Tables};
 use crate::compensation::grid::{Grids, Near, NearGrids};
 use crate::compensation::thermal::ThermalLine;
+use crate::part;
 use crate::position::Position;
 use crate::real::Real;
 
@@ -186,7 +187,10 @@ impl<R: Real, P: Position> Cells<R, P> {
         Some(match tables.form() {
             Form::Linear => (sums(false), self.at_edge),
             Form::Cubic => (sums(true), self.at_edge),
-            Form::BesideGrids => return self.errors_beside_apart(tables, near, command, feedback),
+            Form::BesideGrids => {
+                part::GRIDS?;
+                return self.errors_beside_apart(tables, near, command, feedback);
+            }
         })
     }
 

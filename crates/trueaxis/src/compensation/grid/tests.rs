@@ -4,7 +4,7 @@ use super::*;
 use crate::check::{self, GridBounds};
 use crate::compensation::{Compensation, Direction, Query, ThermalLine, requirement};
 use crate::error::Field;
-use crate::machine::{GridAxis, GridHeader};
+use crate::machine::{ErrorModel, GridAxis, GridHeader};
 use crate::position::{Nanometres, Position};
 use crate::testing::machine::{Machine, rows};
 use crate::testing::noise::Noise;

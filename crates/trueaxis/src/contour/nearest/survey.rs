@@ -77,7 +77,7 @@ impl<R: Real, P: Position> Survey<'_, R, P> {
             }
             return;
         }
-        match span.form {
+        match span.form() {
             Form::Cubic => self.parts::<4, false>(span, number, &local, low, high),
             Form::RationalCubic => self.parts::<4, true>(span, number, &local, low, high),
             Form::Quintic => self.parts::<6, false>(span, number, &local, low, high),

@@ -21,7 +21,7 @@ use crate::position::Position;
 use crate::real::Real;
 
 /// Permitted error of the distance, mm: 1e-6 nm in doubles, 0.3 nm in single precision.
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 fn tolerance<R: Real>() -> R {
     if R::EPSILON.to_f64() < 1e-10 { R::of(1e-12) } else { R::of(3e-7) }
 }
@@ -83,7 +83,7 @@ pub(super) struct Start<R> {
 }
 
 /// Finds the feet of an encoder position and of the tip, `d` (mm) from it.
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 pub(super) fn feet<R: Real, P: Position>(
     span: &Span<R, P>,
     position: &[P; 3],
@@ -94,7 +94,7 @@ pub(super) fn feet<R: Real, P: Position>(
     along: &mut Tangent<R>,
 ) -> Seen {
     let Start { guess, window, place, max_lag } = start;
-    match span.form {
+    match span.form() {
         Form::Cubic => cubic::<R, P, false>(span, position, d, guess, window, place, max_lag, tip, encoder, along),
         Form::RationalCubic => {
             cubic::<R, P, true>(span, position, d, guess, window, place, max_lag, tip, encoder, along)
@@ -144,13 +144,13 @@ fn quintic<R: Real, P: Position, const RATIONAL: bool>(
 }
 
 /// The tip relative to the span's origin: the encoder's offset is exact, so no position is rounded.
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 pub(super) fn local<R: Real, P: Position>(span: &Span<R, P>, position: &[P; 3], d: &[R; 3]) -> [R; 3] {
     let [x, y, z] = span.relative(position);
     [x + d[0], y + d[1], z + d[2]]
 }
 
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 fn solve<R: Real, P: Position, const RATIONAL: bool, const C: usize>(
     shifted: &[[R; 4]; C],
     span: &Span<R, P>,
@@ -258,7 +258,7 @@ fn solve<R: Real, P: Position, const RATIONAL: bool, const C: usize>(
     Seen::PLAIN
 }
 
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 fn cross<R: Real>(a: &[R; 3], b: &[R; 3]) -> [R; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
@@ -270,19 +270,19 @@ struct Length<'a, R> {
 }
 
 impl<'a, R: Real> Length<'a, R> {
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn of<P: Position>(span: &'a Span<R, P>) -> Self {
         Length { arc: &span.arc, half: R::HALF * span.length() }
     }
 
     /// From the start to t.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn to(&self, t: R) -> R {
         let [a, b, c] = *self.arc;
         t * (a + t * (b + t * c))
     }
 
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn off_middle(&self, t: R) -> R {
         (self.to(t) - self.half).abs()
     }
@@ -296,7 +296,7 @@ struct Point<R> {
 }
 
 impl<R: Real> Point<R> {
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn write(&self, foot: &mut ContourError<R>) {
         foot.t = self.t;
         foot.vector = self.vector.map(|x| -x).into();
@@ -316,7 +316,7 @@ struct Newton<R> {
 }
 
 impl<R: Real> Newton<R> {
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn from<const RATIONAL: bool>(at: &Taylor<R>) -> Self {
         let Taylor { r, v, z, rw, vw, zw } = at;
         let rv = dot(r, v);
@@ -339,13 +339,13 @@ impl<R: Real> Newton<R> {
         Newton { correction: c, slope, weight, vector }
     }
 
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn squared(&self) -> R {
         dot(&self.vector, &self.vector)
     }
 
     /// The trust test: `change` bounds |u| from the guess to here, `squared` is |T|².
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn leaves_nothing(&self, error: R, change: R, squared: R) -> bool {
         // Both sides are scaled by millions so that neither is subnormal in single precision, which costs a host some hundred
         // cycles.

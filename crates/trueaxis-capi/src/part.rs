@@ -1,0 +1,32 @@
+//! Parts that a build of the library may leave out.
+
+use crate::result::{ERROR_LEFT_OUT, ResultCode};
+
+/// A part: its feature, and whether this build has it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Part {
+    pub(crate) name: &'static str,
+    is_built: bool,
+}
+
+pub(crate) const CURVES: Part = Part { name: "curves", is_built: cfg!(feature = "curves") };
+pub(crate) const DYNAMIC: Part = Part { name: "dynamic", is_built: cfg!(feature = "dynamic") };
+pub(crate) const GAUGE: Part = Part { name: "gauge", is_built: cfg!(feature = "gauge") };
+pub(crate) const TOOLPATH: Part = Part { name: "toolpath", is_built: cfg!(feature = "toolpath") };
+pub(crate) const GROWTH: Part = Part { name: "growth", is_built: cfg!(feature = "growth") };
+
+/// Refuses the functions of a part that this build leaves out. Called first in each, so that the rest of them is not linked.
+#[inline(always)]
+pub(crate) const fn need(part: Part) -> Result<(), LeftOut> {
+    if part.is_built { Ok(()) } else { Err(LeftOut(part.name)) }
+}
+
+/// A part that this build leaves out.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LeftOut(pub(crate) &'static str);
+
+impl From<LeftOut> for ResultCode {
+    fn from(_: LeftOut) -> Self {
+        ERROR_LEFT_OUT
+    }
+}
