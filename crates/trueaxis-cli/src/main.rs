@@ -40,7 +40,13 @@ use std::process::ExitCode;
 /// relative to the workpiece. Exit code 0: done; 2: bad input, with file, line, column, value found and value needed.
 /// A reader that closes the standard output or error early (`| head`) ends the program silently with exit code 0.
 #[derive(Parser)]
-#[command(version, name = "trueaxis", args_conflicts_with_subcommands = true, arg_required_else_help = true)]
+#[command(
+    version,
+    name = "trueaxis",
+    args_conflicts_with_subcommands = true,
+    arg_required_else_help = true,
+    after_help = TO_TRY
+)]
 struct Cli {
     /// Print the licences of this program and of everything built into it.
     #[arg(long)]
@@ -48,6 +54,14 @@ struct Cli {
     #[command(subcommand)]
     command: Option<Command>,
 }
+
+const TO_TRY: &str = "\
+Five things to try in a checkout of the repository:
+  trueaxis tables check compensation-tables/mill-3axis
+  trueaxis correct compensation-tables/mill-3axis --at 120,-40,-200
+  trueaxis tables accuracy compensation-tables/mill-3axis/x-iso230-2.csv
+  trueaxis uncertainty compensation-tables/mill-3axis
+  trueaxis probe-angles --n 512";
 
 const LICENCES: &str = include_str!("../THIRD-PARTY.txt");
 

@@ -430,6 +430,22 @@ fn help_teaches() {
     }
 }
 
+/// Without arguments the program shows five commands that work in a checkout.
+#[test]
+fn the_commands_to_try_work() {
+    let folder = Folder::new(TRUEAXIS);
+    let repository = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let output = folder.run(&[]);
+    let text = String::from_utf8(output.stderr).unwrap();
+    let lines: Vec<_> = text.lines().filter_map(|line| line.strip_prefix("  trueaxis ")).collect();
+    assert_eq!((output.status.code(), lines.len()), (Some(2), 5), "{text}");
+    for line in lines {
+        let arguments: Vec<_> = line.split(' ').collect();
+        let output = folder.command(&arguments).current_dir(&repository).output().unwrap();
+        assert!(output.status.success() && !output.stdout.is_empty(), "{line}");
+    }
+}
+
 /// `--licences` prints every licence, and takes no command.
 #[test]
 fn licences_are_printed() {

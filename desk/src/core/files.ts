@@ -99,12 +99,19 @@ export function picker(
   return root;
 }
 
-/** Hands a file to the reader of the page. */
+/** Browsers drop downloads that follow one another too closely, ms. */
+const BETWEEN_DOWNLOADS_MS = 300;
+let nextDownload = 0;
+
+/** Hands a file to the reader of the page, the previous ones first. */
 export function save(name: string, content: string | Uint8Array<ArrayBuffer>, type = "text/plain;charset=utf-8"): void {
   const url = URL.createObjectURL(new Blob([content], { type }));
   const link = document.createElement("a");
   link.href = url;
   link.download = name;
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(url), 120_000);
+  const now = performance.now();
+  const at = Math.max(now, nextDownload);
+  nextDownload = at + BETWEEN_DOWNLOADS_MS;
+  setTimeout(() => link.click(), at - now);
+  setTimeout(() => URL.revokeObjectURL(url), at - now + 120_000);
 }

@@ -6,9 +6,6 @@ import { save } from "../core/files";
 import { word } from "../core/shell";
 import type { Editor } from "./editor";
 
-/** Browsers drop downloads that follow one another too closely, ms. */
-const BETWEEN_DOWNLOADS_MS = 300;
-
 export function exporting(desk: Desk, editor: Editor): HTMLElement {
   const files = el("div", { class: "row tight" });
   const check = commandLine("As on the command line, with the files saved");
@@ -19,12 +16,6 @@ export function exporting(desk: Desk, editor: Editor): HTMLElement {
   const tcomp = async () => {
     const bytes = await desk.bench.call("machine_to_tcomp", desk.machine.json, editor.rate_hz);
     save(`${desk.machine.name}.tcomp`, new Uint8Array(bytes), "application/octet-stream");
-  };
-  const all = async () => {
-    for (const name of Object.keys(desk.machine.files)) {
-      one(name);
-      await new Promise((done) => setTimeout(done, BETWEEN_DOWNLOADS_MS));
-    }
   };
   editor.subscribe(() => {
     const { name } = desk.machine;
@@ -43,7 +34,7 @@ export function exporting(desk: Desk, editor: Editor): HTMLElement {
       "div",
       { class: "row tight" },
       button("Save .tcomp", () => void tcomp().catch(desk.fail), { class: "primary" }),
-      button("Save all files", () => void all()),
+      button("Save all files", () => Object.keys(desk.machine.files).forEach(one)),
       button("Run with these tables", () => void desk.show("scope")),
     ),
     files,
