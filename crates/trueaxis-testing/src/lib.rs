@@ -6,3 +6,5 @@ pub mod control;
 pub mod machine;
 #[path = "../../trueaxis/src/testing/noise.rs"]
 pub mod noise;
+#[path = "../../trueaxis/src/testing/share.rs"]
+pub mod share;
