@@ -1,4 +1,4 @@
-//! Errors that stand on a grid over two or three linear axes: multilinear between the nodes, added to either model.
+//! Errors on a grid over two or three linear axes: multilinear between the nodes, added to either model.
 //!
 //! In a cell of the grid, with t = 0 … 1 along each of its axes and v the values at the corners,
 //!
@@ -6,20 +6,20 @@
 //! E = Σ over i, j, k in {0, 1} of  v_ijk  u_i(t_x) u_j(t_y) u_k(t_z)          u_0(t) = 1 − t, u_1(t) = t
 //! ```
 //!
-//! continuous, exact for affine functions; beyond the first and the last node of an axis the edge value. The nodes are read
-//! where they are, 16-bit numbers in the compiled file. A grid that fades counts whole up to a height h1, not at all from h2 on,
-//! and linearly less between.
+//! The sum is continuous and exact for affine functions; beyond the first and the last node of an axis it has the edge
+//! value. The nodes, 16-bit numbers, are read where the compiled file stores them. A fading grid has full weight up to
+//! a height h1, none from h2 on, and a linearly decreasing weight between.
 //!
-//! **Rotations.** The translations e of a node are what is read at a tool of length zero, the axes of the grid at the node, the
-//! other linear axes at `measured_at_mm` and the rotary ones at zero. The rotations w turn the tool's side of the machine about
-//! that point p_m, so that the tip p has
+//! **Rotations.** The translations e of a node are the errors of the tip of a tool of length zero, with the axes of the
+//! grid at the node, the other linear axes at `measured_at_mm` and the rotary axes at zero. The rotations w turn the
+//! tool's side of the machine about that point p_m, so that the tip p has
 //!
 //! ```text
 //! d = e + w × (p − p_m)          orientation = w
 //! ```
 //!
-//! Between the two lie the tool and the ways of the slides that carry it and over which the grid does not stand. The nine-term
-//! form has no levers and leaves w out.
+//! The lever p − p_m consists of the tool and of the travel of those tool-carrying slides that the grid does not span.
+//! The nine-term form has no levers and omits w.
 
 #![deny(clippy::indexing_slicing)]
 
@@ -39,23 +39,23 @@ pub(crate) use beside::Beside;
 use cell::Cells;
 pub(crate) use kept::{Near, NearGrids};
 
-/// Linear axes, over which grids stand.
+/// Number of linear axes; grids span only these.
 const LINEAR: usize = 3;
 
-/// Error that a box may have beyond a node, mm, and how far it goes on at most.
+/// Largest error, mm, that a box may have beyond a node; [`MOST_OVERLAP_MM`] limits how far it extends.
 const OVERLAP_MM: f64 = 0.1e-6;
 const MOST_OVERLAP_MM: f64 = 0.02;
-/// Longest way of a slide that is counted for it, mm.
+/// Largest travel of a slide, mm, in the lever that limits the overlap.
 const LONGEST_MM: f64 = 2000.0;
 
-/// Sum of all grids at a place.
+/// Sum of all grids at a position.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sum<R> {
     /// Error of the tip, mm.
     pub(crate) tip: V3<R>,
     /// Rotation of the tool, rad.
     pub(crate) turn: V3<R>,
-    /// A bit for every axis beyond the nodes of a grid.
+    /// One bit for every axis beyond the nodes of a grid.
     pub(crate) edge: u8,
 }
 
@@ -86,14 +86,15 @@ impl<R: Real> Fade<R> {
 struct Grid<'a, R> {
     cells: Cells<'a, R>,
     fade: Option<Fade<R>>,
-    /// It has rotations that reach the tip.
+    /// Whether it has rotations that reach the tip.
     turns: bool,
-    /// How far a box may go on beyond a node, mm.
+    /// Extension of a box beyond a node, mm.
     overlap: R,
-    /// From the point where its translations hold to the tip of three slides: this, and these of X, Y, Z.
+    /// Lever from the point where the translations are valid to the tip if only X, Y, Z move it: `lever` + `along` ·
+    /// (X, Y, Z).
     lever: V3<R>,
     along: [R; LINEAR],
-    /// The point itself: this, and these of X, Y, Z.
+    /// The point where the translations are valid: `held` + `moves` · (X, Y, Z).
     held: V3<R>,
     moves: [R; LINEAR],
 }
@@ -102,15 +103,15 @@ struct Grid<'a, R> {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Grids<'a, R> {
     grids: [Option<Grid<'a, R>>; GRIDS],
-    /// One of them has rotations that reach the tip.
+    /// Whether one of them has rotations that reach the tip.
     turns: bool,
-    /// The lever of their rotations turns with a rotary axis.
+    /// Whether a rotary axis turns the lever of their rotations.
     swings: bool,
     key: u64,
     part: part::Grids,
 }
 
-/// The slides that move the tip and over which the grid does not stand.
+/// Selects the slides that move the tip but that the grid does not span.
 fn along_of(on_tool: &[f64; LINEAR], moves: &[f64; LINEAR]) -> [f64; LINEAR] {
     let mut along = *on_tool;
     for (along, moves) in along.iter_mut().zip(moves) {
@@ -119,8 +120,8 @@ fn along_of(on_tool: &[f64; LINEAR], moves: &[f64; LINEAR]) -> [f64; LINEAR] {
     along
 }
 
-/// How far a box may go on beyond a node, mm, so that no more than [`OVERLAP_MM`] of error comes of the jump of the slopes,
-/// rotations with a lever of `longest` mm.
+/// Extension of a box beyond a node, mm, with which the jump of the slopes causes at most [`OVERLAP_MM`] of error;
+/// rotations act through a lever of `longest` mm.
 fn overlap(data: &GridData<'_>, longest: f64) -> f64 {
     let slopes = data.extremes().slopes;
     let mut square = 0.0;
@@ -128,12 +129,12 @@ fn overlap(data: &GridData<'_>, longest: f64) -> f64 {
         let reach = if component < 3 { 1.0 } else { longest };
         square += slopes.iter().map(|slope| slope * slope * reach * reach).sum::<f64>();
     }
-    // At a border a slope may turn into its opposite.
+    // At a border a slope may change to its opposite.
     let jump = 2.0 * libm::sqrt(square);
     if jump * MOST_OVERLAP_MM > OVERLAP_MM { OVERLAP_MM / jump } else { MOST_OVERLAP_MM }
 }
 
-/// What moves the tip.
+/// The axes that move the tip.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Reach {
     /// Three slides.
@@ -143,9 +144,9 @@ enum Reach {
 }
 
 impl<'a, R: Real> Grids<'a, R> {
-    /// The grids of a machine, from where they are stored; none where it has none.
+    /// Builds the grids of a machine, which stay where they are stored; `None` if it has no grids.
     ///
-    /// Checked grids ([`crate::check::grids`]) only: of others the values mean nothing.
+    /// The grids must have passed [`crate::check::grids`]; otherwise their values are meaningless.
     pub(crate) fn build(machine: &MachineSettings, grids: &[GridData<'a>]) -> Option<Self> {
         if grids.is_empty() {
             return None;
@@ -212,37 +213,37 @@ impl<'a, R: Real> Grids<'a, R> {
         Some(built)
     }
 
-    /// There are none in a build without them.
+    /// Does nothing; unreachable in a build without grids.
     #[inline(always)]
     pub(crate) fn exist(&self) {
         self.part.exists();
     }
 
-    /// Tells these grids from others; never 0.
+    /// Key that distinguishes these grids from others; never 0.
     #[inline(always)]
     pub(crate) fn key(&self) -> u64 {
         self.key
     }
 
-    /// One of them has rotations that reach the tip.
+    /// Whether one of them has rotations that reach the tip.
     #[inline(always)]
     pub(crate) fn turns(&self) -> bool {
         self.turns
     }
 
-    /// The lever of their rotations turns with a rotary axis: it takes the place of the tip.
+    /// Whether a rotary axis turns the lever of their rotations; the sum then needs the position of the tip.
     #[inline(always)]
     pub(crate) fn swings(&self) -> bool {
         self.swings
     }
 
-    /// Where X, Y and Z alone move the tip: all grids at positions of X, Y, Z from machine zero, mm.
+    /// Sum of all grids at positions of X, Y, Z from machine zero, mm, if these axes alone move the tip.
     #[inline(never)]
     pub(crate) fn of_slides(&self, q: &[R; LINEAR]) -> Sum<R> {
         self.sum(q, Reach::Slides, V3::ZERO)
     }
 
-    /// All grids at positions of X, Y, Z, the tip in the bed's axes at `tip`.
+    /// Sum of all grids at positions of X, Y, Z, with the tip at `tip` in bed axes.
     #[inline(never)]
     pub(crate) fn at_tip(&self, q: &[R; LINEAR], tip: V3<R>) -> Sum<R> {
         self.sum(q, Reach::Tip, tip)
@@ -257,7 +258,7 @@ impl<'a, R: Real> Grids<'a, R> {
             let [ex, ey, ez, a, b, c] = twist;
             let (mut e, w) = (V3::new(ex, ey, ez), V3::new(a, b, c));
             if let Some(fade) = &grid.fade {
-                // A grid that fades has no rotations.
+                // A fading grid has no rotations.
                 e = e * fade.weight(z);
             } else if grid.turns {
                 let [x_there, y_there, z_there] = if reach == Reach::Slides { grid.along } else { grid.moves };

@@ -24,7 +24,7 @@ impl Key {
     }
 }
 
-/// Mixes `x` so that every bit of the result depends on all its bits (splitmix64's finish).
+/// Mixes `x` so that every bit of the result depends on all its bits (one step of splitmix64).
 fn mixed(x: u64) -> u64 {
     let x = x.wrapping_add(0x9e37_79b9_7f4a_7c15);
     let x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

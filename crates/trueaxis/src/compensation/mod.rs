@@ -1,4 +1,4 @@
-//! Geometric error compensation: what the tables say at a position, and the correction that makes up for it.
+//! Geometric error compensation: the errors that the tables give at a position, and the correction for them.
 //!
 //! Two models, chosen by the machine's settings: [`NineTerms`], axis-wise and without levers, and [`Volumetric`], the
 //! twist of every axis carried to the tool tip by its lever. Grids over several axes add to either.
@@ -38,7 +38,7 @@ pub type Errors<R, const N: usize> = [R; N];
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub struct PoseError<R: Real> {
-    /// Of the tip, mm.
+    /// Error of the tip, mm.
     #[cfg_attr(feature = "defmt", defmt(Debug2Format))]
     pub tip: R::Vec3,
     /// Small rotation of the tool, rad: a tool axis t changes by `orientation × t`. Zero in the nine-term form.
@@ -62,7 +62,7 @@ enum Model<'a, R, P, const N: usize> {
     Volumetric(Volumetric<'a, R, P, N>),
 }
 
-/// Memory that the tables of a machine take, in scalars of the step, whichever they are.
+/// Memory that the tables of a machine need under either model, in scalars of the step.
 ///
 /// Cost: reads every row once.
 pub fn requirement<'r, T: Rows + ?Sized + 'r>(
@@ -77,8 +77,8 @@ pub fn requirement<'r, T: Rows + ?Sized + 'r>(
 }
 
 impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
-    /// Builds the tables of a machine into lent memory of [`requirement`] scalars, which it keeps. `passes` of the exact
-    /// inverse: at least 1, at most 8. Grids stay where their bytes are.
+    /// Builds the tables of a machine in borrowed memory of [`requirement`] scalars. `passes` of the exact inverse: at
+    /// least 1, at most 8. Grids are read where their bytes are stored.
     ///
     /// # Errors
     /// A table with fewer than two points or not ascending, memory too small, a structural code that cannot be read,
@@ -93,7 +93,7 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
         Self::build_in(&AxisOrder::of(machine)?, machine, rows, grids, passes, memory)
     }
 
-    /// [`Compensation::build`] with the order of the axes found already.
+    /// [`Compensation::build`] with a known order of the axes.
     pub(crate) fn build_in<'r, T: Rows + ?Sized + 'r>(
         order: &AxisOrder<N>,
         machine: &MachineSettings,
@@ -145,13 +145,13 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
         &self.model
     }
 
-    /// Its grids.
+    /// The grids, if the machine has any.
     #[inline(always)]
     pub(crate) fn grids(&self) -> Option<&Grids<'a, R>> {
         self.grids.as_ref().inspect(|grids| grids.exist())
     }
 
-    /// The positions as the tables count them.
+    /// Converts positions to table coordinates.
     #[inline(always)]
     pub fn coordinates(&self, positions: &[P; N]) -> [R; N] {
         match self.model() {
@@ -160,10 +160,11 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
         }
     }
 
-    /// Errors at a position: modelled deviation of the tip from where the axes stand, and of the rotary axes.
+    /// Errors at a position: modelled deviation of the tip from the axis positions, and of the rotary axes.
     ///
-    /// The volumetric form's rotary entries are zero: the tip carries everything, the direction of the tool is in
-    /// [`Compensation::pose_error`]. All look-ups at `at`; `clamped` gets a bit for every axis whose edge value is clamped.
+    /// The rotary entries of the volumetric form are zero: the tip includes every error, and
+    /// [`Compensation::pose_error`] returns the direction of the tool. Sets a bit in `clamped` for every axis whose
+    /// edge value is clamped.
     #[inline(always)]
     pub fn errors(&self, query: &Query<'_, R, N>, clamped: &mut u8) -> Errors<R, N> {
         let mut errors = match self.model() {
@@ -218,16 +219,17 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
         }
     }
 
-    /// The wanted correction `r`, so that the pose at `q + r`, errors included, is the ideal one at `q`.
+    /// The wanted correction `r`, with which the pose at `q + r`, errors included, is the ideal pose at `q`.
     ///
     /// mm, rotary axes in degrees. Nine terms: `r ← −E(q + r)` from `r = 0`, [`NineTerms::correction`]; volumetric:
-    /// [`Volumetric::correction`]; grids included. What is looked up at the feedback needs no inverse and stays as it is read.
+    /// [`Volumetric::correction`]; both include the grids. Errors looked up at the feedback need no inverse and are
+    /// used as read.
     #[inline(always)]
     pub fn correction(&self, query: &Query<'_, R, N>, clamped: &mut u8) -> [R; N] {
         self.correction_in(query, self.passes, clamped)
     }
 
-    /// The same in another number of passes.
+    /// [`Compensation::correction`] with another number of passes.
     #[inline(always)]
     pub(crate) fn correction_in(&self, query: &Query<'_, R, N>, passes: u8, clamped: &mut u8) -> [R; N] {
         match (self.model(), self.grids()) {
@@ -237,7 +239,7 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
         }
     }
 
-    /// [`NineTerms::correction`] of nine terms and grids.
+    /// [`NineTerms::correction`] with nine terms and grids.
     #[inline(never)]
     fn correction_with_grids(&self, query: &Query<'_, R, N>, passes: u8, clamped: &mut u8) -> [R; N] {
         let mut at = *query.command;

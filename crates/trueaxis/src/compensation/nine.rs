@@ -59,7 +59,8 @@ pub struct NineTerms<'a, R, P, const N: usize> {
     kind: Kind,
 }
 
-/// Which loop looks the tables up: three axes at the command, all of one kind, or anything else.
+/// Kind of the tables, which selects the look-up loop: three axes at the command with tables of one kind, or anything
+/// else.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
     /// Equidistant and linear.

@@ -36,10 +36,10 @@ impl Direction {
 /// Direction in which an axis travels: its drive, not its command, because a correction takes up lost motion like any
 /// other motion.
 ///
-/// The turning point follows the drive while it moves on in its direction; the direction changes once the drive has moved
-/// back from the turning point by more than the band, so dither within the band at standstill toggles nothing. Positive
-/// lost motion makes the correction step in the new direction, which confirms it; a step against it must stay within the
-/// band ([`crate::check::reversal`]). Cost: one subtraction and two comparisons.
+/// The turning point follows the drive while it continues in its direction; the direction changes once the drive has
+/// moved back from the turning point by more than the band, so dither within the band at standstill toggles nothing.
+/// Positive lost motion makes the correction step in the new direction, which confirms it; a step against it must stay
+/// within the band ([`crate::check::reversal`]). Cost: one subtraction and two comparisons.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Reversal<P> {
     turning_point: P,

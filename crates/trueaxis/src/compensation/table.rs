@@ -429,7 +429,7 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
         }
     }
 
-    /// A correction can carry the reduced angle of a wrapping table across the seam: it continues from the other side.
+    /// Wraps a coordinate that a correction has carried across the seam of a table over a full turn.
     #[cfg_attr(feature = "fast", inline(always))]
     fn over_the_seam(&self, coordinate: R) -> R {
         if !self.wraps {
@@ -633,7 +633,8 @@ enum Line<'a, R, const W: usize> {
 }
 
 impl<R: Real, const W: usize> Interval<'_, R, W> {
-    /// How far a form of it may extend to either side, mm (deg): across a point within the table by an overlap.
+    /// Room for a tangent to either side, mm (deg): up to the interval's ends, plus the overlap at a point within the
+    /// table.
     pub(super) fn rooms(&self, overlap: R) -> [R; 2] {
         let [below, above] = self.inner;
         [(self.below, below), (self.above, above)].map(|(room, inner)| if inner { room + overlap } else { room })
@@ -711,9 +712,9 @@ fn two_sided(settings: &AxisSettings, rows: &(impl Rows + ?Sized)) -> bool {
     settings.backlash != 0.0 || (0..rows.len()).any(|i| rows.row(i).is_some_and(|row| row.forward != row.reverse))
 }
 
-/// For each bucket, the last knot of an earlier bucket. Buckets are found by the same rounded multiplication as in the
-/// search, which is monotone: a knot of an earlier bucket is never above the coordinate, one of a later bucket never
-/// below. Returns the number of halvings that cover the knots of the fullest bucket.
+/// Stores, for each bucket, the last knot of an earlier bucket. The bucket of a knot results from the same rounded
+/// multiplication as in the search, which is monotone: a knot of an earlier bucket is never above the coordinate, one
+/// of a later bucket never below. Returns the number of halvings that cover the knots of the fullest bucket.
 fn fill_guide<R: Real>(knots: &[R], guide: &mut [R], scale: R) -> u32 {
     let mut most = 0;
     let mut next = 0usize;

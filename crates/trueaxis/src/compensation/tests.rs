@@ -198,7 +198,7 @@ fn dither_within_the_band_does_not_toggle_the_direction() {
     assert_eq!(reversal.update(11.902, 1e-3), Direction::POSITIVE);
 }
 
-/// A drive that wanders around its turning point, in steps of about the band's width: with and without the quick check.
+/// A drive that wanders around its turning point in steps of about the band's width, with and without the quick check.
 fn verdicts_agree<R: Real, P: Position>(seed: u64) {
     let mut noise = Noise::new(seed);
     for band in [0.0, 0.3e-3, 3e-3] {

@@ -241,7 +241,7 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
         })
     }
 
-    /// There is none in a build without the model.
+    /// Does nothing; unreachable in a build without the model.
     #[inline(always)]
     pub(crate) fn exists(&self) {
         self.part.exists();

@@ -20,9 +20,9 @@ mod nearest;
 /// t ∝ |v| u/|u| + |u| v/|v|        u, v: chords before and after the point
 /// ```
 ///
-/// and its speed is 4|c|/(2 + cos α₀ + cos α₁), with α the angles between c and the directions. On a circle at 6° a span the
-/// cubic is within 1e-10 of the radius; this error falls with the sixth power of the angle. Where u and v differ by more than
-/// 20° there is a corner, and the spans on either side are independent of each other.
+/// and its speed is 4|c|/(2 + cos α₀ + cos α₁), with α the angles between c and the directions. On a circle at 6° a
+/// span the cubic is within 1e-10 of the radius; this error falls with the sixth power of the angle. If u and v differ
+/// by more than 20°, the point is a corner, and the spans on either side are independent of each other.
 ///
 /// Remaining error: where the curvature jumps, as from a line to an arc of radius R, c²/(27 R) (75 nm for 0.1 mm on 5 mm) in
 /// the two spans beside it; corners and turning points between two commands are cut as the commands cut them, and by up to
@@ -68,9 +68,9 @@ struct Open<R, P> {
     to: [P; 3],
     /// The span, if it has a length.
     chord: Option<Chord<R, P>>,
-    /// Initial direction, once it is known, …
+    /// Initial direction, once it is known.
     heading: Option<V3<R>>,
-    /// … and how far the span has reached in that direction.
+    /// Distance that the span has reached in that direction.
     reach: R,
 }
 
@@ -178,7 +178,8 @@ impl<R: Real, P: Position, const K: usize> CommandWindow<R, P, K> {
     /// Starts a window of one point.
     #[cold]
     fn begin(&mut self, command: [P; 3]) {
-        // A number that no foot can be on, nor next to, or a search would walk across the jump.
+        // Skips a number: on the next one, a foot of the old window would be a neighbour, and a search would cross the
+        // jump.
         self.number = self.number.wrapping_add(2);
         (self.from, self.open, self.last, self.count) = (command, Open::at(command), None, 1);
         self.cut = false;

@@ -34,7 +34,7 @@ pub enum Segment<'a> {
         /// Full turns beyond the first arc.
         turns: u32,
     },
-    /// The tip stands still while the tool's direction turns; u = 0..1.
+    /// Turn of the tool's direction while the tip stays in place; u = 0..1.
     Turning {
         /// Position of the tip.
         point: DVec3,

@@ -22,7 +22,7 @@ use crate::real::Real;
 /// Square of the cosine of the largest angle between legs that count as side by side, 45°. Beyond 28° the border is in sight
 /// for as long as the legs are close.
 const SIDE_BY_SIDE: f64 = 0.5;
-/// Two feet closer than this are equivalent to whoever acts on them, mm.
+/// Feet closer than this are equivalent for any use of the error, mm.
 const SAME: f64 = 2e-4;
 
 /// Consecutive cycles after which an implausible foot is given up.
@@ -87,7 +87,7 @@ pub(super) fn are_against<R: Real>(a: &[R; 3], b: &[R; 3]) -> bool {
 }
 
 impl<R: Real> Doubt<R> {
-    /// Updates the state for this cycle; returns whether there is a doubt.
+    /// Updates the state for this cycle; returns whether the leg is in doubt.
     #[inline(always)]
     pub(super) fn follow<P: Position>(&mut self, path: &Path<'_, R, P>, apart: &Apart<R>, window: R) -> bool {
         let Apart { foot, reference, anew, lag, progress } = *apart;
@@ -228,7 +228,7 @@ impl<R: Real> Doubt<R> {
     }
 }
 
-/// Minimum near a point, if it lies on that point's span, and its parameter; `None` if there is no minimum at all.
+/// Minimum near a point, if it lies on that point's span, and its parameter; `None` if the distance has no minimum.
 fn minimum<R: Real, P: Position>(
     path: &Path<'_, R, P>,
     near: Reference<R>,

@@ -17,8 +17,8 @@
 //! - with no foot known (first cycle, after a fault, lost) the search samples the path around the reference over several
 //!   cycles, first behind it, then ahead;
 //! - a host whose planner is closed can use its own commands as the path ([`CommandWindow`]);
-//! - a [`ToolPath`] adds a direction to every span ([`Turn`]). The orientation error is the angle at the tip's foot or, where
-//!   the tip stands still while the tool turns ([`Segment::Turning`]), the angle to the nearest orientation.
+//! - a [`ToolPath`] adds a direction to every span ([`Turn`]). The orientation error is the angle at the tip's foot or,
+//!   where the tip stays in place while the tool turns ([`Segment::Turning`]), the angle to the nearest orientation.
 //!
 //! Source: Han Jiang et al., CN110161966A, bracket and bisect the derivative of the distance. Corrected here: the published
 //! rule also accepts maxima, compares signed derivatives where distances count, and searches around the reference instead of
@@ -66,7 +66,7 @@ impl Flags {
     pub const SECOND_MINIMUM: Flags = Flags(8);
     /// No foot was known from the last cycle; the search is sampling the path around the reference.
     pub const COLD: Flags = Flags(16);
-    /// There is no path, or the readings are not trusted: no error was measured.
+    /// No error was measured: the path is empty, or the readings are not trusted.
     pub const NOT_FOUND: Flags = Flags(32);
     /// The reference lay outside its span and was clamped to the nearer end; if it was infinite or not a number, no error was
     /// measured.

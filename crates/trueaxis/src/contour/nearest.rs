@@ -21,12 +21,13 @@ const HALF_LENGTH: f64 = 0.57;
 impl<R: Real, P: Position> Path<'_, R, P> {
     /// Contour error of `point` (mm): its distance from the nearest foot of the whole path.
     ///
-    /// The foot is a minimum of the distance, an end or a corner; of two equally near ones, the first. There is no reference:
-    /// `lag` is zero. Without a span, or for a point that is infinite or not a number, nothing is measured. Near the centre of
-    /// an arc, where all points are equally far to rounding, the foot may be any of them, and need not be flagged *bracketed*.
+    /// The foot is a minimum of the distance, an end or a corner; of two equally near ones, the first. `lag` is zero,
+    /// since the query has no reference. Without a span, or for a point that is infinite or not a number, nothing is
+    /// measured. Near the centre of an arc, where all points are equally far to rounding, the foot may be any of them,
+    /// and need not be flagged *bracketed*.
     ///
-    /// No foot is missed: a span is skipped only if a lower bound of its distance permits it, from its length or from its
-    /// polynomial in Bernstein's basis, and halved until each part holds a single minimum or none.
+    /// No foot is missed: a span is skipped only if a lower bound of its distance permits it, from its length or from
+    /// its polynomial in Bernstein's basis, and halved until each part contains a single minimum or none.
     ///
     /// Not for a servo cycle: some thirty instructions for a distant span; two evaluations and a call of the kernel for one
     /// that may be nearest, or the closed form on lines. `evaluations` saturates at 255.

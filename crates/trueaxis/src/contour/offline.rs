@@ -41,9 +41,10 @@ impl<R: Real> NearFoot<R> {
 impl<R: Real> ContourSearch<R> {
     /// Finds the foot of `point` (mm) near `guess` without a known foot: a local projection.
     ///
-    /// Returns the kernel's foot from the guess, or from where the tangent leads from it, if its own test trusts it and it
-    /// lies within a sixteenth of `max_lag_mm` of the point; otherwise the nearest of all feet within `max_lag_mm` of arc
-    /// length of the guess, missing none. `None` if the path has no such span, or the guess or the point is not a number.
+    /// Returns the kernel's foot from the guess, or from a few steps along the tangent, if its own test trusts it and
+    /// it lies within a sixteenth of `max_lag_mm` of the point; otherwise the nearest of all feet within `max_lag_mm`
+    /// of arc length of the guess, missing none. `None` if the path has no such span, or the guess or the point is not
+    /// a number.
     ///
     /// Cost: one call of the kernel; across a border or from farther away two calls and an evaluation. The whole window is
     /// usually searched only at corners and ends.
@@ -115,9 +116,9 @@ impl<R: Real> ContourSearch<R> {
     /// Contour error of `point` when only the reference's position is known: distance to the nearest of all feet within
     /// `max_lag_mm` of arc length on either side of the reference.
     ///
-    /// Finds every minimum in that window and flags the result if there is a second one; without any minimum the nearer end of
-    /// the window is the answer, without the flag *bracketed*. Not for a servo cycle: two evaluations of every span in the
-    /// window, and a call of the kernel for each minimum; `evaluations` saturates at 255.
+    /// Finds every minimum in that window and flags the result if it finds a second one; without any minimum the nearer
+    /// end of the window is the answer, without the flag *bracketed*. Not for a servo cycle: two evaluations of every
+    /// span in the window, and a call of the kernel for each minimum; `evaluations` saturates at 255.
     pub fn nearest<P: Position>(
         &self,
         path: &Path<'_, R, P>,

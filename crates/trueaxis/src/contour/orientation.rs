@@ -6,9 +6,9 @@
 //! ε = atan2(|a × b|, a · b)        a: direction of the path at the foot of the tip, b: the tool's
 //! ```
 //!
-//! An arc cosine would lose everything below a milliradian in single precision. Where the tip stands still and only the
-//! direction turns (P' = 0), the tip's foot is that point and does not show how far the turn has come; the foot is then the
-//! nearest orientation of the turn.
+//! An arc cosine would lose everything below a milliradian in single precision. Where the tip stays in place and only
+//! the direction turns (P' = 0), the tip's foot is that point and does not show the progress of the turn; the foot is
+//! then the nearest orientation of the turn.
 
 #![deny(clippy::indexing_slicing)]
 
@@ -162,9 +162,9 @@ impl<'a, R: Real, P: Position> ToolPath<'a, R, P> {
 
     /// Orientation error of a tool direction (unit vector, workpiece coordinates), from the tip's foot in this cycle.
     ///
-    /// `of_axes`: direction at rotary positions, degrees. Spans on which the tip stands still compete with the tip's foot for
-    /// the nearest point of the path; a tilt counts as the motion of a point 100 mm up the tool. Without such spans the cost
-    /// is one evaluation of `of_axes`, with them at most twenty-seven.
+    /// `of_axes`: direction at rotary positions, degrees. Spans on which the tip stays in place compete with the tip's
+    /// foot for the nearest point of the path; a tilt counts as the motion of a point 100 mm up the tool. Without such
+    /// spans the cost is one evaluation of `of_axes`, with them at most twenty-seven.
     #[inline(always)]
     pub fn orientation(
         &self,

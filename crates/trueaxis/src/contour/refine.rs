@@ -63,8 +63,8 @@ fn short_step<R: Real>() -> R {
 /// Descends from `start` to the minimum downhill, within `window` mm of arc length on either side.
 ///
 /// Takes Newton steps inside the bracket, guarded by bisection, or plain bisection if `bisect`. Each step takes one
-/// evaluation, at most `budget` in all; `spent` counts them. If there is no change from − to +, the last sample is the answer,
-/// without the flag *bracketed*.
+/// evaluation, at most `budget` in all; `spent` counts them. Without a change from − to +, the result is the last
+/// sample, without the flag *bracketed*.
 #[inline(never)]
 pub(super) fn descend<R: Real, P: Position>(
     path: &Path<'_, R, P>,

@@ -249,7 +249,7 @@ impl<R: Real> ContourSearch<R> {
         }
     }
 
-    /// [`slow`](Self::slow) without the report. `None` if there is no path there; this resets the state.
+    /// [`slow`](Self::slow) without the report. `None` if the path has no span there; this resets the state.
     #[inline(never)]
     pub(super) fn seek<P: Position>(
         &self,
@@ -293,7 +293,7 @@ impl<R: Real> ContourSearch<R> {
             state.warm = false;
             state.looked = 0;
         } else if !state.warm && !sampled {
-            // All samples are taken: either the foot is found, or the search begins again.
+            // After the last sample, the search either has the foot or starts over.
             state.warm = bracketed;
             state.looked = 0;
         }
@@ -423,7 +423,7 @@ pub(super) fn components<R: Real, P: Position>(
     let out = [ty * n[2] - tz * n[1], tz * n[0] - tx * n[2], tx * n[1] - ty * n[0]];
     let binormal = dot(&e, &out) * i;
     let along = dot(&e, &found.tangent);
-    // At a plain foot the tangential part is rounding, so everything that is not out of the plane is in it.
+    // At a plain foot the tangential part is rounding: the in-plane component is the remainder of the distance.
     let special =
         found.flags.has(Flags::AT_END) || found.flags.has(Flags::AT_CORNER) || !found.flags.has(Flags::BRACKETED);
     let tangential = if special && tt > R::of(1e-30) { along / tt.sqrt() } else { R::ZERO };
@@ -444,8 +444,8 @@ pub(super) fn components<R: Real, P: Position>(
     }
 }
 
-/// Finds a minimum behind the nearer border, if the path bends so that there is one on each side: returns the nearer of the
-/// two or, of two legs side by side, the one intended.
+/// Finds a minimum behind the nearer border, if the path bends so that each side has one: returns the nearer of the two
+/// or, of two legs side by side, the one intended.
 #[inline(never)]
 pub(super) fn across<R: Real, P: Position>(
     on: &OnPath<'_, R, P>,
@@ -472,7 +472,7 @@ pub(super) fn across<R: Real, P: Position>(
     let local = beyond.relative(point);
     *spent = spent.saturating_add(2);
     let other = foot(beyond, &local, entry);
-    // Unless the distance falls into the neighbour, there is no minimum there.
+    // Unless the distance falls into the neighbour, it has no minimum there.
     if !(other.converged && other.t > R::ZERO && other.t < R::ONE) {
         return None;
     }

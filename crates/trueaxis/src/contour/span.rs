@@ -76,7 +76,7 @@ impl Span<f64, f64> {
 }
 
 impl<R: Real, P: Position> Span<R, P> {
-    /// Its form; without curves there are only lines.
+    /// Form of the polynomial; a build without curves has only lines.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn form(&self) -> Form {
         if Part::Curves.is_built() { self.form } else { Form::Cubic }
@@ -137,7 +137,7 @@ impl<R: Real, P: Position> Span<R, P> {
         }
     }
 
-    /// Whether the tip stands still on this span ([`Span::turning`]).
+    /// Whether the tip stays in place on this span ([`Span::turning`]).
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn stands(&self) -> bool {
         // Every other span has a speed at its start; a cusp's cubic at least contains the whole length.
@@ -292,8 +292,8 @@ impl<'a, R: Real, P: Position> Path<'a, R, P> {
     /// Point at parameter `u` of a segment, for the step: 0 to 1 on lines and arcs, the knots' domain on splines; outside, the
     /// nearer end.
     ///
-    /// If the window does not contain the segment, or `u` is not a number, there is no such point: the step measures no
-    /// contour error and flags that.
+    /// If the window does not contain the segment, or `u` is not a number, the point does not exist: the step measures
+    /// no contour error and flags that.
     ///
     /// Cost: a binary search, some ten instructions for each doubling of the spans.
     pub fn at(&self, segment: u32, u: f64) -> OnPath<'a, R, P> {
@@ -323,21 +323,21 @@ impl<'a, R: Real, P: Position> Path<'a, R, P> {
         self.spans.get(number.wrapping_sub(self.first) as usize)
     }
 
-    /// Number of the next span after `number` on which the tip moves, if there is one.
+    /// Number of the next span after `number` on which the tip moves, if any.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn next(&self, number: u32) -> Option<u32> {
         let next = self.following(number)?;
         if self.turning { self.pass(next, Self::following) } else { Some(next) }
     }
 
-    /// Number of the last span before `number` on which the tip moves, if there is one.
+    /// Number of the last span before `number` on which the tip moves, if any.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn previous(&self, number: u32) -> Option<u32> {
         let previous = self.preceding(number)?;
         if self.turning { self.pass(previous, Self::preceding) } else { Some(previous) }
     }
 
-    /// Whether the tip stands still on a span.
+    /// Whether the tip stays in place on a span.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn stands(&self, number: u32) -> bool {
         self.span(number).is_some_and(Span::stands)
@@ -355,7 +355,7 @@ impl<'a, R: Real, P: Position> Path<'a, R, P> {
         (!self.stands(number)).then_some(number)
     }
 
-    /// Equivalent of a point on a span on which the tip moves, if there is one nearby; otherwise the point itself.
+    /// Equivalent of a point on a nearby span on which the tip moves, if any; otherwise the point itself.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn moving(&self, at: Reference<R>) -> Reference<R> {
         if self.turning && self.stands(at.span) { self.beside(at) } else { at }
@@ -371,7 +371,7 @@ impl<'a, R: Real, P: Position> Path<'a, R, P> {
         }
     }
 
-    /// Number of the span after `number`, if there is one.
+    /// Number of the span after `number`, if any.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn following(&self, number: u32) -> Option<u32> {
         let next = number.wrapping_add(1);
@@ -382,7 +382,7 @@ impl<'a, R: Real, P: Position> Path<'a, R, P> {
         }
     }
 
-    /// Number of the span before `number`, if there is one.
+    /// Number of the span before `number`, if any.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn preceding(&self, number: u32) -> Option<u32> {
         if number == self.first {

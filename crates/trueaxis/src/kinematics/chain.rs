@@ -45,7 +45,7 @@ pub(super) struct Chain<R> {
     pub(super) sections: [Section<R>; 3],
     /// Travel of X, Y, Z, mm.
     pub(super) travel: [[R; 2]; 3],
-    /// Section that contains all of X, Y and Z, if there is one.
+    /// Section that contains all of X, Y and Z, if any.
     pub(super) together: Option<u8>,
     /// Angle of the tool axis about the second rotary axis, measured from the first one, rad: atan2(c, a) of the inverse.
     pub(super) tool_turn: R,

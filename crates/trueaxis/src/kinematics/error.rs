@@ -44,7 +44,7 @@ pub enum InverseError {
         /// High end of the axis's travel.
         high: f64,
     },
-    /// The other branch was requested, but there is only one solution.
+    /// The other branch was requested, but only one solution exists.
     OneBranch,
     /// Only the other branch continues the path without a jump.
     BranchChange {

@@ -14,10 +14,10 @@
 //! Branch 1 is the pose in which the second axis has turned the tool by 0 … 180 degrees, right-handed, from the position where
 //! the tool comes nearest to n1. The tip is then linear in X, Y, Z: three equations, solved by Cramer's rule.
 //!
-//! Where w = 0 both branches meet and the rotary axes lose a degree of freedom (with b = 0 the tool lies along n1, and q1 is
-//! arbitrary): the singular pose. Near it an error of 1 µrad in t_w moves q1 by 1 µrad / sin(margin). Nearer to it than the
-//! singular cone κ, the first axis continues from its present position and turns as little as leaves the tool an error of at
-//! most
+//! Where w = 0 both branches meet and the rotary axes lose a degree of freedom (with b = 0 the tool lies along n1, and
+//! q1 is arbitrary): the singular pose. Near it an error of 1 µrad in t_w moves q1 by 1 µrad / sin(margin). Within the
+//! singular cone κ, the first axis starts from its present position and turns by the smallest angle that keeps the
+//! error of the tool within
 //!
 //! ```text
 //! L(m) = κ/2 for m ≤ κ/2,   m sin(180° m/κ) from there to κ      m: the margin; L is 0 at κ and at most 0.58 κ
@@ -152,12 +152,13 @@ struct Turned<R> {
 impl<R: Real> Kinematics<R> {
     /// Axis positions for a tool, nearest to `near` (X Y Z A B C, mm and degrees).
     ///
-    /// Rotary axes take the nearest angle within their travel, by whole turns. Error: rounding; forward of the result gives
-    /// the tool within 1e-12 mm at a metre (f64). Cost: at most three polynomials for angles; linear axes on the nearer branch
-    /// only, unless that leaves the travel.
+    /// Rotary axes take the nearest angle within their travel, by whole turns. Error: rounding; [`Kinematics::forward`]
+    /// returns the tool of the result within 1e-12 mm at a metre (f64). Cost: at most three polynomials for angles;
+    /// linear axes on the nearer branch only, unless that leaves the travel.
     ///
-    /// In the singular cone the axis nearest the workpiece keeps its position in `near`, or turns as little as keeps the tool
-    /// within [`Solution::direction_error_deg`] of the requested one; the branch is the one that this leads to.
+    /// In the singular cone the axis nearest the workpiece keeps its position in `near`, or turns by the smallest angle
+    /// that keeps the tool within [`Solution::direction_error_deg`] of the requested one; the branch follows from that
+    /// position.
     ///
     /// # Errors
     /// The tool vector is invalid or out of reach, or its axis positions leave the travel; in the singular cone, the travel
@@ -206,8 +207,8 @@ impl<R: Real> Kinematics<R> {
         if step_deg <= most_deg { self.with_linear(aim.tip, &turned).ok() } else { None }
     }
 
-    /// Axis positions on one branch outside the singular cone, if there are any; [`Kinematics::solutions`] gives the reason if
-    /// not.
+    /// Axis positions on one branch outside the singular cone, if any; otherwise [`Kinematics::solutions`] gives the
+    /// reason.
     #[inline(always)]
     pub(super) fn on_branch(&self, tool: &Tool<R>, near: &[R; AXES], branch: Branch) -> Option<Solution<R>> {
         let [Some(first), Some(second)] = &self.chain.turns else {
@@ -424,8 +425,8 @@ impl<R: Real> Aim<R> {
         })
     }
 
-    /// In the cone, on the way to a branch: turns the first axis as little as keeps the tool within L (see the
-    /// module documentation). From any position (`far`) the angle that the axis may be off counts twice: up to half a turn.
+    /// In the cone, on the way to a branch: turns the first axis by the smallest angle that keeps the tool within L
+    /// (see the module documentation). From any position (`far`) its permitted deviation doubles: up to half a turn.
     #[cold]
     #[inline(never)]
     fn led(&self, branch: Branch, near: &[R; AXES], far: bool) -> Result<Turned<R>, InverseError> {
@@ -440,7 +441,8 @@ impl<R: Real> Aim<R> {
         };
         let (cos, sin) = cos_sin_deg(slack_deg);
         let root = (a * a + c * c).sqrt();
-        // Components across the first axis that the second one leaves, sin(β ∓ L); beyond a right angle there is no bound.
+        // Components across the first axis that the second one leaves, sin(β ∓ L); beyond a right angle no bound
+        // applies.
         let low = if root * cos + b * sin < R::ZERO { -R::ONE } else { b * cos - root * sin };
         let high = if root * cos - b * sin < R::ZERO { R::ONE } else { b * cos + root * sin };
         let square = p * p + q * q;

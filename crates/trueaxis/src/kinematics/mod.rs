@@ -199,7 +199,7 @@ fn degrees<R: Real>(radians: R) -> R {
     radians * R::of(180.0 / core::f64::consts::PI)
 }
 
-/// `v` turned by an axis, if there is one.
+/// `v` turned by an axis, if any.
 #[inline(always)]
 fn turned<R: Real>(turn: Option<(Rotary<R>, (R, R))>, v: V3<R>) -> V3<R> {
     match turn {

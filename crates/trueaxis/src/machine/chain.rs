@@ -16,10 +16,10 @@ pub struct Link {
 /// The axes of a structural code from the workpiece to the tool, e.g. `w Y' X' b Z t`.
 ///
 /// The code reads: `w`, the axes that carry the workpiece (each with a prime), `b` for the bed, the axes that carry the
-/// tool (without), `t`; blanks are optional, every axis stands at most once. After ISO 10791-6.
+/// tool (without), `t`; blanks are optional, every axis appears at most once. Source: ISO 10791-6.
 ///
 /// # Errors
-/// [`Field::Chain`] with the position in the code, counted from 0, of the first letter that makes no sense.
+/// [`Field::Chain`] with the position in the code, counted from 0, of the first letter that cannot be parsed.
 pub fn links(chain: &str) -> Result<Vec<Link, AXES>, ConfigError> {
     let wrong = |place: usize, needed| ConfigError::new(Field::Chain, place as f64, needed).at(place);
     let mut letters = chain.char_indices().filter(|(_, letter)| !letter.is_whitespace()).peekable();
@@ -62,12 +62,12 @@ pub fn is_turned(links: &[Link], axis: Axis) -> bool {
     carriers(links, axis) > 0
 }
 
-/// Whether an axis stands on the workpiece side of a structural code; not where the code cannot be read.
+/// Whether an axis is on the workpiece side of a structural code; `false` if the code cannot be parsed.
 pub fn carries_workpiece(chain: &str, axis: Axis) -> bool {
     links(chain).is_ok_and(|links| links.iter().any(|link| link.axis == axis && link.carries_workpiece))
 }
 
-/// Rotary axes between the bed and `axis`.
+/// Number of rotary axes between the bed and `axis`.
 fn carriers(links: &[Link], axis: Axis) -> usize {
     let Some(place) = links.iter().position(|link| link.axis == axis) else { return 0 };
     let side = links.get(place).is_some_and(|link| link.carries_workpiece);
@@ -77,7 +77,7 @@ fn carriers(links: &[Link], axis: Axis) -> usize {
     links.iter().enumerate().filter(carrier).count()
 }
 
-/// The nine terms turn the errors of an axis by two rotary axes at most.
+/// Refuses a chain in which more than two rotary axes turn the errors of an axis: the nine terms support two.
 pub(crate) fn nine_terms(links: &[Link]) -> Result<(), ConfigError> {
     if links.iter().any(|link| carriers(links, link.axis) > 2) {
         return Err(ConfigError::new(Field::Chain, 3.0, MOST_CARRIERS));

@@ -173,7 +173,7 @@ impl Cell {
     fn range(&self) -> (f64, f64) {
         let [m0, m1] = self.slopes;
         let (linear, square) = (2.0 * (3.0 * self.secant - 2.0 * m0 - m1), 3.0 * (m0 + m1 - 2.0 * self.secant));
-        // m0 + linear t + square t² = 0, in the form without cancellation; NaN if there is no root.
+        // m0 + linear t + square t² = 0, in the form without cancellation; NaN without a root.
         let root = libm::sqrt(linear * linear - 4.0 * square * m0);
         let half = -0.5 * (linear + if linear < 0.0 { -root } else { root });
         let (a, b) = (self.at(0.0), self.at(1.0));

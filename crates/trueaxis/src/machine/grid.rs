@@ -94,7 +94,7 @@ pub struct GridData<'a> {
 
 impl<'a> GridData<'a> {
     /// Creates a grid from its header and the bytes after it: positions of free nodes as doubles, then the nodes. Also
-    /// returns the remaining bytes; `None` if there are too few.
+    /// returns the remaining bytes; `None` if the bytes do not suffice.
     pub fn new(header: GridHeader, bytes: &'a [u8]) -> Option<(Self, &'a [u8])> {
         let [positions, nodes] = header.bytes()?;
         let (positions, rest) = bytes.split_at_checked(positions)?;

@@ -105,8 +105,8 @@ pub struct AxisSettings {
     /// Origin of the axis' frame from its carrier's, in bed directions with all axes at zero, mm. For a rotary axis: a
     /// point of its axis of rotation.
     pub offset_mm: [f64; 3],
-    /// Position of the *other* linear axes (and of the measuring point) when the table was measured, mm. Zero: none in
-    /// particular; the table's translations apply at the origin of the axis' moved frame.
+    /// Position of the *other* linear axes (and of the measuring point) when the table was measured, mm. Zero: not
+    /// stated; the table's translations apply at the origin of the axis' moved frame.
     pub measured_at_mm: [f64; 3],
     /// Highest feed of the axis, mm/s (deg/s).
     pub max_feed_per_s: f64,
@@ -117,8 +117,8 @@ pub struct AxisSettings {
     /// known, and wider than any step that a correction makes against the travel: see [`crate::check::reversal`].
     pub hysteresis: f64,
     /// Smallest step of the position reading, mm (deg), or its peak-to-peak noise if that is larger; `None` if not
-    /// stated. Bounds the hysteresis from below, and is what a dead encoder may show ([`FaultSettings::stuck`]). Stored
-    /// at the end of a compiled file ([`crate::tcomp`]).
+    /// stated. Bounds the hysteresis from below, and determines the changes that a dead encoder may show
+    /// ([`FaultSettings::stuck`]). Stored at the end of a compiled file ([`crate::tcomp`]).
     #[serde(skip)]
     pub encoder_resolution: Option<f64>,
     /// Limits of the correction.
@@ -255,7 +255,7 @@ pub struct CompensationSettings {
 }
 
 impl CompensationSettings {
-    /// The volumetric model; no machine has it in a build without.
+    /// Whether the model is volumetric; always `false` in a build without that model.
     pub(crate) fn is_volumetric(&self) -> bool {
         part::VOLUMETRIC.is_some() && self.model == ErrorModel::Volumetric
     }
@@ -323,7 +323,7 @@ pub type Twist<R = f64> = [R; 6];
 pub struct Row {
     /// Axis position, mm (deg).
     pub position: f64,
-    /// Errors in positive travel (or without regard to it).
+    /// Errors in positive travel, or in either direction.
     pub forward: Twist,
     /// Errors in negative travel; equal to `forward` unless the table is bidirectional.
     pub reverse: Twist,

@@ -8,7 +8,7 @@ pub trait Rows {
     fn len(&self) -> usize;
     /// Line `index`, in ascending order of position.
     fn row(&self, index: usize) -> Option<Row>;
-    /// Whether there are no lines.
+    /// Whether the table has no lines.
     fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -39,8 +39,7 @@ const UNDECLARED: [f64; 2] = [-1000.0, 1000.0];
 const BEYOND_TRAVEL: f64 = 10.0;
 
 impl<'r, T: Rows + ?Sized + 'r> Lines<'r, T> {
-    /// The lines of an axis, and its settings adapted to them; `None` if there is no table and the direction of travel
-    /// does not matter.
+    /// The lines of an axis, and its settings adapted to them; `None` for an axis with neither a table nor lost motion.
     ///
     /// Zeros extend [`BEYOND_TRAVEL`] past the declared travel, or over one turn if a rotary axis can then rotate fully.
     /// They are interpolated like the machine's first table, so that they use the same loop as the others.

@@ -127,7 +127,7 @@ pub struct FeedbackSettings {
     pub proportional: f64,
     /// Integral gain K_i, 1/s.
     pub integral_per_s: f64,
-    /// Highest speed of the command with feedback, mm/s; above it (rapid motion) there is none.
+    /// Highest speed of the command with feedback, mm/s; above it (rapid motion) the feedback is off.
     pub max_feed_per_s: f64,
     /// A contour error that repeatedly changes its sign, each time exceeding this, is an oscillation: the feedback is
     /// ramped out, mm.

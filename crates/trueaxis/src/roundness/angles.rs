@@ -13,7 +13,7 @@ use crate::error::{ConfigError, Field};
 use crate::range;
 use core::f64::consts::{PI, TAU};
 
-/// Noise gain from which an angle set cannot see a harmonic at all.
+/// Noise gain from which a harmonic counts as invisible to an angle set.
 const SINGULAR: f64 = 1e8;
 
 /// A band of harmonics, undulations per revolution.

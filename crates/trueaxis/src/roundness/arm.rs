@@ -5,9 +5,9 @@
 //! θ = α + β                        e^{jβ} = (1 + λ e^{jθ}) / |1 + λ e^{jθ}|
 //! ```
 //!
-//! R crank throw, R_S wheel radius, R_W pin radius; α spindle angle, β arm angle, θ angle over the pin's surface. The second
-//! line follows from the triangle of crank centre, pin and wheel; it gives β at any θ in closed form, with one square root and
-//! no inverse function. λ = 0 describes an arm that stands still, for an ordinary shaft.
+//! R crank throw, R_S wheel radius, R_W pin radius; α spindle angle, β arm angle, θ angle over the pin's surface. The
+//! second line follows from the triangle of crank centre, pin and wheel; it gives β at any θ in closed form, with one
+//! square root and no inverse function. λ = 0 describes a fixed arm, for an ordinary shaft.
 
 use crate::error::{ConfigError, Field};
 use crate::range::{CRANK, RADIUS};

@@ -56,7 +56,7 @@ pub(super) struct SpindleState {
     pulse: i32,
     pub(super) started: bool,
     referenced: bool,
-    /// Zero was known, and counting has continued since: good enough to apply a correction, not to measure.
+    /// Zero was known, and counting has continued since: sufficient to apply a correction, not to measure.
     counting: bool,
     /// The last index pulse contradicted the previous one: the next must agree.
     doubtful: bool,
@@ -119,8 +119,8 @@ impl SpindleCounter {
         state.last = raw;
     }
 
-    /// Counts from α = 0 below which a count that continues needs no further test until a pulse comes: the turn does not end
-    /// there, and no pulse is missing. 0 while zero is in doubt.
+    /// Counts from α = 0 below which a count that continues needs no further test until the next pulse: the turn does
+    /// not end there, and no pulse is missing. 0 while zero is in doubt.
     pub(super) fn plain(&self, state: &SpindleState) -> u32 {
         if !state.referenced {
             return 0;
@@ -135,7 +135,7 @@ impl SpindleCounter {
         u32::try_from(until_overdue).map_or(0, |counts| counts.min(self.counts))
     }
 
-    /// α in this cycle, if known, if only by counting on; adds flags for any fault.
+    /// α in this cycle, if known, even if only by counting since the last reliable zero; adds flags for any fault.
     #[inline(always)]
     pub(super) fn update(
         &self,
@@ -177,8 +177,8 @@ impl SpindleCounter {
         }
     }
 
-    /// Handles everything but a plain motion: first cycle, jump, index pulse, missing pulse. Returns true if zero has moved:
-    /// the angles before and after then do not belong together.
+    /// Handles everything but a plain motion: first cycle, jump, index pulse, missing pulse. Returns true if zero has
+    /// moved, which makes the angles before and after incomparable.
     #[inline(never)]
     fn exceptional(
         &self,

@@ -11,7 +11,7 @@ pub fn transmission(harmonic: usize, cut_off: u16) -> f64 {
     libm::exp2(-ratio * ratio)
 }
 
-/// Whether there are the seven points per undulation that ISO 12181-2 requires at the cut-off: N >= 7 k_c.
+/// Whether N points satisfy ISO 12181-2, which requires seven points per undulation at the cut-off: N >= 7 k_c.
 pub fn has_enough_points(points: usize, cut_off: u16) -> bool {
     points >= 7 * usize::from(cut_off)
 }

@@ -11,7 +11,8 @@ use serde::{Deserialize, Serialize};
 pub struct GaugeFlags(pub u16);
 
 impl GaugeFlags {
-    /// No index pulse has been seen yet, or none is reliable: θ is unknown, or known only by counting on.
+    /// No index pulse has been seen yet, or none is reliable: θ is unknown, or known only by counting since the last
+    /// one.
     pub const NO_INDEX: GaugeFlags = GaugeFlags(1);
     /// An expected index pulse was missing.
     pub const INDEX_MISSING: GaugeFlags = GaugeFlags(1 << 1);
@@ -21,14 +22,14 @@ impl GaugeFlags {
     pub const SPINDLE_JUMP: GaugeFlags = GaugeFlags(1 << 3);
     /// A probe is outside its range, or its reading is not finite.
     pub const PROBE_RANGE: GaugeFlags = GaugeFlags(1 << 4);
-    /// The arm's angle is outside ±90°. For a processed revolution: the arm's reading contradicts the linkage; the profile
-    /// is then valid, but its motion does not count and the infeed is not updated.
+    /// The arm's angle is outside ±90°. For a processed revolution: the arm's reading contradicts the linkage; the
+    /// profile is then valid, but the window of its motion starts over and the infeed is not updated.
     pub const ARM: GaugeFlags = GaugeFlags(1 << 5);
     /// θ ran backwards by more than a point.
     pub const REVERSED: GaugeFlags = GaugeFlags(1 << 6);
     /// θ passed more than two points in a cycle.
     pub const TOO_FAST: GaugeFlags = GaugeFlags(1 << 7);
-    /// The spindle stood still.
+    /// The spindle has stopped.
     pub const STOPPED: GaugeFlags = GaugeFlags(1 << 8);
     /// The speed changed by more than a quarter within the revolution; resampling allows for it.
     pub const SPEED: GaugeFlags = GaugeFlags(1 << 9);

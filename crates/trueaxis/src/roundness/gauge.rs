@@ -57,8 +57,8 @@ impl<R: Real, const N: usize> Gauge<R, N> {
         GaugeState::new()
     }
 
-    /// Resets a state in place: the gauge neither measures nor feeds in until another revolution is whole, and the wheel is
-    /// that of the settings.
+    /// Resets a state in place: the gauge neither measures nor corrects the infeed until another revolution is whole,
+    /// and the wheel is that of the settings.
     pub fn restart(&self, state: &mut GaugeState<R, N>) {
         *state = GaugeState::new();
     }
@@ -73,7 +73,7 @@ impl<R: Real, const N: usize> Gauge<R, N> {
         self.band
     }
 
-    /// Whether a harmonic of the band is left out because of its noise gain.
+    /// Whether the gauge suppresses a harmonic of the band because of its noise gain.
     pub fn is_suppressed(&self, harmonic: usize) -> bool {
         let noise_gain = self.gain.noise_gain(harmonic);
         noise_gain.is_nan() || noise_gain > self.noise_gain_limit
@@ -92,7 +92,7 @@ impl<R: Real, const N: usize> Gauge<R, N> {
     /// Sets the wheel's radius R_S, mm (wear, dressing); takes effect with the next revolution that is processed.
     ///
     /// # Errors
-    /// There is no arm, or the linkage cannot close.
+    /// The gauge has no arm, or the linkage cannot close.
     pub fn set_wheel(&self, state: &mut GaugeState<R, N>, wheel_mm: f64) -> Result<(), ConfigError> {
         let Some(arm) = self.arm else {
             return Err(ConfigError::new(Field::ArmWheel, wheel_mm, "a gauge with a following arm"));
@@ -103,8 +103,9 @@ impl<R: Real, const N: usize> Gauge<R, N> {
 
     /// Processes one servo cycle; cannot fail, panic, allocate, block, or loop without a fixed bound.
     ///
-    /// `followed` states how far the drive followed the infeed of the previous cycle: the law learns only where it
-    /// was followed. The three stages can be called separately, for instance [`Gauge::work`] in the background.
+    /// `followed` states how far the drive followed the infeed of the previous cycle; the law learns only from
+    /// revolutions in which it followed. The three stages can be called separately, for instance [`Gauge::work`] in the
+    /// background.
     #[inline]
     pub fn update(&self, state: &mut GaugeState<R, N>, probes: &Probes<R>, followed: Followed) -> Cycle<R> {
         let flags = self.sample(state, probes, followed);
@@ -116,7 +117,7 @@ impl<R: Real, const N: usize> Gauge<R, N> {
     #[inline]
     pub fn infeed(&self, state: &mut GaugeState<R, N>) -> R {
         let (Some(infeed), Some(theta)) = (&self.infeed, state.resampler.theta()) else {
-            // When θ is known again, it says nothing about the speed since.
+            // When θ is known again, its change does not show the speed.
             state.speed.theta = None;
             return R::ZERO;
         };

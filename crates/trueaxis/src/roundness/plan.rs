@@ -76,7 +76,7 @@ pub(super) struct Plan<R, const N: usize> {
     pub(super) arm_tolerance: R,
     pub(super) revolutions: u16,
     pub(super) per_revolutions: R,
-    /// 1/G(0), from the mean of the weighted sum to the mean of the radius; 0 if the probes cannot see it.
+    /// 1/G(0), from the mean of the weighted sum to the mean of the radius; 0 if the probes are blind to it.
     pub(super) per_mean: R,
     /// Change of the drift that is treated as zero, in the weighted sum.
     pub(super) steady: R,

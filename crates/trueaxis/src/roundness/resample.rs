@@ -28,7 +28,7 @@ pub(super) const POINTS_PER_CYCLE: usize = 2;
 pub(super) struct Resampler<R, const N: usize> {
     spindle: SpindleCounter,
     arm: Option<ArmCounter>,
-    /// Middle of every probe's range, and the square of a distance from it within which all readings are inside.
+    /// Middle of every probe's range, and the square of a distance from it within which all readings are in range.
     middle: [R; 3],
     room: R,
     range: [[R; 2]; 3],
@@ -45,15 +45,15 @@ pub(super) struct ResamplerState<R> {
     pub(super) plain: u32,
     /// Cycles left until the spindle counts as stopped, unless θ passes a point.
     left: u32,
-    /// θ and readings in the last two cycles that count, the older one first.
+    /// θ and readings in the last two accepted cycles, the older one first.
     theta: [u32; 2],
     readings: [[R; 3]; 2],
-    /// Number of those cycles.
+    /// Number of those cycles, at most 2.
     known: u8,
     /// θ in this cycle, if known.
     here: u32,
     is_known: bool,
-    /// Cycles up to the last point, and cycles in which the spindle stood still, wrapping.
+    /// Cycles up to the last point, and cycles in which the spindle did not turn, wrapping.
     clock: u32,
 }
 
@@ -99,7 +99,7 @@ pub(super) enum Glance {
     },
 }
 
-/// A cycle that counts, after the full check: [`Resampler::gather`] must follow.
+/// A cycle accepted by the full check: [`Resampler::gather`] must follow.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Counted {
     /// β in 2^−32 turns.
@@ -188,7 +188,7 @@ impl<R: Real, const N: usize> Resampler<R, N> {
         Glance::Between
     }
 
-    /// Number of points between the last cycle and this one, for a cycle that counts.
+    /// Number of points between the last accepted cycle and this one.
     #[inline(always)]
     pub(super) fn passed(state: &ResamplerState<R>) -> usize {
         let [_, last] = state.theta;
@@ -284,7 +284,7 @@ impl<R: Real, const N: usize> Resampler<R, N> {
         state.clock.wrapping_add(self.patience.wrapping_sub(state.left))
     }
 
-    /// Handles a θ that stands still, turns back, or runs too fast to be sampled; returns true if the cycle counts.
+    /// Handles a θ that stops, turns back, or runs too fast to be sampled; returns true if the cycle is accepted.
     fn irregular(&self, state: &mut ResamplerState<R>, moved: i32, flags: &mut GaugeFlags) -> bool {
         if moved > 0 && moved >= Self::WIDTH {
             flags.set(GaugeFlags::TOO_FAST);
@@ -321,7 +321,7 @@ impl<R: Real, const N: usize> Resampler<R, N> {
         Point { h1: first, h2: second, sum: first + k2 * second + k3 * third }
     }
 
-    /// Stores the cycle and counts it.
+    /// Stores the cycle and counts it as known.
     pub(super) fn gather(state: &mut ResamplerState<R>, readings: &[R; 3]) {
         Self::keep(state, readings);
         state.known = (state.known + 1).min(2);

@@ -20,7 +20,7 @@ impl<R: Real, const N: usize> Gauge<R, N> {
         }
     }
 
-    /// Handles a cycle in which anything may be out of the ordinary.
+    /// Handles any cycle, with the full check.
     #[inline(never)]
     fn look(&self, state: &mut GaugeState<R, N>, probes: &Probes<R>, followed: Followed) -> GaugeFlags {
         if probes.new_part {

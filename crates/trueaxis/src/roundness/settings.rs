@@ -43,7 +43,7 @@ pub struct SpindleEncoder {
     pub counts: u32,
     /// +1 if counts rise with θ, −1 otherwise.
     pub direction: i8,
-    /// Whether the encoder has an index pulse, which is zero of α; without one, zero is where the count is zero.
+    /// Whether the encoder has an index pulse, which marks α = 0; without one, α is zero where the count is zero.
     pub index: bool,
     /// An index pulse more than this many counts off its position is an error.
     pub index_tolerance: u32,
@@ -87,8 +87,8 @@ pub struct InfeedSettings {
     pub noise_gain_limit: f64,
 }
 
-/// Default noise gain above which harmonics are not corrected: changes of the surface that a probe sees during a revolution
-/// enter the profile with the same gain.
+/// Default noise gain above which harmonics are not corrected: changes of the surface during a revolution enter the
+/// profile with that gain too.
 pub const INFEED_NOISE_GAIN_LIMIT: f64 = 10.0;
 
 /// Stability limit of the gain of an integrating law with D updates of delay: 2 sin(π/(2(2D + 1))).
@@ -242,7 +242,7 @@ impl InfeedSettings {
             f64::from(self.delay_revolutions),
             "a delay of 1 to 16 revolutions",
         )?;
-        // Half the stability limit: a margin for effects that the model of the process omits.
+        // Half the stability limit: a margin for effects that the process model omits.
         let most = 0.5 * gain_limit(self.delay_revolutions);
         need(self.gain <= most, Field::InfeedGain, self.gain, "a gain above 0 and at most sin(π/(2(2D + 1)))")
     }

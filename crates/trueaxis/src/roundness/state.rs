@@ -33,7 +33,7 @@ pub(super) struct Sampling<R> {
     pub(super) flags: GaugeFlags,
     /// Total of the weighted sums.
     pub(super) total: R,
-    /// Mean of the weighted sums over the previous revolution, if that was whole.
+    /// Mean of the weighted sums over the previous revolution, if that one was whole.
     pub(super) before: Option<R>,
     /// The cycle in which it began.
     pub(super) began: u32,
@@ -43,7 +43,7 @@ pub(super) struct Sampling<R> {
     pub(super) entered: u32,
     pub(super) fewest: u32,
     pub(super) most: u32,
-    /// Number of cycles in which the infeed was followed in part, or not at all.
+    /// Numbers of cycles that the infeed law does not learn from: limited, and not followed or idle.
     pub(super) limited: u32,
     pub(super) unheard: u32,
 }
@@ -64,7 +64,7 @@ impl<R: Real> Sampling<R> {
         unheard: 0,
     };
 
-    /// Counts a cycle from which the infeed law does not learn.
+    /// Counts a cycle that the infeed law does not learn from.
     #[inline(never)]
     pub(super) fn count(&mut self, limited: bool) {
         let counter = if limited { &mut self.limited } else { &mut self.unheard };
@@ -99,7 +99,7 @@ pub(super) struct Speed<R> {
 }
 
 impl<R: Real, const N: usize> GaugeState<R, N> {
-    /// The state before the first cycle. All of it is zero, so a static of it takes no flash.
+    /// The state before the first cycle. All of its bytes are zero, so a static of it takes no flash.
     #[allow(clippy::new_without_default)]
     pub const fn new() -> Self {
         GaugeState {
@@ -116,8 +116,8 @@ impl<R: Real, const N: usize> GaugeState<R, N> {
         }
     }
 
-    /// The latest revolution evaluated of this part. Like the results below, it is consistent only while no work is in
-    /// progress ([`GaugeState::is_settled`]).
+    /// Result of the latest evaluated revolution of this part. Like the results below, it is consistent only while no
+    /// work is in progress ([`GaugeState::is_settled`]).
     pub fn latest(&self) -> Option<Evaluation<R>> {
         let Outcome { revolution, flags, peak_to_valley_um } = self.latest;
         let ([x, y], revolutions) = (self.work.error_motion, self.work.window);

@@ -6,11 +6,11 @@ use super::work::{ARM_CHECKS, POINTS_PER_SLICE, Work};
 use super::{Gauge, GaugeState};
 use crate::real::Real;
 
-/// One row per task: its pattern, a name, its number of slices, how often it occurs in a revolution under a plan at most, and
-/// its slice at an index. Slices count down.
+/// One row per task: its pattern, a name, its number of slices, the most times it occurs in a revolution under a plan,
+/// and its slice at an index. Slices count down.
 ///
-/// Every task becomes a separate function, so that nothing is prepared before the task is known. A table of functions would do
-/// the same by an indirect call, which the stack-bound analysis could not follow.
+/// Every task becomes a separate function, so that the code prepares nothing before the task is known. A table of
+/// functions would do the same by an indirect call, which the stack-bound analysis could not follow.
 macro_rules! tasks {
     (|$gauge:ident, $plan:ident, $state:ident, $at:ident|
      $($task:ident => $name:ident, $slices:expr, $times:expr, $slice:expr;)*) => {
@@ -32,7 +32,7 @@ macro_rules! tasks {
             $(#[inline(never)]
             fn $name(&self, $state: &mut GaugeState<R, N>, $at: usize) {
                 let ($gauge, $plan) = (self, &self.plan);
-                // Not every task needs all of them.
+                // Most tasks need only some of these.
                 let _ = ($gauge, $plan, $at);
                 $slice
             })*
@@ -99,7 +99,7 @@ tasks! { |gauge, plan, state, at|
     Close => close, 1, 1, state.work.close();
     Judge => judge, N / POINTS_PER_SLICE, used(&plan.infeed), state.work.judge(gauge.infeed.as_ref(), at);
     Commit => commit, N / POINTS_PER_SLICE, used(&plan.infeed), state.work.commit(gauge.infeed.as_ref(), at);
-    // For another part: not part of the work on a revolution.
+    // For a new part: not included in the work on a revolution.
     Clear => zero, N / POINTS_PER_SLICE, 0, state.work.zero(at);
     Range => measure, N / POINTS_PER_SLICE, 1, state.work.measure(plan, at);
 }
@@ -120,7 +120,7 @@ fn inverse<R: Real, const N: usize>(plan: &Plan<R, N>, buffer: &mut [R; N], at: 
     }
 }
 
-/// How often a use of the spectrum occurs.
+/// 1 if a plan has this use of the spectrum, otherwise 0.
 fn used<T>(of: &Option<T>) -> usize {
     usize::from(of.is_some())
 }

@@ -9,9 +9,9 @@
 //! Z'*_{M−k} = P Z*_{M−k} + Q (s Z*_{M−k} − j c Z_k)     Q = (C(k) − C*(M−k))/2
 //! ```
 //!
-//! The inverse is decimation in time, radix 4: bit-reversed in, natural out. Nothing is ever permuted: in bit-reversed order
-//! the partner of index i in [b, 2b), b a power of two, is 3b − 1 − i. If M is not a power of four, there is one radix-2 stage
-//! next to the pair pass.
+//! The inverse is decimation in time, radix 4: bit-reversed in, natural out. No pass permutes values: in bit-reversed
+//! order the partner of index i in [b, 2b), b a power of two, is 3b − 1 − i. If M is not a power of four, one radix-2
+//! stage is added next to the pair pass.
 //!
 //! A slice is one radix-4 butterfly, two butterflies of the last stage, whose twiddle factors are eighths of a turn, four
 //! radix-2 butterflies, or one pair: at most 24 multiplications and 44 additions. The whole transform takes
@@ -102,7 +102,7 @@ pub(crate) const fn slices<const N: usize>(stage: usize) -> usize {
     }
 }
 
-/// Number of slices of the radix-2 stage, 0 if there is none.
+/// Number of slices of the radix-2 stage, 0 if the transform needs none.
 pub(crate) const fn slices_of_twos<const N: usize>() -> usize {
     if (N / 2).trailing_zeros() % 2 == 1 { N / 16 } else { 0 }
 }
@@ -134,7 +134,7 @@ impl Pairs {
     fn next(&mut self) {
         self.at += 1;
         self.partner = self.partner.wrapping_sub(1);
-        // Half of [b, 2b) has met the other half; or index 1 is done.
+        // Half of [b, 2b) has been paired with the other half; or index 1 is done.
         if self.at > self.partner {
             self.block *= 2;
             (self.at, self.partner) = (self.block, 2 * self.block - 1);

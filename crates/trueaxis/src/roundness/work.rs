@@ -6,7 +6,7 @@
 //!   ─► Spread, Inverse, Judge, Commit (infeed) ─► Spread, Inverse (filter) ─► Range
 //! ```
 //!
-//! The tasks that a gauge needs are selected when it is built; a slice is bounded for any data. The table in `tasks.rs` lists
+//! Building the gauge selects the tasks that it needs; a slice is bounded for any data. The table in `tasks.rs` lists
 //! the work of each task in a slice and its number of slices; `Work::next` determines the order of tasks.
 
 use super::arm_angle;
@@ -48,7 +48,7 @@ impl<R: Real, const N: usize> Revolution<R, N> {
 pub(super) struct Beginning<R> {
     pub(super) revolution: u32,
     pub(super) flags: GaugeFlags,
-    /// Whether the infeed axis could not follow.
+    /// Whether the infeed axis was limited.
     pub(super) limited: bool,
     /// Mean of the weighted sum, and its change from the previous revolution.
     pub(super) mean: R,
@@ -77,7 +77,7 @@ pub(super) struct Work<R, const N: usize> {
     /// Buffer in which the inverse continues: 0 the profile, 1 the other.
     into: usize,
     pub(super) task: Task,
-    /// Use of the spectrum for which it is being computed.
+    /// Use of the spectrum that the current inverse computes.
     pub(super) of: Use,
     /// Revolutions in the window of the motion so far.
     pub(super) gathered: u16,
@@ -109,7 +109,7 @@ pub(super) struct Work<R, const N: usize> {
     /// X and Y of the motion at every point, over the revolutions of the window.
     bundles: [[Bundle<R>; 2]; N],
     pub(super) correction: [R; N],
-    /// [cos β − 1, sin β] at every point; all zero for an arm that stands still.
+    /// [cos β − 1, sin β] at every point; all zero for a fixed arm.
     linkage: [Complex<R>; N],
 }
 
@@ -147,7 +147,7 @@ impl<R: Real, const N: usize> Work<R, N> {
         self.task == Task::Idle
     }
 
-    /// Whether the correction is being set to zero, or waits for that.
+    /// Whether the correction is being cleared or is due to be cleared.
     pub(super) fn is_cleared(&self) -> bool {
         self.clear
     }
@@ -172,7 +172,7 @@ impl<R: Real, const N: usize> Work<R, N> {
             Task::Forward0
         };
         self.drift = drift;
-        // Counts from the first point; the mean is the radius at the middle.
+        // The radius counts from the first point; the mean applies at the middle.
         let step = drift * plan.per_mean * R::of(1.0 / N as f64);
         self.radius = [mean * plan.per_mean - step * R::of((N as f64 - 1.0) / 2.0), step];
         self.limited_for = if limited { self.limited_for.saturating_add(1) } else { 0 };
@@ -181,7 +181,8 @@ impl<R: Real, const N: usize> Work<R, N> {
         self.result = Outcome { revolution, flags, ..Outcome::NONE };
     }
 
-    /// Whether the axis cannot follow the correction, revolution after revolution: freezing it would block it for good.
+    /// Whether the axis has been unable to follow for several revolutions: freezing the correction would then keep it
+    /// limited permanently.
     pub(super) fn gives_way(&self) -> bool {
         self.limited_for >= PATIENCE
     }
@@ -325,7 +326,8 @@ impl<R: Real, const N: usize> Work<R, N> {
         (self.window, self.gathered) = (self.gathered, 0);
     }
 
-    /// Removes a steady change of the radius from the weighted sum: it is not a harmonic, but would look like all of them.
+    /// Removes a steady change of the radius from the weighted sum: the change is not periodic and would leak into all
+    /// harmonics.
     #[inline(always)]
     pub(super) fn level(&mut self, sum: &mut [R; N], at: usize) {
         for i in 0..POINTS_PER_SLICE {
@@ -361,7 +363,7 @@ impl<R: Real, const N: usize> Work<R, N> {
         self.linkage.get(index).map_or(R::ONE, |[less, _]| *less + R::ONE)
     }
 
-    /// Compares sin β of the reading with sin β of the linkage, at one of the points to be compared.
+    /// Compares sin β of the reading with sin β of the linkage, at one of the [`ARM_CHECKS`] points.
     #[inline(always)]
     pub(super) fn compare_arm(&mut self, revolution: &Revolution<R, N>, at: usize) {
         let at = at & (ARM_CHECKS - 1);

@@ -115,7 +115,7 @@ impl<R: Real, P: Position> Cells<R, P> {
         self.passes
     }
 
-    /// Number of cells left. Moves grid boxes that have been left to the positions.
+    /// Number of cells that the positions have left; moves a grid box that they have left to them first.
     #[inline(always)]
     pub(crate) fn missing<const N: usize>(
         &mut self,

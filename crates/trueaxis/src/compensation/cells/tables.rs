@@ -130,7 +130,7 @@ impl<R: Real, P: Position> Tables<R, P> {
         self.cubic
     }
 
-    /// Whether there are cells to cache.
+    /// Whether the tables have cells to cache.
     pub(crate) fn has_cells(&self) -> bool {
         self.key != Self::NO_CELLS
     }

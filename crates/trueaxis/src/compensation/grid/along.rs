@@ -3,7 +3,7 @@
 use crate::machine::GridData;
 use crate::real::Real;
 
-/// Nodes along an axis; none if the grid does not span it.
+/// Nodes along an axis; empty if the grid does not span it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Along<'a, R> {
     /// X (0), Y or Z.

@@ -27,7 +27,7 @@ pub(crate) struct Near<R, P: Position> {
     high: [P; LINEAR],
     /// Factors of 1, x, y, xy, z, xz, yz, xyz.
     factors: [V3<R>; 8],
-    /// Axis on which nothing depends, at both command and feedback; 3 if there is none.
+    /// Axis that the sum does not depend on, at both command and feedback; 3 if it depends on all.
     flat: u8,
     /// One bit for every axis beyond the nodes of a grid.
     edge: u8,
@@ -76,7 +76,7 @@ impl<R: Real, P: Position> Near<R, P> {
         }
     }
 
-    /// [`Near::at`] if nothing depends on axis `FLAT`; 3 if all axes matter.
+    /// [`Near::at`] for a sum that does not depend on axis `FLAT`; 3 if it depends on all.
     #[inline(always)]
     fn over<const FLAT: u8>(&self, [x, y, z]: [R; LINEAR]) -> V3<R> {
         let [k, kx, ky, kxy, kz, kxz, kyz, kxyz] = self.factors;
@@ -374,7 +374,7 @@ impl<R: Real> super::Grid<'_, R> {
     }
 }
 
-/// The axis on which nothing depends, Z before Y before X; 3 if there is none.
+/// The axis that the sum does not depend on, Z before Y before X; 3 if it depends on all.
 fn flat<R: Real>(factors: &[V3<R>; 8]) -> u8 {
     for (axis, bit) in [(2, 4usize), (1, 2), (0, 1)] {
         let with = factors.iter().enumerate().filter(|(index, _)| index & bit != 0);

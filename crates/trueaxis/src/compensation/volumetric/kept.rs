@@ -53,7 +53,7 @@ pub(crate) struct Cycle<'c, R, P, const N: usize> {
 impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
     /// The wanted correction, and the error of the pose at the feedback (its direction only for a `tool`).
     ///
-    /// Looked up in the cached tangents; if a position is outside them, a new one is made, out of line.
+    /// Evaluates the cached tangents; for a position outside them it computes a new one, out of line.
     #[inline(always)]
     pub(crate) fn modelled(
         &self,

@@ -21,7 +21,7 @@ use crate::position::Position;
 use crate::real::Real;
 use crate::vector::V3;
 
-/// Largest box, mm: 32-bit floats still count its nanometres.
+/// Largest box, mm: 32-bit floats still resolve its nanometres.
 const MOST_WIDTH_MM: f64 = 16.0;
 const AHEAD: f64 = 0.9;
 
@@ -68,7 +68,7 @@ struct Sums<R> {
 }
 
 impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
-    /// Sets `form` to the one around a position.
+    /// Sets `form` to the polynomials around a position.
     #[inline(never)]
     pub(super) fn of_slides(
         &self,

@@ -23,7 +23,7 @@ use crate::position::Position;
 use crate::real::Real;
 use crate::vector::{About, V3};
 
-/// Permitted error of the tangent at the border of its box: most of what the inverse may leave.
+/// Permitted error of the tangent at the border of its box: the greater part of the inverse's permitted error.
 pub(super) const TOLERANCE_MM: f64 = 0.6e-6;
 /// Permitted error in the overlap at a point of a linear table.
 const KINK_MM: f64 = 0.1e-6;
@@ -265,7 +265,7 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
         Some((Local { powers: [twist, slope, second, third], below, above }, interval.edge))
     }
 
-    /// Sets `tangent` to the one around a position.
+    /// Computes `tangent` around a position.
     #[inline(never)]
     pub(super) fn tangent(
         &self,

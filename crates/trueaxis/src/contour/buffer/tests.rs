@@ -67,7 +67,7 @@ fn a_gap_and_a_full_buffer_leave_the_path_as_it_was() {
     let full = path.line(SPLINE[3], [0.0, 1030.0, 5.0]).unwrap_err();
     assert_eq!(full, PathError { field: "path", index: None, found: 32.0, needed: "room for more spans" });
     assert_eq!((&path.spans, path.builder.segments()), (&before.spans, 3));
-    // The end that counts is still that of the spline.
+    // The builder's end is still that of the spline.
     path.line([0.0, 30.019, 5.0], [0.0, 40.0, 5.0]).unwrap();
     assert_eq!(path.builder.segments(), 4);
 }

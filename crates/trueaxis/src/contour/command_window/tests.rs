@@ -172,8 +172,8 @@ fn round_a_corner_and_back_the_contour_error_is_that_of_the_legs() {
     let points = [[0.0, 0.0, 0.0], [5.0, 0.0, 0.0], [5.0, 5.0, 0.0], [5.0, 1.0, 0.0]];
     let commands = ramped(&points, 50.0, 1000.0);
     let mut bench = Bench::<f64, f64>::new(0.005);
-    // The tool follows with a first-order lag of eight cycles; at the corner it is still arriving while the command stands
-    // still.
+    // The tool follows with a first-order lag of eight cycles; at the corner it is still arriving while the command
+    // rests.
     let (mut actual, mut largest) = (commands[0], 0.0f64);
     for (i, command) in commands.iter().enumerate() {
         for k in 0..3 {

@@ -15,10 +15,11 @@ const LEAST_DOMAIN: f64 = 1e-100;
 const HALVINGS: u32 = 24;
 /// Most halvings of a spline because of its reach: its parameter has no finer steps.
 const FINEST: u32 = 48;
-/// Largest ratio between the speed at an end of a spline span and its mean, …
+/// Largest ratio between the speed at an end of a spline span and its mean.
 const UNEVEN: f64 = 1.5;
-/// … enforced for this many halvings: at a point without speed the ratio always exceeds it. Between very different weights the
-/// curve covers most of its length in a sliver of the parameter, which takes more halvings to reach.
+/// Number of halvings that enforce [`UNEVEN`]: at a point without speed the ratio always exceeds it. Between very
+/// different weights the curve covers most of its length in a sliver of the parameter, which takes more halvings to
+/// reach.
 const EVENING: u32 = 8;
 const EVENING_WEIGHTS: u32 = 28;
 

@@ -198,7 +198,7 @@ impl<R: Real> ContourSearch<R> {
             (feet.tip?, feet.encoder?)
         };
         if !sampled {
-            // All samples are taken: either the foot is found, or the search begins again.
+            // After the last sample, the search either has the foot or starts over.
             state.warm = at_tip.flags.has(Flags::BRACKETED);
             state.looked = 0;
         }
@@ -252,7 +252,7 @@ impl<R: Real> Feet<R> {
     }
 }
 
-/// Keeps the nearer of two minima, and flags it if there are two.
+/// Keeps the nearer of two minima, and flags it if both exist.
 fn keep_nearer<R: Real>(kept: &mut Option<Found<R>>, other: &Option<Found<R>>) {
     let Some(other) = other else { return };
     let Some(one) = kept else {
@@ -277,7 +277,7 @@ impl<R: Real, P: Position> Points<'_, '_, R, P> {
         BOTH.saturating_sub(tip.saturating_add(encoder))
     }
 
-    /// Finds both feet, starting from those of the first frame; they stay `None` if there is no path.
+    /// Finds both feet, starting from those of the first frame; they stay `None` without a path.
     fn resolve(
         &mut self,
         feet: &mut Feet<R>,
@@ -304,7 +304,7 @@ impl<R: Real, P: Position> Points<'_, '_, R, P> {
         }
     }
 
-    /// Searches the leg beside the tip's foot, if there is one: keeps the intended foot of the two, with the encoder's foot on
+    /// Searches the leg beside the tip's foot, if any: keeps the intended foot of the two, with the encoder's foot on
     /// the same leg.
     fn look_beside(&mut self, found: &mut Feet<R>) -> bool {
         let (true, Some(at_tip)) = (self.doubt.open, &found.tip) else { return false };

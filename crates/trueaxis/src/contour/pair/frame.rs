@@ -6,7 +6,7 @@
 //! With T the path's derivative and u = g''/2g', a Newton step c leaves a remainder along the path of
 //!
 //! ```text
-//! τ ≤ |T| c² (|u| + K)        K: what u changes by on the way from the guess
+//! τ ≤ |T| c² (|u| + K)        K: bound of the change of u since the guess
 //! ```
 //!
 //! and the distance e is then off by at most √(e² + τ²) − e, which is below ε exactly where τ² ≤ ε(ε + 2e). K is valid where
@@ -245,7 +245,8 @@ fn solve<R: Real, P: Position, const RATIONAL: bool, const C: usize>(
     let stretch = speed * inverse;
     tip.normal = -(dot(&found.vector, &n) * inverse);
     tip.binormal = -(dot(&found.vector, &span.plane) * stretch);
-    // The path turns slightly on the way to the encoder's foot: everything that is not out of the plane is in it.
+    // The path turns slightly on the way to the encoder's foot: the in-plane component is the remainder of the
+    // distance.
     let binormal = -(dot(&other.vector, &span.plane) * stretch);
     let normal = (other.error * other.error - binormal * binormal).sqrt();
     encoder.binormal = binormal;

@@ -35,12 +35,12 @@ pub struct PairState<R> {
 impl<R: Real> ContourSearch<R> {
     /// Contour errors of an encoder position (mm) and of the tip, which is `d` (mm) from it, in this cycle; writes both.
     ///
-    /// The tip's error is the one that [`ContourSearch::update`] gives, without rounding the tip to a position. The encoder's
-    /// foot is the minimum of its distance downhill from the tip's foot, and its distance is as exact: 1e-6 nm in doubles,
-    /// 2 nm in single precision. In the plain case both vectors are split in the frame of the tip's foot, in which the encoder's
-    /// components are exact on plane paths and on helices about the plane's normal. On other paths its binormal component has
-    /// a relative error of up to cot α · κ|d|, with κ the curvature and α the angle between path and normal, and its normal
-    /// component is what then remains of the distance.
+    /// The tip's error equals the result of [`ContourSearch::update`], without rounding the tip to a position. The
+    /// encoder's foot is the minimum of its distance downhill from the tip's foot, and its distance is as exact: 1e-6
+    /// nm in doubles, 2 nm in single precision. In the plain case both vectors are split in the frame of the tip's
+    /// foot, in which the encoder's components are exact on plane paths and on helices about the plane's normal. On
+    /// other paths its binormal component has a relative error of up to cot α · κ|d|, with κ the curvature and α the
+    /// angle between path and normal, and its normal component is the remainder of the distance.
     ///
     /// Uses at most eight evaluations of the path for both; evaluations that serve both count for the tip. If they run out
     /// before the encoder's foot is found, its error is measured from the tip's foot, `width` is |d| and [`Flags::BRACKETED`]

@@ -99,7 +99,7 @@ fn short_pieces_at_high_feed_leave_the_search_warm() {
         let phase = [random.unit(), random.unit(), random.unit()].map(|x| 40.0 * x);
         let mut state = ContourState::default();
         let mut reference = way::advance_far(&path, Reference { span: 0, t: 0.0 }, 0.5 + feed * random.unit());
-        // Stands still until the search is warm.
+        // Keeps the reference in place until the search is warm.
         for _ in 0..100 {
             search.update(&mut state, &path, reference, all[reference.span as usize].position(reference.t));
         }

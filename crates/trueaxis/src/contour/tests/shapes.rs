@@ -129,7 +129,7 @@ fn the_tool_on_the_path_and_far_from_it() {
         let left = search(method).nearest(&path, reference, [x, 0.03, 0.04]);
         assert!((left.error - 0.05).abs() < 1e-9);
         assert!((left.normal - 0.03).abs() < 1e-9 && (left.binormal - 0.04).abs() < 1e-9, "{left:?}");
-        // Beyond the window there is no foot: the nearest sample is returned, not bracketed.
+        // Without a foot in the window, the nearest sample is returned, not bracketed.
         let far = search(method).nearest(&path, reference, [x + 5.0, 0.0, 0.0]);
         assert!(!far.flags.has(Flags::BRACKETED) && (far.error - 4.0).abs() < 1e-9, "{far:?}");
     }

@@ -1,4 +1,4 @@
-//! Limits of the settings, and what a gauge reports about itself.
+//! Limits of the settings, and the values that a gauge reports about itself.
 
 use super::super::filter::has_enough_points;
 use super::*;
@@ -68,7 +68,7 @@ fn a_gauge_says_what_it_is_built_for() {
     assert!(GaugeFlags::default().is_empty() && !GaugeFlags::ARM.is_empty());
     run.turn(&truth, 2.9, |_| TAU / 2000.0);
     assert!(run.state.latest().is_some() && run.state.is_settled());
-    // Once the next revolution is whole, there is work to do.
+    // Once the next revolution is whole, work is pending.
     let works = (0..400).any(|_| {
         run.turn(&truth, 0.0005, |_| TAU / 2000.0);
         !run.state.is_settled()

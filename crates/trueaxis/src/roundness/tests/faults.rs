@@ -87,7 +87,7 @@ fn turning_back_discards_the_revolution_and_jitter_does_not() {
     let mut run = Run::<f64, 64>::new(&settings);
     run.turn(&truth, 3.3, |_| TAU / 1000.0);
     run.seen = GaugeFlags::default();
-    // Standing still on a count that flickers: half a slot back and forth.
+    // The spindle rests on a count that flickers: half a slot back and forth.
     for i in 0..100 {
         let flicker = if i % 2 == 0 { 0.04 } else { 0.0 };
         run.cycle(&probes(&truth, run.alpha + flicker, run.alpha));

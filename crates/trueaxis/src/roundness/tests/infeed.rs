@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// A one-line plant: each revolution measures what the previous one ground, d − c.
+/// A one-line plant: each revolution measures d − c, the result of the previous one.
 struct Grinding {
     settings: GaugeSettings,
     contact: f64,
@@ -38,7 +38,7 @@ fn the_infeed_is_the_profile_at_the_contact() {
     let grinding = Grinding::new(0.25);
     let (mut run, truth) = grinding.run();
     run.turn(&truth, 3.95, |_| TAU / 5000.0);
-    // One update: c = g r, output with the sign of the axis, mm.
+    // One update: c = g r; the output has the sign of the axis, in mm.
     let mut worst = 0.0_f64;
     for _ in 0..240 {
         let before = run.alpha;
@@ -100,7 +100,7 @@ fn while_the_axis_is_limited_the_correction_is_frozen_and_then_gives_way() {
             run.gauge.update(&mut run.state, &probes, Followed::Limited);
         }
     };
-    // The revolution that was limited until its end is the first that does not count.
+    // The first revolution limited to its end is the first one without an update.
     limited(&mut run, 2.0);
     assert!(run.state.latest().unwrap().flags.has(GaugeFlags::INFEED_FROZEN));
     let frozen = *run.state.correction();
@@ -134,7 +134,7 @@ fn harmonics_that_the_probes_see_badly_are_measured_but_not_corrected() {
     assert!(some.profile_error(&truth) < 1e-3, "measured all the same");
 }
 
-/// While pulses are missing the gauge measures nothing, but the correction stays where the count puts it.
+/// While pulses are missing the gauge measures nothing, but the correction continues by the count.
 #[test]
 fn a_missing_index_does_not_drop_the_correction() {
     let grinding = Grinding::new(0.25);
@@ -194,8 +194,8 @@ fn nothing_is_learnt_while_nothing_is_fed_in_or_ground() {
     }
 }
 
-/// The readings of a stuck stylus look like any others. They lead to a wrong profile, and to an infeed that stays within its
-/// bound.
+/// The readings of a stuck stylus cannot be distinguished from valid ones. They lead to a wrong profile, and to an
+/// infeed that stays within its bound.
 #[test]
 fn a_probe_that_stands_still_is_not_seen_and_the_infeed_keeps_its_bound() {
     let grinding = Grinding::new(0.25);
@@ -260,7 +260,7 @@ fn a_revolution_found_again_does_not_disturb_the_lead() {
     grinding.settings.infeed.as_mut().unwrap().drive_delay_s = 0.01;
     let (mut run, truth) = grinding.run();
     run.turn(&truth, 4.3, |_| TAU / 5000.0);
-    // The count jumps; zero is known again from the next index on.
+    // The count jumps; zero is known again from the next index pulse.
     let jumped = Probes { spindle: 1 << 30, ..probes(&truth, run.alpha, run.alpha) };
     run.cycle(&jumped);
     run.turn(&truth, 0.9, |_| TAU / 5000.0);
@@ -277,7 +277,7 @@ fn a_revolution_found_again_does_not_disturb_the_lead() {
         let expected = table(&run, run.alpha + grinding.contact + TAU * 100.0 / 5000.0);
         worst = worst.max((cycle.infeed + 1e-3 * expected).abs());
     }
-    // Half a point off, and the speed must be found again.
+    // Half a point off, while the speed estimate converges again.
     assert!(worst < 1.5e-4, "{worst:e}");
 }
 
