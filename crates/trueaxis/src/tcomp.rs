@@ -2,7 +2,7 @@
 //!
 //! All numbers little-endian:
 //!
-//! | bytes | what |
+//! | bytes | content |
 //! |---|---|
 //! | 8 | magic `TRUEAXIS` |
 //! | 2 | format version, 6; 5 for a machine without stated encoders, 4 for one that has no grids either |

@@ -35,7 +35,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     /// | an axis would leave its travel | [`Fault::CommandOutOfTravel`], with the axis |
     /// | within the singular cone, where a travel keeps the tool off by more than the cone | [`Fault::SingularPose`] |
     /// | continues only on the other branch, not through the pole | [`Fault::BranchChange`] |
-    /// | a rotary axis would step too far; in the cone, if the remaining angle would exceed it | [`Fault::CommandJump`], with the axis |
+    /// | a rotary axis would step too far (in the cone: angle left > cone) | [`Fault::CommandJump`], with the axis |
     ///
     /// In single precision the computed positions contain the rounding of absolute coordinates, about 30 nm at 500 mm in
     /// every linear command; doubles contain none. A position beyond its travel by rounding only, 64 units in the last
