@@ -23,7 +23,7 @@ pub struct State<R, P: Position, const N: usize> {
     pub(super) output: OutputState<R, P, N>,
     pub(super) reversal: [Reversal<P>; N],
     pub(super) sequence: u32,
-    /// Axes whose correction a limit bound in the last cycle, one bit each.
+    /// Axes whose correction was limited in the last cycle, one bit each.
     pub(super) limited: u8,
     /// Whether the machine was homed in the last cycle.
     pub(super) homed: bool,
