@@ -12,8 +12,8 @@
 //! ([`trueaxis::compensation::Compensation::correction`]). Errors are actual − ideal, tool relative to workpiece, in machine
 //! directions (ISO 230-1), µm; rotations of the tool µrad. The step knows temperature and directions of travel.
 //!
-//! The residual is what the model omits: for nine terms the levers of angular errors, for the volumetric form products of
-//! errors; and, if a correction meets its limit or an axis is missing, the part that could not be sent.
+//! The residual is the part that the model omits: for nine terms the levers of angular errors, for the volumetric form
+//! products of errors; and, if a correction meets its limit or an axis is missing, the part that could not be sent.
 
 mod figures;
 pub(crate) mod grid;

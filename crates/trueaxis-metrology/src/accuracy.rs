@@ -74,7 +74,7 @@ impl Measurement {
     /// Groups the approaches of an axis into positions, runs and directions.
     ///
     /// # Errors
-    /// There is no approach, or one is repeated or missing.
+    /// No approach, or one repeated or missing.
     pub fn new(axis: Axis, approaches: Vec<Approach>) -> Result<Measurement, AccuracyError> {
         let key = |position: f64, run, direction| ((position + 0.0).to_bits(), run, direction);
         let mut given = BTreeSet::new();
@@ -228,7 +228,7 @@ pub struct Accuracy {
 pub enum AccuracyError {
     /// There is only one run; a standard deviation needs two values.
     TooFewRuns,
-    /// There are no approaches.
+    /// No approaches.
     Empty,
     /// A position is repeated in the same run and direction.
     Twice {

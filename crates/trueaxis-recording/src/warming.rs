@@ -130,7 +130,7 @@ impl<'a> Warming<'a> {
         &self.thermal
     }
 
-    /// The row that the sensors give in a cycle, if they are read in it.
+    /// Number of the row that the sensors give in a cycle; `None` if they are not read in it.
     pub fn read_in(&self, cycle: u32) -> Option<u32> {
         (cycle.is_multiple_of(self.interval) && cycle / self.interval < self.rows()).then(|| cycle / self.interval)
     }
@@ -145,8 +145,8 @@ impl<'a> Warming<'a> {
         (self.readings.len() / (self.thermal.sensors() + 1)) as u32
     }
 
-    /// Updates the task with a row, `period_ns` between two cycles, a tool of no length. Skipped rows count as elapsed time.
-    /// `None` beyond the last row, and for a row that is not after the previous one.
+    /// Updates the task with a row, `period_ns` between two cycles, with a tool of length zero. Skipped rows count as
+    /// elapsed time. `None` beyond the last row, and for a row that is not after the previous one.
     pub fn update(&self, task: &mut Task, row: u32, period_ns: u32) -> Option<Growth> {
         let passed = task.last.map_or(Some(0), |last| row.checked_sub(last).filter(|rows| *rows > 0))?;
         let sensors = self.thermal.sensors();

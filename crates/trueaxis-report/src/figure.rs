@@ -119,7 +119,7 @@ impl Figure {
         self.line([[self.x.low, y], [self.x.high, y]], Stroke::new(colour, 1.2).dashed())
     }
 
-    /// Adds a dot for each point, unless there are too many to distinguish.
+    /// Adds a dot for each point, unless the dots are too many to distinguish.
     pub fn dots(&mut self, points: impl IntoIterator<Item = [f64; 2]>, colour: Colour) -> &mut Figure {
         let points: Vec<[f64; 2]> = points.into_iter().collect();
         if points.len() <= DOTS {

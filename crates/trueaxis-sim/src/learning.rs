@@ -66,8 +66,8 @@ impl Scenario {
 /// Instrument that measures the contour error to learn from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Instrument {
-    /// The step: the tip that it estimates from the encoders. It misses what they miss, above all the errors between their
-    /// lines, and is not used while lost motion is being taken up ([`SETTLING_S`]).
+    /// The step: the tip that it estimates from the encoders. It misses the errors that they miss, above all those
+    /// between their lines, and is not used while lost motion is being taken up ([`SETTLING_S`]).
     #[default]
     Estimate,
     /// A grid encoder between table and spindle, read in the same cycles as the encoders: the true tip with noise of

@@ -1,8 +1,9 @@
 //! Correctly rounded square roots on every target, using the processor's instruction if it has one.
 //!
-//! `core` has none on stable Rust without std, and `libm` takes some 50 instructions (single precision) or 90 (double) on a
-//! Cortex-M for what its floating-point unit does in one. Both round correctly (IEEE 754), so the result is identical to the
-//! last bit. The instruction needs assembly, hence a separate crate: the plugin itself forbids `unsafe`.
+//! On stable Rust, `core` has no square root without std, and `libm` takes some 50 instructions (single precision) or
+//! 90 (double) on a Cortex-M, where the floating-point unit takes one. Both round correctly (IEEE 754), so the result
+//! is identical to the last bit. The instruction needs assembly, hence a separate crate: the plugin itself forbids
+//! `unsafe`.
 #![no_std]
 
 /// √x in single precision; NaN for x < 0.

@@ -18,7 +18,7 @@ use trueaxis::range;
 /// Factor by which a limit is set above the need, for future growth and lost motion.
 const ROOM: f64 = 1.2;
 
-/// A limit of an axis' correction and what the machine's errors need, in the unit of its key.
+/// A limit of an axis' correction and the value that the machine's errors require, in the unit of its key.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Need {
     axis: Axis,

@@ -1,6 +1,6 @@
-//! Checks of a machine description, made where tables are compiled and again where they are loaded.
+//! Checks of a machine description, run when tables are compiled and again when they are loaded.
 //!
-//! Everything here runs at build, in double precision, without allocation; its cost is a few look-ups per table line.
+//! All checks run at build, in double precision, without allocation; they cost a few look-ups per table line.
 
 mod bounds;
 mod drive;
@@ -32,22 +32,23 @@ use crate::machine::{
 use crate::part::{self, Part};
 use crate::range;
 
-/// Values at both ends of a full circle agree within this, mm.
+/// Tolerance within which the values at both ends of a full circle agree, mm.
 pub const WRAP_TOLERANCE_MM: f64 = 1e-5;
-/// Values at both ends of a full circle agree within this, rad.
+/// Tolerance within which the values at both ends of a full circle agree, rad.
 pub const WRAP_TOLERANCE_RAD: f64 = 1e-8;
-/// Most lines of a table.
+/// Maximum number of lines of a table.
 pub const MOST_ROWS: usize = 65_535;
 
 fn need(holds: bool, error: ConfigError) -> Result<(), ConfigError> {
     if holds { Ok(()) } else { Err(error) }
 }
 
-/// Everything but the tables: every number in its physical range ([`crate::range`]), ranges ordered, chain well-formed, axes as in
-/// the chain. The margins of the contour feedback need the servo period: [`feedback`], called by [`crate::Config::build`].
+/// Checks everything except the tables: every number in its physical range ([`crate::range`]), ranges ordered, a
+/// well-formed chain, and the axes those of the chain. The margins of the contour feedback need the servo period:
+/// [`feedback`], called by [`crate::Config::build`], checks them.
 ///
 /// # Errors
-/// The first setting that is wrong.
+/// The first wrong setting.
 pub fn settings(machine: &MachineSettings) -> Result<(), ConfigError> {
     need(!machine.name.is_empty(), ConfigError::new(Field::Name, 0.0, "a name of 1 to 64 bytes"))?;
     need(
@@ -67,7 +68,7 @@ pub fn settings(machine: &MachineSettings) -> Result<(), ConfigError> {
     roundness(machine)
 }
 
-/// Nothing in the settings needs a part that this build leaves out.
+/// Checks that no setting needs a part that this build leaves out.
 fn left_out(machine: &MachineSettings) -> Result<(), ConfigError> {
     let need = |part: Part, used: bool, field| need(part.is_built() || !used, ConfigError::left_out(part, field));
     need(Part::Volumetric, machine.compensation.model == ErrorModel::Volumetric, Field::Model)?;
@@ -82,7 +83,7 @@ fn left_out(machine: &MachineSettings) -> Result<(), ConfigError> {
     })
 }
 
-/// The tool axis has a direction.
+/// Checks that the tool axis has a direction: a length of 1e-3 to 1e3.
 fn five_axes(machine: &MachineSettings) -> Result<(), ConfigError> {
     let length = libm::sqrt(machine.kinematics.tool_axis.iter().map(|x| x * x).sum());
     need(
@@ -91,7 +92,8 @@ fn five_axes(machine: &MachineSettings) -> Result<(), ConfigError> {
     )
 }
 
-/// A gauge, where there is one: its settings, and an infeed axis that the machine has and may move far enough.
+/// Checks the gauge, if the machine has one: its settings, and that the machine has the infeed axis and lets it move
+/// far enough.
 fn roundness(machine: &MachineSettings) -> Result<(), ConfigError> {
     let (Some(settings), Some(_)) = (&machine.roundness, part::GAUGE) else { return Ok(()) };
     settings.check()?;
@@ -104,7 +106,7 @@ fn roundness(machine: &MachineSettings) -> Result<(), ConfigError> {
     need(infeed.limit_um * 1e-3 <= axis.limits.magnitude, ConfigError::new(Field::InfeedLimit, infeed.limit_um, needed))
 }
 
-/// The axes are those of the chain, each once, in the order X Y Z A B C.
+/// Checks that the axes are those of the chain, each once, in the order X Y Z A B C.
 fn axes_of_chain(machine: &MachineSettings, links: &[Link]) -> Result<(), ConfigError> {
     let count = machine.axes.len() as f64;
     need(!machine.axes.is_empty(), ConfigError::new(Field::Axes, count, "at least one axis"))?;
@@ -144,7 +146,7 @@ fn axis_settings(axis: &AxisSettings) -> Result<(), ConfigError> {
     need(joint_high >= high, wrong(Field::Joint, joint_high, "a range that contains the travel"))
 }
 
-/// Rules for a table.
+/// A rule that every table must satisfy.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum TableRule {
@@ -162,7 +164,7 @@ pub enum TableRule {
     Increasing,
     /// The ends of a full circle agree.
     Closed,
-    /// Slope of the own error.
+    /// Slope of the axis' own error.
     Slope,
 }
 
@@ -190,19 +192,20 @@ pub struct TableFault {
     pub rule: TableRule,
     /// Line, from 0.
     pub row: usize,
-    /// Component, 0 to 5, where it is one; otherwise the position.
+    /// Component, 0 to 5; `None` if the fault is not in a component.
     pub component: Option<usize>,
-    /// In the reverse column.
+    /// Whether the fault is in the reverse column.
     pub reverse: bool,
-    /// Figure found: number of lines; mm, degrees, rad; a slope in mm/mm or rad/rad.
+    /// Value found: number of lines; mm, degrees, rad; a slope in mm/mm or rad/rad.
     pub found: f64,
 }
 
-/// One table: 2 to 65535 lines, every value in its range, positions increasing, a full circle closed, and the slope of the axis'
-/// own positioning error below 1 (mm/mm; rad/rad), so that the corrected position grows with the command.
+/// Checks a table: 2 to 65535 lines, every value in its range, positions increasing, a full circle closed, and the
+/// slope of the axis' own positioning error below 1 (mm/mm; rad/rad), so that the corrected position grows with the
+/// command.
 ///
 /// # Errors
-/// The first line that is wrong, and its column.
+/// The first wrong line, and its column.
 pub fn table(settings: &AxisSettings, rows: &(impl Rows + ?Sized)) -> Result<(), TableFault> {
     let count = rows.len();
     let position = |rule, row, found| TableFault { rule, row, component: None, reverse: false, found };
@@ -244,7 +247,7 @@ pub fn table(settings: &AxisSettings, rows: &(impl Rows + ?Sized)) -> Result<(),
     Ok(())
 }
 
-/// The ends of a full circle agree.
+/// Checks that the ends of a full circle agree.
 fn closed(axis: Axis, rows: &(impl Rows + ?Sized)) -> Result<(), TableFault> {
     let last = rows.len().saturating_sub(1);
     let (Some(first), Some(end)) = (rows.row(0), rows.row(last)) else { return Ok(()) };
@@ -253,7 +256,7 @@ fn closed(axis: Axis, rows: &(impl Rows + ?Sized)) -> Result<(), TableFault> {
     }
     for (start, end, reverse) in [(first.forward, end.forward, false), (first.reverse, end.reverse, true)] {
         for (component, (start, end)) in start.into_iter().zip(end).enumerate() {
-            // Two decimals that differ by exactly the tolerance pass whatever their rounding.
+            // Two decimals that differ by exactly the tolerance pass, however they are rounded.
             let tolerance = if component < 3 { WRAP_TOLERANCE_MM } else { WRAP_TOLERANCE_RAD } * (1.0 + 1e-9);
             if (end - start).abs() > tolerance {
                 let component = Some(component);
@@ -264,7 +267,7 @@ fn closed(axis: Axis, rows: &(impl Rows + ?Sized)) -> Result<(), TableFault> {
     Ok(())
 }
 
-/// [`table`] with the fault as an error of the configuration.
+/// Checks a table like [`table`], but returns the fault as an error of the configuration.
 ///
 /// # Errors
 /// [`Field::Table`] with the axis and the line.
@@ -274,11 +277,12 @@ pub fn rows(settings: &AxisSettings, rows: &(impl Rows + ?Sized)) -> Result<(), 
     })
 }
 
-/// A whole machine: [`settings`], [`rows`] of every table, [`grids`], [`joint_range`], [`reversal`]; returns the look-ups that
-/// its exact inverse takes. No axis needs a table for what its settings state, nor does a machine.
+/// Checks a whole machine: [`settings`], [`rows`] of every table, [`grids`], [`joint_range`], [`reversal`]; returns the
+/// number of look-ups that its exact inverse needs. No axis needs a table for the errors that its settings state, nor
+/// does a machine.
 ///
 /// # Errors
-/// The first thing that is wrong.
+/// The first fault found.
 pub fn machine<'r, T: Rows + ?Sized + 'r>(
     machine: &MachineSettings,
     tables: impl Fn(Axis) -> Option<&'r T>,

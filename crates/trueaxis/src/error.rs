@@ -15,47 +15,47 @@ use core::fmt;
 #[non_exhaustive]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ConfigError {
-    /// Which setting.
+    /// The wrong setting.
     pub field: Field,
-    /// Of which axis, where it belongs to one.
+    /// The axis to which it belongs, if any.
     pub axis: Option<Axis>,
-    /// Which element, where the setting is a list (row of a table, from 0).
+    /// Index of the element if the setting is a list (row of a table, from 0).
     pub index: Option<u32>,
     /// The value found, in the setting's unit inside the core (mm, degrees, seconds).
     pub found: f64,
     /// The value required.
     pub needed: &'static str,
-    /// The figure that `needed` speaks of where it follows from other settings, in the unit of `found`.
+    /// Value that completes `needed`, if it follows from other settings, in the unit of `found`.
     pub bound: Option<f64>,
-    /// The part that the setting needs and this build leaves out, if that is what is wrong.
+    /// The part that the setting needs, if this build leaves it out.
     pub left_out: Option<Part>,
 }
 
 impl ConfigError {
-    /// An error of the machine as a whole.
+    /// Creates an error of the machine as a whole.
     #[cold]
     pub fn new(field: Field, found: f64, needed: &'static str) -> Self {
         let needed = part::text(needed);
         ConfigError { field, axis: None, index: None, found, needed, bound: None, left_out: None }
     }
 
-    /// A setting of a part that this build leaves out.
+    /// Creates the error for a setting of a part that this build leaves out.
     #[cold]
     pub(crate) fn left_out(part: Part, field: Field) -> Self {
         ConfigError { left_out: Some(part), ..ConfigError::new(field, 0.0, part.name()) }
     }
 
-    /// The same, of one axis.
+    /// Adds the axis.
     pub fn on(self, axis: Axis) -> Self {
         ConfigError { axis: Some(axis), ..self }
     }
 
-    /// The key or section of `machine.toml` to edit; `None` where the setting is not in the file.
+    /// The key or section of `machine.toml` to edit; `None` if the setting is not in the file.
     pub fn key(&self) -> Option<Key> {
         self.field.key(self.axis)
     }
 
-    /// The same, at one element of a list.
+    /// Adds the index of an element in a list.
     pub fn at(self, index: usize) -> Self {
         ConfigError { index: u32::try_from(index).ok(), ..self }
     }
@@ -102,7 +102,7 @@ impl fmt::Display for ConfigError {
 
 impl core::error::Error for ConfigError {}
 
-/// A number that is as short as it can be: 1e308 has no 309 digits.
+/// Prints a number in its shortest form: 1e308 without 309 digits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Figure(pub f64);
 
@@ -128,19 +128,19 @@ impl fmt::Display for Figure {
 #[repr(u8)]
 #[non_exhaustive]
 pub enum Fault {
-    /// All is well.
+    /// No fault.
     #[default]
     None = 0,
     /// An encoder gave no finite reading.
     FeedbackNotFinite = 1,
     /// A reading changed more in a cycle than the axis can move, or lies more than 1 mm (1°) outside the joint.
     FeedbackJump = 2,
-    /// A reading stands still though the axis was commanded to move.
+    /// A reading does not change although the axis was commanded to move.
     EncoderStuck = 3,
     /// The encoder interface reports an alarm (dropout).
     EncoderAlarm = 4,
-    /// The cycle came late or early by more than a quarter of its period, or cycles come faster than the period for so long
-    /// that the corrections have to stand ([`crate::Input::elapsed_ns`]).
+    /// The cycle came late or early by more than a quarter of its period, or cycles have come faster than the period
+    /// for so long that the corrections must stand still ([`crate::Input::elapsed_ns`]).
     LateCycle = 5,
     /// A command is infinite or not a number.
     CommandNotFinite = 16,
@@ -152,16 +152,16 @@ pub enum Fault {
     JointRange = 19,
     /// No pose of the machine brings the tool to the commanded tip and direction.
     ToolUnreachable = 20,
-    /// The commanded direction is near to the one in which a rotary axis turns the tool about itself, and a travel keeps the
-    /// tool further off it than the singular cone.
+    /// The commanded direction is near the one in which a rotary axis turns the tool about itself, and a travel keeps
+    /// the tool farther from it than the singular cone.
     SingularPose = 21,
-    /// The commanded direction asks the rotary axes to go over to their other solution faster than they can.
+    /// The commanded direction requires the rotary axes to change to their other solution faster than they can.
     BranchChange = 22,
     /// The host's servo period is not the configured one.
     PeriodMismatch = 32,
     /// The table file is damaged, or of another format, version or machine.
     TablesRefused = 33,
-    /// The tables need more memory than there is.
+    /// The tables need more memory than is available.
     CapacityTooSmall = 34,
     /// Host and plugin were built for different versions of the interface.
     AbiMismatch = 35,
@@ -198,17 +198,17 @@ impl fmt::Display for Fault {
 impl core::error::Error for Fault {}
 
 impl Fault {
-    /// The correction freezes and the command passes.
+    /// Whether the correction freezes and the command passes.
     pub const fn freezes(self) -> bool {
         (self as u8) > 0 && (self as u8) < 16
     }
 
-    /// The output holds and a stop is requested.
+    /// Whether the output holds and a stop is requested.
     pub const fn stops(self) -> bool {
         (self as u8) >= 16 && (self as u8) < 32
     }
 
-    /// Refused at start: the command passes uncorrected ([`crate::Bypass`]).
+    /// Whether the plugin is refused at start: the command passes uncorrected ([`crate::Bypass`]).
     pub const fn refuses(self) -> bool {
         (self as u8) >= 32
     }

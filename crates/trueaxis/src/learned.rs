@@ -6,18 +6,18 @@
 //!
 //! All numbers are little-endian integers, so that nothing in the file can be NaN or infinite:
 //!
-//! | bytes | what |
+//! | bytes | content |
 //! |---|---|
 //! | 8 | magic `TRUELRND` |
 //! | 2 | format version, 1 |
-//! | 2 | parts learned from, 1 and up |
+//! | 2 | number of parts learned from, 1 and up |
 //! | 4 | machine id, as in the table file ([`crate::tcomp::machine_id`]) |
 //! | 4 | program id ([`ProgramId`]) |
 //! | 8 | path length of the program, nm |
 //! | 4 | spacing h of the nodes, nm: 1 to 10⁹ |
 //! | 4 | resolution, pm: 1 to 10⁶ |
-//! | 4 | number of nodes n: the path length over h, rounded up, and one |
-//! | 6 n | nodes: X, Y, Z as i16, in units of the resolution; node k stands at path length k h |
+//! | 4 | number of nodes n: the path length over h, rounded up, plus one |
+//! | 6 n | nodes: X, Y, Z as i16, in units of the resolution; node k is at path length k h |
 //! | 4 | CRC-32/ISO-HDLC of everything before |
 //!
 //! Sixteen bits resolve 50 µm, the largest correction that the default limits pass, to 1.5 nm, finer than any encoder, in
@@ -45,7 +45,7 @@ pub const VERSION: u16 = 1;
 pub const HEADER_BYTES: usize = 40;
 /// Bytes of a node.
 pub const NODE_BYTES: usize = 6;
-/// Widest spacing of the nodes, nm.
+/// Largest spacing of the nodes, nm.
 pub const WIDEST_SPACING_NM: u32 = 1_000_000_000;
 /// Coarsest resolution of the nodes, pm.
 pub const COARSEST_RESOLUTION_PM: u32 = 1_000_000;

@@ -16,7 +16,7 @@
 //! - [`contour`]: distance of the estimated tool tip, and of the plain encoder position, from the path;
 //! - [`kinematics`]: on five axes, before the contour stage the tool in workpiece coordinates ([`OnToolPath`]), before the
 //!   step the axes for a tool commanded there ([`ServoLoop::rtcp`]);
-//! - [`roundness`]: three probes on a turning workpiece, worked off in slices ([`GaugeRide`]);
+//! - [`roundness`]: three probes on a turning workpiece, evaluated in slices ([`GaugeRide`]);
 //! - dynamic: reversal friction, following error and the contour error itself as corrections ([`Dynamics`]);
 //! - [`limiter`]: magnitude, slope and acceleration of the correction; nothing ever jumps;
 //! - [`telemetry`]: one fixed record per cycle;
@@ -32,7 +32,7 @@
 //! ```
 #![no_std]
 #![forbid(unsafe_code)]
-// In a build that leaves parts out, what only they reach is not.
+// A build that leaves parts out does not use the code that only they call.
 #![cfg_attr(
     not(all(
         feature = "grids",

@@ -1,7 +1,7 @@
 //! Limits magnitude, slope and acceleration of a correction, so that it can never make a machine jump.
 //!
 //! In units of one cycle (T = period): C = magnitude, V = slope·T, a = acceleration·T². With r the wanted correction
-//! (clamped to ±C), c what is sent, Δ backward differences, in every cycle
+//! (clamped to ±C), c the sent one, Δ backward differences, in every cycle
 //!
 //! ```text
 //! |c| <= C      |Δc| <= V      |Δ²c| <= a
@@ -75,7 +75,7 @@ impl<R: Real> LimiterState<R> {
         LimiterState { sent, velocity: R::ZERO, target: sent }
     }
 
-    /// Whether the target was sent unchanged.
+    /// Whether the limiter sent the target unchanged.
     #[inline(always)]
     pub(crate) fn is_locked(&self) -> bool {
         self.sent == self.target

@@ -66,7 +66,7 @@ pub(crate) struct Outlets<'o, R, P, const N: usize> {
 pub(crate) struct Applied {
     /// One bit for every axis whose correction differs from the wanted one.
     pub(crate) limited: u8,
-    /// Slot of an axis that would leave its joint's range: the output is held, and the command was not accepted.
+    /// Slot of an axis that would leave its joint's range: the output holds, and the command was not accepted.
     pub(crate) outside: Option<u8>,
     /// Bits to add to the status.
     pub(crate) status: Status,
@@ -101,9 +101,9 @@ impl<R: Real, P: Position, const N: usize> OutputStage<R, P, N> {
         Ok(stage)
     }
 
-    /// Command plus limited correction, held if necessary; feedback without the correction. The output is decided before
-    /// any state changes: while it is held, drive and correction of the last cycle stay. While a reading is refused, the
-    /// correction `freezes`, or continues to the wanted one.
+    /// Sends command plus limited correction, held if necessary, and the feedback without the correction. The decision
+    /// precedes every change of state: a held output keeps drive and correction of the last cycle. While a reading is
+    /// refused, the correction `freezes`, or continues to the wanted one.
     #[inline(always)]
     pub(crate) fn apply(
         &self,
@@ -151,7 +151,7 @@ impl<R: Real, P: Position, const N: usize> OutputStage<R, P, N> {
         (self.roomy || self.outside(&next.drive).is_none()).then_some(next)
     }
 
-    /// [`OutputStage::apply`] if a limit binds, nothing is corrected or the output is held.
+    /// [`OutputStage::apply`] if a limit binds, the step corrects nothing or the output holds.
     #[inline(never)]
     fn apply_limited(
         &self,
@@ -187,7 +187,7 @@ impl<R: Real, P: Position, const N: usize> OutputStage<R, P, N> {
             }
             match outside {
                 None => (state.drive, state.offsets) = (drive, offsets),
-                // Nothing of this cycle is sent: drives and corrections keep their previous values.
+                // The stage sends nothing of this cycle: drives and corrections keep their previous values.
                 Some(_) => {
                     state.limited = before.map(|limited| LimiterState::at_rest(limited.sent()));
                     flags = 0;

@@ -1,12 +1,12 @@
-//! Parts that a build may leave out, to save flash; all are there by default.
+//! Parts that a build may leave out to save flash; the default build has all of them.
 //!
-//! A type that only a part needs holds the part's [`Token`]. In a build without the part that token has no value, nor has the
-//! type: everything behind it is unreachable, and the linker drops it. It cannot be built unnoticed either, because its
-//! constructor has to get the token, and refuses by name where there is none.
+//! A type that only a part needs contains the part's [`Token`]. In a build without the part that token type has no
+//! value, so neither has the containing type: all code behind it is unreachable, and the linker drops it. Nor can such
+//! a value be built unnoticed: its constructor has to get the token, and without one refuses with the part's name.
 
 use core::fmt;
 
-/// A part that a build may leave out: a feature of the crate of that name.
+/// A part that a build may leave out: the crate's feature of that name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
@@ -39,7 +39,7 @@ impl Part {
         }
     }
 
-    /// Whether this build has it.
+    /// Whether this build has the part.
     pub const fn is_built(self) -> bool {
         match self {
             Part::Grids => cfg!(feature = "grids"),
@@ -58,13 +58,13 @@ impl fmt::Display for Part {
     }
 }
 
-/// Whether the build has the text of refusals. Without it errors have codes and numbers only.
+/// Whether the build has the texts of refusals. Without them, errors have codes and numbers only.
 pub(crate) const TEXT: bool = cfg!(feature = "text");
 
-/// Whether calm cycles have a copy of the step.
+/// Whether cycles that pass every check have a separate copy of the step.
 pub(crate) const FAST: bool = cfg!(feature = "fast");
 
-/// A text of refusals, where the build has them.
+/// Returns a text of a refusal; empty in a build without texts.
 pub(crate) const fn text(text: &'static str) -> &'static str {
     if TEXT { text } else { "" }
 }
@@ -73,7 +73,7 @@ pub(crate) const fn text(text: &'static str) -> &'static str {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Token;
 
-/// Called on the token of a value: code that does is unreachable in a build without the part.
+/// Called on the token of a value: the calling code is unreachable in a build without the part.
 pub(crate) trait Presence {
     fn exists(&self);
 }

@@ -31,21 +31,21 @@ pub struct Input<P, const N: usize> {
     /// and t the accumulated time,
     ///
     /// ```text
-    /// t <- min(t + e, 2 T − 1 ns)      t >= T: they move by a cycle's worth, t <- t − T;  else they stand
+    /// t <- min(t + e, 2 T − 1 ns)      t >= T: they move by a cycle's worth, t <- t − T;  else they do not move
     /// ```
     ///
     /// so that over any time they move by at most what their slope allows in it plus one cycle's worth. Afterwards they
     /// continue at the velocity they had. 0: no time has passed and nothing moves. The value in the first cycle is
     /// ignored.
     pub elapsed_ns: u32,
-    /// All axes are homed, so positions are machine positions.
+    /// Whether all axes are homed, so that positions are machine positions.
     pub homed: bool,
-    /// The host wants compensation.
+    /// Whether the host wants compensation.
     pub enable: bool,
     /// Releases a latched stop request (on its rising edge, near the held position).
     pub reset: bool,
-    /// Why a stage before the step ([`crate::ServoLoop::rtcp`]) has no command for this cycle: the output is held,
-    /// whatever `command` says. Otherwise [`Refusal::NONE`].
+    /// Why a stage before the step ([`crate::ServoLoop::rtcp`]) has no command for this cycle: the output then holds,
+    /// whatever `command` contains. Otherwise [`Refusal::NONE`].
     pub refusal: Refusal,
     /// Parts of the dynamic correction that the host wants; parts that are not configured stay off.
     pub dynamics: Dynamics,
@@ -97,9 +97,10 @@ pub(crate) enum Verdict {
     Active = Status::ACTIVE.0,
     /// The correction freezes; the command passes.
     Freeze = Status::FROZEN.0,
-    /// The output is held.
+    /// The output holds.
     Hold = Status::STOP_REQUEST.0,
-    /// The output would be held, but no command was ever usable and some axis has not been read yet: there is no output.
+    /// The output would hold, but no command was ever usable and some axis has not been read yet: the step gives no
+    /// output.
     Nowhere = Status::STOP_REQUEST.0 | Status::NO_OUTPUT.0,
 }
 
@@ -110,7 +111,7 @@ impl Verdict {
         Status(self as u8)
     }
 
-    /// The drives receive nothing new.
+    /// Whether the drives receive nothing new.
     #[inline(always)]
     pub(crate) fn holds(self) -> bool {
         matches!(self, Verdict::Hold | Verdict::Nowhere)
@@ -126,11 +127,12 @@ pub(crate) struct Sample<'s, P, const N: usize> {
     pub(crate) fault: Fault,
     /// Slot of the axis at fault.
     pub(crate) axis: u8,
-    /// The corrections may move in this cycle: a period has passed since they last moved ([`Input::elapsed_ns`]).
+    /// Whether the corrections may move in this cycle: a period has passed since they last moved
+    /// ([`Input::elapsed_ns`]).
     pub(crate) due: bool,
-    /// No earlier command was accepted.
+    /// Whether no earlier command was accepted.
     pub(crate) first: bool,
-    /// The positions are machine positions.
+    /// Whether the positions are machine positions.
     pub(crate) homed: bool,
     /// The unmodified input, for fields that only one stage reads.
     pub(crate) input: &'s Input<P, N>,
@@ -223,7 +225,7 @@ struct Suspicion<P: Position> {
 }
 
 impl<P: Position> Suspicion<P> {
-    /// No distance counted yet.
+    /// Starts with no distance counted.
     #[inline(always)]
     fn from(reading: P, command: P) -> Self {
         Suspicion { reading, command, way: P::Reach::default() }
@@ -233,12 +235,12 @@ impl<P: Position> Suspicion<P> {
 /// State of the stage.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SampleState<P: Position, const N: usize> {
-    /// The last cycle was active and passed every check: no stop, no reading missing, no reset held.
+    /// Whether the last cycle was active and passed every check: no stop, no reading missing, no reset held.
     calm: bool,
     started: bool,
     /// Time in which the corrections have not moved yet, below [`Sampler::pace_ns`].
     time_ns: u32,
-    /// While the output is held before the first command: one bit for every axis whose position is known.
+    /// While the output holds before the first command: one bit for every axis whose position is known.
     known: u8,
     active: bool,
     reset: bool,
@@ -280,7 +282,7 @@ impl<P: Position, const N: usize> SampleState<P, N> {
         self.command = *command;
     }
 
-    /// The last cycle, or an earlier one, requested a stop that is still latched.
+    /// Whether the last cycle, or an earlier one, requested a stop that is still latched.
     pub(crate) fn is_latched(&self) -> bool {
         self.latched != Fault::None
     }
@@ -416,7 +418,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
     /// Given the time accumulated with this cycle, the time left after it and whether the corrections may move in it.
     #[inline(always)]
     fn passed(&self, time_ns: u32) -> (u32, bool) {
-        // However long the time was, less than one movement takes is left over.
+        // However long the time was, the remainder is shorter than one movement takes.
         let most = self.pace_ns.wrapping_mul(2).wrapping_sub(1);
         let time = time_ns.min(most);
         match time.checked_sub(self.pace_ns) {
@@ -470,7 +472,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         Sample { command, feedback, verdict, fault, axis, due, first, homed: input.homed, input }
     }
 
-    /// Periods that a cycle took, which bound what may have moved in it: 1 if on time, at most 16.
+    /// Number of periods that a cycle took, the bound on the motion in it: 1 if on time, at most 16.
     #[inline(always)]
     pub(crate) fn periods(&self, elapsed_ns: u32) -> R {
         if elapsed_ns <= self.latest_ns {
@@ -551,7 +553,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
                     *good = *reading;
                     *missing = 0;
                 }
-                // Before the first good reading there is no value to fall back on: the command is used.
+                // Before the first good reading no earlier value can replace a missing one: the command does.
                 _ if !state.started || active && !good.is_within(&axis.readable) => {
                     *good = *command;
                     suspicion.reading = *command;
@@ -642,7 +644,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         }
     }
 
-    /// While the output is held before the first command, holds the machine's last read position, in the cycle in which
+    /// While the output holds before the first command, holds the machine's last read position, in the cycle in which
     /// the last of its axes has been read. Returns whether the position is known.
     #[cold]
     fn placed(&self, state: &mut SampleState<P, N>, input: &Input<P, N>) -> bool {

@@ -2,10 +2,10 @@
 //!
 //! All numbers little-endian:
 //!
-//! | bytes | what |
+//! | bytes | content |
 //! |---|---|
 //! | 8 | magic `TRUEAXIS` |
-//! | 2 | format version, 6; 5 of a machine without stated encoders, 4 of one that has no grids either |
+//! | 2 | format version, 6; 5 for a machine without stated encoders, 4 for one that has no grids either |
 //! | 4 | machine id: CRC-32 of name, line feed, chain |
 //! | 4 | length n of the payload |
 //! | n | payload |
@@ -39,7 +39,7 @@ pub const VERSION_WITHOUT_GRIDS: u16 = 4;
 /// Bytes before the payload.
 pub const HEADER_BYTES: usize = 18;
 
-/// With a table of 1 KiB, or bit by bit.
+/// CRC with a table of 1 KiB, or bit by bit.
 #[cfg(feature = "fast")]
 pub(crate) type Table = crc::Table<1>;
 #[cfg(not(feature = "fast"))]
@@ -243,7 +243,7 @@ pub struct Tcomp<'a> {
     inverse_passes: u8,
 }
 
-/// Bytes for postcard. Its own reads are inlined at every field, which takes kilobytes.
+/// Source of bytes for postcard, whose own source is inlined at every field and takes kilobytes.
 struct Bytes<'a>(&'a [u8]);
 
 impl<'a> postcard::de_flavors::Flavor<'a> for Bytes<'a> {
@@ -269,7 +269,7 @@ impl<'a> postcard::de_flavors::Flavor<'a> for Bytes<'a> {
     }
 }
 
-/// A value in postcard, and the bytes after it.
+/// Decodes a value in postcard; returns it with the bytes after it.
 fn decoded<'a, T: Deserialize<'a>>(bytes: &'a [u8]) -> Option<(T, &'a [u8])> {
     let mut source = postcard::Deserializer::from_flavor(Bytes(bytes));
     let value = T::deserialize(&mut source).ok()?;

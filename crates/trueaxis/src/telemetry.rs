@@ -30,11 +30,11 @@ impl Status {
     pub const ACTIVE: Status = Status(1);
     /// A reading was refused, and the correction is frozen.
     pub const FROZEN: Status = Status(2);
-    /// The output is held, and the step asks the host to stop.
+    /// The output holds, and the step asks the host to stop.
     pub const STOP_REQUEST: Status = Status(4);
     /// The contour error of this cycle was measured.
     pub const CONTOUR: Status = Status(8);
-    /// There is no output: no usable command has arrived, and not every axis has been read. Do not write `drive`.
+    /// The step gives no output: no usable command has arrived, and not every axis has been read. Do not write `drive`.
     pub const NO_OUTPUT: Status = Status(16);
     /// The contour feedback oscillated and is ramped out, until the compensation is switched off or a reset arrives.
     pub const FEEDBACK_OUT: Status = Status(32);

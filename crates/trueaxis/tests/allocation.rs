@@ -37,7 +37,7 @@ fn the_step_does_not_allocate() {
             let mut input =
                 Input { command, feedback: command, homed: true, enable: true, ..Input::at_rest(PERIOD_NS) };
             input.feedback[1] += 1e-3 * f64::from(cycle % 7);
-            // A lost reading now and then; at the end a jump of the command.
+            // An occasional lost reading; at the end a jump of the command.
             if cycle % 100 == 99 {
                 input.feedback[0] = f64::NAN;
             }

@@ -21,7 +21,7 @@ fn table(error: impl Fn(f64, bool) -> [f64; 3]) -> Vec<Row> {
     })
 }
 
-/// Built with memory that the test leaks.
+/// Builds a loop with leaked memory.
 fn servo(
     machine: &MachineSettings,
     tables: &[Vec<Row>; 3],
@@ -86,8 +86,8 @@ impl Play {
     }
 }
 
-/// X alone is commanded over three waves of its straightness, 30 µm; Y has 2 µm of play and is never commanded. Y's drive
-/// goes with −EYX, so that its direction is known in closed form: negative where EYX rises.
+/// Only X is commanded, over three waves of its straightness, 30 µm; Y has 2 µm of play and is never commanded. Y's
+/// drive follows −EYX, so its direction is known in closed form: negative where EYX rises.
 #[test]
 fn a_straightness_correction_takes_up_the_play_of_the_axis_that_it_moves() {
     const WAVE_MM: f64 = 300.0;
@@ -103,7 +103,7 @@ fn a_straightness_correction_takes_up_the_play_of_the_axis_that_it_moves() {
     run.stand([begin, 0.0, 0.0]);
     let mut play = Play { width: PLAY_MM, reverse: 0.0, drive: run.at([begin, 0.0, 0.0]).drive[1] };
     let (mut worst, mut settled, mut squares, mut cycles) = (0.0_f64, 0.0_f64, 0.0, 0);
-    // 50 mm/s: 0.18 s in an eighth of a wave.
+    // 50 mm/s: 0.75 s in an eighth of a wave.
     for n in 0..=180_000 {
         let x = begin + 0.005 * f64::from(n);
         let out = run.at([x, 0.0, 0.0]);
@@ -125,7 +125,7 @@ fn a_straightness_correction_takes_up_the_play_of_the_axis_that_it_moves() {
     assert!(settled < 1e-6 && worst <= PLAY_MM + 1e-6 && rms < 0.2e-3, "{settled} {worst} {rms}");
 }
 
-/// The table's own interpolation is not what is tested: within the cubic's reach of the wave.
+/// Straightness by the table's own interpolation, which is not under test: it deviates from the wave as a cubic does.
 fn straightness_of(rows: &[Row], x: f64) -> f64 {
     let settings = AxisSettings { interpolation: Interpolation::Cubic, ..AxisSettings::with_defaults(Axis::X, false) };
     trueaxis::machine::Curve::new(&settings, rows, 1, false).at(x).unwrap()
@@ -141,7 +141,7 @@ fn with_play() -> Run {
     Run::new(&machine, &[none.clone(), none.clone(), none])
 }
 
-/// The play is taken up (true: the correction is −PLAY) at the end of a stand.
+/// Whether the play is taken up (the correction is −PLAY) after a time at rest.
 fn taken(run: &mut Run, command: [f64; 3]) -> bool {
     let correction = run.stand(command).record.correction[0];
     assert!(correction == 0.0 || (correction + PLAY).abs() < 1e-12, "{correction}");
@@ -156,7 +156,7 @@ fn homing_is_no_travel() {
             run.cycle(&Input { homed: false, ..input([40.0 + 0.01 * f64::from(n), 0.0, 0.0]) });
         }
         assert!(!taken(&mut run, [homed_at, 0.0, 0.0]), "{homed_at}");
-        // Homed again elsewhere, while the correction is not yet led out.
+        // Homed again elsewhere, before the correction has ramped out.
         for n in 0..=100 {
             run.at([homed_at - 0.01 * f64::from(n), 0.0, 0.0]);
         }
@@ -174,7 +174,7 @@ fn switching_off_and_on_turns_only_the_drives_that_move() {
         run.at([10.0 - 0.01 * f64::from(n), 0.0, 0.0]);
     }
     assert!(taken(&mut run, [9.0, 0.0, 0.0]));
-    // Led out the drive goes back by its play: it has turned, and led in again it turns no more.
+    // Ramping out moves the drive back by its play: it has reversed, and ramping in does not reverse it again.
     for _ in 0..2000 {
         run.cycle(&Input { enable: false, ..input([9.0, 0.0, 0.0]) });
     }
@@ -231,14 +231,15 @@ fn a_correction_against_the_travel_needs_a_wider_band() {
     assert!(servo(&machine, &tables).is_ok());
 }
 
-/// Effect of two axes' reversals on each other and on themselves: µm that a table gives more in negative travel.
+/// Random steps that the reversals of the axes cause in their own and each other's errors: µm that a table adds in
+/// negative travel.
 fn any_steps() -> impl Strategy<Value = [[f64; 3]; 3]> {
     let step = prop_oneof![2 => Just(0.0), 3 => -1.5..1.5f64, 1 => 0.0..8.0f64];
     prop::array::uniform3(prop::array::uniform3(step))
 }
 
-/// Y is known by its play alone, X and Z by nothing: a table of zeros says no more, and the step sends the same bits. The play is
-/// taken off the command once Y travels in negative direction.
+/// Y has only its play, X and Z have no errors: tables of zeros add nothing, and the step sends the same bits. The step
+/// subtracts the play from the command once Y travels in the negative direction.
 #[test]
 fn play_is_corrected_without_a_table() {
     const PLAY_MM: f64 = 0.02;
@@ -266,7 +267,7 @@ fn play_is_corrected_without_a_table() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 600, ..ProptestConfig::default() })]
 
-    /// Whatever is accepted comes to rest: after any travel a standing command gets a standing correction.
+    /// Every accepted machine comes to rest: after any travel, a constant command gets a constant correction.
     #[test]
     fn no_reversal_takes_itself_back(
         steps in any_steps(),
@@ -294,7 +295,8 @@ proptest! {
                 run.at(at);
             }
             let rest = run.stand(at).record.correction;
-            // Looked up where the drive was sent last, a correction may alternate between two neighbouring numbers for ever.
+            // Looked up at the last drive position, a correction may alternate between two neighbouring numbers for
+            // ever.
             for _ in 0..300 {
                 let now = run.at(at).record.correction;
                 prop_assert!(now.iter().zip(rest).all(|(now, rest)| (now - rest).abs() < 1e-17), "{now:?}, not {rest:?}");
@@ -302,7 +304,7 @@ proptest! {
         }
     }
 
-    /// With positive play alone everything is accepted, however narrow the band.
+    /// With only positive play, every machine is accepted, however narrow the band.
     #[test]
     fn positive_play_is_always_accepted(
         plays in prop::array::uniform3(0.0..0.05f64),

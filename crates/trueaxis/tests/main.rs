@@ -1,4 +1,4 @@
-//! The core from outside.
+//! Tests of the core through its public interface.
 
 mod allocation;
 mod bits;

@@ -1,17 +1,18 @@
-//! The compiled file against a writer of its own, made from the description of the format, with a CRC-32 bit by bit.
+//! The compiled file compared with an independent writer, made from the description of the format, with a bitwise
+//! CRC-32.
 
 use trueaxis::machine::{Axis, AxisSettings, MachineSettings};
 use trueaxis::tcomp::{TableHeader, Tcomp, TcompError, checksum, machine_id};
 use trueaxis_testing::machine::Machine;
 
-/// CRC-32 of ISO-HDLC: polynomial 0x04C11DB7 reflected, begun and ended with ones.
+/// CRC-32/ISO-HDLC: polynomial 0x04C11DB7 reflected, initial value and final XOR all ones.
 fn crc(bytes: &[u8]) -> u32 {
     !bytes.iter().fold(!0, |sum, byte| {
         (0..8).fold(sum ^ u32::from(*byte), |sum, _| if sum & 1 == 1 { sum >> 1 ^ 0xEDB8_8320 } else { sum >> 1 })
     })
 }
 
-/// One table: header, and numbers line by line.
+/// One table: its header, and its numbers line by line.
 type Table = (TableHeader, Vec<f64>);
 
 const NONE: TableHeader = TableHeader { present: false, given: 0, bidirectional: false, rows: 0 };
@@ -44,7 +45,7 @@ fn id() -> u32 {
     crc(b"mill\nw b X Y Z t")
 }
 
-/// X both ways with two components, Y one way with three, Z none.
+/// X in both directions with two components, Y in one direction with three, Z without a table.
 fn tables() -> [Table; 3] {
     let x = TableHeader { present: true, given: 0b000101, bidirectional: true, rows: 3 };
     let y = TableHeader { present: true, given: 0b100011, bidirectional: false, rows: 2 };
@@ -84,8 +85,8 @@ fn what_was_written_is_read() {
     let present: Vec<bool> = tcomp.axes().map(|(_, table)| table.is_some()).collect();
     assert_eq!(present, [true, true, false]);
     assert!(tcomp.axes().map(|(axis, _): (&AxisSettings, _)| axis.axis).eq([Axis::X, Axis::Y, Axis::Z]));
-    // Nine terms of linear tables: four numbers for value and slope of each point, both ways for X, which has a grid of
-    // equal steps, as Y has.
+    // Nine terms of linear tables: four numbers for value and slope of each point, in both directions for X; the points
+    // of X and Y are equally spaced.
     assert_eq!(tcomp.requirement(), 3 * 2 * 2 * 4 + 2 * 2 * 4);
     assert_eq!((tables()[0].0.row_bytes(), tables()[1].0.row_bytes()), (40, 32));
 }
@@ -94,7 +95,7 @@ fn refused(bytes: &[u8]) -> TcompError {
     Tcomp::parse(bytes).unwrap_err()
 }
 
-/// The file with a change of its payload, sealed again.
+/// Parses the file with a changed payload and a new checksum; returns the error.
 fn with(change: impl FnOnce(&mut MachineSettings, &mut Vec<Table>)) -> TcompError {
     let (mut machine, mut tables) = (machine(), tables().to_vec());
     change(&mut machine, &mut tables);
@@ -116,10 +117,10 @@ fn what_is_wrong_is_named() {
             let error = refused(&bytes);
             let wanted = match at {
                 0..8 => TcompError::Magic,
-                // One bit makes it the version with grids or with encoders, which are read.
+                // One bit gives the version with grids or with encoders, which are accepted.
                 8 if bit < 2 => TcompError::Checksum,
                 8..10 => TcompError::Version,
-                // A length that is too small leaves bytes behind the sum, one that is too large ends too soon.
+                // Too small a length leaves bytes after the checksum; too large a one exceeds the file.
                 14..18 if error != TcompError::TooLong => TcompError::TooShort,
                 14..18 => TcompError::TooLong,
                 _ => TcompError::Checksum,
@@ -142,7 +143,7 @@ fn what_is_wrong_is_named() {
     ] {
         assert_eq!(with(|_, tables| tables[2] = (unsound, vec![0.0; 2])), TcompError::TableHeader, "{unsound:?}");
     }
-    // All six components are sound: refused for what is in them.
+    // A header with all six components is valid: the content is refused.
     let all = TableHeader { present: true, given: 63, bidirectional: false, rows: 2 };
     assert!(matches!(with(|_, tables| tables[2] = (all, vec![1.0; 14])), TcompError::Content(_)));
     assert!(matches!(with(|machine, _| machine.axes[0].hysteresis = -1.0), TcompError::Content(_)));

@@ -20,7 +20,7 @@ pub struct SpikeCurves {
     pub before_um: Vec<f64>,
     /// Spike predicted from the friction found, µm.
     pub predicted_um: Vec<f64>,
-    /// Recorded spike minus what the feed-forward removes in the model, µm.
+    /// Recorded spike minus the part that the feed-forward removes in the model, µm.
     pub after_um: Vec<f64>,
 }
 
@@ -55,7 +55,7 @@ pub struct CircleCurves {
     pub before_um: Vec<f64>,
     /// Deviation predicted from the friction found, µm.
     pub predicted_um: Vec<f64>,
-    /// Recorded deviation minus what the feed-forward removes in the model, µm.
+    /// Recorded deviation minus the part that the feed-forward removes in the model, µm.
     pub after_um: Vec<f64>,
 }
 

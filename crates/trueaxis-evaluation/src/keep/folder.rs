@@ -45,8 +45,8 @@ impl State {
         Ok(state)
     }
 
-    /// Like [`State::read`], for a command that writes. Until this is dropped, a second command that changes the machine is
-    /// refused: it would add to the tables what the first one adds.
+    /// Like [`State::read`], for a command that writes. Until this is dropped, a second command that changes the
+    /// machine is refused: it would add the changes of the first one to the tables again.
     ///
     /// # Errors
     /// As [`State::read`], or another command at work.

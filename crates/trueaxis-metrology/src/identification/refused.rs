@@ -40,7 +40,7 @@ pub enum Refused {
         /// Number of set-ups.
         needed: usize,
     },
-    /// There are no angles.
+    /// No angles.
     NoAngles,
     /// With free offsets: the angles are too few, or span too little, to separate the errors from the offsets.
     Offsets {

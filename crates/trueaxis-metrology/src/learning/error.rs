@@ -15,7 +15,7 @@ pub enum NotLearned {
         /// Permitted range.
         needed: &'static str,
     },
-    /// There is no row with a measured error.
+    /// No row with a measured error.
     Empty,
     /// A row is off the path.
     OffThePath {

@@ -42,7 +42,7 @@ pub enum Refused {
         /// Number of rows.
         found: usize,
     },
-    /// There are no sensors, or more than the task supports.
+    /// No sensors, or more than the task supports.
     Sensors {
         /// Number of sensors in the record.
         found: usize,

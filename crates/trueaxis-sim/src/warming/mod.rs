@@ -8,8 +8,8 @@
 //! ```
 //!
 //! Bodies are masses of two nodes each, skin and core, that exchange heat with one another, air and coolant; the drift is a
-//! sum over lengths and their expansion. No part of it has the form that is fitted: there is no lag of a single time constant
-//! and no curve of a sensor.
+//! sum over lengths and their expansion. No part of it has the form that is fitted: neither a lag of a single time
+//! constant nor a curve of a sensor.
 
 mod bodies;
 mod corrected;

@@ -17,9 +17,9 @@
 //! EYZ −= A0Z·z. The location errors `EX0r … EC0r` of a rotary axis r are constants added to its twist, at the origin of
 //! its frame, in its carrier's directions, with the sign of the tables.
 //!
-//! **Where a table holds.** Without `measured_at_mm` (zero), translations are those of the origin of the axis' moved frame.
-//! With it, they are what an instrument reads at a tool of length zero with the other linear axes at `measured_at_mm` and the
-//! rotary axes at zero. The twist at the axis frame's origin follows to first order:
+//! **Where a table holds.** Without `measured_at_mm` (zero), translations are those of the origin of the axis' moved
+//! frame. With it, they are the readings of an instrument at a tool of length zero with the other linear axes at
+//! `measured_at_mm` and the rotary axes at zero. The twist at the axis frame's origin follows to first order:
 //!
 //! ```text
 //! e = e_measured − w × l,   l = p_measured − o_i = Σ m_j n_j over the linear axes j between the moved frame of i and the tool

@@ -380,7 +380,7 @@ fn location_table(location: &mut LocationErrors) -> Vec<(String, f64)> {
         .collect()
 }
 
-/// Lists what the mean of both directions loses: in the own error with its backlash, and in the others.
+/// Lists the losses of the mean of both directions: in the own error with its backlash, and in the others.
 fn one_way(machine: &Machine, settings: &trueaxis::machine::AxisSettings, table: &Table, dropped: &mut Vec<String>) {
     let points = positioning::points(machine, settings, table);
     positioning::mean_of_directions(settings, &points, dropped);

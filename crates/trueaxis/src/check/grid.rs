@@ -1,4 +1,4 @@
-//! Grids: what they have to keep to, and what their errors may do to the inverse.
+//! Checks of grids, and bounds on the effect of their errors on the inverse.
 
 use super::bounds::reach;
 use super::need;
@@ -8,11 +8,11 @@ use crate::part::{self, Part};
 use crate::range;
 use heapless::Vec;
 
-/// Every grid of a machine: two or three of its linear axes with 2 to 1000 nodes each, positions ascending, every error in its
-/// physical range, a fade over X and Y alone and without rotations.
+/// Checks every grid of a machine: two or three of its linear axes with 2 to 1000 nodes each, ascending positions,
+/// every error in its physical range, and a fade only over X and Y and without rotations.
 ///
 /// # Errors
-/// The first thing that is wrong, with the number of the grid as its index.
+/// The first fault found, with the number of the grid as its index.
 pub fn grids(machine: &MachineSettings, grids: &[GridData<'_>]) -> Result<(), ConfigError> {
     let found = grids.len() as f64;
     need(grids.len() <= GRIDS, ConfigError::new(Field::GridTable, found, "at most 4 grids"))?;
@@ -53,7 +53,7 @@ fn one(machine: &MachineSettings, grid: &GridData<'_>) -> Result<(), ConfigError
     Ok(())
 }
 
-/// The nodes along an axis.
+/// Checks the nodes along an axis.
 fn nodes(grid: &GridData<'_>, slot: usize, axis: Axis, along: &GridAxis) -> Result<(), ConfigError> {
     let wrong = |found, needed| ConfigError::new(Field::GridTable, found, needed).on(axis);
     let count = usize::from(along.nodes);
@@ -73,7 +73,7 @@ fn nodes(grid: &GridData<'_>, slot: usize, axis: Axis, along: &GridAxis) -> Resu
     Ok(())
 }
 
-/// The errors of a node and their resolution.
+/// Checks which errors the nodes give, and their resolution.
 fn given(given: u8, scales: &[f64; 6]) -> Result<(), ConfigError> {
     let wrong = |found| ConfigError::new(Field::GridTable, found, "at least one of EX EY EZ EA EB EC");
     need(given != 0 && given < 64, wrong(f64::from(given)))?;
@@ -109,15 +109,15 @@ struct Bound {
     extremes: GridExtremes,
 }
 
-/// What the grids of a machine do at most: values and slopes of their errors.
+/// Bounds on all grids of a machine: values and slopes of their errors.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GridBounds(Vec<Bound, GRIDS>);
 
 impl GridBounds {
-    /// Of no grid.
+    /// Bounds without any grid.
     pub const NONE: Self = GridBounds(Vec::new());
 
-    /// Of some grids. Cost: every node once.
+    /// Finds the bounds of these grids; reads every node once.
     pub fn of(grids: &[GridData<'_>]) -> Self {
         let mut bounds = Self::NONE;
         if part::GRIDS.is_none() {
@@ -135,13 +135,14 @@ impl GridBounds {
                 }
             }
             let over = header.axes.map(|along| along.is_there());
-            // As many as there is room for: more are refused.
+            // The capacity is the permitted number of grids: [`grids`] refuses more.
             let _ = bounds.0.push(Bound { over, measured_at: header.measured_at_mm, extremes });
         }
         bounds
     }
 
-    /// Largest |∂E/∂q| of an error along a linear axis, all grids together, mm or rad per mm; zero along a rotary one.
+    /// Largest |∂E/∂q| of an error along a linear axis, summed over all grids, mm or rad per mm; zero along a rotary
+    /// one.
     pub fn slope(&self, axis: Axis, component: usize) -> f64 {
         if part::GRIDS.is_none() {
             return 0.0;
@@ -150,7 +151,7 @@ impl GridBounds {
         self.0.iter().filter_map(of).sum()
     }
 
-    /// Smallest and largest value of an error, all grids together, mm or rad.
+    /// Smallest and largest value of an error, summed over all grids, mm or rad.
     pub fn values(&self, component: usize) -> [f64; 2] {
         if part::GRIDS.is_none() {
             return [0.0; 2];
@@ -159,7 +160,7 @@ impl GridBounds {
         self.0.iter().filter_map(of).fold([0.0; 2], |[low, high], [least, most]| [low + least, high + most])
     }
 
-    /// Of the tip, rotations with their levers.
+    /// Bounds at the tip, including rotations with their levers.
     pub(super) fn of_tip<'r, T: Rows + ?Sized + 'r>(
         &self,
         machine: &MachineSettings,
@@ -176,7 +177,7 @@ impl GridBounds {
     }
 }
 
-/// Bounds of what grids do to tip and direction of the volumetric model.
+/// Bounds on the effect of grids on tip and direction in the volumetric model.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct TipBounds {
     /// Largest |rotation|, rad.
@@ -207,7 +208,7 @@ impl TipBounds {
             let slopes = bound.extremes.slopes.map(|slopes| slopes.get(slot).copied().unwrap_or(0.0));
             let [ex, ey, ez, a, b, c] = slopes;
             let carries = links.iter().any(|link| link.axis.index() == slot && !link.carries_workpiece);
-            // A slide between the measured point and the tool makes the lever longer.
+            // A slide between the measured point and the tool lengthens the lever.
             let longer = if carries && bound.over.get(slot) == Some(&false) { turn } else { 0.0 };
             let [tip, turning] = rates;
             *tip += length(&[ex, ey, ez]) + length(&swing([a, b, c], lever)) + longer;
@@ -216,7 +217,7 @@ impl TipBounds {
     }
 }
 
-/// Largest |component| of the way from the point where a grid's translations hold to the tip, mm.
+/// Largest |component| of the distance from the point where a grid's translations apply to the tip, mm.
 fn lever<'r, T: Rows + ?Sized + 'r>(
     machine: &MachineSettings,
     rows: &impl Fn(Axis) -> Option<&'r T>,
@@ -228,7 +229,7 @@ fn lever<'r, T: Rows + ?Sized + 'r>(
     let mut along = machine.tool_mm.map(f64::abs);
     let mut anywhere = length(&machine.tool_mm);
     for own in on_tool() {
-        // Turned, the way to the tip and the one in the pose of zero may point away from each other.
+        // After a turn, the vector to the tip may point opposite to the one in the zero pose.
         anywhere += 2.0 * length(&own.offset_mm);
         if own.axis.is_rotary() {
             continue;

@@ -7,19 +7,20 @@ use crate::compensation::ThermalLine;
 use crate::error::{ConfigError, Field};
 use crate::machine::{Axis, AxisSettings, Link, MachineSettings, Rows, is_turned, links};
 
-/// Most look-ups of the exact inverse.
+/// Maximum number of look-ups of the exact inverse.
 pub const MOST_PASSES: u8 = 8;
 /// Largest error that the inverse may leave, mm.
 pub const INVERSE_TOLERANCE_MM: f64 = 1e-6;
 
 /// Upper bound of the norm of the Jacobian of the error: the Frobenius norm of the largest |slopes|.
 ///
-/// Volumetric: with the slopes of the angular errors times their levers, and the angular errors themselves where a travel
-/// makes their lever longer. What follows is said of the nine terms.
+/// In the volumetric form it includes the slopes of the angular errors times their levers, and the angular errors
+/// themselves where a travel lengthens their lever. The rest applies to the nine-term form.
 ///
-/// Of a machine with linear axes only, 3 by 3, squareness included. A rotary axis adds its column (mm per degree, with
-/// what its turning does to the errors of the axes it carries) and the slope of its own error (degree per degree): the
-/// norm is that of millimetres beside degrees. Grids add their slopes. Thermal growth, writable at run time, is not in it.
+/// With linear axes only, the Jacobian is 3 by 3, squareness included. A rotary axis adds its column (mm per degree,
+/// with the effect of its rotation on the errors of the axes it carries) and the slope of its own error (degree per
+/// degree): the norm combines millimetres and degrees. Grids add their slopes. Thermal growth, writable at run time, is
+/// not included.
 pub fn jacobian_norm<'r, T: Rows + ?Sized + 'r>(
     machine: &MachineSettings,
     rows: impl Fn(Axis) -> Option<&'r T>,
@@ -56,8 +57,9 @@ fn swing<'r, T: Rows + ?Sized + 'r>(
     others.map(|other| length(machine, other, rows(other.axis), reach(other, rows(other.axis)))).sum()
 }
 
-/// Smallest and largest error that a drive corrects: the sum over all axes, the axis' own positions restricted to `own`,
-/// the others anywhere in their reach, grids wherever they are worst. mm; a rotary axis in degrees. Thermal growth is not in it.
+/// Smallest and largest error that a drive corrects, mm; degrees on a rotary axis: the sum over all axes, with the
+/// axis' own positions restricted to `own`, the others anywhere in their reach, and grids at their worst. Thermal
+/// growth is not included.
 pub fn error_range<'r, T: Rows + ?Sized + 'r>(
     machine: &MachineSettings,
     rows: impl Fn(Axis) -> Option<&'r T>,
@@ -95,10 +97,10 @@ pub fn error_range<'r, T: Rows + ?Sized + 'r>(
     sum
 }
 
-/// Command + correction stays inside the joint over the declared travel, whatever the other axes do.
+/// Checks that command + correction stays inside the joint over the declared travel, at any position of the other axes.
 ///
-/// The corrected position grows with the command (slopes are below 1), so that both ends of the travel decide. The
-/// correction counts as the magnitude limit lets it pass.
+/// The corrected position grows with the command (slopes are below 1), so it is enough to check both ends of the
+/// travel. The correction counts as limited by the magnitude limit.
 ///
 /// # Errors
 /// [`Field::Joint`] with the corrected position that leaves the range.
@@ -140,7 +142,7 @@ pub fn inverse_passes(norm: f64, magnitude_mm: f64) -> Result<u8, ConfigError> {
     let mut error = magnitude_mm;
     for passes in 1..=MOST_PASSES {
         error *= norm;
-        // A product that should be exactly the tolerance is not one look-up too many for a rounding.
+        // Rounding of a product that should be exactly the tolerance must not cost another look-up.
         if error <= INVERSE_TOLERANCE_MM * (1.0 + 1e-12) {
             return Ok(passes);
         }
@@ -148,8 +150,8 @@ pub fn inverse_passes(norm: f64, magnitude_mm: f64) -> Result<u8, ConfigError> {
     Err(ConfigError::new(Field::Inverse, norm, "a norm of the errors' Jacobian small enough for 8 passes"))
 }
 
-/// Look-ups that the inverse of a whole machine takes, for corrections up to the magnitude limits of all axes together
-/// and any thermal growth that may be set at run time ([`ThermalLine::SLOPE_LIMIT`] on top of the norm).
+/// Number of look-ups that the inverse of a whole machine needs, for corrections up to the magnitude limits of all axes
+/// together and any thermal growth that may be set at run time ([`ThermalLine::SLOPE_LIMIT`] on top of the norm).
 ///
 /// # Errors
 /// As [`inverse_passes`].

@@ -1,4 +1,5 @@
-//! The hysteresis of a reversal: wider than the encoder's steps, and than what a correction steps against the travel.
+//! Checks of the reversal hysteresis: it must exceed the encoder's steps, and the correction's steps against the
+//! travel.
 
 use super::bounds::{Step, sense, width};
 use super::grid::GridBounds;
@@ -7,32 +8,32 @@ use super::volumetric;
 use crate::error::{ConfigError, Field};
 use crate::machine::{AXES, Axis, AxisSettings, MachineSettings, Rows, is_turned, links, lost};
 
-/// Steps of the encoder that a hysteresis must span: a reading that stands between two counts shows either, and the drive
-/// that closes its loop on it moves by as much to and fro.
+/// Steps of the encoder that a hysteresis must span: a reading between two counts may show either, and the drive that
+/// closes its loop on it moves back and forth by as much.
 pub const HYSTERESIS_PER_STEP: f64 = 3.0;
 
 /// A step below this moves nothing: mm, degrees.
 const NOTHING: f64 = 1e-9;
 
-/// Lost motion of an axis: smallest and largest of its own error in negative travel against that in positive, mm (deg),
-/// backlash included; the backlash alone of an axis without a table.
+/// Lost motion of an axis, mm (deg): smallest and largest difference of its own error between negative and positive
+/// travel, backlash included; without a table, the backlash alone.
 pub fn lost_motion<T: Rows + ?Sized>(settings: &AxisSettings, rows: Option<&T>) -> [f64; 2] {
     let (least, most) = rows.map_or((0.0, 0.0), |rows| lost(settings, rows, settings.axis.index()));
     let own = |error: f64| if settings.axis.is_rotary() { error.to_degrees() } else { error };
     [own(least) + settings.backlash, own(most) + settings.backlash]
 }
 
-/// The hysteresis of every axis with lost motion spans the steps of its encoder, where those are stated, and no reversal
-/// can take itself back.
+/// Checks that the hysteresis of every axis with lost motion spans the steps of its encoder, if they are stated, and
+/// that no reversal can undo itself.
 ///
-/// The direction is the drive's, and a reversal steps the corrections. Positive lost motion steps its own in the new
-/// direction of travel and confirms it. Negative lost motion steps it back; and where the reversal of one axis steps the
-/// correction of another, that may reverse too and step the first one back. Either goes on for ever if every step of such
-/// a round is wider than the hysteresis of the axis that it moves. The steps are upper bounds over all positions; thermal
-/// growth and grids do not depend on the direction.
+/// The direction is the drive's, and a reversal steps the corrections. Positive lost motion steps the axis' own
+/// correction in the new direction of travel and confirms it. Negative lost motion steps it back. If the reversal of
+/// one axis steps the correction of another, that one may reverse too and step the first one back. Either sequence
+/// repeats for ever if every step in it is wider than the hysteresis of the axis that it moves. The steps are upper
+/// bounds over all positions; thermal growth and grids do not depend on the direction.
 ///
 /// # Errors
-/// [`Field::Hysteresis`] with the hysteresis found and, as bound, the least it has to be.
+/// [`Field::Hysteresis`] with the hysteresis found and, as bound, its lower limit.
 pub fn reversal<'r, T: Rows + ?Sized + 'r>(
     machine: &MachineSettings,
     rows: impl Fn(Axis) -> Option<&'r T>,
@@ -45,7 +46,7 @@ pub fn reversal<'r, T: Rows + ?Sized + 'r>(
     if steps.iter().flatten().all(|step| width(step) == 0.0) {
         return Ok(());
     }
-    // The exact inverse looks up where it corrects to.
+    // The exact inverse looks up at the corrected position, which amplifies the steps.
     let gain = 1.0 / (1.0 - jacobian_norm(machine, &rows, grids).min(0.999));
     for (moving, steps) in machine.axes.iter().zip(&mut steps) {
         for step in steps.iter_mut() {
@@ -55,13 +56,13 @@ pub fn reversal<'r, T: Rows + ?Sized + 'r>(
             && steps.iter().any(|step| width(step) > 0.0)
         {
             let least = HYSTERESIS_PER_STEP * resolution;
-            // Two decimals whose quotient is just that pass whatever their rounding.
+            // Two decimals whose quotient is exactly that pass, however they are rounded.
             if moving.hysteresis < least * (1.0 - 1e-9) {
                 return Err(narrow(moving, "at least three steps of the encoder", least));
             }
         }
     }
-    // Entries in which a reversal of `from` may reverse `to` too, with the sign.
+    // Pairs in which a reversal of `from` may reverse `to` too, with the sign.
     let mut leads = [[Leads::default(); AXES]; AXES];
     let mut sums = [0.0; AXES];
     for ((to, axis), sum) in machine.axes.iter().enumerate().zip(&mut sums) {
@@ -103,7 +104,7 @@ fn narrow(axis: &AxisSettings, needed: &'static str, bound: f64) -> ConfigError 
     ConfigError { bound: Some(bound), ..ConfigError::new(Field::Hysteresis, axis.hysteresis, needed).on(axis.axis) }
 }
 
-/// In which directions a reversal can lead to another.
+/// Directions in which a reversal can cause another one.
 #[derive(Clone, Copy, Default)]
 struct Leads {
     same: bool,
@@ -123,7 +124,7 @@ impl Leads {
     }
 }
 
-/// Steps of all drives, in the order of the machine's axes, that the reversal of one axis makes.
+/// Steps of all drives that the reversal of one axis causes, in the order of the machine's axes.
 fn steps_of<'r, T: Rows + ?Sized + 'r>(
     machine: &MachineSettings,
     rows: &impl Fn(Axis) -> Option<&'r T>,

@@ -1,4 +1,4 @@
-//! What drives, friction, dynamic correction, contour feedback and cross-talk have to keep to.
+//! Checks of drives, friction, dynamic correction, contour feedback and cross-talk.
 
 use super::drive::{is_stable, stiffness};
 use super::margins::{Margins, margins};
@@ -7,12 +7,12 @@ use crate::error::{ConfigError, Field};
 use crate::machine::{Axis, AxisSettings, MachineSettings};
 use crate::part;
 
-/// Delay of the step itself, in servo periods: one until a reading has become a command, half of one for the hold between
-/// two commands.
+/// Delay of the step itself, in servo periods: one from a reading to the command computed from it, half of one for the
+/// hold between two commands.
 const OWN_DELAY: f64 = 1.5;
 
-/// Everything but the margins: drive figures wherever they are needed, and those of a stable drive; limits within those of
-/// the axis; cross-talk between axes of the machine, onto a linear one, with positions that increase.
+/// Checks everything except the margins: drive figures wherever they are needed, and of a stable drive; limits within
+/// those of the axis; cross-talk between axes of the machine, onto a linear one, at increasing positions.
 pub(super) fn settings(machine: &MachineSettings) -> Result<(), ConfigError> {
     if part::DYNAMIC.is_none() {
         return Ok(());
@@ -52,7 +52,7 @@ fn axis(settings: &AxisSettings) -> Result<(), ConfigError> {
     need(found <= bound, ConfigError { bound: Some(bound), ..error })
 }
 
-/// A refusal of a limiter, at the key of the dynamic correction's limits.
+/// Moves an error of a limiter to the key of the dynamic correction's limits.
 pub(crate) fn of_dynamic(error: ConfigError) -> ConfigError {
     let field = match error.field {
         Field::Magnitude => Field::DynamicMagnitude,
@@ -84,8 +84,8 @@ fn crosstalk(machine: &MachineSettings) -> Result<(), ConfigError> {
     Ok(())
 }
 
-/// Margins of the contour feedback on every linear axis with drive figures, for a servo period, s. Nothing without contour
-/// feedback.
+/// Margins of the contour feedback on every linear axis with drive figures, for a servo period, s. Empty without
+/// contour feedback.
 pub fn feedback_margins(machine: &MachineSettings, period_s: f64) -> impl Iterator<Item = (Axis, Margins)> {
     let linear = machine.axes.iter().filter(|axis| !axis.axis.is_rotary());
     linear.filter_map(move |axis| {
@@ -94,12 +94,12 @@ pub fn feedback_margins(machine: &MachineSettings, period_s: f64) -> impl Iterat
     })
 }
 
-/// Refuses gains of the contour feedback that leave less than [`super::PHASE_MARGIN_DEG`] or [`super::GAIN_MARGIN_DB`] on an axis at
-/// this servo period, s (0: not known yet). [`Margins`] says in which loops.
+/// Refuses gains of the contour feedback that leave less than [`super::PHASE_MARGIN_DEG`] or [`super::GAIN_MARGIN_DB`]
+/// on an axis at this servo period, s (0: not known yet). [`Margins`] lists the loops.
 ///
 /// # Errors
-/// The proportional gain, or the integral one where the other is zero; bound: the largest permitted one at the same ratio of
-/// the two, rounded down to three digits.
+/// The proportional gain, or the integral one if the proportional gain is zero; bound: its largest permitted value at
+/// this ratio of the two, rounded down to three digits.
 pub fn feedback(machine: &MachineSettings, period_s: f64) -> Result<(), ConfigError> {
     let (Some(settings), Some(_)) = (&machine.contour.feedback, part::DYNAMIC) else { return Ok(()) };
     let all = feedback_margins(machine, period_s).map(|(axis, margins)| (axis, margins.factor));
@@ -122,7 +122,7 @@ pub fn feedback(machine: &MachineSettings, period_s: f64) -> Result<(), ConfigEr
     need(factor >= 1.0, ConfigError { bound: Some(rounded_down(found * factor)), ..error })
 }
 
-/// To three digits, towards zero.
+/// Rounds to three digits, towards zero.
 fn rounded_down(value: f64) -> f64 {
     let digits = 2.0 - libm::floor(libm::log10(value));
     if !digits.is_finite() || digits.abs() > 200.0 {

@@ -12,10 +12,10 @@ fn norm(v: &[f64]) -> f64 {
     libm::sqrt(v.iter().map(|x| x * x).sum())
 }
 
-/// Largest |component| of the lever from the point where an axis' table holds to the tip, in its carrier's directions,
-/// over the reach of all axes, mm.
+/// Largest |component| of the lever from the point where an axis' table applies to the tip, in its carrier's
+/// directions, over the reach of all axes, mm.
 ///
-/// Where a rotary axis stands between the axis' frame and the tip, any component may be as long as all of it.
+/// If a rotary axis lies between the axis' frame and the tip, any component may be as long as the whole lever.
 fn lever<'r, T: Rows + ?Sized + 'r>(
     machine: &MachineSettings,
     rows: &impl Fn(Axis) -> Option<&'r T>,
@@ -33,9 +33,9 @@ fn arm<'r, T: Rows + ?Sized + 'r>(
     norm(&way_to_tip(machine, rows, settings, [0.0; 3]))
 }
 
-/// [`lever`] from the position `measured` of the slides beyond the axis.
+/// Like [`lever`], from the position `measured` of the slides beyond the axis.
 ///
-/// Everything between two rotary axes turns as one: boxes on both sides of a rotary axis add by their lengths, as the
+/// Everything between two rotary axes turns together: boxes on both sides of a rotary axis add by their lengths, as the
 /// axis may turn them into one line.
 fn way_to_tip<'r, T: Rows + ?Sized + 'r>(
     machine: &MachineSettings,
@@ -52,11 +52,11 @@ fn way_to_tip<'r, T: Rows + ?Sized + 'r>(
         let [x, y, z] = by.map(|by| sense * by);
         [[a + x, b + x], [c + y, d + y], [e + z, f + z]]
     };
-    // From a frame that carries the workpiece, the lever to the tip includes its own offset; from one that carries the
-    // tool, the offsets beyond it. A rotary axis that carries the tool turns all of its lever.
+    // From a frame that carries the workpiece, the lever to the tip includes the frame's offset; from one that carries
+    // the tool, the offsets beyond it. A rotary axis that carries the tool turns all of its lever.
     let mut turned = settings.axis.is_rotary() && !on_workpiece;
     let mut ranges = moved([[0.0; 2]; 3], settings.offset_mm, if on_workpiece { -1.0 } else { 0.0 });
-    // Its own travel lies between the frame that it moves and the tool, unless its readings contain that.
+    // The axis' travel lies between the frame that it moves and the tool, unless its readings include that travel.
     if on_workpiece && !settings.axis.is_rotary() && !settings.is_measured_along_a_line() {
         let [low, high] = reach(settings, rows(settings.axis));
         if let Some([from, to]) = ranges.get_mut(settings.axis.index()) {
@@ -64,7 +64,7 @@ fn way_to_tip<'r, T: Rows + ?Sized + 'r>(
         }
     }
     let mut closed = 0.0;
-    // The position of measurement is in the carrier's directions, whatever turns beyond.
+    // The position of measurement is in the carrier's directions, whichever axes turn beyond.
     let mut apart = [0.0; 3];
     for link in beyond {
         let Some(other) = machine.axis(link.axis) else { continue };
@@ -119,8 +119,8 @@ fn swing(rotations: [f64; 3], lever: [f64; 3]) -> [f64; 3] {
     [b * z + c * y, c * x + a * z, a * y + b * x]
 }
 
-/// Largest tip error, over the reach of all axes, that angular errors cause through their levers, mm: what the
-/// nine-term form leaves out. An upper bound: every axis wherever it is worst.
+/// Largest tip error, over the reach of all axes, that angular errors cause through their levers, mm: the part that the
+/// nine-term form omits. An upper bound: every axis at its worst.
 pub fn angular_tip_error<'r, T: Rows + ?Sized + 'r>(
     machine: &MachineSettings,
     rows: impl Fn(Axis) -> Option<&'r T>,
@@ -133,9 +133,10 @@ pub fn angular_tip_error<'r, T: Rows + ?Sized + 'r>(
     each.sum::<f64>() + norm(&grids.of_tip(machine, &rows).swing)
 }
 
-/// Sums over all axes and what the chain makes of them.
+/// Sums over all axes, and growth factors of the chain.
 struct Bounds {
-    /// Root of the sum of squares of the rotary axes' levers, mm: how far turns of length 1 rad move the tip. At least 1.
+    /// Root of the sum of squares of the rotary axes' levers, mm: distance by which turns of length 1 rad move the tip.
+    /// At least 1.
     lever: f64,
     /// Largest error of the tip and of the orientation, mm and rad.
     tip: f64,
@@ -210,7 +211,7 @@ fn bounds<'r, T: Rows + ?Sized + 'r>(
     bounds
 }
 
-/// Largest |∂d/∂q| of the tip and |∂w/∂q| of the orientation that the motion of an axis causes, with what it does to the
+/// Largest |∂d/∂q| of the tip and |∂w/∂q| of the orientation that the motion of an axis causes, with its effect on the
 /// levers of the others: mm and rad, per mm or per degree.
 fn rates<'r, T: Rows + ?Sized + 'r>(
     machine: &MachineSettings,
@@ -236,10 +237,10 @@ fn rates<'r, T: Rows + ?Sized + 'r>(
         let range = reach(other, rows(other.axis));
         let rotations = rotations(machine, other, rows(other.axis), range);
         if !settings.axis.is_rotary() {
-            // A travel between the other's frame and the tool makes its lever longer.
+            // A travel between the other's frame and the tool lengthens its lever.
             tip += if there < here { norm(&rotations) } else { 0.0 };
         } else if carried {
-            // The error turns with what is carried. The tip turns along only on the tool side: with the workpiece the
+            // The error turns with the carried axes. The tip turns along only on the tool side: with the workpiece the
             // derivative is n × d − w × (n × (p − o)), o on the axis that turns.
             let swung = norm(&swing(rotations, lever(machine, rows, other)));
             let against = if on_workpiece { norm(&rotations) * arm } else { 0.0 };
@@ -252,9 +253,9 @@ fn rates<'r, T: Rows + ?Sized + 'r>(
     if settings.axis.is_rotary() {
         let radian = 1f64.to_radians();
         let location = rotations(machine, settings, rows(settings.axis), reach(settings, rows(settings.axis)));
-        // Its own twist stands in its carrier's directions; on the tool side the lever to the tip turns with it.
+        // The axis' twist is in its carrier's directions; on the tool side the lever to the tip turns with it.
         let under = if on_workpiece { 0.0 } else { norm(&location) * arm };
-        // Grids turn the tool's side about a point that does not turn with it.
+        // Grids turn the tool side about a point that does not turn with it.
         let swung = if on_workpiece { 0.0 } else { of_grids.turn * arm };
         [own + (tip + under + swung) * radian, norm(&[a, b, c]) + turn * radian]
     } else {
@@ -277,8 +278,9 @@ pub fn tip_rate<'r, T: Rows + ?Sized + 'r>(
 
 /// Upper bound of the norm of the volumetric inverse's Jacobian, and the largest correction it starts from, mm.
 ///
-/// Slides only: the Frobenius norm of |∂d/∂q|, times what directions that stand badly to each other make of it. With the
-/// direction corrected, rotary corrections count as their radians times the root of their levers' sum of squares.
+/// With slides only, it is the Frobenius norm of |∂d/∂q|, times the growth that nearly dependent slide directions
+/// cause. With the direction corrected, rotary corrections count as their radians times the root of their levers' sum
+/// of squares.
 pub(super) fn contraction<'r, T: Rows + ?Sized + 'r>(
     machine: &MachineSettings,
     rows: &impl Fn(Axis) -> Option<&'r T>,
@@ -307,10 +309,10 @@ pub(super) fn contraction<'r, T: Rows + ?Sized + 'r>(
     (libm::sqrt(sum), libm::sqrt(magnitude))
 }
 
-/// Largest growth that [`contraction`] makes of thermal growth's slope.
+/// Largest factor by which [`contraction`] amplifies thermal growth's slope.
 ///
-/// Corrected rotary axes grow too: 1 rad of their correction, which counts as its lever, turns the tip by as much as that
-/// and the direction by √n, which the rotary axes and, through their levers, the slides turn back.
+/// Corrected rotary axes grow too: 1 rad of their correction, which counts as its lever, turns the tip by as much as
+/// that and the direction by √n; the rotary axes and, through their levers, the slides compensate that turn.
 pub(super) fn thermal_gain(machine: &MachineSettings) -> f64 {
     let links = links(&machine.chain).unwrap_or_default();
     let slides = slides_gain(&links);
@@ -365,7 +367,7 @@ pub(super) fn error_range<'r, T: Rows + ?Sized + 'r>(
     sum
 }
 
-/// Steps of all drives that the reversal of one axis makes; `twist`: the steps of its six errors, mm and rad.
+/// Steps of all drives that the reversal of one axis causes; `twist`: the steps of its six errors, mm and rad.
 pub(super) fn reversal_steps<'r, T: Rows + ?Sized + 'r>(
     machine: &MachineSettings,
     rows: &impl Fn(Axis) -> Option<&'r T>,
@@ -375,7 +377,7 @@ pub(super) fn reversal_steps<'r, T: Rows + ?Sized + 'r>(
     let links = links(&machine.chain).unwrap_or_default();
     let orientation = machine.compensation.orientation;
     let [x, y, z, a, b, c] = *twist;
-    // The lever of lost motion is the whole distance to the tip; that of readings starts where they were taken.
+    // Lost motion acts over the whole distance to the tip; the lever of readings starts at the position of measurement.
     let (measured, whole) = (lever(machine, rows, moving), way_to_tip(machine, rows, moving, [0.0; 3]));
     let lever =
         core::array::from_fn(|k| measured.get(k).copied().unwrap_or(0.0).max(whole.get(k).copied().unwrap_or(0.0)));
@@ -386,9 +388,9 @@ pub(super) fn reversal_steps<'r, T: Rows + ?Sized + 'r>(
         *own = 0.0;
     }
     let gain = rotary_gain(machine, &links);
-    // A rotary axis takes its own error back all by itself.
+    // A rotary axis compensates its own error alone.
     let others = norm(&beside) * gain;
-    // Turned back by the rotary axes, what is not the axis' own error moves the tip again.
+    // The rotary axes compensate the other rotations, which moves the tip again.
     let carried = if orientation { others * bounds(machine, rows, &GridBounds::NONE).lever } else { 0.0 };
     let anywhere = is_turned(&links, moving.axis)
         || links.iter().any(|link| !link.axis.is_rotary() && is_turned(&links, link.axis));
@@ -402,7 +404,7 @@ pub(super) fn reversal_steps<'r, T: Rows + ?Sized + 'r>(
             let [least, most] =
                 drive.axis.index().checked_sub(Axis::A.index()).and_then(|k| own.get(k)).copied().unwrap_or_default();
             let [least, most] = if sense(machine, drive) < 0.0 { [-most, -least] } else { [least, most] };
-            // Faded, its own step is smaller.
+            // The fade makes the axis' own step smaller.
             *step = [(least.min(0.0) - others).to_degrees(), (most.max(0.0) + others).to_degrees()];
         } else if anywhere {
             let length = slides_gain(&links) * (norm(&[x, y, z].map(|step| width(&step))) + norm(&swing) + carried);

@@ -5,8 +5,8 @@
 //!
 //! ```text
 //! f  <- (f + v T/z) / (1 + |v| T/z)                      friction state, −1 … 1; Dahl, implicit: cannot overshoot
-//! F   = F_c (1 + s/(1 + (v/v_s)²)) f + d v + a/K_vp      what the velocity loop has to be off by
-//! h  <- (h + ΔF) e^(−T/τ)                                of it, what its integrator does not supply yet
+//! F   = F_c (1 + s/(1 + (v/v_s)²)) f + d v + a/K_vp      required error of the velocity loop
+//! h  <- (h + ΔF) e^(−T/τ)                                the share that its integrator does not supply yet
 //! u  <- k u + (h + (1 − k_ff) v) g                       k = e^(−K_v T/k_ff),  g = (1 − k)/K_v
 //! ```
 //!
@@ -58,7 +58,7 @@ pub(super) struct Drift<R> {
 }
 
 impl<R: Real> Drift<R> {
-    /// The axis is at rest from now on.
+    /// Sets the axis to rest.
     #[inline(always)]
     pub(super) fn stand(&mut self) {
         (self.velocity, self.missing) = (R::ZERO, R::ZERO);
@@ -72,7 +72,7 @@ impl<R: Real> Drift<R> {
 }
 
 impl<R: Real> FeedForward<R> {
-    /// The law of an axis without feed-forward.
+    /// Creates the law of an axis without feed-forward.
     pub(super) fn none() -> Self {
         let zero = R::ZERO;
         FeedForward {
@@ -90,7 +90,7 @@ impl<R: Real> FeedForward<R> {
         }
     }
 
-    /// The law of an axis; zero without its drive figures.
+    /// Creates the law of an axis; zero without its drive figures.
     pub(super) fn new(servo: &AxisServo, dynamic: &DynamicSettings, period_s: f64) -> Self {
         let mut law = FeedForward::none();
         let Some(drive) = servo.drive else { return law };
@@ -120,7 +120,7 @@ impl<R: Real> FeedForward<R> {
     /// The offset of a cycle that takes no time: the previous one.
     #[inline(always)]
     pub(super) fn standing(&self, state: &Drift<R>) -> R {
-        // Zero without a law, whatever offset a loop before an exchange has left.
+        // Zero without a law, even if a loop before an exchange has left an offset.
         if self.gain == R::ZERO { R::ZERO } else { state.offset }
     }
 

@@ -21,17 +21,17 @@ use crate::sample::{Sample, Verdict};
 struct Act<R> {
     law: FeedForward<R>,
     limiter: Limiter<R>,
-    /// Lead the geometric correction in: within the limits of the axis; no faster than friction brakes, while the
-    /// acceleration is fed forward.
+    /// Limiters that ramp the geometric correction: within the limits of the axis; no faster than friction brakes,
+    /// while the acceleration is fed forward.
     leads: [Limiter<R>; 2],
-    /// Lost motion is taken up from the reversal of the command.
+    /// Whether lost motion is taken up from the reversal of the command.
     takes_up: bool,
-    /// Moves the tip by the feedback.
+    /// Whether the axis is linear: the feedback moves the tip along it.
     is_linear: bool,
 }
 
 impl<R: Real> Act<R> {
-    /// The limiter that leads the geometric correction in.
+    /// The limiter that ramps the geometric correction.
     #[inline(always)]
     fn lead(&self, slowly: usize) -> &Limiter<R> {
         let [own, slow] = &self.leads;
@@ -39,34 +39,34 @@ impl<R: Real> Act<R> {
     }
 }
 
-/// The immutable half.
+/// Immutable half of the stage.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DynamicStage<R, P, const N: usize> {
     axes: [Act<R>; N],
-    /// Any axis does.
+    /// Whether any axis takes up its lost motion.
     takes_up: bool,
     feedback: Option<(Feedback<R>, Watch<R>)>,
     crosstalk: Option<Crosstalk<R, P>>,
     part: part::Dynamic,
 }
 
-/// What a cycle brings.
+/// Inputs of a cycle.
 pub(crate) struct Moment<'m, R, const N: usize> {
-    /// The geometric correction as it is led in.
+    /// Geometric correction, rate-limited.
     pub(crate) geometric: &'m [R; N],
-    /// Contour error of the tip in machine directions, where it can be acted on.
+    /// Contour error of the tip in machine directions; `None` if it cannot be acted on.
     pub(crate) error: Option<[R; 3]>,
     /// Axes that were limited in the last cycle.
     pub(crate) limited: u8,
-    /// The cycle took longer than a period.
+    /// Whether the cycle took longer than a period.
     pub(crate) late: bool,
 }
 
 impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
-    /// The stage of a machine; `None` where nothing of it is configured.
+    /// Creates the stage of a machine; `None` if no part of it is configured.
     ///
     /// # Errors
-    /// A limit that the scalar cannot hold, an axis that the machine does not have.
+    /// A limit that the scalar cannot represent, an axis that the machine does not have.
     pub(crate) fn new(
         order: &AxisOrder<N>,
         machine: &MachineSettings,
@@ -88,7 +88,7 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
                 Limiter::new(&dynamic.limits, period_s).map_err(|error| of_dynamic(error).on(settings.axis))?;
             let law = FeedForward::new(servo, &dynamic, period_s);
             let own = Limiter::new(&settings.limits, period_s).map_err(|error| error.on(settings.axis))?;
-            // So slow that the scalar cannot hold it: as fast as the axis may.
+            // If it is too slow for the scalar to represent: as fast as the axis may.
             let slow = Limiter::new(&lead_limits(settings, &dynamic), period_s).unwrap_or(own);
             let (takes_up, is_linear) = (dynamic.take_up, !settings.axis.is_rotary());
             *act = Act { law, limiter, leads: [own, slow], takes_up, is_linear };
@@ -99,13 +99,13 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         Ok(any.then_some(DynamicStage { axes, takes_up, feedback, crosstalk, part }))
     }
 
-    /// There is none in a build without the part.
+    /// Makes the calling code unreachable in a build without the part.
     #[inline(always)]
     pub(crate) fn exists(&self) {
         self.part.exists();
     }
 
-    /// Leads the geometric corrections in; a bit for every axis that is not there yet.
+    /// Ramps the geometric corrections; returns one bit for every axis that has not reached its correction yet.
     #[inline(always)]
     pub(crate) fn lead(&self, led: &mut [LimiterState<R>; N], wanted: &[R; N], sample: &Sample<P, N>) -> u8 {
         let which = usize::from(sample.input.dynamics.has(Dynamics::ACCELERATION));
@@ -127,13 +127,14 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         flags
     }
 
-    /// Whether any axis takes up its lost motion from the reversal of the command, and which.
+    /// Which axes take up their lost motion from the reversal of the command; `None` if no axis does.
     #[inline(always)]
     pub(crate) fn takes_up(&self) -> Option<[bool; N]> {
         self.takes_up.then(|| self.axes.map(|act| act.takes_up))
     }
 
-    /// The correction of a cycle, into the record; a bit for every axis where its limiter is not where it is wanted.
+    /// Writes the correction of a cycle into the record; returns one bit for every axis whose limiter differs from its
+    /// target.
     #[inline(always)]
     pub(crate) fn act(
         &self,
@@ -158,7 +159,7 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         self.follow(state, parts, sample.due)
     }
 
-    /// Cycles in which nothing is wanted; whether nothing moves either.
+    /// Handles cycles in which nothing is wanted; returns whether nothing moves either.
     #[inline(never)]
     fn stand(
         &self,
@@ -176,13 +177,14 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
                 parts.sent = state.limited.map(|limited| limited.sent());
                 return true;
             }
-            // Switched off, friction is followed all the same, for a part that is switched on in motion.
+            // While switched off, friction is still tracked, for a part that is switched on in motion.
             _ => self.want(state, sample, moment, Dynamics::NONE, parts),
         }
         false
     }
 
-    /// The limiters follow the sum of the parts, where they are `due`.
+    /// Moves the limiters towards the sum of the parts if they are `due`; returns one bit for every axis that still
+    /// differs.
     #[inline(always)]
     fn follow(&self, state: &mut DynamicState<R, P, N>, parts: &mut DynamicParts<R, N>, due: bool) -> u8 {
         let mut flags = 0;
@@ -196,7 +198,7 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         flags
     }
 
-    /// What each part wants.
+    /// Computes the offset that each part wants.
     #[inline(always)]
     fn want(
         &self,
@@ -207,7 +209,7 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         parts: &mut DynamicParts<R, N>,
     ) {
         let fresh = state.fresh;
-        // What is switched on in motion, the drive supplies already.
+        // When a part is switched on in motion, the drive already supplies its force.
         let anew = fresh || state.parts != on;
         if sample.due {
             (state.fresh, state.parts) = (false, on);
@@ -223,14 +225,14 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
             let way = if fresh {
                 R::ZERO
             } else if moment.late {
-                // Several periods in one: the axis goes on as it went.
+                // Several periods in one: the axis counts as having kept its velocity.
                 was
             } else {
                 command.since_near::<R>(*before) + (*geometric - *led_before)
             };
             (*before, *led_before) = (*command, *geometric);
             if !sample.due {
-                // Drives have had no time to move in: their laws stand, ways are counted from here.
+                // The drives have had no time to move: their laws keep their offsets, and distances count from here.
                 *offset = act.law.standing(drift);
                 continue;
             }
@@ -250,7 +252,7 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         }
     }
 
-    /// The contour error as a control input.
+    /// Computes the offsets of the contour feedback.
     #[inline(always)]
     fn feed_back(
         &self,
@@ -261,7 +263,7 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         wanted: &mut [R; N],
     ) {
         let Some((feedback, watch)) = &self.feedback else {
-            // Exchanged for a loop without feedback: there is nothing to be led out any more.
+            // Exchanged for a loop without feedback: nothing is left to ramp out.
             state.out = false;
             return;
         };
@@ -276,7 +278,7 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         let slow = feedback.reaches(linear.map(|(drift, _)| drift.velocity()));
         let error = moment.error.filter(|_| slow && sample.verdict == Verdict::Active && sample.due);
         let errors = error.unwrap_or_default();
-        // One axis that cannot follow throws the tool off in the directions of all: none of them learns from that.
+        // One axis that cannot follow displaces the tool in all directions, so every integral is held.
         let limited = moment.limited != 0;
         let axes = self.axes.iter().zip(&mut state.integral).zip(&mut state.swing).zip(wanted);
         for ((((act, integral), swing), wanted), e) in axes.zip(errors) {
@@ -286,15 +288,15 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
             }
         }
         if state.out {
-            // Led out by the limiters, from this cycle on.
+            // The limiters ramp the feedback out from this cycle on.
             state.integral = [R::ZERO; N];
         }
     }
 }
 
-/// Limits of an axis' geometric correction where the acceleration is fed forward: it accelerates no more than friction
-/// brakes. Led in faster, the step in which lost motion is taken up overshoots, and the carriage on its way back takes up some
-/// of the play the other way, which no reading shows.
+/// Limits of an axis' geometric correction while the acceleration is fed forward: it accelerates no more than friction
+/// brakes. A faster ramp makes the step that takes up lost motion overshoot, and the returning carriage takes up some
+/// of the play in the opposite direction, which no reading shows.
 fn lead_limits(settings: &AxisSettings, dynamic: &DynamicSettings) -> Limits {
     match (&settings.servo.drive, &settings.servo.friction) {
         (Some(drive), Some(friction)) if dynamic.acceleration => {

@@ -16,11 +16,11 @@ pub(crate) struct DynamicState<R, P: Position, const N: usize> {
     pub(super) limited: [LimiterState<R>; N],
     pub(super) integral: [R; N],
     pub(super) swing: [Swing; N],
-    /// The watch has ramped the feedback out.
+    /// Whether the watch has ramped the feedback out.
     pub(super) out: bool,
     /// The parts of the last cycle.
     pub(super) parts: Dynamics,
-    /// The next cycle starts from rest, with distances measured from there.
+    /// Whether the next cycle starts from rest, with distances measured from there.
     pub(super) fresh: bool,
     /// Command at the end of the last move, and the rate-limited geometric correction there.
     pub(super) command: [P; N],
@@ -85,7 +85,7 @@ impl<R: Real, P: Position, const N: usize> DynamicState<R, P, N> {
         }
     }
 
-    /// Nothing of this cycle was sent.
+    /// Takes back a cycle of which nothing was sent.
     #[cold]
     pub(crate) fn take_back(&mut self, sent: [R; N]) {
         self.led = self.geometric.map(LimiterState::at_rest);
@@ -93,7 +93,7 @@ impl<R: Real, P: Position, const N: usize> DynamicState<R, P, N> {
         self.rest();
     }
 
-    /// The drives are at rest: the next distance is measured from here.
+    /// Sets the drives to rest: the next distance is measured from here.
     pub(super) fn rest(&mut self) {
         self.fresh = true;
         self.trend = [R::ZERO; N];
@@ -136,7 +136,7 @@ impl<R: Real, P: Position, const N: usize> DynamicState<R, P, N> {
         &mut self.trend
     }
 
-    /// The watch has ramped the feedback out.
+    /// Whether the watch has ramped the feedback out.
     #[inline(always)]
     pub(crate) fn is_out(&self) -> bool {
         self.out

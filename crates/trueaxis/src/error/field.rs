@@ -14,7 +14,7 @@ macro_rules! fields {
             /// Every setting.
             pub const ALL: &[Field] = &[$(Field::$field),*];
 
-            /// Its key in `machine.toml` for linear axes and for rotary ones; `*` stands for the letter of the axis.
+            /// Key in `machine.toml` for linear axes and for rotary ones; `*` is the letter of the axis.
             pub(super) const fn pattern(self) -> Option<[&'static str; 2]> {
                 match self {
                     $(Field::$field => fields!(@pattern $($linear $(| $rotary)?)?),)*
@@ -82,9 +82,9 @@ fields! {
     Slope: "axis.*.limits.slope_mm_per_s" | "axis.*.limits.slope_deg_per_s";
     /// Acceleration limit of the correction.
     Acceleration: "axis.*.limits.acceleration_mm_per_s2" | "axis.*.limits.acceleration_deg_per_s2";
-    /// Thermal growth, the same all along the axis.
+    /// Thermal growth, uniform along the axis.
     ThermalOffset: "axis.*.thermal.offset_um_per_k" | "axis.*.thermal.offset_urad_per_k";
-    /// Thermal growth from the datum on.
+    /// Thermal growth in proportion to the distance from the datum.
     ThermalExpansion: "axis.*.thermal.expansion_um_per_m_k" | "axis.*.thermal.expansion_urad_per_rad_k";
     /// Datum of the thermal growth.
     ThermalDatum: "axis.*.thermal.datum_mm" | "axis.*.thermal.datum_deg";
@@ -108,7 +108,7 @@ fields! {
     Presliding: "axis.*.friction.presliding_um" | "axis.*.friction.presliding_urad";
     /// Static friction above Coulomb friction.
     StribeckShare: "axis.*.friction.stribeck_share";
-    /// Velocity at which half of that is left.
+    /// Velocity at which half of that share remains.
     StribeckVelocity: "axis.*.friction.stribeck_velocity_mm_per_s" | "axis.*.friction.stribeck_velocity_deg_per_s";
     /// Viscous friction.
     Viscous: "axis.*.friction.viscous";
@@ -120,9 +120,9 @@ fields! {
     DynamicSlope: "axis.*.dynamic.slope_mm_per_s" | "axis.*.dynamic.slope_deg_per_s";
     /// Acceleration limit of the dynamic correction.
     DynamicAcceleration: "axis.*.dynamic.acceleration_mm_per_s2" | "axis.*.dynamic.acceleration_deg_per_s2";
-    /// Following error made up for.
+    /// Compensation of the following error.
     Lag: "axis.*.dynamic.lag";
-    /// Acceleration fed forward.
+    /// Feed-forward of the acceleration.
     AccelerationAhead: "axis.*.dynamic.acceleration";
     /// Distance from the held position within which a linear axis resumes.
     ResumeMm: "faults.resume_mm";
@@ -132,11 +132,11 @@ fields! {
     FeedbackJumpMm: "faults.feedback_jump_mm";
     /// Largest change of a rotary encoder in a cycle.
     FeedbackJumpDeg: "faults.feedback_jump_deg";
-    /// Commanded distance after which a linear encoder has to have moved.
+    /// Commanded distance after which a linear encoder must have moved.
     StuckMm: "faults.stuck_mm";
-    /// Commanded distance after which a rotary encoder has to have moved.
+    /// Commanded distance after which a rotary encoder must have moved.
     StuckDeg: "faults.stuck_deg";
-    /// Largest change of a command, in parts of the highest feed.
+    /// Largest change of a command, as a multiple of the travel at the highest feed.
     CommandJumpFactor: "faults.command_jump_factor";
     /// Largest lag of the contour search.
     MaxLag: "contour.max_lag_mm";
@@ -148,27 +148,27 @@ fields! {
     Integral: "contour.feedback.integral_per_s";
     /// Fastest motion with contour feedback.
     FeedbackFeed: "contour.feedback.max_feed_mm_per_min";
-    /// Contour error from which an oscillation is looked for.
+    /// Contour error above which the watch detects oscillations.
     Watch: "contour.feedback.watch_um";
     /// Axis along which cross-talk moves the tip.
     CrosstalkTip: "crosstalk.tip";
     /// Axis that accelerates.
     CrosstalkFrom: "crosstalk.from";
-    /// Axis over whose position cross-talk is given.
+    /// Axis on whose position a cross-talk depends.
     CrosstalkOver: "crosstalk.over";
     /// Points of a cross-talk.
     CrosstalkTable: "crosstalk.table";
-    /// Cross-talk that is the same everywhere; of the axis that accelerates.
+    /// Constant cross-talk; the unit depends on the axis that accelerates.
     CrosstalkConstant: "crosstalk.k_um_per_m_per_s2" | "crosstalk.k_um_per_deg_per_s2";
     /// Model of the errors.
     Model: "compensation.model";
     /// Errors on a grid.
     GridTable: "grid.table";
-    /// Axes over which a grid stands.
+    /// Axes over which a grid extends.
     GridAxes: "grid.axes";
     /// Heights between which a grid fades.
     GridFade: "grid.fade_mm";
-    /// Position of the other axes where a grid was measured.
+    /// Position of the other axes at which a grid was measured.
     GridMeasuredAt: "grid.measured_at_mm";
     /// Resolution of a grid's errors.
     GridResolution: "grid.resolution_um";
@@ -202,7 +202,7 @@ fields! {
     SpindleDirection: "roundness.spindle_direction";
     /// Tolerance of the index pulse.
     SpindleIndexTolerance: "roundness.spindle_index_tolerance_counts";
-    /// Time after which the spindle stands.
+    /// Time after which the spindle counts as stopped.
     Stop: "roundness.stop_s";
     /// Gaussian filter.
     Filter: "roundness.filter_upr";

@@ -11,11 +11,11 @@ use crate::telemetry::{Record, Status};
 
 /// Passes every command unchanged, and states in every record why it is not corrected.
 ///
-/// For a controller that continues without its tables: damaged, of another machine, too large ([`Fault::TablesRefused`],
-/// [`Fault::CapacityTooSmall`], [`Fault::AbiMismatch`], [`Fault::PeriodMismatch`]). It does not pass an unusable command:
-/// it holds the last one and requests a stop. Unlike the step's, this request is not latched: it ends with the next
-/// usable command. Before the first one it holds the position of the machine; until every axis has been read there is no
-/// such position, and no output ([`Output::has_drive`]).
+/// For a controller that continues without its tables: damaged, of another machine, too large
+/// ([`Fault::TablesRefused`], [`Fault::CapacityTooSmall`], [`Fault::AbiMismatch`], [`Fault::PeriodMismatch`]). It does
+/// not pass an unusable command: it holds the last one and requests a stop. Unlike the step's, this request is not
+/// latched: it ends with the next usable command. Before the first usable command it holds the position of the machine;
+/// until every axis has been read it has no such position, and gives no output ([`Output::has_drive`]).
 ///
 /// ```
 /// use trueaxis::{Bypass, Fault, Input};

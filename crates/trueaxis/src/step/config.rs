@@ -19,7 +19,7 @@ use crate::tcomp::Tcomp;
 /// A drive within this share of its band has not reversed, however the comparison rounds in the step's scalar.
 const WITHIN: f64 = 1.0 - 1e-6;
 
-/// Settings of a servo loop, for a host that needs others than those of [`ServoLoop::load`].
+/// Settings of a servo loop, for a host that needs others than [`ServoLoop::load`] chooses.
 #[derive(Clone, Copy, Debug)]
 pub struct Config<'m, 'g> {
     /// The machine's settings.

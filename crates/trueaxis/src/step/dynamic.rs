@@ -28,13 +28,13 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         place
     }
 
-    /// The dynamic correction, where anything of it is configured.
+    /// The dynamic correction; `None` if no part of it is configured.
     #[inline(always)]
     pub(super) fn dynamic(&self) -> Option<&DynamicStage<R, P, N>> {
         self.dynamic.as_ref().inspect(|stage| stage.exists())
     }
 
-    /// The same of the last cycle: where the drives were to go, but for the dynamic correction.
+    /// Command plus geometric correction of the last cycle: the targets of the drives without the dynamic correction.
     #[inline(always)]
     pub(super) fn targets<'s>(
         &self,
@@ -48,7 +48,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         }
     }
 
-    /// The output stage with the dynamic correction added to the wanted one.
+    /// Runs the output stage with the dynamic correction added to the wanted one.
     #[inline(never)]
     pub(super) fn apply_dynamic(
         &self,
@@ -99,8 +99,8 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         applied
     }
 
-    /// Axes that take up their lost motion from the command turn where it does: with the second change in the new
-    /// direction, so that a command that dithers where it stands turns nothing.
+    /// Reverses the axes that take up their lost motion from the command: at the second change in the new direction, so
+    /// that a command that dithers at rest reverses none.
     #[inline(always)]
     fn take_up(&self, stage: &DynamicStage<R, P, N>, state: &mut State<R, P, N>, sample: &Sample<P, N>) {
         let Some(takes_up) = stage.takes_up() else { return };
@@ -127,14 +127,15 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
 }
 
 impl<R: Real, P: Position, const N: usize> State<R, P, N> {
-    /// Geometric corrections sent last. Out of line, so that a loop without dynamic correction pays a branch and no more.
+    /// Geometric corrections sent last. Out of line, so that a loop without dynamic correction pays only a branch.
     #[inline(never)]
     fn geometric_offsets(&self) -> &[P::Offset; N] {
         if self.dynamic.is_for(self.sequence) { self.dynamic.offsets() } else { self.output.offsets() }
     }
 }
 
-/// Where they led. After cycles of a loop without dynamic correction, all that was sent is geometric.
+/// Drive positions with these corrections. After cycles of a loop without dynamic correction, everything sent is
+/// geometric.
 #[inline(never)]
 fn geometric_targets<'s, R: Real, P: Position, const N: usize>(
     output: &'s OutputState<R, P, N>,

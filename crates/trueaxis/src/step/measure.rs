@@ -39,7 +39,7 @@ pub trait Measure<R: Real, P: Position, const N: usize> {
     fn in_machine(&self, _: &ServoLoop<'_, R, P, N>, _: &Sample<P, N>, error: R::Vec3) -> R::Vec3 {
         error
     }
-    /// The command of this cycle was not sent.
+    /// Takes back the command of this cycle, which was not sent.
     #[doc(hidden)]
     #[inline(always)]
     fn take_back(&mut self) {}

@@ -32,11 +32,11 @@ use crate::real::Real;
 use crate::sample::{Input, Sample, SampleState, Sampler, Verdict};
 use crate::telemetry::{Record, Status};
 
-/// The immutable half: limits, tables, search settings.
+/// Immutable half of the servo loop: limits, tables, search settings.
 ///
-/// One serves for ever, or is exchanged for another between two cycles ([`crate::exchange::Exchange`]); the state goes on,
-/// and the limiter makes the change bumpless. `R` is the scalar of the step, `P` that of positions, `N` the number of
-/// axes: [`crate::HostServo`] and [`crate::McuServo`] name the usual ones.
+/// A host may use one loop for ever, or exchange it for another between two cycles ([`crate::exchange::Exchange`]); the
+/// state continues, and the limiter makes the change bumpless. `R` is the scalar of the step, `P` that of positions,
+/// `N` the number of axes: [`crate::HostServo`] and [`crate::McuServo`] name the usual ones.
 #[derive(Clone, Copy, Debug)]
 pub struct ServoLoop<'a, R, P: Position, const N: usize> {
     order: AxisOrder<N>,
@@ -44,11 +44,11 @@ pub struct ServoLoop<'a, R, P: Position, const N: usize> {
     compensation: Compensation<'a, R, P, N>,
     tables: Tables<R, P>,
     bands: [R; N],
-    /// The same in steps, rounded down.
+    /// `bands` in position steps, rounded down.
     within: [P::Reach; N],
     search: ContourSearch<R>,
     output: OutputStage<R, P, N>,
-    /// Where anything of it is configured.
+    /// `None` if no part is configured.
     dynamic: Option<DynamicStage<R, P, N>>,
     machine_id: u32,
     tables_crc: u32,
@@ -56,7 +56,7 @@ pub struct ServoLoop<'a, R, P: Position, const N: usize> {
 }
 
 impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
-    /// A fresh state.
+    /// Creates the state before the first cycle.
     pub fn start(&self) -> State<R, P, N> {
         State {
             sample: SampleState::new(),
@@ -79,7 +79,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         self.period_ns
     }
 
-    /// Whether a period that the host measured or was given is the configured one, within 0.1 %.
+    /// Checks that a period, as the host measured it or was given it, is the configured one within 0.1 %.
     ///
     /// # Errors
     /// [`Fault::PeriodMismatch`]: run [`Bypass`] with it.
@@ -90,7 +90,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         Ok(())
     }
 
-    /// The input of a cycle in time, all axes homed and compensation enabled; positions in mm (degrees).
+    /// Creates the input of an on-time cycle, with all axes homed and compensation enabled; positions in mm (degrees).
     ///
     /// A host that measures its period sets `elapsed_ns`, one that homes sets `homed`.
     #[inline(always)]
@@ -98,15 +98,15 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         Input { command, feedback, homed: true, enable: true, ..Input::at_rest(self.period_ns) }
     }
 
-    /// The compensation in force, for looking errors up outside the step.
+    /// The compensation in force, for error look-ups outside the step.
     pub fn compensation(&self) -> &Compensation<'_, R, P, N> {
         &self.compensation
     }
 
-    /// One servo cycle: cannot fail, panic, allocate, block, or loop without a fixed bound.
+    /// Runs one servo cycle: cannot fail, panic, allocate, block, or loop without a fixed bound.
     ///
     /// The first cycle returns the command; from then on `drive = command + c`, c the limited correction. While the
-    /// output holds, drive and c stay as they are, bit for bit; after it c goes on from rest.
+    /// output is held, drive and c do not change by a bit; afterwards c continues from rest.
     ///
     /// `measure` selects the reference of the contour error:
     ///
@@ -118,10 +118,10 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     /// | `&mut` [`OnToolPath`] | tip and direction of the tool, in workpiece coordinates |
     ///
     /// `gauge`: `()`, or `&mut` [`GaugeRide`] with three probes. Every combination works; an absent part costs nothing.
-    /// A program with several of them and no cycle to lose takes `&mut dyn` of [`Measure`] and [`Ride`]: one copy of the step
-    /// in place of one for each.
+    /// A program that uses several combinations can pass `&mut dyn` of [`Measure`] and [`Ride`] instead: one copy of
+    /// the step then serves all of them, and an absent part costs a call.
     ///
-    /// Every output is new, and copied: [`ServoLoop::step_into`] spares that.
+    /// The output is built and copied in every cycle: [`ServoLoop::step_into`] avoids that.
     #[inline]
     pub fn step(
         &self,
@@ -135,7 +135,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         output
     }
 
-    /// [`ServoLoop::step`] into an output that is there already, all of which it overwrites.
+    /// Runs [`ServoLoop::step`] into an existing output, all of which it overwrites.
     #[inline]
     pub fn step_into(
         &self,
@@ -148,9 +148,10 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         self.step_watched(state, input, measure, gauge, output, |_| ());
     }
 
-    /// [`ServoLoop::step_into`], telling `watch` when a stage has ended: for counting or timing the stages on the target.
+    /// Runs [`ServoLoop::step_into`] and calls `watch` at the end of each stage: for counting or timing the stages on
+    /// the target.
     ///
-    /// The compiler may move work over the border of two stages; their sum is exact.
+    /// The compiler may move work across the border of two stages; their sum is exact.
     #[inline(always)]
     pub fn step_watched(
         &self,
@@ -170,7 +171,8 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         }
     }
 
-    /// A cycle in which nothing is wrong. A function of its own, for registers of its own.
+    /// Runs a cycle that passed every check. A separate function, so that the compiler allocates registers for it
+    /// alone.
     #[inline(never)]
     fn calm_cycle(
         &self,
@@ -184,7 +186,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         self.cycle(state, &Sample::calm(input), measure, gauge, output, watch);
     }
 
-    /// A cycle that has to be looked into: apart from the others, in which nothing then has to be asked twice.
+    /// Runs a cycle that needs the full check, apart from the calm ones, which therefore repeat no check.
     #[inline(never)]
     fn other_cycle(
         &self,
@@ -200,7 +202,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         self.cycle(state, &sample, measure, gauge, output, watch);
     }
 
-    /// Any cycle, by one copy of the stages.
+    /// Runs any cycle, with one copy of the stages.
     #[inline(never)]
     fn any_cycle(
         &self,
@@ -220,7 +222,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         self.cycle(state, &sample, measure, gauge, output, watch);
     }
 
-    /// The stages after the sample.
+    /// Runs the stages after the sample.
     #[inline(always)]
     fn cycle(
         &self,
@@ -255,7 +257,8 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         watch(Stage::Telemetry);
     }
 
-    /// Keeps the output stage's decision for the next cycles: the command was accepted, or a joint's range holds it.
+    /// Keeps the output stage's decision for the next cycles: it accepted the command, or a joint's range holds the
+    /// output.
     #[inline(always)]
     fn settle(
         &self,
@@ -274,7 +277,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         }
     }
 
-    /// The rest of the record: contour and output stage have written their parts.
+    /// Completes the record: contour and output stage have written their parts.
     #[inline(always)]
     fn record(
         &self,

@@ -59,14 +59,14 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         self.model_anew(state, sample, tool)
     }
 
-    /// No drive has reversed.
+    /// Whether no drive has reversed.
     #[inline(always)]
     fn all_go_on(&self, state: &mut State<R, P, N>) -> bool {
         let drives = self.targets(&state.output, &state.dynamic, state.sequence).iter().zip(&self.within);
         state.reversal.iter_mut().zip(drives).all(|(reversal, (drive, within))| reversal.goes_on(*drive, *within))
     }
 
-    /// Every cycle that does not stay within its cells.
+    /// Models a cycle that does not stay within its cells.
     #[inline(never)]
     fn model_anew(&self, state: &mut State<R, P, N>, sample: &Sample<P, N>, tool: bool) -> Modelled<R, N> {
         let before = state.reversal.map(|reversal| reversal.direction());
@@ -215,7 +215,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     }
 }
 
-/// The first three positions.
+/// Returns the first three positions.
 #[inline(always)]
 fn first<P: Position, const N: usize>(positions: &[P; N]) -> Option<[P; 3]> {
     match positions[..] {

@@ -34,8 +34,8 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     /// | no direction, or one out of reach; linear axes that no longer span space | [`Fault::ToolUnreachable`] |
     /// | an axis would leave its travel | [`Fault::CommandOutOfTravel`], with the axis |
     /// | within the singular cone, where a travel keeps the tool off by more than the cone | [`Fault::SingularPose`] |
-    /// | goes on only on the other branch, not through the pole | [`Fault::BranchChange`] |
-    /// | a rotary axis would step too far, in the cone: or leave more than the cone | [`Fault::CommandJump`], with the axis |
+    /// | continues only on the other branch, not through the pole | [`Fault::BranchChange`] |
+    /// | a rotary axis would step too far (in the cone: angle left > cone) | [`Fault::CommandJump`], with the axis |
     ///
     /// In single precision the computed positions contain the rounding of absolute coordinates, about 30 nm at 500 mm in
     /// every linear command; doubles contain none. A position beyond its travel by rounding only, 64 units in the last

@@ -23,9 +23,9 @@ pub struct State<R, P: Position, const N: usize> {
     pub(super) output: OutputState<R, P, N>,
     pub(super) reversal: [Reversal<P>; N],
     pub(super) sequence: u32,
-    /// Axes whose correction was limited in the last cycle.
+    /// Axes whose correction was limited in the last cycle, one bit each.
     pub(super) limited: u8,
-    /// The machine was homed in the last cycle.
+    /// Whether the machine was homed in the last cycle.
     pub(super) homed: bool,
     pub(super) feet: PairState<R>,
     pub(super) cells: Cells<R, P>,
@@ -70,7 +70,7 @@ pub enum Stage {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub struct Output<R: Real, P, const N: usize> {
-    /// Corrected positions for the drives, mm (deg). Do not write them while [`Output::has_drive`] is false.
+    /// Corrected positions for the drives, mm (deg). Do not write them while [`Output::has_drive`] returns false.
     pub drive: [P; N],
     /// Feedback for the host, without the correction, so that the host sees no following error that does not exist.
     pub feedback: [P; N],
@@ -86,13 +86,14 @@ impl<R: Real, P: Position, const N: usize> Output<R, P, N> {
         Output { drive: zero, feedback: zero, record: Record::none() }
     }
 
-    /// Whether the output is held and the host must stop the machine.
+    /// Whether the output holds and the host must stop the machine.
     pub fn stop_requested(&self) -> bool {
         self.record.status.has(Status::STOP_REQUEST)
     }
 
     /// Whether `drive` may be written. It may not from a first cycle without a usable command until every axis has been
-    /// read; then that position is held, and a reset near it is accepted. Until then leave the drives off or unchanged.
+    /// read; from then on the step holds that position and accepts a reset near it. Until then leave the drives off or
+    /// unchanged.
     pub fn has_drive(&self) -> bool {
         !self.record.status.has(Status::NO_OUTPUT)
     }

@@ -25,7 +25,7 @@
 //!
 //! All numbers are little-endian integers, so that nothing in the file can be NaN or infinite:
 //!
-//! | bytes | what |
+//! | bytes | content |
 //! |---|---|
 //! | 8 | magic `TRUETHRM` |
 //! | 2 | format version, 1 |
@@ -38,9 +38,9 @@
 //! | 4 s | the knots: speeds, rpm, ascending from 0 |
 //! | | for each sensor: |
 //! | 4 | lag τ, ms, up to 10⁹ |
-//! | 4, 4 | least and most plausible temperature, mK from 0 °C, signed |
+//! | 4, 4 | lowest and highest plausible temperature, mK from 0 °C, signed |
 //! | 4, 4 | plausible change: at once, mK, above 0; and in a minute, mK |
-//! | 4, 4 | time without any change after which it is stuck, ms, 0: never; if the others have moved so far meanwhile, mK |
+//! | 4, 4 | time without any change after which it is stuck, ms, 0: never; change of the others in that time, mK |
 //! | 1 | knots k of its curves, 2 to 8 |
 //! | 4 k | the knots: temperatures, mK from 0 °C, signed, ascending |
 //! | | for each axis: |
@@ -72,9 +72,9 @@ use crate::compensation::ThermalLine;
 pub const MAGIC: [u8; 8] = *b"TRUETHRM";
 /// Format version.
 pub const VERSION: u16 = 1;
-/// Most sensors.
+/// Maximum number of sensors.
 pub const SENSORS: usize = 16;
-/// Most knots of a curve.
+/// Maximum number of knots of a curve.
 pub const KNOTS: usize = 8;
 /// Longest lag and longest time of a stuck sensor, ms: eleven days.
 pub const LONGEST_MS: u32 = 1_000_000_000;

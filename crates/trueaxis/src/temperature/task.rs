@@ -30,11 +30,12 @@ pub struct Growth {
     pub sensors: [SensorStatus; SENSORS],
     /// Sensors (bit 0: the first) beyond the ends of their curves, where the edge value applies.
     pub at_edge: u16,
-    /// The spindle's speed is missing: its share does not change.
+    /// Whether the spindle's speed is missing: its share then does not change.
     pub spindle_missing: bool,
-    /// Axes (bit 0: X) whose growth exceeds what the step accepts: the previous line is kept.
+    /// Axes (bit 0: X) whose growth exceeds the limit of the step: they keep the previous line.
     pub beyond: u8,
-    /// Every sensor has started. Until then all lines are zero: a growth from only some sensors is worse than none.
+    /// Whether every sensor has started. Until then all lines are zero: a growth from only some sensors is worse than
+    /// none.
     pub complete: bool,
 }
 

@@ -1,4 +1,4 @@
-//! Machines of five axes in several orders, with both error models, and without a state.
+//! Five-axis machines in several orders, with both error models, and without a state.
 
 use super::tables::{servo, tables};
 use super::{Sum, check};
@@ -62,7 +62,7 @@ fn sum_of<R: Real, P: Position, const N: usize>(chain: &str, model: ErrorModel, 
         sum.add(&servo.step(&mut state, &input, (), ()));
     }
     for i in 0..60 {
-        // Beyond the tables too.
+        // Beyond the tables as well.
         let position = place(&mut noise, 1.0).map(P::of);
         let conditions = Conditions {
             directions: std::array::from_fn(|_| Direction::of(noise.unit() < 0.5)),

@@ -57,7 +57,7 @@ fn gauges() {
     check(&sums, &[0x6f8f_719b_4414_5f52, 0x6f81_55e4_c6d8_eeb1, 0x92fc_743e_c724_1382]);
 }
 
-/// Everything configured: filter, infeed, a wheel, windows of some revolutions, several slices a cycle.
+/// Everything configured: filter, infeed, a wheel, windows of some revolutions, several slices per cycle.
 fn full_sum<R: Real, const N: usize>(slices: u8, filter: Option<u16>) -> u64 {
     const COUNTS: u32 = 1 << 20;
     let angles = ProbeAngles::Degrees { phi2: 60.82, phi3: 240.12 };

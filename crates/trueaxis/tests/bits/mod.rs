@@ -1,5 +1,6 @@
-//! Results to the last bit, field by field as they print: the same inputs give the same outputs, on every host and from one
-//! version to the next. What they have to be is tested elsewhere; whoever means to change a number writes the new sums here.
+//! Results to the last bit, field by field as printed: equal inputs give equal outputs, on every host and from one
+//! version to the next. Other tests check whether the values are right; an intended change of a number needs new sums
+//! here.
 
 mod chains;
 mod gauges;
@@ -18,7 +19,7 @@ use trueaxis::{Nanometres, OnToolPath, Position, Real};
 use trueaxis_testing::machine::Machine;
 use trueaxis_testing::noise::Noise;
 
-/// FNV-1a of what is printed.
+/// FNV-1a hash of the printed results.
 struct Sum(u64);
 
 impl Sum {
@@ -37,7 +38,7 @@ fn vector(noise: &mut Noise, size: f64) -> DVec3 {
     DVec3::from_array(noise.vector(size))
 }
 
-/// A path without a gap: lines, arcs and helices about all sorts of axes, splines with and without weights.
+/// A path without a gap: lines, arcs and helices about various axes, splines with and without weights.
 fn spans<R: Real, P: Position>() -> Vec<Span<R, P>> {
     let mut noise = Noise::new(61);
     let (mut all, mut at) = (Vec::new(), DVec3::ZERO);
@@ -170,7 +171,7 @@ fn inverse_sum<R: Real>() -> u64 {
         let machine = machine.with(|machine| machine.kinematics.tool_axis = tool_axis).settings();
         let kinematics = Kinematics::<R>::new(&machine).expect("a chain");
         for i in 0..120 {
-            // Round the ends of the travels, near the singular pose, and several turns off.
+            // Around the ends of the travels, near the singular pose, and several turns away.
             let size = [20.0, 140.0, 200.0, 0.3][i % 4];
             let pose: [R; AXES] = std::array::from_fn(|_| R::of(size * noise.signed()));
             let near: [R; AXES] = std::array::from_fn(|k| pose[k] + R::of([0.0, 1.0, 400.0][i % 3] * noise.signed()));
@@ -183,7 +184,7 @@ fn inverse_sum<R: Real>() -> u64 {
     sum.0
 }
 
-/// A tilting table, all errors at random, driven along a tool path.
+/// A tilting table with random errors, driven along a tool path.
 fn five_axes_sum<R: Real, P: Position>(cubic: bool) -> u64 {
     let mut noise = Noise::new(65);
     let machine = Machine::five_axis().tool([2.0, -3.0, -140.0]).each(|axis| {

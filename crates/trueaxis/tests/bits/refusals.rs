@@ -1,4 +1,4 @@
-//! What is refused, and in which words: settings one step beyond their ranges, segments that are no path.
+//! Refusals and their texts: settings one step beyond their ranges, segments that do not form a path.
 
 use super::{Sum, check};
 use glam::DVec3;

@@ -1,4 +1,4 @@
-//! Tables at random, and loops on them.
+//! Random tables, and loops on them.
 
 use trueaxis::contour::Method;
 use trueaxis::machine::{Axis, MachineSettings, Row};
@@ -6,10 +6,10 @@ use trueaxis::{Config, ConfigError, Position, Real, ServoLoop};
 use trueaxis_testing::machine::rows_both_ways;
 use trueaxis_testing::noise::Noise;
 
-/// Rows of an axis each.
+/// Rows of the tables, axis by axis.
 pub(crate) type Tables = Vec<(Axis, Vec<Row>)>;
 
-/// All six errors of every axis both ways, at the points that `points` gives for it.
+/// Random values of all six errors of every axis in both directions, at the points that `points` returns for it.
 pub(crate) fn tables(
     machine: &MachineSettings,
     noise: &mut Noise,
@@ -24,7 +24,7 @@ pub(crate) fn tables(
             }
             errors
         });
-        // A table over a turn ends as it begins.
+        // A table over a full turn ends as it begins.
         let last = table.len() - 1;
         (table[last].forward, table[last].reverse) = (table[0].forward, table[0].reverse);
         (axis, table)
@@ -32,7 +32,7 @@ pub(crate) fn tables(
     machine.axes.iter().map(|axis| of(axis.axis)).collect()
 }
 
-/// A loop at 1 kHz, and the memory that it takes.
+/// A loop at 1 kHz, and the memory that it needs.
 pub(crate) fn servo<'m, R: Real, P: Position, const N: usize>(
     machine: &'m MachineSettings,
     tables: &'m Tables,

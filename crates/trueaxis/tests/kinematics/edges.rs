@@ -1,4 +1,4 @@
-//! Where a tool axis hardly turns, where the travel ends, where branches tie, and slides beyond rotary axes.
+//! Edge cases: a tool axis that hardly turns, ends of the travel, tied branches, and slides beyond rotary axes.
 
 use super::*;
 use trueaxis::kinematics::{Branch, BranchTracker, Choice, InverseError, Kinematics, Solution, Solutions, Tool};
@@ -22,7 +22,7 @@ fn slides_beyond_rotary_axes_come_back() {
             assert!(apart(tool.tip, tip) < 1e-10 && apart(tool.axis, axis) < 1e-12, "{chain}");
             let Ok(again) = kinematics.inverse(&tool, &pose) else { continue };
             found += 1;
-            // On the other branch where the slides hardly span space on this one.
+            // The inverse takes the other branch if the slides hardly span space on this one.
             let back = kinematics.forward(&again.axes);
             let sharp = again.singularity_margin_deg.to_radians().sin();
             assert!((back.tip - tool.tip).length() * sharp < 1e-8, "{chain} {pose:?} {again:?}");
@@ -32,7 +32,8 @@ fn slides_beyond_rotary_axes_come_back() {
     }
 }
 
-/// 1e-10 rad beside the axis that turns it the tool still says where that axis stands; it is not taken for along it.
+/// A tool axis 1e-10 rad off the axis that turns it still determines that axis' position: it does not count as
+/// parallel.
 #[test]
 fn a_tool_axis_hardly_beside_a_rotary_axis_is_followed() {
     for (beside, tolerance) in
@@ -59,7 +60,8 @@ fn a_tool_axis_hardly_beside_a_rotary_axis_is_followed() {
     assert!(found.axes[5].abs() > 1.0);
 }
 
-/// The second rotary axis takes a component of the tool axis along: by asin of it the tool stays off the first.
+/// The second rotary axis carries a component of the tool axis: the tool stays off the first axis by asin of that
+/// component.
 #[test]
 fn a_tool_axis_along_the_second_rotary_axis_keeps_off_the_first() {
     let mut machine = machine("w B' A' X' b Y Z t");
@@ -76,7 +78,8 @@ fn a_tool_axis_along_the_second_rotary_axis_keeps_off_the_first() {
     }
 }
 
-/// A position that stands at an end of the travel but for rounding stands there; of several turns the nearest counts.
+/// A position that is at an end of the travel except for rounding is taken to be there; among several turns the nearest
+/// counts.
 #[test]
 fn ends_of_the_travel_belong_to_it_whatever_rounding_says() {
     let mut random = Noise::new(310);
@@ -86,7 +89,7 @@ fn ends_of_the_travel_belong_to_it_whatever_rounding_says() {
         let at_end = angle + 360.0 * turns;
         for high in [true, false] {
             let mut table = machine("w C' A' Y' b X Z t");
-            // So wide that other turns have room too.
+            // Wide enough for other turns.
             of(&mut table, Axis::C).travel = if high { [at_end - 1000.0, at_end] } else { [at_end, at_end + 1000.0] };
             let kinematics = Kinematics::<f64>::new(&table).unwrap();
             let axis = kinematics.direction(&[0.0, 0.0, 0.0, -40.0, 0.0, angle]);
@@ -100,7 +103,7 @@ fn ends_of_the_travel_belong_to_it_whatever_rounding_says() {
                     .unwrap_or_else(|| panic!("{angle} {turns} {high}: {solutions:?}"));
                 assert!((found.axes[5] - at_end).abs() < 1e-9, "{at_end} {beyond} {high}: {}", found.axes[5]);
             }
-            // Less than a turn before its beginning: the next turn in, not the last.
+            // Less than a turn beyond the end: the next turn inside, not the last.
             let near = if high { at_end + 310.0 } else { at_end - 310.0 };
             let axis = kinematics.direction(&[0.0, 0.0, 0.0, -40.0, 0.0, near]);
             let found =
@@ -138,7 +141,7 @@ fn a_path_out_of_the_travel_says_that_the_other_branch_is_left() {
     let error = follow.next(&kinematics, &Tool { tip: DVec3::ZERO, axis }).unwrap_err();
     assert_eq!(error, InverseError::BranchChange { from: first.branch, step_deg: f64::INFINITY, limit_deg: 2.0 });
     assert_eq!(*follow.axes(), first.axes);
-    // No turn of C, no other branch: the travel itself is named.
+    // No turn of C and no other branch fits: the error names the travel itself.
     of(&mut head, Axis::C).travel = [-10.0, 10.0];
     let narrow = Kinematics::<f64>::new(&head).unwrap();
     let error = follow.next(&narrow, &Tool { tip: DVec3::ZERO, axis }).unwrap_err();

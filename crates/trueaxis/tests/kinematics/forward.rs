@@ -66,7 +66,7 @@ fn bed_directions_turn_with_the_workpiece() {
     let kinematics = Kinematics::<f64>::new(&machine("w C' X' b Y Z A t")).unwrap();
     let turned = kinematics.to_workpiece(&[0.0, 0.0, 0.0, 55.0, 0.0, 90.0], DVec3::new(1.0, 0.0, 0.0));
     assert_eq!(turned, DVec3::new(0.0, 1.0, 0.0));
-    // … and a head leaves them alone.
+    // … and a head does not turn them.
     let kinematics = Kinematics::<f64>::new(&machine("w X' Y' b Z C A t")).unwrap();
     let v = DVec3::new(0.1, 0.2, 0.3);
     assert_eq!(kinematics.to_workpiece(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0], v), v);
@@ -88,7 +88,7 @@ fn machines_that_it_cannot_transform_are_refused() {
     assert_eq!((error.field, error.found), (Field::Chain, 2.0));
     let error = refused(&machine("w C' B' X' b Y Z A t"));
     assert_eq!((error.field, error.axis), (Field::Chain, Some(Axis::A)));
-    // A spindle along z is not turned by C next to it.
+    // C next to a spindle along z does not turn it.
     let error = refused(&machine("w A' X' b Y Z C t"));
     assert_eq!((error.field, error.axis), (Field::ToolAxis, Some(Axis::C)));
     let mut twice = machine("w X' b Y Z t");

@@ -2,7 +2,7 @@ use super::*;
 use trueaxis::kinematics::{Branch, BranchTracker, Choice, InverseError, Kinematics, Tool};
 use trueaxis_testing::share::share;
 
-/// Structural code and tool axis of every kind.
+/// Structural code and tool axis of each kind.
 const KINDS: [(&str, [f64; 3]); 12] = [
     ("w X' Y' b Z C A t", [0.0, 0.0, 1.0]),
     ("w b X Y Z C B t", [0.0, 0.0, 1.0]),
@@ -26,7 +26,8 @@ struct Worst {
     linear: f64,
 }
 
-/// The inverse of the forward over so many poses of one kind; errors of the positions times sin(margin).
+/// Inverts the forward transformation of random poses of one kind; errors of the positions are multiplied by
+/// sin(margin).
 fn round_trip(kind: usize, poses: usize) -> Worst {
     let (chain, tool_axis) = KINDS[kind];
     let mut random = Noise::new(77 + kind as u64);
@@ -47,7 +48,7 @@ fn round_trip(kind: usize, poses: usize) -> Worst {
             let solutions = kinematics.solutions(&tool, &pose).unwrap();
             let nearest = solutions.choose(Choice::Nearest).unwrap();
             if nearest.singularity_margin_deg < 0.1 {
-                // tests/kinematics/singular.rs
+                // Covered by tests/kinematics/singular.rs.
                 assert!(margin < 0.1001, "{pose:?}");
                 in_cone += 1;
                 continue;
@@ -71,7 +72,7 @@ fn round_trip(kind: usize, poses: usize) -> Worst {
     worst
 }
 
-/// The same of a few, for those who wait: both branches keep to their definition and to the nearest turns.
+/// A few poses of each kind, for a quick run.
 #[test]
 fn inverse_of_forward_over_a_few_poses_of_each_kind() {
     for kind in 0..KINDS.len() {
@@ -142,7 +143,7 @@ fn turns_are_unwound_towards_the_last_position_within_the_travel() {
         let found = kinematics.inverse(&tool, &near(from)).unwrap();
         assert!((found.axes[5] - to).abs() < 1e-9, "{from}: {}", found.axes[5]);
     }
-    // The other branch needs A = +40, which the travel ends before.
+    // The other branch needs A = +40, beyond the end of the travel.
     let solutions = kinematics.solutions(&tool, &near(190.0)).unwrap();
     let good = solutions.choose(Choice::Nearest).unwrap();
     assert!((good.axes[3] + 40.0).abs() < 1e-9);
@@ -174,7 +175,7 @@ fn at_the_singular_pose_the_table_stays() {
         assert_eq!((found.axes[5], found.singularity_margin_deg, found.direction_error_deg), (12.0, 0.0, 0.0));
         assert!((kinematics.forward(&found.axes).tip - up.tip).length() < 1e-12);
     }
-    // Just outside the cone, just inside, at half of it: off by 0, 90 (1 − 0.0999/0.1) 2, 21 degrees of C.
+    // Just outside the cone, just inside, at half of it: C deviates by 0, 90 (1 − 0.0999/0.1) 2, 21 degrees.
     for (a, off) in [(0.1001, 0.0), (0.0999, 0.18), (0.05, 21.0), (0.01, 21.0)] {
         let found = kinematics.inverse(&kinematics.forward(&[0.0, 0.0, 0.0, a, 0.0, 33.0]), &near).unwrap();
         assert!((found.singularity_margin_deg - a).abs() < 1e-10);
@@ -201,14 +202,14 @@ fn what_is_out_of_reach_is_refused_with_its_angle() {
     assert!((by("w X' b Y Z t", up, [s, 0.0, c]) - 1.0).abs() < 1e-12);
     assert!((by("w b X Y Z A t", up, [s, 0.0, c]) - 1.0).abs() < 1e-12);
     assert!((by("w C' X' b Y Z t", up, [s, 0.0, c]) - 1.0).abs() < 1e-12);
-    // A carries b = sin 1° of the tool axis along, so the tool never comes nearer to C than 1 degree.
+    // A carries b = sin 1° of the tool axis, so the tool never comes nearer to C than 1 degree.
     assert!((by("w C' A' b X Y Z t", [s, 0.0, c], up) - 1.0).abs() < 1e-12);
     let one = Kinematics::<f64>::new(&machine("w b X Y Z A t")).unwrap();
     let pose = [1.0, 2.0, 3.0, 77.0, 0.0, 0.0];
     let found = one.solutions(&one.forward(&pose), &pose).unwrap();
     assert!((found.first.unwrap().axes[3] - 77.0).abs() < 1e-11);
     assert_eq!(found.second, Err(InverseError::OneBranch));
-    // A table under a spindle along it turns nothing: it stays.
+    // A table that turns about the direction of the spindle does not change the tool's direction: it stays.
     let table = Kinematics::<f64>::new(&machine("w C' X' b Y Z t")).unwrap();
     let found =
         table.inverse(&table.forward(&[5.0, 6.0, 7.0, 0.0, 0.0, 40.0]), &[0.0, 0.0, 0.0, 0.0, 0.0, 40.0]).unwrap();
@@ -226,7 +227,7 @@ fn a_path_is_followed_without_a_jump_or_refused() {
     let start = [0.0, 0.0, 0.0, 30.0, 0.0, 0.0];
     let first = kinematics.inverse(&kinematics.forward(&start), &start).unwrap();
     let mut follow = BranchTracker::new(&first, 2.0);
-    // Twice round: C winds up to 720 degrees, the tip stands still.
+    // Two turns: C winds up to 720 degrees, the tip stays.
     let tip = kinematics.forward(&start).tip;
     for i in 1..=720 {
         let axis = kinematics.direction(&[0.0, 0.0, 0.0, 30.0, 0.0, f64::from(i)]);
@@ -235,7 +236,7 @@ fn a_path_is_followed_without_a_jump_or_refused() {
         assert!((kinematics.forward(&found.axes).tip - tip).length() < 1e-11);
         assert_eq!(found.branch, first.branch);
     }
-    // Straight through the pole: A goes on through zero on the other branch, and back.
+    // Straight through the pole: A continues through zero on the other branch, and back.
     let open = kinematics.with_singular_cone_deg(0.0);
     let tilt = |a: f64| Tool { tip, axis: kinematics.direction(&[0.0, 0.0, 0.0, a, 0.0, 0.0]) };
     for a in (1..=30).rev().chain([-1]) {
@@ -245,7 +246,7 @@ fn a_path_is_followed_without_a_jump_or_refused() {
     }
     follow.next(&open, &tilt(1.0)).unwrap();
     let before = *follow.axes();
-    // Not in steps of more than 5 degrees, whatever is permitted.
+    // Not in steps of more than 5 degrees, whatever the limit.
     let mut wide = BranchTracker::new(&open.inverse(&tilt(4.0), &before).unwrap(), 20.0);
     let error = wide.next(&open, &tilt(-4.0)).unwrap_err();
     let InverseError::BranchChange { from, step_deg, .. } = error else { panic!("{error}") };

@@ -1,4 +1,4 @@
-//! Transformations between axis positions and the tool, against truth from outside.
+//! Transformations between axis positions and the tool, compared with independent references.
 
 use glam::{DAffine3, DVec3};
 use trueaxis::machine::{AXES, Axis, AxisSettings, MachineSettings};
@@ -20,7 +20,7 @@ fn of(machine: &mut MachineSettings, axis: Axis) -> &mut AxisSettings {
     machine.axes.iter_mut().find(|a| a.axis == axis).unwrap()
 }
 
-/// Offsets, senses of the rotary axes, tool and tool axis at random; linear travel ±1e6 mm.
+/// Sets random offsets, senses of the rotary axes, tool and tool axis; linear travel ±1e6 mm.
 fn disturb(noise: &mut Noise, machine: &mut MachineSettings) {
     for axis in &mut machine.axes {
         axis.offset_mm = noise.vector(80.0);
@@ -31,13 +31,13 @@ fn disturb(noise: &mut Noise, machine: &mut MachineSettings) {
     machine.tool_mm = noise.vector(150.0);
 }
 
-/// Positions of ±500 mm and ±`turn` degrees.
+/// A random pose within ±500 mm and ±`turn` degrees.
 fn random_pose(noise: &mut Noise, turn: f64) -> [f64; AXES] {
     std::array::from_fn(|i| noise.signed() * if i < 3 { 500.0 } else { turn })
 }
 
-/// Product of homogeneous transforms along the code, independent of the code under test: from the bed outwards on
-/// either side offset · motion, the tool point then taken back into the workpiece's frame.
+/// Product of homogeneous transforms along the code, independent of the code under test: from the bed outwards offset ·
+/// motion on either side, then the tool point transformed back into the workpiece's frame.
 fn by_transforms(machine: &MachineSettings, q: &[f64; AXES], tool: [f64; 3]) -> (DVec3, DVec3) {
     let code: Vec<char> = machine.chain.chars().filter(|c| c.is_ascii_uppercase()).collect();
     let count = machine.chain.split('b').next().unwrap().chars().filter(|c| c.is_ascii_uppercase()).count();

@@ -1,4 +1,4 @@
-//! The tool through and about the singular pose; truth: product of homogeneous transforms.
+//! The tool through and around the singular pose; reference: the product of homogeneous transforms.
 
 use super::*;
 use trueaxis::kinematics::{Branch, BranchTracker, Choice, InverseError, Kinematics, Solution, Tool};
@@ -21,10 +21,10 @@ const CHAINS: [&str; 12] = [
     "w Z' C' Y' b X A t",
 ];
 const CONE_DEG: f64 = 0.1;
-/// Degrees of the first axis a degree of tilt, at most: 180 through the cone.
+/// Largest turn of the first axis per degree of tilt, degrees: 180 through the cone.
 const FASTEST: f64 = 1.001 * 180.0 / CONE_DEG;
 
-/// A machine with everything but its tool axis disturbed; that lies along the first rotary axis of the code.
+/// A machine with everything disturbed except its tool axis, which is along the first rotary axis of the code.
 struct Bench {
     settings: MachineSettings,
     first: Axis,
@@ -48,7 +48,7 @@ impl Bench {
         Kinematics::<R>::new(&self.settings).unwrap()
     }
 
-    /// Tilted so far from the first rotary axis, towards an azimuth; degrees.
+    /// Direction tilted from the first rotary axis by this angle, towards an azimuth; degrees.
     fn tilted(&self, tilt: f64, azimuth: f64) -> DVec3 {
         let n = along(self.first);
         let across = DVec3::new(n.y, n.z, n.x);
@@ -61,14 +61,14 @@ impl Bench {
         Tool { tip, axis }
     }
 
-    /// Distance of the tip, and angle (degrees) of the direction, from what was asked for; by exact transforms.
+    /// Distance of the tip (mm) and angle of the direction (degrees) from the requested ones, by exact transforms.
     fn off<R: Real>(&self, found: &Solution<R>, tool: &Tool<R>) -> (f64, f64) {
         let [tip, axis] = [tool.tip, tool.axis].map(|v| DVec3::from_array(v.into().map(R::to_f64)));
         let (at, direction) = by_transforms(&self.settings, &found.axes.map(R::to_f64), self.settings.tool_mm);
         (apart(at, tip), axis.cross(direction).length().atan2(axis.dot(direction)).to_degrees())
     }
 
-    /// The tip is exact, the direction within what is reported, and that within `most`.
+    /// Checks that the tip is exact, and the error of the direction as reported and at most `most`.
     fn check<R: Real>(&self, found: &Solution<R>, tool: &Tool<R>, most: f64) {
         let rounding = if R::EPSILON.to_f64() > 1e-10 { [2e-3, 1e-4] } else { [1e-9, 1e-11] };
         let (tip, direction) = self.off(found, tool);
@@ -87,7 +87,7 @@ impl Bench {
 
 const TIP: DVec3 = DVec3::new(120.0, -35.0, 60.0);
 
-/// Vectors that stand for the pole but for their sixth decimal: the axis next to the workpiece does not move at all.
+/// Vectors that equal the pole except for the sixth decimal: the axis next to the workpiece does not move at all.
 fn noise_about_the_pole<R: Real>() {
     let mut noise = Noise::new(400);
     for chain in CHAINS {
@@ -119,8 +119,9 @@ fn noise_about_the_pole_turns_nothing() {
     noise_about_the_pole::<f32>();
 }
 
-/// From 2 degrees on one side to 2 on the other, past the pole at a distance, with the sixth decimal of every vector noise:
-/// the second axis goes through, the first one stays but for what the distance and the noise ask of it outside the cone.
+/// From 2 degrees on one side to 2 on the other, past the pole at a distance, with noise in the sixth decimal of every
+/// vector: the second axis passes through; the first one moves only as far as the distance and the noise require
+/// outside the cone.
 fn straight_through<R: Real>(cone_deg: f64) {
     let mut noise = Noise::new(401);
     for chain in CHAINS {
@@ -157,8 +158,8 @@ fn straight_through<R: Real>(cone_deg: f64) {
                 last = Some(found.axes);
                 tilts[usize::from(i > -200)] = found.axes[bench.second.index()].to_f64();
             }
-            // The azimuth of a line past the pole turns by 180 degrees; outside the cone the first axis follows it, there and
-            // back where it then stands through the middle.
+            // The azimuth of a line past the pole turns by 180 degrees; outside the cone the first axis follows it, and
+            // turns back again if it stays through the middle.
             let off = if beside.abs() < 0.05 { 4.0 * (beside.abs() / 0.1).asin().to_degrees() } else { 180.0 };
             assert!(walked < off + 2.0 + 400.0 * decimals / 2e-5, "{chain} {beside} {decimals}: {walked}");
             if beside.abs() < 0.05 {
@@ -176,7 +177,8 @@ fn straight_through_the_pole_the_first_axis_stays() {
     straight_through::<f32>(CONE_DEG);
 }
 
-/// Without a cone the pole itself is passed on the other branch; nothing is off, and noise is followed as asked.
+/// Without a cone the path passes the pole itself on the other branch; nothing deviates, and noise is followed as
+/// commanded.
 #[test]
 fn without_a_cone_the_path_goes_on_through_the_pole() {
     straight_through::<f64>(0.0);
@@ -193,7 +195,7 @@ fn without_a_cone_the_path_goes_on_through_the_pole() {
             if axis == bench.first && (step_deg - 70.0).abs() < 1e-6),
             "{chain}: {error}"
         );
-        // Far from the pole a change of branch stays refused, however large the steps that are permitted.
+        // Far from the pole a change of branch is still refused, however large the permitted steps.
         let start = bench.standing(&kinematics, TIP, bench.tilted(30.0, 0.0), 0.0);
         let mut tracker = BranchTracker::new(&start, 100.0);
         let error = tracker.next(&kinematics, &bench.tool(TIP, bench.tilted(30.0, 120.0))).unwrap_err();
@@ -201,7 +203,7 @@ fn without_a_cone_the_path_goes_on_through_the_pole() {
     }
 }
 
-/// In at one azimuth, out at another: the first axis turns in proportion to the path, on every branch asked for.
+/// In at one azimuth, out at another: the first axis turns in proportion to the path, on every requested branch.
 fn out_at_another_azimuth<R: Real>() {
     let mut noise = Noise::new(403);
     for chain in CHAINS {
@@ -214,7 +216,7 @@ fn out_at_another_azimuth<R: Real>() {
                 let mut last = kinematics.solutions(&first, &[R::ZERO; AXES]).unwrap().choose(choice).unwrap().axes;
                 let mut before = [0.3, from];
                 for i in 0..=2000 {
-                    // In, round, out.
+                    // In, around, out.
                     let s = 3.0 * f64::from(i) / 2000.0;
                     let tilt = deep + (0.3 - deep) * (1.0 - s).max(s - 2.0).max(0.0);
                     let azimuth = from + turn * (s - 1.0).clamp(0.0, 1.0);
@@ -237,7 +239,7 @@ fn out_at_another_azimuth<R: Real>() {
                     );
                     (last, before) = (found.axes, [tilt, azimuth]);
                 }
-                // Out of the cone the pose is the exact one, on the branch asked for.
+                // Outside the cone the pose is exact, on the requested branch.
                 let axis = bench.tilted(0.3, from + turn);
                 let (_, direction) = by_transforms(&bench.settings, &last.map(R::to_f64), bench.settings.tool_mm);
                 assert!(apart(direction, axis) < 2e-6, "{chain} {deep} {turn}");
@@ -252,14 +254,14 @@ fn positions_go_with_the_path_through_the_cone() {
     out_at_another_azimuth::<f32>();
 }
 
-/// The first axis turns as fast as it may, while the tool is within the cone of the one asked for; a path that needs more is
-/// refused with the axis, and the pose stays.
+/// The first axis turns as fast as it may while the tool is within the cone of the commanded one; a path that needs
+/// more is refused with the axis, and the pose stays.
 fn as_fast_as_the_axis_may<R: Real>() {
     let mut noise = Noise::new(404);
     for chain in CHAINS {
         let bench = Bench::new(chain, &mut noise);
         let kinematics = bench.kinematics::<R>();
-        // 90 degrees at 0.1 a call; the direction moves by so much a call.
+        // 90 degrees at 0.1 per call; the direction moves by `speed` per call.
         for (speed, goes) in [(1e-4, true), (1.9e-4, true), (4e-4, false), (1e-2, false)] {
             let start = bench.standing(&kinematics, TIP, bench.tilted(0.3, 0.0), 0.0);
             let mut tracker = BranchTracker::new(&start, R::of(0.1));
@@ -299,7 +301,7 @@ fn the_way_out_is_as_fast_as_the_axis_may_turn() {
     as_fast_as_the_axis_may::<f32>();
 }
 
-/// Directions at random in and about the cone: within 0.58 of it, exact outside; none refused.
+/// Random directions in and around the cone: within 0.58 of it, exact outside; none refused.
 #[test]
 fn directions_at_random_are_within_what_is_reported() {
     let mut noise = Noise::new(405);
@@ -309,7 +311,7 @@ fn directions_at_random_are_within_what_is_reported() {
             let kinematics = bench.kinematics::<f64>().with_singular_cone_deg(cone);
             let mut near = [0.0; AXES];
             for _ in 0..500 {
-                // Also against the axis.
+                // Also in the direction opposite to the axis.
                 let tilt = 1.2 * cone * noise.unit();
                 let tilt = if noise.below(4) == 0 { 180.0 - tilt } else { tilt };
                 let tool = bench.tool::<f64>(TIP, bench.tilted(tilt, 360.0 * noise.unit()));
@@ -322,7 +324,8 @@ fn directions_at_random_are_within_what_is_reported() {
     }
 }
 
-/// A second axis that ends at the pole: the first one has to come round, and does so through the outer half of the cone.
+/// A second axis whose travel ends at the pole: the first one must turn round, and does so in the outer half of the
+/// cone.
 #[test]
 fn an_axis_that_ends_at_the_pole_lets_the_other_come_round() {
     let mut noise = Noise::new(406);
@@ -345,13 +348,13 @@ fn an_axis_that_ends_at_the_pole_lets_the_other_come_round() {
             assert!(i.abs() > 5000 || step == 0.0, "{chain} {i}: {step}");
             near = found.axes;
         }
-        // 180 degrees on the way out through 0.05 degrees of tilt, 36 times as much as 0.1 a point.
+        // 180 degrees on the way out over 0.05 degrees of tilt: 0.036 per point on average.
         assert!(((near[bench.first.index()] - begin).abs() - 180.0).abs() < 1e-6, "{chain}");
         assert!(largest < 0.2, "{chain}: {largest}");
     }
 }
 
-/// A travel that begins within the cone, beyond the pole: where it keeps the tool too far off, the pose is refused.
+/// A travel that begins beyond the pole, within the cone: a pose that it keeps too far from the tool is refused.
 #[test]
 fn a_travel_that_keeps_the_tool_off_by_more_than_the_cone_is_refused() {
     let mut table = machine("w C' A' Y' b X Z t");
@@ -367,8 +370,8 @@ fn a_travel_that_keeps_the_tool_off_by_more_than_the_cone_is_refused() {
     assert_eq!(Fault::SingularPose as u8, 21);
 }
 
-/// A tool axis with a component along the second axis keeps off the first one: its border is passed and touched, also a
-/// little beyond reach.
+/// A tool axis with a component along the second axis stays off the first one: the path crosses and touches the border
+/// of reach, also a little beyond it.
 #[test]
 fn the_border_of_reach_is_a_singular_pose_too() {
     let mut noise = Noise::new(407);
@@ -383,7 +386,7 @@ fn the_border_of_reach_is_a_singular_pose_too() {
             let mut last = bench.standing(&kinematics, TIP, bench.tilted(border + 0.4, from), 0.0);
             for i in 0..=2000 {
                 let s = f64::from(i) / 1000.0 - 1.0;
-                // Down to 0.04 degrees beyond reach, or to the pole where that is nearer, and out beside it.
+                // Down to 0.04 degrees beyond reach, or to the pole if that is nearer, and out beside it.
                 let tilt = (border - 0.04).max(0.0) + 0.44 * s.abs();
                 let tool = bench.tool::<f64>(TIP, bench.tilted(tilt, from + to * (s + 1.0)));
                 let found =
@@ -399,7 +402,7 @@ fn the_border_of_reach_is_a_singular_pose_too() {
     }
 }
 
-/// Out of the cone in one call: the branch that is nearer, not the one that was followed on the way in.
+/// Out of the cone in one call: on the nearer branch, not on the one followed on the way in.
 #[test]
 fn out_of_the_cone_in_one_call_on_the_nearer_branch() {
     let bench = Bench::new("w X' Y' b Z C A t", &mut Noise::new(408));

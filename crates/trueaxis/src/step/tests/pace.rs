@@ -63,7 +63,7 @@ fn cycles_without_time_move_nothing_and_the_correction_goes_on_as_it_went() {
         let out = bench.cycle(&Input { elapsed_ns: 0, ..at });
         assert_eq!((out.record.fault, out.drive), (Fault::LateCycle, before.drive));
     }
-    // The burst leaves at most one movement over; after that there is one per period.
+    // The burst leaves at most one movement over; after that each period brings one.
     let out = bench.cycle(&at);
     assert_eq!(out.record.fault, Fault::None);
     let next = out.record.correction[0] - before.record.correction[0];

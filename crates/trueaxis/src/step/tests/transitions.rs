@@ -1,4 +1,5 @@
-//! Into and out of every state: hold, freeze, disable, joint range, exchange; and before there is a position to hold.
+//! Into and out of every state: hold, freeze, disable, joint range, exchange; and before the step has a position to
+//! hold.
 
 use super::*;
 
@@ -32,7 +33,7 @@ fn a_held_correction_is_held_and_goes_on_from_there() {
     assert!((out.record.correction[0] - before.record.correction[0]).abs() > 0.01);
 }
 
-/// A machine whose joints end with the travel: near the end there is no room for an outward correction.
+/// A machine whose joints end with the travel: near the end an outward correction has no room.
 fn tight(scale: f64) -> &'static Loop {
     servo_loop_with(scale, |axis| axis.joint = axis.travel)
 }
