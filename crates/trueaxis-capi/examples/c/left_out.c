@@ -23,7 +23,7 @@ static void needed(const char *call, trueaxis_result_t found, trueaxis_result_t 
     }
 }
 
-/* A function that is left out refuses before it checks its pointers; only one that is built in reports the null ones. */
+/* A function that is left out refuses before it checks its pointers; one that is built in refuses the null ones. */
 #define REFUSED(call) needed(#call, call, TRUEAXIS_ERROR_LEFT_OUT)
 
 static void functions(void) {
