@@ -1,6 +1,6 @@
 /*
- * Wraps a stepper's kinematics so that every step is solved at p + c(p): the host's solver requests the motor's position at
- * a time, and the wrapper evaluates the original kinematics at the corrected position.
+ * Wraps a stepper's kinematics so that every step is solved at p + c(p): the host's solver requests the motor's
+ * position at a time, and the wrapper evaluates the original kinematics at the corrected position.
  *
  * SPDX-License-Identifier: GPL-3.0-or-later
  */
@@ -15,7 +15,7 @@
 #include "trueaxis.h"
 
 #define EXPORT __attribute__((visibility("default")))
-#define PERIOD_NS 1000000 /* a loop needs one, but the correction at a position does not depend on it */
+#define PERIOD_NS 1000000 /* of no effect on a correction at a position, but a loop has one */
 #define STILL_T 500.0     /* within a move at rest, far from its ends */
 #define PASSES 16
 #define SETTLED_MM 1e-9

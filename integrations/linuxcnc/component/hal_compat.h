@@ -1,9 +1,9 @@
 /* The HAL interface of LinuxCNC 2.10, also on 2.9: handles (`hal_real_t` ...), read with `hal_get_...`, written with
- * `hal_set_...`, created with `hal_pin_new_...` and `hal_param_new_...`. The component uses no other part of HAL's pins and
- * parameters.
+ * `hal_set_...`, created with `hal_pin_new_...` and `hal_param_new_...`. The component uses no other part of HAL's
+ * pins and parameters.
  *
- * 2.10 has all of these in its hal.h; the Makefile then defines TRUEAXIS_HAL_HANDLES, because LinuxCNC provides no version.
- * Pins and parameters have the same names, types (bit, float, u32, s32) and values on both.
+ * 2.10 has all of these in its hal.h; the Makefile then defines TRUEAXIS_HAL_HANDLES, because LinuxCNC provides no
+ * version. Pins and parameters have the same names, types (bit, float, u32, s32) and values on both.
  *
  * License: MIT OR Apache-2.0
  */
@@ -48,7 +48,7 @@ typedef hal_u32_t *hal_uint_t;
             **ref = first;                                                                                                   \
         return refused;                                                                                                      \
     }                                                                                                                        \
-    /* HAL allocates the value, so that the handle is like a pin's. */                                                       \
+    /* HAL allocates the value, so that this handle is like a pin's. */                                                      \
     __attribute__((format(printf, 5, 6), unused)) static int hal_param_new_##kind(                                           \
         int component, hal_param_dir_t way, handle *ref, value first, const char *format, ...)                               \
     {                                                                                                                        \

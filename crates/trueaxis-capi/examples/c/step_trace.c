@@ -16,7 +16,7 @@
 
 #define PERIOD_NS 100000u
 #define CYCLES 8000
-#define REST 100 /* cycles before the motion starts */
+#define REST 100 /* cycles before it moves */
 #define SWITCH_AT 2000
 #define EXCHANGE_AT 4000
 #define ALARM_AT 6000

@@ -1,7 +1,7 @@
-/* The part of LinuxCNC 2.10's hal.h that the component uses; no distribution has it yet. It has the same names, types and
- * values, written from the declarations in src/hal/hal.h of LinuxCNC's main branch (pull requests 4099 and 4472). Everything
- * that 2.10 deprecates is omitted, so that its use does not compile. rtapi.h and rtapi_app.h are those of 2.9; the parts of
- * them that are used are the same on both. The functions are implemented in ../sanitize/double.c.
+/* The part of LinuxCNC 2.10's hal.h that the component uses; no distribution has it yet. It has the same names, types
+ * and values, written from the declarations in src/hal/hal.h of LinuxCNC's main branch (pull requests 4099 and 4472).
+ * Everything that 2.10 deprecates is omitted, so that its use does not compile. rtapi.h and rtapi_app.h are those of
+ * 2.9; the parts of them that are used are the same on both. The functions are implemented in ../sanitize/double.c.
  *
  * License: MIT OR Apache-2.0
  */

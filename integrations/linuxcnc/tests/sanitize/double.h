@@ -1,5 +1,5 @@
-/* A double of HAL in one process: the functions of HAL and RTAPI that the component calls. Each pin has separate memory, so
- * that a sanitizer sees every access beyond it or after its lifetime.
+/* A double of HAL in one process: the functions of HAL and RTAPI that the component calls. Each pin has separate
+ * memory, so that a sanitizer sees every access beyond it or after its lifetime.
  *
  *   double.c   HAL and RTAPI
  *   inputs.c   inputs of a cycle: a machine that moves, and an attack

@@ -5,8 +5,8 @@
  *
  * FAILS: number of the HAL call that fails (0: none); PERIOD of the threads, ns; WORD: as after `loadrt trueaxis`;
  * FILE: tables of the first instance's machine, which replace its file in turn, some of them damaged.
- * Prints the numbers of cycles, exchanges and refusals. Exit codes: 0; 1 if an output is not finite, something hangs, or
- * an expected event did not occur; 3 if the component refused to be loaded.
+ * Prints the numbers of cycles, exchanges and refusals. Exit codes: 0; 1 if an output is not finite, something hangs,
+ * or an expected event did not occur; 3 if the component refused to be loaded.
  */
 #include "double.h"
 
