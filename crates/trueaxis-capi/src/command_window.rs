@@ -42,10 +42,10 @@ unsafe impl Storage for CommandWindow {
 /// the larger of `TRUEAXIS_COMMAND_WINDOW_SPANS` spacings and the distance travelled in that many cycles. If the lag
 /// exceeds it, `record.tip.flags` lacks `TRUEAXIS_CONTOUR_BRACKETED`.
 ///
-/// Not real-time; about 75 KiB of stack, 43 KiB in single precision. `_ARGUMENT`.
+/// Not real-time; about 75 KiB of stack, 43 KiB in single precision. Errors: `_ARGUMENT`.
 ///
 /// # Safety
-/// Pointers are null or point to what their types and sizes say, `plane` to three numbers.
+/// Pointers are null or point to objects of their types and stated sizes, `plane` to three numbers.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_command_window_start(
     window: *mut CommandWindow,
@@ -68,7 +68,7 @@ pub unsafe extern "C" fn trueaxis_command_window_start(
 /// Discards all commands, for example after homing. Real-time safe.
 ///
 /// # Safety
-/// `window` is null or points to what its type says; nobody else uses it during the call.
+/// `window` is null or points to an object of its type; nobody else uses it during the call.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_command_window_restart(window: *mut CommandWindow) -> ResultCode {
     // SAFETY: the caller's promise.

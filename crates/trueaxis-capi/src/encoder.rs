@@ -35,11 +35,11 @@ unsafe impl Storage for Encoder {
 /// `resolution`: size of one count, at most 1; negative if the counts fall while the position rises. `span`: number of
 /// counts after which the counter restarts at 0, 4 to 4294967296: 65536 for 16 bits, 4294967296 for 32 bits, or the
 /// counts per turn. `nearest`: the first reading is interpreted as the count nearest to this one; with 0, counters of
-/// 16 and 32 bits start as signed numbers. Start the encoder again after counts were lost. Real-time safe. `_ARGUMENT`
-/// (resolution or span out of range, or an offset that is not a usable position).
+/// 16 and 32 bits start as signed numbers. Start the encoder again after counts were lost. Real-time safe. Errors:
+/// `_ARGUMENT` (resolution or span out of range, or an offset that is not a usable position).
 ///
 /// # Safety
-/// Pointers are null or point to what their types and sizes say.
+/// Pointers are null or point to objects of their types and stated sizes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_encoder_start(
     encoder: *mut Encoder,
@@ -69,7 +69,7 @@ pub unsafe extern "C" fn trueaxis_encoder_start(
 /// Real-time safe.
 ///
 /// # Safety
-/// Pointers are null or point to what their types say; nobody else uses the encoder.
+/// Pointers are null or point to objects of their types; nobody else uses the encoder.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_encoder_position(
     encoder: *mut Encoder,

@@ -102,10 +102,10 @@ unsafe impl Sized32 for Evaluation {}
 
 /// Reads the results of the latest revolution evaluated.
 ///
-/// Call it between two cycles; real-time safe. `_NOT_YET`.
+/// Call it between two cycles; real-time safe. Errors: `_NOT_YET`.
 ///
 /// # Safety
-/// Pointers are null or point to what their types say; nobody else uses the state during the call.
+/// Pointers are null or point to objects of their types; nobody else uses the state during the call.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_gauge_latest(
     gauge: *const Gauge,
@@ -146,10 +146,10 @@ pub unsafe extern "C" fn trueaxis_gauge_latest(
 /// Reads the amplitudes of cos kθ and sin kθ in the latest profile, two numbers, µm; 0 outside the file's band and for
 /// a suppressed harmonic.
 ///
-/// `harmonic`: k. Call it between two cycles; real-time safe. `_NOT_YET`, `_ARGUMENT` (k above 127).
+/// `harmonic`: k. Call it between two cycles; real-time safe. Errors: `_NOT_YET`, `_ARGUMENT` (k above 127).
 ///
 /// # Safety
-/// Pointers are null or point to what their types say, `amplitudes_um` to two numbers; nobody else uses the state.
+/// Pointers are null or point to objects of their types, `amplitudes_um` to two numbers; nobody else uses the state.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_gauge_harmonic(
     gauge: *const Gauge,
@@ -180,10 +180,10 @@ const _: () = assert!(GAUGE_FRAME_BYTES == ROUNDNESS_FRAME_BYTES);
 /// Writes the telemetry frame of the latest revolution: postcard in COBS, terminated by 0.
 ///
 /// `machine_id` is copied into the frame. `written`: number of bytes written. Not real-time; about 4 KiB of stack.
-/// `_NOT_YET`, `_BUFFER`.
+/// Errors: `_NOT_YET`, `_BUFFER`.
 ///
 /// # Safety
-/// Pointers are null or point to what their types say, `buffer` to `size` bytes; nobody else uses the state.
+/// Pointers are null or point to objects of their types, `buffer` to `size` bytes; nobody else uses the state.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_gauge_frame_encode(
     gauge: *const Gauge,

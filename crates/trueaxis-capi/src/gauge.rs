@@ -145,11 +145,11 @@ pub(crate) unsafe fn pair<'a>(gauge: *const Gauge, state: *mut GaugeState) -> Re
 
 /// Builds the gauge of a table file (`[roundness]` of its machine), with 1024 or 512 points per revolution.
 ///
-/// Arguments as for `trueaxis_loop_build`. Not real-time; about 117 KiB of stack, 65 KiB in single precision.
+/// Arguments as for `trueaxis_loop_build`. Not real-time; about 117 KiB of stack, 65 KiB in single precision. Errors:
 /// `_TABLES`, `_CONFIG` (also the period), `_GAUGE`.
 ///
 /// # Safety
-/// Pointers are null or point to what their types and sizes say.
+/// Pointers are null or point to objects of their types and stated sizes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_gauge_build(
     gauge: *mut Gauge,
@@ -188,7 +188,7 @@ pub unsafe extern "C" fn trueaxis_gauge_build(
 /// about 65 KiB of stack, 33 KiB in single precision.
 ///
 /// # Safety
-/// Pointers are null or point to what their types and sizes say.
+/// Pointers are null or point to objects of their types and stated sizes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_gauge_restart(
     gauge: *const Gauge,
@@ -217,10 +217,10 @@ pub unsafe extern "C" fn trueaxis_gauge_restart(
 
 /// Sets the radius of the wheel, mm (wear, dressing), from the next evaluated revolution on.
 ///
-/// Call it between two cycles. `_CONFIG` (the gauge has no following arm, or the linkage cannot close).
+/// Call it between two cycles. Errors: `_CONFIG` (the gauge has no following arm, or the linkage cannot close).
 ///
 /// # Safety
-/// Pointers are null or point to what their types say.
+/// Pointers are null or point to objects of their types.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_gauge_set_wheel(
     gauge: *const Gauge,

@@ -88,10 +88,10 @@ impl Tool {
 
 /// Builds the kinematics of the machine in a table file: X, Y, Z and up to two rotary axes.
 ///
-/// Arguments as for `trueaxis_loop_build`. Not real-time. `_TABLES`, `_CONFIG` (the chain is not supported).
+/// Arguments as for `trueaxis_loop_build`. Not real-time. Errors: `_TABLES`, `_CONFIG` (the chain is not supported).
 ///
 /// # Safety
-/// Pointers are null or point to what their types and sizes say.
+/// Pointers are null or point to objects of their types and stated sizes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_kinematics_build(
     kinematics: *mut Kinematics,
@@ -120,10 +120,10 @@ pub unsafe extern "C" fn trueaxis_kinematics_build(
 }
 
 /// Sets the tool: position of its tip relative to the last tool-side frame with all axes at zero, three numbers, mm.
-/// Call it between two cycles; real-time safe. `_ARGUMENT` (not finite).
+/// Call it between two cycles; real-time safe. Errors: `_ARGUMENT` (not finite).
 ///
 /// # Safety
-/// Pointers are null or point to what their types say, `tool_mm` to three numbers; nobody else uses the kinematics.
+/// Pointers are null or point to objects of their types, `tool_mm` to three numbers; nobody else uses the kinematics.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_kinematics_set_tool(kinematics: *mut Kinematics, tool_mm: *const f64) -> ResultCode {
     let work = || {
@@ -141,11 +141,11 @@ pub unsafe extern "C" fn trueaxis_kinematics_set_tool(kinematics: *mut Kinematic
 
 /// Computes the tool from the positions of the axes.
 ///
-/// `axes`: as many numbers as the machine has axes, in the step's order, mm and degrees. Real-time safe. `_ARGUMENT`
-/// (not finite).
+/// `axes`: as many numbers as the machine has axes, in the step's order, mm and degrees. Real-time safe. Errors:
+/// `_ARGUMENT` (not finite).
 ///
 /// # Safety
-/// Pointers are null or point to what their types say, `axes` to as many numbers as the machine has axes.
+/// Pointers are null or point to objects of their types, `axes` to as many numbers as the machine has axes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_kinematics_forward(
     kinematics: *const Kinematics,

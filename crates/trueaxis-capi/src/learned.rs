@@ -47,10 +47,10 @@ unsafe impl Storage for Learned {
 
 /// Starts computing the id of a program.
 ///
-/// `length_mm`: length of its path. Not real-time. `_ARGUMENT` (not finite, negative).
+/// `length_mm`: length of its path. Not real-time. Errors: `_ARGUMENT` (not finite, negative).
 ///
 /// # Safety
-/// Pointers are null or point to what their types and sizes say.
+/// Pointers are null or point to objects of their types and stated sizes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_program_start(
     program: *mut Program,
@@ -73,10 +73,10 @@ pub unsafe extern "C" fn trueaxis_program_start(
 /// Adds the next point of the path. Points are those at every whole mm of path length from 0, then the end.
 ///
 /// `coordinates`: X, Y, Z in mm, A, B, C in degrees as the program commands them, 0 for an axis that the machine does
-/// not have. Not real-time. `_ARGUMENT` (not finite).
+/// not have. Not real-time. Errors: `_ARGUMENT` (not finite).
 ///
 /// # Safety
-/// Pointers are null or point to what their types say, `coordinates` to six numbers.
+/// Pointers are null or point to objects of their types, `coordinates` to six numbers.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_program_point(program: *mut Program, coordinates: *const f64) -> ResultCode {
     let work = || {
@@ -96,7 +96,7 @@ pub unsafe extern "C" fn trueaxis_program_point(program: *mut Program, coordinat
 /// Writes the id of the program whose points were added. Another program can be started afterwards. Not real-time.
 ///
 /// # Safety
-/// Pointers are null or point to what their types say.
+/// Pointers are null or point to objects of their types.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_program_id(program: *mut Program, id: *mut u32) -> ResultCode {
     let work = || {
@@ -117,10 +117,10 @@ pub unsafe extern "C" fn trueaxis_program_id(program: *mut Program, id: *mut u32
 /// `machine_id`: the machine that the file must be for (`trueaxis_tables_info_t.machine_id`), 0: any. `program_id`,
 /// `length_mm`: the program that is about to run; path lengths that differ by up to 1 µm count as equal. Not real-time.
 ///
-/// `_LEARNED` (see `error->code`), `_MACHINE`, `_ARGUMENT` (length not finite).
+/// Errors: `_LEARNED` (see `error->code`), `_MACHINE`, `_ARGUMENT` (length not finite).
 ///
 /// # Safety
-/// Pointers are null or point to what their types and sizes say; `file` stays as demanded above.
+/// Pointers are null or point to objects of their types and stated sizes; `file` remains valid as required above.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_learned_build(
     learned: *mut Learned,
@@ -158,7 +158,7 @@ pub unsafe extern "C" fn trueaxis_learned_build(
 /// `correction`: three positions. Real-time safe: bounded time.
 ///
 /// # Safety
-/// Pointers are null or point to what their types say, `correction` to three positions.
+/// Pointers are null or point to objects of their types, `correction` to three positions.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_learned_at(
     learned: *const Learned,

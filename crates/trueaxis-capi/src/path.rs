@@ -31,9 +31,10 @@ unsafe impl Storage for Path {
 /// window is another path that continues the numbering, so that the search finds its last foot again.
 ///
 /// Segments are numbered from 0. Functions that change a path are not real-time (up to 8 KiB of stack) and must not run
-/// while a step uses it: fill another path and pass that. `_ARGUMENT` (memory overlaps path).
+/// while a step uses it: fill another path and pass that. Errors: `_ARGUMENT` (memory overlaps path).
+///
 /// # Safety
-/// Pointers are null or point to what their types and sizes say.
+/// Pointers are null or point to objects of their types and stated sizes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_path_start(
     path: *mut Path,
@@ -50,7 +51,7 @@ pub unsafe extern "C" fn trueaxis_path_start(
 /// directions and takes `TRUEAXIS_TOOL_SPAN_BYTES`.
 ///
 /// # Safety
-/// Pointers are null or point to what their types and sizes say.
+/// Pointers are null or point to objects of their types and stated sizes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_path_start_tool(
     path: *mut Path,
@@ -88,10 +89,10 @@ unsafe fn start(
 }
 
 /// Sets the normal of the machining plane for the segments that follow, three numbers; initially 0, 0, 1 (G17). The
-/// signs of the contour error's components depend on it. `_ARGUMENT` (not finite, shorter than 1e-6).
+/// signs of the contour error's components depend on it. Errors: `_ARGUMENT` (not finite, shorter than 1e-6).
 ///
 /// # Safety
-/// Pointers are null or point to what their types say, `normal` to three numbers.
+/// Pointers are null or point to objects of their types, `normal` to three numbers.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_path_plane(path: *mut Path, normal: *const f64) -> ResultCode {
     let work = || {
@@ -108,11 +109,11 @@ pub unsafe extern "C" fn trueaxis_path_plane(path: *mut Path, normal: *const f64
 }
 
 /// Sets the positions of A, B, C (three numbers each, degrees) at start and end of the next segment of a tool path,
-/// linear in its parameter; the segments after it keep the end position. Initially all are zero. `_ARGUMENT` (not
-/// finite; not the path of a tool).
+/// linear in its parameter; the segments after it keep the end position. Initially all are zero. Errors: `_ARGUMENT`
+/// (not finite; not the path of a tool).
 ///
 /// # Safety
-/// Pointers are null or point to what their types say, positions to three numbers.
+/// Pointers are null or point to objects of their types, positions to three numbers.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_path_axes(path: *mut Path, start: *const f64, end: *const f64) -> ResultCode {
     let work = || {
@@ -126,10 +127,10 @@ pub unsafe extern "C" fn trueaxis_path_axes(path: *mut Path, start: *const f64, 
 
 /// Sets the directions of the tool at start and end of the next segment, in workpiece coordinates (vectors of any
 /// length). The tool turns along the great circle from `start` to `end`; the segments after it keep the end direction.
-/// `_ARGUMENT` (not finite, zero or opposite directions; not the path of a tool).
+/// Errors: `_ARGUMENT` (not finite, zero or opposite directions; not the path of a tool).
 ///
 /// # Safety
-/// Pointers are null or point to what their types say, directions to three numbers.
+/// Pointers are null or point to objects of their types, directions to three numbers.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_path_directions(path: *mut Path, start: *const f64, end: *const f64) -> ResultCode {
     let work = || {
@@ -141,11 +142,11 @@ pub unsafe extern "C" fn trueaxis_path_directions(path: *mut Path, start: *const
     result::of(work())
 }
 
-/// Closes the path, so that its first span follows the last one until another segment is appended. `_PATH` (ends more
-/// than 0.02 mm apart, or no segment).
+/// Closes the path, so that its first span follows the last one until another segment is appended. Errors: `_PATH`
+/// (ends more than 0.02 mm apart, or no segment).
 ///
 /// # Safety
-/// `path` is null or points to what its type says.
+/// `path` is null or points to an object of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_path_close(path: *mut Path) -> ResultCode {
     // SAFETY: the caller's promise.
@@ -155,7 +156,7 @@ pub unsafe extern "C" fn trueaxis_path_close(path: *mut Path) -> ResultCode {
 /// Removes all segments. Memory, plane, directions and the number of the first span are unchanged.
 ///
 /// # Safety
-/// `path` is null or points to what its type says.
+/// `path` is null or points to an object of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_path_clear(path: *mut Path) -> ResultCode {
     // SAFETY: the caller's promise.
@@ -165,7 +166,7 @@ pub unsafe extern "C" fn trueaxis_path_clear(path: *mut Path) -> ResultCode {
 /// Reads the number of segments and of spans; either pointer may be `NULL`. Real-time safe.
 ///
 /// # Safety
-/// Pointers are null or point to what their types say.
+/// Pointers are null or point to objects of their types.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_path_count(path: *const Path, segments: *mut u32, spans: *mut u32) -> ResultCode {
     let work = || {
@@ -189,10 +190,10 @@ pub unsafe extern "C" fn trueaxis_path_count(path: *const Path, segments: *mut u
 }
 
 /// Computes the reference for parameter `u` of a segment (numbered from 0); if `u` is beyond the segment, its end.
-/// Real-time safe. `_ARGUMENT` (no such segment, `u` not finite).
+/// Real-time safe. Errors: `_ARGUMENT` (no such segment, `u` not finite).
 ///
 /// # Safety
-/// Pointers are null or point to what their types say.
+/// Pointers are null or point to objects of their types.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_path_reference(
     path: *const Path,

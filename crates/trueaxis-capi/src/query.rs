@@ -18,11 +18,11 @@ use trueaxis::{Conditions, Fault};
 ///
 /// `position`, `error`: as many numbers as the loop has axes. `negative`: bit 0 = X, …: the axis travels in its
 /// negative direction. `kelvin`: temperatures of the axes above the file's reference, or `NULL`. Outside a table the
-/// value at its edge applies. Bounded time. `_STATE` (a bypass), `_ARGUMENT` (not finite; growth as for
+/// value at its edge applies. Bounded time. Errors: `_STATE` (a bypass), `_ARGUMENT` (not finite; growth as for
 /// `trueaxis_set_thermal`).
 ///
 /// # Safety
-/// Pointers are null or point to what their types say, lists to as many numbers as the loop has axes.
+/// Pointers are null or point to objects of their types, lists to as many numbers as the loop has axes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_error_at(
     r#loop: *const Loop,
@@ -38,7 +38,8 @@ pub unsafe extern "C" fn trueaxis_error_at(
 /// Computes the correction of a command, mm (degrees): the value to which the step settles at standstill if no limit
 /// acts. The inverse is exact; the result is not limited.
 ///
-/// Arguments as for `trueaxis_error_at`. `_STATE`, `_ARGUMENT` (as for `trueaxis_error_at`; also: outside the travel).
+/// Arguments as for `trueaxis_error_at`. Errors: `_STATE`, `_ARGUMENT` (as for `trueaxis_error_at`; also: outside the
+/// travel).
 ///
 /// # Safety
 /// As for `trueaxis_error_at`.
@@ -55,10 +56,10 @@ pub unsafe extern "C" fn trueaxis_correction_at(
 }
 
 /// Finds the foot nearest to a point (three numbers) on the whole path. `lag` is 0. Not real-time: the time grows with
-/// the path. `_ARGUMENT` (not finite, or no segment).
+/// the path. Errors: `_ARGUMENT` (not finite, or no segment).
 ///
 /// # Safety
-/// Pointers are null or point to what their types say, `point` to three numbers.
+/// Pointers are null or point to objects of their types, `point` to three numbers.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_nearest_foot(
     path: *const Path,

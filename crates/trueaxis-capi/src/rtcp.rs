@@ -34,10 +34,11 @@ unsafe impl Storage for BranchTracker {
 /// Starts tracking at the machine's present pose.
 ///
 /// `axes`: as for `trueaxis_kinematics_forward`. `max_step_deg`: largest step of a rotary axis in one cycle, degrees,
-/// above 0 and at most 360. Not real-time. `_POSE`, `_ARGUMENT` (not finite, step out of range).
+/// above 0 and at most 360. Not real-time. Errors: `_POSE`, `_ARGUMENT` (not finite, step out of range).
 ///
 /// # Safety
-/// Pointers are null or point to what their types and sizes say, `axes` to as many numbers as the machine has axes.
+/// Pointers are null or point to objects of their types and stated sizes, `axes` to as many numbers as the machine has
+/// axes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_branch_tracker_start(
     tracker: *mut BranchTracker,
@@ -72,7 +73,7 @@ pub unsafe extern "C" fn trueaxis_branch_tracker_start(
 /// machine's `singular_cone_deg`, and 0 outside that cone except on the way out. Real-time safe.
 ///
 /// # Safety
-/// Pointers are null or point to what their types say.
+/// Pointers are null or point to objects of their types.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_branch_tracker_direction_error(
     tracker: *const BranchTracker,
@@ -99,10 +100,10 @@ pub unsafe extern "C" fn trueaxis_branch_tracker_direction_error(
 /// tracker's `max_step_deg` per cycle; the tip remains exact, and `trueaxis_branch_tracker_direction_error` returns the
 /// remaining error of the direction. Call it once per cycle, for homed axes.
 ///
-/// Real-time safe. `_AXES`, `_STATE` (also: a bypass, which has no kinematics), `_MACHINE`.
+/// Real-time safe. Errors: `_AXES`, `_STATE` (also: a bypass, which has no kinematics), `_MACHINE`.
 ///
 /// # Safety
-/// Pointers are null or point to what their types say; nobody else uses tracker or input, or writes the others.
+/// Pointers are null or point to objects of their types; nobody else uses tracker or input, or writes the others.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_rtcp(
     r#loop: *const Loop,

@@ -11,11 +11,11 @@ use trueaxis::glam::DVec3;
 
 /// Appends a straight line, mm: u = 0 to 1, proportional to length.
 ///
-/// `start`, `end`: X, Y, Z. `_MEMORY`, `_PATH` (shorter than 1e-9 mm, not finite; as for every segment: start more than
-/// 0.02 mm from the end of the previous segment).
+/// `start`, `end`: X, Y, Z. Errors: `_MEMORY`, `_PATH` (shorter than 1e-9 mm, not finite; as for every segment: start
+/// more than 0.02 mm from the end of the previous segment).
 ///
 /// # Safety
-/// Pointers are null or point to what their types say, coordinates to three numbers.
+/// Pointers are null or point to objects of their types, coordinates to three numbers.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_path_line(
     path: *mut Path,
@@ -35,11 +35,11 @@ pub unsafe extern "C" fn trueaxis_path_line(
 /// Appends a circular arc about `normal` (right-hand rule), or a helix if start and end differ along it, mm: u = 0 to
 /// 1, proportional to the angle. A start and end at the same angle define a full circle.
 ///
-/// `center`: any point on the axis. `normal`: of any length. `turns`: full turns in addition to the first arc.
+/// `center`: any point on the axis. `normal`: of any length. `turns`: full turns in addition to the first arc. Errors:
 /// `_MEMORY`, `_PATH` (also: radii that differ by more than 0.02 mm).
 ///
 /// # Safety
-/// Pointers are null or point to what their types say, coordinates to three numbers.
+/// Pointers are null or point to objects of their types, coordinates to three numbers.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_path_arc(
     path: *mut Path,
@@ -71,10 +71,11 @@ pub unsafe extern "C" fn trueaxis_path_arc(
 /// Appends a spline (NURBS), mm: u from `knots[degree]` to `knots[point_count]`.
 ///
 /// `degree`: 1 to 5. `knots`: `point_count + degree + 1` ascending numbers. `points`: X, Y, Z of each control point.
-/// `weights`: `point_count` positive numbers, or `NULL` if all are 1. `_MEMORY`, `_PATH` (`error->index`: the element).
+/// `weights`: `point_count` positive numbers, or `NULL` if all are 1. Errors: `_MEMORY`, `_PATH` (`error->index`: the
+/// element).
 ///
 /// # Safety
-/// Pointers are null or point to what their types say, lists to as many numbers as above.
+/// Pointers are null or point to objects of their types, lists to as many numbers as above.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_path_nurbs(
     path: *mut Path,
@@ -102,10 +103,11 @@ pub unsafe extern "C" fn trueaxis_path_nurbs(
 }
 
 /// Appends a rotation of the tool about its stationary tip; u = 0 to 1. Only in a tool path; set the directions first
-/// with `trueaxis_path_axes` or `trueaxis_path_directions`. `_MEMORY`, `_PATH`, `_ARGUMENT` (not the path of a tool).
+/// with `trueaxis_path_axes` or `trueaxis_path_directions`. Errors: `_MEMORY`, `_PATH`, `_ARGUMENT` (not the path of a
+/// tool).
 ///
 /// # Safety
-/// Pointers are null or point to what their types say, `point` to three numbers.
+/// Pointers are null or point to objects of their types, `point` to three numbers.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_path_turning(path: *mut Path, point: *const f64, error: *mut Error) -> ResultCode {
     let work = || {

@@ -23,10 +23,10 @@ use trueaxis::tcomp::Tcomp;
 /// To exchange tables in motion, build a second loop in other memory and pass it to `trueaxis_step`; the limiter makes
 /// the change smooth. Not real-time; 31 to 61 KiB of stack. After a refusal `memory` may have been written.
 ///
-/// `_TABLES`, `_MACHINE`, `_CONFIG` (also the period), `_MEMORY`, `_ARGUMENT` (memory overlaps file or loop).
+/// Errors: `_TABLES`, `_MACHINE`, `_CONFIG` (also the period), `_MEMORY`, `_ARGUMENT` (memory overlaps file or loop).
 ///
 /// # Safety
-/// Pointers are null or point to what their types and sizes say; `memory` stays as demanded above.
+/// Pointers are null or point to objects of their types and stated sizes; `memory` remains valid as required above.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_loop_build(
     r#loop: *mut Loop,
@@ -105,10 +105,10 @@ const MOST_AXES: u32 = if cfg!(all(feature = "rotary", not(feature = "three"))) 
 /// `_CAPACITY_TOO_SMALL` or `_ABI_MISMATCH`. `period_ns`: 1,000 to 100,000,000. After an invalid command the last valid
 /// one is held (before the first: the position read), and a stop is requested until the next valid one.
 ///
-/// Real-time safe. `_AXES`, `_ARGUMENT` (reason, period).
+/// Real-time safe. Errors: `_AXES`, `_ARGUMENT` (reason, period).
 ///
 /// # Safety
-/// `loop` is null or points to what its type says.
+/// `loop` is null or points to an object of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_loop_bypass(
     r#loop: *mut Loop,
@@ -135,10 +135,10 @@ pub unsafe extern "C" fn trueaxis_loop_bypass(
 
 /// Starts a new state for a loop, if the host's period is that of the loop within 0.1 %.
 ///
-/// Real-time safe. `_PERIOD`.
+/// Real-time safe. Errors: `_PERIOD`.
 ///
 /// # Safety
-/// Pointers are null or point to what their types say.
+/// Pointers are null or point to objects of their types.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_start(
     r#loop: *const Loop,

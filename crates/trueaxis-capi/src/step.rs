@@ -20,11 +20,11 @@ use crate::result::{self, ERROR_ARGUMENT, ERROR_AXES, ResultCode};
 /// function returns `TRUEAXIS_ERROR_NO_OUTPUT` and does not write `output->drive`. Once every axis has been read, that
 /// position is held, and a reset near it is accepted.
 ///
-/// Real-time safe. `_AXES`, `_STATE`, `_MACHINE` (kinematics), `_ARGUMENT` (kind, refusal), `_NO_OUTPUT`. Faults of the
-/// machine are in `output->record.fault`.
+/// Real-time safe. Errors: `_AXES`, `_STATE`, `_MACHINE` (kinematics), `_ARGUMENT` (kind, refusal), `_NO_OUTPUT`.
+/// Faults of the machine are in `output->record.fault`.
 ///
 /// # Safety
-/// Pointers are null or point to what their types say, and so do those in `measure` and `gauge`; nobody else uses the
+/// Pointers are null or point to objects of their types, and so do those in `measure` and `gauge`; nobody else uses the
 /// states or writes any other of them during the call.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_step(
@@ -68,11 +68,11 @@ pub unsafe extern "C" fn trueaxis_step(
 /// the limiter.
 ///
 /// `axis`: index in the step's order (0 = X). `kelvin`: temperature above the file's reference. Call it between two
-/// cycles. No effect in a bypass. Real-time safe. `_AXES`, `_STATE`, `_ARGUMENT` (no such axis; growth of more than 10
-/// mm or 1e-3 of the length).
+/// cycles. No effect in a bypass. Real-time safe. Errors: `_AXES`, `_STATE`, `_ARGUMENT` (no such axis; growth of more
+/// than 10 mm or 1e-3 of the length).
 ///
 /// # Safety
-/// Pointers are null or point to what their types say; nobody else uses `state` during the call.
+/// Pointers are null or point to objects of their types; nobody else uses `state` during the call.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_set_thermal(
     r#loop: *const Loop,

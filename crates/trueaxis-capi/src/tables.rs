@@ -53,10 +53,10 @@ unsafe impl Sized32 for TablesInfo {}
 
 /// Checks a whole table file and describes its contents.
 ///
-/// `file`: of any alignment. Not real-time; about 15 KiB of stack. `_TABLES` (see `error->code`).
+/// `file`: of any alignment. Not real-time; about 15 KiB of stack. Errors: `_TABLES` (see `error->code`).
 ///
 /// # Safety
-/// Pointers are null or point to what their types say, `file` to `length` bytes.
+/// Pointers are null or point to objects of their types, `file` to `length` bytes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_tables_info(
     file: *const u8,

@@ -116,10 +116,10 @@ unsafe impl Sized32 for Growth {}
 /// `machine_id`: the machine that the file must be for (`trueaxis_tables_info_t.machine_id`), 0: any. `sensors`:
 /// receives the number of sensors; may be `NULL`. Not real-time.
 ///
-/// `_THERMAL` (see `error->code`), `_MACHINE`.
+/// Errors: `_THERMAL` (see `error->code`), `_MACHINE`.
 ///
 /// # Safety
-/// Pointers are null or point to what their types and sizes say; `file` stays as demanded above.
+/// Pointers are null or point to objects of their types and stated sizes; `file` remains valid as required above.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_thermal_build(
     thermal: *mut Thermal,
@@ -157,7 +157,7 @@ pub unsafe extern "C" fn trueaxis_thermal_build(
 /// Starts the task: in equilibrium with the first readings, as after a long standstill of the spindle. Not real-time.
 ///
 /// # Safety
-/// Pointers are null or point to what their types and sizes say.
+/// Pointers are null or point to objects of their types and stated sizes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_thermal_start(task: *mut ThermalTask, task_size: usize) -> ResultCode {
     let work = || {
@@ -173,10 +173,10 @@ pub unsafe extern "C" fn trueaxis_thermal_start(task: *mut ThermalTask, task_siz
 /// Computes the growth from readings. Call it about once a second.
 ///
 /// Readings are assumed to be linear in time since the previous update. Bounded time, about 16 exponentials: real-time
-/// safe, but preferably called from a slower task. `_ARGUMENT` (count).
+/// safe, but preferably called from a slower task. Errors: `_ARGUMENT` (count).
 ///
 /// # Safety
-/// Pointers are null or point to what their types say; nobody else uses `task` during the call.
+/// Pointers are null or point to objects of their types; nobody else uses `task` during the call.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_thermal_update(
     thermal: *const Thermal,
@@ -207,10 +207,10 @@ pub unsafe extern "C" fn trueaxis_thermal_update(
 }
 
 /// Accepts the next reading of a sensor (numbered from 0) that has jumped, for example after it was replaced. Real-time
-/// safe. `_ARGUMENT` (no such sensor).
+/// safe. Errors: `_ARGUMENT` (no such sensor).
 ///
 /// # Safety
-/// Pointers are null or point to what their types say; nobody else uses `task` during the call.
+/// Pointers are null or point to objects of their types; nobody else uses `task` during the call.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_thermal_believe(task: *mut ThermalTask, sensor: u32) -> ResultCode {
     let work = || {
@@ -228,11 +228,11 @@ pub unsafe extern "C" fn trueaxis_thermal_believe(task: *mut ThermalTask, sensor
 
 /// Sets the growth of all axes that it names. The growth acts from the next cycle on, through the limiter, and replaces
 /// the one set by `trueaxis_set_thermal`: use only one of the two functions. Call it between two cycles. No effect in a
-/// bypass. Axes that the step does not have are ignored. Real-time safe. `_AXES`, `_STATE`, `_ARGUMENT` (growth of more
-/// than 10 mm or 1e-3 of the length).
+/// bypass. Axes that the step does not have are ignored. Real-time safe. Errors: `_AXES`, `_STATE`, `_ARGUMENT` (growth
+/// of more than 10 mm or 1e-3 of the length).
 ///
 /// # Safety
-/// Pointers are null or point to what their types say; nobody else uses `state` during the call.
+/// Pointers are null or point to objects of their types; nobody else uses `state` during the call.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_set_growth(
     r#loop: *const Loop,

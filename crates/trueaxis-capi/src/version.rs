@@ -18,7 +18,7 @@ pub extern "C" fn trueaxis_abi_version() -> u32 {
 }
 
 /// Checks whether a program compiled with a header of version `TRUEAXIS_ABI_VERSION` can use this library: same
-/// precision and major number, and a minor number not above the library's. `_ABI`.
+/// precision and major number, and a minor number not above the library's. Errors: `_ABI`.
 ///
 /// After `TRUEAXIS_ERROR_ABI` call only `trueaxis_abi_version`, `trueaxis_result_text`, and, to continue uncorrected,
 /// `trueaxis_loop_bypass`, `trueaxis_start` and `trueaxis_step`, which refuse structures of another size. Real-time

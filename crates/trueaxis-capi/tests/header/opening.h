@@ -5,8 +5,9 @@
  *
  * Rules for all functions
  *   - Functions return TRUEAXIS_OK or a TRUEAXIS_ERROR_... code. Comments list the codes of a function by their
- *     endings. In addition every function may return _NULL, _SIZE, _ALIGNMENT and _UNBUILT, and a function of a part
- *     that the build leaves out returns _LEFT_OUT. A function that refuses writes nothing (except a trueaxis_error_t).
+ *     endings, after "Errors:". In addition every function may return _NULL, _SIZE, _ALIGNMENT and _UNBUILT, and a
+ *     function of a part that the build leaves out returns _LEFT_OUT. A function that refuses writes nothing (except a
+ *     trueaxis_error_t).
  *   - No function panics, allocates, prints, locks or calls the operating system.
  *   - Objects (trueaxis_loop_t, ...) are storage of fixed size that the caller provides and should zero first. They
  *     hold no resources. Memory lent to an object must outlive it. An argument `..._size` is `sizeof` of the object.
