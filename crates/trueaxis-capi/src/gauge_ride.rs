@@ -7,7 +7,7 @@ use crate::pointer::{Sized32, read_sized};
 use crate::result::ResultCode;
 use trueaxis::roundness::{Cycle, Followed, Probes};
 
-/// A gauge of three probes in a cycle: its readings, and its results in the last members.
+/// A gauge of three probes in a cycle: its readings, and its results in the members marked "Written".
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct GaugeRide {
@@ -29,7 +29,7 @@ pub struct GaugeRide {
     pub has_index: u8,
     /// Not 0: another workpiece; the infeed returns to zero and the evaluation restarts.
     pub new_part: u8,
-    /// Not 0: the wheel does not grind; the gauge measures but does not learn.
+    /// Not 0: the wheel does not grind; the gauge measures but does not update the infeed.
     pub idle: u8,
     /// Written: 1 if a revolution has just been evaluated.
     pub finished: u8,

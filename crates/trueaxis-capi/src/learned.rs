@@ -72,7 +72,7 @@ pub unsafe extern "C" fn trueaxis_program_start(
 
 /// Adds the next point of the path. Points are those at every whole mm of path length from 0, then the end.
 ///
-/// `coordinates`: X, Y, Z in mm, A, B, C in degrees as the program commands them, 0 for an axis that the machine does
+/// `coordinates`: X, Y, Z in mm, A, B, C in degrees as the program commands them, 0 for an axis that the program does
 /// not have. Not real-time. Errors: `_ARGUMENT` (not finite).
 ///
 /// # Safety
