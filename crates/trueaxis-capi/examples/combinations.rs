@@ -31,7 +31,7 @@ impl Sum {
     }
 }
 
-/// X Y Z A B C of X Y Z A C.
+/// Arranges the axes X Y Z A C as X Y Z A B C.
 fn joints([x, y, z, a, c]: [f64; 5]) -> [f64; 6] {
     [x, y, z, a, 0.0, c]
 }

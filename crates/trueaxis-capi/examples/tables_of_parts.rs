@@ -1,4 +1,5 @@
-//! Writes a table file for each part that a build of the library may leave out: the machines of `examples/c/left_out.c`.
+//! Writes one table file for each part that a build of the library may leave out: the machines of
+//! `examples/c/left_out.c`.
 //!
 //! `cargo run -p trueaxis-capi --example tables_of_parts -- FOLDER`
 use std::error::Error;

@@ -1,11 +1,11 @@
-//! Lists of as many elements as a machine may have axes.
+//! Arrays with one element for each axis that a machine may have.
 
 use crate::Real;
 
-/// Most axes of a machine.
+/// Largest number of axes of a machine.
 pub const AXES_MAX: usize = 6;
 
-/// Numbers of a machine's axes, 0 for those that it does not have.
+/// The values of a machine's axes, padded with zeros.
 #[inline(always)]
 pub(crate) fn padded_numbers<const N: usize>(axes: &[Real; N]) -> [Real; AXES_MAX] {
     let mut numbers = [0.0; AXES_MAX];

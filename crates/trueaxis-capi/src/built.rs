@@ -25,14 +25,15 @@ pub const STATE_WORDS: usize = 680;
 #[cfg(feature = "single")]
 pub const STATE_WORDS: usize = 360;
 
-/// Tables, limits and settings of a machine: immutable, may be copied and read from any thread.
+/// Tables, limits and settings of a machine. Immutable; may be copied and may be read from any thread.
 #[repr(C)]
 #[derive(Debug)]
 pub struct Loop {
     words: [u64; LOOP_WORDS],
 }
 
-/// All that one cycle hands to the next. Belongs to the thread that steps it; a copy may be put back between two cycles.
+/// State that one cycle passes to the next. Belongs to the thread that steps it; a copy may be restored between two
+/// cycles.
 #[repr(C)]
 #[derive(Debug)]
 pub struct State {
@@ -59,11 +60,11 @@ pub(crate) struct Built {
     pub(crate) machine_id: u32,
     /// Thermal growth of the axes, in the order of the step.
     growth: [ThermalGrowth; AXES_MAX],
-    /// The axes in the order of the step; none in a bypass.
+    /// The axes in the order of the step; all `None` in a bypass.
     order: [Option<Axis>; AXES_MAX],
 }
 
-/// A servo loop of any number of axes.
+/// A servo loop with its number of axes.
 #[allow(clippy::large_enum_variant)] // storage has the size of the largest anyway
 pub(crate) enum AnyServo {
     Three(Servo<3>),
@@ -99,7 +100,7 @@ pub(crate) enum Running {
     BypassSix(Bypass<CorePosition, 6>),
 }
 
-/// Runs the same code for every number of axes: for a loop and a state that belong together.
+/// Runs the same code for every number of axes, or refuses a loop and a state that do not belong together.
 macro_rules! with_servo {
     ($built:expr, $running:expr, servo($servo:ident, $state:ident) => $work:expr, bypass($passing:pat) => $pass:expr) => {{
         use $crate::built::{AnyServo, Running};
@@ -224,12 +225,12 @@ impl Built {
         })
     }
 
-    /// Slot of an axis; none where the step has not got it.
+    /// Slot of an axis; `None` if the step has no such axis.
     pub(crate) fn slot(&self, axis: Axis) -> Option<usize> {
         self.order.iter().position(|own| *own == Some(axis))
     }
 
-    /// Growth of an axis at a temperature above the reference, if both make sense.
+    /// Growth of an axis at a temperature above the reference; `None` if either is invalid.
     pub(crate) fn growth(&self, axis: usize, kelvin: f64) -> Option<ThermalLine<Real>> {
         let growth = self.growth.get(axis).filter(|_| axis < self.servo.axes() && kelvin.is_finite())?;
         ThermalLine::for_axis(growth, kelvin)
@@ -259,7 +260,7 @@ pub(crate) trait AnyMeasure: Measure<Real, CorePosition, 3> {}
 #[cfg(not(all(feature = "rotary", not(feature = "three"))))]
 impl<M> AnyMeasure for M where M: Measure<Real, CorePosition, 3> {}
 
-/// A cycle of a loop and a state that belong together.
+/// Runs one cycle of a loop and a state that belong together.
 #[inline(always)]
 pub(crate) fn cycle(
     built: &Built,
@@ -281,7 +282,7 @@ pub(crate) fn cycle(
     )
 }
 
-/// [`cycle`] in a library in which one copy of the step serves every measure.
+/// [`cycle`] for a library in which one copy of the step serves every measure.
 #[inline(never)]
 fn shared_cycle(
     built: &Built,

@@ -1,4 +1,4 @@
-//! The last commands as the path.
+//! The last commands, used as the path.
 
 use crate::opaque::{self, Storage};
 use crate::plugin::Window;
@@ -6,7 +6,7 @@ use crate::pointer::vector;
 use crate::result::{self, ERROR_ARGUMENT, ResultCode};
 use crate::steps::{WindowStep, window_step};
 
-/// Spans of a `trueaxis_command_window_t`.
+/// Number of spans in a `trueaxis_command_window_t`.
 pub const COMMAND_WINDOW_SPANS: usize = 64;
 /// Words of a `trueaxis_command_window_t`.
 #[cfg(not(feature = "single"))]
@@ -15,7 +15,8 @@ pub const COMMAND_WINDOW_WORDS: usize = 4864;
 #[cfg(feature = "single")]
 pub const COMMAND_WINDOW_WORDS: usize = 2784;
 
-/// The last commanded points as a path, for a host that knows no other. Belongs to the thread that steps it.
+/// The last commanded points, used as the path by a host that does not know the programmed one. Belongs to the thread
+/// that steps it.
 #[repr(C)]
 #[derive(Debug)]
 pub struct CommandWindow {
@@ -36,15 +37,15 @@ unsafe impl Storage for CommandWindow {
 
 /// Starts an empty window.
 ///
-/// `plane`: normal of the machining plane, three numbers; `NULL`: 0, 0, 1 (G17). `spacing_mm`: distance between two points
-/// at slow feeds, 0.001 to 1, usually 0.005. The window has to reach over the tool's lag: it is the larger of
-/// `TRUEAXIS_COMMAND_WINDOW_SPANS` spacings and the distance of as many cycles. Beyond it `record.tip.flags` lacks
-/// `TRUEAXIS_CONTOUR_BRACKETED`.
+/// `plane`: normal of the machining plane, three numbers; `NULL`: 0, 0, 1 (G17). `spacing_mm`: distance between two
+/// points at slow feeds, 0.001 to 1 mm, usually 0.005 mm. The window must be longer than the tool's lag. Its length is
+/// the larger of `TRUEAXIS_COMMAND_WINDOW_SPANS` spacings and the distance travelled in that many cycles. If the lag
+/// exceeds it, `record.tip.flags` lacks `TRUEAXIS_CONTOUR_BRACKETED`.
 ///
-/// Not real-time; about 75 KiB of stack, 43 KiB in single precision. `_ARGUMENT`.
+/// Not real-time; about 75 KiB of stack, 43 KiB in single precision. Errors: `_ARGUMENT`.
 ///
 /// # Safety
-/// Pointers are null or point to what their types and sizes say, `plane` to three numbers.
+/// Pointers are null or point to objects of their types and stated sizes, `plane` to three numbers.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_command_window_start(
     window: *mut CommandWindow,
@@ -64,10 +65,10 @@ pub unsafe extern "C" fn trueaxis_command_window_start(
     result::of(work())
 }
 
-/// Forgets all commands, as after homing. Real-time safe.
+/// Discards all commands, for example after homing. Real-time safe.
 ///
 /// # Safety
-/// `window` is null or points to what its type says; nobody else uses it meanwhile.
+/// `window` is null or points to an object of its type; nobody else uses it during the call.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_command_window_restart(window: *mut CommandWindow) -> ResultCode {
     // SAFETY: the caller's promise.

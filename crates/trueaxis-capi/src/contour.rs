@@ -1,9 +1,10 @@
-//! Contour error in a cycle.
+//! Contour error of a cycle.
 
 use crate::Real;
 use trueaxis::contour::ContourError;
 
-/// A point of a path: a span and a parameter in it. `trueaxis_path_reference` makes it from a segment and its parameter.
+/// A point on a path: a span and a parameter within it. `trueaxis_path_reference` computes it from a segment and its
+/// parameter.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Reference {
@@ -13,13 +14,13 @@ pub struct Reference {
     pub t: Real,
 }
 
-/// Contour error; lengths in mm.
+/// Contour error. Lengths in mm.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Contour {
-    /// Span on which the foot lies.
+    /// Span that contains the foot.
     pub span: u32,
-    /// Evaluations of the path.
+    /// Number of evaluations of the path in this cycle.
     pub evaluations: u8,
     /// `TRUEAXIS_CONTOUR_…` bits.
     pub flags: u8,
@@ -35,11 +36,11 @@ pub struct Contour {
     pub normal: Real,
     /// Component along the plane's normal.
     pub binormal: Real,
-    /// Component along the path: 0 but at ends and corners.
+    /// Component along the path; 0 except at ends and corners.
     pub tangential: Real,
-    /// Arc length from the foot to the reference, positive while the tool lags.
+    /// Arc length from the foot to the reference; positive while the tool lags.
     pub lag: Real,
-    /// Arc length within which the foot is known.
+    /// Remaining width of the bracket around the foot, as an arc length.
     pub width: Real,
 }
 
@@ -68,11 +69,11 @@ pub const CONTOUR_BRACKETED: u8 = 1;
 pub const CONTOUR_AT_END: u8 = 2;
 /// The foot is a corner between two spans.
 pub const CONTOUR_AT_CORNER: u8 = 4;
-/// A second minimum may be near.
+/// A second minimum may be nearby.
 pub const CONTOUR_SECOND_MINIMUM: u8 = 8;
-/// No foot is known from the last cycle: the search starts around the reference.
+/// No foot was known from the last cycle: the search is sampling the path around the reference.
 pub const CONTOUR_COLD: u8 = 16;
-/// Not measured (no path, or a faulty reading): all other members are 0.
+/// Not measured (no path, or a faulty reading); all other members are 0.
 pub const CONTOUR_NOT_FOUND: u8 = 32;
-/// The reference was outside its span, and its nearer end was taken; not finite: not measured.
+/// The reference was outside its span and was clamped to the nearer end. If it was not finite, no error was measured.
 pub const CONTOUR_REFERENCE: u8 = 64;

@@ -11,60 +11,60 @@ use trueaxis::sample::Refusal;
 use trueaxis::telemetry::Record as CoreRecord;
 use trueaxis::{Dynamics, Fault};
 
-/// Command and readings of a servo cycle. Axes in the order of `trueaxis_tables_info_t.letters`; elements beyond the
-/// machine's axes are ignored.
+/// Command and readings of a servo cycle. Axes are in the order of `trueaxis_tables_info_t.letters`; elements beyond
+/// the machine's axes are ignored.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Input {
     /// `sizeof(trueaxis_input_t)`.
     pub size: u32,
     /// Time since the last cycle, ns: as measured, or the period. The correction freezes for this cycle, with
-    /// `TRUEAXIS_FAULT_LATE_CYCLE`, if the time is more than a quarter off the period, or if less than 0.999 of a period
-    /// has passed for each cycle's worth that the correction has moved (one may be in hand): its limits hold per second,
-    /// however cycles arrive. 0 means that no time has passed, and nothing moves. The first cycle's time is ignored.
-    /// `trueaxis_elapsed_ns` converts a 64-bit time.
+    /// `TRUEAXIS_FAULT_LATE_CYCLE`, if the time differs from the period by more than a quarter, or if less than 0.999
+    /// of a period has passed for each cycle's worth of motion of the correction (one cycle's worth may be saved up).
+    /// The limits of the correction therefore apply per second, however the cycles arrive. 0: no time has passed and
+    /// nothing moves. The value in the first cycle is ignored. `trueaxis_elapsed_ns` converts a 64-bit time.
     pub elapsed_ns: u32,
     /// Commanded positions, uncorrected.
     pub command: [Position; AXES_MAX],
-    /// Raw encoder positions. Not finite, beyond 1e9, in single precision `INT32_MIN` or `INT32_MAX`: a dropout, so
-    /// convert counts with saturation. Such a command is a fault.
+    /// Raw encoder positions. A value that is not finite, is beyond 1e9, or in single precision equals `INT32_MIN` or
+    /// `INT32_MAX` is a dropout, so convert counts with saturation. The same value in `command` is a fault.
     pub feedback: [Position; AXES_MAX],
-    /// Bit 0 = X, …: the axis' encoder interface reports an alarm.
+    /// Bit 0 = X, …: the encoder interface of the axis reports an alarm.
     pub encoder_alarm: u8,
     /// Not 0: all axes are homed.
     pub homed: u8,
     /// Not 0: compensate.
     pub enable: u8,
-    /// A rising edge releases a latched stop request, near the held position.
+    /// A rising edge releases a latched stop request if the machine is near the held position.
     pub reset: u8,
-    /// Fault with which `trueaxis_rtcp` refused the tool (`TRUEAXIS_FAULT_COMMAND_NOT_FINITE` …); else 0.
+    /// Fault with which `trueaxis_rtcp` rejected the tool (`TRUEAXIS_FAULT_COMMAND_NOT_FINITE` …); otherwise 0.
     pub refusal: u8,
     /// Axis of that fault.
     pub refusal_axis: u8,
-    /// `TRUEAXIS_DYNAMICS_…` bits of the parts of the dynamic correction that are switched off in this cycle; 0: all that
-    /// the tables configure act. Each is led in and out by the limiter.
+    /// `TRUEAXIS_DYNAMICS_…` bits of the parts of the dynamic correction that are off in this cycle; 0: all parts that
+    /// the tables configure are on. The limiter ramps each part in and out.
     pub dynamics_off: u8,
     /// Ignored.
     pub reserved: u8,
-    /// Learned correction of X, Y, Z at this place of the program (`trueaxis_learned_at`), as positions counted from 0; 0
-    /// without one. What is no usable position counts as 0. No effect in a bypass.
+    /// Learned correction of X, Y, Z at this point of the program (`trueaxis_learned_at`), as positions counted from 0;
+    /// 0 without one. An unusable position counts as 0. No effect in a bypass.
     pub learned: [Position; 3],
 }
 
 // SAFETY: repr(C), `size` first, numbers only.
 unsafe impl Sized32 for Input {}
 
-/// `elapsed_ns` of a host that has the time since the last cycle in 64 bits.
+/// Converts a 64-bit time since the last cycle to `elapsed_ns`.
 ///
-/// A time that does not fit, or is negative because a clock was set back, becomes `UINT32_MAX`. That is late at any period:
-/// the correction freezes for that cycle. Real-time safe.
+/// A time that does not fit, or that is negative because a clock was set back, becomes `UINT32_MAX`. That is late at
+/// any period: the correction freezes for that cycle. Real-time safe.
 #[unsafe(no_mangle)]
 pub extern "C" fn trueaxis_elapsed_ns(host_ns: i64) -> u32 {
     u32::try_from(host_ns).unwrap_or(u32::MAX)
 }
 
 impl Input {
-    /// A copy of the caller's input, if it could be one.
+    /// A copy of the caller's input, refused if its `refusal` is not a fault that stops the machine.
     ///
     /// # Safety
     /// As for [`read_sized`].
@@ -79,7 +79,7 @@ impl Input {
         }
     }
 
-    /// A copy of the caller's input, whatever its refusal.
+    /// A copy of the caller's input, with any `refusal`.
     ///
     /// # Safety
     /// As for [`read_sized`].
@@ -105,7 +105,7 @@ impl Input {
         }
     }
 
-    /// Takes over command and refusal.
+    /// Copies command and refusal from the core's input.
     pub(crate) fn command_of<const N: usize>(&mut self, input: &trueaxis::Input<CorePosition, N>) {
         for (to, from) in self.command.iter_mut().zip(&input.command) {
             *to = from_core(*from);
@@ -132,7 +132,8 @@ fn padded<const N: usize>(axes: &[CorePosition; N]) -> [Position; AXES_MAX] {
     positions
 }
 
-/// Bit of `record.status`: homed, enabled, readings valid: the correction follows the tables.
+/// Bit of `record.status`: the machine is homed and enabled, the readings are valid, and the correction follows the
+/// tables.
 pub const STATUS_ACTIVE: u8 = 1;
 /// Bit of `record.status`: the correction is frozen after a faulty reading.
 pub const STATUS_FROZEN: u8 = 2;
@@ -140,19 +141,19 @@ pub const STATUS_FROZEN: u8 = 2;
 pub const STATUS_STOP_REQUEST: u8 = 4;
 /// Bit of `record.status`: the contour error was measured.
 pub const STATUS_CONTOUR: u8 = 8;
-/// Bit of `record.status`: `drive` is not written (`TRUEAXIS_ERROR_NO_OUTPUT`).
+/// Bit of `record.status`: `drive` was not written (`TRUEAXIS_ERROR_NO_OUTPUT`).
 pub const STATUS_NO_OUTPUT: u8 = 16;
-/// Bit of `record.status`: the contour feedback oscillated and is led out: until `enable` falls, a reset
-/// comes, or the feedback is switched off.
+/// Bit of `record.status`: the contour feedback oscillated and is ramped out, until `enable` falls, a reset comes, or
+/// the feedback is switched off.
 pub const STATUS_FEEDBACK_OUT: u8 = 32;
 
-/// Telemetry of a cycle. Positions as `trueaxis_position_t`, else mm (rotary axes: degrees).
+/// Telemetry of a cycle. Positions are of type `trueaxis_position_t`, all other lengths in mm (rotary axes: degrees).
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Record {
-    /// Number of the cycle, from 0, wrapping.
+    /// Number of the cycle, counted from 0, wrapping.
     pub sequence: u32,
-    /// Machine of the tables; 0 in a bypass.
+    /// Machine identity from the tables; 0 in a bypass.
     pub machine_id: u32,
     /// CRC-32 of the table file; 0 in a bypass.
     pub tables_crc: u32,
@@ -162,29 +163,29 @@ pub struct Record {
     pub fault_axis: u8,
     /// `TRUEAXIS_STATUS_…` bits.
     pub status: u8,
-    /// A bit per axis: the correction differs from the wanted one.
+    /// One bit per axis: the correction differs from the wanted one because of a limit.
     pub limited: u8,
-    /// A bit per axis: outside its table, clamped to the edge value.
+    /// One bit per axis: the position is outside the axis' table, and the value at the edge applies.
     pub at_edge: u8,
     /// `TRUEAXIS_CONTOUR_…` bits of the orientation error.
     pub orientation_flags: u8,
-    /// 1: the tables configure a dynamic correction, and `dynamic` is of this cycle. 0: it is all 0.
+    /// 1: the tables configure a dynamic correction, and `dynamic` is that of this cycle. 0: `dynamic` is all 0.
     pub has_dynamic: u8,
     /// 0.
     pub reserved: [u8; 5],
-    /// Command in force: this cycle's, or the held one.
+    /// Command in force: that of this cycle, or the held one.
     pub command: [Position; AXES_MAX],
-    /// Raw feedback; the last good one after a fault.
+    /// Raw feedback; after a fault the last good one.
     pub feedback: [Position; AXES_MAX],
-    /// Correction of geometry sent: `drive − command` before rounding to a position, less `dynamic.sent`.
+    /// Geometric correction sent: `drive − command` before rounding to a position, minus `dynamic.sent`.
     pub correction: [Real; AXES_MAX],
-    /// The dynamic correction sent beside it, and what asked for it.
+    /// The dynamic correction sent in addition, and the parts that make it up.
     pub dynamic: Dynamic,
     /// Contour error of the estimated tip.
     pub tip: Contour,
     /// Contour error of the encoder position.
     pub encoder: Contour,
-    /// Orientation contour error, rad; 0 but for `TRUEAXIS_MEASURE_TOOL`.
+    /// Orientation contour error, rad; 0 except with `TRUEAXIS_MEASURE_TOOL`.
     pub orientation: Real,
 }
 
@@ -198,7 +199,7 @@ pub struct Output {
     pub axes: u32,
     /// Corrected positions for the drives; not written with `TRUEAXIS_ERROR_NO_OUTPUT`.
     pub drive: [Position; AXES_MAX],
-    /// Feedback for the host, less the correction sent: the host sees no following error from it.
+    /// Feedback for the host, minus the correction sent, so that the correction does not appear as a following error.
     pub feedback: [Position; AXES_MAX],
     /// Telemetry of the cycle.
     pub record: Record,
@@ -208,7 +209,7 @@ pub struct Output {
 unsafe impl Sized32 for Output {}
 
 impl Output {
-    /// Hands a cycle's output to the caller, all but the drives where there is nothing to send.
+    /// Passes a cycle's output to the caller, without the drive positions if the cycle has none.
     ///
     /// # Safety
     /// `to` is aligned and points to a writable structure.
@@ -219,7 +220,7 @@ impl Output {
             unsafe { to.write(self) };
             return Ok(());
         }
-        // Nothing is read: the caller's structure may hold no value yet.
+        // Nothing is read, because the caller's structure may be uninitialised.
         // SAFETY: the caller's promise.
         unsafe {
             (&raw mut (*to).size).write(self.size);

@@ -8,7 +8,7 @@ use trueaxis::{DynamicParts, Dynamics};
 pub const DYNAMICS_FRICTION: u8 = 1;
 /// Bit of `dynamics_off`: velocity that the drive does not feed forward itself.
 pub const DYNAMICS_LAG: u8 = 2;
-/// Bit of `dynamics_off`: acceleration that the velocity loop would have to be off for.
+/// Bit of `dynamics_off`: velocity error that an acceleration requires of the velocity loop.
 pub const DYNAMICS_ACCELERATION: u8 = 4;
 /// Bit of `dynamics_off`: contour feedback. It acts only in a step with a measure.
 pub const DYNAMICS_FEEDBACK: u8 = 8;
@@ -32,19 +32,20 @@ const _: () = assert!(
         && DYNAMICS_ALL == Dynamics::ALL.0
 );
 
-/// The dynamic correction of a cycle by axis, mm (rotary axes: degrees). `sent` is the sum of the others after its limiter.
+/// The dynamic correction of a cycle by axis, mm (rotary axes: degrees). `sent` is the limited sum of the other
+/// members.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Dynamic {
     /// Sent: `drive = command + correction + sent`.
     pub sent: [Real; AXES_MAX],
-    /// Wanted for friction, lag and acceleration.
+    /// Requested for friction, lag and acceleration.
     pub feed_forward: [Real; AXES_MAX],
-    /// Wanted by the contour feedback.
+    /// Requested by the contour feedback.
     pub feedback: [Real; AXES_MAX],
-    /// Wanted against cross-talk.
+    /// Requested against cross-talk.
     pub crosstalk: [Real; AXES_MAX],
-    /// Wanted by the learned correction.
+    /// Requested by the learned correction.
     pub learned: [Real; AXES_MAX],
 }
 

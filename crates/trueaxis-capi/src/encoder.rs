@@ -1,4 +1,4 @@
-//! Encoders that count: positions of counters that wrap.
+//! Incremental encoders: positions from counters that wrap.
 
 use crate::Position;
 use crate::opaque::{self, Storage};
@@ -10,7 +10,7 @@ use trueaxis::sample::{EncoderScale, WrappingCounter};
 /// Words of a `trueaxis_encoder_t`.
 pub const ENCODER_WORDS: usize = 8;
 
-/// An encoder that counts, and how far it has counted. Belongs to the thread that reads it.
+/// An incremental encoder and its count so far. Belongs to the thread that reads it.
 #[repr(C)]
 #[derive(Debug)]
 pub struct Encoder {
@@ -29,17 +29,17 @@ unsafe impl Storage for Encoder {
     const MAGIC: u32 = 0x5452_000e;
 }
 
-/// Starts an encoder: position = `offset` + counts · `resolution`, mm (rotary: degrees). The position goes on where the counter
-/// wraps.
+/// Starts an encoder: position = `offset` + counts · `resolution`, mm (rotary: degrees). The position continues where
+/// the counter wraps.
 ///
-/// `resolution`: size of one count, at most 1; negative if counts fall while the position rises. `span`: number of counts
-/// after which the counter starts again at 0, from 4 to 4294967296: 65536 for 16 bits, 4294967296 for 32 bits, or the counts
-/// of a turn. `nearest`: the first reading is taken as the count nearest to this one; with 0, counters of 16 and 32 bits start
-/// as signed numbers. Start again after counts were lost. Real-time safe. `_ARGUMENT` (resolution or span out of range, or an
-/// offset that is no usable position).
+/// `resolution`: size of one count, at most 1; negative if the counts fall while the position rises. `span`: number of
+/// counts after which the counter restarts at 0, 4 to 4294967296: 65536 for 16 bits, 4294967296 for 32 bits, or the
+/// counts per turn. `nearest`: the first reading is interpreted as the count nearest to this one; with 0, counters of
+/// 16 and 32 bits start as signed numbers. Start the encoder again after counts were lost. Real-time safe. Errors:
+/// `_ARGUMENT` (resolution or span out of range, or an offset that is not a usable position).
 ///
 /// # Safety
-/// Pointers are null or point to what their types and sizes say.
+/// Pointers are null or point to objects of their types and stated sizes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_encoder_start(
     encoder: *mut Encoder,
@@ -62,13 +62,14 @@ pub unsafe extern "C" fn trueaxis_encoder_start(
 
 /// Position of the encoder at a reading of its counter, for `trueaxis_input_t.feedback`.
 ///
-/// `counts`: the reading; if the span is a power of two, bits above it are ignored. A step of more than a quarter of the span
-/// since the last reading is ambiguous: `position` is then not a number (in single precision `INT32_MIN`), which the step
-/// treats as a dropout, and the counter waits for a reading within a quarter of the last one. Do not pass a missing reading;
-/// until the next one the axis may move by a quarter of the span. Real-time safe.
+/// `counts`: the reading; if the span is a power of two, higher bits are ignored. A change of more than a quarter of
+/// the span since the last reading is ambiguous: `position` is then NaN (in single precision `INT32_MIN`), which the
+/// step treats as a dropout, and the counter waits for a reading within a quarter of the span of the last one. Do not
+/// call this function for a missing reading; until the next reading the axis may move by a quarter of the span.
+/// Real-time safe.
 ///
 /// # Safety
-/// Pointers are null or point to what their types say; nobody else uses the encoder.
+/// Pointers are null or point to objects of their types; nobody else uses the encoder.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_encoder_position(
     encoder: *mut Encoder,

@@ -17,50 +17,51 @@ use trueaxis::learned::LearnedError;
 use trueaxis::tcomp::TcompError;
 use trueaxis::temperature::ThermalError;
 
-/// Reason of a refusal, ready to print.
+/// Details of a refusal, ready to print.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Error {
     /// `sizeof(trueaxis_error_t)`.
     pub size: u32,
-    /// Result of the function.
+    /// Result that the function returned.
     pub result: ResultCode,
-    /// Of a table file: 1 too short, 2 too long, 3 not a `.tcomp`, 4 other format version, 5 wrong CRC-32, 6 settings or
-    /// 7 table header not readable, 8 table or 9 payload too long, 10 machine id against the name, 11 contents out of
-    /// range (see `field`), 12 other machine, 13 grid header not readable, 14 grid too long.
-    /// Of a learned correction: 1 too short, 2 too long, 3 not a learned correction,
-    /// 4 other format version, 5 wrong CRC-32, 6 spacing, 7 resolution, 8 parts, 9 number of nodes, 10 not 0 at its ends,
-    /// 11 other program, 12 other path length, 13 other machine. Of thermal growth: 1 to 5 likewise, 6 sensors, 7 axes,
-    /// 8 number or 9 order of knots, 10 a time, 11 plausible readings, 12 an axis, 13 not 0, 14 a slope, 15 other machine.
-    /// Else 0.
+    /// Detail of `result`, 0 if it has none:
+    /// - Table file: 1 too short, 2 too long, 3 not a `.tcomp`, 4 other format version, 5 wrong CRC-32, 6 settings not
+    ///   readable, 7 table header not readable, 8 table too long, 9 payload too long, 10 machine id does not match the
+    ///   name, 11 contents out of range (see `field`), 12 other machine, 13 grid header not readable, 14 grid too long.
+    /// - Learned correction: 1 too short, 2 too long, 3 not a learned correction, 4 other format version, 5 wrong
+    ///   CRC-32, 6 spacing, 7 resolution, 8 parts, 9 number of nodes, 10 not 0 at its ends, 11 other program, 12 other
+    ///   path length, 13 other machine.
+    /// - Thermal growth: 1 to 5 as for a learned correction, 6 sensors, 7 axes, 8 number of knots, 9 order of knots, 10
+    ///   a time, 11 plausible readings, 12 an axis, 13 not 0, 14 a slope, 15 other machine.
     pub code: u32,
-    /// Element from 0 (row of a table, knot of a spline); `UINT32_MAX` if it is no list.
+    /// Index of the element, from 0 (row of a table, knot of a spline); `UINT32_MAX` if the value is not in a list.
     pub index: u32,
-    /// Value found, mm, degrees or seconds.
+    /// Value found, in mm, degrees or seconds; for lent memory in bytes.
     pub found: f64,
     /// Letter of the axis, or 0.
     pub axis: c_char,
     /// Name of the setting, or of the part of a segment; may be empty.
     pub field: [c_char; 31],
-    /// What is needed; may be empty.
+    /// Requirement that the value does not meet; may be empty.
     pub needed: [c_char; 128],
-    /// All of it in one line of UTF-8.
+    /// The whole refusal in one line of UTF-8.
     pub text: [c_char; 256],
 }
 
 // SAFETY: repr(C), `size` first, numbers only.
 unsafe impl Sized32 for Error {}
 
-/// Why a function refuses.
+/// Reason why a function refuses.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Refusal {
-    /// Without further details.
+    /// A result code without further details.
     Code(ResultCode),
     /// The table file.
     Tables(TcompError),
     /// The configuration.
     Config(ConfigError),
-    /// Bytes of memory: lent, needed.
+    /// Memory in bytes: lent, needed.
     Memory(usize, usize),
     /// A function of a part that this build leaves out.
     LeftOut(LeftOut),
@@ -198,7 +199,7 @@ impl Error {
     }
 }
 
-/// Runs a function that can say what is wrong, and writes that where the caller wants it (nowhere if null).
+/// Runs `work` and, if it refuses, writes the details to `error` (nowhere if that is null).
 ///
 /// # Safety
 /// `error` is null, misaligned, or points to as many readable and writable bytes as its member `size` says.

@@ -8,27 +8,28 @@ use crate::result::{self, ERROR_ARGUMENT, ERROR_BUFFER, ERROR_NOT_YET, ResultCod
 use trueaxis::roundness::{ErrorMotion, HARMONICS};
 use trueaxis::telemetry::{ROUNDNESS_FRAME_BYTES, RoundnessFrame};
 
-/// No index pulse yet, or none that agrees with the last.
+/// No index pulse has been seen yet, or none is reliable.
 pub const GAUGE_NO_INDEX: u16 = 1;
-/// An index pulse did not come.
+/// An expected index pulse was missing.
 pub const GAUGE_INDEX_MISSING: u16 = 1 << 1;
-/// An index pulse came at another count than before.
+/// An index pulse came at a different count than before.
 pub const GAUGE_INDEX_SHIFTED: u16 = 1 << 2;
-/// The spindle's count changed by more than a quarter turn in a cycle.
+/// The spindle's count changed by more than a quarter turn in one cycle.
 pub const GAUGE_SPINDLE_JUMP: u16 = 1 << 3;
 /// A probe is outside its range or not finite.
 pub const GAUGE_PROBE_RANGE: u16 = 1 << 4;
 /// The arm's angle is outside ±90°, or contradicts the linkage.
 pub const GAUGE_ARM: u16 = 1 << 5;
-/// The part turned backwards by more than a point.
+/// The part turned backwards by more than one point.
 pub const GAUGE_REVERSED: u16 = 1 << 6;
-/// More than two points passed in a cycle.
+/// The part turned by more than two points in one cycle.
 pub const GAUGE_TOO_FAST: u16 = 1 << 7;
-/// The spindle stood.
+/// The spindle stood still.
 pub const GAUGE_STOPPED: u16 = 1 << 8;
-/// The speed changed by more than a quarter within the revolution. With this and the following flags it still counts.
+/// The speed changed by more than a quarter within the revolution. A revolution with this or one of the following flags
+/// is still evaluated.
 pub const GAUGE_SPEED: u16 = 1 << 9;
-/// Revolutions were skipped: the work on an earlier one was not finished.
+/// Revolutions were skipped because the work on an earlier one was not finished.
 pub const GAUGE_SKIPPED: u16 = 1 << 10;
 /// The infeed was not updated.
 pub const GAUGE_INFEED_FROZEN: u16 = 1 << 11;
@@ -41,9 +42,9 @@ pub const GAUGE_INFEED_REDUCED: u16 = 1 << 12;
 pub struct Motion {
     /// Synchronous, without the once-per-revolution part.
     pub synchronous_um: Real,
-    /// Asynchronous; 0 over a single revolution.
+    /// Asynchronous; 0 for a single revolution.
     pub asynchronous_um: Real,
-    /// Amplitude of cos θ: eccentricity and fundamental.
+    /// Amplitude of cos θ: eccentricity and fundamental error motion.
     pub cosine_um: Real,
     /// Amplitude of sin θ.
     pub sine_um: Real,
@@ -64,7 +65,7 @@ impl Motion {
     }
 }
 
-/// The latest revolution, and counts of all.
+/// The latest revolution, and counters of all revolutions.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Evaluation {
@@ -72,19 +73,19 @@ pub struct Evaluation {
     pub size: u32,
     /// Number of the revolution, from 1, wrapping.
     pub revolution: u32,
-    /// Revolutions sampled whole so far.
+    /// Number of revolutions sampled completely so far.
     pub sampled: u32,
-    /// Revolutions evaluated so far.
+    /// Number of revolutions evaluated so far.
     pub evaluated: u32,
-    /// Revolutions skipped whole so far.
+    /// Number of revolutions skipped completely so far.
     pub skipped: u32,
-    /// Revolutions discarded whole so far.
+    /// Number of revolutions discarded completely so far.
     pub discarded: u32,
     /// `TRUEAXIS_GAUGE_…` bits of this revolution.
     pub flags: u16,
-    /// Revolutions in the window of the error motions; 0 until one is full.
+    /// Number of revolutions in the window of the error motions; 0 until the window is full.
     pub revolutions: u16,
-    /// 1: no work is under way, and all members are of one revolution.
+    /// 1: no work is pending, and all members describe the same revolution.
     pub settled: u8,
     /// 0.
     pub reserved: [u8; 3],
@@ -99,12 +100,12 @@ pub struct Evaluation {
 // SAFETY: repr(C), `size` first, numbers only.
 unsafe impl Sized32 for Evaluation {}
 
-/// The latest revolution evaluated.
+/// Reads the results of the latest revolution evaluated.
 ///
-/// Between two cycles; real-time safe. `_NOT_YET`.
+/// Call it between two cycles; real-time safe. Errors: `_NOT_YET`.
 ///
 /// # Safety
-/// Pointers are null or point to what their types say; nobody else uses the state meanwhile.
+/// Pointers are null or point to objects of their types; nobody else uses the state during the call.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_gauge_latest(
     gauge: *const Gauge,
@@ -142,13 +143,13 @@ pub unsafe extern "C" fn trueaxis_gauge_latest(
     result::of(work())
 }
 
-/// Amplitudes of cos kθ and sin kθ in the latest profile, two numbers, µm; 0 outside the file's band and where a harmonic
-/// is suppressed.
+/// Reads the amplitudes of cos kθ and sin kθ in the latest profile, two numbers, µm; 0 outside the file's band and for
+/// a suppressed harmonic.
 ///
-/// Between two cycles; real-time safe. `_NOT_YET`, `_ARGUMENT` (k above 127).
+/// `harmonic`: k. Call it between two cycles; real-time safe. Errors: `_NOT_YET`, `_ARGUMENT` (k above 127).
 ///
 /// # Safety
-/// Pointers are null or point to what their types say, `amplitudes_um` to two numbers; nobody else uses the state.
+/// Pointers are null or point to objects of their types, `amplitudes_um` to two numbers; nobody else uses the state.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_gauge_harmonic(
     gauge: *const Gauge,
@@ -176,12 +177,13 @@ pub unsafe extern "C" fn trueaxis_gauge_harmonic(
 pub const GAUGE_FRAME_BYTES: usize = 1280;
 const _: () = assert!(GAUGE_FRAME_BYTES == ROUNDNESS_FRAME_BYTES);
 
-/// Writes the telemetry frame of the latest revolution: postcard in COBS, ending in 0.
+/// Writes the telemetry frame of the latest revolution: postcard in COBS, terminated by 0.
 ///
-/// `machine_id` goes into the frame. `written`: its bytes. Not real-time; about 4 KiB of stack. `_NOT_YET`, `_BUFFER`.
+/// `machine_id` is copied into the frame. `written`: number of bytes written. Not real-time; about 4 KiB of stack.
+/// Errors: `_NOT_YET`, `_BUFFER`.
 ///
 /// # Safety
-/// Pointers are null or point to what their types say, `buffer` to `size` bytes; nobody else uses the state.
+/// Pointers are null or point to objects of their types, `buffer` to `size` bytes; nobody else uses the state.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_gauge_frame_encode(
     gauge: *const Gauge,

@@ -14,12 +14,14 @@ use trueaxis::{Fault, Position as _};
 pub const FRAME_BYTES: usize = 384;
 const _: () = assert!(FRAME_BYTES == telemetry::FRAME_BYTES);
 
-/// Writes the telemetry frame of a record: postcard in COBS, ending in 0; the same bytes in every build and precision.
+/// Writes the telemetry frame of a record: postcard in COBS, terminated by 0; the same bytes in every build and
+/// precision.
 ///
-/// `output`: of a step. `written`: bytes of the frame. Not real-time. `_BUFFER`, `_ARGUMENT` (not an output of a step).
+/// `output`: output of a step. `written`: number of bytes written. Not real-time. Errors: `_BUFFER`, `_ARGUMENT`
+/// (`output` does not come from a step).
 ///
 /// # Safety
-/// Pointers are null or point to what their types say, `buffer` to `size` bytes.
+/// Pointers are null or point to objects of their types, `buffer` to `size` bytes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_frame_encode(
     output: *const Output,

@@ -1,4 +1,5 @@
-//! A gauge of three probes: built and started. Its results are in [`crate::evaluation`], its cycle in [`crate::gauge_ride`].
+//! Building and starting a gauge of three probes. Its results are in [`crate::evaluation`], its cycle in
+//! [`crate::gauge_ride`].
 
 use crate::Real;
 use crate::error::{Error, explained};
@@ -28,7 +29,7 @@ pub const GAUGE_STATE_512_WORDS: usize = 9216;
 #[cfg(feature = "single")]
 pub const GAUGE_STATE_512_WORDS: usize = 4672;
 
-/// Angles, multipliers and limits of a gauge: immutable, may be copied and read from any thread.
+/// Angles, multipliers and limits of a gauge. Immutable; may be copied and may be read from any thread.
 #[repr(C)]
 #[derive(Debug)]
 pub struct Gauge {
@@ -42,7 +43,7 @@ pub struct GaugeState {
     words: [u64; GAUGE_STATE_WORDS],
 }
 
-/// The same for 512 points in half the memory: pass `(trueaxis_gauge_state_t *)&it` and its own size.
+/// State and results of a gauge of 512 points, half as large: pass `(trueaxis_gauge_state_t *)&it` and its own size.
 #[repr(C)]
 #[derive(Debug)]
 pub struct GaugeState512 {
@@ -85,14 +86,14 @@ pub(crate) struct BuiltGauge {
     infeed_slot: Option<usize>,
 }
 
-/// A gauge of either number of points.
+/// A gauge with its number of points.
 #[allow(clippy::large_enum_variant)]
 enum AnyGauge {
     Points1024(roundness::Gauge<Real, 1024>),
     Points512(roundness::Gauge<Real, 512>),
 }
 
-/// A gauge with a state of its number of points.
+/// A gauge and a state for the same number of points.
 pub(crate) struct Pair<'a> {
     built: &'a BuiltGauge,
     pub(crate) points: Points<'a>,
@@ -115,16 +116,16 @@ impl Pair<'_> {
     }
 }
 
-/// Gauge and state of either number of points.
+/// References to a gauge and a state for the same number of points.
 pub(crate) enum Points<'a> {
     Points1024(&'a roundness::Gauge<Real, 1024>, &'a mut roundness::GaugeState<Real, 1024>),
     Points512(&'a roundness::Gauge<Real, 512>, &'a mut roundness::GaugeState<Real, 512>),
 }
 
-/// Gauge and state, if they belong together.
+/// Returns gauge and state if they belong together.
 ///
 /// # Safety
-/// Pointers are null, misaligned, or point to whole storages (the state's that of the gauge's number of points) that
+/// Pointers are null, misaligned, or point to whole storages (the state to one for the gauge's number of points) that
 /// nobody else writes while the references live.
 #[inline(always)]
 pub(crate) unsafe fn pair<'a>(gauge: *const Gauge, state: *mut GaugeState) -> Result<Pair<'a>, ResultCode> {
@@ -142,13 +143,13 @@ pub(crate) unsafe fn pair<'a>(gauge: *const Gauge, state: *mut GaugeState) -> Re
     Ok(Pair { built, points })
 }
 
-/// Builds the gauge of a table file (`[roundness]` of its machine), of 1024 or 512 points a revolution.
+/// Builds the gauge of a table file (`[roundness]` of its machine), with 1024 or 512 points per revolution.
 ///
-/// Arguments as for `trueaxis_loop_build`. Not real-time; about 117 KiB of stack, 65 KiB in single precision.
-/// `_TABLES`, `_CONFIG` (period), `_GAUGE`.
+/// Arguments as for `trueaxis_loop_build`. Not real-time; about 117 KiB of stack, 65 KiB in single precision. Errors:
+/// `_TABLES`, `_CONFIG` (also the period), `_GAUGE`.
 ///
 /// # Safety
-/// Pointers are null or point to what their types and sizes say.
+/// Pointers are null or point to objects of their types and stated sizes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_gauge_build(
     gauge: *mut Gauge,
@@ -181,13 +182,13 @@ pub unsafe extern "C" fn trueaxis_gauge_build(
     unsafe { explained(error, work) }
 }
 
-/// A fresh state: nothing is fed in before another revolution is whole, and the wheel is that of the file.
+/// Starts a new state: nothing is fed in before a whole revolution has been sampled, and the wheel is that of the file.
 ///
-/// `state_size`: of `trueaxis_gauge_state_t`, for 512 points of `trueaxis_gauge_state_512_t`. Not real-time; about 65 KiB
-/// of stack, 33 KiB in single precision.
+/// `state_size`: size of `trueaxis_gauge_state_t`, or for 512 points of `trueaxis_gauge_state_512_t`. Not real-time;
+/// about 65 KiB of stack, 33 KiB in single precision.
 ///
 /// # Safety
-/// Pointers are null or point to what their types and sizes say.
+/// Pointers are null or point to objects of their types and stated sizes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_gauge_restart(
     gauge: *const Gauge,
@@ -214,12 +215,12 @@ pub unsafe extern "C" fn trueaxis_gauge_restart(
     result::of(work())
 }
 
-/// Sets the radius of the wheel, mm (wear, dressing), from the next revolution that is evaluated.
+/// Sets the radius of the wheel, mm (wear, dressing), from the next evaluated revolution on.
 ///
-/// `_CONFIG` (no following arm, or a linkage that cannot close).
+/// Call it between two cycles. Errors: `_CONFIG` (the gauge has no following arm, or the linkage cannot close).
 ///
 /// # Safety
-/// Pointers are null or point to what their types say.
+/// Pointers are null or point to objects of their types.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_gauge_set_wheel(
     gauge: *const Gauge,

@@ -1,4 +1,4 @@
-//! A gauge that takes part in a servo cycle.
+//! A gauge in a servo cycle.
 
 use crate::Real;
 use crate::gauge::{Gauge, GaugeState, Pair, pair};
@@ -7,7 +7,7 @@ use crate::pointer::{Sized32, read_sized};
 use crate::result::ResultCode;
 use trueaxis::roundness::{Cycle, Followed, Probes};
 
-/// A gauge of three probes in a cycle: its readings, and its answer in the last three members.
+/// A gauge of three probes in a cycle: its readings, and its results in the members marked "Written".
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct GaugeRide {
@@ -21,23 +21,24 @@ pub struct GaugeRide {
     pub arm: i32,
     /// The gauge.
     pub gauge: *const Gauge,
-    /// Its state; of 512 points cast from `trueaxis_gauge_state_512_t *`.
+    /// Its state; one for 512 points cast from `trueaxis_gauge_state_512_t *`.
     pub state: *mut GaugeState,
     /// Raw values of the three probes, in the unit of their gain.
     pub readings: [Real; 3],
-    /// Not 0: an index pulse came since the last cycle.
+    /// Not 0: an index pulse has come since the last cycle.
     pub has_index: u8,
-    /// Not 0: another workpiece; the infeed returns to zero, the evaluation begins anew.
+    /// Not 0: another workpiece; the infeed returns to zero and the evaluation restarts.
     pub new_part: u8,
-    /// Not 0: the wheel does not grind; measured, but not learnt from.
+    /// Not 0: the wheel does not grind; the gauge measures but does not update the infeed.
     pub idle: u8,
-    /// Written: 1 when a revolution has just been evaluated.
+    /// Written: 1 if a revolution has just been evaluated.
     pub finished: u8,
     /// Written: `TRUEAXIS_GAUGE_…` bits of this cycle.
     pub flags: u16,
     /// Ignored.
     pub reserved: [u8; 2],
-    /// Written: infeed asked of its axis, mm in the axis' sense; part of `drive` as far as the limits allow.
+    /// Written: infeed requested of its axis, mm in the axis' sense; `drive` includes as much of it as the limits
+    /// allow.
     pub infeed: Real,
 }
 
@@ -57,9 +58,9 @@ impl GaugeRide {
     }
 }
 
-/// A gauge in a cycle of the core's step, or none.
+/// The gauge in a cycle of the core's step, or no gauge.
 ///
-/// It is called through a pointer that stands in the gauge: a program that builds none does not link it.
+/// It is called through a pointer stored in the gauge, so that a program that builds no gauge does not link it.
 pub(crate) struct Riding<'a> {
     pair: Option<Pair<'a>>,
     probes: Probes<Real>,
@@ -69,7 +70,7 @@ pub(crate) struct Riding<'a> {
 impl Riding<'_> {
     /// # Safety
     /// `gauge` is null, misaligned, or points to a ride whose pointers are null, misaligned, or point to whole objects;
-    /// of the state nobody else uses it while this lives.
+    /// nobody else uses the state while this lives.
     #[inline(always)]
     pub(crate) unsafe fn of(gauge: *const GaugeRide) -> Result<Self, ResultCode> {
         if gauge.is_null() {
@@ -83,7 +84,7 @@ impl Riding<'_> {
         Ok(Riding { pair: Some(pair), probes: ride.probes(), cycle: Cycle::default() })
     }
 
-    /// A cycle in which nothing is fed in.
+    /// Runs a cycle in which the gauge measures but feeds nothing in.
     pub(crate) fn measure_on(&mut self) {
         self.update(Followed::Not);
         self.cycle.infeed = 0.0;
@@ -96,10 +97,10 @@ impl Riding<'_> {
         self.cycle.infeed
     }
 
-    /// Hands the gauge's answer to the caller.
+    /// Writes the gauge's results to the caller's structure.
     ///
     /// # Safety
-    /// `to` is what this was made of, and writable.
+    /// `to` is the pointer that this was made from, and writable.
     #[inline(always)]
     pub(crate) unsafe fn deliver(&self, to: *mut GaugeRide) {
         if self.pair.is_none() {

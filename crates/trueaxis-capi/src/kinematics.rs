@@ -20,7 +20,8 @@ pub const KINEMATICS_WORDS: usize = 48;
 #[cfg(feature = "single")]
 pub const KINEMATICS_WORDS: usize = 32;
 
-/// A machine's chain of axes and its tool: immutable but for the tool, may be copied and read from any thread.
+/// A machine's kinematic chain and its tool. Immutable except for the tool; may be copied and may be read from any
+/// thread.
 #[repr(C)]
 #[derive(Debug)]
 pub struct Kinematics {
@@ -38,18 +39,18 @@ pub(crate) struct Chain {
     pub(crate) step: ToolStep,
     pub(crate) kinematics: kinematics::Kinematics<Real>,
     machine_id: u32,
-    /// Index of the step's axes in the order X Y Z A B C.
+    /// Indices of the step's axes in the order X Y Z A B C.
     axes: [u8; AXES_MAX],
     count: u8,
 }
 
 impl Chain {
-    /// A loop of another machine is refused; a bypass has none.
+    /// Refuses a loop of another machine; a bypass belongs to none.
     pub(crate) fn check_machine(&self, built: &Built) -> Result<(), ResultCode> {
         if built.machine_id == self.machine_id || built.machine_id == 0 { Ok(()) } else { Err(ERROR_MACHINE) }
     }
 
-    /// Positions of the step's axes in the order X Y Z A B C.
+    /// Positions of the step's axes, arranged in the order X Y Z A B C.
     ///
     /// # Safety
     /// `axes` is null, misaligned, or points to as many numbers as the machine has axes.
@@ -73,9 +74,9 @@ impl Chain {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Tool {
-    /// Tip, mm.
+    /// Position of the tip, mm.
     pub tip: [Real; 3],
-    /// Unit vector from the tip to the spindle.
+    /// Unit vector from the tip towards the spindle.
     pub axis: [Real; 3],
 }
 
@@ -85,12 +86,12 @@ impl Tool {
     }
 }
 
-/// Reads the kinematics of a table file's machine: X, Y, Z and up to two rotary axes.
+/// Builds the kinematics of the machine in a table file: X, Y, Z and up to two rotary axes.
 ///
-/// Arguments as for `trueaxis_loop_build`. Not real-time. `_TABLES`, `_CONFIG` (no such chain).
+/// Arguments as for `trueaxis_loop_build`. Not real-time. Errors: `_TABLES`, `_CONFIG` (the chain is not supported).
 ///
 /// # Safety
-/// Pointers are null or point to what their types and sizes say.
+/// Pointers are null or point to objects of their types and stated sizes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_kinematics_build(
     kinematics: *mut Kinematics,
@@ -118,11 +119,11 @@ pub unsafe extern "C" fn trueaxis_kinematics_build(
     unsafe { explained(error, work) }
 }
 
-/// Sets the tool: its tip from the last tool-side frame at all axes zero, three numbers, mm. Between two cycles; real-time
-/// safe. `_ARGUMENT` (not finite).
+/// Sets the tool: position of its tip relative to the last tool-side frame with all axes at zero, three numbers, mm.
+/// Call it between two cycles; real-time safe. Errors: `_ARGUMENT` (not finite).
 ///
 /// # Safety
-/// Pointers are null or point to what their types say, `tool_mm` to three numbers; nobody else uses the kinematics.
+/// Pointers are null or point to objects of their types, `tool_mm` to three numbers; nobody else uses the kinematics.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_kinematics_set_tool(kinematics: *mut Kinematics, tool_mm: *const f64) -> ResultCode {
     let work = || {
@@ -138,11 +139,13 @@ pub unsafe extern "C" fn trueaxis_kinematics_set_tool(kinematics: *mut Kinematic
     result::of(work())
 }
 
-/// The tool at positions of the axes: as many numbers, in the step's order, mm and degrees. Real-time safe. `_ARGUMENT`
-/// (not finite).
+/// Computes the tool from the positions of the axes.
+///
+/// `axes`: as many numbers as the machine has axes, in the step's order, mm and degrees. Real-time safe. Errors:
+/// `_ARGUMENT` (not finite).
 ///
 /// # Safety
-/// Pointers are null or point to what their types say, `axes` to as many numbers as the machine has axes.
+/// Pointers are null or point to objects of their types, `axes` to as many numbers as the machine has axes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_kinematics_forward(
     kinematics: *const Kinematics,

@@ -19,14 +19,14 @@ pub const LEARNED_WORDS: usize = 12;
 #[cfg(feature = "single")]
 pub const LEARNED_WORDS: usize = 11;
 
-/// The path of a program, on the way to its id.
+/// The path of a program while its id is being computed.
 #[repr(C)]
 #[derive(Debug)]
 pub struct Program {
     words: [u64; PROGRAM_WORDS],
 }
 
-/// A learned correction, read in place from the bytes of its file (`trueaxis learn`): immutable, may be copied.
+/// A learned correction, read in place from the bytes of its file (`trueaxis learn`). Immutable; may be copied.
 #[repr(C)]
 #[derive(Debug)]
 pub struct Learned {
@@ -45,10 +45,12 @@ unsafe impl Storage for Learned {
     const MAGIC: u32 = 0x5452_000b;
 }
 
-/// Starts the id of a program whose path is `length_mm` long. Not real-time. `_ARGUMENT` (not finite, negative).
+/// Starts computing the id of a program.
+///
+/// `length_mm`: length of its path. Not real-time. Errors: `_ARGUMENT` (not finite, negative).
 ///
 /// # Safety
-/// Pointers are null or point to what their types and sizes say.
+/// Pointers are null or point to objects of their types and stated sizes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_program_start(
     program: *mut Program,
@@ -68,13 +70,13 @@ pub unsafe extern "C" fn trueaxis_program_start(
     result::of(work())
 }
 
-/// The next point of the path: those at every whole mm of path length from 0, then the end.
+/// Adds the next point of the path. Points are those at every whole mm of path length from 0, then the end.
 ///
-/// `coordinates`: X, Y, Z in mm, A, B, C in degrees as the program commands them, 0 for an axis that it does not have. Not
-/// real-time. `_ARGUMENT` (not finite).
+/// `coordinates`: X, Y, Z in mm, A, B, C in degrees as the program commands them, 0 for an axis that the program does
+/// not have. Not real-time. Errors: `_ARGUMENT` (not finite).
 ///
 /// # Safety
-/// Pointers are null or point to what their types say, `coordinates` to six numbers.
+/// Pointers are null or point to objects of their types, `coordinates` to six numbers.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_program_point(program: *mut Program, coordinates: *const f64) -> ResultCode {
     let work = || {
@@ -91,10 +93,10 @@ pub unsafe extern "C" fn trueaxis_program_point(program: *mut Program, coordinat
     result::of(work())
 }
 
-/// The id of the program whose points were given; another one can be started afterwards. Not real-time.
+/// Writes the id of the program whose points were added. Another program can be started afterwards. Not real-time.
 ///
 /// # Safety
-/// Pointers are null or point to what their types say.
+/// Pointers are null or point to objects of their types.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_program_id(program: *mut Program, id: *mut u32) -> ResultCode {
     let work = || {
@@ -109,16 +111,16 @@ pub unsafe extern "C" fn trueaxis_program_id(program: *mut Program, id: *mut u32
     result::of(work())
 }
 
-/// Checks a whole file with a learned correction, for this machine and program.
+/// Builds a learned correction from its file after checking the whole file, its machine and its program.
 ///
-/// `file`, `length`: its bytes, read in place: they must outlive the correction and its copies, unchanged. `machine_id`:
-/// the machine that it must be for (`trueaxis_tables_info_t.machine_id`), 0: any. `program_id`, `length_mm`: the program
-/// that is about to run; path lengths that differ by 1 µm are the same. Not real-time.
+/// `file`, `length`: bytes of the file, read in place: they must outlive the correction and its copies, unchanged.
+/// `machine_id`: the machine that the file must be for (`trueaxis_tables_info_t.machine_id`), 0: any. `program_id`,
+/// `length_mm`: the program that is about to run; path lengths that differ by up to 1 µm count as equal. Not real-time.
 ///
-/// `_LEARNED` (see `error->code`), `_MACHINE`, `_ARGUMENT` (length not finite).
+/// Errors: `_LEARNED` (see `error->code`), `_MACHINE`, `_ARGUMENT` (length not finite).
 ///
 /// # Safety
-/// Pointers are null or point to what their types and sizes say; `file` stays as demanded above.
+/// Pointers are null or point to objects of their types and stated sizes; `file` remains valid as required above.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_learned_build(
     learned: *mut Learned,
@@ -150,13 +152,13 @@ pub unsafe extern "C" fn trueaxis_learned_build(
     unsafe { explained(error, work) }
 }
 
-/// The correction at a path length, for `trueaxis_input_t.learned`: linear between nodes; 0 beyond the ends, and for a
-/// length that is no number.
+/// Computes the correction at a path length, for `trueaxis_input_t.learned`: linear between nodes; 0 beyond the ends,
+/// and for a length that is NaN.
 ///
 /// `correction`: three positions. Real-time safe: bounded time.
 ///
 /// # Safety
-/// Pointers are null or point to what their types say, `correction` to three positions.
+/// Pointers are null or point to objects of their types, `correction` to three positions.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_learned_at(
     learned: *const Learned,

@@ -1,15 +1,16 @@
 //! C interface of trueaxis: one static library, one header (`include/trueaxis.h`, generated from this crate).
 //!
-//! Every function checks its pointers, sizes and objects, returns a [`ResultCode`], never panics, allocates or prints, and
-//! leaves all outputs untouched when it refuses (but for `ERROR_NO_OUTPUT`, which leaves the drives' alone). The
-//! documentation of the items is that of the header: it speaks to the C programmer in the names of the header.
+//! Every function checks its pointers, sizes and objects, returns a [`ResultCode`], never panics, allocates or prints,
+//! and leaves all outputs unchanged when it refuses (except with `ERROR_NO_OUTPUT`, which leaves only the drive
+//! positions unchanged). The documentation of the items becomes that of the header: it is written for the C programmer
+//! and uses the names of the header.
 //!
-//! Pointers of the caller are checked in `pointer` and `opaque`, and nowhere else.
+//! The caller's pointers are checked only in `pointer` and `opaque`.
 #![no_std]
 #![allow(unsafe_code)]
 #![deny(unsafe_op_in_unsafe_fn, clippy::undocumented_unsafe_blocks, clippy::indexing_slicing)]
 
-// On a host the standard library brings the panic handler that a static library needs; nothing else of it is used.
+// On a host the standard library supplies the panic handler that a static library needs; nothing else of it is used.
 #[cfg(not(target_os = "none"))]
 extern crate std;
 
@@ -77,7 +78,7 @@ pub use tables::*;
 pub use thermal::*;
 pub use version::*;
 
-/// Nothing here panics; should it happen all the same, the core stops where a debugger finds it.
+/// No code here panics; if it does nevertheless, the core stops where a debugger can find it.
 #[cfg(target_os = "none")]
 #[panic_handler]
 fn panic(_: &core::panic::PanicInfo) -> ! {

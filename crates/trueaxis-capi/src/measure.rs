@@ -1,4 +1,4 @@
-//! Paths that the contour error of a cycle is measured against.
+//! Paths against which a cycle measures the contour error.
 
 use crate::Real;
 use crate::built::Built;
@@ -14,16 +14,16 @@ use crate::result::{ERROR_ARGUMENT, ResultCode};
 use crate::steps::{OnTool, PathStep, ToolStep, WindowStep};
 use trueaxis::contour::{self, OnPath};
 
-/// Nothing is measured.
+/// Measure nothing.
 pub const MEASURE_NOTHING: u32 = 0;
-/// Against `path` at `reference`.
+/// Measure against `path` at `reference`.
 pub const MEASURE_PATH: u32 = 1;
-/// Against the last commands: X, Y, Z of a valid command are appended to `window`.
+/// Measure against the last commands: X, Y, Z of each valid command are appended to `window`.
 pub const MEASURE_COMMANDS: u32 = 2;
-/// Tip and direction of the tool against `path` at `reference`, in workpiece coordinates, by `kinematics`.
+/// Measure tip and direction of the tool against `path` at `reference`, in workpiece coordinates, using `kinematics`.
 pub const MEASURE_TOOL: u32 = 3;
 
-/// The path to measure against. Only the members that `kind` names are read.
+/// The path to measure against. Only the members that `kind` needs are read.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Measure {
@@ -31,7 +31,7 @@ pub struct Measure {
     pub size: u32,
     /// `TRUEAXIS_MEASURE_…`.
     pub kind: u32,
-    /// The path; of a tool one started by `trueaxis_path_start_tool`.
+    /// The path; for a tool a path started by `trueaxis_path_start_tool`.
     pub path: *const Path,
     /// Position of this cycle's command on the path.
     pub reference: Reference,
@@ -47,7 +47,7 @@ pub struct Measure {
 // SAFETY: repr(C), `size` first, numbers and pointers only.
 unsafe impl Sized32 for Measure {}
 
-/// A measure whose pointers have been checked, with the step that takes it.
+/// A measure whose pointers have been checked, with the step that uses it.
 pub(crate) enum Against<'a> {
     Nothing,
     Path(PathStep, OnPath<'a, Real, CorePosition>),
@@ -57,8 +57,9 @@ pub(crate) enum Against<'a> {
 
 impl Against<'_> {
     /// # Safety
-    /// `measure` is null, misaligned, or points to a measure of which the members that its kind names are null,
-    /// misaligned, or point to whole objects that nobody else writes, and of the window nobody reads, while this lives.
+    /// `measure` is null, misaligned, or points to a measure in which the members that its kind needs are null,
+    /// misaligned, or point to whole objects that nobody else writes while this lives; nor does anybody else read the
+    /// window.
     #[inline(always)]
     pub(crate) unsafe fn of(measure: *const Measure, built: &Built) -> Result<Self, ResultCode> {
         if measure.is_null() {

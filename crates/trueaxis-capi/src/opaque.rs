@@ -1,8 +1,7 @@
-//! Objects whose inside the caller does not see, in storage that the caller provides.
+//! Objects with hidden contents, in storage that the caller provides.
 //!
-//! The storage begins with a word that names its content. An object in storage that was zeroed, that holds
-//! something else, or that another build of the library has filled is refused; its content is looked at only if the word
-//! is right.
+//! The storage begins with a magic word that identifies its content. Storage that was zeroed, that contains something
+//! else, or that another build of the library has filled is refused; the content is read only if the word is right.
 
 use crate::pointer::check;
 use crate::result::{ERROR_SIZE, ERROR_UNBUILT, ResultCode};
@@ -13,9 +12,9 @@ use core::mem::{align_of, size_of};
 /// # Safety
 /// `#[repr(C)]`, one array of `u64`. The content fits: `Kept::<Self>::FITS` is evaluated where storage is filled.
 pub(crate) unsafe trait Storage {
-    /// Its content.
+    /// Content of the filled storage.
     type Content;
-    /// First word of a filled one; another for every kind.
+    /// First word of filled storage; different for every kind.
     const MAGIC: u32;
 }
 
@@ -28,11 +27,11 @@ pub(crate) struct Kept<S: Storage> {
 
 impl<S: Storage> Kept<S> {
     const FITS: () = assert!(size_of::<Self>() <= size_of::<S>() && align_of::<Self>() <= align_of::<S>());
-    // Storage of one precision is refused by a library of the other; so is that of another major version.
+    // A library of one precision refuses storage of the other; likewise storage of another major version.
     const WORD: u32 = S::MAGIC ^ crate::version::ABI_VERSION & 0xffff_0000;
 }
 
-/// Storage that can be filled; `size` is what the caller takes its size for.
+/// Storage that can be filled; `size` is the size that the caller assumes.
 pub(crate) fn place<S: Storage>(storage: *mut S, size: usize) -> Result<*mut Kept<S>, ResultCode> {
     const { Kept::<S>::FITS };
     check(storage)?;
@@ -49,7 +48,7 @@ pub(crate) unsafe fn fill<S: Storage>(place: *mut Kept<S>, content: S::Content) 
     unsafe { place.write(Kept { magic: Kept::<S>::WORD, content }) }
 }
 
-/// Content of a storage.
+/// Content of filled storage.
 ///
 /// # Safety
 /// `storage` is null, misaligned, or points to a whole readable storage that nobody writes while the reference lives and
@@ -66,7 +65,7 @@ pub(crate) unsafe fn content<'a, S: Storage>(storage: *const S) -> Result<&'a S:
     Ok(unsafe { &(*kept).content })
 }
 
-/// The same, to be changed.
+/// Mutable content of filled storage.
 ///
 /// # Safety
 /// As for [`content`], and nobody else uses the storage while the reference lives.
@@ -95,7 +94,7 @@ mod tests {
         fn spare<S: Storage>(name: &str) {
             let (needed, given) = (size_of::<Kept<S>>(), size_of::<S>());
             std::println!("{name}: {given} bytes given, {needed} needed = {} words", needed / 8);
-            // Sizes in the header are those of 64-bit pointers.
+            // The sizes in the header are those needed with 64-bit pointers.
             let most = if size_of::<usize>() == 8 { needed + needed / 16 + 96 } else { 2 * needed + 16 };
             assert!(needed <= given && given <= most, "{name}");
         }

@@ -2,7 +2,7 @@
 
 use crate::result::{ERROR_LEFT_OUT, ResultCode};
 
-/// A part: its feature, and whether this build has it.
+/// A part of the library: its feature, and whether this build includes it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Part {
     pub(crate) name: &'static str,
@@ -15,7 +15,8 @@ pub(crate) const GAUGE: Part = Part { name: "gauge", is_built: cfg!(feature = "g
 pub(crate) const TOOLPATH: Part = Part { name: "toolpath", is_built: cfg!(feature = "toolpath") };
 pub(crate) const GROWTH: Part = Part { name: "growth", is_built: cfg!(feature = "growth") };
 
-/// Refuses the functions of a part that this build leaves out. Called first in each, so that the rest of them is not linked.
+/// Refuses the functions of a part that this build leaves out. Called first in each of them, so that the remaining code
+/// is not linked.
 #[inline(always)]
 pub(crate) const fn need(part: Part) -> Result<(), LeftOut> {
     if part.is_built { Ok(()) } else { Err(LeftOut(part.name)) }

@@ -11,7 +11,7 @@ use core::ffi::c_void;
 /// Words of a `trueaxis_path_t`.
 pub const PATH_WORDS: usize = 28;
 
-/// A programmed path: lines, arcs and splines as spans in lent memory.
+/// A programmed path: lines, arcs and splines, stored as spans in lent memory.
 #[repr(C)]
 #[derive(Debug)]
 pub struct Path {
@@ -24,16 +24,17 @@ unsafe impl Storage for Path {
     const MAGIC: u32 = 0x5452_0003;
 }
 
-/// Starts an empty path in `memory`: 8-byte aligned, `TRUEAXIS_SPAN_BYTES` per span, in use as long as the path is.
+/// Starts an empty path.
 ///
-/// `first_span`: number of the first span, 0 for a path by itself. A host with a long program slides a window over it:
-/// each window is another path whose numbers go on, so that the search finds its last foot again.
+/// `memory`: 8-byte aligned, `TRUEAXIS_SPAN_BYTES` per span; the path uses it as long as it exists. `first_span`:
+/// number of the first span, 0 for a path that is complete. A host with a long program slides a window over it: each
+/// window is another path that continues the numbering, so that the search finds its last foot again.
 ///
 /// Segments are numbered from 0. Functions that change a path are not real-time (up to 8 KiB of stack) and must not run
-/// while a step uses it: fill another one and pass that. `_ARGUMENT` (memory overlaps path).
+/// while a step uses it: fill another path and pass that. Errors: `_ARGUMENT` (memory overlaps path).
 ///
 /// # Safety
-/// Pointers are null or point to what their types and sizes say.
+/// Pointers are null or point to objects of their types and stated sizes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_path_start(
     path: *mut Path,
@@ -46,10 +47,11 @@ pub unsafe extern "C" fn trueaxis_path_start(
     result::of(unsafe { start(path, path_size, memory, memory_size, first_span, false) })
 }
 
-/// The same for a tool in workpiece coordinates: `TRUEAXIS_TOOL_SPAN_BYTES` per span, each with directions.
+/// Starts an empty path of a tool in workpiece coordinates. Like `trueaxis_path_start`, but each span also stores
+/// directions and takes `TRUEAXIS_TOOL_SPAN_BYTES`.
 ///
 /// # Safety
-/// Pointers are null or point to what their types and sizes say.
+/// Pointers are null or point to objects of their types and stated sizes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_path_start_tool(
     path: *mut Path,
@@ -67,7 +69,7 @@ pub unsafe extern "C" fn trueaxis_path_start_tool(
 }
 
 /// # Safety
-/// As above.
+/// As for [`trueaxis_path_start`].
 unsafe fn start(
     path: *mut Path,
     path_size: usize,
@@ -86,11 +88,11 @@ unsafe fn start(
     Ok(())
 }
 
-/// Normal of the machining plane for the segments that follow, three numbers; 0, 0, 1 (G17) at the start. It gives the
-/// contour error's components their signs. `_ARGUMENT` (not finite, shorter than 1e-6).
+/// Sets the normal of the machining plane for the segments that follow, three numbers; initially 0, 0, 1 (G17). The
+/// signs of the contour error's components depend on it. Errors: `_ARGUMENT` (not finite, shorter than 1e-6).
 ///
 /// # Safety
-/// Pointers are null or point to what their types say, `normal` to three numbers.
+/// Pointers are null or point to objects of their types, `normal` to three numbers.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_path_plane(path: *mut Path, normal: *const f64) -> ResultCode {
     let work = || {
@@ -106,11 +108,12 @@ pub unsafe extern "C" fn trueaxis_path_plane(path: *mut Path, normal: *const f64
     result::of(work())
 }
 
-/// Positions of A, B, C (three numbers each, degrees) at start and end of the next segment of a tool path, linear in its
-/// parameter; segments after it keep the end. All zero at the start. `_ARGUMENT` (not finite; no path of a tool).
+/// Sets the positions of A, B, C (three numbers each, degrees) at start and end of the next segment of a tool path,
+/// linear in its parameter; the segments after it keep the end position. Initially all are zero. Errors: `_ARGUMENT`
+/// (not finite; not the path of a tool).
 ///
 /// # Safety
-/// Pointers are null or point to what their types say, positions to three numbers.
+/// Pointers are null or point to objects of their types, positions to three numbers.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_path_axes(path: *mut Path, start: *const f64, end: *const f64) -> ResultCode {
     let work = || {
@@ -122,11 +125,12 @@ pub unsafe extern "C" fn trueaxis_path_axes(path: *mut Path, start: *const f64, 
     result::of(work())
 }
 
-/// The same by directions of the tool in workpiece coordinates (of any length): the great circle from `start` to `end`.
-/// `_ARGUMENT` (also: opposite directions).
+/// Sets the directions of the tool at start and end of the next segment, in workpiece coordinates (vectors of any
+/// length). The tool turns along the great circle from `start` to `end`; the segments after it keep the end direction.
+/// Errors: `_ARGUMENT` (not finite, zero or opposite directions; not the path of a tool).
 ///
 /// # Safety
-/// Pointers are null or point to what their types say, directions to three numbers.
+/// Pointers are null or point to objects of their types, directions to three numbers.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_path_directions(path: *mut Path, start: *const f64, end: *const f64) -> ResultCode {
     let work = || {
@@ -138,31 +142,31 @@ pub unsafe extern "C" fn trueaxis_path_directions(path: *mut Path, start: *const
     result::of(work())
 }
 
-/// Closes the path: the first span follows the last one, until a segment is appended. `_PATH` (ends more than 0.02 mm
-/// apart, or no segment).
+/// Closes the path, so that its first span follows the last one until another segment is appended. Errors: `_PATH`
+/// (ends more than 0.02 mm apart, or no segment).
 ///
 /// # Safety
-/// `path` is null or points to what its type says.
+/// `path` is null or points to an object of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_path_close(path: *mut Path) -> ResultCode {
     // SAFETY: the caller's promise.
     result::of(unsafe { opaque::content_mut(path) }.and_then(Spans::close))
 }
 
-/// Removes all segments; memory, plane, directions and the first number stay.
+/// Removes all segments. Memory, plane, directions and the number of the first span are unchanged.
 ///
 /// # Safety
-/// `path` is null or points to what its type says.
+/// `path` is null or points to an object of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_path_clear(path: *mut Path) -> ResultCode {
     // SAFETY: the caller's promise.
     result::of(unsafe { opaque::content_mut(path) }.map(Spans::clear))
 }
 
-/// Numbers of segments and of spans; either may be `NULL`. Real-time safe.
+/// Reads the number of segments and of spans; either pointer may be `NULL`. Real-time safe.
 ///
 /// # Safety
-/// Pointers are null or point to what their types say.
+/// Pointers are null or point to objects of their types.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_path_count(path: *const Path, segments: *mut u32, spans: *mut u32) -> ResultCode {
     let work = || {
@@ -185,11 +189,11 @@ pub unsafe extern "C" fn trueaxis_path_count(path: *const Path, segments: *mut u
     result::of(work())
 }
 
-/// The point of a path at parameter `u` of a segment (from 0); beyond the segment, its end. Real-time safe. `_ARGUMENT` (no
-/// such segment, `u` not finite).
+/// Computes the reference for parameter `u` of a segment (numbered from 0); if `u` is beyond the segment, its end.
+/// Real-time safe. Errors: `_ARGUMENT` (no such segment, `u` not finite).
 ///
 /// # Safety
-/// Pointers are null or point to what their types say.
+/// Pointers are null or point to objects of their types.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_path_reference(
     path: *const Path,

@@ -1,4 +1,4 @@
-//! Checks of the caller's pointers: null, alignment and size, before anything else.
+//! Checks of the caller's pointers: null, alignment and size. They precede everything else.
 
 use crate::result::{ERROR_ALIGNMENT, ERROR_BUFFER, ERROR_NULL, ERROR_SIZE, ResultCode};
 use core::mem::{align_of, size_of};
@@ -21,7 +21,7 @@ pub(crate) fn check<T>(pointer: *const T) -> Result<(), ResultCode> {
     }
 }
 
-/// Refuses null, misaligned pointers, and a structure that does not say the size it has here.
+/// Refuses null and misaligned pointers, and a structure whose member `size` is not its size in this build.
 ///
 /// # Safety
 /// `pointer` is null, misaligned, or points to at least four readable bytes.
@@ -45,10 +45,10 @@ pub(crate) unsafe fn read_sized<T: Sized32>(pointer: *const T) -> Result<T, Resu
     Ok(unsafe { pointer.read() })
 }
 
-/// Alignment of memory that the caller lends.
+/// Alignment required of memory that the caller lends.
 const MEMORY_ALIGNMENT: usize = 8;
 
-/// Memory that the caller lends: its start, if it can be used.
+/// Start of the memory that the caller lends, if it is usable.
 pub(crate) fn memory(pointer: *mut core::ffi::c_void, size: usize) -> Result<*mut u8, ResultCode> {
     let start = pointer.cast::<u8>();
     if start.is_null() {
@@ -65,7 +65,7 @@ pub(crate) fn memory(pointer: *mut core::ffi::c_void, size: usize) -> Result<*mu
 
 const _: () = assert!(align_of::<u64>() <= MEMORY_ALIGNMENT && align_of::<f64>() <= MEMORY_ALIGNMENT);
 
-/// A buffer of the caller that a function fills, with the number of bytes that it has written there.
+/// A buffer of the caller to be filled, with the place for the number of bytes written.
 pub(crate) struct Buffer {
     start: *mut u8,
     size: usize,
@@ -73,7 +73,7 @@ pub(crate) struct Buffer {
 }
 
 impl Buffer {
-    /// Refuses null, a misaligned `written` and a size that no memory has.
+    /// Refuses null, a misaligned `written` and an impossible size.
     pub(crate) fn new(start: *mut u8, size: usize, written: *mut usize) -> Result<Buffer, ResultCode> {
         check(written)?;
         if start.is_null() {
@@ -85,7 +85,7 @@ impl Buffer {
         Ok(Buffer { start, size, written })
     }
 
-    /// Hands the bytes over; nothing is written if they do not fit.
+    /// Copies the bytes to the buffer; writes nothing if they do not fit.
     ///
     /// # Safety
     /// The buffer has `size` writable bytes, none of them among `bytes`, and the count is writable.
@@ -107,7 +107,7 @@ pub(crate) fn apart((a, a_size): (usize, usize), (b, b_size): (usize, usize)) ->
     a.saturating_add(a_size) <= b || b.saturating_add(b_size) <= a
 }
 
-/// Three numbers of the caller.
+/// Reads three numbers of the caller.
 ///
 /// # Safety
 /// `pointer` is null, misaligned, or points to three readable numbers.
@@ -117,11 +117,11 @@ pub(crate) unsafe fn vector(pointer: *const f64) -> Result<[f64; 3], ResultCode>
     Ok(unsafe { pointer.cast::<[f64; 3]>().read() })
 }
 
-/// A list of the caller.
+/// A list of the caller as a slice.
 ///
 /// # Safety
-/// Of `T` every bit pattern is a value; `pointer` is null, misaligned, or points to `count` of them that are readable and
-/// that nobody writes while the slice is in use.
+/// Every bit pattern of `T` is a value; `pointer` is null, misaligned, or points to `count` of them that are readable
+/// and that nobody writes while the slice is in use.
 pub(crate) unsafe fn slice<'a, T: Copy>(pointer: *const T, count: usize) -> Result<&'a [T], ResultCode> {
     check(pointer)?;
     if count.checked_mul(size_of::<T>()).is_none_or(|bytes| bytes > isize::MAX as usize) {

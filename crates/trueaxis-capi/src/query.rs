@@ -13,15 +13,16 @@ use crate::{Position, Real};
 use trueaxis::compensation::Direction;
 use trueaxis::{Conditions, Fault};
 
-/// Modelled error at a position, actual − ideal: X, Y, Z of the tip in machine axes (mm), then the rotary axes' own
-/// (degrees; 0 in a volumetric model).
+/// Computes the modelled error at a position, actual − ideal: first X, Y, Z of the tip in machine axes (mm), then the
+/// errors of the rotary axes themselves (degrees; 0 in a volumetric model).
 ///
-/// `position`, `error`: as many numbers as the loop has axes. `negative`: bit 0 = X, …: the axis travels in its negative
-/// direction. `kelvin`: temperatures of the axes above the file's reference, or `NULL`. Outside a table its edge value
-/// counts. Bounded time. `_STATE` (a bypass), `_ARGUMENT` (not finite; growth as for `trueaxis_set_thermal`).
+/// `position`, `error`: as many numbers as the loop has axes. `negative`: bit 0 = X, …: the axis travels in its
+/// negative direction. `kelvin`: temperatures of the axes above the file's reference, or `NULL`. Outside a table the
+/// value at its edge applies. Bounded time. Errors: `_STATE` (a bypass), `_ARGUMENT` (not finite; growth as for
+/// `trueaxis_set_thermal`).
 ///
 /// # Safety
-/// Pointers are null or point to what their types say, lists to as many numbers as the loop has axes.
+/// Pointers are null or point to objects of their types, lists to as many numbers as the loop has axes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_error_at(
     r#loop: *const Loop,
@@ -34,10 +35,11 @@ pub unsafe extern "C" fn trueaxis_error_at(
     result::of(unsafe { at(r#loop, position, (negative, kelvin), error, Wanted::Error) })
 }
 
-/// Correction of a command, mm (degrees): what the step settles to at standstill while no limit binds. The inverse is
-/// exact; the result is not limited.
+/// Computes the correction of a command, mm (degrees): the value to which the step settles at standstill if no limit
+/// acts. The inverse is exact; the result is not limited.
 ///
-/// Arguments as for `trueaxis_error_at`. `_STATE`, `_ARGUMENT` (also: outside the travel).
+/// Arguments as for `trueaxis_error_at`. Errors: `_STATE`, `_ARGUMENT` (as for `trueaxis_error_at`; also: outside the
+/// travel).
 ///
 /// # Safety
 /// As for `trueaxis_error_at`.
@@ -53,11 +55,11 @@ pub unsafe extern "C" fn trueaxis_correction_at(
     result::of(unsafe { at(r#loop, command, (negative, kelvin), correction, Wanted::Correction) })
 }
 
-/// Nearest foot of a point (three numbers) on a whole path. `lag` is 0. Not real-time: time grows with the path.
-/// `_ARGUMENT` (not finite, or no segment).
+/// Finds the foot nearest to a point (three numbers) on the whole path. `lag` is 0. Not real-time: the time grows with
+/// the path. Errors: `_ARGUMENT` (not finite, or no segment).
 ///
 /// # Safety
-/// Pointers are null or point to what their types say, `point` to three numbers.
+/// Pointers are null or point to objects of their types, `point` to three numbers.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_nearest_foot(
     path: *const Path,

@@ -1,18 +1,19 @@
-//! Results of functions.
+//! Result codes.
 
 use crate::text::TEXT;
 use core::ffi::{CStr, c_char};
 
-/// Result of a function: `TRUEAXIS_OK` or one of `TRUEAXIS_ERROR_…`, never negative.
+/// Result code of a function: `TRUEAXIS_OK` or one of `TRUEAXIS_ERROR_…`, never negative.
 pub type ResultCode = i32;
 
-/// Done.
+/// The function succeeded.
 pub const OK: ResultCode = 0;
 /// A required pointer is `NULL`.
 pub const ERROR_NULL: ResultCode = 1;
-/// Wrong `size` member or size argument: not set, other header, or `TRUEAXIS_SINGLE` not as the library was built.
+/// Wrong `size` member or size argument: not set, from another header, or `TRUEAXIS_SINGLE` is not as the library was
+/// built.
 pub const ERROR_SIZE: ResultCode = 2;
-/// A pointer is not aligned; memory for tables and paths: 8 bytes.
+/// A pointer is not aligned. Memory for tables and paths needs 8 bytes.
 pub const ERROR_ALIGNMENT: ResultCode = 3;
 /// An object was never built or started, or is of another kind.
 pub const ERROR_UNBUILT: ResultCode = 4;
@@ -20,34 +21,34 @@ pub const ERROR_UNBUILT: ResultCode = 4;
 pub const ERROR_ABI: ResultCode = 5;
 /// Not a whole, undamaged `.tcomp` file of this format; see `trueaxis_error_t`.
 pub const ERROR_TABLES: ResultCode = 6;
-/// The file, the kinematics, the learned correction or the thermal growth are of another machine.
+/// The file, the kinematics, the learned correction or the thermal growth belong to another machine.
 pub const ERROR_MACHINE: ResultCode = 7;
-/// The settings cannot be run; see `trueaxis_error_t`.
+/// The settings are not valid; see `trueaxis_error_t`.
 pub const ERROR_CONFIG: ResultCode = 8;
 /// The lent memory is too small.
 pub const ERROR_MEMORY: ResultCode = 9;
-/// The period is not the loop's (within 0.1 %).
+/// The period differs from that of the loop by more than 0.1 %.
 pub const ERROR_PERIOD: ResultCode = 10;
-/// Loop and state differ in the number of axes, or it is not 3 to 6.
+/// Loop and state differ in the number of axes, or the number is not 3 to 6.
 pub const ERROR_AXES: ResultCode = 11;
 /// The state was started by a loop of the other kind (bypass or not): start a new one.
 pub const ERROR_STATE: ResultCode = 12;
-/// An argument is out of range; the function says which.
+/// An argument is out of range; the description of the function lists the conditions.
 pub const ERROR_ARGUMENT: ResultCode = 13;
 /// The buffer is too small.
 pub const ERROR_BUFFER: ResultCode = 14;
 /// The segment is not valid; see `trueaxis_error_t`.
 pub const ERROR_PATH: ResultCode = 15;
-/// The machine has no gauge, or one of another number of points.
+/// The machine has no gauge, or one with another number of points.
 pub const ERROR_GAUGE: ResultCode = 16;
-/// No value yet.
+/// No value is available yet.
 pub const ERROR_NOT_YET: ResultCode = 17;
-/// The cycle was done, but there is nothing to send: no valid command has come, and not every axis has been read. All of
-/// the output but `drive` is written. Leave the drives without power.
+/// The cycle was executed, but has no drive positions: no valid command has come, and not every axis has been read. The
+/// whole output except `drive` is written. Leave the drives without power.
 pub const ERROR_NO_OUTPUT: ResultCode = 18;
-/// The kinematics have no such pose; see `trueaxis_error_t`.
+/// The kinematics cannot reach the pose; see `trueaxis_error_t`.
 pub const ERROR_POSE: ResultCode = 19;
-/// Not a whole, undamaged learned correction of this format, or of another program; see `trueaxis_error_t`.
+/// Not a whole, undamaged learned correction of this format, or one of another program; see `trueaxis_error_t`.
 pub const ERROR_LEARNED: ResultCode = 20;
 
 /// Not a whole, undamaged `.ttherm` file of this format; see `trueaxis_error_t`.
@@ -93,13 +94,14 @@ pub(crate) fn text(result: ResultCode) -> &'static CStr {
     }
 }
 
-/// Text of a result: a constant string for any number, empty in a build without the part `text`. Real-time safe.
+/// Returns the text of a result: a constant string for any number, empty in a build without the part `text`. Real-time
+/// safe.
 #[unsafe(no_mangle)]
 pub extern "C" fn trueaxis_result_text(result: ResultCode) -> *const c_char {
     text(result).as_ptr()
 }
 
-/// The code of a result.
+/// Converts a result to its code.
 #[inline(always)]
 pub(crate) fn of(result: Result<(), ResultCode>) -> ResultCode {
     match result {

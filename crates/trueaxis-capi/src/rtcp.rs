@@ -1,4 +1,4 @@
-//! Rotation about the tool centre point: the tool is commanded in workpiece coordinates.
+//! Rotation about the tool centre point: the host commands the tool in workpiece coordinates.
 
 use crate::Real;
 use crate::built::{Loop, State, with_servo};
@@ -18,7 +18,7 @@ pub const BRANCH_TRACKER_WORDS: usize = 20;
 #[cfg(feature = "single")]
 pub const BRANCH_TRACKER_WORDS: usize = 10;
 
-/// The branch of the rotary axes that is followed. Belongs to the thread that steps it.
+/// Tracks the branch of the rotary axes. Belongs to the thread that steps it.
 #[repr(C)]
 #[derive(Debug)]
 pub struct BranchTracker {
@@ -31,13 +31,14 @@ unsafe impl Storage for BranchTracker {
     const MAGIC: u32 = 0x5452_0009;
 }
 
-/// Starts at the pose in which the machine stands.
+/// Starts tracking at the machine's present pose.
 ///
-/// `axes`: as for `trueaxis_kinematics_forward`. `max_step_deg`: largest step of a rotary axis in a cycle, degrees. Not
-/// real-time. `_POSE`, `_ARGUMENT` (not finite, no step).
+/// `axes`: as for `trueaxis_kinematics_forward`. `max_step_deg`: largest step of a rotary axis in one cycle, degrees,
+/// above 0 and at most 360. Not real-time. Errors: `_POSE`, `_ARGUMENT` (not finite, step out of range).
 ///
 /// # Safety
-/// Pointers are null or point to what their types and sizes say, `axes` to as many numbers as the machine has axes.
+/// Pointers are null or point to objects of their types and stated sizes, `axes` to as many numbers as the machine has
+/// axes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_branch_tracker_start(
     tracker: *mut BranchTracker,
@@ -68,11 +69,11 @@ pub unsafe extern "C" fn trueaxis_branch_tracker_start(
     unsafe { explained(error, work) }
 }
 
-/// The angle between the tool and the one asked for that the tracker's last positions leave, degrees: at most the machine's
-/// `singular_cone_deg`, 0 outside that cone but for the way out. Real-time safe.
+/// Reads the angle between the requested tool direction and that of the last positions computed, degrees: at most the
+/// machine's `singular_cone_deg`, and 0 outside that cone except on the way out. Real-time safe.
 ///
 /// # Safety
-/// Pointers are null or point to what their types say.
+/// Pointers are null or point to objects of their types.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_branch_tracker_direction_error(
     tracker: *const BranchTracker,
@@ -90,18 +91,19 @@ pub unsafe extern "C" fn trueaxis_branch_tracker_direction_error(
     result::of(work())
 }
 
-/// Writes the axis positions for a tool into `input->command`, on the branch that `tracker` follows, for the next
-/// `trueaxis_step`.
+/// Computes the axis positions for a tool and writes them to `input->command` for the next `trueaxis_step`, on the
+/// branch that `tracker` follows.
 ///
-/// `input->elapsed_ns` must be set. A tool without such positions goes into `input->refusal`: the step then holds and
-/// reports the fault, and a reset near the held pose releases it. Within the machine's `singular_cone_deg` of the singular
-/// pose the axis next to the workpiece stays or is led, with the tip exact and `trueaxis_branch_tracker_direction_error` of the
-/// direction left. Call it once a cycle, for homed axes.
+/// `input->elapsed_ns` must be set. For a tool that has no such positions the fault is written to `input->refusal`: the
+/// step then holds the output and reports the fault, and a reset near the held pose releases it. Within the machine's
+/// `singular_cone_deg` of the singular pose the axis next to the workpiece stays still or turns by at most the
+/// tracker's `max_step_deg` per cycle; the tip remains exact, and `trueaxis_branch_tracker_direction_error` returns the
+/// remaining error of the direction. Call it once per cycle, for homed axes.
 ///
-/// Real-time safe. `_AXES`, `_STATE` (also: a bypass, which has no axes to find), `_MACHINE`.
+/// Real-time safe. Errors: `_AXES`, `_STATE` (also: a bypass, which has no kinematics), `_MACHINE`.
 ///
 /// # Safety
-/// Pointers are null or point to what their types say; nobody else uses tracker or input, or writes the others.
+/// Pointers are null or point to objects of their types; nobody else uses tracker or input, or writes the others.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_rtcp(
     r#loop: *const Loop,

@@ -1,15 +1,17 @@
-//! The two kinds of numbers that the interface is made of.
+//! The two number types of the interface.
 
-/// Scalar: `double`, with `TRUEAXIS_SINGLE` `float`.
+/// Scalar type: `double`, or `float` with `TRUEAXIS_SINGLE`.
 #[cfg(not(feature = "single"))]
 pub type Real = f64;
-/// Scalar: `double`, with `TRUEAXIS_SINGLE` `float`.
+/// Scalar type: `double`, or `float` with `TRUEAXIS_SINGLE`.
 #[cfg(feature = "single")]
 pub type Real = f32;
 
-/// Position of an axis, mm (rotary: degrees) as `double`; with `TRUEAXIS_SINGLE` `int32_t` in 1e-6 mm (1e-6 degrees).
+/// Position of an axis: `double` in mm (rotary: degrees), or with `TRUEAXIS_SINGLE` `int32_t` in 1e-6 mm (1e-6
+/// degrees).
 #[cfg(not(feature = "single"))]
 pub type Position = f64;
-/// Position of an axis, mm (rotary: degrees) as `double`; with `TRUEAXIS_SINGLE` `int32_t` in 1e-6 mm (1e-6 degrees).
+/// Position of an axis: `double` in mm (rotary: degrees), or with `TRUEAXIS_SINGLE` `int32_t` in 1e-6 mm (1e-6
+/// degrees).
 #[cfg(feature = "single")]
 pub type Position = i32;

@@ -9,13 +9,13 @@ use crate::result::{ERROR_ARGUMENT, ResultCode};
 use trueaxis::contour::Segment;
 use trueaxis::glam::DVec3;
 
-/// Appends a straight line, mm: u = 0..1 proportional to length.
+/// Appends a straight line, mm: u = 0 to 1, proportional to length.
 ///
-/// `start`, `end`: X, Y, Z. `_MEMORY`, `_PATH` (shorter than 1e-9 mm, not finite; as for every segment: more than 0.02 mm
-/// from the end of the one before).
+/// `start`, `end`: X, Y, Z. Errors: `_MEMORY`, `_PATH` (shorter than 1e-9 mm, not finite; as for every segment: start
+/// more than 0.02 mm from the end of the previous segment).
 ///
 /// # Safety
-/// Pointers are null or point to what their types say, coordinates to three numbers.
+/// Pointers are null or point to objects of their types, coordinates to three numbers.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_path_line(
     path: *mut Path,
@@ -32,14 +32,14 @@ pub unsafe extern "C" fn trueaxis_path_line(
     unsafe { explained(error, work) }
 }
 
-/// Appends a circular arc about `normal` (right hand), a helix where start and end differ along it, mm: u = 0..1
-/// proportional to the angle. Start and end at the same angle make a full circle.
+/// Appends a circular arc about `normal` (right-hand rule), or a helix if start and end differ along it, mm: u = 0 to
+/// 1, proportional to the angle. A start and end at the same angle define a full circle.
 ///
-/// `center`: any point of the axis. `normal`: of any length. `turns`: full turns beyond the first arc. `_MEMORY`, `_PATH`
-/// (also: radii that differ by more than 0.02 mm).
+/// `center`: any point on the axis. `normal`: of any length. `turns`: full turns in addition to the first arc. Errors:
+/// `_MEMORY`, `_PATH` (also: radii that differ by more than 0.02 mm).
 ///
 /// # Safety
-/// Pointers are null or point to what their types say, coordinates to three numbers.
+/// Pointers are null or point to objects of their types, coordinates to three numbers.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_path_arc(
     path: *mut Path,
@@ -68,13 +68,14 @@ pub unsafe extern "C" fn trueaxis_path_arc(
     unsafe { explained(error, work) }
 }
 
-/// Appends a spline (NURBS), mm: u over `knots[degree]` to `knots[point_count]`.
+/// Appends a spline (NURBS), mm: u from `knots[degree]` to `knots[point_count]`.
 ///
-/// `degree`: 1 to 5. `knots`: `point_count + degree + 1`, ascending. `points`: X, Y, Z of each control point. `weights`:
-/// `point_count` positive numbers, or `NULL` for weights of one. `_MEMORY`, `_PATH` (`error->index`: the element).
+/// `degree`: 1 to 5. `knots`: `point_count + degree + 1` ascending numbers. `points`: X, Y, Z of each control point.
+/// `weights`: `point_count` positive numbers, or `NULL` if all are 1. Errors: `_MEMORY`, `_PATH` (`error->index`: the
+/// element).
 ///
 /// # Safety
-/// Pointers are null or point to what their types say, lists to as many numbers as above.
+/// Pointers are null or point to objects of their types, lists to as many numbers as above.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_path_nurbs(
     path: *mut Path,
@@ -101,11 +102,12 @@ pub unsafe extern "C" fn trueaxis_path_nurbs(
     unsafe { explained(error, work) }
 }
 
-/// Appends a turn of the tool about its standing tip; u = 0..1. Only in a tool path; its directions by
-/// `trueaxis_path_axes` or `_directions` before. `_MEMORY`, `_PATH`, `_ARGUMENT` (no path of a tool).
+/// Appends a rotation of the tool about its stationary tip; u = 0 to 1. Only in a tool path; set the directions first
+/// with `trueaxis_path_axes` or `trueaxis_path_directions`. Errors: `_MEMORY`, `_PATH`, `_ARGUMENT` (not the path of a
+/// tool).
 ///
 /// # Safety
-/// Pointers are null or point to what their types say, `point` to three numbers.
+/// Pointers are null or point to objects of their types, `point` to three numbers.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_path_turning(path: *mut Path, point: *const f64, error: *mut Error) -> ResultCode {
     let work = || {

@@ -1,4 +1,4 @@
-//! Building a servo loop and starting it.
+//! Building and starting a servo loop.
 
 use crate::Real;
 use crate::axes::AXES_MAX;
@@ -15,17 +15,18 @@ use trueaxis::tcomp::Tcomp;
 
 /// Builds a loop from a compiled table file of 3 to 6 axes.
 ///
-/// `file`, `length`: bytes of the `.tcomp`, not used afterwards: nodes of grids are copied into `memory`. `machine_id`:
-/// the machine that the file must be for, 0: any. `period_ns`: 1,000 to 100,000,000. `memory`: at least
-/// `trueaxis_tables_info_t.memory_bytes`, 8-byte aligned; it must outlive the loop and its copies, unchanged.
+/// `file`, `length`: bytes of the `.tcomp`; the loop does not use them afterwards, since the nodes of grids are copied
+/// into `memory`. `machine_id`: the machine that the file must be for, 0: any. `period_ns`: 1,000 to 100,000,000.
+/// `memory`: at least `trueaxis_tables_info_t.memory_bytes`, 8-byte aligned; it must outlive the loop and its copies,
+/// unchanged.
 ///
 /// To exchange tables in motion, build a second loop in other memory and pass it to `trueaxis_step`; the limiter makes
-/// the change smooth. Not real-time; 31 to 61 KiB of stack. On refusal `memory` may have been written.
+/// the change smooth. Not real-time; 31 to 61 KiB of stack. After a refusal `memory` may have been written.
 ///
-/// `_TABLES`, `_MACHINE`, `_CONFIG` (also the period), `_MEMORY`, `_ARGUMENT` (memory overlaps file or loop).
+/// Errors: `_TABLES`, `_MACHINE`, `_CONFIG` (also the period), `_MEMORY`, `_ARGUMENT` (memory overlaps file or loop).
 ///
 /// # Safety
-/// Pointers are null or point to what their types and sizes say; `memory` stays as demanded above.
+/// Pointers are null or point to objects of their types and stated sizes; `memory` remains valid as required above.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_loop_build(
     r#loop: *mut Loop,
@@ -56,8 +57,8 @@ pub unsafe extern "C" fn trueaxis_loop_build(
         if bytes > memory_size {
             return Err(Refusal::Memory(memory_size, bytes));
         }
-        // SAFETY: as many bytes are lent, and ours alone by the caller's promise; after zeroing every one of them is part
-        // of a number.
+        // SAFETY: as many bytes are lent, and ours alone by the caller's promise; after zeroing, every one of them is
+        // part of a number.
         let (lent, behind) = unsafe {
             start.write_bytes(0, bytes);
             let behind = start.cast::<u8>().add(numbers);
@@ -77,7 +78,7 @@ pub unsafe extern "C" fn trueaxis_loop_build(
     unsafe { explained(error, work) }
 }
 
-/// The grids in memory of the caller's, of the size that they have there.
+/// Copies the grids into the caller's memory, each in its stored size.
 fn copied(grids: &[GridData<'_>], room: &'static mut [u8]) -> [GridData<'static>; GRIDS] {
     let mut copies = [GridData::default(); GRIDS];
     let mut rest = room;
@@ -94,20 +95,20 @@ fn copied(grids: &[GridData<'_>], room: &'static mut [u8]) -> [GridData<'static>
     copies
 }
 
-/// Most axes of a loop.
+/// Largest number of axes of a loop.
 const MOST_AXES: u32 = if cfg!(all(feature = "rotary", not(feature = "three"))) { AXES_MAX as u32 } else { 3 };
 
-/// Builds a loop that passes every command uncorrected and reports why in every record: for going on without tables.
+/// Builds a loop that passes every command uncorrected and reports the reason in every record, for operation without
+/// tables.
 ///
-/// `axes`: 3 to 6; 3 in a library for three axes only.
+/// `axes`: 3 to 6; 3 in a library for three axes only. `reason`: `TRUEAXIS_FAULT_PERIOD_MISMATCH`, `_TABLES_REFUSED`,
+/// `_CAPACITY_TOO_SMALL` or `_ABI_MISMATCH`. `period_ns`: 1,000 to 100,000,000. After an invalid command the last valid
+/// one is held (before the first: the position read), and a stop is requested until the next valid one.
 ///
-/// `reason`: `TRUEAXIS_FAULT_PERIOD_MISMATCH`, `_TABLES_REFUSED`, `_CAPACITY_TOO_SMALL` or `_ABI_MISMATCH`. `period_ns`: 1,000 to 100,000,000. After an invalid command the last one is held (before the first:
-/// the position read), and a stop is requested until the next valid one.
-///
-/// Real-time safe. `_AXES`, `_ARGUMENT` (reason, period).
+/// Real-time safe. Errors: `_AXES`, `_ARGUMENT` (reason, period).
 ///
 /// # Safety
-/// `loop` is null or points to what its type says.
+/// `loop` is null or points to an object of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_loop_bypass(
     r#loop: *mut Loop,
@@ -132,12 +133,12 @@ pub unsafe extern "C" fn trueaxis_loop_bypass(
     result::of(work())
 }
 
-/// A fresh state for a loop, if the host's period is the loop's within 0.1 %.
+/// Starts a new state for a loop, if the host's period is that of the loop within 0.1 %.
 ///
-/// Real-time safe. `_PERIOD`.
+/// Real-time safe. Errors: `_PERIOD`.
 ///
 /// # Safety
-/// Pointers are null or point to what their types say.
+/// Pointers are null or point to objects of their types.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_start(
     r#loop: *const Loop,

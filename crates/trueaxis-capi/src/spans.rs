@@ -8,18 +8,18 @@ use crate::result::{ERROR_ARGUMENT, ERROR_PATH, ResultCode};
 use crate::steps::{PathStep, path_step};
 use trueaxis::contour::{self, PathBuilder, PathError, Segment, ToolPath, Turn};
 
-/// Bytes of lent memory per span of a path. A line takes a span every 16 mm, an arc one every 30°, a spline one or more
-/// for each of its knot intervals.
+/// Bytes of lent memory per span of a path. A line takes one span per 16 mm, an arc one per 30°, a spline one or more
+/// per knot interval.
 #[cfg(not(feature = "single"))]
 pub const SPAN_BYTES: usize = 296;
-/// Bytes of lent memory per span of a path. A line takes a span every 16 mm, an arc one every 30°, a spline one or more
-/// for each of its knot intervals.
+/// Bytes of lent memory per span of a path. A line takes one span per 16 mm, an arc one per 30°, a spline one or more
+/// per knot interval.
 #[cfg(feature = "single")]
 pub const SPAN_BYTES: usize = 168;
-/// The same for the path of a tool.
+/// Bytes of lent memory per span of a tool path.
 #[cfg(not(feature = "single"))]
 pub const TOOL_SPAN_BYTES: usize = 376;
-/// The same for the path of a tool.
+/// Bytes of lent memory per span of a tool path.
 #[cfg(feature = "single")]
 pub const TOOL_SPAN_BYTES: usize = 208;
 
@@ -29,17 +29,17 @@ const _: () = assert!(size_of::<PathSpan>() <= SPAN_BYTES && align_of::<PathSpan
 const _: () = assert!(size_of::<PathSpan>() + size_of::<SpanTurn>() <= TOOL_SPAN_BYTES);
 const _: () = assert!(align_of::<SpanTurn>() <= align_of::<PathSpan>());
 
-/// How the direction of the tool goes along the next segment.
+/// Course of the tool's direction along the next segment.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Direction {
-    /// Positions of A, B, C at its start and end, degrees.
+    /// Positions of A, B, C at start and end, degrees.
     Axes([f64; 3], [f64; 3]),
-    /// Directions of the tool there.
+    /// Directions of the tool at start and end.
     Vectors([f64; 3], [f64; 3]),
 }
 
 impl Direction {
-    /// Nothing for two directions that are opposite, or for one that has no length.
+    /// `None` for two opposite directions, or for one without length.
     fn turn(&self, span: &PathSpan, domain: [f64; 2]) -> Option<SpanTurn> {
         match *self {
             Direction::Axes(start, end) => Some(Turn::axes(span, domain, start, end)),
@@ -47,7 +47,7 @@ impl Direction {
         }
     }
 
-    /// Whether the tool can be turned like that: directions need a length and must not be opposite.
+    /// Whether the tool can turn in this way: directions need a length and must not be opposite.
     pub(crate) fn is_possible(&self) -> bool {
         let (Direction::Axes(start, end) | Direction::Vectors(start, end)) = self;
         let standing = PathSpan::turning([CorePosition::default(); 3], 0, [0.0, 0.0, 1.0]);
@@ -67,7 +67,7 @@ impl Direction {
 pub(crate) struct Spans {
     pub(crate) path_step: PathStep,
     spans: *mut PathSpan,
-    /// Behind the spans; null if directions are not kept.
+    /// After the spans; null for a path without directions.
     turns: *mut SpanTurn,
     capacity: usize,
     count: usize,
@@ -79,7 +79,7 @@ pub(crate) struct Spans {
 }
 
 impl Spans {
-    /// An empty path in memory of so many bytes.
+    /// An empty path in memory of `bytes` bytes.
     pub(crate) fn new(memory: *mut u8, bytes: usize, first: u32, of_tool: bool) -> Self {
         let spans = memory.cast::<PathSpan>();
         let span_bytes = size_of::<PathSpan>() + if of_tool { size_of::<SpanTurn>() } else { 0 };
@@ -111,7 +111,7 @@ impl Spans {
         self.builder.set_plane(normal);
     }
 
-    /// Directions are kept.
+    /// Whether the spans have directions.
     pub(crate) fn is_of_tool(&self) -> bool {
         need(TOOLPATH).is_ok() && !self.turns.is_null()
     }
@@ -150,7 +150,7 @@ impl Spans {
         ToolPath::new(self.path(), turns)
     }
 
-    /// Converts a segment behind the last one; the path is as before if that is refused.
+    /// Appends the spans of a segment; the path is unchanged if it is refused.
     pub(crate) fn append(&mut self, segment: &Segment<'_>) -> Result<(), Refusal> {
         let domain = match segment {
             Segment::Nurbs { degree, knots, points, .. } => {
@@ -170,7 +170,7 @@ impl Spans {
                 full = true;
                 return Err(PathError { field: "memory", index: None, found: count as f64, needed: "more spans" });
             }
-            // SAFETY: within the memory lent, which is aligned for both.
+            // SAFETY: within the lent memory, which is aligned for both.
             unsafe {
                 spans.add(count).write(span);
                 if let Some(turn) = turn {

@@ -8,24 +8,24 @@ use crate::opaque;
 use crate::pointer::check_sized;
 use crate::result::{self, ERROR_ARGUMENT, ERROR_AXES, ResultCode};
 
-/// One servo cycle: drive positions, feedback for the host, contour error.
+/// Executes one servo cycle: computes drive positions, feedback for the host, and contour error.
 ///
-/// `measure`: the path to measure against; `NULL` for none. `gauge`: a gauge of three probes that takes part; `NULL`
-/// without one. Every combination of both works. The first cycle returns the command; from then on
-/// `drive = command + correction`. A gauge's infeed is added to the correction of its axis, before the limiter. In a
-/// bypass nothing is measured against a path, and the gauge measures but feeds nothing in. Between two cycles another
-/// loop of the same number of axes may be passed.
+/// `measure`: the path to measure against; `NULL`: none. `gauge`: a gauge of three probes that takes part; `NULL`:
+/// none. Every combination of both is allowed. The first cycle returns the command; from then on
+/// `drive = command + correction`. The infeed of a gauge is added to the correction of its axis, before the limiter. In
+/// a bypass no path is measured against, and the gauge measures but feeds nothing in. Between two cycles another loop
+/// with the same number of axes may be passed.
 ///
-/// While there is neither a valid command nor a reading of every axis (without an alarm), nothing can be held: the
-/// answer is `TRUEAXIS_ERROR_NO_OUTPUT`, and `output->drive` is not written. Then the position read is held, and a reset
-/// near it accepted.
+/// Until either a valid command has come or every axis has been read (without an alarm), no position can be held: the
+/// function returns `TRUEAXIS_ERROR_NO_OUTPUT` and does not write `output->drive`. Once every axis has been read, that
+/// position is held, and a reset near it is accepted.
 ///
-/// Real-time safe. `_AXES`, `_STATE`, `_MACHINE` (kinematics), `_ARGUMENT` (kind, refusal), `_NO_OUTPUT`. Faults of the
-/// machine are in `output->record.fault`.
+/// Real-time safe. Errors: `_AXES`, `_STATE`, `_MACHINE` (kinematics), `_ARGUMENT` (kind, refusal), `_NO_OUTPUT`.
+/// Faults of the machine are in `output->record.fault`.
 ///
 /// # Safety
-/// Pointers are null or point to what their types say, and so do those in `measure` and `gauge`; nobody else uses the
-/// states or writes any other of them meanwhile.
+/// Pointers are null or point to objects of their types, and so do those in `measure` and `gauge`; nobody else uses the
+/// states or writes any other of them during the call.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_step(
     r#loop: *const Loop,
@@ -64,13 +64,15 @@ pub unsafe extern "C" fn trueaxis_step(
     result::of(work())
 }
 
-/// Sets the temperature of an axis; its growth, as the table file has it, follows in the next cycle, through the limiter.
+/// Sets the temperature of an axis. The growth that the table file gives for it acts from the next cycle on, through
+/// the limiter.
 ///
-/// `axis`: 0 = X. `kelvin`: above the file's reference temperature. Call it between two cycles. No effect in a bypass.
-/// Real-time safe. `_AXES`, `_STATE`, `_ARGUMENT` (no such axis; growth of more than 10 mm or 1e-3 of the length).
+/// `axis`: index in the step's order (0 = X). `kelvin`: temperature above the file's reference. Call it between two
+/// cycles. No effect in a bypass. Real-time safe. Errors: `_AXES`, `_STATE`, `_ARGUMENT` (no such axis; growth of more
+/// than 10 mm or 1e-3 of the length).
 ///
 /// # Safety
-/// Pointers are null or point to what their types say; nobody else uses `state` meanwhile.
+/// Pointers are null or point to objects of their types; nobody else uses `state` during the call.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_set_thermal(
     r#loop: *const Loop,

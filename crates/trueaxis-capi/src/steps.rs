@@ -1,6 +1,6 @@
 //! The step with each measure, for any number of axes.
 //!
-//! Each is called through a pointer that stands in a path, a window or the kinematics: a program that starts none of them
+//! Each is called through a pointer stored in a path, a window or the kinematics: a program that starts none of them
 //! does not link it.
 
 use crate::Real;
@@ -12,17 +12,17 @@ use crate::result::ResultCode;
 use trueaxis::OnToolPath;
 use trueaxis::contour::{self, OnPath, ToolPath};
 
-/// A step with something to measure, for any number of axes.
+/// A step that measures against a path, for any number of axes.
 pub(crate) type PathStep =
     fn(&Built, &mut Running, &Input, OnPath<'_, Real, CorePosition>, &mut Riding<'_>) -> Result<Output, ResultCode>;
-/// The same with the last commands as the path.
+/// A step that measures against the last commands.
 pub(crate) type WindowStep =
     fn(&Built, &mut Running, &Input, &mut Window, &mut Riding<'_>) -> Result<Output, ResultCode>;
-/// The same with a tool path; gives the error of the direction too.
+/// A step that measures against a tool path; also returns the error of the direction.
 pub(crate) type ToolStep =
     fn(&Built, &mut Running, &Input, OnTool<'_>, &mut Riding<'_>) -> Result<(Output, [Real; 3]), ResultCode>;
 
-/// A tool path, where on it the command lies, and the kinematics.
+/// A tool path, the position of the command on it, and the kinematics.
 pub(crate) struct OnTool<'a> {
     pub(crate) path: ToolPath<'a, Real, CorePosition>,
     pub(crate) reference: contour::Reference<Real>,

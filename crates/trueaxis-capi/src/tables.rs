@@ -1,4 +1,4 @@
-//! Contents of a compiled table file, and the memory that it takes.
+//! Contents of a compiled table file, and the memory that it needs.
 
 use crate::Real;
 use crate::axes::AXES_MAX;
@@ -9,8 +9,8 @@ use core::ffi::c_char;
 use trueaxis::machine::{Axis, AxisSettings, GridData};
 use trueaxis::tcomp::Tcomp;
 
-/// Contents of a table file. Arrays have `axes` elements in the step's order; travel and limits of a linear axis that the
-/// machine lacks are 0, and its command passes.
+/// Contents of a table file. Arrays have `axes` elements in the step's order. For a linear axis that the machine lacks,
+/// travel and limits are 0, and its command passes.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct TablesInfo {
@@ -18,21 +18,21 @@ pub struct TablesInfo {
     pub size: u32,
     /// Number of axes of the step, 3 to 6.
     pub axes: u32,
-    /// Letters of the axes, closed by 0: X, Y, Z, then the machine's rotary axes in alphabetical order.
+    /// Letters of the axes, terminated by 0: X, Y, Z, then the machine's rotary axes in alphabetical order.
     pub letters: [c_char; 8],
     /// Identity of the machine: CRC-32 of its name and chain.
     pub machine_id: u32,
-    /// CRC-32 of the file: version of the tables.
+    /// CRC-32 of the file, which identifies the version of the tables.
     pub tables_crc: u32,
-    /// Passes of the exact inverse in a cycle.
+    /// Number of passes of the exact inverse per cycle.
     pub inverse_passes: u32,
-    /// Points per revolution of the gauge, 0 without one.
+    /// Points per revolution of the gauge; 0 without a gauge.
     pub gauge_points: u32,
-    /// Bytes of memory for `trueaxis_loop_build`.
+    /// Bytes of memory that `trueaxis_loop_build` needs.
     pub memory_bytes: u64,
-    /// Rows of the axis' table, 0 without one.
+    /// Number of rows in the axis' table; 0 without a table.
     pub rows: [u32; AXES_MAX],
-    /// Low end of the travel, mm (deg). A command outside is a fault.
+    /// Low end of the travel, mm (deg). A command outside the travel is a fault.
     pub travel_low: [f64; AXES_MAX],
     /// High end of the travel, mm (deg).
     pub travel_high: [f64; AXES_MAX],
@@ -42,20 +42,21 @@ pub struct TablesInfo {
     pub slope_limit_per_s: [f64; AXES_MAX],
     /// Limit of the correction's acceleration, mm/s² (deg/s²).
     pub acceleration_limit_per_s2: [f64; AXES_MAX],
-    /// Name of the machine, UTF-8, closed by 0.
+    /// Name of the machine, UTF-8, terminated by 0.
     pub name: [c_char; 72],
-    /// Structural code of the machine (ISO 10791-6), closed by 0.
+    /// Structural code of the machine (ISO 10791-6), terminated by 0.
     pub chain: [c_char; 56],
 }
 
 // SAFETY: repr(C), `size` first, numbers only.
 unsafe impl Sized32 for TablesInfo {}
 
-/// Checks a whole table file and describes its contents. `file`: of any alignment. Not real-time; about 15 KiB of stack.
-/// `_TABLES` (see `error->code`).
+/// Checks a whole table file and describes its contents.
+///
+/// `file`: of any alignment. Not real-time; about 15 KiB of stack. Errors: `_TABLES` (see `error->code`).
 ///
 /// # Safety
-/// Pointers are null or point to what their types say, `file` to `length` bytes.
+/// Pointers are null or point to objects of their types, `file` to `length` bytes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_tables_info(
     file: *const u8,
@@ -82,17 +83,17 @@ pub(crate) fn axes_of(tables: &Tcomp<'_>) -> usize {
     tables.settings().step_axes().count()
 }
 
-/// The axes of the step in order, with their settings if the machine has them.
+/// The axes of the step in order, with their settings (`None` for an axis that the machine lacks).
 pub(crate) fn slots<'t>(tables: &'t Tcomp<'_>) -> impl Iterator<Item = (Axis, Option<&'t AxisSettings>)> {
     tables.settings().step_axes().map(|axis| (axis, tables.settings().axis(axis)))
 }
 
-/// Bytes of the memory that a loop takes: its scalars, and behind them the nodes of the grids, so that the file may go.
+/// Bytes of memory that a loop needs: its scalars, then the nodes of the grids, so that the file may be discarded.
 pub(crate) fn loop_bytes(tables: &Tcomp<'_>) -> usize {
     memory_bytes(tables.requirement()).saturating_add(tables.grids().iter().map(GridData::size).sum())
 }
 
-/// Bytes of as many scalars.
+/// Bytes of so many scalars.
 pub(crate) fn memory_bytes(scalars: usize) -> usize {
     scalars.saturating_mul(size_of::<Real>())
 }

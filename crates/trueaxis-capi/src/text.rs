@@ -1,12 +1,12 @@
-//! Text in buffers of the caller: UTF-8, cut off between two characters, closed by a zero byte.
+//! Text in buffers of the caller: UTF-8, cut off between two characters, terminated by a zero byte.
 
 use core::ffi::c_char;
 use core::fmt::{self, Display, Write};
 
-/// Whether the build has the text of refusals.
+/// Whether the build includes the text of refusals.
 pub(crate) const TEXT: bool = cfg!(feature = "text");
 
-/// A fixed text under construction; what does not fit is left out.
+/// A fixed-size text under construction; characters that do not fit are dropped.
 pub(crate) struct Text<const N: usize> {
     characters: [c_char; N],
     length: usize,
@@ -14,7 +14,7 @@ pub(crate) struct Text<const N: usize> {
 }
 
 impl<const N: usize> Text<N> {
-    /// The text of something that can be printed.
+    /// The text of a printable value; empty in a build without texts.
     #[inline]
     pub(crate) fn of(what: &dyn Display) -> [c_char; N] {
         if TEXT { Self::written(what) } else { [0; N] }
@@ -22,7 +22,7 @@ impl<const N: usize> Text<N> {
 
     fn written(what: &dyn Display) -> [c_char; N] {
         let mut text = Text { characters: [0; N], length: 0, full: false };
-        // Writing here never fails; what does not fit is left out.
+        // Writing never fails here; characters that do not fit are dropped.
         let _ = write!(text, "{what}");
         text.characters
     }
@@ -33,7 +33,7 @@ impl<const N: usize> Write for Text<N> {
         let mut encoded = [0; 4];
         for character in part.chars() {
             let bytes = character.encode_utf8(&mut encoded).as_bytes();
-            // One place is kept for the zero byte.
+            // One byte is reserved for the zero byte.
             let room = self.characters.get_mut(self.length..N.saturating_sub(1));
             match room.and_then(|room| room.get_mut(..bytes.len())) {
                 Some(places) if !self.full => {

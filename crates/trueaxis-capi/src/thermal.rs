@@ -1,4 +1,4 @@
-//! Thermal growth from temperatures: a task of its own beside the step.
+//! Thermal growth from temperatures, computed by a separate task.
 
 use crate::built::{Loop, State, with_servo};
 use crate::error::{Error, explained};
@@ -9,7 +9,7 @@ use crate::result::{self, ERROR_ARGUMENT, ERROR_AXES, ResultCode};
 use trueaxis::Axis;
 use trueaxis::temperature::{self, Readings, SENSORS, ThermalState};
 
-/// Most sensors of a `.ttherm` file.
+/// Largest number of sensors of a `.ttherm` file.
 pub const THERMAL_SENSORS_MAX: usize = 16;
 /// Words of a `trueaxis_thermal_t`.
 pub const THERMAL_WORDS: usize = 10;
@@ -18,27 +18,28 @@ pub const THERMAL_STATE_WORDS: usize = 176;
 
 const _: () = assert!(THERMAL_SENSORS_MAX == SENSORS);
 
-/// A sensor is good.
+/// The sensor is good.
 pub const SENSOR_GOOD: u8 = 0;
-/// It has no reading, or one that is no number.
+/// The sensor has no reading, or one that is not a number.
 pub const SENSOR_MISSING: u8 = 1;
-/// It reads what no machine has, or jumps to exactly 85 or 0 degrees Celsius, which stand for no reading.
+/// The reading is outside the plausible range, or jumped to exactly 85 or 0 degrees Celsius, which mean no reading.
 pub const SENSOR_OUT_OF_RANGE: u8 = 2;
-/// It has changed more than plausible, and has neither come back since nor stayed for an hour.
+/// The reading changed by more than is plausible, and has neither returned since nor remained at its new value for an
+/// hour.
 pub const SENSOR_JUMPED: u8 = 3;
-/// It repeats one reading to the bit although the others move.
+/// The sensor repeats one reading to the bit although the others change.
 pub const SENSOR_STUCK: u8 = 4;
-/// It has not yet given three plausible readings that agree, over two seconds at least.
+/// The sensor has not yet given three plausible readings that agree, spread over at least two seconds.
 pub const SENSOR_STARTING: u8 = 5;
 
-/// Thermal growth, read in place from the bytes of its file (`trueaxis thermal compile`): immutable, may be copied.
+/// Thermal growth, read in place from the bytes of its file (`trueaxis thermal compile`). Immutable; may be copied.
 #[repr(C)]
 #[derive(Debug)]
 pub struct Thermal {
     words: [u64; THERMAL_WORDS],
 }
 
-/// All that one update of the task hands to the next. Belongs to the thread that updates it.
+/// State that one update of the task passes to the next. Belongs to the thread that updates it.
 #[repr(C)]
 #[derive(Debug)]
 pub struct ThermalTask {
@@ -57,19 +58,19 @@ unsafe impl Storage for ThermalTask {
     const MAGIC: u32 = 0x5452_000d;
 }
 
-/// Readings of an update.
+/// Readings for one update.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct ThermalReadings {
     /// `sizeof(trueaxis_thermal_readings_t)`.
     pub size: u32,
-    /// Number of temperatures, at most 16; sensors of the file beyond it are missing.
+    /// Number of temperatures, at most 16; further sensors of the file count as missing.
     pub count: u32,
-    /// Time since the update before, s; 0 in the first.
+    /// Time since the previous update, s; 0 in the first.
     pub dt_s: f64,
-    /// Temperatures in the order of the file, degrees Celsius; no number where there is none.
+    /// Temperatures in the order of the file, degrees Celsius; NaN for a missing reading.
     pub temperatures_c: [f64; THERMAL_SENSORS_MAX],
-    /// Speed of the spindle, rpm; no number where it is not known.
+    /// Speed of the spindle, rpm; NaN if unknown.
     pub spindle_rpm: f64,
     /// Length of the tool from the spindle's nose, mm.
     pub tool_mm: f64,
@@ -78,29 +79,29 @@ pub struct ThermalReadings {
 // SAFETY: repr(C), `size` first, numbers only.
 unsafe impl Sized32 for ThermalReadings {}
 
-/// Growth after an update. Arrays of axes are by letter: X, Y, Z, A, B, C.
+/// Growth after an update. Arrays over axes are in the order X, Y, Z, A, B, C.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Growth {
     /// `sizeof(trueaxis_growth_t)`.
     pub size: u32,
-    /// Axes that the file names (bit 0: X).
+    /// Axes that the file names, as bits (bit 0: X).
     pub axes: u32,
-    /// Offset of the line, mm (deg): error that is added, actual − ideal.
+    /// Offset of the line, mm (deg). It is an error that is added, actual − ideal.
     pub offset: [f64; 6],
-    /// Its slope, from the datum of the machine's table file on.
+    /// Slope of the line, from the datum of the machine's table file.
     pub slope: [f64; 6],
-    /// `TRUEAXIS_SENSOR_…` of every sensor: while it is not good its share stands still.
+    /// `TRUEAXIS_SENSOR_…` of every sensor. The contribution of a sensor does not change while it is not good.
     pub sensors: [u8; THERMAL_SENSORS_MAX],
-    /// Sensors (bit 0: the first) beyond the ends of their curves.
+    /// Sensors beyond the ends of their curves, where the edge value applies, as bits (bit 0: the first sensor).
     pub at_edge: u32,
-    /// Axes (bit 0: X) whose growth is beyond what the step takes; the line before stands.
+    /// Axes whose growth exceeds the range of the step, as bits (bit 0: X); the previous line remains in force.
     pub beyond: u32,
-    /// Every sensor has started; until then there is no growth.
+    /// 1: every sensor has started. Until then the growth is zero.
     pub complete: u8,
-    /// The spindle's speed is not known; its share stands still.
+    /// 1: the spindle's speed is unknown; its contribution does not change.
     pub spindle_missing: u8,
-    /// Nothing is wrong.
+    /// 1: every sensor and the spindle's speed are good, and the step accepts every growth.
     pub good: u8,
     /// 0.
     pub reserved: [u8; 5],
@@ -109,16 +110,16 @@ pub struct Growth {
 // SAFETY: repr(C), `size` first, numbers only.
 unsafe impl Sized32 for Growth {}
 
-/// Checks a whole `.ttherm` file for this machine.
+/// Builds thermal growth from a `.ttherm` file after checking the whole file and its machine.
 ///
-/// `file`, `length`: its bytes, read in place: they must outlive the growth and its copies, unchanged. `machine_id`: the
-/// machine that it must be for (`trueaxis_tables_info_t.machine_id`), 0: any. `sensors`: their number, may be `NULL`. Not
-/// real-time.
+/// `file`, `length`: bytes of the file, read in place: they must outlive the growth and its copies, unchanged.
+/// `machine_id`: the machine that the file must be for (`trueaxis_tables_info_t.machine_id`), 0: any. `sensors`:
+/// receives the number of sensors; may be `NULL`. Not real-time.
 ///
-/// `_THERMAL` (see `error->code`), `_MACHINE`.
+/// Errors: `_THERMAL` (see `error->code`), `_MACHINE`.
 ///
 /// # Safety
-/// Pointers are null or point to what their types and sizes say; `file` stays as demanded above.
+/// Pointers are null or point to objects of their types and stated sizes; `file` remains valid as required above.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_thermal_build(
     thermal: *mut Thermal,
@@ -153,10 +154,10 @@ pub unsafe extern "C" fn trueaxis_thermal_build(
     unsafe { explained(error, work) }
 }
 
-/// Starts the task: in equilibrium with the first readings, the spindle at rest for long. Not real-time.
+/// Starts the task: in equilibrium with the first readings, as after a long standstill of the spindle. Not real-time.
 ///
 /// # Safety
-/// Pointers are null or point to what their types and sizes say.
+/// Pointers are null or point to objects of their types and stated sizes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_thermal_start(task: *mut ThermalTask, task_size: usize) -> ResultCode {
     let work = || {
@@ -169,13 +170,13 @@ pub unsafe extern "C" fn trueaxis_thermal_start(task: *mut ThermalTask, task_siz
     result::of(work())
 }
 
-/// One update, every second or so: readings to growth.
+/// Computes the growth from readings. Call it about once a second.
 ///
-/// Readings are taken for linear in time since the update before. Bounded time, some 16 exponentials: real-time safe, but
-/// better done by a slower task. `_ARGUMENT` (count).
+/// Readings are assumed to be linear in time since the previous update. Bounded time, about 16 exponentials: real-time
+/// safe, but preferably called from a slower task. Errors: `_ARGUMENT` (count).
 ///
 /// # Safety
-/// Pointers are null or point to what their types say; nobody else uses `task` meanwhile.
+/// Pointers are null or point to objects of their types; nobody else uses `task` during the call.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_thermal_update(
     thermal: *const Thermal,
@@ -205,11 +206,11 @@ pub unsafe extern "C" fn trueaxis_thermal_update(
     result::of(work())
 }
 
-/// Believes the next reading of a sensor (from 0) that has jumped, as after it was exchanged. Real-time safe. `_ARGUMENT`
-/// (no such sensor).
+/// Accepts the next reading of a sensor (numbered from 0) that has jumped, for example after it was replaced. Real-time
+/// safe. Errors: `_ARGUMENT` (no such sensor).
 ///
 /// # Safety
-/// Pointers are null or point to what their types say; nobody else uses `task` meanwhile.
+/// Pointers are null or point to objects of their types; nobody else uses `task` during the call.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_thermal_believe(task: *mut ThermalTask, sensor: u32) -> ResultCode {
     let work = || {
@@ -225,13 +226,13 @@ pub unsafe extern "C" fn trueaxis_thermal_believe(task: *mut ThermalTask, sensor
     result::of(work())
 }
 
-/// Sets the growth of all axes that it names; it follows in the next cycle, through the limiter, and replaces what
-/// `trueaxis_set_thermal` has set: a host uses one of them. Call it between two cycles. No effect in a bypass. Axes that the
-/// step has not got are passed over. Real-time safe. `_AXES`, `_STATE`, `_ARGUMENT` (growth of more than 10 mm or 1e-3 of the
-/// length).
+/// Sets the growth of all axes that it names. The growth acts from the next cycle on, through the limiter, and replaces
+/// the one set by `trueaxis_set_thermal`: use only one of the two functions. Call it between two cycles. No effect in a
+/// bypass. Axes that the step does not have are ignored. Real-time safe. Errors: `_AXES`, `_STATE`, `_ARGUMENT` (growth
+/// of more than 10 mm or 1e-3 of the length).
 ///
 /// # Safety
-/// Pointers are null or point to what their types say; nobody else uses `state` meanwhile.
+/// Pointers are null or point to objects of their types; nobody else uses `state` during the call.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_set_growth(
     r#loop: *const Loop,

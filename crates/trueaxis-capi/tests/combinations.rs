@@ -1,4 +1,4 @@
-//! Every measure with and without a gauge, through C and through Rust: the same in every bit.
+//! Every measure with and without a gauge, through C and through Rust: the results are equal in every bit.
 
 use crate::machines::gauge::{Gauges, probes, same_cycle, with_gauge};
 use crate::machines::rust::*;
@@ -16,7 +16,7 @@ const KINDS: [u32; 4] = [MEASURE_NOTHING, MEASURE_PATH, MEASURE_COMMANDS, MEASUR
 /// Axes at the start and the end of the motion, X Y Z A C.
 const FROM: [f64; 5] = [10.0, 20.0, -100.0, 20.0, 5.0];
 const TO: [f64; 5] = [50.0, 35.0, -90.0, 35.0, 25.0];
-/// Cycles along the way; the tool lags by some.
+/// Number of cycles of the motion. The tool lags by `LAG` cycles.
 const CYCLES: usize = if cfg!(miri) { 6 } else { 8000 };
 const LAG: usize = if cfg!(miri) { 2 } else { 10 };
 const STEP_DEG: f64 = 0.1;
@@ -25,7 +25,7 @@ fn between(a: &[f64], b: &[f64], u: f64) -> Vec<f64> {
     a.iter().zip(b).map(|(a, b)| a + (b - a) * u).collect()
 }
 
-/// One machine, both sides of everything that a step can take.
+/// One machine, with the C and the Rust side of every argument of a step.
 struct Bench<const N: usize> {
     c: BuiltLoop,
     rust: ServoLoop<'static, R, P, N>,
@@ -48,11 +48,11 @@ impl<const N: usize> Bench<N> {
         let slots = if N == 3 { vec![0, 1, 2] } else { vec![0, 1, 2, 3, 5] };
         let tip = |axes: &[f64; 5]| <[f64; 3]>::from(exact.forward(&joints(&slots, &axes[..N])).tip);
         let (start, end) = (tip(&FROM), tip(&TO));
-        // A, B, C; without rotary axes nothing turns.
+        // A, B, C; on a machine without rotary axes nothing turns.
         let [turn_from, turn_to] = [FROM, TO].map(|axes| if N == 3 { [0.0; 3] } else { [axes[3], 0.0, axes[4]] });
         let mut path = Programmed::of_tool(16, 3);
         let mut kinematics = zeroed::<Kinematics>();
-        // SAFETY: everything is as the types say.
+        // SAFETY: all pointers and sizes match their types.
         unsafe {
             assert_eq!(trueaxis_path_axes(&mut *path.path, turn_from.as_ptr(), turn_to.as_ptr()), OK);
             let size = size_of::<Kinematics>();
@@ -91,7 +91,8 @@ impl<const N: usize> Bench<N> {
         kinematics::Tool { tip: start + (end - start) * (u as R), axis: self.core_kinematics.direction(&pose) }
     }
 
-    /// All cycles of a combination; how many measured a contour error, and whether the gauge fed anything in.
+    /// Runs all cycles of a combination. Returns how many measured a contour error, and whether the gauge fed anything
+    /// in.
     fn run(&mut self, kind: u32, with_gauge: bool) -> (usize, bool) {
         let (mut state, mut core_state) = (started(&self.c.servo), self.rust.start());
         let mut tracker = zeroed::<BranchTracker>();
@@ -104,7 +105,7 @@ impl<const N: usize> Bench<N> {
         let mut core_window =
             Box::new(contour::CommandWindow::<R, P, COMMAND_WINDOW_SPANS>::new([0.0, 0.0, 1.0], 0.005).unwrap());
         let window: *mut CommandWindow = &mut *self.window;
-        // SAFETY: everything is as the types say.
+        // SAFETY: all pointers and sizes match their types.
         unsafe {
             assert_eq!(trueaxis_command_window_start(window, size_of::<CommandWindow>(), null(), 0.005), OK);
             let (size, from) = (size_of::<BranchTracker>(), FROM.as_ptr());
@@ -123,11 +124,11 @@ impl<const N: usize> Bench<N> {
             c.feedback = drives[cycle % LAG];
             let mut core = core_input::<N>(&c);
             if kind == MEASURE_TOOL {
-                // The command comes from the tool.
+                // RTCP computes the command from the tool.
                 let tool = self.tool(u);
                 let tool_c = Tool { tip: tool.tip.into(), axis: tool.axis.into() };
                 core = self.rust.rtcp(&core_state, &tool, &mut core_tracker, &self.core_kinematics, &core);
-                // SAFETY: everything is as the types say.
+                // SAFETY: all pointers and sizes match their types.
                 let result = unsafe {
                     trueaxis_rtcp(&*self.c.servo, &*state, &tool_c, &mut *tracker, &*self.kinematics, &mut c)
                 };
@@ -139,10 +140,10 @@ impl<const N: usize> Bench<N> {
             let (path, kinematics) = (&raw const *self.path.path, &raw const *self.kinematics);
             let mut against = Measure { path, reference, window, kinematics, ..measure(kind) };
             let mut ride = self.gauges.ride(cycle as i32, POINTS as i32);
-            // Nothing is the same as no measure.
+            // `MEASURE_NOTHING` and a null pointer have the same effect.
             let measure: *mut Measure = if kind == MEASURE_NOTHING && with_gauge { null_mut() } else { &mut against };
             let gauge: *mut GaugeRide = if with_gauge { &mut ride } else { null_mut() };
-            // SAFETY: everything is as the types say.
+            // SAFETY: all pointers and sizes match their types.
             let result = unsafe { trueaxis_step(&*self.c.servo, &mut *state, &c, measure, gauge, &mut out) };
             assert_eq!(result, OK);
             drives[cycle % LAG] = out.drive;
@@ -233,17 +234,17 @@ fn five_axes_in_short() {
     bench.run(MEASURE_TOOL, true);
 }
 
-/// In a bypass nothing is measured, whatever is asked for.
+/// A bypass measures nothing, whatever measure is passed.
 #[test]
 fn a_bypass_takes_every_measure() {
     let mut bench = Bench::<3>::new(&with_gauge(small(), POINTS as u16));
     let mut bypass = zeroed::<Loop>();
     let size = size_of::<Loop>();
-    // SAFETY: everything is as the types say.
+    // SAFETY: all pointers and sizes match their types.
     assert_eq!(unsafe { trueaxis_loop_bypass(&mut *bypass, size, 3, FAULT_TABLES_REFUSED, PERIOD_NS) }, OK);
     let mut state = started(&bypass);
     let window: *mut CommandWindow = &mut *bench.window;
-    // SAFETY: everything is as the types say.
+    // SAFETY: all pointers and sizes match their types.
     assert_eq!(unsafe { trueaxis_command_window_start(window, size_of::<CommandWindow>(), null(), 0.005) }, OK);
     let (path, kinematics) = (&raw const *bench.path.path, &raw const *bench.kinematics);
     let mut out = output();
@@ -252,7 +253,7 @@ fn a_bypass_takes_every_measure() {
         let mut against =
             Measure { path, reference: Reference { span: 3, t: 0.0 }, window, kinematics, ..measure(kind) };
         let mut ride = bench.gauges.ride(0, POINTS as i32);
-        // SAFETY: everything is as the types say.
+        // SAFETY: all pointers and sizes match their types.
         let result = unsafe { trueaxis_step(&*bypass, &mut *state, &at, &mut against, &mut ride, &mut out) };
         assert_eq!((result, out.record.status & STATUS_CONTOUR, ride.infeed), (OK, 0, 0.0), "{kind}");
         assert_eq!(out.drive[..3], at.command[..3]);

@@ -1,6 +1,6 @@
-//! The dynamic correction through the C interface: bit for bit that of the Rust one, each part switched in motion.
+//! The dynamic correction through the C interface: equal to the Rust one in every bit, each part switched in motion.
 
-// In single precision they are none.
+// The conversions are useless only in double precision.
 #![allow(clippy::useless_conversion)]
 
 use crate::machines::rust::*;
@@ -33,25 +33,25 @@ const CENTER: [f64; 3] = [60.0, -40.0, -200.0];
 const RADIUS: f64 = 25.0;
 /// 98 mm/s.
 const AROUND: f64 = 16_000.0;
-/// Cycles of each setting of the switches.
+/// Number of cycles for each setting of the switches.
 const EACH: usize = 2_000;
 
-/// A point of the circle; parts of a cycle are readings that lag.
+/// A point on the circle. Fractional cycles serve for readings that lag.
 fn command(cycle: f64) -> [f64; AXES_MAX] {
     let [sin, cos] = [f64::sin, f64::cos].map(|f| f(TAU * cycle.max(0.0) / AROUND));
     [CENTER[0] + RADIUS * cos, CENTER[1] + RADIUS * sin, CENTER[2], 0.0, 0.0, 0.0]
 }
 
-/// What a run showed of every part, in any axis, in the last quarter of one setting of the switches, mm.
+/// Largest value of every part, in any axis, in the last quarter of one setting of the switches, mm.
 #[derive(Default)]
 struct Seen {
     feed_forward: f64,
     feedback: f64,
     crosstalk: f64,
     learned: f64,
-    /// Largest change of what is sent from cycle to cycle.
+    /// Largest change of the sent correction from cycle to cycle.
     step: f64,
-    /// In the last cycle.
+    /// Sent in the last cycle.
     sent: f64,
 }
 
@@ -66,7 +66,7 @@ fn run(file: &[u8], settings: &[u8]) -> Vec<Seen> {
     let start: [f64; 3] = [CENTER[0] + RADIUS, CENTER[1], CENTER[2]];
     let normal = [0.0, 0.0, 1.0];
     let mut path = Programmed::new(64, 0);
-    // SAFETY: everything is as the types say.
+    // SAFETY: all pointers and sizes match their types.
     unsafe {
         let [from, about, up] = [&start, &CENTER, &normal].map(|v| v.as_ptr());
         assert_eq!(trueaxis_path_arc(&mut *path.path, from, from, about, up, 0, null_mut()), OK);
@@ -91,13 +91,13 @@ fn run(file: &[u8], settings: &[u8]) -> Vec<Seen> {
         c.learned = [0.002, -0.001, 0.0005].map(position);
         let reference = path.reference(0, (cycle as f64 / AROUND).fract()).unwrap();
         let mut against = Measure { path: &*path.path, reference, ..measure(MEASURE_PATH) };
-        // SAFETY: everything is as the types say.
+        // SAFETY: all pointers and sizes match their types.
         assert_eq!(unsafe { trueaxis_step(&*servo.servo, &mut *state, &c, &mut against, null_mut(), &mut out) }, OK);
         let on = core_path.on(contour::Reference { span: reference.span, t: reference.t });
         same(&out, &core.step(&mut core_state, &core_input(&c), on, ()), cycle);
 
         let (seen, parts) = (seen.last_mut().unwrap(), &out.record.dynamic);
-        // What is switched off fades out over some reset times and position loops' time constants.
+        // A part that is switched off fades out over several reset times and position-loop time constants.
         if cycle % EACH >= EACH * 3 / 4 {
             seen.feed_forward = seen.feed_forward.max(largest(&parts.feed_forward));
             seen.feedback = seen.feedback.max(largest(&parts.feedback));
@@ -143,7 +143,7 @@ fn every_part_is_switched_in_motion_without_a_jump() {
 #[test]
 #[cfg_attr(miri, ignore)]
 fn a_machine_without_dynamic_parts_has_none() {
-    // `same` looks at every cycle.
+    // `same` checks every cycle.
     let mut machine = read("mill-3axis");
     machine.settings.axes.iter_mut().for_each(|axis| axis.servo = Default::default());
     machine.settings.contour.feedback = None;

@@ -1,4 +1,4 @@
-//! Encoders that count through the C interface: followed beyond the ends of their counters, refused.
+//! Incremental encoders through the C interface: followed beyond the ends of their counters, and refused.
 
 use crate::machines::*;
 use std::ptr::null_mut;
@@ -7,7 +7,7 @@ use trueaxis_capi::*;
 
 fn start(offset: f64, resolution: f64, span: u64, near: i64) -> Result<Box<Encoder>, ResultCode> {
     let mut encoder = zeroed::<Encoder>();
-    // SAFETY: everything is as the types say.
+    // SAFETY: all pointers and sizes match their types.
     match unsafe { trueaxis_encoder_start(&mut *encoder, size_of::<Encoder>(), offset, resolution, span, near) } {
         OK => Ok(encoder),
         refused => Err(refused),
@@ -16,12 +16,12 @@ fn start(offset: f64, resolution: f64, span: u64, near: i64) -> Result<Box<Encod
 
 fn at(encoder: &mut Encoder, counts: u32) -> Position {
     let mut found = position(9.0);
-    // SAFETY: everything is as the types say.
+    // SAFETY: all pointers and sizes match their types.
     assert_eq!(unsafe { trueaxis_encoder_position(encoder, counts, &mut found) }, OK);
     found
 }
 
-/// Against a counter of 64 bits: 120 steps of a quarter of the span there, as many back.
+/// Compares with a 64-bit count: 120 steps of a quarter of the span forwards, as many back.
 #[test]
 fn counts_go_on_beyond_the_ends_of_the_counter() {
     for (span, resolution) in [(1u64 << 16, 1e-3), (1 << 16, -1e-3), (1 << 32, 1e-9), (3_600_000, 1e-5)] {
@@ -30,7 +30,7 @@ fn counts_go_on_beyond_the_ends_of_the_counter() {
         for n in 0..240 {
             let found = at(&mut encoder, truth.rem_euclid(span as i64) as u32);
             let exact = -2.5 + truth as f64 * resolution;
-            // In single precision a count is 2^-33 nm off.
+            // In single precision a count is wrong by 2^-33 nm.
             let rounding = 0.51e-6 + truth.unsigned_abs() as f64 * 1.2e-16;
             assert!((rust::from_c(found).to_f64() - exact).abs() < rounding, "{span} {n}: {found:?} {exact}");
             truth += if n < 120 { span as i64 / 4 } else { -(span as i64) / 4 };
@@ -62,7 +62,7 @@ fn what_is_no_encoder_is_refused() {
     }
     let mut encoder = zeroed::<Encoder>();
     let mut found = position(9.0);
-    // SAFETY: what is wrong is null, zeroed or said to be of another size.
+    // SAFETY: invalid arguments are null, zeroed or have a wrong size stated.
     unsafe {
         assert_eq!(trueaxis_encoder_position(&mut *encoder, 1, &mut found), ERROR_UNBUILT);
         assert_eq!(trueaxis_encoder_position(null_mut(), 1, &mut found), ERROR_NULL);

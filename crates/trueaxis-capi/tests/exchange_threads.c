@@ -1,10 +1,10 @@
 /*
- * A task builds tables into the memory of a loop that is free, in a thread of its own, while another thread steps: as in
- * firmware, but so that a sanitizer of threads can watch. Hands over through one atomic place.
+ * A separate thread builds tables into the memory of the loop that is not in use, while another thread steps: as in
+ * firmware, but observable by a thread sanitizer. The loop is passed over through one atomic variable.
  *
  *   exchange_threads FIRST.tcomp SECOND.tcomp
  *
- * With RACE defined the place is none that a thread may share: the sanitizer must say so.
+ * With RACE defined that variable is not atomic, and the sanitizer must report it.
  */
 #include <pthread.h>
 #include <stdatomic.h>
@@ -43,7 +43,7 @@ static int build(int which) {
     return result == TRUEAXIS_OK;
 }
 
-/* Builds the one that is not in use, offers it, and waits until it was taken. */
+/* Builds the loop that is not in use, offers it, and waits until it was accepted. */
 static void *task(void *argument) {
     int which = 1;
     (void)argument;

@@ -1,4 +1,4 @@
-//! The gauge of three probes through the C interface, against the Rust one.
+//! The gauge of three probes through the C interface, compared with the Rust one.
 
 use crate::machines::gauge::{Gauges, with_gauge};
 use crate::machines::*;
@@ -37,7 +37,7 @@ fn compare<const N: usize>(cycles: i32) {
     for cycle in 0..cycles {
         let mut ride = gauges.ride(cycle, N as i32);
         let given = input(at, at);
-        // SAFETY: everything is as the types say.
+        // SAFETY: all pointers and sizes match their types.
         let result = unsafe { trueaxis_step(&*servo.servo, &mut *state, &given, null_mut(), &mut ride, &mut out) };
         assert_eq!(result, OK);
         let probes = gauge::probes(&ride);
@@ -52,7 +52,7 @@ fn compare<const N: usize>(cycles: i32) {
     let mut found = evaluation();
     let mut amplitudes: [Real; 2] = [9.0; 2];
     let (mut frame, mut expected, mut written) = ([0; GAUGE_FRAME_BYTES], [0; ROUNDNESS_FRAME_BYTES], 0);
-    // SAFETY: everything is as the types say.
+    // SAFETY: all pointers and sizes match their types.
     unsafe {
         let (gauge, state) = (&raw const *gauge, &raw mut *gauge_state);
         let result = trueaxis_gauge_latest(gauge, state, &mut found);
@@ -108,7 +108,7 @@ fn gauge_and_state_must_fit() {
     let mut found = evaluation();
     let size = size_of::<Gauge>();
     let (bytes, length) = (file.as_ptr(), file.len());
-    // SAFETY: what is wrong is null, zeroed or said to be of another size.
+    // SAFETY: invalid arguments are null, zeroed or have a wrong size stated.
     unsafe {
         let state: *mut GaugeState = &mut *state;
         let other: *mut Gauge = &mut *other;
@@ -136,12 +136,12 @@ fn a_bypass_measures_on() {
     let mut bypass = zeroed::<Loop>();
     let mut out = output();
     let at = [10.0; 6];
-    // SAFETY: everything is as the types say.
+    // SAFETY: all pointers and sizes match their types.
     unsafe {
         let size = size_of::<Loop>();
         assert_eq!(trueaxis_loop_bypass(&mut *bypass, size, 3, FAULT_TABLES_REFUSED, PERIOD_NS), OK);
         let mut passing = started(&bypass);
-        // Nothing known: the gauge's part is written, the drives' is not.
+        // No position is known: the gauge's results are written, the drive positions are not.
         let blind = input([f64::INFINITY; 6], [f64::INFINITY; 6]);
         out.drive = [position(123.0); 6];
         let mut ride = gauges.ride(0, 512);
@@ -161,7 +161,7 @@ fn a_bypass_measures_on() {
     }
 }
 
-/// A ride that is refused leaves everything as it was: the states, the output, and its own answer.
+/// A ride that is refused leaves everything unchanged: the states, the output, and its own results.
 #[test]
 fn rides_are_checked() {
     let mut gauges = Gauges::new(small_gauge(), 512);
@@ -182,13 +182,13 @@ fn rides_are_checked() {
         (ERROR_ALIGNMENT, GaugeRide { gauge: odd(64).cast(), ..good }),
         (ERROR_ALIGNMENT, GaugeRide { state: odd(64).cast(), ..good }),
     ] {
-        // SAFETY: what is wrong is null, misaligned, zeroed, of another kind or said to be of another size.
+        // SAFETY: invalid arguments are null, misaligned, zeroed, of another kind or have a wrong size stated.
         let result = unsafe { trueaxis_step(&*servo.servo, &mut *state, &at, null_mut(), &mut ride, &mut out) };
         assert_eq!(result, expected);
         assert_eq!((ride.finished, ride.flags, ride.infeed, out.axes), (9, u16::MAX, 9.0, 77));
     }
     let mut ride = good;
-    // SAFETY: everything is as the types say.
+    // SAFETY: all pointers and sizes match their types.
     assert_eq!(unsafe { trueaxis_step(&*servo.servo, &mut *state, &at, null_mut(), &mut ride, &mut out) }, OK);
     assert_eq!((ride.finished, out.record.sequence), (0, 0), "refused cycles do not count");
 }

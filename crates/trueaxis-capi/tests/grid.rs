@@ -1,4 +1,5 @@
-//! A grid through the C interface: the same corrections as in Rust, and the file may go once the loop is built.
+//! A grid through the C interface: the same corrections as in Rust, and the file may be discarded after building the
+//! loop.
 
 #![allow(clippy::useless_conversion, reason = "numbers are f64 or f32")]
 
@@ -7,7 +8,8 @@ use std::ptr::null;
 use trueaxis_capi::*;
 use trueaxis_tables::{Grid, GridSource, compile};
 
-/// A surface that rises by 40 µm along X and sags by 20 µm in its middle, with a rotation that nine terms leave out.
+/// A surface that rises by 40 µm along X and sags by 20 µm in its middle, with a rotation that nine terms do not
+/// describe.
 fn gridded(height_mm: f64) -> Vec<u8> {
     let mut machine = small();
     let nodes = [vec![-400.0, -50.0, 400.0], vec![-400.0, 0.0, 400.0], vec![]];

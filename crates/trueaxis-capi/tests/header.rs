@@ -1,4 +1,4 @@
-//! The committed header is the one that the source gives.
+//! Checks that the committed header is the one generated from the source.
 
 use std::{env, fs, path::Path};
 use trueaxis_capi::{ABI_MAJOR, ABI_MINOR};
@@ -50,7 +50,7 @@ fn generated(root: &Path) -> String {
     without_safety_sections(&String::from_utf8(bytes).unwrap())
 }
 
-/// Promises of a caller in Rust are for readers of the Rust code: a C pointer makes them by its type.
+/// Removes the `# Safety` sections, which are for readers of the Rust code: in C the pointer types imply them.
 fn without_safety_sections(header: &str) -> String {
     let mut kept = Vec::new();
     let mut inside = false;

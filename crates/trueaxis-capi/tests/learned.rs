@@ -1,4 +1,4 @@
-//! A learned correction through the C interface: checked, looked up, refused.
+//! A learned correction through the C interface: checked, evaluated, refused.
 
 use crate::machines::rust::from_c;
 use crate::machines::*;
@@ -15,7 +15,7 @@ const HEADER: LearnedHeader = LearnedHeader {
     spacing_nm: 500_000,
     resolution_pm: 1_000,
 };
-/// At 0, 0.5, 1, 1.5 and 2 mm, nm.
+/// Values at 0, 0.5, 1, 1.5 and 2 mm, in nm.
 const NODES: [[i16; 3]; 5] = [[0, 0, 0], [100, -200, 3], [3000, 10, -1], [-50, 0, 7], [0, 0, 0]];
 
 /// CRC-32/ISO-HDLC, bit by bit.
@@ -32,11 +32,11 @@ fn file(header: LearnedHeader) -> Vec<u8> {
     bytes
 }
 
-/// Built for a machine and a program; or result, code and text of the refusal.
+/// Builds the correction for a machine and a program, or returns result, code and text of the refusal.
 fn build(file: &[u8], (machine, program, length): (u32, u32, f64)) -> Result<Box<Learned>, (ResultCode, u32, String)> {
     let (mut learned, mut error) = (zeroed::<Learned>(), error());
     let size = size_of::<Learned>();
-    // SAFETY: everything is as the types say; the files of these tests outlive what is read in them.
+    // SAFETY: all pointers and sizes match their types; the files of these tests outlive the objects that read them.
     let result = unsafe {
         trueaxis_learned_build(&mut *learned, size, file.as_ptr(), file.len(), machine, program, length, &mut error)
     };
@@ -45,16 +45,16 @@ fn build(file: &[u8], (machine, program, length): (u32, u32, f64)) -> Result<Box
         return Ok(learned);
     }
     assert_eq!(error.result, result);
-    // SAFETY: everything is as the types say.
+    // SAFETY: all pointers and sizes match their types.
     assert_eq!(unsafe { trueaxis_learned_at(&*learned, 1.0, nothing.as_mut_ptr()) }, ERROR_UNBUILT);
     assert_eq!(nothing, [position(9.0); 3]);
     Err((result, error.code, text(&error.text)))
 }
 
-/// In nm.
+/// The correction in nm.
 fn at(learned: &Learned, length_mm: f64) -> [f64; 3] {
     let mut found = [position(9.0); 3];
-    // SAFETY: everything is as the types say.
+    // SAFETY: all pointers and sizes match their types.
     assert_eq!(unsafe { trueaxis_learned_at(learned, length_mm, found.as_mut_ptr()) }, OK);
     found.map(|x| from_c(x).to_f64() * 1e6)
 }
@@ -77,7 +77,7 @@ fn it_is_linear_between_nodes_and_zero_beyond() {
         (f64::NAN, [0.0; 3]),
         (1e300, [0.0; 3]),
     ];
-    // Single precision is rounded to whole nanometres.
+    // Single precision rounds to whole nanometres.
     let most = if cfg!(feature = "single") { 0.501 } else { 1e-6 };
     for (length, nm) in expected {
         let found = at(&learned, length);
@@ -123,14 +123,14 @@ fn another_program_machine_or_file_is_refused_with_the_figures() {
 fn a_program_has_the_id_of_its_points() {
     let (mut program, mut id) = (zeroed::<Program>(), 0);
     let place: *mut Program = &mut *program;
-    // SAFETY: everything is as the types say, or null.
+    // SAFETY: all pointers and sizes match their types, or null.
     unsafe {
         assert_eq!(trueaxis_program_id(place, &mut id), ERROR_UNBUILT);
         assert_eq!(trueaxis_program_start(place, size_of::<Program>(), f64::INFINITY), ERROR_ARGUMENT);
         assert_eq!(trueaxis_program_start(place, size_of::<Program>() + 8, 2.0), ERROR_SIZE);
         assert_eq!(trueaxis_program_start(place, size_of::<Program>(), 2.0), OK);
         assert_eq!(trueaxis_program_point(place, [0.0, 0.0, f64::NAN, 0.0, 0.0, 0.0].as_ptr()), ERROR_ARGUMENT);
-        // A line of 2 mm along X: X as µm in 64 bits, the others 0.
+        // Program of a 2 mm line along X: X as µm in 64 bits, all other axes 0.
         let mut bytes = 2000_u64.to_le_bytes().to_vec();
         for x in [0.0, 1.0, 2.0] {
             assert_eq!(trueaxis_program_point(place, [x, 0.0, 0.0, 0.0, 0.0, 0.0].as_ptr()), OK);

@@ -1,14 +1,15 @@
-//! Neither a usable command nor a usable reading: the drives' part of the output is not written, and the result says so.
+//! No usable command and no usable reading: the drive positions of the output are not written, and the result reports
+//! it.
 
 use crate::machines::*;
 use std::ptr::{null, null_mut};
 use trueaxis_capi::*;
 
-/// A position that no machine can take: infinite, or at an end of the integers' range.
+/// A position that no machine can have: infinite, or at an end of the integers' range.
 const NONE: f64 = f64::INFINITY;
 const BEFORE: f64 = 123.0;
 
-/// Runs the three cycles that matter: nothing known, Z missing by its alarm, everything read; then the reset.
+/// Runs the relevant cycles: nothing known, Z missing because of its alarm, everything read; then the reset.
 fn from_nowhere(mut step: impl FnMut(&Input, &mut Output) -> ResultCode, latched: bool) {
     let stands = [10.0, 20.0, -200.0, 0.0, 0.0, 0.0];
     let mut out = output();
@@ -17,7 +18,7 @@ fn from_nowhere(mut step: impl FnMut(&Input, &mut Output) -> ResultCode, latched
         let blind = Input { encoder_alarm: alarm, ..input([NONE; 6], feedback) };
         assert_eq!(step(&blind, &mut out), ERROR_NO_OUTPUT);
         assert_eq!(out.drive, [position(BEFORE); AXES_MAX], "not written");
-        // The rest is.
+        // The other members are written.
         assert_eq!((out.axes, out.size as usize), (3, size_of::<Output>()));
         assert_eq!(out.record.status & STATUS_NO_OUTPUT, STATUS_NO_OUTPUT);
         assert_eq!(out.record.status & STATUS_STOP_REQUEST, STATUS_STOP_REQUEST);
@@ -51,7 +52,7 @@ fn a_step_against_its_commands_writes_none_either() {
     let built = built(mill());
     let mut state = started(&built.servo);
     let mut window = zeroed::<CommandWindow>();
-    // SAFETY: everything is as the types say.
+    // SAFETY: all pointers and sizes match their types.
     unsafe {
         let size = size_of::<CommandWindow>();
         assert_eq!(trueaxis_command_window_start(&mut *window, size, null(), 0.005), OK);
@@ -66,7 +67,7 @@ fn a_step_against_its_commands_writes_none_either() {
 #[test]
 fn nor_does_a_bypass() {
     let mut bypass = zeroed::<Loop>();
-    // SAFETY: everything is as the types say.
+    // SAFETY: all pointers and sizes match their types.
     let result = unsafe { trueaxis_loop_bypass(&mut *bypass, size_of::<Loop>(), 3, FAULT_TABLES_REFUSED, PERIOD_NS) };
     assert_eq!(result, OK);
     let mut state = started(&bypass);
@@ -78,7 +79,7 @@ fn refused_pointers_are_still_refused_first() {
     let built = built(mill());
     let mut state = started(&built.servo);
     let blind = input([NONE; 6], [NONE; 6]);
-    // SAFETY: what is wrong is null.
+    // SAFETY: invalid arguments are null.
     let result = unsafe { trueaxis_step(&*built.servo, &mut *state, &blind, null_mut(), null_mut(), null_mut()) };
     assert_eq!(result, ERROR_NULL);
 }

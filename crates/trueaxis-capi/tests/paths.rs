@@ -11,7 +11,7 @@ fn points_are_found_by_segment_and_parameter() {
     for side in 0..4 {
         assert_eq!(square.line(corners[side], corners[(side + 1) % 4]), OK);
     }
-    // 40 mm make three spans of at most 16 mm, 10 mm one.
+    // A side of 40 mm is divided into three spans of at most 16 mm, one of 10 mm is a single span.
     assert_eq!(square.count(), (4, 8));
     for (segment, u, span, t) in [
         (0, 0.0, 100, 0.0),
@@ -30,7 +30,7 @@ fn points_are_found_by_segment_and_parameter() {
     assert_eq!(square.reference(4, 0.0).unwrap_err(), ERROR_ARGUMENT);
     assert_eq!(square.reference(0, f64::NAN).unwrap_err(), ERROR_ARGUMENT);
 
-    // SAFETY: everything is as the types say.
+    // SAFETY: all pointers and sizes match their types.
     unsafe {
         assert_eq!(trueaxis_path_close(&mut *square.path), OK);
         assert_eq!(trueaxis_path_clear(&mut *square.path), OK);
@@ -39,7 +39,7 @@ fn points_are_found_by_segment_and_parameter() {
     }
     assert_eq!(square.reference(0, 0.0).unwrap_err(), ERROR_ARGUMENT);
     assert_eq!(square.line(corners[0], corners[2]), OK);
-    // SAFETY: everything is as the types say.
+    // SAFETY: all pointers and sizes match their types.
     assert_eq!(unsafe { trueaxis_path_close(&mut *square.path) }, ERROR_PATH, "its ends are apart");
 }
 
@@ -50,7 +50,7 @@ fn a_segment_that_does_not_fit_changes_nothing() {
     assert_eq!(path.count(), (1, 2));
     let mut error = error();
     let (from, to) = ([30.0, 0.0, 0.0], [60.0, 0.0, 0.0]);
-    // SAFETY: everything is as the types say.
+    // SAFETY: all pointers and sizes match their types.
     let result = unsafe { trueaxis_path_line(&mut *path.path, from.as_ptr(), to.as_ptr(), &mut error) };
     assert_eq!((result, error.result), (ERROR_MEMORY, ERROR_MEMORY));
     assert_eq!(path.count(), (1, 2));
@@ -69,7 +69,7 @@ fn what_is_no_path_is_refused() {
     assert_eq!(path.line(zero, zero), ERROR_PATH);
     assert_eq!(path.line(zero, [f64::NAN, 0.0, 0.0]), ERROR_PATH);
     let mut memory = vec![0_u64; 8];
-    // SAFETY: what is wrong is null, misaligned, or no path.
+    // SAFETY: invalid arguments are null, misaligned, or no path.
     unsafe {
         let raw: *mut Path = &mut *path.path;
         let [zero, up, end, start] = [&zero, &up, &end, &start].map(|v| v.as_ptr());
@@ -85,13 +85,13 @@ fn what_is_no_path_is_refused() {
         assert_eq!(trueaxis_path_plane(raw, [f64::NAN, 0.0, 1.0].as_ptr()), ERROR_ARGUMENT);
         assert_eq!(trueaxis_path_plane(raw, [0.0, 1.0, 0.0].as_ptr()), OK);
 
-        // A clamped quadratic spline, then one whose knots descend, and one with too many of everything.
+        // A clamped quadratic spline, then one with descending knots, and one with too many elements in every list.
         let points = [0.0, 0.0, 0.0, 5.0, 5.0, 0.0, 10.0, 0.0, 0.0];
         let knots = [0.0, 0.0, 0.0, 1.0, 1.0, 1.0];
         let weights = [1.0, 2.0, 1.0];
         let (knots_, points_, weights_) = (knots.as_ptr(), points.as_ptr(), weights.as_ptr());
         assert_eq!(trueaxis_path_nurbs(raw, 2, knots_, points_, null(), 3, &mut error), OK);
-        // It ends 10 mm from where the same would begin again.
+        // The first spline ends 10 mm from the start of the second.
         assert_eq!(trueaxis_path_nurbs(raw, 2, knots_, points_, weights_, 3, &mut error), ERROR_PATH);
         assert_eq!((text(&error.field).as_str(), error.found), ("start", 10.0));
         let onward = [10.0, 0.0, 0.0, 15.0, 5.0, 0.0, 20.0, 0.0, 0.0];
@@ -111,7 +111,7 @@ fn what_is_no_path_is_refused() {
 fn memory_of_a_path_is_checked() {
     let (mut path, mut memory) = (zeroed::<Path>(), vec![0_u64; 64]);
     let (path, memory, size) = (&raw mut *path, memory.as_mut_ptr(), size_of::<Path>());
-    // SAFETY: what is wrong is null, misaligned or said to be of another size.
+    // SAFETY: invalid arguments are null, misaligned or have a wrong size stated.
     unsafe {
         assert_eq!(trueaxis_path_start(null_mut(), size, memory.cast(), 512, 0), ERROR_NULL);
         assert_eq!(trueaxis_path_start(path, size - 8, memory.cast(), 512, 0), ERROR_SIZE);
@@ -135,13 +135,13 @@ fn a_reference_outside_the_path_is_flagged() {
     let at = input([10.0, 20.0, -200.0, 0.0, 0.0, 0.0], [10.0, 20.0, -200.0, 0.0, 0.0, 0.0]);
     let mut out = output();
     let mut flags = |against: &mut Measure| {
-        // SAFETY: everything is as the types say.
+        // SAFETY: all pointers and sizes match their types.
         assert_eq!(unsafe { trueaxis_step(&*built.servo, &mut *state, &at, against, null_mut(), &mut out) }, OK);
         assert_eq!(out.record.status & STATUS_CONTOUR == 0, out.record.tip.flags & CONTOUR_NOT_FOUND != 0);
         out.record.tip.flags
     };
     let mut good = Measure { path: &*path.path, ..measure(MEASURE_PATH) };
-    // The search is cold in the first cycles; Miri does not wait for it.
+    // The search is cold in the first cycles; under Miri the loop ends before it is complete.
     for _ in 0..if cfg!(miri) { 2 } else { 60 } {
         flags(&mut good);
     }
@@ -151,7 +151,7 @@ fn a_reference_outside_the_path_is_flagged() {
         let flags = flags(&mut Measure { reference: Reference { span: 0, t }, ..good });
         assert_eq!(flags & CONTOUR_NOT_FOUND, CONTOUR_NOT_FOUND, "{t}");
     }
-    // Beyond its span, the nearer end; of another span, nothing or anything, and no harm.
+    // A parameter outside its span is clamped to the nearer end. A wrong span gives any result, but no harm.
     for t in [-0.1, 1.1] {
         let flags = flags(&mut Measure { reference: Reference { span: 0, t }, ..good });
         assert_eq!(flags & CONTOUR_REFERENCE, CONTOUR_REFERENCE, "{t}");

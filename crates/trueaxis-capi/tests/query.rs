@@ -20,7 +20,7 @@ fn asked(
     let positions: Vec<Position> = at.iter().copied().map(position).collect();
     let mut found = vec![9.0; at.len()];
     let kelvin = kelvin.map_or(null(), <[f64]>::as_ptr);
-    // SAFETY: everything is as the types say.
+    // SAFETY: all pointers and sizes match their types.
     match unsafe { query(servo, positions.as_ptr(), negative, kelvin, found.as_mut_ptr()) } {
         OK => Ok(found),
         refused => {
@@ -80,7 +80,7 @@ fn questions_are_checked() {
     let servo = built(mill());
     let mut bypass = zeroed::<Loop>();
     let size = size_of::<Loop>();
-    // SAFETY: everything is as the types say.
+    // SAFETY: all pointers and sizes match their types.
     assert_eq!(unsafe { trueaxis_loop_bypass(&mut *bypass, size, 3, FAULT_TABLES_REFUSED, PERIOD_NS) }, OK);
     let good = [10.0, 20.0, -200.0];
     for query in [trueaxis_error_at as Query, trueaxis_correction_at] {
@@ -90,7 +90,7 @@ fn questions_are_checked() {
         assert_eq!(asked(query, &servo.servo, &good, 0, Some(&[f64::NAN; 3])), Err(ERROR_ARGUMENT));
         let (at, mut to) = (good.map(position), [0.0; 3]);
         let odd = at.as_ptr().wrapping_byte_add(1);
-        // SAFETY: what is wrong is null or misaligned.
+        // SAFETY: invalid arguments are null or misaligned.
         unsafe {
             assert_eq!(query(null(), at.as_ptr(), 0, null(), to.as_mut_ptr()), ERROR_NULL);
             assert_eq!(query(&*servo.servo, null(), 0, null(), to.as_mut_ptr()), ERROR_NULL);
@@ -99,7 +99,7 @@ fn questions_are_checked() {
             assert_eq!(query(&*servo.servo, at.as_ptr(), 0, odd.cast(), to.as_mut_ptr()), ERROR_ALIGNMENT);
         }
     }
-    // Beyond the travel there is an error, but nothing to correct.
+    // Outside the travel an error is defined, but not a correction.
     let outside = [1000.0, 20.0, -200.0];
     assert!(asked(trueaxis_error_at, &servo.servo, &outside, 0, None).is_ok());
     assert_eq!(asked(trueaxis_correction_at, &servo.servo, &outside, 0, None), Err(ERROR_ARGUMENT));
@@ -111,7 +111,7 @@ fn the_nearest_foot_of_a_path() {
     let mut found = Contour { span: 77, ..output().record.tip };
     let point = [12.0, 3.0, 4.0].map(position);
     let foot = |path: &Path, point: &[Position; 3], found: &mut Contour| {
-        // SAFETY: everything is as the types say.
+        // SAFETY: all pointers and sizes match their types.
         unsafe { trueaxis_nearest_foot(path, point.as_ptr(), found) }
     };
     assert_eq!((foot(&path.path, &point, &mut found), found.span), (ERROR_ARGUMENT, 77), "no segment yet");
@@ -121,11 +121,11 @@ fn the_nearest_foot_of_a_path() {
     assert!(near(found.error, 5.0) && near(found.normal, 3.0) && near(found.binormal, 4.0), "{found:?}");
     let spans = found.span;
     assert!((5..8).contains(&spans) && found.lag == 0.0, "{found:?}");
-    // Nothing in the middle of nowhere, nothing of nothing.
+    // A point that is not finite and a path that was not started are refused.
     let nowhere = [f64::INFINITY; 3].map(position);
     assert_eq!(foot(&path.path, &nowhere, &mut found), ERROR_ARGUMENT);
     assert_eq!(foot(&zeroed::<Path>(), &point, &mut found), ERROR_UNBUILT);
-    // SAFETY: what is wrong is null.
+    // SAFETY: invalid arguments are null.
     unsafe {
         assert_eq!(trueaxis_nearest_foot(null(), point.as_ptr(), &mut found), ERROR_NULL);
         assert_eq!(trueaxis_nearest_foot(&*path.path, null(), &mut found), ERROR_NULL);

@@ -1,11 +1,11 @@
-//! Whatever a caller gets wrong has its result, and what the function would have written stays as it was.
+//! Every mistake of a caller has its result code, and the outputs of the function remain unchanged.
 
 use crate::machines::*;
 use std::ptr::{null, null_mut};
 use std::slice;
 use trueaxis_capi::*;
 
-/// All bytes of a value. Miri does not let paddings be read, nothing is compared there.
+/// All bytes of a value. Miri does not allow reading padding, so nothing is compared there.
 fn bytes_of<T>(value: &T) -> Vec<u8> {
     if cfg!(miri) {
         return Vec::new();
@@ -14,7 +14,7 @@ fn bytes_of<T>(value: &T) -> Vec<u8> {
     unsafe { slice::from_raw_parts((&raw const *value).cast(), size_of::<T>()) }.to_vec()
 }
 
-/// Memory in which nothing is aligned.
+/// A misaligned pointer into memory.
 fn odd<T>(memory: &mut [u64]) -> *mut T {
     memory.as_mut_ptr().cast::<u8>().wrapping_add(1).cast()
 }
@@ -33,7 +33,7 @@ struct Build {
 
 impl Build {
     fn call(&self) -> ResultCode {
-        // SAFETY: what is wrong is null, misaligned or said to be of another size.
+        // SAFETY: invalid arguments are null, misaligned or have a wrong size stated.
         unsafe {
             trueaxis_loop_build(
                 self.storage,
@@ -155,7 +155,7 @@ fn every_damage_is_refused() {
     let mut codes = [0_usize; 16];
     let mut refused = |bytes: &[u8]| {
         let mut error = error();
-        // SAFETY: everything is as the types say.
+        // SAFETY: all pointers and sizes match their types.
         let result = unsafe { trueaxis_tables_info(bytes.as_ptr(), bytes.len(), &mut info, &mut error) };
         assert_eq!(result, ERROR_TABLES);
         assert!(!text(&error.text).is_empty());
@@ -171,7 +171,7 @@ fn every_damage_is_refused() {
         refused(&bytes);
     }
     refused(&[MILL, &[0]].concat());
-    // Too short, too long, another kind, another version, damaged: each of them was met.
+    // Too short, too long, another kind, another version, damaged: each code must have occurred.
     assert!(codes[1..=5].iter().all(|count| *count > 0), "{codes:?}");
 }
 
@@ -179,11 +179,12 @@ fn every_damage_is_refused() {
 #[cfg_attr(miri, ignore)]
 fn contents_that_make_no_sense_name_the_setting() {
     let mut machine = read("mill-3axis");
-    // The dynamic correction has limits of its own, which may be the same numbers.
+    // The limits of the dynamic correction may be the same numbers, so the machine gets no dynamic correction.
     machine.settings.axes.iter_mut().for_each(|axis| axis.servo.dynamic = None);
     let good = trueaxis_tables::compile(&machine).unwrap();
     machine.settings.axes[1].limits.slope_per_s = 0.0;
-    // The compiler refuses it as well, so the file is made from a good one: the slope limit of Y is a double in it.
+    // The compiler refuses this setting too, so the file is made from a valid one, in which the slope limit of Y is a
+    // double.
     assert!(trueaxis_tables::compile(&machine).is_err());
     let slope = 5.0_f64.to_le_bytes();
     let settings = read("mill-3axis").settings;
@@ -197,7 +198,7 @@ fn contents_that_make_no_sense_name_the_setting() {
     let sum = trueaxis::tcomp::checksum(&bytes[..end]);
     bytes[end..].copy_from_slice(&sum.to_le_bytes());
     let (mut info, mut error) = (info(), error());
-    // SAFETY: everything is as the types say.
+    // SAFETY: all pointers and sizes match their types.
     let result = unsafe { trueaxis_tables_info(bytes.as_ptr(), bytes.len(), &mut info, &mut error) };
     assert_eq!((result, error.code, error.axis as u8), (ERROR_TABLES, 11, b'Y'));
     assert_eq!((text(&error.field).as_str(), error.found), ("Slope", 0.0));
@@ -239,7 +240,7 @@ fn a_cycle_takes_what_it_says() {
     // SAFETY: the state is ours.
     let state_before = bytes_of(unsafe { &*state });
     let out: *mut Output = &mut out;
-    // SAFETY: what is wrong is null, misaligned, zeroed, or said to be of another size.
+    // SAFETY: invalid arguments are null, misaligned, zeroed, or have a wrong size stated.
     let none = null_mut();
     let on = &raw mut against;
     let answers = unsafe {
@@ -283,7 +284,7 @@ fn periods_and_numbers_of_axes_must_fit() {
     let mut bypass = zeroed::<Loop>();
     let mut state = zeroed::<State>();
     let size = size_of::<Loop>();
-    // SAFETY: everything is as the types say.
+    // SAFETY: all pointers and sizes match their types.
     unsafe {
         assert_eq!(trueaxis_start(&*built.servo, &mut *state, size_of::<State>(), 101_000), ERROR_PERIOD);
         assert_eq!(trueaxis_start(&*built.servo, &mut *state, size_of::<State>() - 8, PERIOD_NS), ERROR_SIZE);
@@ -312,7 +313,7 @@ fn periods_and_numbers_of_axes_must_fit() {
             let mut passing = zeroed::<State>();
             assert_eq!(trueaxis_start(&*bypass, &mut *passing, size_of::<State>(), PERIOD_NS + 200), ERROR_PERIOD);
             assert_eq!(trueaxis_start(&*bypass, &mut *passing, size_of::<State>(), PERIOD_NS), OK);
-            // Loop and state do not belong together, one way or the other.
+            // Loop and state do not belong together; tested both ways.
             let mixed = if axes == 3 { ERROR_STATE } else { ERROR_AXES };
             assert_eq!(step(&bypass, &mut state, &at, &mut out), mixed);
             assert_eq!(step(&built.servo, &mut passing, &at, &mut out), mixed);
@@ -333,7 +334,7 @@ fn temperatures_must_be_of_this_world() {
     let before = bytes_of(&*state);
     let state: *mut State = &mut *state;
     let set = |place, kelvin| {
-        // SAFETY: everything is as the types say.
+        // SAFETY: all pointers and sizes match their types.
         unsafe { trueaxis_set_thermal(&*built.servo, state, place, kelvin) }
     };
     assert_eq!(set(3, 1.0), ERROR_ARGUMENT);
@@ -353,7 +354,7 @@ fn frames_need_room() {
     assert_eq!(step(&built.servo, &mut state, &input([0.0; 6], [0.0; 6]), &mut out), OK);
     let (mut bytes, mut written) = ([0xaa_u8; FRAME_BYTES], 12345);
     let mut encode = |output: *const Output, size: usize| {
-        // SAFETY: what is wrong is null or said to be smaller.
+        // SAFETY: invalid arguments are null or have a smaller size stated.
         let result = unsafe { trueaxis_frame_encode(output, bytes.as_mut_ptr(), size, &mut written) };
         (result, written, bytes == [0xaa; FRAME_BYTES])
     };
@@ -380,14 +381,15 @@ fn versions() {
     }
 }
 
-/// A host's 64-bit time is never cut to 32 bits: what does not fit, or runs backwards, is a late cycle.
+/// A host's 64-bit time is never truncated to 32 bits: a time that does not fit, or that runs backwards, is a late
+/// cycle.
 #[test]
 fn a_time_that_does_not_fit_is_a_late_cycle() {
     let fits = i64::from(u32::MAX);
     for host_ns in [0, 1, i64::from(PERIOD_NS), fits] {
         assert_eq!(i64::from(trueaxis_elapsed_ns(host_ns)), host_ns);
     }
-    // 2^32 ns and a period would be cut to a period.
+    // 2^32 ns plus a period would be truncated to a period.
     for host_ns in [fits + 1, fits + 1 + i64::from(PERIOD_NS), i64::MAX, -1, -i64::from(PERIOD_NS), i64::MIN] {
         let elapsed_ns = trueaxis_elapsed_ns(host_ns);
         assert_eq!(elapsed_ns, u32::MAX, "{host_ns}");

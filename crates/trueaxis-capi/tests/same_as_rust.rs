@@ -1,4 +1,4 @@
-//! Through the C interface a machine does what it does through the Rust one, bit for bit.
+//! Through the C interface a machine behaves as through the Rust one, bit for bit.
 
 use crate::machines::rust::*;
 use crate::machines::*;
@@ -12,10 +12,10 @@ use trueaxis_capi::*;
 /// Within the travel of the three-axis mill.
 const MILL_CENTER: [f64; 3] = [60.0, -40.0, -200.0];
 const RADIUS: f64 = 25.0;
-/// Cycles once around: 196 mm/s.
+/// Number of cycles per revolution: 196 mm/s.
 const AROUND: usize = 8000;
 
-/// On a circle about a centre, rotary axes to and fro.
+/// Command on a circle about `center`; rotary axes move to and fro.
 fn command(center: [f64; 3], cycle: usize) -> [f64; AXES_MAX] {
     let turn = TAU * cycle as f64 / AROUND as f64;
     let [x, y, z] = center;
@@ -24,7 +24,8 @@ fn command(center: [f64; 3], cycle: usize) -> [f64; AXES_MAX] {
     [x + RADIUS * cos, y + RADIUS * sin, z, rotary[0], rotary[1], rotary[2]]
 }
 
-/// Both sides over a circle, with a reading that jumps, an alarm, a change of temperature and an exchange of tables.
+/// Runs both sides along a circle, with a reading that jumps, an alarm, a change of temperature and an exchange of
+/// tables.
 fn around<const N: usize>(first: &[u8], second: &[u8], center: [f64; 3], cycles: usize) {
     let loops = [built(first), built(second)];
     let cores = [rust_loop::<N>(first), rust_loop::<N>(second)];
@@ -35,7 +36,7 @@ fn around<const N: usize>(first: &[u8], second: &[u8], center: [f64; 3], cycles:
     let start = [x + RADIUS, y, z];
     let normal = [0.0, 0.0, 1.0];
     let mut path = Programmed::new(64, 7);
-    // SAFETY: everything is as the types say.
+    // SAFETY: all pointers and sizes match their types.
     unsafe {
         let [from, about, up] = [&start, &center, &normal].map(|v| v.as_ptr());
         assert_eq!(trueaxis_path_arc(&mut *path.path, from, from, about, up, 0, null_mut()), OK);
@@ -61,7 +62,7 @@ fn around<const N: usize>(first: &[u8], second: &[u8], center: [f64; 3], cycles:
         c.encoder_alarm = u8::from(cycle == cycles / 3) << 1;
         let exchanged = usize::from(cycle >= cycles / 2);
         if cycle == cycles / 5 {
-            // SAFETY: everything is as the types say.
+            // SAFETY: all pointers and sizes match their types.
             assert_eq!(unsafe { trueaxis_set_thermal(&*loops[0].servo, &mut *state, 0, 4.0) }, OK);
             let growth = settings.axes.iter().find(|axis| axis.axis == trueaxis::Axis::X).unwrap().thermal;
             core_state.set_thermal(0, ThermalLine::for_axis(&growth, 4.0).unwrap());
@@ -70,7 +71,7 @@ fn around<const N: usize>(first: &[u8], second: &[u8], center: [f64; 3], cycles:
         let reference = path.reference(0, u).unwrap();
         let mut against = Measure { path: &*path.path, reference, ..measure(MEASURE_PATH) };
         let servo = &*loops[exchanged].servo;
-        // SAFETY: everything is as the types say.
+        // SAFETY: all pointers and sizes match their types.
         assert_eq!(unsafe { trueaxis_step(servo, &mut *state, &c, &mut against, null_mut(), &mut out) }, OK);
         let on = core_path.on(contour::Reference { span: reference.span, t: reference.t });
         let expected = cores[exchanged].step(&mut core_state, &core_input(&c), on, ());
@@ -136,18 +137,18 @@ fn against_the_commands() {
     let plane = [0.0, 0.0, 1.0];
     let mut commanded = contour::CommandWindow::<R, P, COMMAND_WINDOW_SPANS>::new(plane, 0.005).unwrap();
     let window: *mut CommandWindow = &mut *window;
-    // SAFETY: everything is as the types say.
+    // SAFETY: all pointers and sizes match their types.
     assert_eq!(unsafe { trueaxis_command_window_start(window, size_of::<CommandWindow>(), null(), 0.005) }, OK);
     let (mut out, mut against) = (output(), Measure { window, ..measure(MEASURE_COMMANDS) });
     for cycle in 0..cycles {
         let [at, feedback] = [cycle, cycle.saturating_sub(10)].map(|cycle| command(MILL_CENTER, cycle));
         let c = input(at, feedback);
         if cycle == cycles / 2 {
-            // SAFETY: everything is as the types say.
+            // SAFETY: all pointers and sizes match their types.
             assert_eq!(unsafe { trueaxis_command_window_restart(window) }, OK);
             commanded.restart();
         }
-        // SAFETY: everything is as the types say.
+        // SAFETY: all pointers and sizes match their types.
         let result = unsafe { trueaxis_step(&*servo.servo, &mut *state, &c, &mut against, null_mut(), &mut out) };
         assert_eq!(result, OK);
         same(&out, &core.step(&mut core_state, &core_input(&c), &mut commanded, ()), cycle);

@@ -1,4 +1,4 @@
-//! Thermal growth through the C interface: built, refused, updated, and led in by the step.
+//! Thermal growth through the C interface: built, refused, updated, and applied by the step.
 
 use crate::machines::*;
 use std::ptr::null_mut;
@@ -39,7 +39,7 @@ fn file(machine: u32) -> Vec<u8> {
 fn read_in(file: &[u8], machine: u32) -> Result<Box<Thermal>, (ResultCode, u32, String)> {
     let (mut thermal, mut error, mut sensors) = (zeroed::<Thermal>(), error(), 99_u32);
     let size = size_of::<Thermal>();
-    // SAFETY: everything is as the types say; the files of these tests outlive what is read in them.
+    // SAFETY: all pointers and sizes match their types; the files of these tests outlive the objects that read them.
     let result = unsafe {
         trueaxis_thermal_build(&mut *thermal, size, file.as_ptr(), file.len(), machine, &mut sensors, &mut error)
     };
@@ -53,7 +53,7 @@ fn read_in(file: &[u8], machine: u32) -> Result<Box<Thermal>, (ResultCode, u32, 
 
 fn task() -> Box<ThermalTask> {
     let mut task = zeroed::<ThermalTask>();
-    // SAFETY: everything is as the types say.
+    // SAFETY: all pointers and sizes match their types.
     assert_eq!(unsafe { trueaxis_thermal_start(&mut *task, size_of::<ThermalTask>()) }, OK);
     task
 }
@@ -68,12 +68,12 @@ fn readings(dt_s: f64, temperature_c: f64) -> ThermalReadings {
 fn updated(thermal: &Thermal, task: &mut ThermalTask, readings: &ThermalReadings) -> Growth {
     let mut growth = *zeroed::<Growth>();
     growth.size = size_of::<Growth>() as u32;
-    // SAFETY: everything is as the types say.
+    // SAFETY: all pointers and sizes match their types.
     assert_eq!(unsafe { trueaxis_thermal_update(thermal, task, readings, &mut growth) }, OK);
     growth
 }
 
-/// The growth with which a sensor starts that reads this.
+/// Growth after the start of a sensor that reads `temperature_c`.
 fn begun(thermal: &Thermal, task: &mut ThermalTask, temperature_c: f64) -> Growth {
     for status in [SENSOR_STARTING; 2] {
         let growth = updated(thermal, task, &readings(1.0, temperature_c));
@@ -95,7 +95,7 @@ fn growth_follows_the_sensor_and_stands_still_without_it() {
     assert_eq!((gone.good, gone.sensors[0], gone.offset), (0, SENSOR_MISSING, warm.offset));
     let jumped = updated(&thermal, &mut task, &readings(60.0, 60.0));
     assert_eq!((jumped.sensors[0], jumped.offset), (SENSOR_JUMPED, warm.offset));
-    // SAFETY: everything is as the types say.
+    // SAFETY: all pointers and sizes match their types.
     unsafe {
         assert_eq!(trueaxis_thermal_believe(&mut *task, 0), OK);
         assert_eq!(trueaxis_thermal_believe(&mut *task, 16), ERROR_ARGUMENT);
@@ -121,7 +121,7 @@ fn damage_and_other_machines_are_refused_with_a_code() {
     growth.size = size_of::<Growth>() as u32;
     let (unbuilt, mut empty) = (zeroed::<Thermal>(), zeroed::<ThermalTask>());
     let thermal = read_in(&good, 7).unwrap();
-    // SAFETY: everything is as the types say.
+    // SAFETY: all pointers and sizes match their types.
     unsafe {
         assert_eq!(trueaxis_thermal_update(&*unbuilt, &mut *empty, &readings, &mut growth), ERROR_UNBUILT);
         assert_eq!(trueaxis_thermal_update(&*thermal, &mut *empty, &readings, &mut growth), ERROR_UNBUILT);
@@ -137,18 +137,18 @@ fn damage_and_other_machines_are_refused_with_a_code() {
 
 #[test]
 fn growth_is_led_in_by_the_step_through_its_limiter() {
-    // One direction only: what is led in may end on the other side of a backlash.
+    // One direction only: a correction that is being applied may end on the other side of a backlash.
     let machine = small();
     let tables = trueaxis_tables::compile(&machine).unwrap();
     let servo = built(&tables);
     let mut state = started(&servo.servo);
     let at = [100.0, 0.0, -200.0, 0.0, 0.0, 0.0];
     let mut out = output();
-    // The last correction of X, and the largest change of it and of that change from one cycle to the next.
+    // Returns the last correction of X, its largest change from cycle to cycle, and the largest change of that change.
     let mut cycles = |state: &mut State, count: usize| {
         let found: Vec<f64> = (0..count)
             .map(|_| {
-                // SAFETY: everything is as the types say.
+                // SAFETY: all pointers and sizes match their types.
                 let result = unsafe {
                     trueaxis_step(&*servo.servo, &mut *state, &input(at, at), null_mut(), null_mut(), &mut out)
                 };
@@ -167,7 +167,7 @@ fn growth_is_led_in_by_the_step_through_its_limiter() {
     let file = file(7);
     let thermal = read_in(&file, 0).unwrap();
     let growth = begun(&thermal, &mut task(), 30.0);
-    // SAFETY: everything is as the types say.
+    // SAFETY: all pointers and sizes match their types.
     unsafe {
         assert_eq!(trueaxis_set_growth(&*servo.servo, &mut *state, &growth), OK);
         let steep = Growth { slope: [0.1; 6], ..growth };
@@ -177,12 +177,12 @@ fn growth_is_led_in_by_the_step_through_its_limiter() {
     let (warm, largest) = cycles(&mut state, many);
     if !cfg!(miri) {
         let x = &machine.settings.axes[0];
-        // 10 µm, and 20 µm/m from the machine's datum; the inverse looks up where the axis is corrected to.
+        // 10 µm, and 20 µm/m from the machine's datum; the inverse evaluates the error at the corrected position.
         let growth = 0.01 + 2e-5 * (at[0] - x.thermal.datum);
         assert!((warm - cold + growth).abs() < 1e-5, "{cold} to {warm} for {growth}");
         let period_s = 1e-9 * f64::from(PERIOD_NS);
         let most = [x.limits.slope_per_s * period_s, x.limits.acceleration_per_s2 * period_s * period_s];
-        // With the rounding of a difference in single precision.
+        // The tolerance covers the rounding of a difference in single precision.
         assert!(largest.iter().zip(most).all(|(found, most)| *found <= most + 1e-8), "{largest:?} of {most:?}");
     }
 }

@@ -1,4 +1,4 @@
-//! The library for three axes only: takes a machine of three, refuses one of five.
+//! The library for three axes only: accepts a machine of three axes, refuses one of five.
 
 use crate::machines::sample;
 use std::ptr::null_mut;
@@ -7,9 +7,9 @@ use trueaxis_capi::*;
 fn build(machine: &str) -> ResultCode {
     let file = sample(machine);
     let mut memory = vec![0_u64; 1 << 17];
-    // SAFETY: storage of its own type; zero is how it comes.
+    // SAFETY: zero is a valid value of the storage.
     let mut place: Box<Loop> = Box::new(unsafe { std::mem::zeroed() });
-    // SAFETY: pointers and sizes of what stands above.
+    // SAFETY: pointers and sizes are those of the objects above.
     unsafe {
         trueaxis_loop_build(
             &raw mut *place,

@@ -16,14 +16,14 @@ fn five() -> &'static [u8] {
 fn kinematics(file: &[u8]) -> Box<Kinematics> {
     let mut kinematics = zeroed::<Kinematics>();
     let (size, bytes, length) = (size_of::<Kinematics>(), file.as_ptr(), file.len());
-    // SAFETY: everything is as the types say.
+    // SAFETY: all pointers and sizes match their types.
     assert_eq!(unsafe { trueaxis_kinematics_build(&mut *kinematics, size, bytes, length, null_mut()) }, OK);
     kinematics
 }
 
 fn forward(kinematics: &Kinematics, axes: &[f64]) -> Tool {
     let mut tool = Tool::default();
-    // SAFETY: everything is as the types say.
+    // SAFETY: all pointers and sizes match their types.
     assert_eq!(unsafe { trueaxis_kinematics_forward(kinematics, axes.as_ptr(), &mut tool) }, OK);
     tool
 }
@@ -31,7 +31,7 @@ fn forward(kinematics: &Kinematics, axes: &[f64]) -> Tool {
 fn tracker(kinematics: &Kinematics, axes: &[f64]) -> Box<BranchTracker> {
     let mut tracker = zeroed::<BranchTracker>();
     let (size, axes) = (size_of::<BranchTracker>(), axes.as_ptr());
-    // SAFETY: everything is as the types say.
+    // SAFETY: all pointers and sizes match their types.
     assert_eq!(unsafe { trueaxis_branch_tracker_start(&mut *tracker, size, kinematics, axes, 1.0, null_mut()) }, OK);
     tracker
 }
@@ -42,10 +42,10 @@ fn the_tool_is_where_its_axes_put_it() {
     let upright = forward(&kinematics, &[10.0, 20.0, -100.0, 0.0, 0.0]);
     assert_eq!((upright.tip, upright.axis), ([10.0, 20.0, -100.0], [0.0, 0.0, 1.0]));
     let tool = [0.0, 0.0, -50.0];
-    // SAFETY: everything is as the types say.
+    // SAFETY: all pointers and sizes match their types.
     assert_eq!(unsafe { trueaxis_kinematics_set_tool(&mut *kinematics, tool.as_ptr()) }, OK);
     assert_eq!(forward(&kinematics, &[10.0, 20.0, -100.0, 0.0, 0.0]).tip, [10.0, 20.0, -150.0]);
-    // Axes C and A turn the workpiece; the direction keeps its length.
+    // Axes C and A turn the workpiece; the direction remains a unit vector.
     let [x, y, z] = forward(&kinematics, &AT).axis.map(|x| f64::from(x as f32));
     assert!((x * x + y * y + z * z - 1.0).abs() < 1e-6 && (z - 20f64.to_radians().cos()).abs() < 1e-6);
 }
@@ -60,7 +60,7 @@ fn a_tool_out_of_reach_is_refused_in_the_step() {
     let mut cycle = |tool: &Tool, reset| {
         let mut c = input([0.0; 6], [AT[0], AT[1], AT[2], AT[3], AT[4], 0.0]);
         c.reset = reset;
-        // SAFETY: everything is as the types say.
+        // SAFETY: all pointers and sizes match their types.
         unsafe {
             assert_eq!(trueaxis_rtcp(&*servo.servo, &*state, tool, &mut *tracker, &*kinematics, &mut c), OK);
             assert_eq!(trueaxis_step(&*servo.servo, &mut *state, &c, null_mut(), null_mut(), &mut out), OK);
@@ -76,7 +76,7 @@ fn a_tool_out_of_reach_is_refused_in_the_step() {
         assert_eq!((refusal, fault, stop), (0, FAULT_NONE, false));
         let (refusal, fault, stop, drive) = cycle(&bad, 0);
         assert_eq!((refusal, fault, stop, drive), (expected, expected, true, before));
-        // An old refusal is not kept; the stop is, until the reset.
+        // The refusal is not kept; the stop is, until the reset.
         let (refusal, _, stop, drive) = cycle(&here, 0);
         assert_eq!((refusal, stop, drive), (0, true, before));
         let (_, fault, stop, _) = cycle(&here, 1);
@@ -84,7 +84,7 @@ fn a_tool_out_of_reach_is_refused_in_the_step() {
     }
 }
 
-/// A goes from −2 to 2 degrees: nothing is refused, C stays, and the direction error is reported.
+/// A moves from −2 to 2 degrees: nothing is refused, C stays, and the direction error is reported.
 #[test]
 fn the_tool_goes_through_the_vertical() {
     let (servo, kinematics) = (built(five()), kinematics(five()));
@@ -96,10 +96,10 @@ fn the_tool_goes_through_the_vertical() {
     let tip = forward(&kinematics, &from).tip;
     for i in -200..=200_i32 {
         let mut tool = Tool { tip, ..forward(&kinematics, &[0.0, 0.0, 0.0, 0.01 * f64::from(i), 5.0]) };
-        // The sixth decimal, aside of where A turns it.
+        // Disturbs the sixth decimal, at right angles to the plane in which A turns the tool.
         tool.axis[0] += 1e-6 * [1.0, -1.0, 0.0][i.rem_euclid(3) as usize];
         let mut left = Real::NAN;
-        // SAFETY: everything is as the types say.
+        // SAFETY: all pointers and sizes match their types.
         unsafe {
             assert_eq!(trueaxis_rtcp(&*servo.servo, &*state, &tool, &mut *tracker, &*kinematics, &mut c), OK);
             assert_eq!(trueaxis_branch_tracker_direction_error(&*tracker, &mut left), OK);
@@ -127,7 +127,7 @@ fn kinematics_are_checked() {
     let far = [f64::NAN; 5];
     let tracker_: *mut BranchTracker = &mut *tracker_;
     let tracker_size = size_of::<BranchTracker>();
-    // SAFETY: what is wrong is null, misaligned, zeroed, or said to be of another size.
+    // SAFETY: invalid arguments are null, misaligned, zeroed, or have a wrong size stated.
     unsafe {
         let build = |to, size, bytes, length| trueaxis_kinematics_build(to, size, bytes, length, null_mut());
         assert_eq!(build(null_mut(), size, bytes, length), ERROR_NULL);
@@ -158,7 +158,7 @@ fn kinematics_are_checked() {
         let said = text(&error.text);
         assert!(said.starts_with("pose: axis X: found ") && said.contains("needed the travel"), "{said}");
     }
-    // Cycles of other machines, of another kind, in a bypass.
+    // Cycles of other machines, of another kind, and in a bypass.
     let servo = built(five());
     let mut state = started(&servo.servo);
     let mut bypass = zeroed::<Loop>();
@@ -217,7 +217,7 @@ fn directions_go_with_tool_paths_only() {
     let (zero, turned, up, down) = ([0.0; 3], [10.0, 0.0, 20.0], [0.0, 0.0, 2.0], [0.0, 0.0, -1.0]);
     let nan = [f64::NAN, 0.0, 0.0];
     let mut error = error();
-    // SAFETY: what is wrong is null or a wrong number.
+    // SAFETY: invalid arguments are null or a wrong number.
     unsafe {
         let (plain, path) = (&raw mut *plain.path, &raw mut *of_tool.path);
         let [zero, turned, up, down, nan] = [&zero, &turned, &up, &down, &nan].map(|v| v.as_ptr());

@@ -36,7 +36,7 @@ static trueaxis_position_t clamp(trueaxis_position_t value, trueaxis_position_t 
 #ifdef TRUEAXIS_SINGLE
 #define RANGE_MM 2147.0f /* of an int32 in nm */
 
-/* A value out of range or not a number becomes the end of the range, for a look-up only. */
+/* A value that is out of range or NaN becomes the end of the range, for a look-up only. */
 static trueaxis_position_t to_position(float mm) {
     if (!(mm > -RANGE_MM)) {
         return -2147000000;
@@ -44,7 +44,7 @@ static trueaxis_position_t to_position(float mm) {
     if (mm > RANGE_MM) {
         return 2147000000;
     }
-    /* Whole millimetres apart: a product of the whole would be rounded to 24 bits. */
+    /* Whole millimetres are converted separately: a single product would be rounded to 24 bits. */
     int32_t whole = (int32_t)mm;
     return whole * 1000000 + (int32_t)lroundf((mm - (float)whole) * 1e6f);
 }
@@ -94,7 +94,7 @@ static void correction(const trueaxis_position_t *from, uint8_t negative, trueax
         inside[slot] = clamp(from[slot], tables.low[slot], tables.high[slot]);
         directions |= (uint8_t)((negative >> tables.axis[slot] & 1) << slot);
     }
-    /* Refuses positions outside the travel and without a number only: here never. */
+    /* This refuses only positions outside the travel or NaN, which cannot occur here. */
     if (trueaxis_correction_at(&tables.loop, inside, directions, NULL, c) != TRUEAXIS_OK) {
         memset(c, 0, tables.info.axes * sizeof *c);
     }
@@ -107,7 +107,7 @@ static void correction(const trueaxis_position_t *from, uint8_t negative, trueax
     }
 }
 
-/* The larger of the corrections of `slot` in both directions, at shares of the travels. */
+/* The larger of the corrections of `slot` in both directions, at fractions of the travels. */
 static trueaxis_real_t size_at(const float *share, unsigned slot) {
     trueaxis_position_t at[TRUEAXIS_AXES_MAX];
     trueaxis_real_t plus[TRUEAXIS_AXES_MAX], minus[TRUEAXIS_AXES_MAX];
@@ -122,8 +122,8 @@ static trueaxis_real_t size_at(const float *share, unsigned slot) {
     return a > b ? a : b;
 }
 
-/* Searches along lines of the travel, each through the best place so far, from lattice places along the diagonal. The lines
-   meet the rows of a table that are evenly apart; around the best place the pitch is halved for those that are not. */
+/* Searches along lines of the travel, each through the best point so far, from points along the diagonal. The lines
+ * pass through the rows of an evenly spaced table; for other tables the pitch is halved around the best point. */
 static void find_largest(void) {
     for (uint32_t slot = 0; slot < tables.info.axes; slot++) {
         trueaxis_real_t most = 0;
@@ -152,7 +152,7 @@ static void find_largest(void) {
                         }
                     }
                     for (int halving = 0; halving < 16; halving++) {
-                        /* Both sides of the best place, then half the way. */
+                        /* Both sides of the best point, then half the pitch. */
                         pitch = halving & 1 ? -pitch : -0.5f * pitch;
                         share[i] = best[i] + pitch;
                         trueaxis_real_t size = share[i] >= 0 && share[i] <= 1 ? size_at(share, slot) : 0;
@@ -223,7 +223,7 @@ void trueaxis_correction_forward(const float *command, uint8_t negative, float *
     correction(from, negative, c);
     for (uint32_t slot = 0; slot < tables.info.axes; slot++) {
         unsigned axis = tables.axis[slot];
-        /* Far outside any travel, or no number: what the host would do, and the edge's correction. */
+        /* Far outside any travel, or NaN: add in the host's floats, with the correction at the edge. */
         drive[axis] = fabsf(command[axis]) < RANGE_MM ? from_position(from[slot] + added(c[slot])) : command[axis] + c[slot];
     }
 }

@@ -1,7 +1,7 @@
 /*
- * A double of grblHAL's core around its kinematics hooks: starts, homes, takes lines to a planner that rounds them to steps,
- * queues them and executes them step by step; holds, drops its queue, jogs, probes, parks. Behaviour from the core's
- * documentation and public source, no line of it.
+ * A double of grblHAL's core around its kinematics hooks: starts, homes, passes lines to a planner that rounds them
+ * to steps, queues them and executes them step by step; holds, drops its queue, jogs, probes, parks. The behaviour
+ * follows the core's documentation and public source; no line is copied from it.
  *
  * SPDX-License-Identifier: MIT OR Apache-2.0
  */
@@ -35,14 +35,14 @@ static sys_commands_t *registered;
 static foreground_task_ptr startup;
 static void *startup_data;
 
-/* The planner's queue, and the block that is being executed, which has left it. */
+/* The planner's queue, and the block being executed, which has left the queue. */
 typedef struct {
     int32_t from[N_AXIS], delta[N_AXIS], events, done;
 } moving_t;
 static moving_t queue[QUEUE], moving, parked_from;
 static unsigned queued;
 static bool stepping, parking;
-static unsigned braking; /* steps until a hold has come to a standstill, 0: none */
+static unsigned braking; /* steps until a hold has reached standstill, 0: no hold */
 
 /* Requests to the foreground. */
 enum { CYCLE_START = 1, FEED_HOLD = 2, MOTION_CANCEL = 4, DOOR = 8, CYCLE_COMPLETE = 16, RESET = 32, STOP = 64 };
@@ -74,7 +74,7 @@ static void nothing_else(sys_state_t now) {
     (void)now;
 }
 
-/* Motor coordinates cannot be checked here: the core answers "outside". */
+/* The core cannot check motor coordinates here and reports "outside". */
 static bool within(float *target, axes_signals_t axes, bool is_cartesian, work_envelope_t *envelope) {
     for (int idx = 0; idx < N_AXIS && is_cartesian; idx++) {
         if ((sys.homed.mask & axes.mask & bit(idx)) &&
@@ -85,7 +85,7 @@ static bool within(float *target, axes_signals_t axes, bool is_cartesian, work_e
     return is_cartesian;
 }
 
-/* Corners of the box around an arc; here of its whole circle. */
+/* Checks the corners of the box around an arc; here around its whole circle. */
 static bool arc_within(coord_data_t *target, coord_data_t *position, point_2d_t center, float radius, plane_t plane, int32_t turns,
                        work_envelope_t *envelope) {
     coord_data_t low = *position, high = *target;
@@ -96,7 +96,7 @@ static bool arc_within(coord_data_t *target, coord_data_t *position, point_2d_t 
            grbl.check_travel_limits(high.values, sys.soft_limits, true, envelope);
 }
 
-/* Cuts a motion of several axes where it leaves the travel, on its line; then each axis. */
+/* Shortens a motion of several axes on its line to where it leaves the travel, then limits each axis. */
 static void cut(float *target, float *position, work_envelope_t *envelope) {
     int moving_axes = 0;
     for (int idx = 0; position && idx < 3; idx++) {
@@ -105,7 +105,7 @@ static void cut(float *target, float *position, work_envelope_t *envelope) {
     for (int idx = 0; moving_axes > 1 && (sys.homed.mask & 7) == 7 && idx < 3; idx++) {
         float limit = target[idx] < envelope->min.values[idx] ? envelope->min.values[idx] : envelope->max.values[idx];
         if (target[idx] < envelope->min.values[idx] || target[idx] > envelope->max.values[idx]) {
-            float along = target[idx] - position[idx]; /* none: infinite, as in the core */
+            float along = target[idx] - position[idx]; /* zero: gives infinity, as in the core */
             for (int other = 0; other < 3; other++) {
                 if (other != idx) {
                     target[other] = (target[other] - position[other]) / along * (limit - position[idx]) + position[other];
@@ -166,7 +166,7 @@ void system_convert_array_steps_to_mpos(float *position, int32_t *steps) {
     kinematics.transform_steps_to_cartesian((coord_data_t *)position, (mpos_t *)steps);
 }
 
-/* NULL also while the last block is executed, which is no longer in the queue. */
+/* Also NULL while the last block is executed, which is no longer in the queue. */
 plan_block_t *plan_get_current_block(void) {
     return busy ? (plan_block_t *)blocks : queued ? (plan_block_t *)queue : NULL;
 }
@@ -198,7 +198,7 @@ static void st_reset(void) {
     moving.events = 0;
 }
 
-/* The plan of a block; no events where nothing is to be moved. Motions of the system start from where the motors are. */
+/* Plans a block; it has no events if nothing moves. System motions start from the motors' position. */
 static moving_t planned_block(const float *target, const int32_t *from, int32_t *end) {
     moving_t block = { 0 };
     for (int idx = 0; idx < N_AXIS; idx++) {
@@ -210,7 +210,7 @@ static moving_t planned_block(const float *target, const int32_t *from, int32_t 
     return block;
 }
 
-/* False where nothing is to be moved. */
+/* Returns false if nothing moves. */
 static bool plan_buffer_line(const float *target, const plan_line_data_t *pl_data) {
     int32_t end[N_AXIS];
     moving_t block = planned_block(target, pl_data->condition.system_motion ? sys.position : planned, end);
@@ -234,7 +234,8 @@ static bool plan_buffer_line(const float *target, const plan_line_data_t *pl_dat
     return true;
 }
 
-/* Takes steps of the longest axis, each with its interrupt; where none is waited for, at most those of a block at once. */
+/* Takes steps of the longest axis, each with its interrupt; if nothing waits for an interrupt, up to a block at
+ * once. */
 static unsigned step(unsigned most) {
     if (!moving.events || moving.done == moving.events) {
         moving.events = 0;
@@ -271,7 +272,7 @@ static unsigned step(unsigned most) {
         stepping = false;
         requests |= CYCLE_COMPLETE;
     }
-    return moving.done == moving.events ? most : steps; /* the foreground has the next block to prepare */
+    return moving.done == moving.events ? most : steps; /* the foreground prepares the next block */
 }
 
 static void brake(void) {
@@ -307,7 +308,7 @@ static void parking_done(void) {
     }
 }
 
-/* Out of the workpiece, to the parking place, back before the workpiece, into it: one stage after the other. */
+/* Parks in stages: out of the workpiece, to the parking place, back to before the workpiece, into it. */
 static void park_on(void) {
     float target[N_AXIS];
     bool moves = false;
@@ -326,7 +327,7 @@ static void park_on(void) {
         case 2:
             sys.parking_state = Parking_DoorClosed;
             if (core_held) {
-                core_held(); /* no report before the operator has closed the door */
+                core_held(); /* no report until the operator has closed the door */
             }
             return;
         case 3:
@@ -357,7 +358,7 @@ static void at_standstill(void) {
         }
         core_state(STATE_IDLE);
         break;
-    case STATE_CYCLE: /* at the end of the queue, or a probe has triggered */
+    case STATE_CYCLE: /* at the end of the queue, or after a probe has triggered */
         sys.suspend = false;
         sys.step_control.flags = 0;
         core_state(STATE_IDLE);
@@ -445,7 +446,8 @@ static void serve(void) {
     }
 }
 
-/* One round of the foreground loop, and the steps taken during it. False on a reset or a stop: the caller gives up. */
+/* One pass of the foreground loop, and the steps taken during it. Returns false on a reset or a stop: the caller gives
+ * up. */
 static bool protocol_execute_realtime(void) {
     do {
         if (requests) {
@@ -500,7 +502,7 @@ status_code_t mc_line(float *target, plan_line_data_t *pl_data) {
         return Status_Aborted;
     }
     if (state != STATE_CHECK_MODE && protocol_execute_realtime()) {
-        /* The same storage throughout, and the feed as programmed after every block. */
+        /* Points come in the same storage, and the feed is reset to the programmed one after every block. */
         while (kinematics.segment_line((coord_data_t *)point, NULL, pl_data, false)) {
             for (;;) {
                 if (!protocol_execute_realtime()) {
@@ -511,7 +513,7 @@ status_code_t mc_line(float *target, plan_line_data_t *pl_data) {
                 }
                 auto_cycle_start();
             }
-            /* To wherever the point is by now: the queue may have been dropped while there was no room in it. */
+            /* Moves to the present value of the point: the queue may have been dropped while it was full. */
             plan_buffer_line(point, pl_data);
             if (pl_data->condition.jog_motion && state == STATE_IDLE && plan_get_current_block()) {
                 core_state(STATE_JOG);
@@ -550,7 +552,7 @@ bool mc_arc(float *target, plan_line_data_t *pl_data, float *offset, float radiu
     return true;
 }
 
-/* What the parser does with the program's position. */
+/* Updates the program's position as the parser does. */
 status_code_t core_line(const float *target, plan_line_data_t pl_data) {
     float end[N_AXIS];
     memcpy(end, target, sizeof end);
@@ -562,7 +564,7 @@ status_code_t core_line(const float *target, plan_line_data_t pl_data) {
     return status;
 }
 
-/* However the jog ended, its end is the program's position. */
+/* The target of the jog becomes the program's position, however the jog ended. */
 status_code_t core_jog(const float *target, plan_line_data_t pl_data) {
     float end[N_AXIS];
     memcpy(end, target, sizeof end);
@@ -578,7 +580,7 @@ status_code_t core_jog(const float *target, plan_line_data_t pl_data) {
     return Status_OK;
 }
 
-/* Whether it found something. */
+/* Returns whether the probe triggered. */
 bool core_probe(const float *target, plan_line_data_t pl_data) {
     float end[N_AXIS];
     memcpy(end, target, sizeof end);
@@ -657,7 +659,7 @@ void core_home(axes_signals_t cycle, bool success) {
     core_state(STATE_HOMING);
     for (int idx = 0; idx < N_AXIS; idx++) {
         if (cycle.mask & bit(idx)) {
-            /* A move towards the switch and beyond; the others stay where they are. */
+            /* A move towards the switch and beyond it; the other axes do not move. */
             coord_data_t target, motors;
             plan_line_data_t pl_data = { .feed_rate = 500.0f };
             system_convert_array_steps_to_mpos(target.values, sys.position);
@@ -713,7 +715,7 @@ void core_start(void (*own_kinematics)(void)) {
     requests = 0;
     interrupt_after = 0;
     st_reset();
-    my_plugin_init(); /* of the driver, before the core's own kinematics */
+    my_plugin_init(); /* called by the driver, before the core's own kinematics are set */
     if (own_kinematics) {
         own_kinematics();
     }

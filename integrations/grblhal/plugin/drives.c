@@ -1,6 +1,6 @@
 /*
- * Where the drives are, by the steps that have been taken and not by the plan: the core may drop its queue at any
- * time. A drive that turns first takes up its lost motion while the tool is at rest.
+ * Positions of the drives, from the steps taken and not from the plan: the core may drop its queue at any time. A drive
+ * that turns first takes up its lost motion while the tool is at rest.
  *
  * SPDX-License-Identifier: GPL-3.0-or-later
  */
@@ -10,9 +10,9 @@
 #include "trueaxis_kinematics.h"
 
 static struct {
-    mpos_t steps, probe_steps; /* that have been followed */
+    mpos_t steps, probe_steps; /* the latest that were followed */
     coord_data_t drive;        /* at `steps` */
-    coord_data_t probe_drive;  /* where the tool is as if the drives were here, on the side of `probe_negative` */
+    coord_data_t probe_drive;  /* with `probe_negative`, puts the tool where the probe triggered */
     uint8_t probe_negative;
 } followed;
 
@@ -25,7 +25,8 @@ static float back_from(const trueaxis_sides_t *sides, const coord_data_t *drive,
     return sides->negative & bit(idx) ? -back : back;
 }
 
-/* Moves the drives to `drive`. A drive has turned when it has come back by more than its lost motion there. */
+/* Moves the drives to `drive`. A drive has turned when it has moved back by more than its lost motion at that
+ * position. */
 static void advance(trueaxis_sides_t *sides, const coord_data_t *drive) {
     coord_data_t plus, minus;
     bool looked_up = false;
@@ -48,7 +49,7 @@ static void advance(trueaxis_sides_t *sides, const coord_data_t *drive) {
     }
 }
 
-/* While a drive takes up its lost motion, the tool is where it was when the drive turned. */
+/* While a drive takes up its lost motion, the tool remains where it was when the drive turned. */
 static void holding(const trueaxis_sides_t *sides, const coord_data_t *drive, coord_data_t *held) {
     for (uint_fast8_t idx = 0; idx < N_AXIS; idx++) {
         held->values[idx] = back_from(sides, drive, idx) > 0.0f ? sides->furthest.values[idx] : drive->values[idx];
@@ -62,7 +63,7 @@ void trueaxis_follow(void) {
     memcpy(probe_steps.values, sys.probe_position, sizeof probe_steps.values);
     memcpy(steps.values, sys.position, sizeof steps.values);
     if (!trueaxis_same_steps(probe_steps.values, followed.probe_steps.values)) {
-        /* The drives passed there since they were last followed. */
+        /* The drives passed the probe's position after they were last followed. */
         trueaxis_sides_t sides = trueaxis_shared.executed;
         followed.probe_steps = probe_steps;
         trueaxis_shared.present.transform_steps_to_cartesian(&probe_drive, &probe_steps);
@@ -96,7 +97,7 @@ void trueaxis_tool(coord_data_t *tool) {
 void trueaxis_program(coord_data_t *position) {
     trueaxis_tool(position);
     for (uint_fast8_t idx = 0; idx < N_AXIS; idx++) {
-        /* Amid a block, its rounded ends and its own steps make up a step. */
+        /* Within a block, its rounded ends and its own steps together deviate by up to one step. */
         float off = fabsf(position->values[idx] - trueaxis_shared.last.values[idx]);
         if (off < 1.0f / settings.axis[idx].steps_per_mm + TRUEAXIS_HYSTERESIS_MM) {
             position->values[idx] = trueaxis_shared.last.values[idx];

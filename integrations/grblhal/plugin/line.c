@@ -1,5 +1,5 @@
 /*
- * A line in stretches whose ends are corrected.
+ * Divides a line into segments whose ends are corrected.
  *
  * SPDX-License-Identifier: GPL-3.0-or-later
  */
@@ -18,21 +18,21 @@
 #define TICKS (1u << HALVINGS) /* of a longest stretch */
 
 static struct {
-    bool corrected, inside; /* this line was begun corrected; `present` has a stretch in work */
+    bool corrected, inside; /* the line began with correction; `present` is processing a segment */
     uint32_t tick, ticks, stretch;
     float length, rate_multiplier;
-    coord_data_t start, change; /* machine coordinates: begin, end − begin */
+    coord_data_t start, change; /* machine coordinates: start, end − start */
     coord_data_t drive;         /* corrected, at `tick` */
     coord_data_t from, motor;   /* motors: position of the planner, and next target */
-    coord_data_t *below;        /* of the stretch in `present` */
+    coord_data_t *below;        /* of the segment in `present` */
     bool rapid, turned;         /* `turned`: lost motion was taken up at `tick` */
-    bool amid;                  /* the drives stopped amid their lost motion before this line */
-    bool jog, handing;          /* `handing`: points of it are still to come */
-    coord_data_t *target;       /* the core's, while it hands the line over */
-    mpos_t before;              /* motors: the point that the planner was handed before `sent` */
+    bool amid;                  /* the drives stopped within their lost motion before this line */
+    bool jog, handing;          /* `handing`: more of its points follow */
+    coord_data_t *target;       /* the core's, while it passes the line on */
+    mpos_t before;              /* motors: the point passed to the planner before `sent` */
 } line;
 
-/* Corrected position after `tick` of the line; half ticks by doubling both. */
+/* Corrected position after `tick` of the line; for half ticks, double both arguments. */
 static void drive_at(uint32_t tick, uint32_t ticks, coord_data_t *drive) {
     for (uint_fast8_t idx = 0; idx < N_AXIS; idx++) {
         drive->values[idx] = line.start.values[idx] + line.change.values[idx] * ((float)tick / (float)ticks);
@@ -48,7 +48,7 @@ static float distance(const coord_data_t *a, const coord_data_t *b) {
     return sqrtf(sum);
 }
 
-/* The largest of |a − b| and so on, in steps of each axis. */
+/* Largest component of |a − b|, in steps of its axis. */
 static float steps_between(const coord_data_t *a, const coord_data_t *b) {
     float most = 0.0f;
     for (uint_fast8_t idx = 0; idx < N_AXIS; idx++) {
@@ -69,8 +69,8 @@ mpos_t trueaxis_planner_steps(void) {
     return to_steps((coord_data_t *)plan_get_position());
 }
 
-/* The drives are at rest and the queue is empty, but not at the planned end: the core has dropped the rest. Where the
-   steps agree, the side of the lost motion still shows in the program's position. */
+/* Whether the drives are at rest and the queue is empty, but not at the planned end: the core has dropped the rest. If
+ * the steps agree, the program's position still shows the side of the lost motion. */
 static bool stopped_elsewhere(const mpos_t *steps) {
     coord_data_t program;
 
@@ -88,7 +88,7 @@ static bool stopped_elsewhere(const mpos_t *steps) {
     return steps_between(&program, &trueaxis_shared.last) > 0.0f;
 }
 
-/* Begins a line: its start from the planner's steps, the stretches. */
+/* Begins a line: determines its start from the planner's steps, and its segments. */
 static coord_data_t *begin(coord_data_t *target, const coord_data_t *position, plan_line_data_t *pl_data) {
     static const coord_data_t nowhere;
     coord_data_t end;
@@ -107,8 +107,8 @@ static coord_data_t *begin(coord_data_t *target, const coord_data_t *position, p
         trueaxis_shared.present.transform_steps_to_cartesian(&line.start, &steps);
         trueaxis_correction_inverse(line.start.values, trueaxis_shared.planned.negative, line.start.values);
     }
-    /* The end of the line before, if the planner rounded it to these steps: an axis that is not commanded then
-       does not move at all. */
+    /* Use the end of the previous line if the planner rounded it to these steps: an axis that is not commanded then
+     * does not move at all. */
     if (steps_between(&line.start, &trueaxis_shared.last) < 1.5f) {
         line.start = trueaxis_shared.last;
     }
@@ -136,8 +136,8 @@ static coord_data_t *begin(coord_data_t *target, const coord_data_t *position, p
     return trueaxis_shared.present.transform_from_cartesian(&line.motor, &end);
 }
 
-/* The drives that turn on the way to `ahead`: their bits change. A drive turns also where its axis is not commanded and only
-   the correction of the others' motion moves it. */
+/* Returns the drives that turn on the way to `ahead`, and changes their bits. A drive also turns if its axis is not
+ * commanded and only the correction for the motion of the others moves it. */
 static uint8_t turn(const coord_data_t *ahead) {
     uint8_t turned = 0;
     for (uint_fast8_t idx = 0; idx < N_AXIS; idx++) {
@@ -150,7 +150,7 @@ static uint8_t turn(const coord_data_t *ahead) {
     return turned;
 }
 
-/* Finds the next stretch: `drive` becomes its end. */
+/* Finds the next segment; `drive` becomes its end. */
 static void find_stretch(void) {
     coord_data_t reached, middle, chord;
 
@@ -161,7 +161,7 @@ static void find_stretch(void) {
     drive_at(line.tick + line.stretch, line.ticks, &ahead);
     uint8_t turned = line.turned ? 0 : turn(&ahead);
     if (turned || line.amid) {
-        /* Lost motion is taken up before the tool moves on. */
+        /* The drives take up lost motion before the tool continues. */
         line.amid = false;
         reached = line.drive;
         drive_at(line.tick, line.ticks, &line.drive);
@@ -198,12 +198,12 @@ static void find_stretch(void) {
     }
 }
 
-/* Hands the next stretch to the kinematics below. */
+/* Passes the next segment to the kinematics below. */
 static void next_stretch(plan_line_data_t *pl_data) {
     coord_data_t reached = line.drive;
 
     find_stretch();
-    pl_data->rate_multiplier = line.rate_multiplier; /* the feed itself the core sets back after every block */
+    pl_data->rate_multiplier = line.rate_multiplier; /* the core restores the feed itself after every block */
     float stretch = distance(&reached, &line.drive);
     if (pl_data->condition.inverse_time && stretch > 0.0f) {
         pl_data->feed_rate *= line.length / stretch;
@@ -213,7 +213,7 @@ static void next_stretch(plan_line_data_t *pl_data) {
     line.inside = true;
 }
 
-/* A jog that is cancelled ends here; the lines of a program do not, though the core reports the command then too. */
+/* A cancelled jog ends here; the lines of a program do not, although the core reports the command during them too. */
 static bool cancelled(void) {
     return line.jog && trueaxis_shared.jog_cancelled;
 }
@@ -224,8 +224,8 @@ void trueaxis_line_dropped(void) {
     if (line.handing && !plan_get_current_block() &&
         (cancelled() || !(trueaxis_same_steps(steps.values, trueaxis_shared.sent.values) ||
                           trueaxis_same_steps(steps.values, line.before.values)))) {
-        /* The core may hold the address of a point while it waits for room in the queue. The point becomes a move of no
-           length, or the machine would go on to it from where it was stopped. */
+        /* The core may hold the address of a point while it waits for room in the queue. Make the point a move of zero
+         * length; otherwise the machine would continue to it from where it was stopped. */
         memcpy(line.motor.values, plan_get_position(), sizeof line.motor.values);
         line.handing = false;
         if (line.jog) {

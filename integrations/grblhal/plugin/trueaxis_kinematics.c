@@ -1,5 +1,5 @@
 /*
- * trueaxis for grblHAL: geometric error compensation around the kinematics that are there.
+ * trueaxis for grblHAL: geometric error compensation around the existing kinematics.
  *
  * These files become part of a grblHAL firmware and use its interface, so they are under grblHAL's licence.
  * SPDX-License-Identifier: GPL-3.0-or-later
@@ -13,7 +13,7 @@
 #define TRUEAXIS_MACHINE_ID 0 /* any; `trueaxis tables show` prints a machine's */
 #endif
 
-/* tables.S, or where else the .tcomp lies. */
+/* Defined in tables.S, or elsewhere in the image. */
 extern const uint8_t trueaxis_tables[], trueaxis_tables_end[];
 
 trueaxis_shared_t trueaxis_shared;
@@ -26,14 +26,15 @@ static on_execute_realtime_ptr on_execute_realtime;
 static travel_limits_ptr check_travel_limits;
 static apply_travel_limits_ptr apply_travel_limits;
 
-static bool loaded;        /* the tables hold for this machine */
+static bool loaded;        /* the tables are valid for this machine */
 static bool wanted = true; /* by the operator */
 static const char *refusal = "not started";
 
 /* The corrected hooks. */
 
-/* The core is about to send the drives to a parking place and back: what it reads now it hands to the planner as it is, past
-   `segment_line`. Status reports come in between, but not while no motion is under way. */
+/* Whether the core is about to send the drives to a parking place and back: it passes the position that it reads now to
+ * the planner unchanged, bypassing `segment_line`. Status reports may come in between, but only while a motion is
+ * running. */
 static bool about_to_park(void) {
     return (state_get() & (STATE_SAFETY_DOOR | STATE_SLEEP)) && sys.parking_state == Parking_Retracting && !sys.step_control.flags;
 }
@@ -69,8 +70,9 @@ static coord_data_t *to_motors(coord_data_t *target, coord_data_t *position) {
     return trueaxis_shared.present.transform_from_cartesian(target, &drive);
 }
 
-/* At the switch of a homed axis the tool is beside the drive's position by the correction there, and with it beside the
-   limits. The largest correction of the tables is allowed, or every line that leaves the axis where it is would be refused. */
+/* At the switch of a homed axis the tool differs from the drive's position by the correction there, and so may be
+ * outside the limits. The largest correction of the tables is therefore allowed; otherwise every line that leaves the
+ * axis at its position would be refused. */
 static bool within_travel(float *target, axes_signals_t axes, bool is_cartesian, work_envelope_t *envelope) {
     work_envelope_t wider = *envelope;
 
@@ -82,8 +84,8 @@ static bool within_travel(float *target, axes_signals_t axes, bool is_cartesian,
     return check_travel_limits(target, axes, is_cartesian, &wider);
 }
 
-/* Jogs and probing are cut to the travel. An axis that is beside it for the same reason stays there: cut back, it would move
-   though it is not commanded, and a slope towards it is not defined. */
+/* The core limits jogs and probing to the travel. An axis that is outside it for the same reason remains there: if it
+ * were limited, it would move although it is not commanded, and the slope of the move to the limit is undefined. */
 static void cut_to_travel(float *target, float *position, work_envelope_t *envelope) {
     const float *from = position ? position : gc_state.position;
     work_envelope_t wider = *envelope;
@@ -97,13 +99,13 @@ static void cut_to_travel(float *target, float *position, work_envelope_t *envel
     apply_travel_limits(target, position, &wider);
 }
 
-/* Switching: nothing moves, the program's position is computed again from the steps. */
+/* Switching: nothing moves; the program's position is computed again from the steps. */
 
 static void correct(bool on) {
     if (trueaxis_shared.correcting != on) {
         trueaxis_shared.correcting = on;
         for (uint_fast8_t idx = 0; idx < N_AXIS; idx++) {
-            trueaxis_shared.last.values[idx] = NAN; /* the program's position is the steps' */
+            trueaxis_shared.last.values[idx] = NAN; /* take the program's position from the steps */
         }
         sync_position();
         trueaxis_take_over();
@@ -117,7 +119,7 @@ static bool homed(void) {
 
 static void homing_completed(axes_signals_t cycle, bool success) {
     if (success && loaded && wanted && homed()) {
-        trueaxis_follow_from_here((uint8_t)~settings.homing.dir_mask.mask); /* it came off the switch last */
+        trueaxis_follow_from_here((uint8_t)~settings.homing.dir_mask.mask); /* each axis last moved off its switch */
         correct(true);
         report_message("trueaxis: correction on", Message_Info);
     }
@@ -126,7 +128,7 @@ static void homing_completed(axes_signals_t cycle, bool success) {
     }
 }
 
-/* Homing finds the drives' own zero, and without it no position is known. */
+/* Homing determines the drives' own zero; without it no position is known. */
 static void state_changed(sys_state_t state) {
     if (trueaxis_shared.correcting && (state == STATE_HOMING || ((state == STATE_IDLE || state == STATE_ALARM) && !homed()))) {
         correct(false);
@@ -139,13 +141,13 @@ static void state_changed(sys_state_t state) {
     }
 }
 
-/* Called in every round of the foreground loop. */
+/* Called in every pass of the foreground loop. */
 static void sample_drives(sys_state_t state) {
     trueaxis_follow();
     on_execute_realtime(state);
 }
 
-/* In interrupt context. */
+/* Called in interrupt context. */
 static void jog_cancel(sys_state_t state) {
     trueaxis_shared.jog_cancelled = true;
     if (on_jog_cancel) {
@@ -169,7 +171,7 @@ static void report_options(bool newopt) {
     }
 }
 
-/* $TRUEAXIS reports, $TRUEAXIS=1 and =0 switch. */
+/* $TRUEAXIS reports the state; $TRUEAXIS=1 and =0 switch the correction. */
 static status_code_t command(sys_state_t state, char *args) {
     if (args && *args) {
         if ((*args != '0' && *args != '1') || args[1]) {
@@ -199,7 +201,8 @@ static status_code_t command(sys_state_t state, char *args) {
     return Status_OK;
 }
 
-/* NULL, or an axis whose whole travel the tables know nothing of: measured in other coordinates, or on another machine. */
+/* Returns NULL, or the refusal of an axis whose travel does not overlap that of the tables: the tables were measured in
+ * other coordinates, or on another machine. */
 static const char *beside_the_travel(void) {
     static char text[] = "the tables' travel of ? has nothing in common with the machine's";
     const trueaxis_tables_info_t *info = trueaxis_correction_tables();
@@ -218,7 +221,7 @@ static const char *beside_the_travel(void) {
     return NULL;
 }
 
-/* After everything else has started, before a line is read: around the kinematics that are there by now. */
+/* Runs after everything else has started and before a line is read; wraps the kinematics that exist by then. */
 static void start(void *data) {
     static char text[320];
     (void)data;
@@ -265,7 +268,7 @@ void my_plugin_init(void) {
     };
     static sys_commands_t registered = { .n_commands = 1, .commands = commands };
 
-    /* The core calls the hooks before `start`; its own kinematics come after this and overwrite them. */
+    /* The core calls the hooks before `start`; its own kinematics are set after this and overwrite them. */
     if (!kinematics.segment_line) {
         kinematics = trueaxis_cartesian();
     }

@@ -1,5 +1,5 @@
 /*
- * What the parts of the plugin share.
+ * Declarations shared by the parts of the plugin.
  *
  * SPDX-License-Identifier: GPL-3.0-or-later
  */
@@ -19,7 +19,7 @@
 
 #include "trueaxis_correction.h"
 
-/* It replaces `segment_line` and `transform_steps_to_cartesian` at M850 and M851, and ours with them. */
+/* RTCP_AC replaces `segment_line` and `transform_steps_to_cartesian` at M850 and M851, and with them the plugin's. */
 #if RTCP_AC
 #error "trueaxis cannot wrap RTCP_AC: M850 and M851 would take the correction off. Build without RTCP_AC."
 #endif
@@ -28,59 +28,59 @@
 #define TRUEAXIS_HYSTERESIS_MM 0.0003f /* a drive that comes back by more has turned */
 #endif
 
-/* Which side of their lost motion the drives are on. */
+/* Side of its lost motion on which each drive is. */
 typedef struct {
-    uint8_t negative;      /* bits of the drives that last moved in their negative direction */
-    coord_data_t furthest; /* how far each drive came in its direction */
+    uint8_t negative;      /* bits of the drives whose last motion was in their negative direction */
+    coord_data_t furthest; /* extreme position of each drive in its direction */
 } trueaxis_sides_t;
 
 typedef struct {
-    kinematics_t present;      /* the kinematics below: the core's, or cartesian */
-    bool correcting;           /* changes only with the position taken over from the steps, and never amid a line */
+    kinematics_t present;      /* the kinematics below: the core's, or Cartesian */
+    bool correcting;           /* changes only when the position is taken over from the steps, never within a line */
     trueaxis_sides_t planned;  /* at the end of the planner's last target */
-    trueaxis_sides_t executed; /* by the steps that were taken */
+    trueaxis_sides_t executed; /* from the steps taken */
     coord_data_t last;         /* end of the last line, machine coordinates */
-    mpos_t sent;               /* motors: the last point that the planner was handed */
+    mpos_t sent;               /* motors: the last point passed to the planner */
     volatile bool jog_cancelled;
 } trueaxis_shared_t;
 extern trueaxis_shared_t trueaxis_shared;
 
-/* Cartesian hooks, for a core that has none. */
+/* Cartesian hooks, for a core without kinematics. */
 kinematics_t trueaxis_cartesian(void);
 
-/* Has the core check the end of a line before it sees motor positions: neither those nor a correction of micrometres refuse
-   a line to the very limit. */
+/* Makes the core check the end of a line before it sees motor positions, so that neither those nor a correction of
+ * micrometres make it refuse a line up to the limit. */
 void trueaxis_validate(const coord_data_t *target, plan_line_data_t *pl_data);
 
-/* The hook of that name: lines bent so that the tool follows them. */
+/* The hook `segment_line`: bends lines so that the tool follows them. */
 coord_data_t *trueaxis_segment_line(coord_data_t *target, coord_data_t *position, plan_line_data_t *pl_data, bool init);
 
-/* Ends a line that is being handed to the planner, if the core has dropped its queue. */
+/* Ends a line that is being passed to the planner, if the core has dropped its queue. */
 void trueaxis_line_dropped(void);
 
-/* The planner's position, steps of the motors. */
+/* The planner's position, in motor steps. */
 mpos_t trueaxis_planner_steps(void);
 
 bool trueaxis_same_steps(const int32_t *a, const int32_t *b);
 
-/* Follows the drives to the steps that have been taken. To be called often while they move. */
+/* Follows the drives to the steps taken. Call it often while they move. */
 void trueaxis_follow(void);
 
-/* Starts to follow from the steps as they are, each drive on the side of its bit. */
+/* Starts following from the present steps, each drive on the side given by its bit. */
 void trueaxis_follow_from_here(uint8_t negative);
 
-/* Position of the drives by the steps taken, and of the tool. */
+/* Positions of the drives, and of the tool, from the steps taken. */
 void trueaxis_drives(coord_data_t *drive);
 void trueaxis_tool(coord_data_t *tool);
 
-/* The program's position: the tool's, and the program's own figure where rounding to steps and the hysteresis make the
-   difference. Read anew at every stop, an axis that is not commanded would walk. */
+/* The program's position: that of the tool, or the program's own value where only rounding to steps and the hysteresis
+ * differ. If it were read again at every stop, an axis that is not commanded would drift. */
 void trueaxis_program(coord_data_t *position);
 
-/* Position of the tool where the probe triggered. */
+/* Position of the tool at which the probe triggered. */
 void trueaxis_probed(coord_data_t *tool);
 
-/* The planner restarts at the drives' position. */
+/* Makes the planner restart at the drives' position. */
 void trueaxis_take_over(void);
 
 #endif

@@ -1,4 +1,5 @@
-/* Instructions and stack of the plugin's parts, on the boards of QEMU under -icount. SPDX-License-Identifier: MIT OR Apache-2.0 */
+/* Instructions and stack of the plugin's parts, on QEMU boards under -icount.
+ * SPDX-License-Identifier: MIT OR Apache-2.0 */
 #include <math.h>
 #include <stdio.h>
 
@@ -8,7 +9,7 @@
 #define CALLS 1000
 #define STACK 131072
 
-/* The board's timer 0 counts down, 3.2 ticks an instruction. */
+/* The board's timer 0 counts down 3.2 ticks per instruction. */
 static volatile uint32_t *const timer = (volatile uint32_t *)0x40000000;
 
 static uint32_t instructions(uint32_t before, uint32_t after) {
@@ -30,7 +31,7 @@ static void tell(const char *name, const tally_t *tally) {
     printf("%s.mean %lu\n%s.worst %lu\n", name, (unsigned long)(tally->sum / tally->calls), name, (unsigned long)tally->worst);
 }
 
-/* Bytes below the caller that `function` has written to. */
+/* Number of bytes of stack below the caller that `function` has written to. */
 static __attribute__((noinline)) unsigned stack_of(void (*function)(void)) {
     volatile uint8_t *low = (volatile uint8_t *)__builtin_frame_address(0) - STACK;
     for (volatile uint8_t *at = low; at < low + STACK - 256; at++) {

@@ -1,5 +1,6 @@
-/* Random sequences of lines, jogs, probing, holds, parking, stops and resets, checked against a model of the machine that shares
- * no code with the library: the reported position is the tool's, and an axis that is not commanded stays.
+/* Random sequences of lines, jogs, probing, holds, parking, stops and resets, compared with a model of the machine
+ * that shares no code with the library: the reported position is the tool's, and an axis that is not commanded does
+ * not move.
  * SPDX-License-Identifier: MIT OR Apache-2.0 */
 #include <math.h>
 #include <stdio.h>
@@ -17,11 +18,11 @@
 #endif
 #define OPERATIONS 40
 
-/* The machine: tables.py writes the same into files. um at the low end of each axis' travel. */
+/* The machine, with the same errors as tables.py writes into files: um at the low end of each axis' travel. */
 static const double lost_um[3] = { 30, 25, 20 }, travel[3] = { 300, 200, 400 };
 static const double ends_um[3][3] = { { 24, 10, -20 }, { 12, -16, 8 }, { -18, 6, 30 } };
 
-static double drive[3], lost[3]; /* mm; lost: 0 where the axis last moved up, all of it where it moved down */
+static double drive[3], lost[3]; /* mm; lost: 0 if the axis last moved up, the full lost motion if it last moved down */
 static unsigned seed, operation;
 static const char *doing;
 
@@ -47,7 +48,7 @@ static double tool(int i) {
     return at;
 }
 
-/* A step, the plugin's hysteresis of turns in its plan and in the steps it follows, and single precision. */
+/* One step, the plugin's hysteresis of turns in its plan and in the steps it follows, and single precision. */
 static double bound(int i) {
     return 1.0 / (double)settings.axis[i].steps_per_mm + 0.00065;
 }
@@ -77,7 +78,7 @@ static void report(sys_state_t state) {
     }
 }
 
-/* The event during the motion, and the operator's action when it has stopped. */
+/* The event during the motion, and the operator's action after the stop. */
 static bool dropped, parked;
 static void resumed_or_reset(void) {
     if (below(2)) {
@@ -110,14 +111,14 @@ static double somewhere(int i) {
     return -(20.0 + below(1000) * 1e-3 * (travel[i] - 60.0));
 }
 
-/* To a place a little or far from `from`; sometimes back along the same axis. */
+/* A position near or far from `from`, possibly back along the same axis. */
 static float next(int i, float from) {
     static const double far[] = { 0.003, 0.02, 0.2, 2.0, 9.0 };
     double to = from + (below(2) ? 1 : -1) * far[below(5)] * (0.2 + 1e-3 * below(1000));
     return (float)fmin(fmax(to, 10.0 - travel[i]), -10.0);
 }
 
-/* Homed at the negative ends of the axes in `low`, and at the positive of the others. */
+/* Homes at the negative ends of the axes in `low`, and at the positive ends of the others. */
 static void start(float steps_per_mm, uint8_t low) {
     memset(&sys, 0, sizeof sys);
     memset(&grbl, 0, sizeof grbl);
@@ -167,7 +168,7 @@ static void sequence(float steps_per_mm) {
         unsigned when = 1 + below((unsigned)(steps_per_mm * (below(2) ? 0.1f : 10.0f)) + 2);
         dropped = parked = false;
         memcpy(target, wanted, sizeof wanted);
-        if (kind == 0) { /* probe, then off the touched place */
+        if (kind == 0) { /* probe, then retract from the touched position */
             doing = "probe";
             int i = (int)below(3);
             target[i] = fmaxf(wanted[i] - 5.0f, 1.0f - (float)travel[i]);
@@ -176,7 +177,7 @@ static void sequence(float steps_per_mm) {
             core_probe(target, feed);
             commanded = (uint8_t)(1u << i);
             dropped = true;
-            if (sys.flags.probe_succeeded) { /* the place is the tool's, when asked for later too */
+            if (sys.flags.probe_succeeded) { /* the position is the tool's, also when read later */
                 wanted[i] = gc_state.position[i];
                 hold("position after probing", i, wanted[i], tool(i));
                 memcpy(target, wanted, sizeof wanted);
@@ -229,7 +230,7 @@ static void sequence(float steps_per_mm) {
                 wanted[i] = target[i];
             }
         }
-        if (parked) { /* the parking axis comes back from above; the next line sets it right if it had last moved up */
+        if (parked) { /* the parking axis returns from above; the next line corrects it if it had last moved up */
             line_to(wanted[0], wanted[1], wanted[2], feed);
         }
         for (int i = 0; i < 3; i++) {
@@ -246,7 +247,7 @@ static void begin(const char *what, float steps_per_mm) {
     line_to(-100, -50, -100, rapid);
 }
 
-/* However often: 200 jogs of X, cancelled wherever they are, and Y and Z are where they were, to a step. */
+/* 200 jogs of X, cancelled anywhere: Y and Z remain within a step of their positions. */
 static void jogs_cancelled(float steps_per_mm) {
     begin("jogs of X, cancelled", steps_per_mm);
     for (int n = 0; n < 200; n++) {
@@ -277,7 +278,7 @@ static void probed_again_and_again(float steps_per_mm) {
     }
 }
 
-/* A hold before a turn that is in the queue already, and a reset: the drive has not turned. */
+/* A hold before a turn that is already in the queue, then a reset: the drive has not turned. */
 static void reset_before_a_turn(float steps_per_mm) {
     begin("reset before a turn", steps_per_mm);
     for (int n = 0; n < 20; n++) {
@@ -291,11 +292,11 @@ static void reset_before_a_turn(float steps_per_mm) {
     }
 }
 
-/* Stopped while Z took up its lost motion: the rest is taken up, or given back, before the tool moves on. */
+/* Stopped while Z takes up its lost motion: the drive completes or reverses this before the tool continues. */
 static void stopped_amid_lost_motion(void) {
     for (int up = 0; up < 2; up++) {
         begin("stopped amid lost motion", 4000.0f);
-        core_interrupt(10, stop); /* within 70 steps of 80 */
+        core_interrupt(10, stop); /* within 70 of 80 steps */
         queue_to(-100, -50, -101, feed);
         core_finish();
         hold("report", 2, gc_state.position[2], -100);
@@ -310,7 +311,7 @@ static void stopped_amid_lost_motion(void) {
     }
 }
 
-/* The drives at the upper ends came there from below and back: the tool is above the travel by the lost motion. */
+/* The drives reached the upper ends from below and moved back: the tool is above the travel by the lost motion. */
 static void jogs_off_the_switches(void) {
     start(4000.0f, 0);
     settings.limits.flags.jog_soft_limited = true;
@@ -322,7 +323,7 @@ static void jogs_off_the_switches(void) {
     hold("place, not commanded,", 0, tool(0), 0.03);
     hold("place", 1, tool(1), -10);
     hold("place", 2, tool(2), -20);
-    target[1] = 5; /* cut at the limit */
+    target[1] = 5; /* limited to the travel */
     core_jog(target, feed);
     core_finish();
     hold("place, not commanded,", 0, tool(0), 0.03);
@@ -337,7 +338,8 @@ static void lines_of_a_program_are_no_jogs(void) {
     hold("place", 0, tool(0), -60);
 }
 
-/* Soft limits give way by the tables' largest correction, 64 um on X, and not by the limit of the correction, 1 mm. */
+/* Soft limits are widened by the tables' largest correction, 64 um on X, and not by the limit of the correction, 1
+ * mm. */
 static void soft_limits(void) {
     begin("soft limits", 400.0f);
     bool good = fabsf(trueaxis_correction_largest(0) - 0.064f) < 0.0015f && fabsf(trueaxis_correction_largest(1) - 0.045f) < 0.0015f &&

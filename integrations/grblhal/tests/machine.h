@@ -15,7 +15,7 @@ static inline void machine(float steps_per_mm) {
     sys.soft_limits.mask = 7;
 }
 
-/* Homed at the switches, without coming off them. */
+/* Sets the position of axes homed at their switches, without a pull-off. */
 static inline void at_switches(axes_signals_t cycle) {
     for (int idx = 0; idx < N_AXIS; idx++) {
         if (cycle.mask & bit(idx)) {
@@ -25,7 +25,7 @@ static inline void at_switches(axes_signals_t cycle) {
     }
 }
 
-/* A line, queued. */
+/* Queues a line. */
 static inline bool queue_to(float x, float y, float z, plan_line_data_t pl_data) {
     float target[N_AXIS] = { x, y, z };
     if (!pl_data.feed_rate) {
@@ -34,7 +34,7 @@ static inline bool queue_to(float x, float y, float z, plan_line_data_t pl_data)
     return core_line(target, pl_data) != Status_Aborted;
 }
 
-/* A line, executed. */
+/* Executes a line. */
 static inline bool line_to(float x, float y, float z, plan_line_data_t pl_data) {
     block_count = 0;
     bool done = queue_to(x, y, z, pl_data);

@@ -1,5 +1,6 @@
-/* Rapids through the recording that every host replays: POINTS has a line of it for each, and the motors' target
- * beside. Prints the largest difference. SPDX-License-Identifier: MIT OR Apache-2.0 */
+/* Replays rapids to the points of the recording that every host replays: each line of POINTS has a point and the
+ * motors' target. Prints the largest difference.
+ * SPDX-License-Identifier: MIT OR Apache-2.0 */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>

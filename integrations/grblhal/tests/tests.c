@@ -1,5 +1,5 @@
 /* Behaviour of the plugin on the double, and moves for checks.py, which compares them with the exact machine.
-   SPDX-License-Identifier: MIT OR Apache-2.0 */
+ * SPDX-License-Identifier: MIT OR Apache-2.0 */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -21,7 +21,7 @@
 static const axes_signals_t all = { .mask = 7 };
 static const plan_line_data_t feed, rapid = { .condition.rapid_motion = 1 };
 
-/* Everything but constants as at power-up. */
+/* Resets everything except constants to the state at power-up. */
 static void power_up(float steps_per_mm, void (*own_kinematics)(void)) {
     memset(&sys, 0, sizeof sys);
     memset(&grbl, 0, sizeof grbl);
@@ -42,7 +42,7 @@ static void nothing_before_homing(void) {
     CHECK(line_to(-100, -50, -20, feed) && block_count == 1 && at(-40000, -20000, -8000));
     told[0] = '\0';
     CHECK(core_command("TRUEAXIS") == Status_OK && !strcmp(told, "[TRUEAXIS:uncompensated, not homed|mill-3axis]\r\n"));
-    core_home((axes_signals_t){ .mask = 3 }, true); /* not all */
+    core_home((axes_signals_t){ .mask = 3 }, true); /* not all axes */
     CHECK(line_to(-100, -50, -20, feed) && at(-40000, -20000, -8000));
     core_home(all, false);
     core_state(STATE_IDLE);
@@ -73,7 +73,7 @@ static void homing_switches_on_without_a_move(void) {
     core_home(all, true);
     CHECK(at(-120000, -80000, -160000)); /* the drives are at the switches, as without the plugin */
     CHECK(!strcmp(told, "[MSG:Info: trueaxis: correction on]\r\n"));
-    /* The tool is not there: the program's position shows it, to well below a step. */
+    /* The tool is not at the switches: the program's position shows this to well below a step. */
     float drive[N_AXIS], most = 0.0f;
     trueaxis_correction_forward(gc_state.position, 0, drive);
     for (int idx = 0; idx < N_AXIS; idx++) {
@@ -81,10 +81,10 @@ static void homing_switches_on_without_a_move(void) {
         most = fmaxf(most, fabsf(gc_state.position[idx] - settings.axis[idx].max_travel));
     }
     CHECK(most > 0.005f);
-    /* To where the program already is: nothing moves. */
+    /* A line to the program's position moves nothing. */
     CHECK(line_to(gc_state.position[0], gc_state.position[1], gc_state.position[2], feed));
     CHECK(block_count == 0 && at(-120000, -80000, -160000));
-    core_state(STATE_HOMING); /* again: off, from the first move on */
+    core_state(STATE_HOMING); /* homing again switches the correction off from the first move on */
     float p[N_AXIS];
     system_convert_array_steps_to_mpos(p, sys.position);
     CHECK(p[0] == -300.0f && p[1] == -200.0f && p[2] == -400.0f);
@@ -108,7 +108,8 @@ static void switched_by_command(void) {
     for (int on = 0; on <= 1; on++) {
         CHECK(core_command(on ? "TRUEAXIS=1" : "TRUEAXIS=0") == Status_OK);
         CHECK(!memcmp(before, sys.position, sizeof before));
-        /* Off, the program reads the steps; on again, it is back where it was, within half a step. */
+        /* Switched off, the program's position is that of the steps; switched on again, it returns within half a
+         * step. */
         for (int idx = 0; idx < N_AXIS; idx++) {
             float is = gc_state.position[idx], was = (float[]){ -120, -80, -60 }[idx];
             CHECK(on ? fabsf(is - was) < 0.6f / COARSE : fabsf(is - (float)before[idx] / COARSE) < 1e-6f);
@@ -117,7 +118,7 @@ static void switched_by_command(void) {
         CHECK(!memcmp(before, sys.position, sizeof before));
     }
     CHECK(core_command("TRUEAXIS=0") == Status_OK);
-    core_home(all, true); /* stays off */
+    core_home(all, true); /* remains off */
     CHECK(line_to(-120, -80, -60, feed) && block_count == 1 && at(-48000, -32000, -24000));
     CHECK(core_command("TRUEAXIS=1") == Status_OK);
 }
@@ -137,11 +138,11 @@ static void position_lost(void) {
 
 static void limits_and_feeds(void) {
     unsigned turns = 0;
-    CHECK(line_to(-300, -200, -400, rapid) && !soft_limit_alarm); /* to the very corner */
+    CHECK(line_to(-300, -200, -400, rapid) && !soft_limit_alarm); /* to the corner of the travel */
     CHECK(line_to(0, 0, 0, rapid) && !soft_limit_alarm);
     CHECK(!line_to(0.11f, 0, 0, feed) && soft_limit_alarm);
     CHECK(!line_to(-300.11f, 0, 0, feed) && soft_limit_alarm);
-    /* From every corner that the drives can have after homing. */
+    /* From every corner at which the drives can be after homing. */
     for (int corner = 0; corner < 8; corner++) {
         float p[N_AXIS];
         for (int idx = 0; idx < N_AXIS; idx++) {
@@ -150,25 +151,25 @@ static void limits_and_feeds(void) {
         trueaxis_correction_inverse(p, 0, p);
         CHECK(line_to(p[0], p[1], p[2], rapid) && !soft_limit_alarm);
     }
-    /* Rounding to steps turns no drive: one axis moves on, the others take up nothing. */
+    /* Rounding to steps turns no drive: one axis moves, and the others take up no lost motion. */
     CHECK(line_to(-290, -50, -20, rapid) && line_to(-280, -50, -20, feed));
     for (int i = 1; i <= 100; i++) {
         CHECK(line_to(-280 + 2.5f * (float)i, -50, -20, feed) && block_count <= 3);
         turns += block_count - 2;
     }
-    CHECK(turns <= 8); /* where the correction itself turns them */
+    CHECK(turns <= 8); /* turns due to the correction itself */
     CHECK(line_to(0, 0, 0, rapid));
-    /* Rapids are not divided; feeds are, evenly, and never longer than 2 mm. */
+    /* Rapids are not divided; feed moves are divided evenly into segments of at most 2 mm. */
     int32_t zero[N_AXIS];
     memcpy(zero, sys.position, sizeof zero);
-    CHECK(line_to(-100, -50, -20, rapid) && block_count == 2); /* Y turns: first its lost motion of 2.2 um */
+    CHECK(line_to(-100, -50, -20, rapid) && block_count == 2); /* Y turns: its lost motion of 2.2 um comes first */
     CHECK(blocks[0].steps[1] - zero[1] == -1 && abs(blocks[0].steps[0] - zero[0]) <= 1 && blocks[0].steps[2] == zero[2]);
     CHECK(line_to(-50, -50, -20, feed) && block_count >= 26);
     for (unsigned i = 0; i < block_count; i++) {
         CHECK(blocks[i].feed_rate == 600.0f);
         CHECK(i == 0 || abs(blocks[i].steps[0] - blocks[i - 1].steps[0]) <= 2 * (int)COARSE);
     }
-    /* Inverse time: the stretches take as long as the whole. */
+    /* Inverse time: the segments together take as long as the whole line. */
     int32_t from[N_AXIS];
     memcpy(from, sys.position, sizeof from);
     CHECK(line_to(-90, -20, -30, (plan_line_data_t){ .feed_rate = 10.0f, .condition.inverse_time = 1 }));
@@ -190,11 +191,11 @@ static void jog_cancelled(void) {
     }
     grbl.on_jog_cancel(STATE_IDLE);
     CHECK(!kinematics.segment_line((coord_data_t *)point, NULL, &pl_data, false));
-    /* It did not get there; the next line starts from the planner's steps all the same. */
+    /* The jog did not reach its target; the next line nevertheless starts from the planner's steps. */
     CHECK(line_to(-100, -60, -20, feed) && block_count <= 12);
 }
 
-/* CoreXY below: motors a = x + y, b = x - y, their steps the same. */
+/* CoreXY kinematics below: motors a = x + y, b = x - y, with equal steps. */
 static coord_data_t *corexy_steps(coord_data_t *position, mpos_t *steps) {
     position->x = 0.5f * (float)(steps->x + steps->y) / settings.axis[0].steps_per_mm;
     position->y = 0.5f * (float)(steps->x - steps->y) / settings.axis[0].steps_per_mm;
@@ -258,7 +259,7 @@ static void around_corexy(void) {
 
 #endif
 
-/* steps -> machine coordinates -> steps, over the whole travel. */
+/* Converts steps to machine coordinates and back, over the whole travel. */
 static void there_and_back(float steps_per_mm) {
     double worst = 0.0;
     uint32_t random = 1;
@@ -281,7 +282,7 @@ static void there_and_back(float steps_per_mm) {
     CHECK(worst < (steps_per_mm > 1000.0f ? 2.0 : 0.04));
 }
 
-/* The search of the tables finds no less than random places do, and no more than a corner that they miss. */
+/* The search of the tables finds at least the largest correction of random points, and less than twice as much. */
 static void largest_correction(void) {
     float most[3] = { 0 };
     uint32_t random = 1;
@@ -304,7 +305,7 @@ static void largest_correction(void) {
            (double)trueaxis_correction_largest(1), (double)trueaxis_correction_largest(2));
 }
 
-/* Moves for the exact machine: lines of all directions, with reversals, near and far, and an arc of chords. */
+/* Moves for the exact machine: lines in all directions, with reversals, short and long, and an arc of chords. */
 static void moves(void) {
     static const float points[][N_AXIS] = {
         { -290, -190, -390 }, { -10, -10, -10 },   { -10, -190, -10 },  { -290, -190, -10 }, { -150, -100, -200 },
@@ -331,7 +332,7 @@ static void moves(void) {
 }
 
 #if N_AXIS > 3
-/* Tables of three axes on a controller of more: the fourth passes, and is not homed. */
+/* Tables of three axes on a controller with more: the fourth axis passes, and is not homed. */
 static void fourth_axis_passes(void) {
     float target[N_AXIS] = { -100, -50, -20, 12.5f };
     plan_line_data_t pl_data = { .feed_rate = 600.0f };
@@ -345,7 +346,7 @@ static void fourth_axis_passes(void) {
         CHECK(blocks[block_count - 2].steps[3] < sys.position[3] && blocks[0].steps[3] >= 0);
     }
     CHECK(gc_state.position[3] == 17.5f);
-    sys.position[3] = 20000; /* set down elsewhere: it continues from there */
+    sys.position[3] = 20000; /* moved elsewhere: the next line starts there */
     plan_sync_position();
     target[3] = 60.0f;
     block_count = 0;

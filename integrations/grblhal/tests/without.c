@@ -1,4 +1,5 @@
-/* A firmware without the plugin, to weigh the one with it. SPDX-License-Identifier: MIT OR Apache-2.0 */
+/* A firmware without the plugin, to compare its size with that of one with it.
+ * SPDX-License-Identifier: MIT OR Apache-2.0 */
 #include "machine.h"
 
 static void nothing(void *data) {

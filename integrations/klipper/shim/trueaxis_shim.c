@@ -1,6 +1,6 @@
 /*
- * Wraps a stepper's kinematics so that every step is solved at p + c(p): the host's solver asks for the motor's position at
- * a time, and the original kinematics are asked for it at the corrected place.
+ * Wraps a stepper's kinematics so that every step is solved at p + c(p): the host's solver requests the motor's
+ * position at a time, and the wrapper evaluates the original kinematics at the corrected position.
  *
  * SPDX-License-Identifier: GPL-3.0-or-later
  */
@@ -27,11 +27,11 @@ struct tables {
     trueaxis_tables_info_t info;
     trueaxis_error_t error;
     double limit;
-    double largest, steepest; /* found on the grid: mm, mm/mm */
+    double largest, steepest; /* largest values on the grid: mm, mm/mm */
     uint64_t *memory;
 };
 
-/* What all steppers of a machine share. Changed only while no steps are generated. */
+/* State shared by all steppers of a machine. Changed only while no steps are generated. */
 struct machine {
     struct tables *tables; /* NULL: uncorrected */
     int held;              /* the correction is held at `hold` */
@@ -46,7 +46,7 @@ struct corrected {
     struct move still;
 };
 
-/* Mean of both directions of travel: a jump at a reversal would be a burst of steps. */
+/* Mean of both directions of travel: a jump at a reversal would produce a burst of steps. */
 static void mean(const struct tables *t, const double *p, double *c) {
     double inside[3], there[TRUEAXIS_AXES_MAX], back[TRUEAXIS_AXES_MAX];
     for (int i = 0; i < 3; i++)
@@ -115,14 +115,15 @@ EXPORT void trueaxis_shim_correction(const struct machine *m, const double *p, d
         correction(m, p, c);
 }
 
-/* Holds the correction at its value at p, or lets it go. */
+/* Holds the correction at its value at p; with NULL it follows the position again. */
 EXPORT void trueaxis_shim_hold(struct machine *m, const double *p) {
     m->held = p && m->tables;
     if (m->held)
         correction(m, p, m->hold);
 }
 
-/* The correction of Z counts from the drives' uncorrected position when the probe touched; NULL: from none. */
+/* Makes the correction of Z zero where the probe touched, at the uncorrected position `probed` of the drives; NULL:
+ * removes this datum. */
 EXPORT void trueaxis_shim_datum(struct machine *m, const struct tables *t, const double *probed) {
     double p[3], c[3] = { 0 };
     if (t && probed) {
@@ -136,7 +137,7 @@ EXPORT void trueaxis_shim_datum(struct machine *m, const struct tables *t, const
     m->datum_z = c[2];
 }
 
-/* p of q = p + c(p); every pass brings two digits, since the slope is limited. */
+/* Solves q = p + c(p) for p; since the slope is limited, every pass adds two digits. */
 EXPORT void trueaxis_shim_inverse(const struct machine *m, const double *q, double *p) {
     memcpy(p, q, 3 * sizeof *p);
     for (int pass = 0; m->tables && pass < PASSES; pass++) {
@@ -163,7 +164,8 @@ static void look(struct tables *t, const double *p, double way, double *was, int
     }
 }
 
-/* Largest correction on a grid of the travel, steepest on fine lines along each axis through the others' ends and middle. */
+/* Finds the largest correction on a grid of the travel, and the steepest on fine lines along each axis through the ends
+ * and the middle of the others. */
 static void survey(struct tables *t) {
     const double *low = t->info.travel_low, *high = t->info.travel_high;
     double was[3];
@@ -195,7 +197,7 @@ EXPORT void trueaxis_shim_free(struct tables *t) {
     free(t);
 }
 
-/* NULL and one line in `told` if the file is refused. */
+/* Returns NULL, with one line in `told`, if the file is refused. */
 EXPORT struct tables *trueaxis_shim_load(const unsigned char *file, size_t length, unsigned machine_id, double max_correction,
                                          double max_slope, char *told, size_t told_size) {
     struct tables *t = calloc(1, sizeof *t);
@@ -241,5 +243,5 @@ EXPORT const char *trueaxis_shim_name(const struct tables *t) { return t->info.n
 EXPORT unsigned trueaxis_shim_crc(const struct tables *t) { return t->info.tables_crc; }
 EXPORT double trueaxis_shim_largest(const struct tables *t) { return t->largest; }
 EXPORT double trueaxis_shim_steepest(const struct tables *t) { return t->steepest; }
-/* CRC-32 of the host's headers that this was built with. */
+/* CRC-32 of the host's headers at the time of the build. */
 EXPORT unsigned trueaxis_shim_headers(void) { return TRUEAXIS_HEADERS; }

@@ -1,15 +1,15 @@
-/* trueaxis for LinuxCNC: shared by the parts of the component.
+/* trueaxis for LinuxCNC: declarations shared by the parts of the component.
  *
  *   main.c        loading and unloading
  *   parameters.c  module parameters: instances, joints, files
- *   tables.c      a table file becomes a servo loop (never in realtime)
+ *   tables.c      builds a servo loop from a table file (never in realtime)
  *   reload.c      the thread that reads files while the machine moves
- *   hal_compat.h  HAL as LinuxCNC 2.10 has it, on 2.9 too
+ *   hal_compat.h  the HAL interface of LinuxCNC 2.10, also on 2.9
  *   pins.c        HAL pins and parameters
  *   cycle.c       the two realtime functions
  *   steps.c       the library's steps in a cycle
  *   gauge.c       the roundness gauge in a cycle
- *   thermal.c     growth from temperatures, an update a second
+ *   thermal.c     growth from temperatures, one update per second
  *   show.c        outputs of a cycle on pins
  *
  * License: MIT OR Apache-2.0
@@ -33,19 +33,19 @@
 #define NAME_BYTES (HAL_NAME_LEN - 26 + 1)
 #define PATH_BYTES 1024
 
-/* Memory for tables, of one file in one of the two places that an exchange needs. The file itself is larger. */
+/* Memory for the tables of one file in one of the two buffers that an exchange needs. The file itself is larger. */
 #define AXIS_TABLE_BYTES (768 * 1024)
 #define JOINT_TABLE_BYTES (128 * 1024)
 #define FILE_BYTES (1024 * 1024)
 #define LINE_BYTES 320
-/* More than any file of thermal growth has: 16 sensors with 8 knots on 6 axes. */
+/* More than any file of thermal growth needs: 16 sensors with 8 knots on 6 axes. */
 #define THERMAL_BYTES (16 * 1024)
 /* Distance between two points of the commanded path at slow feeds. */
 #define WINDOW_SPACING_MM 0.005
-/* A command this close to the reading is at the joint's position: mm, degrees. */
+/* A command within this distance of the reading counts as at the joint's position: mm, degrees. */
 #define STANDING 0.05
 
-/* Reasons of the component itself to refuse; the library's results are smaller. */
+/* Codes with which the component itself refuses; the library's results are smaller. */
 enum refusal {
     REFUSED_OPEN = 1000,
     REFUSED_LONG = 1001,
@@ -54,13 +54,13 @@ enum refusal {
     REFUSED_LIMITS = 1004,
 };
 
-/* Everything that is exchanged at a reload. The memory is ours, not HAL's: HAL has 1 MiB for all components. */
+/* All data that a reload exchanges. The memory is the component's, not HAL's: HAL has 1 MiB for all components. */
 struct tables {
     trueaxis_loop_t axes;
     trueaxis_loop_t joint[MAX_JOINT_TABLES];
     trueaxis_tables_info_t info;
-    int joint_slot[MAX_JOINT_TABLES];         /* of the joint's axis in its own file */
-    uint32_t joint_machine[MAX_JOINT_TABLES]; /* identity of that file */
+    int joint_slot[MAX_JOINT_TABLES];         /* slot of the joint's axis in the joint's file */
+    uint32_t joint_machine[MAX_JOINT_TABLES]; /* machine identity from that file */
     uint64_t axes_memory[AXIS_TABLE_BYTES / 8];
     uint64_t joint_memory[MAX_JOINT_TABLES][JOINT_TABLE_BYTES / 8];
 };
@@ -68,8 +68,8 @@ struct tables {
 struct joint {
     double offset;  /* motor-pos-cmd - pos-cmd: homing, backlash, COMP_FILE */
     double reading; /* raw, this cycle */
-    double passed;  /* last reading without correction that is a number */
-    double own;     /* correction from its own table, sent */
+    double passed;  /* last finite reading, without correction */
+    double own;     /* correction sent from the joint's own table */
     double sent;    /* whole correction sent */
     double drive;   /* motor position sent, once `known` */
     bool known;     /* a motor position may be sent */
@@ -77,17 +77,17 @@ struct joint {
 
 struct joint_pins {
     hal_real_t pos_cmd, motor_cmd_in, motor_cmd_out, motor_fb_in, motor_fb_out, correction;
-    /* The dynamic part of the correction, and its origin. */
+    /* The dynamic part of the correction, and its components. */
     hal_real_t dynamic, feed_forward, contour_feedback, crosstalk, learned;
     hal_bool_t homed, alarm;
 };
 
 struct axis_pins {
     hal_real_t command, corrected, correction, temperature_rise;
-    hal_real_t learned; /* of X, Y, Z */
+    hal_real_t learned; /* for X, Y, Z */
     hal_real_t growth_offset, growth_slope;
     hal_bool_t limited, at_edge;
-    /* Limits of the tables in force, read only, and the largest that the integrator accepts; 0: any. */
+    /* Limits of the tables in force, read only, and the largest values that the integrator accepts; 0: any. */
     hal_real_t magnitude, slope, acceleration, travel_min, travel_max;
     hal_real_t max_magnitude, max_slope, max_acceleration;
 };
@@ -130,7 +130,7 @@ struct pins {
     struct thermal_pins thermal;
 };
 
-/* Set while the component is loaded, read by everybody afterwards. */
+/* Set while the component is loaded, only read afterwards. */
 struct setup {
     char name[NAME_BYTES];
     char path[PATH_BYTES];
@@ -140,15 +140,15 @@ struct setup {
     char letters[MAX_JOINTS + 1];
     bool letters_from_file;
     int joints;
-    int axis_of_joint[MAX_JOINTS];  /* slot of its axis in the step */
-    int table_of_joint[MAX_JOINTS]; /* its own table, or -1 */
+    int axis_of_joint[MAX_JOINTS];  /* slot of the joint's axis in the step */
+    int table_of_joint[MAX_JOINTS]; /* the joint's own table, or -1 */
     char axis_letters[MAX_AXES];
-    int letter_of_axis[MAX_AXES]; /* among X Y Z A B C */
+    int letter_of_axis[MAX_AXES]; /* index in X Y Z A B C */
     int axes;
     int joints_of_axis[MAX_AXES];
-    bool inch;    /* linear joints, else mm */
-    bool degrees; /* stated for rotary joints */
-    double mm_per_unit[MAX_AXES]; /* degrees of rotary axes */
+    bool inch;    /* unit of linear joints; else mm */
+    bool degrees; /* stated as the unit of rotary joints */
+    double mm_per_unit[MAX_AXES]; /* 1 for rotary axes */
     uint32_t period_ns;
     bool has_gauge;
     char thermal_path[PATH_BYTES];
@@ -158,7 +158,7 @@ struct setup {
 
 /* Growth from temperatures: file and task. */
 struct thermal {
-    uint8_t file[THERMAL_BYTES]; /* read in place by the growth */
+    uint8_t file[THERMAL_BYTES]; /* the growth reads it in place */
     trueaxis_thermal_t growth;
     trueaxis_thermal_state_t task;
     trueaxis_growth_t last; /* size 0: not loaded */
@@ -175,16 +175,16 @@ enum phase {
     PHASE_RUNNING, /* commands pass with their correction */
 };
 
-/* Written by the servo thread alone. */
+/* Written only by the servo thread. */
 struct servo {
     enum phase phase;
     struct joint joint[MAX_JOINTS];
     const struct tables *tables;
     trueaxis_state_t axes_state;
     trueaxis_state_t joint_state[MAX_JOINT_TABLES];
-    /* The same before this cycle, where more than one of them decides on the output. */
+    /* The states before this cycle, needed if more than one step decides on the output. */
     trueaxis_state_t axes_before, joint_before[MAX_JOINT_TABLES];
-    /* Which step requests the stop. */
+    /* Step that requests the stop. */
     struct {
         bool axes, joint[MAX_JOINT_TABLES];
     } stopped;
@@ -193,27 +193,27 @@ struct servo {
     trueaxis_gauge_state_t gauge_state;
     double temperature_rise[MAX_AXES];
     struct thermal thermal;
-    bool growth_told; /* to the tables in force */
-    /* Inputs in the last cycle, for their edges. */
+    bool growth_told; /* growth has been passed to the tables in force */
+    /* Inputs of the last cycle, for edge detection. */
     struct {
         bool homed, reload, reset, index, new_part;
     } last;
 };
 
-/* Between the servo thread and the loader's. */
+/* Shared between the servo thread and the loader thread. */
 struct shared {
-    _Atomic(const struct tables *) offered; /* by the loader, taken by the servo thread */
+    _Atomic(const struct tables *) offered; /* written by the loader, accepted by the servo thread */
     _Atomic(const struct tables *) in_force;
-    atomic_uint reload_wanted; /* counted by the servo thread */
-    atomic_bool permitted;     /* by the loader: the limits are accepted */
-    atomic_uint refused;       /* by the servo thread: result of the library for its period, or 0 */
+    atomic_uint reload_wanted; /* incremented by the servo thread */
+    atomic_bool permitted;     /* written by the loader: the limits are accepted */
+    atomic_uint refused;       /* written by the servo thread: the library's result for its period, or 0 */
     atomic_uint thread_period_ns;
 };
 
-/* Written by the loader's thread alone. */
+/* Written only by the loader thread. */
 struct loader {
     struct tables slot[2];
-    const struct tables *offer; /* read and offered, not taken yet */
+    const struct tables *offer; /* read and offered, not accepted yet */
     unsigned reload_done;
     bool refusal_told;
 };
@@ -223,26 +223,27 @@ struct instance {
     struct servo servo;
     struct shared shared;
     struct loader loader;
-    struct pins *pins; /* in HAL: inputs are the user's, outputs the servo thread's, reload_... the loader's */
+    struct pins *pins; /* in HAL: the user writes the inputs, the servo thread the outputs, the loader reload_... */
 };
 
 extern struct instance trueaxis_instances[MAX_INSTANCES];
 extern int trueaxis_instance_count;
 
-/* parameters.c: fills the instances from the module parameters; 0 or a negative errno with a line printed. */
+/* parameters.c: fills the instances from the module parameters. Returns 0, or a negative errno after printing a
+ * line. */
 int parameters_read(void);
 
-/* tables.c: reads the instance's files into `tables`. Returns 0, the library's result or a `refusal`, and then one
- * line of text. Files of other machines than those of `before` are refused, if that is not NULL. */
+/* tables.c: reads the instance's files into `tables`. Returns 0, or the library's result or a `refusal` and one line of
+ * text. If `before` is not NULL, refuses files of other machines than its own. */
 uint32_t tables_read(const struct instance *instance, const struct tables *before, struct tables *tables,
                      char line[LINE_BYTES]);
-/* Fills in where the file's axes are among the joints; 0 or a refusal with one line. */
+/* Finds the file's axes among the joints; returns 0, or a refusal and one line. */
 uint32_t tables_match(struct instance *instance, const struct tables *tables, char line[LINE_BYTES]);
-/* Builds the gauge of a machine that has one, of as many points a revolution. */
+/* Builds the gauge of a machine that has one, with `points` points per revolution. */
 uint32_t tables_gauge(struct instance *instance, uint32_t points, char line[LINE_BYTES]);
-/* Reads the instance's thermal growth, if it has one, for this machine; 0 or a refusal with one line. */
+/* Reads the instance's thermal growth, if it has one, for this machine; returns 0, or a refusal and one line. */
 uint32_t tables_thermal(struct instance *instance, uint32_t machine_id, char line[LINE_BYTES]);
-/* The negative errno of a result. */
+/* The negative errno that corresponds to a result. */
 int tables_errno(uint32_t refused);
 
 /* pins.c */
@@ -251,7 +252,7 @@ int pins_export(struct instance *instance, int component);
 void pins_limits(struct instance *instance, const struct tables *tables);
 /* TRUEAXIS_DYNAMICS_... bits of the parts that are switched off. */
 uint8_t pins_parts_off(const struct pins *pins);
-/* Whether the limits of tables are within the largest that the integrator accepts. */
+/* Whether the limits of the tables are within the largest values that the integrator accepts. */
 bool pins_limits_accepted(const struct instance *instance, const struct tables *tables);
 
 /* reload.c */
@@ -262,20 +263,20 @@ void reload_stop(void);
 void steps_start(struct instance *instance, uint32_t period_ns);
 void steps_take_tables(struct instance *instance);
 void steps_temperature(struct instance *instance);
-/* Command and readings of the axes. */
+/* Collects command and readings of the axes. */
 void steps_gather(const struct instance *instance, trueaxis_input_t *input);
-/* All of them; `phase` becomes the new one. False if the library refused. */
+/* Runs all steps and updates `phase`. Returns false if the library refused. */
 bool steps_run(struct instance *instance, const trueaxis_input_t *input, trueaxis_output_t *axes,
                trueaxis_output_t joints[MAX_JOINT_TABLES]);
 
-/* gauge.c: its readings of a cycle from pins, and its answer to pins. */
+/* gauge.c: reads the gauge's readings of a cycle from pins, and writes its results to pins. */
 void gauge_read(struct instance *instance, trueaxis_gauge_ride_t *ride);
 void gauge_show(struct instance *instance, const trueaxis_gauge_ride_t *ride);
 
-/* thermal.c: in every cycle: an update once a second, and growth to new tables. */
+/* thermal.c: called in every cycle; updates the growth once per second and passes it to new tables. */
 void thermal_update(struct instance *instance, uint32_t period_ns);
 
-/* show.c: output of a cycle, on pins. */
+/* show.c: writes the output of a cycle to pins. */
 void show_cycle(const struct instance *instance, const trueaxis_input_t *input, const trueaxis_output_t *axes,
                 const trueaxis_output_t joints[MAX_JOINT_TABLES]);
 

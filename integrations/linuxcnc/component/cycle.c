@@ -10,7 +10,7 @@
 
 #include <math.h>
 
-/* A correction of zero passes a position bit for bit. */
+/* A correction of zero leaves a position unchanged in every bit. */
 static inline double plus(double position, double correction)
 {
     return correction == 0.0 ? position : position + correction;
@@ -25,7 +25,7 @@ void cycle_update_feedback(void *arg, long period)
         struct joint *joint = &instance->servo.joint[j];
         struct joint_pins *p = &pins->joint[j];
         double reading = hal_get_real(p->motor_fb_in);
-        /* Both pins still show the cycle before, which is the one that this reading answers. */
+        /* Both pins still show the previous cycle, to which this reading belongs. */
         double offset = hal_get_real(p->motor_cmd_in) - hal_get_real(p->pos_cmd);
         if (isfinite(offset))
             joint->offset = offset;
@@ -37,7 +37,7 @@ void cycle_update_feedback(void *arg, long period)
     }
 }
 
-/* Whether motion commands every joint to its present position: without drive power, its command follows the drives. */
+/* Whether motion commands every joint to its present position; without drive power, the command follows the drives. */
 static bool standing(const struct instance *instance)
 {
     for (int j = 0; j < instance->setup.joints; j++) {
@@ -51,8 +51,8 @@ static bool standing(const struct instance *instance)
     return true;
 }
 
-/* A machine that lost its power at speed comes to rest away from the held output, where the library would release the
- * stop. Nothing can jump there: it restarts from the machine's position. */
+/* A machine that lost its power at speed stops away from the held output, at which the library would release the stop.
+ * Nothing can jump at standstill, so a reset restarts the steps from the machine's position. */
 static void release_without_power(struct instance *instance, uint32_t period_ns)
 {
     struct servo *servo = &instance->servo;
@@ -63,8 +63,9 @@ static void release_without_power(struct instance *instance, uint32_t period_ns)
         steps_start(instance, period_ns);
 }
 
-/* Neither a command nor, of every axis, a reading that can be used has ever come. HAL has no pin without a value: the
- * outputs follow the readings, and the others stay as they are. Once all are read, those are held. */
+/* No usable command has come yet, and not every axis has had a usable reading. A HAL pin always has a value, so the
+ * outputs follow the usable readings and the others do not change. Once all axes have been read, their positions are
+ * held. */
 static void follow_readings(struct instance *instance)
 {
     for (int j = 0; j < instance->setup.joints; j++) {
@@ -76,7 +77,7 @@ static void follow_readings(struct instance *instance)
     }
 }
 
-/* The dynamic part of a joint's correction on pins: that of its axis and, if it has its own tables, theirs. */
+/* Shows the dynamic part of a joint's correction on pins: that of its axis plus, if `more`, that of its own tables. */
 static void show_dynamic(struct joint_pins *p, const trueaxis_dynamic_t *of, int slot, double unit, bool more)
 {
     hal_set_real(p->dynamic, of->sent[slot] / unit + (more ? hal_get_real(p->dynamic) : 0.0));
@@ -92,7 +93,7 @@ static double correction(const trueaxis_record_t *record, int slot)
     return record->correction[slot] + record->dynamic.sent[slot];
 }
 
-/* Output to the drives: the motor's command plus its corrections, or the last one while a stop is requested. */
+/* Output to the drives: the motor's command plus its corrections, or the last output while a stop is requested. */
 static void drive(struct instance *instance, const trueaxis_output_t *axes, const trueaxis_output_t *joints)
 {
     const struct setup *setup = &instance->setup;
@@ -119,7 +120,7 @@ static void drive(struct instance *instance, const trueaxis_output_t *axes, cons
     }
 }
 
-/* The library refuses the thread's period, or a call: the command passes with the correction as it was, and a stop is
+/* Used if the library refuses the thread's period or a call: the command passes with the last correction, and a stop is
  * requested. */
 static void pass(struct instance *instance, uint32_t fault)
 {
@@ -161,7 +162,7 @@ void cycle_update_output(void *arg, long period)
     if (hal_get_bool(pins->reload) && !servo->last.reload)
         atomic_fetch_add_explicit(&instance->shared.reload_wanted, 1, memory_order_release);
     servo->last.reload = hal_get_bool(pins->reload);
-    /* One of the two: the later of them would replace the growth of the other. */
+    /* Only one of the two: the later call would replace the growth set by the other. */
     if (instance->setup.has_thermal)
         thermal_update(instance, period_ns);
     else
@@ -170,7 +171,7 @@ void cycle_update_output(void *arg, long period)
     /* Motion advances by the nominal period in every call, and so does the step. */
     trueaxis_input_t input = {.size = sizeof input, .elapsed_ns = period_ns, .homed = 1};
     bool permitted = atomic_load_explicit(&instance->shared.permitted, memory_order_acquire);
-    /* Without power, motion's command follows the drives, with a jump of the following error: nothing to judge. */
+    /* Without power, motion's command follows the drives, and a jump of the following error must not be judged. */
     input.enable = hal_get_bool(pins->enable) && hal_get_bool(pins->motion_enabled) && permitted;
     input.reset = hal_get_bool(pins->reset);
     input.dynamics_off = pins_parts_off(pins);

@@ -1,4 +1,5 @@
-/* The roundness gauge in a cycle: probes and counts from pins, its results to pins. Realtime, as cycle.c. */
+/* The roundness gauge in a cycle: reads probes and counts from pins, writes its results to pins. Realtime, like
+ * cycle.c. */
 #include "component.h"
 
 void gauge_read(struct instance *instance, trueaxis_gauge_ride_t *ride)

@@ -1,8 +1,9 @@
-/* HAL as LinuxCNC 2.10 has it, on 2.9 too: handles (`hal_real_t` ...), read by `hal_get_...`, written by `hal_set_...`, made by
- * `hal_pin_new_...` and `hal_param_new_...`. The component knows nothing else of either.
+/* The HAL interface of LinuxCNC 2.10, also on 2.9: handles (`hal_real_t` ...), read with `hal_get_...`, written with
+ * `hal_set_...`, created with `hal_pin_new_...` and `hal_param_new_...`. The component uses no other part of HAL's
+ * pins and parameters.
  *
- * 2.10 has all of that in its hal.h, and the Makefile then says so by TRUEAXIS_HAL_HANDLES: LinuxCNC gives no version. Pins
- * and parameters have the same names, types (bit, float, u32, s32) and values on both.
+ * 2.10 has all of these in its hal.h; the Makefile then defines TRUEAXIS_HAL_HANDLES, because LinuxCNC provides no
+ * version. Pins and parameters have the same names, types (bit, float, u32, s32) and values on both.
  *
  * License: MIT OR Apache-2.0
  */
@@ -24,7 +25,7 @@ typedef hal_float_t *hal_real_t;
 typedef hal_s32_t *hal_sint_t;
 typedef hal_u32_t *hal_uint_t;
 
-/* kind: 2.10's word; handle and value: its types; old: 2.9's word. HAL itself refuses a name that is too long. */
+/* kind: name in 2.10; handle and value: types in 2.10; old: name in 2.9. HAL itself refuses a name that is too long. */
 #define TRUEAXIS_HAL_KIND(kind, handle, value, old)                                                                          \
     static inline value hal_get_##kind(const handle ref)                                                                     \
     {                                                                                                                        \
@@ -47,7 +48,7 @@ typedef hal_u32_t *hal_uint_t;
             **ref = first;                                                                                                   \
         return refused;                                                                                                      \
     }                                                                                                                        \
-    /* Its place is HAL's too, so that it is a handle as a pin's is. */                                                      \
+    /* HAL allocates the value, so that this handle is like a pin's. */                                                      \
     __attribute__((format(printf, 5, 6), unused)) static int hal_param_new_##kind(                                           \
         int component, hal_param_dir_t way, handle *ref, value first, const char *format, ...)                               \
     {                                                                                                                        \

@@ -17,7 +17,7 @@ int trueaxis_instance_count;
 
 static int component;
 
-/* Everything that can be refused is refused here, before HAL has the instance. */
+/* All refusals happen here, before HAL has the instance. */
 static int instance_load(struct instance *instance)
 {
     char line[LINE_BYTES] = "";

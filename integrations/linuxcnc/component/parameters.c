@@ -9,7 +9,7 @@
 
 #define MAX_JOINT_TABLE_PARAMETERS (MAX_INSTANCES * MAX_JOINT_TABLES)
 #define NOT_STATED (-1)
-/* How far a unit that is given as a number may be off: INI files have 0.03937 and 0.0394 for an inch. */
+/* Tolerance of a unit given as a number: INI files have 0.03937 and 0.0394 for an inch. */
 #define UNIT_ROUNDING 1e-3
 
 static int count;
@@ -129,7 +129,7 @@ static int joint_table(const char *text)
     return 0;
 }
 
-/* Whether a unit is one of the names, in letters of either case, or the number, as LinuxCNC's own INI file has them. */
+/* Whether a unit is one of the names (in upper or lower case) or the number, as LinuxCNC's own INI file allows. */
 static bool is_unit(const char *text, const char *const *unit_names, double per_unit)
 {
     for (; *unit_names; unit_names++)
@@ -140,8 +140,8 @@ static bool is_unit(const char *text, const char *const *unit_names, double per_
     return end != text && *end == '\0' && fabs(number / per_unit - 1.0) < UNIT_ROUNDING;
 }
 
-/* 1: inches, 0: millimetres; NOT_STATED or a negative errno with a line printed. LinuxCNC has these names, and machine units
- * in a millimetre. */
+/* Returns 1: inches, 0: millimetres; NOT_STATED, or a negative errno after printing a line. The names are LinuxCNC's,
+ * and a number is in machine units per millimetre. */
 static int inches_stated(void)
 {
     static const char *const millimetres[] = {"mm", "metric", NULL}, *const inches[] = {"inch", "in", "imperial", NULL};
@@ -165,7 +165,7 @@ static int angles_stated(bool *stated)
     return -EINVAL;
 }
 
-/* The unit of the instance's linear joints; nothing is taken for granted. */
+/* Determines the unit of the instance's linear joints; there is no default. */
 static int instance_units(struct instance *instance, int index)
 {
     int all = inches_stated(), own = inch[index];

@@ -4,7 +4,7 @@
 #include <errno.h>
 #include <math.h>
 
-/* Stops at the first pin that HAL refuses; HAL has said why. */
+/* Stops at the first pin that HAL refuses; HAL has printed the reason. */
 #define TRY(call)           \
     do {                    \
         int refused = call; \
@@ -48,7 +48,7 @@ uint8_t pins_parts_off(const struct pins *pins)
 static int whole(struct pins *p, int id, const char *name)
 {
     TRY(hal_pin_new_bool(id, HAL_IN, &p->enable, false, "%s.enable", name));
-    /* On, where they are not connected: every part of the dynamic correction, and motion. */
+    /* Every part of the dynamic correction, and motion, is on unless its pin is connected. */
     for (int k = 0; k < DYNAMIC_PARTS; k++)
         TRY(hal_pin_new_bool(id, HAL_IN, &p->enable_part[k], true, "%s.enable-%s", name, parts[k].name));
     TRY(hal_pin_new_bool(id, HAL_IN, &p->motion_enabled, true, "%s.motion-enabled", name));
@@ -149,7 +149,7 @@ static int gauge(struct gauge_pins *p, int id, const char *name)
     return 0;
 }
 
-/* A sensor that is not connected is missing, not at 0 degrees. */
+/* A sensor that is not connected counts as missing, not as 0 degrees. */
 static int thermal(struct thermal_pins *p, int id, const char *name, uint32_t sensors)
 {
     for (uint32_t k = 0; k < sensors; k++) {

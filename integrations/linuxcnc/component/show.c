@@ -1,4 +1,4 @@
-/* Outputs of a cycle on pins, but for those to the drives. Realtime, as cycle.c. */
+/* Outputs of a cycle on pins, except those to the drives. Realtime, like cycle.c. */
 #include "component.h"
 
 static void show_contour(struct contour_pins *pins, const trueaxis_contour_t *contour, double mm_per_unit)

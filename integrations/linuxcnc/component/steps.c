@@ -1,10 +1,11 @@
-/* The library's steps of a cycle: that of the axes, and one for each joint with its own tables. Realtime, as cycle.c. */
+/* The library's steps in a cycle: one for the axes, and one for each joint with its own tables. Realtime, like
+ * cycle.c. */
 #include "component.h"
 
 #include <math.h>
 #include <string.h>
 
-/* Exchanges the tables for those that the loader has offered, between two cycles. */
+/* Replaces the tables with those that the loader has offered, between two cycles. */
 void steps_take_tables(struct instance *instance)
 {
     const struct tables *next = atomic_exchange_explicit(&instance->shared.offered, NULL, memory_order_acq_rel);
@@ -36,8 +37,8 @@ void steps_start(struct instance *instance, uint32_t period_ns)
     }
 }
 
-/* Heated axes: hands a changed temperature on, and every one to new tables; a reading that is not a number keeps the
- * last one. */
+/* Heated axes: passes on a changed temperature, and every temperature to new tables. If a reading is NaN, the last one
+ * remains. */
 void steps_temperature(struct instance *instance)
 {
     struct servo *servo = &instance->servo;
@@ -53,7 +54,8 @@ void steps_temperature(struct instance *instance)
     servo->growth_told = true;
 }
 
-/* The axis' position in the command: that of its first joint. A motor command that is not a number stops the axis too. */
+/* The commanded position of an axis is that of its first joint. A motor command that is not finite also stops the
+ * axis. */
 void steps_gather(const struct instance *instance, trueaxis_input_t *input)
 {
     const struct setup *setup = &instance->setup;
@@ -89,10 +91,10 @@ static int step_joint(struct instance *instance, int t, const trueaxis_input_t *
     trueaxis_input_t input = *axes;
     memset(input.command, 0, sizeof input.command);
     memset(input.feedback, 0, sizeof input.feedback);
-    /* What was learned belongs to the axis. */
+    /* The learned correction belongs to the axis. */
     memset(input.learned, 0, sizeof input.learned);
     double unit = instance->setup.mm_per_unit[instance->setup.axis_of_joint[j]];
-    /* A stop of the axes is a stop of the joint, by the same latch; and the other way round. */
+    /* A stop of the axes also stops the joint, through the same latch, and vice versa. */
     bool stopped_elsewhere = servo->phase != PHASE_RUNNING && !servo->stopped.joint[t];
     int slot = servo->tables->joint_slot[t];
     input.command[slot] = isfinite(hal_get_real(p->motor_cmd_in)) && !stopped_elsewhere ? hal_get_real(p->pos_cmd) * unit : NAN;
@@ -101,7 +103,7 @@ static int step_joint(struct instance *instance, int t, const trueaxis_input_t *
     return trueaxis_step(&servo->tables->joint[t], &servo->joint_state[t], &input, NULL, NULL, output);
 }
 
-/* The path is the last commands, from homing on. */
+/* The path is the last commands since homing. */
 static int step_axes(struct instance *instance, const trueaxis_input_t *given, trueaxis_output_t *output)
 {
     struct servo *servo = &instance->servo;
@@ -122,7 +124,7 @@ static int step_axes(struct instance *instance, const trueaxis_input_t *given, t
     return result;
 }
 
-/* One of the steps stops the machine: the others' progress of this cycle is not sent either. */
+/* One of the steps stops the machine, so the progress of the others in this cycle must not be sent either. */
 static void take_back(struct instance *instance)
 {
     struct servo *servo = &instance->servo;

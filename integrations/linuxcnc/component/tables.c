@@ -1,4 +1,4 @@
-/* A table file becomes a servo loop. Called while loading and by the reload thread, never in realtime. */
+/* Builds a servo loop from a table file. Called while loading and by the loader thread, never in realtime. */
 #include "component.h"
 
 #include <errno.h>
@@ -7,13 +7,13 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* One file at a time: loading is over before the thread starts. */
+/* One file at a time: loading is complete before the thread starts. */
 static uint8_t file[FILE_BYTES];
 static int open_errno;
 
 static uint32_t read_whole(const char *path, uint8_t *to, size_t bytes, size_t *length, char line[LINE_BYTES])
 {
-    /* Nobody may ever write to a pipe: it must not be waited for. */
+    /* Nonblocking: nobody may ever write to a pipe. */
     int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     if (descriptor < 0) {
         open_errno = errno;
@@ -55,7 +55,7 @@ static uint32_t file_read(const char *path, size_t *length, char line[LINE_BYTES
     return read_whole(path, file, sizeof file, length, line);
 }
 
-/* Reads one file, checks it whole and builds its loop in the memory given. */
+/* Reads one file, checks all of it and builds its loop in the given memory. */
 static uint32_t loop_read(const char *path, uint32_t machine_id, uint32_t period_ns, trueaxis_loop_t *loop,
                           trueaxis_tables_info_t *info, void *memory, size_t bytes, char line[LINE_BYTES])
 {
@@ -96,7 +96,7 @@ static int slot_of(const trueaxis_tables_info_t *info, char letter)
     return -1;
 }
 
-/* A joint's own file has a table for the joint's axis and for no other. */
+/* A joint's own file must have a table for the joint's axis and for no other. */
 static uint32_t joint_match(const struct instance *instance, int t, struct tables *tables,
                             const trueaxis_tables_info_t *info, char line[LINE_BYTES])
 {

@@ -1,10 +1,10 @@
-/* Thermal growth from temperatures: an update a second. Realtime, as cycle.c. */
+/* Thermal growth from temperatures: one update per second. Realtime, like cycle.c. */
 #include "component.h"
 
 /* Time between two updates. */
 #define UPDATE_NS 1000000000u
 
-/* Growth of the last update to the step: after an update, and to new tables. */
+/* Passes the growth of the last update to the step: after an update, and to new tables. */
 static void tell(struct instance *instance)
 {
     struct servo *servo = &instance->servo;

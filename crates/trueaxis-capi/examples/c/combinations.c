@@ -1,6 +1,6 @@
 /*
  * Every measure with and without a gauge on a five-axis machine. Prints a sum over all bits of each combination; the
- * example combinations.rs prints the same by the Rust interface.
+ * example combinations.rs prints the same sums from the Rust interface.
  *
  *   combinations FIVE_AXES_WITH_GAUGE.tcomp
  */

@@ -1,6 +1,6 @@
 /*
- * The smallest program around the library: one table file, X moves 50 mm at 20 mm/s, and the positions for the drives are
- * printed beside the commands.
+ * The smallest program that uses the library: reads one table file, moves X by 50 mm at 20 mm/s, and prints the drive
+ * positions beside the commands.
  *
  *   first_cycle MACHINE.tcomp        a machine of three axes
  */
@@ -10,7 +10,7 @@
 
 #define PERIOD_NS 1000000u /* servo cycles at 1 kHz */
 
-/* Firmware has all of it in its static memory too. uint64_t aligns to 8 bytes. */
+/* Firmware also has all of this in static memory. uint64_t aligns to 8 bytes. */
 static uint8_t file[1 << 20];
 static uint64_t memory[8192];
 static trueaxis_loop_t loop;

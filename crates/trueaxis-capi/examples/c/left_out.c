@@ -1,9 +1,9 @@
 /*
- * A library that leaves parts out refuses by name what needs them, and links all the same.
+ * A library that leaves parts out links, and refuses by name every function and setting that needs them.
  *
- *   left_out grids.tcomp volumetric.tcomp ...      with a library without any part but `text`
+ *   left_out grids.tcomp volumetric.tcomp ...      with a library without any part except `text`
  *
- * Prints what is refused; exits with 1 where anything else comes of it.
+ * Prints the refusals; exits with 1 if anything else happens.
  */
 #include <stdio.h>
 #include <string.h>
@@ -23,7 +23,7 @@ static void needed(const char *call, trueaxis_result_t found, trueaxis_result_t 
     }
 }
 
-/* A null pointer is looked at only by a function that is there. */
+/* A function that is left out refuses before it checks its pointers; one that is built in refuses the null ones. */
 #define REFUSED(call) needed(#call, call, TRUEAXIS_ERROR_LEFT_OUT)
 
 static void functions(void) {

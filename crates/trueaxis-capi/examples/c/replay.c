@@ -1,6 +1,6 @@
 /*
- * Steps through a recording that `firmware-sim replay` wrote as CSV and counts the drive positions that are not the
- * library's to the last bit: replay TABLES.tcomp RUN.csv. For controllers of three axes in double precision.
+ * Steps through a recording that `firmware-sim replay` wrote as CSV and counts the drive positions that differ from the
+ * library's in any bit: replay TABLES.tcomp RUN.csv. For controllers of three axes in double precision.
  */
 #include <inttypes.h>
 #include <math.h>

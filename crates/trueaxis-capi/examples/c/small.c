@@ -1,13 +1,13 @@
 /*
- * The smallest firmware around the library: loads tables, measures the contour error against a path, corrects, and sends
- * every record as a frame. `size.py` links it to weigh what of the library it keeps.
+ * The smallest firmware with the library: loads tables, measures the contour error against a path, corrects, and sends
+ * every record as a frame. `size.py` links it to measure how much of the library it includes.
  */
 #include "trueaxis.h"
 
 #define PERIOD_NS 100000u
 #define SPANS 64
 
-/* Of the board. */
+/* Provided by the board. */
 extern const uint8_t tables[], tables_end[];
 void read_machine(trueaxis_input_t *input);
 void write_drives(const trueaxis_position_t *drive);

@@ -1,11 +1,12 @@
 /*
- * Steps a circular motion of 8,000 servo cycles through the tables of a machine, exchanges the tables in mid-motion, and
- * prints what came of it. The same program runs on a host and, with cortex-m/, on bare metal.
+ * Steps a circular motion of 8,000 servo cycles through the tables of a machine, exchanges the tables in motion, and
+ * prints the results. The same program runs on a host and, with cortex-m/, on bare metal.
  *
  *   step_trace FIRST.tcomp SECOND.tcomp        host: files of one machine with three axes
- *   bare metal: the two files lie at fixed addresses of the image
+ *   bare metal: the two files are at fixed addresses of the image
  *
- * The motion is made of additions and multiplications only, and rounded to whole nanometres: the same on every machine.
+ * The motion uses only additions and multiplications and is rounded to whole nanometres, so that it is the same on
+ * every machine.
  */
 #include <inttypes.h>
 #include <stdio.h>
@@ -28,7 +29,7 @@
 #endif
 #define SPANS 64
 
-/* Nothing here is on the stack or the heap: firmware has it in its static memory. uint64_t aligns to 8 bytes. */
+/* Nothing here is on the stack or the heap: firmware has it in static memory. uint64_t aligns to 8 bytes. */
 static trueaxis_loop_t loops[2];
 static uint64_t memory[2][MEMORY_BYTES / 8];
 static trueaxis_state_t state;
@@ -45,7 +46,7 @@ struct file {
 };
 
 #ifdef BARE_METAL
-/* Made by cortex-m/tables.S, placed by cortex-m/mps2.ld. */
+/* Included by cortex-m/tables.S, placed by cortex-m/mps2.ld. */
 extern const uint8_t tables_first[], tables_first_end[], tables_second[], tables_second_end[];
 #else
 static uint8_t file_memory[2][1 << 20];
@@ -76,7 +77,7 @@ static int32_t whole_nm(double mm) {
     return (int32_t)(nm < 0 ? nm - 0.5 : nm + 0.5);
 }
 
-/* Builds the loop, or prints why not and builds one that passes commands uncorrected. */
+/* Builds the loop, or prints the reason and builds one that passes commands uncorrected. */
 static uint8_t build(int which, struct file file, uint32_t machine_id) {
     trueaxis_result_t result = trueaxis_check_abi(TRUEAXIS_ABI_VERSION);
     uint8_t reason = TRUEAXIS_FAULT_ABI_MISMATCH;
@@ -133,7 +134,7 @@ static int run(struct file first, struct file second) {
         return 1;
     }
 
-    /* cos and sin of a turn / 8000: nearly once around. */
+    /* cos and sin of a turn / 8000: almost one revolution in total. */
     const double turn[2] = { 0.9999996915748783, 0.0007853980826519387 };
     double phasor[2] = { RADIUS_MM, 0 };
     trueaxis_position_t lag[LAG_CYCLES][AXES];
@@ -150,7 +151,7 @@ static int run(struct file first, struct file second) {
         }
         for (int axis = 0; axis < AXES; ++axis) {
             input.command[axis] = position(whole_nm(at[axis]));
-            /* The machine follows its drives after some cycles. */
+            /* The machine follows its drives with a delay of some cycles. */
             input.feedback[axis] = cycle < LAG_CYCLES ? input.command[axis] : lag[cycle % LAG_CYCLES][axis];
         }
         input.homed = input.enable = 1;
@@ -159,7 +160,7 @@ static int run(struct file first, struct file second) {
         if (cycle == EXCHANGE_AT && refused == TRUEAXIS_FAULT_NONE) {
             active = &loops[1];
         }
-        /* Friction off for a while, and 1 um learned in X. */
+        /* Friction is off for a while, and X has a learned correction of 1 um. */
         input.dynamics_off = cycle >= SWITCH_AT && cycle < EXCHANGE_AT ? TRUEAXIS_DYNAMICS_FRICTION : 0;
         input.learned[0] = position(cycle >= SWITCH_AT ? 1000 : 0);
         trueaxis_measure_t measure = { .size = sizeof measure, .kind = TRUEAXIS_MEASURE_PATH, .path = &path };
@@ -209,7 +210,7 @@ static int run(struct file first, struct file second) {
         printf("largest dynamic %c %.6f um\n", "XYZ"[axis], largest_um[axis]);
     }
     printf("worst contour error %.6f um\n", worst_um);
-    /* In halves: not every C library prints 64 bits. */
+    /* Printed in halves: not every C library prints 64 bits. */
     printf("drives %08" PRIx32 "%08" PRIx32 "\n", (uint32_t)(sum >> 32), (uint32_t)sum);
     printf("frames %08" PRIx32 "%08" PRIx32 ", %" PRIu32 " bytes\n", (uint32_t)(frames >> 32), (uint32_t)frames, frame_bytes);
     return 0;

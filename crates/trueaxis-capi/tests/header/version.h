@@ -1,4 +1,4 @@
-/* Version of this header: check it against the library's with trueaxis_check_abi(TRUEAXIS_ABI_VERSION). */
+/* Version of this header. Compare it with the library's by calling trueaxis_check_abi(TRUEAXIS_ABI_VERSION). */
 #ifndef TRUEAXIS_ABI_MAJOR
 #define TRUEAXIS_ABI_MAJOR @MAJOR@
 #endif

@@ -1,4 +1,4 @@
-//! Machines with a gauge at their side, and its readings.
+//! Machines with a gauge, and the gauge's readings.
 
 use super::PERIOD_NS;
 use std::f64::consts::TAU;
@@ -10,7 +10,7 @@ use trueaxis_tables::Machine;
 /// Counts of the spindle per revolution.
 const COUNTS: i32 = 1 << 20;
 
-/// The machine with a gauge of so many points that feeds X, compiled: no files are read, so that Miri can make it too.
+/// Compiles the machine with a gauge of `points` points that feeds X; reads no files, so that Miri can run it too.
 pub(crate) fn with_gauge(mut machine: Machine, points: u16) -> Vec<u8> {
     let slots = roundness::ProbeAngles::Slots { p: points * 44 / 256, q: points * 57 / 256 };
     let mut settings = roundness::GaugeSettings::with_defaults(points, slots, COUNTS as u32);
@@ -43,7 +43,7 @@ impl Gauges {
         let state_size = if points == 512 { size_of::<GaugeState512>() } else { size_of::<GaugeState>() };
         let (mut gauge, state) = (super::zeroed::<Gauge>(), super::zeroed::<GaugeState>());
         let (bytes, length, size) = (file.as_ptr(), file.len(), size_of::<Gauge>());
-        // SAFETY: everything is as the types say.
+        // SAFETY: all pointers and sizes match their types.
         assert_eq!(unsafe { trueaxis_gauge_build(&mut *gauge, size, bytes, length, PERIOD_NS, null_mut()) }, OK);
         let mut gauges = Gauges { gauge, state, state_size };
         gauges.restart();
@@ -51,11 +51,11 @@ impl Gauges {
     }
 
     pub(crate) fn restart(&mut self) {
-        // SAFETY: everything is as the types say.
+        // SAFETY: all pointers and sizes match their types.
         assert_eq!(unsafe { trueaxis_gauge_restart(&*self.gauge, &mut *self.state, self.state_size) }, OK);
     }
 
-    /// Readings of a cycle, half a point apart.
+    /// Readings of a cycle; consecutive cycles are half a point apart.
     pub(crate) fn ride(&mut self, cycle: i32, points: i32) -> GaugeRide {
         let step = COUNTS / points / 2;
         let spindle = cycle * step;
@@ -81,7 +81,7 @@ impl Gauges {
     }
 }
 
-/// The readings for Rust.
+/// The same readings as the Rust type.
 pub(crate) fn probes(ride: &GaugeRide) -> roundness::Probes<Real> {
     roundness::Probes {
         readings: ride.readings,
@@ -91,7 +91,7 @@ pub(crate) fn probes(ride: &GaugeRide) -> roundness::Probes<Real> {
     }
 }
 
-/// The gauge's answer is the same in every bit.
+/// Asserts that the gauge's results are equal in every bit.
 pub(crate) fn same_cycle(c: &GaugeRide, rust: &roundness::Cycle<Real>, cycle: usize) {
     assert_eq!(c.infeed.to_bits(), rust.infeed.to_bits(), "cycle {cycle}");
     assert_eq!((c.flags, c.finished), (rust.flags.0, u8::from(rust.finished)), "cycle {cycle}");

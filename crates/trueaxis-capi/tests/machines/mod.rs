@@ -17,18 +17,18 @@ pub(crate) const PERIOD_NS: u32 = 100_000;
 /// Nine terms, three axes.
 pub(crate) const MILL: &[u8] = include_bytes!("../../../trueaxis/tests/data/mill-3axis.tcomp");
 
-/// A table file for the tests that Miri runs too: the mill, there one that takes less work to check.
+/// Table file for the tests that Miri runs too: the mill, or under Miri a smaller machine.
 pub(crate) fn mill() -> &'static [u8] {
     static SMALL: OnceLock<Vec<u8>> = OnceLock::new();
     if cfg!(miri) { SMALL.get_or_init(|| compile(&small()).unwrap()) } else { MILL }
 }
 
-/// `w X' Y' b Z t`, 0 to 20 µm along X in a table of two lines: the least that can be checked and corrected.
+/// `w X' Y' b Z t`, 0 to 20 µm along X in a table of two lines: the smallest machine that can be checked and corrected.
 pub(crate) fn small() -> Machine {
     small_of("w X' Y' b Z t")
 }
 
-/// The same with a table that turns and tilts.
+/// Like [`small`], with a table that turns and tilts.
 pub(crate) fn small_five() -> Machine {
     small_of("w C' A' X' Y' b Z t")
 }
@@ -60,7 +60,7 @@ pub(crate) fn read(name: &str) -> Machine {
     Machine::read(format!("{folder}{name}").as_ref()).unwrap()
 }
 
-/// Figures of a drive that is stable.
+/// Parameters of a stable drive.
 pub(crate) fn drive() -> DriveFigures {
     DriveFigures {
         position_gain_per_s: 110.0,
@@ -72,7 +72,7 @@ pub(crate) fn drive() -> DriveFigures {
     }
 }
 
-/// The same machine with half the errors.
+/// The machine of `bytes` with half the errors.
 pub(crate) fn halved(bytes: &[u8]) -> Vec<u8> {
     let mut machine = Machine::from_tcomp(&Tcomp::parse(bytes).unwrap());
     for row in machine.tables.iter_mut().flatten().flat_map(|table| &mut table.rows) {
@@ -140,7 +140,7 @@ pub(crate) fn text(characters: &[std::ffi::c_char]) -> String {
     String::from_utf8(bytes).unwrap()
 }
 
-/// A loop with the memory that its tables lie in.
+/// A loop with the memory that contains its tables.
 pub(crate) struct BuiltLoop {
     pub(crate) servo: Box<Loop>,
     pub(crate) memory: Vec<u64>,
@@ -149,7 +149,7 @@ pub(crate) struct BuiltLoop {
 pub(crate) fn built(file: &[u8]) -> BuiltLoop {
     let mut info = info();
     let mut servo = zeroed::<Loop>();
-    // SAFETY: everything is as the types say.
+    // SAFETY: all pointers and sizes match their types.
     unsafe {
         assert_eq!(trueaxis_tables_info(file.as_ptr(), file.len(), &mut info, null_mut()), OK);
         let mut memory = vec![0xa5a5_a5a5_a5a5_a5a5_u64; (info.memory_bytes as usize).div_ceil(8)];
@@ -171,12 +171,12 @@ pub(crate) fn built(file: &[u8]) -> BuiltLoop {
 
 pub(crate) fn started(servo: &Loop) -> Box<State> {
     let mut state = zeroed::<State>();
-    // SAFETY: everything is as the types say.
+    // SAFETY: all pointers and sizes match their types.
     assert_eq!(unsafe { trueaxis_start(servo, &mut *state, size_of::<State>(), PERIOD_NS) }, OK);
     state
 }
 
-/// A measure of a kind, without its pointers.
+/// A measure of a given kind, with null pointers.
 pub(crate) fn measure(kind: u32) -> Measure {
     Measure {
         size: size_of::<Measure>() as u32,
@@ -189,13 +189,13 @@ pub(crate) fn measure(kind: u32) -> Measure {
     }
 }
 
-/// A cycle without measure or gauge.
+/// Runs a cycle without measure or gauge.
 pub(crate) fn step(servo: &Loop, state: &mut State, input: &Input, output: &mut Output) -> ResultCode {
-    // SAFETY: everything is as the types say.
+    // SAFETY: all pointers and sizes match their types.
     unsafe { trueaxis_step(servo, state, input, null_mut(), null_mut(), output) }
 }
 
-/// A path in memory of its own.
+/// A path with its memory.
 pub(crate) struct Programmed {
     pub(crate) path: Box<Path>,
     pub(crate) memory: Vec<u64>,
@@ -216,27 +216,27 @@ impl Programmed {
         first: u32,
     ) -> Self {
         let (mut path, mut memory) = (zeroed::<Path>(), vec![0_u64; bytes.div_ceil(8)]);
-        // SAFETY: everything is as the types say.
+        // SAFETY: all pointers and sizes match their types.
         let result = unsafe { start(&mut *path, size_of::<Path>(), memory.as_mut_ptr().cast(), bytes, first) };
         assert_eq!(result, OK);
         Programmed { path, memory }
     }
 
     pub(crate) fn line(&mut self, start: [f64; 3], end: [f64; 3]) -> ResultCode {
-        // SAFETY: everything is as the types say.
+        // SAFETY: all pointers and sizes match their types.
         unsafe { trueaxis_path_line(&mut *self.path, start.as_ptr(), end.as_ptr(), null_mut()) }
     }
 
     pub(crate) fn count(&self) -> (u32, u32) {
         let (mut segments, mut spans) = (0, 0);
-        // SAFETY: everything is as the types say.
+        // SAFETY: all pointers and sizes match their types.
         assert_eq!(unsafe { trueaxis_path_count(&*self.path, &mut segments, &mut spans) }, OK);
         (segments, spans)
     }
 
     pub(crate) fn reference(&self, segment: u32, u: f64) -> Result<Reference, ResultCode> {
         let mut reference = Reference { span: 99, t: 9.0 };
-        // SAFETY: everything is as the types say.
+        // SAFETY: all pointers and sizes match their types.
         match unsafe { trueaxis_path_reference(&*self.path, segment, u, &mut reference) } {
             OK => Ok(reference),
             result => {

@@ -29,13 +29,13 @@ pub(crate) fn from_c(x: Position) -> P {
     trueaxis::Nanometres(x)
 }
 
-/// A loop over a file and memory that live as long as the test.
+/// A loop whose file and memory live as long as the test.
 pub(crate) fn rust_loop<const N: usize>(file: &[u8]) -> ServoLoop<'static, R, P, N> {
     let tables = Tcomp::parse(file.to_vec().leak()).unwrap();
     ServoLoop::load(&tables, PERIOD_NS, vec![0.0; tables.requirement()].leak()).unwrap()
 }
 
-/// The same input for Rust.
+/// The same input as the Rust type.
 pub(crate) fn core_input<const N: usize>(c: &Input) -> trueaxis::Input<P, N> {
     let mut input = trueaxis::Input::<P, N>::at_rest(PERIOD_NS);
     for axis in 0..N {
@@ -49,7 +49,7 @@ pub(crate) fn core_input<const N: usize>(c: &Input) -> trueaxis::Input<P, N> {
     input
 }
 
-/// The parts of the dynamic correction, zero where there is none.
+/// Asserts that the parts of the dynamic correction are equal; zero if the machine has none.
 fn same_dynamic<const N: usize>(c: &Record, core: Option<&DynamicParts<R, N>>, cycle: usize) {
     assert_eq!(c.has_dynamic, u8::from(core.is_some()));
     let c = [&c.dynamic.sent, &c.dynamic.feed_forward, &c.dynamic.feedback, &c.dynamic.crosstalk, &c.dynamic.learned];
@@ -64,7 +64,7 @@ fn same_dynamic<const N: usize>(c: &Record, core: Option<&DynamicParts<R, N>>, c
     }
 }
 
-/// Both outputs are the same in every bit, and so are their frames.
+/// Asserts that both outputs, and their frames, are equal in every bit.
 pub(crate) fn same<const N: usize>(c: &Output, rust: &trueaxis::Output<R, P, N>, cycle: usize) {
     assert_eq!(c.axes as usize, N);
     for axis in 0..N {
@@ -89,7 +89,7 @@ pub(crate) fn same<const N: usize>(c: &Output, rust: &trueaxis::Output<R, P, N>,
         assert_eq!(c.vector.map(R::to_bits), <[R; 3]>::from(core.vector).map(R::to_bits), "cycle {cycle}");
     }
     let (mut bytes, mut expected, mut written) = ([0; FRAME_BYTES], [0; CORE_FRAME_BYTES], 0);
-    // SAFETY: everything is as the types say.
+    // SAFETY: all pointers and sizes match their types.
     assert_eq!(unsafe { trueaxis_frame_encode(c, bytes.as_mut_ptr(), bytes.len(), &mut written) }, OK);
     assert_eq!(&bytes[..written], &*Frame::of(core).encode(&mut expected).unwrap(), "cycle {cycle}");
 }

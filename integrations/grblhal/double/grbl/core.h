@@ -1,6 +1,7 @@
 /*
- * The part of grblHAL's interface that the plugin uses, for tests: types, hooks and functions by their documented names
- * and meanings, in our own words and without the rest of their members. A controller is built with grblHAL's own headers.
+ * The part of grblHAL's interface that the plugin uses, for tests: types, hooks and functions with their documented
+ * names and meanings, in independent wording and without their other members. A controller is built with grblHAL's
+ * own headers.
  *
  * SPDX-License-Identifier: MIT OR Apache-2.0
  */
@@ -45,7 +46,7 @@ typedef union {
     };
 } axes_signals_t;
 
-/* States of the controller; idle: no other state. */
+/* States of the controller; idle: no bit set. */
 typedef uint_fast16_t sys_state_t;
 #define STATE_IDLE 0
 #define STATE_ALARM bit(0)
@@ -57,7 +58,7 @@ typedef uint_fast16_t sys_state_t;
 #define STATE_SAFETY_DOOR bit(6)
 #define STATE_SLEEP bit(7)
 
-/* What moves a line returns "handled", or "aborted", which has the number of OK. */
+/* Functions that move along a line return "handled", or "aborted", which has the same value as OK. */
 typedef enum {
     Status_OK = 0,
     Status_Aborted = 0,
@@ -69,9 +70,9 @@ typedef enum {
 typedef enum { Message_Plain = 0, Message_Info, Message_Warning } message_type_t;
 typedef enum { HomingMode_Seek = 0, HomingMode_Locate, HomingMode_Pulloff } homing_mode_t;
 
-/* A move on its way to the planner. */
+/* A move to be passed to the planner. */
 typedef struct {
-    float feed_rate; /* mm/min, with inverse_time 1/min */
+    float feed_rate; /* mm/min; with inverse_time 1/min */
     float rate_multiplier;
     union {
         uint32_t value;
@@ -146,7 +147,7 @@ typedef struct {
     work_envelope_t work_envelope;
     float home_position[N_AXIS];
     int32_t position[N_AXIS];       /* of the motors, steps */
-    int32_t probe_position[N_AXIS]; /* the same, when the probe triggered */
+    int32_t probe_position[N_AXIS]; /* of the motors when the probe triggered, steps */
 } system_t;
 extern system_t sys;
 
@@ -222,13 +223,13 @@ bool task_run_on_startup(foreground_task_ptr fn, void *data);
 void report_message(const char *text, message_type_t type);
 void report_plugin(const char *name, const char *version);
 char *ftoa(float value, uint8_t decimals);
-coord_data_t *limits_homing_pulloff(coord_data_t *distance); /* NULL: only reports */
+coord_data_t *limits_homing_pulloff(coord_data_t *distance); /* with NULL it only returns the present one */
 plan_block_t *plan_get_current_block(void);
 float *plan_get_position(void);
 void plan_sync_position(void);
 void plan_data_init(plan_line_data_t *pl_data);
 bool st_is_stepping(void);
-/* Two bare statements, as the core has them. */
+/* Two bare statements, as in the core. */
 #define sync_position()                                                                                                \
     plan_sync_position();                                                                                              \
     system_convert_array_steps_to_mpos(gc_state.position, sys.position)

@@ -1,7 +1,7 @@
-/* What the component asks of the hal.h of LinuxCNC 2.10, which no distribution has yet: the same names, types and values,
- * written from its declarations (src/hal/hal.h of LinuxCNC's main branch, pull requests 4099 and 4472). What 2.10 deprecates
- * is left out, so that whoever uses it does not compile. rtapi.h and rtapi_app.h are those of 2.9; what is asked of them is
- * the same on both. The calls behind it are in ../sanitize/double.c.
+/* The part of LinuxCNC 2.10's hal.h that the component uses; no distribution has it yet. It has the same names, types
+ * and values, written from the declarations in src/hal/hal.h of LinuxCNC's main branch (pull requests 4099 and 4472).
+ * Everything that 2.10 deprecates is omitted, so that its use does not compile. rtapi.h and rtapi_app.h are those of
+ * 2.9; the parts of them that are used are the same on both. The functions are implemented in ../sanitize/double.c.
  *
  * License: MIT OR Apache-2.0
  */
@@ -19,7 +19,7 @@ typedef enum { HAL_BIT = 1, HAL_FLOAT = 2, HAL_S32 = 3, HAL_U32 = 4 } hal_type_t
 /* One type for pins and parameters. */
 typedef enum { HAL_IN = 16, HAL_OUT = 32, HAL_IO = 48, HAL_RO = 64, HAL_RW = 192 } hal_pdir_t;
 
-/* The place of any value is eight bytes, little end first; a truth and 32 bits are its lowest. */
+/* Every value is stored in eight bytes, little-endian; a bool and 32-bit values use the lowest bytes. */
 typedef union {
     volatile bool b;
     volatile int32_t s;
@@ -29,7 +29,7 @@ typedef union {
     volatile uint64_t lu;
 } hal_data_u;
 
-/* Handles can be copied, and neither followed nor mistaken for each other. */
+/* Handles can be copied, but not dereferenced or confused with each other. */
 typedef struct double_of_bool *hal_bool_t;
 typedef struct double_of_sint *hal_sint_t;
 typedef struct double_of_uint *hal_uint_t;

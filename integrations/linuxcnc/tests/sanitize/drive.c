@@ -3,10 +3,10 @@
  *
  *   drive CYCLES SEED FAILS PERIOD WORD... [-- FILE...]
  *
- * FAILS: the call of HAL that fails (0: none); PERIOD of the threads, ns; WORD: as after `loadrt trueaxis`;
- * FILE: tables of the first instance's machine, which take the place of its file in turn, some of them damaged.
- * Prints how many cycles, exchanges and refusals there were. Results: 0; 1 where an output is not a number, something hangs,
- * or nothing came to pass; 3 where the component refused to be loaded.
+ * FAILS: number of the HAL call that fails (0: none); PERIOD of the threads, ns; WORD: as after `loadrt trueaxis`;
+ * FILE: tables of the first instance's machine, which replace its file in turn, some of them damaged.
+ * Prints the numbers of cycles, exchanges and refusals. Exit codes: 0; 1 if an output is not finite, something hangs,
+ * or an expected event did not occur; 3 if the component refused to be loaded.
  */
 #include "double.h"
 
@@ -23,7 +23,7 @@
 
 extern int rtapi_app_main(void);
 extern void rtapi_app_exit(void);
-/* As `loadrt` finds the parameters. */
+/* The variables through which `loadrt` sets the parameters. */
 #define PARAMETER(name) extern void *rtapi_info_address_##name;
 PARAMETER(count) PARAMETER(names) PARAMETER(tables) PARAMETER(joints) PARAMETER(joint_tables) PARAMETER(inch)
 PARAMETER(units) PARAMETER(angular_units) PARAMETER(servo_period_nsec)
@@ -50,7 +50,7 @@ static void hear(const char *line)
     __atomic_add_fetch(&complained, 1, __ATOMIC_RELAXED);
 }
 
-/* Pins of the component's other thread: HAL says nothing of their order, and the user reads them from another process. */
+/* Reads pins of the component's other thread: HAL guarantees no order, and the user reads them from another process. */
 __attribute__((no_sanitize("thread"), noinline)) static uint32_t seen(const struct pin *pin)
 {
     return pin->type == HAL_BIT ? pin->value->b : pin->value->u;
@@ -103,7 +103,7 @@ static uint64_t add_to_digest(uint64_t digest, const struct pin *pin)
     return digest;
 }
 
-/* Outputs that motion and the drives go by are numbers, whatever the inputs are. */
+/* Outputs that motion and the drives use must be finite, whatever the inputs are. */
 static void look(struct servo_thread *thread)
 {
     size_t length = strlen(thread->instance);
@@ -111,7 +111,7 @@ static void look(struct servo_thread *thread)
         const struct pin *pin = &double_pins[i];
         if (strncmp(pin->name, thread->instance, length) != 0 || pin->name[length] != '.')
             continue;
-        /* Those of the component's other thread come when they come. */
+        /* Pins of the component's other thread change at no fixed cycle. */
         if (!pin->input && !pin->parameter && !strstr(pin->name, ".reload") && !strstr(pin->name, ".tables-ok"))
             thread->digest = add_to_digest(thread->digest, pin);
         if (pin->type != HAL_FLOAT)
@@ -133,7 +133,7 @@ static void cycle(struct servo_thread *thread, enum inputs kind)
     thread->stopped += double_pin(thread->instance, "stop-request")->value->b;
 }
 
-/* Requests an exchange and continues until it has been answered. */
+/* Requests an exchange and runs cycles until it is answered. */
 static void reload(struct servo_thread *thread)
 {
     const struct timespec pause = {0, 1000000};
@@ -157,7 +157,7 @@ static void reload(struct servo_thread *thread)
     thread->refused += seen(double_pin(thread->instance, "reload-failed"));
 }
 
-/* After an attack the machine is stopped: switched off, at the position of motion, and released by a reset. */
+/* Releases a machine that is stopped after an attack: without power, at the position of motion, by a reset. */
 static void release(struct servo_thread *thread)
 {
     hal_data_u *reset = double_pin(thread->instance, "reset")->value;
@@ -198,7 +198,7 @@ static int run_all(struct servo_thread threads[MAX_THREADS], int count)
         printf("%s: %ld cycles, active in %ld, stopped in %ld, %ld reloads of which %ld refused, digest %016llx\n",
                thread->instance, thread->cycles, thread->active, thread->stopped, thread->reloads, thread->refused,
                (unsigned long long)thread->digest);
-        /* Of either kind some, or it was no attack on a machine that runs. */
+        /* Both kinds must occur, otherwise this was not an attack on a running machine. */
         bool fits = *(long *)rtapi_info_address_servo_period_nsec == thread->period;
         bool exchanged = thread->reloads > thread->refused && thread->refused > 0;
         if (thread->broken || thread->stopped == 0 || fits != (thread->active > 0) ||
@@ -245,7 +245,7 @@ int main(int argument_count, char **arguments)
     int broken = run_all(threads, count);
     printf("%d calls of HAL, %d lines\n", double_calls, __atomic_load_n(&complained, __ATOMIC_RELAXED));
     rtapi_app_exit();
-    /* Whatever still runs reaches for memory that is gone. */
+    /* Code that still runs would access freed memory. */
     const struct timespec moment = {0, 30000000};
     nanosleep(&moment, NULL);
     return broken;

@@ -1,4 +1,4 @@
-/* Files that come and go under a running component: see double.h. */
+/* Files that are exchanged while the component runs: see double.h. */
 #include "double.h"
 
 #include <stdio.h>
@@ -33,7 +33,7 @@ void files_change(const char *path, char **whole, int count, struct motion *moti
         perror(path);
         exit(1);
     }
-    /* Each of them whole once, so that some are taken and some refused; then as it comes. */
+    /* First every file once and whole, so that some are accepted and some refused; then random changes. */
     static int changes;
     bool first = changes++ < count;
     uint64_t what = first ? 0 : inputs_random(motion) % 12;
@@ -46,9 +46,9 @@ void files_change(const char *path, char **whole, int count, struct motion *moti
     } else if (what == 7)
         put(path, bytes, length > 0 ? (size_t)(inputs_random(motion) % length) : 0);
     else if (what == 8)
-        put(path, bytes, MOST); /* longer than any */
+        put(path, bytes, MOST); /* longer than any file */
     else if ((what == 9 && mkdir(path, 0700) != 0) || (what == 10 && mkfifo(path, 0600) != 0)) {
         perror(path);
         exit(1);
-    } /* 11: none */
+    } /* 11: no file */
 }

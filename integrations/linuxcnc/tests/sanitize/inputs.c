@@ -52,7 +52,7 @@ static bool ends(const char *name, const char *end)
     return length >= tail && strcmp(name + length - tail, end) == 0;
 }
 
-/* A homed machine, drives that follow a cycle later. */
+/* A homed machine with drives that follow one cycle later. */
 static void sound_pin(const char *instance, const struct pin *pin, const struct motion *motion, bool power)
 {
     const char *name = pin->name + strlen(instance) + 1;
@@ -72,7 +72,7 @@ static void sound_pin(const char *instance, const struct pin *pin, const struct 
         } else
             pin->value->f = motion->at;
         break;
-    /* Counts of an encoder wrap. */
+    /* Encoder counts wrap. */
     case HAL_S32: pin->value->s = (int32_t)((uint32_t)pin->value->s + 8); break;
     default: break;
     }
@@ -89,7 +89,7 @@ void inputs_set(const char *instance, struct motion *motion, enum inputs kind)
     size_t length = strlen(instance);
     for (int i = 0; i < double_pin_count; i++) {
         const struct pin *pin = &double_pins[i];
-        /* Parameters are the user's. */
+        /* The user sets the parameters. */
         if (!pin->input || pin->parameter || strncmp(pin->name, instance, length) != 0 || pin->name[length] != '.')
             continue;
         if (ends(pin->name, ".reload"))

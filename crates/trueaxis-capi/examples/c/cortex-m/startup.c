@@ -1,4 +1,4 @@
-/* What stands before main on a Cortex-M4F or M7: vectors, floating point, memory, semihosting. */
+/* Startup code of a Cortex-M4F or M7 before main: vectors, floating point, memory, semihosting. */
 #include <stdint.h>
 #include <stdlib.h>
 
@@ -8,7 +8,7 @@ int main(void);
 void initialise_monitor_handles(void);
 void reset(void);
 
-/* newlib calls these before and after main; there is nothing to construct. */
+/* newlib calls these before and after main; nothing needs constructing. */
 void _init(void);
 void _fini(void);
 void _init(void) {}
@@ -42,7 +42,7 @@ __attribute__((noreturn, used)) static void start(void) {
 
 typedef void handler(void);
 
-/* From NMI to SysTick; nothing here uses interrupts. */
+/* Handlers from NMI to SysTick; nothing here uses interrupts. */
 __attribute__((section(".vectors"), used)) static const struct {
     uint32_t *stack;
     handler *handlers[15];

@@ -9,18 +9,18 @@ typedef struct {
     coord_data_t *(*transform_steps_to_cartesian)(coord_data_t *position, mpos_t *steps);
     /* Machine coordinates to motor positions. */
     coord_data_t *(*transform_from_cartesian)(coord_data_t *target, coord_data_t *position);
-    /* With `init`: a line to `target` (machine coordinates) from `position` (motors) begins; returns the motor position of
-       its end. Then, until NULL: the motor positions on the way, in the same storage. */
+    /* With `init`: begins a line to `target` (machine coordinates) from `position` (motors) and returns the motor
+     * position of its end. Then returns the motor positions along it, in the same storage, and finally NULL. */
     coord_data_t *(*segment_line)(coord_data_t *target, coord_data_t *position, plan_line_data_t *pl_data, bool init);
-    /* Motors that move an axis while it is homed. */
+    /* Motors that move while an axis is homed. */
     uint_fast8_t (*limits_get_axis_mask)(uint_fast8_t idx);
-    /* Sets the motor position that a homing move of the axis starts from. */
+    /* Sets the motor position from which a homing move of the axis starts. */
     void (*limits_set_target_pos)(uint_fast8_t idx);
     /* Sets the motor positions of homed axes. */
     void (*limits_set_machine_positions)(axes_signals_t cycle);
-    /* May these axes be homed together? */
+    /* Whether these axes may be homed together. */
     bool (*homing_cycle_validate)(axes_signals_t cycle);
-    /* Feed of the motors from the feed of the axes. */
+    /* Feed of the motors for a feed of the axes. */
     float (*homing_cycle_get_feedrate)(axes_signals_t axes, float rate, homing_mode_t mode);
 } kinematics_t;
 

@@ -1,4 +1,5 @@
-// As its build writes it. DOUBLE_MINOR: an earlier one. SPDX-License-Identifier: MIT OR Apache-2.0
+// As the build of controller_interface writes it. DOUBLE_MINOR: an earlier version.
+// SPDX-License-Identifier: MIT OR Apache-2.0
 #define CONTROLLER_INTERFACE_VERSION_MAJOR 4
 #ifdef DOUBLE_MINOR
 #define CONTROLLER_INTERFACE_VERSION_MINOR DOUBLE_MINOR
