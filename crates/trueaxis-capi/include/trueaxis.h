@@ -4,22 +4,24 @@
  * Generated from the Rust source; do not edit. C99, usable from C++.
  *
  * Rules for all functions
- *   - The answer is TRUEAXIS_OK or a TRUEAXIS_ERROR_...; comments name the latter by their endings. Every function may
- *     answer _NULL, _SIZE, _ALIGNMENT and _UNBUILT. A function that refuses writes nothing (but a trueaxis_error_t).
+ *   - Functions return TRUEAXIS_OK or a TRUEAXIS_ERROR_... code. Comments list the codes of a function by their
+ *     endings, after "Errors:". In addition every function may return _NULL, _SIZE, _ALIGNMENT and _UNBUILT, and a
+ *     function of a part that the build leaves out returns _LEFT_OUT. A function that refuses writes nothing (except a
+ *     trueaxis_error_t).
  *   - No function panics, allocates, prints, locks or calls the operating system.
- *   - Objects (trueaxis_loop_t, ...) are storage of fixed size that the caller provides, best zeroed before; they hold no
- *     resources. Memory lent to an object must outlive it. Arguments `..._size` are `sizeof` of the object.
+ *   - Objects (trueaxis_loop_t, ...) are storage of fixed size that the caller provides and should zero first. They
+ *     hold no resources. Memory lent to an object must outlive it. An argument `..._size` is `sizeof` of the object.
  *   - The caller sets the member `size` of a structure that begins with it, once: `input.size = sizeof input;`.
- *   - Pointers are NULL or point to what their type says. NULL is refused but for `error` and where a function allows it.
- *     Arguments must not overlap in memory.
+ *   - Pointers are NULL or point to an object of their type. NULL is refused, except for `error` and where a function
+ *     allows it. Arguments must not overlap in memory.
  *   - Two threads may use the same loop, path, kinematics and gauge at the same time, never the same state.
- *   - "Real-time safe" functions run in bounded time and may be called in the servo interrupt; the others belong to the
- *     start of the program or a background task. All are reentrant.
+ *   - "Real-time safe" functions run in bounded time and may be called in the servo interrupt; call the others at the
+ *     start of the program or in a background task. All are reentrant.
  *
- * Units: mm, for rotary axes degrees; time ns; signs as in ISO 841 and ISO 230-1 (error = actual - ideal).
+ * Units: mm, degrees for rotary axes; time in ns; signs as in ISO 841 and ISO 230-1 (error = actual - ideal).
  *
- * Precision: define TRUEAXIS_SINGLE before including this header for a library built with `--features single`, and only
- * then.
+ * Precision: define TRUEAXIS_SINGLE before including this header if, and only if, the library was built with
+ * `--features single`.
  */
 
 #ifndef TRUEAXIS_H
@@ -28,7 +30,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Version of this header: check it against the library's with trueaxis_check_abi(TRUEAXIS_ABI_VERSION). */
+/* Version of this header. Compare it with the library's by calling trueaxis_check_abi(TRUEAXIS_ABI_VERSION). */
 #ifndef TRUEAXIS_ABI_MAJOR
 #define TRUEAXIS_ABI_MAJOR 3
 #endif
@@ -42,31 +44,31 @@
 #endif
 
 #if !defined(TRUEAXIS_SINGLE)
-/// Bytes of lent memory per span of a path. A line takes a span every 16 mm, an arc one every 30°, a spline one or more
-/// for each of its knot intervals.
+/// Bytes of lent memory per span of a path. A line takes one span per 16 mm, an arc one per 30°, a spline one or more
+/// per knot interval.
 #define TRUEAXIS_SPAN_BYTES 296
 #endif
 
 #if defined(TRUEAXIS_SINGLE)
-/// Bytes of lent memory per span of a path. A line takes a span every 16 mm, an arc one every 30°, a spline one or more
-/// for each of its knot intervals.
+/// Bytes of lent memory per span of a path. A line takes one span per 16 mm, an arc one per 30°, a spline one or more
+/// per knot interval.
 #define TRUEAXIS_SPAN_BYTES 168
 #endif
 
 #if !defined(TRUEAXIS_SINGLE)
-/// The same for the path of a tool.
+/// Bytes of lent memory per span of a tool path.
 #define TRUEAXIS_TOOL_SPAN_BYTES 376
 #endif
 
 #if defined(TRUEAXIS_SINGLE)
-/// The same for the path of a tool.
+/// Bytes of lent memory per span of a tool path.
 #define TRUEAXIS_TOOL_SPAN_BYTES 208
 #endif
 
 /// Words of a `trueaxis_path_t`.
 #define TRUEAXIS_PATH_WORDS 28
 
-/// Spans of a `trueaxis_command_window_t`.
+/// Number of spans in a `trueaxis_command_window_t`.
 #define TRUEAXIS_COMMAND_WINDOW_SPANS 64
 
 #if !defined(TRUEAXIS_SINGLE)
@@ -129,16 +131,16 @@
 #define TRUEAXIS_GAUGE_STATE_512_WORDS 4672
 #endif
 
-/// Nothing is measured.
+/// Measure nothing.
 #define TRUEAXIS_MEASURE_NOTHING 0
 
-/// Against `path` at `reference`.
+/// Measure against `path` at `reference`.
 #define TRUEAXIS_MEASURE_PATH 1
 
-/// Against the last commands: X, Y, Z of a valid command are appended to `window`.
+/// Measure against the last commands: X, Y, Z of each valid command are appended to `window`.
 #define TRUEAXIS_MEASURE_COMMANDS 2
 
-/// Tip and direction of the tool against `path` at `reference`, in workpiece coordinates, by `kinematics`.
+/// Measure tip and direction of the tool against `path` at `reference`, in workpiece coordinates, using `kinematics`.
 #define TRUEAXIS_MEASURE_TOOL 3
 
 #if !defined(TRUEAXIS_SINGLE)
@@ -170,19 +172,19 @@
 /// The foot is a corner between two spans.
 #define TRUEAXIS_CONTOUR_AT_CORNER 4
 
-/// A second minimum may be near.
+/// A second minimum may be nearby.
 #define TRUEAXIS_CONTOUR_SECOND_MINIMUM 8
 
-/// No foot is known from the last cycle: the search starts around the reference.
+/// No foot was known from the last cycle: the search is sampling the path around the reference.
 #define TRUEAXIS_CONTOUR_COLD 16
 
-/// Not measured (no path, or a faulty reading): all other members are 0.
+/// Not measured (no path, or a faulty reading); all other members are 0.
 #define TRUEAXIS_CONTOUR_NOT_FOUND 32
 
-/// The reference was outside its span, and its nearer end was taken; not finite: not measured.
+/// The reference was outside its span and was clamped to the nearer end. If it was not finite, no error was measured.
 #define TRUEAXIS_CONTOUR_REFERENCE 64
 
-/// Most axes of a machine.
+/// Largest number of axes of a machine.
 #define TRUEAXIS_AXES_MAX 6
 
 /// Bit of `dynamics_off`: friction at reversals.
@@ -191,7 +193,7 @@
 /// Bit of `dynamics_off`: velocity that the drive does not feed forward itself.
 #define TRUEAXIS_DYNAMICS_LAG 2
 
-/// Bit of `dynamics_off`: acceleration that the velocity loop would have to be off for.
+/// Bit of `dynamics_off`: velocity error that an acceleration requires of the velocity loop.
 #define TRUEAXIS_DYNAMICS_ACCELERATION 4
 
 /// Bit of `dynamics_off`: contour feedback. It acts only in a step with a measure.
@@ -209,7 +211,8 @@
 /// All bits of `dynamics_off`.
 #define TRUEAXIS_DYNAMICS_ALL 127
 
-/// Bit of `record.status`: homed, enabled, readings valid: the correction follows the tables.
+/// Bit of `record.status`: the machine is homed and enabled, the readings are valid, and the correction follows the
+/// tables.
 #define TRUEAXIS_STATUS_ACTIVE 1
 
 /// Bit of `record.status`: the correction is frozen after a faulty reading.
@@ -221,11 +224,11 @@
 /// Bit of `record.status`: the contour error was measured.
 #define TRUEAXIS_STATUS_CONTOUR 8
 
-/// Bit of `record.status`: `drive` is not written (`TRUEAXIS_ERROR_NO_OUTPUT`).
+/// Bit of `record.status`: `drive` was not written (`TRUEAXIS_ERROR_NO_OUTPUT`).
 #define TRUEAXIS_STATUS_NO_OUTPUT 16
 
-/// Bit of `record.status`: the contour feedback oscillated and is led out: until `enable` falls, a reset
-/// comes, or the feedback is switched off.
+/// Bit of `record.status`: the contour feedback oscillated and is ramped out, until `enable` falls, a reset comes, or
+/// the feedback is switched off.
 #define TRUEAXIS_STATUS_FEEDBACK_OUT 32
 
 /// Words of a `trueaxis_encoder_t`.
@@ -244,7 +247,7 @@
 #define TRUEAXIS_LEARNED_WORDS 11
 #endif
 
-/// Most sensors of a `.ttherm` file.
+/// Largest number of sensors of a `.ttherm` file.
 #define TRUEAXIS_THERMAL_SENSORS_MAX 16
 
 /// Words of a `trueaxis_thermal_t`.
@@ -253,70 +256,72 @@
 /// Words of a `trueaxis_thermal_state_t`.
 #define TRUEAXIS_THERMAL_STATE_WORDS 176
 
-/// A sensor is good.
+/// The sensor is good.
 #define TRUEAXIS_SENSOR_GOOD 0
 
-/// It has no reading, or one that is no number.
+/// The sensor has no reading, or one that is not a number.
 #define TRUEAXIS_SENSOR_MISSING 1
 
-/// It reads what no machine has, or jumps to exactly 85 or 0 degrees Celsius, which stand for no reading.
+/// The reading is outside the plausible range, or jumped to exactly 85 or 0 degrees Celsius, which mean no reading.
 #define TRUEAXIS_SENSOR_OUT_OF_RANGE 2
 
-/// It has changed more than plausible, and has neither come back since nor stayed for an hour.
+/// The reading changed by more than is plausible, and has neither returned since nor remained at its new value for an
+/// hour.
 #define TRUEAXIS_SENSOR_JUMPED 3
 
-/// It repeats one reading to the bit although the others move.
+/// The sensor repeats one reading to the bit although the others change.
 #define TRUEAXIS_SENSOR_STUCK 4
 
-/// It has not yet given three plausible readings that agree, over two seconds at least.
+/// The sensor has not yet given three plausible readings that agree, spread over at least two seconds.
 #define TRUEAXIS_SENSOR_STARTING 5
 
 /// No fault.
 #define TRUEAXIS_FAULT_NONE 0
 
-/// A reading is not finite. From here to 15: the correction freezes, the command passes.
+/// A reading is not finite. With faults 1 to 15 the correction freezes and the command passes.
 #define TRUEAXIS_FAULT_FEEDBACK_NOT_FINITE 1
 
-/// A reading changed more in a cycle than the axis can move, or lies more than 1 mm (1 degree) outside the joint.
+/// A reading changed in one cycle by more than the axis can move, or is more than 1 mm (1 degree) outside the joint's
+/// range.
 #define TRUEAXIS_FAULT_FEEDBACK_JUMP 2
 
-/// A reading stands still although the axis is commanded to move.
+/// A reading does not change although the axis is commanded to move.
 #define TRUEAXIS_FAULT_ENCODER_STUCK 3
 
 /// The encoder interface reports an alarm (dropout).
 #define TRUEAXIS_FAULT_ENCODER_ALARM 4
 
-/// `elapsed_ns` is more than a quarter off the period, or too many cycles came early.
+/// `elapsed_ns` differs from the period by more than a quarter, or too many cycles came early.
 #define TRUEAXIS_FAULT_LATE_CYCLE 5
 
-/// A command is not finite. From here to 31: the output holds, a stop is requested.
+/// A command is not finite. With faults 16 to 31 the output is held and a stop is requested.
 #define TRUEAXIS_FAULT_COMMAND_NOT_FINITE 16
 
-/// A command lies outside the declared travel.
+/// A command is outside the declared travel.
 #define TRUEAXIS_FAULT_COMMAND_OUT_OF_TRAVEL 17
 
-/// A command changed more in a cycle than the axis can move.
+/// A command changed in one cycle by more than the axis can move.
 #define TRUEAXIS_FAULT_COMMAND_JUMP 18
 
 /// Command plus correction leaves the range of the joint.
 #define TRUEAXIS_FAULT_JOINT_RANGE 19
 
-/// No pose of the machine reaches the commanded tip and direction.
+/// The machine has no pose with the commanded tip and direction.
 #define TRUEAXIS_FAULT_TOOL_UNREACHABLE 20
 
-/// In the singular cone, where a travel keeps the tool further off than the cone.
+/// The pose is in the singular cone, and the end of a rotary travel keeps the tool further off than the cone.
 #define TRUEAXIS_FAULT_SINGULAR_POSE 21
 
-/// The commanded direction needs the rotary axes' other branch.
+/// The commanded direction needs the other branch of the rotary axes.
 #define TRUEAXIS_FAULT_BRANCH_CHANGE 22
 
-/// The host's period is not the configured one. From here on: reasons of a `trueaxis_loop_bypass`.
+/// The host's period is not the configured one. Faults from 32 on are reasons of a `trueaxis_loop_bypass`.
 #define TRUEAXIS_FAULT_PERIOD_MISMATCH 32
 
 /// The table file was refused.
 #define TRUEAXIS_FAULT_TABLES_REFUSED 33
 
-/// The tables need more memory.
+/// The tables need more memory than was lent.
 #define TRUEAXIS_FAULT_CAPACITY_TOO_SMALL 34
 
 /// Header and library differ in version.
@@ -325,16 +330,16 @@
 /// Largest telemetry frame of a record, bytes.
 #define TRUEAXIS_FRAME_BYTES 384
 
-/// No index pulse yet, or none that agrees with the last.
+/// No index pulse has been seen yet, or none is reliable.
 #define TRUEAXIS_GAUGE_NO_INDEX 1
 
-/// An index pulse did not come.
+/// An expected index pulse was missing.
 #define TRUEAXIS_GAUGE_INDEX_MISSING (1 << 1)
 
-/// An index pulse came at another count than before.
+/// An index pulse came at a different count than before.
 #define TRUEAXIS_GAUGE_INDEX_SHIFTED (1 << 2)
 
-/// The spindle's count changed by more than a quarter turn in a cycle.
+/// The spindle's count changed by more than a quarter turn in one cycle.
 #define TRUEAXIS_GAUGE_SPINDLE_JUMP (1 << 3)
 
 /// A probe is outside its range or not finite.
@@ -343,19 +348,20 @@
 /// The arm's angle is outside ±90°, or contradicts the linkage.
 #define TRUEAXIS_GAUGE_ARM (1 << 5)
 
-/// The part turned backwards by more than a point.
+/// The part turned backwards by more than one point.
 #define TRUEAXIS_GAUGE_REVERSED (1 << 6)
 
-/// More than two points passed in a cycle.
+/// The part turned by more than two points in one cycle.
 #define TRUEAXIS_GAUGE_TOO_FAST (1 << 7)
 
-/// The spindle stood.
+/// The spindle stood still.
 #define TRUEAXIS_GAUGE_STOPPED (1 << 8)
 
-/// The speed changed by more than a quarter within the revolution. With this and the following flags it still counts.
+/// The speed changed by more than a quarter within the revolution. A revolution with this or one of the following flags
+/// is still evaluated.
 #define TRUEAXIS_GAUGE_SPEED (1 << 9)
 
-/// Revolutions were skipped: the work on an earlier one was not finished.
+/// Revolutions were skipped because the work on an earlier one was not finished.
 #define TRUEAXIS_GAUGE_SKIPPED (1 << 10)
 
 /// The infeed was not updated.
@@ -367,31 +373,31 @@
 /// Largest telemetry frame of a revolution, bytes.
 #define TRUEAXIS_GAUGE_FRAME_BYTES 1280
 
-/// Result of a function: `TRUEAXIS_OK` or one of `TRUEAXIS_ERROR_…`, never negative.
+/// Result code of a function: `TRUEAXIS_OK` or one of `TRUEAXIS_ERROR_…`, never negative.
 typedef int32_t trueaxis_result_t;
 
-/// Contents of a table file. Arrays have `axes` elements in the step's order; travel and limits of a linear axis that the
-/// machine lacks are 0, and its command passes.
+/// Contents of a table file. Arrays have `axes` elements in the step's order. For a linear axis that the machine lacks,
+/// travel and limits are 0, and its command passes.
 typedef struct trueaxis_tables_info_t {
     /// `sizeof(trueaxis_tables_info_t)`.
     uint32_t size;
     /// Number of axes of the step, 3 to 6.
     uint32_t axes;
-    /// Letters of the axes, closed by 0: X, Y, Z, then the machine's rotary axes in alphabetical order.
+    /// Letters of the axes, terminated by 0: X, Y, Z, then the machine's rotary axes in alphabetical order.
     char letters[8];
     /// Identity of the machine: CRC-32 of its name and chain.
     uint32_t machine_id;
-    /// CRC-32 of the file: version of the tables.
+    /// CRC-32 of the file, which identifies the version of the tables.
     uint32_t tables_crc;
-    /// Passes of the exact inverse in a cycle.
+    /// Number of passes of the exact inverse per cycle.
     uint32_t inverse_passes;
-    /// Points per revolution of the gauge, 0 without one.
+    /// Points per revolution of the gauge; 0 without a gauge.
     uint32_t gauge_points;
-    /// Bytes of memory for `trueaxis_loop_build`.
+    /// Bytes of memory that `trueaxis_loop_build` needs.
     uint64_t memory_bytes;
-    /// Rows of the axis' table, 0 without one.
+    /// Number of rows in the axis' table; 0 without a table.
     uint32_t rows[TRUEAXIS_AXES_MAX];
-    /// Low end of the travel, mm (deg). A command outside is a fault.
+    /// Low end of the travel, mm (deg). A command outside the travel is a fault.
     double travel_low[TRUEAXIS_AXES_MAX];
     /// High end of the travel, mm (deg).
     double travel_high[TRUEAXIS_AXES_MAX];
@@ -401,57 +407,59 @@ typedef struct trueaxis_tables_info_t {
     double slope_limit_per_s[TRUEAXIS_AXES_MAX];
     /// Limit of the correction's acceleration, mm/s² (deg/s²).
     double acceleration_limit_per_s2[TRUEAXIS_AXES_MAX];
-    /// Name of the machine, UTF-8, closed by 0.
+    /// Name of the machine, UTF-8, terminated by 0.
     char name[72];
-    /// Structural code of the machine (ISO 10791-6), closed by 0.
+    /// Structural code of the machine (ISO 10791-6), terminated by 0.
     char chain[56];
 } trueaxis_tables_info_t;
 
-/// Reason of a refusal, ready to print.
+/// Details of a refusal, ready to print.
 typedef struct trueaxis_error_t {
     /// `sizeof(trueaxis_error_t)`.
     uint32_t size;
-    /// Result of the function.
+    /// Result that the function returned.
     trueaxis_result_t result;
-    /// Of a table file: 1 too short, 2 too long, 3 not a `.tcomp`, 4 other format version, 5 wrong CRC-32, 6 settings or
-    /// 7 table header not readable, 8 table or 9 payload too long, 10 machine id against the name, 11 contents out of
-    /// range (see `field`), 12 other machine, 13 grid header not readable, 14 grid too long.
-    /// Of a learned correction: 1 too short, 2 too long, 3 not a learned correction,
-    /// 4 other format version, 5 wrong CRC-32, 6 spacing, 7 resolution, 8 parts, 9 number of nodes, 10 not 0 at its ends,
-    /// 11 other program, 12 other path length, 13 other machine. Of thermal growth: 1 to 5 likewise, 6 sensors, 7 axes,
-    /// 8 number or 9 order of knots, 10 a time, 11 plausible readings, 12 an axis, 13 not 0, 14 a slope, 15 other machine.
-    /// Else 0.
+    /// Detail of `result`, 0 if it has none:
+    /// - Table file: 1 too short, 2 too long, 3 not a `.tcomp`, 4 other format version, 5 wrong CRC-32, 6 settings not
+    ///   readable, 7 table header not readable, 8 table too long, 9 payload too long, 10 machine id does not match the
+    ///   name, 11 contents out of range (see `field`), 12 other machine, 13 grid header not readable, 14 grid too long.
+    /// - Learned correction: 1 too short, 2 too long, 3 not a learned correction, 4 other format version, 5 wrong
+    ///   CRC-32, 6 spacing, 7 resolution, 8 parts, 9 number of nodes, 10 not 0 at its ends, 11 other program, 12 other
+    ///   path length, 13 other machine.
+    /// - Thermal growth: 1 to 5 as for a learned correction, 6 sensors, 7 axes, 8 number of knots, 9 order of knots, 10
+    ///   a time, 11 plausible readings, 12 an axis, 13 not 0, 14 a slope, 15 other machine.
     uint32_t code;
-    /// Element from 0 (row of a table, knot of a spline); `UINT32_MAX` if it is no list.
+    /// Index of the element, from 0 (row of a table, knot of a spline); `UINT32_MAX` if the value is not in a list.
     uint32_t index;
-    /// Value found, mm, degrees or seconds.
+    /// Value found, in mm, degrees or seconds; for lent memory in bytes.
     double found;
     /// Letter of the axis, or 0.
     char axis;
     /// Name of the setting, or of the part of a segment; may be empty.
     char field[31];
-    /// What is needed; may be empty.
+    /// Requirement that the value does not meet; may be empty.
     char needed[128];
-    /// All of it in one line of UTF-8.
+    /// The whole refusal in one line of UTF-8.
     char text[256];
 } trueaxis_error_t;
 
-/// A programmed path: lines, arcs and splines as spans in lent memory.
+/// A programmed path: lines, arcs and splines, stored as spans in lent memory.
 typedef struct trueaxis_path_t {
     uint64_t words[TRUEAXIS_PATH_WORDS];
 } trueaxis_path_t;
 
 #if !defined(TRUEAXIS_SINGLE)
-/// Scalar: `double`, with `TRUEAXIS_SINGLE` `float`.
+/// Scalar type: `double`, or `float` with `TRUEAXIS_SINGLE`.
 typedef double trueaxis_real_t;
 #endif
 
 #if defined(TRUEAXIS_SINGLE)
-/// Scalar: `double`, with `TRUEAXIS_SINGLE` `float`.
+/// Scalar type: `double`, or `float` with `TRUEAXIS_SINGLE`.
 typedef float trueaxis_real_t;
 #endif
 
-/// A point of a path: a span and a parameter in it. `trueaxis_path_reference` makes it from a segment and its parameter.
+/// A point on a path: a span and a parameter within it. `trueaxis_path_reference` computes it from a segment and its
+/// parameter.
 typedef struct trueaxis_reference_t {
     /// Number of the span.
     uint32_t span;
@@ -459,88 +467,93 @@ typedef struct trueaxis_reference_t {
     trueaxis_real_t t;
 } trueaxis_reference_t;
 
-/// The last commanded points as a path, for a host that knows no other. Belongs to the thread that steps it.
+/// The last commanded points, used as the path by a host that does not know the programmed one. Belongs to the thread
+/// that steps it.
 typedef struct trueaxis_command_window_t {
     uint64_t words[TRUEAXIS_COMMAND_WINDOW_WORDS];
 } trueaxis_command_window_t;
 
-/// A machine's chain of axes and its tool: immutable but for the tool, may be copied and read from any thread.
+/// A machine's kinematic chain and its tool. Immutable except for the tool; may be copied and may be read from any
+/// thread.
 typedef struct trueaxis_kinematics_t {
     uint64_t words[TRUEAXIS_KINEMATICS_WORDS];
 } trueaxis_kinematics_t;
 
 /// A tool in workpiece coordinates.
 typedef struct trueaxis_tool_t {
-    /// Tip, mm.
+    /// Position of the tip, mm.
     trueaxis_real_t tip[3];
-    /// Unit vector from the tip to the spindle.
+    /// Unit vector from the tip towards the spindle.
     trueaxis_real_t axis[3];
 } trueaxis_tool_t;
 
-/// The branch of the rotary axes that is followed. Belongs to the thread that steps it.
+/// Tracks the branch of the rotary axes. Belongs to the thread that steps it.
 typedef struct trueaxis_branch_tracker_t {
     uint64_t words[TRUEAXIS_BRANCH_TRACKER_WORDS];
 } trueaxis_branch_tracker_t;
 
-/// Tables, limits and settings of a machine: immutable, may be copied and read from any thread.
+/// Tables, limits and settings of a machine. Immutable; may be copied and may be read from any thread.
 typedef struct trueaxis_loop_t {
     uint64_t words[TRUEAXIS_LOOP_WORDS];
 } trueaxis_loop_t;
 
-/// All that one cycle hands to the next. Belongs to the thread that steps it; a copy may be put back between two cycles.
+/// State that one cycle passes to the next. Belongs to the thread that steps it; a copy may be restored between two
+/// cycles.
 typedef struct trueaxis_state_t {
     uint64_t words[TRUEAXIS_STATE_WORDS];
 } trueaxis_state_t;
 
 #if !defined(TRUEAXIS_SINGLE)
-/// Position of an axis, mm (rotary: degrees) as `double`; with `TRUEAXIS_SINGLE` `int32_t` in 1e-6 mm (1e-6 degrees).
+/// Position of an axis: `double` in mm (rotary: degrees), or with `TRUEAXIS_SINGLE` `int32_t` in 1e-6 mm (1e-6
+/// degrees).
 typedef double trueaxis_position_t;
 #endif
 
 #if defined(TRUEAXIS_SINGLE)
-/// Position of an axis, mm (rotary: degrees) as `double`; with `TRUEAXIS_SINGLE` `int32_t` in 1e-6 mm (1e-6 degrees).
+/// Position of an axis: `double` in mm (rotary: degrees), or with `TRUEAXIS_SINGLE` `int32_t` in 1e-6 mm (1e-6
+/// degrees).
 typedef int32_t trueaxis_position_t;
 #endif
 
-/// Command and readings of a servo cycle. Axes in the order of `trueaxis_tables_info_t.letters`; elements beyond the
-/// machine's axes are ignored.
+/// Command and readings of a servo cycle. Axes are in the order of `trueaxis_tables_info_t.letters`; elements beyond
+/// the machine's axes are ignored.
 typedef struct trueaxis_input_t {
     /// `sizeof(trueaxis_input_t)`.
     uint32_t size;
     /// Time since the last cycle, ns: as measured, or the period. The correction freezes for this cycle, with
-    /// `TRUEAXIS_FAULT_LATE_CYCLE`, if the time is more than a quarter off the period, or if less than 0.999 of a period
-    /// has passed for each cycle's worth that the correction has moved (one may be in hand): its limits hold per second,
-    /// however cycles arrive. 0 means that no time has passed, and nothing moves. The first cycle's time is ignored.
-    /// `trueaxis_elapsed_ns` converts a 64-bit time.
+    /// `TRUEAXIS_FAULT_LATE_CYCLE`, if the time differs from the period by more than a quarter, or if less than 0.999
+    /// of a period has passed for each cycle's worth of motion of the correction (one cycle's worth may be saved up).
+    /// The limits of the correction therefore apply per second, however the cycles arrive. 0: no time has passed and
+    /// nothing moves. The value in the first cycle is ignored. `trueaxis_elapsed_ns` converts a 64-bit time.
     uint32_t elapsed_ns;
     /// Commanded positions, uncorrected.
     trueaxis_position_t command[TRUEAXIS_AXES_MAX];
-    /// Raw encoder positions. Not finite, beyond 1e9, in single precision `INT32_MIN` or `INT32_MAX`: a dropout, so
-    /// convert counts with saturation. Such a command is a fault.
+    /// Raw encoder positions. A value that is not finite, is beyond 1e9, or in single precision equals `INT32_MIN` or
+    /// `INT32_MAX` is a dropout, so convert counts with saturation. The same value in `command` is a fault.
     trueaxis_position_t feedback[TRUEAXIS_AXES_MAX];
-    /// Bit 0 = X, …: the axis' encoder interface reports an alarm.
+    /// Bit 0 = X, …: the encoder interface of the axis reports an alarm.
     uint8_t encoder_alarm;
     /// Not 0: all axes are homed.
     uint8_t homed;
     /// Not 0: compensate.
     uint8_t enable;
-    /// A rising edge releases a latched stop request, near the held position.
+    /// A rising edge releases a latched stop request if the machine is near the held position.
     uint8_t reset;
-    /// Fault with which `trueaxis_rtcp` refused the tool (`TRUEAXIS_FAULT_COMMAND_NOT_FINITE` …); else 0.
+    /// Fault with which `trueaxis_rtcp` rejected the tool (`TRUEAXIS_FAULT_COMMAND_NOT_FINITE` …); otherwise 0.
     uint8_t refusal;
     /// Axis of that fault.
     uint8_t refusal_axis;
-    /// `TRUEAXIS_DYNAMICS_…` bits of the parts of the dynamic correction that are switched off in this cycle; 0: all that
-    /// the tables configure act. Each is led in and out by the limiter.
+    /// `TRUEAXIS_DYNAMICS_…` bits of the parts of the dynamic correction that are off in this cycle; 0: all parts that
+    /// the tables configure are on. The limiter ramps each part in and out.
     uint8_t dynamics_off;
     /// Ignored.
     uint8_t reserved;
-    /// Learned correction of X, Y, Z at this place of the program (`trueaxis_learned_at`), as positions counted from 0; 0
-    /// without one. What is no usable position counts as 0. No effect in a bypass.
+    /// Learned correction of X, Y, Z at this point of the program (`trueaxis_learned_at`), as positions counted from 0;
+    /// 0 without one. An unusable position counts as 0. No effect in a bypass.
     trueaxis_position_t learned[3];
 } trueaxis_input_t;
 
-/// Angles, multipliers and limits of a gauge: immutable, may be copied and read from any thread.
+/// Angles, multipliers and limits of a gauge. Immutable; may be copied and may be read from any thread.
 typedef struct trueaxis_gauge_t {
     uint64_t words[TRUEAXIS_GAUGE_WORDS];
 } trueaxis_gauge_t;
@@ -550,13 +563,13 @@ typedef struct trueaxis_gauge_state_t {
     uint64_t words[TRUEAXIS_GAUGE_STATE_WORDS];
 } trueaxis_gauge_state_t;
 
-/// The path to measure against. Only the members that `kind` names are read.
+/// The path to measure against. Only the members that `kind` needs are read.
 typedef struct trueaxis_measure_t {
     /// `sizeof(trueaxis_measure_t)`.
     uint32_t size;
     /// `TRUEAXIS_MEASURE_…`.
     uint32_t kind;
-    /// The path; of a tool one started by `trueaxis_path_start_tool`.
+    /// The path; for a tool a path started by `trueaxis_path_start_tool`.
     const struct trueaxis_path_t *path;
     /// Position of this cycle's command on the path.
     struct trueaxis_reference_t reference;
@@ -569,7 +582,7 @@ typedef struct trueaxis_measure_t {
     trueaxis_real_t direction_error[3];
 } trueaxis_measure_t;
 
-/// A gauge of three probes in a cycle: its readings, and its answer in the last three members.
+/// A gauge of three probes in a cycle: its readings, and its results in the members marked "Written".
 typedef struct trueaxis_gauge_ride_t {
     /// `sizeof(trueaxis_gauge_ride_t)`.
     uint32_t size;
@@ -581,45 +594,47 @@ typedef struct trueaxis_gauge_ride_t {
     int32_t arm;
     /// The gauge.
     const struct trueaxis_gauge_t *gauge;
-    /// Its state; of 512 points cast from `trueaxis_gauge_state_512_t *`.
+    /// Its state; one for 512 points cast from `trueaxis_gauge_state_512_t *`.
     struct trueaxis_gauge_state_t *state;
     /// Raw values of the three probes, in the unit of their gain.
     trueaxis_real_t readings[3];
-    /// Not 0: an index pulse came since the last cycle.
+    /// Not 0: an index pulse has come since the last cycle.
     uint8_t has_index;
-    /// Not 0: another workpiece; the infeed returns to zero, the evaluation begins anew.
+    /// Not 0: another workpiece; the infeed returns to zero and the evaluation restarts.
     uint8_t new_part;
-    /// Not 0: the wheel does not grind; measured, but not learnt from.
+    /// Not 0: the wheel does not grind; the gauge measures but does not update the infeed.
     uint8_t idle;
-    /// Written: 1 when a revolution has just been evaluated.
+    /// Written: 1 if a revolution has just been evaluated.
     uint8_t finished;
     /// Written: `TRUEAXIS_GAUGE_…` bits of this cycle.
     uint16_t flags;
     /// Ignored.
     uint8_t reserved[2];
-    /// Written: infeed asked of its axis, mm in the axis' sense; part of `drive` as far as the limits allow.
+    /// Written: infeed requested of its axis, mm in the axis' sense; `drive` includes as much of it as the limits
+    /// allow.
     trueaxis_real_t infeed;
 } trueaxis_gauge_ride_t;
 
-/// The dynamic correction of a cycle by axis, mm (rotary axes: degrees). `sent` is the sum of the others after its limiter.
+/// The dynamic correction of a cycle by axis, mm (rotary axes: degrees). `sent` is the limited sum of the other
+/// members.
 typedef struct trueaxis_dynamic_t {
     /// Sent: `drive = command + correction + sent`.
     trueaxis_real_t sent[TRUEAXIS_AXES_MAX];
-    /// Wanted for friction, lag and acceleration.
+    /// Requested for friction, lag and acceleration.
     trueaxis_real_t feed_forward[TRUEAXIS_AXES_MAX];
-    /// Wanted by the contour feedback.
+    /// Requested by the contour feedback.
     trueaxis_real_t feedback[TRUEAXIS_AXES_MAX];
-    /// Wanted against cross-talk.
+    /// Requested against cross-talk.
     trueaxis_real_t crosstalk[TRUEAXIS_AXES_MAX];
-    /// Wanted by the learned correction.
+    /// Requested by the learned correction.
     trueaxis_real_t learned[TRUEAXIS_AXES_MAX];
 } trueaxis_dynamic_t;
 
-/// Contour error; lengths in mm.
+/// Contour error. Lengths in mm.
 typedef struct trueaxis_contour_t {
-    /// Span on which the foot lies.
+    /// Span that contains the foot.
     uint32_t span;
-    /// Evaluations of the path.
+    /// Number of evaluations of the path in this cycle.
     uint8_t evaluations;
     /// `TRUEAXIS_CONTOUR_…` bits.
     uint8_t flags;
@@ -635,19 +650,19 @@ typedef struct trueaxis_contour_t {
     trueaxis_real_t normal;
     /// Component along the plane's normal.
     trueaxis_real_t binormal;
-    /// Component along the path: 0 but at ends and corners.
+    /// Component along the path; 0 except at ends and corners.
     trueaxis_real_t tangential;
-    /// Arc length from the foot to the reference, positive while the tool lags.
+    /// Arc length from the foot to the reference; positive while the tool lags.
     trueaxis_real_t lag;
-    /// Arc length within which the foot is known.
+    /// Remaining width of the bracket around the foot, as an arc length.
     trueaxis_real_t width;
 } trueaxis_contour_t;
 
-/// Telemetry of a cycle. Positions as `trueaxis_position_t`, else mm (rotary axes: degrees).
+/// Telemetry of a cycle. Positions are of type `trueaxis_position_t`, all other lengths in mm (rotary axes: degrees).
 typedef struct trueaxis_record_t {
-    /// Number of the cycle, from 0, wrapping.
+    /// Number of the cycle, counted from 0, wrapping.
     uint32_t sequence;
-    /// Machine of the tables; 0 in a bypass.
+    /// Machine identity from the tables; 0 in a bypass.
     uint32_t machine_id;
     /// CRC-32 of the table file; 0 in a bypass.
     uint32_t tables_crc;
@@ -657,29 +672,29 @@ typedef struct trueaxis_record_t {
     uint8_t fault_axis;
     /// `TRUEAXIS_STATUS_…` bits.
     uint8_t status;
-    /// A bit per axis: the correction differs from the wanted one.
+    /// One bit per axis: the correction differs from the wanted one because of a limit.
     uint8_t limited;
-    /// A bit per axis: outside its table, clamped to the edge value.
+    /// One bit per axis: the position is outside the axis' table, and the value at the edge applies.
     uint8_t at_edge;
     /// `TRUEAXIS_CONTOUR_…` bits of the orientation error.
     uint8_t orientation_flags;
-    /// 1: the tables configure a dynamic correction, and `dynamic` is of this cycle. 0: it is all 0.
+    /// 1: the tables configure a dynamic correction, and `dynamic` is that of this cycle. 0: `dynamic` is all 0.
     uint8_t has_dynamic;
     /// 0.
     uint8_t reserved[5];
-    /// Command in force: this cycle's, or the held one.
+    /// Command in force: that of this cycle, or the held one.
     trueaxis_position_t command[TRUEAXIS_AXES_MAX];
-    /// Raw feedback; the last good one after a fault.
+    /// Raw feedback; after a fault the last good one.
     trueaxis_position_t feedback[TRUEAXIS_AXES_MAX];
-    /// Correction of geometry sent: `drive − command` before rounding to a position, less `dynamic.sent`.
+    /// Geometric correction sent: `drive − command` before rounding to a position, minus `dynamic.sent`.
     trueaxis_real_t correction[TRUEAXIS_AXES_MAX];
-    /// The dynamic correction sent beside it, and what asked for it.
+    /// The dynamic correction sent in addition, and the parts that make it up.
     struct trueaxis_dynamic_t dynamic;
     /// Contour error of the estimated tip.
     struct trueaxis_contour_t tip;
     /// Contour error of the encoder position.
     struct trueaxis_contour_t encoder;
-    /// Orientation contour error, rad; 0 but for `TRUEAXIS_MEASURE_TOOL`.
+    /// Orientation contour error, rad; 0 except with `TRUEAXIS_MEASURE_TOOL`.
     trueaxis_real_t orientation;
 } trueaxis_record_t;
 
@@ -691,74 +706,74 @@ typedef struct trueaxis_output_t {
     uint32_t axes;
     /// Corrected positions for the drives; not written with `TRUEAXIS_ERROR_NO_OUTPUT`.
     trueaxis_position_t drive[TRUEAXIS_AXES_MAX];
-    /// Feedback for the host, less the correction sent: the host sees no following error from it.
+    /// Feedback for the host, minus the correction sent, so that the correction does not appear as a following error.
     trueaxis_position_t feedback[TRUEAXIS_AXES_MAX];
     /// Telemetry of the cycle.
     struct trueaxis_record_t record;
 } trueaxis_output_t;
 
-/// An encoder that counts, and how far it has counted. Belongs to the thread that reads it.
+/// An incremental encoder and its count so far. Belongs to the thread that reads it.
 typedef struct trueaxis_encoder_t {
     uint64_t words[TRUEAXIS_ENCODER_WORDS];
 } trueaxis_encoder_t;
 
-/// The path of a program, on the way to its id.
+/// The path of a program while its id is being computed.
 typedef struct trueaxis_program_t {
     uint64_t words[TRUEAXIS_PROGRAM_WORDS];
 } trueaxis_program_t;
 
-/// A learned correction, read in place from the bytes of its file (`trueaxis learn`): immutable, may be copied.
+/// A learned correction, read in place from the bytes of its file (`trueaxis learn`). Immutable; may be copied.
 typedef struct trueaxis_learned_t {
     uint64_t words[TRUEAXIS_LEARNED_WORDS];
 } trueaxis_learned_t;
 
-/// Thermal growth, read in place from the bytes of its file (`trueaxis thermal compile`): immutable, may be copied.
+/// Thermal growth, read in place from the bytes of its file (`trueaxis thermal compile`). Immutable; may be copied.
 typedef struct trueaxis_thermal_t {
     uint64_t words[TRUEAXIS_THERMAL_WORDS];
 } trueaxis_thermal_t;
 
-/// All that one update of the task hands to the next. Belongs to the thread that updates it.
+/// State that one update of the task passes to the next. Belongs to the thread that updates it.
 typedef struct trueaxis_thermal_state_t {
     uint64_t words[TRUEAXIS_THERMAL_STATE_WORDS];
 } trueaxis_thermal_state_t;
 
-/// Readings of an update.
+/// Readings for one update.
 typedef struct trueaxis_thermal_readings_t {
     /// `sizeof(trueaxis_thermal_readings_t)`.
     uint32_t size;
-    /// Number of temperatures, at most 16; sensors of the file beyond it are missing.
+    /// Number of temperatures, at most 16; further sensors of the file count as missing.
     uint32_t count;
-    /// Time since the update before, s; 0 in the first.
+    /// Time since the previous update, s; 0 in the first.
     double dt_s;
-    /// Temperatures in the order of the file, degrees Celsius; no number where there is none.
+    /// Temperatures in the order of the file, degrees Celsius; NaN for a missing reading.
     double temperatures_c[TRUEAXIS_THERMAL_SENSORS_MAX];
-    /// Speed of the spindle, rpm; no number where it is not known.
+    /// Speed of the spindle, rpm; NaN if unknown.
     double spindle_rpm;
     /// Length of the tool from the spindle's nose, mm.
     double tool_mm;
 } trueaxis_thermal_readings_t;
 
-/// Growth after an update. Arrays of axes are by letter: X, Y, Z, A, B, C.
+/// Growth after an update. Arrays over axes are in the order X, Y, Z, A, B, C.
 typedef struct trueaxis_growth_t {
     /// `sizeof(trueaxis_growth_t)`.
     uint32_t size;
-    /// Axes that the file names (bit 0: X).
+    /// Axes that the file names, as bits (bit 0: X).
     uint32_t axes;
-    /// Offset of the line, mm (deg): error that is added, actual − ideal.
+    /// Offset of the line, mm (deg). It is an error that is added, actual − ideal.
     double offset[6];
-    /// Its slope, from the datum of the machine's table file on.
+    /// Slope of the line, from the datum of the machine's table file.
     double slope[6];
-    /// `TRUEAXIS_SENSOR_…` of every sensor: while it is not good its share stands still.
+    /// `TRUEAXIS_SENSOR_…` of every sensor. The contribution of a sensor does not change while it is not good.
     uint8_t sensors[TRUEAXIS_THERMAL_SENSORS_MAX];
-    /// Sensors (bit 0: the first) beyond the ends of their curves.
+    /// Sensors beyond the ends of their curves, where the edge value applies, as bits (bit 0: the first sensor).
     uint32_t at_edge;
-    /// Axes (bit 0: X) whose growth is beyond what the step takes; the line before stands.
+    /// Axes whose growth exceeds the range of the step, as bits (bit 0: X); the previous line remains in force.
     uint32_t beyond;
-    /// Every sensor has started; until then there is no growth.
+    /// 1: every sensor has started. Until then the growth is zero.
     uint8_t complete;
-    /// The spindle's speed is not known; its share stands still.
+    /// 1: the spindle's speed is unknown; its contribution does not change.
     uint8_t spindle_missing;
-    /// Nothing is wrong.
+    /// 1: every sensor and the spindle's speed are good, and the step accepts every growth.
     uint8_t good;
     /// 0.
     uint8_t reserved[5];
@@ -768,9 +783,9 @@ typedef struct trueaxis_growth_t {
 typedef struct trueaxis_motion_t {
     /// Synchronous, without the once-per-revolution part.
     trueaxis_real_t synchronous_um;
-    /// Asynchronous; 0 over a single revolution.
+    /// Asynchronous; 0 for a single revolution.
     trueaxis_real_t asynchronous_um;
-    /// Amplitude of cos θ: eccentricity and fundamental.
+    /// Amplitude of cos θ: eccentricity and fundamental error motion.
     trueaxis_real_t cosine_um;
     /// Amplitude of sin θ.
     trueaxis_real_t sine_um;
@@ -778,25 +793,25 @@ typedef struct trueaxis_motion_t {
     trueaxis_real_t total_um;
 } trueaxis_motion_t;
 
-/// The latest revolution, and counts of all.
+/// The latest revolution, and counters of all revolutions.
 typedef struct trueaxis_evaluation_t {
     /// `sizeof(trueaxis_evaluation_t)`.
     uint32_t size;
     /// Number of the revolution, from 1, wrapping.
     uint32_t revolution;
-    /// Revolutions sampled whole so far.
+    /// Number of revolutions sampled completely so far.
     uint32_t sampled;
-    /// Revolutions evaluated so far.
+    /// Number of revolutions evaluated so far.
     uint32_t evaluated;
-    /// Revolutions skipped whole so far.
+    /// Number of revolutions skipped completely so far.
     uint32_t skipped;
-    /// Revolutions discarded whole so far.
+    /// Number of revolutions discarded completely so far.
     uint32_t discarded;
     /// `TRUEAXIS_GAUGE_…` bits of this revolution.
     uint16_t flags;
-    /// Revolutions in the window of the error motions; 0 until one is full.
+    /// Number of revolutions in the window of the error motions; 0 until the window is full.
     uint16_t revolutions;
-    /// 1: no work is under way, and all members are of one revolution.
+    /// 1: no work is pending, and all members describe the same revolution.
     uint8_t settled;
     /// 0.
     uint8_t reserved[3];
@@ -808,21 +823,22 @@ typedef struct trueaxis_evaluation_t {
     struct trueaxis_motion_t y;
 } trueaxis_evaluation_t;
 
-/// The same for 512 points in half the memory: pass `(trueaxis_gauge_state_t *)&it` and its own size.
+/// State and results of a gauge of 512 points, half as large: pass `(trueaxis_gauge_state_t *)&it` and its own size.
 typedef struct trueaxis_gauge_state_512_t {
     uint64_t words[TRUEAXIS_GAUGE_STATE_512_WORDS];
 } trueaxis_gauge_state_512_t;
 
-/// Done.
+/// The function succeeded.
 #define TRUEAXIS_OK 0
 
 /// A required pointer is `NULL`.
 #define TRUEAXIS_ERROR_NULL 1
 
-/// Wrong `size` member or size argument: not set, other header, or `TRUEAXIS_SINGLE` not as the library was built.
+/// Wrong `size` member or size argument: not set, from another header, or `TRUEAXIS_SINGLE` is not as the library was
+/// built.
 #define TRUEAXIS_ERROR_SIZE 2
 
-/// A pointer is not aligned; memory for tables and paths: 8 bytes.
+/// A pointer is not aligned. Memory for tables and paths needs 8 bytes.
 #define TRUEAXIS_ERROR_ALIGNMENT 3
 
 /// An object was never built or started, or is of another kind.
@@ -834,25 +850,25 @@ typedef struct trueaxis_gauge_state_512_t {
 /// Not a whole, undamaged `.tcomp` file of this format; see `trueaxis_error_t`.
 #define TRUEAXIS_ERROR_TABLES 6
 
-/// The file, the kinematics, the learned correction or the thermal growth are of another machine.
+/// The file, the kinematics, the learned correction or the thermal growth belong to another machine.
 #define TRUEAXIS_ERROR_MACHINE 7
 
-/// The settings cannot be run; see `trueaxis_error_t`.
+/// The settings are not valid; see `trueaxis_error_t`.
 #define TRUEAXIS_ERROR_CONFIG 8
 
 /// The lent memory is too small.
 #define TRUEAXIS_ERROR_MEMORY 9
 
-/// The period is not the loop's (within 0.1 %).
+/// The period differs from that of the loop by more than 0.1 %.
 #define TRUEAXIS_ERROR_PERIOD 10
 
-/// Loop and state differ in the number of axes, or it is not 3 to 6.
+/// Loop and state differ in the number of axes, or the number is not 3 to 6.
 #define TRUEAXIS_ERROR_AXES 11
 
 /// The state was started by a loop of the other kind (bypass or not): start a new one.
 #define TRUEAXIS_ERROR_STATE 12
 
-/// An argument is out of range; the function says which.
+/// An argument is out of range; the description of the function lists the conditions.
 #define TRUEAXIS_ERROR_ARGUMENT 13
 
 /// The buffer is too small.
@@ -861,20 +877,20 @@ typedef struct trueaxis_gauge_state_512_t {
 /// The segment is not valid; see `trueaxis_error_t`.
 #define TRUEAXIS_ERROR_PATH 15
 
-/// The machine has no gauge, or one of another number of points.
+/// The machine has no gauge, or one with another number of points.
 #define TRUEAXIS_ERROR_GAUGE 16
 
-/// No value yet.
+/// No value is available yet.
 #define TRUEAXIS_ERROR_NOT_YET 17
 
-/// The cycle was done, but there is nothing to send: no valid command has come, and not every axis has been read. All of
-/// the output but `drive` is written. Leave the drives without power.
+/// The cycle was executed, but has no drive positions: no valid command has come, and not every axis has been read. The
+/// whole output except `drive` is written. Leave the drives without power.
 #define TRUEAXIS_ERROR_NO_OUTPUT 18
 
-/// The kinematics have no such pose; see `trueaxis_error_t`.
+/// The kinematics cannot reach the pose; see `trueaxis_error_t`.
 #define TRUEAXIS_ERROR_POSE 19
 
-/// Not a whole, undamaged learned correction of this format, or of another program; see `trueaxis_error_t`.
+/// Not a whole, undamaged learned correction of this format, or one of another program; see `trueaxis_error_t`.
 #define TRUEAXIS_ERROR_LEARNED 20
 
 /// Not a whole, undamaged `.ttherm` file of this format; see `trueaxis_error_t`.
@@ -888,91 +904,96 @@ typedef struct trueaxis_gauge_state_512_t {
 extern "C" {
 #endif // __cplusplus
 
-/// Version of the library: `major << 16 | minor`, the top bit set for single precision. Real-time safe.
+/// Returns the version of the library: `major << 16 | minor`, the top bit set for single precision. Real-time safe.
 uint32_t trueaxis_abi_version(void);
 
-/// Whether a program compiled with a header of version `TRUEAXIS_ABI_VERSION` can use this library: same precision and
-/// major number, minor number no newer than the library's.
+/// Checks whether a program compiled with a header of version `TRUEAXIS_ABI_VERSION` can use this library: same
+/// precision and major number, and a minor number not above the library's. Errors: `_ABI`.
 ///
-/// After `TRUEAXIS_ERROR_ABI` call only `trueaxis_abi_version`, `trueaxis_result_text`, and to go on uncorrected
-/// `trueaxis_loop_bypass`, `trueaxis_start` and `trueaxis_step`, which refuse structures of another size. Real-time safe.
+/// After `TRUEAXIS_ERROR_ABI` call only `trueaxis_abi_version`, `trueaxis_result_text`, and, to continue uncorrected,
+/// `trueaxis_loop_bypass`, `trueaxis_start` and `trueaxis_step`, which refuse structures of another size. Real-time
+/// safe.
 trueaxis_result_t trueaxis_check_abi(uint32_t header_version);
 
-/// Text of a result: a constant string for any number, empty in a build without the part `text`. Real-time safe.
+/// Returns the text of a result: a constant string for any number, empty in a build without the part `text`. Real-time
+/// safe.
 const char *trueaxis_result_text(trueaxis_result_t result);
 
-/// Checks a whole table file and describes its contents. `file`: of any alignment. Not real-time; about 15 KiB of stack.
-/// `_TABLES` (see `error->code`).
+/// Checks a whole table file and describes its contents.
+///
+/// `file`: of any alignment. Not real-time; about 15 KiB of stack. Errors: `_TABLES` (see `error->code`).
 trueaxis_result_t trueaxis_tables_info(const uint8_t *file,
                                        size_t length,
                                        struct trueaxis_tables_info_t *info,
                                        struct trueaxis_error_t *error);
 
-/// Starts an empty path in `memory`: 8-byte aligned, `TRUEAXIS_SPAN_BYTES` per span, in use as long as the path is.
+/// Starts an empty path.
 ///
-/// `first_span`: number of the first span, 0 for a path by itself. A host with a long program slides a window over it:
-/// each window is another path whose numbers go on, so that the search finds its last foot again.
+/// `memory`: 8-byte aligned, `TRUEAXIS_SPAN_BYTES` per span; the path uses it as long as it exists. `first_span`:
+/// number of the first span, 0 for a path that is complete. A host with a long program slides a window over it: each
+/// window is another path that continues the numbering, so that the search finds its last foot again.
 ///
 /// Segments are numbered from 0. Functions that change a path are not real-time (up to 8 KiB of stack) and must not run
-/// while a step uses it: fill another one and pass that. `_ARGUMENT` (memory overlaps path).
+/// while a step uses it: fill another path and pass that. Errors: `_ARGUMENT` (memory overlaps path).
 trueaxis_result_t trueaxis_path_start(struct trueaxis_path_t *path,
                                       size_t path_size,
                                       void *memory,
                                       size_t memory_size,
                                       uint32_t first_span);
 
-/// The same for a tool in workpiece coordinates: `TRUEAXIS_TOOL_SPAN_BYTES` per span, each with directions.
+/// Starts an empty path of a tool in workpiece coordinates. Like `trueaxis_path_start`, but each span also stores
+/// directions and takes `TRUEAXIS_TOOL_SPAN_BYTES`.
 trueaxis_result_t trueaxis_path_start_tool(struct trueaxis_path_t *path,
                                            size_t path_size,
                                            void *memory,
                                            size_t memory_size,
                                            uint32_t first_span);
 
-/// Normal of the machining plane for the segments that follow, three numbers; 0, 0, 1 (G17) at the start. It gives the
-/// contour error's components their signs. `_ARGUMENT` (not finite, shorter than 1e-6).
+/// Sets the normal of the machining plane for the segments that follow, three numbers; initially 0, 0, 1 (G17). The
+/// signs of the contour error's components depend on it. Errors: `_ARGUMENT` (not finite, shorter than 1e-6).
 trueaxis_result_t trueaxis_path_plane(struct trueaxis_path_t *path, const double *normal);
 
-/// Positions of A, B, C (three numbers each, degrees) at start and end of the next segment of a tool path, linear in its
-/// parameter; segments after it keep the end. All zero at the start. `_ARGUMENT` (not finite; no path of a tool).
-trueaxis_result_t trueaxis_path_axes(struct trueaxis_path_t *path,
-                                     const double *start,
-                                     const double *end);
+/// Sets the positions of A, B, C (three numbers each, degrees) at start and end of the next segment of a tool path,
+/// linear in its parameter; the segments after it keep the end position. Initially all are zero. Errors: `_ARGUMENT`
+/// (not finite; not the path of a tool).
+trueaxis_result_t trueaxis_path_axes(struct trueaxis_path_t *path, const double *start, const double *end);
 
-/// The same by directions of the tool in workpiece coordinates (of any length): the great circle from `start` to `end`.
-/// `_ARGUMENT` (also: opposite directions).
+/// Sets the directions of the tool at start and end of the next segment, in workpiece coordinates (vectors of any
+/// length). The tool turns along the great circle from `start` to `end`; the segments after it keep the end direction.
+/// Errors: `_ARGUMENT` (not finite, zero or opposite directions; not the path of a tool).
 trueaxis_result_t trueaxis_path_directions(struct trueaxis_path_t *path, const double *start, const double *end);
 
-/// Closes the path: the first span follows the last one, until a segment is appended. `_PATH` (ends more than 0.02 mm
-/// apart, or no segment).
+/// Closes the path, so that its first span follows the last one until another segment is appended. Errors: `_PATH`
+/// (ends more than 0.02 mm apart, or no segment).
 trueaxis_result_t trueaxis_path_close(struct trueaxis_path_t *path);
 
-/// Removes all segments; memory, plane, directions and the first number stay.
+/// Removes all segments. Memory, plane, directions and the number of the first span are unchanged.
 trueaxis_result_t trueaxis_path_clear(struct trueaxis_path_t *path);
 
-/// Numbers of segments and of spans; either may be `NULL`. Real-time safe.
+/// Reads the number of segments and of spans; either pointer may be `NULL`. Real-time safe.
 trueaxis_result_t trueaxis_path_count(const struct trueaxis_path_t *path, uint32_t *segments, uint32_t *spans);
 
-/// The point of a path at parameter `u` of a segment (from 0); beyond the segment, its end. Real-time safe. `_ARGUMENT` (no
-/// such segment, `u` not finite).
+/// Computes the reference for parameter `u` of a segment (numbered from 0); if `u` is beyond the segment, its end.
+/// Real-time safe. Errors: `_ARGUMENT` (no such segment, `u` not finite).
 trueaxis_result_t trueaxis_path_reference(const struct trueaxis_path_t *path,
                                           uint32_t segment,
                                           double u,
                                           struct trueaxis_reference_t *reference);
 
-/// Appends a straight line, mm: u = 0..1 proportional to length.
+/// Appends a straight line, mm: u = 0 to 1, proportional to length.
 ///
-/// `start`, `end`: X, Y, Z. `_MEMORY`, `_PATH` (shorter than 1e-9 mm, not finite; as for every segment: more than 0.02 mm
-/// from the end of the one before).
+/// `start`, `end`: X, Y, Z. Errors: `_MEMORY`, `_PATH` (shorter than 1e-9 mm, not finite; as for every segment: start
+/// more than 0.02 mm from the end of the previous segment).
 trueaxis_result_t trueaxis_path_line(struct trueaxis_path_t *path,
                                      const double *start,
                                      const double *end,
                                      struct trueaxis_error_t *error);
 
-/// Appends a circular arc about `normal` (right hand), a helix where start and end differ along it, mm: u = 0..1
-/// proportional to the angle. Start and end at the same angle make a full circle.
+/// Appends a circular arc about `normal` (right-hand rule), or a helix if start and end differ along it, mm: u = 0 to
+/// 1, proportional to the angle. A start and end at the same angle define a full circle.
 ///
-/// `center`: any point of the axis. `normal`: of any length. `turns`: full turns beyond the first arc. `_MEMORY`, `_PATH`
-/// (also: radii that differ by more than 0.02 mm).
+/// `center`: any point on the axis. `normal`: of any length. `turns`: full turns in addition to the first arc. Errors:
+/// `_MEMORY`, `_PATH` (also: radii that differ by more than 0.02 mm).
 trueaxis_result_t trueaxis_path_arc(struct trueaxis_path_t *path,
                                     const double *start,
                                     const double *end,
@@ -981,10 +1002,11 @@ trueaxis_result_t trueaxis_path_arc(struct trueaxis_path_t *path,
                                     uint32_t turns,
                                     struct trueaxis_error_t *error);
 
-/// Appends a spline (NURBS), mm: u over `knots[degree]` to `knots[point_count]`.
+/// Appends a spline (NURBS), mm: u from `knots[degree]` to `knots[point_count]`.
 ///
-/// `degree`: 1 to 5. `knots`: `point_count + degree + 1`, ascending. `points`: X, Y, Z of each control point. `weights`:
-/// `point_count` positive numbers, or `NULL` for weights of one. `_MEMORY`, `_PATH` (`error->index`: the element).
+/// `degree`: 1 to 5. `knots`: `point_count + degree + 1` ascending numbers. `points`: X, Y, Z of each control point.
+/// `weights`: `point_count` positive numbers, or `NULL` if all are 1. Errors: `_MEMORY`, `_PATH` (`error->index`: the
+/// element).
 trueaxis_result_t trueaxis_path_nurbs(struct trueaxis_path_t *path,
                                       uint32_t degree,
                                       const double *knots,
@@ -993,52 +1015,54 @@ trueaxis_result_t trueaxis_path_nurbs(struct trueaxis_path_t *path,
                                       size_t point_count,
                                       struct trueaxis_error_t *error);
 
-/// Appends a turn of the tool about its standing tip; u = 0..1. Only in a tool path; its directions by
-/// `trueaxis_path_axes` or `_directions` before. `_MEMORY`, `_PATH`, `_ARGUMENT` (no path of a tool).
+/// Appends a rotation of the tool about its stationary tip; u = 0 to 1. Only in a tool path; set the directions first
+/// with `trueaxis_path_axes` or `trueaxis_path_directions`. Errors: `_MEMORY`, `_PATH`, `_ARGUMENT` (not the path of a
+/// tool).
 trueaxis_result_t trueaxis_path_turning(struct trueaxis_path_t *path,
                                         const double *point,
                                         struct trueaxis_error_t *error);
 
 /// Starts an empty window.
 ///
-/// `plane`: normal of the machining plane, three numbers; `NULL`: 0, 0, 1 (G17). `spacing_mm`: distance between two points
-/// at slow feeds, 0.001 to 1, usually 0.005. The window has to reach over the tool's lag: it is the larger of
-/// `TRUEAXIS_COMMAND_WINDOW_SPANS` spacings and the distance of as many cycles. Beyond it `record.tip.flags` lacks
-/// `TRUEAXIS_CONTOUR_BRACKETED`.
+/// `plane`: normal of the machining plane, three numbers; `NULL`: 0, 0, 1 (G17). `spacing_mm`: distance between two
+/// points at slow feeds, 0.001 to 1 mm, usually 0.005 mm. The window must be longer than the tool's lag. Its length is
+/// the larger of `TRUEAXIS_COMMAND_WINDOW_SPANS` spacings and the distance travelled in that many cycles. If the lag
+/// exceeds it, `record.tip.flags` lacks `TRUEAXIS_CONTOUR_BRACKETED`.
 ///
-/// Not real-time; about 75 KiB of stack, 43 KiB in single precision. `_ARGUMENT`.
+/// Not real-time; about 75 KiB of stack, 43 KiB in single precision. Errors: `_ARGUMENT`.
 trueaxis_result_t trueaxis_command_window_start(struct trueaxis_command_window_t *window,
                                                 size_t window_size,
                                                 const double *plane,
                                                 double spacing_mm);
 
-/// Forgets all commands, as after homing. Real-time safe.
+/// Discards all commands, for example after homing. Real-time safe.
 trueaxis_result_t trueaxis_command_window_restart(struct trueaxis_command_window_t *window);
 
-/// Reads the kinematics of a table file's machine: X, Y, Z and up to two rotary axes.
+/// Builds the kinematics of the machine in a table file: X, Y, Z and up to two rotary axes.
 ///
-/// Arguments as for `trueaxis_loop_build`. Not real-time. `_TABLES`, `_CONFIG` (no such chain).
+/// Arguments as for `trueaxis_loop_build`. Not real-time. Errors: `_TABLES`, `_CONFIG` (the chain is not supported).
 trueaxis_result_t trueaxis_kinematics_build(struct trueaxis_kinematics_t *kinematics,
                                             size_t kinematics_size,
                                             const uint8_t *file,
                                             size_t length,
                                             struct trueaxis_error_t *error);
 
-/// Sets the tool: its tip from the last tool-side frame at all axes zero, three numbers, mm. Between two cycles; real-time
-/// safe. `_ARGUMENT` (not finite).
-trueaxis_result_t trueaxis_kinematics_set_tool(struct trueaxis_kinematics_t *kinematics,
-                                               const double *tool_mm);
+/// Sets the tool: position of its tip relative to the last tool-side frame with all axes at zero, three numbers, mm.
+/// Call it between two cycles; real-time safe. Errors: `_ARGUMENT` (not finite).
+trueaxis_result_t trueaxis_kinematics_set_tool(struct trueaxis_kinematics_t *kinematics, const double *tool_mm);
 
-/// The tool at positions of the axes: as many numbers, in the step's order, mm and degrees. Real-time safe. `_ARGUMENT`
-/// (not finite).
+/// Computes the tool from the positions of the axes.
+///
+/// `axes`: as many numbers as the machine has axes, in the step's order, mm and degrees. Real-time safe. Errors:
+/// `_ARGUMENT` (not finite).
 trueaxis_result_t trueaxis_kinematics_forward(const struct trueaxis_kinematics_t *kinematics,
                                               const double *axes,
                                               struct trueaxis_tool_t *tool);
 
-/// Starts at the pose in which the machine stands.
+/// Starts tracking at the machine's present pose.
 ///
-/// `axes`: as for `trueaxis_kinematics_forward`. `max_step_deg`: largest step of a rotary axis in a cycle, degrees. Not
-/// real-time. `_POSE`, `_ARGUMENT` (not finite, no step).
+/// `axes`: as for `trueaxis_kinematics_forward`. `max_step_deg`: largest step of a rotary axis in one cycle, degrees,
+/// above 0 and at most 360. Not real-time. Errors: `_POSE`, `_ARGUMENT` (not finite, step out of range).
 trueaxis_result_t trueaxis_branch_tracker_start(struct trueaxis_branch_tracker_t *tracker,
                                                 size_t tracker_size,
                                                 const struct trueaxis_kinematics_t *kinematics,
@@ -1046,20 +1070,21 @@ trueaxis_result_t trueaxis_branch_tracker_start(struct trueaxis_branch_tracker_t
                                                 double max_step_deg,
                                                 struct trueaxis_error_t *error);
 
-/// The angle between the tool and the one asked for that the tracker's last positions leave, degrees: at most the machine's
-/// `singular_cone_deg`, 0 outside that cone but for the way out. Real-time safe.
+/// Reads the angle between the requested tool direction and that of the last positions computed, degrees: at most the
+/// machine's `singular_cone_deg`, and 0 outside that cone except on the way out. Real-time safe.
 trueaxis_result_t trueaxis_branch_tracker_direction_error(const struct trueaxis_branch_tracker_t *tracker,
                                                           trueaxis_real_t *error_deg);
 
-/// Writes the axis positions for a tool into `input->command`, on the branch that `tracker` follows, for the next
-/// `trueaxis_step`.
+/// Computes the axis positions for a tool and writes them to `input->command` for the next `trueaxis_step`, on the
+/// branch that `tracker` follows.
 ///
-/// `input->elapsed_ns` must be set. A tool without such positions goes into `input->refusal`: the step then holds and
-/// reports the fault, and a reset near the held pose releases it. Within the machine's `singular_cone_deg` of the singular
-/// pose the axis next to the workpiece stays or is led, with the tip exact and `trueaxis_branch_tracker_direction_error` of the
-/// direction left. Call it once a cycle, for homed axes.
+/// `input->elapsed_ns` must be set. For a tool that has no such positions the fault is written to `input->refusal`: the
+/// step then holds the output and reports the fault, and a reset near the held pose releases it. Within the machine's
+/// `singular_cone_deg` of the singular pose the axis next to the workpiece stays still or turns by at most the
+/// tracker's `max_step_deg` per cycle; the tip remains exact, and `trueaxis_branch_tracker_direction_error` returns the
+/// remaining error of the direction. Call it once per cycle, for homed axes.
 ///
-/// Real-time safe. `_AXES`, `_STATE` (also: a bypass, which has no axes to find), `_MACHINE`.
+/// Real-time safe. Errors: `_AXES`, `_STATE` (also: a bypass, which has no kinematics), `_MACHINE`.
 trueaxis_result_t trueaxis_rtcp(const struct trueaxis_loop_t *loop,
                                 const struct trueaxis_state_t *state,
                                 const struct trueaxis_tool_t *tool,
@@ -1067,10 +1092,10 @@ trueaxis_result_t trueaxis_rtcp(const struct trueaxis_loop_t *loop,
                                 const struct trueaxis_kinematics_t *kinematics,
                                 struct trueaxis_input_t *input);
 
-/// Builds the gauge of a table file (`[roundness]` of its machine), of 1024 or 512 points a revolution.
+/// Builds the gauge of a table file (`[roundness]` of its machine), with 1024 or 512 points per revolution.
 ///
-/// Arguments as for `trueaxis_loop_build`. Not real-time; about 117 KiB of stack, 65 KiB in single precision.
-/// `_TABLES`, `_CONFIG` (period), `_GAUGE`.
+/// Arguments as for `trueaxis_loop_build`. Not real-time; about 117 KiB of stack, 65 KiB in single precision. Errors:
+/// `_TABLES`, `_CONFIG` (also the period), `_GAUGE`.
 trueaxis_result_t trueaxis_gauge_build(struct trueaxis_gauge_t *gauge,
                                        size_t gauge_size,
                                        const uint8_t *file,
@@ -1078,17 +1103,17 @@ trueaxis_result_t trueaxis_gauge_build(struct trueaxis_gauge_t *gauge,
                                        uint32_t period_ns,
                                        struct trueaxis_error_t *error);
 
-/// A fresh state: nothing is fed in before another revolution is whole, and the wheel is that of the file.
+/// Starts a new state: nothing is fed in before a whole revolution has been sampled, and the wheel is that of the file.
 ///
-/// `state_size`: of `trueaxis_gauge_state_t`, for 512 points of `trueaxis_gauge_state_512_t`. Not real-time; about 65 KiB
-/// of stack, 33 KiB in single precision.
+/// `state_size`: size of `trueaxis_gauge_state_t`, or for 512 points of `trueaxis_gauge_state_512_t`. Not real-time;
+/// about 65 KiB of stack, 33 KiB in single precision.
 trueaxis_result_t trueaxis_gauge_restart(const struct trueaxis_gauge_t *gauge,
                                          struct trueaxis_gauge_state_t *gauge_state,
                                          size_t state_size);
 
-/// Sets the radius of the wheel, mm (wear, dressing), from the next revolution that is evaluated.
+/// Sets the radius of the wheel, mm (wear, dressing), from the next evaluated revolution on.
 ///
-/// `_CONFIG` (no following arm, or a linkage that cannot close).
+/// Call it between two cycles. Errors: `_CONFIG` (the gauge has no following arm, or the linkage cannot close).
 trueaxis_result_t trueaxis_gauge_set_wheel(const struct trueaxis_gauge_t *gauge,
                                            struct trueaxis_gauge_state_t *gauge_state,
                                            double wheel_mm,
@@ -1096,14 +1121,15 @@ trueaxis_result_t trueaxis_gauge_set_wheel(const struct trueaxis_gauge_t *gauge,
 
 /// Builds a loop from a compiled table file of 3 to 6 axes.
 ///
-/// `file`, `length`: bytes of the `.tcomp`, not used afterwards: nodes of grids are copied into `memory`. `machine_id`:
-/// the machine that the file must be for, 0: any. `period_ns`: 1,000 to 100,000,000. `memory`: at least
-/// `trueaxis_tables_info_t.memory_bytes`, 8-byte aligned; it must outlive the loop and its copies, unchanged.
+/// `file`, `length`: bytes of the `.tcomp`; the loop does not use them afterwards, since the nodes of grids are copied
+/// into `memory`. `machine_id`: the machine that the file must be for, 0: any. `period_ns`: 1,000 to 100,000,000.
+/// `memory`: at least `trueaxis_tables_info_t.memory_bytes`, 8-byte aligned; it must outlive the loop and its copies,
+/// unchanged.
 ///
 /// To exchange tables in motion, build a second loop in other memory and pass it to `trueaxis_step`; the limiter makes
-/// the change smooth. Not real-time; 31 to 61 KiB of stack. On refusal `memory` may have been written.
+/// the change smooth. Not real-time; 31 to 61 KiB of stack. After a refusal `memory` may have been written.
 ///
-/// `_TABLES`, `_MACHINE`, `_CONFIG` (also the period), `_MEMORY`, `_ARGUMENT` (memory overlaps file or loop).
+/// Errors: `_TABLES`, `_MACHINE`, `_CONFIG` (also the period), `_MEMORY`, `_ARGUMENT` (memory overlaps file or loop).
 trueaxis_result_t trueaxis_loop_build(struct trueaxis_loop_t *loop,
                                       size_t loop_size,
                                       const uint8_t *file,
@@ -1114,48 +1140,48 @@ trueaxis_result_t trueaxis_loop_build(struct trueaxis_loop_t *loop,
                                       size_t memory_size,
                                       struct trueaxis_error_t *error);
 
-/// Builds a loop that passes every command uncorrected and reports why in every record: for going on without tables.
+/// Builds a loop that passes every command uncorrected and reports the reason in every record, for operation without
+/// tables.
 ///
-/// `axes`: 3 to 6; 3 in a library for three axes only.
+/// `axes`: 3 to 6; 3 in a library for three axes only. `reason`: `TRUEAXIS_FAULT_PERIOD_MISMATCH`, `_TABLES_REFUSED`,
+/// `_CAPACITY_TOO_SMALL` or `_ABI_MISMATCH`. `period_ns`: 1,000 to 100,000,000. After an invalid command the last valid
+/// one is held (before the first: the position read), and a stop is requested until the next valid one.
 ///
-/// `reason`: `TRUEAXIS_FAULT_PERIOD_MISMATCH`, `_TABLES_REFUSED`, `_CAPACITY_TOO_SMALL` or `_ABI_MISMATCH`. `period_ns`: 1,000 to 100,000,000. After an invalid command the last one is held (before the first:
-/// the position read), and a stop is requested until the next valid one.
-///
-/// Real-time safe. `_AXES`, `_ARGUMENT` (reason, period).
+/// Real-time safe. Errors: `_AXES`, `_ARGUMENT` (reason, period).
 trueaxis_result_t trueaxis_loop_bypass(struct trueaxis_loop_t *loop,
                                        size_t loop_size,
                                        uint32_t axes,
                                        uint8_t reason,
                                        uint32_t period_ns);
 
-/// A fresh state for a loop, if the host's period is the loop's within 0.1 %.
+/// Starts a new state for a loop, if the host's period is that of the loop within 0.1 %.
 ///
-/// Real-time safe. `_PERIOD`.
+/// Real-time safe. Errors: `_PERIOD`.
 trueaxis_result_t trueaxis_start(const struct trueaxis_loop_t *loop,
                                  struct trueaxis_state_t *state,
                                  size_t state_size,
                                  uint32_t period_ns);
 
-/// `elapsed_ns` of a host that has the time since the last cycle in 64 bits.
+/// Converts a 64-bit time since the last cycle to `elapsed_ns`.
 ///
-/// A time that does not fit, or is negative because a clock was set back, becomes `UINT32_MAX`. That is late at any period:
-/// the correction freezes for that cycle. Real-time safe.
+/// A time that does not fit, or that is negative because a clock was set back, becomes `UINT32_MAX`. That is late at
+/// any period: the correction freezes for that cycle. Real-time safe.
 uint32_t trueaxis_elapsed_ns(int64_t host_ns);
 
-/// One servo cycle: drive positions, feedback for the host, contour error.
+/// Executes one servo cycle: computes drive positions, feedback for the host, and contour error.
 ///
-/// `measure`: the path to measure against; `NULL` for none. `gauge`: a gauge of three probes that takes part; `NULL`
-/// without one. Every combination of both works. The first cycle returns the command; from then on
-/// `drive = command + correction`. A gauge's infeed is added to the correction of its axis, before the limiter. In a
-/// bypass nothing is measured against a path, and the gauge measures but feeds nothing in. Between two cycles another
-/// loop of the same number of axes may be passed.
+/// `measure`: the path to measure against; `NULL`: none. `gauge`: a gauge of three probes that takes part; `NULL`:
+/// none. Every combination of both is allowed. The first cycle returns the command; from then on
+/// `drive = command + correction`. The infeed of a gauge is added to the correction of its axis, before the limiter. In
+/// a bypass no path is measured against, and the gauge measures but feeds nothing in. Between two cycles another loop
+/// with the same number of axes may be passed.
 ///
-/// While there is neither a valid command nor a reading of every axis (without an alarm), nothing can be held: the
-/// answer is `TRUEAXIS_ERROR_NO_OUTPUT`, and `output->drive` is not written. Then the position read is held, and a reset
-/// near it accepted.
+/// Until either a valid command has come or every axis has been read (without an alarm), no position can be held: the
+/// function returns `TRUEAXIS_ERROR_NO_OUTPUT` and does not write `output->drive`. Once every axis has been read, that
+/// position is held, and a reset near it is accepted.
 ///
-/// Real-time safe. `_AXES`, `_STATE`, `_MACHINE` (kinematics), `_ARGUMENT` (kind, refusal), `_NO_OUTPUT`. Faults of the
-/// machine are in `output->record.fault`.
+/// Real-time safe. Errors: `_AXES`, `_STATE`, `_MACHINE` (kinematics), `_ARGUMENT` (kind, refusal), `_NO_OUTPUT`.
+/// Faults of the machine are in `output->record.fault`.
 trueaxis_result_t trueaxis_step(const struct trueaxis_loop_t *loop,
                                 struct trueaxis_state_t *state,
                                 const struct trueaxis_input_t *input,
@@ -1163,23 +1189,25 @@ trueaxis_result_t trueaxis_step(const struct trueaxis_loop_t *loop,
                                 struct trueaxis_gauge_ride_t *gauge,
                                 struct trueaxis_output_t *output);
 
-/// Sets the temperature of an axis; its growth, as the table file has it, follows in the next cycle, through the limiter.
+/// Sets the temperature of an axis. The growth that the table file gives for it acts from the next cycle on, through
+/// the limiter.
 ///
-/// `axis`: 0 = X. `kelvin`: above the file's reference temperature. Call it between two cycles. No effect in a bypass.
-/// Real-time safe. `_AXES`, `_STATE`, `_ARGUMENT` (no such axis; growth of more than 10 mm or 1e-3 of the length).
+/// `axis`: index in the step's order (0 = X). `kelvin`: temperature above the file's reference. Call it between two
+/// cycles. No effect in a bypass. Real-time safe. Errors: `_AXES`, `_STATE`, `_ARGUMENT` (no such axis; growth of more
+/// than 10 mm or 1e-3 of the length).
 trueaxis_result_t trueaxis_set_thermal(const struct trueaxis_loop_t *loop,
                                        struct trueaxis_state_t *state,
                                        uint32_t axis,
                                        double kelvin);
 
-/// Starts an encoder: position = `offset` + counts · `resolution`, mm (rotary: degrees). The position goes on where the counter
-/// wraps.
+/// Starts an encoder: position = `offset` + counts · `resolution`, mm (rotary: degrees). The position continues where
+/// the counter wraps.
 ///
-/// `resolution`: size of one count, at most 1; negative if counts fall while the position rises. `span`: number of counts
-/// after which the counter starts again at 0, from 4 to 4294967296: 65536 for 16 bits, 4294967296 for 32 bits, or the counts
-/// of a turn. `nearest`: the first reading is taken as the count nearest to this one; with 0, counters of 16 and 32 bits start
-/// as signed numbers. Start again after counts were lost. Real-time safe. `_ARGUMENT` (resolution or span out of range, or an
-/// offset that is no usable position).
+/// `resolution`: size of one count, at most 1; negative if the counts fall while the position rises. `span`: number of
+/// counts after which the counter restarts at 0, 4 to 4294967296: 65536 for 16 bits, 4294967296 for 32 bits, or the
+/// counts per turn. `nearest`: the first reading is interpreted as the count nearest to this one; with 0, counters of
+/// 16 and 32 bits start as signed numbers. Start the encoder again after counts were lost. Real-time safe. Errors:
+/// `_ARGUMENT` (resolution or span out of range, or an offset that is not a usable position).
 trueaxis_result_t trueaxis_encoder_start(struct trueaxis_encoder_t *encoder,
                                          size_t encoder_size,
                                          double offset,
@@ -1189,34 +1217,36 @@ trueaxis_result_t trueaxis_encoder_start(struct trueaxis_encoder_t *encoder,
 
 /// Position of the encoder at a reading of its counter, for `trueaxis_input_t.feedback`.
 ///
-/// `counts`: the reading; if the span is a power of two, bits above it are ignored. A step of more than a quarter of the span
-/// since the last reading is ambiguous: `position` is then not a number (in single precision `INT32_MIN`), which the step
-/// treats as a dropout, and the counter waits for a reading within a quarter of the last one. Do not pass a missing reading;
-/// until the next one the axis may move by a quarter of the span. Real-time safe.
+/// `counts`: the reading; if the span is a power of two, higher bits are ignored. A change of more than a quarter of
+/// the span since the last reading is ambiguous: `position` is then NaN (in single precision `INT32_MIN`), which the
+/// step treats as a dropout, and the counter waits for a reading within a quarter of the span of the last one. Do not
+/// call this function for a missing reading; until the next reading the axis may move by a quarter of the span.
+/// Real-time safe.
 trueaxis_result_t trueaxis_encoder_position(struct trueaxis_encoder_t *encoder,
                                             uint32_t counts,
                                             trueaxis_position_t *position);
 
-/// Starts the id of a program whose path is `length_mm` long. Not real-time. `_ARGUMENT` (not finite, negative).
+/// Starts computing the id of a program.
+///
+/// `length_mm`: length of its path. Not real-time. Errors: `_ARGUMENT` (not finite, negative).
 trueaxis_result_t trueaxis_program_start(struct trueaxis_program_t *program, size_t program_size, double length_mm);
 
-/// The next point of the path: those at every whole mm of path length from 0, then the end.
+/// Adds the next point of the path. Points are those at every whole mm of path length from 0, then the end.
 ///
-/// `coordinates`: X, Y, Z in mm, A, B, C in degrees as the program commands them, 0 for an axis that it does not have. Not
-/// real-time. `_ARGUMENT` (not finite).
-trueaxis_result_t trueaxis_program_point(struct trueaxis_program_t *program,
-                                         const double *coordinates);
+/// `coordinates`: X, Y, Z in mm, A, B, C in degrees as the program commands them, 0 for an axis that the program does
+/// not have. Not real-time. Errors: `_ARGUMENT` (not finite).
+trueaxis_result_t trueaxis_program_point(struct trueaxis_program_t *program, const double *coordinates);
 
-/// The id of the program whose points were given; another one can be started afterwards. Not real-time.
+/// Writes the id of the program whose points were added. Another program can be started afterwards. Not real-time.
 trueaxis_result_t trueaxis_program_id(struct trueaxis_program_t *program, uint32_t *id);
 
-/// Checks a whole file with a learned correction, for this machine and program.
+/// Builds a learned correction from its file after checking the whole file, its machine and its program.
 ///
-/// `file`, `length`: its bytes, read in place: they must outlive the correction and its copies, unchanged. `machine_id`:
-/// the machine that it must be for (`trueaxis_tables_info_t.machine_id`), 0: any. `program_id`, `length_mm`: the program
-/// that is about to run; path lengths that differ by 1 µm are the same. Not real-time.
+/// `file`, `length`: bytes of the file, read in place: they must outlive the correction and its copies, unchanged.
+/// `machine_id`: the machine that the file must be for (`trueaxis_tables_info_t.machine_id`), 0: any. `program_id`,
+/// `length_mm`: the program that is about to run; path lengths that differ by up to 1 µm count as equal. Not real-time.
 ///
-/// `_LEARNED` (see `error->code`), `_MACHINE`, `_ARGUMENT` (length not finite).
+/// Errors: `_LEARNED` (see `error->code`), `_MACHINE`, `_ARGUMENT` (length not finite).
 trueaxis_result_t trueaxis_learned_build(struct trueaxis_learned_t *learned,
                                          size_t learned_size,
                                          const uint8_t *file,
@@ -1226,21 +1256,21 @@ trueaxis_result_t trueaxis_learned_build(struct trueaxis_learned_t *learned,
                                          double length_mm,
                                          struct trueaxis_error_t *error);
 
-/// The correction at a path length, for `trueaxis_input_t.learned`: linear between nodes; 0 beyond the ends, and for a
-/// length that is no number.
+/// Computes the correction at a path length, for `trueaxis_input_t.learned`: linear between nodes; 0 beyond the ends,
+/// and for a length that is NaN.
 ///
 /// `correction`: three positions. Real-time safe: bounded time.
 trueaxis_result_t trueaxis_learned_at(const struct trueaxis_learned_t *learned,
                                       double length_mm,
                                       trueaxis_position_t *correction);
 
-/// Checks a whole `.ttherm` file for this machine.
+/// Builds thermal growth from a `.ttherm` file after checking the whole file and its machine.
 ///
-/// `file`, `length`: its bytes, read in place: they must outlive the growth and its copies, unchanged. `machine_id`: the
-/// machine that it must be for (`trueaxis_tables_info_t.machine_id`), 0: any. `sensors`: their number, may be `NULL`. Not
-/// real-time.
+/// `file`, `length`: bytes of the file, read in place: they must outlive the growth and its copies, unchanged.
+/// `machine_id`: the machine that the file must be for (`trueaxis_tables_info_t.machine_id`), 0: any. `sensors`:
+/// receives the number of sensors; may be `NULL`. Not real-time.
 ///
-/// `_THERMAL` (see `error->code`), `_MACHINE`.
+/// Errors: `_THERMAL` (see `error->code`), `_MACHINE`.
 trueaxis_result_t trueaxis_thermal_build(struct trueaxis_thermal_t *thermal,
                                          size_t thermal_size,
                                          const uint8_t *file,
@@ -1249,58 +1279,60 @@ trueaxis_result_t trueaxis_thermal_build(struct trueaxis_thermal_t *thermal,
                                          uint32_t *sensors,
                                          struct trueaxis_error_t *error);
 
-/// Starts the task: in equilibrium with the first readings, the spindle at rest for long. Not real-time.
+/// Starts the task: in equilibrium with the first readings, as after a long standstill of the spindle. Not real-time.
 trueaxis_result_t trueaxis_thermal_start(struct trueaxis_thermal_state_t *task, size_t task_size);
 
-/// One update, every second or so: readings to growth.
+/// Computes the growth from readings. Call it about once a second.
 ///
-/// Readings are taken for linear in time since the update before. Bounded time, some 16 exponentials: real-time safe, but
-/// better done by a slower task. `_ARGUMENT` (count).
+/// Readings are assumed to be linear in time since the previous update. Bounded time, about 16 exponentials: real-time
+/// safe, but preferably called from a slower task. Errors: `_ARGUMENT` (count).
 trueaxis_result_t trueaxis_thermal_update(const struct trueaxis_thermal_t *thermal,
                                           struct trueaxis_thermal_state_t *task,
                                           const struct trueaxis_thermal_readings_t *readings,
                                           struct trueaxis_growth_t *growth);
 
-/// Believes the next reading of a sensor (from 0) that has jumped, as after it was exchanged. Real-time safe. `_ARGUMENT`
-/// (no such sensor).
-trueaxis_result_t trueaxis_thermal_believe(struct trueaxis_thermal_state_t *task,
-                                           uint32_t sensor);
+/// Accepts the next reading of a sensor (numbered from 0) that has jumped, for example after it was replaced. Real-time
+/// safe. Errors: `_ARGUMENT` (no such sensor).
+trueaxis_result_t trueaxis_thermal_believe(struct trueaxis_thermal_state_t *task, uint32_t sensor);
 
-/// Sets the growth of all axes that it names; it follows in the next cycle, through the limiter, and replaces what
-/// `trueaxis_set_thermal` has set: a host uses one of them. Call it between two cycles. No effect in a bypass. Axes that the
-/// step has not got are passed over. Real-time safe. `_AXES`, `_STATE`, `_ARGUMENT` (growth of more than 10 mm or 1e-3 of the
-/// length).
+/// Sets the growth of all axes that it names. The growth acts from the next cycle on, through the limiter, and replaces
+/// the one set by `trueaxis_set_thermal`: use only one of the two functions. Call it between two cycles. No effect in a
+/// bypass. Axes that the step does not have are ignored. Real-time safe. Errors: `_AXES`, `_STATE`, `_ARGUMENT` (growth
+/// of more than 10 mm or 1e-3 of the length).
 trueaxis_result_t trueaxis_set_growth(const struct trueaxis_loop_t *loop,
                                       struct trueaxis_state_t *state,
                                       const struct trueaxis_growth_t *growth);
 
-/// Writes the telemetry frame of a record: postcard in COBS, ending in 0; the same bytes in every build and precision.
+/// Writes the telemetry frame of a record: postcard in COBS, terminated by 0; the same bytes in every build and
+/// precision.
 ///
-/// `output`: of a step. `written`: bytes of the frame. Not real-time. `_BUFFER`, `_ARGUMENT` (not an output of a step).
+/// `output`: output of a step. `written`: number of bytes written. Not real-time. Errors: `_BUFFER`, `_ARGUMENT`
+/// (`output` does not come from a step).
 trueaxis_result_t trueaxis_frame_encode(const struct trueaxis_output_t *output,
                                         uint8_t *buffer,
                                         size_t size,
                                         size_t *written);
 
-/// The latest revolution evaluated.
+/// Reads the results of the latest revolution evaluated.
 ///
-/// Between two cycles; real-time safe. `_NOT_YET`.
+/// Call it between two cycles; real-time safe. Errors: `_NOT_YET`.
 trueaxis_result_t trueaxis_gauge_latest(const struct trueaxis_gauge_t *gauge,
                                         struct trueaxis_gauge_state_t *gauge_state,
                                         struct trueaxis_evaluation_t *evaluation);
 
-/// Amplitudes of cos kθ and sin kθ in the latest profile, two numbers, µm; 0 outside the file's band and where a harmonic
-/// is suppressed.
+/// Reads the amplitudes of cos kθ and sin kθ in the latest profile, two numbers, µm; 0 outside the file's band and for
+/// a suppressed harmonic.
 ///
-/// Between two cycles; real-time safe. `_NOT_YET`, `_ARGUMENT` (k above 127).
+/// `harmonic`: k. Call it between two cycles; real-time safe. Errors: `_NOT_YET`, `_ARGUMENT` (k above 127).
 trueaxis_result_t trueaxis_gauge_harmonic(const struct trueaxis_gauge_t *gauge,
                                           struct trueaxis_gauge_state_t *gauge_state,
                                           uint32_t harmonic,
                                           trueaxis_real_t *amplitudes_um);
 
-/// Writes the telemetry frame of the latest revolution: postcard in COBS, ending in 0.
+/// Writes the telemetry frame of the latest revolution: postcard in COBS, terminated by 0.
 ///
-/// `machine_id` goes into the frame. `written`: its bytes. Not real-time; about 4 KiB of stack. `_NOT_YET`, `_BUFFER`.
+/// `machine_id` is copied into the frame. `written`: number of bytes written. Not real-time; about 4 KiB of stack.
+/// Errors: `_NOT_YET`, `_BUFFER`.
 trueaxis_result_t trueaxis_gauge_frame_encode(const struct trueaxis_gauge_t *gauge,
                                               struct trueaxis_gauge_state_t *gauge_state,
                                               uint32_t machine_id,
@@ -1308,30 +1340,32 @@ trueaxis_result_t trueaxis_gauge_frame_encode(const struct trueaxis_gauge_t *gau
                                               size_t size,
                                               size_t *written);
 
-/// Modelled error at a position, actual − ideal: X, Y, Z of the tip in machine axes (mm), then the rotary axes' own
-/// (degrees; 0 in a volumetric model).
+/// Computes the modelled error at a position, actual − ideal: first X, Y, Z of the tip in machine axes (mm), then the
+/// errors of the rotary axes themselves (degrees; 0 in a volumetric model).
 ///
-/// `position`, `error`: as many numbers as the loop has axes. `negative`: bit 0 = X, …: the axis travels in its negative
-/// direction. `kelvin`: temperatures of the axes above the file's reference, or `NULL`. Outside a table its edge value
-/// counts. Bounded time. `_STATE` (a bypass), `_ARGUMENT` (not finite; growth as for `trueaxis_set_thermal`).
+/// `position`, `error`: as many numbers as the loop has axes. `negative`: bit 0 = X, …: the axis travels in its
+/// negative direction. `kelvin`: temperatures of the axes above the file's reference, or `NULL`. Outside a table the
+/// value at its edge applies. Bounded time. Errors: `_STATE` (a bypass), `_ARGUMENT` (not finite; growth as for
+/// `trueaxis_set_thermal`).
 trueaxis_result_t trueaxis_error_at(const struct trueaxis_loop_t *loop,
                                     const trueaxis_position_t *position,
                                     uint8_t negative,
                                     const double *kelvin,
                                     trueaxis_real_t *error);
 
-/// Correction of a command, mm (degrees): what the step settles to at standstill while no limit binds. The inverse is
-/// exact; the result is not limited.
+/// Computes the correction of a command, mm (degrees): the value to which the step settles at standstill if no limit
+/// acts. The inverse is exact; the result is not limited.
 ///
-/// Arguments as for `trueaxis_error_at`. `_STATE`, `_ARGUMENT` (also: outside the travel).
+/// Arguments as for `trueaxis_error_at`. Errors: `_STATE`, `_ARGUMENT` (as for `trueaxis_error_at`; also: outside the
+/// travel).
 trueaxis_result_t trueaxis_correction_at(const struct trueaxis_loop_t *loop,
                                          const trueaxis_position_t *command,
                                          uint8_t negative,
                                          const double *kelvin,
                                          trueaxis_real_t *correction);
 
-/// Nearest foot of a point (three numbers) on a whole path. `lag` is 0. Not real-time: time grows with the path.
-/// `_ARGUMENT` (not finite, or no segment).
+/// Finds the foot nearest to a point (three numbers) on the whole path. `lag` is 0. Not real-time: the time grows with
+/// the path. Errors: `_ARGUMENT` (not finite, or no segment).
 trueaxis_result_t trueaxis_nearest_foot(const struct trueaxis_path_t *path,
                                         const trueaxis_position_t *point,
                                         struct trueaxis_contour_t *contour);
