@@ -16,7 +16,7 @@ TABLES = Path(__file__).resolve().parents[3] / "compensation-tables"
 SIMULATOR = os.environ["TRUEAXIS_SIMULATOR"]
 # What a clock measures.
 OF_TIME = ("latency_ns", "budget_ns", "over_budget", "missed_deadlines", "wall_s")
-BUSY = "steps over the budget"
+BUSY = "a busy kernel"
 SHORT = "G21 G90 G0 X0 Y0\nG1 X20 F3000\nG2 X20 Y20 I0 J10\nG1 Z-2 F600\nS500 M3\nG1 X0\nM2\n"
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*run")
