@@ -306,7 +306,7 @@ fn refusals_name_line_and_word() {
         ("G0 X1 (a (b) c)", 1, "(a", "without ("),
         ("G0 é1", 1, "0xc3", "letters"),
         ("G0 /X1", 1, "/", "beginning"),
-        ("% G0", 1, "%", "own"),
+        ("% G0", 1, "%", "separate"),
         ("42 G0 X1", 1, "42", "letter"),
         ("G53 X1", 1, "G53 without", "G0 or G1"),
         ("G91 G53 G0 X1", 1, "G91", "G90"),
