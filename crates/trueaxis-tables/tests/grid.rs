@@ -86,7 +86,7 @@ fn bad_grids_are_refused_with_their_place() {
     };
     line("X_mm,Y_mm,EZ\n", "grid.csv:1: column EZ:", "needed EZ_um (the unit is part of the name)");
     line("X_mm,Y_mm,EZ_mm\n", "grid.csv:1: column EZ_mm:", "needed EZ_um");
-    line("X_mm,Y_mm,Z_mm,EZ_um\n", "grid.csv:1: column Z_mm:", "X and Y alone");
+    line("X_mm,Y_mm,Z_mm,EZ_um\n", "grid.csv:1: column Z_mm:", "X and Y only");
     line("X_mm,EZ_um\n", "grid.csv:1:", "needed a column Y_mm");
     line("X_mm,Y_mm\n", "grid.csv:1:", "at least one, like EZ_um");
     line("X_mm,Y_mm,EZ_um,EZ_um\n", "grid.csv:1: column EZ_um:", "every column once");
