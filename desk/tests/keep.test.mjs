@@ -159,7 +159,7 @@ test("a term out of its bounds needs a person, and bad looks are refused in the 
   const words = refused.stderr.trim().split("\n").at(-1).replace(/^error: /, "");
   assert.equal((await looked(panel, JSON.parse(refused.stdout)))[0], words);
   assert.ok(await panel.getByRole("button", { name: "Put into the machine" }).isHidden());
-  await panel.getByRole("textbox", { name: "terms that may" }).fill("offset Z");
+  await panel.getByRole("textbox", { name: "terms that may be out of" }).fill("offset Z");
   await panel.getByRole("button", { name: "Put into the machine" }).waitFor();
   assert.equal(await command(panel), "trueaxis keep check keep.toml look.log --accept 'offset Z'");
 

@@ -56,7 +56,9 @@ test("a record has the figures and texts of trueaxis thermal fit", async () => {
   }
   const lags = await numbers(panel.getByRole("table", { name: "Lags" }));
   for (const { name, lag_s } of found.sensors) near(lags[name]["lag / s"], lag_s, name);
-  assert.equal(await panel.getByRole("img", { name: /^Drift of [XZ] in cycle 2/ }).count(), 2);
+  const drifts = panel.getByRole("img", { name: /^Drift of [XZ] in cycle 2/ });
+  await drifts.nth(1).waitFor();
+  assert.equal(await drifts.count(), 2);
   assert.equal(await panel.locator("code").first().textContent(), "trueaxis thermal fit record.csv --machine mill-3axis --hold-out 2 --without T2 -o thermal.toml");
 
   const text = await saved(page, panel.getByRole("button", { name: "Save thermal.toml" }));
