@@ -48,7 +48,8 @@ pub unsafe extern "C" fn trueaxis_loop_build(
         if !apart(lent, (file.as_ptr().addr(), length)) || !apart(lent, (r#loop.addr(), loop_size)) {
             return Err(ERROR_ARGUMENT.into());
         }
-        let tables = Tcomp::parse(file)?;
+        let mut tables = Tcomp::empty();
+        tables.read(file)?;
         if machine_id != 0 {
             tables.expect_machine(machine_id)?;
         }
@@ -69,9 +70,8 @@ pub unsafe extern "C" fn trueaxis_loop_build(
         };
         let grids = copied(tables.grids(), behind);
         let grids = grids.get(..tables.grids().len()).unwrap_or_default();
-        let built = Built::new(&tables, grids, period_ns, lent)?;
         // SAFETY: storage of the size that the caller vouched for.
-        unsafe { opaque::fill(place, built) };
+        unsafe { opaque::fill_with(place, |built| Built::build_at(built, &tables, grids, period_ns, lent))? };
         Ok(())
     };
     // SAFETY: the caller's promise.

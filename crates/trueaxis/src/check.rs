@@ -288,6 +288,8 @@ pub fn machine<'r, T: Rows + ?Sized + 'r>(
     tables: impl Fn(Axis) -> Option<&'r T>,
     grids: &[GridData<'_>],
 ) -> Result<u8, ConfigError> {
+    // By one type whatever the closure, so that a firmware has the checks once.
+    let tables: &dyn Fn(Axis) -> Option<&'r T> = &tables;
     settings(machine)?;
     for axis in &machine.axes {
         if let Some(table) = tables(axis.axis) {
@@ -296,9 +298,9 @@ pub fn machine<'r, T: Rows + ?Sized + 'r>(
     }
     self::grids(machine, grids)?;
     let grids = GridBounds::of(grids);
-    joint_range(machine, &tables, &grids)?;
-    reversal(machine, &tables, &grids)?;
-    machine_passes(machine, &tables, &grids)
+    joint_range(machine, tables, &grids)?;
+    reversal(machine, tables, &grids)?;
+    machine_passes(machine, tables, &grids)
 }
 
 #[cfg(test)]

@@ -109,11 +109,12 @@ pub fn joint_range<'r, T: Rows + ?Sized + 'r>(
     rows: impl Fn(Axis) -> Option<&'r T>,
     grids: &GridBounds,
 ) -> Result<(), ConfigError> {
+    let rows: &dyn Fn(Axis) -> Option<&'r T> = &rows;
     for drive in &machine.axes {
         let magnitude = drive.limits.magnitude;
         let [low, high] = drive.travel;
-        let lowest = low - error_range(machine, &rows, grids, drive, [low; 2]).1.min(magnitude).max(-magnitude);
-        let highest = high - error_range(machine, &rows, grids, drive, [high; 2]).0.min(magnitude).max(-magnitude);
+        let lowest = low - error_range(machine, rows, grids, drive, [low; 2]).1.min(magnitude).max(-magnitude);
+        let highest = high - error_range(machine, rows, grids, drive, [high; 2]).0.min(magnitude).max(-magnitude);
         let [joint_low, joint_high] = drive.joint;
         let wrong = |found| Err(ConfigError::new(Field::Joint, found, "room for travel and correction").on(drive.axis));
         if lowest < joint_low {

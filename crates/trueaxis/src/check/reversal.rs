@@ -39,6 +39,7 @@ pub fn reversal<'r, T: Rows + ?Sized + 'r>(
     rows: impl Fn(Axis) -> Option<&'r T>,
     grids: &GridBounds,
 ) -> Result<(), ConfigError> {
+    let rows: &dyn Fn(Axis) -> Option<&'r T> = &rows;
     let mut steps = [[[0.0; 2]; AXES]; AXES];
     for (moving, steps) in machine.axes.iter().zip(&mut steps) {
         *steps = steps_of(machine, &rows, moving);
@@ -47,7 +48,7 @@ pub fn reversal<'r, T: Rows + ?Sized + 'r>(
         return Ok(());
     }
     // The exact inverse looks up at the corrected position, which amplifies the steps.
-    let gain = 1.0 / (1.0 - jacobian_norm(machine, &rows, grids).min(0.999));
+    let gain = 1.0 / (1.0 - jacobian_norm(machine, rows, grids).min(0.999));
     for (moving, steps) in machine.axes.iter().zip(&mut steps) {
         for step in steps.iter_mut() {
             *step = step.map(|step| step * gain);

@@ -314,6 +314,24 @@ pub struct MachineSettings {
     pub crosstalk: Vec<CrosstalkSettings, CROSSTALK_CAPACITY>,
 }
 
+impl MachineSettings {
+    /// A machine without name and axes, as a place to decode settings into.
+    pub(crate) const EMPTY: MachineSettings = MachineSettings {
+        name: String::new(),
+        chain: String::new(),
+        tool_mm: [0.0; 3],
+        reference_temperature_c: 0.0,
+        location: LocationErrors { a0z: 0.0, b0z: 0.0, c0y: 0.0, rotary: [[0.0; 6]; 3] },
+        faults: FaultSettings { resume: [0.0; 2], command_jump_factor: 0.0, feedback_jump: [0.0; 2], stuck: [0.0; 2] },
+        contour: ContourSettings { max_lag_mm: 0.0, feedback: None },
+        compensation: CompensationSettings { model: ErrorModel::Nine, orientation: false, fade_deg: 0.0 },
+        kinematics: KinematicsSettings { tool_axis: [0.0; 3], singular_cone_deg: 0.0 },
+        axes: Vec::new(),
+        roundness: None,
+        crosstalk: Vec::new(),
+    };
+}
+
 /// The six errors of an axis at one position: translations along X, Y, Z (mm), rotations about X, Y, Z (rad).
 pub type Twist<R = f64> = [R; 6];
 
