@@ -71,7 +71,7 @@ async function start(): Promise<void> {
       await takeProgram?.(program);
     },
     onProgram: (take) => (takeProgram = take),
-    tell: (said) => (part("status").textContent = said),
+    note: (said) => (part("status").textContent = said),
     fail: (thrown) => {
       error.replaceChildren(el("span", {}, message(thrown)), button("Close", () => desk.clear()));
       error.hidden = false;
@@ -179,8 +179,8 @@ function tools(root: HTMLElement, desk: Desk, kept: () => Kept, open: (state: Ke
         const address = await link(kept());
         history.replaceState(null, "", address);
         await navigator.clipboard.writeText(address).then(
-          () => desk.tell(`Link copied, ${address.length} characters; it opens the desk as it is now.`),
-          () => desk.tell(`The page's address is now the link, ${address.length} characters.`),
+          () => desk.note(`Link copied, ${address.length} characters; it opens the desk as it is now.`),
+          () => desk.note(`The page's address is now the link, ${address.length} characters.`),
         );
       };
       made().catch(desk.fail);

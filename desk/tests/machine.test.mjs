@@ -116,9 +116,9 @@ test("a bad file is refused in the words of the command line, and the machine be
     const { code, stderr } = await run("trueaxis", ["tables", "check", "machine.toml"], { cwd: place });
     assert.equal(code, 2, what);
     await drop(panel, { "x.csv": content });
-    const told = page.getByRole("alert").locator("span").first();
+    const message = page.getByRole("alert").locator("span").first();
     await page.waitForFunction((text) => document.querySelector("#error span")?.textContent === text, stderr.replace(/^error: /, "").trimEnd(), { timeout: 10_000 }).catch(() => {});
-    assert.equal(`error: ${await told.textContent()}\n`, stderr, what);
+    assert.equal(`error: ${await message.textContent()}\n`, stderr, what);
     assert.deepEqual(await files(page), before, what);
   }
   await page.getByRole("button", { name: "Close" }).click();

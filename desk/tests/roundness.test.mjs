@@ -67,7 +67,7 @@ async function arrange(panel, group, { n, harmonics, phi2_deg, phi3_deg, p, q })
 }
 
 /** Waits until the status line of the readings says this. */
-const told = (panel, text) => panel.getByRole("status").filter({ hasText: text }).waitFor();
+const status = (panel, text) => panel.getByRole("status").filter({ hasText: text }).waitFor();
 
 /** The columns of the CSV behind a plot. */
 async function columns(page, panel, title) {
@@ -113,12 +113,12 @@ test("readings at equidistant angles: figures, warnings, suppressed harmonics", 
   const text = probes("five-turns.csv", degrees, thetas, "h1_um,h2_um,h3_um");
   const { page, close } = await openDesk();
   const panel = await view(page, "Roundness");
-  await told(panel, "grinder-probes.csv, simulated: 8 revolutions of 1024 points");
+  await status(panel, "grinder-probes.csv, simulated: 8 revolutions of 1024 points");
   await panel.getByLabel("Arm follows the pin").uncheck();
   await arrange(panel, "Probes of these readings", { n: 512, harmonics: [2, 60], phi2_deg: degrees[0], phi3_deg: degrees[1] });
   await type(panel, "Noise gain limit", 4.5);
   await drop(panel, { "five-turns.csv": text });
-  await told(panel, "five-turns.csv: 5 revolutions of 512 points");
+  await status(panel, "five-turns.csv: 5 revolutions of 512 points");
   const filter = panel.getByLabel("Gaussian filter");
   for (let step = 0; step < 4; step += 1) await filter.press("ArrowLeft");
   for (let step = 0; step < 3; step += 1) await filter.press("ArrowRight");
@@ -150,11 +150,11 @@ test("readings with their own angles, a trace, and wrong files", async () => {
   const text = probes("uneven.csv", [60.47, 234.14], thetas, "theta_deg,h1_um,h2_um,h3_um");
   const { page, close } = await openDesk();
   const panel = await view(page, "Roundness");
-  await told(panel, "simulated");
+  await status(panel, "simulated");
   await arrange(panel, "Probes of these readings", { n: 256, harmonics: [2, 50], phi2_deg: 60.47, phi3_deg: 234.14 });
   await panel.getByLabel("Arm follows the pin").uncheck();
   await drop(panel, { "uneven.csv": text });
-  await told(panel, /uneven.csv: \d revolutions of 256 points/);
+  await status(panel, /uneven.csv: \d revolutions of 256 points/);
   const given = ["roundness", "uneven.csv", "--n=256", "--phi2-deg=60.47", "--phi3-deg=234.14", "--harmonics=2..50", "--upr=50", "--json"];
   const document = await cli(given, { cwd: folder });
   await compare(page, panel, document);
@@ -168,7 +168,7 @@ test("readings with their own angles, a trace, and wrong files", async () => {
   });
   fs.writeFileSync(path.join(folder, "trace.csv"), `x_mm,y_mm\n${points.join("\n")}\n`);
   await drop(panel, { "trace.csv": fs.readFileSync(path.join(folder, "trace.csv")) });
-  await told(panel, "trace.csv: 173 points");
+  await status(panel, "trace.csv: 173 points");
   const circles = await cli(["circle", "trace.csv", "--json"], { cwd: folder });
   const shown = await numbers(panel.getByRole("table", { name: /^Reference circles of 173/ }));
   for (const [key, row] of Object.entries(shown)) {
@@ -188,7 +188,7 @@ test("readings with their own angles, a trace, and wrong files", async () => {
   ]) {
     fs.writeFileSync(path.join(folder, name), content);
     await drop(panel, { [name]: content });
-    await told(panel, `${name} could not be evaluated`);
+    await status(panel, `${name} could not be evaluated`);
     const { code, stderr } = await run("trueaxis", options ? ["roundness", name, ...options] : ["circle", name], { cwd: folder });
     assert.equal(code, 2);
     const alert = await page.getByRole("alert").locator("span").textContent();
@@ -196,7 +196,7 @@ test("readings with their own angles, a trace, and wrong files", async () => {
   }
   assert.match(fs.readFileSync(path.join(folder, "bad.csv"), "utf8").split("\n")[41], /,seven,/);
   await panel.getByRole("button", { name: "Simulated readings" }).press("Enter");
-  await told(panel, "simulated: 8 revolutions");
+  await status(panel, "simulated: 8 revolutions");
   assert.equal(await page.getByRole("alert").count(), 0);
   await close();
 });
@@ -204,7 +204,7 @@ test("readings with their own angles, a trace, and wrong files", async () => {
 test("the simulated readings saved give the same on the command line", async () => {
   const { page, close } = await openDesk();
   const panel = await view(page, "Roundness");
-  await told(panel, "simulated");
+  await status(panel, "simulated");
   const { name, bytes } = await saved(page, panel.getByRole("button", { name: "Save these readings" }));
   fs.writeFileSync(path.join(folder, name), bytes);
   const command = await panel.getByText(/^trueaxis roundness/).textContent();
@@ -224,7 +224,7 @@ test("the simulated readings saved give the same on the command line", async () 
 test("probe angles by keyboard, blind ones named, best pairs", async () => {
   const { page, close } = await openDesk();
   const panel = await view(page, "Roundness");
-  await told(panel, "simulated");
+  await status(panel, "simulated");
   const moved = panel.getByRole("group", { name: "Probes moved by hand" });
   await arrange(panel, "Probes moved by hand", { n: 256, harmonics: [3, 70], p: 40, q: 100 });
   const slider = moved.getByRole("slider", { name: /φ2/ });
@@ -270,7 +270,7 @@ test("probe angles by keyboard, blind ones named, best pairs", async () => {
 test("grinding with and without infeed correction, as firmware-sim grinds", async () => {
   const { page, close } = await openDesk();
   const panel = await view(page, "Roundness");
-  await told(panel, "simulated");
+  await status(panel, "simulated");
   const settings = { revolutions: 12, speed_rpm: 290, rate_hz: 5000, feed_um: 0.15, gain: 0.21, seed: 77 };
   const labels = { revolutions: "Revolutions", speed_rpm: "Spindle speed", rate_hz: "Servo rate", feed_um: "Feed that remains", gain: "Gain of the correction", seed: "Seed" };
   const group = panel.getByRole("group", { name: "Grinding" });

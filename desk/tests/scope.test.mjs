@@ -155,9 +155,9 @@ test("bad files are refused as on the command line, and the run stays", async ()
     assert.equal(code, 2);
     await drop(panel, { [name]: text });
     await alert.getByText(name.split(".")[0]).waitFor();
-    const told = await alert.locator("span").textContent();
-    assert.ok(stderr.includes(told), `the page: ${told}\nthe command line: ${stderr}`);
-    return told;
+    const message = await alert.locator("span").textContent();
+    assert.ok(stderr.includes(message), `the page: ${message}\nthe command line: ${stderr}`);
+    return message;
   };
   assert.match(await refused("bad.ngc", "G1 X10 F100\nG5.9 X2\n", ["--program", "bad.ngc"]), /^bad\.ngc:2: /);
   assert.match(await refused("far.ngc", "G21 G90 F900\nG1 X4000\n", ["--program", "far.ngc"]), /far/);

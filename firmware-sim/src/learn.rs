@@ -88,8 +88,8 @@ pub(crate) fn learn(args: &LearnArgs) -> Result<()> {
     let scenario = with_learned(prepare_with(&args.scenario, &ActArgs::default())?, args.learned.as_deref())?;
     let bar = progress_bar("learning");
     let parts = {
-        let mut tell = |done: f64| bar.set_position((1000.0 * done) as u64);
-        learning::parts(&scenario, &law, args.measured_by.into(), args.parts, &mut tell)?
+        let mut progress = |done: f64| bar.set_position((1000.0 * done) as u64);
+        learning::parts(&scenario, &law, args.measured_by.into(), args.parts, &mut progress)?
     };
     bar.finish_and_clear();
     if let (Some(output), Some(last)) = (&args.output, parts.last()) {

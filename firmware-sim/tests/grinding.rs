@@ -230,9 +230,9 @@ fn a_new_part_begins_from_zero_through_the_limiter() {
 }
 
 #[test]
-fn a_dressed_wheel_is_told_at_run_time_and_noticed_if_it_is_not() {
-    let dressed = |told| {
-        let events = vec![Event::Wheel { at: 20.5, wheel_mm: 284.0, told }];
+fn a_dressed_wheel_is_reported_at_run_time_and_detected_if_it_is_not() {
+    let dressed = |reported| {
+        let events = vec![Event::Wheel { at: 20.5, wheel_mm: 284.0, reported }];
         let grinding = Grinding { events, ..grinding(44, |_| {}) };
         (watch(&grinding), grinding)
     };

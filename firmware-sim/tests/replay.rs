@@ -37,7 +37,7 @@ fn prepared() -> Folder {
 
 /// The drive position c satisfies x = c + E(c), E = 1e-4 of the travel from the tables' reference, evaluated independently.
 #[test]
-fn what_was_given_and_sent_is_told_to_the_last_digit() {
+fn inputs_and_outputs_are_printed_to_the_last_digit() {
     let folder = prepared();
     let (header, rows) = folder.csv(&["replay", "run.rec", "screw.tcomp"]);
     assert_eq!(
@@ -70,7 +70,7 @@ fn what_was_given_and_sent_is_told_to_the_last_digit() {
 }
 
 #[test]
-fn what_cannot_be_replayed_is_refused() {
+fn unsuitable_recordings_are_refused() {
     let folder = prepared();
     let other = SCREW.replace("screw", "other");
     folder.write("machine.toml", other);

@@ -99,7 +99,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_packed_is_unpacked() {
+    fn packed_inputs_are_unpacked() {
         for inputs in [Inputs::new(), inputs()] {
             assert_eq!(unpack(&pack(&inputs).unwrap()).unwrap(), inputs);
         }

@@ -91,9 +91,9 @@ pub(crate) fn take() -> Outcome {
 mod tests {
     use super::*;
 
-    fn class(tell: impl FnOnce()) -> u64 {
+    fn class(report: impl FnOnce()) -> u64 {
         take();
-        tell();
+        report();
         take().class
     }
 
@@ -117,7 +117,7 @@ mod tests {
     }
 
     #[test]
-    fn what_says_nothing_or_too_much_is_no_refusal() {
+    fn empty_and_overlong_messages_are_no_refusals() {
         for message in ["", " ", "two\nlines", "found Some(3)", "ParseError { kind: Eof }", &"x".repeat(2201)] {
             assert!(std::panic::catch_unwind(|| refused(message)).is_err(), "{message}");
         }

@@ -1,7 +1,7 @@
 //! `trueaxis contour`.
 
 use crate::csv_in::{self, Column, Row};
-use crate::output::{Writer, tell};
+use crate::output::{Writer, report_line};
 use anyhow::{Result, anyhow};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
@@ -59,7 +59,7 @@ const COLUMNS: [Column; 5] = [
 
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let text = read_text(&arguments.path, &[])?;
-    let path = PathFile::read(&text, &arguments.path)?.cut(&mut |note| tell(format_args!("note: {note}")))?;
+    let path = PathFile::read(&text, &arguments.path)?.cut(&mut |note| report_line(format_args!("note: {note}")))?;
     let mut actual = csv_in::open(&arguments.actual, &COLUMNS, "positions")?;
     let method = match arguments.method {
         Refinement::Guarded => Method::Guarded,

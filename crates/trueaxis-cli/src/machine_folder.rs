@@ -1,7 +1,7 @@
 //! Writes results of an identification into a machine's folder, or into a copy of it.
 
 use crate::model;
-use crate::output::{json, print, tell};
+use crate::output::{json, print, report_line};
 use anyhow::{Result, bail};
 use clap::Args;
 use serde::Serialize;
@@ -131,8 +131,8 @@ struct WithDecisions<'d, D> {
 
 impl Done {
     /// Prints the notes on what was decided and written.
-    pub(crate) fn tell(&self) {
-        tell_written(&self.notes);
+    pub(crate) fn print_notes(&self) {
+        print_notes(&self.notes);
     }
 
     /// Prints the document with the decisions as JSON.
@@ -171,8 +171,8 @@ pub(crate) fn decide(
 }
 
 /// Prints notes on what was written.
-pub(crate) fn tell_written(notes: &[String]) {
-    notes.iter().for_each(tell);
+pub(crate) fn print_notes(notes: &[String]) {
+    notes.iter().for_each(report_line);
 }
 
 /// Stages a whole machine in a folder without one. Returns the notes to print once it is written.

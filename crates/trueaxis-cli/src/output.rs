@@ -102,7 +102,7 @@ fn cannot_write(file: &Path) -> String {
 }
 
 /// Prints a line on standard error. A closed standard error is not an error, and there is nowhere to report one.
-pub(crate) fn tell(line: impl Display) {
+pub(crate) fn report_line(line: impl Display) {
     let _ = writeln!(std::io::stderr().lock(), "{}", printable(&line.to_string()));
 }
 
@@ -144,7 +144,7 @@ pub(crate) fn exit_code(result: Result<()>) -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) if error.is::<Closed>() => ExitCode::SUCCESS,
         Err(error) => {
-            tell(format_args!("error: {error:#}"));
+            report_line(format_args!("error: {error:#}"));
             ExitCode::from(if error.is::<NeedsPerson>() { 3 } else { 2 })
         }
     }

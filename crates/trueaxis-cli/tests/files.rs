@@ -89,7 +89,7 @@ fn an_import_replaces_a_table_in_its_place_and_says_what_was_there() {
 /// A bed that rises by 0.2 mm: the import sets the limit that it needs and says so; if a limit clips corrections, the commands
 /// that show them say by how much.
 #[test]
-fn what_limits_take_away_is_told() {
+fn clipped_corrections_are_reported() {
     let directory = Folder::new(TRUEAXIS);
     let row = "#*# \t0.0, 0.1, 0.2\n";
     directory.write(
@@ -149,8 +149,8 @@ fn a_machine_needs_no_table() {
     directory.write("joints.csv", "x_mm,y_mm,z_mm,a_deg,c_deg\n1,2,3,0,0\n");
     let (_, rows) = directory.csv(&["kinematics", "forward", "--machine", "k", "joints.csv"]);
     assert!((rows[0][5..8].iter().zip([1.0, 2.0, 3.0])).all(|(found, truth)| (found - truth).abs() < 1e-9), "{rows:?}");
-    let told = directory.both(&["tables", "check", "k"]).concat();
-    assert!(told.contains("no errors are stated"), "{told}");
+    let printed = directory.both(&["tables", "check", "k"]).concat();
+    assert!(printed.contains("no errors are stated"), "{printed}");
 }
 
 #[test]

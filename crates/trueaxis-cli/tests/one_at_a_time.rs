@@ -23,7 +23,7 @@ fn import<'a>(axis: &'a str, output: &'a str) -> Vec<&'a str> {
 
 /// Each command takes the lock before it reads anything.
 #[test]
-fn what_changes_a_machine_is_refused_while_another_command_does() {
+fn commands_that_change_a_machine_are_refused_while_another_does() {
     let folder = bare();
     let before = folder.tree();
     let first = File::open(folder.join("m")).unwrap();

@@ -207,7 +207,7 @@ mod tests {
 
     /// Two equal columns: the rank is one less, both are named, the third is not, and the values have minimum norm.
     #[test]
-    fn what_cannot_be_told_apart_is_named() {
+    fn indistinguishable_columns_are_named() {
         let mut fit = LinearFit::new(4);
         for k in 0..10 {
             let t = f64::from(k);

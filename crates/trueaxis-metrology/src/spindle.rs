@@ -93,7 +93,7 @@ mod tests {
 
     /// Position 7, eccentricity 50 at −30°, third harmonic 2, and ±0.75 at one angle in alternating revolutions.
     #[test]
-    fn parts_are_told_apart() {
+    fn components_are_separated() {
         let points = 96;
         let motion = |revolution: usize, i: usize| {
             let theta = TAU * i as f64 / points as f64;

@@ -133,7 +133,7 @@ fn every_cause_alone_is_found_and_nothing_else() {
 /// 500 random machines with all causes at once and a noise of 0.2 µm: each value is within a tenth or three of its standard
 /// errors.
 #[test]
-fn causes_of_random_machines_are_told_apart() {
+fn causes_of_random_machines_are_separated() {
     let mut random = ChaCha8Rng::seed_from_u64(2304);
     let mut within = [0_usize; 2];
     for machine in 0..500 {
@@ -219,7 +219,7 @@ fn figures_of_simple_circles() {
 }
 
 #[test]
-fn one_direction_leaves_out_what_it_cannot_tell() {
+fn one_direction_leaves_out_causes_that_need_both() {
     let plane = Plane { radius: 100.0, squareness: 40e-6, backlash: [0.006, 0.002], ..Plane::default() };
     let found = evaluate(100.0, &plane.record(1440, &[false], || 0.0), [None; 2]).unwrap();
     assert!(!found.both_directions && found.figures.g_b.is_none() && found.figures.g[0].is_none());
@@ -229,7 +229,7 @@ fn one_direction_leaves_out_what_it_cannot_tell() {
 }
 
 #[test]
-fn what_tells_nothing_is_refused() {
+fn uninformative_records_are_refused() {
     let plane = Plane { radius: 100.0, squareness: 40e-6, ..Plane::default() };
     let good = plane.record(360, &[true, false], || 0.0);
     assert_eq!(evaluate(100.0, &good[..50], [None; 2]), Err(Refused::TooFew { found: 50 }));
@@ -490,7 +490,7 @@ fn radial_deviation_is_about_the_least_squares_centre() {
 
 /// 220° in a vertical plane: the causes of whole circles; only F is undefined.
 #[test]
-fn arcs_tell_what_they_can() {
+fn arcs_determine_the_causes_of_whole_circles() {
     let arc: Vec<f64> = (0..=440).map(|k| 0.5 * f64::from(k) - 20.0).collect();
     let share = held((0..24).map(|seed| {
         let leaves = [Leaves::Nothing, Leaves::Dahl][seed as usize % 2];

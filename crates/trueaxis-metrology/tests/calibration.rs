@@ -47,7 +47,7 @@ fn touches_that_leave_a_direction_open_are_refused() {
 /// A bore touched on a machine that is 30 ppm too long in both directions, or with a tip 0.75 µm too large per 50 mm:
 /// indistinguishable.
 #[test]
-fn a_bore_alone_does_not_tell_scale_and_tip() {
+fn a_bore_alone_cannot_separate_scale_and_tip() {
     let free = |start| Unknown { start, uncertainty: None };
     let unknowns = vec![free(0.0), free(3.0), Unknown { start: 50.0, uncertainty: Some(1e-4) }, free(0.0), free(0.0)];
     let touch = |k: i32| {
@@ -78,7 +78,7 @@ fn a_bore_alone_does_not_tell_scale_and_tip() {
 /// the probe's accuracy (5 µm versus 1 µm), every face costs a touch, and the residual is divided by the others: 60 touches −
 /// 31 for the faces and the scale + the information of the certificate on the row as a whole.
 #[test]
-fn what_is_left_is_divided_by_what_the_touches_tell() {
+fn residuals_are_divided_by_the_degrees_of_freedom() {
     let repeats = 400;
     let (mut variance, mut degrees) = (0.0, 0);
     let mut noise = Noise::new(7);

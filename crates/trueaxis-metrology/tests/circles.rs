@@ -351,7 +351,7 @@ fn points_exactly_on_a_circle_have_no_zone() {
 }
 
 #[test]
-fn what_has_no_circle_is_refused() {
+fn points_without_a_circle_are_refused() {
     let circles = [least_squares as Circle, minimum_circumscribed, maximum_inscribed, minimum_zone];
     for circle in circles {
         assert_eq!(circle(&[]), Err(NoCircle::TooFew { found: 0 }));

@@ -174,7 +174,7 @@ fn at_one_kilohertz_too() {
 /// How the drive takes its commands and when in the cycle its encoder is read must not appear as friction: none of it is
 /// viscous, the rest is unchanged.
 #[test]
-fn what_is_found_does_not_depend_on_when_the_encoder_is_read() {
+fn the_result_does_not_depend_on_when_the_encoder_is_read() {
     let friction = FrictionSettings { viscous: 0.0, ..FRICTION };
     for (commands_taken, share) in [(Commands::Sampled, 0.0), (Commands::Held, 1.0), (Commands::Linear, 0.5)] {
         let record = read_at(1e-3, &friction, (commands_taken, share));
@@ -213,7 +213,7 @@ fn the_drive_found_is_as_uncertain_as_the_time_at_which_the_encoder_is_read() {
 }
 
 #[test]
-fn a_record_that_does_not_tell_the_drive_is_refused_unless_its_figures_are_given() {
+fn a_record_that_does_not_determine_the_drive_is_refused_unless_its_figures_are_given() {
     // Ramps of two seconds: hardly any acceleration along the path.
     let record = record(&CIRCLES, 1e-3, 2.0, &DRIVE, &FRICTION);
     let refused = found(&record, None).unwrap_err();

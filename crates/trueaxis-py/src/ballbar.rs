@@ -2,7 +2,7 @@
 
 use crate::machine::{Machine, decided};
 use crate::measured::Measured;
-use crate::{Error, documents, told, warn};
+use crate::{Error, documents, to_python, warn};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -37,7 +37,7 @@ pub(crate) fn ballbar<'py>(
     let positions = [format!("{a}_cmd_mm"), format!("{a}_mm"), format!("{b}_cmd_mm"), format!("{b}_mm")];
     let forms: [&[&str]; 2] = [&["angle_deg", "deviation_um", "direction"], &positions.each_ref().map(String::as_str)];
     let measured = Measured::of(record, "record", &forms)?;
-    let options = told(Options::new(radius_mm, axes, [pitch_x_mm, pitch_y_mm, pitch_z_mm]).map_err(Into::into))?;
+    let options = to_python(Options::new(radius_mm, axes, [pitch_x_mm, pitch_y_mm, pitch_z_mm]).map_err(Into::into))?;
     let machine = machine.as_ref().map(Bound::get);
     let mut notes = Vec::new();
     let found = py.detach(|| {
@@ -49,7 +49,7 @@ pub(crate) fn ballbar<'py>(
         Ok((test, document, written))
     });
     notes.iter().try_for_each(|note| warn(py, note))?;
-    let (test, document, written) = told(found)?;
+    let (test, document, written) = to_python(found)?;
     let found = documents::dictionary(py, &document)?.cast_into::<PyDict>()?;
     documents::with_decisions(&found, written.as_deref())?;
     if traces {

@@ -1,6 +1,6 @@
 //! Calibration with a touch probe: from a task to a program, from its log to the errors of the machine.
 
-use crate::{documents, told, warn};
+use crate::{documents, to_python, warn};
 use anyhow::Result;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -40,7 +40,7 @@ pub(crate) fn calibrate_plan(py: Python<'_>, task: PathBuf) -> PyResult<Bound<'_
         Planning::new(&read.task, &read.machine)
     });
     notes.iter().try_for_each(|note| warn(py, note))?;
-    let planned = told(planned)?;
+    let planned = to_python(planned)?;
     let document = documents::dictionary(py, &planned.foreseen)?.cast_into::<PyDict>()?;
     document.set_item("program_text", planned.program)?;
     Ok(document)
@@ -78,7 +78,7 @@ pub(crate) fn calibrate_solve(
         Ok((found.document(&read.task, &read.machine), decisions, edited.files))
     });
     notes.iter().try_for_each(|note| warn(py, note))?;
-    let (document, decisions, edited) = told(found)?;
+    let (document, decisions, edited) = to_python(found)?;
     let document = documents::dictionary(py, &document)?.cast_into::<PyDict>()?;
     documents::with_decisions(&document, Some(&decisions))?;
     if files {

@@ -1,6 +1,6 @@
 //! The JSON documents of the command line, as dictionaries.
 
-use crate::{arrays, told};
+use crate::{arrays, to_python};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -12,7 +12,7 @@ use trueaxis_metrology::separation::NOISE_GAIN_LIMIT;
 use trueaxis_tables::finding::Decision;
 
 pub(crate) fn dictionary<'py>(py: Python<'py>, document: &impl Serialize) -> PyResult<Bound<'py, PyAny>> {
-    let text = told(trueaxis_evaluation::json::compact(document).map_err(Into::into))?;
+    let text = to_python(trueaxis_evaluation::json::compact(document).map_err(Into::into))?;
     py.import("json")?.call_method1("loads", (text,))
 }
 
@@ -28,7 +28,7 @@ pub(crate) fn with_decisions(document: &Bound<'_, PyDict>, written: Option<&[Dec
 #[pyfunction]
 pub(crate) fn circle<'py>(py: Python<'py>, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
     let (_, values) = arrays::rows(points, "points", &[2])?;
-    let document = told(py.detach(|| {
+    let document = to_python(py.detach(|| {
         let points = values.as_chunks::<2>().0.to_vec();
         let lines = (0..points.len() as u32).collect();
         Ok(circles::Evaluation::of(points, lines, Path::new("points"))?.document())
@@ -63,7 +63,7 @@ pub(crate) fn roundness<'py>(
     let theta_deg = theta_deg.map(|given| arrays::column(given, "theta_deg", rows, "readings")).transpose()?;
     let probes = Probes { n, harmonics, p, q, phi2_deg, phi3_deg };
     let request = separation::Request { probes, arm, upr, noise_gain_limit };
-    let (document, separations) = told(py.detach(|| {
+    let (document, separations) = to_python(py.detach(|| {
         let plan = request.plan()?;
         let probes = [0, 1, 2].map(|probe| values.iter().skip(probe).step_by(3).copied().collect::<Vec<f64>>());
         let readings = match &theta_deg {
@@ -104,6 +104,6 @@ pub(crate) fn probe_angles<'py>(
     count: usize,
 ) -> PyResult<Bound<'py, PyAny>> {
     let request = angles::Request { probes: Probes { n, harmonics, p, q, phi2_deg, phi3_deg }, count };
-    let document = told(py.detach(|| request.search()?.run(|| {})))?;
+    let document = to_python(py.detach(|| request.search()?.run(|| {})))?;
     dictionary(py, &document)
 }

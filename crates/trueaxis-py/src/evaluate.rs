@@ -2,7 +2,7 @@
 
 use crate::machine::{self, Machine};
 use crate::measured::Measured;
-use crate::{Error, documents, told, warn};
+use crate::{Error, documents, to_python, warn};
 use anyhow::Result;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -38,7 +38,7 @@ fn decided<'py, const C: usize, D: Serialize + Send>(
         Ok((document, written))
     });
     notes.iter().try_for_each(|note| warn(py, note))?;
-    let (document, written) = told(found)?;
+    let (document, written) = to_python(found)?;
     let found = documents::dictionary(py, &document)?.cast_into::<PyDict>()?;
     documents::with_decisions(&found, written.as_deref())?;
     Ok(found)

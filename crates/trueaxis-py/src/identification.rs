@@ -2,7 +2,7 @@
 
 use crate::machine::{Machine, decided};
 use crate::measured::Measured;
-use crate::{Error, documents, told, warn};
+use crate::{Error, documents, to_python, warn};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use trueaxis::Axis;
@@ -61,7 +61,7 @@ pub(crate) fn identify<'py>(
         Ok((found.document, table, written))
     });
     notes.iter().try_for_each(|note| warn(py, note))?;
-    let (document, table, written) = told(found)?;
+    let (document, table, written) = to_python(found)?;
     let found = documents::dictionary(py, &document)?.cast_into::<PyDict>()?;
     documents::with_decisions(&found, written.as_deref())?;
     if let Some(table) = table {
@@ -110,7 +110,7 @@ pub(crate) fn friction<'py>(
         Ok((document, sections, written))
     });
     notes.iter().try_for_each(|note| warn(py, note))?;
-    let (document, sections, written) = told(found)?;
+    let (document, sections, written) = to_python(found)?;
     let found = documents::dictionary(py, &document)?.cast_into::<PyDict>()?;
     documents::with_decisions(&found, written.as_deref())?;
     if let Some(sections) = sections {

@@ -1,6 +1,6 @@
 //! A machine that keeps itself true: re-probings of balls that stay in place, by the code of `trueaxis keep`.
 
-use crate::{Error, NeedsPerson, documents, told, warn};
+use crate::{Error, NeedsPerson, documents, to_python, warn};
 use anyhow::{Result, anyhow};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -14,7 +14,7 @@ fn noting<T: Send>(py: Python<'_>, work: impl FnOnce(&mut Vec<String>) -> Result
     let mut notes = Vec::new();
     let found = py.detach(|| work(&mut notes));
     notes.iter().try_for_each(|note| warn(py, note))?;
-    told(found)
+    to_python(found)
 }
 
 fn time_of(time: Option<String>) -> PyResult<Option<String>> {

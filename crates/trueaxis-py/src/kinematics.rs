@@ -1,7 +1,7 @@
 //! Five-axis transformation and helicoids.
 
 use crate::machine::{Machine, columns};
-use crate::{Error, arrays, documents, told};
+use crate::{Error, arrays, documents, to_python};
 use anyhow::Context;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
@@ -87,9 +87,9 @@ impl Machine {
         };
         let kinematics = self.kinematics(tool_mm)?;
         let columns: Vec<Axis> = columns(&self.0).collect();
-        let mut walk = told(Walk::new(choice, max_step_deg).context("max_step_deg"))?;
+        let mut walk = to_python(Walk::new(choice, max_step_deg).context("max_step_deg"))?;
         if let Some(start) = start {
-            walk = told(walk.from_angles(&kinematics, &start).context("start"))?;
+            walk = to_python(walk.from_angles(&kinematics, &start).context("start"))?;
         }
         let found = py.detach(|| {
             let tools = tips.as_chunks::<3>().0.iter().zip(tools.as_chunks::<3>().0).enumerate();
@@ -100,7 +100,7 @@ impl Machine {
                 })
                 .collect::<anyhow::Result<Vec<_>>>()
         });
-        let found = told(found)?;
+        let found = to_python(found)?;
         let positions = found.iter().flat_map(|of| columns.iter().map(|axis| of.axes[axis.index()])).collect();
         let branches = found.iter().map(|of| of.branch as u8);
         let margins = found.iter().map(|of| of.singularity_margin_deg);
@@ -112,7 +112,8 @@ impl Machine {
 
 impl Machine {
     fn kinematics(&self, tool_mm: Option<[f64; 3]>) -> PyResult<Kinematics<f64>> {
-        let kinematics = told(Kinematics::<f64>::new(&self.0.settings).map_err(|error| anyhow::anyhow!("{error}")))?;
+        let kinematics =
+            to_python(Kinematics::<f64>::new(&self.0.settings).map_err(|error| anyhow::anyhow!("{error}")))?;
         let Some(tool) = tool_mm else { return Ok(kinematics) };
         if let Some(value) = tool.iter().find(|value| value.is_nan() || value.abs() > 1e6) {
             return Err(Error::new_err(format!("tool_mm: found {value}, needed a finite number of at most 1e6 mm")));
@@ -136,7 +137,7 @@ pub(crate) fn helicoid<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let request = request.unwrap_or_else(|| PyDict::new(py));
     let text: String = py.import("json")?.call_method1("dumps", (request,))?.extract()?;
-    let (document, program, notes) = told(py.detach(|| {
+    let (document, program, notes) = to_python(py.detach(|| {
         let request: flank::Request = serde_json::from_str(&text).map_err(|error| {
             // The place in a text that the caller has never seen.
             let said = error.to_string();

@@ -35,7 +35,7 @@ create_exception!(
 );
 
 /// An error of the crates as the exception of the module.
-fn told<T>(result: anyhow::Result<T>) -> PyResult<T> {
+fn to_python<T>(result: anyhow::Result<T>) -> PyResult<T> {
     result.map_err(|error| Error::new_err(format!("{error:#}")))
 }
 

@@ -1,7 +1,7 @@
 //! A machine: its errors and corrections.
 
 use crate::measured::Measured;
-use crate::{Error, arrays, documents, told, warn};
+use crate::{Error, arrays, documents, to_python, warn};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use std::collections::BTreeMap;
@@ -52,7 +52,7 @@ impl Machine {
         for note in notes {
             warn(py, &note)?;
         }
-        told(machine)
+        to_python(machine)
     }
 
     /// Name of the machine.
@@ -192,7 +192,7 @@ impl Machine {
             return Err(Error::new_err(format!("volume_mm: found {found}, needed a finite number")));
         }
         let options = Options { at, volume_mm, pose_deg, points, coverage: confidence / 100.0, trials, seed };
-        documents::dictionary(py, &told(py.detach(|| evaluate(machine, stated, &options)))?)
+        documents::dictionary(py, &to_python(py.detach(|| evaluate(machine, stated, &options)))?)
     }
 }
 
@@ -306,7 +306,7 @@ impl Asked {
             let clamped = batch::errors(&self.machine, &self.settings, arrival, self.positions(), of, &mut errors)?;
             Ok((errors.into_flattened(), clamped))
         });
-        let (values, clamped) = told(found)?;
+        let (values, clamped) = to_python(found)?;
         self.shaped(py, values, clamped, 3)
     }
 
@@ -317,7 +317,7 @@ impl Asked {
             let clamped = batch::corrections(&self.machine, &self.settings, arrival, self.positions(), &mut values)?;
             Ok((values, clamped))
         });
-        let (values, clamped) = told(found)?;
+        let (values, clamped) = to_python(found)?;
         self.shaped(py, values, clamped, self.columns.len())
     }
 

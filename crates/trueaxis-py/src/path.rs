@@ -1,6 +1,6 @@
 //! A programmed path and the contour error of positions near it.
 
-use crate::{Error, arrays, told, warn};
+use crate::{Error, arrays, to_python, warn};
 use anyhow::anyhow;
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
@@ -73,7 +73,7 @@ impl Path {
                 return Err(Error::new_err(format!("method: found {found:?}, needed \"guarded\" or \"bisection\"")));
             }
         };
-        let feet = told(py.detach(|| {
+        let feet = to_python(py.detach(|| {
             let search = ContourSearch::new(max_lag_mm, method).map_err(|error| anyhow!("max_lag_mm: {error}"))?;
             self.feet(&search, &segment, &u, &actual)
         }))?;
@@ -95,7 +95,7 @@ impl Path {
         for note in notes {
             warn(py, &note)?;
         }
-        told(path).map(Path)
+        to_python(path).map(Path)
     }
 
     fn feet(&self, search: &ContourSearch<f64>, segment: &[f64], u: &[f64], actual: &[f64]) -> anyhow::Result<Feet> {

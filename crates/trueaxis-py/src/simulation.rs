@@ -1,7 +1,7 @@
 //! Simulation of a part program on a machine.
 
 use crate::machine::Machine;
-use crate::{Error, documents, told, warn};
+use crate::{Error, documents, to_python, warn};
 use anyhow::Context;
 use numpy::PyArray1;
 use pyo3::prelude::*;
@@ -45,7 +45,7 @@ impl Program {
         offsets: Option<PathBuf>,
         block_delete: bool,
     ) -> PyResult<Program> {
-        told(py.detach(|| {
+        to_python(py.detach(|| {
             let options = ReadOptions::from_files(tool_table.as_deref(), offsets.as_deref(), block_delete)?;
             Program::read(&Source::read(&path)?, &options)
         }))
@@ -62,7 +62,7 @@ impl Program {
         offsets: Option<&str>,
         block_delete: bool,
     ) -> PyResult<Program> {
-        told(py.detach(|| {
+        to_python(py.detach(|| {
             let tools = tool_table.map(|text| ToolTable::parse(text, "tool_table")).transpose()?;
             let offsets = offsets.map(|text| Offsets::parse(text, "offsets")).transpose()?;
             let source = Source { name: name.to_owned(), bytes: text.into_bytes().into(), file: name.to_owned() };
@@ -195,7 +195,7 @@ pub(crate) fn simulate<'py>(
     let exchanges: BTreeMap<_, _> =
         exchanges.into_iter().map(|(name, machine)| (name, machine.get().0.clone())).collect();
     let (machine, program) = (machine.get(), program.get());
-    let (scenario, kinds, mut run) = told(py.detach(|| {
+    let (scenario, kinds, mut run) = to_python(py.detach(|| {
         let mut all = Settings::parse(scenario.unwrap_or_default(), "scenario")?;
         for (key, value) in &given {
             all.set(key, &value.toml())?;

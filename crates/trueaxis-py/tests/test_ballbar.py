@@ -63,7 +63,7 @@ def test_positions_in_another_plane_are_those_of_the_command(tmp_path):
     assert abs(found["squareness_urad"]) == pytest.approx(30, abs=0.5)
 
 
-def test_what_is_refused():
+def test_refusals():
     rows = record()
     assert refused(lambda: trueaxis.ballbar(rows, radius_mm=0.0)) == "radius_mm: found 0, needed 0.001 to 100000 mm"
     assert refused(lambda: trueaxis.ballbar(rows, radius_mm=100, pitch_y_mm=float("nan"))).startswith("pitch_y_mm: found NaN")

@@ -128,7 +128,7 @@ def test_uncertainty_is_that_of_the_command(tmp_path):
         assert found["worst"]["jacobian"]["radius_um"] > 0.1 and sum(term["share"] for term in found["contributions"]) == pytest.approx(1)
 
 
-def test_what_uncertainty_refuses(tmp_path):
+def test_refusals_of_uncertainty(tmp_path):
     mill = trueaxis.Machine.load(TABLES / "mill-3axis")
     assert refused(lambda: mill.uncertainty(at=[1.0, 2.0])) == "at: found 2 numbers, needed three, X,Y,Z"
     assert refused(lambda: mill.uncertainty(at=[1.0, 2.0, float("nan")])).startswith("at: found NaN for axis Z")

@@ -201,8 +201,8 @@ def test_roundness_of_readings_with_angles_is_that_of_roundness(tmp_path):
     assert np.array_equal(np.column_stack([profile.ravel(), x.ravel(), y.ravel()]), table[:, 1:])
     assert np.allclose(profile[1], part(2 * np.pi * np.arange(n) / n), rtol=0, atol=1e-3)
     theta_deg[7] = theta_deg[6]
-    told = refused(lambda: trueaxis.roundness(readings, n=n, p=p, q=q, theta_deg=theta_deg))
-    assert told.startswith("theta_deg[7]: found ") and "of the row before by" in told
+    message = refused(lambda: trueaxis.roundness(readings, n=n, p=p, q=q, theta_deg=theta_deg))
+    assert message.startswith("theta_deg[7]: found ") and "of the row before by" in message
 
 
 def test_probe_angles_are_those_of_probe_angles():
@@ -288,7 +288,7 @@ def test_views_and_orders_of_memory_do_not_matter():
     assert np.array_equal(machine.error(at[::-1]), expected[::-1])
 
 
-def test_clamped_positions_are_told():
+def test_clamped_positions_are_reported():
     machine = trueaxis.Machine.load(TABLES / "mill-turn")
     at = np.zeros((3, len(machine.columns)))
     assert machine.correction(at).shape == at.shape

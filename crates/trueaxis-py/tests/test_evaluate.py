@@ -99,7 +99,7 @@ def test_ring(tmp_path):
     assert found["effective_tip_diameter_mm"] == pytest.approx(6, abs=1e-3) and len(found["runs"]) == 2
 
 
-def test_what_is_refused_of_a_record():
+def test_refusals_of_a_record():
     call = lambda record: trueaxis.evaluate_probing(record, feature="ring")
     x = np.arange(5.0)
     assert refused(lambda: call([1, 2])) == "record: found list, needed a file or a dict of numpy arrays"

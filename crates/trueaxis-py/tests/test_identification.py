@@ -59,7 +59,7 @@ def test_linear_axes_of_a_machine_are_removed(tmp_path):
     assert found["angles"] != trueaxis.identify(rows, axis="C", free_offsets=True)["angles"]
 
 
-def test_what_identify_refuses():
+def test_refusals_of_identify():
     rows, _ = readings(0.0)
     mill = trueaxis.Machine.load(TABLES / "mill-3axis")
     assert refused(lambda: trueaxis.identify(rows, axis="X")).startswith('axis: found "X"')
@@ -146,7 +146,7 @@ def test_friction_is_that_of_the_command(tmp_path, record):
     assert_lock_is_released(lambda: trueaxis.friction(record, axes="X,Y", machine=machine))
 
 
-def test_what_friction_refuses(record):
+def test_refusals_of_friction(record):
     assert refused(lambda: trueaxis.friction(record, axes="X,X")).startswith('axes: found "X,X"')
     gap = np.delete(record, 700, axis=0)
     assert refused(lambda: trueaxis.friction(gap, axes="X,Y")).startswith("record:702: column t_s: found 0.001000 s after")

@@ -164,9 +164,9 @@ def test_refusals_are_in_the_words_of_the_simulator(tmp_path, asked, options):
     (tmp_path / "short.ngc").write_text(SHORT)
     code, out, err = simulator("--machine", TABLES / "mill-3axis", "--program", tmp_path / "short.ngc", *options)
     assert code == 2
-    told = refused(lambda: trueaxis.simulate(mill(), short(), **asked))
+    message = refused(lambda: trueaxis.simulate(mill(), short(), **asked))
     # A flag is named as the flag.
-    assert told.removeprefix("rate_hz: ") in err.replace("--learned", "learned")
+    assert message.removeprefix("rate_hz: ") in err.replace("--learned", "learned")
 
 
 def test_programs_that_are_refused(tmp_path):

@@ -275,7 +275,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_damaged_is_refused() {
+    fn damaged_files_are_refused() {
         let good = bytes();
         for length in 0..good.len() {
             assert!(Warming::parse(&good[..length], ID).is_err(), "{length} bytes");

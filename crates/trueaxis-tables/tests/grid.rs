@@ -768,7 +768,7 @@ fn a_grid_csv_is_imported() {
 }
 
 #[test]
-fn a_collapse_tells_whether_a_grid_is_needed() {
+fn a_collapse_reports_whether_a_grid_is_needed() {
     let pitch = |tail: &str| {
         let folder = folder(
             &format!(

@@ -79,7 +79,7 @@ fn the_encoder_bounds_the_hysteresis_of_an_axis_with_lost_motion() {
 }
 
 #[test]
-fn the_way_that_lost_motion_costs_is_told() {
+fn the_distance_affected_by_lost_motion_is_reported() {
     // EXX from 1 to 2.5 µm more in negative travel, 0.5 µm of backlash on top.
     let table = "X_mm,EXX_fwd_um,EXX_rev_um\n0,0,1\n50,2,4.5\n100,0,1\n";
     let machine = Machine::read(written("backlash_um = 0.5\nmax_feed_mm_per_min = 12000", table).path()).unwrap();

@@ -244,7 +244,7 @@ mod tests {
     use proptest::prelude::*;
 
     #[test]
-    fn what_integers_cannot_say_is_not_usable() {
+    fn unrepresentable_values_are_not_usable() {
         for x in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 2_147.483_647, -2_147.483_648, 1e300] {
             assert!(!Nanometres::of(x).is_usable(), "{x}");
             assert!(Nanometres::nearest(x).is_usable(), "{x}");

@@ -62,7 +62,7 @@ export class IntoMachine {
   }
 
   private async take(): Promise<void> {
-    const { machine, tell } = this.desk;
+    const { machine, note } = this.desk;
     if (!this.becomes) return;
     const { files, name } = this.becomes;
     this.show(undefined);
@@ -73,7 +73,7 @@ export class IntoMachine {
       this.taken = false;
       throw error;
     }
-    tell(`${this.what} put into ${machine.name}: every view uses it now. Export it in the view Machine.`);
+    note(`${this.what} put into ${machine.name}: every view uses it now. Export it in the view Machine.`);
     this.status.textContent = `In ${machine.name} now.`;
     this.whenDone();
   }

@@ -61,7 +61,7 @@ export class Editor {
       const shown = await this.look(json);
       this.json = json;
       this.shown = shown;
-      this.tell();
+      this.notify();
     });
   }
 
@@ -96,15 +96,15 @@ export class Editor {
     from.pop();
     to.push(now);
     this.last.key = "";
-    this.tell();
-    this.desk.tell(`${step.what}: ${done}`);
+    this.notify();
+    this.desk.note(`${step.what}: ${done}`);
   }
 
   private async take(name: string, files: Files, what: string, key: string): Promise<void> {
     const { machine } = this.desk;
     const before = { name: machine.name, files: machine.files, what };
     if (JSON.stringify(files) === machine.json && name === machine.name) {
-      this.tell();
+      this.notify();
       return;
     }
     await this.put(name, files);
@@ -114,8 +114,8 @@ export class Editor {
     if (!same) this.back.push(before);
     if (this.back.length > MOST_STEPS) this.back.shift();
     this.forth.length = 0;
-    this.tell();
-    this.desk.tell(what);
+    this.notify();
+    this.desk.note(what);
   }
 
   /** The files become the machine of the desk, once the module has read them. */
@@ -133,7 +133,7 @@ export class Editor {
     return JSON.parse(shown) as Shown;
   }
 
-  private tell(): void {
+  private notify(): void {
     for (const listener of this.listeners) listener();
   }
 
@@ -158,7 +158,7 @@ export class Editor {
       } catch (error) {
         this.desk.fail(error);
         // Reset the controls to the valid values.
-        this.tell();
+        this.notify();
       }
     }
   }

@@ -137,7 +137,7 @@ export class Angles {
   private finished(said: string): void {
     this.progress.hidden = true;
     this.start.textContent = "Find the best pairs";
-    this.desk.tell(said);
+    this.desk.note(said);
   }
 
   private list({ best, pair }: Best): void {

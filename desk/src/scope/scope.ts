@@ -35,19 +35,19 @@ export class Scope {
     this.runner = new Runner(desk.runs, (look) => this.looked(look), desk.fail);
     this.controls = new Controls(desk.bench, FIRST, () => this.changed("settings"));
     this.share = new Share(desk, () => this.ready().then(() => this.runner.scenario()));
-    const told = <T>(of: Promise<T>) => void of.catch(desk.fail);
+    const guard = <T>(of: Promise<T>) => void of.catch(desk.fail);
     const when = (at: number | undefined) => (at === undefined ? "now" : `${at}s`);
     const taken = (files: Given[]) => this.taken(files);
     this.screen = new Screen(
       root,
       {
-        run: (pace) => told(this.run(pace)),
-        pause: () => told(this.runner.pause().then(() => this.refresh())),
-        step: (cycles) => told(this.ready().then(() => this.runner.step(cycles))),
-        restart: () => told(this.reopen()),
+        run: (pace) => guard(this.run(pace)),
+        pause: () => guard(this.runner.pause().then(() => this.refresh())),
+        step: (cycles) => guard(this.ready().then(() => this.runner.step(cycles))),
+        restart: () => guard(this.reopen()),
         pace: (pace) => (this.runner.pace = pace),
-        act: (what, after, at) => told(this.act(`${what}@${when(at)}${after}`)),
-        exchange: (source, at) => told(this.exchange(source, when(at))),
+        act: (what, after, at) => guard(this.act(`${what}@${when(at)}${after}`)),
+        exchange: (source, at) => guard(this.exchange(source, when(at))),
         remove: (gone) => this.remove(gone),
         program: (program) => this.take({ ...this.controls.setup, program }),
         taken,
@@ -123,7 +123,7 @@ export class Scope {
     this.files = files;
     this.screen.open(description, path, setup);
     this.desk.clear();
-    this.desk.tell(description.notes.join("; "));
+    this.desk.note(description.notes.join("; "));
     this.refresh(true);
     this.share.set(await this.runner.scenario());
   }
@@ -185,6 +185,6 @@ export class Scope {
   private async given(files: readonly Given[]): Promise<void> {
     const name = await this.exchanges.give(files);
     this.screen.acts.offer(name);
-    this.desk.tell(`${name}: its tables can be exchanged in "Acts in motion".`);
+    this.desk.note(`${name}: its tables can be exchanged in "Acts in motion".`);
   }
 }

@@ -146,7 +146,7 @@ fn folder(description: &Path, given: &[Given<'_>]) -> Result<Taken> {
         notes.push(format!("{} left out that no machine needs", counted(left, "file")));
     }
     let own = folder.file_name().map(|name| name.to_string_lossy().into_owned());
-    told(files, own, notes)
+    read_files(files, own, notes)
 }
 
 /// A path relative to the folder of the description.
@@ -184,11 +184,11 @@ fn joined(standing: &Texts, given: &[Given<'_>]) -> Result<Taken> {
         }
         files.insert(own, bytes);
     }
-    told(files, None, Vec::new())
+    read_files(files, None, Vec::new())
 }
 
 /// Reads the machine and stores its files as texts.
-fn told(files: BTreeMap<PathBuf, &[u8]>, name: Option<String>, mut notes: Vec<String>) -> Result<Taken> {
+fn read_files(files: BTreeMap<PathBuf, &[u8]>, name: Option<String>, mut notes: Vec<String>) -> Result<Taken> {
     let machine = read(&Memory::new(files.iter().map(|(name, bytes)| (name, *bytes))), &mut notes)?;
     let mut texts = Texts::new();
     for (name, bytes) in files {

@@ -2,7 +2,7 @@
 
 use crate::becomes::Becomes;
 use crate::files::texts;
-use crate::{Refused, json, told};
+use crate::{Refused, json, to_js};
 use anyhow::{Context, Result, anyhow};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -80,7 +80,7 @@ fn plan(files: &str, name: &str, task: &str) -> Result<String> {
 /// `notes`. Errors refer to the task by `name`.
 #[wasm_bindgen]
 pub fn keep_plan(files: &str, name: &str, task: &str) -> Result<String, Refused> {
-    told(plan(files, name, task))
+    to_js(plan(files, name, task))
 }
 
 fn look(files: &str, name: &str, task: &str, log_name: &str, log: &str, request: &str) -> Result<String> {
@@ -142,5 +142,5 @@ pub fn keep_look(
     log: &str,
     request: &str,
 ) -> Result<String, Refused> {
-    told(look(files, name, task, log_name, log, request))
+    to_js(look(files, name, task, log_name, log, request))
 }

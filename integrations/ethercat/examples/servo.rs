@@ -69,7 +69,7 @@ async fn run(interface: &str, cycle: &mut Cycle<'_>) -> Result<(), Error> {
 
     let mut inputs = [[0; IMAGE_BYTES]; AXES];
     let mut outputs = [[0; IMAGE_BYTES]; AXES];
-    let (mut start, mut n, mut told) = (None, 0_u32, None);
+    let (mut start, mut n, mut printed) = (None, 0_u32, None);
     loop {
         let began = Instant::now();
         let mut wait = PERIOD;
@@ -102,9 +102,9 @@ async fn run(interface: &str, cycle: &mut Cycle<'_>) -> Result<(), Error> {
                 drive.outputs_raw_mut()[..IMAGE_BYTES].copy_from_slice(image);
             }
             let now = (report.stop, report.output.record.fault);
-            if told != Some(now) {
+            if printed != Some(now) {
                 eprintln!("cycle {n}: stop {:?}, {}", now.0, now.1);
-                told = Some(now);
+                printed = Some(now);
             }
         }
         smol::Timer::at(began + wait).await;

@@ -245,11 +245,11 @@ fn a_command_that_jumps_stops_the_machine() {
 }
 
 #[test]
-fn refused_tables_are_told_and_commands_pass() {
+fn refused_tables_are_reported_and_commands_pass() {
     let mut damaged = TABLES.to_vec();
     damaged[5000] ^= 1;
-    let Err(told) = tables(&damaged) else { panic!("taken") };
-    assert_eq!(told, "trueaxis: the file is damaged (its CRC-32 is wrong); running uncompensated");
+    let Err(message) = tables(&damaged) else { panic!("taken") };
+    assert_eq!(message, "trueaxis: the file is damaged (its CRC-32 is wrong); running uncompensated");
     let (mut cycle, mut drives) = (Cycle::uncompensated(Fault::TablesRefused, COUNTS_PER_MM), Drives::new());
     for n in 0..100_u32 {
         let n = n.saturating_sub(20);

@@ -64,9 +64,9 @@ impl Planted {
         (Planted::WrongAxis, &[Rule::Stops]),
         (Planted::FreezeForgotten, &[Rule::Reading]),
         (Planted::ReadingBelieved, &[Rule::Believed]),
-        (Planted::ErrorInvented, &[Rule::ContourTold]),
+        (Planted::ErrorInvented, &[Rule::ContourReported]),
         (Planted::CommandChanged, &[Rule::CommandInForce]),
-        (Planted::LimitedForgotten, &[Rule::LimitedTold]),
+        (Planted::LimitedForgotten, &[Rule::LimitedReported]),
     ];
 
     /// Applies the defect.

@@ -4,7 +4,7 @@
 //! connections nor Ctrl-C.
 
 use super::{answer, page};
-use crate::output::{print, tell};
+use crate::output::{print, report_line};
 use anyhow::{Context, Result, anyhow};
 use std::collections::VecDeque;
 use std::io::{self, ErrorKind, Read, Write};
@@ -38,7 +38,7 @@ pub(super) fn serve(port: Option<u16>) -> Result<()> {
     })
     .context("Ctrl-C")?;
     print(&format!("http://127.0.0.1:{port}/\n"))?;
-    tell("note: open this address in a browser; Ctrl-C ends the desk");
+    report_line("note: open this address in a browser; Ctrl-C ends the desk");
     thread::Builder::new().spawn(move || accept(&listener, port, &plain)).context("127.0.0.1")?;
     // When this returns, the process ends and closes every connection.
     interrupted.recv().context("Ctrl-C")

@@ -112,7 +112,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
         outputs.put(file, friction::sections(&arguments.record, &found).as_bytes())?;
     }
     outputs.commit()?;
-    done.tell();
+    done.print_notes();
     if arguments.json { done.json(&document) } else { print(&table::table(&document)?) }
 }
 

@@ -2,7 +2,7 @@
 
 use super::{CheckArguments, LookArguments};
 use crate::model::{note, text};
-use crate::output::{NeedsPerson, tell};
+use crate::output::{NeedsPerson, report_line};
 use crate::report;
 use anyhow::{Result, anyhow};
 use std::path::Path;
@@ -49,7 +49,7 @@ pub(super) fn check(arguments: &CheckArguments) -> Result<()> {
     let mut outputs = Outputs::of([&of.task, &of.log]);
     show(&mut outputs, &state, &taken, of)?;
     outputs.commit()?;
-    taken.changes.iter().for_each(|change| tell(format_args!("would be: {change}")));
+    taken.changes.iter().for_each(|change| report_line(format_args!("would be: {change}")));
     super::table::put(&taken.document, of.json)?;
     refused(&taken, &of.log)
 }

@@ -5,7 +5,7 @@ use super::sheet::Sheet;
 
 use crate::csv_in::{self, Column, Row};
 use crate::numbers::{Numbers, numbers};
-use crate::output::tell;
+use crate::output::report_line;
 use anyhow::{Result, anyhow, bail};
 use clap::{Args, ValueEnum};
 use std::path::Path;
@@ -84,7 +84,7 @@ pub(super) fn run(arguments: &Arguments, settings: &MachineSettings) -> Result<(
     let is_tool = |name: &String| TOOL_COLUMNS.contains(&name.as_str());
     let ignored: Vec<&str> = rows.header.iter().filter(|name| !is_tool(name)).map(String::as_str).collect();
     if !ignored.is_empty() {
-        tell(format_args!("note: {}: columns {} are not read", common.input.display(), ignored.join(", ")));
+        report_line(format_args!("note: {}: columns {} are not read", common.input.display(), ignored.join(", ")));
     }
     let kept: Vec<bool> = rows.header.iter().map(is_tool).collect();
     let names = rows.header.iter().filter(|name| is_tool(name)).cloned();
@@ -111,7 +111,10 @@ pub(super) fn run(arguments: &Arguments, settings: &MachineSettings) -> Result<(
         }
     }
     if left_out > 0 {
-        tell(format_args!("note: {} with one solution only: the other leaves the travel", counted(left_out, "row")));
+        report_line(format_args!(
+            "note: {} with one solution only: the other leaves the travel",
+            counted(left_out, "row")
+        ));
     }
     sheet.finish()
 }

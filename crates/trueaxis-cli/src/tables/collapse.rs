@@ -1,7 +1,7 @@
 //! `trueaxis tables collapse`.
 
 use crate::numbers::{number, triple};
-use crate::output::{json, print, tell};
+use crate::output::{json, print, report_line};
 use crate::{machine_folder, model};
 use anyhow::{Result, anyhow, bail};
 use clap::Args;
@@ -66,7 +66,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let limits = raise(&mut written);
     let files = machine_files(&written, &comment(&collapsed, &options));
     write(&arguments.machine, &arguments.output, &files)?;
-    limits.iter().for_each(tell);
+    limits.iter().for_each(report_line);
     if arguments.json { json(&document(&collapsed)) } else { print(&report(&collapsed)) }
 }
 
@@ -132,7 +132,7 @@ fn write(input: &Path, output: &Path, files: &[(String, String)]) -> Result<()> 
     }
     outputs.commit()?;
     for (name, _) in files {
-        tell(format_args!("written {}", output.join(name).display()));
+        report_line(format_args!("written {}", output.join(name).display()));
     }
     Ok(())
 }

@@ -114,7 +114,7 @@ fn everything_is_flushed_before_the_first_rename_and_the_folder_after_the_last()
 
 /// A disk fails at the flush: the error is reported and nothing has changed.
 #[test]
-fn a_disk_that_fails_at_the_flush_is_told_and_nothing_has_changed() {
+fn a_failed_flush_is_reported_and_changes_nothing() {
     let Some(folder) = to_import() else { return };
     let before = folder.tree();
     for nth in 1..=3 {

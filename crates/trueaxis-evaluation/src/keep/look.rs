@@ -71,7 +71,7 @@ pub fn plan(keep: &Keep, machine: &Machine) -> Result<Plan> {
 }
 
 /// Whether the term can be determined without knowing the balls' positions.
-fn is_told_by_turning(keep: &Keep, term: Term) -> bool {
+fn is_observable_by_rotation(keep: &Keep, term: Term) -> bool {
     match term {
         Term::Location(..) | Term::Backlash(_) => true,
         Term::Squareness(_) => keep.turns(),
@@ -88,11 +88,11 @@ fn network(
     known: Option<&[BallPlace]>,
 ) -> Result<Observed> {
     let wanted = keep.terms.iter().map(|kept| kept.term);
-    let wanted = wanted.filter(|term| known.is_some() || is_told_by_turning(keep, *term)).collect();
+    let wanted = wanted.filter(|term| known.is_some() || is_observable_by_rotation(keep, *term)).collect();
     let terms = Terms::named(wanted, machine, plan.reach_mm(&keep.task));
     let mut observed = observe_terms(&keep.task, machine, plan, positions, terms)?;
     // If rotation determines all terms, a ball that was removed and put back does no harm.
-    let needed = keep.terms.iter().any(|kept| !is_told_by_turning(keep, kept.term));
+    let needed = keep.terms.iter().any(|kept| !is_observable_by_rotation(keep, kept.term));
     for (ball, place) in known.unwrap_or_default().iter().enumerate().filter(|_| needed) {
         let Some(&first) = observed.places.get(ball).and_then(|places| places.first()) else { continue };
         for k in 0..3 {
@@ -155,9 +155,9 @@ pub fn begin(keep: &Keep, machine: &Machine, plan: &Plan, trips: &[Logged], file
     let positions: Vec<[f64; AXES]> = trips.iter().map(|trip| trip.position).collect();
     let observed = network(keep, machine, plan, &positions, None)?;
     let calibration = settle(&keep.task, plan, trips, file, observed)?;
-    let told = keep.terms.iter().filter(|kept| is_told_by_turning(keep, kept.term));
+    let observable = keep.terms.iter().filter(|kept| is_observable_by_rotation(keep, kept.term));
     let (values, errors) = (&calibration.solution.values, &calibration.solution.standard_errors);
-    let verdicts = told.zip(values).zip(errors).map(|((kept, value), error)| Verdict {
+    let verdicts = observable.zip(values).zip(errors).map(|((kept, value), error)| Verdict {
         name: kept.name.clone(),
         value: *value,
         standard_error: *error,

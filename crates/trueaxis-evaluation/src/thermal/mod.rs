@@ -50,12 +50,12 @@ pub fn settings(machine: Option<&MachineSettings>, held_out: Vec<u32>) -> Settin
 }
 
 impl Found {
-    /// Fits, and runs the task over the record; calls `tell` with every cause that the model adds.
+    /// Fits, and runs the task over the record; calls `on_cause` with every cause that the model adds.
     ///
     /// # Errors
     /// A record that determines nothing, with file, line and column if known.
-    pub fn of(recording: Recording, settings: &Settings, tell: &mut dyn FnMut(&str)) -> Result<Found> {
-        let fit = fit(&recording.record, settings, tell).map_err(|refused| recording.refused(&refused))?;
+    pub fn of(recording: Recording, settings: &Settings, on_cause: &mut dyn FnMut(&str)) -> Result<Found> {
+        let fit = fit(&recording.record, settings, on_cause).map_err(|refused| recording.refused(&refused))?;
         let bytes = fit.model.encode(0).map_err(|error| anyhow!("{}: {error}", recording.file.display()))?;
         let (figures, series) = held_out(&recording.record, &fit, &bytes);
         Ok(Found { recording, fit, figures, series, reference_c: settings.reference_c })

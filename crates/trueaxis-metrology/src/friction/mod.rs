@@ -218,7 +218,7 @@ fn identify_axis(
     let problem = |step_s: f64| problem(record, recorded, turns, given, step_s);
     let start = start::start(&problem(COARSE_S).0, given.as_ref());
     let mut steps = 0;
-    let mut tell = || {
+    let mut on_step = || {
         steps += 1;
         progress(axis, steps);
     };
@@ -226,7 +226,7 @@ fn identify_axis(
     let (problem, turns) = problem(STEP_S);
     // If starts are ignored, the state of friction before them is unobservable.
     let rests = with_drive && record.rests(recorded);
-    let (found, free) = reduced(axis, [&rough, &problem], start, (with_drive, rests), &mut tell)?;
+    let (found, free) = reduced(axis, [&rough, &problem], start, (with_drive, rests), &mut on_step)?;
     judge(axis, &found, &free, with_drive)?;
     let glitch = glitch::glitch(&problem, &found.values, &turns);
     if glitch.explained < EXPLAINED {

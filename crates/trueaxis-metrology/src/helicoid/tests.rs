@@ -245,7 +245,7 @@ fn a_pivot_length_from_an_edge_finder() {
 }
 
 #[test]
-fn what_no_tool_can_stand_on_is_refused() {
+fn invalid_helicoids_and_points_are_refused() {
     let field = |rb, p, flank| Helicoid::new(rb, p, flank).unwrap_err().quantity;
     for rb in [0.0, -1.0, f64::NAN, f64::INFINITY, 2e6] {
         assert_eq!(field(rb, 20.0, Flank::Right), Quantity::BaseRadius);

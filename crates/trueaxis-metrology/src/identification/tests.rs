@@ -240,7 +240,7 @@ fn collinear_set_ups_are_refused_with_their_figures() {
 }
 
 #[test]
-fn what_is_missing_or_not_finite_is_refused() {
+fn missing_and_non_finite_readings_are_refused() {
     let angles = degrees(12, 30.0);
     let test = test_of(Axis::C, &BALLS_C, &angles, 1.0);
     let mut missing = test.clone();

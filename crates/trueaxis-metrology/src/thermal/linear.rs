@@ -140,7 +140,7 @@ mod tests {
 
     /// Three cycles of 2 a; the second also contains 5 b, which the others lack.
     #[test]
-    fn what_one_cycle_alone_has_is_fitted_there_with_the_rest_as_the_others_have_it() {
+    fn a_cause_in_one_cycle_is_fitted_there_with_the_rest_as_in_the_others() {
         let (a, b) = ([1.0, 2.0, 3.0], [1.0, 1.0, -1.0]);
         let right: Vec<f64> = (0..9).map(|k| 2.0 * a[k % 3] + if k / 3 == 1 { 5.0 * b[k % 3] } else { 0.0 }).collect();
         let own: Vec<f64> = (0..9).map(|k| if k / 3 == 1 { b[k % 3] } else { 0.0 }).collect();

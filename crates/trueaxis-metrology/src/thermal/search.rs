@@ -152,8 +152,8 @@ impl<'p, 'r> Search<'p, 'r> {
     }
 
     /// The causes that improve the prediction, in the order in which they entered, and the sum of squares before and after;
-    /// calls `tell` with each cause.
-    pub(super) fn causes(&self, tell: &mut dyn FnMut(Cause)) -> (Vec<Chosen>, [f64; 2]) {
+    /// calls `on_cause` with each cause.
+    pub(super) fn causes(&self, on_cause: &mut dyn FnMut(Cause)) -> (Vec<Chosen>, [f64; 2]) {
         let nothing = self.left(&[]);
         let (mut all, mut left) = (Vec::<Chosen>::new(), nothing);
         loop {
@@ -194,7 +194,7 @@ impl<'p, 'r> Search<'p, 'r> {
             };
             let Some((with, found)) = found else { break };
             if let Some(chosen) = with.last() {
-                tell(chosen.cause);
+                on_cause(chosen.cause);
             }
             (all, left) = (with, found);
         }

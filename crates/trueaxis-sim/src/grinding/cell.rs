@@ -198,8 +198,8 @@ impl Cell {
                 Event::NewPart { at } if turns >= at && !*done => {
                     (*done, new_part) = (true, true);
                 }
-                Event::Wheel { at, wheel_mm, told } if turns >= at && !*done => {
-                    (*done, self.dressing) = (true, Some(([at, self.linkage.wheel_mm, wheel_mm], told)));
+                Event::Wheel { at, wheel_mm, reported } if turns >= at && !*done => {
+                    (*done, self.dressing) = (true, Some(([at, self.linkage.wheel_mm, wheel_mm], reported)));
                 }
                 _ => {}
             }
@@ -215,14 +215,14 @@ impl Cell {
     }
 
     fn dress(&mut self) -> Option<f64> {
-        let ([at, from, to], told) = self.dressing?;
+        let ([at, from, to], reported) = self.dressing?;
         let share = (self.turns() - at).clamp(0.0, 1.0);
         self.linkage.wheel_mm = from + share * (to - from);
         if share < 1.0 {
             return None;
         }
         self.dressing = None;
-        told.then_some(to)
+        reported.then_some(to)
     }
 
     /// Advances the machine by one period; at rest and off the part while `settling`.

@@ -46,7 +46,7 @@ impl Refusal {
 }
 
 #[test]
-fn what_was_found_stays_on_its_line() {
+fn quoted_text_stays_on_its_line() {
     let error = ProgramError::new("offsets.toml", 3, "unknown field `a\nb`", "x_mm");
     assert_eq!(error.to_string(), "offsets.toml:3: found unknown field `a\\nb`; needed: x_mm");
 }

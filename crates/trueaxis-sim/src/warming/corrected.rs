@@ -66,7 +66,7 @@ pub(super) fn run(of: &Warming, bodies: &mut Bodies, shift: &Shift, found: &Fit,
                 };
                 let dt_s = if t == 0 { 0.0 } else { f64::from(of.update_s) };
                 let growth = thermal.update(&mut task, dt_s, &now);
-                judged.told |= !growth.is_good();
+                judged.reported |= !growth.is_good();
                 let mut moment = Moment { t_s: f64::from(t), rpm: shift.at(t).rpm, ..Moment::default() };
                 for (place, (point, state)) in JUDGED.iter().zip(&mut states).enumerate() {
                     for (slot, axis) in axes.into_iter().enumerate() {

@@ -80,12 +80,12 @@ pub struct Warming {
 }
 
 impl Warming {
-    /// Records shifts, fits, and runs a shift of another kind with the fit; `tell` is called with the current activity.
+    /// Records shifts, fits, and runs a shift of another kind with the fit; `progress` is called with the current activity.
     ///
     /// # Errors
     /// A machine whose tables do not build; a record that the fit refuses.
-    pub fn run(&self, tell: &mut dyn FnMut(&str)) -> Result<Outcome> {
-        tell("recording");
+    pub fn run(&self, progress: &mut dyn FnMut(&str)) -> Result<Outcome> {
+        progress("recording");
         let mut bodies = Bodies::at(20.5);
         let record = self.record(&mut bodies);
         let datum = |axis: Axis| self.machine.settings.axis(axis).map_or(0.0, |of| of.thermal.datum);
@@ -95,10 +95,10 @@ impl Warming {
             held_out: Vec::new(),
             rate_k_per_min: RATE_K_PER_MIN,
         };
-        let found = fit(&record, &settings, &mut |cause| tell(&format!("fitting: {cause}")))?;
+        let found = fit(&record, &settings, &mut |cause| progress(&format!("fitting: {cause}")))?;
         let bytes = found.model.encode(0).map_err(trueaxis_metrology::thermal::Refused::Encoding)?;
         let (figures, _) = held_out(&record, &found, &bytes);
-        tell("the judged shift");
+        progress("the judged shift");
         let shift = Shift::drawn(self.seed, self.shifts, Kind::Judged);
         let judged = corrected::run(self, &mut bodies, &shift, &found, &bytes)?;
         Ok(Outcome::new(record, found, figures, judged))

@@ -95,7 +95,7 @@ mod tests {
     use std::io::Write;
 
     #[test]
-    fn names_are_told_apart() {
+    fn only_names_of_temporary_files_are_recognised() {
         assert_eq!(becomes("a.tcomp.Ab12Cd.trueaxis-tmp"), Some("a.tcomp"));
         assert_eq!(becomes("a.b.c.000000.trueaxis-tmp"), Some("a.b.c"));
         for other in

@@ -40,15 +40,15 @@ impl Machine {
         Machine::read_from(&folder, &name, &mut |_| {})
     }
 
-    /// [`Machine::read`] from any source of files; `name` is that of the `machine.toml`. Reports to `tell` every table with
+    /// [`Machine::read`] from any source of files; `name` is that of the `machine.toml`. Reports to `note` every table with
     /// separators other than commas, or with decimal commas. A machine without tables has only the errors that its settings
     /// state.
     ///
     /// # Errors
     /// As [`Machine::read`].
-    pub fn read_from(files: &dyn Source, name: &Path, tell: &mut dyn FnMut(String)) -> Result<Machine, FileError> {
+    pub fn read_from(files: &dyn Source, name: &Path, note: &mut dyn FnMut(String)) -> Result<Machine, FileError> {
         let (origin, description) = described(files, name)?;
-        let machine = Machine::read_described(files, name, &origin, &description, tell)?;
+        let machine = Machine::read_described(files, name, &origin, &description, note)?;
         machine.hold_together(&origin, &description)?;
         Ok(machine)
     }
@@ -58,20 +58,20 @@ impl Machine {
         name: &Path,
         origin: &Origin,
         description: &Description,
-        tell: &mut dyn FnMut(String),
+        note: &mut dyn FnMut(String),
     ) -> Result<Machine, FileError> {
         check::settings(&description.settings).map_err(|error| description.located(origin, &error))?;
         let mut tables = Vec::new();
         for settings in &description.settings.axes {
             let reference = description.tables.iter().find(|table| table.axis == settings.axis);
             tables.push(match reference {
-                Some(reference) => Some(read_table(files, name, reference, settings, origin, tell)?),
+                Some(reference) => Some(read_table(files, name, reference, settings, origin, note)?),
                 None => None,
             });
         }
         let mut grids = Vec::new();
         for reference in &description.grids {
-            grids.push(read_grid(files, name, reference, origin, tell)?);
+            grids.push(read_grid(files, name, reference, origin, note)?);
         }
         Ok(Machine { settings: description.settings.clone(), tables, grids })
     }
@@ -241,7 +241,7 @@ fn read_grid(
     machine_toml: &Path,
     reference: &GridReference,
     of_machine: &Origin,
-    tell: &mut dyn FnMut(String),
+    note: &mut dyn FnMut(String),
 ) -> Result<Grid, FileError> {
     let name = beside(machine_toml, &reference.file);
     let path = files.path(&name);
@@ -252,7 +252,7 @@ fn read_grid(
     }
     let file = grid_table::read(&bytes(files, &name)?, &Origin::new(&path), reference)?;
     if let Some(how) = file.dialect {
-        tell(format!("{}: {how}", path.display()));
+        note(format!("{}: {how}", path.display()));
     }
     Ok(file.grid)
 }
@@ -263,7 +263,7 @@ fn read_table(
     reference: &TableReference,
     settings: &AxisSettings,
     of_machine: &Origin,
-    tell: &mut dyn FnMut(String),
+    note: &mut dyn FnMut(String),
 ) -> Result<Table, FileError> {
     let name = beside(machine_toml, &reference.file);
     let path = files.path(&name);
@@ -275,7 +275,7 @@ fn read_table(
     let origin = Origin::new(&path);
     let file = axis_table::read(&bytes(files, &name)?, &origin, settings.axis)?;
     if let Some(how) = file.dialect {
-        tell(format!("{}: {how}", path.display()));
+        note(format!("{}: {how}", path.display()));
     }
     check::table(settings, file.table.rows.as_slice()).map_err(|fault| file.refused(&origin, &fault))?;
     let TableFile { table, .. } = file;

@@ -290,7 +290,7 @@ fn the_exact_inverse_lands_on_the_command() {
 }
 
 #[test]
-fn own_and_cross_terms_look_up_where_they_are_told() {
+fn own_and_cross_terms_follow_their_lookup_settings() {
     let mut axes = LINEAR.map(|axis| AxisSettings::with_defaults(axis, false));
     axes[0].lookup = Lookup::Feedback;
     axes[1].cross_lookup = Lookup::Feedback;

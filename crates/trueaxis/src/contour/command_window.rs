@@ -246,8 +246,8 @@ impl<R: Real, P: Position, const K: usize> CommandWindow<R, P, K> {
     #[inline(always)]
     fn joint(&self, last: &Chord<R, P>, unit: V3<R>, length: R) -> Option<V3<R>> {
         let (shorter, longer) = if length < last.length { (length, last.length) } else { (last.length, length) };
-        let told = shorter >= self.spacing * R::of(DIRECTED) && shorter * R::of(UNEVEN) >= longer;
-        if !told || last.unit.dot(unit) < R::of(CORNER) {
+        let determined = shorter >= self.spacing * R::of(DIRECTED) && shorter * R::of(UNEVEN) >= longer;
+        if !determined || last.unit.dot(unit) < R::of(CORNER) {
             return None;
         }
         let direction = last.unit * length + unit * last.length;

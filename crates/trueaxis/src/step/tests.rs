@@ -199,7 +199,7 @@ fn the_first_cycle_returns_the_command_bit_for_bit() {
 }
 
 #[test]
-fn the_machine_ends_up_where_it_was_told_and_the_host_sees_no_following_error() {
+fn the_machine_reaches_the_command_and_the_host_sees_no_following_error() {
     let mut bench = Bench::new();
     let command = [55.0, 35.0, 25.0];
     let out = bench.settle(command);

@@ -165,21 +165,21 @@ fn one_sensor_without_lag_and_a_straight_curve_is_the_growth_of_machine_toml() {
 }
 
 /// Warm, then wrong: the status reported, and that only the share of the other sensor changes.
-fn wrong(readings: &[Option<f64>], told: SensorStatus) {
+fn wrong(readings: &[Option<f64>], expected: SensorStatus) {
     let bytes = whole();
     let thermal = Thermal::parse(&bytes).unwrap();
     let mut state = started();
     let before = thermal.update(&mut state, 1.0, &at(&[Some(25.0), Some(22.0)], 0.0)).lines[0].unwrap();
     for (k, reading) in readings.iter().enumerate() {
         let growth = thermal.update(&mut state, 60.0, &at(&[*reading, Some(22.0)], 0.0));
-        assert_eq!(growth.sensors[0], told, "reading {k}: {reading:?}");
+        assert_eq!(growth.sensors[0], expected, "reading {k}: {reading:?}");
         assert!(!growth.is_good() && growth.sensors[1] == SensorStatus::Good);
         assert_eq!(growth.lines[0].unwrap(), before, "reading {k}");
     }
 }
 
 #[test]
-fn a_missing_an_impossible_and_a_jumping_sensor_freezes_its_share_and_is_told() {
+fn a_missing_out_of_range_or_jumping_sensor_freezes_its_share_and_is_reported() {
     wrong(&[None, None, Some(f64::NAN), Some(f64::INFINITY)], SensorStatus::Missing);
     wrong(&[Some(-21.0), Some(90.5), Some(1e300)], SensorStatus::OutOfRange);
     // 2 K at once and 1 K for the minute.
@@ -263,7 +263,7 @@ fn a_step_that_stays_is_believed_after_an_hour_if_it_lives() {
 }
 
 #[test]
-fn what_comes_back_is_believed_again_and_what_was_missing_may_have_moved() {
+fn a_returning_sensor_is_trusted_again_and_a_missing_one_may_have_moved() {
     let bytes = whole();
     let thermal = Thermal::parse(&bytes).unwrap();
     let mut state = started();

@@ -186,7 +186,7 @@ fn at_the_singular_pose_the_table_stays() {
 }
 
 #[test]
-fn what_is_out_of_reach_is_refused_with_its_angle() {
+fn unreachable_directions_are_refused_with_their_angle() {
     let tool = |axis: [f64; 3]| Tool { tip: DVec3::ZERO, axis: DVec3::from_array(axis) };
     let (s, c) = 1f64.to_radians().sin_cos();
     let still = [0.0; AXES];

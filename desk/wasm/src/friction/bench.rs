@@ -122,7 +122,7 @@ impl Bench {
         self.found.as_ref().ok_or_else(|| anyhow!("found no fit, needed a record to which one was made"))
     }
 
-    pub(super) fn fit(&mut self, files: &str, find_drive: bool, tell: &mut dyn FnMut(&str)) -> Result<Found> {
+    pub(super) fn fit(&mut self, files: &str, find_drive: bool, progress: &mut dyn FnMut(&str)) -> Result<Found> {
         let recording = self.recording()?;
         let mut given = [None; 2];
         if !find_drive {
@@ -130,7 +130,7 @@ impl Bench {
             given = drives(&machine(files, &mut Vec::new())?, "the machine", axes)?;
         }
         let (found, document) =
-            fit(recording, given, &mut |axis, step| tell(&format!("axis {}, step {step}", axis.letter())))?;
+            fit(recording, given, &mut |axis, step| progress(&format!("axis {}, step {step}", axis.letter())))?;
         let spikes = found.iter().flat_map(|own| spikes(own, &own.glitch)).collect();
         let circles = circles(&recording.record, &recording.file.to_string_lossy(), &found)?;
         let settings = sections(&recording.file, &found);

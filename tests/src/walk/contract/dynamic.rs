@@ -35,8 +35,8 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         first: bool,
     ) -> Result<(), Broken> {
         let record = &seen.outcome.output.record;
-        let told = record.dynamic.is_some() == seen.facts.dynamic;
-        self.tally.that(Rule::NoDynamic, told, || format!("{:?}", record.dynamic))?;
+        let agrees = record.dynamic.is_some() == seen.facts.dynamic;
+        self.tally.that(Rule::NoDynamic, agrees, || format!("{:?}", record.dynamic))?;
         let Some(parts) = &record.dynamic else {
             let geometric = record.correction.map(|c| Moving::at(c.to_f64()));
             self.parts = Parts { geometric, ..Parts::default() };

@@ -90,7 +90,7 @@ impl<P: Place, const N: usize> Senses<P, N> {
         let active = input.homed && input.enable;
         let late = f64::from(input.elapsed_ns) > 1.25 * f64::from(facts.period_ns);
         let off = self.off(facts.period_ns, input.elapsed_ns);
-        let told = (record.fault, record.fault_axis);
+        let reported = (record.fault, record.fault_axis);
         let due = self.command_faults(seen, active, late);
         let any = due.iter().any(|fault| *fault != Fault::None) || input.refusal.fault != Fault::None;
         let is_due = |(fault, axis): (Fault, u8)| match input.refusal {
@@ -102,8 +102,8 @@ impl<P: Place, const N: usize> Senses<P, N> {
         let first = !self.started;
         if self.latched.is_none() && !any {
             let readings = self.readings(seen, &input.command, active && !first);
-            let joint = stops && told.0 == Fault::JointRange;
-            tally.that(Rule::StopsOnlyWhenDue, !stops || joint, || format!("{told:?} for {input:?}"))?;
+            let joint = stops && reported.0 == Fault::JointRange;
+            tally.that(Rule::StopsOnlyWhenDue, !stops || joint, || format!("{reported:?} for {input:?}"))?;
             (self.started, self.active) = (true, active);
             let frozen = active && !first && off || readings.iter().any(|fault| *fault != Fault::None);
             if !joint {
@@ -112,10 +112,13 @@ impl<P: Place, const N: usize> Senses<P, N> {
                     late || fault != Fault::None && readings.get(usize::from(axis)) == Some(&fault)
                 };
                 if frozen {
-                    tally.that(Rule::Reading, fits(told), || format!("{told:?}, due {readings:?}, off: {off}"))?;
+                    tally.that(Rule::Reading, fits(reported), || {
+                        format!("{reported:?}, due {readings:?}, off: {off}")
+                    })?;
                 } else {
-                    tally
-                        .that(Rule::ReadingOnlyWhenDue, told.0 == Fault::None, || format!("{told:?} for {input:?}"))?;
+                    tally.that(Rule::ReadingOnlyWhenDue, reported.0 == Fault::None, || {
+                        format!("{reported:?} for {input:?}")
+                    })?;
                 }
             }
             return Ok(match (active, frozen) {
@@ -126,8 +129,8 @@ impl<P: Place, const N: usize> Senses<P, N> {
         }
         let was_latched = self.latched;
         if was_latched.is_none() {
-            tally.that(Rule::Stops, stops && is_due(told), || format!("{told:?}, due {due:?}, {input:?}"))?;
-            self.latch(told);
+            tally.that(Rule::Stops, stops && is_due(reported), || format!("{reported:?}, due {due:?}, {input:?}"))?;
+            self.latch(reported);
         }
         let placed = self.started || self.placed(seen);
         let near = self.near(seen);
@@ -140,23 +143,23 @@ impl<P: Place, const N: usize> Senses<P, N> {
         };
         let may = rising && placed && acceptable;
         // After a release, the output may leave the range of a joint at once and stop again.
-        let goes_on = !stops || told.0 == Fault::JointRange;
+        let goes_on = !stops || reported.0 == Fault::JointRange;
         let released = match near {
             Size::Within if may => {
-                tally.that(Rule::ResetReleases, goes_on, || format!("{told:?}, {input:?}, held {held:?}"))?;
+                tally.that(Rule::ResetReleases, goes_on, || format!("{reported:?}, {input:?}, held {held:?}"))?;
                 true
             }
             Size::Either if may => goes_on,
             _ => {
                 let rule = if rising { Rule::ResetOnlyNear } else { Rule::Latches };
-                let found = || format!("{told:?} after {latched:?}, held {held:?}, due {due:?}, {input:?}");
-                tally.that(rule, stops && told == latched, found)?;
+                let found = || format!("{reported:?} after {latched:?}, held {held:?}, due {due:?}, {input:?}");
+                tally.that(rule, stops && reported == latched, found)?;
                 false
             }
         };
         if released {
-            let quiet = stops || told.0 == Fault::None;
-            tally.that(Rule::ResetReleases, quiet, || format!("released with {told:?}"))?;
+            let quiet = stops || reported.0 == Fault::None;
+            tally.that(Rule::ResetReleases, quiet, || format!("released with {reported:?}"))?;
             self.latched = None;
             self.started = true;
             (self.stands, self.counted, self.unmoved) = (self.good, input.command, [0.0; N]);

@@ -50,9 +50,9 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         let Some(gauge) = &seen.ground.gauge else { return Ok(()) };
         let (ride, state, probes) = (&seen.outcome.ride, &seen.device.gauge, &seen.moment.probes);
         let good = probes.readings.iter().all(|reading| reading.to_f64().abs() <= 1000.0);
-        let told = ride.flags.has(GaugeFlags::PROBE_RANGE);
+        let reported = ride.flags.has(GaugeFlags::PROBE_RANGE);
         // Without an angle the probes are not evaluated.
-        let holds = if good { !told } else { ride.flags.discards() };
+        let holds = if good { !reported } else { ride.flags.discards() };
         self.tally.that(Rule::Probes, holds, || format!("{:?} for {:?}", ride.flags, probes.readings))?;
         let limit = seen.ground.infeed_limit_um * 1e-3;
         let infeed = ride.infeed.to_f64();

@@ -217,9 +217,9 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         let (output, motion) = (&seen.outcome.output, &mut self.motion);
         let record = &output.record;
         if record.dynamic.is_none() {
-            let told = (0..N).fold(0, |bits, k| bits | u8::from(total[k] != R::ZERO) << k);
-            let found = || format!("{:b}, not {told:b}, for {total:?}", record.limited);
-            self.tally.that(Rule::LimitedTold, record.limited == told, found)?;
+            let expected = (0..N).fold(0, |bits, k| bits | u8::from(total[k] != R::ZERO) << k);
+            let found = || format!("{:b}, not {expected:b}, for {total:?}", record.limited);
+            self.tally.that(Rule::LimitedReported, record.limited == expected, found)?;
         }
         if motion.dark == 0.0 || seen.exchanged {
             motion.may = motion.dark;

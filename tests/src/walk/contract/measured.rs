@@ -31,13 +31,13 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
     ) -> Result<(), Broken> {
         let record = &seen.outcome.output.record;
         let measured = seen.moment.measured;
-        let told = record.status.has(Status::CONTOUR) == record.tip.is_measured();
+        let agrees = record.status.has(Status::CONTOUR) == record.tip.is_measured();
         let believed = matches!(verdict, Verdict::Active | Verdict::Inactive) && measured != Measured::Nothing;
         // The joint's range is checked after the error was measured.
         let may = believed || record.fault == Fault::JointRange && measured != Measured::Nothing;
         let found = || format!("{:?}, {verdict:?}: {:?}, {:?}", record.status, record.tip, record.encoder);
         let none = !record.tip.is_measured() && !record.encoder.is_measured();
-        self.tally.that(Rule::ContourTold, told && (may || none), found)?;
+        self.tally.that(Rule::ContourReported, agrees && (may || none), found)?;
         self.consistent(&record.tip)?;
         self.consistent(&record.encoder)?;
         self.orientation(seen)?;
@@ -50,10 +50,10 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
 
     fn consistent(&mut self, error: &ContourError<R>) -> Result<(), Broken> {
         let [x, y, z] = error.vector.into().map(R::to_f64);
-        let (length, told) = ((x * x + y * y + z * z).sqrt(), error.error.to_f64());
-        let near = (length - told).abs() <= 1e-9 + 4.0 * R::EPSILON.to_f64() * length;
+        let (length, reported) = ((x * x + y * y + z * z).sqrt(), error.error.to_f64());
+        let near = (length - reported).abs() <= 1e-9 + 4.0 * R::EPSILON.to_f64() * length;
         let inside = error.t >= R::ZERO && error.t <= R::ONE;
-        let bounded = error.evaluations <= EVALUATIONS && error.width >= R::ZERO && told >= 0.0;
+        let bounded = error.evaluations <= EVALUATIONS && error.width >= R::ZERO && reported >= 0.0;
         let empty = error.is_measured() || length == 0.0 && error.lag == R::ZERO;
         let holds = near && inside && bounded && empty;
         self.tally.that(Rule::ContourConsistent, holds, || format!("{error:?}"))

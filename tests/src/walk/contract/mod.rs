@@ -105,7 +105,7 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
             self.senses.latch((Fault::JointRange, record.fault_axis));
             verdict = Verdict::Held;
         }
-        self.told(seen, verdict)?;
+        self.by_verdict(seen, verdict)?;
         self.follow(seen, verdict, first)?;
         self.dynamic(seen, verdict, first)?;
         // The feedback acted before the output was found to leave a joint's range.

@@ -337,7 +337,7 @@ fn a_grid_too_steep_to_be_inverted_is_refused() {
 }
 
 #[test]
-fn what_is_no_grid_is_refused() {
+fn invalid_grids_are_refused() {
     let machine = nine();
     let good = Made::new([&[0.0, 50.0, 110.0], &[0.0, 40.0], &[]], 0b100, [1e-6; 6], |_, _| 1001);
     check::grids(&machine, &[good.data()]).unwrap();

@@ -224,7 +224,7 @@ fn bends_and_kinks_are_those_of_the_polynomials() {
 }
 
 #[test]
-fn every_number_of_a_table_tells_it_from_another() {
+fn every_number_of_a_table_is_listed() {
     let numbers = |table: &AxisTable<'_, f64, f64>| {
         let mut numbers = Vec::new();
         table.numbers(&mut |number| numbers.push(number));

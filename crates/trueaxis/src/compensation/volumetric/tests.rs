@@ -253,7 +253,7 @@ fn the_inverse_from_the_correction_sent_last_is_the_converged_one() {
 }
 
 #[test]
-fn what_is_kept_is_forgotten_with_the_tables() {
+fn cached_state_is_dropped_with_the_tables() {
     let mut random = Noise::new(13);
     let first = case(&mut random, "w b X Y Z t", false);
     let mut second = case(&mut random, "w b X Y Z t", false);

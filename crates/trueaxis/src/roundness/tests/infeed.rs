@@ -241,7 +241,7 @@ fn an_unsteady_size_is_not_learnt_from() {
 }
 
 #[test]
-fn of_a_new_part_nothing_old_is_told() {
+fn a_new_part_discards_earlier_results() {
     let grinding = Grinding::new(0.25);
     let (mut run, truth) = grinding.run();
     run.turn(&truth, 11.95, |_| TAU / 5000.0);

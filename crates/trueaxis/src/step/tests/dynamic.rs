@@ -147,7 +147,7 @@ fn friction_and_acceleration_follow_the_continuous_law() {
 }
 
 #[test]
-fn what_accelerates_elsewhere_is_taken_out_here() {
+fn cross_talk_from_another_axis_is_compensated() {
     let crosstalk = |points: &[[f64; 2]]| {
         let mut machine = machine(|axis| axis.servo.dynamic = dynamic(false, false, false));
         let points = points.iter().copied().collect();
@@ -176,7 +176,7 @@ fn what_accelerates_elsewhere_is_taken_out_here() {
 }
 
 #[test]
-fn what_was_learned_is_added_and_what_is_no_number_is_not() {
+fn learned_corrections_are_added_and_non_numeric_ones_are_not() {
     let servo = loop_of(0.0, machine(|axis| axis.servo.dynamic = dynamic(false, false, false)));
     let mut state = servo.start();
     let mut sent = |learned| {

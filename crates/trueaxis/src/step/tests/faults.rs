@@ -121,11 +121,11 @@ fn a_doubled_cycle_is_one_more_and_a_lost_one_is_late_or_unseen() {
         if n % 10 == 5 {
             bench.cycle(&Input { elapsed_ns: 0, ..input([x, 20.0, 20.0]) });
         }
-        let (told, unseen) = (n % 10 == 7, n % 10 == 9);
-        let elapsed_ns = if told { 2 * PERIOD_NS } else { PERIOD_NS };
-        x += if told || unseen { 0.02 } else { 0.0 };
+        let (late, unseen) = (n % 10 == 7, n % 10 == 9);
+        let elapsed_ns = if late { 2 * PERIOD_NS } else { PERIOD_NS };
+        x += if late || unseen { 0.02 } else { 0.0 };
         let out = bench.cycle(&Input { elapsed_ns, ..input([x, 20.0, 20.0]) });
-        let expected = if told { Fault::LateCycle } else { Fault::None };
+        let expected = if late { Fault::LateCycle } else { Fault::None };
         assert_eq!((out.record.fault, out.stop_requested()), (expected, false), "cycle {n}");
         if x > 100.0 {
             (x, bench.state) = (20.0, bench.active.start());

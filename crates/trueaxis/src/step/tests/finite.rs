@@ -113,9 +113,9 @@ fn run<R: Real, P: AnyBits>(
             Some(commanded) => servo.step(&mut state, &input, &mut **commanded, ()),
             None => servo.step(&mut state, &input, path.on(reference), ()),
         };
-        let told = if commanded.is_some() { Reference { span: 0, t: R::ZERO } } else { reference };
-        check(&out, told);
-        check(&bypass.step::<R>(&input), told);
+        let expected = if commanded.is_some() { Reference { span: 0, t: R::ZERO } } else { reference };
+        check(&out, expected);
+        check(&bypass.step::<R>(&input), expected);
         let held = out.record.command.map(P::to_f64);
         if held.iter().all(|x| (0.0..100.0).contains(x)) {
             stands = held;

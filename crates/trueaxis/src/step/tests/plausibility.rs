@@ -287,8 +287,8 @@ fn a_reading_beyond_the_travel_is_not_believed_however_long_it_lasts() {
         for n in 0..100_000_u32 {
             x += if n / 2000 % 2 == 0 { 0.02 } else { -0.02 };
             let out = bench.cycle(&Input { feedback: [x + off, 50.0, 50.0], ..input([x, 50.0, 50.0]) });
-            let told = (out.record.fault, out.record.fault_axis, out.record.feedback[0]);
-            assert_eq!(told, (Fault::FeedbackJump, 0, good), "{off} mm, cycle {n}");
+            let reported = (out.record.fault, out.record.fault_axis, out.record.feedback[0]);
+            assert_eq!(reported, (Fault::FeedbackJump, 0, good), "{off} mm, cycle {n}");
             assert_eq!(out.record.correction, before.record.correction);
             assert!(!out.stop_requested());
         }
@@ -335,8 +335,8 @@ fn where_readings_may_be_counts_from_homed_and_enabled_on() {
         for mut bench in [bench, Bench::new()] {
             for _ in 0..10 {
                 let out = bench.cycle(&Input { feedback: far, ..input([50.0; 3]) });
-                let told = (out.record.fault, out.record.fault_axis, out.record.feedback[0]);
-                assert_eq!(told, (Fault::FeedbackJump, 0, 50.0));
+                let reported = (out.record.fault, out.record.fault_axis, out.record.feedback[0]);
+                assert_eq!(reported, (Fault::FeedbackJump, 0, 50.0));
                 assert!(!out.record.status.has(Status::ACTIVE));
             }
             let out = bench.cycle(&input([50.0; 3]));
@@ -418,7 +418,7 @@ fn a_dead_encoder_that_is_not_quite_still_is_found_by_its_resolution() {
 
 /// Healthy encoders that show little motion: none counts as dead.
 #[test]
-fn what_a_resolution_cannot_show_is_no_death() {
+fn motion_below_the_resolution_is_no_dead_encoder() {
     let noise = |n: u32| [0.0, COUNT, -COUNT, COUNT, 0.0, -COUNT][n as usize % 6];
     let read = |x: f64, step: f64| (x / step).round() * step;
     // At rest, and at a feed of a hundredth of a count per cycle.

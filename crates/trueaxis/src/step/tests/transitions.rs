@@ -410,8 +410,8 @@ fn no_rounding_goes_beyond_a_limit_as_it_is_stated() {
                 most = most.max(sent.abs());
                 assert!(f64::from(sent.abs()) <= limit * 1e6 + 1e-6, "{sent} nm of {}", limit * 1e6);
                 // In single precision a sum is rounded once.
-                let told = f64::from(out.record.correction[k]).abs();
-                assert!(told <= limit * (1.0 + 1e-7), "{told} of {limit}");
+                let reported = f64::from(out.record.correction[k]).abs();
+                assert!(reported <= limit * (1.0 + 1e-7), "{reported} of {limit}");
             }
         }
         assert_eq!(most, (limit * 1e6 + 1e-6) as i32, "all that is permitted");
