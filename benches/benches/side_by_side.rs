@@ -104,21 +104,21 @@ fn against_interpn(c: &mut Criterion) {
     group.bench_function("trueaxis", |b| {
         b.iter(|| {
             let mut held = 0;
-            let look = |place: &[f64; 3]| {
+            let sum_at = |place: &[f64; 3]| {
                 let [x, y, z] =
                     compensation.plain_terms(&compensation.coordinates(place), &[Direction::POSITIVE; 3], &mut held);
                 x + y + z
             };
-            black_box(&places).iter().map(look).sum::<f64>()
+            black_box(&places).iter().map(sum_at).sum::<f64>()
         })
     });
     group.bench_function("interpn", |b| {
         b.iter(|| {
-            let look = |place: &[f64; 3]| {
+            let sum_at = |place: &[f64; 3]| {
                 let one = |(k, f): (usize, &LinearHoldLast1D<_>)| f.eval_one(place[k / 3]).unwrap_or(0.0);
                 functions.iter().enumerate().map(one).sum::<f64>()
             };
-            black_box(&places).iter().map(look).sum::<f64>()
+            black_box(&places).iter().map(sum_at).sum::<f64>()
         })
     });
     group.finish();

@@ -45,7 +45,7 @@ async function planned(panel, found) {
   }
 }
 
-async function looked(panel, found) {
+async function showsEvaluation(panel, found) {
   const verdicts = await numbers(panel.getByRole("table", { name: "Verdicts" }));
   assert.deepEqual(Object.keys(verdicts), found.terms.map(({ name }) => name));
   for (const term of found.terms) {
@@ -90,11 +90,11 @@ test("a round is that of trueaxis keep, and leaves its files", async () => {
   await panel.getByText("begin.log: 46 touches on mill.").waitFor();
   const line = await command(panel);
   assert.equal(line, "trueaxis keep begin keep.toml begin.log --time 2026-05-04T06:00:00Z --parts 0");
-  await looked(panel, await cli([...line.split(" ").slice(1), "--json"], { cwd: folder }));
+  await showsEvaluation(panel, await cli([...line.split(" ").slice(1), "--json"], { cwd: folder }));
   await panel.getByRole("button", { name: "Enter it in the history" }).click();
   await panel.getByText("Entry 1 is in the history").waitFor();
 
-  // What is typed for the second look leaves the files of the first one to be saved.
+  // What is typed for the second re-probing leaves the files of the first one to be saved.
   await panel.getByRole("textbox", { name: "probed at" }).fill("2026-05-04T07:00:00Z");
   await panel.getByRole("spinbutton", { name: "parts made" }).fill("12");
   await panel.getByText("--time 2026-05-04T07:00:00Z --parts 12").waitFor();
@@ -108,7 +108,7 @@ test("a round is that of trueaxis keep, and leaves its files", async () => {
   assert.equal(await command(panel), "trueaxis keep check keep.toml look.log --time 2026-05-04T07:00:00Z --parts 12");
   const checked = await keep("check", "look.log", "--parts", "12");
   assert.equal(checked.updates, 2);
-  await looked(panel, checked);
+  await showsEvaluation(panel, checked);
   await page.evaluate(() => scrollTo(0, 0));
   await page.setViewportSize({ width: 1400, height: await page.evaluate(() => document.body.scrollHeight) });
   await page.waitForTimeout(300);
@@ -144,7 +144,7 @@ function sameHistory(found, needed) {
   }
 }
 
-test("a term out of its bounds needs a person, and bad looks are refused in the command line's words", async () => {
+test("a term out of its bounds needs a person, and bad re-probings are refused in the command line's words", async () => {
   fs.rmSync(at("mill"), { recursive: true });
   fs.mkdirSync(at("mill"));
   fs.writeFileSync(at("mill/machine.toml"), machine);
@@ -157,7 +157,7 @@ test("a term out of its bounds needs a person, and bad looks are refused in the 
   const refused = await run("trueaxis", ["keep", "check", "keep.toml", "look.log", "--json"], { cwd: folder });
   assert.equal(refused.code, 3);
   const words = refused.stderr.trim().split("\n").at(-1).replace(/^error: /, "");
-  assert.equal((await looked(panel, JSON.parse(refused.stdout)))[0], words);
+  assert.equal((await showsEvaluation(panel, JSON.parse(refused.stdout)))[0], words);
   assert.ok(await panel.getByRole("button", { name: "Put into the machine" }).isHidden());
   await panel.getByRole("textbox", { name: "terms that may be out of" }).fill("offset Z");
   await panel.getByRole("button", { name: "Put into the machine" }).waitFor();

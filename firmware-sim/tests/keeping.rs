@@ -14,7 +14,7 @@ fn shift(seed: u64, five_axes: bool, parts: u32, hit: Option<u32>) -> Outcome {
 fn led_in(outcome: &Outcome) {
     assert!(outcome.updates > 5 && outcome.of_limits < 1.0 + 1e-6, "{outcome:?}");
     assert!(outcome.largest_difference_um > 10.0 && outcome.largest_step_um < 5.0 + 1e-6, "{outcome:?}");
-    for exchanged in outcome.looks.iter().filter_map(|look| look.exchanged) {
+    for exchanged in outcome.reprobings.iter().filter_map(|reprobing| reprobing.exchanged) {
         assert!(exchanged.led_in_s.is_some(), "{exchanged:?}");
     }
 }
@@ -37,8 +37,11 @@ fn centre_lines_follow_a_ball_that_is_turned() {
 #[test]
 fn a_ball_that_was_hit_changes_nothing() {
     let outcome = shift(1, false, 20, Some(11));
-    let (before, after) = outcome.looks.split_at(5);
-    assert!(before.iter().all(|look| look.refused.is_empty() && look.log_refused.is_none()), "{before:?}");
+    let (before, after) = outcome.reprobings.split_at(5);
+    assert!(
+        before.iter().all(|reprobing| reprobing.refused.is_empty() && reprobing.log_refused.is_none()),
+        "{before:?}"
+    );
     assert!(after.len() == 5 && outcome.refusals == 5, "{after:?}");
-    assert!(after.iter().all(|look| look.updates == 0 && look.exchanged.is_none()), "{after:?}");
+    assert!(after.iter().all(|reprobing| reprobing.updates == 0 && reprobing.exchanged.is_none()), "{after:?}");
 }

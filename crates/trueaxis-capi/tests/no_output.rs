@@ -10,7 +10,7 @@ const NONE: f64 = f64::INFINITY;
 const BEFORE: f64 = 123.0;
 
 /// Runs the relevant cycles: nothing known, Z missing because of its alarm, everything read; then the reset.
-fn from_nowhere(mut step: impl FnMut(&Input, &mut Output) -> ResultCode, latched: bool) {
+fn without_a_position(mut step: impl FnMut(&Input, &mut Output) -> ResultCode, latched: bool) {
     let stands = [10.0, 20.0, -200.0, 0.0, 0.0, 0.0];
     let mut out = output();
     out.drive = [position(BEFORE); AXES_MAX];
@@ -41,10 +41,10 @@ fn from_nowhere(mut step: impl FnMut(&Input, &mut Output) -> ResultCode, latched
 }
 
 #[test]
-fn a_step_from_nowhere_writes_no_drives() {
+fn a_step_without_a_position_to_hold_writes_no_drives() {
     let built = built(mill());
     let mut state = started(&built.servo);
-    from_nowhere(|given, out| crate::machines::step(&built.servo, &mut state, given, out), true);
+    without_a_position(|given, out| crate::machines::step(&built.servo, &mut state, given, out), true);
 }
 
 #[test]
@@ -57,7 +57,7 @@ fn a_step_against_its_commands_writes_none_either() {
         let size = size_of::<CommandWindow>();
         assert_eq!(trueaxis_command_window_start(&mut *window, size, null(), 0.005), OK);
         let mut against = Measure { window: &mut *window, ..measure(MEASURE_COMMANDS) };
-        from_nowhere(
+        without_a_position(
             |given, out| trueaxis_step(&*built.servo, &mut *state, given, &mut against, null_mut(), out),
             true,
         );
@@ -71,7 +71,7 @@ fn nor_does_a_bypass() {
     let result = unsafe { trueaxis_loop_bypass(&mut *bypass, size_of::<Loop>(), 3, FAULT_TABLES_REFUSED, PERIOD_NS) };
     assert_eq!(result, OK);
     let mut state = started(&bypass);
-    from_nowhere(|given, out| crate::machines::step(&bypass, &mut state, given, out), false);
+    without_a_position(|given, out| crate::machines::step(&bypass, &mut state, given, out), false);
 }
 
 #[test]

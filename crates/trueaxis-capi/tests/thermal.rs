@@ -100,8 +100,8 @@ fn growth_follows_the_sensor_and_stands_still_without_it() {
         assert_eq!(trueaxis_thermal_believe(&mut *task, 0), OK);
         assert_eq!(trueaxis_thermal_believe(&mut *task, 16), ERROR_ARGUMENT);
     }
-    let believed = updated(&thermal, &mut task, &readings(60.0, 60.0));
-    assert_eq!((believed.sensors[0], believed.at_edge), (SENSOR_GOOD, 1));
+    let accepted = updated(&thermal, &mut task, &readings(60.0, 60.0));
+    assert_eq!((accepted.sensors[0], accepted.at_edge), (SENSOR_GOOD, 1));
 }
 
 #[test]

@@ -270,7 +270,7 @@ fn out_of_bounds_needs_a_person() {
 }
 
 #[test]
-fn bad_looks_are_refused_with_their_line() {
+fn bad_reprobings_are_refused_with_their_line() {
     let (folder, program) = begun(&one_ball());
     let drift = Drift { offset_um: [6.0, 0.0, 0.0], ..Drift::default() };
     let log = Bench { folder: &folder, drift, larger: 0.0, creep_um: 0.0 }.run(&program);
@@ -359,7 +359,7 @@ fn a_program_of_one_minute_is_one() {
 }
 
 #[test]
-fn a_second_command_does_not_write_meanwhile() {
+fn a_second_command_at_the_same_time_writes_nothing() {
     let (folder, program) = begun(&one_ball());
     probe(&folder, &program, Drift { offset_um: [6.0, 0.0, -9.0], ..Drift::default() });
     let before = folder.tree();

@@ -93,8 +93,8 @@ pub fn dead<'c, 'v>(channels: &'c [Channel<'v>]) -> Option<(&'c Channel<'v>, Stu
         let stuck = longest(channel.values)?;
         let (before, behind) = (&channel.values[..stuck.from], &channel.values[stuck.from + stuck.count..]);
         let others = channels.iter().enumerate().filter(|(other, _)| *other != own);
-        let meanwhile = |values: &[f64]| values.get(stuck.from..stuck.from + stuck.count).is_some_and(many);
-        let died = others.map(|(_, other)| other.values).any(meanwhile) || many(&[before, behind].concat());
+        let varies_while_stuck = |values: &[f64]| values.get(stuck.from..stuck.from + stuck.count).is_some_and(many);
+        let died = others.map(|(_, other)| other.values).any(varies_while_stuck) || many(&[before, behind].concat());
         died.then_some((channel, stuck))
     })
 }

@@ -29,7 +29,7 @@ def look(folder, name, seed, *offsets_um):
 
 @pytest.fixture
 def folder(tmp_path):
-    """A task whose first look was taken."""
+    """A task whose first re-probing was evaluated."""
     folder = tmp_path / "own"
     (folder / "mill").mkdir(parents=True)
     (folder / "mill" / "machine.toml").write_text(probing.MACHINE)
@@ -103,7 +103,7 @@ def test_a_term_out_of_its_bounds_needs_a_person(folder):
     assert trueaxis.keep_apply(task, log, accept=["offset Z"])["applied"]
 
 
-def test_bad_looks_are_refused_in_the_words_of_the_command(folder):
+def test_bad_reprobings_are_refused_in_the_words_of_the_command(folder):
     task, log = folder / "keep.toml", look(folder, "look.log", 5, 6, 0, -9)
     lines = log.read_text().splitlines()
     cases = {

@@ -77,7 +77,7 @@ pub struct Task {
 impl Default for Task {
     fn default() -> Self {
         let mut state = ThermalState::new();
-        (0..SENSORS).for_each(|sensor| state.believe(sensor));
+        (0..SENSORS).for_each(|sensor| state.accept(sensor));
         Task { state, last: None }
     }
 }

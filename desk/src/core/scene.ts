@@ -72,8 +72,8 @@ export class Scene {
     [this.low, this.high] = [low, high];
   }
 
-  /** Looks from this direction: turned about z and raised from the plane, rad. */
-  look(turn: number, rise: number): void {
+  /** Sets the direction of view: turned about z and raised from the plane, rad. */
+  viewFrom(turn: number, rise: number): void {
     [this.turn, this.rise] = [turn, rise];
   }
 

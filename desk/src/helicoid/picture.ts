@@ -78,7 +78,7 @@ export class Picture {
     if (!this.turned) {
       // Viewed from beside the tool, so that neither tool nor flank is seen end on.
       this.turned = true;
-      scene.look(Math.atan2(tool.normal[1], tool.normal[0]) + 0.95, 0.5);
+      scene.viewFrom(Math.atan2(tool.normal[1], tool.normal[0]) + 0.95, 0.5);
     }
     this.holder(centre, tool.normal, Math.max(pivot, 0.3 * reach), reach);
     const [axis, at] = [tool.stands[inputs.branch - 1]!.a_axis, along(centre, tool.normal, pivot)];

@@ -58,7 +58,7 @@ export class Editor {
   refresh(): Promise<void> {
     return this.queue("refresh", async () => {
       const json = this.desk.machine.json;
-      const shown = await this.look(json);
+      const shown = await this.evaluate(json);
       this.json = json;
       this.shown = shown;
       this.notify();
@@ -121,13 +121,13 @@ export class Editor {
   /** The files become the machine of the desk, once the module has read them. */
   private async put(name: string, files: Files): Promise<void> {
     const json = JSON.stringify(files);
-    const shown = await this.look(json);
+    const shown = await this.evaluate(json);
     this.json = json;
     this.shown = shown;
     this.desk.machine.set(name, files);
   }
 
-  private async look(json: string): Promise<Shown> {
+  private async evaluate(json: string): Promise<Shown> {
     const shown = await this.desk.bench.call("machine_show", json, this.rate_hz, this.feed_per_min);
     this.desk.clear();
     return JSON.parse(shown) as Shown;

@@ -5,10 +5,10 @@ import { button, choice, el, group, section, tick } from "../core/dom";
 import { Plot } from "../core/plot";
 import { onTheme } from "../core/theme";
 import { columnsOf, pointsOf } from "./columns";
+import { display } from "./display";
 import { errorTitle, length, type Axis, type Column } from "./document";
 import type { Editor } from "./editor";
 import { Handles } from "./handles";
-import { look } from "./look";
 import { Points } from "./points";
 
 /** Points of a curve: more than the plot has pixels. */
@@ -51,7 +51,7 @@ export class Tables {
       this.points.root,
     );
     editor.subscribe(() => this.render());
-    look.subscribe(() => void this.curve());
+    display.subscribe(() => void this.curve());
     onTheme(this, (tables) => void tables.curve());
   }
 
@@ -169,7 +169,7 @@ export class Tables {
     const { component } = this.chosen;
     const reference = this.editor.shown?.reference_temperature_c ?? 20;
     try {
-      const temperature = look.temperature_c ?? reference;
+      const temperature = display.temperature_c ?? reference;
       const all = await this.desk.bench.call("machine_curve", this.desk.machine.json, axis.axis, component, temperature, CURVE_POINTS);
       if (drawing !== this.drawn) return;
       const count = all.length / 4;

@@ -69,11 +69,11 @@ export class Beside {
     this.changed();
   }
 
-  private draw(anew = false): void {
+  private draw(rebuild = false): void {
     const { kept, now } = this;
     if (!kept || !now) return;
     const over = kept.rows.has(this.over.value) ? this.over.value : "time_s";
-    if (anew || !this.plot) {
+    if (rebuild || !this.plot) {
       this.host.replaceChildren();
       const x = OVER.find(([key]) => key === over)?.[1] ?? "";
       this.plot = new Plot(this.host, {

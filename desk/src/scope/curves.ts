@@ -95,8 +95,8 @@ export class Curves {
   private corrected(): Series[] {
     const axes = (this.description?.axes ?? []).map(({ axis, unit }): Series => ({ name: axis, colour: axis.toLowerCase() as ColourName, unit }));
     const limits = this.bounds().flatMap(({ axes, at }): Series[] => {
-      const look = { colour: "warning" as const, dash: [7, 4], width: 1 };
-      return [{ name: `limit of ${axes}: +${at}`, ...look }, { name: `−${at}`, ...look }];
+      const style = { colour: "warning" as const, dash: [7, 4], width: 1 };
+      return [{ name: `limit of ${axes}: +${at}`, ...style }, { name: `−${at}`, ...style }];
     });
     return [...axes, ...limits];
   }

@@ -8,7 +8,7 @@ import { Controls } from "./controls";
 import type { BuiltIn } from "./documents";
 import { Exchanges } from "./exchanges";
 import { sort } from "./programs";
-import { Runner, type Look, type Pace } from "./runner";
+import { Runner, type Pace, type Snapshot } from "./runner";
 import { Screen } from "./screen";
 import { exchangeOf, FIRST, fromState, request, type Setup } from "./setup";
 import { Share } from "./share";
@@ -19,7 +19,7 @@ export class Scope {
   private readonly screen: Screen;
   private readonly share: Share;
   private readonly exchanges: Exchanges;
-  private look: Look | undefined;
+  private snapshot: Snapshot | undefined;
   /** The machine of the run. */
   private files: Files;
   /** The last request to open; those before it are stale. */
@@ -32,7 +32,7 @@ export class Scope {
   ) {
     this.files = desk.machine.files;
     this.exchanges = new Exchanges(desk.bench, desk.machine);
-    this.runner = new Runner(desk.runs, (look) => this.looked(look), desk.fail);
+    this.runner = new Runner(desk.runs, (snapshot) => this.updated(snapshot), desk.fail);
     this.controls = new Controls(desk.bench, FIRST, () => this.changed("settings"));
     this.share = new Share(desk, () => this.ready().then(() => this.runner.scenario()));
     const guard = <T>(of: Promise<T>) => void of.catch(desk.fail);
@@ -66,7 +66,7 @@ export class Scope {
     desk.onProgram(async ({ name, text }) => this.take({ ...this.controls.setup, program: { name, text } }));
     desk.machine.subscribe(() => {
       if (desk.machine.files === this.files) return;
-      if (this.look?.progress.cycle) this.screen.bar.changed("The machine has changed: Restart runs it, Exchange takes its tables.");
+      if (this.snapshot?.progress.cycle) this.screen.bar.changed("The machine has changed: Restart runs it, Exchange takes its tables.");
       else void this.reopen().catch(desk.fail);
     });
     desk.runs.onRestart(() => this.screen.bar.changed("The run is lost: Run starts it again."));
@@ -86,8 +86,8 @@ export class Scope {
   }
 
   /** Shows the run as it was last seen. */
-  refresh(anew = false): void {
-    if (this.look) this.screen.show(this.look, this.controls.setup, this.runner.isGoing, anew);
+  refresh(redraw = false): void {
+    if (this.snapshot) this.screen.show(this.snapshot, this.controls.setup, this.runner.isGoing, redraw);
   }
 
   /** Sets another setup: opened at once, to show its program and errors. */
@@ -102,7 +102,7 @@ export class Scope {
   }
 
   private changed(what: string): void {
-    if (this.look?.progress.cycle) this.screen.bar.changed(`The ${what} have changed: Restart runs them.`);
+    if (this.snapshot?.progress.cycle) this.screen.bar.changed(`The ${what} have changed: Restart runs them.`);
     else void this.reopen().catch(this.desk.fail);
   }
 
@@ -141,8 +141,8 @@ export class Scope {
     this.refresh();
   }
 
-  private looked(look: Look): void {
-    this.look = look;
+  private updated(snapshot: Snapshot): void {
+    this.snapshot = snapshot;
     this.refresh();
   }
 

@@ -9,7 +9,7 @@ import type { Description } from "./documents";
 import { Place } from "./place";
 import { Programs, type ProgramsHost } from "./programs";
 import { results } from "./results";
-import type { Look } from "./runner";
+import type { Snapshot } from "./runner";
 import type { Setup } from "./setup";
 import { time } from "./times";
 
@@ -70,15 +70,15 @@ export class Screen {
     this.bar.changed("");
   }
 
-  /** Shows the latest state of the run; `anew` redraws everything at once. */
-  show(look: Look, setup: Setup, going: boolean, anew = false): void {
+  /** Shows the latest state of the run; `redraw`: draws everything at once. */
+  show(snapshot: Snapshot, setup: Setup, going: boolean, redraw = false): void {
     const { description } = this;
     if (!description) return;
-    const { progress, rows, rate } = look;
-    this.shown = { setup, description, result: look, rows };
+    const { progress, rows, rate } = snapshot;
+    this.shown = { setup, description, result: snapshot, rows };
     this.bar.set(progress, description, rate, going);
     this.acts.set(setup.acts, progress.time_s);
-    const all = anew || !going || performance.now() - this.placed > PLACE_MS;
+    const all = redraw || !going || performance.now() - this.placed > PLACE_MS;
     if (all) this.results();
     if (this.root.hidden) return;
     const marks = setup.acts.map((act): Mark => ({ x: time(act), text: act.split("@")[0] ?? "" })).filter(({ x }) => x <= progress.time_s);

@@ -35,7 +35,7 @@ struct Request {
 
 /// An evaluated re-probing.
 #[derive(Serialize)]
-struct Looked {
+struct Evaluated {
     /// The document printed by `trueaxis keep begin --json` or `check --json`.
     document: Document,
     /// Verdicts in words, one per term.
@@ -83,7 +83,7 @@ pub fn keep_plan(files: &str, name: &str, task: &str) -> Result<String, Refused>
     to_js(plan(files, name, task))
 }
 
-fn look(files: &str, name: &str, task: &str, log_name: &str, log: &str, request: &str) -> Result<String> {
+fn evaluate(files: &str, name: &str, task: &str, log_name: &str, log: &str, request: &str) -> Result<String> {
     let request: Request = serde_json::from_str(request).context("the request of a re-probing")?;
     let mut notes = Vec::new();
     let state = state(files, name, task, &request.history, &mut notes)?;
@@ -118,7 +118,7 @@ fn look(files: &str, name: &str, task: &str, log_name: &str, log: &str, request:
         deed,
         changed: entry.measured.iter().filter_map(|own| own.in_words()).collect(),
     });
-    json(&Looked {
+    json(&Evaluated {
         verdicts: taken.document.terms.iter().map(|term| term.in_words()).collect(),
         document: taken.document,
         refusal,
@@ -134,7 +134,7 @@ fn look(files: &str, name: &str, task: &str, log_name: &str, log: &str, request:
 /// `parts`, `accept`, `by_hand`. Returns `document`, `verdicts`, `refusal`, `becomes`, `entries`, `written`, `history`,
 /// `notes`.
 #[wasm_bindgen]
-pub fn keep_look(
+pub fn keep_evaluate(
     files: &str,
     name: &str,
     task: &str,
@@ -142,5 +142,5 @@ pub fn keep_look(
     log: &str,
     request: &str,
 ) -> Result<String, Refused> {
-    to_js(look(files, name, task, log_name, log, request))
+    to_js(evaluate(files, name, task, log_name, log, request))
 }

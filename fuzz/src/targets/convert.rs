@@ -18,7 +18,7 @@ pub const TARGET: Target = Target {
 };
 
 /// Most spans of a segment made and checked.
-const LOOKED_AT: usize = 64;
+const MOST_CHECKED: usize = 64;
 
 /// A segment that owns its lists.
 enum Shape {
@@ -164,7 +164,7 @@ fn run(input: &[u8]) {
     let enough = PathError { field: "segment", index: None, found: 0.0, needed: "no more" };
     let made = convert(&segment, 7, [0.0, 0.0, 1.0], |span| {
         spans.push(span);
-        if spans.len() < LOOKED_AT { Ok(()) } else { Err(enough) }
+        if spans.len() < MOST_CHECKED { Ok(()) } else { Err(enough) }
     });
     let whole = match made {
         Ok(()) => true,

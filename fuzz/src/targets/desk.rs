@@ -216,7 +216,7 @@ fn keep(name: &str, a: &mut Arguments<'_>, dear: bool) {
     use desk::keep::*;
     match name {
         "keep_plan" if dear => json(keep_plan(a.text(), a.name(), a.text())),
-        "keep_look" if dear => json(keep_look(a.text(), a.name(), a.text(), a.name(), a.text(), a.text())),
+        "keep_evaluate" if dear => json(keep_evaluate(a.text(), a.name(), a.text(), a.name(), a.text(), a.text())),
         _ => {}
     }
 }
@@ -358,7 +358,7 @@ const KEEP: &str = "machine = \"m\"\ndialect = \"linuxcnc\"\nevery_parts = 9\n[p
                     [[artefact]]\nname = \"ball\"\nkind = \"ball\"\ndiameter_mm = 25\nuncertainty_um = 0.2\n\
                     [[artefact.place]]\nat_mm = [0, 0, 0]\n[[term]]\nnames = [\"offset X\"]\nlargest_update_um = 15\n\
                     largest_total_um = 30\n";
-const LOOK: &str = r#"{"history": "", "begin": false, "time": null, "parts": 3, "accept": [], "by_hand": false}"#;
+const REPROBING: &str = r#"{"history": "", "begin": false, "time": null, "parts": 3, "accept": [], "by_hand": false}"#;
 const HELICOID: &str = r#"{"base_radius_mm":36,"lead_parameter_mm_per_rad":130,"pivot_mm":150,"form":"vertical","u_rad":"0:1:3","theta_rad":"0:1:2"}"#;
 const PROBES: &str = r#"{"n": 64, "harmonics": [2, 15], "p": 11, "q": 14}"#;
 
@@ -425,7 +425,10 @@ fn seeds() -> Vec<Vec<u8>> {
             + &message("calibrate_solve", &[SQUARE, "task.toml", TASK, "probe.log", "touch 1 14.5 0 0 0 0 0 1\n"]),
         message("friction_settings", &[])
             + &message("keep_plan", &[SQUARE, "keep.toml", KEEP])
-            + &message("keep_look", &[SQUARE, "keep.toml", KEEP, "look.log", "touch 1 14.5 0 0 0 0 0 1\n", LOOK]),
+            + &message(
+                "keep_evaluate",
+                &[SQUARE, "keep.toml", KEEP, "look.log", "touch 1 14.5 0 0 0 0 0 1\n", REPROBING],
+            ),
         message("friction_settings", &[])
             + &message("thermal_fit", &[MACHINE, "r.csv", &warm_up, r#"{"hold_out": [], "without": []}"#])
             + &message("thermal_compile", &[MACHINE, "thermal.toml", "reference_temperature_c = 20\n"]),

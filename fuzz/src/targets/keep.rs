@@ -142,7 +142,7 @@ fn seeds() -> Vec<Vec<u8>> {
     vec![
         format!("{head}{probe}{ball}{term}").into_bytes(),
         format!("{head}{files}{probe}{ball}{term}{more}").into_bytes(),
-        grown(&[Deed::Begin, Deed::Look, Deed::Update]),
+        grown(&[Deed::Begin, Deed::Unchanged, Deed::Update]),
         grown(&[Deed::Begin, Deed::Update, Deed::Undo, Deed::Begin, Deed::Update]),
     ]
 }

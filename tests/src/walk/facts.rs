@@ -54,7 +54,7 @@ pub(super) struct AxisFacts<P> {
     pub still: f64,
     /// A command that changes by no more than this need not show in such a reading.
     pub play: f64,
-    /// Range in which readings are believed: 1 mm (1°) beyond the joint.
+    /// Range in which readings are accepted: 1 mm (1°) beyond the joint.
     pub readable: [P; 2],
     /// Maximum distance of a reset from the held command.
     pub resume: f64,
@@ -183,7 +183,7 @@ impl<P: Position> AxisFacts<P> {
         }
     }
 
-    /// An axis letter that the machine does not have; any reading is believed. Its only correction is thermal growth that a
+    /// An axis letter that the machine does not have; any reading is accepted. Its only correction is thermal growth that a
     /// host sets for it, which moves no drive: within any limits.
     fn absent(period_s: f64) -> Self {
         let any = Bounds { c: 1.0, v: 1e-3, a: 1e-3 };

@@ -87,7 +87,7 @@ impl<R: Scalar, const N: usize> Motion<R, N> {
                     self.at[k] += back * self.speed[k];
                 }
             }
-            Phase::Wave => self.ride(),
+            Phase::Wave => self.follow_wave(),
             Phase::Reach => {
                 let mut there = true;
                 for k in 0..N {
@@ -113,7 +113,7 @@ impl<R: Scalar, const N: usize> Motion<R, N> {
     }
 
     /// A wave about the axes' last position: the increments of a rotating pointer.
-    fn ride(&mut self) {
+    fn follow_wave(&mut self) {
         let [c, s] = self.turn;
         let [x, y] = self.wave;
         let next = [c * x - s * y, s * x + c * y];

@@ -1,7 +1,7 @@
 //! `trueaxis keep apply`.
 
 use super::CheckArguments;
-use super::look::{allowed, log, refused, show};
+use super::reprobing::{allowed, log, refused, show};
 use crate::model::{note, text};
 use crate::output::report_line;
 use anyhow::Result;
@@ -9,7 +9,7 @@ use trueaxis_evaluation::keep::{Deed, State};
 use trueaxis_tables::output::Outputs;
 
 pub(super) fn run(arguments: &CheckArguments) -> Result<()> {
-    let of = &arguments.look;
+    let of = &arguments.reprobing;
     let state = State::alone(&of.task, &mut note)?;
     let allowed = allowed(arguments, &state)?;
     let mut taken = state.check(&log(of, &text(&of.log)?), allowed, &mut note)?;

@@ -2,8 +2,8 @@
 
 mod apply;
 mod history;
-mod look;
 mod plan;
+mod reprobing;
 mod table;
 mod undo;
 
@@ -58,7 +58,7 @@ pub(crate) enum Command {
     /// Write the probing program, which runs without a pause, and print the expected standard error of every term.
     Plan(PlanArguments),
     /// Evaluate the first re-probing, with which all later ones are compared; the machine is not changed.
-    Begin(LookArguments),
+    Begin(ReprobingArguments),
     /// Show what this log would change, without writing anything except the report.
     Check(CheckArguments),
     /// Apply the changes if every one is within its bounds, and record them in the history.
@@ -83,7 +83,7 @@ pub(crate) struct PlanArguments {
 }
 
 #[derive(Args)]
-pub(crate) struct LookArguments {
+pub(crate) struct ReprobingArguments {
     /// Machine, probe, balls and bounds.
     #[arg(value_name = "KEEP.toml")]
     task: PathBuf,
@@ -107,7 +107,7 @@ pub(crate) struct LookArguments {
 #[derive(Args)]
 pub(crate) struct CheckArguments {
     #[command(flatten)]
-    look: LookArguments,
+    reprobing: ReprobingArguments,
     /// Accept a term that is out of its bounds, by its name.
     #[arg(long, value_name = "TERM")]
     accept: Vec<String>,
@@ -148,8 +148,8 @@ pub(crate) struct HistoryArguments {
 pub(crate) fn run(command: &Command) -> Result<()> {
     match command {
         Command::Plan(arguments) => plan::run(arguments),
-        Command::Begin(arguments) => look::begin(arguments),
-        Command::Check(arguments) => look::check(arguments),
+        Command::Begin(arguments) => reprobing::begin(arguments),
+        Command::Check(arguments) => reprobing::check(arguments),
         Command::Apply(arguments) => apply::run(arguments),
         Command::Undo(arguments) => undo::run(arguments),
         Command::History(arguments) => history::run(arguments),

@@ -2,9 +2,9 @@
 //! growth of the machine that follow from their positions.
 //!
 //! ```text
-//! keep.toml ─► Keep ─► plan ─► program ─► (control, between parts) ─► log ─► Look ─► verdicts ─► files of the machine
-//!                                                                            ▲                        │
-//!                                             places of the balls at the beginning, totals ◄─ History ◄┘
+//! keep.toml ─► Keep ─► plan ─► program ─► (control, between parts) ─► log ─► Reprobing ─► verdicts ─► files of the machine
+//!                                                                            ▲                             │
+//!                                             places of the balls at the beginning, totals ◄─ History ◄────┘
 //! ```
 //!
 //! The machine's tables correct it during probing: a probing finds the residual that they leave, which is added to them.
@@ -23,7 +23,7 @@ mod folder;
 mod foreseen;
 mod growth;
 mod history;
-mod look;
+mod reprobing;
 mod state;
 mod taken;
 mod task;
@@ -37,7 +37,7 @@ pub use entry::{BallPlace, Changed, Deed, Entry, LogFile, Measured};
 pub use figures::figures;
 pub use foreseen::{Expected, Foreseen, Planning};
 pub use history::{History, sum};
-pub use look::{Before, Decision, Look, Verdict, begin, foreseen, look, plan};
+pub use reprobing::{Before, Decision, Reprobing, Verdict, begin, evaluate, foreseen, plan};
 pub use state::{HISTORY, State};
 pub use taken::{Let, Log, Taken, time};
 pub use task::{Bounds, Home, Keep, Kept};

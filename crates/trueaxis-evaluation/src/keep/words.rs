@@ -26,7 +26,7 @@ pub fn deeds(entries: &[Entry]) -> Vec<String> {
     let now = in_effect(entries);
     let of = |entry: &Entry| match entry.deed {
         Deed::Begin => "begin".to_owned(),
-        Deed::Look => "re-probing, nothing changed".into(),
+        Deed::Unchanged => "re-probing, nothing changed".into(),
         Deed::Update if now.contains(&entry.entry) => "update".into(),
         Deed::Update => "update, taken back".into(),
         Deed::Undo => format!("undo, as before entry {}", entry.undone.unwrap_or_default()),

@@ -368,8 +368,8 @@ impl Fit {
             *height = [value, variance, made.sum::<f64>() / readings.len() as f64];
         }
         best.values += &from;
-        let anew = self.solve(readings);
-        let mut shaped = Solved { values: mean + from, variances, sigma: best.sigma, ..anew };
+        let refitted = self.solve(readings);
+        let mut shaped = Solved { values: mean + from, variances, sigma: best.sigma, ..refitted };
         shaped.shape = Some(Shape { best, spikes: spikes.map(|(_, height)| height), own });
         shaped.left = readings.iter().map(|reading| self.left(&shaped, reading)).collect();
         Some(shaped)

@@ -35,7 +35,7 @@ const SIZES: [f64; 5] = [1.0, 4.0, 16.0, 64.0, 256.0];
 /// Values of ℓ tried, rad.
 const REACHES: [f64; 3] = [0.03, 0.08, 0.2];
 /// Number of angles at which the maximum of a spike is searched.
-const LOOKED_AT: usize = 400;
+const ANGLES: usize = 400;
 
 /// One fit with random columns.
 pub(super) struct Shaped {
@@ -62,8 +62,8 @@ impl Shaped {
     pub(super) fn height(&self, axis: usize, column: usize, spike: impl Fn(f64) -> f64) -> [f64; 2] {
         let mut highest = [0.0; 2];
         let fixed = self.values.len();
-        for k in 0..LOOKED_AT {
-            let since = KNOTS_AFTER[1] * (k as f64 / LOOKED_AT as f64).powi(2);
+        for k in 0..ANGLES {
+            let since = KNOTS_AFTER[1] * (k as f64 / ANGLES as f64).powi(2);
             let mut parts = Vec::from([(column, spike(since))]);
             if self.is_free {
                 own_hats(since, |own, value| parts.push((fixed + axis * OWN + own, value)));

@@ -149,7 +149,7 @@ fn in_convention(axis: Axis, angles: &[f64]) -> Vec<Twist> {
     truth
 }
 
-fn zeroed_anew(test: &mut BallTest) {
+fn rezero(test: &mut BallTest) {
     for angle in &mut test.angles {
         for (s, deviation) in angle.deviations_mm.iter_mut().enumerate() {
             for (i, value) in deviation.iter_mut().enumerate() {
@@ -165,7 +165,7 @@ fn free_offsets_leave_the_errors_but_for_the_convention() {
         [(Axis::C, BALLS_C, degrees(36, 10.0), 3), (Axis::A, BALLS_A, degrees(19, 5.0), 5)]
     {
         let mut test = test_of(axis, &points, &angles, 1e-3);
-        zeroed_anew(&mut test);
+        rezero(&mut test);
         let found = identify(&test, Offsets::Free).unwrap();
         assert_eq!((found.null_space, found.location), (null_space, Location::Removed));
         assert_eq!(found.degrees_of_freedom, 3 * angles.len() - 9 + null_space);

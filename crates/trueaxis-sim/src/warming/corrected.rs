@@ -48,7 +48,7 @@ pub(super) fn run(of: &Warming, bodies: &mut Bodies, shift: &Shift, found: &Fit,
         let mut sensors = Sensors::new(of.seed ^ 0x5eed, bodies, shift);
         // The control is switched on before the shift begins: its sensors have started.
         let mut task = ThermalState::new();
-        (0..found.sensors.len()).for_each(|sensor| task.believe(sensor));
+        (0..found.sensors.len()).for_each(|sensor| task.accept(sensor));
         let zero = JUDGED.map(|point| drift(bodies, point));
         let mut first = [[0.0_f64; 3]; JUDGED.len()];
         let mut judged = Judged::default();

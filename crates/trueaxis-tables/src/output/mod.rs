@@ -235,7 +235,7 @@ fn is_device(path: &Path) -> bool {
 const LINKS: usize = 40;
 
 /// A link whose target does not exist. A link to a pipe (`/dev/stdout`) is none: its target exists, though without a name.
-fn leads_nowhere(path: &Path) -> bool {
+fn is_dangling_link(path: &Path) -> bool {
     path.is_symlink() && !path.exists()
 }
 
@@ -248,7 +248,7 @@ fn resolved(output: &Path) -> PathBuf {
     let mut output = output.to_path_buf();
     for _ in 0..LINKS {
         match fs::read_link(&output) {
-            Ok(to) if leads_nowhere(&output) => output = folder_of(&output).join(to),
+            Ok(to) if is_dangling_link(&output) => output = folder_of(&output).join(to),
             _ => break,
         }
     }

@@ -34,7 +34,7 @@ impl Staged {
     /// Errors of the file system; the target is a folder; links that lead nowhere.
     pub fn create(path: &Path) -> io::Result<Staged> {
         let target = super::resolved(path);
-        if super::leads_nowhere(&target) {
+        if super::is_dangling_link(&target) {
             return Err(io::Error::other("it is a link that leads nowhere"));
         }
         let old = fs::metadata(&target).ok();

@@ -16,12 +16,12 @@
 //! Source: Zhang Chong et al., geometric error compensation on an open CNC (2013); the direction of travel, the exact
 //! inverse and the look-up at the feedback are extensions.
 
-use super::Errors;
 use super::query::Query;
 use super::reversal::Direction;
 use super::table::{AxisTable, Contribution, own_component, requirement_of_all};
 use super::thermal::ThermalLine;
 use super::trig::cos_sin_deg;
+use super::{Errors, PASSES_MASK};
 use crate::error::{ConfigError, Field};
 use crate::machine::{
     AXES, Axis, AxisOrder, Lines, Lookup, MOST_CARRIERS, MachineSettings, Rows, carries_workpiece, links,
@@ -375,7 +375,7 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
         let command = query.command;
         let mut at = *command;
         let mut correction = [R::ZERO; N];
-        for _ in 0..passes & 15 {
+        for _ in 0..passes & PASSES_MASK {
             let errors = self.errors(&Query { command: &at, ..*query }, clamped);
             for (((r, at), q), error) in correction.iter_mut().zip(&mut at).zip(command).zip(errors) {
                 *r = -error;

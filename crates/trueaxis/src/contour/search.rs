@@ -165,7 +165,7 @@ impl<R: Real> ContourSearch<R> {
             let apart = Apart {
                 foot: state.foot.span,
                 reference: reference.span,
-                anew: state.foot.span == state.reference.span,
+                were_together: state.foot.span == state.reference.span,
                 lag: way(path, guess, reference).unwrap_or(R::ZERO),
                 progress,
             };

@@ -124,9 +124,9 @@ impl<R: Real> FeedForward<R> {
         if self.gain == R::ZERO { R::ZERO } else { state.offset }
     }
 
-    /// The offset of a cycle in which the axis moves by `way`. `anew`: the drive already supplies the present force.
+    /// The offset of a cycle in which the axis moves by `way`. `supplied`: the drive already supplies the present force.
     #[inline(always)]
-    pub(super) fn offset(&self, state: &mut Drift<R>, way: R, parts: Dynamics, anew: bool) -> R {
+    pub(super) fn offset(&self, state: &mut Drift<R>, way: R, parts: Dynamics, supplied: bool) -> R {
         let change = way - state.velocity;
         let ahead = way + change * self.lead;
         let travel = ahead * self.per_presliding;
@@ -140,7 +140,7 @@ impl<R: Real> FeedForward<R> {
         if parts.has(Dynamics::ACCELERATION) {
             force += self.acceleration * change;
         }
-        let rise = if anew { R::ZERO } else { force - state.force };
+        let rise = if supplied { R::ZERO } else { force - state.force };
         let lag = if parts.has(Dynamics::LAG) { self.lag * way } else { R::ZERO };
         state.missing = (state.missing + rise) * self.decay;
         state.offset = state.offset * self.keep + (state.missing + lag) * self.gain;

@@ -118,7 +118,7 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         }
         for (slot, (act, led)) in self.axes.iter().zip(led).enumerate() {
             match sample.verdict {
-                Verdict::Hold | Verdict::Nowhere => act.lead(which).hold(led),
+                Verdict::Hold | Verdict::NoOutput => act.lead(which).hold(led),
                 _ if !sample.due => {}
                 Verdict::Freeze => act.lead(which).freeze(led),
                 _ => flags |= u8::from(act.lead(which).follow(led, R::ZERO)) << (slot & 7),
@@ -170,7 +170,7 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
     ) -> bool {
         match sample.verdict {
             _ if sample.first => state.rest(),
-            Verdict::Hold | Verdict::Nowhere => {
+            Verdict::Hold | Verdict::NoOutput => {
                 let limiters = self.axes.iter().zip(&mut state.limited);
                 limiters.for_each(|(act, limited)| act.limiter.hold(limited));
                 state.rest();
@@ -210,7 +210,7 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
     ) {
         let fresh = state.fresh;
         // When a part is switched on in motion, the drive already supplies its force.
-        let anew = fresh || state.parts != on;
+        let supplied = fresh || state.parts != on;
         if sample.due {
             (state.fresh, state.parts) = (false, on);
         }
@@ -237,7 +237,7 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
                 continue;
             }
             *change = way - was;
-            *offset = act.law.offset(drift, way, on, anew);
+            *offset = act.law.offset(drift, way, on, supplied);
         }
         self.feed_back(state, sample, moment, on, &mut parts.feedback);
         if let (Some(crosstalk), true) = (&self.crosstalk, on.has(Dynamics::CROSSTALK)) {

@@ -197,18 +197,18 @@ impl SpindleCounter {
         if !self.index {
             return false;
         }
-        let mut anew = false;
+        let mut zero_moved = false;
         if let Some(latched) = pulse {
-            anew = self.at_index(state, raw, latched, flags);
+            zero_moved = self.at_index(state, raw, latched, flags);
         } else if state.referenced && !self.is_in_time(state) {
             // The count may have slipped by any amount.
             state.referenced = false;
             flags.set(GaugeFlags::INDEX_MISSING);
         }
-        if !state.referenced || anew {
+        if !state.referenced || zero_moved {
             flags.set(GaugeFlags::NO_INDEX);
         }
-        anew
+        zero_moved
     }
 
     #[cold]

@@ -65,7 +65,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             thermal: [ThermalLine::default(); N],
             cells: Cells::none(),
             poses: Kept::nothing(),
-            grids: NearGrids::nowhere(),
+            grids: NearGrids::empty(),
             feet: PairState::default(),
             output: OutputState::new(),
             dynamic: DynamicState::new(),
@@ -164,10 +164,10 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     ) {
         if !part::FAST {
             self.any_cycle(state, input, &mut measure, &mut gauge, output, &mut watch);
-        } else if self.sampler.glance(&mut state.sample, input) {
+        } else if self.sampler.quick_check(&mut state.sample, input) {
             self.calm_cycle(state, input, &mut measure, &mut gauge, output, &mut watch);
         } else {
-            self.other_cycle(state, input, &mut measure, &mut gauge, output, &mut watch);
+            self.slow_cycle(state, input, &mut measure, &mut gauge, output, &mut watch);
         }
     }
 
@@ -188,7 +188,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
 
     /// Runs a cycle that needs the full check, apart from the calm ones, which therefore repeat no check.
     #[inline(never)]
-    fn other_cycle(
+    fn slow_cycle(
         &self,
         state: &mut State<R, P, N>,
         input: &Input<P, N>,
@@ -197,8 +197,8 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         output: &mut Output<R, P, N>,
         watch: &mut impl FnMut(Stage),
     ) {
-        let mut believed = [[P::default(); N]; 2];
-        let sample = self.sampler.look(&mut state.sample, input, &mut believed);
+        let mut trusted = [[P::default(); N]; 2];
+        let sample = self.sampler.full_check(&mut state.sample, input, &mut trusted);
         self.cycle(state, &sample, measure, gauge, output, watch);
     }
 
@@ -213,11 +213,11 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         output: &mut Output<R, P, N>,
         watch: &mut impl FnMut(Stage),
     ) {
-        let mut believed = [[P::default(); N]; 2];
-        let sample = if self.sampler.glance(&mut state.sample, input) {
+        let mut trusted = [[P::default(); N]; 2];
+        let sample = if self.sampler.quick_check(&mut state.sample, input) {
             Sample::calm(input)
         } else {
-            self.sampler.look(&mut state.sample, input, &mut believed)
+            self.sampler.full_check(&mut state.sample, input, &mut trusted)
         };
         self.cycle(state, &sample, measure, gauge, output, watch);
     }
@@ -235,7 +235,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     ) {
         watch(Stage::Sample);
         let mut modelled = self.model(state, sample, measure.needs_tilt());
-        gauge::ride(gauge, sample, state.limited, &mut modelled.wanted);
+        gauge::run(gauge, sample, state.limited, &mut modelled.wanted);
         watch(Stage::Compensation);
         measure.measure(self, state, sample, &modelled, &mut output.record);
         watch(Stage::Contour);

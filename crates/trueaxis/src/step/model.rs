@@ -4,7 +4,7 @@
 
 use super::{ServoLoop, State};
 use crate::compensation::volumetric::Cycle;
-use crate::compensation::{Beside, Direction, NineTerms, Query, Reversal, Source};
+use crate::compensation::{Beside, Direction, NineTerms, PASSES_MASK, Query, Reversal, Source};
 use crate::position::Position;
 use crate::real::Real;
 use crate::sample::{Sample, Verdict};
@@ -56,7 +56,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         {
             return Modelled::of_errors(errors, at_edge);
         }
-        self.model_anew(state, sample, tool)
+        self.model_outside_kept_cells(state, sample, tool)
     }
 
     /// Whether no drive has reversed.
@@ -68,12 +68,17 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
 
     /// Models a cycle that does not stay within its cells.
     #[inline(never)]
-    fn model_anew(&self, state: &mut State<R, P, N>, sample: &Sample<P, N>, tool: bool) -> Modelled<R, N> {
+    fn model_outside_kept_cells(
+        &self,
+        state: &mut State<R, P, N>,
+        sample: &Sample<P, N>,
+        tool: bool,
+    ) -> Modelled<R, N> {
         let before = state.reversal.map(|reversal| reversal.direction());
         let directions = self.travel(state, sample);
         // While switched off but homed, the tip is still estimated: that shows the errors without correction.
-        let believed = matches!(sample.verdict, Verdict::Active | Verdict::Inactive);
-        if !(sample.homed && believed) {
+        let plausible = matches!(sample.verdict, Verdict::Active | Verdict::Inactive);
+        if !(sample.homed && plausible) {
             state.cells.forget();
             state.grids.forget();
             return Modelled::NOTHING;
@@ -91,19 +96,19 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
                 }
             }
             if !changed {
-                if let Some(modelled) = self.refill(state, sample, terms, &directions) {
+                if let Some(modelled) = self.model_in_refilled_cells(state, sample, terms, &directions) {
                     return modelled;
                 }
                 near = state.cells.passes() == 1;
             }
         }
-        self.model_at_large(state, sample, &directions, (tool, near))
+        self.model_without_cells(state, sample, &directions, (tool, near))
     }
 
     /// Only the axes have moved: fills the cells that they left. If those are too many, fills one of them and returns
     /// `None`.
     #[inline(always)]
-    fn refill(
+    fn model_in_refilled_cells(
         &self,
         state: &mut State<R, P, N>,
         sample: &Sample<P, N>,
@@ -121,7 +126,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             source.fill_left(&mut state.cells, &at, sample.feedback);
             return None;
         }
-        for _ in 1..state.cells.passes() & 15 {
+        for _ in 1..state.cells.passes() & PASSES_MASK {
             let error = source.at_command(&mut state.cells, &at)?;
             for ((at, command), error) in at.iter_mut().zip(sample.command).zip(error) {
                 *at = command.moved(P::offset(-error));
@@ -139,7 +144,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     /// Any tables, looked up without cells. `near`: the correction sent last is close enough to look up at the drive
     /// positions.
     #[inline(always)]
-    fn model_at_large(
+    fn model_without_cells(
         &self,
         state: &mut State<R, P, N>,
         sample: &Sample<P, N>,

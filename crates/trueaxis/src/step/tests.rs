@@ -336,7 +336,7 @@ fn a_bad_command_holds_until_a_reset_near_the_held_position() {
 }
 
 #[test]
-fn readings_that_stood_during_a_stop_are_believed_after_it() {
+fn readings_that_stood_during_a_stop_are_accepted_after_it() {
     let mut bench = Bench::new();
     bench.settle([60.0; 3]);
     bench.cycle(&Input { feedback: [60.0; 3], ..input([60.0, f64::NAN, 60.0]) });

@@ -70,7 +70,7 @@ fn at<'r>(temperatures_c: &'r [Option<f64>], rpm: f64) -> Readings<'r> {
 /// A task whose sensors are accepted from their first reading on.
 fn started() -> ThermalState {
     let mut state = ThermalState::new();
-    (0..SENSORS).for_each(|sensor| state.believe(sensor));
+    (0..SENSORS).for_each(|sensor| state.accept(sensor));
     state
 }
 
@@ -239,7 +239,7 @@ fn a_sensor_starts_with_three_readings_that_agree_over_two_seconds() {
 }
 
 #[test]
-fn a_step_that_stays_is_believed_after_an_hour_if_it_lives() {
+fn a_step_that_stays_is_accepted_after_an_hour_if_it_lives() {
     use SensorStatus::{Good, Jumped, OutOfRange};
     let start = [25.0, 25.0, 25.0];
     let stays = |k: u32| 35.0 + 0.1 * f64::from(k % 2);
@@ -278,7 +278,7 @@ fn a_returning_sensor_is_trusted_again_and_a_missing_one_may_have_moved() {
     assert_eq!(first(Some(38.0), 1.0).0, SensorStatus::Good, "10 K in ten minutes, and 2");
     assert_eq!(first(Some(25.0), 1.0).0, SensorStatus::Jumped);
     assert_eq!(first(Some(25.0), 1e4).0, SensorStatus::Jumped, "time does not make a jump plausible");
-    state.believe(0);
+    state.accept(0);
     let growth = thermal.update(&mut state, 1.0, &at(&[Some(25.0), Some(22.0)], 0.0));
     assert_eq!((growth.sensors[0], growth.lines[0].unwrap()[0]), (SensorStatus::Good, still));
 }
@@ -346,10 +346,10 @@ fn beyond_its_curve_the_edge_holds_and_times_that_are_none_change_nothing() {
         let again = thermal.update(&mut state, time, &at(&[Some(60.0), Some(21.0)], 12_000.0));
         near(again.lines[0].unwrap()[0], 0.01, 1e-15);
     }
-    let anew = thermal.update(&mut state, 2.0 * LONGEST_UPDATE_S, &at(&[Some(20.0), Some(30.0)], 0.0));
-    assert!(!anew.complete && anew.lines[0] == Some([0.0; 2]), "all of it has to start again");
-    let [_, anew] = [0, 1].map(|_| thermal.update(&mut state, 60.0, &at(&[Some(20.0), Some(30.0)], 0.0)));
-    near(anew.lines[0].unwrap()[0], 0.004, 1e-15);
+    let restarted = thermal.update(&mut state, 2.0 * LONGEST_UPDATE_S, &at(&[Some(20.0), Some(30.0)], 0.0));
+    assert!(!restarted.complete && restarted.lines[0] == Some([0.0; 2]), "all of it has to start again");
+    let [_, restarted] = [0, 1].map(|_| thermal.update(&mut state, 60.0, &at(&[Some(20.0), Some(30.0)], 0.0)));
+    near(restarted.lines[0].unwrap()[0], 0.004, 1e-15);
 }
 
 #[test]

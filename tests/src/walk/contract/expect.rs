@@ -1,4 +1,4 @@
-//! Required result of the first stage for an input: which commands and readings are believed, what stops, what freezes.
+//! Required result of the first stage for an input: which commands and readings are accepted, what stops, what freezes.
 
 use super::{Seen, Verdict, apart};
 use crate::walk::rule::{Broken, Rule, Tally};
@@ -139,7 +139,7 @@ impl<P: Place, const N: usize> Senses<P, N> {
         let held = self.held;
         self.readings(seen, &held, self.active && !first);
         let Some(latched) = was_latched else {
-            return Ok(if placed { Verdict::Held } else { Verdict::Nowhere });
+            return Ok(if placed { Verdict::Held } else { Verdict::NoOutput });
         };
         let may = rising && placed && acceptable;
         // After a release, the output may leave the range of a joint at once and stop again.
@@ -166,7 +166,7 @@ impl<P: Place, const N: usize> Senses<P, N> {
             self.active = active;
             return Ok(if active { Verdict::Active } else { Verdict::Inactive });
         }
-        Ok(if placed { Verdict::Held } else { Verdict::Nowhere })
+        Ok(if placed { Verdict::Held } else { Verdict::NoOutput })
     }
 
     /// Holds the command in force from now on.
@@ -214,7 +214,7 @@ impl<P: Place, const N: usize> Senses<P, N> {
     /// Accepts the plausible readings; returns the fault of each reading.
     fn readings<R: Scalar>(&mut self, seen: &Seen<'_, '_, R, P, N>, command: &[P; N], watch: bool) -> [Fault; N] {
         let input = &seen.moment.input;
-        let believed = &seen.outcome.output.record.feedback;
+        let recorded = &seen.outcome.output.record.feedback;
         let mut faults = [Fault::None; N];
         let active = input.homed && input.enable;
         for k in 0..N {
@@ -232,7 +232,7 @@ impl<P: Place, const N: usize> Senses<P, N> {
                 // The limit grows with the number of missing readings.
                 let limit = axis.feedback_jump * (1.0 + f64::from(self.missing[k]));
                 let jumps = size::<P>(apart(reading, self.good[k]), limit);
-                if jumps == Size::Beyond || jumps == Size::Either && believed[k] != reading {
+                if jumps == Size::Beyond || jumps == Size::Either && recorded[k] != reading {
                     Fault::FeedbackJump
                 } else if apart(reading, self.stands[k]) > steps::<P>(axis.still) {
                     (self.stands[k], self.counted[k], self.unmoved[k]) = (reading, command[k], 0.0);
@@ -306,7 +306,7 @@ impl<P: Place, const N: usize> Senses<P, N> {
     }
 
     /// The reading that the record must show.
-    pub(super) fn believed(&self) -> &[P; N] {
+    pub(super) fn accepted(&self) -> &[P; N] {
         &self.good
     }
 }

@@ -32,9 +32,9 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         let record = &seen.outcome.output.record;
         let measured = seen.moment.measured;
         let agrees = record.status.has(Status::CONTOUR) == record.tip.is_measured();
-        let believed = matches!(verdict, Verdict::Active | Verdict::Inactive) && measured != Measured::Nothing;
+        let plausible = matches!(verdict, Verdict::Active | Verdict::Inactive) && measured != Measured::Nothing;
         // The joint's range is checked after the error was measured.
-        let may = believed || record.fault == Fault::JointRange && measured != Measured::Nothing;
+        let may = plausible || record.fault == Fault::JointRange && measured != Measured::Nothing;
         let found = || format!("{:?}, {verdict:?}: {:?}, {:?}", record.status, record.tip, record.encoder);
         let none = !record.tip.is_measured() && !record.encoder.is_measured();
         self.tally.that(Rule::ContourReported, agrees && (may || none), found)?;

@@ -52,15 +52,15 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
             Verdict::Active => Status::ACTIVE.0,
             Verdict::Frozen => Status::FROZEN.0,
             Verdict::Held => Status::STOP_REQUEST.0,
-            Verdict::Nowhere => Status::STOP_REQUEST.0 | Status::NO_OUTPUT.0,
+            Verdict::NoOutput => Status::STOP_REQUEST.0 | Status::NO_OUTPUT.0,
         };
         let mask = Status::ACTIVE.0 | Status::FROZEN.0 | Status::STOP_REQUEST.0;
         let found = || format!("{:?}, {verdict:?}", record.status);
         tally.that(Rule::State, record.status.0 & mask == state & mask, found)?;
-        tally.that(Rule::NoOutput, output.has_drive() == (verdict != Verdict::Nowhere), found)?;
-        let believed = self.senses.believed();
-        let same = record.feedback.iter().zip(believed).all(|(a, b)| a.bits() == b.bits());
-        tally.that(Rule::Believed, same, || format!("{:?}, not {believed:?}", record.feedback))?;
+        tally.that(Rule::NoOutput, output.has_drive() == (verdict != Verdict::NoOutput), found)?;
+        let accepted = self.senses.accepted();
+        let same = record.feedback.iter().zip(accepted).all(|(a, b)| a.bits() == b.bits());
+        tally.that(Rule::ReadingInForce, same, || format!("{:?}, not {accepted:?}", record.feedback))?;
         let command = if verdict.holds() { &self.senses.held } else { &input.command };
         let same = record.command.iter().zip(command).all(|(a, b)| a.bits() == b.bits());
         tally.that(Rule::CommandInForce, same, || format!("{:?}, not {command:?}", record.command))?;

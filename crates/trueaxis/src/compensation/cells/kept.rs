@@ -18,8 +18,8 @@ pub(super) struct Point<R, P: Position> {
 }
 
 impl<R: Real, P: Position> Point<R, P> {
-    fn nowhere() -> Self {
-        Point { cells: [Cell::nowhere(); LINEAR], base: [R::ZERO; 3] }
+    fn empty() -> Self {
+        Point { cells: [Cell::empty(); LINEAR], base: [R::ZERO; 3] }
     }
 
     /// Updates the base after a cell was filled.
@@ -64,7 +64,7 @@ impl<R: Real, P: Position> Point<R, P> {
     fn keep_within(&mut self, near: &Near<R, P>) {
         for (slot, cell) in self.cells.iter_mut().enumerate() {
             if !near.ends(slot).is_some_and(|ends| cell.window.is_within(&ends)) {
-                cell.window = Window::nowhere();
+                cell.window = Window::empty();
             }
         }
     }
@@ -95,7 +95,7 @@ impl<R: Real, P: Position> Cells<R, P> {
 
     /// An empty cache, bound to no tables.
     pub(crate) fn none() -> Self {
-        Cells { key: Self::NONE, passes: 1, command: Point::nowhere(), feedback: Point::nowhere(), at_edge: 0 }
+        Cells { key: Self::NONE, passes: 1, command: Point::empty(), feedback: Point::empty(), at_edge: 0 }
     }
 
     /// Binds the cache to these tables, emptying it if it was bound to others; returns whether it was bound to these.
@@ -167,7 +167,7 @@ impl<R: Real, P: Position> Cells<R, P> {
     pub(crate) fn forget_axis(&mut self, slot: usize) {
         for point in [&mut self.command, &mut self.feedback] {
             if let Some(cell) = point.cells.get_mut(slot) {
-                cell.window = Window::nowhere();
+                cell.window = Window::empty();
             }
         }
     }
@@ -229,8 +229,8 @@ impl<R: Real, P: Position> Cells<R, P> {
         let [a, b, c] = &self.command.cells;
         let [d, e, f] = &self.feedback.cells;
         [a, b, c, d, e, f].map(|cell| {
-            let (window, nowhere) = (cell.window, Window::<P>::nowhere());
-            (window.low.is_usable() || window.reach != nowhere.reach).then_some((window.low, window.reach))
+            let (window, empty) = (cell.window, Window::<P>::empty());
+            (window.low.is_usable() || window.reach != empty.reach).then_some((window.low, window.reach))
         })
     }
 }

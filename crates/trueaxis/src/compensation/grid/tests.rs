@@ -225,7 +225,7 @@ fn boxes_agree<R: Real, P: Position>(seed: u64, tolerance: f64) {
         check::grids(&settings, &data).unwrap();
         let exact = Grids::<f64>::build(&settings, &data).unwrap();
         let grids = Grids::<R>::build(&settings, &data).unwrap();
-        let mut kept = NearGrids::<R, P>::nowhere();
+        let mut kept = NearGrids::<R, P>::empty();
         let mut at = place(&mut noise);
         for _ in 0..200 {
             let step = [0.01, 3.0, 60.0][noise.below(3)];

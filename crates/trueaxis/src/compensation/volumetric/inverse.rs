@@ -4,7 +4,7 @@
 
 use super::Volumetric;
 use super::carriages::Poses;
-use crate::compensation::{Grids, Query};
+use crate::compensation::{Grids, PASSES_MASK, Query};
 use crate::position::Position;
 use crate::real::Real;
 use crate::vector::V3;
@@ -113,7 +113,7 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
         for ((at, q), r) in at.iter_mut().zip(command).zip(&correction) {
             *at = *q + *r;
         }
-        for _ in 0..passes & 15 {
+        for _ in 0..passes & PASSES_MASK {
             let (mut wrong, turn) = error(&at, &correction, &poses);
             if let Some(fade) = orientation {
                 self.turn_back(fade, &nominal, turn, &mut correction);

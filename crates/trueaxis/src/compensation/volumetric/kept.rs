@@ -6,7 +6,7 @@ use super::Volumetric;
 use super::tangent::{Pose, Tangent};
 use crate::compensation::reversal::Direction;
 use crate::compensation::thermal::ThermalLine;
-use crate::compensation::{Beside, Query};
+use crate::compensation::{Beside, PASSES_MASK, Query};
 use crate::position::Position;
 use crate::real::Real;
 use crate::vector::V3;
@@ -27,7 +27,7 @@ impl<R: Real, P: Position, const N: usize> Kept<R, P, N> {
 
     /// An empty cache.
     pub(crate) fn nothing() -> Self {
-        Kept { key: Self::NONE, directions: [Direction::POSITIVE; N], tangents: [Tangent::nowhere(); 2] }
+        Kept { key: Self::NONE, directions: [Direction::POSITIVE; N], tangents: [Tangent::empty(); 2] }
     }
 
     /// Empties the cache: the next look-up reads the tables.
@@ -131,7 +131,7 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
     ) -> ([R; N], Pose<R>) {
         if kept.key != self.key || kept.directions != *cycle.directions {
             (kept.key, kept.directions) = (self.key, *cycle.directions);
-            kept.tangents = [Tangent::nowhere(); 2];
+            kept.tangents = [Tangent::empty(); 2];
         }
         let renew = |tangent: &mut Tangent<R, P, N>, at: &[P; N]| {
             if N == 3 {
@@ -188,7 +188,7 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
         keep_present(&self.chain.present, tangent.tip(steps), &mut correction);
         if passes > 1 {
             let sent = sent(cycle);
-            for _ in 1..passes & 15 {
+            for _ in 1..passes & PASSES_MASK {
                 let mut there = *steps;
                 for ((there, correction), sent) in there.iter_mut().zip(&correction).zip(&sent).take(3) {
                     *there += (*correction - *sent) * R::of(1.0 / P::STEP);

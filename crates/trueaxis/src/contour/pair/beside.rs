@@ -109,7 +109,7 @@ impl<R: Real> ContourSearch<R> {
     /// Searches with no foot known, with a foot without a speed, or by plain bisection.
     #[cold]
     #[inline(never)]
-    pub(super) fn pair_anew<P: Position>(
+    pub(super) fn slow_pair<P: Position>(
         &self,
         state: &mut PairState<R>,
         on: &OnPath<'_, R, P>,

@@ -102,7 +102,7 @@ impl<R: Real> ContourSearch<R> {
         let reference = on.reference;
         let mut number = reference.span;
         let (true, Some(mut span)) = (state.swift, on.path.span(number)) else {
-            return self.pair_anew(state, on, position, d, tip, encoder);
+            return self.slow_pair(state, on, position, d, tip, encoder);
         };
         let mut place = span.arc_length(reference.t);
         let mut progress = place - state.place;
@@ -113,17 +113,17 @@ impl<R: Real> ContourSearch<R> {
             let Some(at) = state.cross(&on.path, reference) else {
                 // The motion exceeds the limit of spans.
                 state.forget();
-                return self.pair_anew(state, on, position, d, tip, encoder);
+                return self.slow_pair(state, on, position, d, tip, encoder);
             };
             (number, guess, progress, place) = (at.guess.span, at.guess.t, at.progress, at.place);
             let Some(other) = on.path.span(number) else {
-                return self.pair_anew(state, on, position, d, tip, encoder);
+                return self.slow_pair(state, on, position, d, tip, encoder);
             };
             span = other;
             let apart = Apart {
                 foot: state.tip.foot.span,
                 reference: reference.span,
-                anew: state.tip.foot.span == state.tip.reference.span,
+                were_together: state.tip.foot.span == state.tip.reference.span,
                 lag: place - span.arc_length(guess),
                 progress,
             };

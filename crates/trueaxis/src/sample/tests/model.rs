@@ -208,7 +208,7 @@ impl Model {
             (self.command, self.counted, self.stands) = (command, command, self.feedback);
             return self.decided(if active { Verdict::Active } else { Verdict::Inactive }, None, (first, due));
         }
-        self.decided(if placed { Verdict::Hold } else { Verdict::Nowhere }, self.latched, (first, due))
+        self.decided(if placed { Verdict::Hold } else { Verdict::NoOutput }, self.latched, (first, due))
     }
 
     /// From now on the current command is held.
@@ -319,9 +319,9 @@ fn every_decision_is_the_models() {
             };
             let input = random_cycle(&mut random, &model, &stretch);
             let expected = model.cycle(&input);
-            let mut believed = [[Nanometres(0); AXES]; 2];
-            let calm = sampler.glance(&mut state, &input);
-            let found = if calm { Sample::calm(&input) } else { sampler.look(&mut state, &input, &mut believed) };
+            let mut trusted = [[Nanometres(0); AXES]; 2];
+            let calm = sampler.quick_check(&mut state, &input);
+            let found = if calm { Sample::calm(&input) } else { sampler.full_check(&mut state, &input, &mut trusted) };
             let decided = Decided {
                 verdict: found.verdict,
                 fault: (found.fault, found.axis),
@@ -345,10 +345,10 @@ fn every_decision_is_the_models() {
         }
     }
     let faults = ["CommandNotFinite", "CommandOutOfTravel", "CommandJump", "ToolUnreachable", "JointRange"];
-    let kinds = faults.iter().flat_map(|fault| [format!("Hold {fault}"), format!("Nowhere {fault}")]);
+    let kinds = faults.iter().flat_map(|fault| [format!("Hold {fault}"), format!("NoOutput {fault}")]);
     let freezes = ["FeedbackNotFinite", "EncoderAlarm", "FeedbackJump", "EncoderStuck", "LateCycle"];
     let kinds = kinds.chain(freezes.map(|fault| format!("Freeze {fault}")));
-    let kinds = kinds.filter(|kind| kind != "Nowhere JointRange" && kind != "Nowhere CommandJump");
+    let kinds = kinds.filter(|kind| kind != "NoOutput JointRange" && kind != "NoOutput CommandJump");
     for kind in kinds.chain(["Active None", "Inactive None", "Inactive EncoderAlarm"].map(String::from)) {
         assert!(seen.get(&kind).is_some_and(|count| *count > 10), "{kind}: {seen:?}");
     }
@@ -393,8 +393,8 @@ fn travel_holds_to_its_ends_and_an_absent_axis_has_all_there_is() {
     for command in [0.0, 1e9, -1e9, 5.0] {
         let input = Input { homed: true, enable: true, ..Input::at_rest(PERIOD_NS) };
         let input = Input { command: [0.0, 0.0, command, 0.0], ..input };
-        let mut believed = [[0.0; 4]; 2];
-        let found = sampler.look(&mut state, &input, &mut believed);
+        let mut trusted = [[0.0; 4]; 2];
+        let found = sampler.full_check(&mut state, &input, &mut trusted);
         assert_eq!((found.verdict, found.fault), (Verdict::Active, Fault::None), "{command}");
         state.accept(&input.command);
     }

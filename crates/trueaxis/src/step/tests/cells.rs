@@ -240,8 +240,8 @@ fn compare<R: Real, P: Position>(
 ) {
     let mut probe = *state;
     let sent = *state.output.offsets();
-    let mut believed = [[P::default(); 3]; 2];
-    let sample = servo.sampler.look(&mut probe.sample, input, &mut believed);
+    let mut trusted = [[P::default(); 3]; 2];
+    let sample = servo.sampler.full_check(&mut probe.sample, input, &mut trusted);
     let before = probe.cells.windows();
     let kept = probe.cells.key() == servo.tables.key();
     let modelled = servo.model(&mut probe, &sample, false);
@@ -405,8 +405,8 @@ fn at_the_velocity_limit(tables: &Tables, period_ns: u32) -> Inverse {
         let input = servo.input(place, place);
         let sent = *state.output.offsets();
         let mut probe = state;
-        let mut believed = [[0.0; 3]; 2];
-        let sample = servo.sampler.look(&mut probe.sample, &input, &mut believed);
+        let mut trusted = [[0.0; 3]; 2];
+        let sample = servo.sampler.full_check(&mut probe.sample, &input, &mut trusted);
         let wanted = servo.model(&mut probe, &sample, false).wanted;
         let truth = Truth { directions: probe.reversal.map(|r| r.direction()), ..truth };
         let off = distance(wanted, truth.correction(place));

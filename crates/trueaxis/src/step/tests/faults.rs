@@ -48,20 +48,20 @@ fn a_host_that_ignores_stop_requests_is_held_for_100_000_cycles() {
 #[test]
 fn a_host_that_resets_in_a_loop_gains_nothing() {
     let (mut bench, mut last) = stopped();
-    let mut heard = 0;
+    let mut released = 0;
     for n in 0..20_000_u32 {
         let mut given = Input { feedback: HELD, reset: n % 2 == 1, ..input(HELD) };
         if n % 4 == 2 {
             given.command[2] = [f64::NAN, 1e9, -50.0, 45.0][(n / 4) as usize % 4];
         }
         let out = bench.cycle(&given);
-        heard += u32::from(last.stop_requested() && !out.stop_requested());
+        released += u32::from(last.stop_requested() && !out.stop_requested());
         for k in 0..3 {
             assert!((out.drive[k] - last.drive[k]).abs() <= 0.05 + 5e-4, "cycle {n}");
         }
         last = out;
     }
-    assert!(heard > 4000, "{heard}");
+    assert!(released > 4000, "{released}");
     // A reset that stays on counts once.
     let (mut bench, _) = stopped();
     bench.cycle(&Input { feedback: HELD, reset: true, ..input([20.0, 50.0, 40.0]) });

@@ -105,7 +105,7 @@ enum Come {
 
 /// What happens during these cycles.
 #[derive(Clone, Copy, Debug)]
-enum Meanwhile {
+enum Disturbance {
     Nothing,
     Off,
     Alarm,
@@ -114,7 +114,7 @@ enum Meanwhile {
     Leap,
 }
 
-fn any_come() -> impl Strategy<Value = (Come, Meanwhile, u32)> {
+fn any_come() -> impl Strategy<Value = (Come, Disturbance, u32)> {
     let share = prop_oneof![
         Just(0.0),
         Just(0.1),
@@ -133,15 +133,15 @@ fn any_come() -> impl Strategy<Value = (Come, Meanwhile, u32)> {
         2 => any::<u64>().prop_map(Come::Jitter),
         1 => (2..50u32).prop_map(Come::Stall),
     ];
-    let meanwhile = prop_oneof![
-        4 => Just(Meanwhile::Nothing),
-        1 => Just(Meanwhile::Off),
-        1 => Just(Meanwhile::Alarm),
-        1 => Just(Meanwhile::Exchange),
-        1 => Just(Meanwhile::BadCommand),
-        1 => Just(Meanwhile::Leap),
+    let disturbance = prop_oneof![
+        4 => Just(Disturbance::Nothing),
+        1 => Just(Disturbance::Off),
+        1 => Just(Disturbance::Alarm),
+        1 => Just(Disturbance::Exchange),
+        1 => Just(Disturbance::BadCommand),
+        1 => Just(Disturbance::Leap),
     ];
-    (come, meanwhile, 1..200u32)
+    (come, disturbance, 1..200u32)
 }
 
 /// Lag and a learned correction, so that the dynamic part moves as well.
@@ -174,9 +174,9 @@ proptest! {
         // The least c − s t and the greatest c + s t so far, s the slope.
         let (mut least, mut greatest) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
         let slope = SLOPE / 0.999;
-        for (come, meanwhile, cycles) in sequence {
+        for (come, disturbance, cycles) in sequence {
             let mut noise = crate::testing::noise::Noise::new(if let Come::Jitter(seed) = come { seed } else { 0 });
-            which ^= usize::from(matches!(meanwhile, Meanwhile::Exchange));
+            which ^= usize::from(matches!(disturbance, Disturbance::Exchange));
             for n in 0..cycles {
                 let share = match come {
                     Come::Share(share) => share,
@@ -187,13 +187,13 @@ proptest! {
                 let elapsed_ns = (share * f64::from(PERIOD_NS)) as u32;
                 at = if at > 90.0 { at } else { at + 0.01 };
                 let command = [at, 40.0, 50.0];
-                let learned = if matches!(meanwhile, Meanwhile::Leap) { [0.04, -0.04, 0.0] } else { [0.0; 3] };
+                let learned = if matches!(disturbance, Disturbance::Leap) { [0.04, -0.04, 0.0] } else { [0.0; 3] };
                 let given = Input {
-                    command: if matches!(meanwhile, Meanwhile::BadCommand) && n == 5 { [f64::NAN; 3] } else { command },
+                    command: if matches!(disturbance, Disturbance::BadCommand) && n == 5 { [f64::NAN; 3] } else { command },
                     feedback: command,
                     elapsed_ns,
-                    enable: !matches!(meanwhile, Meanwhile::Off),
-                    encoder_alarm: u8::from(matches!(meanwhile, Meanwhile::Alarm)),
+                    enable: !matches!(disturbance, Disturbance::Off),
+                    encoder_alarm: u8::from(matches!(disturbance, Disturbance::Alarm)),
                     reset: n % 2 == 1,
                     dynamics: Dynamics::ALL,
                     learned,
@@ -212,12 +212,12 @@ proptest! {
                     greatest[k] = greatest[k].max(c + slope * time);
                     prop_assert!(c - slope * time <= least[k] + SLOPE * (1.0 + 1e-6) + 1e-9, "{time}: {c}, {come:?}");
                     prop_assert!(c + slope * time >= greatest[k] - SLOPE * (1.0 + 1e-6) - 1e-9, "{time}: {c}, {come:?}");
-                    prop_assert!(due && !held || v.abs() < 1e-12, "{v} in no time, {come:?}, {meanwhile:?}");
+                    prop_assert!(due && !held || v.abs() < 1e-12, "{v} in no time, {come:?}, {disturbance:?}");
                     if held {
                         rate[k] = 0.0;
                     } else if due {
                         let second = v - rate[k];
-                        prop_assert!(second.abs() <= ACCELERATION + 1e-9, "{second}, {come:?}, {meanwhile:?}");
+                        prop_assert!(second.abs() <= ACCELERATION + 1e-9, "{second}, {come:?}, {disturbance:?}");
                         rate[k] = v;
                     }
                 }

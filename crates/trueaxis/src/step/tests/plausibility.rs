@@ -48,7 +48,7 @@ fn the_plausible_jump_of_a_reading_grows_with_every_one_that_is_missing() {
     let limit = STEP + 0.02;
     for missing in [0, 1, 2, 7] {
         for sign in [1.0, -1.0] {
-            for (part, believed) in [(0.999, true), (1.001, false)] {
+            for (part, accepted) in [(0.999, true), (1.001, false)] {
                 let mut bench = standing(50.0);
                 for _ in 0..missing {
                     let gone = Input { feedback: [50.0, 50.0, f64::NAN], ..input([50.0; 3]) };
@@ -57,7 +57,7 @@ fn the_plausible_jump_of_a_reading_grows_with_every_one_that_is_missing() {
                 let z = 50.0 + sign * part * limit * f64::from(1 + missing);
                 let back = Input { feedback: [50.0, 50.0, z], ..input([50.0; 3]) };
                 let out = bench.cycle(&back);
-                if believed {
+                if accepted {
                     assert_eq!((out.record.fault, out.record.feedback[2]), (Fault::None, z));
                     // From here on the limit of one cycle applies again.
                     let next = Input { feedback: [50.0, 50.0, z + 1.001 * limit], ..input([50.0; 3]) };
@@ -169,7 +169,7 @@ fn before_homing_positions_mean_nothing() {
 }
 
 #[test]
-fn enabling_looks_at_travel_and_readings_but_not_back_at_the_command() {
+fn enabling_checks_travel_and_readings_but_no_jump_of_the_command() {
     let off = |at: [f64; 3]| Input { enable: false, ..input(at) };
     for homed in [true, false] {
         // Homing and switching on may change the command by any amount …
@@ -225,7 +225,7 @@ fn readings_are_watched_while_the_output_holds() {
 }
 
 #[test]
-fn a_reset_with_a_command_out_of_travel_is_not_heard() {
+fn a_reset_with_a_command_out_of_travel_is_ignored() {
     let mut bench = standing(109.99);
     let at = |x: f64| input([x, 109.99, 109.99]);
     let before = bench.cycle(&at(109.99));
@@ -248,7 +248,7 @@ fn a_reset_with_a_command_out_of_travel_is_not_heard() {
 
 /// An axis so slow that the distance to the held command is a jump: nearness excuses it.
 #[test]
-fn a_reset_is_heard_where_the_way_back_is_more_than_a_cycles() {
+fn a_reset_is_accepted_where_the_way_back_is_more_than_a_cycles() {
     let servo = servo_loop_with(1.0, |axis| axis.max_feed_per_s = 100.0);
     let mut bench = Bench::on(servo);
     bench.settle([50.0; 3]);
@@ -261,7 +261,7 @@ fn a_reset_is_heard_where_the_way_back_is_more_than_a_cycles() {
 /// One axis may be farther from the held command than a cycle's travel; that does not excuse another one out of its
 /// travel.
 #[test]
-fn a_reset_is_not_heard_where_one_axis_jumps_and_another_is_out_of_travel() {
+fn a_reset_is_ignored_where_one_axis_jumps_and_another_is_out_of_travel() {
     let servo = servo_loop_with(1.0, |axis| axis.max_feed_per_s = 100.0);
     let mut bench = Bench::on(servo);
     let at = |x, y| input([x, y, 50.0]);
@@ -279,7 +279,7 @@ const READABLE: [f64; 2] = [-11.1, 111.1];
 
 /// A nanometre counter that wraps at 32 bits reads 4.295 m away on an axis of 120 mm: rejected even after ten seconds.
 #[test]
-fn a_reading_beyond_the_travel_is_not_believed_however_long_it_lasts() {
+fn a_reading_beyond_the_travel_is_rejected_however_long_it_lasts() {
     for off in [-4294.967296, 4294.967296, 112.0, -112.0] {
         let mut bench = standing(50.0);
         let before = bench.last.unwrap();
@@ -300,9 +300,9 @@ fn a_reading_beyond_the_travel_is_not_believed_however_long_it_lasts() {
 }
 
 #[test]
-fn readings_are_believed_a_millimetre_beyond_the_joint() {
+fn readings_are_accepted_a_millimetre_beyond_the_joint() {
     let [low, high] = READABLE;
-    for (end, reading, believed) in
+    for (end, reading, accepted) in
         [(-10.0, low + 1e-6, true), (-10.0, low - 1e-6, false), (110.0, high - 1e-6, true), (110.0, high + 1e-6, false)]
     {
         let mut bench = standing(end);
@@ -314,7 +314,7 @@ fn readings_are_believed_a_millimetre_beyond_the_joint() {
             assert_eq!((out.record.fault, out.record.feedback[1]), (Fault::None, at));
         }
         let out = bench.cycle(&Input { feedback: [end, reading, end], ..input([end; 3]) });
-        let expected = if believed { (Fault::None, 0, reading) } else { (Fault::FeedbackJump, 1, at) };
+        let expected = if accepted { (Fault::None, 0, reading) } else { (Fault::FeedbackJump, 1, at) };
         assert_eq!((out.record.fault, out.record.fault_axis, out.record.feedback[1]), expected, "{reading}");
     }
 }
@@ -345,17 +345,17 @@ fn where_readings_may_be_counts_from_homed_and_enabled_on() {
     }
     // Nor is it a position to hold before the first command.
     let mut bench = Bench::new();
-    let nowhere = |feedback| Input { feedback, ..input([f64::NAN, 50.0, 50.0]) };
-    assert!(!bench.cycle(&nowhere(far)).has_drive());
-    assert_eq!(bench.cycle(&nowhere([60.0; 3])).drive, [60.0; 3]);
+    let unusable = |feedback| Input { feedback, ..input([f64::NAN, 50.0, 50.0]) };
+    assert!(!bench.cycle(&unusable(far)).has_drive());
+    assert_eq!(bench.cycle(&unusable([60.0; 3])).drive, [60.0; 3]);
     // An undeclared travel ends at 1 km, and so do the readings.
     let servo = servo_loop_with(1.0, |axis| (axis.travel, axis.joint) = ([-1e6, 1e6], [-1e6 - 0.1, 1e6 + 0.1]));
     let mut bench = Bench::on(servo);
-    for (x, believed) in [(1_000_001.0, true), (1_000_001.2, false), (-1_000_001.2, false)] {
+    for (x, accepted) in [(1_000_001.0, true), (1_000_001.2, false), (-1_000_001.2, false)] {
         bench.state = servo.start();
         bench.last = None;
         let out = bench.cycle(&Input { feedback: [x, 50.0, 50.0], ..input([50.0; 3]) });
-        assert_eq!(out.record.fault == Fault::None, believed, "{x}");
+        assert_eq!(out.record.fault == Fault::None, accepted, "{x}");
     }
 }
 

@@ -435,7 +435,7 @@ fn turning_about_a_standing_tip_with_lag() {
 
 /// While switched off, the errors are still measured; a rejected reading is not.
 #[test]
-fn nothing_is_measured_while_a_reading_is_not_believed() {
+fn nothing_is_measured_while_a_reading_is_rejected() {
     let machine = Machine::<f64, f64>::perfect(TABLES);
     let (spans, turns) = slanted();
     let path = ToolPath::new(Path::new(&spans, 0, false), &turns);

@@ -2,7 +2,7 @@
 
 type Listener = (temperature_c: number) => void;
 
-class Look {
+class Display {
   private listeners = new Set<Listener>();
   /** Temperature of all axes, °C; undefined: the machine's reference. */
   temperature_c: number | undefined;
@@ -17,4 +17,4 @@ class Look {
   }
 }
 
-export const look = new Look();
+export const display = new Display();

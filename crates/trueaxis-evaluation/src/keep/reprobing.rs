@@ -50,7 +50,7 @@ impl Verdict {
 
 /// A probing of the balls.
 #[derive(Clone, Debug)]
-pub struct Look {
+pub struct Reprobing {
     /// The network with all terms.
     pub calibration: Calibration,
     /// Positions of the balls, from the network.
@@ -151,7 +151,7 @@ fn balls(keep: &Keep, calibration: &Calibration) -> Vec<BallPlace> {
 ///
 /// # Errors
 /// As [`crate::calibrate::calibrate`].
-pub fn begin(keep: &Keep, machine: &Machine, plan: &Plan, trips: &[Logged], file: &Path) -> Result<Look> {
+pub fn begin(keep: &Keep, machine: &Machine, plan: &Plan, trips: &[Logged], file: &Path) -> Result<Reprobing> {
     let positions: Vec<[f64; AXES]> = trips.iter().map(|trip| trip.position).collect();
     let observed = network(keep, machine, plan, &positions, None)?;
     let calibration = settle(&keep.task, plan, trips, file, observed)?;
@@ -164,7 +164,7 @@ pub fn begin(keep: &Keep, machine: &Machine, plan: &Plan, trips: &[Logged], file
         total: 0.0,
         decision: Decision::Keep,
     });
-    Ok(Look { balls: balls(keep, &calibration), verdicts: verdicts.collect(), calibration })
+    Ok(Reprobing { balls: balls(keep, &calibration), verdicts: verdicts.collect(), calibration })
 }
 
 /// Baseline of a later probing.
@@ -182,14 +182,14 @@ pub struct Before<'b> {
 ///
 /// # Errors
 /// As [`crate::calibrate::calibrate`].
-pub fn look(
+pub fn evaluate(
     keep: &Keep,
     machine: &Machine,
     plan: &Plan,
     trips: &[Logged],
     file: &Path,
     before: &Before<'_>,
-) -> Result<Look> {
+) -> Result<Reprobing> {
     let positions: Vec<[f64; AXES]> = trips.iter().map(|trip| trip.position).collect();
     let observed = network(keep, machine, plan, &positions, Some(before.known))?;
     let calibration = settle(&keep.task, plan, trips, file, observed)?;
@@ -197,7 +197,7 @@ pub fn look(
     let selection = calibration.observed.network.moved(&factors);
     let selection = selection.map_err(|refused| anyhow!("{}: {refused}", file.display()))?;
     let verdicts = (0..keep.terms.len()).map(|index| verdict(keep, machine, &selection, index, before));
-    Ok(Look { balls: balls(keep, &calibration), verdicts: verdicts.collect(), calibration })
+    Ok(Reprobing { balls: balls(keep, &calibration), verdicts: verdicts.collect(), calibration })
 }
 
 fn verdict(keep: &Keep, machine: &Machine, selection: &Selection, index: usize, before: &Before<'_>) -> Verdict {
@@ -228,7 +228,7 @@ fn verdict(keep: &Keep, machine: &Machine, selection: &Selection, index: usize, 
     Verdict { name: kept.name.clone(), value, standard_error, total, decision }
 }
 
-impl Look {
+impl Reprobing {
     /// Terms that are out of their bounds.
     pub fn refused(&self) -> impl Iterator<Item = (&str, &str)> {
         self.verdicts.iter().filter_map(|verdict| match &verdict.decision {
