@@ -101,7 +101,7 @@ pub(crate) enum Verdict {
     Hold = Status::STOP_REQUEST.0,
     /// The output would hold, but no command was ever usable and some axis has not been read yet: the step gives no
     /// output.
-    Nowhere = Status::STOP_REQUEST.0 | Status::NO_OUTPUT.0,
+    NoOutput = Status::STOP_REQUEST.0 | Status::NO_OUTPUT.0,
 }
 
 impl Verdict {
@@ -114,7 +114,7 @@ impl Verdict {
     /// Whether the drives receive nothing new.
     #[inline(always)]
     pub(crate) fn holds(self) -> bool {
-        matches!(self, Verdict::Hold | Verdict::Nowhere)
+        matches!(self, Verdict::Hold | Verdict::NoOutput)
     }
 }
 
@@ -634,7 +634,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         Sample {
             command,
             feedback,
-            verdict: if placed { Verdict::Hold } else { Verdict::Nowhere },
+            verdict: if placed { Verdict::Hold } else { Verdict::NoOutput },
             fault: state.latched,
             axis: state.latched_axis,
             due,

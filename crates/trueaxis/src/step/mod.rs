@@ -65,7 +65,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             thermal: [ThermalLine::default(); N],
             cells: Cells::none(),
             poses: Kept::nothing(),
-            grids: NearGrids::nowhere(),
+            grids: NearGrids::empty(),
             feet: PairState::default(),
             output: OutputState::new(),
             dynamic: DynamicState::new(),

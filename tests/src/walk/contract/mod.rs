@@ -32,13 +32,13 @@ pub(super) enum Verdict {
     /// The output holds.
     Held,
     /// The output should hold, but none exists.
-    Nowhere,
+    NoOutput,
 }
 
 impl Verdict {
     /// Whether the drives get nothing new.
     pub(super) fn holds(self) -> bool {
-        matches!(self, Verdict::Held | Verdict::Nowhere)
+        matches!(self, Verdict::Held | Verdict::NoOutput)
     }
 }
 

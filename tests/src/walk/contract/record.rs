@@ -52,12 +52,12 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
             Verdict::Active => Status::ACTIVE.0,
             Verdict::Frozen => Status::FROZEN.0,
             Verdict::Held => Status::STOP_REQUEST.0,
-            Verdict::Nowhere => Status::STOP_REQUEST.0 | Status::NO_OUTPUT.0,
+            Verdict::NoOutput => Status::STOP_REQUEST.0 | Status::NO_OUTPUT.0,
         };
         let mask = Status::ACTIVE.0 | Status::FROZEN.0 | Status::STOP_REQUEST.0;
         let found = || format!("{:?}, {verdict:?}", record.status);
         tally.that(Rule::State, record.status.0 & mask == state & mask, found)?;
-        tally.that(Rule::NoOutput, output.has_drive() == (verdict != Verdict::Nowhere), found)?;
+        tally.that(Rule::NoOutput, output.has_drive() == (verdict != Verdict::NoOutput), found)?;
         let believed = self.senses.believed();
         let same = record.feedback.iter().zip(believed).all(|(a, b)| a.bits() == b.bits());
         tally.that(Rule::Believed, same, || format!("{:?}, not {believed:?}", record.feedback))?;

@@ -6,7 +6,7 @@ use super::Volumetric;
 use super::tangent::{Pose, Tangent};
 use crate::compensation::reversal::Direction;
 use crate::compensation::thermal::ThermalLine;
-use crate::compensation::{Beside, Query};
+use crate::compensation::{CycleGrids, Query};
 use crate::position::Position;
 use crate::real::Real;
 use crate::vector::V3;
@@ -27,7 +27,7 @@ impl<R: Real, P: Position, const N: usize> Kept<R, P, N> {
 
     /// An empty cache.
     pub(crate) fn nothing() -> Self {
-        Kept { key: Self::NONE, directions: [Direction::POSITIVE; N], tangents: [Tangent::nowhere(); 2] }
+        Kept { key: Self::NONE, directions: [Direction::POSITIVE; N], tangents: [Tangent::empty(); 2] }
     }
 
     /// Empties the cache: the next look-up reads the tables.
@@ -82,13 +82,13 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
 
     /// [`Volumetric::modelled`] with grids beside the tables.
     #[inline(never)]
-    pub(crate) fn modelled_beside(
+    pub(crate) fn modelled_with_grids(
         &self,
         kept: &mut Kept<R, P, N>,
         cycle: &Cycle<'_, R, P, N>,
         passes: u8,
         tool: bool,
-        grids: &Beside<'_, R, P>,
+        grids: &CycleGrids<'_, R, P>,
         clamped: &mut u8,
     ) -> ([R; N], Pose<R>) {
         let (_, (tip, turn)) = self.modelled(kept, cycle, 1, tool, clamped);
@@ -131,7 +131,7 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
     ) -> ([R; N], Pose<R>) {
         if kept.key != self.key || kept.directions != *cycle.directions {
             (kept.key, kept.directions) = (self.key, *cycle.directions);
-            kept.tangents = [Tangent::nowhere(); 2];
+            kept.tangents = [Tangent::empty(); 2];
         }
         let renew = |tangent: &mut Tangent<R, P, N>, at: &[P; N]| {
             if N == 3 {

@@ -135,7 +135,7 @@ fn in_boxes<R: Real, P: Position, const N: usize>(random: &mut Noise, boxes: usi
         for _ in 0..boxes {
             let at = Case::place::<N>(random).map(P::of);
             let (directions, thermal) = Case::conditions(random);
-            let mut tangent = Tangent::nowhere();
+            let mut tangent = Tangent::empty();
             if N == 3 {
                 model.of_slides(&mut tangent, &at, &directions, &thermal);
             } else {
