@@ -551,7 +551,7 @@ fn odd_bytes_are_told_with_their_line_and_written_out() {
 
 /// Files and commands in `--help` can be copied from a terminal of 80 columns.
 #[test]
-fn what_help_shows_is_read_as_it_stands_in_a_narrow_terminal() {
+fn help_examples_are_read_as_shown_in_a_narrow_terminal() {
     let folder = Folder::new(TRUEAXIS);
     let shown = |command: &str| {
         let output = folder.command(&[command, "--help"]).env("COLUMNS", "80").output().unwrap();

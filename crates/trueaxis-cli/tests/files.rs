@@ -176,7 +176,7 @@ fn windows_line_ends_and_inline_sections_stay() {
 
 /// Names from the ISG manual: Y0A without an axis A. No key of machine.toml is at fault.
 #[test]
-fn location_errors_of_an_axis_that_is_nowhere_name_the_chain() {
+fn location_errors_of_an_axis_that_is_not_in_the_chain_name_the_chain() {
     let directory = Folder::new(TRUEAXIS);
     hall_2(&directory);
     directory.write("names.csv", "Y0A\tZ0A\n0.1\t0.2\n#\nX\tEXX\n0\t0.002\n10\t0.001\n");

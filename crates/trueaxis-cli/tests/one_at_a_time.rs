@@ -52,7 +52,7 @@ fn what_changes_a_machine_is_refused_while_another_command_does() {
 
 /// In any order: the machine contains every import that reported success, including into a new machine.
 #[test]
-fn imports_at_once_lose_no_axis() {
+fn simultaneous_imports_lose_no_axis() {
     for round in 0..20 {
         let folder = bare();
         let output = if round % 2 == 0 { "m" } else { "new" };

@@ -2,7 +2,7 @@
 //!
 //! Each file is written beside its place, flushed to the disk and renamed, and its folder is flushed: a crash or a power
 //! failure at any moment leaves the old file or the new one, never a part. A file not yet renamed by then remains as
-//! `NAME.XXXXXX.trueaxis-tmp` ([`UNFINISHED`]); [`left_beside`] finds it, and the next command that writes NAME removes it.
+//! `NAME.XXXXXX.trueaxis-tmp` ([`UNFINISHED`]); [`leftovers`] finds it, and the next command that writes NAME removes it.
 //!
 //! All files of one command are on the disk before the first is renamed, and they are renamed in the order in which they were
 //! put. A crash between two renames leaves the first ones new and the rest old, each with its unfinished file beside it: if
@@ -29,7 +29,7 @@ mod left;
 mod staged;
 
 pub use alone::Alone;
-pub use left::{UNFINISHED, left_beside, left_notes};
+pub use left::{UNFINISHED, left_notes, leftovers};
 pub use staged::{Staged, write_atomically};
 
 use staged::{flush_folder, folder_of};
@@ -235,7 +235,7 @@ fn is_device(path: &Path) -> bool {
 const LINKS: usize = 40;
 
 /// A link whose target does not exist. A link to a pipe (`/dev/stdout`) is none: its target exists, though without a name.
-fn leads_nowhere(path: &Path) -> bool {
+fn is_dangling(path: &Path) -> bool {
     path.is_symlink() && !path.exists()
 }
 
@@ -248,7 +248,7 @@ fn resolved(output: &Path) -> PathBuf {
     let mut output = output.to_path_buf();
     for _ in 0..LINKS {
         match fs::read_link(&output) {
-            Ok(to) if leads_nowhere(&output) => output = folder_of(&output).join(to),
+            Ok(to) if is_dangling(&output) => output = folder_of(&output).join(to),
             _ => break,
         }
     }
