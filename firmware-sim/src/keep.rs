@@ -109,10 +109,10 @@ fn text(outcome: &Outcome) -> Result<String> {
             writeln!(text, "  after part {}: {reason}", reprobing.parts)?;
         }
     }
-    let led_in = outcome.longest_led_in_s.map_or("never".into(), |time| format!("within {} s", um(time)));
+    let ramped_in = outcome.longest_ramp_in_s.map_or("never".into(), |time| format!("within {} s", um(time)));
     writeln!(
         text,
-        "exchanges in motion: tables up to {} µm apart, largest step in a cycle {} µm, {:.0} % of the limits, fully applied {led_in}",
+        "exchanges in motion: tables up to {} µm apart, largest step in a cycle {} µm, {:.0} % of the limits, fully applied {ramped_in}",
         um(outcome.largest_difference_um),
         um(outcome.largest_step_um),
         1e2 * outcome.of_limits

@@ -119,9 +119,9 @@ fn one(mut run: Run, kinds: &[Kind], stride: u64, done: &AtomicU64, word: &mpsc:
         let until = run.cycles() * number / MARKS;
         while run.cycle() < until {
             let before = run.cycle();
-            let goes_on = run.advance(stride.min(until - before), &mut ());
+            let continues = run.advance(stride.min(until - before), &mut ());
             done.fetch_add(run.cycle() - before, Ordering::Relaxed);
-            if !goes_on {
+            if !continues {
                 break;
             }
         }

@@ -27,7 +27,7 @@ fn calibrated(task: &str, truth: &Machine, seed: u64, conditions: &Conditions) -
 }
 
 /// Every identified term with its true value, µm, µrad or ppm.
-fn beside_truth(truth: &Machine, found: &Document) -> Vec<(String, f64, f64)> {
+fn with_truth(truth: &Machine, found: &Document) -> Vec<(String, f64, f64)> {
     let location = &truth.settings.location;
     let squareness = [("C0Y_urad", location.c0y), ("B0Z_urad", location.b0z), ("A0Z_urad", location.a0z)];
     let known = |(key, value): (&str, f64)| Some((key.to_owned(), *found.location.get(key)?, 1e6 * value));
@@ -57,7 +57,7 @@ fn terms_come_back() {
             let truth = random_machine(seed, &STRAIGHT);
             let found = calibrated(&straight(task), &truth, seed, &well_set_up);
             assert!(found.sigma_um < 1e-3, "{name}, machine {seed}: {} µm are left", found.sigma_um);
-            for (term, value, there) in beside_truth(&truth, &found) {
+            for (term, value, there) in with_truth(&truth, &found) {
                 assert!((value - there).abs() < most, "{name}, machine {seed}: {term} {value} for {there}");
             }
         }
@@ -72,7 +72,7 @@ fn misaligned_artefacts_give_the_same_result() {
     {
         let truth = random_machine(6, &STRAIGHT);
         let found = calibrated(&straight(task), &truth, 6, &Conditions { askew_urad, ..Conditions::EXACT });
-        for (term, value, there) in beside_truth(&truth, &found) {
+        for (term, value, there) in with_truth(&truth, &found) {
             assert!((value - there).abs() < most, "{name}: {term} {value} for {there}");
         }
     }
@@ -109,8 +109,7 @@ fn scale_of_a_gauge(um: &str, ppm: &str) -> [f64; 2] {
     for seed in 0..100 {
         let truth = random_machine(2 * seed, &STRAIGHT);
         let found = calibrated(&task, &truth, 2 * seed, &conditions);
-        let (_, value, there) =
-            beside_truth(&truth, &found).into_iter().find(|(term, ..)| term == "scale of X").unwrap();
+        let (_, value, there) = with_truth(&truth, &found).into_iter().find(|(term, ..)| term == "scale of X").unwrap();
         squares += (value - there).powi(2) / 100.0;
         stated = found.standard_errors["X"]["scale_ppm"];
     }

@@ -179,16 +179,16 @@ fn a_spindle_that_stops_in_mid_revolution_freezes_the_correction() {
     assert!(watched.seen_between(24.4, 25.0).has(GaugeFlags::STOPPED));
     assert_eq!(watched.run.counts.discarded, 1);
     // At standstill the infeed is constant and non-zero.
-    let standing: Vec<_> = watched.cycles.iter().filter(|c| c.3.has(GaugeFlags::STOPPED)).collect();
-    let [first, .., last] = standing[..] else { panic!("it must have stopped") };
-    assert!(standing.len() > 2000 && first.4 == last.4);
+    let stopped: Vec<_> = watched.cycles.iter().filter(|c| c.3.has(GaugeFlags::STOPPED)).collect();
+    let [first, .., last] = stopped[..] else { panic!("it must have stopped") };
+    assert!(stopped.len() > 2000 && first.4 == last.4);
     assert!((first.1 - last.1).abs() < 0.02 && first.1.abs() > 0.05, "{} {}", first.1, last.1);
     assert!((first.2 - last.2).abs() < 0.02);
     watched.recovers(&grinding);
 }
 
 #[test]
-fn a_missing_index_freezes_the_table_and_the_correction_goes_on_by_count() {
+fn a_missing_index_freezes_the_table_and_the_correction_continues_by_count() {
     let grinding = Grinding { events: vec![Event::MissingIndex { turn: 24 }], ..grinding(44, |_| {}) };
     let watched = watch(&grinding);
     assert!(watched.seen_between(24.0, 24.5).has(GaugeFlags::INDEX_MISSING));
@@ -203,7 +203,7 @@ fn a_missing_index_freezes_the_table_and_the_correction_goes_on_by_count() {
 }
 
 #[test]
-fn a_probe_that_is_knocked_off_freezes_the_table_and_the_correction_goes_on() {
+fn a_probe_that_is_knocked_off_freezes_the_table_and_the_correction_continues() {
     let events = vec![Event::ProbeOut { probe: 1, at: 24.2, turns: 2.3 }];
     let grinding = Grinding { events, ..grinding(44, |_| {}) };
     let watched = watch(&grinding);

@@ -6,7 +6,7 @@ use anyhow::{Result, anyhow};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use trueaxis::contour::{ContourSearch, Method};
-use trueaxis_evaluation::path::{Alive, Foot, PathFile, Standing};
+use trueaxis_evaluation::path::{Alive, Foot, PathFile, StuckAxis};
 use trueaxis_tables::text::read_text;
 
 pub(crate) const HELP: &str = "\
@@ -78,8 +78,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
         let Foot { segment, u, error_um, vector_um: [ex, ey, ez], evaluations, bracketed, .. } = foot;
         out.put(format_args!("{segment},{u},{error_um},{ex},{ey},{ez},{evaluations},{bracketed}\n"))?;
     }
-    alive.check().map_err(|standing| {
-        actual.error(standing.row as u32, COLUMNS[2 + standing.axis].name, standing.found, Standing::NEEDED)
+    alive.check().map_err(|stuck| {
+        actual.error(stuck.row as u32, COLUMNS[2 + stuck.axis].name, stuck.found, StuckAxis::NEEDED)
     })?;
     out.finish()
 }

@@ -150,7 +150,7 @@ fn a_closed_pipe_is_no_panic() {
 
 /// Inputs that would take gigabytes are refused, with their line, before any allocation.
 #[test]
-fn paths_without_end_are_refused_at_once() {
+fn paths_without_end_are_refused_immediately() {
     let directory = Folder::new(TRUEAXIS);
     directory.write("a.csv", "segment,u,x_mm,y_mm,z_mm\n0,0.5,5,0,0\n");
     let line = |from: f64, to: f64| format!("{{\"type\":\"line\",\"start\":[{from},0,0],\"end\":[{to},0,0]}}");

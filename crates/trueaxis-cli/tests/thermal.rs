@@ -122,8 +122,8 @@ fn bad_records_are_refused_with_line_and_figure_and_nothing_is_written() {
 fn missing_rows_are_reported_with_their_line_and_duplicates_refused() {
     let folder = Folder::new(TRUEAXIS);
     let good = record();
-    let without = |gone: &[usize]| {
-        let kept = good.lines().enumerate().filter(|(k, _)| !gone.contains(&(k + 1)));
+    let without = |removed: &[usize]| {
+        let kept = good.lines().enumerate().filter(|(k, _)| !removed.contains(&(k + 1)));
         kept.fold(String::new(), |text, (_, line)| text + line + "\n")
     };
     let fit = |file: &str| folder.json(&["thermal", "fit", file, "--json"])["missing"].clone();

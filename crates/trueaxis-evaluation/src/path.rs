@@ -2,7 +2,7 @@
 
 mod foot;
 
-pub use foot::{Alive, Foot, NotOnPath, Standing};
+pub use foot::{Alive, Foot, NotOnPath, StuckAxis};
 
 use anyhow::{Result, anyhow, bail};
 use serde::Deserialize;

@@ -183,11 +183,11 @@ impl Followed {
 
     /// Where the position did not change, and the travel of its command there, mm: eight readings and a fifth of those over
     /// which the command moved, over at least 0.02 mm and four steps of its resolution.
-    pub fn standing(&self) -> Option<(Stuck, f64)> {
+    pub fn stuck(&self) -> Option<(Stuck, f64)> {
         let (stuck, way) = (self.widest.stuck, self.widest.way());
-        let stood = stuck.count >= LEAST && 5 * stuck.count >= self.moving;
+        let is_long = stuck.count >= LEAST && 5 * stuck.count >= self.moving;
         let steps = if self.resolution.is_finite() { HELD_STEPS * self.resolution } else { 0.0 };
-        (stood && way > HELD_MM.max(steps)).then_some((stuck, way))
+        (is_long && way > HELD_MM.max(steps)).then_some((stuck, way))
     }
 }
 
@@ -277,7 +277,7 @@ mod tests {
     }
 
     #[test]
-    fn a_reading_that_its_command_leaves_behind_stands_still_and_one_at_rest_does_not() {
+    fn a_reading_that_its_command_leaves_behind_is_stuck_and_one_at_rest_is_not() {
         let command: Vec<f64> = (0..40).map(|k| if k < 12 { 0.0 } else { f64::from(k) }).collect();
         assert_eq!(left_behind(&command, &command), None);
         let mut reading = command.clone();
@@ -286,13 +286,13 @@ mod tests {
     }
 
     #[test]
-    fn a_position_that_its_command_leaves_behind_stands_still_and_one_that_rests_or_is_coarse_does_not() {
-        let standing = |rows: &[[f64; 2]]| {
+    fn a_position_that_its_command_leaves_behind_is_stuck_and_one_that_rests_or_is_coarse_is_not() {
+        let stuck = |rows: &[[f64; 2]]| {
             let mut followed = Followed::default();
             rows.iter().enumerate().for_each(|(row, [command, reading])| followed.put(row, *command, *reading));
-            followed.standing()
+            followed.stuck()
         };
-        let along = |of: &dyn Fn(f64) -> [f64; 2]| standing(&(0..400).map(|k| of(f64::from(k))).collect::<Vec<_>>());
+        let along = |of: &dyn Fn(f64) -> [f64; 2]| stuck(&(0..400).map(|k| of(f64::from(k))).collect::<Vec<_>>());
         // A square: each axis rests on two of its sides.
         let square = |k: f64| (0.1 * k).min(10.0) - (0.1 * (k - 200.0)).clamp(0.0, 10.0);
         assert_eq!(along(&|k| [square(k), square(k) + 0.003]), None);

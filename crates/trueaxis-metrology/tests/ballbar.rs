@@ -396,8 +396,8 @@ fn machine(leaves: Leaves, angles_deg: &[f64], seed: u64) -> (f64, Vec<Reading>,
                 let since = (d * (angle_deg - 90.0 * axis as f64)).rem_euclid(360.0);
                 let way = if since == 0.0 || since > 180.0 { 1.0 } else { -1.0 };
                 let after = if since == 0.0 || since == 180.0 { PI } else { since.rem_euclid(180.0).to_radians() };
-                let come = radius * (1.0 - after.cos());
-                off[axis] -= way * (come.min(backlash[axis]) - 0.5 * backlash[axis]);
+                let travelled = radius * (1.0 - after.cos());
+                off[axis] -= way * (travelled.min(backlash[axis]) - 0.5 * backlash[axis]);
                 outward += along.abs() * spikes[axis][(after / PI * 40_000.0) as usize];
             }
             let tip = [(radius + outward) * cos + off[0] + centre[0], (radius + outward) * sin + off[1] + centre[1]];

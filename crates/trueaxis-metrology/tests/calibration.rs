@@ -113,7 +113,7 @@ fn residuals_are_divided_by_the_degrees_of_freedom() {
 
 /// A plate of 300 mm tilted by 10 mrad about each direction keeps its length: ½ θ² would be 50 ppm.
 #[test]
-fn a_plate_askew_is_no_longer() {
+fn a_tilted_plate_keeps_its_length() {
     let free = |start| Unknown { start, uncertainty: None };
     let mut unknowns = vec![free(0.0), Unknown { start: 3.0, uncertainty: Some(1e-9) }];
     unknowns.extend([0.0; 6].map(free));

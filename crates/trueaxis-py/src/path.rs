@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::{Path as FilePath, PathBuf};
 use trueaxis::contour::{ContourSearch, Method};
-use trueaxis_evaluation::path::{Alive, PathFile, ProgrammedPath, Standing};
+use trueaxis_evaluation::path::{Alive, PathFile, ProgrammedPath, StuckAxis};
 use trueaxis_tables::text::read_text;
 
 /// A programmed path of lines, arcs and NURBS.
@@ -113,8 +113,8 @@ impl Path {
             feet.evaluations.push(found.evaluations.into());
             feet.bracketed.push(found.bracketed);
         }
-        alive.check().map_err(|Standing { row, axis, found }| {
-            anyhow!("actual[{row}, {axis}]: found {found}, needed {}", Standing::NEEDED)
+        alive.check().map_err(|StuckAxis { row, axis, found }| {
+            anyhow!("actual[{row}, {axis}]: found {found}, needed {}", StuckAxis::NEEDED)
         })?;
         Ok(feet)
     }

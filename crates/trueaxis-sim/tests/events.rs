@@ -114,7 +114,7 @@ fn events_act_from_their_cycle_on() {
 }
 
 #[test]
-fn an_exchange_is_led_over_and_ends_where_the_other_tables_lead() {
+fn an_exchange_ramps_over_and_ends_at_the_correction_of_the_other_tables() {
     let corrections = |scenario: Scenario| {
         let mut run = Run::of(scenario, &[Kind::Compensated]).unwrap();
         let mut corrections = Vec::new();

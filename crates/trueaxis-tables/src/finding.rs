@@ -322,7 +322,7 @@ pub fn record_number(bytes: &[u8]) -> String {
 }
 
 /// Keys that accompany a key: its standard uncertainty and the degrees of freedom of that.
-pub(crate) fn beside(key: &str) -> [String; 2] {
+pub(crate) fn uncertainty_keys(key: &str) -> [String; 2] {
     let (path, last) = key.rsplit_once('.').unwrap_or(("", key));
     let section = if path == "location" { String::from("uncertainty.location") } else { format!("{path}.uncertainty") };
     // All values of a drive or of friction come from one fit.
@@ -352,7 +352,7 @@ pub(crate) fn number(document: &dyn TableLike, key: &str) -> Option<f64> {
 
 /// The value that a document states for a finding.
 pub(crate) fn stated(document: &dyn TableLike, finding: &Finding) -> Option<Known> {
-    let [uncertainty_key, degrees_key] = beside(&finding.key);
+    let [uncertainty_key, degrees_key] = uncertainty_keys(&finding.key);
     let section = uncertainty_key.rsplit_once('.').map_or("", |(section, _)| section);
     let uncertainty = number(document, &uncertainty_key);
     // A key with an uncertainty but no value counts as zero: an omitted location error, or the residual of a table.

@@ -393,8 +393,8 @@ fn bytes_that_are_no_text_and_missing_files() {
     assert_eq!((error.line, error.needed.as_str()), (Some(3), "text in UTF-8"));
     fs::write(bad.path().join("machine.toml"), b"\n\xc3").unwrap();
     assert_eq!(Machine::read(bad.path()).unwrap_err().line, Some(2));
-    let gone = Machine::read(&bad.path().join("nowhere")).unwrap_err();
-    assert_eq!((gone.line, gone.needed.as_str()), (None, "a readable file"));
+    let missing = Machine::read(&bad.path().join("nowhere")).unwrap_err();
+    assert_eq!((missing.line, missing.needed.as_str()), (None, "a readable file"));
 }
 
 #[test]

@@ -160,7 +160,7 @@ fn the_bytes_are_those_documented() {
 
 /// Servo settings, each with a distinct value, are in the documented order.
 #[test]
-fn servo_settings_stand_where_documented() {
+fn servo_settings_are_where_documented() {
     let plain = compile(&crate::small_machine::machine()).unwrap();
     let mut machine = crate::small_machine::machine();
     let limits = Limits { magnitude: 0.04, slope_per_s: 0.8, acceleration_per_s2: 150.0 };

@@ -255,7 +255,7 @@ impl<R: Real> Limiter<R> {
 /// ```text
 /// B = v²/2 · (1/A + 1/0.8A)     t = v (1/A + 1/0.8A)  + (|way| − B)/V where v = V, B < |way|
 /// ```
-pub fn lead_in_s(limits: &Limits, way: f64) -> f64 {
+pub fn ramp_in_s(limits: &Limits, way: f64) -> f64 {
     let (way, top) = (way.abs(), limits.slope_per_s);
     let both = (1.0 + 1.0 / APPROACH) / limits.acceleration_per_s2;
     let ramps = 0.5 * top * top * both;

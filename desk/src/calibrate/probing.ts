@@ -46,7 +46,7 @@ export abstract class Probing {
   protected log: Log | undefined;
   protected planned: Planned | undefined;
   /** Files that the task names beside the machine's. */
-  private beside: Files = {};
+  private named: Files = {};
   private latest = 0;
   protected readonly task;
   private readonly about = el("p", { role: "status" });
@@ -124,7 +124,7 @@ export abstract class Probing {
     this.name = name;
     this.task.value = task;
     this.own = this.log = undefined;
-    this.beside = {};
+    this.named = {};
     void this.work();
   }
 
@@ -145,7 +145,7 @@ export abstract class Probing {
     for (const [name, content] of texts) {
       const named = (of: string | undefined) => of?.includes(`"${name}"`);
       if (name === DESCRIPTION || named(machine)) files[name] = content;
-      else if (tasks.some(named)) this.beside[name] = content;
+      else if (tasks.some(named)) this.named[name] = content;
       else if (name.endsWith(".toml")) [this.name, this.task.value] = [name, content];
       else if (!this.takes(name, content)) this.log = { name, text: content };
     }
@@ -169,7 +169,7 @@ export abstract class Probing {
   protected async work(): Promise<void> {
     const turn = ++this.latest;
     this.into.begin();
-    const files = JSON.stringify({ ...(this.own ?? this.desk.machine.files), ...this.beside });
+    const files = JSON.stringify({ ...(this.own ?? this.desk.machine.files), ...this.named });
     const task = this.task.value;
     try {
       const planned = JSON.parse(await this.desk.bench.call(this.words.plan, files, this.name, task)) as Planned;

@@ -102,11 +102,11 @@ export class Plot {
   show(index: number | null): void {
     const together = groups.get(this.options.sync ?? "") ?? [this];
     const length = this.data[0]?.length;
-    for (const plot of together) if (plot.root.isConnected && plot.data[0]?.length === length) plot.stand(index);
+    for (const plot of together) if (plot.root.isConnected && plot.data[0]?.length === length) plot.moveCursor(index);
   }
 
   /** The cursor at a row, whichever the pixel next to it belongs to. */
-  private stand(index: number | null): void {
+  private moveCursor(index: number | null): void {
     const x = index === null ? undefined : this.data[0]?.[index];
     if (this.plot && x !== null && x !== undefined) {
       // Not published to other plots: uPlot's types omit the last parameter.

@@ -88,12 +88,12 @@ export class Source {
       number("Turns each way", "", circles.turns, (turns) => (circles.turns = turns)),
     ];
     this.plant = PLANT.map(([key, label, unit]) => {
-      const standing = setting(usual, key);
-      const field = number(label, unit, standing, (value) => {
-        if (value === standing) delete circles.set[key];
+      const usualValue = setting(usual, key);
+      const field = number(label, unit, usualValue, (value) => {
+        if (value === usualValue) delete circles.set[key];
         else circles.set[key] = value;
       });
-      return { field, key, usual: standing };
+      return { field, key, usual: usualValue };
     });
     this.buttons = {
       simulate: button("Simulate a record", () => events.simulate()),

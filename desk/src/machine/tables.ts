@@ -146,12 +146,12 @@ export class Tables {
 
   private move(column: string, row: number, value: number, gesture: number): Promise<void> {
     const axis = this.chosen.axis;
-    const also = this.both.input.checked ? this.beside(column, row, value) : [];
+    const also = this.both.input.checked ? this.otherDirection(column, row, value) : [];
     return this.editor.apply({ change: "point", axis, column, row, value, also }, `${column}, row ${row + 1}: ${value} ${this.unit()}`, `${axis} ${column} ${row} ${gesture}`);
   }
 
   /** The other direction, moved by the same amount. */
-  private beside(column: string, row: number, value: number): [string, number][] {
+  private otherDirection(column: string, row: number, value: number): [string, number][] {
     const table = this.axis?.table;
     const at = (name: string) => table?.rows[row]?.[table.columns.findIndex((one) => one.name === name)] ?? 0;
     const by = value - at(column);

@@ -48,7 +48,7 @@ export class Scope {
         pace: (pace) => (this.runner.pace = pace),
         act: (what, after, at) => guard(this.act(`${what}@${when(at)}${after}`)),
         exchange: (source, at) => guard(this.exchange(source, when(at))),
-        remove: (gone) => this.remove(gone),
+        remove: (act) => this.remove(act),
         program: (program) => this.take({ ...this.controls.setup, program }),
         taken,
         failed: desk.fail,
@@ -109,17 +109,17 @@ export class Scope {
   /** Opens the run of the present setup, at its beginning; one after the other; stale requests are skipped. */
   private reopen(files?: Files): Promise<void> {
     const ticket = ++this.opening;
-    const stands = () => ticket === this.opening;
-    const next = this.queue.catch(() => undefined).then(() => (stands() ? this.opened(files ?? this.desk.machine.files, stands) : undefined));
+    const isCurrent = () => ticket === this.opening;
+    const next = this.queue.catch(() => undefined).then(() => (isCurrent() ? this.opened(files ?? this.desk.machine.files, isCurrent) : undefined));
     this.queue = next;
     return next;
   }
 
-  private async opened(files: Files, stands: () => boolean): Promise<void> {
+  private async opened(files: Files, isCurrent: () => boolean): Promise<void> {
     const { setup } = this.controls;
     await this.controls.machine(files);
     const { description, path } = await this.runner.open(request(setup, files));
-    if (!stands()) return;
+    if (!isCurrent()) return;
     this.files = files;
     this.screen.open(description, path, setup);
     this.desk.clear();
@@ -162,9 +162,9 @@ export class Scope {
     await this.act(`exchange:${name}@${when}`, files);
   }
 
-  private remove(gone: string): void {
+  private remove(removed: string): void {
     const { setup } = this.controls;
-    this.controls.setup = { ...setup, acts: setup.acts.filter((act) => act !== gone) };
+    this.controls.setup = { ...setup, acts: setup.acts.filter((act) => act !== removed) };
     this.changed("acts");
     this.refresh();
   }

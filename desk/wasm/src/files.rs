@@ -71,7 +71,7 @@ pub(crate) fn given<'b>(names: &str, bytes: &'b [u8]) -> Result<Vec<Given<'b>>> 
 ///
 /// # Errors
 /// There is no machine or more than one among the files; all errors of reading, with file, line and column.
-pub(crate) fn taken(standing: &Texts, given: &[Given<'_>]) -> Result<Taken> {
+pub(crate) fn taken(current: &Texts, given: &[Given<'_>]) -> Result<Taken> {
     if let [(name, bytes)] = given
         && has_ending(name, "tcomp")
     {
@@ -79,7 +79,7 @@ pub(crate) fn taken(standing: &Texts, given: &[Given<'_>]) -> Result<Taken> {
     }
     match description(given)? {
         Some(description) => folder(description, given),
-        None => joined(standing, given),
+        None => joined(current, given),
     }
 }
 
@@ -162,12 +162,12 @@ fn relative(name: &Path, folder: &Path) -> PathBuf {
 }
 
 /// Replaces the machine's files of the same name, and adds measurements.
-fn joined(standing: &Texts, given: &[Given<'_>]) -> Result<Taken> {
+fn joined(current: &Texts, given: &[Given<'_>]) -> Result<Taken> {
     if given.is_empty() {
         bail!("found no files, needed a folder with a {DESCRIPTION}, its tables, or a .tcomp");
     }
     let mut files: BTreeMap<PathBuf, &[u8]> =
-        standing.iter().map(|(name, text)| (PathBuf::from(name), text.as_bytes())).collect();
+        current.iter().map(|(name, text)| (PathBuf::from(name), text.as_bytes())).collect();
     for (name, bytes) in given {
         let own = PathBuf::from(name.file_name().unwrap_or(name.as_os_str()));
         let names = || files.keys().map(|name| name.display().to_string()).collect::<Vec<_>>().join(" ");

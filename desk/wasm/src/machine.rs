@@ -45,15 +45,15 @@ pub fn machine_sample(name: &str) -> Result<String, Refused> {
     to_js(samples::sample(name).and_then(|files| json(&files)))
 }
 
-fn from_files(standing: &str, names: &str, bytes: &[u8]) -> Result<Taken> {
-    taken(&texts(standing)?, &given(names, bytes)?)
+fn from_files(current: &str, names: &str, bytes: &[u8]) -> Result<Taken> {
+    taken(&texts(current)?, &given(names, bytes)?)
 }
 
 /// Reads a machine from dropped files, `{"name", "files", "notes"}`: a folder, a `.tcomp`, or files that replace or join the
 /// current ones. `names` are paths and lengths, `[["mill/x.csv", 1234], …]`, of files whose bytes are concatenated.
 #[wasm_bindgen]
-pub fn machine_from_files(standing: &str, names: &str, bytes: &[u8]) -> Result<String, Refused> {
-    to_js(from_files(standing, names, bytes).and_then(|taken| json(&taken)))
+pub fn machine_from_files(current: &str, names: &str, bytes: &[u8]) -> Result<String, Refused> {
+    to_js(from_files(current, names, bytes).and_then(|taken| json(&taken)))
 }
 
 fn to_tcomp(files: &str, rate_hz: f64) -> Result<Vec<u8>> {
@@ -123,10 +123,10 @@ mod tests {
         serde_json::to_string(&samples::sample(name).unwrap()).unwrap()
     }
 
-    fn dropped(standing: &str, files: &[(&str, &[u8])]) -> Result<Taken> {
+    fn dropped(current: &str, files: &[(&str, &[u8])]) -> Result<Taken> {
         let names: Vec<(&str, usize)> = files.iter().map(|(name, bytes)| (*name, bytes.len())).collect();
         let bytes: Vec<u8> = files.iter().flat_map(|(_, bytes)| bytes.iter().copied()).collect();
-        from_files(standing, &serde_json::to_string(&names).unwrap(), &bytes)
+        from_files(current, &serde_json::to_string(&names).unwrap(), &bytes)
     }
 
     #[test]
@@ -145,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn tables_beside_the_folder_keep_their_place() {
+    fn tables_outside_the_folder_keep_their_place() {
         let text = "name = \"m\"\nchain = \"w X' b t\"\n[axis.X]\ntable = \"../shared/x.dat\"\n";
         let table = "X_mm;EXX_um\n# f\u{fc}r alle\n0;1,5\n10;2\n";
         let latin: Vec<u8> = table.chars().map(|letter| letter as u8).collect();

@@ -15,7 +15,7 @@ mod page;
 
 pub use page::page;
 
-use crate::calibration::artefacts::{SetUp, stand};
+use crate::calibration::artefacts::{SetUp, placed};
 use anyhow::{Result, anyhow};
 use drifting::Drifting;
 use glam::DVec3;
@@ -114,7 +114,8 @@ pub struct Outcome {
     /// Largest velocity or acceleration of the correction after an exchange, as a share of its limit.
     pub of_limits: f64,
     /// Longest time until new tables were followed, s; `None` if those of any exchange never were.
-    pub longest_led_in_s: Option<f64>,
+    #[serde(rename = "longest_led_in_s")]
+    pub longest_ramp_in_s: Option<f64>,
 }
 
 /// The machine as the loop knows it.
@@ -132,22 +133,22 @@ struct Bench<'s> {
     nominal: Machine,
     plan: Plan,
     program: String,
-    standing: Vec<Artefact>,
+    artefacts: Vec<Artefact>,
 }
 
 impl Bench<'_> {
     /// Probes the true machine while the known tables correct it.
     fn log(&self, truth: &Machine, known: &Machine, parts: u32) -> Result<String> {
-        let mut standing = self.standing.clone();
+        let mut artefacts = self.artefacts.clone();
         if let (Some(Artefact::Ball { centre, .. }), true) =
-            (standing.first_mut(), self.shift.hit.is_some_and(|hit| parts >= hit))
+            (artefacts.first_mut(), self.shift.hit.is_some_and(|hit| parts >= hit))
         {
             centre.y += HIT_MM;
         }
         let probing = Probing {
             machine: truth.clone(),
             known: Some(known.clone()),
-            set_ups: vec![standing],
+            set_ups: vec![artefacts],
             tip_radius_mm: self.keep.task.probe.tip_radius_mm,
             pre_travel_mm: 0.008,
             lobes_mm: 0.0003,
@@ -267,16 +268,16 @@ impl Shift {
         let plan = plan(&keep, &nominal)?;
         let mut dice = ChaCha8Rng::seed_from_u64(self.seed ^ 0xba11);
         let mut normal = || -> f64 { StandardNormal.sample(&mut dice) };
-        let standing = stand(&keep.task, &nominal, SetUp { misplaced_mm: 0.3, askew: 5e-4 }, &mut normal)?;
+        let set_ups = placed(&keep.task, &nominal, SetUp { misplaced_mm: 0.3, askew: 5e-4 }, &mut normal)?;
         // All artefacts are on the machine at once.
         let mut all: Vec<Artefact> = Vec::new();
-        standing.into_iter().flatten().for_each(|one| {
+        set_ups.into_iter().flatten().for_each(|one| {
             if !all.contains(&one) {
                 all.push(one);
             }
         });
         let program = program(&keep.task, &nominal, &plan);
-        let bench = Bench { shift: self, keep, nominal, plan, program, standing: all };
+        let bench = Bench { shift: self, keep, nominal, plan, program, artefacts: all };
         self.over(&bench, &drifting, &started, done)
     }
 
@@ -310,7 +311,7 @@ impl Outcome {
         let most = |take: fn(&Part) -> f64| parts.iter().map(take).fold(0.0, f64::max);
         let exchanges = || reprobings.iter().filter_map(|reprobing| reprobing.exchanged.as_ref());
         let largest = |take: fn(&Exchanged) -> f64| exchanges().map(take).fold(0.0, f64::max);
-        let led_in: Option<Vec<f64>> = exchanges().map(|exchanged| exchanged.led_in_s).collect();
+        let ramp_in: Option<Vec<f64>> = exchanges().map(|exchanged| exchanged.ramp_in_s).collect();
         Outcome {
             machine: machine.settings.name.to_string(),
             rms_um: [rms(|part| part.without_um[0]), rms(|part| part.with_um[0])],
@@ -323,7 +324,7 @@ impl Outcome {
             largest_difference_um: 1e3 * largest(|exchanged| exchanged.difference),
             largest_step_um: 1e3 * largest(|exchanged| exchanged.largest_step),
             of_limits: largest(|exchanged| exchanged.of_limits),
-            longest_led_in_s: led_in.map(|times| times.into_iter().fold(0.0, f64::max)),
+            longest_ramp_in_s: ramp_in.map(|times| times.into_iter().fold(0.0, f64::max)),
             parts,
             reprobings,
         }

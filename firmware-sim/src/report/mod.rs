@@ -69,12 +69,12 @@ pub fn write(report: &Report, directory: &Path) -> io::Result<PathBuf> {
 }
 
 /// Writes a page and its accompanying files, all or nothing; creates the folder if needed.
-fn write_page(directory: &Path, name: &str, page: &str, beside: Vec<(String, String)>) -> io::Result<PathBuf> {
+fn write_page(directory: &Path, name: &str, page: &str, accompanying: Vec<(String, String)>) -> io::Result<PathBuf> {
     let mut outputs = Outputs::default();
     let file = directory.join(name);
     let write = |outputs: &mut Outputs| {
         outputs.folder(directory)?;
-        for (name, text) in &beside {
+        for (name, text) in &accompanying {
             outputs.put(&directory.join(name), text.as_bytes())?;
         }
         outputs.put(&file, page.as_bytes())

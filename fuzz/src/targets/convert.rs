@@ -181,7 +181,7 @@ fn run(input: &[u8]) {
     accepted();
     saw((whole, spans.len().checked_ilog2()));
     exact(&shape, &spans);
-    if let Some(span) = spans.first().filter(|span| !span.stands()) {
+    if let Some(span) = spans.first().filter(|span| !span.is_stationary()) {
         foot(&spans, span.position(0.5));
     }
 }
@@ -195,7 +195,7 @@ fn exact(shape: &Shape, spans: &[Span<f64, f64>]) {
         let [first, last] = span.u_range();
         // Equal if the parameter has no finer steps.
         assert!(first <= last, "a span from {first} to {last}");
-        assert!(span.length().is_finite() && (span.length() > 0.0 || span.stands()));
+        assert!(span.length().is_finite() && (span.length() > 0.0 || span.is_stationary()));
         // A parameter is no finer than the floating-point numbers near it; with only a few steps it does not identify a point
         // on the span.
         let step = (f64::EPSILON * first.abs().max(last.abs())).max(f64::from_bits(1)) / (last - first);
@@ -223,8 +223,8 @@ fn exact(shape: &Shape, spans: &[Span<f64, f64>]) {
 fn foot(spans: &[Span<f64, f64>], on: [f64; 3]) {
     let search = ContourSearch::new(0.5, Method::Guarded).expect("a window of half a millimetre");
     let path = Path::new(spans, 0, false);
-    let beside = [on[0] + 0.003, on[1] - 0.004, on[2] + 0.012];
-    let found = search.nearest(&path, Reference { span: 0, t: 0.5 }, beside);
+    let nearby = [on[0] + 0.003, on[1] - 0.004, on[2] + 0.012];
+    let found = search.nearest(&path, Reference { span: 0, t: 0.5 }, nearby);
     let scale = on.iter().fold(1.0_f64, |scale, x| scale.max(x.abs()));
     assert!(found.error.is_finite() && found.lag.is_finite() && (0.0..=1.0).contains(&found.t), "{found:?}");
     assert!(found.error <= 0.013 + 1e-9 * scale, "{} mm away, and 0.013 mm from a point of the path", found.error);

@@ -39,7 +39,7 @@ pub(super) struct AxisFacts<P> {
     /// Limits of the dynamic correction.
     pub dynamic: Bounds,
     /// Acceleration limit of the geometric correction beside a dynamic one.
-    pub lead_a: f64,
+    pub ramp_a: f64,
     /// Declared travel.
     pub travel: [P; 2],
     /// Range of the joint.
@@ -161,7 +161,7 @@ impl<P: Position> AxisFacts<P> {
             present: true,
             sum,
             dynamic: Bounds::of(&dynamic.limits, period_s),
-            lead_a: sum.a.min(braking),
+            ramp_a: sum.a.min(braking),
             travel: settings.travel.map(|end| P::nearest(end.clamp(-1e9, 1e9))),
             joint: settings.joint.map(P::nearest),
             command_jump: jump,
@@ -191,7 +191,7 @@ impl<P: Position> AxisFacts<P> {
             present: false,
             sum: any,
             dynamic: Bounds::of(&DynamicSettings::with_defaults(Axis::X).limits, period_s),
-            lead_a: 1e-3,
+            ramp_a: 1e-3,
             travel: [-1e9, 1e9].map(P::nearest),
             joint: [f64::MIN, f64::MAX].map(P::nearest),
             command_jump: f64::INFINITY,

@@ -23,9 +23,9 @@ const HEAD: usize = 16 << 10;
 /// Bytes read and discarded after the head: closing a connection with unread bytes can discard the answer too.
 const BEHIND: u64 = 64 << 10;
 /// Time limit for receiving a request.
-const TO_COME: Duration = Duration::from_secs(10);
+const RECEIVE_TIMEOUT: Duration = Duration::from_secs(10);
 /// Time limit for sending the answer.
-const TO_GO: Duration = Duration::from_secs(60);
+const SEND_TIMEOUT: Duration = Duration::from_secs(60);
 
 /// Serves the page at `port`; without one, at the usual port or, if that is taken, at any free one.
 pub(super) fn serve(port: Option<u16>) -> Result<()> {
@@ -80,12 +80,12 @@ fn accept(listener: &TcpListener, port: u16, plain: &Arc<[u8]>) {
 
 /// Handles one request. A client that disconnects or is too slow gets no answer.
 fn one(stream: &TcpStream, port: u16, plain: &[u8]) {
-    let mut of_client = Until { stream, end: Instant::now() + TO_COME };
+    let mut of_client = Until { stream, end: Instant::now() + RECEIVE_TIMEOUT };
     if let Ok(head) = head(&mut of_client) {
         let answer = head.map_or_else(|| answer::too_long(HEAD), |head| answer::to(&head, port, plain));
-        of_client.end = Instant::now() + TO_GO;
+        of_client.end = Instant::now() + SEND_TIMEOUT;
         if of_client.write_all(&answer).is_ok() && stream.shutdown(Shutdown::Write).is_ok() {
-            of_client.end = Instant::now() + TO_COME;
+            of_client.end = Instant::now() + RECEIVE_TIMEOUT;
             let _ = io::copy(&mut of_client.take(BEHIND), &mut io::sink());
         }
     }

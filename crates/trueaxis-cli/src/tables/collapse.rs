@@ -122,9 +122,9 @@ fn write(input: &Path, output: &Path, files: &[(String, String)]) -> Result<()> 
         bail!("--output: found {}, needed another folder than the machine's own", output.display());
     }
     let _alone = machine_folder::alone(output)?;
-    let standing = output.join("machine.toml");
-    if standing.exists() && !std::fs::read_to_string(&standing).is_ok_and(|text| text.starts_with(MARK)) {
-        bail!("--output: found {}, which is not from this command, needed another folder", standing.display());
+    let old = output.join("machine.toml");
+    if old.exists() && !std::fs::read_to_string(&old).is_ok_and(|text| text.starts_with(MARK)) {
+        bail!("--output: found {}, which is not from this command, needed another folder", old.display());
     }
     let mut outputs = Outputs::of(model::files(input));
     for (name, text) in files {

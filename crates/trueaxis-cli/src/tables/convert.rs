@@ -163,7 +163,7 @@ pub(super) fn export(format: Format, path: &Path, options: &ExportOptions, outpu
     let mut outputs = Outputs::of(model::files(path));
     let mut written = Vec::new();
     for (name, text) in &exported.files {
-        let file = if alone { output.to_path_buf() } else { beside(output, name) };
+        let file = if alone { output.to_path_buf() } else { file_of_axis(output, name) };
         outputs.put(&file, text.as_bytes())?;
         written.push(file);
     }
@@ -182,7 +182,7 @@ pub(super) fn export(format: Format, path: &Path, options: &ExportOptions, outpu
 }
 
 /// The file for one axis: `OUT.comp` and `x.comp` make `OUT-x.comp`.
-fn beside(output: &Path, name: &str) -> PathBuf {
+fn file_of_axis(output: &Path, name: &str) -> PathBuf {
     let stem = output.file_stem().map_or(String::new(), |s| s.to_string_lossy().into_owned());
     let part = Path::new(name).file_stem().map_or(String::new(), |s| s.to_string_lossy().into_owned());
     let ending = output.extension().map_or(String::new(), |e| format!(".{}", e.to_string_lossy()));

@@ -6,7 +6,7 @@ use std::process::Output;
 
 /// The disk is full at any byte: the refusal names the file, the old file remains, and no other file is left.
 #[test]
-fn a_file_that_may_not_grow_past_any_byte_is_refused_and_the_old_one_stands() {
+fn a_file_that_may_not_grow_past_any_byte_is_refused_and_the_old_one_stays() {
     if !has("prlimit") {
         return;
     }
@@ -33,7 +33,7 @@ fn a_file_that_may_not_grow_past_any_byte_is_refused_and_the_old_one_stands() {
 
 /// The signal of such a limit ends the process: the old file remains, and the next command cleans up.
 #[test]
-fn ended_by_the_signal_of_a_limit_the_old_file_stands_and_the_next_command_clears_up() {
+fn ended_by_the_signal_of_a_limit_the_old_file_stays_and_the_next_command_clears_up() {
     if !has("prlimit") {
         return;
     }

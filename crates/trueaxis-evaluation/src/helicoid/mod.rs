@@ -21,5 +21,5 @@ pub use grid::{MOST, Range, is_coarse};
 pub use job::Job;
 pub use machine::{Fit, adapted, fit};
 pub use request::{Passes, Request};
-pub use tool::{Singular, Stand, Tool};
+pub use tool::{BranchPose, Singular, Tool};
 pub use travel::{AxisReach, Beyond, Limits, Reach};

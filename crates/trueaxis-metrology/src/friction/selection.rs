@@ -137,8 +137,8 @@ pub(super) fn judge(axis: Axis, found: &Fit, free: &[usize], with_drive: bool) -
         return Err(Refused::RankShort { axis, rank: found.rank, of: free.len(), condition: found.condition });
     }
     let [value, error] = [found.values.0[COULOMB], found.errors[COULOMB]];
-    let stands_out = value > SIGNIFICANT * error;
-    if !stands_out {
+    let is_significant = value > SIGNIFICANT * error;
+    if !is_significant {
         return Err(Refused::NoFriction { axis, found_mm_per_s: value, standard_error_mm_per_s: error });
     }
     let circles = "circles of another radius or at another feed";

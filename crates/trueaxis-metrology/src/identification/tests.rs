@@ -27,8 +27,8 @@ fn moved(axis: Axis, angle: f64, ball: Ball, errors: &Twist) -> [f64; 3] {
         Axis::B => Rotation3::from_axis_angle(&Vector3::y_axis(), angle),
         _ => Rotation3::from_axis_angle(&Vector3::z_axis(), angle),
     };
-    let beside = if axis == Axis::B { Vector3::x() } else { Vector3::y() };
-    let centre = Point3::from(beside * ball.horizontal_mm - Vector3::z() * ball.vertical_mm);
+    let horizontal = if axis == Axis::B { Vector3::x() } else { Vector3::y() };
+    let centre = Point3::from(horizontal * ball.horizontal_mm - Vector3::z() * ball.vertical_mm);
     let error =
         Isometry3::from_parts(Translation3::new(x, y, z), UnitQuaternion::from_scaled_axis(Vector3::new(a, b, c)));
     (error * (turn * centre) - turn * centre).into()

@@ -56,9 +56,9 @@ pub(super) fn run(of: &Warming, bodies: &mut Bodies, shift: &Shift, found: &Fit,
         for t in (0..=SHIFT_S).step_by(STEP_S as usize) {
             if t.is_multiple_of(of.update_s) {
                 let readings = sensors.read();
-                let gone = |sensor: usize| of.fails == Some(sensor) && t >= SHIFT_S / 2;
+                let failed = |sensor: usize| of.fails == Some(sensor) && t >= SHIFT_S / 2;
                 let temperatures: Vec<Option<f64>> =
-                    found.sensors.iter().map(|&sensor| Some(readings[sensor]).filter(|_| !gone(sensor))).collect();
+                    found.sensors.iter().map(|&sensor| Some(readings[sensor]).filter(|_| !failed(sensor))).collect();
                 let now = Readings {
                     temperatures_c: &temperatures,
                     spindle_rpm: Some(shift.at(t).rpm),

@@ -2,7 +2,7 @@
 //!
 //! Each file is written beside its place, flushed to the disk and renamed, and its folder is flushed: a crash or a power
 //! failure at any moment leaves the old file or the new one, never a part. A file not yet renamed by then remains as
-//! `NAME.XXXXXX.trueaxis-tmp` ([`UNFINISHED`]); [`left_beside`] finds it, and the next command that writes NAME removes it.
+//! `NAME.XXXXXX.trueaxis-tmp` ([`UNFINISHED`]); [`leftovers`] finds it, and the next command that writes NAME removes it.
 //!
 //! All files of one command are on the disk before the first is renamed, and they are renamed in the order in which they were
 //! put. A crash between two renames leaves the first ones new and the rest old, each with its unfinished file beside it: if
@@ -29,7 +29,7 @@ mod left;
 mod staged;
 
 pub use alone::Alone;
-pub use left::{UNFINISHED, left_beside, left_notes};
+pub use left::{UNFINISHED, left_notes, leftovers};
 pub use staged::{Staged, write_atomically};
 
 use staged::{flush_folder, folder_of};

@@ -46,7 +46,7 @@ impl Staged {
             return Ok(Staged { target, to: To::Device(device) });
         }
         left::sweep(&target);
-        let file = beside(&target)?;
+        let file = temporary_file(&target)?;
         if let Some(old) = old {
             file.as_file().set_permissions(old.permissions())?;
         }
@@ -127,7 +127,7 @@ pub(super) fn flush_folder(folder: &Path) -> io::Result<()> {
 }
 
 /// A new temporary file beside its target, locked.
-fn beside(target: &Path) -> io::Result<NamedTempFile> {
+fn temporary_file(target: &Path) -> io::Result<NamedTempFile> {
     let mut prefix = target.file_name().ok_or(io::ErrorKind::InvalidInput)?.to_os_string();
     prefix.push(".");
     let mut builder = tempfile::Builder::new();

@@ -64,7 +64,7 @@ pub fn reversal<'r, T: Rows + ?Sized + 'r>(
         }
     }
     // Pairs in which a reversal of `from` may reverse `to` too, with the sign.
-    let mut leads = [[Leads::default(); AXES]; AXES];
+    let mut couplings = [[Coupling::default(); AXES]; AXES];
     let mut sums = [0.0; AXES];
     for ((to, axis), sum) in machine.axes.iter().enumerate().zip(&mut sums) {
         let into = |from: usize| steps.get(from).and_then(|steps| steps.get(to)).copied().unwrap_or_default();
@@ -75,26 +75,26 @@ pub fn reversal<'r, T: Rows + ?Sized + 'r>(
         if *sum <= axis.hysteresis {
             continue;
         }
-        for (from, leads) in leads.iter_mut().enumerate() {
+        for (from, couplings) in couplings.iter_mut().enumerate() {
             let [least, most] = into(from);
-            if let Some(leads) = leads.get_mut(to) {
-                *leads = Leads { same: most > NOTHING && from != to, opposite: least < -NOTHING };
+            if let Some(couplings) = couplings.get_mut(to) {
+                *couplings = Coupling { same: most > NOTHING && from != to, opposite: least < -NOTHING };
             }
         }
     }
     for by in 0..AXES {
         for from in 0..AXES {
             for to in 0..AXES {
-                let lead = |from: usize, to: usize| leads.get(from).and_then(|to_| to_.get(to)).copied();
-                let (Some(first), Some(second)) = (lead(from, by), lead(by, to)) else { continue };
-                if let Some(leads) = leads.get_mut(from).and_then(|leads| leads.get_mut(to)) {
-                    leads.add(first.then(second));
+                let coupling = |from: usize, to: usize| couplings.get(from).and_then(|to_| to_.get(to)).copied();
+                let (Some(first), Some(second)) = (coupling(from, by), coupling(by, to)) else { continue };
+                if let Some(couplings) = couplings.get_mut(from).and_then(|couplings| couplings.get_mut(to)) {
+                    couplings.add(first.then(second));
                 }
             }
         }
     }
     for ((index, axis), sum) in machine.axes.iter().enumerate().zip(sums) {
-        if leads.get(index).and_then(|leads| leads.get(index)).is_some_and(|leads| leads.opposite) {
+        if couplings.get(index).and_then(|couplings| couplings.get(index)).is_some_and(|couplings| couplings.opposite) {
             return Err(narrow(axis, "more than its correction steps against the travel at a reversal", sum));
         }
     }
@@ -107,21 +107,21 @@ fn narrow(axis: &AxisSettings, needed: &'static str, bound: f64) -> ConfigError 
 
 /// Directions in which a reversal can cause another one.
 #[derive(Clone, Copy, Default)]
-struct Leads {
+struct Coupling {
     same: bool,
     opposite: bool,
 }
 
-impl Leads {
-    fn then(self, next: Leads) -> Leads {
-        Leads {
+impl Coupling {
+    fn then(self, next: Coupling) -> Coupling {
+        Coupling {
             same: (self.same && next.same) || (self.opposite && next.opposite),
             opposite: (self.same && next.opposite) || (self.opposite && next.same),
         }
     }
 
-    fn add(&mut self, other: Leads) {
-        *self = Leads { same: self.same || other.same, opposite: self.opposite || other.opposite };
+    fn add(&mut self, other: Coupling) {
+        *self = Coupling { same: self.same || other.same, opposite: self.opposite || other.opposite };
     }
 }
 

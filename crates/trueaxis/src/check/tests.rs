@@ -51,7 +51,7 @@ fn chains_without_sense_are_refused_at_their_letter() {
 }
 
 #[test]
-fn a_rotary_axis_turns_what_stands_on_it() {
+fn a_rotary_axis_turns_what_it_carries() {
     let links = links("w C' A' Y' b X B Z t").unwrap();
     let turned = [Axis::C, Axis::Z];
     for link in &links {
@@ -391,10 +391,10 @@ fn lost_motion_of_a_rotary_axis_turns_no_other() {
         }
     };
     assert_eq!(reversal(&machine, of(a.leak(), c.leak()), &GridBounds::NONE), Ok(()));
-    let beside = lost([0.0, 0.0, 0.0, 30e-6, 0.0, 2e-6]);
-    let both = lost([0.0, 0.0, 0.0, 2e-6, 0.0, 30e-6]);
+    let a_with_c = lost([0.0, 0.0, 0.0, 30e-6, 0.0, 2e-6]);
+    let c_with_a = lost([0.0, 0.0, 0.0, 2e-6, 0.0, 30e-6]);
     assert_eq!(
-        reversal(&machine, of(beside.leak(), both.leak()), &GridBounds::NONE).unwrap_err().field,
+        reversal(&machine, of(a_with_c.leak(), c_with_a.leak()), &GridBounds::NONE).unwrap_err().field,
         Field::Hysteresis
     );
 }

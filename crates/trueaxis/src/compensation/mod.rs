@@ -15,7 +15,7 @@ pub mod trig;
 pub(crate) mod volumetric;
 
 pub(crate) use cells::{Cells, Source, Tables};
-pub(crate) use grid::{Beside, Grids, NearGrids};
+pub(crate) use grid::{CycleGrids, Grids, NearGrids};
 pub use nine::NineTerms;
 pub use query::Query;
 pub use reversal::{Direction, Reversal};

@@ -73,7 +73,7 @@ impl<P: Position> Reversal<P> {
     /// [`Reversal::update`] for a drive that moves on, or has moved back by no more than `within`, the band in steps
     /// rounded down: the direction stays. Otherwise changes nothing and returns `false`: only the full update can decide.
     #[inline(always)]
-    pub(crate) fn goes_on(&mut self, drive: P, within: P::Reach) -> bool {
+    pub(crate) fn continues(&mut self, drive: P, within: P::Reach) -> bool {
         let onward = if self.direction == Direction::POSITIVE {
             drive >= self.turning_point
         } else {

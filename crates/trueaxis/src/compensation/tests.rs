@@ -211,7 +211,7 @@ fn verdicts_agree<R: Real, P: Position>(seed: u64) {
             q += if noise.unit() < 0.5 { step } else { -step };
             let (drive, before) = (P::of(q), long.direction());
             let direction = long.update(drive, R::of(band));
-            if !short.goes_on(drive, within) {
+            if !short.continues(drive, within) {
                 short.update(drive, R::of(band));
             }
             assert_eq!((short, short.direction()), (long, direction), "{band} {q}");

@@ -136,7 +136,7 @@ impl<R: Real> Doubt<R> {
     ) -> Option<Found<R>> {
         let path = &on.path;
         let Some(left) = self.left else {
-            let after = beside_reference(on, max_lag, point, spent)?;
+            let after = minimum_on_reference_leg(on, max_lag, point, spent)?;
             if after.place.span == one.place.span {
                 // Both are on one span: the foot is the only one.
                 *self = Self::none();
@@ -159,8 +159,8 @@ impl<R: Real> Doubt<R> {
             return self.choose(on, window, max_lag, &before, one, lag);
         }
         // The minimum has moved to the neighbouring span, or the leg ends there.
-        let beside = if t < R::ZERO { (path.previous(left.span), R::ONE) } else { (path.next(left.span), R::ZERO) };
-        self.left = beside.0.filter(|span| *span != one.place.span).map(|span| Reference { span, t: beside.1 });
+        let neighbour = if t < R::ZERO { (path.previous(left.span), R::ONE) } else { (path.next(left.span), R::ZERO) };
+        self.left = neighbour.0.filter(|span| *span != one.place.span).map(|span| Reference { span, t: neighbour.1 });
         self.open = self.left.is_some();
         None
     }
@@ -242,7 +242,7 @@ fn minimum<R: Real, P: Position>(
 }
 
 /// Minimum on the leg that the reference is on.
-fn beside_reference<R: Real, P: Position>(
+fn minimum_on_reference_leg<R: Real, P: Position>(
     on: &OnPath<'_, R, P>,
     max_lag: R,
     point: impl Fn(&Span<R, P>) -> [R; 3],

@@ -181,12 +181,12 @@ impl<R: Real> ContourSearch<R> {
         if found.trusted && clear && near && alone {
             return self.report(state, path, reference, &Found::of(guess.span, &found), error, 2);
         }
-        self.beside(state, path, reference, point, guess, window, found)
+        self.general(state, path, reference, point, guess, window, found)
     }
 
     /// Continues where the kernel's foot is not clear: near a border, beyond it, not trusted, or beside another leg.
     #[inline(never)]
-    fn beside<P: Position>(
+    fn general<P: Position>(
         &self,
         state: &mut ContourState<R>,
         path: &Path<'_, R, P>,

@@ -60,7 +60,7 @@ pub(super) struct Drift<R> {
 impl<R: Real> Drift<R> {
     /// Sets the axis to rest.
     #[inline(always)]
-    pub(super) fn stand(&mut self) {
+    pub(super) fn rest(&mut self) {
         (self.velocity, self.missing) = (R::ZERO, R::ZERO);
     }
 
@@ -119,7 +119,7 @@ impl<R: Real> FeedForward<R> {
 
     /// The offset of a cycle that takes no time: the previous one.
     #[inline(always)]
-    pub(super) fn standing(&self, state: &Drift<R>) -> R {
+    pub(super) fn held_offset(&self, state: &Drift<R>) -> R {
         // Zero without a law, even if a loop before an exchange has left an offset.
         if self.gain == R::ZERO { R::ZERO } else { state.offset }
     }

@@ -217,8 +217,8 @@ impl<R: Real, const N: usize> Resampler<R, N> {
         if !state.spindle.started {
             state.left = self.patience;
         }
-        let stands = state.left == 0;
-        if stands {
+        let stopped = state.left == 0;
+        if stopped {
             state.clock = state.clock.wrapping_add(1);
         } else {
             state.left -= 1;
@@ -238,7 +238,7 @@ impl<R: Real, const N: usize> Resampler<R, N> {
         };
         let theta = alpha.wrapping_add_signed(beta);
         (state.here, state.is_known) = (theta, true);
-        if stands {
+        if stopped {
             flags.set(GaugeFlags::STOPPED);
         }
         let mut sound = true;

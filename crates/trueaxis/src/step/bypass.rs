@@ -57,7 +57,7 @@ impl<P: Position, const N: usize> Bypass<P, N> {
         if usable {
             (self.held, self.known) = (input.command, whole);
         } else if self.known != whole {
-            self.stand(input);
+            self.hold_position(input);
         }
         let readings = self.feedback.iter_mut().zip(&mut self.read).zip(self.held.iter().zip(&input.feedback));
         for ((feedback, read), (held, reading)) in readings {
@@ -81,7 +81,7 @@ impl<P: Position, const N: usize> Bypass<P, N> {
 
     /// Before the first command: holds the position of the machine once every axis has been read.
     #[cold]
-    fn stand(&mut self, input: &Input<P, N>) {
+    fn hold_position(&mut self, input: &Input<P, N>) {
         let mut bit = 1u8;
         for (held, reading) in self.held.iter_mut().zip(&input.feedback) {
             if reading.is_usable() && input.encoder_alarm & bit == 0 {

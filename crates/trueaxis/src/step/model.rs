@@ -4,7 +4,7 @@
 
 use super::{ServoLoop, State};
 use crate::compensation::volumetric::Cycle;
-use crate::compensation::{Beside, Direction, NineTerms, PASSES_MASK, Query, Reversal, Source};
+use crate::compensation::{CycleGrids, Direction, NineTerms, PASSES_MASK, Query, Reversal, Source};
 use crate::position::Position;
 use crate::real::Real;
 use crate::sample::{Sample, Verdict};
@@ -13,7 +13,7 @@ use crate::vector::V3;
 /// Cells filled per cycle; the remaining ones that an axis has left are looked up without a cell.
 const REFILLS: u32 = 2;
 /// Limit with grids, at whose nodes cells end too: a look-up without cells then costs more than filling them.
-const REFILLS_BESIDE_GRIDS: u32 = 4;
+const REFILLS_WITH_GRIDS: u32 = 4;
 
 /// Result of the tables in a cycle.
 #[derive(Clone, Copy, Debug)]
@@ -50,7 +50,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     pub(super) fn model(&self, state: &mut State<R, P, N>, sample: &Sample<P, N>, tool: bool) -> Modelled<R, N> {
         if sample.verdict == Verdict::Active
             && state.cells.key() == self.tables.key()
-            && self.all_go_on(state)
+            && self.all_continue(state)
             && let (Some(command), Some(feedback)) = (first(&self.place(state, sample.command)), first(sample.feedback))
             && let Some((errors, at_edge)) = state.cells.errors(&self.tables, &state.grids, &command, &feedback)
         {
@@ -61,9 +61,9 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
 
     /// Whether no drive has reversed.
     #[inline(always)]
-    fn all_go_on(&self, state: &mut State<R, P, N>) -> bool {
+    fn all_continue(&self, state: &mut State<R, P, N>) -> bool {
         let drives = self.targets(&state.output, &state.dynamic, state.sequence).iter().zip(&self.within);
-        state.reversal.iter_mut().zip(drives).all(|(reversal, (drive, within))| reversal.goes_on(*drive, *within))
+        state.reversal.iter_mut().zip(drives).all(|(reversal, (drive, within))| reversal.continues(*drive, *within))
     }
 
     /// Models a cycle that does not stay within its cells.
@@ -116,9 +116,9 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         directions: &[Direction; N],
     ) -> Option<Modelled<R, N>> {
         let mut at = self.place(state, sample.command);
-        let beside = self.compensation.grids().map(|grids| (grids, &mut state.grids));
-        let (most, near) = if beside.is_some() { (REFILLS_BESIDE_GRIDS, true) } else { (REFILLS, false) };
-        let missing = state.cells.missing(beside, &at, sample.feedback);
+        let grids = self.compensation.grids().map(|grids| (grids, &mut state.grids));
+        let (most, near) = if grids.is_some() { (REFILLS_WITH_GRIDS, true) } else { (REFILLS, false) };
+        let missing = state.cells.missing(grids, &at, sample.feedback);
         let near = near.then_some(&state.grids);
         let mut source = Source { terms, tables: &self.tables, directions, thermal: &state.thermal, near, left: most };
         if missing > most {
@@ -135,7 +135,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         source.fill_left(&mut state.cells, &at, sample.feedback);
         let (command, feedback) = (first(&at)?, first(sample.feedback)?);
         let (errors, at_edge) = match near {
-            Some(near) => state.cells.errors_beside(&self.tables, near, &command, &feedback)?,
+            Some(near) => state.cells.errors_with_grids(&self.tables, near, &command, &feedback)?,
             None => state.cells.errors(&self.tables, &state.grids, &command, &feedback)?,
         };
         Some(Modelled::of_errors(errors, at_edge))
@@ -160,11 +160,13 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             let grids = self.compensation.grids().and_then(|grids| {
                 // Cells of other tables lie in grid boxes, which now change.
                 state.cells.forget();
-                Beside::new(grids, &mut state.grids, &first(drive)?, &first(feedback)?)
+                CycleGrids::new(grids, &mut state.grids, &first(drive)?, &first(feedback)?)
             });
             let (wanted, (tip, tilt)) = match &grids {
                 None => volumetric.modelled(&mut state.poses, &cycle, passes, tool, &mut at_edge),
-                Some(grids) => volumetric.modelled_beside(&mut state.poses, &cycle, passes, tool, grids, &mut at_edge),
+                Some(grids) => {
+                    volumetric.modelled_with_grids(&mut state.poses, &cycle, passes, tool, grids, &mut at_edge)
+                }
             };
             let mut tip_error = [R::ZERO; N];
             for (error, tip) in tip_error.iter_mut().zip(tip.array()) {

@@ -341,13 +341,13 @@ fn readings_that_stood_during_a_stop_are_accepted_after_it() {
     bench.settle([60.0; 3]);
     bench.cycle(&Input { feedback: [60.0; 3], ..input([60.0, f64::NAN, 60.0]) });
     // For a second the host commands a point slightly off the held command: this adds no commanded distance.
-    let beside = Input { feedback: [60.0; 3], ..input([60.04; 3]) };
+    let off_command = Input { feedback: [60.0; 3], ..input([60.04; 3]) };
     for _ in 0..10_000 {
-        assert!(bench.cycle(&beside).stop_requested());
+        assert!(bench.cycle(&off_command).stop_requested());
     }
-    bench.cycle(&Input { reset: true, ..beside });
+    bench.cycle(&Input { reset: true, ..off_command });
     for _ in 0..100 {
-        assert_eq!(bench.cycle(&beside).record.fault, Fault::None);
+        assert_eq!(bench.cycle(&off_command).record.fault, Fault::None);
     }
 }
 

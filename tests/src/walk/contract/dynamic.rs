@@ -75,9 +75,9 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
             }
             let before = *moving;
             if !self.senses.due {
-                let stands = (sent - before.c).abs() <= 8.0 * R::EPSILON.to_f64() * (sent.abs() + geometric.abs());
+                let unchanged = (sent - before.c).abs() <= 8.0 * R::EPSILON.to_f64() * (sent.abs() + geometric.abs());
                 let found = || format!("axis {k}: {before:?} to {sent} in no time");
-                self.tally.that(Rule::Pace, stands || seen.exchanged, found)?;
+                self.tally.that(Rule::Pace, unchanged || seen.exchanged, found)?;
                 continue;
             }
             let keeps = moving.keeps::<R>(sent, geometric, &axis.dynamic);

@@ -27,7 +27,7 @@ pub(super) struct Senses<P, const N: usize> {
     good: [P; N],
     missing: [u16; N],
     /// Position at which a reading is constant, command up to which the commanded travel has been counted, and that travel.
-    stands: [P; N],
+    steady: [P; N],
     counted: [P; N],
     unmoved: [f64; N],
 }
@@ -46,7 +46,7 @@ impl<P: Place, const N: usize> Default for Senses<P, N> {
             held: zero,
             good: zero,
             missing: [0; N],
-            stands: zero,
+            steady: zero,
             counted: zero,
             unmoved: [0.0; N],
         }
@@ -143,13 +143,13 @@ impl<P: Place, const N: usize> Senses<P, N> {
         };
         let may = rising && placed && acceptable;
         // After a release, the output may leave the range of a joint at once and stop again.
-        let goes_on = !stops || reported.0 == Fault::JointRange;
+        let continues = !stops || reported.0 == Fault::JointRange;
         let released = match near {
             Size::Within if may => {
-                tally.that(Rule::ResetReleases, goes_on, || format!("{reported:?}, {input:?}, held {held:?}"))?;
+                tally.that(Rule::ResetReleases, continues, || format!("{reported:?}, {input:?}, held {held:?}"))?;
                 true
             }
-            Size::Either if may => goes_on,
+            Size::Either if may => continues,
             _ => {
                 let rule = if rising { Rule::ResetOnlyNear } else { Rule::Latches };
                 let found = || format!("{reported:?} after {latched:?}, held {held:?}, due {due:?}, {input:?}");
@@ -162,7 +162,7 @@ impl<P: Place, const N: usize> Senses<P, N> {
             tally.that(Rule::ResetReleases, quiet, || format!("released with {reported:?}"))?;
             self.latched = None;
             self.started = true;
-            (self.stands, self.counted, self.unmoved) = (self.good, input.command, [0.0; N]);
+            (self.steady, self.counted, self.unmoved) = (self.good, input.command, [0.0; N]);
             self.active = active;
             return Ok(if active { Verdict::Active } else { Verdict::Inactive });
         }
@@ -234,8 +234,8 @@ impl<P: Place, const N: usize> Senses<P, N> {
                 let jumps = size::<P>(apart(reading, self.good[k]), limit);
                 if jumps == Size::Beyond || jumps == Size::Either && recorded[k] != reading {
                     Fault::FeedbackJump
-                } else if apart(reading, self.stands[k]) > steps::<P>(axis.still) {
-                    (self.stands[k], self.counted[k], self.unmoved[k]) = (reading, command[k], 0.0);
+                } else if apart(reading, self.steady[k]) > steps::<P>(axis.still) {
+                    (self.steady[k], self.counted[k], self.unmoved[k]) = (reading, command[k], 0.0);
                     Fault::None
                 } else {
                     let way = if self.active { apart(command[k], self.counted[k]) } else { 0.0 };
@@ -254,7 +254,7 @@ impl<P: Place, const N: usize> Senses<P, N> {
                 // Before the first command only the command can replace a reading; likewise if the last good reading is out of
                 // range.
                 _ if !self.started || !readable(self.good[k]) => {
-                    (self.good[k], self.stands[k]) = (command[k], command[k]);
+                    (self.good[k], self.steady[k]) = (command[k], command[k]);
                 }
                 _ => self.missing[k] = self.missing[k].saturating_add(1),
             }
@@ -262,7 +262,7 @@ impl<P: Place, const N: usize> Senses<P, N> {
                 self.counted[k] = command[k];
             }
             if !watch {
-                (self.stands[k], self.counted[k], self.unmoved[k]) = (self.good[k], command[k], 0.0);
+                (self.steady[k], self.counted[k], self.unmoved[k]) = (self.good[k], command[k], 0.0);
             }
             faults[k] = fault;
         }

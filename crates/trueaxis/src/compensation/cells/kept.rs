@@ -119,14 +119,14 @@ impl<R: Real, P: Position> Cells<R, P> {
     #[inline(always)]
     pub(crate) fn missing<const N: usize>(
         &mut self,
-        beside: Option<(&Grids<'_, R>, &mut NearGrids<R, P>)>,
+        grids: Option<(&Grids<'_, R>, &mut NearGrids<R, P>)>,
         command: &[P; N],
         feedback: &[P; N],
     ) -> u32 {
-        let near = beside.as_ref().map(|(_, near)| &**near);
+        let near = grids.as_ref().map(|(_, near)| &**near);
         let at_command = self.command.missing(near.map(NearGrids::at_command), command);
         let at_feedback = self.feedback.missing(near.map(NearGrids::at_feedback), feedback);
-        match (at_command, at_feedback, beside) {
+        match (at_command, at_feedback, grids) {
             (Some(at_command), Some(at_feedback), _) => at_command + at_feedback,
             (_, _, Some((grids, near))) => self.follow(grids, near, command, feedback),
             _ => 0,
@@ -187,28 +187,28 @@ impl<R: Real, P: Position> Cells<R, P> {
         Some(match tables.form() {
             Form::Linear => (sums(false), self.at_edge),
             Form::Cubic => (sums(true), self.at_edge),
-            Form::BesideGrids => {
+            Form::WithGrids => {
                 part::GRIDS?;
-                return self.errors_beside_apart(tables, near, command, feedback);
+                return self.errors_with_grids_out_of_line(tables, near, command, feedback);
             }
         })
     }
 
-    /// Out-of-line [`Cells::errors_beside`], so that a machine without grids keeps its registers.
+    /// Out-of-line [`Cells::errors_with_grids`], so that a machine without grids keeps its registers.
     #[inline(never)]
-    fn errors_beside_apart(
+    fn errors_with_grids_out_of_line(
         &self,
         tables: &Tables<R, P>,
         near: &NearGrids<R, P>,
         command: &[P; LINEAR],
         feedback: &[P; LINEAR],
     ) -> Option<([[R; 3]; 2], u8)> {
-        self.errors_beside(tables, near, command, feedback)
+        self.errors_with_grids(tables, near, command, feedback)
     }
 
     /// [`Cells::errors`] with grids.
     #[inline(always)]
-    pub(crate) fn errors_beside(
+    pub(crate) fn errors_with_grids(
         &self,
         tables: &Tables<R, P>,
         near: &NearGrids<R, P>,
@@ -219,8 +219,8 @@ impl<R: Real, P: Position> Cells<R, P> {
         let sums = |cubic| [self.command.sum(there, cubic), self.feedback.sum(back, cubic)];
         let [drive, tip] = if tables.is_cubic() { sums(true) } else { sums(false) };
         // A cell never extends beyond the box.
-        let [drive_beside, tip_beside] = near.errors(command, feedback);
-        Some(([plus(drive, drive_beside.array()), plus(tip, tip_beside.array())], self.at_edge | near.edge()))
+        let [drive_grids, tip_grids] = near.errors(command, feedback);
+        Some(([plus(drive, drive_grids.array()), plus(tip, tip_grids.array())], self.at_edge | near.edge()))
     }
 
     /// Windows of the cells that are filled.

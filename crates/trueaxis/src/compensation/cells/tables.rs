@@ -49,7 +49,7 @@ pub(crate) enum Form {
     /// Cubic polynomials.
     Cubic,
     /// Either, with grids beside them.
-    BesideGrids,
+    WithGrids,
 }
 
 /// Borders of the cells and bounds of the inverse: immutable, built once.
@@ -96,7 +96,7 @@ impl<R: Real, P: Position> Tables<R, P> {
         let Some((terms, cubic)) = terms.and_then(|terms| Some((terms, terms.cells()?))) else { return built };
         built.cubic = cubic;
         built.form = match (grids, cubic) {
-            (Some(_), _) => Form::BesideGrids,
+            (Some(_), _) => Form::WithGrids,
             (None, true) => Form::Cubic,
             (None, false) => Form::Linear,
         };

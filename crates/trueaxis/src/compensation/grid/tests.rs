@@ -148,11 +148,11 @@ fn there_is_no_jump_at_a_node() {
             let stored = data.node(index).unwrap();
             for axis in 0..3 {
                 for side in [-1e-7, 1e-7] {
-                    let mut beside = node;
-                    beside[axis] += side;
-                    let beside = grids.of_slides(&beside).tip.array();
+                    let mut shifted = node;
+                    shifted[axis] += side;
+                    let shifted = grids.of_slides(&shifted).tip.array();
                     for k in 0..3 {
-                        assert!((value[k] - stored[k]).abs() < 1e-12 && (beside[k] - value[k]).abs() < 1e-9);
+                        assert!((value[k] - stored[k]).abs() < 1e-12 && (shifted[k] - value[k]).abs() < 1e-9);
                     }
                 }
             }
@@ -301,9 +301,9 @@ fn bounds_hold_and_are_reached() {
         for _ in 0..3000 {
             let at = place(&mut noise);
             for axis in 0..3 {
-                let mut beside = at;
-                beside[axis] += 1e-4;
-                let (here, there) = (grids.of_slides(&at).tip.array(), grids.of_slides(&beside).tip.array());
+                let mut shifted = at;
+                shifted[axis] += 1e-4;
+                let (here, there) = (grids.of_slides(&at).tip.array(), grids.of_slides(&shifted).tip.array());
                 for k in 0..3 {
                     most[k][axis] = most[k][axis].max((there[k] - here[k]).abs() / 1e-4);
                     let [least, largest] = bounds.values(k);

@@ -127,7 +127,7 @@ fn an_interval_says_how_far_it_goes_and_what_it_is_there() {
 }
 
 #[test]
-fn beyond_a_table_its_edge_stands_still() {
+fn beyond_a_table_its_edge_value_is_constant() {
     for case in cases() {
         for direction in BOTH {
             for (place, edge) in [(-3.0, 0.0), (case.length() + 2.0, case.length())] {

@@ -6,7 +6,7 @@ use super::Volumetric;
 use super::tangent::{Pose, Tangent};
 use crate::compensation::reversal::Direction;
 use crate::compensation::thermal::ThermalLine;
-use crate::compensation::{Beside, PASSES_MASK, Query};
+use crate::compensation::{CycleGrids, PASSES_MASK, Query};
 use crate::position::Position;
 use crate::real::Real;
 use crate::vector::V3;
@@ -82,13 +82,13 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
 
     /// [`Volumetric::modelled`] with grids beside the tables.
     #[inline(never)]
-    pub(crate) fn modelled_beside(
+    pub(crate) fn modelled_with_grids(
         &self,
         kept: &mut Kept<R, P, N>,
         cycle: &Cycle<'_, R, P, N>,
         passes: u8,
         tool: bool,
-        grids: &Beside<'_, R, P>,
+        grids: &CycleGrids<'_, R, P>,
         clamped: &mut u8,
     ) -> ([R; N], Pose<R>) {
         let (_, (tip, turn)) = self.modelled(kept, cycle, 1, tool, clamped);

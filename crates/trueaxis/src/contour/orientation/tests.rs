@@ -284,10 +284,10 @@ proptest! {
     ) {
         let mut segments = vec![];
         let (mut at, mut axes) = ([0.0; 3], [0.0; 3]);
-        for (stands, a, c) in kinds {
-            let end = if stands { at } else { [at[0] + 3.0, at[1] + a / 100.0, at[2]] };
+        for (stationary, a, c) in kinds {
+            let end = if stationary { at } else { [at[0] + 3.0, at[1] + a / 100.0, at[2]] };
             let next = [a, 0.0, c];
-            let segment = if stands { Segment::Turning { point: at.into() } } else { Segment::Line { start: at.into(), end: end.into() } };
+            let segment = if stationary { Segment::Turning { point: at.into() } } else { Segment::Line { start: at.into(), end: end.into() } };
             segments.push((segment, axes, next));
             (at, axes) = (end, next);
         }

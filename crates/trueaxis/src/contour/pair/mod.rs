@@ -6,10 +6,10 @@
 //! leg.
 //!
 //! The plain case of a cycle is straight-line code that runs every test before it writes anything. Any other case goes out of
-//! line at once ([`beside`]).
+//! line at once ([`general`]).
 
-mod beside;
 mod frame;
+mod general;
 
 use super::legs::Apart;
 use super::search::{ContourSearch, ContourState, Method};
@@ -138,7 +138,7 @@ impl<R: Real> ContourSearch<R> {
         let seen = feet(span, position, d, start, tip, encoder, &mut state.along);
         if !seen.plain() {
             let (from, along) = (Reference { span: number, t: guess }, state.along);
-            return self.beside_pair(state, on, position, d, from, start, seen, &along, tip, encoder);
+            return self.general_pair(state, on, position, d, from, start, seen, &along, tip, encoder);
         }
         state.tip.foot.t = tip.t;
         (tip.span, encoder.span) = (number, number);

@@ -266,7 +266,7 @@ fn along_x(
 }
 
 #[test]
-fn a_standing_error_is_taken_out_by_the_feedback() {
+fn a_constant_error_is_removed_by_the_feedback() {
     for disturbance in [0.005, -0.005] {
         let last = |on| *along_x(on, |_| disturbance, 20_000).0.last().unwrap();
         assert!((last(false).record.tip.error - 0.005).abs() < 1e-9);
@@ -277,7 +277,7 @@ fn a_standing_error_is_taken_out_by_the_feedback() {
 }
 
 #[test]
-fn the_watch_leads_an_oscillation_out_and_says_so() {
+fn the_watch_ramps_an_oscillation_out_and_says_so() {
     let swing = |t: f64| 0.03 * (core::f64::consts::TAU * 20.0 * t).sin();
     let (outs, mut state, servo) = along_x(true, swing, 10_000);
     let out = outs.iter().position(|out| out.record.status.has(Status::FEEDBACK_OUT)).unwrap();

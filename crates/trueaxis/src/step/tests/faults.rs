@@ -205,16 +205,16 @@ fn one_loop_serves_two_threads_with_a_state_each() {
             .collect::<Vec<_>>()
     };
     let alone = [20.0, 60.0].map(run);
-    let beside = std::thread::scope(|scope| {
+    let together = std::thread::scope(|scope| {
         let hosts = [20.0, 60.0].map(|from| scope.spawn(move || run(from)));
         hosts.map(|host| host.join().unwrap())
     });
-    assert_eq!(alone, beside);
+    assert_eq!(alone, together);
 }
 
 /// A tool that is 200 mm longer arrives in motion, as new tables: the limiter ramps in the correction for its lever.
 #[test]
-fn a_tool_change_in_motion_is_led_in() {
+fn a_tool_change_in_motion_is_ramped_in() {
     let with = |tool: f64| {
         let mut machine = machine(|_| ());
         (machine.compensation.model, machine.tool_mm) = (ErrorModel::Volumetric, [0.0, 0.0, -tool]);
@@ -247,7 +247,7 @@ proptest! {
     /// A host restarted at any point of its program, with any first input: the first usable command goes out unchanged,
     /// and the correction ramps in from zero within its limits (checked by the bench).
     #[test]
-    fn a_cold_start_anywhere_with_any_first_input_is_led_in(
+    fn a_cold_start_anywhere_with_any_first_input_is_ramped_in(
         at in prop::array::uniform3(-10.0..110.0f64),
         velocity in prop::array::uniform3(-0.01..0.01f64),
         first in prop::array::uniform3(any_float()),
@@ -270,7 +270,7 @@ proptest! {
         prop_assert!(usable || out.stop_requested());
         // The host retries at the machine's position, and continues.
         let mut bench = Bench::new();
-        let mut led_in = 0.0_f64;
+        let mut largest = 0.0_f64;
         for n in 0..400 {
             let command = [0, 1, 2].map(|k| (at[k] + velocity[k] * f64::from(n)).clamp(-10.0, 110.0));
             let out = bench.cycle(&input(command));
@@ -278,8 +278,8 @@ proptest! {
             if n == 0 {
                 prop_assert_eq!(out.drive.map(f64::to_bits), command.map(f64::to_bits));
             }
-            led_in = led_in.max(out.record.correction[0].abs());
+            largest = largest.max(out.record.correction[0].abs());
         }
-        prop_assert!(led_in > 1e-3, "{led_in}");
+        prop_assert!(largest > 1e-3, "{largest}");
     }
 }

@@ -400,7 +400,7 @@ fn the_modelled_tilt_is_turned_with_the_table() {
 
 /// The tip stays, the tool turns by 50 degrees about it; both machines lag by a millisecond in every joint.
 #[test]
-fn turning_about_a_standing_tip_with_lag() {
+fn turning_about_a_stationary_tip_with_lag() {
     for chain in [TABLES, HEADS] {
         let machine = Machine::<f64, f64>::perfect(chain);
         let tip = [12.0, 34.0, 5.0];

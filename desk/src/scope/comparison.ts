@@ -20,7 +20,7 @@ const OVER: readonly (readonly [Over, string])[] = [
   ["time_s", "time / s"],
 ];
 
-export class Beside {
+export class Comparison {
   readonly root: HTMLElement;
   private readonly body = el("div", { class: "beside" });
   private readonly table = el("div");
