@@ -36,7 +36,7 @@ static trueaxis_position_t clamp(trueaxis_position_t value, trueaxis_position_t 
 #ifdef TRUEAXIS_SINGLE
 #define RANGE_MM 2147.0f /* of an int32 in nm */
 
-/* A value that is out of range or NaN becomes the end of the range, for a look-up only. */
+/* A value that is out of range or NaN becomes the end of the range, for a lookup only. */
 static trueaxis_position_t to_position(float mm) {
     if (!(mm > -RANGE_MM)) {
         return -2147000000;

@@ -70,7 +70,7 @@ pub(super) struct Contract<R: Scalar, P: Place, const N: usize> {
     window: WindowMemory,
     gauge: GaugeMemory<R>,
     next: Option<u32>,
-    /// Bound on the thermal growth of a look-up, mm (deg), by slot.
+    /// Bound on the thermal growth of a lookup, mm (deg), by slot.
     grown: [f64; N],
 }
 
