@@ -39,7 +39,7 @@ pub(crate) fn put(text: &str) -> Result<()> {
     })
 }
 
-/// Writes a line to standard error. Ignores a closed stderr, because there is nowhere to report that.
+/// Writes a line to standard error, and ignores a closed one: nobody could read the report.
 pub(crate) fn tell(line: impl std::fmt::Display) {
     let _ = writeln!(std::io::stderr().lock(), "{line}");
 }

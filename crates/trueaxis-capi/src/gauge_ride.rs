@@ -100,7 +100,7 @@ impl Riding<'_> {
     /// Writes the gauge's results to the caller's structure.
     ///
     /// # Safety
-    /// `to` must be writable, and the pointer that this value was made from.
+    /// `to` must be the pointer that was passed to [`Riding::of`], and writable.
     #[inline(always)]
     pub(crate) unsafe fn deliver(&self, to: *mut GaugeRide) {
         if self.pair.is_none() {

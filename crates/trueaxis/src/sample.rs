@@ -644,8 +644,8 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         }
     }
 
-    /// Before the first command, sets the held position to the readings of the axes, each when it is first read.
-    /// Returns whether all are known.
+    /// Before the first command, sets the held position to the latest readings until every axis has been read. Returns
+    /// whether all axes are known.
     #[cold]
     fn placed(&self, state: &mut SampleState<P, N>, input: &Input<P, N>) -> bool {
         let known = |known: u8| known.count_ones() as usize == N;
