@@ -57,7 +57,7 @@ async fn run(interface: &str, cycle: &mut Cycle<'_>) -> Result<(), Error> {
         drive.set_dc_sync(DcSync::Sync0);
     }
     let group = group.into_pre_op_pdi(&main_device).await?;
-    // Wait until the drives' clocks are synchronized.
+    // Wait until the drives' clocks are synchronised.
     for _ in 0..5000 {
         group.tx_rx_sync_system_time(&main_device).await?;
         smol::Timer::after(PERIOD).await;

@@ -250,7 +250,7 @@ for kinematics in ("cartesian", "corexy")[: 0 if main_line else 2]:
 with (hosts / "run.csv").open() as file:
     points = [tuple(float(row[f"{axis}_cmd_mm"]) for axis in "xyz") for row in csv.DictReader(file)][::10]
 points = points[next(k for k, point in enumerate(points) if max(point) < -1.0):]
-# Powers of ten would be read as an extruder's E word.
+# Without exponents, because an E would be read as the extruder's word.
 words = ["X=%.9f Y=%.9f Z=%.9f" % points[0]] + ["G1 X%.9f Y%.9f Z%.9f F3000" % point for point in points[1:]]
 travel = {axis: f"position_min: {low}\nposition_max: 0\n" for axis, low in (("x", -300), ("y", -200), ("z", -400))}
 record = out / "hosts.jsonl"
