@@ -37,7 +37,7 @@ fn ours(queries: &[Query]) -> f64 {
     queries.iter().map(|query| query.repeat().error).sum()
 }
 
-/// 256 feet on spans of the polynomial butterfly: kurbo is given the span, trueaxis finds it in a warm search.
+/// 256 feet on spans of the polynomial butterfly. kurbo receives the span, while trueaxis finds it in a warm search.
 fn against_kurbo(c: &mut Criterion) {
     let queries = queries(Shape::PolynomialCubic);
     let pieces: Vec<(CubicBez, Point)> = queries

@@ -28,7 +28,7 @@ pub(crate) struct LearnArgs {
     /// Number of parts, 1 to 100.
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=100))]
     parts: u32,
-    /// Correction with which the first part is made [default: none].
+    /// Correction for the first part [default: none].
     #[arg(long, value_name = "FILE.tlearn")]
     learned: Option<PathBuf>,
     /// Source of the contour error to learn from.

@@ -1,6 +1,7 @@
 //! `firmware-sim`: servo cycles on the host, with the machine simulated.
 
-// print! and similar macros panic when the other end of a pipe is closed: `put` and `report_line` do not.
+// print! and similar macros panic if the other end of a pipe is closed, so the commands write through `console`
+// and `report_line` do not.
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
 mod ball_test_text;
@@ -119,8 +120,8 @@ enum Command {
     Replay(replay::ReplayArgs),
     /// Run the same recording on this host and in the bare-metal image under QEMU, and compare the two.
     ///
-    /// Needs qemu-system-arm and, unless built images are given, the Rust target thumbv7em-none-eabihf. In the same scalar
-    /// both must agree in every bit; single and double precision within 2 nm.
+    /// Needs qemu-system-arm and, unless you pass built images, the Rust target thumbv7em-none-eabihf. In the same
+    /// scalar both must agree in every bit; single and double precision within 2 nm.
     Compare(compare_command::CompareArgs),
 }
 

@@ -64,7 +64,7 @@ fn the_synchronous_imprint_falls_below_a_tenth_and_stays_without_correction() {
         assert!((late / early - 1.0).abs() < 0.1, "without correction it must not fall: {early} to {late}");
         assert!(mean(&after, 30, 40) < 0.1 * late, "every single revolution counts, on average");
         assert!(after.roundness_um < 0.2 * before.roundness_um);
-        // The gauge, which has none of these data, measures the same.
+        // The gauge, without access to these data, measures the same.
         let last = before.revolutions.last().unwrap();
         let (seen, seen_roundness) = (last.gauge_imprint_um.unwrap(), last.gauge_roundness_um.unwrap());
         assert!((seen / last.imprint_um - 1.0).abs() < 0.05, "{seen} {}", last.imprint_um);
@@ -195,7 +195,7 @@ fn a_missing_index_freezes_the_table_and_the_correction_continues_by_count() {
     assert!(watched.seen_between(24.3, 24.9).has(GaugeFlags::NO_INDEX));
     assert!(!watched.seen_between(25.1, 44.0).has(GaugeFlags::NO_INDEX));
     assert_eq!(watched.run.counts.discarded, 1);
-    // A count that may have slipped is not used for measuring, but the table is kept and followed.
+    // A count that may have slipped does not serve measuring, but the table stays and is followed.
     let fed = watched.cycles.iter().filter(|c| (24.3..24.9).contains(&c.0)).map(|c| c.1.abs()).fold(0.0, f64::max);
     assert!(fed > 1.0, "{fed}");
     assert!(watched.tables.iter().filter(|t| t.0 > 20.0).all(|t| t.1 > 1.0));

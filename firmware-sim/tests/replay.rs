@@ -58,7 +58,7 @@ fn inputs_and_outputs_are_printed_to_the_last_digit() {
             largest = largest.max((row[6] + 1e-4 * row[6] - row[0]).abs());
         }
     }
-    // One cycle after the drive was sent there: 50 mm/s, 1 ms, 1e-4.
+    // The reading follows the drive one cycle later: 50 mm/s · 1 ms · 1e-4.
     assert!(largest < 5.1e-6 && rows.iter().any(|row| row[0] - row[6] > 5e-3), "{largest}");
     folder.good(&["replay", "run.rec", "screw.tcomp", "-o", "run.csv"]);
     let (_, written) = trueaxis_testing::command::csv(&folder.read("run.csv"));

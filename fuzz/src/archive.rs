@@ -1,6 +1,7 @@
 //! One `.tar.gz` for all inputs of a target, so that a checkout is not slowed by thousands of small files.
 //!
-//! Names are sorted, and times and owners are left out: the same inputs give the same bytes with the same version of `flate2`.
+//! The archive has sorted names and neither times nor owners: equal inputs give equal bytes with the same version of
+//! `flate2`.
 
 use anyhow::{Context, Result, ensure};
 use flate2::bufread::GzDecoder;

@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 /// Most inputs kept in addition to seeds and corpus.
 const MOST_KEPT: usize = 4096;
 
-/// When a loop ends, if nothing is found.
+/// When to end a loop that has no finding.
 #[derive(Clone, Copy, Debug)]
 pub enum Until {
     /// After this many executions: repeats exactly.
@@ -66,7 +66,7 @@ impl<'t> Campaign<'t> {
         Campaign { target, seed, mutator, inputs, given, outcomes, tally: Tally::default(), input }
     }
 
-    /// Runs to the end or to the first finding. `before_each` is called before every execution and may stop the loop.
+    /// Runs to the end or to the first finding. `before_each` callback runs before every execution and may stop the loop.
     ///
     /// # Errors
     /// The finding.

@@ -102,8 +102,8 @@ const MOST_AXES: u32 = if cfg!(all(feature = "rotary", not(feature = "three"))) 
 /// tables.
 ///
 /// `axes`: 3 to 6; 3 in a library for three axes only. `reason`: `TRUEAXIS_FAULT_PERIOD_MISMATCH`, `_TABLES_REFUSED`,
-/// `_CAPACITY_TOO_SMALL` or `_ABI_MISMATCH`. `period_ns`: 1,000 to 100,000,000. After an invalid command the last valid
-/// one is held (before the first: the position read), and a stop is requested until the next valid one.
+/// `_CAPACITY_TOO_SMALL` or `_ABI_MISMATCH`. `period_ns`: 1,000 to 100,000,000. After an invalid command the loop holds
+/// the last valid one (before the first: the position read), and requests a stop until the next valid one.
 ///
 /// Real-time safe. Errors: `_AXES`, `_ARGUMENT` (reason, period).
 ///

@@ -1,6 +1,6 @@
 //! Checks of a machine description, run when tables are compiled and again when they are loaded.
 //!
-//! All checks run at build, in double precision, without allocation; they cost a few look-ups per table line.
+//! All checks run at build, in double precision, without allocation; they cost a few lookups per table line.
 
 mod bounds;
 mod drive;
@@ -278,8 +278,8 @@ pub fn rows(settings: &AxisSettings, rows: &(impl Rows + ?Sized)) -> Result<(), 
 }
 
 /// Checks a whole machine: [`settings`], [`rows`] of every table, [`grids`], [`joint_range`], [`reversal`]; returns the
-/// number of look-ups that its exact inverse needs. No axis needs a table for the errors that its settings state, nor
-/// does a machine.
+/// number of lookups that its exact inverse needs. Tables are optional: errors stated in the settings apply without
+/// one.
 ///
 /// # Errors
 /// The first fault found.

@@ -25,8 +25,8 @@
 //! target that jitters by more than a per cycle; it reaches limits lowered in motion with a. It flags all of these as
 //! *limited*.
 //!
-//! While a drive is held, c stays the difference between drive and held command: its speed is cut to zero, and it
-//! continues from there ([`Limiter::hold`]).
+//! While the output holds a drive, c stays the difference between drive and held command: its speed is cut to zero, and
+//! it continues from there ([`Limiter::hold`]).
 //!
 //! A cycle of this law takes a period of time: a cycle that comes too early is not counted, and the state does not change
 //! ([`crate::Input::elapsed_ns`]). So the limits in seconds apply however cycles arrive.

@@ -151,7 +151,8 @@ impl Position for f64 {
 ///
 /// Nothing wraps: a value beyond the range saturates at `i32::MIN` or `i32::MAX`, and neither is usable.
 ///
-/// For cores without a double-precision unit: on a Cortex-M4F an f64 subtraction costs about 120 instructions, this one.
+/// For cores without a double-precision unit: on a Cortex-M4F a subtraction of doubles costs about 120 instructions,
+/// one of these a single instruction.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Nanometres(pub i32);

@@ -27,7 +27,7 @@ pub struct Input<P, const N: usize> {
     /// Time since the last cycle in nanoseconds, as the host measured or knows it.
     ///
     /// [`Fault::LateCycle`], correction frozen, if it is more than a quarter off the period or if the corrections must
-    /// stand still. They do if too little time has passed since they last moved; with e this time, T 0.999 of the period
+    /// pause. They pause if too little time has passed since they last moved; with e this time, T 0.999 of the period
     /// and t the accumulated time,
     ///
     /// ```text
@@ -608,7 +608,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         if was_latched && reset && placed && near && acceptable {
             state.latched = Fault::None;
             state.started = true;
-            // The drives were held, so commands during the stop say nothing about the readings.
+            // The output held the drives, so commands during the stop say nothing about the readings.
             for ((suspicion, reading), command) in state.suspicions.iter_mut().zip(&state.feedback).zip(&input.command)
             {
                 *suspicion = Suspicion::from(*reading, *command);
@@ -644,8 +644,8 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         }
     }
 
-    /// While the output holds before the first command, holds the machine's last read position, in the cycle in which
-    /// the last of its axes has been read. Returns whether the position is known.
+    /// Before the first command, sets the held position to the latest readings until every axis has been read. Returns
+    /// whether all axes are known.
     #[cold]
     fn placed(&self, state: &mut SampleState<P, N>, input: &Input<P, N>) -> bool {
         let known = |known: u8| known.count_ones() as usize == N;

@@ -66,7 +66,7 @@ pub fn machine_id(name: &str, chain: &str) -> u32 {
 pub struct TableHeader {
     /// Whether the axis has a table; otherwise all fields below are zero.
     pub present: bool,
-    /// Which errors are given: bit 0 EX … bit 5 EC.
+    /// Which errors the table gives: bit 0 EX … bit 5 EC.
     pub given: u8,
     /// Whether the table has forward and reverse columns.
     pub bidirectional: bool,
@@ -114,7 +114,7 @@ pub enum TcompError {
     MachineId = 10,
     /// The decoded content is not a valid machine.
     Content(ConfigError) = 11,
-    /// The file was made for another machine.
+    /// The file belongs to another machine.
     WrongMachine = 12,
     /// The header of a grid cannot be decoded, or the number of grids is too large, or zero in version 5.
     GridHeader = 13,
@@ -191,7 +191,7 @@ impl TableData<'_> {
         self.header.rows as usize
     }
 
-    /// Whether there are no lines (never in an accepted file).
+    /// Whether the table has no lines (never in an accepted file).
     pub fn is_empty(&self) -> bool {
         self.header.rows == 0
     }
@@ -439,7 +439,7 @@ impl<'a> Tcomp<'a> {
         self.crc
     }
 
-    /// Look-ups that the exact inverse of these tables needs.
+    /// Lookups that the exact inverse of these tables needs.
     pub fn inverse_passes(&self) -> u8 {
         self.inverse_passes
     }

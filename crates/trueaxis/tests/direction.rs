@@ -141,7 +141,7 @@ fn with_play() -> Run {
     Run::new(&machine, &[none.clone(), none.clone(), none])
 }
 
-/// Whether the play is taken up (the correction is −PLAY) after a time at rest.
+/// Whether the correction has taken up the play (is −PLAY) after a time at rest.
 fn taken(run: &mut Run, command: [f64; 3]) -> bool {
     let correction = run.settle(command).record.correction[0];
     assert!(correction == 0.0 || (correction + PLAY).abs() < 1e-12, "{correction}");

@@ -18,13 +18,12 @@ const SPEED: &str = "spindle_rpm";
 /// Bound on a sensor reading, °C; the task decides whether it is plausible.
 const MOST_C: f64 = 1e4;
 
-/// Builds the growth input of image and host: the machine's compiled growth with its sensor readings, row by row at equal
-/// intervals, the first row in the first cycle. An empty cell is a missing reading. `note` receives a note on how a file with
-/// other separators is read.
+/// Builds the growth input of image and host: the machine's compiled growth with its sensor readings, row by row at
+/// equal intervals, the first row in the first cycle. An empty cell is a missing reading. `note` receives a note
+/// on how a file with other separators is read.
 ///
-/// # Errors
-/// The file cannot be read; the growth belongs to another machine; the sensors are not those of the growth, the intervals are
-/// unequal, or there are more readings than the image has room for.
+/// The file cannot be read; the growth belongs to another machine; the sensors are not those of the growth, the
+/// intervals are unequal, or the image has no room for all readings.
 pub fn read(
     growth: &Path,
     temperatures: &Path,

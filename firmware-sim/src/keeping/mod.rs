@@ -85,7 +85,7 @@ pub struct Evaluated {
     pub refused: Vec<String>,
     /// Reason for refusing the log, if it was refused.
     pub log_refused: Option<String>,
-    /// The exchange of tables, if one was made.
+    /// The exchange of tables, if any.
     pub exchanged: Option<Exchanged>,
 }
 

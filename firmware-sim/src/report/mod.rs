@@ -63,7 +63,7 @@ pub fn render(report: &Report) -> String {
 /// Writes the page to `index.html` in `directory`, which is created if needed; returns the file's path.
 ///
 /// # Errors
-/// The file system's error if the page cannot be written; nothing is left behind.
+/// The file system's error if the page cannot be written. A failure leaves no file behind.
 pub fn write(report: &Report, directory: &Path) -> io::Result<PathBuf> {
     write_page(directory, "index.html", &render(report), Vec::new())
 }

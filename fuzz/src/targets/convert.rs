@@ -196,8 +196,8 @@ fn exact(shape: &Shape, spans: &[Span<f64, f64>]) {
         // Equal if the parameter has no finer steps.
         assert!(first <= last, "a span from {first} to {last}");
         assert!(span.length().is_finite() && (span.length() > 0.0 || span.is_stationary()));
-        // A parameter is no finer than the floating-point numbers near it; with only a few steps it does not identify a point
-        // on the span.
+        // A parameter resolves only the floating-point steps near its value; with few such steps it does not identify a
+        // point on the span.
         let step = (f64::EPSILON * first.abs().max(last.abs())).max(f64::from_bits(1)) / (last - first);
         let named = step < 1e-3;
         let tolerance = tolerance + if named { 8.0 * step * span.length() } else { 0.0 };

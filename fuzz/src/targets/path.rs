@@ -57,7 +57,7 @@ fn run(input: &[u8]) {
     }
 }
 
-/// Spans join, and the point nearest to a place beside each of the first segments is found.
+/// Checks that spans join, and that the search finds the nearest point for a place beside each of the first segments.
 fn searched(path: &ProgrammedPath) {
     let search = ContourSearch::new(1.0, Method::Guarded).expect("a window of 1 mm");
     for segment in 0..path.segments().min(8) {

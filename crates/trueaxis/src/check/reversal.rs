@@ -1,5 +1,5 @@
-//! Checks of the reversal hysteresis: it must exceed the encoder's steps, and the correction's steps against the
-//! travel.
+//! Checks of the reversal hysteresis: it must be wider than the encoder's steps, and than the correction's steps
+//! against the travel.
 
 use super::bounds::{Step, sense, width};
 use super::grid::GridBounds;
@@ -8,15 +8,15 @@ use super::volumetric;
 use crate::error::{ConfigError, Field};
 use crate::machine::{AXES, Axis, AxisSettings, MachineSettings, Rows, is_turned, links, lost};
 
-/// Steps of the encoder that a hysteresis must span: a reading between two counts may show either, and the drive that
-/// closes its loop on it moves back and forth by as much.
+/// Number of encoder steps that a hysteresis must span. Between two counts the reading may show either, and the drive,
+/// which closes its loop on it, moves back and forth by that much.
 pub const HYSTERESIS_PER_STEP: f64 = 3.0;
 
 /// A step below this moves nothing: mm, degrees.
 const NOTHING: f64 = 1e-9;
 
-/// Lost motion of an axis, mm (deg): smallest and largest difference of its own error between negative and positive
-/// travel, backlash included; without a table, the backlash alone.
+/// Lost motion of an axis, mm (deg): smallest and largest difference of its positioning error between negative and
+/// positive travel, backlash included; without a table, the backlash alone.
 pub fn lost_motion<T: Rows + ?Sized>(settings: &AxisSettings, rows: Option<&T>) -> [f64; 2] {
     let (least, most) = rows.map_or((0.0, 0.0), |rows| lost(settings, rows, settings.axis.index()));
     let own = |error: f64| if settings.axis.is_rotary() { error.to_degrees() } else { error };
@@ -57,7 +57,7 @@ pub fn reversal<'r, T: Rows + ?Sized + 'r>(
             && steps.iter().any(|step| width(step) > 0.0)
         {
             let least = HYSTERESIS_PER_STEP * resolution;
-            // Two decimals whose quotient is exactly that pass, however they are rounded.
+            // Two decimals whose quotient is exactly the limit pass, whatever their rounding.
             if moving.hysteresis < least * (1.0 - 1e-9) {
                 return Err(narrow(moving, "at least three steps of the encoder", least));
             }

@@ -74,7 +74,7 @@ fn look_ups_of_the_inverse() {
     assert_eq!(inverse_passes(0.1, f64::NAN).unwrap_err().field, Field::Magnitude);
 }
 
-/// Bound of the iteration itself: after N look-ups at most 1e-6 mm remains.
+/// Bound of the iteration itself: after N lookups at most 1e-6 mm remains.
 #[test]
 fn the_look_ups_suffice() {
     for norm in [0.01, 0.05, 0.12, 0.2] {

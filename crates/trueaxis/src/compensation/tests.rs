@@ -161,7 +161,7 @@ fn a_rotary_table_wraps_and_a_million_degrees_is_the_angle_itself() {
         assert_eq!(at(180.0), at(-180.0));
         let (before, after) = (at(180.0 - 1e-9).0, at(180.0 + 1e-9).0);
         assert!((before[0] - after[0]).abs() < 1e-10 && !at(1234.5).1);
-        // C converts ECC into degrees of its own position.
+        // A rotary axis' positioning error, here ECC, is in degrees.
         let (own, _) = at(20.0);
         assert!((own[3] - rows[20].forward[5].to_degrees()).abs() < 1e-15);
         if interpolation == Interpolation::Cubic {

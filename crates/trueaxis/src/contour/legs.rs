@@ -25,7 +25,7 @@ const SIDE_BY_SIDE: f64 = 0.5;
 /// Feet closer than this are equivalent for any use of the error, mm.
 const SAME: f64 = 2e-4;
 
-/// Consecutive cycles after which an implausible foot is given up.
+/// Consecutive cycles after which the search gives up an implausible foot.
 const MISSED: u8 = 8;
 
 /// State that decides which leg the foot is on, from cycle to cycle.
@@ -44,7 +44,7 @@ pub(super) struct Doubt<R> {
     turned: u32,
     /// Whether the other leg has not been searched in this cycle.
     unresolved: bool,
-    /// Consecutive cycles in which the foot is implausible and no other is found.
+    /// Consecutive cycles with an implausible foot and no other one.
     missed: u8,
     /// Spans of the foot and of the reference that were compared last, and whether they run in opposite directions.
     compared: [u32; 2],
@@ -212,7 +212,7 @@ impl<R: Real> Doubt<R> {
         Some(Found { flags: found.flags.and(Flags::SECOND_MINIMUM), ..found })
     }
 
-    /// Whether the foot has stayed behind on a leg and no other was found: the search then starts cold.
+    /// Whether the foot has stayed behind on a leg and the search has no other. The search then starts cold.
     pub(super) fn is_lost(&self) -> bool {
         self.missed > MISSED
     }

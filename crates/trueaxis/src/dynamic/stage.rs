@@ -24,7 +24,7 @@ struct Act<R> {
     /// Limiters that ramp the geometric correction: within the limits of the axis; no faster than friction brakes,
     /// while the acceleration is fed forward.
     ramps: [Limiter<R>; 2],
-    /// Whether lost motion is taken up from the reversal of the command.
+    /// Whether the axis takes up its lost motion from the reversal of the command.
     takes_up: bool,
     /// Whether the axis is linear: the feedback moves the tip along it.
     is_linear: bool,
@@ -263,7 +263,7 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         wanted: &mut [R; N],
     ) {
         let Some((feedback, watch)) = &self.feedback else {
-            // Exchanged for a loop without feedback: nothing is left to ramp out.
+            // The new loop has no feedback, so nothing remains to ramp out.
             state.out = false;
             return;
         };
@@ -278,7 +278,7 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         let slow = feedback.reaches(linear.map(|(drift, _)| drift.velocity()));
         let error = moment.error.filter(|_| slow && sample.verdict == Verdict::Active && sample.due);
         let errors = error.unwrap_or_default();
-        // One axis that cannot follow displaces the tool in all directions, so every integral is held.
+        // One axis that cannot follow displaces the tool in all directions, so every integral stays constant.
         let limited = moment.limited != 0;
         let axes = self.axes.iter().zip(&mut state.integral).zip(&mut state.swing).zip(wanted);
         for ((((act, integral), swing), wanted), e) in axes.zip(errors) {

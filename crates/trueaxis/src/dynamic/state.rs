@@ -85,7 +85,7 @@ impl<R: Real, P: Position, const N: usize> DynamicState<R, P, N> {
         }
     }
 
-    /// Takes back a cycle of which nothing was sent.
+    /// Takes back a cycle that sent nothing.
     #[cold]
     pub(crate) fn take_back(&mut self, sent: [R; N]) {
         self.ramped = self.geometric.map(LimiterState::at_rest);

@@ -91,9 +91,9 @@ pub struct AxisSettings {
     pub axis: Axis,
     /// Interpolation between table points.
     pub interpolation: Interpolation,
-    /// Look-up position of the axis' own positioning error.
+    /// Lookup position of the axis' own positioning error.
     pub lookup: Lookup,
-    /// Look-up position of the other components.
+    /// Lookup position of the other components.
     pub cross_lookup: Lookup,
     /// Sense of a rotary axis, +1 or −1 (linear: +1).
     pub direction: i8,
@@ -138,12 +138,13 @@ impl AxisSettings {
 
     /// The stated defaults of an axis; `carries_workpiece` for the workpiece side of the chain.
     ///
-    /// Travel not declared (±1e6 mm, ±1e9 degrees), linear interpolation, look-up at the command, 0.3 µm (6 µrad) of
+    /// Travel not declared (±1e6 mm, ±1e9 degrees), linear interpolation, lookup at the command, 0.3 µm (6 µrad) of
     /// reversal hysteresis, limits 100 µm, 5 mm/s, 5 m/s² (rotary 2000 µrad, 5 deg/s, 5000 deg/s²).
     ///
-    /// With these limits an axis crosses 2 µm of lost motion within 1.5 ms; lower ones leave more of it uncorrected after
-    /// a reversal than they protect from. The rotary limits correspond to a radius of some 50 mm. In single
-    /// precision the acceleration is 10 times the resolution of the correction at servo rates up to 200 kHz.
+    /// With these limits an axis crosses 2 µm of lost motion within 1.5 ms. Lower limits would do more harm than they
+    /// prevent, by leaving lost motion uncorrected after a reversal. The rotary limits correspond to a radius of some
+    /// 50 mm. In single precision the acceleration is 10 times the resolution of the correction at servo rates up to
+    /// 200 kHz.
     pub fn with_defaults(axis: Axis, carries_workpiece: bool) -> Self {
         let rotary = axis.is_rotary();
         let reach = if rotary { 1e9 } else { 1e6 };

@@ -6,7 +6,8 @@
 use super::flags::GaugeFlags;
 use super::settings::{ArmSettings, SpindleEncoder};
 
-/// Converts counts of one turn to a fraction of 2^32: x + x·f/2^32 of x = counts · 2^k, f = ⌊2^(64−k)/counts per turn − 2^32⌉.
+/// Converts counts of one turn to a fraction of 2^32: x + x·f/2^32, with x = counts · 2^k, f = ⌊2^(64−k)/counts per
+/// turn − 2^32⌉.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Scale {
     /// 2^k, as far as the counts of a turn can be shifted within 32 bits.

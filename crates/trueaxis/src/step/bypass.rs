@@ -143,7 +143,7 @@ mod tests {
             assert!(out.record.feedback.iter().chain(&out.feedback).all(|x| x.is_finite()));
         }
         assert!(!bypass.step::<f64>(&at([6.0, 7.0, 8.0], 0b100)).has_drive());
-        // X is no longer readable: its last reading counts.
+        // X can no longer be read, so its last reading counts.
         let out = bypass.step::<f64>(&at([f64::NAN, 7.5, 8.0], 0));
         assert!(out.has_drive() && out.stop_requested());
         assert_eq!((out.drive, out.record.command), ([6.0, 7.5, 8.0], [6.0, 7.5, 8.0]));

@@ -79,7 +79,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         self.period_ns
     }
 
-    /// Checks that a period, as the host measured it or was given it, is the configured one within 0.1 %.
+    /// Checks that the host's period, measured or nominal, equals the configured one within 0.1 %.
     ///
     /// # Errors
     /// [`Fault::PeriodMismatch`]: run [`Bypass`] with it.
@@ -98,7 +98,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         Input { command, feedback, homed: true, enable: true, ..Input::at_rest(self.period_ns) }
     }
 
-    /// The compensation in force, for error look-ups outside the step.
+    /// The compensation in force, for error lookups outside the step.
     pub fn compensation(&self) -> &Compensation<'_, R, P, N> {
         &self.compensation
     }
@@ -106,7 +106,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     /// Runs one servo cycle: cannot fail, panic, allocate, block, or loop without a fixed bound.
     ///
     /// The first cycle returns the command; from then on `drive = command + c`, c the limited correction. While the
-    /// output is held, drive and c do not change by a bit; afterwards c continues from rest.
+    /// output holds, drive and c do not change by a bit; afterwards c continues from rest.
     ///
     /// `measure` selects the reference of the contour error:
     ///
@@ -186,7 +186,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         self.cycle(state, &Sample::calm(input), measure, gauge, output, watch);
     }
 
-    /// Runs a cycle that needs the full check, apart from the calm ones, which therefore repeat no check.
+    /// Runs a cycle that needs the full check. Separate from the calm cycles, so that those repeat no check.
     #[inline(never)]
     fn slow_cycle(
         &self,

@@ -12,7 +12,8 @@ use crate::vector::V3;
 
 /// Cells filled per cycle; the remaining ones that an axis has left are looked up without a cell.
 const REFILLS: u32 = 2;
-/// Limit with grids, at whose nodes cells end too: a look-up without cells then costs more than filling them.
+/// Cells filled per cycle with grids, at whose nodes cells end too: a lookup without cells then costs more than filling
+/// them.
 const REFILLS_WITH_GRIDS: u32 = 4;
 
 /// Result of the tables in a cycle.

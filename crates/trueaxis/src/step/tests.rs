@@ -115,7 +115,7 @@ impl Clock {
 
 /// Runs cycles and checks each against the limits of the correction; a cycle that is not due must not move it.
 ///
-/// While the output is held, drive and correction stay bit for bit, and the next motion starts from rest.
+/// While the output holds, drive and correction stay bit for bit, and the next motion starts from rest.
 struct Bench {
     active: &'static Loop,
     state: State<f64, f64, 3>,
@@ -149,7 +149,7 @@ impl Bench {
             let c = out.record.correction[k];
             assert!(out.drive[k].is_finite() && out.feedback[k].is_finite());
             assert!(c.abs() <= 0.1 * (1.0 + 1e-6), "magnitude {c}");
-            // The record contains the correction that was sent.
+            // The record contains the correction actually sent.
             let command = out.record.command[k];
             let sent = if c == 0.0 { command } else { command + c };
             assert_eq!(out.drive[k].to_bits(), sent.to_bits(), "{command} + {c} is not {}", out.drive[k]);

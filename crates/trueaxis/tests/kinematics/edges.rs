@@ -78,7 +78,7 @@ fn a_tool_axis_along_the_second_rotary_axis_keeps_off_the_first() {
     }
 }
 
-/// A position that is at an end of the travel except for rounding is taken to be there; among several turns the nearest
+/// A position beyond an end of the travel by rounding only counts as at the end; among several turns the nearest
 /// counts.
 #[test]
 fn ends_of_the_travel_belong_to_it_whatever_rounding_says() {

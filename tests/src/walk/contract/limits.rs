@@ -109,7 +109,7 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         Ok(())
     }
 
-    /// The output is held.
+    /// Checks a held output.
     fn output_holds(&mut self, seen: &Seen<'_, '_, R, P, N>, total: &[R; N], first: bool) -> Result<(), Broken> {
         let (motion, output) = (&mut self.motion, &seen.outcome.output);
         // A configuration without dynamic correction reports the whole correction as geometric.

@@ -74,7 +74,7 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         let record = &seen.outcome.output.record;
         let error = &record.encoder;
         let Some(span) = path.span(error.span).filter(|_| error.is_measured()) else { return Ok(()) };
-        // The encoder's foot is found from the tip's: far away, single precision is too coarse.
+        // The search finds the encoder's foot from the tip's. Far away, single precision is too coarse for that.
         let size = error.error.to_f64() + record.tip.error.to_f64();
         if size > FAR_MM {
             return Ok(());
@@ -145,8 +145,8 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
             return Ok(());
         }
         let rounding = 1e-5 + R::EPSILON.to_f64() * (64.0 + 16.0 * distance);
-        // Chords decide which of two spans is nearer, and the chord of an arc that turns by 40 degrees is off by a ninth; they
-        // decide for the tip, from whose foot the encoder's is found.
+        // Chords decide which of two spans is nearer to the tip, and the chord of an arc that turns by 40 degrees is
+        // off by a ninth. The search for the encoder's foot starts from the tip's.
         let chord = path.span(error.span).map_or(0.0, |span| span.length().to_f64());
         let allowed = distance + chord / 9.0 + 2.0 * apart(record, path) + rounding;
         let holds = error.error.to_f64() <= allowed;

@@ -70,7 +70,7 @@ pub(super) struct Contract<R: Scalar, P: Place, const N: usize> {
     window: WindowMemory,
     gauge: GaugeMemory<R>,
     next: Option<u32>,
-    /// Bound on the thermal growth of a look-up, mm (deg), by slot.
+    /// Bound on the thermal growth of a lookup, mm (deg), by slot.
     grown: [f64; N],
 }
 
@@ -108,7 +108,7 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         self.by_verdict(seen, verdict)?;
         self.follow(seen, verdict, first)?;
         self.dynamic(seen, verdict, first)?;
-        // The feedback acted before the output was found to leave a joint's range.
+        // The feedback acts before the output stage detects that a joint would leave its range.
         self.watch(seen, decided, first)?;
         self.measured(seen, verdict, first)?;
         self.gauged(seen, verdict)?;

@@ -58,7 +58,7 @@ impl Moving {
         self.ceiling = self.rests::<R>(bounds.a).max(self.ceiling);
     }
 
-    /// Takes the next value; returns which of magnitude, slope and acceleration are kept.
+    /// Takes the next value; returns whether it keeps the limits of magnitude, slope and acceleration.
     pub(super) fn keeps<R: Scalar>(&mut self, to: f64, other: f64, bounds: &Bounds) -> [bool; 3] {
         let Change { to, by, second, rounding } = self.change::<R>(to, other);
         let share = 1.0 + SHARE;

@@ -84,7 +84,7 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         }
         for (k, axis) in seen.facts.axes.iter().enumerate() {
             let Some([low, high]) = axis.table else { continue };
-            // Look-ups are as far from the command as the correction may be.
+            // Lookups are as far from the command as the correction may be.
             let margin = 2.0 * axis.sum.c + 0.1 + leaning + 1.5 * self.grown.iter().sum::<f64>();
             let at = [input.command[k], record.feedback[k]].map(P::to_f64);
             let reported = record.at_edge >> k & 1 == 1;

@@ -81,7 +81,7 @@ impl<R: Real, P: Position> Point<R, P> {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Cells<R, P: Position> {
     key: u64,
-    /// Look-ups of the inverse per cycle.
+    /// Lookups of the inverse per cycle.
     passes: u8,
     pub(super) command: Point<R, P>,
     pub(super) feedback: Point<R, P>,
@@ -100,7 +100,7 @@ impl<R: Real, P: Position> Cells<R, P> {
 
     /// Binds the cache to these tables, emptying it if it was bound to others; returns whether it was bound to these.
     pub(crate) fn are_of<const N: usize>(&mut self, tables: &Tables<R, P>, thermal: &[ThermalLine<R>; N]) -> bool {
-        // With more than one look-up, a cycle cannot use the cells directly: a different key keeps it from doing so.
+        // With more than one lookup, a cycle cannot use the cells directly: a different key keeps it from doing so.
         if self.key == tables.key || self.key == !tables.key {
             return true;
         }
@@ -110,12 +110,12 @@ impl<R: Real, P: Position> Cells<R, P> {
         false
     }
 
-    /// Look-ups of the inverse per cycle.
+    /// Lookups of the inverse per cycle.
     pub(crate) fn passes(&self) -> u8 {
         self.passes
     }
 
-    /// Number of cells that the positions have left; moves a grid box that they have left to them first.
+    /// Number of cells that the positions have left. If they have also left a grid box, moves the box to them first.
     #[inline(always)]
     pub(crate) fn missing<const N: usize>(
         &mut self,
@@ -133,7 +133,8 @@ impl<R: Real, P: Position> Cells<R, P> {
         }
     }
 
-    /// [`Cells::missing`] after a grid box was left: moves the boxes and drops every cell that extends beyond them.
+    /// [`Cells::missing`] for positions that have left a grid box: moves the boxes and drops every cell that extends
+    /// beyond them.
     #[cold]
     #[inline(never)]
     fn follow<const N: usize>(

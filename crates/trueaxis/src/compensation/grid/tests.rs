@@ -199,7 +199,7 @@ fn a_grid_fades_with_height() {
     }
 }
 
-/// Boxes compared with direct look-ups: several grids at once, rotations with their levers, fading grids.
+/// Boxes compared with direct lookups: several grids at once, rotations with their levers, fading grids.
 fn boxes_agree<R: Real, P: Position>(seed: u64, tolerance: f64) {
     let mut noise = Noise::new(seed);
     for case in 0..150 {

@@ -11,9 +11,11 @@ use crate::position::Position;
 use crate::real::Real;
 use crate::vector::V3;
 
-/// Two tangents: one at the drive position, the other for a feedback beyond a point of a table. Each serves both.
+/// Two tangents: one at the drive position, and one for a feedback on the other side of a table point. Either serves
+/// both positions.
 ///
-/// Dropped when an axis changes its direction of travel, when the thermal growth is set and with other tables.
+/// The cache drops them when an axis changes its direction of travel, when the host sets the thermal growth, and when
+/// the tables change.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Kept<R, P: Position, const N: usize> {
     key: u64,
@@ -30,14 +32,14 @@ impl<R: Real, P: Position, const N: usize> Kept<R, P, N> {
         Kept { key: Self::NONE, directions: [Direction::POSITIVE; N], tangents: [Tangent::empty(); 2] }
     }
 
-    /// Empties the cache: the next look-up reads the tables.
+    /// Empties the cache: the next lookup reads the tables.
     #[inline(always)]
     pub(crate) fn forget(&mut self) {
         self.key = Self::NONE;
     }
 }
 
-/// Conditions of a cycle's look-ups.
+/// Inputs of a cycle's lookups.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Cycle<'c, R, P, const N: usize> {
     /// Command.

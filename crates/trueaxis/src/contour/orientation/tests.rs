@@ -57,7 +57,7 @@ fn foot<R: Real>(span: u32, t: f64) -> ContourError<R> {
     ContourError { span, t: R::of(t), flags: Flags::BRACKETED, ..ContourError::none() }
 }
 
-/// A tilt of one microradian about any direction is found with its size and sign.
+/// The search resolves a tilt of one microradian about any direction, with its size and sign.
 fn resolves_a_microradian<R: Real, P: Position>(permitted: f64) {
     let (spans, turns) = build::<R, P>(&[(
         Segment::Line { start: [0.0; 3].into(), end: DVec3::new(10.0, 0.0, 0.0) },

@@ -182,7 +182,7 @@ impl<R: Real> ContourSearch<R> {
         points.spent[0] += 2;
         points.spent[1] += u8::from(seen.tip());
         let (mut at_tip, at_encoder) = if sampled {
-            // Until all samples are taken, the sample itself is the answer if the frame has none.
+            // Until the last sample, the sample itself is the answer if the frame has none.
             let feet = Feet::of(guess.span, seen, &along, tip, encoder);
             let at_tip = match feet.tip {
                 Some(at_tip) => at_tip,
@@ -442,7 +442,7 @@ impl<R: Real, P: Position> Points<'_, '_, R, P> {
         Some(evaluate(span, &local(span, self.position, self.d), t))
     }
 
-    /// Finds the tip's foot by a separate descent and, if evaluations are left, a second one behind the nearer border.
+    /// Finds the tip's foot by a separate descent and, if evaluations remain, a second one behind the nearer border.
     fn descend_from(&mut self, from: Reference<R>) -> Option<Found<R>> {
         let ([x, y, z], [dx, dy, dz]) = (self.position, self.d);
         let point = [x.plus(*dx), y.plus(*dy), z.plus(*dz)];

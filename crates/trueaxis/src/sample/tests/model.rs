@@ -188,7 +188,7 @@ impl Model {
         if !was_latched {
             self.latch(bad);
         }
-        // Before the first command the machine is held where it was read, once every axis has been read.
+        // Before the first command the output holds the position that was read, once every axis has been read.
         if !self.started && !self.read.iter().all(|read| *read) {
             for k in 0..AXES {
                 let reading = i64::from(input.feedback[k].0);
@@ -211,7 +211,7 @@ impl Model {
         self.decided(if placed { Verdict::Hold } else { Verdict::NoOutput }, self.latched, (first, due))
     }
 
-    /// From now on the current command is held.
+    /// Holds the current command from now on.
     fn latch(&mut self, fault: Option<(Fault, u8)>) {
         (self.latched, self.counted) = (fault, self.command);
     }

@@ -335,7 +335,7 @@ fn kept_cells_with_grids_say_what_both_say() {
     ];
     let (mut edges, mut kept) = (0, 0);
     for (seed, tables) in kinds.into_iter().enumerate() {
-        // Twice what a box may deviate beyond a node.
+        // Twice the permitted deviation of a box beyond a node.
         let doubles = run::<f64, f64>(&tables, 40 + seed as u64, share(60_000), 0.2e-6);
         let singles = run::<f32, Nanometres>(&tables, 40 + seed as u64, share(60_000), 0.4e-6);
         for worst in [doubles, singles] {
@@ -347,7 +347,7 @@ fn kept_cells_with_grids_say_what_both_say() {
     assert!(edges > share(2000) && kept > share(300_000), "{edges} {kept}");
 }
 
-/// Tables so steep that one look-up is not enough: whatever the correction does, the inverse keeps its stated accuracy.
+/// Tables so steep that one lookup is not enough: whatever the correction does, the inverse keeps its stated accuracy.
 #[test]
 fn the_inverse_from_the_last_correction_keeps_its_bound() {
     let (mut locked, mut limited) = (0, 0);

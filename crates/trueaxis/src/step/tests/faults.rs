@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 const HELD: [f64; 3] = [60.0, 50.0, 40.0];
 
-/// A bench whose output is held after a non-numeric command.
+/// A bench whose output holds after a non-numeric command.
 fn stopped() -> (Bench, Out) {
     let mut bench = Bench::new();
     bench.settle(HELD);
@@ -70,7 +70,7 @@ fn a_host_that_resets_in_a_loop_gains_nothing() {
     }
 }
 
-/// Reading noise below the plausible jump is not a fault, and none of it reaches the drives.
+/// Reading noise below the plausible jump is not a fault and does not reach the drives.
 #[test]
 fn noisy_readings_change_nothing_that_is_sent() {
     let mut noise = Noise::new(5);
@@ -134,7 +134,7 @@ fn a_doubled_cycle_is_one_more_and_a_lost_one_is_late_or_unseen() {
     }
 }
 
-/// Tables exchanged while the correction is frozen, while the output is held, and twice before a cycle takes them.
+/// Exchanges tables while the correction is frozen, while the output holds, and twice before a cycle takes them.
 #[test]
 fn an_exchange_in_a_fault_in_a_hold_and_twice_waits_for_its_turn() {
     let other = servo_loop(-2.0);

@@ -174,7 +174,7 @@ fn the_tool_goes_through_the_vertical_in_singles() {
 }
 
 /// Into the vertical, and out of it sideways: the remaining angle is at most the cone, and C turns no faster than
-/// permitted; if the path requires more, the output is held and the fault names C.
+/// permitted; if the path requires more, the output holds and the fault names C.
 #[test]
 fn out_of_the_vertical_aside_within_the_cone_and_the_step_or_held() {
     for chain in [TABLES, HEADS] {

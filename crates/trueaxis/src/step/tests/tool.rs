@@ -295,7 +295,7 @@ fn single_precision_costs_some_tens_of_nanometres() {
     agrees_with_the_projection::<f32, Nanometres>(HEADS, 100e-6, 0.5e-6);
 }
 
-/// Tables state 7, -4, 3 µm at the bed; in the workpiece this is rotated, across the path; the encoders show none of it.
+/// Tables state 7, -4, 3 µm at the bed; in the workpiece this is rotated, across the path; the encoders do not show it.
 #[test]
 fn the_modelled_tip_error_is_turned_with_the_table() {
     for chain in [TABLES, HEADS] {

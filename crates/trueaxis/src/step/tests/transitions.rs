@@ -63,7 +63,8 @@ fn a_drive_beyond_the_joint_is_not_sent_at_either_end() {
             last = out;
         }
         assert!((last.drive[0] - end).abs() < 0.0011, "held at {}", last.drive[0]);
-        // Latched: a command that would fit is held too, and a reset with the one that does not fit latches again.
+        // Latched: the output holds even for a command that would fit, and a reset with the one that does not fit
+        // latches again.
         let held = bench.cycle(&input(far(0.5)));
         assert!(held.stop_requested() && held.drive == last.drive && held.record.fault == Fault::JointRange);
         let again = bench.cycle(&Input { reset: true, ..input(far(way)) });
@@ -386,7 +387,7 @@ proptest! {
     }
 }
 
-/// A stated limit between two steps of the position: despite rounding, nothing beyond it is sent, nor beyond a joint that
+/// A limit between two steps of the position: despite rounding, the output never exceeds it, nor a joint range that
 /// ends between two steps.
 #[test]
 fn no_rounding_goes_beyond_a_limit_as_it_is_stated() {
