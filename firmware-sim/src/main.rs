@@ -1,7 +1,6 @@
 //! `firmware-sim`: servo cycles on the host, with the machine simulated.
 
-// print! and similar macros panic if the other end of a pipe is closed, so the commands write through `console`
-// and `report_line` do not.
+// print! and similar macros panic if the other end of a pipe is closed; the functions of `console` do not.
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
 mod ball_test_text;

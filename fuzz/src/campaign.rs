@@ -66,7 +66,7 @@ impl<'t> Campaign<'t> {
         Campaign { target, seed, mutator, inputs, given, outcomes, tally: Tally::default(), input }
     }
 
-    /// Runs to the end or to the first finding. `before_each` callback runs before every execution and may stop the loop.
+    /// Runs to the end or to the first finding. `before_each` runs before every execution and may stop the loop.
     ///
     /// # Errors
     /// The finding.
