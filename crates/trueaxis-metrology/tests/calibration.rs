@@ -75,8 +75,8 @@ fn a_bore_alone_does_not_tell_scale_and_tip() {
 }
 
 /// A gauge of 30 faces, each touched twice, on a machine that is too long. With a certificate far worse than the probe (5 µm
-/// versus 1 µm), every face costs one degree of freedom. What remains is 60 touches − 31 for the faces and the scale + the
-/// information of the certificate on the row as a whole.
+/// versus 1 µm), every face costs one degree of freedom. The degrees of freedom are then 60 touches − 31 for the faces and the
+/// scale + the information of the certificate on the row as a whole.
 #[test]
 fn what_is_left_is_divided_by_what_the_touches_tell() {
     let repeats = 400;

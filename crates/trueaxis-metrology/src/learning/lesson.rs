@@ -24,7 +24,7 @@ pub struct Lesson {
     pub spacing_mm: f64,
     /// Contour error of the part at the nodes, mm.
     pub errors_mm: Vec<[f64; 3]>,
-    /// Correction that was active while the part was made, mm.
+    /// Correction that acted on the part, mm.
     pub before_mm: Option<Vec<[f64; 3]>>,
     /// Correction for the next part, mm.
     pub correction_mm: Vec<[f64; 3]>,
