@@ -70,7 +70,7 @@ export class Screen {
     this.bar.changed("");
   }
 
-  /** Shows the latest state of the run; `anew` redraws everything at once. */
+  /** Shows the latest state of the run; the last argument redraws everything at once. */
   show(look: Look, setup: Setup, going: boolean, anew = false): void {
     const { description } = this;
     if (!description) return;
