@@ -152,7 +152,7 @@ async function start(): Promise<void> {
     if (given) await open(given);
     else await show(location.hash.slice(1) || front.view.id);
   } catch (thrown) {
-    // The error is shown after the view, whose start clears errors.
+    // Starting a view clears errors: report this one afterwards.
     await show(front.view.id);
     desk.fail(thrown);
   }

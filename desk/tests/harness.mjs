@@ -58,7 +58,7 @@ export async function view(page, name) {
   return page.getByRole("tabpanel", { name });
 }
 
-/** Runs one of the programs; returns its exit code and what it printed. */
+/** Runs one of the programs; returns its exit code and output. */
 export function run(program, given, options = {}) {
   return new Promise((done) => {
     const settings = { cwd: root, maxBuffer: 1 << 28, ...options };

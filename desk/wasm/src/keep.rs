@@ -25,7 +25,7 @@ struct Planned {
 struct Request {
     /// Text of the history; empty before the first re-probing.
     history: String,
-    /// Whether counting starts anew with this re-probing, as with the first one.
+    /// Whether this re-probing becomes the reference for later ones, as the first one did.
     begin: bool,
     time: Option<String>,
     parts: Option<u64>,
