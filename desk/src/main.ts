@@ -136,7 +136,7 @@ async function start(): Promise<void> {
       try {
         await one.view.open(state.views[one.view.id]);
       } catch (thrown) {
-        // For a missing part the browser reports only the failed operation.
+        // The browser does not name a missing part, only the operation that failed.
         throw thrown instanceof TypeError ? new Error(`views.${one.view.id}: found a state with parts missing or of another kind (${message(thrown)}), needed one that this page saved`) : thrown;
       }
     }
@@ -152,7 +152,7 @@ async function start(): Promise<void> {
     if (given) await open(given);
     else await show(location.hash.slice(1) || front.view.id);
   } catch (thrown) {
-    // After showing the view, whose start clears errors.
+    // Starting a view clears errors: report this one afterwards.
     await show(front.view.id);
     desk.fail(thrown);
   }

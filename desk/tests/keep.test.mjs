@@ -7,7 +7,7 @@ import path from "node:path";
 import { after, test } from "node:test";
 import { cli, closeBrowser, drop, numbers, openDesk, root, run, saved, shot, view } from "./harness.mjs";
 
-// The logs are those of crates/trueaxis-py/tests/probing.py.
+// The logs come from crates/trueaxis-py/tests/probing.py.
 const probing = (name) => fs.readFileSync(path.join(root, "desk/tests/probing", name), "utf8");
 const [task, machine, begin, look] = ["keep.toml", "machine.toml", "begin.log", "look.log"].map(probing);
 
@@ -22,7 +22,7 @@ after(async () => {
 const keep = (verb, ...more) => cli(["keep", verb, "keep.toml", ...more, "--json"], { cwd: folder });
 const history = () => fs.readFileSync(at("mill/keep/history.jsonl"), "utf8");
 
-/** The page computes with the angles of the browser, whose last bit may be another. */
+/** The page computes with the browser's trigonometric functions, whose last bit may differ. */
 function near(found, needed, what) {
   assert.ok(Math.abs(found - needed) <= 1e-6 * Math.max(1, Math.abs(needed)), `${what}: found ${found}, the command line has ${needed}`);
 }
@@ -83,7 +83,6 @@ test("a round is that of trueaxis keep, and leaves its files", async () => {
   const program = await saved(page, panel.getByRole("button", { name: "Save the program" }));
   assert.equal(program.bytes.toString(), fs.readFileSync(at("look.ngc"), "utf8"));
 
-  // The first re-probing.
   await panel.getByRole("textbox", { name: "probed at" }).fill("2026-05-04T06:00:00Z");
   await panel.getByRole("spinbutton", { name: "parts made" }).fill("0");
   await drop(panel, { "begin.log": begin });
@@ -94,7 +93,7 @@ test("a round is that of trueaxis keep, and leaves its files", async () => {
   await panel.getByRole("button", { name: "Enter it in the history" }).click();
   await panel.getByText("Entry 1 is in the history").waitFor();
 
-  // What is typed for the second re-probing leaves the files of the first one to be saved.
+  // Inputs for the second probing must not remove the files of the first.
   await panel.getByRole("textbox", { name: "probed at" }).fill("2026-05-04T07:00:00Z");
   await panel.getByRole("spinbutton", { name: "parts made" }).fill("12");
   await panel.getByText("--time 2026-05-04T07:00:00Z --parts 12").waitFor();
@@ -102,7 +101,7 @@ test("a round is that of trueaxis keep, and leaves its files", async () => {
   assert.equal(kept.name, "keep-history.jsonl");
   sameHistory(kept.bytes.toString(), history());
 
-  // The second, compared with it: the command's output and its files.
+  // The second re-probing, compared with the first: the command's output and its files.
   await drop(panel, { "look.log": look, "history.jsonl": history() });
   await panel.getByText("look.log: 46 touches on mill.").waitFor();
   assert.equal(await command(panel), "trueaxis keep check keep.toml look.log --time 2026-05-04T07:00:00Z --parts 12");
@@ -127,13 +126,13 @@ test("a round is that of trueaxis keep, and leaves its files", async () => {
   const text = (await run("trueaxis", ["keep", "history", "keep.toml"], { cwd: folder })).stdout.trim().split("\n");
   assert.equal(past[2].changed, text.slice(2).map((line) => line.trim()).join("; "));
 
-  // The same log again would be added twice.
+  // The same log would be added twice: it is refused.
   await drop(panel, { "again.log": look });
   await page.getByRole("alert").filter({ hasText: "the log of entry 2 for the second time" }).waitFor();
   await close();
 });
 
-/** Entries of two histories, whose last bits may differ, and with them the check sums. */
+/** Compares two histories, whose last bits, and with them the check sums, may differ. */
 function sameHistory(found, needed) {
   const rows = (text) => text.trim().split("\n").map((line) => JSON.parse(line));
   const [own, other] = [rows(found), rows(needed)];
@@ -179,7 +178,7 @@ test("a term out of its bounds needs a person, and bad re-probings are refused i
     assert.equal(await alert.locator("span").textContent(), stderr.trim().split("\n").at(-1).replace(/^error: /, ""));
     assert.ok(await panel.getByRole("table", { name: "Verdicts" }).isHidden());
   }
-  // Tables that somebody has changed.
+  // Somebody has changed the tables.
   await drop(panel, { "machine.toml": `${machine}# by hand\n`, "look.log": look });
   await page.getByRole("alert").filter({ hasText: "somebody has changed" }).waitFor();
   await panel.getByRole("checkbox", { name: "changed by hand" }).check();

@@ -14,11 +14,11 @@ after(async () => {
 });
 
 const TURN = 2 * Math.PI;
-/** Five lobes, finer waves, and something that differs from turn to turn. */
+/** Five lobes, finer waves, and a part that differs from turn to turn. */
 const profile = (s) => 1.7 * Math.cos(5 * s + 0.4) + 0.6 * Math.cos(13 * s) + 0.21 * Math.sin(47 * s + 1);
 const motion = (theta, turn) => [3 * Math.cos(theta) + 0.4 * Math.cos(3 * theta) + 0.05 * turn, 2 * Math.sin(theta) - 0.3 * Math.sin(2 * theta) - 0.02 * turn * turn];
 
-/** A file of readings of three standing probes, and its text. */
+/** Writes a file with the readings of three stationary probes; returns its text. */
 function probes(name, degrees, thetas, header) {
   const lines = thetas.map((theta_deg, row) => {
     const theta = (theta_deg * TURN) / 360;
@@ -36,9 +36,8 @@ function probes(name, degrees, thetas, header) {
 }
 
 /**
- * Figures behind a Fourier transform: `rustfft` takes the processor's vector instructions where it has them and the
- * page has none, which changes the order of additions. All digits that are shown are the same, the whole numbers within
- * 1e-12 µm.
+ * Compares figures that depend on a Fourier transform. `rustfft` uses the processor's vector instructions, which the page
+ * lacks, so the order of additions differs. Printed digits are equal; numbers at full precision agree within 1e-12 µm.
  */
 function near(found, needed, what) {
   if (Array.isArray(needed)) {
@@ -48,7 +47,7 @@ function near(found, needed, what) {
   else assert.ok(Math.abs(found - needed) <= 1e-12 * Math.max(1, Math.abs(needed)), `${what}: ${found} against ${needed}`);
 }
 
-/** Types a number, as a person does. */
+/** Types a number and leaves the field, as a user does. */
 async function type(scope, label, value) {
   const field = scope.getByRole("spinbutton", { name: label });
   await field.fill(String(value));
@@ -66,10 +65,10 @@ async function arrange(panel, group, { n, harmonics, phi2_deg, phi3_deg, p, q })
   await type(probes, /φ3/, q ?? phi3_deg);
 }
 
-/** Waits until the status line of the readings says this. */
+/** Waits until the status line of the readings contains this text. */
 const status = (panel, text) => panel.getByRole("status").filter({ hasText: text }).waitFor();
 
-/** The columns of the CSV behind a plot. */
+/** Columns of the CSV that a plot saves. */
 async function columns(page, panel, title) {
   const figure = panel.getByRole("figure").filter({ hasText: title }).last();
   await figure.getByText("Table", { exact: true }).click();
@@ -78,7 +77,7 @@ async function columns(page, panel, title) {
   return rows[0].map((_, column) => rows.map((row) => (row[column] === "" ? null : Number(row[column]))));
 }
 
-/** All figures on the page against a document of `trueaxis roundness --json`. */
+/** Compares all figures on the page with a document of `trueaxis roundness --json`. */
 async function compare(page, panel, document) {
   const zones = await numbers(panel.getByRole("table", { name: /^Roundness of the mean/ }));
   for (const name of ["lsc", "mzc", "mic", "mcc"]) {
@@ -133,10 +132,10 @@ test("readings at equidistant angles: figures, warnings, suppressed harmonics", 
   assert.deepEqual(notes, stderr.trim().split("\n"));
   await panel.getByText(/^Suppressed: [\d, and]+; limit of the noise gain 4.5/).waitFor();
 
-  // The command that the page names prints the same.
+  // The command that the page shows prints the same document.
   const command = await panel.getByText(/^trueaxis roundness/).textContent();
   assert.deepEqual(await cli(command.split(" ").slice(1), { cwd: folder }), document);
-  // A circle that is hidden is not in the picture.
+  // The picture omits a hidden circle.
   const circles = panel.getByRole("group", { name: "Reference circles" });
   await panel.getByRole("figure").filter({ hasText: "MIC, zone" }).first().waitFor();
   await circles.getByLabel(/MIC/).press("Space");
@@ -254,14 +253,14 @@ test("probe angles by keyboard, blind ones named, best pairs", async () => {
   const command = await panel.getByText(/^trueaxis probe-angles/).textContent();
   assert.deepEqual(await cli(command.split(" ").slice(1)), document);
 
-  // Half a turn and a quarter cannot see some harmonics: the command refuses them by the same list.
+  // Probes a quarter and half a turn after the first miss some harmonics: page and command list the same ones.
   await type(moved, /φ2/, 64);
   await type(moved, /φ3/, 64);
   const { stderr } = await run("trueaxis", given(64, 64));
   const [list] = stderr.match(/cannot see harmonics [\d, and]+\d/);
   const harmonics = list.match(/\d+/g);
   assert.ok(harmonics.length > 30, list);
-  // The first of the two angles alone has a separate list.
+  // Waits for the list of both angles: after the first one alone, the page lists others.
   const same = new RegExp(`cannot see harmonics ${harmonics.join("[, and]+")}(?!\\d)`);
   await panel.getByRole("status").filter({ hasText: same }).waitFor();
   await close();

@@ -57,7 +57,7 @@ pub(crate) struct Arguments {
     /// All axes travel in negative direction.
     #[arg(long)]
     reverse: bool,
-    /// The positions are approached in their order, the first in positive travel.
+    /// The machine approaches the positions in their order, the first in positive travel.
     #[arg(long, conflicts_with = "reverse")]
     in_order: bool,
     /// Temperature of the machine, °C, for its thermal growth [default: its reference temperature].

@@ -101,7 +101,7 @@ fn cannot_write(file: &Path) -> String {
     format!("cannot write {}", file.display())
 }
 
-/// Prints a line on standard error. A closed standard error is not an error, and there is nowhere to report one.
+/// Prints a line on standard error. Ignores errors, because a failing standard error leaves nowhere to report them.
 pub(crate) fn report_line(line: impl Display) {
     let _ = writeln!(std::io::stderr().lock(), "{}", printable(&line.to_string()));
 }

@@ -1,4 +1,4 @@
-//! `trueaxis calibrate` as called. A few lines simulate the control, the probe and the machine: every probing move of the
+//! `trueaxis calibrate` as called. The tests simulate control, probe and machine in a few lines: every probing move of the
 //! program runs against artefacts on a machine with known scales, squareness and backlash.
 
 use trueaxis_testing::command::Folder;

@@ -458,8 +458,8 @@ fn licences_are_printed() {
     folder.bad(&["--licences", "tables", "check"], &["cannot be used with"]);
 }
 
-/// Margins and servo settings of the sample mill are shown; gains that leave too little margin at a servo rate are refused
-/// with the largest permitted ones, and nothing is written.
+/// `tables` shows margins and servo settings of the sample mill. It refuses gains that leave too little margin at a servo
+/// rate, names the largest permitted ones, and writes nothing.
 #[test]
 fn margins_are_shown_and_gains_refused() {
     let directory = Folder::new(TRUEAXIS);

@@ -1,4 +1,4 @@
-//! `trueaxis correct`: against `compensate`, against exact transforms, and every invalid query.
+//! `trueaxis correct`, compared with `compensate` and with exact transforms, and every invalid query.
 
 use serde_json::Value;
 use std::path::Path;
@@ -99,7 +99,7 @@ fn without_a_position_the_middle_of_the_travel() {
     assert!(text.contains("at X 0, Y 0, Z -200 mm (middle of the travel)") && stderr.is_empty(), "{text}{stderr}");
     let found = document(&directory, &["correct", "mill-3axis"]);
     assert_eq!(found, document(&directory, &["correct", "mill-3axis", "--at", "0,0,-200"]));
-    // Rotary axes that are left out are at zero.
+    // Omitted rotary axes are at zero.
     let five = document(&directory, &["correct", "mill-5axis", "--at", "0,0,-100"]);
     assert_eq!(five, document(&directory, &["correct", "mill-5axis", "--at", "0,0,-100,0,0"]));
 }

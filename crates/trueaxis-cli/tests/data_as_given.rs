@@ -43,7 +43,7 @@ fn separators_and_decimal_commas_are_recognised_everywhere() {
         assert_eq!(found, truth, "{text:?}");
         assert_eq!(error.matches(message).count(), 1, "{error}");
     }
-    // So do the machine's own tables.
+    // The machine's own tables may use these separators, too.
     directory.write("m/x.csv", "X_mm;EXX_um\n0;0\n100,5;20,5\n");
     directory.write("p.csv", plain);
     let [found, error] = directory.both(&["compensate", "m", "p.csv"]);

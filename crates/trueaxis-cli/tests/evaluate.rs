@@ -151,8 +151,7 @@ fn a_result_that_agrees_is_averaged_and_one_that_differs_replaces_the_value() {
     assert!(said["a0z_urad"].is_object() && row["why"] == "agrees: weighted mean of both", "{said}");
     assert_eq!(folder.read("mill/machine.toml"), mill);
     folder.good(&["tables", "check", "agrees"]);
-    // With --force the measured value is written although the better known one agrees; without a machine there is nothing to
-    // force.
+    // --force writes the measured value although the better known one agrees; without a machine it is refused.
     let ([_, stderr], error) = run(25.0, "forced", &["--force"]);
     assert_eq!(of(&folder.read("forced/machine.toml"))[..2], [25.0, 11.0], "{error}");
     assert!(stderr.contains("forced, the rule writes 31.5 ± 2.9: agrees: weighted mean of both"), "{stderr}");

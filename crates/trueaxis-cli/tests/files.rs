@@ -1,4 +1,5 @@
-//! Commands and files: an input is never written, an edited machine keeps its text, a refused command leaves nothing.
+//! Commands and files: no command overwrites an input, an edited machine keeps its text, and a refused command leaves no
+//! files.
 
 use std::fs;
 use std::path::Path;
@@ -78,7 +79,7 @@ fn an_import_replaces_a_table_in_its_place_and_says_what_was_there() {
     }
     assert_eq!(directory.read("m/machine.toml"), MACHINE.replace("backlash_um = 2.5", "backlash_um = 0.0"));
     assert!(directory.read("m/y-2024.csv").starts_with("Y_mm,EYY_fwd_um,EYY_rev_um\n"));
-    // Repeated: nothing in machine.toml is left to change.
+    // The same import again changes nothing in machine.toml.
     let once = directory.read("m/machine.toml");
     let said = directory
         .reported(&["tables", "import", "--from", "linuxcnc", "--unit", "mm", "new.comp", "--axis", "Y", "-o", "m"]);

@@ -1,4 +1,4 @@
-//! `trueaxis friction` as called. An independent integration makes the record.
+//! `trueaxis friction` as called, on a record from an independent integration.
 
 use serde_json::Value;
 use std::f64::consts::TAU;

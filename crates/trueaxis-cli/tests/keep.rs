@@ -1,4 +1,4 @@
-//! `trueaxis keep` as called. A few lines simulate the machine, its drift and the corrections of its files.
+//! `trueaxis keep` as called. The tests simulate the machine, its drift and the corrections of its files in a few lines.
 
 use std::path::Path;
 use trueaxis_testing::command::{Folder, csv};

@@ -1,4 +1,5 @@
-//! Absurd numbers on the command line: every command that reads them refuses them; the controller runs whatever passes.
+//! Absurd numbers on the command line: every command refuses them, and the controller accepts every machine that a command has
+//! accepted.
 
 use trueaxis_testing::command::Folder;
 

@@ -85,7 +85,7 @@ pub fn judge(bands: &Positioning, tolerance_um: f64) -> Option<Judgement> {
     Some(Judgement { figure: band.figure, tolerance_um, verdict: verdict(band.interval, tolerance_um) })
 }
 
-/// Reads a measurement; `file` is only named in errors. `note` is called with a note on separators other than commas.
+/// Reads a measurement; `file` is only named in errors. Separators other than commas are reported to the callback.
 ///
 /// # Errors
 /// As [`read_measurement`].
@@ -97,7 +97,8 @@ pub fn read(text: &str, file: &Path, axis: Option<Axis>, note: &mut dyn FnMut(St
     Ok(measurement)
 }
 
-/// Evaluates a measurement, and what would remain of it with the tables of a machine (errors name the machine by the path).
+/// Evaluates a measurement and, with a machine, the deviations that its tables would leave (errors name the machine by the
+/// path).
 ///
 /// # Errors
 /// A single run; a machine without a table of that axis.

@@ -59,7 +59,7 @@ pub fn findings(machine: &Machine, tables: &Tcomp<'_>, rate_hz: f64) -> Findings
 /// [`Findings`] in serialised form.
 #[derive(Clone, Debug, Serialize)]
 pub struct Document {
-    /// No error was found.
+    /// Always true: a machine with an error is refused.
     pub ok: bool,
     /// Doubtful settings, a sentence each.
     pub warnings: Vec<String>,

@@ -107,8 +107,8 @@ pub fn alive<const C: usize>(rows: &Rows<'_, C>, lines: &[u32], channels: &[Chan
     dead(channels).map_or(Ok(()), |(channel, stuck)| Err(stuck.error(rows, lines, channel.name, channel.scale)))
 }
 
-/// The first reading from which a position does not change although its own command does: [`longest`], over which the command
-/// takes many values. An axis at rest has a command at rest.
+/// The first reading from which a position does not change although its command does: the [`longest`] stretch of one value, if
+/// the command takes many values over it. An axis at rest has a command at rest.
 pub fn left_behind(command: &[f64], reading: &[f64]) -> Option<Stuck> {
     longest(reading).filter(|stuck| command.get(stuck.from..stuck.from + stuck.count).is_some_and(many))
 }
@@ -199,7 +199,7 @@ fn many(values: &[f64]) -> bool {
     2 * sorted.len() > values.len()
 }
 
-/// A row that one part of a record lacks and its like have.
+/// A row that is missing from one part of a record and present in a similar part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Missing {
     /// Index of the part.
@@ -304,7 +304,7 @@ mod tests {
         assert_eq!(along(&|k| [1e-5 * k, (1e-2 * k).round() * 1e-3]), None);
         assert_eq!(along(&|k| [1e-4 * k, (2e-2 * k).round() * 5e-3]), None);
         assert_eq!(along(&|k| [4e-5 * k, (4e-5 * k - 0.015).max(0.0)]), None);
-        // Circles with an axis that dies on the second, after one reading that was sent twice at a rapid.
+        // Circles with an axis that dies on the second one; one reading occurs twice during the rapid before them.
         let circles = |k: f64| 20.0 * (0.1 * k).sin() - if k < 3.0 { 900.0 } else { 0.0 };
         let died = along(&|k| [circles(k), circles(if k < 4.0 { k.min(2.0) } else { k.min(70.0) })]);
         assert_eq!(died.map(|found| (found.0.from, found.0.count)), Some((70, 330)));

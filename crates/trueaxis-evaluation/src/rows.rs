@@ -119,8 +119,8 @@ fn wrong(file: &Path, line: u32, column: &str, found: String, needed: String) ->
 }
 
 impl<'r, const C: usize> Rows<'r, C> {
-    /// Checks the header; `file` is only named in errors. `note` receives one note on how the file is read if its separators
-    /// or decimals are not commas and decimal points.
+    /// Checks the header; `file` is only named in errors. Separators other than commas and decimal commas are reported once to
+    /// the callback.
     ///
     /// # Errors
     /// A header with unknown or duplicate columns, or without a required one.

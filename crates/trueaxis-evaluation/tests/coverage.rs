@@ -1,8 +1,8 @@
 //! Coverage of the bands on simulated repeats: of 100 intervals of 95 %, 95 contain the truth.
 //!
 //! `TRUEAXIS_REPEATS=1000 cargo test -p trueaxis-evaluation --test evaluation coverage -- --nocapture` counts the full table
-//! of docs/uncertainty.md. Without the variable the tests count fewer repeats, with a margin for chance. They make the truths
-//! themselves and use nothing of the Monte Carlo.
+//! of docs/uncertainty.md. Without the variable the tests count fewer repeats, with a margin for chance. They generate the
+//! true values and use no code of the Monte Carlo.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::path::Path;

@@ -2,7 +2,7 @@
 //!
 //! Rows w·(a·x) = w·y enter a triangle by Householder reflections, a block at a time: memory depends only on the number of
 //! unknowns, and the normal equations are never formed. Columns are scaled to unit length; the singular values of the scaled
-//! triangle give rank and condition, and the vectors of the vanishing ones show which unknowns no row separates.
+//! triangle give rank and condition, and the vectors of those that vanish show which unknowns the rows do not separate.
 //!
 //! Source: Golub, Van Loan, *Matrix Computations*, 5.3, 5.5 and 12.5 (updating a QR factorisation by rows).
 

@@ -94,7 +94,8 @@ fn value(found: &Evaluation, cause: Cause) -> f64 {
     found.term(cause).unwrap_or_else(|| panic!("no {cause:?}")).value
 }
 
-/// Every cause alone: it is found, and nothing else except second-order effects of a micrometre in 100 mm.
+/// A circle with a single cause: the fit finds that cause and nothing else except second-order effects of a micrometre in 100
+/// mm.
 #[test]
 fn every_cause_alone_is_found_and_nothing_else() {
     let none = Plane { radius: 100.0, width: 0.03, ..Plane::default() };
@@ -130,8 +131,8 @@ fn every_cause_alone_is_found_and_nothing_else() {
     }
 }
 
-/// 500 random machines with all causes at once and a noise of 0.2 µm: each value is within a tenth or three of its standard
-/// errors.
+/// 500 random machines with all causes at once and a noise of 0.2 µm: each value is within a tenth of the true one or 4.5
+/// standard errors.
 #[test]
 fn causes_of_random_machines_are_separated() {
     let mut random = ChaCha8Rng::seed_from_u64(2304);
@@ -176,8 +177,8 @@ fn causes_of_random_machines_are_separated() {
     assert!((0.93..0.97).contains(&share), "{share}");
 }
 
-/// 180 readings per turn are 35 mrad apart: spikes of 12 mrad or more are found, narrower ones are reported. If only wider
-/// ones were tried, one of 15 degrees inwards would fit best, with twice the backlash.
+/// 180 readings per turn are 35 mrad apart: the fit finds spikes of 12 mrad or more and reports narrower ones. If it tried
+/// only wider ones, an inward spike of 15 degrees would fit best, with twice the backlash.
 #[test]
 fn spikes_narrower_than_the_readings_lie_apart() {
     let mut random = ChaCha8Rng::seed_from_u64(5);

@@ -74,9 +74,9 @@ fn a_bore_alone_cannot_separate_scale_and_tip() {
     assert!(found.values[0].abs() < 1e-12 && found.standard_errors[0] > 0.0, "{found:?}");
 }
 
-/// A gauge of 30 faces, each touched twice, on a machine that is too long. If the certificate says nothing about the faces at
-/// the probe's accuracy (5 µm versus 1 µm), every face costs a touch, and the residual is divided by the others: 60 touches −
-/// 31 for the faces and the scale + the information of the certificate on the row as a whole.
+/// A gauge of 30 faces, each touched twice, on a machine that is too long. With a certificate far worse than the probe (5 µm
+/// versus 1 µm), every face costs one degree of freedom. The degrees of freedom are then 60 touches − 31 for the faces and the
+/// scale + the information of the certificate on the row as a whole.
 #[test]
 fn residuals_are_divided_by_the_degrees_of_freedom() {
     let repeats = 400;

@@ -476,7 +476,7 @@ fn no_centre_has_a_smaller_sum_than_the_least_squares_circle() {
     }
 }
 
-/// If rounding at 10⁹ mm hides the inscribed circle, the search ends and reports it; the other circles are found.
+/// Rounding at 10⁹ mm hides the inscribed circle: its search ends and reports that; the other circles exist.
 #[test]
 fn outliers_at_several_distances_end() {
     let points = [

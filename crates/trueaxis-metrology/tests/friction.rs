@@ -171,8 +171,8 @@ fn at_one_kilohertz_too() {
     }
 }
 
-/// How the drive takes its commands and when in the cycle its encoder is read must not appear as friction: none of it is
-/// viscous, the rest is unchanged.
+/// The way in which the drive takes its commands, and the time in the cycle at which its encoder is read, must not appear as
+/// friction: the viscous part stays zero, the rest unchanged.
 #[test]
 fn the_result_does_not_depend_on_when_the_encoder_is_read() {
     let friction = FrictionSettings { viscous: 0.0, ..FRICTION };
@@ -193,8 +193,8 @@ fn the_result_does_not_depend_on_when_the_encoder_is_read() {
     }
 }
 
-/// If the drive is identified as well, the record hardly determines when the encoder is read: a stated time is used, an
-/// unknown one enters the uncertainties.
+/// If the fit also identifies the drive, the record hardly determines the time of the encoder's reading: the fit uses a stated
+/// time; an unknown one widens the uncertainties.
 #[test]
 fn the_drive_found_is_as_uncertain_as_the_time_at_which_the_encoder_is_read() {
     let period_s = 1e-4;

@@ -1,4 +1,4 @@
-//! The JSON documents of the command line, as dictionaries.
+//! Converts the command line's JSON documents to dictionaries.
 
 use crate::{arrays, to_python};
 use numpy::{PyArray1, PyArrayMethods};
@@ -16,15 +16,15 @@ pub(crate) fn dictionary<'py>(py: Python<'py>, document: &impl Serialize) -> PyR
     py.import("json")?.call_method1("loads", (text,))
 }
 
-/// The decisions about a machine, under `written` as in the documents of the commands; nothing without a machine.
+/// Adds the decisions about a machine under `written`, as the commands do; adds nothing without a machine.
 pub(crate) fn with_decisions(document: &Bound<'_, PyDict>, written: Option<&[Decision]>) -> PyResult<()> {
     let Some(written) = written else { return Ok(()) };
     document.set_item("written", dictionary(document.py(), &written)?)
 }
 
-/// Reference circles of points of a section after ISO 12181-1: the document of `trueaxis circle --json`.
+/// Fits the reference circles of ISO 12181-1 to points of a section; returns the document of `trueaxis circle --json`.
 ///
-/// points: (n, 2), mm.
+/// - points: (n, 2), mm.
 #[pyfunction]
 pub(crate) fn circle<'py>(py: Python<'py>, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
     let (_, values) = arrays::rows(points, "points", &[2])?;
@@ -36,11 +36,13 @@ pub(crate) fn circle<'py>(py: Python<'py>, points: &Bound<'py, PyAny>) -> PyResu
     dictionary(py, &document)
 }
 
-/// Roundness and spindle error from three probes: the document of `trueaxis roundness --json`, and the arrays profile_um,
-/// rx_um and ry_um (revolutions, n).
+/// Separates roundness and spindle error by three probes; returns the document of `trueaxis roundness --json`, with the arrays
+/// profile_um, rx_um and ry_um (revolutions, n).
 ///
-/// readings: (revolutions × n, 3), µm, equidistant in θ; with theta_deg any number of rows at any increasing angles, which are
-/// resampled, with the interpolation error in `resampling`. Angles between the probes as slots p, q or as phi2_deg, phi3_deg.
+/// - readings: (revolutions × n, 3), µm, equidistant in θ; with theta_deg, any number of rows.
+/// - theta_deg: increasing angles of the rows. The function resamples the readings; `resampling` states the interpolation
+///   error.
+/// - p, q or phi2_deg, phi3_deg: the angles between the probes, in slots or in degrees.
 #[pyfunction]
 #[pyo3(signature = (readings, *, n, harmonics = None, p = None, q = None, phi2_deg = None, phi3_deg = None, arm = None,
     upr = None, noise_gain_limit = NOISE_GAIN_LIMIT, theta_deg = None))]
@@ -88,8 +90,8 @@ pub(crate) fn roundness<'py>(
     Ok(found)
 }
 
-/// Best angles of three probes: the document of `trueaxis probe-angles --json`, the `count` best pairs of slots and, if
-/// angles are given, that pair.
+/// Finds the best angles of three probes; returns the document of `trueaxis probe-angles --json`, with the `count` best pairs
+/// of slots and, if the caller states angles, the figures of that pair.
 #[pyfunction]
 #[pyo3(signature = (*, n, harmonics = None, p = None, q = None, phi2_deg = None, phi3_deg = None,
     count = angles::USUAL_COUNT))]

@@ -1,4 +1,4 @@
-//! A programmed path and the contour error of positions near it.
+//! A programmed path, and the contour error of positions near it.
 
 use crate::{Error, arrays, to_python, warn};
 use anyhow::anyhow;
@@ -14,7 +14,7 @@ use trueaxis_tables::text::read_text;
 #[pyclass(frozen, module = "trueaxis")]
 pub(crate) struct Path(ProgrammedPath);
 
-/// Feet and errors, row by row.
+/// Feet and errors in the order of the rows.
 #[derive(Default)]
 struct Feet {
     segment: Vec<u32>,
@@ -33,7 +33,7 @@ impl Path {
         Path::cut(py, || Ok(read_text(&path, &[])?), &path)
     }
 
-    /// A path from the text of such a file.
+    /// Reads a path from the text of a PATH.json.
     #[staticmethod]
     fn from_json(py: Python<'_>, text: String) -> PyResult<Path> {
         Path::cut(py, || Ok(text), FilePath::new("path"))
@@ -45,10 +45,12 @@ impl Path {
         self.0.segments()
     }
 
-    /// The nearest point of the path to every actual position, within max_lag_mm of path length around its reference.
+    /// Finds the point of the path nearest to every actual position (its foot), within max_lag_mm of path length around its
+    /// reference. Returns the columns of `trueaxis contour` as arrays: segment and u of the foot, error_um (the distance to
+    /// it), vector_um (n, 3; actual − foot), evaluations, bracketed.
     ///
-    /// actual: (n, 3), mm; segment and u: (n,), where the reference is. Gives the columns of `trueaxis contour` as arrays:
-    /// segment and u of the foot, error_um (its distance), vector_um (n, 3; actual − foot), evaluations, bracketed.
+    /// - actual: (n, 3), mm.
+    /// - segment, u: (n,), the reference of each position.
     ///
     /// Raises trueaxis.Error with the row: a reference that is not on the path, a coordinate that does not change while the
     /// path moves along it.

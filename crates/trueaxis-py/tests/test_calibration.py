@@ -1,4 +1,4 @@
-"""Calibration, thermal growth and uncertainty against the command line, and against what the records were made of."""
+"""Calibration, thermal growth and uncertainty, compared with the command line and with the errors in generated records."""
 
 import json
 import shutil
@@ -77,7 +77,7 @@ def test_a_log_that_cannot_be_used_is_refused_in_the_words_of_the_command(task, 
 
 
 def warm_up():
-    """X grows by 12 µm/(m K) from 0 on, Z by 3 µm/K; the second sensor is a clock."""
+    """A record: X grows by 12 µm/(m K) from position 0, Z by 3 µm/K; the second sensor is unrelated to the growth."""
     t = np.repeat(300.0 * np.arange(192), 2)
     x = np.tile([0.0, 250.0], 192)
     warm = 6 * np.sin(t / 7000) + 3 * np.cos(t / 2300)

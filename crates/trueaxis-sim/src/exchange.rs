@@ -11,7 +11,7 @@ const PERIOD_NS: u32 = 1_000_000;
 /// The course: a circle in X and Y with this radius, mm, and this many cycles per turn, about 60 mm/s.
 const RADIUS_MM: f64 = 40.0;
 const TURN: u32 = 4_189;
-/// Cycles with the old tables: one turn in which the first correction ramps in, and one that is watched.
+/// Cycles with the old tables: one turn in which the first correction ramps in, and one that is measured.
 const BEFORE: u32 = 2 * TURN;
 /// Cycles with the new tables.
 const AFTER: u32 = TURN;

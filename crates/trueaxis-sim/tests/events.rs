@@ -1,4 +1,4 @@
-//! Acts by hand and acts in the scenario give bit-identical results; tables are exchanged in motion.
+//! Acts during a run: they give the same bits as the same acts in the scenario, and tables exchanged in motion ramp in.
 
 use crate::common::{PROGRAM, machine};
 use std::collections::BTreeMap;

@@ -1,4 +1,4 @@
-//! The full run: available for machines with dynamic parts, reproducible, and as accurate as promised.
+//! The full run: machines with dynamic parts have it, it is reproducible, and it is as accurate as documented.
 
 use std::path::Path;
 use trueaxis_sim::program::Program;

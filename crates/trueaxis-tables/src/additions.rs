@@ -34,9 +34,10 @@ pub struct Additions {
     pub findings: Vec<Finding>,
     /// Residual of the test's fit; with a misfit no finding is written.
     pub fit: Option<Fit>,
-    /// Number of the record that the findings are based on ([`finding::record_number`]); `None`: not identified.
+    /// Number of the record that the findings are based on ([`finding::record_number`]); `None`: the record has no number.
     pub record: Option<String>,
-    /// Whether the record was taken with the machine's tables active: the same record is not added a second time.
+    /// Whether the machine's tables corrected it during the recording. A record that the machine already includes is then not
+    /// added a second time.
     pub compensated: bool,
     /// Whether to write the findings regardless of the rule, which is reported. Still refused: results that the controller
     /// would refuse, and additions that the machine already includes.
@@ -44,7 +45,7 @@ pub struct Additions {
 }
 
 impl Additions {
-    /// These additions, based on a record of these bytes.
+    /// Sets the record to the one with these bytes.
     #[must_use]
     pub fn of_record(self, bytes: &[u8]) -> Additions {
         Additions { record: Some(finding::record_number(bytes)), ..self }

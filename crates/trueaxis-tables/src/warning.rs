@@ -31,7 +31,7 @@ pub enum Warning {
         /// Declared travel, mm.
         travel: [f64; 2],
     },
-    /// No table, grid, squareness, location error, lost motion or growth is stated, so there is nothing to correct.
+    /// The machine states no table, grid, squareness, location error, lost motion or growth, so its correction is zero.
     NoErrorsStated,
     /// At top feed of all axes the correction of a drive changes faster than its slope limit allows.
     SlopeAboveLimit {

@@ -119,8 +119,8 @@ fn a_misfit_writes_nothing() {
     }
 }
 
-/// With `force`, the found values are written regardless of the rule, and the reasons state what the rule would write;
-/// refusals of the controller remain.
+/// `force` writes the found values regardless of the rule, and the reasons state the rule's decision; the controller's
+/// refusals remain.
 #[test]
 fn forced_values_are_written_with_the_verdict_of_the_rule() {
     let found = [
@@ -156,8 +156,7 @@ fn forced_values_are_written_with_the_verdict_of_the_rule() {
     let below = Additions { force: true, ..findings(&[("axis.Y.backlash_um", known(-3.0, 0.1))], misfit) };
     let (same, decisions) = edited(MACHINE, &below);
     assert_eq!((same.as_str(), decisions[0].written, &decisions[0].why), (MACHINE, None, &Why::OverCompensated));
-    // An uncertainty that is not a number becomes unknown; a finding on top of what the machine already includes is not added
-    // again.
+    // An uncertainty that is not a number becomes unknown; a residual that the machine already includes is not added again.
     let vague = Additions { force: true, ..findings(&[("axis.Y.backlash_um", known(3.0, f64::NAN))], None) };
     assert_eq!(edited(MACHINE, &vague).1[0].written, Some(bare(3.0)));
     let again = Additions { compensated: true, ..forced(None) };

@@ -548,7 +548,7 @@ fn a_mesh_that_is_probed_again_replaces_the_old_one() {
     assert_eq!((machine.grids.len(), count), (2, 3));
     assert!(notes.iter().any(|note| note == "the grid \"grid.csv\" is replaced"), "{notes:?}");
     assert!((modelled::<3>(&machine, [20.0, 100.0, 0.2]).0[2] - 0.5).abs() < 5e-5);
-    // Without the fade there is one grid fewer.
+    // A mesh without a fade needs only one grid.
     let (machine, ..) = take(&mesh(&columns([0.5, 0.6, 0.7], "")).unwrap()).unwrap();
     assert_eq!(machine.grids.len(), 1);
     let other =

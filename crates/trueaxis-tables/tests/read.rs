@@ -403,7 +403,7 @@ fn writing_leaves_either_the_old_or_the_new_file() {
     let file = folder.path().join("t.tcomp");
     write_atomically(&file, b"new").unwrap();
     assert_eq!(fs::read(&file).unwrap(), b"new");
-    // A directory cannot be replaced by a file: this is refused, and nothing is left beside it.
+    // A file cannot replace a folder: the write is refused, and no temporary file remains beside it.
     fs::create_dir(folder.path().join("d")).unwrap();
     fs::write(folder.path().join("d/in"), "").unwrap();
     assert!(write_atomically(&folder.path().join("d"), b"new").is_err());

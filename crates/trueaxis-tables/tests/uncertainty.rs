@@ -1,4 +1,4 @@
-//! Standard uncertainties are read, are not compiled, and are kept by edits.
+//! Standard uncertainties: the reader reads them, the compiler omits them, and edits preserve them.
 
 use std::path::Path;
 use trueaxis::machine::Axis;

@@ -40,13 +40,13 @@ export class IntoMachine {
     return this.taken;
   }
 
-  /** Begins another measurement, which no machine has yet. */
+  /** Begins another measurement, whose results no machine has yet. */
   begin(): void {
     this.taken = false;
     this.show(undefined);
   }
 
-  /** Shows what the machine would get, or why it gets nothing. Results that it already has are not offered again: they would be added twice. */
+  /** Shows the changes to the machine, or the reason why it has none. Offers no results that the machine already has: it would get them twice. */
   show(becomes: Becomes | undefined, why = ""): void {
     if (this.taken) return;
     this.becomes = becomes;

@@ -53,7 +53,7 @@ type Column = ArrayLike<number | null>;
 /** Rows of the table behind a plot; the CSV has them all. */
 const TABLE_ROWS = 500;
 
-/** Plots whose cursors go together, by key. */
+/** Plots whose cursors move together, by key. */
 const groups = new Map<string, Plot[]>();
 
 export class Plot {
@@ -105,7 +105,7 @@ export class Plot {
     for (const plot of together) if (plot.root.isConnected && plot.data[0]?.length === length) plot.moveCursor(index);
   }
 
-  /** The cursor at a row, whichever the pixel next to it belongs to. */
+  /** Places the cursor at exactly this row, even if several rows share a pixel. */
   private moveCursor(index: number | null): void {
     const x = index === null ? undefined : this.data[0]?.[index];
     if (this.plot && x !== null && x !== undefined) {
@@ -167,7 +167,7 @@ export class Plot {
     this.describe();
   }
 
-  /** Room at both ends for bars and for points, which are drawn whole. */
+  /** Room at both ends, so that bars and points are not clipped. */
   private beyond(): uPlot.Scale {
     const { series } = this.options;
     const room = (low: number, high: number) => (series.some((one) => one.bars) ? 0.6 : 0.02 * (high - low || 1));

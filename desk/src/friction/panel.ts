@@ -17,7 +17,7 @@ export interface Kept {
   axes: Axes;
   circles: Circles;
   drives: Drives;
-  /** A record that was dropped is too large for a link: it has to be dropped again. */
+  /** Whether the record was simulated. A dropped one is too large for a link: the user must drop it again. */
   simulated: boolean;
   fitted: boolean;
 }

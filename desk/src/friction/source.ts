@@ -64,7 +64,7 @@ export class Source {
   private readonly chosen;
   private readonly buttons: Record<"simulate" | "stop" | "save", HTMLButtonElement>;
 
-  /** `usual` are the simulator's settings unless others are given. */
+  /** `usual` are the simulator's default settings. */
   constructor(private readonly events: SourceEvents, usual: Settings) {
     const { circles } = this;
     this.chosen = choice<Axes>("Axes of the record, in the plane's sense", Object.keys(PLANE_OF).map((axes) => [axes as Axes, axes] as const), this.axes, (axes) => {

@@ -37,7 +37,7 @@ export class Picture {
     this.root = el("div", {}, el("div", { class: "row" }, shown.root), host, key);
   }
 
-  /** Another flank. */
+  /** Draws another flank. */
   async surface(inputs: Inputs): Promise<void> {
     const asked = request(inputs);
     this.size = [inputs.theta.count === 1 ? 1 : ROWS, inputs.u.count === 1 ? 1 : COLUMNS];
@@ -47,7 +47,7 @@ export class Picture {
     ])) as [Float32Array<ArrayBuffer>, Float32Array<ArrayBuffer>];
   }
 
-  /** The tool in its place. */
+  /** Draws the tool at its place. */
   async tool(inputs: Inputs, outline: Outline, tool: Tool): Promise<void> {
     this.drawn = { inputs, outline, tool };
     const { u_rad: u, theta_rad: theta } = tool;

@@ -119,7 +119,7 @@ export class Keep extends Probing {
     ]);
     const balls = d.balls.map(({ name, centre_mm, standard_error_um }): Cell[] => [name, ...centre_mm.map((value) => shown(value, 9)), shown(Math.max(...standard_error_um), 2)]);
     const past = entries.map(({ entry, time, parts, deed, changed }): Cell[] => [String(entry), time ?? "", parts === null ? "" : String(parts), deed, changed.join("; ")]);
-    // If there are updates, applying them below also enters them in the history.
+    // With updates, applying them below also enters them in the history.
     const enter = becomes || refusal ? [] : [button("Enter it in the history", () => this.enter(), { class: "primary" })];
     const saves = written.map(([name, content]) => button(`Save ${name}`, () => save(name.replaceAll("../", "").replaceAll("/", "-"), content)));
     this.results.replaceChildren(

@@ -1,4 +1,4 @@
-// The temperature at which curves and field are shown, which is not a setting of the machine.
+// Temperature of the displayed curves and field. It is not a setting of the machine.
 
 type Listener = (temperature_c: number) => void;
 

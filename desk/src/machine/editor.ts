@@ -65,7 +65,7 @@ export class Editor {
     });
   }
 
-  /** Makes a change; of several with the same key (none: "") only the last is queued. A refused one changes nothing. */
+  /** Makes a change. Of several changes with the same key only the last is queued; those with the key "" are all queued. A refused one changes nothing. */
   apply(change: Change, what: string, key: string): Promise<void> {
     return this.queue(key, async () => {
       const { machine, bench } = this.desk;
@@ -74,7 +74,7 @@ export class Editor {
     });
   }
 
-  /** Another machine. */
+  /** Replaces the machine by another one. */
   load(name: string, files: Files, what: string): Promise<void> {
     return this.queue("load", () => this.take(name, files, what, ""));
   }
@@ -118,7 +118,7 @@ export class Editor {
     this.desk.note(what);
   }
 
-  /** The files become the machine of the desk, once the module has read them. */
+  /** Makes the files the desk's machine, once the module has read them. */
   private async put(name: string, files: Files): Promise<void> {
     const json = JSON.stringify(files);
     const shown = await this.evaluate(json);

@@ -65,7 +65,7 @@ export class Tables {
     for (const listener of this.listeners) listener();
   }
 
-  /** Selects another axis and the same error of it, or its positioning error after that of another axis. */
+  /** Selects another axis and keeps the selected error, except that a positioning error becomes the new axis' own. */
   private turn(axis: string): void {
     const own = (letter: string) => "XYZABC".indexOf(letter);
     const { component } = this.chosen;
@@ -150,7 +150,7 @@ export class Tables {
     return this.editor.apply({ change: "point", axis, column, row, value, also }, `${column}, row ${row + 1}: ${value} ${this.unit()}`, `${axis} ${column} ${row} ${gesture}`);
   }
 
-  /** The other direction, moved by the same amount. */
+  /** The column of the other direction, with its value moved by the same amount. */
   private otherDirection(column: string, row: number, value: number): [string, number][] {
     const table = this.axis?.table;
     const at = (name: string) => table?.rows[row]?.[table.columns.findIndex((one) => one.name === name)] ?? 0;
@@ -160,7 +160,7 @@ export class Tables {
       .map(({ name }) => [name, Number((at(name) + by).toFixed(3))]);
   }
 
-  /** The curve from the module; of several requests the last one counts. */
+  /** Requests the curve from the module and draws it, unless a later request has replaced this one. */
   private async curve(): Promise<void> {
     const { axis } = this;
     if (!axis?.table || this.columns().length === 0) return;

@@ -36,7 +36,7 @@ async function build(root: HTMLElement, desk: Desk): Promise<void> {
     limits(editor),
     accuracy(editor),
   );
-  // On the whole page, wherever the focus is while this view is shown.
+  // The keys work on the whole page while this view is visible, wherever the focus is.
   document.addEventListener("keydown", (event) => root.hidden || keys(event, editor));
   const field = fieldSection(root, desk);
   display.subscribe((temperature) => {

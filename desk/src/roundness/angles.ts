@@ -69,7 +69,7 @@ export class Angles {
     this.moved();
   }
 
-  /** One request at a time; the last position of a slider is always shown. */
+  /** Sends one request at a time; the last position of a slider is always evaluated. */
   private moved(): void {
     this.say();
     this.waiting = true;

@@ -33,7 +33,7 @@ export class Comparison {
   private now: Kept | undefined;
   kept: Kept | undefined;
 
-  /** `current` gives the run to keep; `changed` is called when A is kept or removed; `settings` receives those of A. */
+  /** `current` returns the run to keep; `changed` is called when A changes; `settings` receives A's settings. */
   constructor(
     current: () => Kept | undefined,
     private readonly changed: () => void,
@@ -50,7 +50,7 @@ export class Comparison {
     this.root = section("A beside B", el("div", { class: "row" }, keep, this.drop, this.back), hint, this.body);
   }
 
-  /** The run that is B. */
+  /** Sets the run B. */
   set(now: Kept): void {
     this.now = now;
     if (this.kept) this.draw();

@@ -101,7 +101,7 @@ export class Curves {
     return [...axes, ...limits];
   }
 
-  /** Magnitude limits, axes of the same one together. */
+  /** Magnitude limits, one entry for all axes with the same limit. */
   private all(): { axes: string; at: number }[] {
     const by = new Map<number, string[]>();
     const geometry = this.which.value.endsWith("correction");
@@ -112,7 +112,7 @@ export class Curves {
     return [...by].map(([at, axes]) => ({ axes: axes.join(", "), at: Number(at.toPrecision(6)) }));
   }
 
-  /** The corrections that are drawn. */
+  /** The magnitude limits to draw. */
   private bounds(): { axes: string; at: number }[] {
     return this.limits.input.checked ? this.all() : [];
   }

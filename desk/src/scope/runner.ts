@@ -10,7 +10,7 @@ const SLICE_MS = 40;
 /** Time between two updates of the traces, ms: the least, and the most if drawing is slow. */
 const UPDATE_MS = 110;
 const LONGEST_UPDATE_MS = 1500;
-/** Drawing gets a sixth of the time, so that a slow computer draws less often and still responds. */
+/** Updates are at least this many drawing times apart, so that a slow computer draws less often and still responds. */
 const REST = 6;
 /** Two frames of a screen that has nothing to draw, ms. */
 const TWO_FRAMES_MS = 34;

@@ -106,7 +106,7 @@ export class Scope {
     else void this.reopen().catch(this.desk.fail);
   }
 
-  /** Opens the run of the present setup, at its beginning; one after the other; stale requests are skipped. */
+  /** Opens the run of the present setup at its beginning. Requests wait for one another; stale ones are skipped. */
   private reopen(files?: Files): Promise<void> {
     const ticket = ++this.opening;
     const isCurrent = () => ticket === this.opening;
@@ -128,7 +128,7 @@ export class Scope {
     this.share.set(await this.runner.scenario());
   }
 
-  /** A run is open, after a restart of the module too. */
+  /** Ensures that a run is open, also after a restart of the module. */
   private async ready(): Promise<void> {
     await this.queue.catch(() => undefined);
     if (!this.runner.isOpen) await this.reopen(this.files);

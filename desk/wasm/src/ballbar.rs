@@ -1,6 +1,6 @@
 //! Circular tests: figures after ISO 230-4, causes, and the resulting settings.
 //!
-//! The latest evaluated test is kept so that it can be written to the machine.
+//! The module keeps the latest evaluated test, so that the page can write it to the machine.
 
 use crate::becomes::Becomes;
 use crate::{Refused, json, to_js};
@@ -19,7 +19,7 @@ use wasm_bindgen::prelude::*;
 #[serde(deny_unknown_fields)]
 struct Request {
     radius_mm: f64,
-    /// `X,Y`.
+    /// As `X,Y`.
     axes: String,
     /// Pitches of the periodic errors of X, Y, Z; null to search for the pitch.
     #[serde(default)]

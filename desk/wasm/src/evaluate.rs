@@ -65,7 +65,7 @@ const TESTS: [(&str, &[Column]); 5] = [
     ("thermal", &thermal_test::COLUMNS),
 ];
 
-/// The test with most of a header's columns; among several, the one that requires no further column.
+/// The test that names most of a header's columns; among several, the one whose required columns are all present.
 fn test_of(header: &[String]) -> Option<&'static str> {
     let fitting = TESTS.iter().filter_map(|(test, columns)| {
         let count = columns.iter().filter(|column| header.iter().any(|cell| cell == column.name)).count();

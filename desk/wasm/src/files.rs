@@ -70,7 +70,7 @@ pub(crate) fn given<'b>(names: &str, bytes: &'b [u8]) -> Result<Vec<Given<'b>>> 
 /// current machine or are added to them.
 ///
 /// # Errors
-/// There is no machine or more than one among the files; all errors of reading, with file, line and column.
+/// The files contain no machine, or several; all errors of reading, with file, line and column.
 pub(crate) fn taken(current: &Texts, given: &[Given<'_>]) -> Result<Taken> {
     if let [(name, bytes)] = given
         && has_ending(name, "tcomp")
@@ -192,7 +192,7 @@ fn read_files(files: BTreeMap<PathBuf, &[u8]>, name: Option<String>, mut notes: 
     let machine = read(&Memory::new(files.iter().map(|(name, bytes)| (name, *bytes))), &mut notes)?;
     let mut texts = Texts::new();
     for (name, bytes) in files {
-        // Comments of a table may be in any encoding; everything else was read.
+        // Comments of a table may be in any encoding; the reader has accepted everything else.
         texts.insert(name.to_string_lossy().into_owned(), String::from_utf8_lossy(bytes).into_owned());
     }
     Ok(Taken { name: name.unwrap_or_else(|| machine.settings.name.to_string()), files: texts, notes })

@@ -25,7 +25,7 @@ struct Planned {
 struct Request {
     /// Text of the history; empty before the first re-probing.
     history: String,
-    /// Whether everything counts from this re-probing, as from the first one.
+    /// Whether this re-probing becomes the reference for later ones, as the first one did.
     begin: bool,
     time: Option<String>,
     parts: Option<u64>,
@@ -42,7 +42,7 @@ struct Evaluated {
     verdicts: Vec<String>,
     /// Reason why an operator must check the machine.
     refusal: Option<String>,
-    /// The updated machine, if there are updates.
+    /// The updated machine, unless nothing is updated.
     becomes: Option<Becomes>,
     /// The history ending with this re-probing, unless it is refused.
     entries: Vec<Past>,
@@ -101,7 +101,7 @@ fn evaluate(files: &str, name: &str, task: &str, log_name: &str, log: &str, requ
     let mut written = Vec::new();
     let mut entries: Vec<Entry> = state.history.entries.clone();
     if refusal.is_none() {
-        // The machine view compiles the controller's files.
+        // The machine view compiles the controller's files; this module returns texts only.
         let all = state.written(&taken.entry, &taken.files)?.into_iter();
         written.extend(all.filter_map(|(name, bytes)| Some((name.to_string_lossy().into_owned(), text(bytes)?))));
         entries.push(taken.entry);
@@ -130,7 +130,7 @@ fn evaluate(files: &str, name: &str, task: &str, log_name: &str, log: &str, requ
     })
 }
 
-/// Evaluates the log of a re-probing, or of the first one if there is no history. `request`: `history`, `begin`, `time`,
+/// Evaluates the log of a re-probing; with an empty history, it is the first one. `request`: `history`, `begin`, `time`,
 /// `parts`, `accept`, `by_hand`. Returns `document`, `verdicts`, `refusal`, `becomes`, `entries`, `written`, `history`,
 /// `notes`.
 #[wasm_bindgen]

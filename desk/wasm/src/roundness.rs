@@ -1,6 +1,6 @@
 //! Roundness and spindle error from three probes, reference circles of a trace, probe angles.
 //!
-//! The latest evaluation is kept for its figure and curves.
+//! The module keeps the latest evaluation for its figure and curves.
 
 use crate::{Refused, json, to_js};
 use anyhow::{Context, Result};

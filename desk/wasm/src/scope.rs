@@ -86,8 +86,8 @@ pub fn scope_figures(scope: u32) -> Result<String, Refused> {
     to_js(with(scope, |session| json(&session.figures())))
 }
 
-/// Acts on the run before its next cycle, or later: a fault or an event as in a scenario, with `@now` or a time. `{"act",
-/// "files"}` also gives the files of the machine whose tables are exchanged. Returns the recorded list, act and time.
+/// Applies an act before the run's next cycle, or later: a fault or an event as in a scenario, with `@now` or a time. `{"act",
+/// "files"}` also contains the files of the machine whose tables are exchanged. Returns the recorded list, act and time.
 #[wasm_bindgen]
 pub fn scope_act(scope: u32, act: &str) -> Result<String, Refused> {
     to_js(with(scope, |session| json(&session.act(act)?)))

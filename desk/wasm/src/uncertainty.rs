@@ -14,7 +14,7 @@ use wasm_bindgen::prelude::*;
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Request {
-    /// Additional position to evaluate; none if empty.
+    /// Additional position to evaluate, or an empty list.
     at: Vec<f64>,
     points: usize,
     confidence_percent: f64,

@@ -90,7 +90,7 @@ pub(crate) fn run(command: &Command) -> Result<()> {
 /// A task with its machine.
 struct Read {
     task: Task,
-    /// Path of the machine as given, from here.
+    /// Path of the machine, relative to the current folder.
     path: PathBuf,
     machine: Machine,
 }

@@ -27,7 +27,7 @@ const RECEIVE_TIMEOUT: Duration = Duration::from_secs(10);
 /// Time limit for sending the answer.
 const SEND_TIMEOUT: Duration = Duration::from_secs(60);
 
-/// Serves the page at `port`; without one, at the usual port or, if that is taken, at any free one.
+/// Serves the page at `port`; without one, at the usual port or, if another program uses that, at any free one.
 pub(super) fn serve(port: Option<u16>) -> Result<()> {
     let listener = listener(port)?;
     let port = listener.local_addr().context("127.0.0.1")?.port();
@@ -69,7 +69,7 @@ fn accept(listener: &TcpListener, port: u16, plain: &Arc<[u8]>) {
             }
             let _ = thread.join();
         }
-        // Accepting fails if the client has disconnected or no file descriptor is left.
+        // Accepting fails if the client has disconnected or the process has no free file descriptor.
         let Ok(stream) = stream.map(Arc::new) else { continue };
         let (held, plain) = (Arc::downgrade(&stream), Arc::clone(plain));
         if let Ok(thread) = thread::Builder::new().spawn(move || one(&stream, port, &plain)) {

@@ -19,12 +19,13 @@ use trueaxis_tables::text::counted;
 /// One of two poses of the rotary axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum BranchChoice {
-    /// The one nearer to the row before.
+    /// The pose nearer to that of the row before.
     Nearest,
-    /// The rotary axis nearest the tool turns it right-handed, 0 … 180 degrees, from where it is nearest to the other axis.
+    /// The rotary axis nearest the tool has turned it by 0 … 180 degrees, right-handed, from where it is nearest to the other
+    /// axis.
     #[value(name = "1")]
     First,
-    /// The other one.
+    /// The other pose.
     #[value(name = "2")]
     Second,
 }
@@ -36,17 +37,17 @@ pub(crate) struct Arguments {
     /// Pose of the rotary axes.
     #[arg(long, value_enum, default_value = "nearest")]
     branch: BranchChoice,
-    /// Both poses, two rows each.
+    /// Write both poses, two rows for each row of the input.
     #[arg(long, conflicts_with_all = ["branch", "max_step_deg"])]
     both: bool,
     /// Angles of the machine's rotary axes before the first row, in the order A, B, C, degrees [default: zero].
     #[arg(long, value_name = "DEG,…", value_parser = numbers, allow_hyphen_values = true)]
     start: Option<Numbers>,
-    /// Angle to the singular pose below which the axis nearest the workpiece is held or guided, 0 … 45 degrees [default: the
+    /// Hold or guide the axis nearest the workpiece within this angle of the singular pose, 0 … 45 degrees [default: the
     /// machine's].
     #[arg(long, value_name = "D")]
     singular_cone_deg: Option<f64>,
-    /// Refuse a change of branch (except through the singular pose) and a step of a rotary axis above this between two rows.
+    /// Refuse a change of branch (except through the singular pose) and a larger step of a rotary axis between two rows.
     #[arg(long, value_name = "DEG")]
     max_step_deg: Option<f64>,
 }

@@ -46,8 +46,8 @@ fn traced(folder: &Folder, expressions: &[&str], to: &str) -> Option<Output> {
     Some(done)
 }
 
-/// Several files of one command: each is the old or the new one, and if they do not belong together, every command that reads
-/// them says so.
+/// A command that writes several files is killed: each file is the old or the new one, and if the files do not belong
+/// together, every command that reads them reports it.
 #[test]
 fn killed_at_any_system_call_a_machine_is_old_or_new_or_said_to_be_neither() {
     let Some(folder) = to_import() else { return };

@@ -4,7 +4,7 @@ use super::*;
 use std::os::unix::process::ExitStatusExt;
 use std::process::Output;
 
-/// The disk is full at any byte: the refusal names the file, the old file remains, and no other file is left.
+/// The disk is full after any byte: the refusal names the file, the old file remains, and no temporary file does.
 #[test]
 fn a_file_that_may_not_grow_past_any_byte_is_refused_and_the_old_one_stays() {
     if !has("prlimit") {

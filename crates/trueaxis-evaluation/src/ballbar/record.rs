@@ -28,11 +28,11 @@ const fn column(name: &'static str) -> Column {
 }
 
 impl Test {
-    /// Reads a record and evaluates it: bar readings (`angle_deg,deviation_um,direction`); commands and positions
-    /// (`x_cmd_mm,x_mm,y_cmd_mm,y_mm` and the like; `t_s` is ignored); the lines of LinuxCNC's `halsampler`, recognised by the
-    /// missing header: command and position of the first axis, then of the second, with or without the sample number before;
-    /// or a controller's telemetry, recognised by its zero bytes. `note` receives notes on how a file that does not use commas
-    /// and decimal points is read, and on damaged or missing frames.
+    /// Reads a record in any of four forms and evaluates it: bar readings (`angle_deg,deviation_um,direction`); commands and
+    /// positions (`x_cmd_mm,x_mm,y_cmd_mm,y_mm` and the like; `t_s` is ignored); the lines of LinuxCNC's `halsampler`,
+    /// recognised by the missing header: command and position of the first axis, then of the second, with or without the
+    /// sample number before; or a controller's telemetry, recognised by its zero bytes. Separators other than commas, decimal
+    /// commas, and damaged or missing frames are reported to the callback.
     ///
     /// # Errors
     /// An unreadable row, a direction of 0, columns of neither form, a record that determines nothing.

@@ -81,7 +81,8 @@ impl Planning {
     }
 }
 
-/// Solves a task from the text of its log. `file` names the log in errors; `note` receives notes on how it was read.
+/// Solves a task from the text of its log. `file` names the log in errors; unusual separators in it are reported to the
+/// callback.
 ///
 /// # Errors
 /// As [`read_log`], [`Plan::new`], [`trips`] and [`calibrate`].

@@ -52,7 +52,7 @@ const COLUMNS: [Column; 8] = [
     Column { name: "tripped", needed: true },
 ];
 
-/// Reads a control's log or a CSV; `file` is used only in errors. `note` receives notes on unusual separators.
+/// Reads a control's log or a CSV; `file` is used only in errors. Unusual separators are reported to the callback.
 ///
 /// # Errors
 /// With the line: a log of another control, an unreadable touch, a duplicate touch, a probe that did not trip.

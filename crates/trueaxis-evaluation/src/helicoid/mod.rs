@@ -1,5 +1,5 @@
-//! Involute helicoids on five axes: a checked request; displacements over a grid, as document, CSV and program; the tool at
-//! one place of the flank, and the effects of a machine's travel and geometry.
+//! Involute helicoids on five axes: checks a request; computes displacements over a grid, as document, CSV and program; shows
+//! the tool at one place of the flank, and the effects of a machine's travel and geometry.
 //!
 //! The mathematics is [`trueaxis_metrology::helicoid`].
 

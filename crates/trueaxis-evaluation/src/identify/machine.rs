@@ -8,9 +8,9 @@ use trueaxis_tables::finding::{Finding, Fit, Known};
 use trueaxis_tables::{Additions, Machine};
 
 impl Found {
-    /// The six errors for a machine that was not corrected while they were measured: their excess over its table and its
-    /// location errors of the axis. They are determined together: only levers distinguish a shift from a rotation, so an error
-    /// in one is an error in the other.
+    /// The six errors as findings for a machine that was not corrected during the test: their excess over its table and its
+    /// location errors of the axis. The fit determines them together: only levers distinguish a shift from a rotation, so an
+    /// error in one causes an error in the other.
     ///
     /// # Errors
     /// Angles from which no table can be built.

@@ -106,7 +106,7 @@ fn network(
 /// Standard errors expected of a probing, before anything is measured.
 ///
 /// # Errors
-/// Terms that the balls do not separate, by their names; a bound below what the probe can resolve.
+/// Terms that the balls do not separate, by their names; a bound below the smallest change that the probe can resolve.
 pub fn foreseen(keep: &Keep, machine: &Machine, plan: &Plan) -> Result<Vec<f64>> {
     let positions = planned(&keep.task, plan);
     let first = foresee_observed(&keep.task, plan, network(keep, machine, plan, &positions, None)?)?;

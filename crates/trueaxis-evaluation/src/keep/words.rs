@@ -1,4 +1,4 @@
-//! Verdicts and entries in words: identical on the command line, in the page of a report, and in the desk.
+//! Verdicts and entries in words, identical on the command line, in reports and in the desk.
 
 use super::document::TermDocument;
 use super::entry::{Deed, Entry, Measured};

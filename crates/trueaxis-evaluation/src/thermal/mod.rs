@@ -1,5 +1,5 @@
-//! Thermal growth: a recorded warm-up as readings, the fit as a document, as figures and as a text, and that text as the file
-//! of the task.
+//! Thermal growth: reads a recorded warm-up, presents the fit as a document, as figures and as a text, and compiles that text
+//! into the task's file.
 //!
 //! The mathematics is in [`trueaxis_metrology::thermal`].
 
@@ -50,7 +50,7 @@ pub fn settings(machine: Option<&MachineSettings>, held_out: Vec<u32>) -> Settin
 }
 
 impl Found {
-    /// Fits, and runs the task over the record; calls `on_cause` with every cause that the model adds.
+    /// Fits a model and runs the task over the record with it; reports every cause that enters the model to the callback.
     ///
     /// # Errors
     /// A record that determines nothing, with file, line and column if known.

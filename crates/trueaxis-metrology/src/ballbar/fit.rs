@@ -266,10 +266,10 @@ impl Fit {
     /// F = (S₀ − S)/2 / (S/ν)
     /// ```
     ///
-    /// S: residual sum of squares with the best width, ν its degrees of freedom; S₀: without the two spike columns. A width
-    /// searched in noise is the one that fits the noise best, and the fit with it says nothing valid about the uncertainty of
-    /// the other causes (a parameter present only under the alternative: Davies, Biometrika 74 (1987)); with one fixed width
-    /// the fit is linear and its standard errors are valid.
+    /// S: residual sum of squares with the best width, ν its degrees of freedom; S₀: without the two spike columns. A search
+    /// in noise finds the width that fits the noise best, and the standard errors of that fit are not valid (a parameter
+    /// present only under the alternative: Davies, Biometrika 74 (1987)); with one fixed width the fit is linear and its
+    /// standard errors are valid.
     fn search_width(&mut self, readings: &[Reading]) -> Solved {
         let finest = FINEST * TAU * if self.both { 2.0 } else { 1.0 } / readings.len() as f64;
         let [narrow, wide] = [WIDTHS[0].max(finest), WIDTHS[1].max(2.0 * finest)];

@@ -1,4 +1,4 @@
-//! Spikes of another shape than the fit's: their contribution, and the uncertainty that they add to the other causes.
+//! Spikes whose shape differs from the fit's: their contribution, and the uncertainty that they add to the other causes.
 //!
 //! ```text
 //! Δr = h (u/w) exp(1 − u/w) + Σ c_j N_j(u),   c_j ~ N(0, (ρ σ e_j)²),   e_j = 1/(1 + (u_j/ℓ)²)
@@ -12,8 +12,8 @@
 //! ln p = −(ν/2) ln S − ½ ln |AᵀA + Λ| + ½ ln |Λ|,   Λ_jj = 1/(ρ e_j)²
 //! ```
 //!
-//! If the fit's own shape explains the spikes (ρ = 0), nothing changes. Source: M. C. Kennedy and A. O'Hagan,
-//! 10.1111/1467-9868.00294 (a model's discrepancy as a random function).
+//! If the fit's own shape explains the spikes (ρ = 0), the result of the fit does not change. Source: M. C. Kennedy and A.
+//! O'Hagan, 10.1111/1467-9868.00294 (a model's discrepancy as a random function).
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use std::f64::consts::PI;

@@ -217,7 +217,7 @@ impl<'a> Search<'a> {
     }
 }
 
-/// Whether all points are on one side of a square, so that none of its centres is between them.
+/// Whether all points are on one side of a square, so that no centre in it is between them.
 fn all_on_one_side(points: &[Point], m: [f64; 2], half: f64) -> bool {
     // Directions every 22.5 degrees: cos and sin of the first quadrant, and these rotated by right angles.
     const FAN: [[f64; 2]; 4] = [[1.0, 0.0], [0.92388, 0.38268], [FRAC_1_SQRT_2, FRAC_1_SQRT_2], [0.38268, 0.92388]];

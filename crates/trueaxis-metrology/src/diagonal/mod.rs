@@ -216,7 +216,7 @@ impl Test {
         volume::volume(self)
     }
 
-    /// Evaluates the steps; `None` if there are none, or if an interval of an axis is missing on one of the four diagonals.
+    /// Evaluates the steps; `None` without steps, or if an interval of an axis is missing on one of the four diagonals.
     ///
     /// `alignment_rad`: standard uncertainty of the mirror's alignment; without it the scales remain unknown.
     pub fn vector(&self, alignment_rad: Option<f64>) -> Option<Vector> {

@@ -8,9 +8,9 @@
 //! F  = F_c (1 + s/(1 + (v/v_s)²)) f,   f' = (v − |v| f)/z
 //! ```
 //!
-//! The linear part is exact over a step (exponential of its matrix, command and friction linear in time within the step); f is
-//! exact for the mean velocity of the step, predicted by a first pass with constant friction: second order. This code serves
-//! only the fit and is independent of the simulator's plant and of the servo step.
+//! The linear part is exact over a step (exponential of its matrix, command and friction linear in time within the step). f is
+//! exact for the mean velocity of the step, which a first pass with constant friction predicts, so the method is of second
+//! order. This code serves only the fit and is independent of the simulator's plant and of the servo step.
 
 use nalgebra::SMatrix;
 use std::vec::Vec;

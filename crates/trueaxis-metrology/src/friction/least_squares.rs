@@ -6,7 +6,7 @@
 //! ```
 //!
 //! Residuals of neighbouring samples are correlated (subdivisional error of the encoder, ripple of the drive): the covariance
-//! treats one stretch around a reversal as one observation; there are C of them and p parameters.
+//! treats one stretch around a reversal as one observation. C is the number of stretches, p that of parameters.
 //!
 //! Source: K. Madsen, H. B. Nielsen, O. Tingleff, Methods for Non-Linear Least Squares Problems, 2004, section 3.2; H. White,
 //! 10.2307/1912934, for the covariance.

@@ -83,7 +83,7 @@ pub struct Fit {
     pub missing: Vec<Missing>,
 }
 
-/// Fits lags and curves; calls `on_cause` with the name of each cause that enters.
+/// Fits lags and curves; reports each cause that enters, by name, to the callback.
 ///
 /// Cost: some seconds for a thousand rows and ten sensors.
 ///

@@ -66,9 +66,9 @@ pub(super) fn solve(columns: &[Vec<f64>], right: &[f64], lost: usize, step: usiz
 
 /// Residual sum of squares when each cycle is predicted from the others; `cycles` are the ends of their rows.
 ///
-/// A column that only one cycle determines cannot be predicted by the others: it is fitted to that cycle, with all other
-/// values as predicted. If it were left undetermined, that would count against its cause, and other causes with wrong lags
-/// would replace it.
+/// If only one cycle determines a column, the others cannot predict it: its value is fitted to that cycle, with all other
+/// values as predicted. Without this value its cause would appear not to predict, and other causes with wrong lags would
+/// replace it.
 pub(super) fn predicted(columns: &[Column], right: &[f64], cycles: &[usize]) -> f64 {
     let count = columns.len();
     let norms = norms(columns.iter().map(|column| column.values.as_slice()));

@@ -186,7 +186,7 @@ impl Cell {
         self.grinding.events.contains(&Event::MissingIndex { turn })
     }
 
-    /// Starts events that are due; returns whether there is a new part, and a new wheel radius.
+    /// Starts the events that are due; returns whether one of them is a new part, and a new wheel radius to report.
     pub(super) fn happen(&mut self) -> (bool, Option<f64>) {
         let mut new_part = false;
         let turns = self.turns();

@@ -24,7 +24,7 @@ pub(super) fn add_move(
 ) -> Result<()> {
     let first = spans.len();
     let mut add = |segment: &Segment<'_>| {
-        // Counted first: too many spans are refused before any is made.
+        // Counting first refuses too many spans before it makes any.
         span_count(segment)
             .and_then(|_| {
                 convert(segment, index as u32, step.plane_normal, |span| {

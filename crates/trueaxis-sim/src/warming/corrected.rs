@@ -15,7 +15,7 @@ use trueaxis::temperature::{Readings, Thermal, ThermalState};
 use trueaxis_metrology::thermal::{Fit, Refused};
 use trueaxis_tables::Machine;
 
-/// Places at which the shift is judged: X, Y, Z and length of the tool, mm. None of them is in the record.
+/// Places at which the shift is judged: X, Y, Z and length of the tool, mm. The record contains none of them.
 const JUDGED: [[f64; 4]; 4] = [
     [-250.0, -150.0, -50.0, 120.0],
     [250.0, 150.0, -350.0, 120.0],

@@ -98,7 +98,7 @@ pub(super) fn new_machine(imported: &Imported, name: &str) -> Edited {
     let mut files: Vec<(PathBuf, String)> = tables.chain(grids).map(|(name, text)| (name.into(), text)).collect();
     let mut notes = Vec::new();
     let (no_files, toml) = (Memory::default(), Path::new("machine.toml"));
-    // A text that cannot be read as a machine is left for its reader to refuse.
+    // An invalid text stays unchanged: the reader of the machine refuses it.
     let wide = text
         .parse::<DocumentMut>()
         .ok()

@@ -105,7 +105,8 @@ mod tests {
         }
     }
 
-    /// A file that is being written stays, whoever checks; an abandoned one is removed, and nothing else.
+    /// A new writer of the same file removes an abandoned temporary file, but neither one that is still being written nor any
+    /// other file.
     #[test]
     fn only_what_was_left_is_swept() {
         let folder = tempfile::tempdir().unwrap();

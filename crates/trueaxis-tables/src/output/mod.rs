@@ -234,13 +234,14 @@ fn is_device(path: &Path) -> bool {
 /// Most links followed to a file that does not exist yet; the Linux kernel has the same limit.
 const LINKS: usize = 40;
 
-/// A link whose target does not exist. A link to a pipe (`/dev/stdout`) is none: its target exists, though without a name.
+/// Whether a path is a link whose target does not exist. The target of a link to a pipe (`/dev/stdout`) exists, though without
+/// a name.
 fn is_dangling_link(path: &Path) -> bool {
     path.is_symlink() && !path.exists()
 }
 
-/// A name that is the same for the same file, with links resolved, whether the file exists or only its folder does. If the
-/// links lead nowhere, the result is itself a link.
+/// The path of a file with all links resolved, so that two names of one file give the same path. The file need not exist, but
+/// its folder must. If the links lead nowhere, the result is itself a link.
 fn resolved(output: &Path) -> PathBuf {
     if let Ok(path) = fs::canonicalize(output) {
         return path;

@@ -34,15 +34,15 @@ impl Machine {
     /// it loads them.
     ///
     /// # Errors
-    /// The first fault: file, line, column or key, what was found, what is needed.
+    /// The first fault: file, line, column or key, the value found and the value needed.
     pub fn read(path: &Path) -> Result<Machine, FileError> {
         let (folder, name) = Folder::of_machine(path);
         Machine::read_from(&folder, &name, &mut |_| {})
     }
 
-    /// [`Machine::read`] from any source of files; `name` is that of the `machine.toml`. Reports to `note` every table with
-    /// separators other than commas, or with decimal commas. A machine without tables has only the errors that its settings
-    /// state.
+    /// [`Machine::read`] from any source of files; `name` is that of the `machine.toml`. Reports every table with separators
+    /// other than commas, or with decimal commas, to the callback. A machine without tables has only the errors that its
+    /// settings state.
     ///
     /// # Errors
     /// As [`Machine::read`].

@@ -19,7 +19,7 @@ use trueaxis_tables::finding::record_number;
 /// Name of a simulated record in error messages, as on the command line.
 const SIMULATED: &str = "the recorded circles";
 
-/// State kept between the calls.
+/// State that the module keeps between the calls.
 #[derive(Default)]
 pub(super) struct Bench {
     recording: Option<Recording>,
@@ -219,7 +219,7 @@ impl Bench {
         };
         let curves = |pass: &Pass| -> Result<Curves> {
             let record = pass.path()?;
-            // In the order of the plane, which may differ from that of the dropped record.
+            // The plane's order of axes, which may differ from that of the dropped record.
             let [first, second] = [0, 1].map(|i| found.iter().find(|own| own.axis == record.axes[i].axis));
             let (Some(first), Some(second)) = (first, second) else { return Err(anyhow!("{SIMULATED}: other axes")) };
             let found = [first.clone(), second.clone()];

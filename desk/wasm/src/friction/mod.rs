@@ -19,7 +19,7 @@ extern "C" {
     fn progress(what: &str);
 }
 
-/// Without a page there is no worker to notify.
+/// A build without a page has no worker to notify.
 #[cfg(not(target_arch = "wasm32"))]
 fn progress(_: &str) {}
 
