@@ -190,11 +190,20 @@ fn consequence(fault: Fault) -> &'static str {
     }
 }
 
-/// The key in `machine.toml`, or what the setting is if it is not in the file.
+/// The key in `machine.toml`, with `*` for an axis that is not given; the name of a setting that is not in the file.
 fn setting(field: Field, axis: Option<Axis>) -> String {
-    match field.key(axis) {
-        Some(key) => key.to_string(),
-        None => format!("{field:?}, which the host sets"),
+    let keys = match axis {
+        Some(axis) => [Some(axis); 2],
+        None => [Axis::X, Axis::C].map(Some),
+    };
+    let [linear, rotary] = keys.map(|axis| field.key(axis).map(|key| key.to_string()));
+    // Only rotary axes have location errors of their own.
+    let Some(key) = rotary.filter(|key| key.contains("0C_")).or(linear) else {
+        return format!("{field:?}, which the host sets");
+    };
+    match axis {
+        Some(_) => key,
+        None => key.replace("axis.X", "axis.*").replace("axis.C", "axis.*").replace("0C_", "0*_"),
     }
 }
 
@@ -202,15 +211,16 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let Some(kind) = arguments.kind else {
         let mut text = String::new();
         for kind in Kind::value_variants() {
+            let gap = if text.is_empty() { "" } else { "\n" };
+            text.push_str(gap);
             list(&mut text, *kind)?;
-            text.push('\n');
         }
-        return print(text.trim_end());
+        return print(&text);
     };
     let Some(code) = arguments.code else {
         let mut text = String::new();
         list(&mut text, kind)?;
-        return print(text.trim_end());
+        return print(&text);
     };
     if kind != Kind::Setting && (arguments.axis.is_some() || arguments.found.is_some()) {
         bail!("--axis, --found: found a code that is not a setting's, needed: explain setting CODE");
@@ -218,12 +228,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let codes = kind.codes();
     let Some((_, meaning)) = codes.iter().find(|(known, _)| *known == code) else {
         let [first, last] = [codes.first(), codes.last()].map(|code| code.map_or(0, |(code, _)| *code));
-        bail!("code: found {code}, needed one of {} ({first} to {last})", kind.title());
+        bail!("code: found {code}, needed one of the {}, {first} to {last}", kind.title());
     };
-    print(&match kind {
+    let meaning = match kind {
         Kind::Setting => found(code, arguments)?,
         _ => meaning.clone(),
-    })
+    };
+    print(&format!("{meaning}\n"))
 }
 
 fn list(text: &mut String, kind: Kind) -> Result<()> {

@@ -15,6 +15,7 @@ mod desk;
 #[cfg(unix)]
 mod documentation;
 mod evaluate;
+mod explain;
 mod files;
 mod friction;
 mod helicoid;

@@ -276,6 +276,14 @@ mod tests {
     }
 
     #[test]
+    fn settings_keep_their_numbers() {
+        let pinned = [(0, Field::Name), (22, Field::Hysteresis), (55, Field::MaxLag), (110, Field::CommandWindow)];
+        for (code, field) in pinned {
+            assert_eq!((field.code(), Field::ALL.get(usize::from(code))), (code, Some(&field)));
+        }
+    }
+
+    #[test]
     fn every_fault_has_a_sentence_of_its_own() {
         let faults: std::vec::Vec<Fault> = (0..=u8::MAX).filter_map(|code| Fault::try_from(code).ok()).collect();
         let sentences: BTreeSet<_> = faults.iter().map(ToString::to_string).collect();
