@@ -8,8 +8,8 @@ import { after, test } from "node:test";
 import { cli, closeBrowser, drop, numbers, openDesk, root, run, saved, shot, view } from "./harness.mjs";
 
 // The logs are those of crates/trueaxis-py/tests/probing.py.
-const probing = (name) => fs.readFileSync(path.join(root, "desk/tests/probing", name), "utf8");
-const [task, machine, begin, look] = ["keep.toml", "machine.toml", "begin.log", "look.log"].map(probing);
+const probing = (name) => fs.readFileSync(path.join(root, "records/probing", name), "utf8");
+const [task, machine, begin, look] = ["keep.toml", "mill/machine.toml", "begin.log", "look.log"].map(probing);
 
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), "keep-"));
 const at = (name) => path.join(folder, name);

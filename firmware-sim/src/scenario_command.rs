@@ -5,12 +5,21 @@ use crate::settings_args::{ActArgs, SettingsArgs};
 use anyhow::Result;
 use clap::Args;
 
+const EXAMPLE: &str = "\
+Example:
+  firmware-sim scenario --noise-um 0.02 > noisy.toml
+  firmware-sim run --scenario noisy.toml";
+
+const HELP: &str = "\
+Prints every setting, with its default unless an option changes it.
+
+More examples:
+  firmware-sim scenario > mine.toml
+  firmware-sim scenario --set drive.reset_time_s=0.01 > mine.toml";
+
 /// Arguments of `scenario`.
 #[derive(Args)]
-#[command(after_help = "Examples:
-  firmware-sim scenario > mine.toml                 every setting with its default
-  firmware-sim scenario --noise-um 0.02 --set drive.reset_time_s=0.01 > noisy.toml
-  firmware-sim run --scenario noisy.toml")]
+#[command(before_help = EXAMPLE, after_help = HELP)]
 pub(crate) struct PrintArgs {
     #[command(flatten)]
     settings: SettingsArgs,

@@ -87,11 +87,11 @@ pub(crate) fn write(
 #[derive(Args, Clone, Copy, Debug)]
 pub(crate) struct Writing {
     /// Print the changes to the machine, with old values and reasons, and write nothing.
-    #[arg(long)]
+    #[arg(long, help_heading = "Writing into a machine")]
     pub(crate) dry_run: bool,
     /// Write every value found, also one that the rule rejects: within its scatter of zero, less certain than the stated one, a
     /// misfit. The command reports what the rule would have written. A value that the controller would refuse is refused.
-    #[arg(long)]
+    #[arg(long, help_heading = "Writing into a machine")]
     pub(crate) force: bool,
 }
 

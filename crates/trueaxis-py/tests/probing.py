@@ -1,6 +1,6 @@
 """A control, a probe, a ball and a ring in a few lines: runs a LinuxCNC probing program and gives what it logs.
 
-`python3 probing.py PROGRAM.ngc > LOG` is how desk/tests/probing/probe.log was made, of the program that the command
+`python3 probing.py PROGRAM.ngc > LOG` is how records/probing/probe.log was made, of the program that the command
 `trueaxis calibrate plan` wrote for the task beside it. With three offsets the machine is true but for them, µm: begin.log and
 look.log are of the program that `trueaxis keep plan` wrote for keep.toml, with `0 0 0` and with `6 0 -9`.
 """
@@ -9,10 +9,10 @@ import random
 import sys
 from pathlib import Path
 
-HERE = Path(__file__).parents[3] / "desk/tests/probing"
+HERE = Path(__file__).parents[3] / "records/probing"
 TASK = (HERE / "task.toml").read_text(encoding="utf-8")
 KEEP = (HERE / "keep.toml").read_text(encoding="utf-8")
-MACHINE = (HERE / "machine.toml").read_text(encoding="utf-8")
+MACHINE = (HERE / "mill" / "machine.toml").read_text(encoding="utf-8")
 TIP = 3.0 - 0.008  # effective radius, mm
 
 

@@ -34,20 +34,20 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     pub(super) common: Common,
     /// Pose of the rotary axes.
-    #[arg(long, value_enum, default_value = "nearest")]
+    #[arg(long, value_enum, default_value = "nearest", help_heading = "Rotary axes")]
     branch: BranchChoice,
     /// Both poses, two rows each.
-    #[arg(long, conflicts_with_all = ["branch", "max_step_deg"])]
+    #[arg(long, conflicts_with_all = ["branch", "max_step_deg"], help_heading = "Rotary axes")]
     both: bool,
     /// Angles of the machine's rotary axes before the first row, in the order A, B, C, degrees [default: zero].
-    #[arg(long, value_name = "DEG,…", value_parser = numbers, allow_hyphen_values = true)]
+    #[arg(long, value_name = "DEG,…", value_parser = numbers, allow_hyphen_values = true, help_heading = "Rotary axes")]
     start: Option<Numbers>,
     /// Angle to the singular pose below which the axis nearest the workpiece is held or guided, 0 … 45 degrees [default: the
     /// machine's].
-    #[arg(long, value_name = "D")]
+    #[arg(long, value_name = "D", help_heading = "Rotary axes")]
     singular_cone_deg: Option<f64>,
     /// Refuse a change of branch (except through the singular pose) and a step of a rotary axis above this between two rows.
-    #[arg(long, value_name = "DEG")]
+    #[arg(long, value_name = "DEG", help_heading = "Rotary axes")]
     max_step_deg: Option<f64>,
 }
 

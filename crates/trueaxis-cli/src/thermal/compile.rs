@@ -9,11 +9,14 @@ use trueaxis::tcomp::machine_id;
 use trueaxis_tables::output::Outputs;
 use trueaxis_tables::text::read_text;
 
-pub(super) const HELP: &str = "\
-The file is for one machine, by its name and structural code; reference temperature and datums must be those of its
-machine.toml. The task replaces [axis.X.thermal] of the machine: a host uses one of them.
+pub(super) const EXAMPLE: &str = "\
+Example:
+  trueaxis thermal compile firmware-sim/cortex-m/machine/thermal.toml \\
+      --machine firmware-sim/cortex-m/machine -o mill.ttherm";
 
-Example: trueaxis thermal compile thermal.toml --machine mymill -o mymill.ttherm";
+pub(super) const HELP: &str = "\
+The file is for one machine, by its name and structural code; reference temperature and datums must be those of its \
+machine.toml. The task replaces [axis.X.thermal] of the machine: a host uses one of them.";
 
 #[derive(Args)]
 pub(crate) struct Arguments {
