@@ -181,7 +181,7 @@ test("a term out of its bounds needs a person, and bad looks are refused in the 
   }
   // Tables that somebody has changed.
   await drop(panel, { "machine.toml": `${machine}# by hand\n`, "look.log": look });
-  await page.getByRole("alert").filter({ hasText: "somebody has changed" }).waitFor();
+  await page.getByRole("alert").filter({ hasText: "changed by hand" }).waitFor();
   await panel.getByRole("checkbox", { name: "changed by hand" }).check();
   await panel.getByText("used as they are").waitFor();
   await close();

@@ -31,7 +31,7 @@ pub(crate) fn print(args: &PrintArgs) -> Result<()> {
     let settings = args.settings.settings(&args.acts)?;
     put(&format!(
         "# Settings of a simulation: firmware-sim run --scenario FILE. Keys left out keep their defaults.\n\
-         # Of rotary axes every mm reads degree.\n{}",
+         # For rotary axes read degrees for every mm.\n{}",
         settings.to_toml()
     ))
 }

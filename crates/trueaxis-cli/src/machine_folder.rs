@@ -106,7 +106,7 @@ impl Writing {
     pub(crate) fn decides(&self, into: Option<&Path>) -> Result<bool> {
         let decides = into.is_some() || self.dry_run;
         if self.force && !decides {
-            bail!("--force: found no machine that is written, needed -o MACHINE_DIR or --dry-run");
+            bail!("--force: found no machine to write, needed -o MACHINE_DIR or --dry-run");
         }
         Ok(decides)
     }

@@ -230,7 +230,7 @@ fn points_that_cannot_tell_are_refused_with_the_names() {
         })
         .map(|line| format!("{line}\n"))
         .collect();
-    refused(&lines, &Options { nodes: Some([2; 3]), ..default.clone() }, "cannot tell apart");
+    refused(&lines, &Options { nodes: Some([2; 3]), ..default.clone() }, "cannot separate");
     let few: String = good.lines().take(20).map(|line| format!("{line}\n")).collect();
     refused(&few, &default, "needed points along every axis");
     let rows: Vec<&str> = good.lines().collect();

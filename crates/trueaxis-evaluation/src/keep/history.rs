@@ -182,15 +182,15 @@ impl History {
         let number = match number {
             Some(number) => number,
             None => *self.in_effect().last().ok_or_else(|| {
-                self.error("no update since the beginning that is in effect", "one that could be taken back")
+                self.error("no update since the beginning that is in effect", "one that can be undone")
             })?,
         };
         let last = self.entries.len() as u32;
         if number > last {
-            return Err(self.error(format!("entry {number} to be taken back"), format!("at most {last}, the last one")));
+            return Err(self.error(format!("entry {number} to undo"), format!("at most {last}, the last one")));
         }
         if number <= begun {
-            let found = format!("entry {number} to be taken back, the beginning or before it");
+            let found = format!("entry {number} to undo, the beginning or before it");
             return Err(self.error(found, format!("one after entry {begun}")));
         }
         Ok(number)

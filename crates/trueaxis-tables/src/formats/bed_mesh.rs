@@ -151,7 +151,7 @@ pub fn import(text: &str, file: &Path, name: Option<&str>) -> Result<Imported, F
     }
     if between != [0, 0] {
         how += &format!(
-            " and those that Klipper lays between them, {} and {} along X and Y, {by}",
+            " and those that Klipper interpolates between them, {} and {} along X and Y, {by}",
             between[0], between[1]
         );
     }
@@ -166,7 +166,7 @@ pub fn import(text: &str, file: &Path, name: Option<&str>) -> Result<Imported, F
     if mean.abs() >= LARGE_MEAN {
         let left = probed.iter().flatten().fold(0.0, |most: f64, height| most.max((height - mean).abs()));
         notes.push(format!(
-            "the heights are {} mm on average: moved into the Z offset of the machine, it leaves {} mm to correct",
+            "the heights are {} mm on average: with that in the Z offset of the machine, {} mm remain to be corrected",
             Figure(mean),
             Figure(rounded(left))
         ));
