@@ -12,6 +12,7 @@ use trueaxis_evaluation::ballbar::{Document, Options, Test, Ways, values};
 use trueaxis_evaluation::friction::pair;
 use trueaxis_report::number::significant;
 use trueaxis_tables::output::Outputs;
+use trueaxis_tables::text::degrees_of_freedom;
 
 pub(crate) const EXAMPLE: &str = "\
 Example:
@@ -149,9 +150,9 @@ fn table(d: &Document) -> Result<String> {
     }
     writeln!(
         text,
-        "\nsigma of a reading {} µm, {} degrees of freedom",
+        "\nsigma of a reading {} µm, {}",
         significant(d.sigma_um, 3),
-        d.degrees_of_freedom
+        degrees_of_freedom(d.degrees_of_freedom)
     )?;
     for warning in &d.warnings {
         writeln!(text, "note: {warning}")?;

@@ -11,7 +11,7 @@ use trueaxis_columns::{Column, Form, Kind, Value, Writer};
 use trueaxis_evaluation::received::notes;
 use trueaxis_recording::Received;
 use trueaxis_tables::output::Outputs;
-use trueaxis_tables::text::counted;
+use trueaxis_tables::text::{self, counted};
 
 pub(crate) const EXAMPLE: &str = "\
 Example:
@@ -104,16 +104,17 @@ fn axes(given: Option<&str>, all: &[(String, Received)]) -> Result<Vec<Axis>> {
     for (other, frame) in frames {
         if frame.machine_id != machine || frame.axes.len() != count {
             bail!(
-                "{other}: found a record of machine {:08x} with {} axes, needed machine {machine:08x} with {count} axes, as at the start of {file}",
+                "{other}: found a record of machine {:08x} with {}, needed machine {machine:08x} with {}, as at the start of {file}",
                 frame.machine_id,
-                frame.axes.len()
+                text::axes(frame.axes.len()),
+                text::axes(count)
             );
         }
     }
     let letters = match given {
         Some(letters) => letters,
         None if count == 3 => "XYZ",
-        None => bail!("--axes: found records of {count} axes, needed their letters, such as XYZAC"),
+        None => bail!("--axes: found records of {}, needed their letters, such as XYZAC", text::axes(count)),
     };
     let axes: Option<Vec<Axis>> =
         letters.chars().map(|letter| Axis::from_letter(letter.to_ascii_uppercase())).collect();

@@ -9,6 +9,7 @@ use std::path::PathBuf;
 use trueaxis_evaluation::points::{COLUMNS, Document, Left, Options, Points, identify, nodes};
 use trueaxis_report::number::significant;
 use trueaxis_tables::output::Outputs;
+use trueaxis_tables::text::degrees_of_freedom;
 
 pub(crate) const EXAMPLE: &str = "\
 Example:
@@ -115,9 +116,9 @@ fn table(d: &Document) -> Result<String> {
     }
     writeln!(
         text,
-        "\nsigma of a coordinate {} µm, {} degrees of freedom\nrank {} of {} unknowns with {} conventions, condition number {}",
+        "\nsigma of a coordinate {} µm, {}\nrank {} of {} unknowns with {} conventions, condition number {}",
         significant(d.sigma_um, 3),
-        d.degrees_of_freedom,
+        degrees_of_freedom(d.degrees_of_freedom),
         d.rank,
         d.unknowns,
         d.conventions,

@@ -11,6 +11,7 @@ use std::path::PathBuf;
 use trueaxis_evaluation::r_test::{COLUMNS, Document, Options, Record, check, identify};
 use trueaxis_report::number::significant;
 use trueaxis_tables::output::Outputs;
+use trueaxis_tables::text::degrees_of_freedom;
 
 pub(crate) const EXAMPLE: &str = "\
 Example:
@@ -119,13 +120,13 @@ fn table(d: &Document) -> Result<String> {
     }
     writeln!(
         text,
-        "\nreadings {} µm RMS, left {} µm RMS, at most {} µm in line {}\nsigma of a coordinate {} µm, {} degrees of freedom, rank {}, condition number {}",
+        "\nreadings {} µm RMS, left {} µm RMS, at most {} µm in line {}\nsigma of a coordinate {} µm, {}, rank {}, condition number {}",
         significant(d.rms_um, 3),
         significant(d.left_rms_um, 3),
         significant(d.left_max_um, 3),
         d.left_max_line,
         significant(d.sigma_um, 3),
-        d.degrees_of_freedom,
+        degrees_of_freedom(d.degrees_of_freedom),
         d.rank,
         significant(d.condition, 3)
     )?;

@@ -10,6 +10,7 @@ use std::path::PathBuf;
 use trueaxis_evaluation::diagonal::{COLUMNS, Document, Value, additions, check, read};
 use trueaxis_report::number::significant;
 use trueaxis_tables::output::Outputs;
+use trueaxis_tables::text::degrees_of_freedom;
 
 pub(crate) const EXAMPLE: &str = "\
 Example:
@@ -129,8 +130,8 @@ fn table(d: &Document) -> Result<String> {
             let known = steps.scales_ppm.map_or_else(|| "not known".into(), |scales| value(scales[axis], "ppm"));
             writeln!(text, "scale {name}: {known}; {if_aligned} ppm if the mirror is exactly square")?;
         }
-        let (sigma, freedom) = (significant(steps.sigma_um, 3), steps.degrees_of_freedom);
-        writeln!(text, "sigma of a step {sigma} µm, {freedom} degrees of freedom")?;
+        let (sigma, freedom) = (significant(steps.sigma_um, 3), degrees_of_freedom(steps.degrees_of_freedom));
+        writeln!(text, "sigma of a step {sigma} µm, {freedom}")?;
         for shape in &steps.shapes {
             let axis = shape.axis;
             writeln!(

@@ -9,6 +9,7 @@ use std::path::PathBuf;
 use trueaxis_evaluation::thermal_test::{COLUMNS, Document, check, read};
 use trueaxis_report::number::significant;
 use trueaxis_tables::output::Outputs;
+use trueaxis_tables::text::counted;
 
 pub(crate) const EXAMPLE: &str = "\
 Example:
@@ -93,7 +94,7 @@ fn table(d: &Document) -> Result<String> {
     for place in &d.positions {
         writeln!(text)?;
         if d.positions.len() > 1 {
-            writeln!(text, "position {}, {} readings", place.position, place.readings)?;
+            writeln!(text, "position {}, {}", place.position, counted(place.readings, "reading"))?;
         }
         writeln!(text, "{:<8}{:>10}{:>10}{:>10}{:>12}{:>10}", "", "range", "first", "worst", "from min", "end")?;
         for of in &place.channels {

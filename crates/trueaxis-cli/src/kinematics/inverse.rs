@@ -84,7 +84,12 @@ pub(super) fn run(arguments: &Arguments, settings: &MachineSettings) -> Result<(
     let is_tool = |name: &String| TOOL_COLUMNS.contains(&name.as_str());
     let ignored: Vec<&str> = rows.header.iter().filter(|name| !is_tool(name)).map(String::as_str).collect();
     if !ignored.is_empty() {
-        tell(format_args!("note: {}: columns {} are not read", common.input.display(), ignored.join(", ")));
+        let (file, names) = (common.input.display(), ignored.join(", "));
+        if ignored.len() == 1 {
+            tell(format_args!("note: {file}: column {names} is not read"));
+        } else {
+            tell(format_args!("note: {file}: columns {names} are not read"));
+        }
     }
     let kept: Vec<bool> = rows.header.iter().map(is_tool).collect();
     let names = rows.header.iter().filter(|name| is_tool(name)).cloned();

@@ -7,7 +7,7 @@ use clap::Args;
 use std::path::PathBuf;
 use trueaxis::tcomp::machine_id;
 use trueaxis_tables::output::Outputs;
-use trueaxis_tables::text::read_text;
+use trueaxis_tables::text::{axes, counted, read_text};
 
 pub(super) const EXAMPLE: &str = "\
 Example:
@@ -42,12 +42,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<()> {
     outputs.put(&arguments.output, &bytes)?;
     outputs.commit()?;
     tell(format_args!(
-        "{}: {} bytes, machine {} (id {id:08x}), {} sensors, {} axes",
+        "{}: {} bytes, machine {} (id {id:08x}), {}, {}",
         arguments.output.display(),
         bytes.len(),
         machine.settings.name,
-        model.sensors.len(),
-        model.axes.len()
+        counted(model.sensors.len(), "sensor"),
+        axes(model.axes.len())
     ));
     Ok(())
 }

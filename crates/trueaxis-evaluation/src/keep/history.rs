@@ -4,6 +4,7 @@ use super::entry::{BallPlace, Deed, Entry};
 use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
 use trueaxis_tables::error::FileError;
+use trueaxis_tables::text::counted;
 
 /// CRC-32 in hexadecimal.
 pub fn sum(bytes: &[u8]) -> String {
@@ -161,7 +162,11 @@ impl History {
         if let (Some(parts), Some(entry)) = (parts, last(|entry| entry.parts.is_some())) {
             let before = entry.parts.unwrap_or_default();
             if parts < before {
-                let found = format!("{parts} parts, fewer than {before} of entry {}", entry.entry);
+                let found = format!(
+                    "{}, fewer than {before} of entry {}",
+                    counted(usize::try_from(parts).unwrap_or(usize::MAX), "part"),
+                    entry.entry
+                );
                 return Err(self.error(found, "a count that does not go back, or a new beginning"));
             }
         }

@@ -42,6 +42,7 @@ use super::grid_csv::imported;
 use crate::error::FileError;
 use crate::grid::{Grid, GridSource};
 use crate::origin::{Origin, numbered};
+use crate::text::counted;
 use std::path::Path;
 use trueaxis::error::Figure;
 use trueaxis::machine::GRID_NODES;
@@ -247,7 +248,7 @@ fn heights(mesh: &Section<'_>, [columns, rows]: [usize; 2], origin: &Origin) -> 
     }
     if heights.len() != rows {
         let needed = format!("{rows}, as y_count says");
-        return Err(origin.at(points.line, "points", format!("{} lines of heights", heights.len()), needed));
+        return Err(origin.at(points.line, "points", format!("{} of heights", counted(heights.len(), "line")), needed));
     }
     Ok(heights)
 }
