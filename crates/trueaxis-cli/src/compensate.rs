@@ -196,7 +196,7 @@ impl Written<'_> {
     fn finish(self, machine: &Machine, count: usize) -> Result<()> {
         if self.clamped > 0 {
             tell(format_args!(
-                "note: {} of {} beyond a table's end, where its edge value is clamped",
+                "note: {} of {} beyond a table's end, where its edge value is used",
                 self.clamped,
                 counted(count, "position")
             ));

@@ -88,7 +88,7 @@ impl Machine {
     ///
     /// positions: (n, 3) or the machine's columns, mm and degrees; omitted rotary axes are at 0. model: "nine", "volumetric"
     /// or "exact" (transforms). reverse: all axes in negative travel; in_order: as the drives come from row to row. Columns
-    /// ex_um, ey_um, ez_um of `trueaxis compensate`. Beyond a table's end its edge value is clamped, with a warning.
+    /// ex_um, ey_um, ez_um of `trueaxis compensate`. Beyond a table's end its edge value is used, with a warning.
     #[pyo3(signature = (positions, *, model = None, reverse = false, in_order = false, temperature_c = None))]
     fn error<'py>(
         &self,
@@ -331,7 +331,7 @@ impl Asked {
         let count = self.positions().count();
         if clamped > 0 {
             let all = counted(count, "position");
-            warn(py, &format!("{clamped} of {all} beyond a table's end, where its edge value is clamped"))?;
+            warn(py, &format!("{clamped} of {all} beyond a table's end, where its edge value is used"))?;
         }
         PyArray1::from_vec(py, values).reshape([count, width])
     }

@@ -36,7 +36,7 @@ export function summary(figures: Figures): string {
   if (after) parts.push(`After, ${modelName[figures.model]}: ${sentence(after.worst)}.`);
   if (Object.keys(figures.travel_deg).length > 0)
     parts.push(figures.corrects_orientation && figures.model === "volumetric" ? "The rotary axes turn the tool back." : "The rotary axes are not corrected for the tool's direction.");
-  if (figures.clamped_points > 0) parts.push(`${figures.clamped_points} ${figures.clamped_points === 1 ? "point is" : "points are"} beyond the end of a table, where its edge value holds.`);
+  if (figures.clamped_points > 0) parts.push(`${figures.clamped_points} ${figures.clamped_points === 1 ? "point is" : "points are"} beyond the end of a table, where its edge value is used.`);
   return parts.join(" ");
 }
 

@@ -43,7 +43,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let asked = Asked::new(arguments, &machine)?;
     let found: Found = by_axes!(machine.settings.step_axes().count(), correct::at(&machine, &asked.query))?;
     for (letters, what) in [
-        (&found.clamped, "beyond the end of the table: its edge value is clamped"),
+        (&found.clamped, "beyond the end of the table: its edge value is used"),
         (&found.out_of_travel, "outside the declared travel"),
     ] {
         if !letters.is_empty() {

@@ -107,7 +107,7 @@ impl Document {
             ));
         }
         if found.clamped {
-            notes.push("an axis is beyond its table, where the edge value is clamped".into());
+            notes.push("an axis is beyond its table, where the edge value is used".into());
         }
         Document {
             readings: record.readings.len(),
