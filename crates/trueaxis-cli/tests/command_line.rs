@@ -574,6 +574,7 @@ fn what_help_shows_is_read_as_it_stands_in_a_narrow_terminal() {
 }
 
 /// The commands below "Commands:" in a help text.
+#[cfg(unix)]
 fn subcommands(help: &str) -> Vec<String> {
     let lines = help.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
     let names = lines.filter_map(|line| line.strip_prefix("  ").filter(|line| !line.starts_with(' ')));

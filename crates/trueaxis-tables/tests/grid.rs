@@ -122,7 +122,7 @@ fn bad_grids_are_refused_with_their_place() {
         (
             "[[grid]]\naxes = [\"X\", \"Y\"]\ntable = \"grid.csv\"\nmeasured_at_mm = [1, 0, 0]\n",
             "machine.toml:13: key grid.measured_at_mm",
-            "0 of an axis",
+            "0 for an axis",
         ),
         (&format!("{}{}{}{}{}", GRID, GRID, GRID, GRID, GRID), "machine.toml:", "at most 4"),
     ] {
