@@ -12,11 +12,11 @@ const worker = await build({ ...common, entryPoints: ["src/worker.ts"], format: 
 
 const output = (ending) => page.outputFiles.find((file) => file.path.endsWith(ending)).text;
 const script = (text) => text.replaceAll("</script", "<\\/script").replaceAll("<!--", "<\\!--");
-// The step is there for three to six axes: near-copies, further apart than gzip looks back. xz takes a third less.
+// The module contains the step for three to six axes: near-copies, further apart than gzip's window. xz output is a third smaller.
 const packed = execFileSync("xz", ["--format=xz", "--check=crc32", "--lzma2=preset=9e,dict=8MiB,lc=4,pb=0", "--stdout", "pkg/trueaxis_desk_bg.wasm"], { maxBuffer: 1 << 26 });
 const module = packed.toString("base64");
 const own = script(output(".js"));
-// The one script that the page's policy lets run.
+// Hash of the only script that the page's policy permits.
 const hash = `'sha256-${createHash("sha256").update(own).digest("base64")}'`;
 const parts = { CSS: output(".css"), WASM: module, WORKER: script(worker.outputFiles[0].text), JS: own };
 let html = fs.readFileSync("src/page.html", "utf8").replace("'own-script'", hash);

@@ -60,7 +60,7 @@ fn binding() -> &'static mut Limits {
     leak(limits)
 }
 
-// Overhead of a look-up: the call, and writing its result to memory.
+// Overhead of a lookup: the call, and writing its result to memory.
 #[library_benchmark(setup = lookup)]
 #[bench::frame(Grid::Equidistant)]
 fn nothing(lookup: &'static Lookup) -> [f64; 3] {

@@ -37,7 +37,7 @@ fn ours(queries: &[Query]) -> f64 {
     queries.iter().map(|query| query.repeat().error).sum()
 }
 
-/// 256 feet on spans of the polynomial butterfly: kurbo is given the span, trueaxis finds it in a warm search.
+/// 256 feet on spans of the polynomial butterfly. kurbo receives the span, while trueaxis finds it in a warm search.
 fn against_kurbo(c: &mut Criterion) {
     let queries = queries(Shape::PolynomialCubic);
     let pieces: Vec<(CubicBez, Point)> = queries
@@ -104,21 +104,21 @@ fn against_interpn(c: &mut Criterion) {
     group.bench_function("trueaxis", |b| {
         b.iter(|| {
             let mut held = 0;
-            let look = |place: &[f64; 3]| {
+            let sum_at = |place: &[f64; 3]| {
                 let [x, y, z] =
                     compensation.plain_terms(&compensation.coordinates(place), &[Direction::POSITIVE; 3], &mut held);
                 x + y + z
             };
-            black_box(&places).iter().map(look).sum::<f64>()
+            black_box(&places).iter().map(sum_at).sum::<f64>()
         })
     });
     group.bench_function("interpn", |b| {
         b.iter(|| {
-            let look = |place: &[f64; 3]| {
+            let sum_at = |place: &[f64; 3]| {
                 let one = |(k, f): (usize, &LinearHoldLast1D<_>)| f.eval_one(place[k / 3]).unwrap_or(0.0);
                 functions.iter().enumerate().map(one).sum::<f64>()
             };
-            black_box(&places).iter().map(look).sum::<f64>()
+            black_box(&places).iter().map(sum_at).sum::<f64>()
         })
     });
     group.finish();

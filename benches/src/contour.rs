@@ -155,7 +155,7 @@ impl Track {
 
     fn near(&self, number: u32, t: f64, random: &mut Random) -> Query {
         let span = self.0.span(number).expect("a piece of the path");
-        let beside = |random: &mut Random, place: [f64; 3]| {
+        let nearby = |random: &mut Random, place: [f64; 3]| {
             [place[0] + 0.02 * random.signed(), place[1] + 0.02 * random.signed(), place[2] + 0.02 * random.signed()]
         };
         let mut query = Query {
@@ -163,7 +163,7 @@ impl Track {
             path: self.0,
             state: ContourState::default(),
             reference: Reference { span: number, t },
-            point: beside(random, span.position(t)),
+            point: nearby(random, span.position(t)),
         };
         for _ in 0..WARM {
             query.run();
@@ -176,7 +176,7 @@ impl Track {
             None => (span, number, span.t_at(next)),
         };
         query.reference = Reference { span: number, t };
-        query.point = beside(random, span.position(t));
+        query.point = nearby(random, span.position(t));
         query
     }
 }

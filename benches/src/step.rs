@@ -36,7 +36,7 @@ impl Cycle {
 }
 
 /// Cycles at rest before the walk, until the search is warm and the correction is fully applied.
-pub const STANDING: u32 = 2000;
+pub const AT_REST: u32 = 2000;
 
 /// Walks the butterfly at 100 mm/s, to its end or for `cycles` cycles, with readings that deviate by ±5 µm; calls `seen` with
 /// the number of every cycle, the cycle before it ran, and its output.
@@ -86,7 +86,7 @@ pub fn walk_on(
     let mut random = Random(17);
     let mut place = 0.0;
     for number in 0..cycles {
-        place += if number < STANDING { 0.0 } else { 0.01 };
+        place += if number < AT_REST { 0.0 } else { 0.01 };
         let Some(mut span) = cycle.path.span(cycle.reference.span) else { break };
         if place > span.length() {
             if cycle.reference.span + 1 >= track.pieces() {

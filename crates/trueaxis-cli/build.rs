@@ -1,4 +1,4 @@
-//! With the feature `desk`: the page, compressed, for `include_bytes!`.
+//! With the feature `desk`, compresses the page for `include_bytes!`.
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
@@ -28,7 +28,7 @@ mod page {
                 page.display()
             );
         }
-        // Tests hold what is served against it.
+        // The tests compare the served page with this file.
         println!("cargo::rustc-env=TRUEAXIS_DESK_PAGE={}", page.display());
     }
 

@@ -1,8 +1,8 @@
 """Compares the module with the same work in NumPy and prints a table: `python speed.py`.
 
-The sample mill, its own nine-term model with monotone cubics (PCHIP), a million positions at random. The NumPy version
-works on whole columns: a binary search of each axis' cells, shared by its three curves, and one cubic a curve. Both give
-the same numbers, which is tested.
+Both evaluate the sample mill's nine-term model, with monotone cubics (PCHIP), at a million random positions. The NumPy
+version computes whole columns: per axis one binary search for the cells, shared by its three curves, and one cubic per
+curve. A test requires both to compute the same numbers.
 """
 
 import re
@@ -19,7 +19,7 @@ ROUNDS = 5
 
 
 def slopes(x, y):
-    """Slopes of the monotone piecewise cubic (Fritsch and Butland 1984), the ends after Moler (2004)."""
+    """Slopes of the monotone piecewise cubic by Fritsch and Butland (1984), with end slopes by Moler (2004)."""
     h, d = np.diff(x), np.diff(y) / np.diff(x)
     w0, w1 = 2 * h[1:] + h[:-1], h[1:] + 2 * h[:-1]
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -35,7 +35,7 @@ def slopes(x, y):
 
 
 class Mill:
-    """Nine terms and squareness of the sample mill in positive travel."""
+    """The sample mill in positive travel: nine terms and squareness."""
 
     def __init__(self, folder):
         section = (folder / "machine.toml").read_text().split("\n[location]\n")[1].split("\n[")[0]
@@ -57,7 +57,7 @@ class Mill:
         return x, curves
 
     def error(self, at):
-        """mm."""
+        """Error at each position, mm."""
         error = np.empty_like(at)
         for axis, (x, curves) in enumerate(self.axes):
             q = np.clip(at[:, axis], x[0], x[-1])
@@ -86,7 +86,7 @@ def positions(count):
 
 
 def best(call, rounds=ROUNDS):
-    """Shortest of several runs: what else the computer does only adds."""
+    """Shortest time of several runs: other work of the computer can only lengthen a run."""
     times = []
     for _ in range(rounds):
         begun = time.perf_counter()

@@ -17,7 +17,7 @@ class NeedsPerson(Error):
 
 @type_check_only
 class ContourError(TypedDict):
-    """Columns of `trueaxis contour`; vector_um is actual − foot, (n, 3)."""
+    """Columns of `trueaxis contour`; vector_um has the shape (n, 3) and is actual − foot."""
 
     segment: NDArray[np.uint32]
     u: NDArray[np.float64]

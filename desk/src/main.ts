@@ -71,7 +71,7 @@ async function start(): Promise<void> {
       await takeProgram?.(program);
     },
     onProgram: (take) => (takeProgram = take),
-    tell: (said) => (part("status").textContent = said),
+    note: (said) => (part("status").textContent = said),
     fail: (thrown) => {
       error.replaceChildren(el("span", {}, message(thrown)), button("Close", () => desk.clear()));
       error.hidden = false;
@@ -136,7 +136,7 @@ async function start(): Promise<void> {
       try {
         await one.view.open(state.views[one.view.id]);
       } catch (thrown) {
-        // For a missing part the browser reports only the failed operation.
+        // The browser does not name a missing part, only the operation that failed.
         throw thrown instanceof TypeError ? new Error(`views.${one.view.id}: found a state with parts missing or of another kind (${message(thrown)}), needed one that this page saved`) : thrown;
       }
     }
@@ -152,7 +152,7 @@ async function start(): Promise<void> {
     if (given) await open(given);
     else await show(location.hash.slice(1) || front.view.id);
   } catch (thrown) {
-    // After showing the view, whose start clears errors.
+    // Starting a view clears errors: report this one afterwards.
     await show(front.view.id);
     desk.fail(thrown);
   }
@@ -179,8 +179,8 @@ function tools(root: HTMLElement, desk: Desk, kept: () => Kept, open: (state: Ke
         const address = await link(kept());
         history.replaceState(null, "", address);
         await navigator.clipboard.writeText(address).then(
-          () => desk.tell(`Link copied, ${address.length} characters; it opens the desk as it is now.`),
-          () => desk.tell(`The page's address is now the link, ${address.length} characters.`),
+          () => desk.note(`Link copied, ${address.length} characters; it opens the desk as it is now.`),
+          () => desk.note(`The page's address is now the link, ${address.length} characters.`),
         );
       };
       made().catch(desk.fail);

@@ -13,7 +13,7 @@ after(async () => {
   await closeBrowser();
 });
 
-/** Noise of ±0.1 µm that is the same every time. */
+/** Noise of ±0.1 µm, the same in every run. */
 function noise(seed) {
   let state = seed;
   return () => {
@@ -22,7 +22,7 @@ function noise(seed) {
   };
 }
 
-/** 100 mm: C0Y 50 µrad, lost motion of 5 µm in X, the pivot 20 µm off. */
+/** A record at 100 mm: C0Y of 50 µrad, a lost motion of 5 µm in X, and a pivot 20 µm off. */
 function bar() {
   const [lines, um] = [["angle_deg,deviation_um,direction"], noise(7)];
   for (const d of [1, -1])
@@ -35,7 +35,7 @@ function bar() {
   return `${lines.join("\n")}\n`;
 }
 
-/** Command and place on a circle of 40 mm in Z and X: lost motion of 3 µm in X, 30 µrad. */
+/** Commanded and actual positions on a circle of 40 mm in Z and X: a lost motion of 3 µm in X, 30 µrad. */
 function places() {
   const rows = [];
   for (const d of [1, -1])
@@ -50,7 +50,7 @@ function places() {
 const record = path.join(folder, "record.csv");
 fs.writeFileSync(record, bar());
 
-/** The page computes with the angles of the browser, whose last bit may be another. */
+/** The page computes with the browser's trigonometric functions, whose last bit may differ. */
 function near(found, needed, what) {
   if (needed === null) return assert.equal(found, "–", what);
   assert.ok(Math.abs(found - needed) <= 1e-6 * Math.max(1, Math.abs(needed)), `${what}: found ${found}, the command line has ${needed}`);
@@ -87,7 +87,7 @@ test("a bar's record has the figures of trueaxis ballbar, and the machine gets t
   assert.equal(await code(panel), "trueaxis ballbar record.csv --radius-mm 100 --axes X,Y --machine mill-3axis -o mill-3axis");
   const found = await cli(["ballbar", record, "--radius-mm", "100", "--json"]);
   await figures(panel, found);
-  // Values as text are the command line's own.
+  // The texts of the values equal those that the command line prints.
   const { stdout } = await run("trueaxis", ["ballbar", record, "--radius-mm", "100"]);
   const values = await numbers(panel.getByRole("table", { name: "Values with half" }));
   for (const [cause, { value, "± with 95 %": half }] of Object.entries(values)) {
@@ -95,7 +95,7 @@ test("a bar's record has the figures of trueaxis ballbar, and the machine gets t
     assert.equal(line.slice(cause.length).trim().replace(/\s+/g, " "), `${value} ${half}`.trim(), cause);
   }
 
-  // Two polar plots, by the keyboard too.
+  // The two polar plots react to the keyboard.
   const polar = panel.getByRole("img", { name: "Seen from the circle's centre" });
   await polar.focus();
   await page.keyboard.press("Home");
@@ -105,7 +105,7 @@ test("a bar's record has the figures of trueaxis ballbar, and the machine gets t
   await page.setViewportSize({ width: 1400, height: await page.evaluate(() => document.body.scrollHeight) });
   await shot(page, "ballbar");
 
-  // The settings that change.
+  // Changed settings, first without `--compensated`, then with it.
   const settings = await numbers(panel.getByRole("table", { name: "Settings that change" }));
   assert.deepEqual(Object.keys(settings), ["axis.X.backlash_um", "axis.Y.backlash_um", "location.C0Y_urad"]);
   near(settings["location.C0Y_urad"].before, 38, "C0Y before");
@@ -128,7 +128,7 @@ test("a bar's record has the figures of trueaxis ballbar, and the machine gets t
     await panel.getByText("In mill-3axis now.").waitFor();
     const toml = await page.evaluate(() => globalThis.trueaxisDesk.machine.files["machine.toml"]);
     assert.equal(toml, fs.readFileSync(path.join(to, "machine.toml"), "utf8"));
-    // Not a second time.
+    // The page offers the changes only once.
     assert.ok(await put.isDisabled());
   }
   await close();
@@ -152,11 +152,11 @@ test("positions come in another plane and in other forms", async () => {
     await figures(panel, await cli(["ballbar", file, "--radius-mm", "40", "--axes", "Z,X", "--json"]));
     await panel.getByText("computed from positions").waitFor();
   }
-  // A pitch that is known.
+  // The user states a pitch.
   await panel.getByLabel("Pitch of X / mm").fill("10");
   await panel.getByLabel("Pitch of X / mm").press("Tab");
   assert.match(await code(panel), /samples\.txt --radius-mm 40 --axes Z,X --pitch-x-mm 10 /);
-  // Until the answer is there the status says that it is being evaluated.
+  // The status names the record again once it has been evaluated.
   await panel.getByText("samples.txt: ").waitFor();
   await figures(panel, await cli(["ballbar", path.join(folder, "samples.txt"), "--radius-mm", "40", "--axes", "Z,X", "--pitch-x-mm", "10", "--json"]));
   await close();

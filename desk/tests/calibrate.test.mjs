@@ -7,7 +7,7 @@ import path from "node:path";
 import { after, test } from "node:test";
 import { cli, closeBrowser, drop, numbers, openDesk, root, run, saved, shot, view } from "./harness.mjs";
 
-// The log is that of crates/trueaxis-py/tests/probing.py.
+// The log comes from crates/trueaxis-py/tests/probing.py.
 const probing = (name) => fs.readFileSync(path.join(root, "records/probing", name), "utf8");
 const [task, machine, log] = ["task.toml", "mill/machine.toml", "probe.log"].map(probing);
 
@@ -21,7 +21,7 @@ after(async () => {
   await closeBrowser();
 });
 
-/** The page computes with the angles of the browser, whose last bit may be another. */
+/** The page computes with the browser's trigonometric functions, whose last bit may differ. */
 function near(found, needed, what) {
   assert.ok(Math.abs(found - needed) <= 1e-6 * Math.max(1, Math.abs(needed)), `${what}: found ${found}, the command line has ${needed}`);
 }
@@ -73,7 +73,7 @@ test("a log has the terms of trueaxis calibrate solve, and the machine gets the 
   near(network["unknowns, rank"].value, found.rank, "rank");
   assert.equal(await panel.locator("code").nth(1).textContent(), "trueaxis calibrate solve task.toml probe.log -o mill-3axis");
 
-  // Residuals by the keyboard, with their numbers behind them.
+  // The keyboard selects residuals; a readout states their numbers.
   const plot = panel.getByRole("img", { name: "Residual of every touch" });
   await plot.focus();
   await page.keyboard.press("Home");
@@ -111,7 +111,7 @@ test("terms that cannot be separated are refused in the command line's words", a
     assert.equal(await alert.locator("span").textContent(), refused.stderr.trim().split("\n").at(-1).replace(/^error: /, ""));
     assert.ok(await panel.getByRole("table", { name: "Terms" }).isHidden());
   }
-  // A ring alone, and a key that there is not.
+  // A task with a ring only, and a task with an unknown key.
   const alone = task.slice(0, task.indexOf("[reference]")) + task.slice(task.indexOf('[[artefact]]\nname = "ring"'));
   for (const [name, text] of Object.entries({ "alone.toml": alone, "key.toml": task.replace("repeats", "repeat") })) {
     fs.writeFileSync(path.join(folder, name), text);
@@ -121,7 +121,7 @@ test("terms that cannot be separated are refused in the command line's words", a
     await panel.getByText(refused.stderr.trim().replace(/^error: /, "")).waitFor();
     assert.ok(await panel.getByRole("button", { name: "Save the program" }).isDisabled());
   }
-  // Typed right again.
+  // The corrected task.
   await panel.getByRole("textbox").fill(task);
   await panel.getByText("mill: 81 touches").waitFor();
   await close();

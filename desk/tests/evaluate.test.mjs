@@ -14,7 +14,7 @@ after(async () => {
   await closeBrowser();
 });
 
-/** Noise of ±0.5 that is the same every time. */
+/** Noise of ±0.5, the same in every run. */
 function noise(seed) {
   let state = seed;
   return () => ((state = (Math.imul(state, 1664525) + 1013904223) >>> 0) / 2 ** 32 - 0.5);
@@ -42,7 +42,7 @@ function steps() {
     const unit = sign.map((s, i) => (s * [3, 2, 1][i]) / Math.sqrt(14));
     const places = [[0, 0, 0]];
     for (let i = 0; i < 5; i++) for (const axis of [0, 1, 2]) places.push(places.at(-1).map((q, j) => q + (j === axis ? sign[j] * [60, 40, 20][j] : 0)));
-    // Both signs of an axis over the same travel.
+    // Diagonals in either sense of an axis cover the same travel.
     const from = sign.map((s, i) => (s > 0 ? 0 : [300, 200, 100][i]));
     for (const run of [1, 2])
       for (const direction of [1, -1])
@@ -106,7 +106,7 @@ async function opened(machine) {
   return { ...desk, panel: await view(desk.page, "Tests") };
 }
 
-/** A record dropped, and its first words in the status. */
+/** Drops a record and waits for the first words of its status. */
 async function dropped(panel, name, title) {
   await drop(panel, { [name]: records[name] });
   await panel.getByText(`${title}, ${name}`).waitFor();
@@ -115,7 +115,7 @@ async function dropped(panel, name, title) {
 const shownTable = (panel, name) => numbers(panel.getByRole("table", { name, exact: true }));
 const code = (panel) => panel.locator("code").first().textContent();
 
-/** The whole view, for a person to look at. */
+/** Saves a picture of the whole view. */
 async function pictured(page, name) {
   await page.evaluate(() => scrollTo(0, 0));
   await page.setViewportSize({ width: 1400, height: await page.evaluate(() => document.body.scrollHeight) });
@@ -124,7 +124,7 @@ async function pictured(page, name) {
   await shot(page, name);
 }
 
-/** What the machine on the page has after the button is what the command line has written into a folder. */
+/** Puts the results into the machine and compares its files with those that the command line wrote into a folder. */
 async function put(page, panel, written) {
   await panel.getByRole("button", { name: "Put into the machine" }).click();
   await panel.getByText(/^In .* now\.$/).waitFor();
@@ -137,7 +137,7 @@ test("before a record the page shows the columns of records", async () => {
   const rows = await shownTable(panel, "Columns of a record");
   assert.equal(Object.keys(rows).length, 5);
   await pictured(page, "tests");
-  // A test that is chosen shows its options and its command line before there is a record.
+  // A selected test shows its options and its command line before the user drops a record.
   await panel.getByLabel("Kind of test").selectOption("r-test");
   assert.equal(await code(panel), "trueaxis evaluate r-test record.csv --machine mill-3axis -o mill-3axis");
   await close();
@@ -166,7 +166,6 @@ test("an R-test has the location errors of the command line, and writes none if 
   assert.match(await plot.locator("xpath=following-sibling::output").textContent(), /reading: 1\.0000\s+along X \S+ µm\s+along Y/);
   await pictured(page, "tests-r-test");
 
-  // Options.
   await panel.getByLabel("The nest was not calibrated").check();
   await panel.getByLabel("Location errors that keep").fill("EY0A EZ0A EX0C");
   await panel.getByLabel("Centre of the nest").fill("0 0 -50");
@@ -183,7 +182,7 @@ test("an R-test has the location errors of the command line, and writes none if 
   await panel.getByLabel("Centre of the nest").fill("");
   await panel.locator("code").getByText("trueaxis evaluate r-test bk.csv --machine mill-5axis -o mill-5axis", { exact: true }).waitFor();
   await panel.getByRole("rowheader", { name: "EX0C", exact: true }).waitFor();
-  // The ball moves as on no machine with the sample's tables: neither writes anything.
+  // No machine with the sample's tables moves the ball like this: neither the page nor the command line writes anything.
   await panel.getByText(/^location\.EX0C_um: found .*misfit: /).waitFor();
   assert.ok(await panel.getByRole("button", { name: "Put into the machine" }).isDisabled());
   for (const name of fs.readdirSync(path.join(folder, "five"))) assert.equal(fs.readFileSync(path.join(folder, "five", name), "utf8"), fs.readFileSync(path.join(sample("mill-5axis"), name), "utf8"), name);
@@ -229,7 +228,7 @@ test("measured points have the 21 errors of the command line, and become a machi
   }
   const left = await shownTable(panel, "Residuals of the points");
   near(left["held out"].RMS, found.held_out.rms_um, "held out");
-  // The map's cells, root mean squares of the points in them, hold all that is left.
+  // The map's cells are root mean squares: the largest lies between the RMS of all residuals and the largest residual.
   const map = panel.getByRole("table", { name: /^Root mean square of the residuals over X and Y/ });
   const cells = await map.locator("td[data-value]").evaluateAll((all) => all.map((cell) => Number(cell.dataset.value)));
   assert.ok(cells.length > 20 && Math.max(...cells) <= found.left.max_um && Math.max(...cells) >= found.left.rms_um);
@@ -302,7 +301,7 @@ test("a record that cannot be used is refused in the command line's words, and n
     assert.equal(await alert.locator("span").textContent(), refused.stderr.trim().split("\n").at(-1).replace(/^error: /, ""));
     assert.ok(await panel.getByRole("table", { name: "Figures of ISO 230-3" }).isHidden());
   }
-  // No test's columns at all; a test that is chosen against the columns; an option out of its range.
+  // Columns of no test; a selected test that does not match the columns; an option out of its range.
   await drop(panel, { "other.csv": "angle_deg,deviation\n0,1\n" });
   await page.getByRole("alert").filter({ hasText: "other.csv:1: found columns angle_deg, deviation, needed those of one of step-diagonal (diagonal" }).waitFor();
   await panel.getByLabel("Kind of test").selectOption("probing");

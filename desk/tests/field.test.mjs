@@ -15,7 +15,7 @@ before(() => {
   folder = fs.mkdtempSync(path.join(os.tmpdir(), "field-"));
   const sample = path.join(root, "compensation-tables/mill-3axis");
   fs.cpSync(sample, path.join(folder, "mill"), { recursive: true });
-  // Corrected commands may lie outside the travel, where compensate refuses positions; the tables stay as they are.
+  // Corrected commands may lie outside the travel, and compensate refuses such positions: the copy has a longer travel.
   const description = path.join(folder, "mill/machine.toml");
   const text = fs.readFileSync(description, "utf8");
   fs.writeFileSync(description, text.replaceAll(/travel_mm = .*/g, "travel_mm = [-500.0, 500.0]"));
@@ -32,18 +32,18 @@ function files(name) {
   return Object.fromEntries(fs.readdirSync(at).map((file) => [file, fs.readFileSync(path.join(at, file), "utf8")]));
 }
 
-/** Gives the page another machine, as an edit of the tables does. */
+/** Replaces the page's machine, as an edit of the tables does. */
 function set(page, name, files) {
   return page.evaluate(([name, files]) => globalThis.trueaxisDesk.machine.set(name, files), [name, files]);
 }
 
-/** Points in the order of the field. */
+/** Points in the order in which the field lists them. */
 function grid(count) {
   const along = TRAVEL.map(([low, high]) => Array.from({ length: count }, (_, i) => (i === count - 1 ? high : low + ((high - low) * i) / (count - 1))));
   return along[2].flatMap((z) => along[1].flatMap((y) => along[0].map((x) => [x, y, z])));
 }
 
-/** Errors, µm, and corrected commands, mm, of the command line. */
+/** Errors, µm, and corrected commands, mm, from the command line. */
 async function compensated(points, ...options) {
   const file = path.join(folder, "points.csv");
   fs.writeFileSync(file, ["x_mm,y_mm,z_mm", ...points.map((point) => point.join(","))].join("\n") + "\n");
@@ -53,7 +53,7 @@ async function compensated(points, ...options) {
   return { errors: rows.map((row) => row.slice(0, 3)), commands: rows.map((row) => row.slice(3, 6)) };
 }
 
-/** What is left at the corrected commands of a model: the exact error there, and how far the command was moved. */
+/** Residual at a model's corrected commands: the exact error plus the correction. */
 async function left(points, model, ...options) {
   const { commands } = await compensated(points, "--model", model, ...options);
   const { errors } = await compensated(commands, "--model", "exact", ...options);
@@ -79,14 +79,14 @@ async function open(options) {
   return { page, close, field };
 }
 
-/** The figures once they are of so many points. */
+/** The figures, once they cover `count` points per axis. */
 async function shown(field, count) {
   const table = field.getByRole("table", { name: `Figures over ${count} × ${count} × ${count} points` });
   await table.waitFor();
   return numbers(table);
 }
 
-/** Types into a number input and leaves it. */
+/** Types a value into a number input and leaves the input. */
 async function type(field, label, value) {
   await field.getByRole("spinbutton", { name: label }).fill(String(value));
   await field.getByRole("spinbutton", { name: label }).blur();
@@ -104,7 +104,7 @@ test("figures and worst points are those of the command line", async () => {
   for (const [name, errors] of Object.entries(cases)) {
     const wanted = figures(errors);
     for (const [column, value] of [["largest / µm", wanted.largest], ["RMS / µm", wanted.rms], ["95 % / µm", wanted.p95]]) {
-      // Of a correction the difference of two commands is left: 1e-13 mm.
+      // A corrected residual is the difference of two commands, which costs 1e-13 mm of rounding.
       assert.ok(Math.abs(found[name][column] - value) < (name === "before" ? 1e-12 * value : 1e-9), `${name}, ${column}: ${found[name][column]}, not ${value}`);
     }
     for (const [axis, letter] of [..."XYZ"].entries()) {
@@ -113,7 +113,7 @@ test("figures and worst points are those of the command line", async () => {
     }
   }
   assert.ok(found["after, volumetric"]["largest / µm"] < 0.1 && found["after, nine terms"]["largest / µm"] > 1);
-  // As printed.
+  // The page prints the number with three decimals.
   const text = await field.getByRole("row", { name: /^before / }).first().textContent();
   assert.ok(text.includes(figures(cases.before).largest.toFixed(3)), text);
 
@@ -127,7 +127,7 @@ test("figures and worst points are those of the command line", async () => {
   const tables = await numbers(causes);
   for (const { source, error_um } of wanted.contributions) {
     const name = source.length === 1 ? `table of ${source}` : source;
-    // The command's model is of first order.
+    // `correct` computes contributions to first order.
     for (const [axis, letter] of [..."XYZ"].entries()) assert.ok(Math.abs(tables[name][`Δ${letter} / µm`] - error_um[axis]) < 0.02, `${name} ${letter}`);
   }
   const [largest] = Object.keys(tables);
@@ -135,7 +135,7 @@ test("figures and worst points are those of the command line", async () => {
   along.sort((a, b) => b[1] - a[1]);
   assert.ok(largest.endsWith(along[0][0]), `${largest}, not ${along[0][0]}`);
 
-  // The correction at the worst point after it, to the last digit.
+  // At the worst point after correction, both compute the same correction, to the last digit.
   const sent = await numbers(field.getByRole("table", { name: /^Worst point after, volumetric: correction sent/ }));
   const place = Object.values(sent).map((row) => row["command / mm"]);
   const correction = await cli(["correct", machine, `--at=${place.join(",")}`, "--json"]);

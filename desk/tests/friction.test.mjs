@@ -21,8 +21,8 @@ after(async () => {
 });
 
 /**
- * To the last printed digit, a tenth of it being left to the exponential function, whose last bit is another in the browser
- * than on the host. `slack`: where the record is simulated, a count of an encoder may fall the other way for the same reason.
+ * Compares to a tenth of the last printed digit: the last bit of the exponential function differs between browser and host.
+ * `slack`: additional tolerance for simulated records, where an encoder count may differ for the same reason.
  */
 function near(found, needed, digits, what, slack = 0) {
   if (needed === null || needed === found) return;
@@ -42,7 +42,7 @@ const ROWS = {
   "velocity feed-forward k_ff": "velocity_feed_forward",
 };
 
-/** The page's table against figures by axis; `share` of the standard error is left open. */
+/** Compares the page's table with figures by axis. `share`: tolerance as a share of the standard error. */
 async function figures(panel, axes, value, share = 0) {
   const shown = await numbers(panel.getByRole("table", { name: "Figures found" }));
   for (const [name, key] of Object.entries(ROWS))
@@ -64,7 +64,7 @@ async function circles(panel) {
 async function opened() {
   const desk = await openDesk();
   const panel = await view(desk.page, "Friction");
-  // A record is there at once.
+  // The page opens with a record.
   await panel.getByRole("button", { name: "Find friction" }).and(panel.locator(":enabled")).waitFor({ timeout: 300_000 });
   return { ...desk, panel };
 }
@@ -100,14 +100,14 @@ test("the round in simulation has the figures of firmware-sim friction", async (
   near(error.before["largest / µm"], simulated.contour_error_um.before.max, 3, "contour error before");
   near(error.after["RMS / µm"], simulated.contour_error_um.after.rms, 3, "contour error after");
 
-  // Polar plots by the keyboard, with their numbers behind them.
+  // The polar plots react to the keyboard; a readout states the numbers.
   const polar = panel.getByRole("img", { name: /counterclockwise/ }).first();
   await polar.focus();
   await page.keyboard.press("Home");
   await page.keyboard.press("Shift+ArrowRight");
   assert.match(await polar.locator("xpath=following-sibling::output").textContent(), /°\s+before, recorded .* µm/);
 
-  // Into the machine, and out of it.
+  // Puts the result into the machine, then undoes it.
   await panel.getByRole("button", { name: "Put into the machine" }).click();
   await panel.getByText("In mill-3axis's machine.toml now.").waitFor();
   const toml = await page.evaluate(() => globalThis.trueaxisDesk.machine.files["machine.toml"]);
@@ -161,7 +161,7 @@ test("a record that cannot be used is refused in the command line's words", asyn
     await alert.waitFor({ timeout: 300_000 });
     assert.equal(await alert.locator("span").textContent(), refused.stderr.trim().replace(/^error: /, ""));
   }
-  // The earlier record is still shown.
+  // The page still shows the earlier record.
   assert.ok(await panel.getByRole("button", { name: "Find friction" }).isEnabled());
   await panel.getByLabel("Radius / mm").fill("0");
   await panel.getByLabel("Radius / mm").press("Tab");

@@ -10,7 +10,7 @@ const here = path.dirname(fileURLToPath(import.meta.url));
 export const root = path.resolve(here, "../..");
 const page_file = process.env.TRUEAXIS_DESK ?? path.join(root, "desk/dist/desk.html");
 const target = process.env.CARGO_TARGET_DIR ?? path.join(root, "target");
-/** Where `trueaxis` and `firmware-sim` were built. */
+/** Directory of the built `trueaxis` and `firmware-sim`. */
 const programs = path.join(target, process.env.TRUEAXIS_PROFILE ?? "debug");
 // WebGL 2 without a graphics card. The rest of the page is drawn as browsers do without one: by the processor, not by a
 // graphics card that the processor imitates.
@@ -20,7 +20,7 @@ const flags = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--e
 let browser;
 
 /**
- * A page with the desk, ready. `close()` fails if anything was logged as an error, unless `quiet` says that it may be.
+ * Opens a page with the desk and waits until it is ready. `close()` fails if the page logged an error that is not in `quiet`.
  */
 export async function openDesk({ hash = "", dark = false, quiet = [] } = {}) {
   browser ??= await chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: flags });
@@ -29,7 +29,7 @@ export async function openDesk({ hash = "", dark = false, quiet = [] } = {}) {
     colorScheme: dark ? "dark" : "light",
     acceptDownloads: true,
   });
-  // A busy computer takes longer; what never comes fails all the same.
+  // A busy computer needs more time; a missing element still fails the test.
   context.setDefaultTimeout(180_000);
   const page = await context.newPage();
   const errors = [];
@@ -46,7 +46,7 @@ export async function openDesk({ hash = "", dark = false, quiet = [] } = {}) {
   return { page, context, close };
 }
 
-/** Ends the browser: called once after the tests of a file. */
+/** Closes the browser; each test file calls it once, at its end. */
 export async function closeBrowser() {
   await browser?.close();
   browser = undefined;
@@ -58,7 +58,7 @@ export async function view(page, name) {
   return page.getByRole("tabpanel", { name });
 }
 
-/** Runs one of the programs; gives its exit code and what it printed. */
+/** Runs one of the programs; returns its exit code and output. */
 export function run(program, given, options = {}) {
   return new Promise((done) => {
     const settings = { cwd: root, maxBuffer: 1 << 28, ...options };
@@ -99,7 +99,7 @@ export async function drop(locator, files) {
   await locator.dispatchEvent("drop", { dataTransfer: transfer });
 }
 
-/** Numbers of a table, whole, by row header and column header. */
+/** Numbers of a table at full precision, by row header and column header. */
 export async function numbers(table) {
   return table.evaluate((element) => {
     const header = [...element.querySelectorAll("thead th")].map((cell) => cell.textContent);
@@ -112,13 +112,13 @@ export async function numbers(table) {
   });
 }
 
-/** What a click on `locator` saves: name and bytes. */
+/** Clicks on `locator` and returns the name and bytes of the saved file. */
 export async function saved(page, locator) {
   const [download] = await Promise.all([page.waitForEvent("download"), locator.click()]);
   return { name: download.suggestedFilename(), bytes: fs.readFileSync(await download.path()) };
 }
 
-/** A picture for people to look at. */
+/** Saves a picture for people to look at. */
 export async function shot(page, name) {
   fs.mkdirSync(path.join(root, "desk/shots"), { recursive: true });
   await page.screenshot({ path: path.join(root, "desk/shots", `${name}.png`) });

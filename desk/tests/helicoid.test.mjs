@@ -18,7 +18,7 @@ async function open(options) {
   return { ...desk, panel };
 }
 
-/** Types into fields, and chooses, by their labels. */
+/** Types into fields, and selects options, by their labels. */
 async function type(panel, values) {
   for (const [label, value] of Object.entries(values)) {
     const field = panel.getByLabel(label, { exact: true });
@@ -29,19 +29,19 @@ async function type(panel, values) {
   }
 }
 
-// What the view starts with.
+// Options of the view's initial inputs.
 const START = "helicoid --module-mm 3 --teeth 24 --pressure-angle-deg 20 --helix-angle-deg 15 --u-rad 0.1:0.6:6 --theta-rad 0:0.2:9 --form vertical --pivot-mm 150";
 
 const table = (panel, name) => panel.getByRole("table", { name, exact: true });
 
-/** The table's numbers once they are those of the last input. */
+/** The table's numbers, once they belong to the latest input. */
 async function settled(panel, name, row, wanted) {
   const found = table(panel, name);
   await found.locator("tr", { hasText: row }).locator(`[data-value="${wanted}"]`).first().waitFor();
   return numbers(found);
 }
 
-// Two inputs, as fields and as the command line has them.
+// Two inputs, as fields of the view and as options of the command line.
 const CASES = [
   {
     name: "a gear, horizontal, edge finder, branch 2, turned senses",
@@ -75,7 +75,7 @@ for (const { name, fields, line, at } of CASES)
     const given = ["helicoid", ...line.split(" ")];
     const document = await cli([...given, "--json"]);
 
-    // The number of points is the last one typed.
+    // The number of points comes from the last field typed.
     await settled(panel, "Flank and machine", "Points of the grid", document.points.length);
     const data = await settled(panel, "Flank and machine", "Lead parameter", document.surface.lead_parameter_mm_per_rad);
     assert.equal(data["Base radius / mm"].Value, document.surface.base_radius_mm);
@@ -88,14 +88,14 @@ for (const { name, fields, line, at } of CASES)
       assert.equal(data["Base helix angle / degrees"].Value, document.gear.base_helix_angle_deg);
     }
 
-    // The tool at the first point of the grid, on both branches; then at the last.
+    // The tool at the first point of the grid, on both branches; then at the last point.
     const [last, first] = [document.points.at(-1), document.points[0]];
     const other = document.inputs.branch === 1 ? 2 : 1;
     const opposite = await cli([...given.filter((word, i) => word !== "--branch" && given[i - 1] !== "--branch"), "--branch", String(other), "--json"]);
     for (const [point, there, [u, theta]] of [[first, opposite.points[0], at], [last, opposite.points.at(-1), [last.u_rad, last.theta_rad]]]) {
       await type(panel, { "Tool at u / rad": u, "Tool at θ / rad": theta });
       const branch = `Branch ${document.inputs.branch}`;
-      // C alone shows that both fields were read: Y and A do not depend on θ.
+      // Only C shows that the page read both fields: Y and A do not depend on θ.
       await table(panel, "Displacements of the five axes").locator(`[data-value="${point.c_deg}"]`).first().waitFor();
       const rows = await numbers(table(panel, "Displacements of the five axes"));
       for (const [axis, key] of [["X / mm", "x_mm"], ["Y / mm", "y_mm"], ["Z / mm", "z_mm"], ["A / degrees", "a_deg"], ["C / degrees", "c_deg"]]) {
@@ -114,7 +114,7 @@ for (const { name, fields, line, at } of CASES)
       }
     }
 
-    // Files, and the command line shown.
+    // The saved files, and the command line that the page shows.
     const folder = fs.mkdtempSync(path.join(os.tmpdir(), "helicoid-"));
     const shown = await panel.locator(".command code").textContent();
     const words = shown.split(" ").slice(1);

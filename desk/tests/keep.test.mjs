@@ -7,7 +7,7 @@ import path from "node:path";
 import { after, test } from "node:test";
 import { cli, closeBrowser, drop, numbers, openDesk, root, run, saved, shot, view } from "./harness.mjs";
 
-// The logs are those of crates/trueaxis-py/tests/probing.py.
+// The logs come from crates/trueaxis-py/tests/probing.py.
 const probing = (name) => fs.readFileSync(path.join(root, "records/probing", name), "utf8");
 const [task, machine, begin, look] = ["keep.toml", "mill/machine.toml", "begin.log", "look.log"].map(probing);
 
@@ -22,7 +22,7 @@ after(async () => {
 const keep = (verb, ...more) => cli(["keep", verb, "keep.toml", ...more, "--json"], { cwd: folder });
 const history = () => fs.readFileSync(at("mill/keep/history.jsonl"), "utf8");
 
-/** The page computes with the angles of the browser, whose last bit may be another. */
+/** The page computes with the browser's trigonometric functions, whose last bit may differ. */
 function near(found, needed, what) {
   assert.ok(Math.abs(found - needed) <= 1e-6 * Math.max(1, Math.abs(needed)), `${what}: found ${found}, the command line has ${needed}`);
 }
@@ -45,7 +45,7 @@ async function planned(panel, found) {
   }
 }
 
-async function looked(panel, found) {
+async function showsEvaluation(panel, found) {
   const verdicts = await numbers(panel.getByRole("table", { name: "Verdicts" }));
   assert.deepEqual(Object.keys(verdicts), found.terms.map(({ name }) => name));
   for (const term of found.terms) {
@@ -83,18 +83,17 @@ test("a round is that of trueaxis keep, and leaves its files", async () => {
   const program = await saved(page, panel.getByRole("button", { name: "Save the program" }));
   assert.equal(program.bytes.toString(), fs.readFileSync(at("look.ngc"), "utf8"));
 
-  // The first re-probing.
   await panel.getByRole("textbox", { name: "probed at" }).fill("2026-05-04T06:00:00Z");
   await panel.getByRole("spinbutton", { name: "parts made" }).fill("0");
   await drop(panel, { "begin.log": begin });
   await panel.getByText("begin.log: 46 touches on mill.").waitFor();
   const line = await command(panel);
   assert.equal(line, "trueaxis keep begin keep.toml begin.log --time 2026-05-04T06:00:00Z --parts 0");
-  await looked(panel, await cli([...line.split(" ").slice(1), "--json"], { cwd: folder }));
+  await showsEvaluation(panel, await cli([...line.split(" ").slice(1), "--json"], { cwd: folder }));
   await panel.getByRole("button", { name: "Enter it in the history" }).click();
   await panel.getByText("Entry 1 is in the history").waitFor();
 
-  // What is typed for the second look leaves the files of the first one to be saved.
+  // Inputs for the second probing must not remove the files of the first.
   await panel.getByRole("textbox", { name: "probed at" }).fill("2026-05-04T07:00:00Z");
   await panel.getByRole("spinbutton", { name: "parts made" }).fill("12");
   await panel.getByText("--time 2026-05-04T07:00:00Z --parts 12").waitFor();
@@ -102,13 +101,13 @@ test("a round is that of trueaxis keep, and leaves its files", async () => {
   assert.equal(kept.name, "keep-history.jsonl");
   sameHistory(kept.bytes.toString(), history());
 
-  // The second, compared with it: the command's output and its files.
+  // The second re-probing, compared with the first: the command's output and its files.
   await drop(panel, { "look.log": look, "history.jsonl": history() });
   await panel.getByText("look.log: 46 touches on mill.").waitFor();
   assert.equal(await command(panel), "trueaxis keep check keep.toml look.log --time 2026-05-04T07:00:00Z --parts 12");
   const checked = await keep("check", "look.log", "--parts", "12");
   assert.equal(checked.updates, 2);
-  await looked(panel, checked);
+  await showsEvaluation(panel, checked);
   await page.evaluate(() => scrollTo(0, 0));
   await page.setViewportSize({ width: 1400, height: await page.evaluate(() => document.body.scrollHeight) });
   await page.waitForTimeout(300);
@@ -127,13 +126,13 @@ test("a round is that of trueaxis keep, and leaves its files", async () => {
   const text = (await run("trueaxis", ["keep", "history", "keep.toml"], { cwd: folder })).stdout.trim().split("\n");
   assert.equal(past[2].changed, text.slice(2).map((line) => line.trim()).join("; "));
 
-  // The same log again would be added twice.
+  // The same log would be added twice: it is refused.
   await drop(panel, { "again.log": look });
   await page.getByRole("alert").filter({ hasText: "the log of entry 2 for the second time" }).waitFor();
   await close();
 });
 
-/** Entries of two histories, whose last bits may differ, and with them the check sums. */
+/** Compares two histories, whose last bits, and with them the check sums, may differ. */
 function sameHistory(found, needed) {
   const rows = (text) => text.trim().split("\n").map((line) => JSON.parse(line));
   const [own, other] = [rows(found), rows(needed)];
@@ -144,7 +143,7 @@ function sameHistory(found, needed) {
   }
 }
 
-test("a term out of its bounds needs a person, and bad looks are refused in the command line's words", async () => {
+test("a term out of its bounds needs a person, and bad re-probings are refused in the command line's words", async () => {
   fs.rmSync(at("mill"), { recursive: true });
   fs.mkdirSync(at("mill"));
   fs.writeFileSync(at("mill/machine.toml"), machine);
@@ -157,7 +156,7 @@ test("a term out of its bounds needs a person, and bad looks are refused in the 
   const refused = await run("trueaxis", ["keep", "check", "keep.toml", "look.log", "--json"], { cwd: folder });
   assert.equal(refused.code, 3);
   const words = refused.stderr.trim().split("\n").at(-1).replace(/^error: /, "");
-  assert.equal((await looked(panel, JSON.parse(refused.stdout)))[0], words);
+  assert.equal((await showsEvaluation(panel, JSON.parse(refused.stdout)))[0], words);
   assert.ok(await panel.getByRole("button", { name: "Put into the machine" }).isHidden());
   await panel.getByRole("textbox", { name: "terms that may be out of" }).fill("offset Z");
   await panel.getByRole("button", { name: "Put into the machine" }).waitFor();
@@ -179,7 +178,7 @@ test("a term out of its bounds needs a person, and bad looks are refused in the 
     assert.equal(await alert.locator("span").textContent(), stderr.trim().split("\n").at(-1).replace(/^error: /, ""));
     assert.ok(await panel.getByRole("table", { name: "Verdicts" }).isHidden());
   }
-  // Tables that somebody has changed.
+  // Somebody has changed the tables.
   await drop(panel, { "machine.toml": `${machine}# by hand\n`, "look.log": look });
   await page.getByRole("alert").filter({ hasText: "changed by hand" }).waitFor();
   await panel.getByRole("checkbox", { name: "changed by hand" }).check();

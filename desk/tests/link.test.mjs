@@ -1,4 +1,4 @@
-// Links alone, without the page.
+// Tests links without the page.
 
 import assert from "node:assert/strict";
 import path from "node:path";
@@ -24,7 +24,7 @@ test("a link is unpacked up to 16 MB and no further", async () => {
   const padded = (length) => JSON.stringify({ ...kept, padding: "x".repeat(length) });
   assert.deepEqual(await fromLink(fragment(padded(15 << 20))), kept);
   await assert.rejects(fromLink(fragment(padded(17 << 20))), /found more than 16 MB in it, needed at most that.*needed: a link that this page made/);
-  // 250 kB that would be 256 MB.
+  // 250 kB that would inflate to 256 MB.
   const large = fragment(Buffer.alloc(256 << 20));
   const before = process.resourceUsage().maxRSS;
   await assert.rejects(fromLink(large), /found more than 16 MB/);

@@ -1,4 +1,4 @@
-// The Machine view: its figures and errors are the command line's, and its saved file is the one that the library compiles.
+// The Machine view: its figures and errors equal the command line's, and the library's compiler writes the same file.
 
 import assert from "node:assert/strict";
 import fs from "node:fs";
@@ -18,7 +18,7 @@ function sample(name) {
   return Object.fromEntries(fs.readdirSync(folder).map((file) => [file, fs.readFileSync(path.join(folder, file))]));
 }
 
-/** A folder with these files. */
+/** Writes these files into a folder. */
 function folder(files) {
   const place = fs.mkdtempSync(path.join(os.tmpdir(), "desk-machine-"));
   for (const [name, content] of Object.entries(files)) fs.writeFileSync(path.join(place, name), content);
@@ -28,7 +28,7 @@ function folder(files) {
 const files = (page) => page.evaluate(() => globalThis.trueaxisDesk.machine.files);
 const table = (panel, name) => panel.getByRole("table", { name });
 
-/** Waits until the files of the machine are as asked. */
+/** Waits until `holds` accepts the machine's files. */
 async function until(page, holds, what) {
   for (let tries = 0; tries < 1000; tries += 1) {
     if (holds(await files(page))) return;
@@ -116,9 +116,9 @@ test("a bad file is refused in the words of the command line, and the machine be
     const { code, stderr } = await run("trueaxis", ["tables", "check", "machine.toml"], { cwd: place });
     assert.equal(code, 2, what);
     await drop(panel, { "x.csv": content });
-    const told = page.getByRole("alert").locator("span").first();
+    const message = page.getByRole("alert").locator("span").first();
     await page.waitForFunction((text) => document.querySelector("#error span")?.textContent === text, stderr.replace(/^error: /, "").trimEnd(), { timeout: 10_000 }).catch(() => {});
-    assert.equal(`error: ${await told.textContent()}\n`, stderr, what);
+    assert.equal(`error: ${await message.textContent()}\n`, stderr, what);
     assert.deepEqual(await files(page), before, what);
   }
   await page.getByRole("button", { name: "Close" }).click();
@@ -174,7 +174,7 @@ test("a point is dragged and typed, undone, and the saved files compile to the s
   const line = (text) => text.split("\n").find((line) => line.startsWith("-100,"));
   const value_of = (files) => Number(line(files["x.csv"]).split(",")[1]);
   const was = value_of(before);
-  // 40 of some 210 pixels on 40 µm.
+  // The drag covers 40 of some 210 pixels, which span 40 µm.
   await until(page, (files) => value_of(files) > was + 6, "the drag changes the table up to where it ends");
   for (let last = Number.NaN; last !== value_of(await files(page)); ) {
     last = value_of(await files(page));
@@ -182,7 +182,7 @@ test("a point is dragged and typed, undone, and the saved files compile to the s
   }
   const dragged = (await files(page))["x.csv"];
   const value = value_of({ "x.csv": dragged });
-  // Both directions by as much, and nothing else.
+  // Both directions move by the same amount, and nothing else changes.
   const [position, , reverse, ...others] = line(before["x.csv"]).split(",");
   const moved = [position, value, Number((Number(reverse) + value - was).toFixed(3)), ...others].join(",");
   assert.equal(dragged, before["x.csv"].replace(line(before["x.csv"]), moved));
@@ -229,7 +229,7 @@ test("all of it by the keyboard", async () => {
   await page.keyboard.press("ArrowUp");
   await page.keyboard.press("Alt+ArrowUp");
   await page.keyboard.press("Shift+ArrowDown");
-  // 14.499 + 0.1 + 0.01 − 1, and 16.009 with it
+  // 14.499 + 0.1 + 0.01 − 1; the reverse value, 16.009, moves by the same amount.
   await until(page, (files) => files["x.csv"].includes("\n-290,13.609,15.119,"), "arrow keys move the point");
   assert.equal(await page.evaluate(() => document.activeElement.getAttribute("aria-label")), "EXX_fwd_um at -290 mm");
   await page.keyboard.press("Control+z");
@@ -264,7 +264,7 @@ test("a refused edit is reported and changes nothing", async () => {
   assert.deepEqual(await files(page), before);
   assert.equal(await position.inputValue(), "-290");
 
-  // One direction alone by 5 µm is lost motion that the hysteresis of 0.1 µm does not cover.
+  // A shift of one direction by 5 µm is lost motion, which the hysteresis of 0.1 µm does not cover.
   await panel.getByLabel("Move both directions together").uncheck();
   const point = panel.getByRole("slider", { name: "EXX_fwd_um at -300 mm" });
   for (let i = 0; i < 5; i += 1) await point.press("Shift+ArrowUp");

@@ -14,11 +14,11 @@ after(async () => {
 });
 
 const TURN = 2 * Math.PI;
-/** Five lobes, finer waves, and something that differs from turn to turn. */
+/** Five lobes, finer waves, and a part that differs from turn to turn. */
 const profile = (s) => 1.7 * Math.cos(5 * s + 0.4) + 0.6 * Math.cos(13 * s) + 0.21 * Math.sin(47 * s + 1);
 const motion = (theta, turn) => [3 * Math.cos(theta) + 0.4 * Math.cos(3 * theta) + 0.05 * turn, 2 * Math.sin(theta) - 0.3 * Math.sin(2 * theta) - 0.02 * turn * turn];
 
-/** A file of readings of three standing probes, and its text. */
+/** Writes a file with the readings of three stationary probes; returns its text. */
 function probes(name, degrees, thetas, header) {
   const lines = thetas.map((theta_deg, row) => {
     const theta = (theta_deg * TURN) / 360;
@@ -36,9 +36,8 @@ function probes(name, degrees, thetas, header) {
 }
 
 /**
- * Figures behind a Fourier transform: `rustfft` takes the processor's vector instructions where it has them and the
- * page has none, which changes the order of additions. All digits that are shown are the same, the whole numbers within
- * 1e-12 µm.
+ * Compares figures that depend on a Fourier transform. `rustfft` uses the processor's vector instructions, which the page
+ * lacks, so the order of additions differs. Printed digits are equal; numbers at full precision agree within 1e-12 µm.
  */
 function near(found, needed, what) {
   if (Array.isArray(needed)) {
@@ -48,7 +47,7 @@ function near(found, needed, what) {
   else assert.ok(Math.abs(found - needed) <= 1e-12 * Math.max(1, Math.abs(needed)), `${what}: ${found} against ${needed}`);
 }
 
-/** Types a number, as a person does. */
+/** Types a number and leaves the field, as a user does. */
 async function type(scope, label, value) {
   const field = scope.getByRole("spinbutton", { name: label });
   await field.fill(String(value));
@@ -66,10 +65,10 @@ async function arrange(panel, group, { n, harmonics, phi2_deg, phi3_deg, p, q })
   await type(probes, /φ3/, q ?? phi3_deg);
 }
 
-/** Waits until the status line of the readings says this. */
-const told = (panel, text) => panel.getByRole("status").filter({ hasText: text }).waitFor();
+/** Waits until the status line of the readings contains this text. */
+const status = (panel, text) => panel.getByRole("status").filter({ hasText: text }).waitFor();
 
-/** The columns of the CSV behind a plot. */
+/** Columns of the CSV that a plot saves. */
 async function columns(page, panel, title) {
   const figure = panel.getByRole("figure").filter({ hasText: title }).last();
   await figure.getByText("Table", { exact: true }).click();
@@ -78,7 +77,7 @@ async function columns(page, panel, title) {
   return rows[0].map((_, column) => rows.map((row) => (row[column] === "" ? null : Number(row[column]))));
 }
 
-/** All figures on the page against a document of `trueaxis roundness --json`. */
+/** Compares all figures on the page with a document of `trueaxis roundness --json`. */
 async function compare(page, panel, document) {
   const zones = await numbers(panel.getByRole("table", { name: /^Roundness of the mean/ }));
   for (const name of ["lsc", "mzc", "mic", "mcc"]) {
@@ -113,12 +112,12 @@ test("readings at equidistant angles: figures, warnings, suppressed harmonics", 
   const text = probes("five-turns.csv", degrees, thetas, "h1_um,h2_um,h3_um");
   const { page, close } = await openDesk();
   const panel = await view(page, "Roundness");
-  await told(panel, "grinder-probes.csv, simulated: 8 revolutions of 1024 points");
+  await status(panel, "grinder-probes.csv, simulated: 8 revolutions of 1024 points");
   await panel.getByLabel("Arm follows the pin").uncheck();
   await arrange(panel, "Probes of these readings", { n: 512, harmonics: [2, 60], phi2_deg: degrees[0], phi3_deg: degrees[1] });
   await type(panel, "Noise gain limit", 4.5);
   await drop(panel, { "five-turns.csv": text });
-  await told(panel, "five-turns.csv: 5 revolutions of 512 points");
+  await status(panel, "five-turns.csv: 5 revolutions of 512 points");
   const filter = panel.getByLabel("Gaussian filter");
   for (let step = 0; step < 4; step += 1) await filter.press("ArrowLeft");
   for (let step = 0; step < 3; step += 1) await filter.press("ArrowRight");
@@ -133,10 +132,10 @@ test("readings at equidistant angles: figures, warnings, suppressed harmonics", 
   assert.deepEqual(notes, stderr.trim().split("\n"));
   await panel.getByText(/^Suppressed: [\d, and]+; limit of the noise gain 4.5/).waitFor();
 
-  // The command that the page names prints the same.
+  // The command that the page shows prints the same document.
   const command = await panel.getByText(/^trueaxis roundness/).textContent();
   assert.deepEqual(await cli(command.split(" ").slice(1), { cwd: folder }), document);
-  // A circle that is hidden is not in the picture.
+  // The picture omits a hidden circle.
   const circles = panel.getByRole("group", { name: "Reference circles" });
   await panel.getByRole("figure").filter({ hasText: "MIC, zone" }).first().waitFor();
   await circles.getByLabel(/MIC/).press("Space");
@@ -150,11 +149,11 @@ test("readings with their own angles, a trace, and wrong files", async () => {
   const text = probes("uneven.csv", [60.47, 234.14], thetas, "theta_deg,h1_um,h2_um,h3_um");
   const { page, close } = await openDesk();
   const panel = await view(page, "Roundness");
-  await told(panel, "simulated");
+  await status(panel, "simulated");
   await arrange(panel, "Probes of these readings", { n: 256, harmonics: [2, 50], phi2_deg: 60.47, phi3_deg: 234.14 });
   await panel.getByLabel("Arm follows the pin").uncheck();
   await drop(panel, { "uneven.csv": text });
-  await told(panel, /uneven.csv: \d revolutions of 256 points/);
+  await status(panel, /uneven.csv: \d revolutions of 256 points/);
   const given = ["roundness", "uneven.csv", "--n=256", "--phi2-deg=60.47", "--phi3-deg=234.14", "--harmonics=2..50", "--upr=50", "--json"];
   const document = await cli(given, { cwd: folder });
   await compare(page, panel, document);
@@ -168,7 +167,7 @@ test("readings with their own angles, a trace, and wrong files", async () => {
   });
   fs.writeFileSync(path.join(folder, "trace.csv"), `x_mm,y_mm\n${points.join("\n")}\n`);
   await drop(panel, { "trace.csv": fs.readFileSync(path.join(folder, "trace.csv")) });
-  await told(panel, "trace.csv: 173 points");
+  await status(panel, "trace.csv: 173 points");
   const circles = await cli(["circle", "trace.csv", "--json"], { cwd: folder });
   const shown = await numbers(panel.getByRole("table", { name: /^Reference circles of 173/ }));
   for (const [key, row] of Object.entries(shown)) {
@@ -188,7 +187,7 @@ test("readings with their own angles, a trace, and wrong files", async () => {
   ]) {
     fs.writeFileSync(path.join(folder, name), content);
     await drop(panel, { [name]: content });
-    await told(panel, `${name} could not be evaluated`);
+    await status(panel, `${name} could not be evaluated`);
     const { code, stderr } = await run("trueaxis", options ? ["roundness", name, ...options] : ["circle", name], { cwd: folder });
     assert.equal(code, 2);
     const alert = await page.getByRole("alert").locator("span").textContent();
@@ -196,7 +195,7 @@ test("readings with their own angles, a trace, and wrong files", async () => {
   }
   assert.match(fs.readFileSync(path.join(folder, "bad.csv"), "utf8").split("\n")[41], /,seven,/);
   await panel.getByRole("button", { name: "Simulated readings" }).press("Enter");
-  await told(panel, "simulated: 8 revolutions");
+  await status(panel, "simulated: 8 revolutions");
   assert.equal(await page.getByRole("alert").count(), 0);
   await close();
 });
@@ -204,7 +203,7 @@ test("readings with their own angles, a trace, and wrong files", async () => {
 test("the simulated readings saved give the same on the command line", async () => {
   const { page, close } = await openDesk();
   const panel = await view(page, "Roundness");
-  await told(panel, "simulated");
+  await status(panel, "simulated");
   const { name, bytes } = await saved(page, panel.getByRole("button", { name: "Save these readings" }));
   fs.writeFileSync(path.join(folder, name), bytes);
   const command = await panel.getByText(/^trueaxis roundness/).textContent();
@@ -224,7 +223,7 @@ test("the simulated readings saved give the same on the command line", async () 
 test("probe angles by keyboard, blind ones named, best pairs", async () => {
   const { page, close } = await openDesk();
   const panel = await view(page, "Roundness");
-  await told(panel, "simulated");
+  await status(panel, "simulated");
   const moved = panel.getByRole("group", { name: "Probes moved by hand" });
   await arrange(panel, "Probes moved by hand", { n: 256, harmonics: [3, 70], p: 40, q: 100 });
   const slider = moved.getByRole("slider", { name: /φ2/ });
@@ -254,14 +253,14 @@ test("probe angles by keyboard, blind ones named, best pairs", async () => {
   const command = await panel.getByText(/^trueaxis probe-angles/).textContent();
   assert.deepEqual(await cli(command.split(" ").slice(1)), document);
 
-  // Half a turn and a quarter cannot see some harmonics: the command refuses them by the same list.
+  // Probes a quarter and half a turn after the first miss some harmonics: page and command list the same ones.
   await type(moved, /φ2/, 64);
   await type(moved, /φ3/, 64);
   const { stderr } = await run("trueaxis", given(64, 64));
   const [list] = stderr.match(/cannot see harmonics [\d, and]+\d/);
   const harmonics = list.match(/\d+/g);
   assert.ok(harmonics.length > 30, list);
-  // The first of the two angles alone has a separate list.
+  // Waits for the list of both angles: after the first one alone, the page lists others.
   const same = new RegExp(`cannot see harmonics ${harmonics.join("[, and]+")}(?!\\d)`);
   await panel.getByRole("status").filter({ hasText: same }).waitFor();
   await close();
@@ -270,7 +269,7 @@ test("probe angles by keyboard, blind ones named, best pairs", async () => {
 test("grinding with and without infeed correction, as firmware-sim grinds", async () => {
   const { page, close } = await openDesk();
   const panel = await view(page, "Roundness");
-  await told(panel, "simulated");
+  await status(panel, "simulated");
   const settings = { revolutions: 12, speed_rpm: 290, rate_hz: 5000, feed_um: 0.15, gain: 0.21, seed: 77 };
   const labels = { revolutions: "Revolutions", speed_rpm: "Spindle speed", rate_hz: "Servo rate", feed_um: "Feed that remains", gain: "Gain of the correction", seed: "Seed" };
   const group = panel.getByRole("group", { name: "Grinding" });

@@ -10,11 +10,11 @@ import { closeBrowser, drop, numbers, openDesk, run, saved, shot, sim, view } fr
 
 after(closeBrowser);
 
-/** Test machines are shared. */
+/** Timeout for a computer that runs other tests at the same time. */
 const LONG = 240_000;
 const KINDS = { "without compensation": "uncompensated", "with compensation": "compensated", "perfect geometry": "servo_only", full: "full" };
 const SIZES = /^Contour error of the true tip/;
-/** A few seconds of everything that an act may meet. */
+/** A program of a few seconds that contains everything an act may meet. */
 const TINY = "G21 G90 G94 G17\nF2400\nG0 Z5\nG1 Z0\nX20 Y10\nG2 X20 Y-10 I0 J-10\nG1 X-10\nY0\nX0\nM2\n";
 
 async function open(options) {
@@ -45,7 +45,7 @@ async function figures(panel) {
   return { sizes, digests };
 }
 
-/** Contour errors to the last printed digit, and the digests. */
+/** Contour errors agree to the last printed digit; the digests are equal. */
 function same({ sizes, digests }, document) {
   for (const [text, kind] of Object.entries(KINDS)) {
     const { max, rms } = document.contour_error_um[kind];
@@ -61,7 +61,7 @@ function folder() {
   return fs.mkdtempSync(path.join(os.tmpdir(), "scope-"));
 }
 
-/** Saves the scenario's files, unpacks them and gives the printed command in their folder. */
+/** Saves the scenario's files, unpacks them and runs the printed command in their folder. */
 async function reproduced(page, panel) {
   const { bytes } = await saved(page, panel.getByRole("button", { name: "Save files (ZIP)" }));
   const at = folder();
@@ -115,12 +115,12 @@ test("acts in motion run again by the printed command", async () => {
   same(first, document);
   assert.equal(document.faults.length, 1);
 
-  // The acts are part of the scenario: Restart does them again.
+  // The acts are part of the scenario: Restart repeats them.
   await panel.getByRole("button", { name: "Restart" }).click();
   await state(panel, "ready");
   await toTheEnd(panel);
   assert.deepEqual(await figures(panel), first);
-  // Without the exchange it is another run.
+  // Without the exchange, the digests differ.
   await panel.getByRole("button", { name: "Remove exchange:half-tables@0.4s" }).click();
   await panel.getByRole("button", { name: "Restart" }).click();
   await state(panel, "ready");
@@ -134,7 +134,7 @@ test("tables of a machine that was dropped are exchanged for", async () => {
   await program(panel, "tiny.ngc", TINY);
   const files = await page.evaluate(() => globalThis.trueaxisDesk.bench.call("scope_scaled", globalThis.trueaxisDesk.machine.json, 0.9));
   await drop(panel, JSON.parse(files));
-  // The message passes; that the tables can be chosen lasts.
+  // The message disappears; the new option of the list stays.
   await panel.locator("option[value^='given:']").waitFor({ state: "attached" });
   await panel.getByLabel("Acts at / s (empty: now)").fill("0.5");
   await panel.getByRole("button", { name: "Exchange", exact: true }).click();
@@ -155,15 +155,15 @@ test("bad files are refused as on the command line, and the run stays", async ()
     assert.equal(code, 2);
     await drop(panel, { [name]: text });
     await alert.getByText(name.split(".")[0]).waitFor();
-    const told = await alert.locator("span").textContent();
-    assert.ok(stderr.includes(told), `the page: ${told}\nthe command line: ${stderr}`);
-    return told;
+    const message = await alert.locator("span").textContent();
+    assert.ok(stderr.includes(message), `the page: ${message}\nthe command line: ${stderr}`);
+    return message;
   };
   assert.match(await refused("bad.ngc", "G1 X10 F100\nG5.9 X2\n", ["--program", "bad.ngc"]), /^bad\.ngc:2: /);
   assert.match(await refused("far.ngc", "G21 G90 F900\nG1 X4000\n", ["--program", "far.ngc"]), /far/);
   assert.match(await refused("mine.toml", "[drive]\ngain = 3\n", ["--scenario", "mine.toml"]), /^mine\.toml:2: drive\.gain: found no such setting, needed one of/);
   assert.match(await refused("faults.toml", 'seed = 2\nfaults = ["vanish:X@1s+1"]\n', ["--scenario", "faults.toml"]), /^faults\.toml:2: faults: found/);
-  // What was open runs on.
+  // The open run continues.
   assert.equal(await panel.getByLabel("Program", { exact: true }).locator("option:checked").textContent(), "tiny.ngc");
   await toTheEnd(panel);
   await close();
@@ -184,8 +184,8 @@ test("settings act, and a link opens the same run in another page", async () => 
   await set("Friction / %", "150");
   await set("Seed of the noise", "7");
   await panel.getByLabel("Error model").selectOption("volumetric");
-  // Settings are gathered for a moment before the run is opened with them.
-  // The page's own clock: on a busy computer its timers come late, but in order.
+  // The page collects settings for a moment before it opens the run with them.
+  // The wait uses the page's clock: on a busy computer its timers come late, but in order.
   await page.evaluate(() => new Promise((done) => setTimeout(done, 600)));
   await state(panel, "ready");
   await panel.getByLabel("Acts at / s (empty: now)").fill("0.3");
@@ -244,7 +244,7 @@ test("the page responds and draws during a run", async () => {
   const going = await frames();
   console.log(`frames a second: ${idle.toFixed(1)} idle, ${going.toFixed(1)} during a run`);
   assert.match(await panel.locator(".bar output").textContent(), /million cycles a second/);
-  // A picture that a busy machine hardly draws when nothing runs says nothing about the run.
+  // If the idle page draws slowly, the computer is busy and the rate says little about the run.
   assert.ok(going > Math.min(30, 0.5 * idle), `${going} frames a second, ${idle} idle`);
   await panel.getByRole("button", { name: "Pause" }).click();
   await state(panel, "paused");

@@ -13,8 +13,8 @@ test("the page is one file within its size", () => {
   const page = fs.readFileSync(process.env.TRUEAXIS_DESK ?? path.join(root, "desk/dist/desk.html"));
   const size = gzipSync(page, { level: 9 }).length;
   console.log(`page: ${page.length} bytes, ${size} gzipped`);
-  // The aim is 1,000,000, and is missed: grids of errors are in the step four times, once for each number of axes; calibration,
-  // growth, uncertainty, keeping, tests with instruments and the licences came after it.
+  // The page exceeds its aim of 1,000,000: it contains the step's code for grids of errors four times, once for each number of
+  // axes, and it gained calibration, growth, uncertainty, keeping, tests with instruments and the licences.
   assert.ok(size <= 1_293_000, `found ${size} bytes gzipped, needed at most 1293000`);
   assert.doesNotMatch(page.toString("latin1"), /(?:src|href)=["']?https?:/);
 });
@@ -57,7 +57,7 @@ test("every control has a name", async () => {
 test("a link and a file open the same view and machine", async () => {
   const { page, close } = await openDesk();
   const panel = await view(page, "Roundness");
-  // What a view shows is part of the link once it has shown it.
+  // A link contains a view's contents only after the view has shown them.
   await panel.getByRole("status").filter({ hasText: "grinder-probes.csv, simulated" }).waitFor();
   await page.getByRole("button", { name: "Link" }).click();
   await page.waitForFunction(() => location.hash.startsWith("#open="));

@@ -1,4 +1,4 @@
-// Thermal growth: a recorded warm-up against the command line, its texts, refusals.
+// Thermal growth: a recorded warm-up against the command line, its messages, refusals.
 
 import assert from "node:assert/strict";
 import fs from "node:fs";
@@ -14,7 +14,7 @@ after(async () => {
   await closeBrowser();
 });
 
-/** X grows by 12 µm/(m K) from 0 on, Z by 3 µm/K; the second sensor is a clock. */
+/** A warm-up: X grows by 12 µm/(m K) from position 0, Z by 3 µm/K; the second sensor is unrelated to the growth. */
 function warmUp() {
   const lines = ["t_s,cycle,x_mm,ex_um,ez_um,T1_c,T2_c"];
   let state = 5;

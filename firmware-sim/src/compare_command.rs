@@ -1,6 +1,6 @@
 //! `firmware-sim compare`: arguments and output.
 
-use crate::console::{put, tell};
+use crate::console::{put, report_line};
 use crate::machine_arg::{outputs_of, read_machine};
 use crate::record::{self, How};
 use crate::scenario_args::{ScenarioArgs, prepare};
@@ -105,7 +105,7 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<bool> {
     }
     let settings = &scenario.machine.settings;
     let id = machine_id(&settings.name, &settings.chain);
-    let note = |how| tell(format_args!("note: {how}"));
+    let note = |how| report_line(format_args!("note: {how}"));
     let inputs = Inputs {
         warming: match (&args.growth, &args.temperatures) {
             (Some(growth), Some(temperatures)) => {
@@ -126,7 +126,7 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<bool> {
         let elf = match given {
             Some(elf) => elf.clone(),
             None => {
-                tell(format_args!("building the image for {}", core.title()));
+                report_line(format_args!("building the image for {}", core.title()));
                 image::build(core, &std::path::absolute(args.folder.join("build").join(core.name()))?)?
             }
         };

@@ -39,7 +39,7 @@ pub(crate) fn put(text: &str) -> Result<()> {
     })
 }
 
-/// Writes a line to standard error. A closed stderr is not an error, and there is nowhere to report one.
-pub(crate) fn tell(line: impl std::fmt::Display) {
+/// Writes a line to standard error, and ignores a closed one: nobody could read the report.
+pub(crate) fn report_line(line: impl std::fmt::Display) {
     let _ = writeln!(std::io::stderr().lock(), "{line}");
 }

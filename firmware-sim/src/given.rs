@@ -20,7 +20,7 @@ pub(crate) fn even(option: &str, value: u32) -> Result<()> {
     Ok(())
 }
 
-/// The text of a file, or the built-in text if no file is given.
+/// The text of a file or, without a file, the built-in text.
 pub(crate) fn text_or(given: Option<&Path>, own: &str) -> Result<String> {
     match given {
         Some(file) => Ok(read_text(file, &[])?),

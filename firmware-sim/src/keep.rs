@@ -110,17 +110,17 @@ fn text(outcome: &Outcome) -> Result<String> {
         um(outcome.largest_um[0]),
         um(outcome.largest_um[1])
     )?;
-    let (looks, updates, refusals) = (outcome.looks.len(), outcome.updates, outcome.refusals);
-    writeln!(text, "\n{}: {updates} with updates, {refusals} for a person", counted(looks, "re-probing"))?;
-    for look in &outcome.looks {
-        for reason in look.refused.iter().chain(&look.log_refused) {
-            writeln!(text, "  after part {}: {reason}", look.parts)?;
+    let (reprobings, updates, refusals) = (outcome.reprobings.len(), outcome.updates, outcome.refusals);
+    writeln!(text, "\n{}: {updates} with updates, {refusals} for a person", counted(reprobings, "re-probing"))?;
+    for reprobing in &outcome.reprobings {
+        for reason in reprobing.refused.iter().chain(&reprobing.log_refused) {
+            writeln!(text, "  after part {}: {reason}", reprobing.parts)?;
         }
     }
-    let led_in = outcome.longest_led_in_s.map_or("never".into(), |time| format!("within {} s", um(time)));
+    let ramped_in = outcome.longest_ramp_in_s.map_or("never".into(), |time| format!("within {} s", um(time)));
     writeln!(
         text,
-        "exchanges in motion: tables up to {} µm apart, largest step in a cycle {} µm, {:.0} % of the limits, fully applied {led_in}",
+        "exchanges in motion: tables up to {} µm apart, largest step in a cycle {} µm, {:.0} % of the limits, fully applied {ramped_in}",
         um(outcome.largest_difference_um),
         um(outcome.largest_step_um),
         1e2 * outcome.of_limits

@@ -32,7 +32,7 @@ pub(crate) struct LearnArgs {
     /// Number of parts, 1 to 100.
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=100))]
     parts: u32,
-    /// Correction with which the first part is made [default: none].
+    /// Correction for the first part [default: none].
     #[arg(long, value_name = "FILE.tlearn")]
     learned: Option<PathBuf>,
     /// Source of the contour error to learn from.
@@ -92,8 +92,8 @@ pub(crate) fn learn(args: &LearnArgs) -> Result<()> {
     let scenario = with_learned(prepare_with(&args.scenario, &ActArgs::default())?, args.learned.as_deref())?;
     let bar = progress_bar("learning");
     let parts = {
-        let mut tell = |done: f64| bar.set_position((1000.0 * done) as u64);
-        learning::parts(&scenario, &law, args.measured_by.into(), args.parts, &mut tell)?
+        let mut progress = |done: f64| bar.set_position((1000.0 * done) as u64);
+        learning::parts(&scenario, &law, args.measured_by.into(), args.parts, &mut progress)?
     };
     bar.finish_and_clear();
     if let (Some(output), Some(last)) = (&args.output, parts.last()) {

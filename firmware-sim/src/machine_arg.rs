@@ -1,6 +1,6 @@
 //! Machines named on the command line, and the files that a command must not overwrite.
 
-use crate::console::tell;
+use crate::console::report_line;
 use anyhow::{Result, bail};
 use firmware_sim::samples::sample_machine;
 use std::path::Path;
@@ -17,7 +17,7 @@ pub(crate) fn read_machine(option: &str, given: &Path) -> Result<Machine> {
         );
     }
     for note in Machine::files(&path).map(left_notes).unwrap_or_default() {
-        tell(format_args!("note: {note}"));
+        report_line(format_args!("note: {note}"));
     }
     Ok(Machine::read(&path)?)
 }

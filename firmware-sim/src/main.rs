@@ -1,6 +1,6 @@
 //! `firmware-sim`: servo cycles on the host, with the machine simulated.
 
-// print! and similar macros panic when the other end of a pipe is closed: `put` and `tell` do not.
+// print! and similar macros panic if the other end of a pipe is closed; the functions of `console` do not.
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
 mod ball_test_text;
@@ -28,7 +28,7 @@ mod thermal;
 mod thermal_text;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
-use console::{Closed, tell};
+use console::{Closed, report_line};
 use std::process::ExitCode;
 use trueaxis_tables::text::printable;
 
@@ -147,7 +147,7 @@ fn main() -> ExitCode {
         Err(error) if error.is::<Closed>() => ExitCode::SUCCESS,
         Err(error) if error.is::<Disagreement>() => ExitCode::FAILURE,
         Err(error) => {
-            tell(format_args!("error: {}", printable(&format!("{error:#}"))));
+            report_line(format_args!("error: {}", printable(&format!("{error:#}"))));
             ExitCode::from(2)
         }
     }

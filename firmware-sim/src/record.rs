@@ -1,6 +1,6 @@
 //! `firmware-sim record`: arguments and output.
 
-use crate::console::{progress_bar, put, tell};
+use crate::console::{progress_bar, put, report_line};
 use crate::machine_arg::outputs_of;
 use crate::scenario_args::{ScenarioArgs, prepare};
 use anyhow::{Result, bail};
@@ -75,7 +75,7 @@ pub(crate) fn record(args: &RecordArgs) -> Result<()> {
     outputs.put(&args.output, &bytes)?;
     outputs.commit()?;
     if bytes.len() as u64 > image::RECORDING.1 {
-        tell(format_args!(
+        report_line(format_args!(
             "note: the bare-metal image has room for {} bytes (fewer cycles: --cycles, --rate-hz)",
             image::RECORDING.1
         ));

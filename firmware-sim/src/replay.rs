@@ -1,6 +1,6 @@
 //! `firmware-sim replay`: arguments and output.
 
-use crate::console::{put, tell};
+use crate::console::{put, report_line};
 use anyhow::{Context, Result, anyhow, bail};
 use clap::Args;
 use std::fmt::Write;
@@ -71,7 +71,7 @@ pub(crate) fn replay(args: &ReplayArgs) -> Result<()> {
     }
     outputs.commit()?;
     for output in args.output.iter().chain(&args.telemetry) {
-        tell(format_args!("written  {}  {}", output.display(), counted(sent.rows.lines().count() - 1, "cycle")));
+        report_line(format_args!("written  {}  {}", output.display(), counted(sent.rows.lines().count() - 1, "cycle")));
     }
     if args.output.is_none() { put(&sent.rows) } else { Ok(()) }
 }

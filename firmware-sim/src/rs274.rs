@@ -1,4 +1,4 @@
-//! Runs a program through `rs274`, LinuxCNC's stand-alone interpreter.
+//! Runs a program through `rs274`, LinuxCNC's standalone interpreter.
 
 use std::io::{BufRead, BufReader, Read};
 use std::process::{Child, Command, Stdio};

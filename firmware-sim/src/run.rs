@@ -96,12 +96,12 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     let mut record = record.transpose()?;
     let timing = Timing { budget_ns: args.scenario.budget_ns(&scenario), paced: args.paced };
     let bar = progress_bar("simulating");
-    let mut tell = |fraction: f64| bar.set_position((1000.0 * fraction) as u64);
+    let mut progress = |fraction: f64| bar.set_position((1000.0 * fraction) as u64);
     let mut sinks: Vec<&mut dyn Sink> = Vec::new();
     sinks.extend(traces.iter_mut().map(|(_, trace)| trace as &mut dyn Sink));
     sinks.extend(series.as_mut().map(|series| series as &mut dyn Sink));
     sinks.extend(record.as_mut().map(|record| record as &mut dyn Sink));
-    let outcome = outcome::simulate(simulation, &scenario, timing, sinks, &mut tell)?;
+    let outcome = outcome::simulate(simulation, &scenario, timing, sinks, &mut progress)?;
     bar.finish_and_clear();
     // The summary names the traces last, but their files take their places first.
     let traces = finish_traces(traces, &mut outputs)?;

@@ -87,10 +87,10 @@ fn from_folder_of(file: &Path, settings: &mut Settings) {
     let Some(folder) = file.parent() else { return };
     for event in &mut settings.events.items {
         if let EventKind::Exchange(name) = &mut event.kind {
-            let beside = folder.join(&name);
+            let resolved = folder.join(&name);
             // A path that does not exist may name a sample.
-            if beside.exists() {
-                *name = beside.display().to_string();
+            if resolved.exists() {
+                *name = resolved.display().to_string();
             }
         }
     }

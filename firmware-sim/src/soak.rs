@@ -20,7 +20,7 @@ const STRIDE: u64 = 4096;
 const STRIDE_MORE: u64 = 997;
 
 /// Interval between two updates of the progress.
-const LOOK: Duration = Duration::from_millis(200);
+const UPDATE_EVERY: Duration = Duration::from_millis(200);
 
 /// State of a run at a mark.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -119,9 +119,9 @@ fn one(mut run: Run, kinds: &[Kind], stride: u64, done: &AtomicU64, word: &mpsc:
         let until = run.cycles() * number / MARKS;
         while run.cycle() < until {
             let before = run.cycle();
-            let goes_on = run.advance(stride.min(until - before), &mut ());
+            let continues = run.advance(stride.min(until - before), &mut ());
             done.fetch_add(run.cycle() - before, Ordering::Relaxed);
-            if !goes_on {
+            if !continues {
                 break;
             }
         }
@@ -137,7 +137,7 @@ fn one(mut run: Run, kinds: &[Kind], stride: u64, done: &AtomicU64, word: &mpsc:
 fn watch(marks: &mpsc::Receiver<u64>, mut progress: impl FnMut()) -> Option<[u64; 2]> {
     let mut resident: Option<[u64; 2]> = None;
     loop {
-        match marks.recv_timeout(LOOK) {
+        match marks.recv_timeout(UPDATE_EVERY) {
             Ok(_) => {
                 if let Some(now) = resident_kb() {
                     resident.get_or_insert([now, now])[1] = now;

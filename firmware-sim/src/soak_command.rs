@@ -1,6 +1,6 @@
 //! `firmware-sim soak`: arguments and output.
 
-use crate::console::{progress_bar, put, tell};
+use crate::console::{progress_bar, put, report_line};
 use crate::scenario_args::{ScenarioArgs, prepare_with};
 use crate::settings_args::ActArgs;
 use anyhow::{Result, bail};
@@ -60,7 +60,7 @@ pub(crate) fn run(args: &SoakArgs) -> Result<bool> {
     let soak = soak::soak(&vec![Arc::clone(&scenario); args.runs.into()], &kinds, &mut show)?;
     bar.finish_and_clear();
     for difference in soak.differences.iter().take(8) {
-        tell(format_args!(
+        report_line(format_args!(
             "run {} differs from run 1 at cycle {}: found {}, needed {}",
             difference.run,
             difference.found.cycle,

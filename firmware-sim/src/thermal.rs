@@ -29,7 +29,7 @@ pub(crate) struct ThermalArgs {
     /// Machine of three linear axes whose step corrects: a machine.toml, its folder, or the name of a sample.
     #[arg(long, value_name = "M", default_value = "mill-3axis")]
     machine: PathBuf,
-    /// Shifts of the record, 3 to 20; the last is held out.
+    /// Shifts of the record, 3 to 20. The last one is excluded from the fit, to test it.
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(3..=20))]
     shifts: u32,
     /// Standard deviation of a reading of the probe, 0 to 100.

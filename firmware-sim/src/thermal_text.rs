@@ -36,7 +36,8 @@ pub(crate) struct Json<'o> {
     share_of_the_limits: f64,
     settled: bool,
     stopped: bool,
-    told: bool,
+    #[serde(rename = "told")]
+    reported: bool,
     failed: Option<&'static str>,
 }
 
@@ -73,7 +74,7 @@ pub(crate) fn json<'o>(warming: &'o Warming, outcome: &'o Outcome) -> Json<'o> {
         share_of_the_limits: outcome.of_limits,
         settled: !outcome.unsettled,
         stopped: outcome.stopped,
-        told: outcome.told,
+        reported: outcome.reported,
         failed: outcome.failed,
     }
 }
@@ -114,7 +115,7 @@ pub(crate) fn summary(warming: &Warming, outcome: &Outcome) -> String {
     if let Some(failed) = outcome.failed {
         text += &format!(
             "{failed} failed half-way: {}\n",
-            if outcome.told { "reported, its share frozen" } else { "it has no share" }
+            if outcome.reported { "reported, its share frozen" } else { "it has no share" }
         );
     }
     text

@@ -21,13 +21,13 @@ fn straight(task: &str) -> String {
     changes.into_iter().fold(task.to_owned(), |task, (from, to)| task.replace(from, to))
 }
 
-fn told(task: &str, truth: &Machine, seed: u64, conditions: &Conditions) -> Document {
+fn calibrated(task: &str, truth: &Machine, seed: u64, conditions: &Conditions) -> Document {
     let done = run(task, truth, seed, conditions).unwrap();
     done.found.document(&Task::read(task, Path::new("task.toml")).unwrap(), truth)
 }
 
 /// Every identified term with its true value, µm, µrad or ppm.
-fn beside_truth(truth: &Machine, found: &Document) -> Vec<(String, f64, f64)> {
+fn with_truth(truth: &Machine, found: &Document) -> Vec<(String, f64, f64)> {
     let location = &truth.settings.location;
     let squareness = [("C0Y_urad", location.c0y), ("B0Z_urad", location.b0z), ("A0Z_urad", location.a0z)];
     let known = |(key, value): (&str, f64)| Some((key.to_owned(), *found.location.get(key)?, 1e6 * value));
@@ -55,9 +55,9 @@ fn terms_come_back() {
         // LinuxCNC's log, used for even seeds, has six decimals.
         for seed in [2, 4, 6, 8, 10] {
             let truth = random_machine(seed, &STRAIGHT);
-            let found = told(&straight(task), &truth, seed, &well_set_up);
+            let found = calibrated(&straight(task), &truth, seed, &well_set_up);
             assert!(found.sigma_um < 1e-3, "{name}, machine {seed}: {} µm are left", found.sigma_um);
-            for (term, value, there) in beside_truth(&truth, &found) {
+            for (term, value, there) in with_truth(&truth, &found) {
                 assert!((value - there).abs() < most, "{name}, machine {seed}: {term} {value} for {there}");
             }
         }
@@ -67,12 +67,12 @@ fn terms_come_back() {
 /// A plate keeps its length in any orientation; a row of faces or a ring that is askew by θ is longer by ½ θ²: 0.13 ppm at 0.5
 /// mrad. The angle of a square is in its own plane.
 #[test]
-fn what_stands_askew_tells_the_same() {
+fn misaligned_artefacts_give_the_same_result() {
     for (name, task, askew_urad, most) in [("gauge", GAUGE_AND_SQUARE, 500.0, 1.0), ("plate", BALL_PLATE, 3000.0, 0.05)]
     {
         let truth = random_machine(6, &STRAIGHT);
-        let found = told(&straight(task), &truth, 6, &Conditions { askew_urad, ..Conditions::EXACT });
-        for (term, value, there) in beside_truth(&truth, &found) {
+        let found = calibrated(&straight(task), &truth, 6, &Conditions { askew_urad, ..Conditions::EXACT });
+        for (term, value, there) in with_truth(&truth, &found) {
             assert!((value - there).abs() < most, "{name}: {term} {value} for {there}");
         }
     }
@@ -87,7 +87,7 @@ fn turned_over_a_square_gives_its_own_error_away() {
     for (seed, drawn) in [(2, 32.645), (4, -37.309)] {
         let truth = random_machine(seed, &STRAIGHT);
         let location = truth.settings.location;
-        let found = told(&task, &truth, seed, &well_set_up);
+        let found = calibrated(&task, &truth, seed, &well_set_up);
         let out = 1e6 * (found.artefacts.last().unwrap().found - 90.0).to_radians();
         assert!((out - drawn).abs() < 0.01, "{out} for {drawn}");
         assert!((found.location["C0Y_urad"] - 1e6 * location.c0y).abs() < 0.005, "{found:?}");
@@ -108,9 +108,8 @@ fn scale_of_a_gauge(um: &str, ppm: &str) -> [f64; 2] {
     let (mut squares, mut stated) = (0.0, 0.0);
     for seed in 0..100 {
         let truth = random_machine(2 * seed, &STRAIGHT);
-        let found = told(&task, &truth, 2 * seed, &conditions);
-        let (_, value, there) =
-            beside_truth(&truth, &found).into_iter().find(|(term, ..)| term == "scale of X").unwrap();
+        let found = calibrated(&task, &truth, 2 * seed, &conditions);
+        let (_, value, there) = with_truth(&truth, &found).into_iter().find(|(term, ..)| term == "scale of X").unwrap();
         squares += (value - there).powi(2) / 100.0;
         stated = found.standard_errors["X"]["scale_ppm"];
     }

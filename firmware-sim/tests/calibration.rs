@@ -20,7 +20,7 @@ fn centre_lines_of_five_axes_are_found() {
 }
 
 #[test]
-fn a_refused_machine_is_named_and_the_run_goes_on() {
+fn a_refused_machine_is_named_and_the_run_continues() {
     // Some 10 µm between two visits to the reference, too much for some of the machines.
     let warm = Conditions { drift_um: [45.0, 0.0], ..Conditions::SHOP };
     let found = all(6, 1, [MILL, FIVE_AXES], &Class::MILL, &warm, &|| {}).unwrap();

@@ -70,7 +70,7 @@ fn the_report_has_the_circle_and_reversals_where_there_are_some() {
 /// A bed rises by 0.2 mm with a limit of 0.1 mm: the run reports the missing part and its location; a sufficient limit gives
 /// no note.
 #[test]
-fn what_a_limit_takes_away_is_told() {
+fn clipped_corrections_are_reported() {
     let directory = Folder::new(SIMULATOR);
     directory.write("flat.ngc", "G21 G90 G94\nG0 X30 Y30 Z0.2\nG1 X200 F3000\nG1 Y150\nM2\n");
     directory.write("m/grid.csv", "X_mm,Y_mm,EZ_um\n0,0,0\n0,200,0\n200,0,-200\n200,200,-200\n");
@@ -81,15 +81,16 @@ fn what_a_limit_takes_away_is_told() {
             ["run", "--json", "--program", "flat.ngc", "--origin-mm", "0,0,0", "--rate-hz", "1000", "--machine", "m"];
         directory.json(&run)["notes"].as_array().unwrap().iter().map(|note| note.to_string()).collect::<Vec<_>>()
     };
-    let told = notes("magnitude_um = 100");
-    let note = told.iter().find(|note| note.contains("axis Z: the magnitude limit removes up to 100 µm of")).unwrap();
+    let printed = notes("magnitude_um = 100");
+    let note =
+        printed.iter().find(|note| note.contains("axis Z: the magnitude limit removes up to 100 µm of")).unwrap();
     for part in ["cycles, most at X200 ", "[axis.Z.limits] magnitude_um is 100, 200 would pass all of it"] {
         assert!(note.contains(part), "{note}");
     }
     assert!(notes("magnitude_um = 240").iter().all(|note| !note.contains("limit")));
     // At 50 mm/s the bed rises by 0.05 mm/s.
-    let told = notes("magnitude_um = 240\nslope_mm_per_s = 0.02");
-    assert!(told.iter().any(|note| note.contains("limits held the correction back in ")), "{told:?}");
+    let printed = notes("magnitude_um = 240\nslope_mm_per_s = 0.02");
+    assert!(printed.iter().any(|note| note.contains("limits held the correction back in ")), "{printed:?}");
 }
 
 #[test]
@@ -268,7 +269,7 @@ fn grinding_prints_its_figures_and_writes_its_page() {
 }
 
 #[test]
-fn bad_arguments_of_grinding_are_told_with_what_is_needed() {
+fn bad_arguments_of_grinding_are_refused_with_the_range_needed() {
     let directory = Folder::new(SIMULATOR);
     for (arguments, expected) in [
         (["--revolutions", "3"], "--revolutions: found 3, needed 8 to 10000"),

@@ -73,9 +73,10 @@ fn a_run_that_is_killed_or_interrupted_leaves_each_file_old_or_new() {
     assert_eq!(files(&folder.join("out")).1, 0);
 }
 
-/// The disk is full in the middle of a trace: the error names the file, all old files remain, and no other file is left.
+/// The disk fills up in the middle of a trace: the error names the file, all old files remain, and no new one stays
+/// behind.
 #[test]
-fn a_disk_that_ends_in_the_midst_of_a_trace_is_told_and_the_old_files_stand() {
+fn a_disk_that_fills_during_a_trace_is_reported_and_the_old_files_remain() {
     if !Command::new("prlimit").arg("--version").output().is_ok_and(|done| done.status.success()) {
         return eprintln!("not tested: found no prlimit");
     }

@@ -43,7 +43,7 @@ fn a_run_leaves_its_report_and_nothing_else() {
     let mut names: Vec<_> = fs::read_dir(folder.join("new/report")).unwrap().map(|e| e.unwrap().file_name()).collect();
     names.sort();
     assert_eq!(names, ["index.html", "trace-full.csv", "trace.csv"]);
-    // A folder in the page's place: nothing of the run is left beside it.
+    // A folder in the page's place: the run leaves nothing beside it.
     fs::create_dir_all(folder.join("taken/index.html")).unwrap();
     folder.bad(&run("taken"), &[]);
 }

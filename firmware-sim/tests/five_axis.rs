@@ -250,14 +250,14 @@ fn faults_of_rotary_axes_are_reported_and_what_cannot_run_is_refused() {
     assert_eq!(faults[..2], [(Some("FeedbackNotFinite"), Some("C")), (Some("CommandNotFinite"), Some("A"))]);
     assert_eq!(run["stopped"], true);
     let directory = Folder::new(SIMULATOR);
-    for (text, machine, told) in [
+    for (text, machine, message) in [
         ("G0 X1\nG0 A5\n", "mill-3axis", "own.ngc:2: found a word of axis A"),
         ("G43.4\n", "mill-3axis", "own.ngc:1: found G43.4"),
         ("G0 A35\n", "mill-5axis", "line 1: axis A goes to"),
         ("G43.4\nG1 X150 Z120 C180 A-90 F900\n", "mill-5axis", "line 2: axis Y goes to"),
     ] {
         directory.write("own.ngc", text);
-        directory.bad(&["run", "--machine", machine, "--program", "own.ngc"], &[told]);
+        directory.bad(&["run", "--machine", machine, "--program", "own.ngc"], &[message]);
     }
     directory.bad(&["run", "--model", "nine", "--orientation"], &[]);
     assert!(json(&["run", "--json", "--rate-hz", "1000"]).get("orientation_error_urad").is_none());

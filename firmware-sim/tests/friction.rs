@@ -62,7 +62,7 @@ fn figures_of_a_drive_that_are_somewhat_wrong_do() {
 }
 
 #[test]
-fn what_cannot_be_recorded_is_refused() {
+fn impossible_recordings_are_refused() {
     for (arguments, needed) in [
         (["--radius-mm", "0"], "--radius-mm: found 0, needed 1 to 1000"),
         (["--feeds", "1500"], "--feeds: found 1 feeds, needed two"),

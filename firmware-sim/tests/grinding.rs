@@ -64,7 +64,7 @@ fn the_synchronous_imprint_falls_below_a_tenth_and_stays_without_correction() {
         assert!((late / early - 1.0).abs() < 0.1, "without correction it must not fall: {early} to {late}");
         assert!(mean(&after, 30, 40) < 0.1 * late, "every single revolution counts, on average");
         assert!(after.roundness_um < 0.2 * before.roundness_um);
-        // The gauge, which has none of these data, measures the same.
+        // The gauge, without access to these data, measures the same.
         let last = before.revolutions.last().unwrap();
         let (seen, seen_roundness) = (last.gauge_imprint_um.unwrap(), last.gauge_roundness_um.unwrap());
         assert!((seen / last.imprint_um - 1.0).abs() < 0.05, "{seen} {}", last.imprint_um);
@@ -179,23 +179,23 @@ fn a_spindle_that_stops_in_mid_revolution_freezes_the_correction() {
     assert!(watched.seen_between(24.4, 25.0).has(GaugeFlags::STOPPED));
     assert_eq!(watched.run.counts.discarded, 1);
     // At standstill the infeed is constant and non-zero.
-    let standing: Vec<_> = watched.cycles.iter().filter(|c| c.3.has(GaugeFlags::STOPPED)).collect();
-    let [first, .., last] = standing[..] else { panic!("it must have stopped") };
-    assert!(standing.len() > 2000 && first.4 == last.4);
+    let stopped: Vec<_> = watched.cycles.iter().filter(|c| c.3.has(GaugeFlags::STOPPED)).collect();
+    let [first, .., last] = stopped[..] else { panic!("it must have stopped") };
+    assert!(stopped.len() > 2000 && first.4 == last.4);
     assert!((first.1 - last.1).abs() < 0.02 && first.1.abs() > 0.05, "{} {}", first.1, last.1);
     assert!((first.2 - last.2).abs() < 0.02);
     watched.recovers(&grinding);
 }
 
 #[test]
-fn a_missing_index_freezes_the_table_and_the_correction_goes_on_by_count() {
+fn a_missing_index_freezes_the_table_and_the_correction_continues_by_count() {
     let grinding = Grinding { events: vec![Event::MissingIndex { turn: 24 }], ..grinding(44, |_| {}) };
     let watched = watch(&grinding);
     assert!(watched.seen_between(24.0, 24.5).has(GaugeFlags::INDEX_MISSING));
     assert!(watched.seen_between(24.3, 24.9).has(GaugeFlags::NO_INDEX));
     assert!(!watched.seen_between(25.1, 44.0).has(GaugeFlags::NO_INDEX));
     assert_eq!(watched.run.counts.discarded, 1);
-    // A count that may have slipped is not used for measuring, but the table is kept and followed.
+    // A count that may have slipped does not serve measuring, but the table stays and is followed.
     let fed = watched.cycles.iter().filter(|c| (24.3..24.9).contains(&c.0)).map(|c| c.1.abs()).fold(0.0, f64::max);
     assert!(fed > 1.0, "{fed}");
     assert!(watched.tables.iter().filter(|t| t.0 > 20.0).all(|t| t.1 > 1.0));
@@ -203,7 +203,7 @@ fn a_missing_index_freezes_the_table_and_the_correction_goes_on_by_count() {
 }
 
 #[test]
-fn a_probe_that_is_knocked_off_freezes_the_table_and_the_correction_goes_on() {
+fn a_probe_that_is_knocked_off_freezes_the_table_and_the_correction_continues() {
     let events = vec![Event::ProbeOut { probe: 1, at: 24.2, turns: 2.3 }];
     let grinding = Grinding { events, ..grinding(44, |_| {}) };
     let watched = watch(&grinding);
@@ -230,9 +230,9 @@ fn a_new_part_begins_from_zero_through_the_limiter() {
 }
 
 #[test]
-fn a_dressed_wheel_is_told_at_run_time_and_noticed_if_it_is_not() {
-    let dressed = |told| {
-        let events = vec![Event::Wheel { at: 20.5, wheel_mm: 284.0, told }];
+fn a_dressed_wheel_is_reported_at_run_time_and_detected_if_it_is_not() {
+    let dressed = |reported| {
+        let events = vec![Event::Wheel { at: 20.5, wheel_mm: 284.0, reported }];
         let grinding = Grinding { events, ..grinding(44, |_| {}) };
         (watch(&grinding), grinding)
     };

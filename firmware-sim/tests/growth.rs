@@ -54,35 +54,35 @@ fn growth_that_is_damaged_or_of_another_machine_is_refused() {
 }
 
 #[test]
-fn bad_readings_are_told_with_line_and_column() {
+fn bad_readings_are_refused_with_line_and_column() {
     let folder = prepared();
-    let told = |readings: &str, parts: &[&str]| {
+    let refused = |readings: &str, parts: &[&str]| {
         folder.write("bad.csv", readings);
         folder.bad(&with("grown.ttherm", "bad.csv"), parts);
     };
     let columns = "needed t_s, spindle_rpm, T1_c, T2_c for grown.ttherm";
-    told("t_s,spindle_rpm,T1_c\n0,0,20\n1,0,20\n", &["bad.csv: found columns t_s, spindle_rpm, T1_c, ", columns]);
-    told("t_s,spindle_rpm,T1_c,T2_c,T3_c\n0,0,20,20,20\n1,0,20,20,20\n", &["T3_c, needed t_s", columns]);
-    told("t_s,spindle_rpm,T1_c,T3_c\n0,0,20,20\n1,0,20,20\n", &[columns]);
-    told("t_s,T1_c,T2_c\n0,20,20\n1,20,20\n", &["found columns t_s, T1_c, T2_c, ", columns]);
-    told("t_s,rpm,T1_c,T2_c\n", &["bad.csv:1: column rpm", "found rpm, needed one of t_s, spindle_rpm, T1_c"]);
-    told("t_s,spindle_rpm,T1_c,T2_c\n", &["bad.csv: found no rows, needed at least one"]);
-    told("t_s,spindle_rpm,T1_c,T2_c\n0,0,20,20\n", &["bad.csv: found 1 row, needed at least 2"]);
+    refused("t_s,spindle_rpm,T1_c\n0,0,20\n1,0,20\n", &["bad.csv: found columns t_s, spindle_rpm, T1_c, ", columns]);
+    refused("t_s,spindle_rpm,T1_c,T2_c,T3_c\n0,0,20,20,20\n1,0,20,20,20\n", &["T3_c, needed t_s", columns]);
+    refused("t_s,spindle_rpm,T1_c,T3_c\n0,0,20,20\n1,0,20,20\n", &[columns]);
+    refused("t_s,T1_c,T2_c\n0,20,20\n1,20,20\n", &["found columns t_s, T1_c, T2_c, ", columns]);
+    refused("t_s,rpm,T1_c,T2_c\n", &["bad.csv:1: column rpm", "found rpm, needed one of t_s, spindle_rpm, T1_c"]);
+    refused("t_s,spindle_rpm,T1_c,T2_c\n", &["bad.csv: found no rows, needed at least one"]);
+    refused("t_s,spindle_rpm,T1_c,T2_c\n0,0,20,20\n", &["bad.csv: found 1 row, needed at least 2"]);
     let row = |replaced: &str| READINGS.replace("2,6000,,20.5", replaced);
-    told(&row("2,6000,warm,20"), &["bad.csv:4: column T1_c: found ", "warm", ", needed"]);
-    told(&row("2,6000,20,nan"), &["bad.csv:4: column T2_c: found ", ", needed"]);
-    told(&row("2,6000,20"), &["bad.csv:4: found 3 values, needed 4"]);
-    told(&row("2,6000,20,-20000"), &["bad.csv:4: column T2_c: found -20000, needed -10000 to 10000"]);
-    told(&row("2,2000000,20,20"), &["bad.csv:4: column spindle_rpm: found 2000000, needed -1000000 to 1000000"]);
+    refused(&row("2,6000,warm,20"), &["bad.csv:4: column T1_c: found ", "warm", ", needed"]);
+    refused(&row("2,6000,20,nan"), &["bad.csv:4: column T2_c: found ", ", needed"]);
+    refused(&row("2,6000,20"), &["bad.csv:4: found 3 values, needed 4"]);
+    refused(&row("2,6000,20,-20000"), &["bad.csv:4: column T2_c: found -20000, needed -10000 to 10000"]);
+    refused(&row("2,2000000,20,20"), &["bad.csv:4: column spindle_rpm: found 2000000, needed -1000000 to 1000000"]);
     let even = "needed even times, two or more cycles of 0.001 s apart";
-    told(&row("2.5,6000,20,20"), &["bad.csv:4: column t_s: found 2.5, ", even]);
-    told(&row(",6000,20,20"), &["bad.csv:4: column t_s: found nothing, ", even]);
-    told("t_s,spindle_rpm,T1_c,T2_c\n0,0,20,20\n0.001,0,20,20\n", &["bad.csv:3: column t_s: found 0.001, ", even]);
-    told("t_s,spindle_rpm,T1_c,T2_c\n,0,20,20\n1,0,20,20\n", &["bad.csv:2: column t_s: found nothing, ", even]);
-    told("t_s,spindle_rpm,T1_c,T2_c\n1,0,20,20\n0,0,20,20\n", &["bad.csv:3: column t_s: found 0, ", even]);
+    refused(&row("2.5,6000,20,20"), &["bad.csv:4: column t_s: found 2.5, ", even]);
+    refused(&row(",6000,20,20"), &["bad.csv:4: column t_s: found nothing, ", even]);
+    refused("t_s,spindle_rpm,T1_c,T2_c\n0,0,20,20\n0.001,0,20,20\n", &["bad.csv:3: column t_s: found 0.001, ", even]);
+    refused("t_s,spindle_rpm,T1_c,T2_c\n,0,20,20\n1,0,20,20\n", &["bad.csv:2: column t_s: found nothing, ", even]);
+    refused("t_s,spindle_rpm,T1_c,T2_c\n1,0,20,20\n0,0,20,20\n", &["bad.csv:3: column t_s: found 0, ", even]);
     let many: String = (0..3000).map(|t| format!("{t},0,20,20\n")).collect();
     let many = format!("t_s,spindle_rpm,T1_c,T2_c\n{many}");
-    told(&many, &["bad.csv: found 3000 rows, with grown.ttherm 36", " bytes, needed at most 32768"]);
+    refused(&many, &["bad.csv: found 3000 rows, with grown.ttherm 36", " bytes, needed at most 32768"]);
 }
 
 #[test]

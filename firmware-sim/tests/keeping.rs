@@ -11,11 +11,11 @@ fn shift(seed: u64, five_axes: bool, parts: u32, hit: Option<u32>) -> Outcome {
 
 /// Every exchange passed the limiter: however much the tables differ, no cycle exceeds slope and acceleration, 5 mm/s in a
 /// millisecond.
-fn led_in(outcome: &Outcome) {
+fn ramped_in(outcome: &Outcome) {
     assert!(outcome.updates > 5 && outcome.of_limits < 1.0 + 1e-6, "{outcome:?}");
     assert!(outcome.largest_difference_um > 10.0 && outcome.largest_step_um < 5.0 + 1e-6, "{outcome:?}");
-    for exchanged in outcome.looks.iter().filter_map(|look| look.exchanged) {
-        assert!(exchanged.led_in_s.is_some(), "{exchanged:?}");
+    for exchanged in outcome.reprobings.iter().filter_map(|reprobing| reprobing.exchanged) {
+        assert!(exchanged.ramp_in_s.is_some(), "{exchanged:?}");
     }
 }
 
@@ -23,7 +23,7 @@ fn led_in(outcome: &Outcome) {
 fn a_mill_with_three_balls_stays_true_over_a_shift() {
     let outcome = shift(1, false, 40, None);
     assert!(outcome.rms_um[1] < 0.4 * outcome.rms_um[0], "{:?}", outcome.rms_um);
-    led_in(&outcome);
+    ramped_in(&outcome);
     assert!(page(&outcome).trim_end().ends_with("</html>"));
 }
 
@@ -31,14 +31,17 @@ fn a_mill_with_three_balls_stays_true_over_a_shift() {
 fn centre_lines_follow_a_ball_that_is_turned() {
     let outcome = shift(2, true, 40, None);
     assert!(outcome.rms_um[1] < 0.4 * outcome.rms_um[0], "{:?}", outcome.rms_um);
-    led_in(&outcome);
+    ramped_in(&outcome);
 }
 
 #[test]
 fn a_ball_that_was_hit_changes_nothing() {
     let outcome = shift(1, false, 20, Some(11));
-    let (before, after) = outcome.looks.split_at(5);
-    assert!(before.iter().all(|look| look.refused.is_empty() && look.log_refused.is_none()), "{before:?}");
+    let (before, after) = outcome.reprobings.split_at(5);
+    assert!(
+        before.iter().all(|reprobing| reprobing.refused.is_empty() && reprobing.log_refused.is_none()),
+        "{before:?}"
+    );
     assert!(after.len() == 5 && outcome.refusals == 5, "{after:?}");
-    assert!(after.iter().all(|look| look.updates == 0 && look.exchanged.is_none()), "{after:?}");
+    assert!(after.iter().all(|reprobing| reprobing.updates == 0 && reprobing.exchanged.is_none()), "{after:?}");
 }

@@ -34,7 +34,7 @@ fn after_three_parts_sixty_percent_of_full_are_left() {
 
 /// The full correction leaves little that the encoders can measure: the estimated error falls, and the part never gets worse.
 #[test]
-fn what_the_encoders_do_not_see_is_not_made_worse() {
+fn errors_that_the_encoders_do_not_see_are_not_made_worse() {
     for program in ["circle-diamond-square", "butterfly"] {
         let found = Folder::new(SIMULATOR).json(&["learn", "--json", "--parts", "3", "--program", program]);
         for part in 1..3 {

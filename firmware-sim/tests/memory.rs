@@ -60,8 +60,8 @@ fn a_run_keeps_nothing_per_cycle_and_little_per_line() {
     // Per line: starts of the moves, their sections and speeds, their numbers in a figure.
     assert!(more < 18_000 * 150, "{} bytes a line: {short:?} {long:?}", more / 18_000);
 
-    // The same lines at a tenth of the feed fill every figure to its last bucket; at a fifth of that feed there are five times
-    // the cycles, and not one byte more.
+    // The same lines at a tenth of the feed fill every figure to its last bucket. A fifth of that feed means five times
+    // the cycles, and may not take a byte more.
     let [slow, slower] = ["F300", "F60"].map(|feed| run(scenario(&program(2_000).replace("F3000", feed))));
     let (more, cycles) = (slower.0.saturating_sub(slow.0), slower.1 - slow.1);
     assert!(cycles > 150_000, "{cycles}");

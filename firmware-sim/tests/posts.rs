@@ -78,7 +78,7 @@ fn too_long_a_run_is_refused_before_it_begins() {
 }
 
 #[test]
-fn what_needs_a_whole_interpreter_says_so() {
+fn programs_that_need_a_whole_interpreter_are_refused_with_the_option() {
     for text in ["G0 X1\n#1 = 5\n", "G0 X1\nG41 D1\n", "G0 X1\nM98 P100\n", "G0 X1\no100 sub\n"] {
         let error = refused(text, &[]);
         assert!(error.contains("part.ngc:2: found `") && error.contains("--interpreter rs274"), "{error}");

@@ -37,7 +37,7 @@ fn prepared() -> Folder {
 
 /// The drive position c satisfies x = c + E(c), E = 1e-4 of the travel from the tables' reference, evaluated independently.
 #[test]
-fn what_was_given_and_sent_is_told_to_the_last_digit() {
+fn inputs_and_outputs_are_printed_to_the_last_digit() {
     let folder = prepared();
     let (header, rows) = folder.csv(&["replay", "run.rec", "screw.tcomp"]);
     assert_eq!(
@@ -58,7 +58,7 @@ fn what_was_given_and_sent_is_told_to_the_last_digit() {
             largest = largest.max((row[6] + 1e-4 * row[6] - row[0]).abs());
         }
     }
-    // One cycle after the drive was sent there: 50 mm/s, 1 ms, 1e-4.
+    // The reading follows the drive one cycle later: 50 mm/s · 1 ms · 1e-4.
     assert!(largest < 5.1e-6 && rows.iter().any(|row| row[0] - row[6] > 5e-3), "{largest}");
     folder.good(&["replay", "run.rec", "screw.tcomp", "-o", "run.csv"]);
     let (_, written) = trueaxis_testing::command::csv(&folder.read("run.csv"));
@@ -70,7 +70,7 @@ fn what_was_given_and_sent_is_told_to_the_last_digit() {
 }
 
 #[test]
-fn what_cannot_be_replayed_is_refused() {
+fn unsuitable_recordings_are_refused() {
     let folder = prepared();
     let other = SCREW.replace("screw", "other");
     folder.write("machine.toml", other);

@@ -171,7 +171,7 @@ fn a_realistic_page_is_complete_and_self_contained() {
 }
 
 #[test]
-fn the_largest_error_stands_in_the_figure_at_its_place() {
+fn the_largest_error_is_in_the_figure_at_its_place() {
     let mut report = circle();
     report.contour.uncompensated[12_345] = [64.64, -33.3];
     assert!(text_of(&render(&report)).contains("without compensation: largest 33.3 µm at 64.64 mm"));

@@ -9,7 +9,7 @@ use trueaxis_testing::command::Folder;
 const SIMULATOR: &str = env!("CARGO_BIN_EXE_firmware-sim");
 
 #[test]
-fn what_scenario_prints_is_read_back() {
+fn a_printed_scenario_is_read_back() {
     let folder = Folder::new(SIMULATOR);
     let all =
         ["--feed-percent", "80", "--noise-um", "0.02", "--set", "drive.reset_time_s=0.01", "--fault", "late@3s+1=2.5"];

@@ -24,7 +24,7 @@ fn side_by_side_is_the_same_with_a_fault_and_events_too() {
 }
 
 #[test]
-fn what_cannot_be_soaked_is_refused() {
+fn unsuitable_soak_runs_are_refused() {
     let folder = Folder::new(SIMULATOR);
     folder.bad(&["soak", "--hours", "0"], &["--hours: found 0, needed a positive number"]);
     folder.bad(&["soak", "--hours", "nan"], &["--hours: found NaN, needed a positive number"]);

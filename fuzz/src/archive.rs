@@ -1,6 +1,7 @@
 //! One `.tar.gz` for all inputs of a target, so that a checkout is not slowed by thousands of small files.
 //!
-//! Names are sorted, and times and owners are left out: the same inputs give the same bytes with the same version of `flate2`.
+//! The archive has sorted names and neither times nor owners: equal inputs give equal bytes with the same version of
+//! `flate2`.
 
 use anyhow::{Context, Result, ensure};
 use flate2::bufread::GzDecoder;
@@ -99,7 +100,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_packed_is_unpacked() {
+    fn packed_inputs_are_unpacked() {
         for inputs in [Inputs::new(), inputs()] {
             assert_eq!(unpack(&pack(&inputs).unwrap()).unwrap(), inputs);
         }

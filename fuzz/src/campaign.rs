@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 /// Most inputs kept in addition to seeds and corpus.
 const MOST_KEPT: usize = 4096;
 
-/// When a loop ends, if nothing is found.
+/// When to end a loop that has no finding.
 #[derive(Clone, Copy, Debug)]
 pub enum Until {
     /// After this many executions: repeats exactly.
@@ -66,14 +66,14 @@ impl<'t> Campaign<'t> {
         Campaign { target, seed, mutator, inputs, given, outcomes, tally: Tally::default(), input }
     }
 
-    /// Runs to the end or to the first finding. `tell` is called before every execution and may stop the loop.
+    /// Runs to the end or to the first finding. `before_each` runs before every execution and may stop the loop.
     ///
     /// # Errors
     /// The finding.
     pub fn run(
         &mut self,
         until: Until,
-        tell: &mut dyn FnMut(&Tally, &[u8]) -> ControlFlow<()>,
+        before_each: &mut dyn FnMut(&Tally, &[u8]) -> ControlFlow<()>,
     ) -> Result<Tally, Box<Finding>> {
         let start = Instant::now();
         loop {
@@ -86,7 +86,7 @@ impl<'t> Campaign<'t> {
                 return Ok(self.tally);
             }
             self.next_input();
-            if tell(&self.tally, &self.input).is_break() {
+            if before_each(&self.tally, &self.input).is_break() {
                 return Ok(self.tally);
             }
             self.execute()?;

@@ -24,13 +24,13 @@ pub struct Target {
     pub name: &'static str,
     /// Short description of the attacked input.
     pub about: &'static str,
-    /// Reads the input as the product does, and panics if a promise is broken: not only that nothing panics, but also what an
-    /// accepted input must satisfy and what a refusal must say ([`outcome::refused`]).
+    /// Reads the input as the product does, and panics if a promise is broken. The promises cover more than the absence
+    /// of panics: conditions on every accepted input, and the content of a refusal ([`outcome::refused`]).
     pub run: fn(&[u8]),
     /// Accepted inputs to begin from, in addition to the corpus.
     pub seeds: fn() -> Vec<Vec<u8>>,
-    /// Corrects lengths and check sums after a mutation, so that the attack gets past them; does not change what it does not
-    /// recognise.
+    /// Corrects lengths and check sums after a mutation, so that the attack gets past them. Leaves unrecognised bytes
+    /// unchanged.
     pub repair: fn(&mut Vec<u8>),
     /// Words of the format, in the syntax of libFuzzer's dictionaries.
     pub dictionary: &'static str,

@@ -31,8 +31,8 @@ pub fn begin(input: &[u8]) {
 /// Longest refusal, characters: a longer one is a dump.
 const LONGEST_REFUSAL: usize = 2200;
 
-/// Reports that the target reached this point: an input with a new sequence of these is kept. Use few values, not one for
-/// every number.
+/// Reports that the target reached this point. The campaign keeps an input with a new sequence of these points. Use few
+/// values, not one for every number.
 pub fn saw(what: impl Hash) {
     let mut hasher = DefaultHasher::new();
     let before = OUTCOME.get();
@@ -71,8 +71,8 @@ fn outside_quotes(message: &str) -> String {
     message.split(['"', '`']).step_by(2).collect()
 }
 
-/// The part of a message that says what is needed, without figures; the whole message if there is none. The part on what was
-/// found would differ for every input.
+/// The part of a message that states the requirement, without figures, or else the whole message. The part with the
+/// value found would differ for every input.
 fn shape(message: &str) -> String {
     let said = message.rsplit_once("needed").map_or(message, |(_, needed)| needed);
     outside_quotes(said)
@@ -91,9 +91,9 @@ pub(crate) fn take() -> Outcome {
 mod tests {
     use super::*;
 
-    fn class(tell: impl FnOnce()) -> u64 {
+    fn class(report: impl FnOnce()) -> u64 {
         take();
-        tell();
+        report();
         take().class
     }
 
@@ -117,7 +117,7 @@ mod tests {
     }
 
     #[test]
-    fn what_says_nothing_or_too_much_is_no_refusal() {
+    fn empty_and_overlong_messages_are_no_refusals() {
         for message in ["", " ", "two\nlines", "found Some(3)", "ParseError { kind: Eof }", &"x".repeat(2201)] {
             assert!(std::panic::catch_unwind(|| refused(message)).is_err(), "{message}");
         }

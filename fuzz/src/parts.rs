@@ -20,7 +20,7 @@ pub fn split<'i>(input: &'i [u8], first: &'i str) -> Vec<(&'i str, Vec<u8>)> {
 }
 
 #[test]
-fn what_was_joined_is_split() {
+fn joined_files_are_split() {
     let files = [("a.toml", "x = 1\n"), ("b.csv", "1,2\n==\n")];
     let input = joined(&files);
     let split = split(&input, "first");

@@ -3,8 +3,8 @@
 use crate::outcome;
 use trueaxis_tables::text::printable;
 
-/// Checks a message: one line that begins with the file's name, says what was found and what is needed, and names only lines
-/// that the file has.
+/// Checks a message: one line that begins with the file's name, states the value found and the one needed, and names
+/// only lines that exist in the file.
 ///
 /// # Panics
 /// If the message does not meet this.

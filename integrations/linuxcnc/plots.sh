@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Records the runs that docs/controllers/linuxcnc.md shows and draws them into plots/. Needs what test.sh needs.
+# Records the runs shown in docs/controllers/linuxcnc.md and draws them into plots/. Needs the same as test.sh.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 exec </dev/null

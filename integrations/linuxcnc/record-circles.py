@@ -33,7 +33,7 @@ class Refused(Exception):
 
 
 def halcmd(*words):
-    """Runs one HAL command; what it prints."""
+    """Runs one HAL command and returns its output."""
     done = subprocess.run(["halcmd", "-s", *words], capture_output=True, text=True, timeout=20)
     if done.returncode != 0:
         raise Refused("halcmd %s: %s" % (" ".join(words), done.stderr.strip()))
@@ -45,7 +45,7 @@ def exists(pin):
 
 
 def pins_of(joint):
-    """Command of a joint's drive and reading of its encoder: at trueaxis if it is loaded, else at motion."""
+    """Returns the pins of a joint's drive command and encoder reading: trueaxis' pins if it is loaded, else motion's."""
     if exists("ta.joint.%d.motor-pos-cmd-out" % joint):
         return ["ta.joint.%d.motor-pos-cmd-out" % joint, "ta.joint.%d.motor-pos-fb-in" % joint]
     return ["joint.%d.motor-pos-cmd" % joint, "joint.%d.motor-pos-fb" % joint]
@@ -60,7 +60,7 @@ def servo_period_s():
 
 
 class Sampler:
-    """Pins in every servo cycle, last of all functions, into a file."""
+    """Records pins into a file in every servo cycle, after all other functions."""
 
     def __init__(self, pins, path):
         if "sampler" in halcmd("list", "comp").split():
@@ -104,7 +104,7 @@ class Machine:
         self.stat.poll()
         if self.stat.task_state != linuxcnc.STATE_ON:
             raise Refused("machine: found it off, needed it on")
-        # Earlier messages concern others.
+        # Earlier messages do not concern this run.
         while self.errors.poll():
             pass
         if not all(self.stat.homed[joint] for joint in joints):
@@ -135,7 +135,7 @@ class Machine:
 
 
 def circles(axes, centre, radius, feeds, turns):
-    """Lines of G-code and how long each may take, s."""
+    """Returns lines of G-code, and the time that each may take, s."""
     plane = {"XY": ("G17", "I", "J"), "ZX": ("G18", "K", "I"), "YZ": ("G19", "J", "K")}["".join(axes)]
     point = [centre[i] + radius * f(START) for i, f in enumerate((math.cos, math.sin))]
     to_centre = [-radius * math.cos(START), -radius * math.sin(START)]
@@ -149,7 +149,7 @@ def circles(axes, centre, radius, feeds, turns):
 
 
 def rows(path, columns, period_s, mm_per_unit):
-    """Time, command and following reading of each axis, mm; gaps are refused."""
+    """Returns time, command and following reading of each axis, mm; refuses gaps."""
     samples, last = [], None
     with open(path) as f:
         for line in f:
@@ -206,7 +206,7 @@ def record(options):
 
 
 def write(output, text):
-    """The whole file or the old one, whatever happens: beside its place, flushed, renamed, the folder flushed."""
+    """Writes a file atomically: beside its destination, flushed, renamed, the folder flushed. A failure leaves the old one."""
     target = os.path.realpath(output)
     if os.path.exists(target) and not os.path.isfile(target):
         with open(target, "w") as device:
@@ -234,7 +234,7 @@ def write(output, text):
 
 
 def sweep(target):
-    """Removes files that a killed command left beside the target; a command still writing holds a lock."""
+    """Removes files that a killed command left beside the target. A command that is still writing holds a lock."""
     for left in glob.glob(glob.escape(target) + ".??????.trueaxis-tmp"):
         try:
             with open(left, "r+") as f:
@@ -245,7 +245,7 @@ def sweep(target):
 
 
 def refuse_inputs(options):
-    """What the evaluation reads is never written."""
+    """Refuses to overwrite a file that the evaluation reads."""
     outputs = [options.output, options.friction]
     for output in filter(None, outputs):
         if options.machine and os.path.exists(output) and os.path.exists(options.machine):

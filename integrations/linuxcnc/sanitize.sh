@@ -1,15 +1,15 @@
 #!/usr/bin/env bash
-# Runs the component under the sanitizers of addresses, leaks, undefined behaviour and threads, with the library built by
-# the same ones: in one process on a double of HAL (tests/sanitize), attacked at every input, its files exchanged and
-# damaged under way, calls of HAL failing one at a time. Each sanitizer has planted defects that it must report.
+# Runs the component under sanitizers for addresses, leaks, undefined behaviour and threads, with the library built with the
+# same sanitizer: in one process, on a double of HAL (tests/sanitize), with attacks on every input, files exchanged and
+# damaged in operation, and HAL calls failing one at a time. Each sanitizer must report some planted defects.
 #
 #   sanitize.sh
-#   sanitize.sh --quick    addresses, leaks and undefined behaviour; fewer cycles; Rust's standard library as it is
+#   sanitize.sh --quick    addresses, leaks and undefined behaviour; fewer cycles; Rust's standard library not instrumented
 #
-# The component is built against the headers of LinuxCNC 2.9 and, with addresses, against a double of those of 2.10
-# (tests/linuxcnc-2.10): either has to give the same outputs, bit for bit.
+# The component is built with the headers of LinuxCNC 2.9 and, for the address sanitizer, also with a double of those of 2.10
+# (tests/linuxcnc-2.10). Both must give the same outputs, bit for bit.
 #
-# Installs LinuxCNC's headers from Debian where root may.
+# If run by root, installs LinuxCNC's headers from Debian.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 exec </dev/null
@@ -33,7 +33,7 @@ tables() { # name, machine
 tables mill "$root/compensation-tables/mill-3axis/machine.toml"
 for name in stream gantry gauge trt; do tables "$name" "machines/$name/machine.toml"; done
 for name in left right; do tables "$name" "machines/gantry/$name.toml"; done
-# The same machine with larger errors, to be exchanged for.
+# The same machine with larger errors, whose tables replace the first ones.
 rm -rf "$out/other"
 cp -r machines/gantry "$out/other"
 sed -i 's/^C0Y_urad = .*/C0Y_urad = 30.0/' "$out/other/machine.toml"
@@ -48,7 +48,7 @@ hal=()
 compile() { # sanitizer of the library that was built last, program, folder of the component
     local flags=(-fsanitize="$1")
     [[ $1 != address ]] || flags=(-fsanitize=address,undefined -fno-sanitize-recover=all)
-    # The flags of LinuxCNC's Makefile.modinc that change the code.
+    # The flags in LinuxCNC's Makefile.modinc that affect the code.
     gcc -std=gnu11 -O1 -g -Wall -Wextra -Werror -fPIC -DRTAPI -DUSPACE -DSIM -D_GNU_SOURCE -Drealtime -D__MODULE__ \
         -fno-fast-math -fno-builtin-sin -fno-builtin-cos "${hal[@]}" -I/usr/include/linuxcnc \
         -I"$root/crates/trueaxis-capi/include" -I"$3" "${flags[@]}" "$3"/*.c tests/sanitize/*.c "$built" -lpthread -ldl -lm -o "$out/$2"
@@ -79,7 +79,7 @@ must_fail() { # name, sanitizer, words needed, file of the component, change of 
         exit 1
     fi
     compile "$sanitizer" "$name" "$out/$name.c"
-    # Without names of functions, which take longer to look up than the program runs.
+    # Leave out function names, because looking them up takes longer than the program runs.
     if ASAN_OPTIONS="$ASAN_OPTIONS:symbolize=0" run_gantry "$name" 4000 >"$out/$name.log" 2>&1 ||
         ! grep -q "$words" "$out/$name.log"; then
         echo "sanitize.sh: the planted defect '$name' was not found: needed '$words', see $out/$name.log" >&2
@@ -97,9 +97,9 @@ machines() { # sanitizer of the library that was built last, program
             joint_tables="right:1=$out/left.tcomp"
         drive "$2" "$cycles" 0 tables="$out/gauge.tcomp" inch=1
         drive "$2" "$cycles" 0 tables="$out/trt.tcomp" units=mm angular_units=degree
-        # The thread has another period than stated.
+        # The thread's period differs from the stated one.
         drive "$2" 200 0 units=mm tables="$out/mill.tcomp" servo_period_nsec=500000
-        # Also if its lower 32 bits are those stated.
+        # The thread's period differs, but its lower 32 bits equal the stated one.
         period=4295967296 drive "$2" 2000 0 units=mm tables="$out/mill.tcomp"
         period=-4293967296 drive "$2" 2000 0 units=mm tables="$out/mill.tcomp"
     } >"$out/$2.txt" || { cat "$out/$2.txt"; return 1; }
@@ -116,7 +116,7 @@ machines address address
 hal=(-DTRUEAXIS_HAL_HANDLES -Itests/linuxcnc-2.10)
 machines address handles
 hal=()
-# Only a pin and its value are made in other ways, so the count of HAL's calls differs.
+# The two differ only in how they create a pin and its value, so the counts of HAL calls differ.
 diff <(grep digest "$out/address.txt") <(grep digest "$out/handles.txt")
 echo 'against 2.9 and against the double of 2.10: the same outputs'
 head -c 3000 "$out/mill.tcomp" >"$out/cut.tcomp"
@@ -132,7 +132,7 @@ refused units=mm tables="$out/mill.tcomp" joints=XYZABCXYZA
 refused units=mm tables="$out/mill.tcomp" joints=XXYYZZABC
 refused units=mm tables="$out/mill.tcomp" joints=XYZ joint_tables="9=$out/left.tcomp"
 refused units=mm tables="$out/gantry.tcomp" joints=XYYZ joint_tables="1=$out/mill.tcomp"
-# The first seven calls of HAL and every so many of the others fail, one in each run.
+# Makes the first seven HAL calls, and then every so many of the others, fail in one run each.
 put_gantry
 calls=$(drive address 2000 0 "${gantry[@]}" | sed -n 's/ calls of HAL.*//p')
 for ((n = 1; n <= calls; n += n < 8 ? 1 : every)); do
@@ -144,7 +144,7 @@ echo "of $calls calls of HAL the first seven and every ${every}th of the others 
 must_fail short-memory address 'AddressSanitizer: heap-buffer-overflow' pins.c 's/hal_malloc(sizeof \*pins)/hal_malloc(sizeof pins)/'
 must_fail late-thread address 'AddressSanitizer: heap-use-after-free' reload.c '/pthread_join(thread, NULL);/d; /atomic_store(&ending, true);/d'
 must_fail wide-shift address 'shift exponent' show.c 's/record->limited >> a/record->limited >> (a + 31)/'
-# A handle that is followed instead of read does not compile against 2.10.
+# A handle that is dereferenced instead of read must not compile against 2.10.
 sed 's/hal_get_bool(p->alarm)/*p->alarm/' component/steps.c >"$out/followed.c"
 if gcc -std=gnu11 -c -DRTAPI -DUSPACE -DTRUEAXIS_HAL_HANDLES -Itests/linuxcnc-2.10 -I/usr/include/linuxcnc -Icomponent \
     -I"$root/crates/trueaxis-capi/include" "$out/followed.c" -o "$out/followed.o" 2>/dev/null; then

@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# Builds and installs the component, runs LinuxCNC with it as an ordinary user without a screen, and takes it out again.
+# Builds and installs the component, runs LinuxCNC with it as an ordinary user without a screen, and removes it again.
 #
 #   test.sh            all tests
 #   test.sh NAME...    some of them (names: tests/checks.py)
 #
-# Installs LinuxCNC 2.9 from Debian where root may; some eight minutes. TRUEAXIS_KEEP=DIR keeps recordings there.
+# If run by root, installs LinuxCNC 2.9 from Debian. Takes some eight minutes. TRUEAXIS_KEEP=DIR keeps recordings in DIR.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 exec </dev/null
@@ -13,12 +13,12 @@ root=$(cd ../.. && pwd)
 "$root/.ci/install" linuxcnc-uspace linuxcnc-uspace-dev gcc make
 target=${CARGO_TARGET_DIR:-$root/target}
 "$root/tests/hosts/recording.sh"
-# The simulator's G-code against LinuxCNC's own interpreter.
+# Compares the simulator's G-code with LinuxCNC's own interpreter.
 if [[ $# == 0 ]]; then
     (cd "$root" && TRUEAXIS_LINUXCNC=1 cargo test --quiet --workspace --test simulator linuxcnc::)
 fi
 
-# The ordinary user cannot be expected to read this folder: it gets a copy of the files it needs.
+# The ordinary user may not be able to read this folder, so copy the files that the tests need.
 work=$(mktemp -d /tmp/trueaxis-linuxcnc.XXXXXX)
 user=
 module=$(./install.sh --where)
@@ -46,11 +46,11 @@ cp "$target/hosts/machine.tcomp" "$target/hosts/run.csv" "$work/hosts"
 chmod -R a+rX "$work"
 
 ./install.sh
-# The drive with friction and the ball plate of the tests.
+# The drive with friction and the ball plate for the tests.
 for name in dahl ballplate; do
     (cd "$work" && cp "repository/integrations/linuxcnc/tests/$name.comp" . && halcompile --install "$name.comp" >/dev/null)
 done
-# The realtime part may call the library and copy memory, and nothing else: no allocation, no file, no print.
+# The realtime part may call only the library and memory functions: no allocation, no file, no print.
 own='(steps|gauge|thermal|show)_[a-z_]+|pins_parts_off'
 others=$(nm -u "$target/linuxcnc/"{cycle,steps,gauge,thermal,show}.o |
     grep -vE "^$|:$|U (trueaxis_[a-z_]+|$own|memset|memcpy|__stack_chk_fail|_GLOBAL_OFFSET_TABLE_)$" || true)
@@ -58,7 +58,8 @@ if [[ -n $others ]]; then
     printf 'test.sh: the realtime functions call %s\n' "$others" >&2
     exit 1
 fi
-# The same source against headers of 2.10's shape, found by its Makefile: its calls of HAL are then those of 2.10.
+# Builds the same source with headers like those of 2.10, which its Makefile detects. The HAL calls must then be those
+# of 2.10.
 rm -rf "$target/linuxcnc-2.10"
 cp -r component "$target/linuxcnc-2.10"
 make --silent -C "$target/linuxcnc-2.10" modules CC="gcc -I$PWD/tests/linuxcnc-2.10" \

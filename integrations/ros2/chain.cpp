@@ -1,6 +1,6 @@
-// The chainable controller in a chain, on a double of ros2_control (double/): a controller before it writes references, drives
-// that follow exactly, and a manager without ROS takes both through their lives at 1 kHz, with faults. Exit code 0:
-// all that is asserted here holds. SPDX-License-Identifier: MIT OR Apache-2.0
+// Runs the chainable controller in a chain, on a double of ros2_control (double/): a preceding controller writes
+// references, drives follow exactly, and a manager without ROS runs both at 1 kHz through their life cycles, with
+// faults. Exit code 0: all assertions passed. SPDX-License-Identifier: MIT OR Apache-2.0
 #include "check.hpp"
 #include "trueaxis_controller.hpp"
 
@@ -16,9 +16,9 @@ using hardware_interface::StateInterface;
 
 constexpr std::int64_t period_ns = 1'000'000;
 constexpr double step_m = 40e-6;  // 40 mm/s
-// The limiter lets the correction change by 5 mm/s.
+// The limiter permits changes of the correction of up to 5 mm/s.
 constexpr double led_in_m = 5e-6 + 1e-9;
-// A frozen one comes to rest from the largest change per cycle that the tables permit.
+// A frozen correction decelerates to rest from the largest change per cycle that the tables permit.
 constexpr double frozen_m = 1e-8;
 const double nan = std::numeric_limits<double>::quiet_NaN();
 const std::vector<std::string> joints = { "x", "y", "z" };
@@ -30,7 +30,7 @@ struct Controller : trueaxis::ChainableController {
     using ChainableController::set_reference;
 };
 
-// What the manager lends: handles of a value, whose ways differ between the releases.
+// A handle for a value, as the manager lends it. Access differs between the releases.
 #if TRUEAXIS_ROS_HUMBLE
 template <class Interface>
 struct Handle {
@@ -52,7 +52,7 @@ struct Handle {
 };
 #endif
 
-// Hardware with drives that follow exactly, and encoders.
+// Hardware with encoders and with drives that follow exactly.
 struct Machine {
     Machine() {
         for (const std::string &joint : joints) {
@@ -80,7 +80,7 @@ struct Bench {
     std::vector<CommandInterface::SharedPtr> references;
 #endif
 
-    // Life of a controller up to its first configuration.
+    // Takes a controller through its first configuration.
     explicit Bench(const char *tables, bool pass_without_tables = false, std::vector<std::string> names = joints,
                    std::int64_t machine_id = 0, unsigned int rate = 1000) {
         CHECK(controller.init("trueaxis", { { "joints", names },
@@ -110,7 +110,7 @@ struct Bench {
         lend();
         return controller.activate();
     }
-    // What the controller before it does in its update.
+    // Writes references as the preceding controller does in its update.
     void refer(const double *to) {
         for (std::size_t i = 0; i < 3; i++) {
             hardware_interface::LoanedCommandInterface lent(references[i]);
@@ -134,7 +134,7 @@ struct Bench {
         }
     }
 #if !TRUEAXIS_ROS_HUMBLE
-    // A cycle in which another thread holds a value.
+    // Runs a cycle during which another thread holds a value.
     void cycle_without(bool &held) {
         refer(reference);
         held = true;
@@ -147,7 +147,7 @@ struct Bench {
         refer(reference);
         return update(elapsed_ns);
     }
-    // At 40 mm/s in x and 20 mm/s in y, there and back: no fault, and no step beyond the limiter's.
+    // Runs back and forth at 40 mm/s in x and 20 mm/s in y. No cycle may have a fault or a step beyond the limiter's.
     void run(int cycles) {
         for (int i = 0; i < cycles; i++) {
             way = std::abs(reference[0]) < 0.25 ? way : reference[0] > 0 ? -step_m : step_m;
@@ -166,7 +166,8 @@ struct Bench {
 };
 
 void refusals(const char *tables, const char *cut) {
-    // In the order of `tables`, `joints`, `machine_id`, `update_rate`: each reported in one line, nothing offered.
+    // Bad `tables`, `joints`, `machine_id` and `update_rate`, in this order: each is reported in one line, and no
+    // reference is offered.
     CHECK(!Bench("no/such.tcomp").configured());
     CHECK(rclcpp::logged.back() == "trueaxis: tables 'no/such.tcomp': cannot be read, or empty");
     CHECK(!Bench(cut).configured() && rclcpp::logged.back().find("uncompensated") == std::string::npos);
@@ -186,7 +187,7 @@ void refusals(const char *tables, const char *cut) {
     Controller mistyped;
     CHECK(mistyped.init("trueaxis", { { "tables", std::int64_t{3} } }) == CallbackReturn::ERROR);
 
-    // Commands of another number or in another order; then the right ones.
+    // A wrong number of commands, then a wrong order, then the right ones.
     Bench bench(tables);
     CHECK(bench.configured() && bench.references.size() == 3);
     bench.lend(2);
@@ -198,7 +199,7 @@ void refusals(const char *tables, const char *cut) {
     CHECK(bench.activate());
 }
 
-// Without tables, if the user wants it so: references pass to the bit, and records say so.
+// With pass_without_tables, references pass bit for bit, and the records show the fault.
 void without_tables(const char *cut) {
     for (const char *file : { cut, "no/such.tcomp" }) {
         Bench bench(file, true);
@@ -224,7 +225,7 @@ void chain(const char *tables, const char *points) {
     CHECK(bench.references[2]->get_name() == "trueaxis/z/position");
 #endif
     CHECK(bench.activate());
-    // No reference yet, then not of every axis: nothing is written.
+    // Without references, or with only some, the controller writes nothing.
     bench.machine.command[0]->set(7.0);
     CHECK(bench.update() == return_type::OK && bench.machine.command[0]->get() == 7.0);
     double partly[3] = { 0, nan, -0.2 };
@@ -241,8 +242,8 @@ void chain(const char *tables, const char *points) {
     std::ofstream(points) << "x_mm,y_mm,z_mm\n" << bench.reference[0] * 1e3 << ',' << bench.reference[1] * 1e3 << ",-200\n";
     std::printf("drive %.9f %.9f %.9f\n", bench.before[0] * 1e3, bench.before[1] * 1e3, bench.before[2] * 1e3);
 
-    // Time: what does not fit into 32 bits, or runs backwards, is a late cycle; 2^32 ns and a period is not a period. The
-    // correction is frozen in it and the reference passes. The reference passes too if no time has passed.
+    // A time beyond 32 bits, or one that runs backwards, is a late cycle, even if its lower 32 bits equal a period. In
+    // a late cycle the correction freezes and the reference passes. The reference also passes if no time has passed.
     const std::int64_t wrapped_ns = (std::int64_t{1} << 32) + period_ns;
     for (std::int64_t elapsed_ns : { period_ns * 3 / 2, wrapped_ns, INT64_MAX, -period_ns, INT64_MIN }) {
         double correction = bench.correction(0);
@@ -257,7 +258,7 @@ void chain(const char *tables, const char *points) {
     CHECK(bench.cycle(0) == return_type::OK && std::abs(bench.moved[0] - bench.way) < led_in_m);
     bench.run(100);
 
-    // An encoder that drops out: the correction is frozen, the reference passes.
+    // After an encoder dropout the correction freezes and the reference passes.
     double correction = bench.correction(0);
     bench.machine.state[0]->set(nan);
     bench.reference[0] += bench.way;
@@ -266,7 +267,8 @@ void chain(const char *tables, const char *points) {
     bench.run(100);
 
 #if !TRUEAXIS_ROS_HUMBLE
-    // Another thread holds a state (a dropout), a reference (the last one counts), a command (it misses this one).
+    // Another thread holds a state (a dropout), a reference (the last value is used), or a command (the write is
+    // missed).
     bench.cycle_without(bench.machine.state[1]->interface->held);
     CHECK(bench.controller.record().fault == TRUEAXIS_FAULT_FEEDBACK_NOT_FINITE);
     bench.run(100);
@@ -281,7 +283,7 @@ void chain(const char *tables, const char *points) {
     bench.run(100);
 #endif
 
-    // Switched off and on again while it runs, and without axes referenced: ramped out and in.
+    // Switched off and on in operation, and then unreferenced, the correction ramps out and in.
     bench.controller.set_enabled(false);
     bench.run(500);
     CHECK(bench.largest() < 1e-12);
@@ -294,8 +296,9 @@ void chain(const char *tables, const char *points) {
     bench.controller.referenced = true;
     bench.run(500);
 
-    // The mode cannot change under it. Deactivated, it leaves the corrected command where it is; activated again, nothing is
-    // written before a new reference, and from the drives' position none jumps. The former reference no longer counts.
+    // The chained mode cannot change while active. Deactivation leaves the corrected command in place. After
+    // reactivation nothing is written before a new reference, and a reference at the drives' position causes no jump.
+    // The old reference is no longer used.
     CHECK(!bench.controller.set_chained_mode(false) && bench.controller.is_in_chained_mode());
     double stood[3] = { bench.before[0], bench.before[1], bench.before[2] };
     CHECK(bench.controller.deactivate() && bench.machine.command[1]->get() == stood[1]);
@@ -309,7 +312,7 @@ void chain(const char *tables, const char *points) {
     bench.run(1000);
     CHECK(bench.largest() > 5e-6);
 
-    // Alone, references come from elsewhere; from one cycle to the next the last one counts.
+    // Outside a chain, references come from `set_reference`, and the last one stays in use from cycle to cycle.
     CHECK(bench.controller.deactivate() && bench.activate(false) && !bench.controller.is_in_chained_mode());
     CHECK(bench.update() == return_type::OK && bench.moved[0] == 0);
     for (std::size_t i = 0; i < 3; i++) {
@@ -324,7 +327,8 @@ void chain(const char *tables, const char *points) {
     std::copy(bench.before, bench.before + 3, bench.reference);
     bench.run(1000);
 
-    // A reference that is not a number, or jumps: commands are held and the manager is notified, until a new activation.
+    // A reference that is not a number, or that jumps, makes the controller hold its commands and return an error until
+    // it is activated again.
     for (double bad : { nan, std::numeric_limits<double>::infinity(), bench.reference[1] + 0.05 }) {
         double good = bench.reference[1];
         bench.reference[1] = bad;
@@ -338,7 +342,7 @@ void chain(const char *tables, const char *points) {
         bench.run(500);
     }
 
-    // A first reference that the machine cannot reach in a cycle, and a machine whose encoder says nothing: nothing moves.
+    // Nothing moves if the first reference is too far away to reach in a cycle, or if an encoder gives no reading.
     CHECK(bench.controller.deactivate() && bench.activate());
     std::copy(bench.before, bench.before + 3, bench.reference);
     bench.reference[0] += 0.05;

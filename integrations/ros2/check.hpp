@@ -1,4 +1,4 @@
-// An assertion that holds in every build, for the tests beside it. SPDX-License-Identifier: MIT OR Apache-2.0
+// An assertion that is active in every build, for the tests beside it. SPDX-License-Identifier: MIT OR Apache-2.0
 #ifndef TRUEAXIS_CHECK_HPP
 #define TRUEAXIS_CHECK_HPP
 

@@ -1,5 +1,5 @@
-// The filter where a hardware component has it, without ROS: read, update, write at 1 kHz, with faults. Exit code 0: all
-// that is asserted here holds. SPDX-License-Identifier: MIT OR Apache-2.0
+// Runs the filter as a hardware component would, without ROS: read, update, write at 1 kHz, with faults. Exit code 0:
+// all assertions passed. SPDX-License-Identifier: MIT OR Apache-2.0
 #include "check.hpp"
 #include "trueaxis_filter.hpp"
 
@@ -46,14 +46,14 @@ int main(int argc, char **argv) {
         CHECK(std::abs(drive[0] - before[0] - 40e-6) < 6e-6 && filter.record().fault == TRUEAXIS_FAULT_NONE);
         CHECK(std::abs(filter.feedback(0) - command[0]) < 45e-6);
     }
-    // An encoder that drops out: the correction is frozen, the command passes.
+    // After an encoder dropout the correction freezes and the command passes.
     double geometric = filter.record().correction[0];
     command[0] += 40e-6;
     position[0] = std::numeric_limits<double>::quiet_NaN();
     cycle();
     CHECK(filter.record().fault == TRUEAXIS_FAULT_FEEDBACK_NOT_FINITE && (filter.record().status & TRUEAXIS_STATUS_FROZEN));
     CHECK(filter.record().correction[0] == geometric && std::abs(drive[0] - command[0]) < 50e-6);
-    // Late by half a period; by 2^32 ns, of which 32 bits would show nothing; by a clock that was set back.
+    // Cycles that are late by half a period, late by 2^32 ns (invisible in 32 bits), or on a clock that was set back.
     for (std::int64_t elapsed_ns : { period_ns * 3 / 2, (std::int64_t{1} << 32) + period_ns, -period_ns }) {
         cycle(elapsed_ns);
         CHECK(filter.record().fault == TRUEAXIS_FAULT_LATE_CYCLE && !filter.stop_requested());
@@ -65,7 +65,8 @@ int main(int argc, char **argv) {
     std::ofstream(argv[2]) << "x_mm,y_mm,z_mm\n" << std::to_string(command[0] * 1e3) << ',' << command[1] * 1e3 << ",-200\n";
     std::printf("drive %.9f %.9f %.9f\n", drive[0] * 1e3, drive[1] * 1e3, drive[2] * 1e3);
 
-    // A command that jumps: held, a stop is requested; followed again near the held position.
+    // A command that jumps makes the filter hold and request a stop. After a reset near the held position it follows
+    // again.
     double stood = drive[0], good = command[0];
     command[0] += 0.05;
     cycle();

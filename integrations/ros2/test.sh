@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Builds the filter's example and, on a double of ros2_control as Humble, Jazzy before 4.44 and today's releases have it, the
-# controller in a chain; runs them, and compares their outputs at standstill with `trueaxis compensate`.
+# Builds the filter's example, and the controller in a chain on doubles of ros2_control as in Humble, in Jazzy before
+# 4.44 and in current releases. Runs them and compares their outputs at standstill with `trueaxis compensate`.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 exec </dev/null
@@ -17,7 +17,7 @@ head -c 3000 "$out/machine.tcomp" >"$out/cut.tcomp"
 build() { # source, program, flags
     local source=$1 program=$2
     shift 2
-    # Conversions and shadows are refused by ros2_control too.
+    # ros2_control itself also builds with errors for conversions and shadowed names.
     c++ -std=c++17 -O2 -Wall -Wextra -Wpedantic -Woverloaded-virtual -Wconversion -Wshadow -Werror "$@" \
         "-I$root/crates/trueaxis-capi/include" "$source" \
         "$target/release/libtrueaxis_capi.a" -Wl,--gc-sections -lpthread -ldl -o "$out/$program"

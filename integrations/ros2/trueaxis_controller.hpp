@@ -1,5 +1,5 @@
-// Geometric error compensation as a chainable controller of ros2_control: reference positions in, corrected commands out.
-// Humble, Jazzy, Kilted and Rolling; C++17. Beside it: trueaxis_filter.hpp, libtrueaxis_capi.a.
+// Geometric error compensation as a chainable ros2_control controller: takes reference positions, writes corrected
+// commands. For Humble, Jazzy, Kilted and Rolling; C++17. Needs trueaxis_filter.hpp beside it, and libtrueaxis_capi.a.
 //
 //   #include "trueaxis_controller.hpp"
 //   #include "pluginlib/class_list_macros.hpp"
@@ -34,9 +34,10 @@
 
 #include "trueaxis_filter.hpp"
 
-// Since Jazzy `update_reference_from_subscribers` takes time and period.
+// `update_reference_from_subscribers` takes time and period since Jazzy.
 #define TRUEAXIS_ROS_HUMBLE (CONTROLLER_INTERFACE_VERSION_MAJOR < 4)
-// Since Jazzy 4.44, Kilted 5.13 and Rolling 6.5 references are shared objects; before, they point into `reference_interfaces_`.
+// References are shared objects since Jazzy 4.44, Kilted 5.13 and Rolling 6.5; before that they point into
+// `reference_interfaces_`.
 #define TRUEAXIS_ROS_SHARED_REFERENCES                                                     \
     ((CONTROLLER_INTERFACE_VERSION_MAJOR == 4 && CONTROLLER_INTERFACE_VERSION_MINOR >= 44) || \
      (CONTROLLER_INTERFACE_VERSION_MAJOR == 5 && CONTROLLER_INTERFACE_VERSION_MINOR >= 13) || \
@@ -46,16 +47,16 @@
 namespace trueaxis {
 
 // Claims `JOINT/position` of every joint, as command and as state, and offers `CONTROLLER/JOINT/position` as references.
-// Metres and radians (REP 103); mm and degrees inside. Parameters:
+// Interfaces are in metres and radians (REP 103); the tables inside are in mm and degrees. Parameters:
 //
-//   joints               names in the tables' order, X Y Z, then rotary; 3 to 6
+//   joints               names in the tables' order, X Y Z, then rotary axes; 3 to 6
 //   tables               path of the .tcomp
-//   machine_id           the machine that the tables must be for; 0: any
-//   pass_without_tables  false: refused tables refuse the configuration. true: references then pass uncompensated
-//   update_rate          Hz. The manager's own rate has to be given on Humble; it is the default on the others
+//   machine_id           id of the machine that the tables must be for; 0: any
+//   pass_without_tables  false: refused tables make the configuration fail. true: references then pass uncompensated
+//   update_rate          Hz. On Humble it must be set to the manager's rate; elsewhere that is the default
 //
-// A class derived from this one may take references from elsewhere while no controller precedes it
-// (`update_reference_from_subscribers`, `set_reference`), and say whether the axes are referenced (`homed`).
+// A derived class can take references from elsewhere while no controller precedes this one
+// (`update_reference_from_subscribers`, `set_reference`), and report whether the axes are referenced (`homed`).
 class ChainableController : public controller_interface::ChainableControllerInterface {
 public:
     using CallbackReturn = controller_interface::CallbackReturn;
@@ -106,7 +107,7 @@ public:
     controller_interface::InterfaceConfiguration command_interface_configuration() const override { return positions(); }
     controller_interface::InterfaceConfiguration state_interface_configuration() const override { return positions(); }
 
-    // Nothing is written before every reference is a number: drives keep their commanded position.
+    // The controller writes nothing until every reference is a number: drives keep their commanded position.
     CallbackReturn on_activate(const rclcpp_lifecycle::State &) override {
         if (command_interfaces_.size() != joints_.size() || state_interfaces_.size() != joints_.size()) {
             return refuse("found " + std::to_string(command_interfaces_.size()) + " commands and " +
@@ -124,7 +125,7 @@ public:
         return filter_.activate() ? CallbackReturn::SUCCESS : refuse(filter_.refusal());
     }
 
-    // Commands stay as they were written last, corrected: no drive moves.
+    // The last corrected commands stay in place, so no drive moves.
     CallbackReturn on_deactivate(const rclcpp_lifecycle::State &) override {
         if (following_ && filter_.stop_requested()) {
             const trueaxis_record_t &record = filter_.record();
@@ -135,9 +136,10 @@ public:
         return CallbackReturn::SUCCESS;
     }
 
-    // Leads the correction in or out, by its limiter; from any thread.
+    // Ramps the correction in or out through its limiter. May be called from any thread.
     void set_enabled(bool enabled) { enabled_.store(enabled, std::memory_order_relaxed); }
-    // Writes that another thread's lock on a command prevented: the drive keeps its command of the cycle before.
+    // Number of writes prevented because another thread had locked a command. The drive then keeps its previous
+    // command.
     std::uint64_t missed_writes() const { return missed_writes_.load(std::memory_order_relaxed); }
 
 protected:
@@ -167,13 +169,13 @@ protected:
     }
 #endif
 
-    // What the controller before it wrote last is of no use to the next.
+    // The next controller in the chain must not start from references that the previous one wrote.
     bool on_set_chained_mode(bool) override {
         forget_references();
         return true;
     }
 
-    // Without a controller before it references stay as they are.
+    // Without a preceding controller, references stay unchanged.
 #if TRUEAXIS_ROS_HUMBLE
     return_type update_reference_from_subscribers() override { return return_type::OK; }
 #else
@@ -182,7 +184,8 @@ protected:
     }
 #endif
 
-    // ERROR: a stop is requested, commands are held until the controller is activated again. Real-time safe.
+    // Returns ERROR if a stop is requested: commands are then held until the controller is activated again. Real-time
+    // safe.
     return_type update_and_write_commands(const rclcpp::Time &, const rclcpp::Duration &period) override {
         double position[axes_max], drive[axes_max];
         bool wanted = true, read = true;
@@ -197,7 +200,8 @@ protected:
             if (!wanted) {
                 return return_type::OK;
             }
-            // From the machine's position: a first reference that it cannot reach in a cycle is a jump.
+            // Start at the machine's position, so that a first reference too far away to reach in a cycle counts as a
+            // jump.
             following_ = read && filter_.update(position, position, elapsed_ns, homed(), enabled(), drive);
             if (!following_) {
                 return return_type::ERROR;
@@ -214,10 +218,11 @@ protected:
         return filter_.stop_requested() ? return_type::ERROR : return_type::OK;
     }
 
-    // Whether all axes are referenced; without, references pass uncorrected. In every update, real-time.
+    // Whether all axes are referenced. If not, references pass uncorrected. Called in every update, so it must be
+    // real-time safe.
     virtual bool homed() const { return true; }  // absolute encoders
 
-    // Reference of an axis, m or rad; NaN: none. For `update_reference_from_subscribers`.
+    // Sets the reference of an axis, m or rad; NaN: none. For use in `update_reference_from_subscribers`.
     void set_reference(std::size_t axis, double reference) {
 #if TRUEAXIS_ROS_SHARED_REFERENCES
         static_cast<void>(ordered_exported_reference_interfaces_[axis]->set_value(reference));
@@ -259,7 +264,7 @@ private:
         }
     }
 
-    // While another thread holds the reference, the one read last.
+    // If another thread holds the reference, the value read last is kept.
     void read_reference(std::size_t axis) {
 #if TRUEAXIS_ROS_SHARED_REFERENCES
         reference_[axis] = ordered_exported_reference_interfaces_[axis]->get_optional().value_or(reference_[axis]);
@@ -268,7 +273,7 @@ private:
 #endif
     }
 
-    // Since Jazzy a value may be missing, while another thread holds it: a dropout.
+    // Since Jazzy a value may be missing because another thread holds it. That counts as a dropout.
     template <class Interface, class = void>
     struct HasOptional : std::false_type {};
     template <class Interface>

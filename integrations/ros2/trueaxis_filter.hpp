@@ -1,5 +1,5 @@
-// Geometric error compensation as a filter of a ros2_control update: one call between a controller's command and the
-// hardware's. A plain C++17 header on the C library; needs no ROS. Link libtrueaxis_capi.a.
+// Geometric error compensation as a filter in a ros2_control update: one call between a controller's command and the
+// hardware's. A plain C++17 header on top of the C library, which needs no ROS. Link libtrueaxis_capi.a.
 //
 // SPDX-License-Identifier: MIT OR Apache-2.0
 #ifndef TRUEAXIS_FILTER_HPP
@@ -15,11 +15,12 @@
 
 namespace trueaxis {
 
-// ROS counts in metres and radians (REP 103), the tables in mm and degrees.
+// Corrects commands and readings in metres and radians (REP 103). Inside, the tables are in mm and degrees.
 class Filter {
 public:
-    // Loads a .tcomp, in on_configure: allocates and takes about 60 KiB of stack. False: `reason()` says why, and the filter
-    // passes commands uncompensated. `period_ns`: of the controller manager. `axes`: of the machine, 3 to 6.
+    // Loads a .tcomp. Call it in on_configure: it allocates and takes about 60 KiB of stack. If it returns false,
+    // `reason()` says why and the filter passes commands uncompensated. `period_ns`: period of the controller manager.
+    // `axes`: number of axes of the machine, 3 to 6.
     bool configure(const std::uint8_t *file, std::size_t length, std::uint32_t axes, std::uint32_t period_ns,
                    std::uint32_t machine_id = 0) {
         started_ = false;
@@ -52,7 +53,8 @@ public:
         return reason_.empty();
     }
 
-    // A fresh state, in on_activate: the first command passes, its limiter then ramps the correction in.
+    // Starts with a fresh state. Call it in on_activate. The first command passes unchanged; the limiter then ramps the
+    // correction in.
     bool activate() {
         started_ = axes_ != 0 && trueaxis_start(&loop_, &state_, sizeof state_, period_ns_) == TRUEAXIS_OK;
         input_ = trueaxis_input_t{};
@@ -62,13 +64,14 @@ public:
         return started_;
     }
 
-    // Releases a stop in the next update; the command has to be near the held position.
+    // Releases a stop in the next update. The command must then be near the held position.
     void reset() { input_.reset = 1; }
 
-    // One update, real-time safe. `command`, `position`: axes in the tables' order (X Y Z, then rotary), m and rad; a
-    // position that is not finite is a dropout. `elapsed_ns`: the period that the controller manager measured; negative, or
-    // longer than 32 bits hold, it is a late cycle. `homed`: all axes are referenced. `drive`: what to send. False: nothing to
-    // send, `drive` is as it was.
+    // Runs one update; real-time safe. `command`, `position`: m and rad, in the order of the tables (X Y Z, then rotary
+    // axes); a position that is not finite is a dropout. `elapsed_ns`: the period as measured by the controller
+    // manager; a negative value, or one beyond 32 bits, is a late cycle. `homed`: whether all axes are referenced.
+    // `drive`: receives the commands for the drives. Returns false, with `drive` unchanged, if there is nothing to
+    // send.
     bool update(const double *command, const double *position, std::int64_t elapsed_ns, bool homed, bool enable,
                 double *drive) {
         if (!started_) {
@@ -92,12 +95,14 @@ public:
         return true;
     }
 
-    // The output is held: the hardware interface returns an error, or the controller stops the trajectory.
+    // Whether the output is held. The hardware interface must then return an error, or the controller stop the
+    // trajectory.
     bool stop_requested() const { return (output_.record.status & TRUEAXIS_STATUS_STOP_REQUEST) != 0; }
-    // Position for the controller, less the correction: it sees no following error from it. m, rad.
+    // Position for the controller, m or rad, without the correction, which would otherwise look like a following error.
     double feedback(std::uint32_t axis) const { return output_.feedback[axis] / to_tables(axis); }
     const trueaxis_record_t &record() const { return output_.record; }
-    // Empty, or why it runs uncompensated, in one line; `refusal` without the words around it.
+    // Reason for running uncompensated, in one line; empty if compensated. `refusal` returns the reason without the
+    // surrounding words.
     std::string reason() const { return reason_.empty() ? "" : "trueaxis: " + reason_ + "; running uncompensated"; }
     const std::string &refusal() const { return reason_; }
 

@@ -70,7 +70,7 @@ fn every_test_that_the_table_names_exists() {
 }
 
 #[test]
-fn a_test_that_is_none_is_told_apart() {
+fn functions_that_are_no_tests_are_recognised() {
     let source = "#[test]\nfn one() {\n}\n\nfn two() {\n}\n\n/// Said.\n#[test]\n#[cfg(unix)]\nfn three() {\n}\n";
     for (name, is) in [("one", true), ("two", false), ("three", true), ("four", false)] {
         assert_eq!(has_test("a.rs", source, name), is, "{name}");

@@ -55,7 +55,7 @@ fn compare<const N: usize>(name: &str, model: ErrorModel) {
             let [low, high] = [low.max(settings.travel[0]), high.min(settings.travel[1])];
             let q = low + (high - low) * random.unit();
             (step[place], plant[i]) = (q, q);
-            // Backlash belongs to the drive in the plant and to the table in the plugin, so it is left out on both sides.
+            // Backlash belongs to the drive in the plant and to the table in the plugin, so both sides leave it out.
             if settings.backlash == 0.0 && random.unit() < 0.5 {
                 (directions[place], reversed[i]) = (Direction::NEGATIVE, 1.0);
             }

@@ -34,7 +34,7 @@ fn frames_are_as_long_as_documented() {
     assert_eq!(longest(6, None).encode(&mut buffer).unwrap().len(), 189);
     let dynamic = Some(DynamicFrame { sent: 1.1, feed_forward: 1.1, feedback: 1.1, crosstalk: 1.1, learned: 1.1 });
     assert_eq!(longest(3, dynamic).encode(&mut buffer).unwrap().len(), 186);
-    // COBS takes one more byte if there is no zero among the first 254.
+    // COBS takes one more byte if the first 254 contain no zero.
     assert!((309..=310).contains(&longest(6, dynamic).encode(&mut buffer).unwrap().len()));
 }
 

@@ -29,7 +29,7 @@ fn legs_that_broke_a_rule_keep_all() {
     }
 }
 
-/// Each planted defect is found by the rule that forbids it.
+/// The rule that forbids a planted defect detects it.
 #[test]
 fn planted_defects_are_found_by_the_rule_that_forbids_them() {
     for (planted, rules) in Planted::ALL {

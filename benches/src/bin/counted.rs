@@ -58,7 +58,7 @@ fn walk(parts: Option<ServoParts>) {
 
 fn walk_on(configure: impl FnOnce(&mut MachineSettings), grids: &'static [GridData<'static>]) {
     step::walk_on(configure, grids, u32::MAX, |number, cycle, output| {
-        if number >= step::STANDING && number % SAMPLED == 0 {
+        if number >= step::AT_REST && number % SAMPLED == 0 {
             counted_walk(black_box(&mut { *cycle }), black_box(&mut { *output }));
         }
     });

@@ -218,7 +218,7 @@
 /// Bit of `record.status`: the correction is frozen after a faulty reading.
 #define TRUEAXIS_STATUS_FROZEN 2
 
-/// Bit of `record.status`: the output is held, and the host must stop the machine.
+/// Bit of `record.status`: the output holds, and the host must stop the machine.
 #define TRUEAXIS_STATUS_STOP_REQUEST 4
 
 /// Bit of `record.status`: the contour error was measured.
@@ -294,7 +294,7 @@
 /// `elapsed_ns` differs from the period by more than a quarter, or too many cycles came early.
 #define TRUEAXIS_FAULT_LATE_CYCLE 5
 
-/// A command is not finite. With faults 16 to 31 the output is held and a stop is requested.
+/// A command is not finite. With faults 16 to 31 the output holds and the step requests a stop.
 #define TRUEAXIS_FAULT_COMMAND_NOT_FINITE 16
 
 /// A command is outside the declared travel.
@@ -354,7 +354,7 @@
 /// The part turned by more than two points in one cycle.
 #define TRUEAXIS_GAUGE_TOO_FAST (1 << 7)
 
-/// The spindle stood still.
+/// The spindle has stopped.
 #define TRUEAXIS_GAUGE_STOPPED (1 << 8)
 
 /// The speed changed by more than a quarter within the revolution. A revolution with this or one of the following flags
@@ -529,7 +529,7 @@ typedef struct trueaxis_input_t {
     /// Commanded positions, uncorrected.
     trueaxis_position_t command[TRUEAXIS_AXES_MAX];
     /// Raw encoder positions. A value that is not finite, is beyond 1e9, or in single precision equals `INT32_MIN` or
-    /// `INT32_MAX` is a dropout, so convert counts with saturation. The same value in `command` is a fault.
+    /// `INT32_MAX` is a dropout, so convert counts with saturation. In `command` such a value is a fault.
     trueaxis_position_t feedback[TRUEAXIS_AXES_MAX];
     /// Bit 0 = X, …: the encoder interface of the axis reports an alarm.
     uint8_t encoder_alarm;
@@ -1144,8 +1144,8 @@ trueaxis_result_t trueaxis_loop_build(struct trueaxis_loop_t *loop,
 /// tables.
 ///
 /// `axes`: 3 to 6; 3 in a library for three axes only. `reason`: `TRUEAXIS_FAULT_PERIOD_MISMATCH`, `_TABLES_REFUSED`,
-/// `_CAPACITY_TOO_SMALL` or `_ABI_MISMATCH`. `period_ns`: 1,000 to 100,000,000. After an invalid command the last valid
-/// one is held (before the first: the position read), and a stop is requested until the next valid one.
+/// `_CAPACITY_TOO_SMALL` or `_ABI_MISMATCH`. `period_ns`: 1,000 to 100,000,000. After an invalid command the loop holds
+/// the last valid one (before the first: the position read), and requests a stop until the next valid one.
 ///
 /// Real-time safe. Errors: `_AXES`, `_ARGUMENT` (reason, period).
 trueaxis_result_t trueaxis_loop_bypass(struct trueaxis_loop_t *loop,
@@ -1170,15 +1170,15 @@ uint32_t trueaxis_elapsed_ns(int64_t host_ns);
 
 /// Executes one servo cycle: computes drive positions, feedback for the host, and contour error.
 ///
-/// `measure`: the path to measure against; `NULL`: none. `gauge`: a gauge of three probes that takes part; `NULL`:
+/// `measure`: the path to measure against; `NULL`: none. `gauge`: a gauge of three probes to run in this cycle; `NULL`:
 /// none. Every combination of both is allowed. The first cycle returns the command; from then on
-/// `drive = command + correction`. The infeed of a gauge is added to the correction of its axis, before the limiter. In
-/// a bypass no path is measured against, and the gauge measures but feeds nothing in. Between two cycles another loop
-/// with the same number of axes may be passed.
+/// `drive = command + correction`. The infeed of a gauge is added to the correction of its axis, before the limiter. A
+/// bypass measures against no path, and its gauge measures but feeds nothing in. Between two cycles another loop with
+/// the same number of axes may be passed.
 ///
-/// Until either a valid command has come or every axis has been read (without an alarm), no position can be held: the
-/// function returns `TRUEAXIS_ERROR_NO_OUTPUT` and does not write `output->drive`. Once every axis has been read, that
-/// position is held, and a reset near it is accepted.
+/// Until either a valid command has come or every axis has been read (without an alarm), the step has no position to
+/// hold: the function returns `TRUEAXIS_ERROR_NO_OUTPUT` and does not write `output->drive`. Once every axis has been
+/// read, the step holds that position and accepts a reset near it.
 ///
 /// Real-time safe. Errors: `_AXES`, `_STATE`, `_MACHINE` (kinematics), `_ARGUMENT` (kind, refusal), `_NO_OUTPUT`.
 /// Faults of the machine are in `output->record.fault`.

@@ -64,6 +64,26 @@ pub(crate) struct Built {
     order: [Option<Axis>; AXES_MAX],
 }
 
+/// Writes a loop to its place; `?` would copy it once more.
+///
+/// # Safety
+/// `place` is aligned, writable and nobody else's.
+#[inline(always)]
+unsafe fn put<S>(
+    place: *mut AnyServo,
+    built: Result<S, ConfigError>,
+    any: impl FnOnce(S) -> AnyServo,
+) -> Result<(), ConfigError> {
+    match built {
+        Ok(servo) => {
+            // SAFETY: the caller's promise.
+            unsafe { place.write(any(servo)) };
+            Ok(())
+        }
+        Err(error) => Err(error),
+    }
+}
+
 /// A servo loop with its number of axes.
 #[allow(clippy::large_enum_variant)] // storage has the size of the largest anyway
 pub(crate) enum AnyServo {
@@ -161,12 +181,17 @@ impl Running {
 }
 
 impl Built {
-    pub(crate) fn new(
+    /// Builds a loop at `place`: every move of a loop would take 4 kB of stack. After an error nothing is written.
+    ///
+    /// # Safety
+    /// `place` is aligned, writable and nobody else's.
+    pub(crate) unsafe fn build_at(
+        place: *mut Self,
         tables: &Tcomp<'_>,
         grids: &[GridData<'static>],
         period_ns: u32,
         memory: &'static mut [Real],
-    ) -> Result<Self, ConfigError> {
+    ) -> Result<(), ConfigError> {
         let config = Config {
             machine: tables.settings(),
             grids,
@@ -176,25 +201,33 @@ impl Built {
             inverse_passes: tables.inverse_passes(),
             method: Method::Guarded,
         };
-        let rows = |axis| tables.table(axis);
-        let servo = match crate::tables::axes_of(tables) {
-            3 => AnyServo::Three(config.build(rows, memory)?),
-            #[cfg(all(feature = "rotary", not(feature = "three")))]
-            4 => AnyServo::Four(config.build(rows, memory)?),
-            #[cfg(all(feature = "rotary", not(feature = "three")))]
-            5 => AnyServo::Five(config.build(rows, memory)?),
-            #[cfg(all(feature = "rotary", not(feature = "three")))]
-            _ => AnyServo::Six(config.build(rows, memory)?),
-            #[cfg(not(all(feature = "rotary", not(feature = "three"))))]
-            _ => AnyServo::Three(config.build(rows, memory)?), // refuses the other axes
-        };
+        let rows = tables.rows();
         let (mut growth, mut order) = ([ThermalGrowth::default(); AXES_MAX], [None; AXES_MAX]);
         let slots = crate::tables::slots(tables);
         for ((growth, name), (axis, settings)) in growth.iter_mut().zip(&mut order).zip(slots) {
             *growth = settings.map_or(*growth, |settings| settings.thermal);
             *name = Some(axis);
         }
-        Ok(Built { servo, period_ns, machine_id: tables.machine_id(), growth, order })
+        // SAFETY: the caller's promise; every field is written.
+        unsafe {
+            let servo = &raw mut (*place).servo;
+            match crate::tables::axes_of(tables) {
+                3 => put(servo, config.build(rows, memory), AnyServo::Three),
+                #[cfg(all(feature = "rotary", not(feature = "three")))]
+                4 => put(servo, config.build(rows, memory), AnyServo::Four),
+                #[cfg(all(feature = "rotary", not(feature = "three")))]
+                5 => put(servo, config.build(rows, memory), AnyServo::Five),
+                #[cfg(all(feature = "rotary", not(feature = "three")))]
+                _ => put(servo, config.build(rows, memory), AnyServo::Six),
+                #[cfg(not(all(feature = "rotary", not(feature = "three"))))]
+                _ => put(servo, config.build(rows, memory), AnyServo::Three), // refuses the other axes
+            }?;
+            (&raw mut (*place).period_ns).write(period_ns);
+            (&raw mut (*place).machine_id).write(tables.machine_id());
+            (&raw mut (*place).growth).write(growth);
+            (&raw mut (*place).order).write(order);
+        }
+        Ok(())
     }
 
     pub(crate) fn bypass(axes: usize, reason: Fault, period_ns: u32) -> Self {

@@ -27,7 +27,7 @@ pub struct Input {
     /// Commanded positions, uncorrected.
     pub command: [Position; AXES_MAX],
     /// Raw encoder positions. A value that is not finite, is beyond 1e9, or in single precision equals `INT32_MIN` or
-    /// `INT32_MAX` is a dropout, so convert counts with saturation. The same value in `command` is a fault.
+    /// `INT32_MAX` is a dropout, so convert counts with saturation. In `command` such a value is a fault.
     pub feedback: [Position; AXES_MAX],
     /// Bit 0 = X, …: the encoder interface of the axis reports an alarm.
     pub encoder_alarm: u8,
@@ -137,7 +137,7 @@ fn padded<const N: usize>(axes: &[CorePosition; N]) -> [Position; AXES_MAX] {
 pub const STATUS_ACTIVE: u8 = 1;
 /// Bit of `record.status`: the correction is frozen after a faulty reading.
 pub const STATUS_FROZEN: u8 = 2;
-/// Bit of `record.status`: the output is held, and the host must stop the machine.
+/// Bit of `record.status`: the output holds, and the host must stop the machine.
 pub const STATUS_STOP_REQUEST: u8 = 4;
 /// Bit of `record.status`: the contour error was measured.
 pub const STATUS_CONTOUR: u8 = 8;

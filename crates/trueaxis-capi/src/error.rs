@@ -6,7 +6,7 @@ use crate::result::{
     ERROR_CONFIG, ERROR_LEARNED, ERROR_LEFT_OUT, ERROR_MACHINE, ERROR_MEMORY, ERROR_PATH, ERROR_POSE, ERROR_TABLES,
     ERROR_THERMAL, ResultCode,
 };
-use crate::text::Text;
+use crate::text::{TEXT, Text};
 use core::ffi::c_char;
 use core::fmt;
 use trueaxis::ConfigError;
@@ -32,6 +32,8 @@ pub struct Error {
     /// - Learned correction: 1 too short, 2 too long, 3 not a learned correction, 4 other format version, 5 wrong
     ///   CRC-32, 6 spacing, 7 resolution, 8 parts, 9 number of nodes, 10 not 0 at its ends, 11 other program, 12 other
     ///   path length, 13 other machine.
+    /// - Part left out: 1 grids, 2 volumetric, 3 rotary, 4 dynamic, 5 gauge, 6 curves, 7
+    ///   toolpath, 8 growth.
     /// - Thermal growth: 1 to 5 as for a learned correction, 6 sensors, 7 axes, 8 number of knots, 9 order of knots, 10
     ///   a time, 11 plausible readings, 12 an axis, 13 not 0, 14 a slope, 15 other machine.
     pub code: u32,
@@ -41,7 +43,8 @@ pub struct Error {
     pub found: f64,
     /// Letter of the axis, or 0.
     pub axis: c_char,
-    /// Name of the setting, or of the part of a segment; may be empty.
+    /// Name of the setting, or of the part of a segment; may be empty. In a library without texts `#` and the number of
+    /// the setting: `trueaxis explain setting NUMBER`.
     pub field: [c_char; 31],
     /// Requirement that the value does not meet; may be empty.
     pub needed: [c_char; 128],
@@ -119,7 +122,8 @@ impl fmt::Display for Refusal {
             Refusal::Config(error) => error.fmt(f),
             Refusal::Memory(lent, needed) => write!(f, "memory: found {lent} bytes, needed {needed} bytes"),
             Refusal::LeftOut(LeftOut(part)) => {
-                write!(f, "the function needs the part {part}, which this build of the library leaves out")
+                let name = part.name;
+                write!(f, "the function needs the part {name}, which this build of the library leaves out")
             }
             Refusal::Path(error) => error.fmt(f),
             Refusal::Pose(error) => write!(f, "pose: {error}"),
@@ -170,7 +174,10 @@ impl Refusal {
                 }
             }
             Refusal::Config(config) => error.add(config),
-            Refusal::LeftOut(LeftOut(part)) => error.needed = Text::of(part),
+            Refusal::LeftOut(LeftOut(part)) => {
+                error.code = part.code.into();
+                error.needed = Text::of(&part.name);
+            }
             Refusal::Learned(learned) => error.code = learned.code().into(),
             Refusal::Thermal(thermal) => error.code = thermal.code().into(),
             Refusal::Memory(lent, needed) => {
@@ -191,10 +198,16 @@ impl Refusal {
 
 impl Error {
     fn add(&mut self, config: &ConfigError) {
+        if let Some(part) = config.left_out {
+            self.code = part as u32;
+        }
         self.index = config.index.unwrap_or(u32::MAX);
         self.found = config.found;
         self.axis = config.axis.map_or(0, |axis| axis.letter() as c_char);
-        self.field = Text::of(&format_args!("{:?}", config.field));
+        self.field = match TEXT {
+            true => Text::of(&format_args!("{:?}", config.field)),
+            false => Text::numbered(config.field.code()),
+        };
         self.needed = Text::of(&config.needed);
     }
 }

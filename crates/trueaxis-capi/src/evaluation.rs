@@ -24,7 +24,7 @@ pub const GAUGE_ARM: u16 = 1 << 5;
 pub const GAUGE_REVERSED: u16 = 1 << 6;
 /// The part turned by more than two points in one cycle.
 pub const GAUGE_TOO_FAST: u16 = 1 << 7;
-/// The spindle stood still.
+/// The spindle has stopped.
 pub const GAUGE_STOPPED: u16 = 1 << 8;
 /// The speed changed by more than a quarter within the revolution. A revolution with this or one of the following flags
 /// is still evaluated.

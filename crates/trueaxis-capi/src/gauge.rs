@@ -163,7 +163,9 @@ pub unsafe extern "C" fn trueaxis_gauge_build(
         need(GAUGE)?;
         let place = opaque::place(gauge, gauge_size)?;
         // SAFETY: the caller's promise.
-        let tables = Tcomp::parse(unsafe { slice(file, length) }?)?;
+        let file = unsafe { slice(file, length) }?;
+        let mut tables = Tcomp::empty();
+        tables.read(file)?;
         let settings: &GaugeSettings = tables.settings().roundness.as_ref().ok_or(ERROR_GAUGE)?;
         let points = match settings.points {
             1024 => AnyGauge::Points1024(roundness::Gauge::build(settings, period_ns)?),

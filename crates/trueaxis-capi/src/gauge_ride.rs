@@ -100,7 +100,7 @@ impl Riding<'_> {
     /// Writes the gauge's results to the caller's structure.
     ///
     /// # Safety
-    /// `to` is the pointer that this was made from, and writable.
+    /// `to` must be the pointer that was passed to [`Riding::of`], and writable.
     #[inline(always)]
     pub(crate) unsafe fn deliver(&self, to: *mut GaugeRide) {
         if self.pair.is_none() {

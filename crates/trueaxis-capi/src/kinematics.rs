@@ -104,7 +104,9 @@ pub unsafe extern "C" fn trueaxis_kinematics_build(
         need(TOOLPATH)?;
         let place = opaque::place(kinematics, kinematics_size)?;
         // SAFETY: the caller's promise.
-        let tables = Tcomp::parse(unsafe { slice(file, length) }?)?;
+        let file = unsafe { slice(file, length) }?;
+        let mut tables = Tcomp::empty();
+        tables.read(file)?;
         let (mut axes, mut count) = ([0; AXES_MAX], 0);
         for (index, (axis, _)) in axes.iter_mut().zip(crate::tables::slots(&tables)) {
             (*index, count) = (Axis::index(axis) as u8, count + 1);

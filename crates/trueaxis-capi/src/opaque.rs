@@ -48,6 +48,22 @@ pub(crate) unsafe fn fill<S: Storage>(place: *mut Kept<S>, content: S::Content) 
     unsafe { place.write(Kept { magic: Kept::<S>::WORD, content }) }
 }
 
+/// Fills storage in place, with a content that is too large to be moved there.
+///
+/// # Safety
+/// As for [`fill`]; `build` writes the whole content, or fails and writes nothing.
+pub(crate) unsafe fn fill_with<S: Storage, E>(
+    place: *mut Kept<S>,
+    build: impl FnOnce(*mut S::Content) -> Result<(), E>,
+) -> Result<(), E> {
+    // SAFETY: aligned and large enough (`place`), writable by the caller's promise.
+    unsafe {
+        build(&raw mut (*place).content)?;
+        (&raw mut (*place).magic).write(Kept::<S>::WORD);
+    }
+    Ok(())
+}
+
 /// Content of filled storage.
 ///
 /// # Safety

@@ -88,7 +88,7 @@ impl Buffer {
     /// Copies the bytes to the buffer; writes nothing if they do not fit.
     ///
     /// # Safety
-    /// The buffer has `size` writable bytes, none of them among `bytes`, and the count is writable.
+    /// The buffer must have `size` writable bytes that do not overlap `bytes`, and the count must be writable.
     pub(crate) unsafe fn fill(self, bytes: &[u8]) -> Result<(), ResultCode> {
         if bytes.len() > self.size {
             return Err(ERROR_BUFFER);

@@ -48,7 +48,8 @@ pub unsafe extern "C" fn trueaxis_loop_build(
         if !apart(lent, (file.as_ptr().addr(), length)) || !apart(lent, (r#loop.addr(), loop_size)) {
             return Err(ERROR_ARGUMENT.into());
         }
-        let tables = Tcomp::parse(file)?;
+        let mut tables = Tcomp::empty();
+        tables.read(file)?;
         if machine_id != 0 {
             tables.expect_machine(machine_id)?;
         }
@@ -69,9 +70,8 @@ pub unsafe extern "C" fn trueaxis_loop_build(
         };
         let grids = copied(tables.grids(), behind);
         let grids = grids.get(..tables.grids().len()).unwrap_or_default();
-        let built = Built::new(&tables, grids, period_ns, lent)?;
         // SAFETY: storage of the size that the caller vouched for.
-        unsafe { opaque::fill(place, built) };
+        unsafe { opaque::fill_with(place, |built| Built::build_at(built, &tables, grids, period_ns, lent))? };
         Ok(())
     };
     // SAFETY: the caller's promise.
@@ -102,8 +102,8 @@ const MOST_AXES: u32 = if cfg!(all(feature = "rotary", not(feature = "three"))) 
 /// tables.
 ///
 /// `axes`: 3 to 6; 3 in a library for three axes only. `reason`: `TRUEAXIS_FAULT_PERIOD_MISMATCH`, `_TABLES_REFUSED`,
-/// `_CAPACITY_TOO_SMALL` or `_ABI_MISMATCH`. `period_ns`: 1,000 to 100,000,000. After an invalid command the last valid
-/// one is held (before the first: the position read), and a stop is requested until the next valid one.
+/// `_CAPACITY_TOO_SMALL` or `_ABI_MISMATCH`. `period_ns`: 1,000 to 100,000,000. After an invalid command the loop holds
+/// the last valid one (before the first: the position read), and requests a stop until the next valid one.
 ///
 /// Real-time safe. Errors: `_AXES`, `_ARGUMENT` (reason, period).
 ///

@@ -50,8 +50,8 @@ impl Direction {
     /// Whether the tool can turn in this way: directions need a length and must not be opposite.
     pub(crate) fn is_possible(&self) -> bool {
         let (Direction::Axes(start, end) | Direction::Vectors(start, end)) = self;
-        let standing = PathSpan::turning([CorePosition::default(); 3], 0, [0.0, 0.0, 1.0]);
-        start.iter().chain(end).all(|x| x.abs() <= 1e9) && self.turn(&standing, [0.0, 1.0]).is_some()
+        let stationary = PathSpan::turning([CorePosition::default(); 3], 0, [0.0, 0.0, 1.0]);
+        start.iter().chain(end).all(|x| x.abs() <= 1e9) && self.turn(&stationary, [0.0, 1.0]).is_some()
     }
 
     fn stays(self) -> Self {

@@ -10,15 +10,15 @@ use crate::result::{self, ERROR_ARGUMENT, ERROR_AXES, ResultCode};
 
 /// Executes one servo cycle: computes drive positions, feedback for the host, and contour error.
 ///
-/// `measure`: the path to measure against; `NULL`: none. `gauge`: a gauge of three probes that takes part; `NULL`:
+/// `measure`: the path to measure against; `NULL`: none. `gauge`: a gauge of three probes to run in this cycle; `NULL`:
 /// none. Every combination of both is allowed. The first cycle returns the command; from then on
-/// `drive = command + correction`. The infeed of a gauge is added to the correction of its axis, before the limiter. In
-/// a bypass no path is measured against, and the gauge measures but feeds nothing in. Between two cycles another loop
-/// with the same number of axes may be passed.
+/// `drive = command + correction`. The infeed of a gauge is added to the correction of its axis, before the limiter. A
+/// bypass measures against no path, and its gauge measures but feeds nothing in. Between two cycles another loop with
+/// the same number of axes may be passed.
 ///
-/// Until either a valid command has come or every axis has been read (without an alarm), no position can be held: the
-/// function returns `TRUEAXIS_ERROR_NO_OUTPUT` and does not write `output->drive`. Once every axis has been read, that
-/// position is held, and a reset near it is accepted.
+/// Until either a valid command has come or every axis has been read (without an alarm), the step has no position to
+/// hold: the function returns `TRUEAXIS_ERROR_NO_OUTPUT` and does not write `output->drive`. Once every axis has been
+/// read, the step holds that position and accepts a reset near it.
 ///
 /// Real-time safe. Errors: `_AXES`, `_STATE`, `_MACHINE` (kinematics), `_ARGUMENT` (kind, refusal), `_NO_OUTPUT`.
 /// Faults of the machine are in `output->record.fault`.

@@ -1,7 +1,7 @@
 //! The step with each measure, for any number of axes.
 //!
-//! Each is called through a pointer stored in a path, a window or the kinematics: a program that starts none of them
-//! does not link it.
+//! A path, a window and the kinematics store a pointer to their step, so a program links only the steps of the objects
+//! that it starts.
 
 use crate::Real;
 use crate::built::{Built, Running, cycle};

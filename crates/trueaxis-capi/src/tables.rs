@@ -68,7 +68,9 @@ pub unsafe extern "C" fn trueaxis_tables_info(
         // SAFETY: the caller's promise.
         unsafe { check_sized(info) }?;
         // SAFETY: the caller's promise.
-        let tables = Tcomp::parse(unsafe { slice(file, length) }?)?;
+        let file = unsafe { slice(file, length) }?;
+        let mut tables = Tcomp::empty();
+        tables.read(file)?;
         let contents = TablesInfo::of(&tables)?;
         // SAFETY: checked: aligned, of the right size; writable by the caller's promise.
         unsafe { info.write(contents) };

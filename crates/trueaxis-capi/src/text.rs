@@ -20,6 +20,17 @@ impl<const N: usize> Text<N> {
         if TEXT { Self::written(what) } else { [0; N] }
     }
 
+    /// `#` and a number, in any build.
+    pub(crate) fn numbered(number: u8) -> [c_char; N] {
+        let digits = [number / 100, number / 10 % 10, number % 10];
+        let mut text = [0; N];
+        let shown = digits.iter().skip(if number < 10 { 2 } else { usize::from(number < 100) });
+        for (place, character) in text.iter_mut().zip([b'#'].into_iter().chain(shown.map(|digit| b'0' + digit))) {
+            *place = character as c_char;
+        }
+        text
+    }
+
     fn written(what: &dyn Display) -> [c_char; N] {
         let mut text = Text { characters: [0; N], length: 0, full: false };
         // Writing never fails here; characters that do not fit are dropped.

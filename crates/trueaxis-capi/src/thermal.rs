@@ -220,7 +220,7 @@ pub unsafe extern "C" fn trueaxis_thermal_believe(task: *mut ThermalTask, sensor
         if sensor as usize >= SENSORS {
             return Err(ERROR_ARGUMENT);
         }
-        task.believe(sensor as usize);
+        task.accept(sensor as usize);
         Ok(())
     };
     result::of(work())

@@ -48,7 +48,7 @@ fn an_ambiguous_step_is_a_dropout() {
 }
 
 #[test]
-fn what_is_no_encoder_is_refused() {
+fn invalid_encoders_are_refused() {
     for (offset, resolution, span) in [
         (f64::NAN, 1e-3, 1 << 16),
         (2e9, 1e-3, 1 << 16),

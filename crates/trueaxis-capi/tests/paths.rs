@@ -60,7 +60,7 @@ fn a_segment_that_does_not_fit_changes_nothing() {
 }
 
 #[test]
-fn what_is_no_path_is_refused() {
+fn invalid_paths_are_refused() {
     let mut path = Programmed::new(32, 0);
     let mut error = error();
     let zero = [0.0; 3];

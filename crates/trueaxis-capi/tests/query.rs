@@ -122,8 +122,8 @@ fn the_nearest_foot_of_a_path() {
     let spans = found.span;
     assert!((5..8).contains(&spans) && found.lag == 0.0, "{found:?}");
     // A point that is not finite and a path that was not started are refused.
-    let nowhere = [f64::INFINITY; 3].map(position);
-    assert_eq!(foot(&path.path, &nowhere, &mut found), ERROR_ARGUMENT);
+    let unusable = [f64::INFINITY; 3].map(position);
+    assert_eq!(foot(&path.path, &unusable, &mut found), ERROR_ARGUMENT);
     assert_eq!(foot(&zeroed::<Path>(), &point, &mut found), ERROR_UNBUILT);
     // SAFETY: invalid arguments are null.
     unsafe {

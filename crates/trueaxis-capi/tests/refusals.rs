@@ -183,7 +183,7 @@ fn contents_that_make_no_sense_name_the_setting() {
     machine.settings.axes.iter_mut().for_each(|axis| axis.servo.dynamic = None);
     let good = trueaxis_tables::compile(&machine).unwrap();
     machine.settings.axes[1].limits.slope_per_s = 0.0;
-    // The compiler refuses this setting too, so the file is made from a valid one, in which the slope limit of Y is a
+    // The compiler refuses this setting too, so the test patches a valid file, in which the slope limit of Y is a
     // double.
     assert!(trueaxis_tables::compile(&machine).is_err());
     let slope = 5.0_f64.to_le_bytes();

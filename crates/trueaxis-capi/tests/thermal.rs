@@ -83,7 +83,7 @@ fn begun(thermal: &Thermal, task: &mut ThermalTask, temperature_c: f64) -> Growt
 }
 
 #[test]
-fn growth_follows_the_sensor_and_stands_still_without_it() {
+fn growth_follows_the_sensor_and_stays_constant_without_it() {
     let file = file(7);
     let thermal = read_in(&file, 7).unwrap();
     let mut task = task();
@@ -91,8 +91,8 @@ fn growth_follows_the_sensor_and_stands_still_without_it() {
     assert_eq!((warm.axes, warm.good, warm.complete, warm.sensors[0]), (0b101, 1, 1, SENSOR_GOOD));
     assert!((warm.offset[0] - 0.005).abs() < 1e-12 && (warm.slope[0] - 1e-5).abs() < 1e-15);
     assert!((warm.offset[2] + 0.0025).abs() < 1e-12 && warm.offset[1] == 0.0);
-    let gone = updated(&thermal, &mut task, &readings(60.0, f64::NAN));
-    assert_eq!((gone.good, gone.sensors[0], gone.offset), (0, SENSOR_MISSING, warm.offset));
+    let lost = updated(&thermal, &mut task, &readings(60.0, f64::NAN));
+    assert_eq!((lost.good, lost.sensors[0], lost.offset), (0, SENSOR_MISSING, warm.offset));
     let jumped = updated(&thermal, &mut task, &readings(60.0, 60.0));
     assert_eq!((jumped.sensors[0], jumped.offset), (SENSOR_JUMPED, warm.offset));
     // SAFETY: all pointers and sizes match their types.
@@ -100,8 +100,8 @@ fn growth_follows_the_sensor_and_stands_still_without_it() {
         assert_eq!(trueaxis_thermal_believe(&mut *task, 0), OK);
         assert_eq!(trueaxis_thermal_believe(&mut *task, 16), ERROR_ARGUMENT);
     }
-    let believed = updated(&thermal, &mut task, &readings(60.0, 60.0));
-    assert_eq!((believed.sensors[0], believed.at_edge), (SENSOR_GOOD, 1));
+    let accepted = updated(&thermal, &mut task, &readings(60.0, 60.0));
+    assert_eq!((accepted.sensors[0], accepted.at_edge), (SENSOR_GOOD, 1));
 }
 
 #[test]
@@ -136,7 +136,7 @@ fn damage_and_other_machines_are_refused_with_a_code() {
 }
 
 #[test]
-fn growth_is_led_in_by_the_step_through_its_limiter() {
+fn growth_is_ramped_in_by_the_limiter_of_the_step() {
     // One direction only: a correction that is being applied may end on the other side of a backlash.
     let machine = small();
     let tables = trueaxis_tables::compile(&machine).unwrap();

@@ -1,7 +1,7 @@
 //! `trueaxis ballbar`.
 
 use crate::machine_folder::{self, Writing};
-use crate::output::{print, tell};
+use crate::output::{print, report_line};
 use crate::report;
 use anyhow::{Context, Result};
 use clap::Args;
@@ -102,7 +102,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let options = Options::new(arguments.radius_mm, arguments.axes, pitches_mm).map_err(|wrong| wrong.option())?;
     let record = &arguments.record;
     let bytes = std::fs::read(record).with_context(|| format!("cannot read {}", record.display()))?;
-    let test = Test::read(&bytes, record, &options, |note| tell(format_args!("note: {note}")))?;
+    let test = Test::read(&bytes, record, &options, |note| report_line(format_args!("note: {note}")))?;
     let document = test.document();
     let files = arguments.machine.iter().flat_map(|machine| machine_folder::inputs(machine, into));
     let mut outputs = Outputs::of(files.chain([arguments.record.clone()]));
@@ -119,7 +119,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
         report::write(&mut outputs, &report::ballbar::page(&source, &test, &document), directory, "ballbar.html")?;
     }
     outputs.commit()?;
-    done.tell();
+    done.print_notes();
     if arguments.json { done.json(&document) } else { print(&table(&document)?) }
 }
 

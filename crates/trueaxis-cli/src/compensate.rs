@@ -2,7 +2,7 @@
 
 use crate::csv_in::{self, Rows};
 use crate::model;
-use crate::output::{Writer, tell};
+use crate::output::{Writer, report_line};
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
@@ -65,7 +65,7 @@ pub(crate) struct Arguments {
     /// All axes travel in negative direction.
     #[arg(long, help_heading = "Direction of travel and temperature")]
     reverse: bool,
-    /// The positions are approached in their order, the first in positive travel.
+    /// The machine approaches the positions in their order, the first in positive travel.
     #[arg(long, conflicts_with = "reverse", help_heading = "Direction of travel and temperature")]
     in_order: bool,
     /// Temperature of the machine, °C, for its thermal growth [default: its reference temperature].
@@ -82,7 +82,7 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let mut machine = model::machine(&arguments.machine)?;
     if !machine.states_errors() {
-        tell(format_args!("note: {}", Warning::NoErrorsStated));
+        report_line(format_args!("note: {}", Warning::NoErrorsStated));
     }
     let mut positions = csv_in::open(&arguments.positions, &COLUMNS, "positions")?;
     for (column, present) in COLUMNS.iter().zip(positions.present).skip(3) {
@@ -195,14 +195,14 @@ impl Written<'_> {
 
     fn finish(self, machine: &Machine, count: usize) -> Result<()> {
         if self.clamped > 0 {
-            tell(format_args!(
+            report_line(format_args!(
                 "note: {} of {} beyond a table's end, where its edge value is used",
                 self.clamped,
                 counted(count, "position")
             ));
         }
         for note in self.clipped.notes(&machine.settings, "position") {
-            tell(format_args!("note: {note}"));
+            report_line(format_args!("note: {note}"));
         }
         self.out.finish()
     }

@@ -1,12 +1,12 @@
 //! `trueaxis contour`.
 
 use crate::csv_in::{self, Column, Row};
-use crate::output::{Writer, tell};
+use crate::output::{Writer, report_line};
 use anyhow::{Result, anyhow};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use trueaxis::contour::{ContourSearch, Method};
-use trueaxis_evaluation::path::{Alive, Foot, PathFile, Standing};
+use trueaxis_evaluation::path::{Alive, Foot, PathFile, StuckAxis};
 use trueaxis_tables::text::read_text;
 
 pub(crate) const EXAMPLE: &str = "\
@@ -69,7 +69,7 @@ const COLUMNS: [Column; 5] = [
 
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let text = read_text(&arguments.path, &[])?;
-    let path = PathFile::read(&text, &arguments.path)?.cut(&mut |note| tell(format_args!("note: {note}")))?;
+    let path = PathFile::read(&text, &arguments.path)?.cut(&mut |note| report_line(format_args!("note: {note}")))?;
     let mut actual = csv_in::open(&arguments.actual, &COLUMNS, "positions")?;
     let method = match arguments.method {
         Refinement::Guarded => Method::Guarded,
@@ -88,8 +88,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
         let Foot { segment, u, error_um, vector_um: [ex, ey, ez], evaluations, bracketed, .. } = foot;
         out.put(format_args!("{segment},{u},{error_um},{ex},{ey},{ez},{evaluations},{bracketed}\n"))?;
     }
-    alive.check().map_err(|standing| {
-        actual.error(standing.row as u32, COLUMNS[2 + standing.axis].name, standing.found, Standing::NEEDED)
+    alive.check().map_err(|stuck| {
+        actual.error(stuck.row as u32, COLUMNS[2 + stuck.axis].name, stuck.found, StuckAxis::NEEDED)
     })?;
     out.finish()
 }

@@ -1,6 +1,6 @@
 //! CSV files, row by row, with a progress bar.
 
-use crate::output::{progress, tell};
+use crate::output::{progress, report_line};
 use anyhow::{Context, Result};
 use indicatif::{ProgressBar, ProgressBarIter};
 use std::fs::File;
@@ -17,7 +17,7 @@ pub(crate) fn open<const C: usize>(file: &Path, columns: &[Column; C], what: &'s
     let bar = progress(input.metadata().map_or(0, |data| data.len()), what);
     let aside = bar.clone();
     let watched = Watched { input: bar.wrap_read(input), bar };
-    Rows::new(watched, file, columns, move |how| aside.suspend(|| tell(format_args!("note: {how}"))))
+    Rows::new(watched, file, columns, move |how| aside.suspend(|| report_line(format_args!("note: {how}"))))
 }
 
 /// Moves a bar as the file is read, and clears it at the end.

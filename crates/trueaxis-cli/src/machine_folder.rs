@@ -1,7 +1,7 @@
 //! Writes results of an identification into a machine's folder, or into a copy of it.
 
 use crate::model;
-use crate::output::{json, print, tell};
+use crate::output::{json, print, report_line};
 use anyhow::{Result, bail};
 use clap::Args;
 use serde::Serialize;
@@ -89,8 +89,8 @@ pub(crate) struct Writing {
     /// Print the changes to the machine, with old values and reasons, and write nothing.
     #[arg(long, help_heading = "Writing into a machine")]
     pub(crate) dry_run: bool,
-    /// Write every value found, also one that the rule rejects: within its scatter of zero, less certain than the stated one, a
-    /// misfit. The command reports what the rule would have written. A value that the controller would refuse is refused.
+    /// Write every value found, even one that the rule rejects: within its scatter of zero, less certain than the stated one,
+    /// a misfit. The command still reports the rule's decision, and refuses a value that the controller would refuse.
     #[arg(long, help_heading = "Writing into a machine")]
     pub(crate) force: bool,
 }
@@ -101,8 +101,8 @@ impl Writing {
         output.filter(|_| !self.dry_run)
     }
 
-    /// Whether the command decides on its findings: it writes `into` a machine, or only reports what it would write. Refuses
-    /// `--force` without a machine.
+    /// Whether the command decides on its findings: it does if it writes `into` a machine, or if it reports the decisions in a
+    /// dry run. Refuses `--force` otherwise.
     pub(crate) fn decides(&self, into: Option<&Path>) -> Result<bool> {
         let decides = into.is_some() || self.dry_run;
         if self.force && !decides {
@@ -130,9 +130,9 @@ struct WithDecisions<'d, D> {
 }
 
 impl Done {
-    /// Prints the notes on what was decided and written.
-    pub(crate) fn tell(&self) {
-        tell_written(&self.notes);
+    /// Prints the notes on the decisions and the written files.
+    pub(crate) fn print_notes(&self) {
+        print_notes(&self.notes);
     }
 
     /// Prints the document with the decisions as JSON.
@@ -140,7 +140,7 @@ impl Done {
         json(&WithDecisions { document, written: self.decisions.as_deref() })
     }
 
-    /// Prints what would be written: with the document as JSON, or as notes only.
+    /// Prints the decisions: with the document as JSON, or as notes only.
     pub(crate) fn dry_run(&self, document: &impl Serialize, as_json: bool) -> Result<()> {
         if as_json {
             return self.json(document);
@@ -170,9 +170,9 @@ pub(crate) fn decide(
     Ok(Done { decisions: Some(decisions), notes })
 }
 
-/// Prints notes on what was written.
-pub(crate) fn tell_written(notes: &[String]) {
-    notes.iter().for_each(tell);
+/// Prints the notes on the written files.
+pub(crate) fn print_notes(notes: &[String]) {
+    notes.iter().for_each(report_line);
 }
 
 /// Stages a whole machine in a folder without one. Returns the notes to print once it is written.

@@ -12,6 +12,7 @@ mod correct;
 mod csv_in;
 mod desk;
 mod evaluate;
+mod explain;
 mod friction;
 mod helicoid;
 mod identify;
@@ -143,6 +144,9 @@ enum Command {
     /// Convert a controller's telemetry to a table, Parquet or CSV.
     #[command(before_help = telemetry::EXAMPLE, after_help = telemetry::HELP)]
     Telemetry(telemetry::Arguments),
+    /// Explain a code that a controller or the C library reports.
+    #[command(after_help = explain::HELP)]
+    Explain(explain::Arguments),
     /// Serve the desk: machine, servo, helicoid, roundness and friction in a page that runs the code of these commands.
     #[command(before_help = desk::EXAMPLE, after_help = desk::HELP)]
     Desk(desk::Arguments),
@@ -172,6 +176,7 @@ fn main() -> ExitCode {
         Command::Thermal(command) => thermal::run(command),
         Command::Uncertainty(arguments) => uncertainty::run(&arguments),
         Command::Telemetry(arguments) => telemetry::run(&arguments),
+        Command::Explain(arguments) => explain::run(&arguments),
         Command::Desk(arguments) => desk::run(&arguments),
     };
     output::exit_code(result)

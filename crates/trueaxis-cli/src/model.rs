@@ -1,6 +1,6 @@
 //! A machine's error model in memory: from machine.toml, its folder, or a compiled .tcomp.
 
-use crate::output::tell;
+use crate::output::report_line;
 use anyhow::{Result, bail};
 use std::path::Path;
 pub(crate) use trueaxis_evaluation::by_axes;
@@ -21,11 +21,11 @@ pub(crate) fn source(path: &Path) -> Result<Machine> {
 
 /// Prints a note on how an input was read.
 pub(crate) fn note(text: String) {
-    tell(format_args!("note: {text}"));
+    report_line(format_args!("note: {text}"));
 }
 
 /// Reports a command that was interrupted while it wrote a file of this machine.
-pub(crate) fn tell_left(path: &Path) {
+pub(crate) fn report_interrupted(path: &Path) {
     model::left(path).into_iter().for_each(note);
 }
 

@@ -101,8 +101,8 @@ fn cannot_write(file: &Path) -> String {
     format!("cannot write {}", file.display())
 }
 
-/// Prints a line on standard error. A closed standard error is not an error, and there is nowhere to report one.
-pub(crate) fn tell(line: impl Display) {
+/// Prints a line on standard error. Ignores errors, because a failing standard error leaves nowhere to report them.
+pub(crate) fn report_line(line: impl Display) {
     let _ = writeln!(std::io::stderr().lock(), "{}", printable(&line.to_string()));
 }
 
@@ -144,7 +144,7 @@ pub(crate) fn exit_code(result: Result<()>) -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) if error.is::<Closed>() => ExitCode::SUCCESS,
         Err(error) => {
-            tell(format_args!("error: {error:#}"));
+            report_line(format_args!("error: {error:#}"));
             ExitCode::from(if error.is::<NeedsPerson>() { 3 } else { 2 })
         }
     }

@@ -2,7 +2,7 @@
 
 use crate::csv_in;
 use crate::numbers::triple;
-use crate::output::{Writer, json, progress, tell};
+use crate::output::{Writer, json, progress, report_line};
 use crate::probes::ProbeArguments;
 use crate::report;
 use anyhow::Result;
@@ -75,11 +75,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let mut rows = csv_in::open(&arguments.readings, &COLUMNS, "readings")?;
     let readings = plan.read(&mut rows)?;
     if let Some(note) = readings.note(plan.points()) {
-        tell(format_args!("note: {note}"));
+        report_line(format_args!("note: {note}"));
     }
     let separations = separate(&plan, &readings)?;
     for warning in plan.warnings(&separations, &readings) {
-        tell(format_args!("warning: {warning}"));
+        report_line(format_args!("warning: {warning}"));
     }
     // Only the document and the page show circles, harmonics and motion.
     let evaluation =

@@ -1,6 +1,6 @@
 //! `trueaxis telemetry`.
 
-use crate::output::tell;
+use crate::output::report_line;
 use anyhow::{Context, Result, anyhow, bail};
 use clap::Args;
 use std::io::Write;
@@ -64,7 +64,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     for file in &arguments.frames {
         let bytes = std::fs::read(file).with_context(|| file.display().to_string())?;
         let received = Received::read(&bytes);
-        notes(file, &received).iter().for_each(|note| tell(format_args!("note: {note}")));
+        notes(file, &received).iter().for_each(|note| report_line(format_args!("note: {note}")));
         all.push((file.display().to_string(), received));
     }
     let letters = axes(arguments.axes.as_deref(), &all)?;
@@ -85,10 +85,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     }
     outputs.commit()?;
     let cycles: usize = all.iter().map(|(_, of)| of.frames.len()).sum();
-    tell(format_args!("written  {}  {}", arguments.output.display(), counted(cycles, "cycle")));
+    report_line(format_args!("written  {}  {}", arguments.output.display(), counted(cycles, "cycle")));
     if let Some(file) = &arguments.revolutions {
         let count: usize = all.iter().map(|(_, of)| of.revolutions.len()).sum();
-        tell(format_args!("written  {}  {}", file.display(), counted(count, "revolution")));
+        report_line(format_args!("written  {}  {}", file.display(), counted(count, "revolution")));
     }
     Ok(())
 }

@@ -123,13 +123,13 @@ fn positions_come_in_three_forms() {
     folder.write("gap.txt", sampled.replacen("\n75 ", "\n#", 1).replace('#', "76 "));
     folder.write("lost.txt", sampled.replacen("\n80 ", "\noverrun\n80 ", 1));
     folder.write("zeros.bin", [0; 40]);
-    for (file, told) in [
+    for (file, message) in [
         ("gap.txt", "gap.txt:6: found sample 76 after 74, needed every cycle, none lost"),
         ("lost.txt", "lost.txt:11: found \"overrun\", needed command and position of the first axis"),
         ("zeros.bin", "zeros.bin: found no whole record of a cycle, needed text or telemetry"),
         ("zx.csv", "zx.csv: found columns z_cmd_mm, z_mm, x_cmd_mm, x_mm, needed the columns angle_deg, deviation_um"),
     ] {
-        folder.bad(&["ballbar", file, "--radius-mm", "40"], &[told]);
+        folder.bad(&["ballbar", file, "--radius-mm", "40"], &[message]);
     }
     let wrong = "found commands that turn with a radius of 40.0000 mm, needed circles of 45 mm about one centre";
     folder.bad(&["ballbar", "samples.txt", "--radius-mm", "45"], &[wrong]);
@@ -137,7 +137,7 @@ fn positions_come_in_three_forms() {
 
 /// Squareness and backlash are written into the machine, replacing or adding to the stated values; the rest is unchanged.
 #[test]
-fn what_becomes_a_setting_is_written_into_the_machine() {
+fn identified_settings_are_written_into_the_machine() {
     let folder = Folder::new(TRUEAXIS);
     folder.write("record.csv", record(&[1.0, -1.0]));
     let toml = "# ours\nname = \"m\"\nchain = \"w Y' X' b Z t\"\n[location]\nC0Y_urad = 20\n[axis.X]\ntable = \"x.csv\"\n\
@@ -175,20 +175,20 @@ fn what_becomes_a_setting_is_written_into_the_machine() {
 
 /// Only errors that the circle shows are reported as written; a lost motion within its scatter is not.
 #[test]
-fn what_has_not_changed_is_not_claimed() {
+fn only_changed_terms_are_reported() {
     let folder = Folder::new(TRUEAXIS);
     folder.write("record.csv", record(&[1.0, -1.0]));
     let toml = "name = \"m\"\nchain = \"w b X Y Z t\"\n[location]\nA0Z_urad = 32.123456789\nB0Z_urad = 38.987654321\nC0Y_urad = 20\n";
     folder.write("m/machine.toml", toml);
-    let [_, told] = folder.both(&["ballbar", "record.csv", "--radius-mm", "100", "--machine", "m", "-o", "new"]);
-    assert!(told.contains("location.C0Y_urad") && !told.contains("A0Z") && !told.contains("B0Z"), "{told}");
+    let [_, stderr] = folder.both(&["ballbar", "record.csv", "--radius-mm", "100", "--machine", "m", "-o", "new"]);
+    assert!(stderr.contains("location.C0Y_urad") && !stderr.contains("A0Z") && !stderr.contains("B0Z"), "{stderr}");
     let text = folder.read("new/machine.toml");
     assert!(text.contains("A0Z_urad = 32.123456789\nB0Z_urad = 38.987654321\nC0Y_urad = 50"), "{text}");
     assert!(text.contains("[axis.X]\nbacklash_um = 5") && !text.contains("[axis.Y]"), "{text}");
-    assert!(told.lines().any(|line| line.starts_with("axis.Y.backlash_um") && line.contains("of zero")), "{told}");
+    assert!(stderr.lines().any(|line| line.starts_with("axis.Y.backlash_um") && line.contains("of zero")), "{stderr}");
     let call = ["ballbar", "record.csv", "--radius-mm", "100", "--machine", "m", "-o", "forced", "--force"];
-    let [_, told] = folder.both(&call);
-    assert!(told.contains("forced, the rule writes nothing: within 2 standard uncertainties of zero"), "{told}");
+    let [_, stderr] = folder.both(&call);
+    assert!(stderr.contains("forced, the rule writes nothing: within 2 standard uncertainties of zero"), "{stderr}");
     let text = folder.read("forced/machine.toml");
     assert!(text.contains("[axis.Y]\nbacklash_um = ") && text.contains("B0Z_urad = 38.987654321\n"), "{text}");
     folder.bad(&["ballbar", "record.csv", "--radius-mm", "100", "--force"], &["--machine"]);
@@ -207,9 +207,9 @@ fn positions_take_no_squareness_away() {
     let toml =
         "name = \"m\"\nchain = \"w b X Y Z t\"\n[location]\nC0Y_urad = 38.0\n[uncertainty.location]\nC0Y_urad = 2.0\n";
     folder.write("m/machine.toml", toml);
-    let [_, told] = folder.both(&["ballbar", "grid.csv", "--radius-mm", "40", "--machine", "m", "-o", "new"]);
+    let [_, stderr] = folder.both(&["ballbar", "grid.csv", "--radius-mm", "40", "--machine", "m", "-o", "new"]);
     let text = folder.read("new/machine.toml");
-    assert!(text.contains("[location]\nC0Y_urad = 38.0\n") && text.contains("backlash_um = 3"), "{text} {told}");
+    assert!(text.contains("[location]\nC0Y_urad = 38.0\n") && text.contains("backlash_um = 3"), "{text} {stderr}");
 }
 
 /// A control that compensates 8 µm too much: the cause is named and the squareness is written.
@@ -219,15 +219,15 @@ fn lost_motion_below_zero_refuses_nothing_else() {
     folder.write("record.csv", record_of(&[1.0, -1.0], -8.0));
     folder.write("m/machine.toml", "name = \"m\"\nchain = \"w b X Y Z t\"\n");
     let ballbar = ["ballbar", "record.csv", "--radius-mm", "100", "--machine", "m", "-o", "new"];
-    let [found, told] = folder.both(&ballbar);
+    let [found, stderr] = folder.both(&ballbar);
     let cause = "-8.0 µm: lost motion below zero is over-compensation: the control takes up too much";
     assert!(
         found.replace('\u{2212}', "-").contains(&format!("note: backlash X is {}", cause.replace("8.0", "8.00"))),
         "{found}"
     );
     assert!(
-        told.lines().any(|line| line.starts_with("axis.X.backlash_um") && line.contains("lost motion below zero")),
-        "{told}"
+        stderr.lines().any(|line| line.starts_with("axis.X.backlash_um") && line.contains("lost motion below zero")),
+        "{stderr}"
     );
     let text = folder.read("new/machine.toml");
     assert!(text.contains("C0Y_urad = 50") && !text.contains("backlash"), "{text}");
@@ -262,9 +262,9 @@ fn a_direction_is_read_as_people_write_it() {
 
 /// Deviations in mm under a header of µm: no machine is that round.
 #[test]
-fn a_circle_rounder_than_any_is_told() {
+fn an_implausibly_round_circle_is_reported() {
     let folder = Folder::new(TRUEAXIS);
-    let told = |scale: f64| {
+    let warns = |scale: f64| {
         let text = record(&[1.0, -1.0]).lines().enumerate().fold(String::new(), |text, (k, line)| {
             let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
             if k > 0 {
@@ -274,13 +274,13 @@ fn a_circle_rounder_than_any_is_told() {
         });
         folder.write("scaled.csv", text);
         let found = folder.json(&["ballbar", "scaled.csv", "--radius-mm", "100", "--json"]);
-        found["warnings"].as_array().unwrap().iter().any(|told| told.as_str().unwrap().contains("may be in mm"))
+        found["warnings"].as_array().unwrap().iter().any(|warning| warning.as_str().unwrap().contains("may be in mm"))
     };
-    assert!(told(1e-3) && !told(1.0) && !told(0.1));
+    assert!(warns(1e-3) && !warns(1.0) && !warns(0.1));
 }
 
 #[test]
-fn what_is_wrong_is_told_with_its_line() {
+fn errors_name_their_line() {
     let folder = Folder::new(TRUEAXIS);
     let good = record(&[1.0]);
     folder.write("still.csv", good.replacen("2.5,", "2.5,0,0\n3.5,", 1).replace("0,0\n3.5,", "0,0\n#"));
@@ -290,7 +290,7 @@ fn what_is_wrong_is_told_with_its_line() {
         angle.parse::<f64>().map_or(format!("{line}\n"), |angle| format!("{:.4},{rest}\n", angle.to_radians()))
     };
     folder.write("radians.csv", good.lines().map(in_radians).collect::<String>());
-    for (file, told) in [
+    for (file, message) in [
         ("radians.csv", "radians.csv:361: column angle_deg: found 6.2745, needed angles in degrees"),
         (
             "still.csv",
@@ -300,6 +300,6 @@ fn what_is_wrong_is_told_with_its_line() {
     ] {
         let refused = folder.run(&["ballbar", file, "--radius-mm", "100"]);
         let error = String::from_utf8_lossy(&refused.stderr).into_owned();
-        assert!(refused.status.code() == Some(2) && error.contains(told), "{error}");
+        assert!(refused.status.code() == Some(2) && error.contains(message), "{error}");
     }
 }

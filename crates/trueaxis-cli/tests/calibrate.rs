@@ -1,4 +1,4 @@
-//! `trueaxis calibrate` as called. A few lines simulate the control, the probe and the machine: every probing move of the
+//! `trueaxis calibrate` as called. The tests simulate control, probe and machine in a few lines: every probing move of the
 //! program runs against artefacts on a machine with known scales, squareness and backlash.
 
 use trueaxis_testing::command::Folder;
@@ -86,7 +86,7 @@ fn solve<'a>(output: &'a str, more: &[&'a str]) -> Vec<&'a str> {
 }
 
 #[test]
-fn a_ring_and_a_ball_tell_the_machine() {
+fn a_ring_and_a_ball_determine_the_machine() {
     let (folder, program) = planned(&whole_task());
     folder.write("probe.log", bench().run(&program));
     let found = folder.json(&solve("mill", &["--json", "--report", "out"]));
@@ -133,11 +133,11 @@ fn a_ring_and_a_ball_tell_the_machine() {
 fn lost_motion_below_zero_refuses_nothing_else() {
     let (folder, program) = planned(&whole_task());
     folder.write("probe.log", Bench { lost_x_um: -6.0, ..bench() }.run(&program));
-    let [found, told] = folder.both(&solve("mill", &[]));
+    let [found, stderr] = folder.both(&solve("mill", &[]));
     assert!(found.contains("note: backlash of X is −6.00 µm: lost motion below zero"), "{found}");
     assert!(
-        told.lines().any(|line| line.starts_with("axis.X.backlash_um") && line.contains("lost motion below zero")),
-        "{told}"
+        stderr.lines().any(|line| line.starts_with("axis.X.backlash_um") && line.contains("lost motion below zero")),
+        "{stderr}"
     );
     let text = folder.read("mill/machine.toml");
     let (x, y) = text.split_once("[axis.Y]").unwrap();
@@ -230,7 +230,7 @@ fn bad_logs_are_refused_with_their_line() {
 }
 
 #[test]
-fn what_a_set_up_cannot_tell_apart_is_named() {
+fn terms_that_a_set_up_cannot_separate_are_named() {
     let folder = Folder::new(TRUEAXIS);
     folder.write("mill/machine.toml", MACHINE);
     let refused = |task: String, parts: &[&str]| {
@@ -246,8 +246,8 @@ fn what_a_set_up_cannot_tell_apart_is_named() {
     let over = format!("{square}[[artefact.place]]\nat_mm = [350.0, 100.0, -150.0]\nreversed = true\n");
     let expected = |task: String| -> f64 {
         folder.write("task.toml", task);
-        let [_, told] = folder.both(&["calibrate", "plan", "task.toml", "-o", "probe.ngc"]);
-        let line = told.lines().find(|line| line.contains("squareness C0Y")).unwrap_or_else(|| panic!("{told}"));
+        let [_, stderr] = folder.both(&["calibrate", "plan", "task.toml", "-o", "probe.ngc"]);
+        let line = stderr.lines().find(|line| line.contains("squareness C0Y")).unwrap_or_else(|| panic!("{stderr}"));
         line.split_whitespace().nth(2).unwrap().parse().unwrap()
     };
     // 12 touches of 1 µm at six points over 0.9 of an arm give its direction to 1 µm / (0.31 · length · √12): 4.7 and 6.2 µrad

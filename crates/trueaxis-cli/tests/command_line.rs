@@ -458,8 +458,8 @@ fn licences_are_printed() {
     folder.bad(&["--licences", "tables", "check"], &["cannot be used with"]);
 }
 
-/// Margins and servo settings of the sample mill are shown; gains that leave too little margin at a servo rate are refused
-/// with the largest permitted ones, and nothing is written.
+/// `tables` shows margins and servo settings of the sample mill. It refuses gains that leave too little margin at a servo
+/// rate, names the largest permitted ones, and writes nothing.
 #[test]
 fn margins_are_shown_and_gains_refused() {
     let directory = Folder::new(TRUEAXIS);
@@ -522,7 +522,7 @@ fn counts_and_numbers_read_as_people_write_them() {
 
 /// Every reader names the line of bytes that are not UTF-8, and no quoted input moves the cursor.
 #[test]
-fn odd_bytes_are_told_with_their_line_and_written_out() {
+fn odd_bytes_are_reported_with_their_line_and_escaped() {
     let directory = Folder::new(TRUEAXIS);
     for name in ["latin.csv", "latin.json", "latin.comp"] {
         directory.write(name, b"x_mm,y_mm\n1,2\n3,\xb5\n");
@@ -551,7 +551,7 @@ fn odd_bytes_are_told_with_their_line_and_written_out() {
 
 /// Files and commands in `--help` can be copied from a terminal of 80 columns.
 #[test]
-fn what_help_shows_is_read_as_it_stands_in_a_narrow_terminal() {
+fn help_examples_can_be_copied_from_a_narrow_terminal() {
     let folder = Folder::new(TRUEAXIS);
     let shown = |command: &str| {
         let output = folder.command(&[command, "--help"]).env("COLUMNS", "80").output().unwrap();

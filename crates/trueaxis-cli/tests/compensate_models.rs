@@ -135,7 +135,7 @@ fn orientation_needs_a_model_that_has_one() {
 }
 
 #[test]
-fn the_model_is_the_machines_own_unless_told() {
+fn the_model_defaults_to_the_machines_own() {
     let directory = Folder::new(TRUEAXIS);
     for machine in ["mill-3axis", "mill-5axis", "head-5axis"] {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../compensation-tables").join(machine);
@@ -186,7 +186,7 @@ fn in_order_the_direction_is_that_of_the_drives() {
 }
 
 #[test]
-fn check_tells_what_lost_motion_costs() {
+fn check_reports_the_cost_of_lost_motion() {
     let directory = Folder::new(TRUEAXIS);
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../compensation-tables/mill-3axis");
     let folder = folder.to_str().unwrap();

@@ -1,4 +1,4 @@
-//! `trueaxis correct`: against `compensate`, against exact transforms, and every invalid query.
+//! `trueaxis correct`, compared with `compensate` and with exact transforms, and every invalid query.
 
 use serde_json::Value;
 use std::path::Path;
@@ -95,11 +95,11 @@ fn five_axes_agree_with_compensate_and_with_exact_transforms() {
 #[test]
 fn without_a_position_the_middle_of_the_travel() {
     let directory = folder();
-    let [text, told] = directory.both(&["correct", "mill-3axis"]);
-    assert!(text.contains("at X 0, Y 0, Z -200 mm (middle of the travel)") && told.is_empty(), "{text}{told}");
+    let [text, stderr] = directory.both(&["correct", "mill-3axis"]);
+    assert!(text.contains("at X 0, Y 0, Z -200 mm (middle of the travel)") && stderr.is_empty(), "{text}{stderr}");
     let found = document(&directory, &["correct", "mill-3axis"]);
     assert_eq!(found, document(&directory, &["correct", "mill-3axis", "--at", "0,0,-200"]));
-    // Rotary axes that are left out are at zero.
+    // Omitted rotary axes are at zero.
     let five = document(&directory, &["correct", "mill-5axis", "--at", "0,0,-100"]);
     assert_eq!(five, document(&directory, &["correct", "mill-5axis", "--at", "0,0,-100,0,0"]));
 }
@@ -108,9 +108,9 @@ fn without_a_position_the_middle_of_the_travel() {
 fn beyond_the_tables_the_edge_value_is_clamped() {
     let directory = folder();
     let output = directory.run(&["correct", "mill-3axis", "--at", "5000,0,-200", "--json"]);
-    let told = String::from_utf8(output.stderr).unwrap();
-    assert!(output.status.success() && told.contains("axis X beyond the end of the table"), "{told}");
-    assert!(told.contains("axis X outside the declared travel"), "{told}");
+    let stderr = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.success() && stderr.contains("axis X beyond the end of the table"), "{stderr}");
+    assert!(stderr.contains("axis X outside the declared travel"), "{stderr}");
     let found: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!((&found["clamped"], &found["out_of_travel"]), (&serde_json::json!(["X"]), &serde_json::json!(["X"])));
     let edge = document(&directory, &["correct", "mill-3axis", "--at", "300,0,-200"]);

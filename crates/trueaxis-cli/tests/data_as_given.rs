@@ -28,7 +28,7 @@ fn separators_and_decimal_commas_are_recognised_everywhere() {
     let [truth, silent] = directory.both(&["compensate", "m", "p.csv"]);
     assert!(!silent.contains("read as"), "{silent}");
     let comma = |separator: &str| plain.replace(',', separator).replace('.', ",");
-    for (text, told) in [
+    for (text, message) in [
         (comma(";"), "p.csv: read as semicolon separated with decimal commas"),
         (comma("\t"), "p.csv: read as tab separated with decimal commas"),
         (plain.replace(',', ";"), "p.csv: read as semicolon separated\n"),
@@ -41,9 +41,9 @@ fn separators_and_decimal_commas_are_recognised_everywhere() {
         directory.write("p.csv", &text);
         let [found, error] = directory.both(&["compensate", "m", "p.csv"]);
         assert_eq!(found, truth, "{text:?}");
-        assert_eq!(error.matches(told).count(), 1, "{error}");
+        assert_eq!(error.matches(message).count(), 1, "{error}");
     }
-    // So do the machine's own tables.
+    // The machine's own tables may use these separators, too.
     directory.write("m/x.csv", "X_mm;EXX_um\n0;0\n100,5;20,5\n");
     directory.write("p.csv", plain);
     let [found, error] = directory.both(&["compensate", "m", "p.csv"]);
@@ -52,7 +52,7 @@ fn separators_and_decimal_commas_are_recognised_everywhere() {
 }
 
 #[test]
-fn what_can_be_read_in_two_ways_is_refused() {
+fn ambiguous_files_are_refused() {
     let directory = Folder::new(TRUEAXIS);
     machine(&directory);
     for (text, parts) in [
@@ -150,7 +150,7 @@ fn a_closed_pipe_is_no_panic() {
 
 /// Inputs that would take gigabytes are refused, with their line, before any allocation.
 #[test]
-fn paths_without_end_are_refused_at_once() {
+fn paths_without_end_are_refused_immediately() {
     let directory = Folder::new(TRUEAXIS);
     directory.write("a.csv", "segment,u,x_mm,y_mm,z_mm\n0,0.5,5,0,0\n");
     let line = |from: f64, to: f64| format!("{{\"type\":\"line\",\"start\":[{from},0,0],\"end\":[{to},0,0]}}");
@@ -183,7 +183,7 @@ fn a_matrix_of_runs_is_the_list_of_its_approaches() {
     }
     directory.write("list.csv", &list);
     let [truth, _] = directory.both(&["tables", "accuracy", "list.csv", "--json"]);
-    for (text, told) in [
+    for (text, message) in [
         (MATRIX.to_owned(), None),
         (MATRIX.replace("+1,-1,+2,-2", "fwd_1_um,rev_1_um,fwd_2_um,rev_2_um"), None),
         (MATRIX.replace(',', ";").replace('.', ","), Some("read as semicolon separated with decimal commas")),
@@ -191,7 +191,7 @@ fn a_matrix_of_runs_is_the_list_of_its_approaches() {
         directory.write("matrix.csv", &text);
         let [found, error] = directory.both(&["tables", "accuracy", "matrix.csv", "--json"]);
         assert_eq!(found, truth, "{text}");
-        assert!(told.is_none_or(|told| error.contains(told)), "{error}");
+        assert!(message.is_none_or(|message| error.contains(message)), "{error}");
     }
     for (text, parts) in [
         ("X_mm,+1,+1\n0,1,2\n", ["matrix.csv:1: column +1", "again"]),

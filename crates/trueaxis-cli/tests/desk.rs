@@ -173,7 +173,7 @@ mod served {
 
     /// A request is limited in length, whichever part is long, and so is the memory for it.
     #[test]
-    fn what_is_longer_than_a_request_is_refused() {
+    fn overlong_requests_are_refused() {
         let desk = Desk::open(&["--port", "0"]);
         let padded = |padding: &str| desk.ask("GET", "/", &format!("{}X: {padding}\r\n", desk.host())).0;
         assert_eq!((padded(&"x".repeat(8000)), padded(&"x".repeat(32_000))), (200, 431));
@@ -201,7 +201,7 @@ mod served {
     }
 
     #[test]
-    fn what_is_no_request_is_refused() {
+    fn malformed_requests_are_refused() {
         let desk = Desk::open(&["--port", "0"]);
         let host = desk.host();
         for (method, path, headers) in [

@@ -96,7 +96,7 @@ fn number(text: &str, section: &str, key: &str) -> Option<f64> {
 
 /// A0Z is stated as 32 ± 3 and measured to ± 11: the written uncertainty is always that of the written value, with two digits.
 #[test]
-fn what_is_known_worse_moves_a_value_little_and_what_differs_takes_its_place_with_its_uncertainty() {
+fn a_result_that_agrees_is_averaged_and_one_that_differs_replaces_the_value() {
     let folder = folder();
     let mill = folder.read("mill/machine.toml");
     let of = |text: &str| {
@@ -116,25 +116,25 @@ fn what_is_known_worse_moves_a_value_little_and_what_differs_takes_its_place_wit
         (folder.both(&[&call[..], more].concat()), error)
     };
     // Weights 1/9 and 1/121: 32 − 7·9/130 = 31.5, and (1/9 + 1/121)^(−1/2) = 2.89.
-    let ([_, told], error) = run(25.0, "agrees", &[]);
+    let ([_, stderr], error) = run(25.0, "agrees", &[]);
     let [value, uncertainty, _] = of(&folder.read("agrees/machine.toml"));
     let mean = (32.0 / 9.0 + 25.0 / error.powi(2)) / (1.0 / 9.0 + 1.0 / error.powi(2));
     assert!(
         (value - mean).abs() <= 0.05 && (value * 10.0).fract().abs() < 1e-9 && uncertainty == 2.9,
         "{value} ± {uncertainty}"
     );
-    let row = told.lines().find(|line| line.starts_with("location.A0Z_urad")).unwrap_or_else(|| panic!("{told}"));
-    assert!(row.contains("32 ± 3") && row.contains("25 ± 11") && row.contains("31.5 ± 2.9"), "{told}");
+    let row = stderr.lines().find(|line| line.starts_with("location.A0Z_urad")).unwrap_or_else(|| panic!("{stderr}"));
+    assert!(row.contains("32 ± 3") && row.contains("25 ± 11") && row.contains("31.5 ± 2.9"), "{stderr}");
     // More than twice 11.4 away from the stated value: the machine has changed.
-    let ([_, told], _) = run(0.2174671317786221, "differs", &[]);
+    let ([_, stderr], _) = run(0.2174671317786221, "differs", &[]);
     let text = folder.read("differs/machine.toml");
-    assert_eq!(of(&text)[..2], [0.0, 11.0], "{told}");
+    assert_eq!(of(&text)[..2], [0.0, 11.0], "{stderr}");
     assert_eq!(
         number(&text, "uncertainty.location", "A0Z_degrees_of_freedom"),
         Some(16.0),
         "four slopes of six targets"
     );
-    assert!(told.contains("differs by 2.8 combined standard uncertainties"), "{told}");
+    assert!(stderr.contains("differs by 2.8 combined standard uncertainties"), "{stderr}");
     // Repeating the same record is not a second measurement.
     folder.write("record.csv", bowed([25.0, -36.0, 38.0], 2.0128));
     let again = ["evaluate", "step-diagonal", "record.csv", "--machine", "agrees", "-o", "agrees"];
@@ -151,11 +151,10 @@ fn what_is_known_worse_moves_a_value_little_and_what_differs_takes_its_place_wit
     assert!(said["a0z_urad"].is_object() && row["why"] == "agrees: weighted mean of both", "{said}");
     assert_eq!(folder.read("mill/machine.toml"), mill);
     folder.good(&["tables", "check", "agrees"]);
-    // With --force the measured value is written although the better known one agrees; without a machine there is nothing to
-    // force.
-    let ([_, told], error) = run(25.0, "forced", &["--force"]);
+    // --force writes the measured value although the better known one agrees; without a machine it is refused.
+    let ([_, stderr], error) = run(25.0, "forced", &["--force"]);
     assert_eq!(of(&folder.read("forced/machine.toml"))[..2], [25.0, 11.0], "{error}");
-    assert!(told.contains("forced, the rule writes 31.5 ± 2.9: agrees: weighted mean of both"), "{told}");
+    assert!(stderr.contains("forced, the rule writes 31.5 ± 2.9: agrees: weighted mean of both"), "{stderr}");
     folder.bad(&["evaluate", "step-diagonal", "record.csv", "--force"], &["--machine"]);
 }
 
@@ -188,17 +187,17 @@ fn a_record_of_another_machine_writes_nothing() {
     };
     let call = ["evaluate", "r-test", "bk.csv", "--machine", "five", "-o"];
     folder.write("bk.csv", record(0.0));
-    let [_, told] = folder.both(&[&call[..], &["own"]].concat());
+    let [_, stderr] = folder.both(&[&call[..], &["own"]].concat());
     let text = folder.read("own/machine.toml");
-    assert!((number(&text, "location", "EX0C_um").unwrap().abs() - 10.0).abs() < 0.2, "{text} {told}");
+    assert!((number(&text, "location", "EX0C_um").unwrap().abs() - 10.0).abs() < 0.2, "{text} {stderr}");
     // A value that is not significant is not written, however many digits it has.
     assert!(
-        number(&text, "location", "EY0C_um").is_none() && told.contains("within 2 standard uncertainties of zero"),
-        "{told}"
+        number(&text, "location", "EY0C_um").is_none() && stderr.contains("within 2 standard uncertainties of zero"),
+        "{stderr}"
     );
     folder.write("bk.csv", record(20.0));
-    let [_, told] = folder.both(&[&call[..], &["other"]].concat());
-    assert!(told.contains("misfit: ") && told.contains(" RMS remain"), "{told}");
+    let [_, stderr] = folder.both(&[&call[..], &["other"]].concat());
+    assert!(stderr.contains("misfit: ") && stderr.contains(" RMS remain"), "{stderr}");
     assert_eq!(folder.read("other/machine.toml"), folder.read("five/machine.toml"));
     // A misfit is written only if forced; a dry run shows it.
     let before = folder.tree();
@@ -215,8 +214,8 @@ fn a_record_of_another_machine_writes_nothing() {
     folder.good(&[&call[..], &["unstated"]].concat());
     let noise = "[uncertainty]\neve_um = 0.2\n";
     folder.write("five/machine.toml", format!("name = \"five\"\nchain = \"{chain}\"\n{axes}{noise}"));
-    let [_, told] = folder.both(&[&call[..], &["stated"]].concat());
-    assert!(told.contains("the noise is 0.20 µm"), "{told}");
+    let [_, stderr] = folder.both(&[&call[..], &["stated"]].concat());
+    assert!(stderr.contains("the noise is 0.20 µm"), "{stderr}");
     assert!(!folder.read("stated/machine.toml").contains("[location]"));
 }
 

@@ -1,4 +1,5 @@
-//! Commands and files: an input is never written, an edited machine keeps its text, a refused command leaves nothing.
+//! Commands and files: no command overwrites an input, an edited machine keeps its text, and a refused command leaves no
+//! files.
 
 use std::fs;
 use std::path::Path;
@@ -78,7 +79,7 @@ fn an_import_replaces_a_table_in_its_place_and_says_what_was_there() {
     }
     assert_eq!(directory.read("m/machine.toml"), MACHINE.replace("backlash_um = 2.5", "backlash_um = 0.0"));
     assert!(directory.read("m/y-2024.csv").starts_with("Y_mm,EYY_fwd_um,EYY_rev_um\n"));
-    // Repeated: nothing in machine.toml is left to change.
+    // The same import again changes nothing in machine.toml.
     let once = directory.read("m/machine.toml");
     let said = directory
         .reported(&["tables", "import", "--from", "linuxcnc", "--unit", "mm", "new.comp", "--axis", "Y", "-o", "m"]);
@@ -89,7 +90,7 @@ fn an_import_replaces_a_table_in_its_place_and_says_what_was_there() {
 /// A bed that rises by 0.2 mm: the import sets the limit that it needs and says so; if a limit clips corrections, the commands
 /// that show them say by how much.
 #[test]
-fn what_limits_take_away_is_told() {
+fn clipped_corrections_are_reported() {
     let directory = Folder::new(TRUEAXIS);
     let row = "#*# \t0.0, 0.1, 0.2\n";
     directory.write(
@@ -149,8 +150,8 @@ fn a_machine_needs_no_table() {
     directory.write("joints.csv", "x_mm,y_mm,z_mm,a_deg,c_deg\n1,2,3,0,0\n");
     let (_, rows) = directory.csv(&["kinematics", "forward", "--machine", "k", "joints.csv"]);
     assert!((rows[0][5..8].iter().zip([1.0, 2.0, 3.0])).all(|(found, truth)| (found - truth).abs() < 1e-9), "{rows:?}");
-    let told = directory.both(&["tables", "check", "k"]).concat();
-    assert!(told.contains("no errors are stated"), "{told}");
+    let printed = directory.both(&["tables", "check", "k"]).concat();
+    assert!(printed.contains("no errors are stated"), "{printed}");
 }
 
 #[test]
@@ -176,7 +177,7 @@ fn windows_line_ends_and_inline_sections_stay() {
 
 /// Names from the ISG manual: Y0A without an axis A. No key of machine.toml is at fault.
 #[test]
-fn location_errors_of_an_axis_that_is_nowhere_name_the_chain() {
+fn location_errors_of_an_absent_axis_name_the_chain() {
     let directory = Folder::new(TRUEAXIS);
     hall_2(&directory);
     directory.write("names.csv", "Y0A\tZ0A\n0.1\t0.2\n#\nX\tEXX\n0\t0.002\n10\t0.001\n");

@@ -1,4 +1,4 @@
-//! `trueaxis friction` as called. An independent integration makes the record.
+//! `trueaxis friction` as called, on a record from an independent integration.
 
 use serde_json::Value;
 use std::f64::consts::TAU;
@@ -143,7 +143,7 @@ fn the_drive_is_found_where_no_machine_states_it() {
 }
 
 #[test]
-fn records_that_tell_nothing_are_refused_and_nothing_is_written() {
+fn unusable_records_are_refused_and_nothing_is_written() {
     let good = record();
     let lines: Vec<&str> = good.lines().collect();
     let without = |from: usize, to: usize| [&lines[..from], &lines[to..]].concat().join("\n");
@@ -194,10 +194,10 @@ fn friction_goes_into_a_machine_by_the_rule_of_all_commands() {
     near(&coulomb["written"]["value"], COULOMB, 0.03);
     assert!(of("axis.Y.friction.viscous")["old"].is_null() && said["axes"].is_array(), "{said}");
     assert!(written.iter().all(|of| !of["key"].as_str().unwrap().contains(".drive.")), "the machine's: {said}");
-    let [_, told] = folder.both(&[&CALL[..], &["-o", "found"]].concat());
+    let [_, stderr] = folder.both(&[&CALL[..], &["-o", "found"]].concat());
     assert!(
-        told.lines().any(|line| line.starts_with("axis.X.friction.presliding_um") && line.contains("9 ")),
-        "{told}"
+        stderr.lines().any(|line| line.starts_with("axis.X.friction.presliding_um") && line.contains("9 ")),
+        "{stderr}"
     );
     let text = folder.read("found/machine.toml");
     for part in [
@@ -213,13 +213,13 @@ fn friction_goes_into_a_machine_by_the_rule_of_all_commands() {
     }
     folder.good(&["tables", "check", "found"]);
     // A record that the machine already contains counts once.
-    let [_, told] = folder.both(&["friction", "record.csv", "--axes", "X,Y", "--machine", "found", "-o", "found"]);
-    assert!(told.contains("this record is already included"), "{told}");
+    let [_, stderr] = folder.both(&["friction", "record.csv", "--axes", "X,Y", "--machine", "found", "-o", "found"]);
+    assert!(stderr.contains("this record is already included"), "{stderr}");
     assert_eq!(folder.read("found/machine.toml"), text);
     // More of the spikes remains than three times the noise that the machine states.
     folder.write("machine.toml", format!("{MACHINE}{DRIVES}{stated}[uncertainty]\neve_um = 0.0001\n"));
-    let [_, told] = folder.both(&[&CALL[..], &["-o", "misfit"]].concat());
-    assert!(told.contains("misfit: "), "{told}");
+    let [_, stderr] = folder.both(&[&CALL[..], &["-o", "misfit"]].concat());
+    assert!(stderr.contains("misfit: "), "{stderr}");
     assert_eq!(folder.read("misfit/machine.toml"), folder.read("machine.toml"));
     let said = folder.json(&[&CALL[..], &["-o", "forced", "--force", "--json"]].concat());
     let forced = |of: &Value| {

@@ -308,8 +308,8 @@ fn errors_of_an_axis_go_into_a_machine_by_the_rule_of_all_commands() {
     assert!(text.contains("[axis.C.uncertainty]") && text.contains("ECC_degrees_of_freedom = 72"), "{text}");
     directory.good(&["tables", "check", "head"]);
     // The same record changes nothing; another one that agrees is averaged, with one weight for all six.
-    let [_, told] = directory.both(&[&call[..], &["-o", "head"]].concat());
-    assert!(told.contains("this record is already included") && directory.read("head/c.csv") == table, "{told}");
+    let [_, stderr] = directory.both(&[&call[..], &["-o", "head"]].concat());
+    assert!(stderr.contains("this record is already included") && directory.read("head/c.csv") == table, "{stderr}");
     directory.write("m.csv", scattered(0.2, 2));
     let said = directory.json(&[&call[..], &["-o", "head", "--json"]].concat());
     let shares = said["written"].as_array().unwrap().iter().map(|of| {
@@ -320,10 +320,10 @@ fn errors_of_an_axis_go_into_a_machine_by_the_rule_of_all_commands() {
     // Readings that six errors do not explain write nothing.
     directory.write("m.csv", scattered(40.0, 3));
     let before = directory.read("head/c.csv");
-    let [_, told] = directory.both(&[&call[..], &["-o", "head"]].concat());
-    assert!(told.contains("misfit: ") && directory.read("head/c.csv") == before, "{told}");
-    let [_, told] = directory.both(&[&call[..], &["-o", "forced", "--force"]].concat());
-    assert!(told.contains("forced, the rule writes nothing: misfit: "), "{told}");
+    let [_, stderr] = directory.both(&[&call[..], &["-o", "head"]].concat());
+    assert!(stderr.contains("misfit: ") && directory.read("head/c.csv") == before, "{stderr}");
+    let [_, stderr] = directory.both(&[&call[..], &["-o", "forced", "--force"]].concat());
+    assert!(stderr.contains("forced, the rule writes nothing: misfit: "), "{stderr}");
     assert!(directory.read("forced/c.csv") != before && directory.read("head/c.csv") == before);
     directory.bad(&[&call[..], &["-o", "own.csv", "--force"]].concat(), &["--force: found no machine to write"]);
     // A .csv gets the table, to read, also with a machine.

@@ -1,4 +1,4 @@
-//! `trueaxis keep` as called. A few lines simulate the machine, its drift and the corrections of its files.
+//! `trueaxis keep` as called. The tests simulate the machine, its drift and the corrections of its files in a few lines.
 
 use std::path::Path;
 use trueaxis_testing::command::{Folder, csv};
@@ -126,7 +126,7 @@ fn one_ball() -> String {
 }
 
 #[test]
-fn what_one_ball_tells_goes_round_by_round_into_the_tables_and_back() {
+fn terms_from_one_ball_are_written_round_by_round_and_undone() {
     let (folder, program) = begun(&one_ball());
     assert!(!program.contains("M0\n"), "the program must not pause for an operator");
     let drifted = Drift { offset_um: [6.0, 0.0, -9.0], ..Drift::default() };
@@ -196,7 +196,7 @@ fn an_undo_to_a_machine_without_tables_takes_the_compiled_file_away() {
 }
 
 #[test]
-fn two_balls_tell_a_squareness() {
+fn two_balls_determine_a_squareness() {
     let (folder, program) = begun(&format!("{HEAD}{PROBE}{BALL}{SECOND}{OFFSETS}{SQUARE}"));
     probe(&folder, &program, Drift { offset_um: [0.0, 5.0, 0.0], c0y_urad: 40.0, ..Drift::default() });
     let found = folder.json(&keep("apply", &["--json"]));
@@ -214,7 +214,7 @@ fn two_balls_tell_a_squareness() {
 
 /// Lost motion that grows, and that a new nut then removes: found together with an offset, recorded, and never negative.
 #[test]
-fn a_ball_touched_askew_tells_a_backlash() {
+fn oblique_touches_determine_a_backlash() {
     let (folder, program) = begun(&format!("{HEAD}{PROBE}{BALL}{OFFSETS}{BACKLASH}"));
     let worn = Drift { offset_um: [4.0, 0.0, 0.0], backlash_um: 5.0, ..Drift::default() };
     probe(&folder, &program, worn);
@@ -270,7 +270,7 @@ fn out_of_bounds_needs_a_person() {
 }
 
 #[test]
-fn bad_looks_are_refused_with_their_line() {
+fn bad_reprobings_are_refused_with_their_line() {
     let (folder, program) = begun(&one_ball());
     let drift = Drift { offset_um: [6.0, 0.0, 0.0], ..Drift::default() };
     let log = Bench { folder: &folder, drift, larger: 0.0, creep_um: 0.0 }.run(&program);
@@ -327,7 +327,7 @@ fn a_table_of_another_folder_is_refused_before_anything_is_probed() {
 }
 
 #[test]
-fn a_command_that_was_ended_between_history_and_tables_is_told_and_entered() {
+fn a_command_interrupted_between_history_and_tables_is_reported_and_recorded() {
     let (folder, program) = begun(&one_ball());
     probe(&folder, &program, Drift { offset_um: [6.0, 0.0, -9.0], ..Drift::default() });
     folder.good(&keep("apply", &[]));
@@ -353,13 +353,13 @@ fn a_command_that_was_ended_between_history_and_tables_is_told_and_entered() {
 fn a_program_of_one_minute_is_one() {
     let fast = "probe_feed_mm_per_min = 1000.0\nfeed_mm_per_min = 20000.0\n";
     let (folder, _) = folder(&format!("{HEAD}{PROBE}{fast}{BALL}{OFFSETS}"));
-    let told = folder.reported(&["keep", "plan", "keep.toml", "-o", "look.ngc"]);
-    assert!(told.contains(" touches, about 1 minute\n"), "{told}");
+    let stderr = folder.reported(&["keep", "plan", "keep.toml", "-o", "look.ngc"]);
+    assert!(stderr.contains(" touches, about 1 minute\n"), "{stderr}");
     assert!(folder.read("look.ngc").contains("about 1 minute)"));
 }
 
 #[test]
-fn a_second_command_does_not_write_meanwhile() {
+fn a_second_command_at_the_same_time_writes_nothing() {
     let (folder, program) = begun(&one_ball());
     probe(&folder, &program, Drift { offset_um: [6.0, 0.0, -9.0], ..Drift::default() });
     let before = folder.tree();

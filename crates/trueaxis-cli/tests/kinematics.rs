@@ -159,7 +159,7 @@ fn vectors_through_the_vertical_leave_the_table_where_it_is() {
 type Case<'a> = (&'a str, &'a str, &'a str, &'a [&'a str], &'a [&'a str]);
 
 #[test]
-fn what_cannot_be_is_refused_with_place_and_figures() {
+fn impossible_inputs_are_refused_with_place_and_figures() {
     let head = "tip_x_mm,tip_y_mm,tip_z_mm,tool_i,tool_j,tool_k\n";
     let four = "name = \"four\"\nchain = \"w X' b Y Z A t\"\n[axis.X]\ntable = \"x.csv\"\n";
     let two = "name = \"two\"\nchain = \"w X' b Z t\"\n[axis.X]\ntable = \"x.csv\"\n";

@@ -30,7 +30,7 @@ fn record(table: Option<&[u8]>, gain: f64) -> String {
 }
 
 #[test]
-fn what_is_left_falls_from_part_to_part_and_the_tables_count_them() {
+fn the_residual_falls_from_part_to_part_and_the_tables_count_them() {
     for gain in [0.6, 1.0, 1.4] {
         let directory = Folder::new(TRUEAXIS);
         directory.write("1.csv", record(None, gain));

@@ -23,7 +23,7 @@ fn import<'a>(axis: &'a str, output: &'a str) -> Vec<&'a str> {
 
 /// Each command takes the lock before it reads anything.
 #[test]
-fn what_changes_a_machine_is_refused_while_another_command_does() {
+fn commands_that_change_a_machine_are_refused_while_another_does() {
     let folder = bare();
     let before = folder.tree();
     let first = File::open(folder.join("m")).unwrap();
@@ -52,7 +52,7 @@ fn what_changes_a_machine_is_refused_while_another_command_does() {
 
 /// In any order: the machine contains every import that reported success, including into a new machine.
 #[test]
-fn imports_at_once_lose_no_axis() {
+fn simultaneous_imports_lose_no_axis() {
     for round in 0..20 {
         let folder = bare();
         let output = if round % 2 == 0 { "m" } else { "new" };

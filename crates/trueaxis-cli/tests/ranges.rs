@@ -1,4 +1,5 @@
-//! Absurd numbers on the command line: every command that reads them refuses them; the controller runs whatever passes.
+//! Absurd numbers on the command line: every command refuses them, and the controller accepts every machine that a command has
+//! accepted.
 
 use trueaxis_testing::command::Folder;
 
@@ -37,7 +38,7 @@ fn settings_and_tables_out_of_this_world() {
 }
 
 #[test]
-fn what_the_servo_step_refuses_at_its_rate() {
+fn limits_that_the_step_cannot_resolve_at_its_rate_are_refused() {
     let directory = Folder::new(TRUEAXIS);
     machine(&directory, "[axis.X.limits]\nacceleration_mm_per_s2 = 1\n", "X_mm,EXX_um\n-100,1\n100,2\n");
     let parts = ["at 10000 Hz", "machine.toml:", "key axis.X.limits.acceleration_mm_per_s2", "above the resolution"];

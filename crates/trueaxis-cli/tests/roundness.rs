@@ -403,14 +403,14 @@ fn warned(directory: &Folder, revolutions: usize, factors: [f64; 3], eccentricit
     let warnings: Vec<String> =
         json["warnings"].as_array().unwrap().iter().map(|text| text.as_str().unwrap().to_owned()).collect();
     // The same warnings appear without --json.
-    let [_, told] = directory.both(&[&arguments[..], &["-o", "out.csv"]].concat());
-    assert!(warnings.iter().all(|warning| told.contains(&format!("warning: {warning}"))), "{told}");
+    let [_, stderr] = directory.both(&[&arguments[..], &["-o", "out.csv"]].concat());
+    assert!(warnings.iter().all(|warning| stderr.contains(&format!("warning: {warning}"))), "{stderr}");
     warnings
 }
 
 /// A probe of reversed polarity, or 3 % off, leaves part of the signal that the three have to cancel.
 #[test]
-fn probes_that_contradict_one_another_are_told() {
+fn contradictory_probes_are_reported() {
     let directory = Folder::new(TRUEAXIS);
     for revolutions in [1, 4] {
         assert_eq!(warned(&directory, revolutions, [1.0; 3], 20.0), [""; 0]);

@@ -81,22 +81,25 @@ fn rotary_axes_and_dynamic_corrections_have_their_columns() {
 }
 
 #[test]
-fn what_was_lost_is_told_and_the_rest_written() {
+fn lost_records_are_reported_and_the_rest_written() {
     let folder = Folder::new(TRUEAXIS);
     let mut bytes = stream([frame(u32::MAX, 3, false), frame(0, 3, false), frame(4, 3, false)]);
     bytes.splice(0..0, *b"garbage\0");
     folder.write("t.bin", bytes);
     // A controller restart is not a gap.
     folder.write("u.bin", stream([frame(9, 3, false), frame(0, 3, false)]));
-    let [_, told] = folder.both(&["telemetry", "t.bin", "u.bin", "-o", "t.csv"]);
-    assert!(told.contains("t.bin: 1 damaged frame") && told.contains("t.bin: 3 records missing in 1 gap"), "{told}");
-    assert!(!told.contains("u.bin:") && told.contains("5 cycles"), "{told}");
+    let [_, stderr] = folder.both(&["telemetry", "t.bin", "u.bin", "-o", "t.csv"]);
+    assert!(
+        stderr.contains("t.bin: 1 damaged frame") && stderr.contains("t.bin: 3 records missing in 1 gap"),
+        "{stderr}"
+    );
+    assert!(!stderr.contains("u.bin:") && stderr.contains("5 cycles"), "{stderr}");
     let text = folder.read("t.csv");
     assert!(text.starts_with("file,sequence,") && text.lines().nth(4).unwrap().starts_with("u.bin,9,"), "{text}");
 }
 
 #[test]
-fn what_is_no_telemetry_is_refused_and_nothing_written() {
+fn files_without_telemetry_are_refused_and_nothing_is_written() {
     let folder = Folder::new(TRUEAXIS);
     folder.write("t.bin", stream([frame(0, 3, false)]));
     let mut other = frame(0, 3, false);

@@ -65,7 +65,7 @@ fn growth_is_found_compiled_and_read_by_the_task() {
 }
 
 #[test]
-fn bad_records_are_told_with_line_and_figure_and_nothing_is_written() {
+fn bad_records_are_refused_with_line_and_figure_and_nothing_is_written() {
     let folder = Folder::new(TRUEAXIS);
     let good = record();
     let line = |number: usize| good.lines().nth(number - 1).unwrap();
@@ -94,7 +94,7 @@ fn bad_records_are_told_with_line_and_figure_and_nothing_is_written() {
     );
     folder.write("short.csv", good.lines().take(97).fold(String::new(), |text, line| text + line + "\n"));
     folder.write("backward.csv", good.replacen("\n600,", "\n60,", 1));
-    for (file, told) in [
+    for (file, message) in [
         ("stuck.csv", "stuck.csv:200: column T1_c: found T1 at one reading for"),
         ("jump.csv", "jump.csv:200: column T1_c: found T1 "),
         (
@@ -110,7 +110,7 @@ fn bad_records_are_told_with_line_and_figure_and_nothing_is_written() {
             "backward.csv:6: column t_s: found a figure that is not finite or a time that does not ascend",
         ),
     ] {
-        folder.bad(&["thermal", "fit", file, "-o", "thermal.toml"], &[told]);
+        folder.bad(&["thermal", "fit", file, "-o", "thermal.toml"], &[message]);
         assert!(!folder.has("thermal.toml"));
     }
     folder.write("record.csv", &good);
@@ -119,11 +119,11 @@ fn bad_records_are_told_with_line_and_figure_and_nothing_is_written() {
 }
 
 #[test]
-fn missing_rows_are_told_with_their_line_and_doubled_ones_are_refused() {
+fn missing_rows_are_reported_with_their_line_and_duplicates_refused() {
     let folder = Folder::new(TRUEAXIS);
     let good = record();
-    let without = |gone: &[usize]| {
-        let kept = good.lines().enumerate().filter(|(k, _)| !gone.contains(&(k + 1)));
+    let without = |removed: &[usize]| {
+        let kept = good.lines().enumerate().filter(|(k, _)| !removed.contains(&(k + 1)));
         kept.fold(String::new(), |text, (_, line)| text + line + "\n")
     };
     let fit = |file: &str| folder.json(&["thermal", "fit", file, "--json"])["missing"].clone();
@@ -178,7 +178,7 @@ fn a_hot_end_is_a_sensor() {
 }
 
 #[test]
-fn bad_texts_are_told_with_their_line() {
+fn bad_texts_are_refused_with_their_line() {
     let folder = Folder::new(TRUEAXIS);
     folder.write("machine.toml", MACHINE);
     folder.write("x.csv", TABLE);
@@ -186,7 +186,7 @@ fn bad_texts_are_told_with_their_line() {
                 [axis.X]\ndatum_mm = 0.0\n[axis.X.sensor.T1]\noffset_um = [-1.0, 1.0]\n";
     folder.write("good.toml", good);
     folder.good(&["thermal", "compile", "good.toml", "--machine", ".", "-o", "good.ttherm"]);
-    for (from, to, told) in [
+    for (from, to, message) in [
         ("= 20.0", "= 21.0", "bad.toml:1: key reference_temperature_c: found 21, needed 20, as the machine's tables"),
         ("[10.0, 30.0]", "[30.0, 10.0]", "bad.toml:5: key sensor.knots_c: found [30.0, 10.0], needed 2 to 8 ascending"),
         ("[axis.X]", "[axis.U]", "found U, needed an axis of the chain w X' Y' b Z t"),
@@ -197,7 +197,7 @@ fn bad_texts_are_told_with_their_line() {
         ("60.0", "-60.0", "lag, ms: found -60000, beyond the range of the file's field"),
     ] {
         folder.write("bad.toml", good.replacen(from, to, 1));
-        folder.bad(&["thermal", "compile", "bad.toml", "--machine", ".", "-o", "bad.ttherm"], &[told]);
+        folder.bad(&["thermal", "compile", "bad.toml", "--machine", ".", "-o", "bad.ttherm"], &[message]);
         assert!(!folder.has("bad.ttherm"));
     }
 }

@@ -92,7 +92,7 @@ fn the_sample_mill() {
 }
 
 #[test]
-fn few_degrees_of_freedom_and_cosine_errors_are_told() {
+fn few_degrees_of_freedom_and_cosine_errors_are_reported() {
     let folder = Folder::new(TRUEAXIS);
     // A cosine error is one-sided and skewed: the methods differ.
     machine(&folder, "[uncertainty]\nmisalignment_mm = 5\n");
@@ -101,10 +101,10 @@ fn few_degrees_of_freedom_and_cosine_errors_are_told() {
 }
 
 #[test]
-fn what_is_wrong_is_refused() {
+fn bad_uncertainties_and_arguments_are_refused() {
     let folder = Folder::new(TRUEAXIS);
     let grinder = sample("grinder");
-    for (stated, arguments, told) in [
+    for (stated, arguments, message) in [
         ("", vec![], "found no standard uncertainty above zero"),
         ("[uncertainty]\neve_um = 0\n", vec![], "found no standard uncertainty above zero"),
         ("[uncertainty]\neve_um = -1\n", vec![], "needed a standard uncertainty of 0 to 1000 um"),
@@ -118,7 +118,7 @@ fn what_is_wrong_is_refused() {
     ] {
         machine(&folder, stated);
         let arguments: Vec<&str> = ["uncertainty", ".", "--report", "out"].into_iter().chain(arguments).collect();
-        folder.bad(&arguments, &[told]);
+        folder.bad(&arguments, &[message]);
     }
     folder.bad(&["uncertainty", grinder.to_str().unwrap()], &["needed [uncertainty]"]);
 }
@@ -143,13 +143,13 @@ fn accuracy_has_bands_and_no_verdict_within_them() {
     }
     let text = folder.good(&["tables", "accuracy", measured, "--instrument", mill, "--tolerance-um", "1000"]);
     assert!(text.contains("± U") && text.contains("kept, uncertainty included: pass"), "{text}");
-    for (arguments, told) in [
+    for (arguments, message) in [
         (vec!["--tolerance-um", "30"], "--instrument"),
         (vec!["--instrument", mill, "--tolerance-um", "-1"], "--tolerance-um: found -1"),
         (vec!["--instrument", mill, "--confidence", "20"], "--confidence: found 20"),
     ] {
         let arguments: Vec<&str> = ["tables", "accuracy", measured].into_iter().chain(arguments).collect();
-        folder.bad(&arguments, &[told]);
+        folder.bad(&arguments, &[message]);
     }
     let grinder = sample("grinder");
     let arguments = ["tables", "accuracy", measured, "--instrument", grinder.to_str().unwrap()];

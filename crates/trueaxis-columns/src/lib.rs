@@ -17,7 +17,7 @@ mod parquet_file;
 use std::io::{self, Write};
 use std::path::Path;
 
-/// Type of a column. There are no nulls: a missing number is a NaN.
+/// Type of a column. A column has no nulls: a missing number is a NaN.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// Real numbers, Parquet's `DOUBLE`.
@@ -94,7 +94,7 @@ enum Out<W: Write + Send> {
     Csv(Box<comma::File<W>>),
 }
 
-/// Writes a table row by row. The same rows give the same bytes.
+/// Writes a table row by row. Equal rows give equal bytes.
 pub struct Writer<W: Write + Send> {
     out: Out<W>,
     columns: Vec<Column>,
@@ -128,8 +128,8 @@ impl<W: Write + Send> Writer<W> {
     /// Writes a row: one value per column, in order.
     ///
     /// # Errors
-    /// Errors of the writer; [`io::ErrorKind::InvalidInput`] if there are more or fewer values, or one has another kind than
-    /// its column. The table must not be used after that.
+    /// Errors of the writer; [`io::ErrorKind::InvalidInput`] for too many or too few values, or a value of another kind
+    /// than its column. The table must not be used after that.
     pub fn row<'v>(&mut self, values: impl IntoIterator<Item = Value<'v>>) -> io::Result<()> {
         let mut values = values.into_iter();
         for (at, column) in self.columns.iter().enumerate() {

@@ -85,19 +85,20 @@ pub fn judge(bands: &Positioning, tolerance_um: f64) -> Option<Judgement> {
     Some(Judgement { figure: band.figure, tolerance_um, verdict: verdict(band.interval, tolerance_um) })
 }
 
-/// Reads a measurement; `file` is only named in errors. `tell` is called with a note on separators other than commas.
+/// Reads a measurement; `file` is only named in errors. Separators other than commas are reported to the callback.
 ///
 /// # Errors
 /// As [`read_measurement`].
-pub fn read(text: &str, file: &Path, axis: Option<Axis>, tell: &mut dyn FnMut(String)) -> Result<Measurement> {
+pub fn read(text: &str, file: &Path, axis: Option<Axis>, note: &mut dyn FnMut(String)) -> Result<Measurement> {
     let MeasurementFile { measurement, dialect } = read_measurement(text, file, axis)?;
     if let Some(how) = dialect {
-        tell(format!("{}: {how}", file.display()));
+        note(format!("{}: {how}", file.display()));
     }
     Ok(measurement)
 }
 
-/// Evaluates a measurement, and what would remain of it with the tables of a machine (errors name the machine by the path).
+/// Evaluates a measurement and, with a machine, the deviations that its tables would leave (errors name the machine by the
+/// path).
 ///
 /// # Errors
 /// A single run; a machine without a table of that axis.

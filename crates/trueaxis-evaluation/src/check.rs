@@ -59,7 +59,7 @@ pub fn findings(machine: &Machine, tables: &Tcomp<'_>, rate_hz: f64) -> Findings
 /// [`Findings`] in serialised form.
 #[derive(Clone, Debug, Serialize)]
 pub struct Document {
-    /// No error was found.
+    /// Always true: a machine with an error is refused.
     pub ok: bool,
     /// Doubtful settings, a sentence each.
     pub warnings: Vec<String>,
@@ -94,7 +94,8 @@ pub enum Lost {
         /// Largest lost motion, µm.
         play_um: f64,
         /// Time in which it is corrected, ms.
-        lead_in_ms: f64,
+        #[serde(rename = "lead_in_ms")]
+        ramp_in_ms: f64,
         /// Highest feed, mm/s.
         feed_mm_per_s: f64,
         /// Distance travelled at that feed in that time, mm.
@@ -107,7 +108,8 @@ pub enum Lost {
         /// Largest lost motion, µrad.
         play_urad: f64,
         /// Time in which it is corrected, ms.
-        lead_in_ms: f64,
+        #[serde(rename = "lead_in_ms")]
+        ramp_in_ms: f64,
         /// Highest feed, degrees/s.
         feed_deg_per_s: f64,
         /// Angle turned at that feed in that time, degrees.
@@ -117,13 +119,13 @@ pub enum Lost {
 
 impl From<&LostMotion> for Lost {
     fn from(lost: &LostMotion) -> Lost {
-        let (axis, lead_in_ms) = (lost.axis.letter(), lost.lead_in_s * 1e3);
+        let (axis, ramp_in_ms) = (lost.axis.letter(), lost.ramp_in_s * 1e3);
         if lost.axis.is_rotary() {
             let play_urad = lost.play.to_radians() * 1e6;
-            Lost::Rotary { axis, play_urad, lead_in_ms, feed_deg_per_s: lost.feed_per_s, way_deg: lost.way }
+            Lost::Rotary { axis, play_urad, ramp_in_ms, feed_deg_per_s: lost.feed_per_s, way_deg: lost.way }
         } else {
             let play_um = lost.play * 1e3;
-            Lost::Linear { axis, play_um, lead_in_ms, feed_mm_per_s: lost.feed_per_s, way_mm: lost.way }
+            Lost::Linear { axis, play_um, ramp_in_ms, feed_mm_per_s: lost.feed_per_s, way_mm: lost.way }
         }
     }
 }

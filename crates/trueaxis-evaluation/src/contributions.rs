@@ -6,9 +6,9 @@
 //! share(s) = e(machine) − e(machine without s)
 //! ```
 //!
-//! e is whatever the caller computes: the error of the tip under a model, by exact transforms, or the residual after a
-//! correction whose tables lack the source as well. In a first-order model the shares add up to e; in the exact geometry to
-//! all of it but products of errors.
+//! The caller chooses e: the error of the tip under a model, the error by exact transforms, or the residual after a correction
+//! whose tables lack the source as well. In a first-order model the shares add up to e; in the exact geometry they add up to e
+//! except for products of errors.
 
 use anyhow::Result;
 use trueaxis::machine::{AXES, Axis};
@@ -99,7 +99,7 @@ impl Source {
 /// A source with its share, mm.
 pub type Share = (Source, [f64; 3]);
 
-/// Shares in the error `whole` of those `sources` that the machine has, and the rest that none of them explains; mm.
+/// Shares of the `sources` that the machine has in its error `whole`, and the rest, which no single source explains; mm.
 ///
 /// `error` computes the error of a machine the way `whole` was computed for this one. Cost: one call per source.
 ///

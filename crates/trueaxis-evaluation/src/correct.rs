@@ -26,7 +26,8 @@ const MOST: f64 = 1e6;
 /// X, Y, Z, optionally followed by the machine's rotary axes, by [`Axis::index`].
 ///
 /// # Errors
-/// Another number of coordinates, or one that is not a number or above 1e6: the text says what was found and what is needed.
+/// Another number of coordinates, or a coordinate that is not a number or above 1e6; the text states the value found and the
+/// value needed.
 pub fn position(found: &[f64], machine: &Machine) -> Result<[f64; AXES], String> {
     let axes: Vec<Axis> = machine.settings.step_axes().collect();
     if found.len() != 3 && found.len() != axes.len() {

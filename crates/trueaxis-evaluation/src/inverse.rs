@@ -1,4 +1,4 @@
-//! From the tool to axis positions, row by row: each solution near the previous one.
+//! Converts tool poses to axis positions, row by row, each solution near the previous one.
 
 use anyhow::{Result, bail};
 use trueaxis::kinematics::{BranchTracker, Choice, InverseError, Kinematics, Solution, Solutions, Tool};
@@ -30,7 +30,7 @@ impl Walk {
     /// Starts from zero; `max_step_deg` refuses a change of branch and any larger step of a rotary axis from row to row.
     ///
     /// # Errors
-    /// A step that is not positive: the error says what was found and what is needed.
+    /// A step that is not positive; the error states the value found and the value needed.
     pub fn new(choice: Choice, max_step_deg: Option<f64>) -> Result<Walk> {
         if let Some(step) = max_step_deg.filter(|step| step.is_nan() || *step <= 0.0) {
             bail!("found {step}, needed a positive number of degrees");

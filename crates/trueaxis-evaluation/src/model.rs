@@ -14,7 +14,7 @@ use trueaxis_tables::{Machine, Table};
 /// A machine from its machine.toml, its folder, or a compiled .tcomp; `note` receives the notes of [`source`].
 ///
 /// # Errors
-/// A file that cannot be read, with file, line, what was found and what is needed.
+/// A file that cannot be read, with file, line, the value found and the value needed.
 pub fn machine(path: &Path, note: &mut dyn FnMut(String)) -> Result<Machine> {
     if is_compiled(path) {
         let bytes = std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;

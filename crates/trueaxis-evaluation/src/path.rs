@@ -2,7 +2,7 @@
 
 mod foot;
 
-pub use foot::{Alive, Foot, NotOnPath, Standing};
+pub use foot::{Alive, Foot, NotOnPath, StuckAxis};
 
 use anyhow::{Result, anyhow, bail};
 use serde::Deserialize;
@@ -253,15 +253,15 @@ mod tests {
     }
 
     #[test]
-    fn a_line_without_length_is_left_out_and_told() {
+    fn a_line_without_length_is_left_out_and_reported() {
         let line =
             |start: [f64; 3], end: [f64; 3]| format!("{{\"type\":\"line\",\"start\":{start:?},\"end\":{end:?}}}");
         let (a, b, c) = ([0.0; 3], [1.0, 0.0, 0.0], [1.0, 2.0, 0.0]);
         let text = format!("{{\"segments\":[{},\n{},{},{}]}}", line(a, a), line(a, b), line(b, b), line(b, c));
-        let mut told = Vec::new();
-        let path = PathFile::read(&text, FilePath::new("p.json")).unwrap().cut(&mut |note| told.push(note)).unwrap();
+        let mut notes = Vec::new();
+        let path = PathFile::read(&text, FilePath::new("p.json")).unwrap().cut(&mut |note| notes.push(note)).unwrap();
         assert_eq!(
-            told,
+            notes,
             [
                 "p.json:1: segments[0]: a line without length, left out",
                 "p.json:2: segments[2]: a line without length, left out"

@@ -63,7 +63,7 @@ impl Probes {
         Ok(band)
     }
 
-    /// Whether a pair of angles was given.
+    /// Whether the request states a pair of angles.
     pub fn has_angles(&self) -> bool {
         self.p.is_some() || self.phi2_deg.is_some()
     }

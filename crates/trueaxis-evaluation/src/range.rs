@@ -13,7 +13,7 @@ pub struct OutOfRange {
 }
 
 impl OutOfRange {
-    /// Checks that a number, if there is one, is in its range; NaN is not.
+    /// Checks that a number is in its range; `None` passes, NaN does not.
     ///
     /// # Errors
     /// The number with its range.

@@ -93,8 +93,8 @@ pub fn dead<'c, 'v>(channels: &'c [Channel<'v>]) -> Option<(&'c Channel<'v>, Stu
         let stuck = longest(channel.values)?;
         let (before, behind) = (&channel.values[..stuck.from], &channel.values[stuck.from + stuck.count..]);
         let others = channels.iter().enumerate().filter(|(other, _)| *other != own);
-        let meanwhile = |values: &[f64]| values.get(stuck.from..stuck.from + stuck.count).is_some_and(many);
-        let died = others.map(|(_, other)| other.values).any(meanwhile) || many(&[before, behind].concat());
+        let varies_while_stuck = |values: &[f64]| values.get(stuck.from..stuck.from + stuck.count).is_some_and(many);
+        let died = others.map(|(_, other)| other.values).any(varies_while_stuck) || many(&[before, behind].concat());
         died.then_some((channel, stuck))
     })
 }
@@ -107,8 +107,8 @@ pub fn alive<const C: usize>(rows: &Rows<'_, C>, lines: &[u32], channels: &[Chan
     dead(channels).map_or(Ok(()), |(channel, stuck)| Err(stuck.error(rows, lines, channel.name, channel.scale)))
 }
 
-/// The first reading from which a position does not change although its own command does: [`longest`], over which the command
-/// takes many values. An axis at rest has a command at rest.
+/// The first reading from which a position does not change although its command does: the [`longest`] stretch of one value, if
+/// the command takes many values over it. An axis at rest has a command at rest.
 pub fn left_behind(command: &[f64], reading: &[f64]) -> Option<Stuck> {
     longest(reading).filter(|stuck| command.get(stuck.from..stuck.from + stuck.count).is_some_and(many))
 }
@@ -183,11 +183,11 @@ impl Followed {
 
     /// Where the position did not change, and the travel of its command there, mm: eight readings and a fifth of those over
     /// which the command moved, over at least 0.02 mm and four steps of its resolution.
-    pub fn standing(&self) -> Option<(Stuck, f64)> {
+    pub fn stuck(&self) -> Option<(Stuck, f64)> {
         let (stuck, way) = (self.widest.stuck, self.widest.way());
-        let stood = stuck.count >= LEAST && 5 * stuck.count >= self.moving;
+        let is_long = stuck.count >= LEAST && 5 * stuck.count >= self.moving;
         let steps = if self.resolution.is_finite() { HELD_STEPS * self.resolution } else { 0.0 };
-        (stood && way > HELD_MM.max(steps)).then_some((stuck, way))
+        (is_long && way > HELD_MM.max(steps)).then_some((stuck, way))
     }
 }
 
@@ -199,7 +199,7 @@ fn many(values: &[f64]) -> bool {
     2 * sorted.len() > values.len()
 }
 
-/// A row that one part of a record lacks and its like have.
+/// A row that is missing from one part of a record and present in a similar part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Missing {
     /// Index of the part.
@@ -277,7 +277,7 @@ mod tests {
     }
 
     #[test]
-    fn a_reading_that_its_command_leaves_behind_stands_still_and_one_at_rest_does_not() {
+    fn a_reading_that_its_command_leaves_behind_is_stuck_and_one_at_rest_is_not() {
         let command: Vec<f64> = (0..40).map(|k| if k < 12 { 0.0 } else { f64::from(k) }).collect();
         assert_eq!(left_behind(&command, &command), None);
         let mut reading = command.clone();
@@ -286,13 +286,13 @@ mod tests {
     }
 
     #[test]
-    fn a_position_that_its_command_leaves_behind_stands_still_and_one_that_rests_or_is_coarse_does_not() {
-        let standing = |rows: &[[f64; 2]]| {
+    fn a_position_that_its_command_leaves_behind_is_stuck_and_one_that_rests_or_is_coarse_is_not() {
+        let stuck = |rows: &[[f64; 2]]| {
             let mut followed = Followed::default();
             rows.iter().enumerate().for_each(|(row, [command, reading])| followed.put(row, *command, *reading));
-            followed.standing()
+            followed.stuck()
         };
-        let along = |of: &dyn Fn(f64) -> [f64; 2]| standing(&(0..400).map(|k| of(f64::from(k))).collect::<Vec<_>>());
+        let along = |of: &dyn Fn(f64) -> [f64; 2]| stuck(&(0..400).map(|k| of(f64::from(k))).collect::<Vec<_>>());
         // A square: each axis rests on two of its sides.
         let square = |k: f64| (0.1 * k).min(10.0) - (0.1 * (k - 200.0)).clamp(0.0, 10.0);
         assert_eq!(along(&|k| [square(k), square(k) + 0.003]), None);
@@ -304,7 +304,7 @@ mod tests {
         assert_eq!(along(&|k| [1e-5 * k, (1e-2 * k).round() * 1e-3]), None);
         assert_eq!(along(&|k| [1e-4 * k, (2e-2 * k).round() * 5e-3]), None);
         assert_eq!(along(&|k| [4e-5 * k, (4e-5 * k - 0.015).max(0.0)]), None);
-        // Circles with an axis that dies on the second, after one reading that was sent twice at a rapid.
+        // Circles with an axis that dies on the second one; one reading occurs twice during the rapid before them.
         let circles = |k: f64| 20.0 * (0.1 * k).sin() - if k < 3.0 { 900.0 } else { 0.0 };
         let died = along(&|k| [circles(k), circles(if k < 4.0 { k.min(2.0) } else { k.min(70.0) })]);
         assert_eq!(died.map(|found| (found.0.from, found.0.count)), Some((70, 330)));

@@ -41,7 +41,7 @@ pub struct Rows<'r, const C: usize> {
     gaps: bool,
     words: Option<Words>,
     reported: Option<&'static str>,
-    tell: Box<dyn FnMut(String) + 'r>,
+    note: Box<dyn FnMut(String) + 'r>,
 }
 
 /// A column that may contain words, and the function that gives their values.
@@ -119,8 +119,8 @@ fn wrong(file: &Path, line: u32, column: &str, found: String, needed: String) ->
 }
 
 impl<'r, const C: usize> Rows<'r, C> {
-    /// Checks the header; `file` is only named in errors. `tell` receives one note on how the file is read if its separators
-    /// or decimals are not commas and decimal points.
+    /// Checks the header; `file` is only named in errors. Separators other than commas and decimal commas are reported once to
+    /// the callback.
     ///
     /// # Errors
     /// A header with unknown or duplicate columns, or without a required one.
@@ -128,11 +128,11 @@ impl<'r, const C: usize> Rows<'r, C> {
         input: impl Read + 'r,
         file: &Path,
         columns: &[Column; C],
-        tell: impl FnMut(String) + 'r,
+        note: impl FnMut(String) + 'r,
     ) -> Result<Rows<'r, C>> {
         let (sheet, order) = opened(Box::new(input), file, columns)?;
         let present: [bool; C] = std::array::from_fn(|slot| order.contains(&slot));
-        let (header, tell) = (sheet.header().to_vec(), Box::new(tell));
+        let (header, note) = (sheet.header().to_vec(), Box::new(note));
         let mut rows = Rows {
             file: file.into(),
             present,
@@ -143,9 +143,9 @@ impl<'r, const C: usize> Rows<'r, C> {
             gaps: false,
             words: None,
             reported: None,
-            tell,
+            note,
         };
-        rows.tell_dialect();
+        rows.note_dialect();
         Ok(rows)
     }
 
@@ -169,7 +169,7 @@ impl<'r, const C: usize> Rows<'r, C> {
     pub fn next(&mut self) -> Result<Option<Row<C>>> {
         let mut values = [0.0; C];
         if !self.sheet.next_row()? {
-            self.tell_dialect();
+            self.note_dialect();
             return if self.count == 0 { Err(no_rows(&self.file)) } else { Ok(None) };
         }
         self.count += 1;
@@ -200,12 +200,12 @@ impl<'r, const C: usize> Rows<'r, C> {
     }
 
     /// Reports once how a file with other separators or decimals is read.
-    fn tell_dialect(&mut self) {
+    fn note_dialect(&mut self) {
         let dialect = self.sheet.dialect();
         if dialect != self.reported
             && let Some(how) = dialect
         {
-            (self.tell)(format!("{}: {how}", self.file.display()));
+            (self.note)(format!("{}: {how}", self.file.display()));
         }
         self.reported = dialect;
     }

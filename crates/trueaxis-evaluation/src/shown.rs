@@ -237,7 +237,7 @@ pub struct Map {
     pub caption: &'static str,
     /// Lowest and highest X and Y, mm.
     pub ends_mm: [[f64; 2]; 2],
-    /// Rows from the lowest Y, cells from the lowest X; NaN (null) if there is no value.
+    /// Rows from the lowest Y, cells from the lowest X; NaN (null) for a cell without a value.
     pub rows: Vec<Vec<f64>>,
 }
 

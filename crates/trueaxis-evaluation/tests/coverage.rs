@@ -1,8 +1,8 @@
 //! Coverage of the bands on simulated repeats: of 100 intervals of 95 %, 95 contain the truth.
 //!
 //! `TRUEAXIS_REPEATS=1000 cargo test -p trueaxis-evaluation --test evaluation coverage -- --nocapture` counts the full table
-//! of docs/uncertainty.md. Without the variable the tests count fewer repeats, with a margin for chance. They make the truths
-//! themselves and use nothing of the Monte Carlo.
+//! of docs/uncertainty.md. Without the variable the tests count fewer repeats, with a margin for chance. They generate the
+//! true values and use no code of the Monte Carlo.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::path::Path;
@@ -283,10 +283,10 @@ fn the_corrected_position() {
         // The error according to the measured tables, by exact geometry, compared with the true machine: both in negative
         // travel.
         let reverse = [1.0; AXES];
-        let (believed, real) = (Geometry::new(&measured, 0.0).unwrap(), Geometry::new(&truth, 0.0).unwrap());
+        let (compensated, real) = (Geometry::new(&measured, 0.0).unwrap(), Geometry::new(&truth, 0.0).unwrap());
         let mut scattered = at;
         scattered.iter_mut().zip(sent).for_each(|(q, by)| *q += by);
-        let expected = believed.tip_error(&at, &reverse);
+        let expected = compensated.tip_error(&at, &reverse);
         let there = real.pose_error_of(&real.commanded(&at), &scattered, &reverse).tip_mm;
         let d: [f64; 3] = std::array::from_fn(|i| 1e3 * (there[i] - expected[i]));
         for (i, name) in ["X", "Y", "Z"].into_iter().enumerate() {

@@ -204,11 +204,11 @@ fn standard_errors_are_those_of_repeated_records() {
 }
 
 #[test]
-fn what_cannot_be_read_is_refused_with_its_line() {
+fn unreadable_records_are_refused_with_their_line() {
     let good = record(&machine("w b X Y Z t", [12.0, -20.0, 33.0], 0.0, [1.0; 3]), false, 2, [[0.0; 3]; 4], 0.3);
-    let refused = |text: &str, told: &str| {
+    let refused = |text: &str, message: &str| {
         let error = format!("{:#}", test(text).unwrap_err());
-        assert!(error.contains(told), "{error} without {told}");
+        assert!(error.contains(message), "{error} without {message}");
     };
     let without: String = good.lines().filter(|line| !line.starts_with("3,")).map(|line| format!("{line}\n")).collect();
     refused(&without, "record.csv: found no reading of diagonal 3, needed diagonals 1 to 4");
@@ -218,7 +218,7 @@ fn what_cannot_be_read_is_refused_with_its_line() {
         ":178: column deviation_um: found this target a second time in this run and direction, first in line 6",
     );
     // One reading of 176 missing: the first of all, the first of another diagonal, one in the middle, the last of a run.
-    for (line, told) in [
+    for (line, message) in [
         (
             1,
             "diagonal 1, run 1, away: found 10 of 11 readings, none at X -300, Y -200, Z -250 mm, needed the same targets",
@@ -234,7 +234,7 @@ fn what_cannot_be_read_is_refused_with_its_line() {
         ),
     ] {
         let left: Vec<&str> = lines.iter().enumerate().filter(|(k, _)| *k != line).map(|(_, line)| *line).collect();
-        refused(&left.join("\n"), told);
+        refused(&left.join("\n"), message);
     }
     let run: Vec<&str> = lines.iter().filter(|line| !line.starts_with("2,2,-1,")).copied().collect();
     refused(&run.join("\n"), "diagonal 2: found 1 run back, needed 2 as on diagonal 1");

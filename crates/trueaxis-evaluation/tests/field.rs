@@ -143,7 +143,7 @@ fn rows_go_by_x_first_and_follow_travel_temperature_and_tool() {
 }
 
 #[test]
-fn what_a_limit_holds_back_is_left() {
+fn clipped_corrections_remain_as_error() {
     let mut machine = made("w b X Y Z t");
     constant(&mut machine, Axis::X, [0.12, 0.0, 0.0, 0.0, 0.0, 0.0]);
     let found = figures(&machine, &every(3)).unwrap();

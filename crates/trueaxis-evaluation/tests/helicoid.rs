@@ -31,14 +31,14 @@ const SET_UPS: [&str; 5] = [
 
 /// The step's own forward transformation puts the tool where the published formula requires it, in every set-up.
 #[test]
-fn the_tool_stands_on_the_flank_by_another_transformation() {
+fn the_tool_is_on_the_flank_by_another_transformation() {
     for settings in SET_UPS {
         let job = job(settings);
         for (u, theta) in [(0.0, 0.0), (0.1, -0.3), (0.7, 0.4), (0.35, 9.0)] {
             let tool = job.tool(u, theta, &Limits::default()).unwrap();
-            for stand in &tool.stands {
-                assert!(stand.off_surface_um < 1e-8, "{settings}: {stand:?}");
-                assert!(stand.off_normal_urad < 1e-8, "{settings}: {stand:?}");
+            for pose in &tool.poses {
+                assert!(pose.off_surface_um < 1e-8, "{settings}: {pose:?}");
+                assert!(pose.off_normal_urad < 1e-8, "{settings}: {pose:?}");
             }
             // γ = atan(p/r_b) on both branches, over the whole flank.
             let tilt = 130f64.atan2(36.0).to_degrees();

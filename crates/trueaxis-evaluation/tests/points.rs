@@ -212,13 +212,13 @@ fn noise_comes_out_as_sigma() {
 }
 
 #[test]
-fn points_that_cannot_tell_are_refused_with_the_names() {
+fn terms_that_points_cannot_separate_are_refused_by_name() {
     let truth = machine("w b X Y Z t", 3, [0.0; 3]);
     let good = record(&truth, 5, &[[0.0, 0.0, -60.0]], 0.5);
-    let refused = |text: &str, options: &Options, told: &str| {
+    let refused = |text: &str, options: &Options, message: &str| {
         let error = points(text).and_then(|points| identify(&points, &truth, options)).unwrap_err();
         let error = format!("{error:#}");
-        assert!(error.contains(told), "{error} without {told}");
+        assert!(error.contains(message), "{error} without {message}");
     };
     let default = Options::default();
     // Three lines along the axes: the rotations only show if axes move together.

@@ -190,7 +190,7 @@ fn noise_comes_out_as_standard_errors() {
 /// On a head the first axis' offsets, and the second's along the first, cannot be separated from the ball's place and are
 /// named; with them excluded, the others are recovered.
 #[test]
-fn a_head_cannot_tell_its_first_axis_from_the_ball() {
+fn a_head_cannot_separate_its_first_axis_from_the_ball() {
     let truth = machine("w X' b Y Z C A t", 14, &[Axis::A]);
     let mut poses = Vec::new();
     for a in [-60.0, -30.0, 0.0, 30.0, 60.0] {
@@ -211,7 +211,7 @@ fn a_head_cannot_tell_its_first_axis_from_the_ball() {
 
 /// A pose read again at the end to check drift: both readings are used, and their distance is reported.
 #[test]
-fn a_pose_read_again_tells_the_drift() {
+fn a_repeated_pose_shows_the_drift() {
     let truth = machine("w C' A' Y' b X Z t", 16, &[Axis::A, Axis::C]);
     let text = record(&truth, &table_poses(), &[[60.0, 20.0, 80.0]], 0.0);
     let lines: Vec<&str> = text.lines().collect();
@@ -226,17 +226,17 @@ fn a_pose_read_again_tells_the_drift() {
     assert!((apart - 2.5e-3).abs() < 1e-9 && lines == [3, 42], "{apart} {lines:?}");
     assert_eq!(found.degrees_of_freedom, before.degrees_of_freedom + 3);
     let document = Document::new(&again, &found, &truth);
-    let told = "a pose that was read again differs by 2.50 µm at most, lines 3 and 42";
-    assert!(document.notes.iter().any(|note| note == told), "{:?}", document.notes);
+    let expected = "a pose that was read again differs by 2.50 µm at most, lines 3 and 42";
+    assert!(document.notes.iter().any(|note| note == expected), "{:?}", document.notes);
 }
 
 #[test]
 fn bad_records_are_refused_with_their_line() {
     let truth = machine("w C' A' Y' b X Z t", 15, &[Axis::A, Axis::C]);
     let good = record(&truth, &table_poses(), &[[60.0, 20.0, 80.0]], 0.3);
-    let refused = |text: &str, told: &str| {
+    let refused = |text: &str, message: &str| {
         let error = format!("{:#}", find(text, &truth, &Options::default()).unwrap_err());
-        assert!(error.contains(told), "{error} without {told}");
+        assert!(error.contains(message), "{error} without {message}");
     };
     let lines: Vec<&str> = good.lines().collect();
     refused(

@@ -80,9 +80,9 @@ fn a_moving_axis_has_a_drift_at_each_position() {
 
 #[test]
 fn a_probe_that_dies_half_way_is_refused_with_its_line() {
-    let refused = |text: &str, told: &str| {
+    let refused = |text: &str, message: &str| {
         let error = format!("{:#}", thermal(text).unwrap_err());
-        assert!(error.contains(told), "{error} without {told}");
+        assert!(error.contains(message), "{error} without {message}");
     };
     let good = warm_up();
     let dead: String = good
@@ -111,9 +111,9 @@ fn a_probe_that_dies_half_way_is_refused_with_its_line() {
 
 #[test]
 fn a_drift_that_no_probe_reads_and_a_position_left_out_are_refused() {
-    let refused = |text: &str, told: &str| {
+    let refused = |text: &str, message: &str| {
         let error = format!("{:#}", thermal(text).unwrap_err());
-        assert!(error.contains(told), "{error} without {told}");
+        assert!(error.contains(message), "{error} without {message}");
     };
     let good = warm_up();
     let last = good.lines().last().unwrap();
@@ -147,9 +147,9 @@ fn rows<'t, const C: usize>(text: &'t str, columns: &[Column; C]) -> anyhow::Res
 
 #[test]
 fn every_stream_notices_a_channel_that_dies() {
-    let refused = |found: anyhow::Result<()>, told: &str| {
+    let refused = |found: anyhow::Result<()>, message: &str| {
         let error = format!("{:#}", found.unwrap_err());
-        assert!(error.contains(told), "{error} without {told}");
+        assert!(error.contains(message), "{error} without {message}");
     };
     // A circle whose second coordinate freezes.
     let mut circle = String::from("x_mm,y_mm\n");
@@ -242,9 +242,9 @@ fn a_sphere_and_a_point() {
 
 #[test]
 fn bad_probing_records_are_refused() {
-    let refused = |text: &str, feature, diameter, told: &str| {
+    let refused = |text: &str, feature, diameter, message: &str| {
         let error = format!("{:#}", probed(text, feature, diameter).unwrap_err());
-        assert!(error.contains(told), "{error} without {told}");
+        assert!(error.contains(message), "{error} without {message}");
     };
     let good = ring(&[0.0, 90.0]);
     refused(

@@ -1,5 +1,5 @@
-//! Parallel iterators on all cores, by rayon. A browser's module has one thread: there the standard library's iterators
-//! replace them under the same names, without rayon.
+//! Parallel iterators on all cores, by rayon. In a browser's module, which has one thread, the standard library's iterators
+//! replace them under the same names.
 
 #[cfg(not(target_family = "wasm"))]
 pub use rayon::prelude::*;

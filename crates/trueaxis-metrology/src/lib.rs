@@ -1,4 +1,4 @@
-//! Bench mathematics of trueaxis; none of it runs in a servo cycle.
+//! Mathematics of trueaxis for the bench, not for the servo cycle.
 //!
 //! - [`identification`]: the six errors of a rotary axis from a measured ball. The part for a single angle needs neither the
 //!   feature `std` nor an allocator and may run on the controller.

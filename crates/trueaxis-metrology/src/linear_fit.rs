@@ -2,7 +2,7 @@
 //!
 //! Rows w·(a·x) = w·y enter a triangle by Householder reflections, a block at a time: memory depends only on the number of
 //! unknowns, and the normal equations are never formed. Columns are scaled to unit length; the singular values of the scaled
-//! triangle give rank and condition, and the vectors of the vanishing ones show which unknowns no row separates.
+//! triangle give rank and condition, and the vectors of those that vanish show which unknowns the rows do not separate.
 //!
 //! Source: Golub, Van Loan, *Matrix Computations*, 5.3, 5.5 and 12.5 (updating a QR factorisation by rows).
 
@@ -207,7 +207,7 @@ mod tests {
 
     /// Two equal columns: the rank is one less, both are named, the third is not, and the values have minimum norm.
     #[test]
-    fn what_cannot_be_told_apart_is_named() {
+    fn indistinguishable_columns_are_named() {
         let mut fit = LinearFit::new(4);
         for k in 0..10 {
             let t = f64::from(k);

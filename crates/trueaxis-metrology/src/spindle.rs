@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! m(θ)          mean over the revolutions
-//! position      mean of m; eccentricity: first harmonic of m; both taken out of everything below
+//! position mean of m; eccentricity: first harmonic of m; both removed from everything below
 //! synchronous   max m − min m
 //! asynchronous  max over θ of (max − min over the revolutions at θ)
 //! total         max − min over all points
@@ -93,7 +93,7 @@ mod tests {
 
     /// Position 7, eccentricity 50 at −30°, third harmonic 2, and ±0.75 at one angle in alternating revolutions.
     #[test]
-    fn parts_are_told_apart() {
+    fn components_are_separated() {
         let points = 96;
         let motion = |revolution: usize, i: usize| {
             let theta = TAU * i as f64 / points as f64;

@@ -94,7 +94,8 @@ fn value(found: &Evaluation, cause: Cause) -> f64 {
     found.term(cause).unwrap_or_else(|| panic!("no {cause:?}")).value
 }
 
-/// Every cause alone: it is found, and nothing else except second-order effects of a micrometre in 100 mm.
+/// A circle with a single cause: the fit finds that cause and nothing else except second-order effects of a micrometre in 100
+/// mm.
 #[test]
 fn every_cause_alone_is_found_and_nothing_else() {
     let none = Plane { radius: 100.0, width: 0.03, ..Plane::default() };
@@ -130,10 +131,10 @@ fn every_cause_alone_is_found_and_nothing_else() {
     }
 }
 
-/// 500 random machines with all causes at once and a noise of 0.2 µm: each value is within a tenth or three of its standard
-/// errors.
+/// 500 random machines with all causes at once and a noise of 0.2 µm: each value is within a tenth of the true one or 4.5
+/// standard errors.
 #[test]
-fn causes_of_random_machines_are_told_apart() {
+fn causes_of_random_machines_are_separated() {
     let mut random = ChaCha8Rng::seed_from_u64(2304);
     let mut within = [0_usize; 2];
     for machine in 0..500 {
@@ -176,8 +177,8 @@ fn causes_of_random_machines_are_told_apart() {
     assert!((0.93..0.97).contains(&share), "{share}");
 }
 
-/// 180 readings per turn are 35 mrad apart: spikes of 12 mrad or more are found, narrower ones are reported. If only wider
-/// ones were tried, one of 15 degrees inwards would fit best, with twice the backlash.
+/// 180 readings per turn are 35 mrad apart: the fit finds spikes of 12 mrad or more and reports narrower ones. If it tried
+/// only wider ones, an inward spike of 15 degrees would fit best, with twice the backlash.
 #[test]
 fn spikes_narrower_than_the_readings_lie_apart() {
     let mut random = ChaCha8Rng::seed_from_u64(5);
@@ -219,7 +220,7 @@ fn figures_of_simple_circles() {
 }
 
 #[test]
-fn one_direction_leaves_out_what_it_cannot_tell() {
+fn one_direction_leaves_out_causes_that_need_both() {
     let plane = Plane { radius: 100.0, squareness: 40e-6, backlash: [0.006, 0.002], ..Plane::default() };
     let found = evaluate(100.0, &plane.record(1440, &[false], || 0.0), [None; 2]).unwrap();
     assert!(!found.both_directions && found.figures.g_b.is_none() && found.figures.g[0].is_none());
@@ -229,7 +230,7 @@ fn one_direction_leaves_out_what_it_cannot_tell() {
 }
 
 #[test]
-fn what_tells_nothing_is_refused() {
+fn uninformative_records_are_refused() {
     let plane = Plane { radius: 100.0, squareness: 40e-6, ..Plane::default() };
     let good = plane.record(360, &[true, false], || 0.0);
     assert_eq!(evaluate(100.0, &good[..50], [None; 2]), Err(Refused::TooFew { found: 50 }));
@@ -396,8 +397,8 @@ fn machine(leaves: Leaves, angles_deg: &[f64], seed: u64) -> (f64, Vec<Reading>,
                 let since = (d * (angle_deg - 90.0 * axis as f64)).rem_euclid(360.0);
                 let way = if since == 0.0 || since > 180.0 { 1.0 } else { -1.0 };
                 let after = if since == 0.0 || since == 180.0 { PI } else { since.rem_euclid(180.0).to_radians() };
-                let come = radius * (1.0 - after.cos());
-                off[axis] -= way * (come.min(backlash[axis]) - 0.5 * backlash[axis]);
+                let travelled = radius * (1.0 - after.cos());
+                off[axis] -= way * (travelled.min(backlash[axis]) - 0.5 * backlash[axis]);
                 outward += along.abs() * spikes[axis][(after / PI * 40_000.0) as usize];
             }
             let tip = [(radius + outward) * cos + off[0] + centre[0], (radius + outward) * sin + off[1] + centre[1]];
@@ -490,7 +491,7 @@ fn radial_deviation_is_about_the_least_squares_centre() {
 
 /// 220° in a vertical plane: the causes of whole circles; only F is undefined.
 #[test]
-fn arcs_tell_what_they_can() {
+fn arcs_determine_the_causes_of_whole_circles() {
     let arc: Vec<f64> = (0..=440).map(|k| 0.5 * f64::from(k) - 20.0).collect();
     let share = held((0..24).map(|seed| {
         let leaves = [Leaves::Nothing, Leaves::Dahl][seed as usize % 2];

@@ -47,7 +47,7 @@ fn touches_that_leave_a_direction_open_are_refused() {
 /// A bore touched on a machine that is 30 ppm too long in both directions, or with a tip 0.75 µm too large per 50 mm:
 /// indistinguishable.
 #[test]
-fn a_bore_alone_does_not_tell_scale_and_tip() {
+fn a_bore_alone_cannot_separate_scale_and_tip() {
     let free = |start| Unknown { start, uncertainty: None };
     let unknowns = vec![free(0.0), free(3.0), Unknown { start: 50.0, uncertainty: Some(1e-4) }, free(0.0), free(0.0)];
     let touch = |k: i32| {
@@ -74,11 +74,11 @@ fn a_bore_alone_does_not_tell_scale_and_tip() {
     assert!(found.values[0].abs() < 1e-12 && found.standard_errors[0] > 0.0, "{found:?}");
 }
 
-/// A gauge of 30 faces, each touched twice, on a machine that is too long. If the certificate says nothing about the faces at
-/// the probe's accuracy (5 µm versus 1 µm), every face costs a touch, and the residual is divided by the others: 60 touches −
-/// 31 for the faces and the scale + the information of the certificate on the row as a whole.
+/// A gauge of 30 faces, each touched twice, on a machine that is too long. With a certificate far worse than the probe (5 µm
+/// versus 1 µm), every face costs one degree of freedom. The degrees of freedom are then 60 touches − 31 for the faces and the
+/// scale + the information of the certificate on the row as a whole.
 #[test]
-fn what_is_left_is_divided_by_what_the_touches_tell() {
+fn residuals_are_divided_by_the_degrees_of_freedom() {
     let repeats = 400;
     let (mut variance, mut degrees) = (0.0, 0);
     let mut noise = Noise::new(7);
@@ -113,7 +113,7 @@ fn what_is_left_is_divided_by_what_the_touches_tell() {
 
 /// A plate of 300 mm tilted by 10 mrad about each direction keeps its length: ½ θ² would be 50 ppm.
 #[test]
-fn a_plate_askew_is_no_longer() {
+fn a_tilted_plate_keeps_its_length() {
     let free = |start| Unknown { start, uncertainty: None };
     let mut unknowns = vec![free(0.0), Unknown { start: 3.0, uncertainty: Some(1e-9) }];
     unknowns.extend([0.0; 6].map(free));

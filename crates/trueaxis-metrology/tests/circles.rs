@@ -351,7 +351,7 @@ fn points_exactly_on_a_circle_have_no_zone() {
 }
 
 #[test]
-fn what_has_no_circle_is_refused() {
+fn points_without_a_circle_are_refused() {
     let circles = [least_squares as Circle, minimum_circumscribed, maximum_inscribed, minimum_zone];
     for circle in circles {
         assert_eq!(circle(&[]), Err(NoCircle::TooFew { found: 0 }));
@@ -476,7 +476,7 @@ fn no_centre_has_a_smaller_sum_than_the_least_squares_circle() {
     }
 }
 
-/// If rounding at 10⁹ mm hides the inscribed circle, the search ends and reports it; the other circles are found.
+/// Rounding at 10⁹ mm hides the inscribed circle: its search ends and reports that; the other circles exist.
 #[test]
 fn outliers_at_several_distances_end() {
     let points = [

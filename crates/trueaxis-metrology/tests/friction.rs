@@ -171,10 +171,10 @@ fn at_one_kilohertz_too() {
     }
 }
 
-/// How the drive takes its commands and when in the cycle its encoder is read must not appear as friction: none of it is
-/// viscous, the rest is unchanged.
+/// The way in which the drive takes its commands, and the time in the cycle at which its encoder is read, must not appear as
+/// friction: the viscous part stays zero, the rest unchanged.
 #[test]
-fn what_is_found_does_not_depend_on_when_the_encoder_is_read() {
+fn the_result_does_not_depend_on_when_the_encoder_is_read() {
     let friction = FrictionSettings { viscous: 0.0, ..FRICTION };
     for (commands_taken, share) in [(Commands::Sampled, 0.0), (Commands::Held, 1.0), (Commands::Linear, 0.5)] {
         let record = read_at(1e-3, &friction, (commands_taken, share));
@@ -193,8 +193,8 @@ fn what_is_found_does_not_depend_on_when_the_encoder_is_read() {
     }
 }
 
-/// If the drive is identified as well, the record hardly determines when the encoder is read: a stated time is used, an
-/// unknown one enters the uncertainties.
+/// If the fit also identifies the drive, the record hardly determines the time of the encoder's reading: the fit uses a stated
+/// time; an unknown one widens the uncertainties.
 #[test]
 fn the_drive_found_is_as_uncertain_as_the_time_at_which_the_encoder_is_read() {
     let period_s = 1e-4;
@@ -213,7 +213,7 @@ fn the_drive_found_is_as_uncertain_as_the_time_at_which_the_encoder_is_read() {
 }
 
 #[test]
-fn a_record_that_does_not_tell_the_drive_is_refused_unless_its_figures_are_given() {
+fn a_record_that_does_not_determine_the_drive_is_refused_unless_its_figures_are_given() {
     // Ramps of two seconds: hardly any acceleration along the path.
     let record = record(&CIRCLES, 1e-3, 2.0, &DRIVE, &FRICTION);
     let refused = found(&record, None).unwrap_err();

@@ -196,7 +196,7 @@ fn refused(change: impl Fn(&mut Record)) -> Refused {
 }
 
 #[test]
-fn sensors_that_fail_half_way_are_told_with_their_row_and_figure() {
+fn sensors_that_fail_half_way_are_refused_with_their_row_and_figure() {
     let jump =
         refused(|record| record.samples.iter_mut().skip(200).for_each(|sample| sample.temperatures_c[0] += 30.0));
     assert!(
@@ -234,7 +234,7 @@ fn sensors_that_fail_half_way_are_told_with_their_row_and_figure() {
 }
 
 #[test]
-fn rows_missing_for_less_than_a_lag_are_told_and_for_longer_refused() {
+fn rows_missing_for_less_than_a_lag_are_reported_and_for_longer_refused() {
     // One measuring point, every 120 s; the lags are 900, 5400 and 1500 s.
     let without = |minutes: f64| {
         let mut record = record(0.3);
@@ -245,8 +245,8 @@ fn rows_missing_for_less_than_a_lag_are_told_and_for_longer_refused() {
     };
     assert!(without(0.0).unwrap().missing.is_empty());
     let found = without(10.0).unwrap();
-    let told = Missing { cycle: 2, index: 150, rows: 5, found_s: 720.0, interval_s: 120.0, unknown_s: 720.0 };
-    assert_eq!(found.missing, [told]);
+    let missing = Missing { cycle: 2, index: 150, rows: 5, found_s: 720.0, interval_s: 120.0, unknown_s: 720.0 };
+    assert_eq!(found.missing, [missing]);
     let refused = without(16.0).unwrap_err();
     assert!(
         matches!(&refused, Refused::Missing { missing, of, lag_s }
@@ -256,7 +256,7 @@ fn rows_missing_for_less_than_a_lag_are_told_and_for_longer_refused() {
 }
 
 #[test]
-fn records_that_cannot_tell_are_refused() {
+fn uninformative_records_are_refused() {
     let short = refused(|record| record.samples.retain(|sample| sample.cycle < 3));
     assert_eq!(short, Refused::Cycles { found: 2 });
     let twice = refused(|record| {

@@ -1,8 +1,8 @@
 """Simulated runs over machines, programs and seeds, on Dask.
 
-`sweep` makes a task of every run and a table of their results. Dask runs the tasks where it would run any: in the threads of
-this process, or on the workers of a `distributed.Client` that is open (they need this file and the package `trueaxis`). The
-same arguments give the same table, on however many workers.
+`sweep` turns every run into a task and collects the results in a table. Dask executes the tasks in the threads of this
+process, or on the workers of an open `distributed.Client` (they need this file and the package `trueaxis`). The table does
+not depend on the number of workers.
 """
 
 from __future__ import annotations
@@ -16,12 +16,12 @@ import pandas as pd
 
 import trueaxis
 
-# Besides what a run was of; a run that was refused has none of them.
+# Columns with a run's results; they are empty if the run was refused.
 FIGURES = ("contour_max_um", "contour_rms_um", "digest", "cycles", "limited_cycles", "stopped", "faults")
 
 
 def _run(machine: str, program: str, text: str | None, seed: int, case: str, given: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """Rows of one run, one for every kind of machine that was simulated side by side."""
+    """Simulates one run; returns one row for each kind of machine."""
     of = {"machine": Path(machine).name, "program": program if text else Path(program).stem, "seed": seed, "case": case}
     try:
         part = trueaxis.Program.from_text(text, name=program) if text else trueaxis.Program.load(program)
@@ -45,15 +45,16 @@ def sweep(
     of_machine: Mapping[str, Mapping[str, Any]] | None = None,
     **given: Any,
 ) -> pd.DataFrame:
-    """Every machine with every program, seed and case.
+    """Simulates every machine with every program, seed and case.
 
-    machines: what `Machine.load` takes, where the workers find it. programs: what `Program.load` takes, or names and their
-    texts. cases: names, and arguments of `trueaxis.simulate` that hold for the case; of_machine: settings of the simulation
-    ({"axis.X.lost_motion_mm": 0.004}) by the name of a machine's folder. given: further arguments of every run, such as
-    kinds=["compensated"] or rate_hz=1000.
+    - machines: paths for `Machine.load`, valid on the workers.
+    - programs: arguments of `Program.load`, or names with their texts.
+    - cases: names with arguments of `trueaxis.simulate` for each case.
+    - of_machine: settings of the simulation, such as {"axis.X.lost_motion_mm": 0.004}, by the name of a machine's folder.
+    - given: further arguments of every run, such as kinds=["compensated"] or rate_hz=1000.
 
-    A row for every run and kind of machine, in the order of the arguments: machine, program, seed, case, kind, then the
-    figures. A machine or program that is refused has one row with the reason under `refused`; the others go on.
+    The table has a row for every run and kind of machine, in the order of the arguments: machine, program, seed, case, kind,
+    then the figures. A refused machine or program has one row with the reason under `refused`; the others continue.
     """
     texts = programs if isinstance(programs, Mapping) else {str(program): None for program in programs}
     tasks = []

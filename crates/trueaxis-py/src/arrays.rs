@@ -1,4 +1,4 @@
-//! Arrays from Python, checked: shape, type and every number.
+//! Checks arrays from Python: shape, type and every number.
 
 use crate::Error;
 use numpy::{PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArray, PyUntypedArrayMethods};
@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 /// Largest size of a number, as in the command line's files.
 const MOST: f64 = 1e9;
 
-/// An array of float64: what the caller holds may be changed by another thread once the lock is released, so it is copied.
+/// Copies an array of float64: another thread of the caller may change the array while the computation runs without the lock.
 fn numbers(of: &Bound<'_, PyAny>, name: &str, needed: &str) -> PyResult<(Vec<usize>, Vec<f64>)> {
     let refused = |found: String| Error::new_err(format!("{name}: found {found}, needed {needed}"));
     let Ok(array) = of.cast::<PyUntypedArray>() else {
@@ -19,7 +19,7 @@ fn numbers(of: &Bound<'_, PyAny>, name: &str, needed: &str) -> PyResult<(Vec<usi
     let array: PyReadonlyArrayDyn<'_, f64> = array.try_readonly()?;
     let shape = array.shape().to_vec();
     let values = match array.as_slice() {
-        // A slice is also given of columns that lie one after the other.
+        // `as_slice` also accepts arrays stored column by column.
         Ok(values) if array.is_c_contiguous() => values.to_vec(),
         _ => array.as_array().iter().copied().collect(),
     };
@@ -38,7 +38,7 @@ fn check(values: &[f64], columns: Option<usize>, name: &str) -> PyResult<()> {
     Err(Error::new_err(format!("{name}[{place}]: found {}, needed a number of at most {MOST:e}", values[at])))
 }
 
-/// Rows of so many columns, one of the widths permitted; the values row by row.
+/// Reads an array whose number of columns is one of `widths`; returns that number and the values row by row.
 pub(crate) fn rows(of: &Bound<'_, PyAny>, name: &str, widths: &[usize]) -> PyResult<(usize, Vec<f64>)> {
     let listed: Vec<String> = widths.iter().map(|width| format!("(n, {width})")).collect();
     let needed = format!("a numpy array of float64, shape {}, n at least 1", listed.join(" or "));
@@ -52,7 +52,7 @@ pub(crate) fn rows(of: &Bound<'_, PyAny>, name: &str, widths: &[usize]) -> PyRes
     }
 }
 
-/// As many numbers as there are rows in `of_rows`.
+/// Reads one number per row of `of_rows`.
 pub(crate) fn column(of: &Bound<'_, PyAny>, name: &str, count: usize, of_rows: &str) -> PyResult<Vec<f64>> {
     let needed = format!("a numpy array of float64, shape ({count},), one number a row of {of_rows}");
     let (shape, values) = numbers(of, name, &needed)?;

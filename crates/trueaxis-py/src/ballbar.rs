@@ -2,21 +2,25 @@
 
 use crate::machine::{Machine, decided};
 use crate::measured::Measured;
-use crate::{Error, documents, told, warn};
+use crate::{Error, documents, to_python, warn};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use trueaxis_evaluation::ballbar::{Options, Test};
 use trueaxis_evaluation::friction::pair;
 
-/// A circular test after ISO 230-4 and the causes of its deviation: the document of `trueaxis ballbar --json`.
+/// Evaluates a circular test according to ISO 230-4 and determines the causes of its deviation; returns the document of
+/// `trueaxis ballbar --json`. Writes no file.
 ///
-/// record: (n, 3), of a bar, columns angle_deg, deviation_um and direction (1 counterclockwise, -1 clockwise); or (n, 4),
-/// command and position in mm of the first axis, then of the second; or a file as the command reads. Rows of an array
-/// count from line 2. axes: the plane. pitch_x_mm, …: of periodic errors, else searched. traces=True adds arrays, one
-/// number a reading: angle_deg, direction, centred_um, the deviation about the circle's centre, and left_um, the residual of
-/// the causes. machine: `written` has the decision on every setting found, by the rule of the command; compensated: its tables
-/// corrected the machine during the record. Nothing is written.
+/// - record: a file that the command reads; or an array (n, 3) of a bar, columns angle_deg, deviation_um and direction
+///   (1 counterclockwise, -1 clockwise); or an array (n, 4), command and position in mm of the first axis, then of the second.
+///   Rows of an array count from line 2.
+/// - axes: the axes of the plane.
+/// - pitch_x_mm, …: pitches of periodic errors; the function searches for omitted ones.
+/// - machine: adds `written`, the command's decision on every setting found.
+/// - compensated: the machine's tables corrected it during the record.
+/// - traces: True adds arrays with one number per reading: angle_deg; direction; centred_um, the deviation about the circle's
+///   centre; left_um, the residual of the causes.
 #[pyfunction]
 #[pyo3(signature = (record, *, radius_mm, axes = "X,Y", pitch_x_mm = None, pitch_y_mm = None, pitch_z_mm = None,
     machine = None, compensated = false, traces = false))]
@@ -37,7 +41,7 @@ pub(crate) fn ballbar<'py>(
     let positions = [format!("{a}_cmd_mm"), format!("{a}_mm"), format!("{b}_cmd_mm"), format!("{b}_mm")];
     let forms: [&[&str]; 2] = [&["angle_deg", "deviation_um", "direction"], &positions.each_ref().map(String::as_str)];
     let measured = Measured::of(record, "record", &forms)?;
-    let options = told(Options::new(radius_mm, axes, [pitch_x_mm, pitch_y_mm, pitch_z_mm]).map_err(Into::into))?;
+    let options = to_python(Options::new(radius_mm, axes, [pitch_x_mm, pitch_y_mm, pitch_z_mm]).map_err(Into::into))?;
     let machine = machine.as_ref().map(Bound::get);
     let mut notes = Vec::new();
     let found = py.detach(|| {
@@ -49,7 +53,7 @@ pub(crate) fn ballbar<'py>(
         Ok((test, document, written))
     });
     notes.iter().try_for_each(|note| warn(py, note))?;
-    let (test, document, written) = told(found)?;
+    let (test, document, written) = to_python(found)?;
     let found = documents::dictionary(py, &document)?.cast_into::<PyDict>()?;
     documents::with_decisions(&found, written.as_deref())?;
     if traces {

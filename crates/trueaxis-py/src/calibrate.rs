@@ -1,6 +1,6 @@
-//! Calibration with a touch probe: from a task to a program, from its log to the errors of the machine.
+//! Calibration with a touch probe: computes a program from a task, and the machine's errors from the program's log.
 
-use crate::{documents, told, warn};
+use crate::{documents, to_python, warn};
 use anyhow::Result;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -10,7 +10,7 @@ use trueaxis_tables::files::Folder;
 use trueaxis_tables::text::read_text;
 use trueaxis_tables::{Additions, Machine};
 
-/// A task with its machine, whose folder it names from its own.
+/// A task and its machine; the task states the machine's folder relative to its own.
 struct Read {
     task: Task,
     folder: Folder,
@@ -25,13 +25,16 @@ fn read(path: &Path, notes: &mut Vec<String>) -> Result<Read> {
     Ok(Read { task, folder, name, machine })
 }
 
-/// The probing program of a task and the expected standard error of every term: the document of
-/// `trueaxis calibrate plan --json`, and the program's text under `program_text`.
+/// Plans the probing program of a task and the standard error expected of every term; returns the document of
+/// `trueaxis calibrate plan --json`, with the program's text under `program_text`.
 ///
-/// Standard errors are σ √((JᵀJ)⁻¹)_kk with the stated repeatability σ of a touch and J at the planned touches; units are
-/// beside them. task: a task.toml, docs/calibration.md; the machine's folder counts from it.
+/// - task: a task.toml (docs/calibration.md), which states the machine's folder relative to its own.
 ///
-/// Raises trueaxis.Error with file and line: a place out of the machine's travel, a set-up that cannot separate its terms.
+/// Standard errors are σ √((JᵀJ)⁻¹)_kk, with the stated repeatability σ of a touch and the Jacobian J at the planned touches.
+/// The document states their units.
+///
+/// Raises trueaxis.Error with file and line if a place is outside the machine's travel or the set-up cannot separate its
+/// terms.
 #[pyfunction]
 pub(crate) fn calibrate_plan(py: Python<'_>, task: PathBuf) -> PyResult<Bound<'_, PyDict>> {
     let mut notes = Vec::new();
@@ -40,23 +43,26 @@ pub(crate) fn calibrate_plan(py: Python<'_>, task: PathBuf) -> PyResult<Bound<'_
         Planning::new(&read.task, &read.machine)
     });
     notes.iter().try_for_each(|note| warn(py, note))?;
-    let planned = told(planned)?;
+    let planned = to_python(planned)?;
     let document = documents::dictionary(py, &planned.foreseen)?.cast_into::<PyDict>()?;
     document.set_item("program_text", planned.program)?;
     Ok(document)
 }
 
-/// The errors of a machine from the log of a probing program: the document of `trueaxis calibrate solve --json`, under `written`
-/// the decision on every value (key, old, found, written, or None if the stated value stays, and why), and with files=True the
-/// machine's changed files under `files`, a dict of texts by name.
+/// Computes a machine's errors from the log of a probing program; returns the document of `trueaxis calibrate solve --json`.
+/// `written` lists the decision on every value: key, old, found, written (None if the stated value stays), and why. Writes no
+/// file.
 ///
-/// One least-squares network of touches, places, sizes, tip and drift. Errors are actual − ideal, of the tool relative to the
-/// workpiece: µrad, µm, ppm by their names; standard errors under the same names. task: the one that the program was planned
-/// from. log: the control's, or a CSV id, x_mm, y_mm, z_mm[, a_deg, b_deg, c_deg], tripped. force:
-/// as --force, every value found instead of the rule's. Nothing is written.
+/// - task: the task from which the program was planned.
+/// - log: the control's log, or a CSV file with columns id, x_mm, y_mm, z_mm[, a_deg, b_deg, c_deg], tripped.
+/// - files: True adds the machine's changed files under `files`, a dict of texts by name.
+/// - force: takes every value found instead of the rule's decision, like `--force`.
 ///
-/// Raises trueaxis.Error with file and line: a log of another task, touches that are missing, doubled or off their artefact, an
-/// artefact outside its size, a drift larger than the measured errors, terms that cannot be separated.
+/// One least-squares fit solves for touches, places, sizes, tip and drift together. Errors are actual − ideal, of the tool
+/// relative to the workpiece, with units in their names (µrad, µm, ppm); standard errors have the same names.
+///
+/// Raises trueaxis.Error with file and line: a log of another task, touches that are missing, repeated or off their artefact,
+/// an artefact whose size is out of range, a drift larger than the measured errors, terms that cannot be separated.
 #[pyfunction]
 #[pyo3(signature = (task, log, *, files = false, force = false))]
 pub(crate) fn calibrate_solve(
@@ -78,7 +84,7 @@ pub(crate) fn calibrate_solve(
         Ok((found.document(&read.task, &read.machine), decisions, edited.files))
     });
     notes.iter().try_for_each(|note| warn(py, note))?;
-    let (document, decisions, edited) = told(found)?;
+    let (document, decisions, edited) = to_python(found)?;
     let document = documents::dictionary(py, &document)?.cast_into::<PyDict>()?;
     documents::with_decisions(&document, Some(&decisions))?;
     if files {

@@ -1,6 +1,6 @@
-//! The JSON documents of the command line, as dictionaries.
+//! Converts the command line's JSON documents to dictionaries.
 
-use crate::{arrays, told};
+use crate::{arrays, to_python};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -12,23 +12,23 @@ use trueaxis_metrology::separation::NOISE_GAIN_LIMIT;
 use trueaxis_tables::finding::Decision;
 
 pub(crate) fn dictionary<'py>(py: Python<'py>, document: &impl Serialize) -> PyResult<Bound<'py, PyAny>> {
-    let text = told(trueaxis_evaluation::json::compact(document).map_err(Into::into))?;
+    let text = to_python(trueaxis_evaluation::json::compact(document).map_err(Into::into))?;
     py.import("json")?.call_method1("loads", (text,))
 }
 
-/// The decisions about a machine, under `written` as in the documents of the commands; nothing without a machine.
+/// Adds the decisions about a machine under `written`, as the commands do; adds nothing without a machine.
 pub(crate) fn with_decisions(document: &Bound<'_, PyDict>, written: Option<&[Decision]>) -> PyResult<()> {
     let Some(written) = written else { return Ok(()) };
     document.set_item("written", dictionary(document.py(), &written)?)
 }
 
-/// Reference circles of points of a section after ISO 12181-1: the document of `trueaxis circle --json`.
+/// Fits the reference circles of ISO 12181-1 to points of a section; returns the document of `trueaxis circle --json`.
 ///
-/// points: (n, 2), mm.
+/// - points: (n, 2), mm.
 #[pyfunction]
 pub(crate) fn circle<'py>(py: Python<'py>, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
     let (_, values) = arrays::rows(points, "points", &[2])?;
-    let document = told(py.detach(|| {
+    let document = to_python(py.detach(|| {
         let points = values.as_chunks::<2>().0.to_vec();
         let lines = (0..points.len() as u32).collect();
         Ok(circles::Evaluation::of(points, lines, Path::new("points"))?.document())
@@ -36,11 +36,13 @@ pub(crate) fn circle<'py>(py: Python<'py>, points: &Bound<'py, PyAny>) -> PyResu
     dictionary(py, &document)
 }
 
-/// Roundness and spindle error from three probes: the document of `trueaxis roundness --json`, and the arrays profile_um,
-/// rx_um and ry_um (revolutions, n).
+/// Separates roundness and spindle error by three probes; returns the document of `trueaxis roundness --json`, with the arrays
+/// profile_um, rx_um and ry_um (revolutions, n).
 ///
-/// readings: (revolutions × n, 3), µm, equidistant in θ; with theta_deg any number of rows at any increasing angles, which are
-/// resampled, with the interpolation error in `resampling`. Angles between the probes as slots p, q or as phi2_deg, phi3_deg.
+/// - readings: (revolutions × n, 3), µm, equidistant in θ; with theta_deg, any number of rows.
+/// - theta_deg: increasing angles of the rows. The function resamples the readings; `resampling` states the interpolation
+///   error.
+/// - p, q or phi2_deg, phi3_deg: the angles between the probes, in slots or in degrees.
 #[pyfunction]
 #[pyo3(signature = (readings, *, n, harmonics = None, p = None, q = None, phi2_deg = None, phi3_deg = None, arm = None,
     upr = None, noise_gain_limit = NOISE_GAIN_LIMIT, theta_deg = None))]
@@ -63,7 +65,7 @@ pub(crate) fn roundness<'py>(
     let theta_deg = theta_deg.map(|given| arrays::column(given, "theta_deg", rows, "readings")).transpose()?;
     let probes = Probes { n, harmonics, p, q, phi2_deg, phi3_deg };
     let request = separation::Request { probes, arm, upr, noise_gain_limit };
-    let (document, separations) = told(py.detach(|| {
+    let (document, separations) = to_python(py.detach(|| {
         let plan = request.plan()?;
         let probes = [0, 1, 2].map(|probe| values.iter().skip(probe).step_by(3).copied().collect::<Vec<f64>>());
         let readings = match &theta_deg {
@@ -88,8 +90,8 @@ pub(crate) fn roundness<'py>(
     Ok(found)
 }
 
-/// Best angles of three probes: the document of `trueaxis probe-angles --json`, the `count` best pairs of slots and, if
-/// angles are given, that pair.
+/// Finds the best angles of three probes; returns the document of `trueaxis probe-angles --json`, with the `count` best pairs
+/// of slots and, if the caller states angles, the figures of that pair.
 #[pyfunction]
 #[pyo3(signature = (*, n, harmonics = None, p = None, q = None, phi2_deg = None, phi3_deg = None,
     count = angles::USUAL_COUNT))]
@@ -104,6 +106,6 @@ pub(crate) fn probe_angles<'py>(
     count: usize,
 ) -> PyResult<Bound<'py, PyAny>> {
     let request = angles::Request { probes: Probes { n, harmonics, p, q, phi2_deg, phi3_deg }, count };
-    let document = told(py.detach(|| request.search()?.run(|| {})))?;
+    let document = to_python(py.detach(|| request.search()?.run(|| {})))?;
     dictionary(py, &document)
 }

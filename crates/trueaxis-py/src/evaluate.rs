@@ -1,8 +1,8 @@
-//! Records of tests with instruments: the documents of `trueaxis evaluate`.
+//! Evaluates records of tests with instruments; returns the documents of `trueaxis evaluate`.
 
 use crate::machine::{self, Machine};
 use crate::measured::Measured;
-use crate::{Error, documents, told, warn};
+use crate::{Error, documents, to_python, warn};
 use anyhow::Result;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -11,7 +11,7 @@ use trueaxis_evaluation::rows::{Column, Rows};
 use trueaxis_evaluation::{diagonal, points as coordinates, probing, r_test, thermal_test};
 use trueaxis_tables::Additions;
 
-/// Reads a record, evaluates it without the interpreter's lock, and gives the document.
+/// Reads and evaluates a record without the interpreter's lock; returns the document.
 fn evaluated<'py, const C: usize, D: Serialize + Send>(
     py: Python<'py>,
     record: &Bound<'py, PyAny>,
@@ -38,20 +38,21 @@ fn decided<'py, const C: usize, D: Serialize + Send>(
         Ok((document, written))
     });
     notes.iter().try_for_each(|note| warn(py, note))?;
-    let (document, written) = told(found)?;
+    let (document, written) = to_python(found)?;
     let found = documents::dictionary(py, &document)?.cast_into::<PyDict>()?;
     documents::with_decisions(&found, written.as_deref())?;
     Ok(found)
 }
 
-/// An option that is out of its range, with the name of the argument.
+/// Reports an option that is out of its range by the name of the argument.
 fn asked<T, E: std::fmt::Display>(checked: Result<T, E>) -> PyResult<T> {
     checked.map_err(|wrong| Error::new_err(wrong.to_string()))
 }
 
-/// Probing tests after ISO 230-10: the document of `trueaxis evaluate probing --json`.
+/// Evaluates probing tests according to ISO 230-10; returns the document of `trueaxis evaluate probing --json`.
 ///
-/// record: a file, or a dict of arrays: x_mm, y_mm[, z_mm][, run][, spindle_deg]. feature: "ring", "sphere" or "point".
+/// - record: a file, or a dict of arrays x_mm, y_mm[, z_mm][, run][, spindle_deg].
+/// - feature: "ring", "sphere" or "point".
 #[pyfunction]
 #[pyo3(signature = (record, *, feature, diameter_mm = None))]
 pub(crate) fn evaluate_probing<'py>(
@@ -75,9 +76,10 @@ pub(crate) fn evaluate_probing<'py>(
     })
 }
 
-/// Thermal tests after ISO 230-3: the document of `trueaxis evaluate thermal --json`.
+/// Evaluates thermal tests according to ISO 230-3; returns the document of `trueaxis evaluate thermal --json`.
 ///
-/// record: a file, or a dict of arrays: t_s[, position][, x1_um …][, ambient_c …]. test: "etve", "spindle" or "axis".
+/// - record: a file, or a dict of arrays t_s[, position][, x1_um …][, ambient_c …].
+/// - test: "etve", "spindle" or "axis".
 #[pyfunction]
 #[pyo3(signature = (record, *, test = "spindle", period_min = 60.0, distance_mm = None))]
 pub(crate) fn evaluate_thermal<'py>(
@@ -102,10 +104,11 @@ pub(crate) fn evaluate_thermal<'py>(
     })
 }
 
-/// Diagonal and step-diagonal tests after ISO 230-6: the document of `trueaxis evaluate step-diagonal --json`.
+/// Evaluates diagonal and step-diagonal tests according to ISO 230-6; returns the document of
+/// `trueaxis evaluate step-diagonal --json`. Writes no file.
 ///
-/// record: a file, or a dict of arrays: diagonal, direction, x_mm, y_mm, z_mm, deviation_um[, run]. machine: `written` has the
-/// decision on every setting found, by the rule of the command. Nothing is written.
+/// - record: a file, or a dict of arrays diagonal, direction, x_mm, y_mm, z_mm, deviation_um[, run].
+/// - machine: adds `written`, the command's decision on every setting found.
 #[pyfunction]
 #[pyo3(signature = (record, *, alignment_urad = None, machine = None))]
 pub(crate) fn evaluate_step_diagonal<'py>(
@@ -121,11 +124,13 @@ pub(crate) fn evaluate_step_diagonal<'py>(
     })
 }
 
-/// R-test after ISO 10791-6, location errors of the rotary axes: the document of `trueaxis evaluate r-test --json`.
+/// Evaluates an R-test according to ISO 10791-6, which determines location errors of the rotary axes; returns the document of
+/// `trueaxis evaluate r-test --json`. `written` lists the decision on every location error found, except for a compiled
+/// machine. Writes no file.
 ///
-/// record: a file, or a dict of arrays: x_mm, y_mm, z_mm[, a_deg, b_deg, c_deg], dx_um, dy_um, dz_um[, ball]. tool_mm: the
-/// nest's centre, else the machine's. without: location errors that keep the machine's values, as "EX0C". `written` has the
-/// decision on every location error found; it is absent for a compiled machine. Nothing is written.
+/// - record: a file, or a dict of arrays x_mm, y_mm, z_mm[, a_deg, b_deg, c_deg], dx_um, dy_um, dz_um[, ball].
+/// - tool_mm: the nest's centre; by default, the machine's tool.
+/// - without: location errors that keep the machine's values, such as "EX0C".
 #[pyfunction]
 #[pyo3(signature = (record, *, machine, tool_mm = None, without = Vec::new(), free_sensor = false))]
 pub(crate) fn evaluate_r_test<'py>(
@@ -150,10 +155,12 @@ pub(crate) fn evaluate_r_test<'py>(
     })
 }
 
-/// The 21 errors of X, Y, Z from measured coordinates: the document of `trueaxis evaluate points --json`.
+/// Determines the 21 errors of X, Y, Z from measured coordinates; returns the document of `trueaxis evaluate points --json`.
 ///
-/// record: a file, or a dict of arrays: x_mm, y_mm, z_mm, actual_x_mm, actual_y_mm, actual_z_mm[, u_um][, tool_x_mm …].
-/// machine: states chain, offsets and tool. nodes: of the tables of X, Y, Z. without: angular errors left at zero.
+/// - record: a file, or a dict of arrays x_mm, y_mm, z_mm, actual_x_mm, actual_y_mm, actual_z_mm[, u_um][, tool_x_mm …].
+/// - machine: states chain, offsets and tool.
+/// - nodes: numbers of nodes in the tables of X, Y, Z.
+/// - without: angular errors that stay zero.
 #[pyfunction]
 #[pyo3(signature = (record, *, machine, nodes = None, without = Vec::new()))]
 pub(crate) fn evaluate_points<'py>(

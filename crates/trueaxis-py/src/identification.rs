@@ -1,8 +1,8 @@
-//! Errors of rotary axes and friction, found from measurements.
+//! Identifies errors of rotary axes, and friction, from measurements.
 
 use crate::machine::{Machine, decided};
 use crate::measured::Measured;
-use crate::{Error, documents, told, warn};
+use crate::{Error, documents, to_python, warn};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use trueaxis::Axis;
@@ -11,14 +11,18 @@ use trueaxis_metrology::identification::Offsets;
 use trueaxis_tables::Additions;
 use trueaxis_tables::formats::write_axis_csv;
 
-/// The six errors of a rotary axis from readings of a ball that RTCP holds in place: the document of
-/// `trueaxis identify --json`, and with table=True the axis' table as CSV text under `table`.
+/// Identifies the six errors of a rotary axis from readings of a ball that RTCP holds in place; returns the document of
+/// `trueaxis identify --json`. Writes no file.
 ///
-/// readings: (n, 6), columns angle_deg, l_mm, h_mm, dx_um, dy_um, dz_um, or a file of these; rows of an array count from line 2.
-/// axis: "A", "B" or "C". machine: states the sense of the axis, and its linear axes' own errors are removed, with X, Y, Z at
-/// start_mm in the first set-up at the first angle. free_offsets: the gauges were zeroed in every set-up. With a machine that is
-/// not a compiled file `written` has the decision on every error for its files as they are now: key, old, found, written
-/// (None if the stated value stays), and why. Nothing is written.
+/// - readings: a file, or an array (n, 6), columns angle_deg, l_mm, h_mm, dx_um, dy_um, dz_um. Rows of an array count from
+///   line 2.
+/// - axis: "A", "B" or "C".
+/// - machine: states the sense of the axis; the function removes the errors of its linear axes. Unless it is a compiled file,
+///   adds `written`, the decision on every error for the machine's current files: key, old, found, written (None if the stated
+///   value stays), and why.
+/// - start_mm: X, Y, Z in the first set-up at the first angle.
+/// - free_offsets: the operator zeroed the gauges in every set-up.
+/// - table: True adds the axis' table as CSV text under `table`.
 #[pyfunction]
 #[pyo3(signature = (readings, *, axis, machine = None, start_mm = None, free_offsets = false, table = false))]
 pub(crate) fn identify<'py>(
@@ -61,7 +65,7 @@ pub(crate) fn identify<'py>(
         Ok((found.document, table, written))
     });
     notes.iter().try_for_each(|note| warn(py, note))?;
-    let (document, table, written) = told(found)?;
+    let (document, table, written) = to_python(found)?;
     let found = documents::dictionary(py, &document)?.cast_into::<PyDict>()?;
     documents::with_decisions(&found, written.as_deref())?;
     if let Some(table) = table {
@@ -70,13 +74,16 @@ pub(crate) fn identify<'py>(
     Ok(found)
 }
 
-/// Friction of two axes and their drives' figures from recorded circles: the document of `trueaxis friction --json`, and with
-/// toml=True the sections of a machine.toml under `toml`.
+/// Identifies the friction of two axes and the figures of their drives from recorded circles; returns the document of
+/// `trueaxis friction --json`. Writes no file.
 ///
-/// record: (n, 5), time in s, then command and reading in mm of the first axis and of the second, or a file as the command
-/// reads; rows of an array count from line 2. axes: as "X,Y". machine: states the figures of its drives, unless find_drive;
-/// `written` has the decision on every figure, as that of `identify`. Nothing is written. read_after_us: time of the
-/// encoder's reading after the command of its row takes effect, for a drive found here.
+/// - record: a file that the command reads, or an array (n, 5): time in s, then command and reading in mm of the first axis
+///   and of the second. Rows of an array count from line 2.
+/// - axes: the axes of the plane, such as "X,Y".
+/// - machine: states the figures of its drives; adds `written`, the decision on every figure, as in `identify`.
+/// - find_drive: identifies the drives although the machine states their figures.
+/// - read_after_us: delay from the moment a row's command takes effect to the encoder's reading; used for an identified drive.
+/// - toml: True adds the sections of a machine.toml under `toml`.
 #[pyfunction]
 #[pyo3(signature = (record, *, axes, machine = None, find_drive = false, read_after_us = None, toml = false))]
 pub(crate) fn friction<'py>(
@@ -110,7 +117,7 @@ pub(crate) fn friction<'py>(
         Ok((document, sections, written))
     });
     notes.iter().try_for_each(|note| warn(py, note))?;
-    let (document, sections, written) = told(found)?;
+    let (document, sections, written) = to_python(found)?;
     let found = documents::dictionary(py, &document)?.cast_into::<PyDict>()?;
     documents::with_decisions(&found, written.as_deref())?;
     if let Some(sections) = sections {

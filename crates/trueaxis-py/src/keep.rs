@@ -1,6 +1,6 @@
-//! A machine that keeps itself true: re-probings of balls that stay in place, by the code of `trueaxis keep`.
+//! A machine that keeps itself true: the functions re-probe balls that stay in place, with the code of `trueaxis keep`.
 
-use crate::{Error, NeedsPerson, documents, told, warn};
+use crate::{Error, NeedsPerson, documents, to_python, warn};
 use anyhow::{Result, anyhow};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -14,7 +14,7 @@ fn noting<T: Send>(py: Python<'_>, work: impl FnOnce(&mut Vec<String>) -> Result
     let mut notes = Vec::new();
     let found = py.detach(|| work(&mut notes));
     notes.iter().try_for_each(|note| warn(py, note))?;
-    told(found)
+    to_python(found)
 }
 
 fn time_of(time: Option<String>) -> PyResult<Option<String>> {
@@ -59,13 +59,15 @@ fn document<'py>(py: Python<'py>, taken: &Taken) -> PyResult<Bound<'py, PyDict>>
     Ok(document)
 }
 
-/// The re-probing program of a task and the expected standard error of every term: the document of `trueaxis keep plan
-/// --json`, and the program's text under `program_text`.
+/// Plans the re-probing program of a task and the standard error expected of every term; returns the document of
+/// `trueaxis keep plan --json`, with the program's text under `program_text`.
 ///
-/// Standard errors are those of a re-probing that takes the balls' places at the beginning as known; the bounds have the
-/// same unit. task: a keep.toml, docs/calibration.md; the machine's folder counts from it.
+/// - task: a keep.toml (docs/calibration.md), which states the machine's folder relative to its own.
 ///
-/// Raises trueaxis.Error with file and line: balls that do not separate the terms, a bound below the smallest change that they show.
+/// The standard errors assume that the balls' places at the first re-probing are exact; the bounds have the same unit.
+///
+/// Raises trueaxis.Error with file and line: balls that do not separate the terms, a bound below the smallest change that they
+/// show.
 #[pyfunction]
 pub(crate) fn keep_plan(py: Python<'_>, task: PathBuf) -> PyResult<Bound<'_, PyDict>> {
     let planned = noting(py, |notes| {
@@ -77,11 +79,11 @@ pub(crate) fn keep_plan(py: Python<'_>, task: PathBuf) -> PyResult<Bound<'_, PyD
     Ok(document)
 }
 
-/// Evaluates the first re-probing, with which all later ones are compared, and records it in the history: the document of
-/// `trueaxis keep begin`.
+/// Evaluates the first re-probing, with which the later ones are compared, and adds it to the history; returns the document of
+/// `trueaxis keep begin`. Changes nothing of the machine except keep/history.jsonl in its folder, which gains a line.
 ///
-/// Nothing of the machine changes; keep/history.jsonl in its folder gets a line. time: when it was probed, UTC,
-/// "2026-05-04T06:00:00Z"; parts: made until then, as the control counts them.
+/// - time: time of the probing, UTC, such as "2026-05-04T06:00:00Z".
+/// - parts: number of parts made until then, as the control counts them.
 ///
 /// Raises trueaxis.Error as calibrate_solve does, and while another command changes the machine.
 #[pyfunction]
@@ -104,14 +106,19 @@ pub(crate) fn keep_begin(
     document(py, &taken)
 }
 
-/// The changes that a log would make, and why: the document of `trueaxis keep check --json`, with a sentence on each under
-/// `changes`, and with files=True the machine's changed files under `files`, a dict of texts by name. Nothing is written.
+/// Computes the changes that a log would make, and the reasons; returns the document of `trueaxis keep check --json`, with a
+/// sentence on each change under `changes`. Writes no file.
 ///
-/// Every term: its remainder after the tables with its standard error, the sum of the updates before and after (`from`, `to`), the
-/// bounds, and the verdict `keep`, `update` or `refused` with its `reason`; `refused` counts those that need a person. accept:
-/// terms that may be out of their bounds; by_hand: accepts tables that are not as the history left them.
+/// - accept: terms that may be out of their bounds.
+/// - by_hand: accepts tables that somebody has changed since the last entry of the history.
+/// - files: True adds the machine's changed files under `files`, a dict of texts by name.
 ///
-/// Raises trueaxis.Error with file and line: no beginning, a log of another task or taken before, tables changed by hand.
+/// The document contains, for every term, the error that remains after the tables, its standard error, the sum of the updates
+/// before and after this one (`from`, `to`), the bounds, and the verdict `keep`, `update` or `refused` with its `reason`.
+/// `refused` counts the terms that a person must decide on.
+///
+/// Raises trueaxis.Error with file and line: a history without its first entry, a log of another task or an earlier one,
+/// tables changed by hand.
 #[pyfunction]
 #[pyo3(signature = (task, log, *, time = None, parts = None, accept = Vec::new(), by_hand = false, files = false))]
 pub(crate) fn keep_check(
@@ -140,12 +147,13 @@ pub(crate) fn keep_check(
     Ok(document)
 }
 
-/// Applies the changes and records them in the history: the document of `trueaxis keep apply`, with `applied` and `changes`.
+/// Applies the changes from a log and adds them to the history; returns the document of `trueaxis keep apply`, with `applied`
+/// and `changes`. The arguments are those of keep_check.
 ///
-/// Files are written whole or not at all, as the command writes them: replaced files are kept in keep/NUMBER, tcomp and ttherm
-/// are recompiled. Arguments as those of keep_check.
+/// The function writes all files or none, as the command does: it copies replaced files to keep/NUMBER and recompiles tcomp and
+/// ttherm files.
 ///
-/// Raises trueaxis.NeedsPerson if a term is out of its bounds: nothing is written. Raises trueaxis.Error as keep_check does,
+/// Raises trueaxis.NeedsPerson and writes nothing if a term is out of its bounds. Raises trueaxis.Error as keep_check does,
 /// and while another command changes the machine.
 #[pyfunction]
 #[pyo3(signature = (task, log, *, time = None, parts = None, accept = Vec::new(), by_hand = false))]
@@ -175,10 +183,10 @@ pub(crate) fn keep_apply(
     }
 }
 
-/// Restores the machine's files as they were before an entry of the history: `trueaxis keep undo`; returns the new entry,
-/// as keep_history has it.
+/// Restores the machine's files to their state before an entry of the history, like `trueaxis keep undo`; returns the new
+/// entry in the form of keep_history.
 ///
-/// entry: the first to undo, with all after it; None for the last update in effect.
+/// - entry: the first entry to undo, with all later ones; None undoes the last update in effect.
 ///
 /// Raises trueaxis.Error: nothing to undo, tables changed by hand, copies that are missing or damaged.
 #[pyfunction]
@@ -201,7 +209,7 @@ pub(crate) fn keep_undo(
     documents::dictionary(py, &undone.entry)
 }
 
-/// The history of a task's machine: the entries of `trueaxis keep history --json`.
+/// Returns the history of a task's machine: the entries of `trueaxis keep history --json`.
 #[pyfunction]
 pub(crate) fn keep_history(py: Python<'_>, task: PathBuf) -> PyResult<Bound<'_, PyAny>> {
     let entries = noting(py, |notes| Ok(State::read(&task, &mut |note| notes.push(note))?.history.entries))?;

@@ -1,7 +1,7 @@
 //! Five-axis transformation and helicoids.
 
 use crate::machine::{Machine, columns};
-use crate::{Error, arrays, documents, told};
+use crate::{Error, arrays, documents, to_python};
 use anyhow::Context;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
@@ -25,11 +25,11 @@ fn table<'py>(py: Python<'py>, values: Vec<f64>, width: usize) -> PyResult<Bound
 
 #[pymethods]
 impl Machine {
-    /// The tool in workpiece coordinates at axis positions: tip (n, 3), mm, tool axis (n, 3), a unit vector from the tip to
-    /// the spindle, and singularity margin (n,), degrees: the columns of `trueaxis kinematics forward`.
+    /// Computes the tool in workpiece coordinates: tip (n, 3), mm; tool axis (n, 3), a unit vector from the tip to the
+    /// spindle; singularity margin (n,), degrees. These are the columns of `trueaxis kinematics forward`.
     ///
-    /// positions: (n, 3) or the machine's columns. tool_mm: the tip from the last tool-side frame at all axes zero, in place
-    /// of the machine's.
+    /// - positions: (n, 3), or the columns that `columns` lists.
+    /// - tool_mm: vector from the last tool-side frame to the tip with all axes at zero; by default, the machine's.
     #[pyo3(signature = (positions, *, tool_mm = None))]
     fn forward<'py>(
         &self,
@@ -53,13 +53,15 @@ impl Machine {
         Ok((table(py, tips, 3)?, table(py, tools, 3)?, PyArray1::from_vec(py, margins)))
     }
 
-    /// Axis positions for a tool: positions (n, columns), branch (n,), 1 or 2, singularity margin (n,) and direction
-    /// error (n,), degrees: the columns of `trueaxis kinematics inverse`. The direction error is 0 outside the machine's
-    /// singular cone.
+    /// Computes axis positions for a tool: positions (n, columns); branch (n,), 1 or 2; singularity margin (n,) and direction
+    /// error (n,), degrees. These are the columns of `trueaxis kinematics inverse`. The direction error is 0 outside the
+    /// machine's singular cone.
     ///
-    /// tip, tool: (n, 3). branch: "nearest" to the row before (the first to `start`, angles of the rotary axes in the order A,
-    /// B, C), "1" or "2". max_step_deg: refuses a change of branch (except through the singular pose), and a larger step of a
-    /// rotary axis from row to row.
+    /// - tip, tool: (n, 3).
+    /// - branch: "1", "2", or "nearest", which selects the branch nearest to the row before, or to `start` for the first row.
+    /// - start: angles of the rotary axes in the order A, B, C.
+    /// - max_step_deg: refuses a larger step of a rotary axis from row to row, and any change of branch other than through the
+    ///   singular pose.
     #[pyo3(signature = (tip, tool, *, branch = "nearest", start = None, max_step_deg = None, tool_mm = None))]
     fn inverse<'py>(
         &self,
@@ -87,9 +89,9 @@ impl Machine {
         };
         let kinematics = self.kinematics(tool_mm)?;
         let columns: Vec<Axis> = columns(&self.0).collect();
-        let mut walk = told(Walk::new(choice, max_step_deg).context("max_step_deg"))?;
+        let mut walk = to_python(Walk::new(choice, max_step_deg).context("max_step_deg"))?;
         if let Some(start) = start {
-            walk = told(walk.from_angles(&kinematics, &start).context("start"))?;
+            walk = to_python(walk.from_angles(&kinematics, &start).context("start"))?;
         }
         let found = py.detach(|| {
             let tools = tips.as_chunks::<3>().0.iter().zip(tools.as_chunks::<3>().0).enumerate();
@@ -100,7 +102,7 @@ impl Machine {
                 })
                 .collect::<anyhow::Result<Vec<_>>>()
         });
-        let found = told(found)?;
+        let found = to_python(found)?;
         let positions = found.iter().flat_map(|of| columns.iter().map(|axis| of.axes[axis.index()])).collect();
         let branches = found.iter().map(|of| of.branch as u8);
         let margins = found.iter().map(|of| of.singularity_margin_deg);
@@ -112,7 +114,8 @@ impl Machine {
 
 impl Machine {
     fn kinematics(&self, tool_mm: Option<[f64; 3]>) -> PyResult<Kinematics<f64>> {
-        let kinematics = told(Kinematics::<f64>::new(&self.0.settings).map_err(|error| anyhow::anyhow!("{error}")))?;
+        let kinematics =
+            to_python(Kinematics::<f64>::new(&self.0.settings).map_err(|error| anyhow::anyhow!("{error}")))?;
         let Some(tool) = tool_mm else { return Ok(kinematics) };
         if let Some(value) = tool.iter().find(|value| value.is_nan() || value.abs() > 1e6) {
             return Err(Error::new_err(format!("tool_mm: found {value}, needed a finite number of at most 1e6 mm")));
@@ -121,7 +124,7 @@ impl Machine {
     }
 }
 
-/// Displacements of five axes that keep a tool normal to the flank of a helical gear: the document of
+/// Computes the displacements of five axes that keep a tool normal to the flank of a helical gear; returns the document of
 /// `trueaxis helicoid --json`, and with gcode=True the program under `program`.
 ///
 /// The arguments are the command's options with underscores; ranges are texts START:STOP:COUNT:
@@ -136,9 +139,9 @@ pub(crate) fn helicoid<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let request = request.unwrap_or_else(|| PyDict::new(py));
     let text: String = py.import("json")?.call_method1("dumps", (request,))?.extract()?;
-    let (document, program, notes) = told(py.detach(|| {
+    let (document, program, notes) = to_python(py.detach(|| {
         let request: flank::Request = serde_json::from_str(&text).map_err(|error| {
-            // The place in a text that the caller has never seen.
+            // The error's line and column refer to a text that the caller has never seen.
             let said = error.to_string();
             anyhow::anyhow!("{}", said.split(" at line ").next().unwrap_or_default())
         })?;

@@ -1,6 +1,6 @@
-//! The Python module: arrays in, the crates' functions, arrays out. It contains no formula.
+//! The Python module: passes arrays to the crates' functions and returns arrays. It contains no formula.
 //!
-//! The interpreter's lock is released during computation.
+//! It releases the interpreter's lock during computations.
 
 mod arrays;
 mod ballbar;
@@ -34,8 +34,8 @@ create_exception!(
     "A term of a re-probing is out of its bounds: nothing is changed, and a person has to decide; exit code 3 of `trueaxis keep`."
 );
 
-/// An error of the crates as the exception of the module.
-fn told<T>(result: anyhow::Result<T>) -> PyResult<T> {
+/// Converts an error of the crates to the module's exception.
+fn to_python<T>(result: anyhow::Result<T>) -> PyResult<T> {
     result.map_err(|error| Error::new_err(format!("{error:#}")))
 }
 
@@ -45,9 +45,9 @@ fn warn(py: Python<'_>, note: &str) -> PyResult<()> {
     PyErr::warn(py, &py.get_type::<pyo3::exceptions::PyUserWarning>(), &text, 1)
 }
 
-/// Errors and corrections of machine tools over NumPy arrays: the numbers of the command line `trueaxis`.
+/// Errors and corrections of machine tools over NumPy arrays: the module computes the numbers that `trueaxis` prints.
 ///
-/// Positions are mm and degrees, errors µm: actual − ideal, of the tool relative to the workpiece.
+/// Positions are in mm and degrees, errors in µm: actual − ideal, of the tool relative to the workpiece.
 #[pymodule(name = "trueaxis")]
 fn python(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("Error", module.py().get_type::<Error>())?;

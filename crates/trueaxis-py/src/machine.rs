@@ -1,7 +1,7 @@
 //! A machine: its errors and corrections.
 
 use crate::measured::Measured;
-use crate::{Error, arrays, documents, told, warn};
+use crate::{Error, arrays, documents, to_python, warn};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use std::collections::BTreeMap;
@@ -22,7 +22,7 @@ use trueaxis_tables::uncertainty::Uncertainties;
 #[pyclass(frozen, module = "trueaxis")]
 pub(crate) struct Machine(pub(crate) trueaxis_tables::Machine, pub(crate) Stated, pub(crate) PathBuf);
 
-/// Standard uncertainties that the machine's files state; a compiled file states none.
+/// Standard uncertainties that the machine's files state; `None` for a compiled file, which states none.
 type Stated = Option<Uncertainties>;
 
 /// Checked arguments of a look-up.
@@ -30,9 +30,9 @@ pub(crate) struct Asked {
     machine: trueaxis_tables::Machine,
     settings: Settings,
     arrival: Arrival,
-    /// Row by row.
+    /// Positions, row by row.
     values: Vec<f64>,
-    /// Axis of every column.
+    /// The axis of each column.
     columns: Vec<Axis>,
 }
 
@@ -52,7 +52,7 @@ impl Machine {
         for note in notes {
             warn(py, &note)?;
         }
-        told(machine)
+        to_python(machine)
     }
 
     /// Name of the machine.
@@ -67,7 +67,7 @@ impl Machine {
         self.0.settings.chain.to_string()
     }
 
-    /// The machine's own error model, nine or volumetric.
+    /// Error model that the machine states: nine or volumetric.
     #[getter]
     fn model(&self) -> &'static str {
         model::name(self.0.settings.compensation.model)
@@ -84,11 +84,13 @@ impl Machine {
         format!("<trueaxis.Machine {:?}, {}, {}>", self.name(), self.chain(), self.model())
     }
 
-    /// Error of the tool tip at commanded positions, actual − ideal, µm: an array (n, 3).
+    /// Computes the error of the tool tip at commanded positions, actual − ideal, µm: an array (n, 3) with the columns ex_um,
+    /// ey_um, ez_um of `trueaxis compensate`. Beyond a table's end, it uses the table's edge value and warns.
     ///
-    /// positions: (n, 3) or the machine's columns, mm and degrees; omitted rotary axes are at 0. model: "nine", "volumetric"
-    /// or "exact" (transforms). reverse: all axes in negative travel; in_order: as the drives come from row to row. Columns
-    /// ex_um, ey_um, ez_um of `trueaxis compensate`. Beyond a table's end its edge value is used, with a warning.
+    /// - positions: (n, 3), or the columns that `columns` lists, mm and degrees; omitted rotary axes are at 0.
+    /// - model: "nine", "volumetric", or "exact" (transforms).
+    /// - reverse: all axes travel in the negative direction.
+    /// - in_order: the direction of each axis follows from the row before.
     #[pyo3(signature = (positions, *, model = None, reverse = false, in_order = false, temperature_c = None))]
     fn error<'py>(
         &self,
@@ -102,10 +104,10 @@ impl Machine {
         self.asked(positions, model, reverse, in_order, temperature_c)?.errors(py, |error| error.tip.map(|mm| 1e3 * mm))
     }
 
-    /// Error of the tool's orientation at commanded positions, a small rotation, actual − ideal, µrad: an array (n, 3).
+    /// Computes the error of the tool's orientation at commanded positions, a small rotation, actual − ideal, µrad: an array
+    /// (n, 3) with the columns ea_urad, eb_urad, ec_urad of `trueaxis compensate --orientation`.
     ///
-    /// Columns ea_urad, eb_urad, ec_urad of `trueaxis compensate --orientation`. The arguments are those of `error`; the
-    /// nine-term model has no orientation.
+    /// The arguments are those of `error`; the nine-term model has no orientation.
     #[pyo3(signature = (positions, *, model = None, reverse = false, in_order = false, temperature_c = None))]
     fn orientation_error<'py>(
         &self,
@@ -120,11 +122,12 @@ impl Machine {
         asked.errors(py, |error| error.orientation.map(|rad| 1e6 * rad))
     }
 
-    /// Corrections of commanded positions: an array of the shape of `positions`, mm and degrees, to be added to them.
+    /// Computes the corrections of commanded positions, mm and degrees: an array of the shape of `positions`, with the columns
+    /// cx_mm, cy_mm, cz_mm of `trueaxis compensate`. Sent to positions + correction, the axes bring the tool to the positions.
     ///
-    /// positions + correction is where the axes must be sent so that the tool is at the position: columns cx_mm, cy_mm,
-    /// cz_mm of `trueaxis compensate`. orientation: the rotary axes correct the tool's direction, columns ca_deg, cb_deg,
-    /// cc_deg of `--orientation`. The other arguments are those of `error`.
+    /// - orientation: the rotary axes also correct the tool's direction, columns ca_deg, cb_deg, cc_deg of `--orientation`.
+    ///
+    /// The other arguments are those of `error`.
     #[pyo3(signature = (positions, *, model = None, reverse = false, in_order = false, temperature_c = None,
         inverse_passes = None, orientation = false))]
     fn correction<'py>(
@@ -149,13 +152,19 @@ impl Machine {
         asked.corrections(py)
     }
 
-    /// Uncertainty of the corrected position: the document of `trueaxis uncertainty --json`.
+    /// Computes the uncertainty of the corrected position; returns the document of `trueaxis uncertainty --json`.
     ///
-    /// Σ = Σ_k s_k s_kᵀ, s_k the displacement of the tip by one standard uncertainty of figure k; beside it machines drawn at random. µm,
-    /// along X, Y, Z of the machine: standard_um, expanded_um = factor · standard_um, and radius_um of the sphere that holds the
-    /// tip. at: also evaluates this position, X, Y, Z in mm, then the rotary axes in degrees. volume_mm: [low, high] of X, Y, Z, None for
-    /// the travel. pose_deg: angles of rotary axes over the volume, {"A": 30}. points along each linear axis, 2 to 51;
-    /// confidence, 50 to 99.99 %; trials, machines drawn; seed, the same machines.
+    /// - at: an additional position to evaluate: X, Y, Z in mm, then the rotary axes in degrees.
+    /// - volume_mm: [low, high] of X, Y, Z; None means the travel.
+    /// - pose_deg: angles of the rotary axes throughout the volume, such as {"A": 30}.
+    /// - points: number of points along each linear axis, 2 to 51.
+    /// - confidence: 50 to 99.99 %.
+    /// - trials: number of random machines.
+    /// - seed: the same seed gives the same machines.
+    ///
+    /// The covariance is Σ = Σ_k s_k s_kᵀ, where s_k is the displacement of the tip by one standard uncertainty of figure k;
+    /// random machines verify it. The document contains, in µm along X, Y, Z of the machine, standard_um, expanded_um = factor
+    /// · standard_um, and radius_um of the sphere that contains the tip.
     ///
     /// Raises trueaxis.Error if the machine's files state no uncertainty, or an argument is out of its range.
     #[pyo3(signature = (*, at = None, volume_mm = None, pose_deg = None, points = 9, confidence = 95.0, trials = 10_000,
@@ -192,11 +201,11 @@ impl Machine {
             return Err(Error::new_err(format!("volume_mm: found {found}, needed a finite number")));
         }
         let options = Options { at, volume_mm, pose_deg, points, coverage: confidence / 100.0, trials, seed };
-        documents::dictionary(py, &told(py.detach(|| evaluate(machine, stated, &options)))?)
+        documents::dictionary(py, &to_python(py.detach(|| evaluate(machine, stated, &options)))?)
     }
 }
 
-/// An error model by its name.
+/// Returns the error model of this name.
 pub(crate) fn model_of(name: Option<&str>) -> PyResult<Option<ErrorModel>> {
     match name {
         None => Ok(None),
@@ -211,9 +220,9 @@ pub(crate) fn columns(machine: &trueaxis_tables::Machine) -> impl Iterator<Item 
     Axis::ALL.into_iter().filter(|axis| !axis.is_rotary() || machine.settings.axis(*axis).is_some())
 }
 
-/// Decides on the findings of a record for a machine as its files are now, by the rule of the commands, and writes
-/// nothing. `None` without a machine, for a compiled one, which states nothing, and, with a note, if the machine could
-/// not take them.
+/// Decides on a record's findings by the commands' rule, for the machine's current files; writes nothing. Returns `None`
+/// without a machine, for a compiled one, which states nothing, and if the machine cannot accept the findings; then a note
+/// gives the reason.
 pub(crate) fn decided(
     machine: Option<&Machine>,
     record: &Measured,
@@ -232,7 +241,7 @@ pub(crate) fn decided(
 }
 
 impl Machine {
-    /// Positions of a call, checked against the declared travel.
+    /// Checks the positions of a call against the declared travel.
     pub(crate) fn asked(
         &self,
         positions: &Bound<'_, PyAny>,
@@ -242,7 +251,7 @@ impl Machine {
         temperature_c: Option<f64>,
     ) -> PyResult<Asked> {
         let mut machine = self.0.clone();
-        // As `trueaxis compensate` without --orientation.
+        // `trueaxis compensate` without `--orientation` does the same.
         machine.settings.compensation.orientation = false;
         let exact = model == Some("exact");
         if let Some(model) = model.filter(|_| !exact) {
@@ -279,7 +288,7 @@ impl Machine {
 }
 
 impl Asked {
-    /// The tool's orientation is corrected too.
+    /// Also corrects the tool's orientation.
     fn with_orientation(mut self) -> PyResult<Asked> {
         if !self.settings.exact && self.machine.settings.compensation.model == ErrorModel::Nine {
             return Err(Error::new_err(
@@ -294,7 +303,7 @@ impl Asked {
         Positions { values: &self.values, columns: &self.columns }
     }
 
-    /// What `of` takes of the error.
+    /// Evaluates the part of the error that `of` selects.
     fn errors<'py>(
         self,
         py: Python<'py>,
@@ -306,7 +315,7 @@ impl Asked {
             let clamped = batch::errors(&self.machine, &self.settings, arrival, self.positions(), of, &mut errors)?;
             Ok((errors.into_flattened(), clamped))
         });
-        let (values, clamped) = told(found)?;
+        let (values, clamped) = to_python(found)?;
         self.shaped(py, values, clamped, 3)
     }
 
@@ -317,7 +326,7 @@ impl Asked {
             let clamped = batch::corrections(&self.machine, &self.settings, arrival, self.positions(), &mut values)?;
             Ok((values, clamped))
         });
-        let (values, clamped) = told(found)?;
+        let (values, clamped) = to_python(found)?;
         self.shaped(py, values, clamped, self.columns.len())
     }
 

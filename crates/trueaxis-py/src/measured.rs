@@ -1,4 +1,4 @@
-//! Measurements: a file as the command line reads it, or an array.
+//! Measurements: a file that the command line reads, or an array.
 
 use crate::{Error, arrays};
 use pyo3::prelude::*;
@@ -10,14 +10,14 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 use trueaxis_evaluation::rows::{Column, Rows};
 
-/// A file, or an array as the text of one, so that errors name the line.
+/// A file, or an array converted to the text of a file, so that errors name the line.
 pub(crate) enum Measured {
     File(PathBuf),
     Text { name: &'static str, text: String },
 }
 
 impl Measured {
-    /// A path, or an array with the columns of one of these forms, which differ in number.
+    /// Accepts a path, or an array with the columns of one of `forms`; the number of columns distinguishes the forms.
     pub(crate) fn of(given: &Bound<'_, PyAny>, name: &'static str, forms: &[&[&str]]) -> PyResult<Measured> {
         if let Ok(path) = given.extract::<PathBuf>() {
             return Ok(Measured::File(path));
@@ -34,7 +34,7 @@ impl Measured {
         Ok(Measured::Text { name, text })
     }
 
-    /// A path, or a dict of arrays by column, all of one length; a row of them counts from line 2.
+    /// Accepts a path, or a dict of arrays of equal length by column; its rows count from line 2.
     pub(crate) fn of_columns(given: &Bound<'_, PyAny>, name: &'static str, known: &[Column]) -> PyResult<Measured> {
         if let Ok(path) = given.extract::<PathBuf>() {
             return Ok(Measured::File(path));
@@ -85,7 +85,7 @@ impl Measured {
         Rows::new(input, self.name(), columns, |note| notes.push(note))
     }
 
-    /// All of it.
+    /// All bytes of the measurements.
     pub(crate) fn bytes(&self) -> anyhow::Result<Cow<'_, [u8]>> {
         match self {
             Measured::File(path) => Ok(std::fs::read(path).map_err(|error| unreadable(path, &error))?.into()),

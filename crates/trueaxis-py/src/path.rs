@@ -1,20 +1,20 @@
-//! A programmed path and the contour error of positions near it.
+//! A programmed path, and the contour error of positions near it.
 
-use crate::{Error, arrays, told, warn};
+use crate::{Error, arrays, to_python, warn};
 use anyhow::anyhow;
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::{Path as FilePath, PathBuf};
 use trueaxis::contour::{ContourSearch, Method};
-use trueaxis_evaluation::path::{Alive, PathFile, ProgrammedPath, Standing};
+use trueaxis_evaluation::path::{Alive, PathFile, ProgrammedPath, StuckAxis};
 use trueaxis_tables::text::read_text;
 
 /// A programmed path of lines, arcs and NURBS.
 #[pyclass(frozen, module = "trueaxis")]
 pub(crate) struct Path(ProgrammedPath);
 
-/// Feet and errors, row by row.
+/// Feet and errors in the order of the rows.
 #[derive(Default)]
 struct Feet {
     segment: Vec<u32>,
@@ -33,7 +33,7 @@ impl Path {
         Path::cut(py, || Ok(read_text(&path, &[])?), &path)
     }
 
-    /// A path from the text of such a file.
+    /// Reads a path from the text of a PATH.json.
     #[staticmethod]
     fn from_json(py: Python<'_>, text: String) -> PyResult<Path> {
         Path::cut(py, || Ok(text), FilePath::new("path"))
@@ -45,10 +45,12 @@ impl Path {
         self.0.segments()
     }
 
-    /// The nearest point of the path to every actual position, within max_lag_mm of path length around its reference.
+    /// Finds the point of the path nearest to every actual position (its foot), within max_lag_mm of path length around its
+    /// reference. Returns the columns of `trueaxis contour` as arrays: segment and u of the foot, error_um (the distance to
+    /// it), vector_um (n, 3; actual − foot), evaluations, bracketed.
     ///
-    /// actual: (n, 3), mm; segment and u: (n,), where the reference is. Gives the columns of `trueaxis contour` as arrays:
-    /// segment and u of the foot, error_um (its distance), vector_um (n, 3; actual − foot), evaluations, bracketed.
+    /// - actual: (n, 3), mm.
+    /// - segment, u: (n,), the reference of each position.
     ///
     /// Raises trueaxis.Error with the row: a reference that is not on the path, a coordinate that does not change while the
     /// path moves along it.
@@ -73,7 +75,7 @@ impl Path {
                 return Err(Error::new_err(format!("method: found {found:?}, needed \"guarded\" or \"bisection\"")));
             }
         };
-        let feet = told(py.detach(|| {
+        let feet = to_python(py.detach(|| {
             let search = ContourSearch::new(max_lag_mm, method).map_err(|error| anyhow!("max_lag_mm: {error}"))?;
             self.feet(&search, &segment, &u, &actual)
         }))?;
@@ -95,7 +97,7 @@ impl Path {
         for note in notes {
             warn(py, &note)?;
         }
-        told(path).map(Path)
+        to_python(path).map(Path)
     }
 
     fn feet(&self, search: &ContourSearch<f64>, segment: &[f64], u: &[f64], actual: &[f64]) -> anyhow::Result<Feet> {
@@ -113,8 +115,8 @@ impl Path {
             feet.evaluations.push(found.evaluations.into());
             feet.bracketed.push(found.bracketed);
         }
-        alive.check().map_err(|Standing { row, axis, found }| {
-            anyhow!("actual[{row}, {axis}]: found {found}, needed {}", Standing::NEEDED)
+        alive.check().map_err(|StuckAxis { row, axis, found }| {
+            anyhow!("actual[{row}, {axis}]: found {found}, needed {}", StuckAxis::NEEDED)
         })?;
         Ok(feet)
     }

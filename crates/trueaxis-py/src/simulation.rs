@@ -1,7 +1,7 @@
 //! Simulation of a part program on a machine.
 
 use crate::machine::Machine;
-use crate::{Error, documents, told, warn};
+use crate::{Error, documents, to_python, warn};
 use anyhow::Context;
 use numpy::PyArray1;
 use pyo3::prelude::*;
@@ -17,7 +17,7 @@ use trueaxis_sim::run::{Column, Document, Kind, Moment, Run, Sample, columns};
 use trueaxis_sim::scenario::choose_model;
 use trueaxis_sim::{Scenario, Settings};
 
-/// Cycles between two checks for a keyboard interrupt.
+/// Number of cycles between two checks for a keyboard interrupt.
 const STRETCH: u64 = 1 << 15;
 
 /// A part program, read and checked.
@@ -33,9 +33,11 @@ impl Program {
     #[classattr]
     const SHIPPED: [&'static str; 6] = BUILTIN_NAMES;
 
-    /// Reads a G-code file, or a shipped program by its name: `--program` of `firmware-sim run`.
+    /// Reads a G-code file, or a shipped program by its name, like `--program` of `firmware-sim run`.
     ///
-    /// tool_table: LinuxCNC's; offsets: its parameter file, or a .toml; block_delete skips the lines that begin with `/`.
+    /// - tool_table: a tool table of LinuxCNC.
+    /// - offsets: a parameter file of LinuxCNC, or a .toml file.
+    /// - block_delete: skips the lines that begin with `/`.
     #[staticmethod]
     #[pyo3(signature = (path, *, tool_table = None, offsets = None, block_delete = false))]
     fn load(
@@ -45,13 +47,13 @@ impl Program {
         offsets: Option<PathBuf>,
         block_delete: bool,
     ) -> PyResult<Program> {
-        told(py.detach(|| {
+        to_python(py.detach(|| {
             let options = ReadOptions::from_files(tool_table.as_deref(), offsets.as_deref(), block_delete)?;
             Program::read(&Source::read(&path)?, &options)
         }))
     }
 
-    /// A program from its text; tool_table and offsets are texts too.
+    /// Reads a program from its text; tool_table and offsets are texts too.
     #[staticmethod]
     #[pyo3(signature = (text, *, name = "program", tool_table = None, offsets = None, block_delete = false))]
     fn from_text(
@@ -62,7 +64,7 @@ impl Program {
         offsets: Option<&str>,
         block_delete: bool,
     ) -> PyResult<Program> {
-        told(py.detach(|| {
+        to_python(py.detach(|| {
             let tools = tool_table.map(|text| ToolTable::parse(text, "tool_table")).transpose()?;
             let offsets = offsets.map(|text| Offsets::parse(text, "offsets")).transpose()?;
             let source = Source { name: name.to_owned(), bytes: text.into_bytes().into(), file: name.to_owned() };
@@ -94,7 +96,7 @@ impl Program {
     }
 }
 
-/// A value of a setting as TOML writes it.
+/// A value of a setting, which `toml` writes in TOML.
 #[derive(FromPyObject)]
 enum Value {
     Whole(i64),
@@ -115,7 +117,7 @@ impl Value {
     }
 }
 
-/// Rows of one machine, column by column.
+/// Traces of one machine, by column.
 struct Trace {
     kind: Kind,
     columns: Vec<Column>,
@@ -129,7 +131,7 @@ impl Trace {
         }
     }
 
-    /// The columns as arrays, those of whole numbers as int64.
+    /// Returns the columns as arrays; those of integers as int64.
     fn table(self, py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
         let table = PyDict::new(py);
         for (column, values) in self.columns.iter().zip(self.values) {
@@ -144,17 +146,19 @@ impl Trace {
     }
 }
 
-/// Simulates a program on a machine: the document of `firmware-sim run --json` without measured times.
+/// Simulates a program on a machine; returns the document of `firmware-sim run --json` without measured times.
 ///
-/// scenario: the text of a scenario file; settings: any of its keys over it, as `--set` ({"drive.dead_time_s": 0.001});
-/// rate_hz, seed, temperature_c, origin_mm: the same over those; faults and events join the scenario's, an event
-/// `exchange:NAME@2s` takes its machine from `exchanges`. learned: a .tlearn file. kinds: the machines to simulate side by
-/// side, some of uncompensated, compensated, servo_only, full, configured; by default those of the command.
+/// - scenario: the text of a scenario file.
+/// - settings: replaces keys of the scenario, like `--set`: {"drive.dead_time_s": 0.001}.
+/// - rate_hz, seed, temperature_c, origin_mm: replace these keys after that.
+/// - faults, events: additions to those of the scenario; an event `exchange:NAME@2s` uses the machine NAME of `exchanges`.
+/// - learned: a .tlearn file.
+/// - kinds: machines to simulate side by side, from uncompensated, compensated, servo_only, full, configured; by default, the
+///   command's.
+/// - trace_every: keeps every Nth cycle; `trace` of the document then contains, for every machine, the columns of trace.csv
+///   (trace-full.csv) as arrays, not rounded.
 ///
-/// trace_every: keep every Nth cycle; `trace` of the document then has, for every machine, the columns of trace.csv
-/// (trace-full.csv) as arrays, not rounded.
-///
-/// The same arguments give the same bits. The interpreter's lock is released; simulations in several threads run side by side.
+/// Equal arguments produce equal bits. The function releases the interpreter's lock, so several threads can simulate at once.
 #[pyfunction]
 #[pyo3(signature = (machine, program, *, seed = None, rate_hz = None, temperature_c = None, origin_mm = None, scenario = None,
     settings = None, faults = Vec::new(), events = Vec::new(), exchanges = BTreeMap::new(), model = None,
@@ -195,7 +199,7 @@ pub(crate) fn simulate<'py>(
     let exchanges: BTreeMap<_, _> =
         exchanges.into_iter().map(|(name, machine)| (name, machine.get().0.clone())).collect();
     let (machine, program) = (machine.get(), program.get());
-    let (scenario, kinds, mut run) = told(py.detach(|| {
+    let (scenario, kinds, mut run) = to_python(py.detach(|| {
         let mut all = Settings::parse(scenario.unwrap_or_default(), "scenario")?;
         for (key, value) in &given {
             all.set(key, &value.toml())?;

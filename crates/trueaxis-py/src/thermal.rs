@@ -1,4 +1,4 @@
-//! Thermal growth from a recorded warm-up.
+//! Fits thermal growth to a recorded warm-up.
 
 use crate::machine::Machine;
 use crate::measured::Measured;
@@ -7,19 +7,22 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use trueaxis_evaluation::thermal::{COLUMNS, Found, Recording, settings, written};
 
-/// Lags of sensors and curves of growth from cycles recorded after ISO 230-3: the document of `trueaxis thermal fit --json`, and
-/// with toml=True the text of a thermal.toml under `toml`.
+/// Fits lags of sensors and curves of growth to cycles recorded according to ISO 230-3; returns the document of
+/// `trueaxis thermal fit --json`, and with toml=True the text of a thermal.toml under `toml`.
 ///
-/// e = c + Σ_j [O_j(θ_j) + S_j(θ_j) (q − q0)] + Σ_k x_k (G_k + Θ_k L), θ_j' = (T_j − θ_j)/τ_j, x_k' = (h_k(n) − x_k)/τ; drift of
-/// the tool relative to the workpiece, actual − ideal, µm. record: a file, or a dict of arrays: t_s, cycle, T1_c[, …, T16_c]
-/// [, spindle_rpm], ex_um[, ey_um, ez_um][, x_mm, y_mm, z_mm, tool_mm]; a row of them counts from line 2. machine: its reference
-/// temperature and datums, else 20 °C and 0 mm. hold_out: cycles to exclude from the fit, else the last. without: sensors
-/// to omit, "T3".
+/// - record: a file, or a dict of arrays t_s, cycle, T1_c[, …, T16_c][, spindle_rpm], ex_um[, ey_um, ez_um][, x_mm, y_mm,
+///   z_mm, tool_mm]. Rows of the arrays count from line 2.
+/// - machine: states reference temperature and datums; by default, 20 °C and 0 mm.
+/// - hold_out: cycles to exclude from the fit; by default, the last one.
+/// - without: sensors to omit, such as "T3".
 ///
-/// Rows missing from an otherwise even record are under `missing`, each with a warning.
+/// The drift of the tool relative to the workpiece, actual − ideal, µm, is
+/// e = c + Σ_j [O_j(θ_j) + S_j(θ_j) (q − q0)] + Σ_k x_k (G_k + Θ_k L), θ_j' = (T_j − θ_j)/τ_j, x_k' = (h_k(n) − x_k)/τ.
 ///
-/// Raises trueaxis.Error with line and column: a sensor that jumps, sticks or is missing, rows missing for longer than a lag, a
-/// record in which nothing moves.
+/// If an otherwise even record lacks rows, `missing` lists them, each with a warning.
+///
+/// Raises trueaxis.Error with line and column: a sensor that jumps, sticks or is missing, rows missing for longer than a lag,
+/// a record in which nothing moves.
 #[pyfunction]
 #[pyo3(signature = (record, *, machine = None, hold_out = Vec::new(), without = Vec::new(), toml = false))]
 pub(crate) fn thermal_fit<'py>(
@@ -38,7 +41,7 @@ pub(crate) fn thermal_fit<'py>(
         Found::of(recording, &settings, &mut |_| {})
     });
     notes.iter().try_for_each(|note| warn(py, note))?;
-    // The option of the command line is the argument here.
+    // Python calls the command line's option an argument, without dashes.
     let found = found.map_err(|error| Error::new_err(format!("{error:#}").trim_start_matches("--").to_owned()))?;
     let document = found.document();
     document.missing.iter().try_for_each(|own| warn(py, &own.to_string()))?;

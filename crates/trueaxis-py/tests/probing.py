@@ -1,8 +1,8 @@
-"""A control, a probe, a ball and a ring in a few lines: runs a LinuxCNC probing program and gives what it logs.
+"""Simulates a control with a probe, a ball and a ring: runs a LinuxCNC probing program and prints its log.
 
-`python3 probing.py PROGRAM.ngc > LOG` is how records/probing/probe.log was made, of the program that the command
-`trueaxis calibrate plan` wrote for the task beside it. With three offsets the machine is true but for them, µm: begin.log and
-look.log are of the program that `trueaxis keep plan` wrote for keep.toml, with `0 0 0` and with `6 0 -9`.
+`python3 probing.py PROGRAM.ngc > LOG` wrote records/probing/probe.log, with the program that `trueaxis calibrate plan` wrote
+for the task beside it. With three offsets, µm, as arguments, the machine has no other errors. begin.log (`0 0 0`) and look.log
+(`6 0 -9`) come from the program that `trueaxis keep plan` wrote for keep.toml.
 """
 
 import random
@@ -17,18 +17,18 @@ TIP = 3.0 - 0.008  # effective radius, mm
 
 
 def actual(at, reverse, count):
-    """Where the tip stands: C0Y 50 µrad, X 40 and Y −30 ppm too long, 6 µm lost motion in X, a drift."""
+    """Actual position of the tip: C0Y 50 µrad, X 40 and Y −30 ppm too long, 6 µm lost motion in X, a drift."""
     x, y, z = at
     return (x + 40e-6 * x - 50e-6 * y + (0.006 if reverse[0] else 0.0) + 2e-6 * count, y - 30e-6 * y, z)
 
 
 def moved(*offsets_um):
-    """A machine that is true but for these offsets."""
+    """A machine without errors except these offsets."""
     return lambda at, reverse, count: tuple(a + 1e-3 * offset for a, offset in zip(at, offsets_um))
 
 
 def gap(at, in_ring):
-    """From the tip to the nearest surface: the ball, or the ring where it is set up."""
+    """Distance from the tip to the nearest surface: the ball's, or the ring's if it is set up."""
     ball = sum((a - b) ** 2 for a, b in zip(at, (40.1, 39.8, -250.2))) ** 0.5 - 12.5 - TIP
     u, v, along = at[0] - 250.2, at[1] - 200.1, at[2] + 149.9
     ring = 75.0 - TIP - (u * u + v * v) ** 0.5 if in_ring and abs(along) < 12.0 else 5.0
@@ -36,7 +36,7 @@ def gap(at, in_ring):
 
 
 def run(program, actual=actual, seed=3):
-    """The log of a program."""
+    """Runs a program; returns its log."""
     noise = random.Random(seed)
     log, at, reverse, trip, pauses, count = [], [0.0] * 3, [False] * 3, [0.0] * 3, 0, 0
     for line in program.splitlines():

@@ -1,4 +1,4 @@
-"""What tests of several files look at."""
+"""Checks that several test files use."""
 
 import threading
 
@@ -8,7 +8,7 @@ import trueaxis
 
 
 def refused(call):
-    """The one line in which a call is refused."""
+    """Asserts that a call raises an error of one line; returns the line."""
     with pytest.raises(trueaxis.Error) as caught:
         call()
     text = str(caught.value)
@@ -17,7 +17,7 @@ def refused(call):
 
 
 def assert_lock_is_released(work):
-    """Python goes on while work is done in another thread."""
+    """Asserts that Python continues while another thread works."""
     ended, ticks = threading.Event(), 0
 
     def run():

@@ -1,4 +1,4 @@
-"""Circular tests against the command line, and against what the record was made of."""
+"""Circular tests, compared with the command line and with the errors in the generated record."""
 
 import json
 
@@ -14,7 +14,7 @@ SQUARENESS, BACKLASH = 40e-6, 0.003  # rad; mm, of X
 
 
 def record():
-    """Both directions, two turns each: a squareness, a backlash of X and noise of 0.05 µm."""
+    """A record of two turns in each direction: a squareness, a backlash of X and noise of 0.05 µm."""
     rows, noise = [], np.random.default_rng(5)
     for direction in (1, -1):
         angle = np.arange(0.25, 720.0, 0.5)
@@ -44,14 +44,14 @@ def test_a_test_is_that_of_the_command(tmp_path):
     assert np.allclose(traces.pop("angle_deg"), rows[:, 0]) and np.array_equal(traces.pop("direction"), rows[:, 2])
     assert traces == found and centred.shape == left.shape == (len(rows),)
     assert np.ptp(centred) == pytest.approx(found["g_b_um"], rel=0.01)
-    # But for the few readings at reversals that the fit leaves out: there the axis has not taken up its play.
+    # The median ignores the few readings at reversals, where the axis has not taken up its play and which the fit omits.
     scatter = np.median(np.abs(left)) / 0.6745
     assert scatter == pytest.approx(0.05, rel=0.1) and centred.std() > 10 * scatter
     assert np.mean(np.abs(left) > 0.3) < 0.1
 
 
 def test_positions_in_another_plane_are_those_of_the_command(tmp_path):
-    """Z, X: a squareness and an approach; the command is followed but for them."""
+    """Positions in Z and X that differ from the command by a squareness only, with an approach before the circle."""
     t = np.concatenate([np.radians(np.arange(0, 720, 0.25)), np.radians(np.arange(720, 0, -0.25))])
     z, x = RADIUS * np.cos(t), RADIUS * np.sin(t)
     rows = np.column_stack([z, z - 30e-6 * x, x, x])
@@ -63,7 +63,7 @@ def test_positions_in_another_plane_are_those_of_the_command(tmp_path):
     assert abs(found["squareness_urad"]) == pytest.approx(30, abs=0.5)
 
 
-def test_what_is_refused():
+def test_refusals():
     rows = record()
     assert refused(lambda: trueaxis.ballbar(rows, radius_mm=0.0)) == "radius_mm: found 0, needed 0.001 to 100000 mm"
     assert refused(lambda: trueaxis.ballbar(rows, radius_mm=100, pitch_y_mm=float("nan"))).startswith("pitch_y_mm: found NaN")

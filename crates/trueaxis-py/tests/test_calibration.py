@@ -1,4 +1,4 @@
-"""Calibration, thermal growth and uncertainty against the command line, and against what the records were made of."""
+"""Calibration, thermal growth and uncertainty, compared with the command line and with the errors in generated records."""
 
 import json
 import shutil
@@ -77,7 +77,7 @@ def test_a_log_that_cannot_be_used_is_refused_in_the_words_of_the_command(task, 
 
 
 def warm_up():
-    """X grows by 12 µm/(m K) from 0 on, Z by 3 µm/K; the second sensor is a clock."""
+    """A record: X grows by 12 µm/(m K) from position 0, Z by 3 µm/K; the second sensor is unrelated to the growth."""
     t = np.repeat(300.0 * np.arange(192), 2)
     x = np.tile([0.0, 250.0], 192)
     warm = 6 * np.sin(t / 7000) + 3 * np.cos(t / 2300)
@@ -128,7 +128,7 @@ def test_uncertainty_is_that_of_the_command(tmp_path):
         assert found["worst"]["jacobian"]["radius_um"] > 0.1 and sum(term["share"] for term in found["contributions"]) == pytest.approx(1)
 
 
-def test_what_uncertainty_refuses(tmp_path):
+def test_refusals_of_uncertainty(tmp_path):
     mill = trueaxis.Machine.load(TABLES / "mill-3axis")
     assert refused(lambda: mill.uncertainty(at=[1.0, 2.0])) == "at: found 2 numbers, needed three, X,Y,Z"
     assert refused(lambda: mill.uncertainty(at=[1.0, 2.0, float("nan")])).startswith("at: found NaN for axis Z")

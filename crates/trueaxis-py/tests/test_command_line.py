@@ -1,4 +1,4 @@
-"""The module's numbers against those that the command line prints, bit for bit, and what both refuse."""
+"""The module's numbers equal those that the command line prints, bit for bit; both refuse the same input."""
 
 import json
 import math
@@ -106,7 +106,7 @@ def test_travel_in_order_matters():
     both = np.vstack([there, there[::-1]])
     back = machine.error(both, in_order=True)[21:][::-1]
     assert np.array_equal(machine.error(both, in_order=True)[:21], machine.error(there))
-    # The turning point is reached in positive travel.
+    # The axis reaches the turning point in positive travel.
     assert np.array_equal(back[:-1, 0], machine.error(there, reverse=True)[:-1, 0])
     assert np.all(back[:-1, 0] != machine.error(there)[:-1, 0])
 
@@ -146,11 +146,11 @@ def test_contour_error_is_that_of_contour(tmp_path):
         for name in ("segment", "u", "error_um", "evaluations"):
             assert np.array_equal(found[name], table[name].astype(float)), name
         assert np.array_equal(found["bracketed"], table["bracketed"] == "true")
-    # Truth: the distance from the arc, known in closed form, where the foot is well inside it.
+    # The true distance from the arc has a closed form where the foot lies well inside it.
     x, y, z = actual[250:350].T
     distance = np.hypot(np.hypot(x - 10, y - 10) - 10, z)
     assert np.allclose(found["error_um"][250:350], 1e3 * distance, rtol=0, atol=1e-6)
-    # X dies on the arc.
+    # X stops on the arc.
     actual[300:, 0] = actual[300, 0]
     assert refused(lambda: path.contour_error(segment, u, actual)).startswith("actual[300, 0]: found ")
 
@@ -180,7 +180,7 @@ def test_roundness_is_that_of_roundness(tmp_path):
     assert found == json.loads(out)
     table = np.loadtxt(tmp_path / "r.csv", delimiter=",", skiprows=1)
     assert np.array_equal(np.column_stack([profile.ravel(), x.ravel(), y.ravel()]), table[:, 1:])
-    # Truth: the part that the readings were made of.
+    # The profile equals the part from which the test computed the readings.
     assert profile.shape == (3, n)
     assert np.allclose(profile, part(theta).reshape(3, n), rtol=0, atol=1e-9)
 
@@ -201,8 +201,8 @@ def test_roundness_of_readings_with_angles_is_that_of_roundness(tmp_path):
     assert np.array_equal(np.column_stack([profile.ravel(), x.ravel(), y.ravel()]), table[:, 1:])
     assert np.allclose(profile[1], part(2 * np.pi * np.arange(n) / n), rtol=0, atol=1e-3)
     theta_deg[7] = theta_deg[6]
-    told = refused(lambda: trueaxis.roundness(readings, n=n, p=p, q=q, theta_deg=theta_deg))
-    assert told.startswith("theta_deg[7]: found ") and "of the row before by" in told
+    message = refused(lambda: trueaxis.roundness(readings, n=n, p=p, q=q, theta_deg=theta_deg))
+    assert message.startswith("theta_deg[7]: found ") and "of the row before by" in message
 
 
 def test_probe_angles_are_those_of_probe_angles():
@@ -288,7 +288,7 @@ def test_views_and_orders_of_memory_do_not_matter():
     assert np.array_equal(machine.error(at[::-1]), expected[::-1])
 
 
-def test_clamped_positions_are_told():
+def test_clamped_positions_are_reported():
     machine = trueaxis.Machine.load(TABLES / "mill-turn")
     at = np.zeros((3, len(machine.columns)))
     assert machine.correction(at).shape == at.shape

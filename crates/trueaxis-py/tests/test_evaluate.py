@@ -1,4 +1,4 @@
-"""Tests with instruments against the command line, and against what the records were made of."""
+"""Tests with instruments, compared with the command line and with the errors in the generated records."""
 
 import json
 
@@ -13,7 +13,7 @@ NOISE = np.random.default_rng(7)
 
 
 def same_as_command(tmp_path, kind, record, call, *options):
-    """The document of a record, from arrays, from a file and from the command line."""
+    """Asserts that arrays, a file and the command line produce the same document; returns it."""
     file = tmp_path / f"{kind}.csv"
     rows = zip(*record.values())
     file.write_text(",".join(record) + "\n" + "".join(",".join(repr(float(v)) for v in row) + "\n" for row in rows))
@@ -29,7 +29,7 @@ def columns(names, rows):
 
 
 def diagonals():
-    """Of a machine out of square by C0Y = 50 µrad."""
+    """A record of a machine with C0Y = 50 µrad."""
     rows = []
     for k, (sx, sy, sz) in enumerate([(1, 1, 1), (-1, 1, 1), (1, -1, 1), (1, 1, -1)]):
         for direction in (1, -1):
@@ -99,7 +99,7 @@ def test_ring(tmp_path):
     assert found["effective_tip_diameter_mm"] == pytest.approx(6, abs=1e-3) and len(found["runs"]) == 2
 
 
-def test_what_is_refused_of_a_record():
+def test_refusals_of_a_record():
     call = lambda record: trueaxis.evaluate_probing(record, feature="ring")
     x = np.arange(5.0)
     assert refused(lambda: call([1, 2])) == "record: found list, needed a file or a dict of numpy arrays"

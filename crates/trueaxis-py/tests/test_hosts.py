@@ -1,4 +1,4 @@
-"""The recording that every host of trueaxis replays: corrections at its positions against what the library's step sent."""
+"""Corrections at the positions of the recording that every host of trueaxis replays, compared with those of the step."""
 
 import csv
 import json
@@ -14,7 +14,7 @@ import trueaxis
 def test_corrections_are_those_of_the_step():
     results = Path(os.environ["TRUEAXIS_HOSTS"])
     with (results / "run.csv").open() as file:
-        # The first cycle sends the command as it is.
+        # The first cycle sends the command without correction.
         rows = [row for row in list(csv.DictReader(file))[1:] if row["limited"] == row["fault"] == "0"]
     command, drive = (np.array([[float(row[f"{axis}_{of}mm"]) for axis in "xyz"] for row in rows]) for of in ("cmd_", "drive_"))
     corrected = command + trueaxis.Machine.load(results / "machine.tcomp").correction(command)

@@ -1,4 +1,4 @@
-"""Errors of rotary axes and friction against the command line, and against what the measurements were made of."""
+"""Errors of rotary axes and friction, compared with the command line and with the errors in generated measurements."""
 
 import json
 import math
@@ -15,7 +15,7 @@ HEADER = "angle_deg,l_mm,h_mm,dx_um,dy_um,dz_um"
 
 
 def readings(noise_um):
-    """Of a C axis whose errors are known: e + w × p, the ball at p = (−H sin C, H cos C, −L)."""
+    """Readings of a C axis with known errors e and w: e + w × p, the ball at p = (−H sin C, H cos C, −L)."""
     noise, rows, truth = np.random.default_rng(11), [], []
     for angle in np.arange(0.0, 360.0, 30.0):
         t = math.radians(angle)
@@ -59,7 +59,7 @@ def test_linear_axes_of_a_machine_are_removed(tmp_path):
     assert found["angles"] != trueaxis.identify(rows, axis="C", free_offsets=True)["angles"]
 
 
-def test_what_identify_refuses():
+def test_refusals_of_identify():
     rows, _ = readings(0.0)
     mill = trueaxis.Machine.load(TABLES / "mill-3axis")
     assert refused(lambda: trueaxis.identify(rows, axis="X")).startswith('axis: found "X"')
@@ -72,7 +72,7 @@ def test_what_identify_refuses():
     assert refused(lambda: trueaxis.identify("nowhere.csv", axis="C")).startswith("cannot read nowhere.csv")
 
 
-# The drives that the record is made with, and what is to be found.
+# The drives that generate the record, and the figures that the function must find.
 PERIOD_S, COULOMB, SHARE, PRESLIDING = 5e-4, 0.5, 0.3, 0.006
 DRIVE = "position_gain_per_s = 110\nvelocity_gain_per_s = 800\nreset_time_s = 0.006\nvelocity_feed_forward = 0.93\n"
 MACHINE = f"""name = "m"
@@ -88,7 +88,7 @@ travel_mm = [-100, 100]
 
 
 def commands(feeds):
-    """Circles of 15.004 mm from rest to rest, mm/s, positive counterclockwise."""
+    """Commands of circles of 15.004 mm from rest to rest; positive feeds, mm/s, are counterclockwise."""
     radius, ramp, angle, turns = 15.004, 0.05, 0.4, []
     for feed in feeds:
         duration = 1.5 * math.tau * radius / abs(feed) + ramp
@@ -101,7 +101,7 @@ def commands(feeds):
 
 
 def read(command):
-    """What the encoder reads: explicit steps of 20 µs, whole steps of 10 nm."""
+    """Encoder readings in counts of 10 nm; the integration is explicit with steps of 20 µs."""
     h, steps = 2e-5, 25
     x, v, q, m, f = command[0], 0.0, 0.0, 0.0, 0.0
     out = [x]
@@ -146,7 +146,7 @@ def test_friction_is_that_of_the_command(tmp_path, record):
     assert_lock_is_released(lambda: trueaxis.friction(record, axes="X,Y", machine=machine))
 
 
-def test_what_friction_refuses(record):
+def test_refusals_of_friction(record):
     assert refused(lambda: trueaxis.friction(record, axes="X,X")).startswith('axes: found "X,X"')
     gap = np.delete(record, 700, axis=0)
     assert refused(lambda: trueaxis.friction(gap, axes="X,Y")).startswith("record:702: column t_s: found 0.001000 s after")

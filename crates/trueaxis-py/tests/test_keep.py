@@ -1,4 +1,4 @@
-"""A machine that keeps itself true, in Python and by the command on a copy of the same folder."""
+"""A machine that keeps itself true: Python, and the command on a copy of the same folder, change it alike."""
 
 import json
 import shutil
@@ -14,13 +14,13 @@ START, LATER = "2026-05-04T06:00:00Z", "2026-05-04T07:00:00Z"
 
 
 def tree(folder):
-    """Every file but the logs, by its path."""
+    """Contents of all files except the logs, by path."""
     files = (path for path in folder.rglob("*") if path.is_file() and path.suffix != ".log")
     return {str(path.relative_to(folder)): path.read_bytes() for path in files}
 
 
 def look(folder, name, seed, *offsets_um):
-    """Probes the ball, and gives the log."""
+    """Probes the ball; returns the path of the log."""
     program = trueaxis.keep_plan(folder / "keep.toml")["program_text"]
     log = folder / name
     log.write_text(probing.run(program, probing.moved(*offsets_um), seed))
@@ -29,7 +29,7 @@ def look(folder, name, seed, *offsets_um):
 
 @pytest.fixture
 def folder(tmp_path):
-    """A task whose first look was taken."""
+    """A task with its first re-probing in the history."""
     folder = tmp_path / "own"
     (folder / "mill").mkdir(parents=True)
     (folder / "mill" / "machine.toml").write_text(probing.MACHINE)
@@ -103,7 +103,7 @@ def test_a_term_out_of_its_bounds_needs_a_person(folder):
     assert trueaxis.keep_apply(task, log, accept=["offset Z"])["applied"]
 
 
-def test_bad_looks_are_refused_in_the_words_of_the_command(folder):
+def test_bad_reprobings_are_refused_in_the_words_of_the_command(folder):
     task, log = folder / "keep.toml", look(folder, "look.log", 5, 6, 0, -9)
     lines = log.read_text().splitlines()
     cases = {

@@ -1,4 +1,4 @@
-"""Transformation and helicoids against the command line, bit for bit, and what both refuse."""
+"""Transformations and helicoids equal the command line's, bit for bit; both refuse the same input."""
 
 import json
 
@@ -23,7 +23,7 @@ def test_forward_and_inverse_are_those_of_the_command(tmp_path, sample):
     table = printed("kinematics", "forward", "--machine", TABLES / sample, file)
     assert (columns(table, *TOOL) == np.hstack([tip, tool])).all()
     assert (columns(table, "singularity_margin_deg")[:, 0] == margin).all()
-    # Every row for itself: one that leaves the machine's travel ends the command.
+    # A row outside the machine's travel ends both with the same message.
     file = written(tmp_path / "tool.csv", ",".join(TOOL), np.hstack([tip, tool]))
     start = [3.0] * (len(machine.columns) - 3)
     options = ["--start", ",".join(map(str, start))] if start else []

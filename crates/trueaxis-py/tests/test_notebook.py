@@ -1,4 +1,4 @@
-"""The notebook runs from end to end and makes its three figures."""
+"""The notebook runs from end to end and draws its three figures."""
 
 import shutil
 from pathlib import Path

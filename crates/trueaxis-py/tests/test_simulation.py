@@ -1,4 +1,4 @@
-"""Simulations against `firmware-sim run`: figures, digests and traces, bit for bit, and what both refuse."""
+"""Simulations equal `firmware-sim run`'s, bit for bit: figures, digests, traces; both refuse the same input."""
 
 import json
 import os
@@ -14,7 +14,7 @@ from shared import assert_lock_is_released, refused
 
 TABLES = Path(__file__).resolve().parents[3] / "compensation-tables"
 SIMULATOR = os.environ["TRUEAXIS_SIMULATOR"]
-# What a clock measures.
+# Keys with measured times, which differ from run to run.
 OF_TIME = ("latency_ns", "budget_ns", "over_budget", "missed_deadlines", "wall_s")
 BUSY = "a busy kernel"
 SHORT = "G21 G90 G0 X0 Y0\nG1 X20 F3000\nG2 X20 Y20 I0 J10\nG1 Z-2 F600\nS500 M3\nG1 X0\nM2\n"
@@ -114,7 +114,7 @@ def test_tables_are_exchanged_for_those_of_another_machine(tmp_path):
                                    "--rate-hz", 1000, "--event", event, "--json")
         call = lambda: trueaxis.simulate(mill(), short(), events=[event], exchanges={name: trueaxis.Machine.load(name)}, **asked)
         if name == other:
-            # Tables of a machine with other axes.
+            # The other machine has other axes: both refuse its tables.
             assert code == 2 and refused(call) in err
         else:
             digests = json.loads(out)["digest"]
@@ -123,7 +123,7 @@ def test_tables_are_exchanged_for_those_of_another_machine(tmp_path):
 
 
 def test_the_true_error_of_the_trace_is_the_distance_from_the_line():
-    # Truth: along X the contour error is the offset in Y and Z, which the machine's own error gives where it stands still.
+    # Along X, the true contour error is the offset in Y and Z; it equals the machine's static error there.
     machine = mill()
     program = trueaxis.Program.from_text("G21 G90 G0 X0 Y0 Z0\nG1 X40 F1200\nM2\n", name="line")
     quiet = {"encoder.linear.noise_rms_mm": 0.0, "drive.coulomb_mm_per_s2": 0.0}
@@ -164,9 +164,9 @@ def test_refusals_are_in_the_words_of_the_simulator(tmp_path, asked, options):
     (tmp_path / "short.ngc").write_text(SHORT)
     code, out, err = simulator("--machine", TABLES / "mill-3axis", "--program", tmp_path / "short.ngc", *options)
     assert code == 2
-    told = refused(lambda: trueaxis.simulate(mill(), short(), **asked))
-    # A flag is named as the flag.
-    assert told.removeprefix("rate_hz: ") in err.replace("--learned", "learned")
+    message = refused(lambda: trueaxis.simulate(mill(), short(), **asked))
+    # Messages name an argument without the dashes of its flag.
+    assert message.removeprefix("rate_hz: ") in err.replace("--learned", "learned")
 
 
 def test_programs_that_are_refused(tmp_path):

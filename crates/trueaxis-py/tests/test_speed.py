@@ -1,4 +1,4 @@
-"""What the speed is compared with does the same work: an independent evaluation in NumPy."""
+"""The NumPy evaluation in speed.py, which is independent of the module, computes the same numbers."""
 
 import sys
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Sweeps on Dask: the same table on however many workers, what is refused stays in its row, Parquet by readers of others."""
+"""Sweeps on Dask: any number of workers gives the same table, a refusal affects one row, other tools read the Parquet files."""
 
 import os
 import shutil
@@ -67,13 +67,13 @@ def test_the_notebook_runs(tmp_path):
     NotebookClient(notebook, timeout=300, resources={"metadata": {"path": str(tmp_path)}}).execute()
     assert (tmp_path / "figures" / "fleet.png").stat().st_size > 10_000
     said = "".join(output.data["text/plain"] for cell in notebook.cells for output in cell.get("outputs", []) if "data" in output)
-    # Of 200: neither all nor none.
+    # Each verdict applies to some of the 200 machines.
     assert "a new screw" in said and "a grid" in said and "nothing" in said
 
 
 @pytest.mark.skipif("TRUEAXIS_SIMULATOR" not in os.environ, reason="TRUEAXIS_SIMULATOR: firmware-sim")
 def test_columns_of_a_run_are_read_by_others(tmp_path):
-    """trace.parquet has trace.csv's columns, not rounded; result.parquet the figures of `run --json`."""
+    """trace.parquet contains the columns of trace.csv, not rounded; result.parquet, the figures of `run --json`."""
     run = [os.environ["TRUEAXIS_SIMULATOR"], "run", "--rate-hz", "1000", "--trace-every", "7", "--report", tmp_path, "--parquet", tmp_path]
     subprocess.run(run, check=True, capture_output=True)
     for name in ("trace", "trace-full"):
@@ -91,7 +91,7 @@ def test_columns_of_a_run_are_read_by_others(tmp_path):
 
 @pytest.mark.skipif("TRUEAXIS_HOSTS" not in os.environ, reason="TRUEAXIS_HOSTS: the folder of tests/hosts/recording.sh")
 def test_telemetry_is_read_by_others(tmp_path):
-    """Records of the hosts' recording, as a controller sends them, against what the step was seen to send."""
+    """Telemetry of the hosts' recording, as a controller sends it, equals the step's output."""
     hosts = Path(os.environ["TRUEAXIS_HOSTS"])
     frames, table = tmp_path / "frames.bin", tmp_path / "telemetry.parquet"
     replay = [os.environ["TRUEAXIS_SIMULATOR"], "replay", hosts / "run.rec", hosts / "machine.tcomp", "-o", tmp_path / "run.csv",

@@ -1,4 +1,4 @@
-"""What is in the wheel beside the module."""
+"""Files that the wheel contains beside the module."""
 
 from importlib.metadata import files
 

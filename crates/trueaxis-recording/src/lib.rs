@@ -1,15 +1,15 @@
 //! Recorded servo cycles: the inputs of the step, with identical bits on a host and in a bare-metal image.
 //!
-//! A recording contains the programmed path and, cycle by cycle, the inputs of the step: commands and encoder readings as
-//! integers of 1e-6 mm (1e-6 degree), alarms, switches, the position on the path, and a gauge's probes if there is one. It is
-//! read in place, without allocation, from flash or a file:
+//! A recording contains the programmed path and, cycle by cycle, the inputs of the step: commands and encoder readings
+//! as integers of 1e-6 mm (1e-6 degree), alarms, switches, the position on the path, and the probes of a gauge, if any.
+//! It is read in place, without allocation, from flash or a file:
 //!
 //! ```text
 //! magic "TAXISREC" | version u16 | length u32 | header, spans of the path (postcard) | cycles | CRC-32
 //! ```
 //!
-//! `length` counts the bytes between itself and the sum; the sum covers everything before it. Numbers are little-endian; a
-//! cycle of N axes takes 8 N + 16 bytes, 20 more with a gauge (see [`Cycle`]).
+//! `length` counts the bytes between itself and the checksum; the checksum covers everything before it. Numbers are
+//! little-endian; a cycle of N axes takes 8 N + 16 bytes, 20 more with a gauge (see [`Cycle`]).
 #![no_std]
 #![forbid(unsafe_code)]
 

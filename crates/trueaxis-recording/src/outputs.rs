@@ -79,7 +79,7 @@ pub const fn line_bytes<R: Wire>(axes: usize, gauge: bool) -> usize {
 /// Number of bytes of the longest line: six axes in doubles, with a gauge.
 pub const LINE_BYTES: usize = line_bytes::<f64>(6, true);
 
-/// The bytes of a cycle; `infeed` if there is a gauge.
+/// The bytes of a cycle; `infeed` of the gauge, if any.
 pub fn line<R: Wire, const N: usize>(output: &Output<R, R::Place, N>, infeed: Option<R>) -> Vec<u8, LINE_BYTES> {
     let record = &output.record;
     let mut line = Vec::new();

@@ -77,7 +77,7 @@ pub struct Task {
 impl Default for Task {
     fn default() -> Self {
         let mut state = ThermalState::new();
-        (0..SENSORS).for_each(|sensor| state.believe(sensor));
+        (0..SENSORS).for_each(|sensor| state.accept(sensor));
         Task { state, last: None }
     }
 }
@@ -240,7 +240,7 @@ mod tests {
     }
 
     #[test]
-    fn growth_follows_the_readings_and_stands_where_there_is_none() {
+    fn growth_follows_the_readings_and_stays_constant_without_one() {
         let bytes = bytes();
         let warming = Warming::parse(&bytes, ID).unwrap();
         assert_eq!((warming.rows(), warming.in_force_from(2)), (3, 250));
@@ -275,7 +275,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_damaged_is_refused() {
+    fn damaged_files_are_refused() {
         let good = bytes();
         for length in 0..good.len() {
             assert!(Warming::parse(&good[..length], ID).is_err(), "{length} bytes");
@@ -290,7 +290,7 @@ mod tests {
         assert!(Warming::parse(&longer, ID).is_ok());
         let two = write(&growth(), 100, &[(vec![Some(20.0), None], None)]);
         assert_eq!(Warming::parse(&two, ID).unwrap_err(), Refused::Sensors);
-        let at_once = write(&growth(), 1, &[(vec![Some(20.0)], None)]);
-        assert_eq!(Warming::parse(&at_once, ID).unwrap_err(), Refused::Interval);
+        let too_short = write(&growth(), 1, &[(vec![Some(20.0)], None)]);
+        assert_eq!(Warming::parse(&too_short, ID).unwrap_err(), Refused::Interval);
     }
 }

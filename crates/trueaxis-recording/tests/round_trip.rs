@@ -68,7 +68,7 @@ fn recording(gauge: bool) -> Vec<u8> {
 }
 
 #[test]
-fn what_is_written_is_read() {
+fn recordings_are_read_back() {
     for gauge in [false, true] {
         let mut bytes = recording(gauge);
         // A region of flash is longer than its content.

@@ -2,9 +2,9 @@ use crate::number::drawable_point;
 
 /// Keeps the extremes of a series of unknown length, in memory of fixed size.
 ///
-/// The series is cut into buckets of equal count. Each bucket keeps the items at which one of `K` values is lowest or highest;
-/// the first and the last item of all are kept too. A spike of one cycle survives, while a mean would hide it. When all
-/// buckets are full, neighbours are merged. Cost: one pass.
+/// The series is cut into buckets of equal count. Each bucket keeps the items at which one of `K` values is lowest or
+/// highest; the thinner also keeps the first and the last item of all. A spike of one cycle survives, while a mean
+/// would hide it. When all buckets are full, neighbours are merged. Cost: one pass.
 #[derive(Clone, Debug)]
 pub struct Thinner<T, const K: usize> {
     buckets: Vec<[[Kept<T>; 2]; K]>,
@@ -15,7 +15,7 @@ pub struct Thinner<T, const K: usize> {
     ends: Option<[Kept<T>; 2]>,
 }
 
-/// An item with its number and the value for which it is kept.
+/// An item with its number and the value that makes it an extreme.
 #[derive(Clone, Copy, Debug)]
 struct Kept<T> {
     number: u64,

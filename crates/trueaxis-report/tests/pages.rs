@@ -70,7 +70,7 @@ fn every_layer(scale: fn(&str, &[f64]) -> Scale, points: &[[f64; 2]]) -> Figure 
 }
 
 #[test]
-fn text_is_escaped_wherever_it_stands() {
+fn text_is_escaped_everywhere() {
     let table = Table::new(["", NAME], [Row::new(NAME, [NAME.into()]), Row::whole("whole", NAME)]).caption(NAME);
     let page = Page::new(NAME)
         .style(".own > b { color: #123; }")
@@ -152,7 +152,7 @@ fn a_single_point_is_seen() {
 }
 
 #[test]
-fn shapes_stand_where_their_scale_puts_them() {
+fn shapes_are_where_their_scale_puts_them() {
     let mut figure = Figure::full("d", 200, Scale::exact("x", 0.0, 10.0), Scale::logarithmic("y", 1.0, 100.0));
     figure.line([[0.0, 1.0], [5.0, 10.0], [10.0, 100.0], [2.0, 0.0]], stroke());
     let page = page(figure);

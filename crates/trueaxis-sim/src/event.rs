@@ -1,4 +1,4 @@
-//! Events that act on the plugin while a program runs: it is switched on or off, in whole or in part, or given other tables.
+//! Events that switch the plugin, or a part of it, on or off while a program runs, or exchange its tables.
 //!
 //! | specification | effect |
 //! |---|---|

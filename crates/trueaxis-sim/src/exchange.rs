@@ -11,7 +11,7 @@ const PERIOD_NS: u32 = 1_000_000;
 /// The course: a circle in X and Y with this radius, mm, and this many cycles per turn, about 60 mm/s.
 const RADIUS_MM: f64 = 40.0;
 const TURN: u32 = 4_189;
-/// Cycles with the old tables: one turn in which the first correction ramps in, and one that is watched.
+/// Cycles with the old tables: one turn in which the first correction ramps in, and one that is measured.
 const BEFORE: u32 = 2 * TURN;
 /// Cycles with the new tables.
 const AFTER: u32 = TURN;
@@ -29,7 +29,8 @@ pub struct Exchanged {
     /// Largest velocity or acceleration after the exchange, as a share of its limit.
     pub of_limits: f64,
     /// Time until the correction followed the new tables, s; `None` if it never did.
-    pub led_in_s: Option<f64>,
+    #[serde(rename = "led_in_s")]
+    pub ramp_in_s: Option<f64>,
 }
 
 /// Runs a circle about a place (X, Y, Z, A, B, C; mm and degrees) and exchanges the tables of `old` for those of `new` between
@@ -81,8 +82,8 @@ where
                 let at = command(BEFORE + cycle);
                 let output = step(second, &mut state, &second.input(at, at), &mut (), &mut ());
                 watch.take(output.record.correction);
-                if output.record.limited == 0 && found.led_in_s.is_none() {
-                    found.led_in_s = Some(period_s * f64::from(cycle));
+                if output.record.limited == 0 && found.ramp_in_s.is_none() {
+                    found.ramp_in_s = Some(period_s * f64::from(cycle));
                 }
             }
             // The settled correction at the place of the exchange: the same circle from a cold start.

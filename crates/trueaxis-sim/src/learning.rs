@@ -1,4 +1,4 @@
-//! Consecutive parts of one program, each with the correction learned from those before.
+//! Makes consecutive parts of one program, each with the correction learned from those before it.
 //!
 //! The error to learn from comes from the step's own estimate, with the encoders' noise and resolution, or from a grid
 //! encoder.

@@ -1,4 +1,4 @@
-//! How close a correction comes to the limits of its axes, from cycle to cycle.
+//! Measures how close a correction comes to the limits of its axes, cycle by cycle.
 
 use trueaxis::machine::Limits;
 

@@ -1,8 +1,8 @@
-//! Axis positions for a programmed point, and the resulting tool position, by the exact geometry of a perfect machine.
+//! Converts programmed points to axis positions, and those to tool positions, by the exact geometry of a perfect machine.
 //!
 //! Workpiece coordinates are those of the workpiece's frame, which coincides with the machine's while all axes are at zero.
 //! The program's zero is the position of the tool tip with X, Y, Z at the origin and the rotary axes at zero. With the rotary
-//! axes at zero or at whole turns, programmed positions mean the same with and without tool centre point mode.
+//! axes at zero or at whole turns, a programmed position is the same point with and without tool centre point mode.
 
 use crate::program::Move;
 use glam::{DMat3, DVec3};

@@ -1,4 +1,4 @@
-//! Acts by hand and acts in the scenario give bit-identical results; tables are exchanged in motion.
+//! Acts during a run: they give the same bits as the same acts in the scenario, and tables exchanged in motion ramp in.
 
 use crate::common::{PROGRAM, machine};
 use std::collections::BTreeMap;
@@ -114,7 +114,7 @@ fn events_act_from_their_cycle_on() {
 }
 
 #[test]
-fn an_exchange_is_led_over_and_ends_where_the_other_tables_lead() {
+fn an_exchange_ramps_over_and_ends_at_the_correction_of_the_other_tables() {
     let corrections = |scenario: Scenario| {
         let mut run = Run::of(scenario, &[Kind::Compensated]).unwrap();
         let mut corrections = Vec::new();

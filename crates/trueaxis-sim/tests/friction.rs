@@ -63,7 +63,7 @@ fn a_pass_is_the_same_however_it_is_divided() {
 }
 
 #[test]
-fn what_is_no_circle_is_refused_by_name() {
+fn invalid_circles_are_refused_by_name() {
     for (radius_mm, feeds, turns, name) in [
         (0.5, &[1500.0, 600.0][..], 1, "radius_mm"),
         (f64::NAN, &[1500.0, 600.0], 1, "radius_mm"),

@@ -1,4 +1,4 @@
-//! The full run: available for machines with dynamic parts, reproducible, and as accurate as promised.
+//! The full run: machines with dynamic parts have it, it is reproducible, and it is as accurate as documented.
 
 use std::path::Path;
 use trueaxis_sim::program::Program;
@@ -71,7 +71,7 @@ fn the_other_runs_stay_as_they_are() {
 }
 
 #[test]
-fn the_full_run_repeats_and_tells_its_parts_apart() {
+fn the_full_run_repeats_and_records_its_parts_separately() {
     let run = |stretch: u64| {
         let mut run = Run::of(short(sample("mill-3axis")), &Kind::ALL).unwrap();
         let mut largest = [[0.0_f32; 3]; 2];
@@ -102,7 +102,7 @@ fn full(machine: Machine, program: Program) -> (f64, f64) {
 
 /// The sample's drives differ from its file: friction −10 %, gains +5 %, pre-sliding +20 %.
 #[test]
-fn what_the_servo_leaves_falls_to_a_third_with_figures_that_are_off() {
+fn servo_errors_fall_to_a_third_with_figures_that_are_off() {
     for (name, [most, rms]) in
         [("circle-diamond-square", [0.80, 0.08]), ("butterfly", [1.0, 0.12]), ("pocket-3d", [1.0, 0.16])]
     {

@@ -1,4 +1,4 @@
-//! Short legs that turn by almost 180°, with stops, on axes that follow unequally: the foot is on the leg of the tip.
+//! Short legs that turn by almost 180°, with stops, on axes with unequal lag: the foot must be on the leg on which the tip is.
 
 use crate::common::machine;
 use std::f64::consts::PI;

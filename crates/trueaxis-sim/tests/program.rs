@@ -336,9 +336,9 @@ fn refusals_name_line_and_word() {
 fn strokes_of_cycles_count_whether_or_not_they_have_a_length() {
     let read = |text: &str| Program::read_within("part", text.as_bytes(), "part.ngc", &ReadOptions::default(), 1000);
     // Zero-length strokes up and down, 300 per line.
-    let standing = "F1 G81 X0 Y0 Z0 R0 L300\n";
-    assert!(read(&standing.repeat(3)).unwrap().moves.is_empty());
-    let error = read(&standing.repeat(4)).unwrap_err();
+    let zero_length = "F1 G81 X0 Y0 Z0 R0 L300\n";
+    assert!(read(&zero_length.repeat(3)).unwrap().moves.is_empty());
+    let error = read(&zero_length.repeat(4)).unwrap_err();
     assert_eq!((error.line, error.found.as_str()), (4, "1200 strokes of canned cycles up to here"), "{error}");
     let pecking = "F1 G83 X0 Y0 Z-0.00000001 R0 Q0.000000000001\n";
     assert_eq!(read(pecking).unwrap_err().found, "10000 strokes of canned cycles up to here");

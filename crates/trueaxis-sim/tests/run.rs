@@ -84,7 +84,7 @@ fn a_run_may_be_left_and_moved_between_any_two_cycles() {
 }
 
 #[test]
-fn one_machine_alone_does_what_it_does_beside_others() {
+fn one_machine_alone_does_what_it_does_among_others() {
     let alone = |kind| {
         let mut run = Run::of(scenario(settings(&[])), &[kind]).unwrap();
         while run.advance(1000, &mut ()) {}

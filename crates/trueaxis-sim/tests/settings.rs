@@ -3,7 +3,7 @@
 use trueaxis_sim::Settings;
 
 #[test]
-fn what_is_written_is_read_back() {
+fn written_settings_are_read_back() {
     let mut settings = Settings::default();
     assert_eq!(Settings::parse(&settings.to_toml(), "a.toml"), Ok(settings.clone()));
     assert_eq!(Settings::parse("", "a.toml"), Ok(settings.clone()));

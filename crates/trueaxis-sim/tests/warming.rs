@@ -22,14 +22,14 @@ fn of_a_shift_that_was_not_fitted_a_tenth_of_the_largest_drift_is_left() {
         assert!(share <= 0.07, "seed {seed}: {share}: {:?}", outcome.axes_mm);
         // The limiter: growth that jumps at every update never makes the correction jump.
         assert!(outcome.of_limits <= 1.0 + 1e-6, "{} of the limits", outcome.of_limits);
-        assert!(!outcome.unsettled && !outcome.stopped && !outcome.told && outcome.moments.len() == 481);
+        assert!(!outcome.unsettled && !outcome.stopped && !outcome.reported && outcome.moments.len() == 481);
     }
 }
 
 #[test]
-fn a_sensor_that_goes_missing_is_told_and_nothing_jumps() {
+fn a_missing_sensor_is_reported_and_nothing_jumps() {
     let outcome = run(1, Some("nose"));
-    assert!(outcome.told && outcome.failed == Some("nose"));
+    assert!(outcome.reported && outcome.failed == Some("nose"));
     assert!(outcome.of_limits <= 1.0 + 1e-6 && !outcome.stopped, "{} of the limits", outcome.of_limits);
     // The failed sensor's share is frozen: worse than with the sensor, but below twice the drift without any correction.
     assert!(outcome.largest_mm[1] < 2.0 * outcome.largest_mm[0], "{:?}", outcome.largest_mm);

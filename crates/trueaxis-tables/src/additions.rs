@@ -9,7 +9,7 @@ use crate::finding::{self, Decision, Finding, Fit, Why};
 use crate::formats::write_axis_csv_known;
 use crate::limits::widened;
 use crate::origin::Origin;
-use crate::read::{Standing, beside};
+use crate::read::{Current, path_from};
 use crate::uncertainty::Uncertainties;
 use crate::{Machine, Table};
 use std::path::Path;
@@ -34,9 +34,10 @@ pub struct Additions {
     pub findings: Vec<Finding>,
     /// Residual of the test's fit; with a misfit no finding is written.
     pub fit: Option<Fit>,
-    /// Number of the record that the findings are based on ([`finding::record_number`]); `None`: not identified.
+    /// Number of the record that the findings are based on ([`finding::record_number`]); `None`: the record has no number.
     pub record: Option<String>,
-    /// Whether the record was taken with the machine's tables active: the same record is not added a second time.
+    /// Whether the machine's tables corrected it during the recording. A record that the machine already includes is then not
+    /// added a second time.
     pub compensated: bool,
     /// Whether to write the findings regardless of the rule, which is reported. Still refused: results that the controller
     /// would refuse, and additions that the machine already includes.
@@ -44,7 +45,7 @@ pub struct Additions {
 }
 
 impl Additions {
-    /// These additions, based on a record of these bytes.
+    /// Sets the record to the one with these bytes.
     #[must_use]
     pub fn of_record(self, bytes: &[u8]) -> Additions {
         Additions { record: Some(finding::record_number(bytes)), ..self }
@@ -57,7 +58,7 @@ impl Additions {
     pub fn decide(&self, machine: &dyn Source, name: &Path) -> Result<Vec<Decision>, FileError> {
         let before = Machine::read_from(machine, name, &mut |_| {})?;
         let known = Uncertainties::read_from(machine, name)?;
-        let document = editable(&Standing::read(machine, name)?.text, &Origin::new(&machine.path(name)))?;
+        let document = editable(&Current::read(machine, name)?.text, &Origin::new(&machine.path(name)))?;
         Ok(self.decided(&before, &known, &document))
     }
 
@@ -107,15 +108,15 @@ impl Additions {
     /// refuse.
     pub fn edit(&self, machine: &dyn Source, name: &Path) -> Result<Edited, FileError> {
         let before = Machine::read_from(machine, name, &mut |_| {})?;
-        let standing = Standing::read(machine, name)?;
+        let current = Current::read(machine, name)?;
         let known = Uncertainties::read_from(machine, name)?;
         let origin = Origin::new(&machine.path(name));
-        let mut document = editable(&standing.text, &origin)?;
+        let mut document = editable(&current.text, &origin)?;
         let mut edited = Edited { files: Vec::new(), notes: Vec::new() };
         let decisions = self.decided(&before, &known, &document);
         for (axis, curve) in self.curves.iter().chain(&taken_curves(&self.findings, &decisions)) {
             let table = summed(&before, *axis, curve);
-            let csv = table_name(*axis, &standing, &origin)?;
+            let csv = table_name(*axis, &current, &origin)?;
             let new = before.rows(*axis).is_none();
             let section = section(&mut document, *axis, &origin)?;
             set(section, "table", Value::from(csv.as_str()));
@@ -125,16 +126,16 @@ impl Additions {
             let how = if new { "table added" } else { "errors added to the table" };
             edited.notes.push(format!("axis {}: {how}, {} lines", axis.letter(), table.rows.len()));
             let uncertainty = kept(&known, &before, *axis, &table);
-            edited.files.push((beside(name, &csv), write_axis_csv_known(&table, *axis, &uncertainty)));
+            edited.files.push((path_from(name, &csv), write_axis_csv_known(&table, *axis, &uncertainty)));
         }
         write(&self.findings, &decisions, self.record.as_deref(), &mut document, &origin)?;
         let Edited { files, notes } = &mut edited;
         let text =
-            widened(&document, &standing.text, files, (machine, name), Some(&before), notes).map_err(|error| {
+            widened(&document, &current.text, files, (machine, name), Some(&before), notes).map_err(|error| {
                 let needed = format!("{} (in the machine with the found values; nothing is written)", error.needed);
                 FileError { needed, ..error }
             })?;
-        if text != standing.text {
+        if text != current.text {
             edited.files.push((name.into(), text));
         }
         Ok(edited)
@@ -202,7 +203,7 @@ fn write(
         if finding.curve.is_empty() {
             put(document, &finding.key, Some(Value::from(written.value)))?;
         }
-        let [uncertainty, degrees] = finding::beside(&finding.key);
+        let [uncertainty, degrees] = finding::uncertainty_keys(&finding.key);
         put(document, &uncertainty, written.uncertainty.map(Value::from))?;
         // Without a separate entry, the value would get the section's degrees of freedom.
         let section = degrees.rsplit_once('.').map_or("", |(section, _)| section);

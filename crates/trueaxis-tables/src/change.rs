@@ -219,8 +219,8 @@ fn inserted(table: &TableText, machine: &Machine, position: f64) -> String {
         let error = match column.component {
             // An uncertainty column takes the value of the adjacent row.
             Some(_) if !column.forward && !column.reverse => {
-                let beside = next.unwrap_or(table.rows.len().saturating_sub(1));
-                table.rows.get(beside).and_then(|cells| cells.get(index)).copied()
+                let neighbour = next.unwrap_or(table.rows.len().saturating_sub(1));
+                table.rows.get(neighbour).and_then(|cells| cells.get(index)).copied()
             }
             component => component.and_then(|component| value(component, !column.forward)),
         };

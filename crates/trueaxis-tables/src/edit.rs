@@ -7,7 +7,7 @@ use crate::formats::grid_csv::grid_section;
 use crate::formats::{Imported, axis_csv_name, grid_csv_name, stated, write_axis_csv, write_grid_csv};
 use crate::limits::widened;
 use crate::origin::Origin;
-use crate::read::{Standing, beside};
+use crate::read::{Current, path_from};
 use crate::{Grid, Machine, Table};
 use std::path::Path;
 use toml_edit::{DocumentMut, Item, Value};
@@ -25,15 +25,15 @@ impl Imported {
     /// A machine that cannot be read, or whose chain lacks the axis; a table outside the machine's folder with the name of the
     /// new one; a result that the controller would refuse.
     pub fn edit(&self, machine: &dyn Source, name: &Path) -> Result<Edited, FileError> {
-        let standing = Standing::read(machine, name)?;
+        let current = Current::read(machine, name)?;
         let origin = Origin::new(&machine.path(name));
-        in_chain(self, &standing, &origin)?;
-        let mut document = editable(&standing.text, &origin)?;
+        in_chain(self, &current, &origin)?;
+        let mut document = editable(&current.text, &origin)?;
         let mut edited = Edited { files: Vec::new(), notes: Vec::new() };
         for (axis, table) in &self.tables {
-            let csv = table_name(*axis, &standing, &origin)?;
-            edited.notes.push(change(*axis, table, &standing));
-            if standing.uncertainties.of(*axis).is_some_and(|own| own.columns.iter().any(Option::is_some)) {
+            let csv = table_name(*axis, &current, &origin)?;
+            edited.notes.push(change(*axis, table, &current));
+            if current.uncertainties.of(*axis).is_some_and(|own| own.columns.iter().any(Option::is_some)) {
                 let letter = axis.letter();
                 edited.notes.push(format!(
                     "axis {letter}: [axis.{letter}.uncertainty] stays, though it was stated for the previous table"
@@ -45,29 +45,29 @@ impl Imported {
             if is_new {
                 settings.extend(stated::of_new_axis(*axis, table));
             }
-            settings.extend(self.stated_otherwise(*axis, &standing));
-            settings.extend(outdated(*axis, table, &standing, &mut edited.notes));
+            settings.extend(self.stated_otherwise(*axis, &current));
+            settings.extend(outdated(*axis, table, &current, &mut edited.notes));
             for (key, value) in settings {
                 set(section, &key, value);
             }
-            edited.files.push((beside(name, &csv), write_axis_csv(table, *axis)));
+            edited.files.push((path_from(name, &csv), write_axis_csv(table, *axis)));
         }
         let before = Machine::read_from(machine, name, &mut |_| {}).ok();
-        let mut replaced = self.take_out_grids(&standing, before.as_ref(), &mut document, &mut edited.notes);
+        let mut replaced = self.take_out_grids(&current, before.as_ref(), &mut document, &mut edited.notes);
         for grid in &self.grids {
-            add_grid(grid, &standing, &mut replaced, &mut document, &origin, &mut edited)?;
+            add_grid(grid, &current, &mut replaced, &mut document, &origin, &mut edited)?;
         }
-        location(self, &standing, &mut document, &origin, &mut edited.notes)?;
+        location(self, &current, &mut document, &origin, &mut edited.notes)?;
         if let Some(stated) = &self.settings {
-            edited.notes.extend(left(stated, &standing.settings));
+            edited.notes.extend(left(stated, &current.settings));
         }
         let Edited { files, notes } = &mut edited;
         let text =
-            widened(&document, &standing.text, files, (machine, name), before.as_ref(), notes).map_err(|error| {
+            widened(&document, &current.text, files, (machine, name), before.as_ref(), notes).map_err(|error| {
                 let needed = format!("{} (in the machine with the import; nothing is written)", error.needed);
                 FileError { needed, ..error }
             })?;
-        if text == standing.text {
+        if text == current.text {
             edited.notes.push(format!("{} stays as it is", origin.file().display()));
         } else {
             edited.files.push((name.into(), text));
@@ -78,7 +78,7 @@ impl Imported {
     /// Removes from the document the grids that the file's grids replace.
     fn take_out_grids(
         &self,
-        standing: &Standing<'_>,
+        current: &Current<'_>,
         before: Option<&Machine>,
         document: &mut DocumentMut,
         notes: &mut Vec<String>,
@@ -89,7 +89,7 @@ impl Imported {
         let same = |old: &Grid, new: &Grid| {
             old.header().letters().eq(new.header().letters()) && old.source().given == new.source().given
         };
-        for (index, (old, grid)) in standing.grids.iter().zip(&before.grids).enumerate() {
+        for (index, (old, grid)) in current.grids.iter().zip(&before.grids).enumerate() {
             if self.grids.iter().any(|new| same(grid, new)) {
                 notes.push(format!("the grid {:?} is replaced", old.file));
                 replaced.numbers.push(index);
@@ -103,12 +103,12 @@ impl Imported {
     }
 
     /// Settings of an axis in which the file differs from the machine.
-    fn stated_otherwise(&self, axis: Axis, standing: &Standing<'_>) -> Vec<(String, Value)> {
+    fn stated_otherwise(&self, axis: Axis, current: &Current<'_>) -> Vec<(String, Value)> {
         let of_axis = |all: &MachineSettings| all.axis(axis).map(stated::of_axis);
-        let own = of_axis(&standing.settings).unwrap_or_default();
-        let stands = |stated: &(String, Value)| own.iter().any(|own| own.0 == stated.0 && same(&own.1, &stated.1));
+        let own = of_axis(&current.settings).unwrap_or_default();
+        let unchanged = |stated: &(String, Value)| own.iter().any(|own| own.0 == stated.0 && same(&own.1, &stated.1));
         let stated = self.settings.as_ref().and_then(of_axis).unwrap_or_default();
-        stated.into_iter().filter(|stated| !stands(stated)).collect()
+        stated.into_iter().filter(|stated| !unchanged(stated)).collect()
     }
 }
 
@@ -124,21 +124,21 @@ struct Replaced {
 /// Adds a grid if the machine has none over the same axes, apart from replaced ones, since grids add up.
 fn add_grid(
     grid: &Grid,
-    standing: &Standing<'_>,
+    current: &Current<'_>,
     replaced: &mut Replaced,
     document: &mut DocumentMut,
     origin: &Origin,
     edited: &mut Edited,
 ) -> Result<(), FileError> {
     let axes: Vec<Axis> = grid.header().letters().collect();
-    let mut stays = standing.grids.iter().enumerate().filter(|(index, _)| !replaced.numbers.contains(index));
+    let mut stays = current.grids.iter().enumerate().filter(|(index, _)| !replaced.numbers.contains(index));
     if let Some((_, old)) = stays.find(|(_, old)| old.axes == axes) {
         let needed = "a machine without a grid over these axes, as the two would add up: remove the old one from this file first";
         return Err(origin.at(old.line, &old.key, format!("the grid {:?}", old.file), needed));
     }
     let free = |number: &usize| {
-        let csv = beside(&standing.name, &grid_csv_name(*number));
-        standing.files.entry(&csv) == Entry::Absent && edited.files.iter().all(|(own, _)| *own != csv)
+        let csv = path_from(&current.name, &grid_csv_name(*number));
+        current.files.entry(&csv) == Entry::Absent && edited.files.iter().all(|(own, _)| *own != csv)
     };
     let csv = replaced.files.pop().unwrap_or_else(|| grid_csv_name((0..).find(free).unwrap_or(0)));
     let mut text = String::new();
@@ -155,15 +155,15 @@ fn add_grid(
     let letters: Vec<String> = axes.iter().map(|axis| axis.letter().to_string()).collect();
     let count = grid.source().values.len();
     edited.notes.push(format!("grid over {} added, {count} nodes", letters.join(" and ")));
-    edited.files.push((beside(&standing.name, &csv), write_grid_csv(grid)));
+    edited.files.push((path_from(&current.name, &csv), write_grid_csv(grid)));
     Ok(())
 }
 
 /// Checks that every axis is in the machine and that a chain stated by the file is the machine's.
-fn in_chain(imported: &Imported, standing: &Standing<'_>, origin: &Origin) -> Result<(), FileError> {
-    let chain = standing.settings.chain.as_str();
-    let at = |needed: String| origin.at(line_of(&standing.text, "chain"), "chain", format!("{chain:?}"), needed);
-    let has = |axis: Axis| standing.settings.axis(axis).is_some();
+fn in_chain(imported: &Imported, current: &Current<'_>, origin: &Origin) -> Result<(), FileError> {
+    let chain = current.settings.chain.as_str();
+    let at = |needed: String| origin.at(line_of(&current.text, "chain"), "chain", format!("{chain:?}"), needed);
+    let has = |axis: Axis| current.settings.axis(axis).is_some();
     for (axis, _) in &imported.tables {
         if !has(*axis) {
             let letter = axis.letter();
@@ -192,14 +192,14 @@ fn line_of(text: &str, key: &str) -> u32 {
 }
 
 /// Name of the new table beside `machine.toml`: the old name if it is a file of this folder that only this axis uses.
-pub(crate) fn table_name(axis: Axis, standing: &Standing<'_>, origin: &Origin) -> Result<String, FileError> {
-    let files = standing.files;
-    let at = |name: &str| beside(&standing.name, name);
+pub(crate) fn table_name(axis: Axis, current: &Current<'_>, origin: &Origin) -> Result<String, FileError> {
+    let files = current.files;
+    let at = |name: &str| path_from(&current.name, name);
     let of_others = |name: &str| {
-        let mut others = standing.tables.iter().filter(|other| other.axis != axis).map(|other| at(&other.name));
+        let mut others = current.tables.iter().filter(|other| other.axis != axis).map(|other| at(&other.name));
         others.any(|other| files.entry(&other).is_file() && files.same(&at(name), &other))
     };
-    let old = standing.tables.iter().find(|table| table.axis == axis);
+    let old = current.tables.iter().find(|table| table.axis == axis);
     if let Some(old) = old {
         let is_inside = Path::new(&old.name).components().count() == 1;
         let own = matches!(files.entry(&at(&old.name)), Entry::File | Entry::Absent);
@@ -224,9 +224,9 @@ fn errors_of(axis: Axis, table: &Table) -> String {
     format!("{} lines of {}", table.rows.len(), names.join(" "))
 }
 
-fn change(axis: Axis, table: &Table, standing: &Standing<'_>) -> String {
+fn change(axis: Axis, table: &Table, current: &Current<'_>) -> String {
     let (letter, new) = (axis.letter(), errors_of(axis, table));
-    match standing.tables.iter().find(|old| old.axis == axis) {
+    match current.tables.iter().find(|old| old.axis == axis) {
         None => format!("axis {letter}: table added, {new}"),
         Some(old) => {
             let before = old.table.as_ref().map_or(String::from("no readable table"), |table| errors_of(axis, table));
@@ -236,8 +236,8 @@ fn change(axis: Axis, table: &Table, standing: &Standing<'_>) -> String {
 }
 
 /// Settings of the old table that would falsify the new one.
-fn outdated(axis: Axis, table: &Table, standing: &Standing<'_>, notes: &mut Vec<String>) -> Vec<(String, Value)> {
-    let Some(own) = standing.settings.axis(axis) else { return Vec::new() };
+fn outdated(axis: Axis, table: &Table, current: &Current<'_>, notes: &mut Vec<String>) -> Vec<(String, Value)> {
+    let Some(own) = current.settings.axis(axis) else { return Vec::new() };
     let mut set = Vec::new();
     let (letter, component) = (axis.letter(), axis.index());
     let both = |row: &Row| row.forward.get(component) != row.reverse.get(component);
@@ -258,13 +258,13 @@ fn outdated(axis: Axis, table: &Table, standing: &Standing<'_>, notes: &mut Vec<
 /// Applies the location errors that the file gives.
 fn location(
     imported: &Imported,
-    standing: &Standing<'_>,
+    current: &Current<'_>,
     document: &mut DocumentMut,
     origin: &Origin,
     notes: &mut Vec<String>,
 ) -> Result<(), FileError> {
     let given = stated::location(&imported.location);
-    if imported.location == LocationErrors::default() || imported.location == standing.settings.location {
+    if imported.location == LocationErrors::default() || imported.location == current.settings.location {
         return Ok(());
     }
     let section = document.entry("location").or_insert_with(toml_edit::table).as_table_like_mut();
@@ -274,7 +274,7 @@ fn location(
     for (key, value) in &given {
         set(section, key, value.clone());
     }
-    let kept: Vec<String> = stated::location(&standing.settings.location)
+    let kept: Vec<String> = stated::location(&current.settings.location)
         .into_iter()
         .filter(|(key, _)| !given.iter().any(|(own, _)| own == key))
         .map(|(key, _)| key)
@@ -286,13 +286,13 @@ fn location(
 }
 
 /// Settings of the machine as a whole in which the file differs.
-fn left(stated: &MachineSettings, standing: &MachineSettings) -> Vec<String> {
+fn left(stated: &MachineSettings, current: &MachineSettings) -> Vec<String> {
     let model = |settings: &MachineSettings| settings.compensation.model == ErrorModel::Volumetric;
     let differs = [
-        ("tool_mm", stated.tool_mm != standing.tool_mm),
-        ("reference_temperature_c", stated.reference_temperature_c != standing.reference_temperature_c),
-        ("[compensation] model", model(stated) != model(standing)),
-        ("[kinematics]", stated.kinematics != standing.kinematics),
+        ("tool_mm", stated.tool_mm != current.tool_mm),
+        ("reference_temperature_c", stated.reference_temperature_c != current.reference_temperature_c),
+        ("[compensation] model", model(stated) != model(current)),
+        ("[kinematics]", stated.kinematics != current.kinematics),
     ];
     let mut notes: Vec<String> = differs
         .into_iter()
@@ -300,7 +300,7 @@ fn left(stated: &MachineSettings, standing: &MachineSettings) -> Vec<String> {
         .map(|(name, _)| format!("{name} stays, though the file states another"))
         .collect();
     let without =
-        |axis: &&AxisSettings| standing.axes.iter().any(|own| own.axis == axis.axis && own.offset_mm != axis.offset_mm);
+        |axis: &&AxisSettings| current.axes.iter().any(|own| own.axis == axis.axis && own.offset_mm != axis.offset_mm);
     notes.extend(
         stated
             .axes

@@ -9,7 +9,7 @@ const LONGEST_NAME: usize = 100;
 /// Most characters of the found text, which may be a list, and of any other part.
 const LONGEST: usize = 1000;
 
-/// Why a file is refused: line and column, what was found there, what is needed instead.
+/// Why a file is refused: line and column, the text found there, and the text needed instead.
 ///
 /// Displayed on one line of bounded length, as `x.csv:14: column EXX_um: found "nan", needed a finite number`.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -32,7 +32,7 @@ pub trait Source {
     /// Bytes of a file.
     ///
     /// # Errors
-    /// [`io::ErrorKind::NotFound`] if there is no such file, or any other error that prevents reading it.
+    /// [`io::ErrorKind::NotFound`] if the file does not exist, or any other error that prevents reading it.
     fn read(&self, name: &Path) -> io::Result<Vec<u8>>;
 
     /// Kind of a name.

@@ -9,7 +9,7 @@ use trueaxis::machine::{Axis, Twist};
 pub const AGREE: f64 = 2.0;
 /// A fit may leave this many times the stated noise: by chance one degree of freedom exceeds it once in 370 fits.
 pub const MISFIT: f64 = 3.0;
-/// Cause of negative lost motion; reported wherever it is found.
+/// Cause of negative lost motion, as every command reports it.
 pub const OVERCOMPENSATED: &str =
     "lost motion below zero is over-compensation: the control takes up too much. Lower its backlash setting by that";
 /// Finest step written: a nanometre, a nanoradian, a thousandth of a ppm; for values below one, a thousandth of the value.
@@ -136,7 +136,6 @@ impl Serialize for Why {
 /// stated one. Otherwise both estimate the same quantity; if they are independent, their mean weighted by 1/u² replaces it,
 /// with the standard uncertainty (Σ 1/u²)^(−1/2) and degrees of freedom after Welch and Satterthwaite. If nothing is stated, a
 /// value within 2 u of zero is not written.
-/// of zero is not written.
 pub fn decide(stated: Option<Known>, found: Known, independent: bool) -> (Option<Known>, Why) {
     let Some(own) = found.uncertainty else { return (None, Why::Unknown) };
     let Some(stated) = stated else {
@@ -240,8 +239,8 @@ pub struct Fit {
 }
 
 impl Fit {
-    /// Describes the misfit of a record that does not fit: more than [`MISFIT`] times the noise is left or, if no noise is
-    /// stated, more than half of the mean square. `noise_mm`: the machine's noise.
+    /// Describes the misfit if the residual exceeds [`MISFIT`] times the noise or, without a stated noise, half of the mean
+    /// square. `noise_mm`: the machine's noise.
     pub(crate) fn misfit(&self, noise_mm: Option<f64>) -> Option<String> {
         let um = |mm: f64| format!("{:.2} µm", 1e3 * mm);
         let left = || format!("{} of {} RMS remain", um(self.left_mm), um(self.before_mm));
@@ -295,7 +294,7 @@ impl fmt::Display for Decision {
     }
 }
 
-/// The decisions as a table: key, old, found, written and why; empty text if there are none.
+/// The decisions as a table: key, old, found, written and why; without decisions, an empty text.
 pub fn table(decisions: &[Decision]) -> String {
     let shown = |known: &Option<Known>| known.map_or_else(|| String::from("–"), |known| known.to_string());
     let head = ["key", "old", "found", "written", "why"].map(String::from);
@@ -322,7 +321,7 @@ pub fn record_number(bytes: &[u8]) -> String {
 }
 
 /// Keys that accompany a key: its standard uncertainty and the degrees of freedom of that.
-pub(crate) fn beside(key: &str) -> [String; 2] {
+pub(crate) fn uncertainty_keys(key: &str) -> [String; 2] {
     let (path, last) = key.rsplit_once('.').unwrap_or(("", key));
     let section = if path == "location" { String::from("uncertainty.location") } else { format!("{path}.uncertainty") };
     // All values of a drive or of friction come from one fit.
@@ -352,7 +351,7 @@ pub(crate) fn number(document: &dyn TableLike, key: &str) -> Option<f64> {
 
 /// The value that a document states for a finding.
 pub(crate) fn stated(document: &dyn TableLike, finding: &Finding) -> Option<Known> {
-    let [uncertainty_key, degrees_key] = beside(&finding.key);
+    let [uncertainty_key, degrees_key] = uncertainty_keys(&finding.key);
     let section = uncertainty_key.rsplit_once('.').map_or("", |(section, _)| section);
     let uncertainty = number(document, &uncertainty_key);
     // A key with an uncertainty but no value counts as zero: an omitted location error, or the residual of a table.

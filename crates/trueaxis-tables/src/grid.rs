@@ -12,7 +12,7 @@ const MOST_STEPS: f64 = 32_767.0;
 pub struct GridSource {
     /// Positions of the nodes along X, Y, Z, mm, ascending; empty along an axis that the grid does not cover.
     pub nodes: [Vec<f64>; 3],
-    /// Which of the six errors are given.
+    /// Which of the six errors the grid states.
     pub given: [bool; 6],
     /// Errors of the nodes, mm and rad: X outermost, Z innermost.
     pub values: Vec<Twist>,

@@ -50,7 +50,7 @@ use trueaxis::tcomp::Tcomp;
 /// An axis' error table in source form: mm and radians, positions in mm or degrees, strictly increasing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
-    /// Which of the six errors are given in the file (the others are zero).
+    /// Which of the six errors the file states (the others are zero).
     pub given: [bool; 6],
     /// Whether forward and reverse differ in any column.
     pub bidirectional: bool,

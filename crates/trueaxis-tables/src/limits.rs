@@ -162,13 +162,13 @@ impl Clipped {
 }
 
 /// Text of a changed `machine.toml` with the hysteresis and limits that the change needs, if the machine is then accepted;
-/// appends remarks to `notes`. `changed` are the other files that change, `standing` is the text before.
+/// appends remarks to `notes`. `changed` are the other files that change, `old_text` is the text before.
 ///
 /// # Errors
 /// A changed machine that the controller would refuse.
 pub(crate) fn widened(
     document: &DocumentMut,
-    standing: &str,
+    old_text: &str,
     changed: &[(PathBuf, String)],
     (files, name): (&dyn Source, &Path),
     before: Option<&Machine>,
@@ -181,11 +181,11 @@ pub(crate) fn widened(
     let read = |text: &str| Machine::read_from(&with(text), name, &mut |_| {});
     let (mut document, origin) = (document.clone(), Origin::new(&files.path(name)));
     set_hysteresis(&mut document, |text| Machine::narrow_hysteresis(&with(text), name), &origin, notes)?;
-    let text = as_before(document.to_string(), standing);
+    let text = as_before(document.to_string(), old_text);
     let after = read(&text)?;
     let (mut wide, mut said) = (document, Vec::new());
     widen(&mut wide, before, &after, &origin, &mut said)?;
-    let wide = as_before(wide.to_string(), standing);
+    let wide = as_before(wide.to_string(), old_text);
     if wide == text {
         notes.append(&mut said);
         return Ok(text);
@@ -288,9 +288,9 @@ fn widen(
     origin: &Origin,
     notes: &mut Vec<String>,
 ) -> Result<(), FileError> {
-    let standing = before.map(needs).unwrap_or_default();
+    let old_needs = before.map(needs).unwrap_or_default();
     for need in needs(after).into_iter().filter(Need::exceeds) {
-        let old = standing.iter().find(|old| (old.axis, old.key) == (need.axis, need.key));
+        let old = old_needs.iter().find(|old| (old.axis, old.key) == (need.axis, need.key));
         // A need that existed before this change is not reported again.
         if old.is_some_and(|old| need.needed <= old.needed * (1.0 + 1e-9)) {
             continue;

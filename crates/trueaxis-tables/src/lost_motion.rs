@@ -3,7 +3,7 @@
 use crate::Machine;
 use std::fmt;
 use trueaxis::check;
-use trueaxis::limiter::lead_in_s;
+use trueaxis::limiter::ramp_in_s;
 use trueaxis::machine::{Axis, AxisSettings};
 
 /// Longest time without a warning, s: friction disturbs a reversal for about as long.
@@ -19,7 +19,7 @@ pub struct LostMotion {
     /// Largest |error in negative travel − error in positive travel|, backlash included, mm.
     pub play: f64,
     /// Time in which the axis' limits allow it to be corrected, s.
-    pub lead_in_s: f64,
+    pub ramp_in_s: f64,
     /// Highest feed of the axis, mm/s.
     pub feed_per_s: f64,
     /// Distance travelled in that time at that feed, during which up to the whole play is uncorrected, mm.
@@ -31,9 +31,9 @@ pub fn lost_motion(machine: &Machine) -> Vec<LostMotion> {
     let of = |(own, _): (&AxisSettings, _)| {
         let [least, most] = check::lost_motion(own, machine.rows(own.axis));
         let play = least.abs().max(most.abs());
-        let lead_in_s = lead_in_s(&own.limits, play);
+        let ramp_in_s = ramp_in_s(&own.limits, play);
         let (axis, feed_per_s) = (own.axis, own.max_feed_per_s);
-        (play > 0.0).then_some(LostMotion { axis, play, lead_in_s, feed_per_s, way: lead_in_s * feed_per_s })
+        (play > 0.0).then_some(LostMotion { axis, play, ramp_in_s, feed_per_s, way: ramp_in_s * feed_per_s })
     };
     machine.axes().filter_map(of).collect()
 }
@@ -47,7 +47,7 @@ impl fmt::Display for LostMotion {
             f,
             "axis {}: lost motion of up to {play:.1} {micro} is corrected within {:.1} ms of a reversal, {:.2} {unit} at {} {unit}/s",
             self.axis.letter(),
-            self.lead_in_s * 1e3,
+            self.ramp_in_s * 1e3,
             self.way,
             (self.feed_per_s * 1e3).round() / 1e3
         )

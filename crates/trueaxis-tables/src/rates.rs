@@ -27,8 +27,8 @@ pub struct DriveRate {
     pub acceleration_limit: f64,
 }
 
-/// The drives whose corrections the tables move, with every axis at `feed_per_s` mm/s, or at its top feed if that is lower or
-/// no feed is given.
+/// The drives whose corrections change while every axis moves at `feed_per_s` mm/s, or at its top feed if that is lower or
+/// `feed_per_s` is `None`.
 ///
 /// The rates include grids. `rate = Σ max |dE/dq| · v`, `acceleration = Σ max |d²E/dq²| · v²` over the moving axes.
 pub fn rates(machine: &Machine, feed_per_s: Option<f64>) -> Vec<DriveRate> {

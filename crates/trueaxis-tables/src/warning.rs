@@ -31,7 +31,7 @@ pub enum Warning {
         /// Declared travel, mm.
         travel: [f64; 2],
     },
-    /// No table, grid, squareness, location error, lost motion or growth is stated, so there is nothing to correct.
+    /// The machine states no table, grid, squareness, location error, lost motion or growth, so its correction is zero.
     NoErrorsStated,
     /// At top feed of all axes the correction of a drive changes faster than its slope limit allows.
     SlopeAboveLimit {
@@ -91,7 +91,7 @@ pub enum Warning {
         travel: [f64; 2],
     },
     /// The limits ramp the correction of lost motion in slowly.
-    SlowLeadIn(LostMotion),
+    SlowRampIn(LostMotion),
     /// The error model ignores the machine's angular errors.
     AnglesIgnored {
         /// Upper bound of the tip error that they cause through their levers, mm.
@@ -221,7 +221,7 @@ impl fmt::Display for Warning {
                      them the edge value is used"
                 )
             }
-            Warning::SlowLeadIn(lost) => {
+            Warning::SlowRampIn(lost) => {
                 write!(f, "{lost}; higher limits of slope and acceleration would take less than {} ms", SWIFT_S * 1e3)
             }
             Warning::AnglesIgnored { tip } => {
@@ -261,7 +261,7 @@ pub fn check(machine: &Machine, servo_rate_hz: f64) -> Vec<Warning> {
             warnings.push(Warning::AnglesIgnored { tip });
         }
     }
-    warnings.extend(lost_motion(machine).into_iter().filter(|lost| lost.lead_in_s > SWIFT_S).map(Warning::SlowLeadIn));
+    warnings.extend(lost_motion(machine).into_iter().filter(|lost| lost.ramp_in_s > SWIFT_S).map(Warning::SlowRampIn));
     for (settings, table) in machine.axes() {
         let axis = settings.axis;
         let open = AxisSettings::with_defaults(axis, false).travel;

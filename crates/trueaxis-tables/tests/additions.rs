@@ -78,7 +78,7 @@ fn uncertainties_of_the_points_stay() {
     assert_eq!(text, "X_mm,EXX_um,ECX_urad,EXX_u_um,ECX_u_urad\n0,0,5,1,2\n50,3,5,2,2\n100,6,5,3,2\n");
 }
 
-/// A control that over-compensates: that axis' backlash is left out with its cause, everything else is written.
+/// The control over-compensates one axis: its backlash is not written, with the cause as the reason; everything else is.
 #[test]
 fn lost_motion_below_zero_is_named_and_the_rest_is_given() {
     let additions = Additions {

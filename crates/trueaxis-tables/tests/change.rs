@@ -73,10 +73,10 @@ fn an_inserted_row_lies_on_the_curve_that_the_step_looks_up() {
 }
 
 #[test]
-fn what_the_controller_would_refuse_is_refused_with_its_line() {
+fn changes_that_the_controller_would_refuse_are_refused_with_their_line() {
     let begins = |change: &Change, with: &str| {
-        let told = refused(change);
-        assert!(told.starts_with(with), "{told}");
+        let error = refused(change);
+        assert!(error.starts_with(with), "{error}");
     };
     begins(
         &point(Axis::X, "X_mm", 1, 25.0),
@@ -113,7 +113,7 @@ fn over(description: &str) -> Memory {
 }
 
 #[test]
-fn tables_are_told_in_the_units_of_their_files() {
+fn tables_are_given_in_the_units_of_their_files() {
     let tables = table_texts(&files(), Path::new("machine.toml")).unwrap();
     assert_eq!(tables.iter().map(|table| table.axis).collect::<Vec<_>>(), [Axis::X, Axis::C]);
     assert_eq!(tables[1].rows, [[0.0, 1.5], [180.0, 2.25], [360.0, 1.5]]);

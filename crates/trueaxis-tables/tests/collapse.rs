@@ -51,7 +51,7 @@ fn without_angular_errors_nothing_is_left() {
 fn better_than_the_tables_as_they_are_and_read_back_the_same() {
     let source = Machine::read(&sample("mill-3axis")).unwrap();
     let collapsed = collapse(&source, &CollapseOptions::default()).unwrap();
-    // The tables were measured in mid-volume, so there is little to gain.
+    // The tables were measured in mid-volume, so new ones gain little.
     assert!(collapsed.after.rms_mm < collapsed.original.rms_mm);
     assert!(collapsed.after.rms_mm < 0.5 * collapsed.before.rms_mm);
     let directory = TempDir::new().unwrap();

@@ -85,8 +85,8 @@ fn values_are_written_with_how_well_they_are_known() {
         text.contains("[axis.X.uncertainty]\nbacklash_um = 0.1\n[axis.Y]\n\n[uncertainty]"),
         "nothing of Y: {text}"
     );
-    let told = table(&decisions);
-    assert!(told.lines().count() == 4 && told.contains("0.12 ± 0.28") && told.contains("10 ± 1"), "{told}");
+    let listed = table(&decisions);
+    assert!(listed.lines().count() == 4 && listed.contains("0.12 ± 0.28") && listed.contains("10 ± 1"), "{listed}");
     // Read again, the values come with their uncertainties.
     let known = trueaxis_tables::uncertainty::Uncertainties::read_from(
         &Memory::new([("machine.toml", text.as_str())]),
@@ -119,10 +119,10 @@ fn a_misfit_writes_nothing() {
     }
 }
 
-/// With `force`, the found values are written regardless of the rule, and the reasons state what the rule would write;
-/// refusals of the controller remain.
+/// `force` writes the found values regardless of the rule, and the reasons state the rule's decision; the controller's
+/// refusals remain.
 #[test]
-fn what_is_forced_is_written_and_says_what_the_rule_does() {
+fn forced_values_are_written_with_the_verdict_of_the_rule() {
     let found = [
         ("location.C0Y_urad", known(10.5, 2.0)),
         ("axis.X.backlash_um", known(2.345, 0.1)),
@@ -156,8 +156,7 @@ fn what_is_forced_is_written_and_says_what_the_rule_does() {
     let below = Additions { force: true, ..findings(&[("axis.Y.backlash_um", known(-3.0, 0.1))], misfit) };
     let (same, decisions) = edited(MACHINE, &below);
     assert_eq!((same.as_str(), decisions[0].written, &decisions[0].why), (MACHINE, None, &Why::OverCompensated));
-    // An uncertainty that is not a number becomes unknown; a finding on top of what the machine already includes is not added
-    // again.
+    // An uncertainty that is not a number becomes unknown; a residual that the machine already includes is not added again.
     let vague = Additions { force: true, ..findings(&[("axis.Y.backlash_um", known(3.0, f64::NAN))], None) };
     assert_eq!(edited(MACHINE, &vague).1[0].written, Some(bare(3.0)));
     let again = Additions { compensated: true, ..forced(None) };
@@ -188,7 +187,7 @@ fn a_curve_is_added_by_its_weight() {
 /// The results of one fit are written all or not at all, including values that it held fixed; if all agree, they are combined
 /// with one weight.
 #[test]
-fn what_is_known_only_together_is_written_together() {
+fn jointly_fitted_values_are_written_together() {
     let machine = "name = \"m\"\nchain = \"w b X t\"\n[axis.X]\n\
                    [axis.X.drive]\nposition_gain_per_s = 110\nvelocity_gain_per_s = 800\nreset_time_s = 0.006\n\
                    [axis.X.friction]\ncoulomb_mm_per_s = 0.50\npresliding_um = 6.0 # ours\nviscous = 0.01\n\

@@ -198,7 +198,7 @@ fn isg_over_two_axes_is_a_grid() {
 
 /// Instrument reports may begin at the far end.
 #[test]
-fn linuxcnc_lines_in_another_order_are_sorted_and_told() {
+fn linuxcnc_lines_in_another_order_are_sorted_and_reported() {
     let down = read(TYPE_0, "300 300.010 300.012\n100 100.002 100.004\n0 0 0.002\n", Some(Axis::X));
     let up = read(TYPE_0, "0 0 0.002\n100 100.002 100.004\n300 300.010 300.012\n", Some(Axis::X));
     assert_eq!(down.tables, up.tables);
@@ -207,7 +207,7 @@ fn linuxcnc_lines_in_another_order_are_sorted_and_told() {
 
 /// One direction of approach gives a table for both, and a circle that lacks its last line stays open: notes report both.
 #[test]
-fn what_a_measurement_has_not_got_is_told() {
+fn missing_directions_and_closing_points_are_reported() {
     let imported = read(Format::Iso230_2, "C_deg,+1,+2\n0,1,1.5\n90,10,11\n180,3,3\n270,4,5\n350,1,2\n", None);
     assert!(!imported.tables[0].1.bidirectional);
     let notes = imported.notes.join("\n");

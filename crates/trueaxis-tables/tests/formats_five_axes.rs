@@ -134,12 +134,12 @@ fn measured_elsewhere_comes_back_measured_at_zero() {
         ignored.settings.axes.iter_mut().for_each(|axis| axis.measured_at_mm = [0.0; 3]);
         assert!(apart(&ignored, &back, 0.0) > 1e-3);
         let notes = notes.join("\n");
-        for told in [
+        for part in [
             "measured_at_mm 150 -80 210 of axis X",
             "tool tip 0.1 -0.25 -123.456789012",
             machine.settings.chain.as_str(),
         ] {
-            assert!(notes.contains(told), "{told}: {notes}");
+            assert!(notes.contains(part), "{part}: {notes}");
         }
         assert!(notes.contains("axis Z is 0.3333333333333333 -20 200 mm"), "{notes}");
     }

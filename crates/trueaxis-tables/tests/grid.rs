@@ -62,7 +62,7 @@ fn random(noise: &mut Noise, chain: &str, model: &str, over: &[char], turns: f64
 }
 
 #[test]
-fn lines_stand_in_any_order() {
+fn lines_may_be_in_any_order() {
     let machine = small();
     let source = machine.grids[0].source();
     assert_eq!(source.nodes, [vec![-100.0, 100.0], vec![-50.0, 50.0], vec![]]);
@@ -508,8 +508,8 @@ fn a_bed_mesh_becomes_a_surface() {
     assert!((correction[2] - 0.2).abs() < 1e-5, "{correction:?}");
     // Into an existing machine: added once, and never over another grid.
     let there = folder(&format!("# mine\n{TOML}"), CSV);
-    let standing = Folder::new(there.path());
-    let edited = imported.edit(&standing, Path::new("machine.toml")).unwrap();
+    let current = Folder::new(there.path());
+    let edited = imported.edit(&current, Path::new("machine.toml")).unwrap();
     // grid.csv already exists, although no file names it.
     assert_eq!(edited.files[0].0, Path::new("grid-2.csv"));
     for (name, text) in &edited.files {
@@ -548,7 +548,7 @@ fn a_mesh_that_is_probed_again_replaces_the_old_one() {
     assert_eq!((machine.grids.len(), count), (2, 3));
     assert!(notes.iter().any(|note| note == "the grid \"grid.csv\" is replaced"), "{notes:?}");
     assert!((modelled::<3>(&machine, [20.0, 100.0, 0.2]).0[2] - 0.5).abs() < 5e-5);
-    // Without the fade there is one grid fewer.
+    // A mesh without a fade needs only one grid.
     let (machine, ..) = take(&mesh(&columns([0.5, 0.6, 0.7], "")).unwrap()).unwrap();
     assert_eq!(machine.grids.len(), 1);
     let other =
@@ -704,8 +704,8 @@ fn limits_let_an_import_pass() {
         ("joint_mm = [-300.2, 300.2]", "limits are unchanged, as with higher ones", 0.1),
     ] {
         let toml = format!("name = \"m\"\nchain = \"w b X Y Z t\"\n[axis.X]\ntravel_mm = [-300.0, 300.0]\n{more}\n");
-        let standing = Memory::new([("machine.toml", toml)]);
-        let edited = rack.edit(&standing, Path::new("machine.toml")).unwrap();
+        let current = Memory::new([("machine.toml", toml)]);
+        let edited = rack.edit(&current, Path::new("machine.toml")).unwrap();
         assert!(edited.notes.iter().any(|note| note.starts_with(said)), "{:?}", edited.notes);
         let files = edited.files.iter().map(|(name, text)| (name, text.as_str()));
         let machine = Machine::read_from(&Memory::new(files), Path::new("machine.toml"), &mut |_| {}).unwrap();
@@ -769,7 +769,7 @@ fn a_grid_csv_is_imported() {
 }
 
 #[test]
-fn a_collapse_tells_whether_a_grid_is_needed() {
+fn a_collapse_reports_whether_a_grid_is_needed() {
     let pitch = |tail: &str| {
         let folder = folder(
             &format!(

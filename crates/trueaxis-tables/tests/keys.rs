@@ -373,7 +373,7 @@ fn a_default_is_refused_at_its_section() {
 
 /// Two keys of one section with the same value: the error names the wrong one.
 #[test]
-fn equal_values_are_told_apart() {
+fn errors_at_equal_values_name_the_right_key() {
     let (machine, line) = edited("axis.X.thermal.datum_mm", "datum_mm = 2e6");
     let machine = machine.replace("expansion_um_per_m_k = 11.5", "expansion_um_per_m_k = 0");
     assert!(read(&machine).unwrap_err().starts_with(&format!("machine.toml:{line}: key axis.X.thermal.datum_mm")));

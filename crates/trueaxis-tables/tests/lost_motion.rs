@@ -79,7 +79,7 @@ fn the_encoder_bounds_the_hysteresis_of_an_axis_with_lost_motion() {
 }
 
 #[test]
-fn the_way_that_lost_motion_costs_is_told() {
+fn the_distance_affected_by_lost_motion_is_reported() {
     // EXX from 1 to 2.5 µm more in negative travel, 0.5 µm of backlash on top.
     let table = "X_mm,EXX_fwd_um,EXX_rev_um\n0,0,1\n50,2,4.5\n100,0,1\n";
     let machine = Machine::read(written("backlash_um = 0.5\nmax_feed_mm_per_min = 12000", table).path()).unwrap();
@@ -88,7 +88,7 @@ fn the_way_that_lost_motion_costs_is_told() {
     let seconds = (2.0_f64 * 0.003 * (1.0 / 5000.0 + 1.0 / 4000.0)).sqrt();
     assert!(
         (x.play - 0.003).abs() < 1e-15
-            && (x.lead_in_s - seconds).abs() < 1e-12
+            && (x.ramp_in_s - seconds).abs() < 1e-12
             && (x.way - 200.0 * seconds).abs() < 1e-9
     );
     assert_eq!(
@@ -96,7 +96,7 @@ fn the_way_that_lost_motion_costs_is_told() {
         "axis X: lost motion of up to 3.0 µm is corrected within 1.6 ms of a reversal, 0.33 mm at 200 mm/s"
     );
     assert!((c.play.to_radians() - 12e-6).abs() < 1e-15 && c.to_string().contains("12.0 µrad"), "{c}");
-    let slow = |machine: &Machine| check(machine, 1e4).into_iter().find(|w| matches!(w, Warning::SlowLeadIn(_)));
+    let slow = |machine: &Machine| check(machine, 1e4).into_iter().find(|w| matches!(w, Warning::SlowRampIn(_)));
     assert_eq!(slow(&machine), None);
 
     let keys = "backlash_um = 0.5\nlimits = { slope_mm_per_s = 1, acceleration_mm_per_s2 = 200 }";

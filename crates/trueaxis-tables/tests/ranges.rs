@@ -342,7 +342,7 @@ fn no_number_of_another_controls_file_is_absurd() {
 /// The controller runs everything that the bench accepts, in both scalar types; here a setting that only the step's stages
 /// refuse.
 #[test]
-fn what_the_controller_refuses_the_bench_refuses() {
+fn the_bench_refuses_settings_that_the_controller_refuses() {
     let (text, line) = with("contour.max_lag_mm", 0, 1, "5000");
     let error = read(&text, TABLE).unwrap_err();
     assert_eq!((error.line, error.column.as_deref()), (Some(line), Some("contour.max_lag_mm")), "{error}");

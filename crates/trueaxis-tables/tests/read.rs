@@ -393,8 +393,8 @@ fn bytes_that_are_no_text_and_missing_files() {
     assert_eq!((error.line, error.needed.as_str()), (Some(3), "text in UTF-8"));
     fs::write(bad.path().join("machine.toml"), b"\n\xc3").unwrap();
     assert_eq!(Machine::read(bad.path()).unwrap_err().line, Some(2));
-    let gone = Machine::read(&bad.path().join("nowhere")).unwrap_err();
-    assert_eq!((gone.line, gone.needed.as_str()), (None, "a readable file"));
+    let missing = Machine::read(&bad.path().join("nowhere")).unwrap_err();
+    assert_eq!((missing.line, missing.needed.as_str()), (None, "a readable file"));
 }
 
 #[test]
@@ -403,7 +403,7 @@ fn writing_leaves_either_the_old_or_the_new_file() {
     let file = folder.path().join("t.tcomp");
     write_atomically(&file, b"new").unwrap();
     assert_eq!(fs::read(&file).unwrap(), b"new");
-    // A directory cannot be replaced by a file: this is refused, and nothing is left beside it.
+    // A file cannot replace a folder: the write is refused, and no temporary file remains beside it.
     fs::create_dir(folder.path().join("d")).unwrap();
     fs::write(folder.path().join("d/in"), "").unwrap();
     assert!(write_atomically(&folder.path().join("d"), b"new").is_err());

@@ -80,7 +80,7 @@ fn every_key_arrives_and_survives_compilation() {
 }
 
 #[test]
-fn what_is_wrong_is_refused_with_its_line() {
+fn errors_name_their_line() {
     let with = |more: &str| format!("{LEAST}{more}");
     let replaced = |from: &str, to: &str| LEAST.replace(from, to);
     let arm = "[roundness.arm]\ncrank_mm = 45\nwheel_mm = 300\npin_mm = 27.5\ncounts_per_revolution = 40000\n";

@@ -149,7 +149,7 @@ fn defaults_are_those_stated() {
 
 /// Writes the machine and reads it back: bit for bit, except for angles that are written as µrad.
 #[test]
-fn what_is_written_is_read_back() {
+fn a_written_machine_is_read_back() {
     let machine = read(MACHINE).unwrap();
     let files = machine_files(&machine, "");
     let files = Memory::new(files.iter().map(|(name, text)| (name, text.as_str())));
@@ -233,7 +233,7 @@ fn wrong_sections_are_refused_at_their_lines() {
 
 /// Refusals by the controller's checks, at the line of the key.
 #[test]
-fn what_the_checks_refuse_is_told_at_its_line() {
+fn refusals_by_the_checks_name_their_line() {
     let drive = "position_gain_per_s = 110\nvelocity_gain_per_s = 800\nreset_time_s = 0.006\n\
                  velocity_feed_forward = 0.93\ncurrent_loop_s = 0.0003\ndead_time_s = 0.0005\n";
     let without = MACHINE.replace(&format!("[axis.X.drive]\n{drive}"), "");

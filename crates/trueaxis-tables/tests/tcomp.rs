@@ -160,7 +160,7 @@ fn the_bytes_are_those_documented() {
 
 /// Servo settings, each with a distinct value, are in the documented order.
 #[test]
-fn servo_settings_stand_where_documented() {
+fn servo_settings_are_where_documented() {
     let plain = compile(&crate::small_machine::machine()).unwrap();
     let mut machine = crate::small_machine::machine();
     let limits = Limits { magnitude: 0.04, slope_per_s: 0.8, acceleration_per_s2: 150.0 };
@@ -462,7 +462,7 @@ proptest! {
 }
 
 #[test]
-fn the_summary_tells_the_figures() {
+fn the_summary_contains_the_figures() {
     let bytes = compile(&crate::small_machine::machine()).unwrap();
     let summary = summary(&Tcomp::parse(&bytes).unwrap());
     let json = serde_json::to_value(&summary).unwrap();
@@ -494,7 +494,7 @@ fn a_machine_needs_no_table() {
             &mut |_| {},
         )
     };
-    let told = |machine: &Machine| check(machine, 1000.0).contains(&Warning::NoErrorsStated);
+    let warns = |machine: &Machine| check(machine, 1000.0).contains(&Warning::NoErrorsStated);
     let states = [
         "[axis.Y]\nbacklash_um = 20.0",
         "[axis.C]\nbacklash_urad = 20.0",
@@ -505,12 +505,12 @@ fn a_machine_needs_no_table() {
     ];
     for more in states {
         let machine = read(more).unwrap();
-        assert!(!told(&machine), "{more}");
+        assert!(!warns(&machine), "{more}");
         let bytes = compile(&machine).unwrap();
         assert_eq!(Machine::from_tcomp(&Tcomp::parse(&bytes).unwrap()), machine, "{more}");
     }
     let machine = read("").unwrap();
-    assert!(told(&machine));
+    assert!(warns(&machine));
     assert!(Tcomp::parse(&compile(&machine).unwrap()).is_ok());
 }
 

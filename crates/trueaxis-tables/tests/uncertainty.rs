@@ -1,4 +1,4 @@
-//! Standard uncertainties are read, are not compiled, and are kept by edits.
+//! Standard uncertainties: the reader reads them, the compiler omits them, and edits preserve them.
 
 use std::path::Path;
 use trueaxis::machine::Axis;
@@ -37,7 +37,7 @@ fn read(files: &Memory) -> Uncertainties {
 }
 
 #[test]
-fn what_is_stated_is_read_in_its_unit_and_nothing_else_is_taken_for_stated() {
+fn stated_uncertainties_are_read_in_their_units_and_no_others_assumed() {
     let found = read(&files(&format!("{PLAIN}{STATED}"), WITH_POINTS));
     assert_eq!(found.instrument.device_per_length, Some(0.6e-6));
     assert_eq!((found.instrument.device, found.instrument.eve), (None, None));
@@ -83,7 +83,7 @@ fn edits_keep_it() {
 }
 
 #[test]
-fn what_is_wrong_is_refused_at_its_line() {
+fn errors_name_their_line() {
     for (line, needed) in [
         ("eve_um = -0.1", "0 to 1000 um"),
         ("device_um = \"0.1\"", "a number"),

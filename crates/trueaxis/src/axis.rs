@@ -50,8 +50,8 @@ impl Axis {
         self as u8 >= Axis::A as u8
     }
 
-    /// Position in `ALL`, 0 to 5; for an error table also the component of its own positioning error
-    /// (`EXX` is component 0 of X, `ECC` component 5 of C).
+    /// Position in `ALL`, 0 to 5. In an error table it is also the component of the axis' positioning error (`EXX` is
+    /// component 0 of X, `ECC` component 5 of C).
     pub const fn index(self) -> usize {
         self as usize
     }

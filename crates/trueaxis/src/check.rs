@@ -1,6 +1,6 @@
 //! Checks of a machine description, run when tables are compiled and again when they are loaded.
 //!
-//! All checks run at build, in double precision, without allocation; they cost a few look-ups per table line.
+//! All checks run at build, in double precision, without allocation; they cost a few lookups per table line.
 
 mod bounds;
 mod drive;
@@ -278,8 +278,8 @@ pub fn rows(settings: &AxisSettings, rows: &(impl Rows + ?Sized)) -> Result<(), 
 }
 
 /// Checks a whole machine: [`settings`], [`rows`] of every table, [`grids`], [`joint_range`], [`reversal`]; returns the
-/// number of look-ups that its exact inverse needs. No axis needs a table for the errors that its settings state, nor
-/// does a machine.
+/// number of lookups that its exact inverse needs. Tables are optional: errors stated in the settings apply without
+/// one.
 ///
 /// # Errors
 /// The first fault found.
@@ -288,6 +288,8 @@ pub fn machine<'r, T: Rows + ?Sized + 'r>(
     tables: impl Fn(Axis) -> Option<&'r T>,
     grids: &[GridData<'_>],
 ) -> Result<u8, ConfigError> {
+    // By one type whatever the closure, so that a firmware has the checks once.
+    let tables: &dyn Fn(Axis) -> Option<&'r T> = &tables;
     settings(machine)?;
     for axis in &machine.axes {
         if let Some(table) = tables(axis.axis) {
@@ -296,9 +298,9 @@ pub fn machine<'r, T: Rows + ?Sized + 'r>(
     }
     self::grids(machine, grids)?;
     let grids = GridBounds::of(grids);
-    joint_range(machine, &tables, &grids)?;
-    reversal(machine, &tables, &grids)?;
-    machine_passes(machine, &tables, &grids)
+    joint_range(machine, tables, &grids)?;
+    reversal(machine, tables, &grids)?;
+    machine_passes(machine, tables, &grids)
 }
 
 #[cfg(test)]

@@ -140,7 +140,7 @@ pub enum Fault {
     /// The encoder interface reports an alarm (dropout).
     EncoderAlarm = 4,
     /// The cycle came late or early by more than a quarter of its period, or cycles have come faster than the period
-    /// for so long that the corrections must stand still ([`crate::Input::elapsed_ns`]).
+    /// for so long that the corrections must pause ([`crate::Input::elapsed_ns`]).
     LateCycle = 5,
     /// A command is infinite or not a number.
     CommandNotFinite = 16,

@@ -46,8 +46,8 @@ impl<'a, T> Exchange<'a, T> {
         })
     }
 
-    /// Replaces `active` by the offered configuration, if there is one; returns the replaced one, whose memory is then
-    /// free for the next build.
+    /// Replaces `active` by the offered configuration, if any; returns the replaced one, whose memory is then free for
+    /// the next build.
     pub fn take_into(&self, active: &mut &'a T) -> Option<&'a T> {
         critical_section::with(|section| self.0.borrow(section).take()).map(|new| core::mem::replace(active, new))
     }

@@ -5,7 +5,7 @@
 //!
 //! ```text
 //! command ──► sample ──► compensation ───────────────────────► output ──► drives
-//! encoders ─►  finite,    nine-term look-up,                    limiter,     │
+//! encoders ─►  finite,    nine-term lookup,                     limiter,     │
 //!              plausible  exact inverse      contour ► dynamic   hold        ├► feedback for the host
 //!                │                             ▲                             │
 //!                └──── estimated tool tip ─────┘                             └► telemetry record

@@ -25,8 +25,8 @@
 //! target that jitters by more than a per cycle; it reaches limits lowered in motion with a. It flags all of these as
 //! *limited*.
 //!
-//! While a drive is held, c stays the difference between drive and held command: its speed is cut to zero, and it
-//! continues from there ([`Limiter::hold`]).
+//! While the output holds a drive, c stays the difference between drive and held command: its speed is cut to zero, and
+//! it continues from there ([`Limiter::hold`]).
 //!
 //! A cycle of this law takes a period of time: a cycle that comes too early is not counted, and the state does not change
 //! ([`crate::Input::elapsed_ns`]). So the limits in seconds apply however cycles arrive.
@@ -255,7 +255,7 @@ impl<R: Real> Limiter<R> {
 /// ```text
 /// B = v²/2 · (1/A + 1/0.8A)     t = v (1/A + 1/0.8A)  + (|way| − B)/V where v = V, B < |way|
 /// ```
-pub fn lead_in_s(limits: &Limits, way: f64) -> f64 {
+pub fn ramp_in_s(limits: &Limits, way: f64) -> f64 {
     let (way, top) = (way.abs(), limits.slope_per_s);
     let both = (1.0 + 1.0 / APPROACH) / limits.acceleration_per_s2;
     let ramps = 0.5 * top * top * both;

@@ -170,7 +170,7 @@ impl<R: Real, P: Position, const N: usize> OutputStage<R, P, N> {
             Verdict::Inactive => flags = self.follow(state, &[R::ZERO; N], sample.due),
             Verdict::Freeze if !sample.due => {}
             Verdict::Freeze => self.limiters.iter().zip(&mut state.limited).for_each(|(l, limited)| l.freeze(limited)),
-            Verdict::Hold | Verdict::Nowhere => {
+            Verdict::Hold | Verdict::NoOutput => {
                 self.limiters.iter().zip(&mut state.limited).for_each(|(l, limited)| l.hold(limited));
             }
         }

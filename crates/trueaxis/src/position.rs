@@ -151,7 +151,8 @@ impl Position for f64 {
 ///
 /// Nothing wraps: a value beyond the range saturates at `i32::MIN` or `i32::MAX`, and neither is usable.
 ///
-/// For cores without a double-precision unit: on a Cortex-M4F an f64 subtraction costs about 120 instructions, this one.
+/// For cores without a double-precision unit: on a Cortex-M4F a subtraction of doubles costs about 120 instructions,
+/// one of these a single instruction.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Nanometres(pub i32);
@@ -244,7 +245,7 @@ mod tests {
     use proptest::prelude::*;
 
     #[test]
-    fn what_integers_cannot_say_is_not_usable() {
+    fn unrepresentable_values_are_not_usable() {
         for x in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 2_147.483_647, -2_147.483_648, 1e300] {
             assert!(!Nanometres::of(x).is_usable(), "{x}");
             assert!(Nanometres::nearest(x).is_usable(), "{x}");

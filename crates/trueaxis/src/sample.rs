@@ -27,7 +27,7 @@ pub struct Input<P, const N: usize> {
     /// Time since the last cycle in nanoseconds, as the host measured or knows it.
     ///
     /// [`Fault::LateCycle`], correction frozen, if it is more than a quarter off the period or if the corrections must
-    /// stand still. They do if too little time has passed since they last moved; with e this time, T 0.999 of the period
+    /// pause. They pause if too little time has passed since they last moved; with e this time, T 0.999 of the period
     /// and t the accumulated time,
     ///
     /// ```text
@@ -101,7 +101,7 @@ pub(crate) enum Verdict {
     Hold = Status::STOP_REQUEST.0,
     /// The output would hold, but no command was ever usable and some axis has not been read yet: the step gives no
     /// output.
-    Nowhere = Status::STOP_REQUEST.0 | Status::NO_OUTPUT.0,
+    NoOutput = Status::STOP_REQUEST.0 | Status::NO_OUTPUT.0,
 }
 
 impl Verdict {
@@ -114,7 +114,7 @@ impl Verdict {
     /// Whether the drives receive nothing new.
     #[inline(always)]
     pub(crate) fn holds(self) -> bool {
-        matches!(self, Verdict::Hold | Verdict::Nowhere)
+        matches!(self, Verdict::Hold | Verdict::NoOutput)
     }
 }
 
@@ -376,10 +376,10 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
     }
 
     /// Quick check: whether this cycle, following one that passed every check, passes them too; its sample is then
-    /// [`Sample::calm`]. `false`: the full check ([`Sampler::look`]) is needed; anything changed here it changes in the
+    /// [`Sample::calm`]. `false`: the full check ([`Sampler::full_check`]) is needed; anything changed here it changes in the
     /// same way.
     #[inline(always)]
-    pub(crate) fn glance(&self, state: &mut SampleState<P, N>, input: &Input<P, N>) -> bool {
+    pub(crate) fn quick_check(&self, state: &mut SampleState<P, N>, input: &Input<P, N>) -> bool {
         let Some(time_ns) = self.calm_time(state, input) else { return false };
         let positions = input.feedback.iter().zip(&input.command);
         for ((axis, suspicion), (reading, command)) in self.axes.iter().zip(&mut state.suspicions).zip(positions) {
@@ -391,7 +391,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         true
     }
 
-    /// The time left after a cycle in which [`Sampler::look`] would find no fault either, apart from a stuck reading.
+    /// The time left after a cycle in which [`Sampler::full_check`] would find no fault either, apart from a stuck reading.
     #[inline(always)]
     fn calm_time(&self, state: &SampleState<P, N>, input: &Input<P, N>) -> Option<u32> {
         let switched = input.homed && input.enable && !input.reset;
@@ -427,13 +427,13 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         }
     }
 
-    /// The full check of a cycle. `believed` receives the positions of command and feedback.
+    /// The full check of a cycle. `trusted` receives the positions of command and feedback.
     #[inline(never)]
-    pub(crate) fn look<'s>(
+    pub(crate) fn full_check<'s>(
         &self,
         state: &mut SampleState<P, N>,
         input: &'s Input<P, N>,
-        believed: &'s mut [[P; N]; 2],
+        trusted: &'s mut [[P; N]; 2],
     ) -> Sample<'s, P, N> {
         state.calm = false;
         let first = !state.started;
@@ -452,7 +452,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         state.reset = input.reset;
 
         if state.latched != Fault::None || command_fault != Fault::None {
-            return self.stopped(state, input, reset, (command_fault, command_axis), (first, due), believed);
+            return self.stopped(state, input, reset, (command_fault, command_axis), (first, due), trusted);
         }
         let (feedback_fault, feedback_axis) = self.feedback_fault(state, input, &input.command, active && !first);
         let (fault, axis) = match (feedback_fault, (late || early) && active && !first) {
@@ -467,8 +467,8 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
             (true, _) => Verdict::Freeze,
         };
         state.calm = verdict == Verdict::Active && !input.reset;
-        *believed = [input.command, state.feedback];
-        let [command, feedback] = believed;
+        *trusted = [input.command, state.feedback];
+        let [command, feedback] = trusted;
         Sample { command, feedback, verdict, fault, axis, due, first, homed: input.homed, input }
     }
 
@@ -584,7 +584,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         reset: bool,
         (fault, axis): (Fault, u8),
         (first, due): (bool, bool),
-        believed: &'s mut [[P; N]; 2],
+        trusted: &'s mut [[P; N]; 2],
     ) -> Sample<'s, P, N> {
         let was_latched = state.latched != Fault::None;
         if !was_latched {
@@ -608,15 +608,15 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         if was_latched && reset && placed && near && acceptable {
             state.latched = Fault::None;
             state.started = true;
-            // The drives were held, so commands during the stop say nothing about the readings.
+            // The output held the drives, so commands during the stop say nothing about the readings.
             for ((suspicion, reading), command) in state.suspicions.iter_mut().zip(&state.feedback).zip(&input.command)
             {
                 *suspicion = Suspicion::from(*reading, *command);
             }
             state.active = input.homed && input.enable;
             let verdict = if state.active { Verdict::Active } else { Verdict::Inactive };
-            *believed = [input.command, state.feedback];
-            let [command, feedback] = believed;
+            *trusted = [input.command, state.feedback];
+            let [command, feedback] = trusted;
             return Sample {
                 command,
                 feedback,
@@ -629,12 +629,12 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
                 input,
             };
         }
-        *believed = [held, state.feedback];
-        let [command, feedback] = believed;
+        *trusted = [held, state.feedback];
+        let [command, feedback] = trusted;
         Sample {
             command,
             feedback,
-            verdict: if placed { Verdict::Hold } else { Verdict::Nowhere },
+            verdict: if placed { Verdict::Hold } else { Verdict::NoOutput },
             fault: state.latched,
             axis: state.latched_axis,
             due,
@@ -644,8 +644,8 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         }
     }
 
-    /// While the output holds before the first command, holds the machine's last read position, in the cycle in which
-    /// the last of its axes has been read. Returns whether the position is known.
+    /// Before the first command, sets the held position to the latest readings until every axis has been read. Returns
+    /// whether all axes are known.
     #[cold]
     fn placed(&self, state: &mut SampleState<P, N>, input: &Input<P, N>) -> bool {
         let known = |known: u8| known.count_ones() as usize == N;

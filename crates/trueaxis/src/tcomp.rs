@@ -66,7 +66,7 @@ pub fn machine_id(name: &str, chain: &str) -> u32 {
 pub struct TableHeader {
     /// Whether the axis has a table; otherwise all fields below are zero.
     pub present: bool,
-    /// Which errors are given: bit 0 EX … bit 5 EC.
+    /// Which errors the table gives: bit 0 EX … bit 5 EC.
     pub given: u8,
     /// Whether the table has forward and reverse columns.
     pub bidirectional: bool,
@@ -114,7 +114,7 @@ pub enum TcompError {
     MachineId = 10,
     /// The decoded content is not a valid machine.
     Content(ConfigError) = 11,
-    /// The file was made for another machine.
+    /// The file belongs to another machine.
     WrongMachine = 12,
     /// The header of a grid cannot be decoded, or the number of grids is too large, or zero in version 5.
     GridHeader = 13,
@@ -191,7 +191,7 @@ impl TableData<'_> {
         self.header.rows as usize
     }
 
-    /// Whether there are no lines (never in an accepted file).
+    /// Whether the table has no lines (never in an accepted file).
     pub fn is_empty(&self) -> bool {
         self.header.rows == 0
     }
@@ -270,10 +270,60 @@ impl<'a> postcard::de_flavors::Flavor<'a> for Bytes<'a> {
 }
 
 /// Decodes a value in postcard; returns it with the bytes after it.
+#[inline(never)]
 fn decoded<'a, T: Deserialize<'a>>(bytes: &'a [u8]) -> Option<(T, &'a [u8])> {
     let mut source = postcard::Deserializer::from_flavor(Bytes(bytes));
     let value = T::deserialize(&mut source).ok()?;
     Some((value, source.finalize().ok()?))
+}
+
+/// Decodes the next value in postcard into its place.
+fn read<'a, T: Deserialize<'a>>(rest: &mut &'a [u8], to: &mut T) -> Option<()> {
+    (*to, *rest) = decoded(rest)?;
+    Some(())
+}
+
+/// Decodes a list in postcard element by element into its place.
+fn read_list<'a, T: Deserialize<'a>, const N: usize>(rest: &mut &'a [u8], to: &mut Vec<T, N>) -> Option<()> {
+    let mut count = 0_u32;
+    read(rest, &mut count)?;
+    for _ in 0..count {
+        let (element, behind) = decoded(rest)?;
+        to.push(element).ok()?;
+        *rest = behind;
+    }
+    Some(())
+}
+
+/// Decodes settings in postcard, field by field into their places: serde copies a whole structure at every level that
+/// returns it, which takes 20 kB of stack.
+fn read_settings(rest: &mut &[u8], to: &mut MachineSettings) -> Option<()> {
+    let MachineSettings {
+        name,
+        chain,
+        tool_mm,
+        reference_temperature_c,
+        location,
+        faults,
+        contour,
+        compensation,
+        kinematics,
+        axes,
+        roundness,
+        crosstalk,
+    } = to;
+    read(rest, name)?;
+    read(rest, chain)?;
+    read(rest, tool_mm)?;
+    read(rest, reference_temperature_c)?;
+    read(rest, location)?;
+    read(rest, faults)?;
+    read(rest, contour)?;
+    read(rest, compensation)?;
+    read(rest, kinematics)?;
+    read_list(rest, axes)?;
+    read(rest, roundness)?;
+    read_list(rest, crosstalk)
 }
 
 fn split<const N: usize>(bytes: &[u8]) -> Result<([u8; N], &[u8]), TcompError> {
@@ -281,6 +331,18 @@ fn split<const N: usize>(bytes: &[u8]) -> Result<([u8; N], &[u8]), TcompError> {
 }
 
 impl<'a> Tcomp<'a> {
+    /// A machine without name and axes, to [`read`](Tcomp::read) a file into.
+    pub const fn empty() -> Self {
+        Tcomp {
+            settings: MachineSettings::EMPTY,
+            tables: Vec::new(),
+            grids: Vec::new(),
+            machine_id: 0,
+            crc: 0,
+            inverse_passes: 0,
+        }
+    }
+
     /// Reads and checks a whole file: its form, its checksum, and everything in [`check::machine`].
     ///
     /// Allocates nothing and never panics, whatever the bytes. Cost: linear in the file's length.
@@ -288,6 +350,17 @@ impl<'a> Tcomp<'a> {
     /// # Errors
     /// The first defect found.
     pub fn parse(bytes: &'a [u8]) -> Result<Self, TcompError> {
+        let mut file = Tcomp::empty();
+        file.read(bytes)?;
+        Ok(file)
+    }
+
+    /// Like [`parse`](Tcomp::parse), into a place that the caller provides, which takes a third of the stack. After an
+    /// error the content is unspecified.
+    ///
+    /// # Errors
+    /// The first defect found.
+    pub fn read(&mut self, bytes: &'a [u8]) -> Result<(), TcompError> {
         let (magic, rest) = split::<8>(bytes)?;
         if magic != MAGIC {
             return Err(TcompError::Magic);
@@ -305,36 +378,42 @@ impl<'a> Tcomp<'a> {
         if !behind.is_empty() {
             return Err(TcompError::TooLong);
         }
-        let crc = u32::from_le_bytes(sum);
-        if bytes.get(..bytes.len().saturating_sub(4)).map(checksum) != Some(crc) {
+        self.crc = u32::from_le_bytes(sum);
+        if bytes.get(..bytes.len().saturating_sub(4)).map(checksum) != Some(self.crc) {
             return Err(TcompError::Checksum);
         }
-        let (mut settings, mut rest) = decoded::<MachineSettings>(payload).ok_or(TcompError::Settings)?;
-        let mut tables = Vec::new();
+        self.read_payload(payload, version)?;
+        self.machine_id = machine_id(&self.settings.name, &self.settings.chain);
+        if u32::from_le_bytes(id) != self.machine_id {
+            return Err(TcompError::MachineId);
+        }
+        let passes = check::machine(&self.settings, self.rows(), &self.grids);
+        self.inverse_passes = passes.map_err(TcompError::Content)?;
+        Ok(())
+    }
+
+    #[inline(never)]
+    fn read_payload(&mut self, payload: &'a [u8], version: u16) -> Result<(), TcompError> {
+        let Tcomp { settings, tables, grids, .. } = self;
+        settings.axes.clear();
+        settings.crosstalk.clear();
+        tables.clear();
+        grids.clear();
+        let mut rest = payload;
+        read_settings(&mut rest, settings).ok_or(TcompError::Settings)?;
         for _ in &settings.axes {
             let (table, behind) = table(rest)?;
             rest = behind;
             // At most one table for each of at most as many axes.
             let _ = tables.push(table);
         }
-        let grids = match version {
-            VERSION_WITHOUT_GRIDS => Vec::new(),
-            _ => grids(&mut rest, version)?,
-        };
+        if version != VERSION_WITHOUT_GRIDS {
+            read_grids(&mut rest, version, grids)?;
+        }
         if version == VERSION {
-            rest = encoders(&mut settings, rest)?;
+            rest = encoders(settings, rest)?;
         }
-        if !rest.is_empty() {
-            return Err(TcompError::PayloadTooLong);
-        }
-        let machine_id = machine_id(&settings.name, &settings.chain);
-        if u32::from_le_bytes(id) != machine_id {
-            return Err(TcompError::MachineId);
-        }
-        let mut file = Tcomp { settings, tables, grids, machine_id, crc, inverse_passes: 0 };
-        let passes = check::machine(&file.settings, |axis| file.table(axis), &file.grids);
-        file.inverse_passes = passes.map_err(TcompError::Content)?;
-        Ok(file)
+        if rest.is_empty() { Ok(()) } else { Err(TcompError::PayloadTooLong) }
     }
 
     /// Refuses the file on any machine except the one with this id.
@@ -360,14 +439,14 @@ impl<'a> Tcomp<'a> {
         self.crc
     }
 
-    /// Look-ups that the exact inverse of these tables needs.
+    /// Lookups that the exact inverse of these tables needs.
     pub fn inverse_passes(&self) -> u8 {
         self.inverse_passes
     }
 
     /// Memory that a servo loop needs for these tables, in scalars of the step ([`crate::ServoLoop::load`]).
     pub fn requirement(&self) -> usize {
-        crate::compensation::requirement(&self.settings, |axis| self.table(axis))
+        crate::compensation::requirement(&self.settings, self.rows())
     }
 
     /// The axes with their tables.
@@ -378,6 +457,12 @@ impl<'a> Tcomp<'a> {
     /// The grids.
     pub fn grids(&self) -> &[GridData<'a>] {
         &self.grids
+    }
+
+    /// The tables by axis, as [`Config::build`](crate::Config::build) takes them. All callers share one type, so that the
+    /// checks are compiled once.
+    pub fn rows<'t>(&'t self) -> impl Fn(Axis) -> Option<&'t TableData<'a>> + Copy {
+        move |axis| self.table(axis)
     }
 
     /// The table of an axis.
@@ -412,9 +497,8 @@ fn encoders<'a>(settings: &mut MachineSettings, mut rest: &'a [u8]) -> Result<&'
 }
 
 /// Reads the grids after the tables: their number, then each; in version 5 at least one.
-fn grids<'a>(rest: &mut &'a [u8], version: u16) -> Result<Vec<GridData<'a>, GRIDS>, TcompError> {
+fn read_grids<'a>(rest: &mut &'a [u8], version: u16, grids: &mut Vec<GridData<'a>, GRIDS>) -> Result<(), TcompError> {
     let ([count], mut behind) = rest.split_first_chunk().ok_or(TcompError::GridHeader)?;
-    let mut grids = Vec::new();
     if *count == 0 && version == VERSION_WITHOUT_ENCODERS {
         return Err(TcompError::GridHeader);
     }
@@ -428,5 +512,5 @@ fn grids<'a>(rest: &mut &'a [u8], version: u16) -> Result<Vec<GridData<'a>, GRID
         behind = after;
     }
     *rest = behind;
-    Ok(grids)
+    Ok(())
 }

@@ -59,7 +59,7 @@ impl Run {
         self.cycle(&input(command))
     }
 
-    fn stand(&mut self, command: [f64; 3]) -> Output<f64, f64, 3> {
+    fn settle(&mut self, command: [f64; 3]) -> Output<f64, f64, 3> {
         for _ in 0..2000 {
             self.at(command);
         }
@@ -100,7 +100,7 @@ fn a_straightness_correction_takes_up_the_play_of_the_axis_that_it_moves() {
     let tables = [table(|x, _| [0.0, straightness(x), 0.0]), none.clone(), none];
     let mut run = Run::new(&machine, &tables);
     let begin = -450.0;
-    run.stand([begin, 0.0, 0.0]);
+    run.settle([begin, 0.0, 0.0]);
     let mut play = Play { width: PLAY_MM, reverse: 0.0, drive: run.at([begin, 0.0, 0.0]).drive[1] };
     let (mut worst, mut settled, mut squares, mut cycles) = (0.0_f64, 0.0_f64, 0.0, 0);
     // 50 mm/s: 0.75 s in an eighth of a wave.
@@ -141,9 +141,9 @@ fn with_play() -> Run {
     Run::new(&machine, &[none.clone(), none.clone(), none])
 }
 
-/// Whether the play is taken up (the correction is −PLAY) after a time at rest.
+/// Whether the correction has taken up the play (is −PLAY) after a time at rest.
 fn taken(run: &mut Run, command: [f64; 3]) -> bool {
-    let correction = run.stand(command).record.correction[0];
+    let correction = run.settle(command).record.correction[0];
     assert!(correction == 0.0 || (correction + PLAY).abs() < 1e-12, "{correction}");
     correction != 0.0
 }
@@ -169,7 +169,7 @@ fn homing_is_no_travel() {
 #[test]
 fn switching_off_and_on_turns_only_the_drives_that_move() {
     let mut run = with_play();
-    run.stand([10.0, 0.0, 0.0]);
+    run.settle([10.0, 0.0, 0.0]);
     for n in 0..=100 {
         run.at([10.0 - 0.01 * f64::from(n), 0.0, 0.0]);
     }
@@ -185,7 +185,7 @@ fn switching_off_and_on_turns_only_the_drives_that_move() {
 fn a_reversal_while_readings_are_missing_counts() {
     for far in [8.0, 11.0] {
         let mut run = with_play();
-        run.stand([10.0, 0.0, 0.0]);
+        run.settle([10.0, 0.0, 0.0]);
         let steps = 300;
         // There and back to a position beyond the start: only the return shows the direction.
         for n in 0..=2 * steps {
@@ -202,7 +202,7 @@ fn a_reversal_while_readings_are_missing_counts() {
 #[test]
 fn a_held_drive_has_no_direction() {
     let mut run = with_play();
-    let before = run.stand([10.0, 0.0, 0.0]);
+    let before = run.settle([10.0, 0.0, 0.0]);
     run.cycle(&Input { feedback: before.drive, ..input([f64::NAN, 0.0, 0.0]) });
     // Commands in the meantime move nothing.
     for n in 0..500 {
@@ -294,7 +294,7 @@ proptest! {
                 }
                 run.at(at);
             }
-            let rest = run.stand(at).record.correction;
+            let rest = run.settle(at).record.correction;
             // Looked up at the last drive position, a correction may alternate between two neighbouring numbers for
             // ever.
             for _ in 0..300 {

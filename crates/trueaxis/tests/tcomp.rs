@@ -56,7 +56,7 @@ fn tables() -> [Table; 3] {
 }
 
 #[test]
-fn what_was_written_is_read() {
+fn a_written_file_is_read_back() {
     assert_eq!(crc(b"123456789"), 0xCBF4_3926);
     assert_eq!((checksum(b"123456789"), machine_id("mill", "w b X Y Z t")), (0xCBF4_3926, id()));
     let bytes = file(id(), &payload(&machine(), &tables()));
@@ -103,7 +103,7 @@ fn with(change: impl FnOnce(&mut MachineSettings, &mut Vec<Table>)) -> TcompErro
 }
 
 #[test]
-fn what_is_wrong_is_named() {
+fn errors_are_named() {
     let good = file(id(), &payload(&machine(), &tables()));
     for length in 0..good.len() {
         assert_eq!(refused(&good[..length]), TcompError::TooShort, "{length} bytes");

@@ -1,6 +1,6 @@
 //! Writes the JavaScript beside a compiled module: `desk-bindgen MODULE.wasm FOLDER`.
 //!
-//! The tool and the library that the module is built with have to be of one version; both lock files name it.
+//! The tool must have the same version as the library in the module; both lock files pin it.
 
 use std::process::ExitCode;
 use wasm_bindgen_cli_support::Bindgen;

@@ -82,7 +82,7 @@ export class Ballbar {
     return { request: structuredClone(this.request), compensated: this.compensated };
   }
 
-  /** A record was a file: it has to be dropped again. */
+  /** The state contains no record: the user must drop it again. */
   open({ request, compensated }: Kept): void {
     this.request = structuredClone(request);
     this.compensated = this.corrected.input.checked = compensated;
@@ -133,7 +133,7 @@ export class Ballbar {
     }
   }
 
-  /** The changes that the machine shown would get. */
+  /** Computes the changes to the page's machine. */
   private async settings(): Promise<void> {
     if (this.into.root.hidden) return;
     const turn = this.latest;

@@ -19,7 +19,7 @@ export interface Log {
   text: string;
 }
 
-/** Names and differences of a kind of task. */
+/** Names and texts that differ between the kinds of task. */
 export interface Words {
   /** The module's export, and the command. */
   plan: "calibrate_plan" | "keep_plan";
@@ -46,7 +46,7 @@ export abstract class Probing {
   protected log: Log | undefined;
   protected planned: Planned | undefined;
   /** Files that the task names beside the machine's. */
-  private beside: Files = {};
+  private named: Files = {};
   private latest = 0;
   protected readonly task;
   private readonly about = el("p", { role: "status" });
@@ -99,18 +99,18 @@ export abstract class Probing {
     );
     onDrop(root, open, desk.fail);
     desk.machine.subscribe(() => {
-      // A machine that already has the solved errors would get them twice.
+      // Solving again would add the errors to the machine a second time.
       if (!this.own && !this.into.done) soon();
     });
   }
 
-  /** Solves a log; nothing is shown once `turn` is not the latest any more. */
+  /** Solves a log and shows the result, unless `turn` is no longer the latest. */
   protected abstract found(turn: number, files: string, task: string, log: Log): Promise<void>;
   protected abstract clear(): void;
   /** The command for a log, from the names of task and log. */
   protected abstract command(task: string, log: string): string;
 
-  /** Lets a view keep a dropped file beside the task; true if it has taken the file. */
+  /** Offers a dropped file to a view that needs more files than the task; returns whether the view has kept it. */
   protected takes(_name: string, _content: string): boolean {
     return false;
   }
@@ -119,12 +119,12 @@ export abstract class Probing {
     return { name: this.name, task: this.task.value };
   }
 
-  /** Logs were files: they have to be dropped again. */
+  /** The state contains no logs: the user must drop them again. */
   open({ name, task }: Kept): void {
     this.name = name;
     this.task.value = task;
     this.own = this.log = undefined;
-    this.beside = {};
+    this.named = {};
     void this.work();
   }
 
@@ -145,7 +145,7 @@ export abstract class Probing {
     for (const [name, content] of texts) {
       const named = (of: string | undefined) => of?.includes(`"${name}"`);
       if (name === DESCRIPTION || named(machine)) files[name] = content;
-      else if (tasks.some(named)) this.beside[name] = content;
+      else if (tasks.some(named)) this.named[name] = content;
       else if (name.endsWith(".toml")) [this.name, this.task.value] = [name, content];
       else if (!this.takes(name, content)) this.log = { name, text: content };
     }
@@ -169,7 +169,7 @@ export abstract class Probing {
   protected async work(): Promise<void> {
     const turn = ++this.latest;
     this.into.begin();
-    const files = JSON.stringify({ ...(this.own ?? this.desk.machine.files), ...this.beside });
+    const files = JSON.stringify({ ...(this.own ?? this.desk.machine.files), ...this.named });
     const task = this.task.value;
     try {
       const planned = JSON.parse(await this.desk.bench.call(this.words.plan, files, this.name, task)) as Planned;

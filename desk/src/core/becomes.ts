@@ -40,13 +40,13 @@ export class IntoMachine {
     return this.taken;
   }
 
-  /** Begins another measurement, which no machine has yet. */
+  /** Begins another measurement, whose results no machine has yet. */
   begin(): void {
     this.taken = false;
     this.show(undefined);
   }
 
-  /** Shows what the machine would get, or why it gets nothing. Results that it already has are not offered again: they would be added twice. */
+  /** Shows the changes to the machine, or the reason why it has none. Offers no results that the machine already has: it would get them twice. */
   show(becomes: Becomes | undefined, why = ""): void {
     if (this.taken) return;
     this.becomes = becomes;
@@ -62,7 +62,7 @@ export class IntoMachine {
   }
 
   private async take(): Promise<void> {
-    const { machine, tell } = this.desk;
+    const { machine, note } = this.desk;
     if (!this.becomes) return;
     const { files, name } = this.becomes;
     this.show(undefined);
@@ -73,7 +73,7 @@ export class IntoMachine {
       this.taken = false;
       throw error;
     }
-    tell(`${this.what} put into ${machine.name}: every view uses it now. Export it in the view Machine.`);
+    note(`${this.what} put into ${machine.name}: every view uses it now. Export it in the view Machine.`);
     this.status.textContent = `In ${machine.name} now.`;
     this.whenDone();
   }

@@ -28,7 +28,7 @@ interface Waiting {
 export class Restarted extends Error {}
 
 export class Bench {
-  /** Started with the first call, so that a page loads only the parts that are shown. */
+  /** Started with the first call, so that a page loads only the parts in use. */
   private worker: Worker | undefined;
   private readonly waiting = new Map<number, Waiting>();
   /** Receives the progress of a long call. */
@@ -51,7 +51,7 @@ export class Bench {
     });
   }
 
-  /** Called after each restart with the module's message. */
+  /** Calls the listener after each restart, with the module's message. */
   onRestart(listener: (message: string) => void): void {
     this.restarts.add(listener);
   }

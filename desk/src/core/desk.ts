@@ -35,7 +35,7 @@ export interface Desk {
   openProgram(program: Program): Promise<void>;
   onProgram(take: (program: Program) => Promise<void>): void;
   /** Shows a message in the status line. */
-  tell(text: string): void;
+  note(text: string): void;
   /** Shows an error with the module's message. */
   fail(error: unknown): void;
   /** Clears the error. */

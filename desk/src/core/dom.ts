@@ -50,7 +50,7 @@ export interface FieldOptions {
   hint?: string;
 }
 
-/** A number typed in. Text that is not a number, or out of range, is marked and not reported. */
+/** A number input. Marks text that is not a number or out of range, and does not report it. */
 export function numberField(options: FieldOptions, onChange: (value: number) => void): Field {
   const id = unique("number");
   const { min, max, step } = options;
@@ -112,7 +112,7 @@ function field(root: HTMLElement, input: HTMLInputElement): Field {
   };
 }
 
-/** An optional number: an empty input is null. Text that is not a number is marked. */
+/** An input for an optional number: null while it is empty. Marks text that is not a number. */
 export function optionalField(label: string, unit: string, placeholder: string, onChange: (value: number | null) => void): Field {
   const field = numberField({ label, unit, value: Number.NaN }, () => undefined);
   field.input.placeholder = placeholder;
@@ -123,10 +123,10 @@ export function optionalField(label: string, unit: string, placeholder: string, 
   return field;
 }
 
-/** A text input, reported while it is typed. */
+/** A text input that reports every change while the user types. */
 export function textField(label: string, placeholder: string, onInput: () => void, type: "text" | "number" = "text"): { root: HTMLElement; input: HTMLInputElement } {
   const id = unique("text");
-  // On input, not when the field loses focus: that would lose the click on a button that took the focus.
+  // Reports on input, not when the field loses the focus: otherwise the click on a button that takes the focus would be lost.
   const input = el("input", { id, type, placeholder, oninput: onInput });
   return { root: el("div", { class: "field" }, el("label", { for: id }, label), input), input };
 }
@@ -161,7 +161,7 @@ export function tick(label: string, checked: boolean, onChange: (checked: boolea
   return { root: el("label", { class: "tick" }, input, ` ${label}`), input };
 }
 
-/** A cell: text, or text with the number behind it, which `data-value` keeps whole. */
+/** A cell: text, or text with its number, which `data-value` keeps at full precision. */
 export type Cell = string | { text: string; value: number };
 
 /** A table with a caption; the first cell of a row is its header. */
@@ -187,7 +187,7 @@ export function bars(of: HTMLTableElement, shares: readonly number[]): void {
     row.append(el("td", { "aria-hidden": "true" }, el("div", { class: "share", style: `width: ${fixed(120 * shares[i]!, 1)}px` })));
 }
 
-/** Sentences one below the other; hidden if there are none. */
+/** Sentences one below the other; hidden without any. */
 export function notes(name: string, texts: readonly string[], own = ""): HTMLElement {
   return el("ul", { class: `notes ${own}`, "aria-label": name, hidden: texts.length === 0 }, ...texts.map((text) => el("li", {}, text)));
 }
@@ -197,7 +197,7 @@ export function warnings(texts: readonly string[]): HTMLElement {
   return notes("Warnings", texts, "warning");
 }
 
-/** The parts of a list that was typed in, between commas or spaces. */
+/** The parts of a typed list, between commas or spaces. */
 export function typed(list: string): string[] {
   return list.split(/[,\s]+/).filter((part) => part !== "");
 }

@@ -44,7 +44,7 @@ async function walk(entry: FileSystemEntry, found: Given[]): Promise<void> {
   }
 }
 
-/** Reports the files dropped on an element, folders walked through. */
+/** Reports the files dropped on an element, including those in dropped folders. */
 export function onDrop(element: HTMLElement, take: (files: Given[]) => void, failed: (error: unknown) => void): void {
   const over = (event: DragEvent) => {
     if (!event.dataTransfer?.types.includes("Files")) return;
@@ -99,11 +99,11 @@ export function picker(
   return root;
 }
 
-/** Browsers drop downloads that follow one another too closely, ms. */
+/** Time between two downloads, ms: browsers drop those that follow one another too closely. */
 const BETWEEN_DOWNLOADS_MS = 300;
 let nextDownload = 0;
 
-/** Hands a file to the reader of the page, the previous ones first. */
+/** Downloads a file, after all previous ones. */
 export function save(name: string, content: string | Uint8Array<ArrayBuffer>, type = "text/plain;charset=utf-8"): void {
   const url = URL.createObjectURL(new Blob([content], { type }));
   const link = document.createElement("a");

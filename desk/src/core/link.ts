@@ -15,7 +15,7 @@ export interface Kept {
 /** Largest unpacked size of a link. A text of a few kB can unpack to as many MB. */
 const LARGEST = 16 << 20;
 
-/** The output of a stream, of at most `most` bytes; it is read no further. */
+/** The output of a stream; stops reading, with an error, beyond `most` bytes. */
 async function through(bytes: Uint8Array<ArrayBuffer>, stream: ReadableWritablePair<Uint8Array<ArrayBuffer>, BufferSource>, most: number): Promise<Uint8Array<ArrayBuffer>> {
   const reader = new Blob([bytes]).stream().pipeThrough(stream).getReader();
   const parts: Uint8Array<ArrayBuffer>[] = [];
@@ -31,7 +31,7 @@ async function through(bytes: Uint8Array<ArrayBuffer>, stream: ReadableWritableP
   return new Uint8Array(await new Blob(parts).arrayBuffer());
 }
 
-/** The page's address with all of it behind the #. */
+/** The page's address with the whole state behind the #. */
 export async function link(kept: Kept): Promise<string> {
   const whole = new TextEncoder().encode(JSON.stringify(kept));
   if (whole.length > LARGEST) throw new Error(`found ${Math.ceil(whole.length / (1 << 20))} MB, needed at most ${LARGEST >> 20} in a link: Save puts them into a file`);

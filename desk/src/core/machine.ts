@@ -11,7 +11,7 @@ export class MachineStore {
   /** The files in the module's format. */
   json = "{}";
 
-  /** Sets another machine, or the same one after an edit; the module has already read the files. */
+  /** Sets another machine, or the same one after an edit. The module must have read the files. */
   set(name: string, files: Files): void {
     this.name = name;
     this.files = files;

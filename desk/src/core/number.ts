@@ -15,12 +15,12 @@ export function fixed(value: number, decimals: number): string {
   return Number.isFinite(value) ? minus(value.toFixed(decimals)) : "–";
 }
 
-/** A number that a table keeps whole behind its text. */
+/** A table cell with fixed decimals that keeps the number at full precision. */
 export function cell(value: number | null | undefined, decimals = 3): { text: string; value: number } | string {
   return value === null || value === undefined ? "–" : { text: fixed(value, decimals), value };
 }
 
-/** The same with so many significant digits. */
+/** A table cell with significant digits that keeps the number at full precision. */
 export function shown(value: number, digits = 3): { text: string; value: number } {
   return { text: significant(value, digits), value };
 }

@@ -53,7 +53,7 @@ type Column = ArrayLike<number | null>;
 /** Rows of the table behind a plot; the CSV has them all. */
 const TABLE_ROWS = 500;
 
-/** Plots whose cursors go together, by key. */
+/** Plots whose cursors move together, by key. */
 const groups = new Map<string, Plot[]>();
 
 export class Plot {
@@ -102,11 +102,11 @@ export class Plot {
   show(index: number | null): void {
     const together = groups.get(this.options.sync ?? "") ?? [this];
     const length = this.data[0]?.length;
-    for (const plot of together) if (plot.root.isConnected && plot.data[0]?.length === length) plot.stand(index);
+    for (const plot of together) if (plot.root.isConnected && plot.data[0]?.length === length) plot.moveCursor(index);
   }
 
-  /** The cursor at a row, whichever the pixel next to it belongs to. */
-  private stand(index: number | null): void {
+  /** Places the cursor at exactly this row, even if several rows share a pixel. */
+  private moveCursor(index: number | null): void {
     const x = index === null ? undefined : this.data[0]?.[index];
     if (this.plot && x !== null && x !== undefined) {
       // Not published to other plots: uPlot's types omit the last parameter.
@@ -167,7 +167,7 @@ export class Plot {
     this.describe();
   }
 
-  /** Room at both ends for bars and for points, which are drawn whole. */
+  /** Room at both ends, so that bars and points are not clipped. */
   private beyond(): uPlot.Scale {
     const { series } = this.options;
     const room = (low: number, high: number) => (series.some((one) => one.bars) ? 0.6 : 0.02 * (high - low || 1));

@@ -15,7 +15,7 @@ export interface PolarSeries {
 
 const SIZE = 340;
 const RADIUS = 74;
-/** Deviation is drawn to at most this far from the circle. */
+/** Distance from the circle at which the largest deviation is drawn. */
 const REACH = 62;
 /** Angles further apart than this are not joined, degrees. */
 const GAP = 5;
@@ -28,7 +28,7 @@ export function draw<K extends keyof SVGElementTagNameMap>(name: K, attributes: 
   return element;
 }
 
-/** 1, 2 or 5 times a power of ten, so that `most` takes two to four of it. */
+/** The largest of 1, 2 or 5 times a power of ten of which `most` contains at least two. */
 function step(most: number): number {
   const power = 10 ** Math.floor(Math.log10(most / 2));
   return [1, 2, 5].map((digit) => digit * power).findLast((size) => size <= most / 2) ?? power;

@@ -7,12 +7,12 @@ import { lookAt, multiply, perspective, type Matrix, type Vector } from "./space
 import { onTheme, rgb, scale, type ColourName } from "./theme";
 
 export interface SceneOptions {
-  /** Read by a screen reader in place of the picture. */
+  /** Description of the picture for a screen reader. */
   label: string;
   height?: number;
 }
 
-/** A letter or a number at a place. */
+/** A text at a place. */
 interface Label {
   at: Vector;
   element: HTMLElement;
@@ -72,8 +72,8 @@ export class Scene {
     [this.low, this.high] = [low, high];
   }
 
-  /** Looks from this direction: turned about z and raised from the plane, rad. */
-  look(turn: number, rise: number): void {
+  /** Sets the direction of view: turned about z and raised from the plane, rad. */
+  viewFrom(turn: number, rise: number): void {
     [this.turn, this.rise] = [turn, rise];
   }
 
@@ -141,7 +141,7 @@ export class Scene {
     this.label([x0, y0, middle[2]], `${letters[2]} ${number(z0)}…${number(z1)}`);
   }
 
-  /** A word at a place. */
+  /** Adds a text at a place. */
   label(at: Vector, text: string): void {
     const element = el("span", {}, text);
     this.labels.append(element);

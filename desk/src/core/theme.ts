@@ -37,7 +37,7 @@ export function colour(name: ColourName): string {
   return COLOURS[name][dark() ? 1 : 0];
 }
 
-/** The same as red, green and blue from 0 to 1. */
+/** A colour of the present theme as red, green and blue from 0 to 1. */
 export function rgb(name: ColourName): [number, number, number] {
   const value = Number.parseInt(colour(name).slice(1), 16);
   return [(value >> 16) / 255, ((value >> 8) & 255) / 255, (value & 255) / 255];

@@ -21,7 +21,7 @@ export class Evaluate {
   /** Identified from the columns of the record. */
   private recognised: Test | undefined;
   private latest = 0;
-  /** Files that the machine gets; they identify a different machine. */
+  /** Files with which the results change the machine, to recognise that machine when it becomes the page's. */
   private offered = "";
   private readonly options = new Map<Test, Option[]>();
   private readonly groups = new Map<Test, HTMLElement>();
@@ -81,7 +81,7 @@ export class Evaluate {
     return { chosen: this.chosen.value, options: Object.fromEntries(all) };
   }
 
-  /** A record was a file: it has to be dropped again. */
+  /** The state contains no record: the user must drop it again. */
   open({ chosen, options }: Kept): void {
     this.chosen.value = chosen;
     for (const [test, own] of this.options) for (const option of own) option.open(options[`${test}.${option.key}`] ?? option.kept());

@@ -44,7 +44,7 @@ function optional(key: string, label: string, unit: string, placeholder: string,
   };
 }
 
-/** A list; `numbers` describes the numbers needed, `none` is shown while it is empty. */
+/** An option that is a list; `numbers` describes the three numbers needed, if it is one of numbers. */
 function list(key: string, label: string, placeholder: string, again: () => void, numbers?: string): Option {
   const { root, input } = textField(label, placeholder, again);
   return {

@@ -16,11 +16,11 @@ export interface Stage<T> {
   value: (curves: T) => number[];
 }
 
-/** Radii and feeds within this share are the same. */
+/** Radii and feeds that differ by at most this share count as equal. */
 const SAME = 0.05;
 const same = (one: number, other: number) => Math.abs(one - other) <= SAME * Math.max(one, other);
 
-/** The spike of the same axis with the nearest acceleration, which is an estimate; those of other circles differ by 1.5. */
+/** The spike of the same axis with the nearest acceleration. Accelerations are estimates; those of other circles differ by a factor of 1.5. */
 function alikeSpike(of: SpikeCurves[], { axis, acceleration_mm_per_s2 }: SpikeCurves): SpikeCurves | undefined {
   const ratio = (one: SpikeCurves) => Math.abs(Math.log(one.acceleration_mm_per_s2 / acceleration_mm_per_s2));
   const [nearest] = of.filter((one) => one.axis === axis).sort((one, other) => ratio(one) - ratio(other));

@@ -17,7 +17,7 @@ export interface Kept {
   axes: Axes;
   circles: Circles;
   drives: Drives;
-  /** A record that was dropped is too large for a link: it has to be dropped again. */
+  /** Whether the record was simulated. A dropped one is too large for a link: the user must drop it again. */
   simulated: boolean;
   fitted: boolean;
 }
@@ -61,7 +61,7 @@ export class Friction {
     this.drives = choice<Drives>("Figures of the drives", [["found", "found in the record too"], ["machine", "those that the machine states"]], "found", () => this.describe());
     this.find = button("Find friction", () => void this.run(() => this.fit()), { class: "primary", disabled: true });
     this.results = new Results({
-      copied: (done) => void done.then(() => desk.tell("Settings copied."), desk.fail),
+      copied: (done) => void done.then(() => desk.note("Settings copied."), desk.fail),
       merge: () => void this.run(() => this.merge()),
       simulate: () => void this.run(() => this.close()),
     });
@@ -145,8 +145,8 @@ export class Friction {
 
   private async fit(): Promise<void> {
     this.status.textContent = "Fitting …";
-    const told = (text: string) => (this.status.textContent = `Fitting ${text}`);
-    this.found = await this.work.fit(this.drives.value === "found", told);
+    const progress = (text: string) => (this.status.textContent = `Fitting ${text}`);
+    this.found = await this.work.fit(this.drives.value === "found", progress);
     this.results.show(this.found, pair(this.record?.axes ?? "X,Y"));
     const { axes } = this.found.document;
     const left = axes.map((own) => `${own.axis} ${significant(own.glitch_um.before.max, 3)} → ${significant(own.glitch_um.after.max, 3)} µm`);
@@ -165,7 +165,7 @@ export class Friction {
   private async merge(): Promise<void> {
     if (!this.found) return;
     const { changes, notes } = await this.work.merge();
-    if (changes) this.desk.tell(`Friction put into ${this.desk.machine.name}: every view uses it now. Export it in the view Machine.`);
+    if (changes) this.desk.note(`Friction put into ${this.desk.machine.name}: every view uses it now. Export it in the view Machine.`);
     const done = changes ? `In ${this.desk.machine.name}'s machine.toml now.` : `Nothing of ${this.desk.machine.name} changes.`;
     this.status.textContent = [done, ...notes].join(" ");
   }

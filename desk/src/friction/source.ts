@@ -64,7 +64,7 @@ export class Source {
   private readonly chosen;
   private readonly buttons: Record<"simulate" | "stop" | "save", HTMLButtonElement>;
 
-  /** `usual` are the simulator's settings unless others are given. */
+  /** `usual` are the simulator's default settings. */
   constructor(private readonly events: SourceEvents, usual: Settings) {
     const { circles } = this;
     this.chosen = choice<Axes>("Axes of the record, in the plane's sense", Object.keys(PLANE_OF).map((axes) => [axes as Axes, axes] as const), this.axes, (axes) => {
@@ -88,12 +88,12 @@ export class Source {
       number("Turns each way", "", circles.turns, (turns) => (circles.turns = turns)),
     ];
     this.plant = PLANT.map(([key, label, unit]) => {
-      const standing = setting(usual, key);
-      const field = number(label, unit, standing, (value) => {
-        if (value === standing) delete circles.set[key];
+      const usualValue = setting(usual, key);
+      const field = number(label, unit, usualValue, (value) => {
+        if (value === usualValue) delete circles.set[key];
         else circles.set[key] = value;
       });
-      return { field, key, usual: standing };
+      return { field, key, usual: usualValue };
     });
     this.buttons = {
       simulate: button("Simulate a record", () => events.simulate()),

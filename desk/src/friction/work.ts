@@ -32,15 +32,15 @@ export class Work {
     return JSON.parse(await this.desk.runs.call("friction_trace", POINTS)) as Trace;
   }
 
-  /** One pass of the circles; `told` gets the share that is done. */
-  async simulate(circles: Circles, pass: "record" | "before" | "after", told: (share: number) => void): Promise<void> {
+  /** Simulates one pass of the circles; `progress` gets the completed share to the callback. */
+  async simulate(circles: Circles, pass: "record" | "before" | "after", progress: (share: number) => void): Promise<void> {
     const { runs, machine } = this.desk;
     this.stopping = false;
     await runs.call("friction_start", machine.json, request(circles, pass));
     for (let share = 0; share < 1; ) {
       if (this.stopping) throw new Stopped("stopped");
       share = await runs.call("friction_advance", SLICE);
-      told(share);
+      progress(share);
     }
   }
 
@@ -52,10 +52,10 @@ export class Work {
     return this.desk.runs.call("friction_csv");
   }
 
-  /** Friction and drives; `told` gets axis and step. */
-  async fit(findDrive: boolean, told: (text: string) => void): Promise<Found> {
+  /** Identifies friction and drives; `progress` gets axis and step to the callback. */
+  async fit(findDrive: boolean, progress: (text: string) => void): Promise<Found> {
     const { runs, machine } = this.desk;
-    runs.onProgress = told;
+    runs.onProgress = progress;
     try {
       return JSON.parse(await runs.call("friction_fit", machine.json, findDrive)) as Found;
     } finally {

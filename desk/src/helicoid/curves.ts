@@ -58,7 +58,7 @@ export class Curves {
     if (value !== undefined) this.moved(value);
   }
 
-  /** Where an axis comes to the end of its travel. */
+  /** The parameters at which an axis reaches the end of its travel. */
   private crossings(letter: AxisLetter, column: Column, limits: Limits): { x: number; text: string }[] {
     const limit = limits[letter];
     if (!limit) return [];

@@ -44,7 +44,7 @@ export interface Beyond {
   high: number;
 }
 
-export interface Stand {
+export interface BranchPose {
   branch: number;
   x_mm: number;
   y_mm: number;
@@ -63,7 +63,7 @@ export interface Tool {
   point_mm: [number, number, number];
   normal: [number, number, number];
   radius_mm: number;
-  stands: [Stand, Stand];
+  stands: [BranchPose, BranchPose];
   singular: { margin_deg: number; a_deg: number; gain: number; fade_deg: number; near: boolean };
 }
 

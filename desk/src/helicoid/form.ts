@@ -11,7 +11,7 @@ export function form(inputs: Inputs, changed: () => void): HTMLElement {
     numberField({ label, value: inputs[name], ...(unit ? { unit } : {}) }, (value) => set(name, value)).root;
   const slide = (name: Names<number>, label: string, unit: string, min: number, max: number, step: number): HTMLElement => {
     const { root, input } = slider({ label, value: inputs[name], min, max, step, ...(unit ? { unit } : {}) }, (value) => set(name, value));
-    // Any number may be typed: the module reports what it refuses, as the command line does.
+    // The field accepts any number; the module refuses bad ones, with the command line's message.
     input.step = "any";
     input.removeAttribute("min");
     input.removeAttribute("max");

@@ -43,10 +43,10 @@ export class Travel {
     return fit.travel ?? {};
   }
 
-  private reveal(told: boolean): void {
+  private reveal(notify: boolean): void {
     this.fields.hidden = this.source.value !== "typed";
     this.said.hidden = !this.fields.hidden;
-    if (told) this.changed();
+    if (notify) this.changed();
   }
 
   private build(): void {

@@ -14,7 +14,7 @@ export function displacements(tool: Tool, limits: Limits): HTMLElement {
     return limit ? `${fixed(limit[0], 0)} to ${fixed(limit[1], 0)}` : "not limited";
   };
   const said = (letter: string) => {
-    const beyond = tool.stands.filter((stand) => stand.beyond.some((one) => one.axis === letter)).map((stand) => `branch ${stand.branch}`);
+    const beyond = tool.stands.filter((pose) => pose.beyond.some((one) => one.axis === letter)).map((pose) => `branch ${pose.branch}`);
     return beyond.length > 0 ? `${beyond.join(" and ")} beyond it` : "";
   };
   const row = (letter: keyof Limits, unit: string, one: number, other: number): Cell[] => [`${letter} / ${unit}`, cell(one, DECIMALS), cell(other, DECIMALS), ends(letter), said(letter)];

@@ -37,7 +37,7 @@ export class Picture {
     this.root = el("div", {}, el("div", { class: "row" }, shown.root), host, key);
   }
 
-  /** Another flank. */
+  /** Draws another flank. */
   async surface(inputs: Inputs): Promise<void> {
     const asked = request(inputs);
     this.size = [inputs.theta.count === 1 ? 1 : ROWS, inputs.u.count === 1 ? 1 : COLUMNS];
@@ -47,7 +47,7 @@ export class Picture {
     ])) as [Float32Array<ArrayBuffer>, Float32Array<ArrayBuffer>];
   }
 
-  /** The tool in its place. */
+  /** Draws the tool at its place. */
   async tool(inputs: Inputs, outline: Outline, tool: Tool): Promise<void> {
     this.drawn = { inputs, outline, tool };
     const { u_rad: u, theta_rad: theta } = tool;
@@ -78,7 +78,7 @@ export class Picture {
     if (!this.turned) {
       // Viewed from beside the tool, so that neither tool nor flank is seen end on.
       this.turned = true;
-      scene.look(Math.atan2(tool.normal[1], tool.normal[0]) + 0.95, 0.5);
+      scene.viewFrom(Math.atan2(tool.normal[1], tool.normal[0]) + 0.95, 0.5);
     }
     this.holder(centre, tool.normal, Math.max(pivot, 0.3 * reach), reach);
     const [axis, at] = [tool.stands[inputs.branch - 1]!.a_axis, along(centre, tool.normal, pivot)];

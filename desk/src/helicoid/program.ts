@@ -76,7 +76,7 @@ export class Program {
     const files = JSON.parse(await this.desk.bench.call("helicoid_machine", request(this.inputs()), sample)) as Files;
     this.desk.machine.set(SAMPLE, files);
     const { form } = this.inputs();
-    this.desk.tell(`The machine of the desk is now the sample ${SAMPLE}, ${form}, with the pivot length and directions of the helicoid.`);
+    this.desk.note(`The machine of the desk is now the sample ${SAMPLE}, ${form}, with the pivot length and directions of the helicoid.`);
   }
 
   private async run(): Promise<void> {

@@ -27,7 +27,7 @@ class Window {
   line: Line = "theta";
   private outline: Outline | undefined;
   private limits: Limits = {};
-  /** Counts the requests, so that a late answer is not shown. */
+  /** Counts the requests, so that a late response is discarded. */
   private asked = 0;
   private moves = 0;
   private readonly fields = el("div");

@@ -14,7 +14,7 @@ interface Term {
   significance: number;
 }
 
-export interface Looked {
+export interface Evaluated {
   document: {
     machine: string;
     entry: number;

@@ -6,7 +6,7 @@ import { button, el, section, table, textField, tick, warnings, type Cell } from
 import { save } from "../core/files";
 import { shown, significant } from "../core/number";
 import { word } from "../core/shell";
-import type { Looked } from "./documents";
+import type { Evaluated } from "./documents";
 import { SAMPLE } from "./sample";
 
 export interface Kept extends Task {
@@ -28,7 +28,7 @@ const WORDS = {
 
 export class Keep extends Probing {
   private history = "";
-  private looked: Looked | undefined;
+  private evaluated: Evaluated | undefined;
   /** Whether the history contains the re-probing shown. */
   private entered = false;
   private readonly results: HTMLElement;
@@ -36,7 +36,7 @@ export class Keep extends Probing {
   private readonly parts: HTMLInputElement;
   private readonly accept: HTMLInputElement;
   private readonly byHand: HTMLInputElement;
-  private readonly anew: HTMLInputElement;
+  private readonly newHistory: HTMLInputElement;
 
   constructor(root: HTMLElement, desk: Desk) {
     const results = el("div", { hidden: true });
@@ -45,10 +45,10 @@ export class Keep extends Probing {
     const parts = textField("parts made until then", "0", soon, "number");
     const accept = textField("terms that may be out of their bounds", "offset X, C0Y", soon);
     const byHand = tick("accept tables that were changed by hand", false, soon);
-    const anew = tick("a new history", false, soon);
-    super(root, desk, WORDS, results, el("div", { class: "row" }, time.root, parts.root, accept.root, byHand.root, anew.root));
+    const newHistory = tick("a new history", false, soon);
+    super(root, desk, WORDS, results, el("div", { class: "row" }, time.root, parts.root, accept.root, byHand.root, newHistory.root));
     this.results = results;
-    [this.time, this.parts, this.accept, this.byHand, this.anew] = [time.input, parts.input, accept.input, byHand.input, anew.input];
+    [this.time, this.parts, this.accept, this.byHand, this.newHistory] = [time.input, parts.input, accept.input, byHand.input, newHistory.input];
     this.into.whenDone = () => this.enter();
     void this.work();
   }
@@ -81,17 +81,17 @@ export class Keep extends Probing {
 
   protected async found(turn: number, files: string, task: string, log: Log): Promise<void> {
     const { time, parts, accept } = this.given();
-    const request = JSON.stringify({ history: this.history, begin: this.anew.checked, time: time || null, parts: parts === "" ? null : Number(parts), accept, by_hand: this.byHand.checked });
+    const request = JSON.stringify({ history: this.history, begin: this.newHistory.checked, time: time || null, parts: parts === "" ? null : Number(parts), accept, by_hand: this.byHand.checked });
     try {
-      const looked = JSON.parse(await this.desk.bench.call("keep_look", files, this.name, task, log.name, log.text, request)) as Looked;
+      const evaluated = JSON.parse(await this.desk.bench.call("keep_evaluate", files, this.name, task, log.name, log.text, request)) as Evaluated;
       if (!this.isLatest(turn) || this.log !== log) return;
-      this.looked = looked;
+      this.evaluated = evaluated;
       this.entered = false;
       this.desk.clear();
-      const { machine, touches } = looked.document;
-      this.solved.textContent = [`${log.name}: ${touches} touches on ${machine}.`, ...looked.notes].join(" ");
-      this.show(looked);
-      const { becomes } = looked;
+      const { machine, touches } = evaluated.document;
+      this.solved.textContent = [`${log.name}: ${touches} touches on ${machine}.`, ...evaluated.notes].join(" ");
+      this.show(evaluated);
+      const { becomes } = evaluated;
       this.into.root.hidden = !becomes;
       if (becomes) this.into.show({ ...becomes, ...(this.own ? { name: machine } : {}) });
     } catch (error) {
@@ -104,7 +104,7 @@ export class Keep extends Probing {
     return { time: this.time.value.trim(), parts: this.parts.value, accept: accept.filter((name) => name !== "") };
   }
 
-  private show({ document: d, verdicts, refusal, becomes, entries, written }: Looked): void {
+  private show({ document: d, verdicts, refusal, becomes, entries, written }: Evaluated): void {
     const terms = d.terms.map((term, i): Cell[] => [
       term.name,
       shown(term.value),
@@ -119,7 +119,7 @@ export class Keep extends Probing {
     ]);
     const balls = d.balls.map(({ name, centre_mm, standard_error_um }): Cell[] => [name, ...centre_mm.map((value) => shown(value, 9)), shown(Math.max(...standard_error_um), 2)]);
     const past = entries.map(({ entry, time, parts, deed, changed }): Cell[] => [String(entry), time ?? "", parts === null ? "" : String(parts), deed, changed.join("; ")]);
-    // If there are updates, applying them below also enters them in the history.
+    // With updates, applying them below also enters them in the history.
     const enter = becomes || refusal ? [] : [button("Enter it in the history", () => this.enter(), { class: "primary" })];
     const saves = written.map(([name, content]) => button(`Save ${name}`, () => save(name.replaceAll("../", "").replaceAll("/", "-"), content)));
     this.results.replaceChildren(
@@ -141,14 +141,14 @@ export class Keep extends Probing {
 
   /** Enters the re-probing in the history: the next log is compared with it. */
   private enter(): void {
-    if (!this.looked) return;
-    this.history = this.looked.history;
-    const { entry } = this.looked.document;
+    if (!this.evaluated) return;
+    this.history = this.evaluated.history;
+    const { entry } = this.evaluated.document;
     // The updated machine is now the one shown.
-    if (this.looked.becomes) this.own = undefined;
+    if (this.evaluated.becomes) this.own = undefined;
     this.log = undefined;
     this.entered = true;
-    this.anew.checked = false;
+    this.newHistory.checked = false;
     this.solved.textContent = `Entry ${entry} is in the history: save it beside the machine's files, and open the log of the next re-probing.`;
     this.describe();
     for (const one of this.results.querySelectorAll<HTMLButtonElement>("button.primary")) one.disabled = true;
@@ -157,7 +157,7 @@ export class Keep extends Probing {
   protected command(task: string, log: string): string {
     const { time, parts, accept } = this.given();
     const said = (option: string, value: string) => (value === "" ? "" : ` ${option} ${word(value)}`);
-    const begin = this.history === "" || this.anew.checked;
+    const begin = this.history === "" || this.newHistory.checked;
     const names = begin ? [] : accept.map((name) => said("--accept", name));
     const byHand = !begin && this.byHand.checked ? " --by-hand" : "";
     return `trueaxis keep ${begin ? "begin" : "check"} ${task} ${log}${said("--time", time)}${said("--parts", parts)}${names.join("")}${byHand}`;

@@ -58,14 +58,14 @@ export class Editor {
   refresh(): Promise<void> {
     return this.queue("refresh", async () => {
       const json = this.desk.machine.json;
-      const shown = await this.look(json);
+      const shown = await this.evaluate(json);
       this.json = json;
       this.shown = shown;
-      this.tell();
+      this.notify();
     });
   }
 
-  /** Makes a change; of several with the same key (none: "") only the last is queued. A refused one changes nothing. */
+  /** Makes a change. Of several changes with the same key only the last is queued; those with the key "" are all queued. A refused one changes nothing. */
   apply(change: Change, what: string, key: string): Promise<void> {
     return this.queue(key, async () => {
       const { machine, bench } = this.desk;
@@ -74,7 +74,7 @@ export class Editor {
     });
   }
 
-  /** Another machine. */
+  /** Replaces the machine by another one. */
   load(name: string, files: Files, what: string): Promise<void> {
     return this.queue("load", () => this.take(name, files, what, ""));
   }
@@ -96,15 +96,15 @@ export class Editor {
     from.pop();
     to.push(now);
     this.last.key = "";
-    this.tell();
-    this.desk.tell(`${step.what}: ${done}`);
+    this.notify();
+    this.desk.note(`${step.what}: ${done}`);
   }
 
   private async take(name: string, files: Files, what: string, key: string): Promise<void> {
     const { machine } = this.desk;
     const before = { name: machine.name, files: machine.files, what };
     if (JSON.stringify(files) === machine.json && name === machine.name) {
-      this.tell();
+      this.notify();
       return;
     }
     await this.put(name, files);
@@ -114,26 +114,26 @@ export class Editor {
     if (!same) this.back.push(before);
     if (this.back.length > MOST_STEPS) this.back.shift();
     this.forth.length = 0;
-    this.tell();
-    this.desk.tell(what);
+    this.notify();
+    this.desk.note(what);
   }
 
-  /** The files become the machine of the desk, once the module has read them. */
+  /** Makes the files the desk's machine, once the module has read them. */
   private async put(name: string, files: Files): Promise<void> {
     const json = JSON.stringify(files);
-    const shown = await this.look(json);
+    const shown = await this.evaluate(json);
     this.json = json;
     this.shown = shown;
     this.desk.machine.set(name, files);
   }
 
-  private async look(json: string): Promise<Shown> {
+  private async evaluate(json: string): Promise<Shown> {
     const shown = await this.desk.bench.call("machine_show", json, this.rate_hz, this.feed_per_min);
     this.desk.clear();
     return JSON.parse(shown) as Shown;
   }
 
-  private tell(): void {
+  private notify(): void {
     for (const listener of this.listeners) listener();
   }
 
@@ -158,7 +158,7 @@ export class Editor {
       } catch (error) {
         this.desk.fail(error);
         // Reset the controls to the valid values.
-        this.tell();
+        this.notify();
       }
     }
   }

@@ -13,7 +13,7 @@ const HALVES = ["before", "after"] as const;
 export class Slice {
   private across = 2;
   private index = 0;
-  /** Point of the readout: along the horizontal and the vertical of the maps. */
+  /** Point of the readout, along the horizontal and the vertical axis of the maps. */
   private cursor: [number, number] = [0, 0];
   private rows: Rows | undefined;
   private figures: Figures | undefined;
@@ -112,7 +112,7 @@ export class Slice {
     if (at !== undefined) this.plot.mark([{ x: at, text: `${LETTERS[this.across]} ${millimetres(at)}` }]);
   }
 
-  /** Axes along the horizontal and the vertical of a map. */
+  /** Machine axes along the horizontal and the vertical axis of a map. */
   private sides(): [number, number] {
     return [[1, 2], [0, 2], [0, 1]][this.across] as [number, number];
   }

@@ -42,7 +42,7 @@ export class Handles {
     private readonly plot: Plot,
     private readonly move: (column: string, row: number, value: number, gesture: number) => Promise<void>,
   ) {
-    // The role `img` has no children; this element has some.
+    // The role `img` permits no children, but this element has some.
     plot.root.querySelector(".plot")?.setAttribute("role", "group");
     onTheme(this, (handles) => handles.place());
     new ResizeObserver(() => requestAnimationFrame(() => this.place())).observe(plot.root);

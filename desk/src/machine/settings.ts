@@ -1,9 +1,9 @@
 // Squareness, backlash and temperature by sliders; the other settings of the selected axis.
 
 import { choice, el, group, numberField, section, slider, type Child, type Field } from "../core/dom";
+import { display } from "./display";
 import { length, micro, type Axis } from "./document";
 import type { Editor } from "./editor";
-import { look } from "./look";
 import type { Tables } from "./tables";
 
 const SQUARENESS = [
@@ -93,8 +93,8 @@ export class Settings {
 
   private temperature(): HTMLElement {
     const options = { label: "Axes at", unit: "°C", value: 20, min: 0, max: 50, step: 0.5, hint: "for display; not a setting of the machine" };
-    const field = slider(options, (value) => look.set(value));
-    this.bound.push([field, () => look.temperature_c ?? this.editor.shown?.reference_temperature_c]);
+    const field = slider(options, (value) => display.set(value));
+    this.bound.push([field, () => display.temperature_c ?? this.editor.shown?.reference_temperature_c]);
     return group("Temperature", field.root);
   }
 

@@ -5,10 +5,10 @@ import { button, choice, el, group, section, tick } from "../core/dom";
 import { Plot } from "../core/plot";
 import { onTheme } from "../core/theme";
 import { columnsOf, pointsOf } from "./columns";
+import { display } from "./display";
 import { errorTitle, length, type Axis, type Column } from "./document";
 import type { Editor } from "./editor";
 import { Handles } from "./handles";
-import { look } from "./look";
 import { Points } from "./points";
 
 /** Points of a curve: more than the plot has pixels. */
@@ -51,7 +51,7 @@ export class Tables {
       this.points.root,
     );
     editor.subscribe(() => this.render());
-    look.subscribe(() => void this.curve());
+    display.subscribe(() => void this.curve());
     onTheme(this, (tables) => void tables.curve());
   }
 
@@ -65,7 +65,7 @@ export class Tables {
     for (const listener of this.listeners) listener();
   }
 
-  /** Selects another axis and the same error of it, or its positioning error after that of another axis. */
+  /** Selects another axis and keeps the selected error, except that a positioning error becomes the new axis' own. */
   private turn(axis: string): void {
     const own = (letter: string) => "XYZABC".indexOf(letter);
     const { component } = this.chosen;
@@ -146,12 +146,12 @@ export class Tables {
 
   private move(column: string, row: number, value: number, gesture: number): Promise<void> {
     const axis = this.chosen.axis;
-    const also = this.both.input.checked ? this.beside(column, row, value) : [];
+    const also = this.both.input.checked ? this.otherDirection(column, row, value) : [];
     return this.editor.apply({ change: "point", axis, column, row, value, also }, `${column}, row ${row + 1}: ${value} ${this.unit()}`, `${axis} ${column} ${row} ${gesture}`);
   }
 
-  /** The other direction, moved by the same amount. */
-  private beside(column: string, row: number, value: number): [string, number][] {
+  /** The column of the other direction, with its value moved by the same amount. */
+  private otherDirection(column: string, row: number, value: number): [string, number][] {
     const table = this.axis?.table;
     const at = (name: string) => table?.rows[row]?.[table.columns.findIndex((one) => one.name === name)] ?? 0;
     const by = value - at(column);
@@ -160,7 +160,7 @@ export class Tables {
       .map(({ name }) => [name, Number((at(name) + by).toFixed(3))]);
   }
 
-  /** The curve from the module; of several requests the last one counts. */
+  /** Requests the curve from the module and draws it, unless a later request has replaced this one. */
   private async curve(): Promise<void> {
     const { axis } = this;
     if (!axis?.table || this.columns().length === 0) return;
@@ -169,7 +169,7 @@ export class Tables {
     const { component } = this.chosen;
     const reference = this.editor.shown?.reference_temperature_c ?? 20;
     try {
-      const temperature = look.temperature_c ?? reference;
+      const temperature = display.temperature_c ?? reference;
       const all = await this.desk.bench.call("machine_curve", this.desk.machine.json, axis.axis, component, temperature, CURVE_POINTS);
       if (drawing !== this.drawn) return;
       const count = all.length / 4;

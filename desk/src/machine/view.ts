@@ -3,12 +3,12 @@
 import "./machine.css";
 import type { Desk, View } from "../core/desk";
 import { el } from "../core/dom";
+import { display } from "./display";
 import { Editor } from "./editor";
 import { exporting } from "./exporting";
 import { fieldSection, type FieldSection } from "./field";
 import { accuracy, identity, limits, warnings } from "./figures";
 import { grids } from "./grids";
-import { look } from "./look";
 import { opening } from "./opening";
 import { Settings } from "./settings";
 import { Tables } from "./tables";
@@ -36,13 +36,13 @@ async function build(root: HTMLElement, desk: Desk): Promise<void> {
     limits(editor),
     accuracy(editor),
   );
-  // On the whole page, wherever the focus is while this view is shown.
+  // The keys work on the whole page while this view is visible, wherever the focus is.
   document.addEventListener("keydown", (event) => root.hidden || keys(event, editor));
   const field = fieldSection(root, desk);
-  look.subscribe((temperature) => {
+  display.subscribe((temperature) => {
     const reference = editor.shown?.reference_temperature_c ?? 20;
     const seen = field.state() as { request: { kelvin: number } };
-    seen.request.kelvin = Number(((look.temperature_c === undefined ? reference : temperature) - reference).toPrecision(12));
+    seen.request.kelvin = Number(((display.temperature_c === undefined ? reference : temperature) - reference).toPrecision(12));
     field.open(seen);
   });
   parts = { editor, tables, field };
@@ -64,7 +64,7 @@ function state(): State {
   if (!parts) return {};
   const { editor, tables, field } = parts;
   const { rate_hz, feed_per_min } = editor;
-  return { ...tables.chosen, temperature_c: look.temperature_c ?? null, rate_hz, feed_per_min, field: field.state() };
+  return { ...tables.chosen, temperature_c: display.temperature_c ?? null, rate_hz, feed_per_min, field: field.state() };
 }
 
 async function open(kept: unknown): Promise<void> {
@@ -73,7 +73,7 @@ async function open(kept: unknown): Promise<void> {
   const { axis, component, temperature_c, rate_hz, feed_per_min, field: seen } = (kept ?? {}) as State;
   editor.rate_hz = rate_hz ?? editor.rate_hz;
   editor.feed_per_min = feed_per_min ?? editor.feed_per_min;
-  look.set(temperature_c ?? undefined);
+  display.set(temperature_c ?? undefined);
   await editor.refresh();
   tables.choose({ axis: axis ?? tables.chosen.axis, component: component ?? tables.chosen.component });
   if (seen) field.open(seen);

@@ -69,7 +69,7 @@ export class Angles {
     this.moved();
   }
 
-  /** One request at a time; the last position of a slider is always shown. */
+  /** Sends one request at a time; the last position of a slider is always evaluated. */
   private moved(): void {
     this.say();
     this.waiting = true;
@@ -137,7 +137,7 @@ export class Angles {
   private finished(said: string): void {
     this.progress.hidden = true;
     this.start.textContent = "Find the best pairs";
-    this.desk.tell(said);
+    this.desk.note(said);
   }
 
   private list({ best, pair }: Best): void {

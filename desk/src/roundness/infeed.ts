@@ -131,7 +131,7 @@ export class Infeed {
   private stopped(said: string): void {
     this.progress.hidden = true;
     this.start.textContent = "Grind";
-    this.desk.tell(said);
+    this.desk.note(said);
   }
 
   private async plot(): Promise<void> {

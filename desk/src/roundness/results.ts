@@ -7,8 +7,8 @@ import { Plot, type Series } from "../core/plot";
 import { CIRCLES, CIRCLE_WORDS, listed, type CircleName, type Roundness, type SpindleDirection, type Trace, type Zones } from "./documents";
 import { themed } from "./picture";
 
-/** Of LSC, MZC, MIC, MCC, as in the polar plot. */
-const LOOKS: Omit<Series, "name">[] = [{ colour: "after" }, { colour: "before", dash: [8, 3] }, { colour: "a", dash: [3, 3] }, { colour: "full", dash: [8, 3, 2, 3] }];
+/** Styles of LSC, MZC, MIC, MCC, as in the polar plot. */
+const STYLES: Omit<Series, "name">[] = [{ colour: "after" }, { colour: "before", dash: [8, 3] }, { colour: "a", dash: [3, 3] }, { colour: "full", dash: [8, 3, 2, 3] }];
 
 type Pick = (of: Roundness["per_revolution"][number]) => number;
 
@@ -58,7 +58,7 @@ export class Results {
       title: "Roundness of every revolution",
       x: "revolution",
       y: "zone / µm",
-      series: LOOKS.map((look, i) => ({ name: CIRCLES[i]!.toUpperCase(), ...look, dots: true })),
+      series: STYLES.map((style, i) => ({ name: CIRCLES[i]!.toUpperCase(), ...style, dots: true })),
       sync: "revolutions",
     });
     this.departures = new Plot(departures, {

@@ -126,7 +126,7 @@ class Roundnesses {
         ? await this.desk.bench.call("roundness_trace", name, text)
         : await this.desk.bench.call("roundness_evaluate", name, text, JSON.stringify(this.settings.value));
       if (turn !== this.latest) return;
-      // An earlier refusal is obsolete as soon as there is a response, not only once its last plot is drawn.
+      // A response makes an earlier refusal obsolete at once, before its last plot is drawn.
       this.desk.clear();
       await (trace ? this.showTrace(said) : this.show(said));
     } catch (error) {

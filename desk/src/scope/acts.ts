@@ -34,9 +34,9 @@ const SWITCHES: readonly (readonly [string, string])[] = [
 ];
 
 export interface ActsHost {
-  /** Injects or switches: the specification before and after the time. */
+  /** Injects a fault or switches a part; `what` and `after` are the specification before and after the time. */
   act(what: string, after: string, at: number | undefined): void;
-  /** Exchanges for half the tables, the machine of the first view, or an opened machine. */
+  /** Exchanges the run's tables for half of them, those of the page's machine, or those of an opened machine. */
   exchange(source: string, at: number | undefined): void;
   remove(act: string): void;
 }
@@ -122,7 +122,7 @@ export class Acts {
     return "ABC".includes(this.axis.value) ? "deg" : "mm";
   }
 
-  /** Shows what a kind of fault needs. */
+  /** Shows the inputs that a kind of fault needs. */
   private kind(key: string, cycles: Field, keep = false): void {
     const { axis, value, cycles: count } = FAULTS[key]!;
     this.axis.select.disabled = !axis;

@@ -163,7 +163,7 @@ export class Controls {
   }
 }
 
-/** Without the last binary places of a product. */
+/** Rounds away the binary error of a product. */
 function round(value: number): number {
   return Number(value.toPrecision(12));
 }

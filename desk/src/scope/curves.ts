@@ -95,13 +95,13 @@ export class Curves {
   private corrected(): Series[] {
     const axes = (this.description?.axes ?? []).map(({ axis, unit }): Series => ({ name: axis, colour: axis.toLowerCase() as ColourName, unit }));
     const limits = this.bounds().flatMap(({ axes, at }): Series[] => {
-      const look = { colour: "warning" as const, dash: [7, 4], width: 1 };
-      return [{ name: `limit of ${axes}: +${at}`, ...look }, { name: `−${at}`, ...look }];
+      const style = { colour: "warning" as const, dash: [7, 4], width: 1 };
+      return [{ name: `limit of ${axes}: +${at}`, ...style }, { name: `−${at}`, ...style }];
     });
     return [...axes, ...limits];
   }
 
-  /** Magnitude limits, axes of the same one together. */
+  /** Magnitude limits, one entry for all axes with the same limit. */
   private all(): { axes: string; at: number }[] {
     const by = new Map<number, string[]>();
     const geometry = this.which.value.endsWith("correction");
@@ -112,7 +112,7 @@ export class Curves {
     return [...by].map(([at, axes]) => ({ axes: axes.join(", "), at: Number(at.toPrecision(6)) }));
   }
 
-  /** The corrections that are drawn. */
+  /** The magnitude limits to draw. */
   private bounds(): { axes: string; at: number }[] {
     return this.limits.input.checked ? this.all() : [];
   }

@@ -71,7 +71,7 @@ export class Place {
     const { scene, rows } = this;
     scene.clear();
     scene.box(this.low, this.high);
-    // Only the remaining path: below the completed part it would flicker.
+    // Draws only the remaining path: under the completed part it would flicker.
     const reached = rows && rows.count > 0 ? Math.max(0, this.lines.lastIndexOf(rows.at(rows.count - 1, "line"))) : 0;
     scene.polyline(this.path.subarray(3 * reached), "servo");
     if (rows && rows.count > 0) {
@@ -113,7 +113,7 @@ function corners(path: Float32Array): [Vector, Vector] {
   return [low.map((value, k) => Math.min(value, high[k]! - reach)) as Vector, high];
 }
 
-/** The picture's sphere is around the box: most paths are flat, and leave its top and bottom empty. */
+/** A smaller box: the picture fits a sphere around the box, but most paths are flat and leave its top and bottom empty. */
 function nearer(low: Vector, high: Vector): [Vector, Vector] {
   const toward = (share: number) => low.map((value, k) => value + share * (high[k]! - value)) as Vector;
   return [toward(0.07), toward(0.93)];

@@ -8,9 +8,9 @@ import { Rows } from "./rows";
 /** Duration of a slice, ms: the longest wait of an act in motion. */
 const SLICE_MS = 40;
 /** Time between two updates of the traces, ms: the least, and the most if drawing is slow. */
-const LOOK_MS = 110;
-const LONGEST_LOOK_MS = 1500;
-/** Drawing gets a sixth of the time, so that a slow computer draws less often and still responds. */
+const UPDATE_MS = 110;
+const LONGEST_UPDATE_MS = 1500;
+/** Updates are at least this many drawing times apart, so that a slow computer draws less often and still responds. */
 const REST = 6;
 /** Two frames of a screen that has nothing to draw, ms. */
 const TWO_FRAMES_MS = 34;
@@ -21,7 +21,7 @@ export type Pace = "fast" | "real" | "slow";
 /** Simulated seconds per second of the clock. */
 const SPEED: Record<Exclude<Pace, "fast">, number> = { real: 1, slow: 0.1 };
 
-export interface Look {
+export interface Snapshot {
   progress: Progress;
   figures: Figures;
   rows: Rows;
@@ -44,12 +44,12 @@ export class Runner {
   private spent_ms = 0;
   private spent_cycles = 0;
   private period_s = 1e-4;
-  private rest_ms = LOOK_MS;
+  private rest_ms = UPDATE_MS;
   pace: Pace = "fast";
 
   constructor(
     private readonly runs: Bench,
-    private readonly looked: (look: Look) => void,
+    private readonly updated: (snapshot: Snapshot) => void,
     private readonly failed: (error: unknown) => void,
   ) {
     runs.onRestart(() => this.lost());
@@ -75,7 +75,7 @@ export class Runner {
     this.period_s = description.period_s;
     this.progress = { cycle: 0, cycles: description.cycles, time_s: 0, done: false };
     const path = await this.runs.call("scope_path", handle);
-    await this.look();
+    await this.update();
     return { description, path };
   }
 
@@ -100,7 +100,7 @@ export class Runner {
     await this.pause();
     if (this.handle === undefined) return;
     await this.advance(this.handle, cycles);
-    await this.look();
+    await this.update();
   }
 
   private async advance(handle: number, cycles: number): Promise<void> {
@@ -119,7 +119,7 @@ export class Runner {
   }
 
   private async run(): Promise<void> {
-    let looked = performance.now();
+    let last = performance.now();
     while (this.going && this.handle !== undefined) {
       const began = performance.now();
       const cycles = this.pace === "fast" ? this.slice : Math.max(1, Math.round((SPEED[this.pace] * SLICE_MS) / 1e3 / this.period_s));
@@ -131,21 +131,21 @@ export class Runner {
       if (this.pace === "fast") this.slice = Math.min(MOST_CYCLES, Math.max(50, Math.round((cycles * SLICE_MS) / Math.max(1, took))));
       else if (took < SLICE_MS) await new Promise((done) => setTimeout(done, SLICE_MS - took));
       if (this.progress.done) this.going = false;
-      if (this.progress.done || performance.now() - looked > this.rest_ms) {
-        await this.look();
-        looked = performance.now();
+      if (this.progress.done || performance.now() - last > this.rest_ms) {
+        await this.update();
+        last = performance.now();
       }
     }
-    if (this.handle !== undefined) await this.look();
+    if (this.handle !== undefined) await this.update();
   }
 
-  private async look(): Promise<void> {
+  private async update(): Promise<void> {
     const { handle } = this;
     if (handle === undefined) return;
     const figures = JSON.parse(await this.runs.call("scope_figures", handle)) as Figures;
     const rows = new Rows(this.columns, await this.runs.call("scope_traces", handle));
     this.measure();
-    this.looked({ progress: this.progress, figures, rows, rate: this.spent_ms > 0 ? (1e3 * this.spent_cycles) / this.spent_ms : 0 });
+    this.updated({ progress: this.progress, figures, rows, rate: this.spent_ms > 0 ? (1e3 * this.spent_cycles) / this.spent_ms : 0 });
   }
 
   /** Measures the page's drawing time, which sets the time between updates. */
@@ -153,7 +153,7 @@ export class Runner {
     const began = performance.now();
     const drawn = () => {
       const spent = performance.now() - began - TWO_FRAMES_MS;
-      this.rest_ms = Math.min(LONGEST_LOOK_MS, Math.max(LOOK_MS, REST * spent));
+      this.rest_ms = Math.min(LONGEST_UPDATE_MS, Math.max(UPDATE_MS, REST * spent));
     };
     requestAnimationFrame(() => requestAnimationFrame(drawn));
   }

@@ -8,7 +8,7 @@ import { Controls } from "./controls";
 import type { BuiltIn } from "./documents";
 import { Exchanges } from "./exchanges";
 import { sort } from "./programs";
-import { Runner, type Look, type Pace } from "./runner";
+import { Runner, type Pace, type Snapshot } from "./runner";
 import { Screen } from "./screen";
 import { exchangeOf, FIRST, fromState, request, type Setup } from "./setup";
 import { Share } from "./share";
@@ -19,7 +19,7 @@ export class Scope {
   private readonly screen: Screen;
   private readonly share: Share;
   private readonly exchanges: Exchanges;
-  private look: Look | undefined;
+  private snapshot: Snapshot | undefined;
   /** The machine of the run. */
   private files: Files;
   /** The last request to open; those before it are stale. */
@@ -32,23 +32,23 @@ export class Scope {
   ) {
     this.files = desk.machine.files;
     this.exchanges = new Exchanges(desk.bench, desk.machine);
-    this.runner = new Runner(desk.runs, (look) => this.looked(look), desk.fail);
+    this.runner = new Runner(desk.runs, (snapshot) => this.updated(snapshot), desk.fail);
     this.controls = new Controls(desk.bench, FIRST, () => this.changed("settings"));
     this.share = new Share(desk, () => this.ready().then(() => this.runner.scenario()));
-    const told = <T>(of: Promise<T>) => void of.catch(desk.fail);
+    const guard = <T>(of: Promise<T>) => void of.catch(desk.fail);
     const when = (at: number | undefined) => (at === undefined ? "now" : `${at}s`);
     const taken = (files: Given[]) => this.taken(files);
     this.screen = new Screen(
       root,
       {
-        run: (pace) => told(this.run(pace)),
-        pause: () => told(this.runner.pause().then(() => this.refresh())),
-        step: (cycles) => told(this.ready().then(() => this.runner.step(cycles))),
-        restart: () => told(this.reopen()),
+        run: (pace) => guard(this.run(pace)),
+        pause: () => guard(this.runner.pause().then(() => this.refresh())),
+        step: (cycles) => guard(this.ready().then(() => this.runner.step(cycles))),
+        restart: () => guard(this.reopen()),
         pace: (pace) => (this.runner.pace = pace),
-        act: (what, after, at) => told(this.act(`${what}@${when(at)}${after}`)),
-        exchange: (source, at) => told(this.exchange(source, when(at))),
-        remove: (gone) => this.remove(gone),
+        act: (what, after, at) => guard(this.act(`${what}@${when(at)}${after}`)),
+        exchange: (source, at) => guard(this.exchange(source, when(at))),
+        remove: (act) => this.remove(act),
         program: (program) => this.take({ ...this.controls.setup, program }),
         taken,
         failed: desk.fail,
@@ -66,7 +66,7 @@ export class Scope {
     desk.onProgram(async ({ name, text }) => this.take({ ...this.controls.setup, program: { name, text } }));
     desk.machine.subscribe(() => {
       if (desk.machine.files === this.files) return;
-      if (this.look?.progress.cycle) this.screen.bar.changed("The machine has changed: Restart runs it, Exchange takes its tables.");
+      if (this.snapshot?.progress.cycle) this.screen.bar.changed("The machine has changed: Restart runs it, Exchange takes its tables.");
       else void this.reopen().catch(desk.fail);
     });
     desk.runs.onRestart(() => this.screen.bar.changed("The run is lost: Run starts it again."));
@@ -86,8 +86,8 @@ export class Scope {
   }
 
   /** Shows the run as it was last seen. */
-  refresh(anew = false): void {
-    if (this.look) this.screen.show(this.look, this.controls.setup, this.runner.isGoing, anew);
+  refresh(redraw = false): void {
+    if (this.snapshot) this.screen.show(this.snapshot, this.controls.setup, this.runner.isGoing, redraw);
   }
 
   /** Sets another setup: opened at once, to show its program and errors. */
@@ -102,33 +102,33 @@ export class Scope {
   }
 
   private changed(what: string): void {
-    if (this.look?.progress.cycle) this.screen.bar.changed(`The ${what} have changed: Restart runs them.`);
+    if (this.snapshot?.progress.cycle) this.screen.bar.changed(`The ${what} have changed: Restart runs them.`);
     else void this.reopen().catch(this.desk.fail);
   }
 
-  /** Opens the run of the present setup, at its beginning; one after the other; stale requests are skipped. */
+  /** Opens the run of the present setup at its beginning. Requests wait for one another; stale ones are skipped. */
   private reopen(files?: Files): Promise<void> {
     const ticket = ++this.opening;
-    const stands = () => ticket === this.opening;
-    const next = this.queue.catch(() => undefined).then(() => (stands() ? this.opened(files ?? this.desk.machine.files, stands) : undefined));
+    const isCurrent = () => ticket === this.opening;
+    const next = this.queue.catch(() => undefined).then(() => (isCurrent() ? this.opened(files ?? this.desk.machine.files, isCurrent) : undefined));
     this.queue = next;
     return next;
   }
 
-  private async opened(files: Files, stands: () => boolean): Promise<void> {
+  private async opened(files: Files, isCurrent: () => boolean): Promise<void> {
     const { setup } = this.controls;
     await this.controls.machine(files);
     const { description, path } = await this.runner.open(request(setup, files));
-    if (!stands()) return;
+    if (!isCurrent()) return;
     this.files = files;
     this.screen.open(description, path, setup);
     this.desk.clear();
-    this.desk.tell(description.notes.join("; "));
+    this.desk.note(description.notes.join("; "));
     this.refresh(true);
     this.share.set(await this.runner.scenario());
   }
 
-  /** A run is open, after a restart of the module too. */
+  /** Ensures that a run is open, also after a restart of the module. */
   private async ready(): Promise<void> {
     await this.queue.catch(() => undefined);
     if (!this.runner.isOpen) await this.reopen(this.files);
@@ -141,8 +141,8 @@ export class Scope {
     this.refresh();
   }
 
-  private looked(look: Look): void {
-    this.look = look;
+  private updated(snapshot: Snapshot): void {
+    this.snapshot = snapshot;
     this.refresh();
   }
 
@@ -162,9 +162,9 @@ export class Scope {
     await this.act(`exchange:${name}@${when}`, files);
   }
 
-  private remove(gone: string): void {
+  private remove(removed: string): void {
     const { setup } = this.controls;
-    this.controls.setup = { ...setup, acts: setup.acts.filter((act) => act !== gone) };
+    this.controls.setup = { ...setup, acts: setup.acts.filter((act) => act !== removed) };
     this.changed("acts");
     this.refresh();
   }
@@ -185,6 +185,6 @@ export class Scope {
   private async given(files: readonly Given[]): Promise<void> {
     const name = await this.exchanges.give(files);
     this.screen.acts.offer(name);
-    this.desk.tell(`${name}: its tables can be exchanged in "Acts in motion".`);
+    this.desk.note(`${name}: its tables can be exchanged in "Acts in motion".`);
   }
 }

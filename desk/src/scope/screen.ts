@@ -3,13 +3,13 @@
 import { el, section } from "../core/dom";
 import { Acts, type ActsHost } from "./acts";
 import { Bar, type BarHost } from "./bar";
-import { Beside, type Kept } from "./beside";
+import { Comparison, type Kept } from "./comparison";
 import { Curves, type Mark } from "./curves";
 import type { Description } from "./documents";
 import { Place } from "./place";
 import { Programs, type ProgramsHost } from "./programs";
 import { results } from "./results";
-import type { Look } from "./runner";
+import type { Snapshot } from "./runner";
 import type { Setup } from "./setup";
 import { time } from "./times";
 
@@ -27,7 +27,7 @@ export class Screen {
   readonly programs: Programs;
   private readonly curves: Curves;
   private readonly place = new Place();
-  private readonly beside: Beside;
+  private readonly comparison: Comparison;
   private readonly figures = el("div", { class: "figures" });
   private cursor: number | null = null;
   private placed = 0;
@@ -43,7 +43,7 @@ export class Screen {
     this.acts = new Acts(host, parts.opener);
     this.programs = new Programs(host, (line) => this.toLine(line));
     this.curves = new Curves((row) => this.moved(row));
-    this.beside = new Beside(
+    this.comparison = new Comparison(
       () => this.shown,
       () => this.results(),
       (setup) => host.settings(setup),
@@ -53,7 +53,7 @@ export class Screen {
         "div",
         { class: "three" },
         el("div", {}, this.programs.root, section("Settings", parts.controls)),
-        el("div", {}, section("Run", this.bar.root, this.curves.root), section("Acts in motion", this.acts.root), this.beside.root),
+        el("div", {}, section("Run", this.bar.root, this.curves.root), section("Acts in motion", this.acts.root), this.comparison.root),
         el("div", {}, section("Place", this.place.root), section("Figures", this.figures), parts.share),
       ),
     );
@@ -70,15 +70,15 @@ export class Screen {
     this.bar.changed("");
   }
 
-  /** Shows the latest state of the run; `anew` redraws everything at once. */
-  show(look: Look, setup: Setup, going: boolean, anew = false): void {
+  /** Shows the latest state of the run; `redraw`: draws everything at once. */
+  show(snapshot: Snapshot, setup: Setup, going: boolean, redraw = false): void {
     const { description } = this;
     if (!description) return;
-    const { progress, rows, rate } = look;
-    this.shown = { setup, description, result: look, rows };
+    const { progress, rows, rate } = snapshot;
+    this.shown = { setup, description, result: snapshot, rows };
     this.bar.set(progress, description, rate, going);
     this.acts.set(setup.acts, progress.time_s);
-    const all = anew || !going || performance.now() - this.placed > PLACE_MS;
+    const all = redraw || !going || performance.now() - this.placed > PLACE_MS;
     if (all) this.results();
     if (this.root.hidden) return;
     const marks = setup.acts.map((act): Mark => ({ x: time(act), text: act.split("@")[0] ?? "" })).filter(({ x }) => x <= progress.time_s);
@@ -88,12 +88,12 @@ export class Screen {
     if (all) {
       this.placed = performance.now();
       this.place.set(rows, row);
-      this.beside.set(this.shown);
+      this.comparison.set(this.shown);
     }
   }
 
   private results(): void {
-    if (this.shown) this.figures.replaceChildren(results(this.shown.result, this.beside.kept?.result));
+    if (this.shown) this.figures.replaceChildren(results(this.shown.result, this.comparison.kept?.result));
   }
 
   /** Sets the row of the plots' cursor, or none. */

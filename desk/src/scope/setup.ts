@@ -6,7 +6,7 @@ export type ProgramOf = { builtin: string } | { name: string; text: string };
 export type Model = "machine" | "nine" | "volumetric";
 export type Direction = "machine" | "on" | "off";
 
-/** Kept by links and files. */
+/** State of the view that links and files contain. */
 export interface Setup {
   program: ProgramOf;
   /** Settings that are not the default: dotted key, value as in TOML; faults and events are separate. */
@@ -55,7 +55,7 @@ export interface SettingsRead {
   changes: { key: string; value: string; default: string }[];
 }
 
-/** The setup with the settings of a scenario file in place of its own. */
+/** Replaces the settings of a setup by those of a scenario file. */
 export function withSettings(setup: Setup, read: SettingsRead): Setup {
   const { settings } = read;
   const texts = (value: unknown) => (Array.isArray(value) ? value.map(String) : []);

@@ -26,7 +26,7 @@ export class Share {
   }
 }
 
-/** The same files give the same archive: the earliest date that one can have. */
+/** The earliest date that an archive can contain; a fixed one makes archives of equal files equal. */
 const DATE = new Date(1980, 0, 1);
 
 function archive(files: Record<string, string>): Uint8Array<ArrayBuffer> {

@@ -53,17 +53,17 @@ export class Strip {
     return [this.time, ...this.lanes.map((lane) => lane.values)] as unknown as uPlot.AlignedData;
   }
 
-  private build(anew = false): void {
+  private build(rebuild = false): void {
     const width = this.area.clientWidth;
     if (width === 0 || this.lanes.length === 0) return;
     const height = this.lanes.length * LANE + AXIS + 14;
-    if (this.plot && !anew) {
+    if (this.plot && !rebuild) {
       if (Math.abs(this.plot.width - width) > 1) this.plot.setSize({ width, height });
       return;
     }
     this.plot?.destroy();
     const count = this.lanes.length;
-    const look = { stroke: colour("ink"), font: "12px system-ui, sans-serif", labelFont: "12px system-ui, sans-serif" };
+    const style = { stroke: colour("ink"), font: "12px system-ui, sans-serif", labelFont: "12px system-ui, sans-serif" };
     this.plot = new uPlot(
       {
         width,
@@ -72,9 +72,9 @@ export class Strip {
         legend: { show: false },
         scales: { x: { time: false }, y: { range: [0, count] } },
         axes: [
-          { ...look, label: "time / s", size: AXIS, labelSize: 16, grid: { stroke: colour("grid"), width: 1 }, ticks: { stroke: colour("grid"), width: 1 } },
+          { ...style, label: "time / s", size: AXIS, labelSize: 16, grid: { stroke: colour("grid"), width: 1 }, ticks: { stroke: colour("grid"), width: 1 } },
           {
-            ...look,
+            ...style,
             // The width of the axes of the plots above.
             font: "10px system-ui, sans-serif",
             size: 74,

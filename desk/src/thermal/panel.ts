@@ -55,7 +55,7 @@ export class Growth {
     return { holdOut: this.holdOut.value, without: this.without.value };
   }
 
-  /** A record was a file: it has to be dropped again. */
+  /** The state contains no record: the user must drop it again. */
   open({ holdOut, without }: Kept): void {
     [this.holdOut.value, this.without.value] = [holdOut, without];
     this.record = undefined;

@@ -1,9 +1,9 @@
 //! Circular tests: figures after ISO 230-4, causes, and the resulting settings.
 //!
-//! The latest evaluated test is kept so that it can be written to the machine.
+//! The module keeps the latest evaluated test, so that the page can write it to the machine.
 
 use crate::becomes::Becomes;
-use crate::{Refused, json, told};
+use crate::{Refused, json, to_js};
 use anyhow::{Context, Result, anyhow};
 use serde::{Deserialize, Serialize};
 use std::cell::RefCell;
@@ -19,7 +19,7 @@ use wasm_bindgen::prelude::*;
 #[serde(deny_unknown_fields)]
 struct Request {
     radius_mm: f64,
-    /// `X,Y`.
+    /// As `X,Y`.
     axes: String,
     /// Pitches of the periodic errors of X, Y, Z; null to search for the pitch.
     #[serde(default)]
@@ -58,7 +58,7 @@ fn evaluate(name: &str, bytes: &[u8], request: &str) -> Result<String> {
 /// `{"radius_mm": 100, "axes": "X,Y", "pitches_mm": [10, null, null]}`.
 #[wasm_bindgen]
 pub fn ballbar_evaluate(name: &str, bytes: &[u8], request: &str) -> Result<String, Refused> {
-    told(evaluate(name, bytes, request))
+    to_js(evaluate(name, bytes, request))
 }
 
 fn settings(files: &str, compensated: bool) -> Result<String> {
@@ -74,7 +74,7 @@ fn settings(files: &str, compensated: bool) -> Result<String> {
 /// `compensated`: whether its tables corrected it while the circles were run.
 #[wasm_bindgen]
 pub fn ballbar_settings(files: &str, compensated: bool) -> Result<String, Refused> {
-    told(settings(files, compensated))
+    to_js(settings(files, compensated))
 }
 
 /// Discards the test.

@@ -2,7 +2,7 @@
 
 use crate::becomes::Becomes;
 use crate::files::{machine_of, texts};
-use crate::{Refused, json, told};
+use crate::{Refused, json, to_js};
 use anyhow::Result;
 use serde::Serialize;
 use std::path::Path;
@@ -47,7 +47,7 @@ fn plan(files: &str, name: &str, task: &str) -> Result<String> {
 /// to the task by `name`.
 #[wasm_bindgen]
 pub fn calibrate_plan(files: &str, name: &str, task: &str) -> Result<String, Refused> {
-    told(plan(files, name, task))
+    to_js(plan(files, name, task))
 }
 
 fn solve(files: &str, name: &str, task: &str, log_name: &str, log: &str) -> Result<String> {
@@ -67,5 +67,5 @@ fn solve(files: &str, name: &str, task: &str, log_name: &str, log: &str) -> Resu
 /// Solves a log of the task's program: `document`, `residuals`, `curves`, `becomes` (the corrected machine), `notes`.
 #[wasm_bindgen]
 pub fn calibrate_solve(files: &str, name: &str, task: &str, log_name: &str, log: &str) -> Result<String, Refused> {
-    told(solve(files, name, task, log_name, log))
+    to_js(solve(files, name, task, log_name, log))
 }

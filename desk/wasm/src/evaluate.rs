@@ -2,7 +2,7 @@
 
 use crate::becomes::Becomes;
 use crate::files::machine;
-use crate::{Refused, json, told};
+use crate::{Refused, json, to_js};
 use anyhow::{Context, Result, anyhow};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -65,7 +65,7 @@ const TESTS: [(&str, &[Column]); 5] = [
     ("thermal", &thermal_test::COLUMNS),
 ];
 
-/// The test with most of a header's columns; among several, the one that requires no further column.
+/// The test that names most of a header's columns; among several, the one whose required columns are all present.
 fn test_of(header: &[String]) -> Option<&'static str> {
     let fitting = TESTS.iter().filter_map(|(test, columns)| {
         let count = columns.iter().filter(|column| header.iter().any(|cell| cell == column.name)).count();
@@ -91,7 +91,7 @@ fn test(name: &str, bytes: &[u8]) -> Result<String> {
 /// Detects the test of a record by its columns: "step-diagonal", "r-test", "points", "probing" or "thermal".
 #[wasm_bindgen]
 pub fn evaluate_test(name: &str, bytes: &[u8]) -> Result<String, Refused> {
-    told(test(name, bytes))
+    to_js(test(name, bytes))
 }
 
 fn located(files: &str, bytes: &[u8], additions: Additions) -> Result<Option<Becomes>> {
@@ -160,7 +160,7 @@ fn evaluate(test: &str, files: &str, name: &str, bytes: &[u8], request: &str) ->
 /// evaluate` report page), `becomes` (the corrected machine), `notes`. `request`: the test's options by name.
 #[wasm_bindgen]
 pub fn evaluate_record(test: &str, files: &str, name: &str, bytes: &[u8], request: &str) -> Result<String, Refused> {
-    told(evaluate(test, files, name, bytes, request))
+    to_js(evaluate(test, files, name, bytes, request))
 }
 
 #[cfg(test)]
@@ -168,7 +168,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn columns_tell_the_test() {
+    fn the_columns_identify_the_test() {
         for (header, needed) in [
             ("x_mm,y_mm,z_mm,a_deg,c_deg,dx_um,dy_um,dz_um", "r-test"),
             ("X_mm;y_mm;z_mm;a_deg;dx;dy_um;dz_um", "r-test"),

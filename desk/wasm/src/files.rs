@@ -70,8 +70,8 @@ pub(crate) fn given<'b>(names: &str, bytes: &'b [u8]) -> Result<Vec<Given<'b>>> 
 /// current machine or are added to them.
 ///
 /// # Errors
-/// There is no machine or more than one among the files; all errors of reading, with file, line and column.
-pub(crate) fn taken(standing: &Texts, given: &[Given<'_>]) -> Result<Taken> {
+/// The files contain no machine, or several; all errors of reading, with file, line and column.
+pub(crate) fn taken(current: &Texts, given: &[Given<'_>]) -> Result<Taken> {
     if let [(name, bytes)] = given
         && has_ending(name, "tcomp")
     {
@@ -79,7 +79,7 @@ pub(crate) fn taken(standing: &Texts, given: &[Given<'_>]) -> Result<Taken> {
     }
     match description(given)? {
         Some(description) => folder(description, given),
-        None => joined(standing, given),
+        None => joined(current, given),
     }
 }
 
@@ -146,7 +146,7 @@ fn folder(description: &Path, given: &[Given<'_>]) -> Result<Taken> {
         notes.push(format!("{} left out that no machine needs", counted(left, "file")));
     }
     let own = folder.file_name().map(|name| name.to_string_lossy().into_owned());
-    told(files, own, notes)
+    read_files(files, own, notes)
 }
 
 /// A path relative to the folder of the description.
@@ -162,12 +162,12 @@ fn relative(name: &Path, folder: &Path) -> PathBuf {
 }
 
 /// Replaces the machine's files of the same name, and adds measurements.
-fn joined(standing: &Texts, given: &[Given<'_>]) -> Result<Taken> {
+fn joined(current: &Texts, given: &[Given<'_>]) -> Result<Taken> {
     if given.is_empty() {
         bail!("found no files, needed a folder with a {DESCRIPTION}, its tables, or a .tcomp");
     }
     let mut files: BTreeMap<PathBuf, &[u8]> =
-        standing.iter().map(|(name, text)| (PathBuf::from(name), text.as_bytes())).collect();
+        current.iter().map(|(name, text)| (PathBuf::from(name), text.as_bytes())).collect();
     for (name, bytes) in given {
         let own = PathBuf::from(name.file_name().unwrap_or(name.as_os_str()));
         let names = || files.keys().map(|name| name.display().to_string()).collect::<Vec<_>>().join(" ");
@@ -184,15 +184,15 @@ fn joined(standing: &Texts, given: &[Given<'_>]) -> Result<Taken> {
         }
         files.insert(own, bytes);
     }
-    told(files, None, Vec::new())
+    read_files(files, None, Vec::new())
 }
 
 /// Reads the machine and stores its files as texts.
-fn told(files: BTreeMap<PathBuf, &[u8]>, name: Option<String>, mut notes: Vec<String>) -> Result<Taken> {
+fn read_files(files: BTreeMap<PathBuf, &[u8]>, name: Option<String>, mut notes: Vec<String>) -> Result<Taken> {
     let machine = read(&Memory::new(files.iter().map(|(name, bytes)| (name, *bytes))), &mut notes)?;
     let mut texts = Texts::new();
     for (name, bytes) in files {
-        // Comments of a table may be in any encoding; everything else was read.
+        // Comments of a table may be in any encoding; the reader has accepted everything else.
         texts.insert(name.to_string_lossy().into_owned(), String::from_utf8_lossy(bytes).into_owned());
     }
     Ok(Taken { name: name.unwrap_or_else(|| machine.settings.name.to_string()), files: texts, notes })

@@ -1,7 +1,7 @@
 //! A crankpin ground with and without infeed correction, in slices.
 
 use crate::files::machine;
-use crate::{Refused, json, told};
+use crate::{Refused, json, to_js};
 use anyhow::{Context, Result};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -56,7 +56,7 @@ fn open(files: &str, request: &str) -> Result<()> {
 /// Prepares grinding without and with correction, as `firmware-sim grind` does.
 #[wasm_bindgen]
 pub fn grinding_open(files: &str, request: &str) -> Result<(), Refused> {
-    told(open(files, request))
+    to_js(open(files, request))
 }
 
 const NOT_OPEN: &str = "no grinding has been prepared";
@@ -72,7 +72,7 @@ fn advance(cycles: u32) -> Result<f64> {
 /// Runs at most `cycles` further cycles; returns the fraction done, 1 once both runs have ended.
 #[wasm_bindgen]
 pub fn grinding_advance(cycles: u32) -> Result<f64, Refused> {
-    told(advance(cycles))
+    to_js(advance(cycles))
 }
 
 fn curve(corrected: bool, roundness: bool) -> Result<Vec<f64>> {
@@ -86,7 +86,7 @@ fn curve(corrected: bool, roundness: bool) -> Result<Vec<f64>> {
 /// Figure of every turn so far, µm: roundness, or root mean square of the corrected band.
 #[wasm_bindgen]
 pub fn grinding_curve(corrected: bool, roundness: bool) -> Result<Vec<f64>, Refused> {
-    told(curve(corrected, roundness))
+    to_js(curve(corrected, roundness))
 }
 
 fn finish() -> Result<String> {
@@ -98,7 +98,7 @@ fn finish() -> Result<String> {
 /// The document of `firmware-sim grind --json`, without the elapsed time.
 #[wasm_bindgen]
 pub fn grinding_finish() -> Result<String, Refused> {
-    told(finish())
+    to_js(finish())
 }
 
 #[cfg(test)]
@@ -125,7 +125,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_suit_is_refused_as_on_the_command_line() {
+    fn unsuitable_requests_are_refused_as_on_the_command_line() {
         let refused = |request: Value| open(&grinding_machine(), &request.to_string()).unwrap_err().to_string();
         assert_eq!(refused(json!({"revolutions": 7})), "--revolutions: found 7, needed 8 to 10000");
         assert!(refused(json!({"gain": 0.9})).starts_with("--gain: found 0.9, needed above 0 and at most "));

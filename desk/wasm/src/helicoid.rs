@@ -3,7 +3,7 @@
 //! A request is the JSON object of `trueaxis_evaluation::helicoid::Request`: the command line's options with underscores.
 
 use crate::files::machine;
-use crate::{Refused, json, told};
+use crate::{Refused, json, to_js};
 use anyhow::{Result, anyhow, bail};
 use serde::Serialize;
 use serde_json::Value;
@@ -36,7 +36,7 @@ fn along(name: &str) -> Result<Passes> {
 /// The document of the command line's `--json`.
 #[wasm_bindgen]
 pub fn helicoid_document(request: &str) -> Result<String, Refused> {
-    told(document(request))
+    to_js(document(request))
 }
 
 fn document(request: &str) -> Result<String> {
@@ -48,13 +48,13 @@ fn document(request: &str) -> Result<String> {
 /// The command line's CSV table.
 #[wasm_bindgen]
 pub fn helicoid_csv(request: &str) -> Result<String, Refused> {
-    told(job(request).and_then(|job| Ok(csv(&job.points()?))))
+    to_js(job(request).and_then(|job| Ok(csv(&job.points()?))))
 }
 
 /// The text written by `--gcode`.
 #[wasm_bindgen]
 pub fn helicoid_gcode(request: &str) -> Result<String, Refused> {
-    told(job(request).and_then(|job| job.program()))
+    to_js(job(request).and_then(|job| job.program()))
 }
 
 /// Data of a request without its points: inputs, flank and gear data, notes, travel on both branches, and whether the desk's
@@ -75,7 +75,7 @@ struct Outline {
 /// `limits` is `{"X": [low, high], …}`; an empty text means the machine's own limits, if it has A and C.
 #[wasm_bindgen]
 pub fn helicoid_outline(request: &str, limits: &str, files: &str) -> Result<String, Refused> {
-    told(outline(request, limits, files))
+    to_js(outline(request, limits, files))
 }
 
 fn outline(request: &str, typed: &str, files: &str) -> Result<String> {
@@ -90,7 +90,7 @@ fn outline(request: &str, typed: &str, files: &str) -> Result<String> {
 /// The tool at (u, θ), rad: both branches with their travel, independent check of the pose, distance from the singular pose.
 #[wasm_bindgen]
 pub fn helicoid_tool(request: &str, limits: &str, u: f64, theta: f64) -> Result<String, Refused> {
-    told(tool(request, limits, u, theta))
+    to_js(tool(request, limits, u, theta))
 }
 
 fn tool(request: &str, typed: &str, u: f64, theta: f64) -> Result<String> {
@@ -101,25 +101,25 @@ fn tool(request: &str, typed: &str, u: f64, theta: f64) -> Result<String> {
 /// other parameter fixed.
 #[wasm_bindgen]
 pub fn helicoid_curve(request: &str, line: &str, held: f64, count: usize) -> Result<Vec<f64>, Refused> {
-    told(job(request).and_then(|job| job.curve(along(line)?, held, count)))
+    to_js(job(request).and_then(|job| job.curve(along(line)?, held, count)))
 }
 
 /// Points of the flank, rows of θ with columns of u, in the gear's frame, raised from it by `lift_mm`.
 #[wasm_bindgen]
 pub fn helicoid_mesh(request: &str, rows: usize, columns: usize, lift_mm: f64) -> Result<Vec<f32>, Refused> {
-    told(job(request).map(|job| job.mesh(rows, columns, lift_mm)))
+    to_js(job(request).map(|job| job.mesh(rows, columns, lift_mm)))
 }
 
 /// Base circles, the other teeth and the gear's axis, as pairs of points.
 #[wasm_bindgen]
 pub fn helicoid_surroundings(request: &str) -> Result<Vec<f32>, Refused> {
-    told(job(request).map(|job| job.surroundings()))
+    to_js(job(request).map(|job| job.surroundings()))
 }
 
 /// Tip error along a line of the flank on the machine of these files, before and after its own compensation.
 #[wasm_bindgen]
 pub fn helicoid_flank(request: &str, files: &str, line: &str, held: f64, count: usize) -> Result<String, Refused> {
-    told(flank(request, files, line, held, count))
+    to_js(flank(request, files, line, held, count))
 }
 
 fn flank(request: &str, files: &str, line: &str, held: f64, count: usize) -> Result<String> {
@@ -129,7 +129,7 @@ fn flank(request: &str, files: &str, line: &str, held: f64, count: usize) -> Res
 /// Adapts an upright machine of the chain `w C' b X Y Z A t` with positive senses to the request; returns its files.
 #[wasm_bindgen]
 pub fn helicoid_machine(request: &str, files: &str) -> Result<String, Refused> {
-    told(adapted(request, files))
+    to_js(adapted(request, files))
 }
 
 fn adapted(request: &str, files: &str) -> Result<String> {

@@ -2,7 +2,7 @@
 
 use crate::becomes::Becomes;
 use crate::files::texts;
-use crate::{Refused, json, told};
+use crate::{Refused, json, to_js};
 use anyhow::{Context, Result, anyhow};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -25,7 +25,7 @@ struct Planned {
 struct Request {
     /// Text of the history; empty before the first re-probing.
     history: String,
-    /// Whether everything counts from this re-probing, as from the first one.
+    /// Whether this re-probing becomes the reference for later ones, as the first one did.
     begin: bool,
     time: Option<String>,
     parts: Option<u64>,
@@ -35,14 +35,14 @@ struct Request {
 
 /// An evaluated re-probing.
 #[derive(Serialize)]
-struct Looked {
+struct Evaluated {
     /// The document printed by `trueaxis keep begin --json` or `check --json`.
     document: Document,
     /// Verdicts in words, one per term.
     verdicts: Vec<String>,
     /// Reason why an operator must check the machine.
     refusal: Option<String>,
-    /// The updated machine, if there are updates.
+    /// The updated machine, unless nothing is updated.
     becomes: Option<Becomes>,
     /// The history ending with this re-probing, unless it is refused.
     entries: Vec<Past>,
@@ -80,10 +80,10 @@ fn plan(files: &str, name: &str, task: &str) -> Result<String> {
 /// `notes`. Errors refer to the task by `name`.
 #[wasm_bindgen]
 pub fn keep_plan(files: &str, name: &str, task: &str) -> Result<String, Refused> {
-    told(plan(files, name, task))
+    to_js(plan(files, name, task))
 }
 
-fn look(files: &str, name: &str, task: &str, log_name: &str, log: &str, request: &str) -> Result<String> {
+fn evaluate(files: &str, name: &str, task: &str, log_name: &str, log: &str, request: &str) -> Result<String> {
     let request: Request = serde_json::from_str(request).context("the request of a re-probing")?;
     let mut notes = Vec::new();
     let state = state(files, name, task, &request.history, &mut notes)?;
@@ -101,7 +101,7 @@ fn look(files: &str, name: &str, task: &str, log_name: &str, log: &str, request:
     let mut written = Vec::new();
     let mut entries: Vec<Entry> = state.history.entries.clone();
     if refusal.is_none() {
-        // The machine view compiles the controller's files.
+        // The machine view compiles the controller's files; this module returns texts only.
         let all = state.written(&taken.entry, &taken.files)?.into_iter();
         written.extend(all.filter_map(|(name, bytes)| Some((name.to_string_lossy().into_owned(), text(bytes)?))));
         entries.push(taken.entry);
@@ -118,7 +118,7 @@ fn look(files: &str, name: &str, task: &str, log_name: &str, log: &str, request:
         deed,
         changed: entry.measured.iter().filter_map(|own| own.in_words()).collect(),
     });
-    json(&Looked {
+    json(&Evaluated {
         verdicts: taken.document.terms.iter().map(|term| term.in_words()).collect(),
         document: taken.document,
         refusal,
@@ -130,11 +130,11 @@ fn look(files: &str, name: &str, task: &str, log_name: &str, log: &str, request:
     })
 }
 
-/// Evaluates the log of a re-probing, or of the first one if there is no history. `request`: `history`, `begin`, `time`,
+/// Evaluates the log of a re-probing; with an empty history, it is the first one. `request`: `history`, `begin`, `time`,
 /// `parts`, `accept`, `by_hand`. Returns `document`, `verdicts`, `refusal`, `becomes`, `entries`, `written`, `history`,
 /// `notes`.
 #[wasm_bindgen]
-pub fn keep_look(
+pub fn keep_evaluate(
     files: &str,
     name: &str,
     task: &str,
@@ -142,5 +142,5 @@ pub fn keep_look(
     log: &str,
     request: &str,
 ) -> Result<String, Refused> {
-    told(look(files, name, task, log_name, log, request))
+    to_js(evaluate(files, name, task, log_name, log, request))
 }

@@ -58,7 +58,7 @@ impl From<Refused> for JsValue {
 }
 
 /// Converts a result for the page: the error's text with its causes, on one line even if it quotes several lines.
-fn told<T>(result: anyhow::Result<T>) -> Result<T, Refused> {
+fn to_js<T>(result: anyhow::Result<T>) -> Result<T, Refused> {
     result.map_err(|error| Refused(printable(&format!("{error:#}")).replace('\n', "\\n")))
 }
 

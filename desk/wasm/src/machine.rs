@@ -2,7 +2,7 @@
 
 use crate::files::{DESCRIPTION, Taken, Texts, given, machine, memory, taken, texts};
 use crate::shown::shown;
-use crate::{Refused, json, samples, told};
+use crate::{Refused, json, samples, to_js};
 use anyhow::{Context, Result};
 use serde::Serialize;
 use std::path::Path;
@@ -30,30 +30,30 @@ fn opened(files: &str) -> Result<String> {
 /// Reads and checks a machine: name, axes, notes.
 #[wasm_bindgen]
 pub fn machine_open(files: &str) -> Result<String, Refused> {
-    told(opened(files))
+    to_js(opened(files))
 }
 
 /// The sample machines: `[{"name": "…", "description": "…"}, …]`.
 #[wasm_bindgen]
 pub fn machine_samples() -> Result<String, Refused> {
-    told(json(&samples::samples()))
+    to_js(json(&samples::samples()))
 }
 
 /// Files of a sample machine.
 #[wasm_bindgen]
 pub fn machine_sample(name: &str) -> Result<String, Refused> {
-    told(samples::sample(name).and_then(|files| json(&files)))
+    to_js(samples::sample(name).and_then(|files| json(&files)))
 }
 
-fn from_files(standing: &str, names: &str, bytes: &[u8]) -> Result<Taken> {
-    taken(&texts(standing)?, &given(names, bytes)?)
+fn from_files(current: &str, names: &str, bytes: &[u8]) -> Result<Taken> {
+    taken(&texts(current)?, &given(names, bytes)?)
 }
 
 /// Reads a machine from dropped files, `{"name", "files", "notes"}`: a folder, a `.tcomp`, or files that replace or join the
 /// current ones. `names` are paths and lengths, `[["mill/x.csv", 1234], …]`, of files whose bytes are concatenated.
 #[wasm_bindgen]
-pub fn machine_from_files(standing: &str, names: &str, bytes: &[u8]) -> Result<String, Refused> {
-    told(from_files(standing, names, bytes).and_then(|taken| json(&taken)))
+pub fn machine_from_files(current: &str, names: &str, bytes: &[u8]) -> Result<String, Refused> {
+    to_js(from_files(current, names, bytes).and_then(|taken| json(&taken)))
 }
 
 fn to_tcomp(files: &str, rate_hz: f64) -> Result<Vec<u8>> {
@@ -64,14 +64,14 @@ fn to_tcomp(files: &str, rate_hz: f64) -> Result<Vec<u8>> {
 /// The compiled file, as written by `trueaxis tables compile`.
 #[wasm_bindgen]
 pub fn machine_to_tcomp(files: &str, rate_hz: f64) -> Result<Vec<u8>, Refused> {
-    told(to_tcomp(files, rate_hz))
+    to_js(to_tcomp(files, rate_hz))
 }
 
 /// The full description of a machine at a servo rate, as JSON. `feed_per_min` is the feed of all axes, mm/min and degrees/min,
 /// for slopes and accelerations of the correction; zero means the top feed of each.
 #[wasm_bindgen]
 pub fn machine_show(files: &str, rate_hz: f64, feed_per_min: f64) -> Result<String, Refused> {
-    told(shown(files, rate_hz, feed_per_min).and_then(|shown| json(&shown)))
+    to_js(shown(files, rate_hz, feed_per_min).and_then(|shown| json(&shown)))
 }
 
 fn changed(files: &str, change_: &str) -> Result<Texts> {
@@ -90,7 +90,7 @@ fn changed(files: &str, change_: &str) -> Result<Texts> {
 /// `{"change": "key", "key": "axis.X.backlash_um", "value": 2.0}`.
 #[wasm_bindgen]
 pub fn machine_change(files: &str, change: &str) -> Result<String, Refused> {
-    told(changed(files, change).and_then(|files| json(&files)))
+    to_js(changed(files, change).and_then(|files| json(&files)))
 }
 
 fn curve_of(files: &str, axis: &str, component: usize, temperature_c: f64, points: usize) -> Result<ErrorCurve> {
@@ -110,7 +110,7 @@ pub fn machine_curve(
     points: usize,
 ) -> Result<Vec<f64>, Refused> {
     let ErrorCurve { positions, forward, reverse, growth } =
-        told(curve_of(files, axis, component, temperature_c, points))?;
+        to_js(curve_of(files, axis, component, temperature_c, points))?;
     Ok([positions, forward, reverse, growth].concat())
 }
 
@@ -123,10 +123,10 @@ mod tests {
         serde_json::to_string(&samples::sample(name).unwrap()).unwrap()
     }
 
-    fn dropped(standing: &str, files: &[(&str, &[u8])]) -> Result<Taken> {
+    fn dropped(current: &str, files: &[(&str, &[u8])]) -> Result<Taken> {
         let names: Vec<(&str, usize)> = files.iter().map(|(name, bytes)| (*name, bytes.len())).collect();
         let bytes: Vec<u8> = files.iter().flat_map(|(_, bytes)| bytes.iter().copied()).collect();
-        from_files(standing, &serde_json::to_string(&names).unwrap(), &bytes)
+        from_files(current, &serde_json::to_string(&names).unwrap(), &bytes)
     }
 
     #[test]
@@ -145,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn tables_beside_the_folder_keep_their_place() {
+    fn tables_outside_the_folder_keep_their_place() {
         let text = "name = \"m\"\nchain = \"w X' b t\"\n[axis.X]\ntable = \"../shared/x.dat\"\n";
         let table = "X_mm;EXX_um\n# f\u{fc}r alle\n0;1,5\n10;2\n";
         let latin: Vec<u8> = table.chars().map(|letter| letter as u8).collect();
@@ -155,13 +155,13 @@ mod tests {
     }
 
     #[test]
-    fn faults_are_told_with_file_line_and_column() {
+    fn errors_name_file_line_and_column() {
         let mill = sample("mill-3axis");
         let refused = |files: &[(&str, &[u8])]| dropped(&mill, files).unwrap_err().to_string();
-        let told = refused(&[("x.csv", b"X_mm,EXX_um\n0,1\n10,two\n")]);
-        assert_eq!(told, "x.csv:3: column EXX_um: found \"two\", needed a number");
-        let told = refused(&[("x.csv", b"X_mm,EXX_um\n0,1\n10,\xff\n")]);
-        assert_eq!(told, "x.csv:3: found bytes that are not UTF-8, needed text in UTF-8");
+        let error = refused(&[("x.csv", b"X_mm,EXX_um\n0,1\n10,two\n")]);
+        assert_eq!(error, "x.csv:3: column EXX_um: found \"two\", needed a number");
+        let error = refused(&[("x.csv", b"X_mm,EXX_um\n0,1\n10,\xff\n")]);
+        assert_eq!(error, "x.csv:3: found bytes that are not UTF-8, needed text in UTF-8");
         assert!(refused(&[("old.tcomp", b"TAXT")]).starts_with("old.tcomp: "));
         assert!(
             refused(&[("notes.txt", b"hello")]).starts_with("notes.txt: found a file that is none of the machine's")

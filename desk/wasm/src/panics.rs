@@ -1,4 +1,4 @@
-//! A panic is reported to the worker that runs the module, and then ends the module.
+//! Reports a panic to the worker that runs the module; the panic then ends the module.
 
 use std::panic::PanicHookInfo;
 use wasm_bindgen::prelude::*;
@@ -20,7 +20,7 @@ pub fn start() {
     std::panic::set_hook(Box::new(report));
 }
 
-/// Panics: for the page's self-test that a fault in the module is reported and survived.
+/// Panics, so that the page can test that it reports and survives a fault in the module.
 #[wasm_bindgen]
 pub fn panic_on_purpose() {
     panic!("asked for by the page's check of itself");

@@ -1,8 +1,8 @@
 //! Roundness and spindle error from three probes, reference circles of a trace, probe angles.
 //!
-//! The latest evaluation is kept for its figure and curves.
+//! The module keeps the latest evaluation for its figure and curves.
 
-use crate::{Refused, json, told};
+use crate::{Refused, json, to_js};
 use anyhow::{Context, Result};
 use serde::Serialize;
 use std::cell::RefCell;
@@ -44,15 +44,15 @@ fn evaluate(name: &str, text: &str, request: &str) -> Result<String> {
     notes.extend(readings.note(plan.points()));
     let separations = plan.separate(&readings, || {})?;
     let evaluation = plan.evaluate(&separations, &readings)?;
-    let told = json(&Noted { document: &evaluation.document, notes });
+    let document = json(&Noted { document: &evaluation.document, notes });
     EVALUATED.set(Evaluated::Readings(Box::new(evaluation)));
-    told
+    document
 }
 
 /// Evaluates readings of three probes: the document of `trueaxis roundness --json` and its notes.
 #[wasm_bindgen]
 pub fn roundness_evaluate(name: &str, text: &str, request: &str) -> Result<String, Refused> {
-    told(evaluate(name, text, request))
+    to_js(evaluate(name, text, request))
 }
 
 fn trace(name: &str, text: &str) -> Result<String> {
@@ -61,15 +61,15 @@ fn trace(name: &str, text: &str) -> Result<String> {
     let mut rows = Rows::new(text.as_bytes(), Path::new(name), &circle::COLUMNS, |note| notes.push(note))?;
     let evaluation = circle::Evaluation::read(&mut rows)?;
     drop(rows);
-    let told = json(&Noted { document: evaluation.document(), notes });
+    let document = json(&Noted { document: evaluation.document(), notes });
     EVALUATED.set(Evaluated::Trace(Box::new(evaluation)));
-    told
+    document
 }
 
 /// Reference circles of a trace: the document of `trueaxis circle --json` and its notes.
 #[wasm_bindgen]
 pub fn roundness_trace(name: &str, text: &str) -> Result<String, Refused> {
-    told(trace(name, text))
+    to_js(trace(name, text))
 }
 
 fn polar(lsc: bool, mzc: bool, mic: bool, mcc: bool) -> Result<String> {
@@ -87,7 +87,7 @@ fn polar(lsc: bool, mzc: bool, mic: bool, mcc: bool) -> Result<String> {
 /// Polar plot of the latest evaluation with these circles, as HTML.
 #[wasm_bindgen]
 pub fn roundness_polar(lsc: bool, mzc: bool, mic: bool, mcc: bool) -> Result<String, Refused> {
-    told(polar(lsc, mzc, mic, mcc))
+    to_js(polar(lsc, mzc, mic, mcc))
 }
 
 fn curve(name: &str) -> Result<Vec<f64>> {
@@ -105,7 +105,7 @@ fn curve(name: &str) -> Result<Vec<f64>> {
 /// A curve of the latest evaluated readings over θ, µm: `profile`, or the mean contours `x` and `y` of the spindle.
 #[wasm_bindgen]
 pub fn roundness_curve(name: &str) -> Result<Vec<f64>, Refused> {
-    told(curve(name))
+    to_js(curve(name))
 }
 
 fn orbit() -> Result<String> {
@@ -118,7 +118,7 @@ fn orbit() -> Result<String> {
 /// Orbit of the spindle axis in the latest evaluated readings, single revolutions and their mean, as HTML.
 #[wasm_bindgen]
 pub fn roundness_orbit() -> Result<String, Refused> {
-    told(orbit())
+    to_js(orbit())
 }
 
 /// Sample readings and their evaluation request.
@@ -146,7 +146,7 @@ fn sample() -> Result<String> {
 /// Simulated readings of the sample grinder's gauge: name, text, request.
 #[wasm_bindgen]
 pub fn roundness_sample() -> Result<String, Refused> {
-    told(sample())
+    to_js(sample())
 }
 
 fn angles(probes: &str) -> Result<String> {
@@ -156,7 +156,7 @@ fn angles(probes: &str) -> Result<String> {
 /// Noise gain of an arrangement of probes over the band, even of a blind one; fast enough for every move of a slider.
 #[wasm_bindgen]
 pub fn probe_angles_curve(probes: &str) -> Result<String, Refused> {
-    told(angles(probes))
+    to_js(angles(probes))
 }
 
 fn open(request: &str) -> Result<f64> {
@@ -170,13 +170,13 @@ fn open(request: &str) -> Result<f64> {
 /// Prepares the search for the best pairs; returns its number of steps.
 #[wasm_bindgen]
 pub fn probe_angles_open(request: &str) -> Result<f64, Refused> {
-    told(open(request))
+    to_js(open(request))
 }
 
 /// Runs that many steps of the search; returns the fraction done, 1 at the end.
 #[wasm_bindgen]
 pub fn probe_angles_advance(steps: u32) -> Result<f64, Refused> {
-    told(SEARCH.with_borrow_mut(|search| Ok(search.as_mut().context(NO_SEARCH)?.advance(steps as usize))))
+    to_js(SEARCH.with_borrow_mut(|search| Ok(search.as_mut().context(NO_SEARCH)?.advance(steps as usize))))
 }
 
 const NO_SEARCH: &str = "no search has been prepared";
@@ -184,7 +184,7 @@ const NO_SEARCH: &str = "no search has been prepared";
 /// The document of `trueaxis probe-angles --json`.
 #[wasm_bindgen]
 pub fn probe_angles_finish() -> Result<String, Refused> {
-    told(SEARCH.take().context(NO_SEARCH).and_then(|search| json(&search.finish()?)))
+    to_js(SEARCH.take().context(NO_SEARCH).and_then(|search| json(&search.finish()?)))
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ mod request;
 mod session;
 mod traces;
 
-use crate::{Refused, json, told};
+use crate::{Refused, json, to_js};
 use anyhow::{Context, Result};
 use session::Session;
 use std::cell::RefCell;
@@ -45,58 +45,58 @@ fn with<T>(scope: u32, ask: impl FnOnce(&mut Session) -> Result<T>) -> Result<T>
 /// `orientation`, `exchanges` (further machines by the name that an event gives) and `kinds` (names of the machines to run).
 #[wasm_bindgen]
 pub fn scope_open(request: &str) -> Result<u32, Refused> {
-    told(opened(request))
+    to_js(opened(request))
 }
 
 /// Describes the scope: machine, program with its lines, cycles, axes with the limits of their corrections, notes.
 #[wasm_bindgen]
 pub fn scope_describe(scope: u32) -> Result<String, Refused> {
-    told(with(scope, |session| json(&session.describe()?)))
+    to_js(with(scope, |session| json(&session.describe()?)))
 }
 
 /// The programmed path, a few thousand points: x, y, z in mm (machine coordinates; with rotary axes, workpiece coordinates),
 /// line, 1 while cutting.
 #[wasm_bindgen]
 pub fn scope_path(scope: u32) -> Result<Vec<f32>, Refused> {
-    told(with(scope, |session| Ok(session.path())))
+    to_js(with(scope, |session| Ok(session.path())))
 }
 
 /// Runs at most `cycles` further cycles; returns cycle, cycles, time, and whether the run has ended.
 #[wasm_bindgen]
 pub fn scope_advance(scope: u32, cycles: u32) -> Result<String, Refused> {
-    told(with(scope, |session| json(&session.advance(cycles))))
+    to_js(with(scope, |session| json(&session.advance(cycles))))
 }
 
 /// Names of the columns of [`scope_traces`].
 #[wasm_bindgen]
 pub fn scope_columns(scope: u32) -> Result<Vec<String>, Refused> {
-    told(with(scope, |session| Ok(session.traces.names())))
+    to_js(with(scope, |session| Ok(session.traces.names())))
 }
 
 /// The run so far, row after row: a few thousand of its cycles, including those at which an error, a fault, a limited
 /// correction or a correction is largest. NaN once a machine has stopped.
 #[wasm_bindgen]
 pub fn scope_traces(scope: u32) -> Result<Vec<f64>, Refused> {
-    told(with(scope, |session| Ok(session.traces.rows())))
+    to_js(with(scope, |session| Ok(session.traces.rows())))
 }
 
 /// Figures so far, as in `firmware-sim run --json`.
 #[wasm_bindgen]
 pub fn scope_figures(scope: u32) -> Result<String, Refused> {
-    told(with(scope, |session| json(&session.figures())))
+    to_js(with(scope, |session| json(&session.figures())))
 }
 
-/// Acts on the run before its next cycle, or later: a fault or an event as in a scenario, with `@now` or a time. `{"act",
-/// "files"}` also gives the files of the machine whose tables are exchanged. Returns the recorded list, act and time.
+/// Applies an act before the run's next cycle, or later: a fault or an event as in a scenario, with `@now` or a time. `{"act",
+/// "files"}` also contains the files of the machine whose tables are exchanged. Returns the recorded list, act and time.
 #[wasm_bindgen]
 pub fn scope_act(scope: u32, act: &str) -> Result<String, Refused> {
-    told(with(scope, |session| json(&session.act(act)?)))
+    to_js(with(scope, |session| json(&session.act(act)?)))
 }
 
 /// The scenario with all acts: TOML, the command line that repeats it, and the files that it names.
 #[wasm_bindgen]
 pub fn scope_scenario(scope: u32) -> Result<String, Refused> {
-    told(with(scope, |session| json(&session.reproduction()?)))
+    to_js(with(scope, |session| json(&session.reproduction()?)))
 }
 
 /// Closes a scope and frees its memory.
@@ -108,7 +108,7 @@ pub fn scope_close(scope: u32) {
 /// The shipped programs: names, descriptions, texts.
 #[wasm_bindgen]
 pub fn scope_programs() -> Result<String, Refused> {
-    told(json(&documents::programs()))
+    to_js(json(&documents::programs()))
 }
 
 #[cfg(test)]

@@ -63,12 +63,12 @@ struct Column {
     reverse: bool,
 }
 
-/// A grid of errors as given.
+/// A grid of errors as in its file.
 #[derive(Debug, Serialize)]
 struct GridShown {
     /// Along X, Y, Z; empty for an axis that the grid does not depend on.
     nodes_mm: [Vec<f64>; 3],
-    /// Which of the six errors the grid gives.
+    /// Which of the six errors the grid contains.
     given: [bool; 6],
     /// Errors of the nodes, µm and µrad: X varies slowest, Z fastest.
     micro: Vec<[f64; 6]>,
@@ -91,7 +91,7 @@ struct Measured {
     file: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     figures: Option<accuracy::Document>,
-    /// Reason why there are none.
+    /// Reason why the figures are missing.
     #[serde(skip_serializing_if = "Option::is_none")]
     refused: Option<String>,
 }

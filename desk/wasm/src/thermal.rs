@@ -1,7 +1,7 @@
 //! Thermal growth: a model from a recorded warm-up, its text and the controller's file.
 
 use crate::files::machine;
-use crate::{Refused, json, told};
+use crate::{Refused, json, to_js};
 use anyhow::{Context, Result, anyhow};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -80,7 +80,7 @@ fn fit(files: &str, name: &str, text: &str, request: &str) -> Result<String> {
 /// `without`.
 #[wasm_bindgen]
 pub fn thermal_fit(files: &str, name: &str, text: &str, request: &str) -> Result<String, Refused> {
-    told(fit(files, name, text, request))
+    to_js(fit(files, name, text, request))
 }
 
 fn compile(files: &str, name: &str, text: &str) -> Result<Vec<u8>> {
@@ -92,5 +92,5 @@ fn compile(files: &str, name: &str, text: &str) -> Result<Vec<u8>> {
 /// Compiles a thermal.toml into the controller's file, for the machine of these files.
 #[wasm_bindgen]
 pub fn thermal_compile(files: &str, name: &str, text: &str) -> Result<Vec<u8>, Refused> {
-    told(compile(files, name, text))
+    to_js(compile(files, name, text))
 }

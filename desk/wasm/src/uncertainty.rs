@@ -1,7 +1,7 @@
 //! Uncertainty of the corrected position.
 
 use crate::files::{DESCRIPTION, machine, memory};
-use crate::{Refused, json, told};
+use crate::{Refused, json, to_js};
 use anyhow::{Context, Result, anyhow};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -14,7 +14,7 @@ use wasm_bindgen::prelude::*;
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Request {
-    /// Additional position to evaluate; none if empty.
+    /// Additional position to evaluate, or an empty list.
     at: Vec<f64>,
     points: usize,
     confidence_percent: f64,
@@ -58,5 +58,5 @@ fn known(files: &str, request: &str) -> Result<String> {
 /// `points`, `confidence_percent`, `trials`, `seed`.
 #[wasm_bindgen]
 pub fn uncertainty(files: &str, request: &str) -> Result<String, Refused> {
-    told(known(files, request))
+    to_js(known(files, request))
 }

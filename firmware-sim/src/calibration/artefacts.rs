@@ -31,7 +31,7 @@ pub(crate) struct SetUp {
 }
 
 /// All artefacts on the machine in every set-up of a task: the set-up's own artefact, and the reference in all of them.
-pub(crate) fn stand(
+pub(crate) fn placed(
     task: &Task,
     nominal: &Machine,
     set_up: SetUp,
@@ -47,16 +47,16 @@ pub(crate) fn stand(
             let [x, y, z] = place.at_mm;
             let at: [f64; 3] = std::array::from_fn(|k| [x, y, z][k] + set_up.misplaced_mm * normal().clamp(-2.0, 2.0));
             let tip = ideal.tip(&[at[0], at[1], at[2], 0.0, 0.0, 0.0]).into();
-            let standing = real.standing(place, tip, task.probe.tip_radius_mm, set_up.askew, normal);
+            let surfaces = real.surfaces(place, tip, task.probe.tip_radius_mm, set_up.askew, normal);
             if is_reference(index) {
-                reference.clone_from(&standing);
+                reference.clone_from(&surfaces);
             }
-            places.push((index, standing));
+            places.push((index, surfaces));
         }
     }
-    let with_reference = |(index, standing): (usize, Vec<Artefact>)| {
-        let beside = if is_reference(index) { &[][..] } else { &reference };
-        beside.iter().copied().chain(standing).collect()
+    let with_reference = |(index, surfaces): (usize, Vec<Artefact>)| {
+        let also = if is_reference(index) { &[][..] } else { &reference };
+        also.iter().copied().chain(surfaces).collect()
     };
     Ok(places.into_iter().map(with_reference).collect())
 }
@@ -111,7 +111,7 @@ impl Real {
     }
 
     /// The artefact's surfaces at a place; `tip`: the tip's centre at the artefact's origin, with the set-up's position error.
-    fn standing(
+    fn surfaces(
         &self,
         place: &Place,
         tip: DVec3,

@@ -122,7 +122,7 @@ pub fn run<'t>(
     let mut dice = ChaCha8Rng::seed_from_u64(seed ^ 0x5eed);
     let mut normal = || -> f64 { StandardNormal.sample(&mut dice) };
     let set_up = SetUp { misplaced_mm: conditions.misplaced_mm, askew: 1e-6 * conditions.askew_urad };
-    let set_ups = artefacts::stand(&task, &nominal, set_up, &mut normal)?;
+    let set_ups = artefacts::placed(&task, &nominal, set_up, &mut normal)?;
     let mut vector = |size: f64| [normal(), normal(), normal()].map(|part| 1e-3 * size * part).into();
     let drift = Drift { rate: vector(conditions.drift_um[0]), settles: vector(conditions.drift_um[1]), lag_s: 2400.0 };
     let probing = Probing {

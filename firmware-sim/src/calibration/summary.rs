@@ -58,9 +58,10 @@ pub fn all<'t>(
 ) -> Result<Machines> {
     let [mill, trunnion] = tasks.map(Into::into);
     let with_seed = |count: u64| (0..count).into_par_iter().map(move |k| seed.wrapping_add(k));
-    let three = with_seed(machines).map(|seed| told(three_axes(seed, mill, class, conditions), done));
+    let three = with_seed(machines).map(|seed| split_refusal(three_axes(seed, mill, class, conditions), done));
     let three = three.collect::<Result<Vec<_>>>()?;
-    let five = with_seed(machines.div_ceil(10)).map(|seed| told(five_axes(seed, trunnion, class, conditions), done));
+    let five =
+        with_seed(machines.div_ceil(10)).map(|seed| split_refusal(five_axes(seed, trunnion, class, conditions), done));
     let mut all = Machines::default();
     for one in five.collect::<Result<Vec<_>>>()? {
         one.map_or_else(|refused| all.refused.push(refused), |one| all.five_axes.push(one));
@@ -73,7 +74,7 @@ pub fn all<'t>(
 }
 
 /// Separates the refusal of one machine from errors that end the run.
-fn told<T>(outcome: Result<T>, done: &(dyn Fn() + Sync)) -> Result<Result<T, Refused>> {
+fn split_refusal<T>(outcome: Result<T>, done: &(dyn Fn() + Sync)) -> Result<Result<T, Refused>> {
     done();
     match outcome {
         Ok(outcome) => Ok(Ok(outcome)),

@@ -5,14 +5,14 @@ use std::path::Path;
 /// A ring of 150 mm and a ball of 25 mm in a mill of 500 × 400 × 300 mm: the ring flat in five positions, upright in eight.
 pub const MILL: &str = include_str!("mill.toml");
 
-/// The same artefacts on a trunnion machine: the ring for the linear axes, the ball in five positions with eighteen poses
-/// each.
+/// A trunnion machine with the same artefacts: the ring for the linear axes, the ball in five positions with eighteen
+/// poses each.
 pub const FIVE_AXES: &str = include_str!("five-axes.toml");
 
-/// The same mill with two step gauges and a square of unknown angle, turned over in all three planes; a ball for the drift.
+/// The mill with two step gauges and a square of unknown angle, turned over in all three planes; a ball for the drift.
 pub const GAUGE_AND_SQUARE: &str = include_str!("gauge-and-square.toml");
 
-/// The same mill with a ball plate, flat and upright.
+/// The mill with a ball plate, flat and upright.
 pub const BALL_PLATE: &str = include_str!("ball-plate.toml");
 
 /// The text of a task, and its file name for error messages.
@@ -25,7 +25,7 @@ pub struct TaskText<'t> {
 }
 
 impl<'t> TaskText<'t> {
-    /// The text of a file, named `task.toml` if no file is given.
+    /// The text of a task, with the name of its file or else `task.toml`.
     pub fn of(file: Option<&'t Path>, text: &'t str) -> Self {
         TaskText { file: file.unwrap_or(Path::new("task.toml")), text }
     }

@@ -100,9 +100,9 @@ fn run<R: Wire>(
         let probes = cycle.probes();
         let mut ride = GaugeRide::new(gauge, &mut gauge_state, &probes);
         let output = servo.step(&mut state, &input, path.on(reference), &mut ride);
-        let ridden = ride.cycle();
-        replayed.outputs.extend(line(&output, Some(ridden.infeed)));
-        if ridden.finished {
+        let gauged = ride.cycle();
+        replayed.outputs.extend(line(&output, Some(gauged.infeed)));
+        if gauged.finished {
             replayed.revolutions.extend(RoundnessFrame::of(file.machine_id(), gauge, &gauge_state));
         }
     }

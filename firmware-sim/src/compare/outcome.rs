@@ -72,7 +72,7 @@ const SAME: u8 = Flags::AT_END.bits() | Flags::NOT_FOUND.bits() | Flags::COLD.bi
 pub struct Grown {
     /// Number of growths that took effect.
     pub in_force: usize,
-    /// Of these, the number with a frozen share or a frozen line.
+    /// How many of these had a frozen share or a frozen line.
     pub not_good: usize,
     /// Smallest and largest offset of a line, mm.
     pub offset_mm: [f64; 2],

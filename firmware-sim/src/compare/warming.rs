@@ -18,19 +18,18 @@ const SPEED: &str = "spindle_rpm";
 /// Bound on a sensor reading, °C; the task decides whether it is plausible.
 const MOST_C: f64 = 1e4;
 
-/// Builds the growth input of image and host: the machine's compiled growth with its sensor readings, row by row at equal
-/// intervals, the first row in the first cycle. An empty cell is a missing reading. `tell` receives a note on how a file with
-/// other separators is read.
+/// Builds the growth input of image and host: the machine's compiled growth with its sensor readings, row by row at
+/// equal intervals, the first row in the first cycle. An empty cell is a missing reading. `note` receives a note
+/// on how a file with other separators is read.
 ///
-/// # Errors
-/// The file cannot be read; the growth belongs to another machine; the sensors are not those of the growth, the intervals are
-/// unequal, or there are more readings than the image has room for.
+/// The file cannot be read; the growth belongs to another machine; the sensors are not those of the growth, the
+/// intervals are unequal, or the image has no room for all readings.
 pub fn read(
     growth: &Path,
     temperatures: &Path,
     period_s: f64,
     machine_id: u32,
-    tell: impl FnMut(String),
+    note: impl FnMut(String),
 ) -> Result<Vec<u8>> {
     let bytes = std::fs::read(growth).with_context(|| format!("cannot read {}", growth.display()))?;
     let refused = |error| anyhow!("{}: {error}", growth.display());
@@ -38,7 +37,7 @@ pub fn read(
     thermal.expect_machine(machine_id).map_err(refused)?;
     let sensors = thermal.sensors();
     let file = std::fs::File::open(temperatures).with_context(|| format!("cannot read {}", temperatures.display()))?;
-    let mut rows = Rows::new(file, temperatures, &COLUMNS, tell)?.with_gaps();
+    let mut rows = Rows::new(file, temperatures, &COLUMNS, note)?.with_gaps();
     let [_, has_speed, there @ ..] = rows.present;
     if there.iter().enumerate().any(|(k, there)| *there != (k < sensors)) || (thermal.has_spindle() && !has_speed) {
         let needed =

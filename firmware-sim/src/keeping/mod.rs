@@ -2,7 +2,7 @@
 //! motion.
 //!
 //! ```text
-//! bodies that warm, location errors that wander ─► true machine ─► probing, corrected by the tables ─► log ─► look
+//! bodies that warm, location errors that wander ─► true machine ─► probing, corrected by the tables ─► log ─► evaluate
 //!                                                       │                       ▲                             │
 //!                                                       ▼                       └── machine files, history ◄──┘
 //!                                         error over the volume, exact           exchanged in motion, by the step
@@ -15,7 +15,7 @@ mod page;
 
 pub use page::page;
 
-use crate::calibration::artefacts::{SetUp, stand};
+use crate::calibration::artefacts::{SetUp, placed};
 use anyhow::{Result, anyhow};
 use drifting::Drifting;
 use glam::DVec3;
@@ -27,7 +27,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use trueaxis::machine::{AXES, Axis};
 use trueaxis_evaluation::calibrate::{Plan, perfect, program, read_log, trips};
-use trueaxis_evaluation::keep::{BallPlace, Before, Keep, Look, begin, changes, look, plan};
+use trueaxis_evaluation::keep::{BallPlace, Before, Keep, Reprobing, begin, changes, evaluate, plan};
 use trueaxis_sim::calibration::{Artefact, Class, Host, Probing, execute, random_five_axis, random_machine, remaining};
 use trueaxis_sim::exchange::{Exchanged, in_motion};
 use trueaxis_tables::Machine;
@@ -76,7 +76,7 @@ pub struct Part {
 
 /// A re-probing.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Looked {
+pub struct Evaluated {
     /// Number of parts made.
     pub parts: u32,
     /// Number of updated terms.
@@ -85,7 +85,7 @@ pub struct Looked {
     pub refused: Vec<String>,
     /// Reason for refusing the log, if it was refused.
     pub log_refused: Option<String>,
-    /// The exchange of tables, if one was made.
+    /// The exchange of tables, if any.
     pub exchanged: Option<Exchanged>,
 }
 
@@ -97,7 +97,8 @@ pub struct Outcome {
     /// Errors after every part.
     pub parts: Vec<Part>,
     /// Every re-probing.
-    pub looks: Vec<Looked>,
+    #[serde(rename = "looks")]
+    pub reprobings: Vec<Evaluated>,
     /// Root mean square over the volume and the shift, µm, without and with the loop.
     pub rms_um: [f64; 2],
     /// Maximum over the volume and the shift, µm, without and with the loop.
@@ -113,7 +114,8 @@ pub struct Outcome {
     /// Largest velocity or acceleration of the correction after an exchange, as a share of its limit.
     pub of_limits: f64,
     /// Longest time until new tables were followed, s; `None` if those of any exchange never were.
-    pub longest_led_in_s: Option<f64>,
+    #[serde(rename = "longest_led_in_s")]
+    pub longest_ramp_in_s: Option<f64>,
 }
 
 /// The machine as the loop knows it.
@@ -131,22 +133,22 @@ struct Bench<'s> {
     nominal: Machine,
     plan: Plan,
     program: String,
-    standing: Vec<Artefact>,
+    artefacts: Vec<Artefact>,
 }
 
 impl Bench<'_> {
     /// Probes the true machine while the known tables correct it.
     fn log(&self, truth: &Machine, known: &Machine, parts: u32) -> Result<String> {
-        let mut standing = self.standing.clone();
+        let mut artefacts = self.artefacts.clone();
         if let (Some(Artefact::Ball { centre, .. }), true) =
-            (standing.first_mut(), self.shift.hit.is_some_and(|hit| parts >= hit))
+            (artefacts.first_mut(), self.shift.hit.is_some_and(|hit| parts >= hit))
         {
             centre.y += HIT_MM;
         }
         let probing = Probing {
             machine: truth.clone(),
             known: Some(known.clone()),
-            set_ups: vec![standing],
+            set_ups: vec![artefacts],
             tip_radius_mm: self.keep.task.probe.tip_radius_mm,
             pre_travel_mm: 0.008,
             lobes_mm: 0.0003,
@@ -161,45 +163,45 @@ impl Bench<'_> {
     }
 
     /// Evaluates a log; without `before` it is the first one.
-    fn look(&self, known: &Machine, log: &str, before: Option<&Before<'_>>) -> Result<Look> {
+    fn evaluate(&self, known: &Machine, log: &str, before: Option<&Before<'_>>) -> Result<Reprobing> {
         let file = Path::new("look.log");
         let log = read_log(log, file, self.keep.task.dialect, |_| {})?;
         let trips = trips(&self.keep.task, &self.plan, &log, file)?;
         match before {
             None => begin(&self.keep, known, &self.plan, &trips, file),
-            Some(before) => look(&self.keep, known, &self.plan, &trips, file, before),
+            Some(before) => evaluate(&self.keep, known, &self.plan, &trips, file, before),
         }
     }
 
     /// Applies a re-probing: `known` receives its updates.
-    fn taken(&self, known: &mut Known, parts: u32, taken: Result<Look>) -> Result<Looked> {
-        let mut looked = Looked { parts, updates: 0, refused: Vec::new(), log_refused: None, exchanged: None };
-        let look = match taken {
-            Ok(look) => look,
+    fn taken(&self, known: &mut Known, parts: u32, taken: Result<Reprobing>) -> Result<Evaluated> {
+        let mut evaluated = Evaluated { parts, updates: 0, refused: Vec::new(), log_refused: None, exchanged: None };
+        let reprobing = match taken {
+            Ok(reprobing) => reprobing,
             Err(error) => {
-                looked.log_refused = Some(format!("{error:#}"));
-                return Ok(looked);
+                evaluated.log_refused = Some(format!("{error:#}"));
+                return Ok(evaluated);
             }
         };
-        looked.refused = look.refused().map(|(name, reason)| format!("{name} {reason}")).collect();
-        if !looked.refused.is_empty() {
-            return Ok(looked);
+        evaluated.refused = reprobing.refused().map(|(name, reason)| format!("{name} {reason}")).collect();
+        if !evaluated.refused.is_empty() {
+            return Ok(evaluated);
         }
         let name = Path::new("machine.toml");
         let own = machine_files(&known.machine, "");
         let files = Memory::new(own.iter().map(|(name, text)| (name, text.as_str())));
-        let changes = changes(&self.keep, &look, &known.machine, &files, name)?;
+        let changes = changes(&self.keep, &reprobing, &known.machine, &files, name)?;
         if changes.files.is_empty() {
-            return Ok(looked);
+            return Ok(evaluated);
         }
         let all = own.into_iter().map(|(name, text)| (name.into(), text)).chain(changes.files);
         let new = Machine::read_from(&Memory::new(all), name, &mut |_| {})?;
-        looked.updates = look.verdicts.iter().filter(|verdict| verdict.update() != 0.0).count();
+        evaluated.updates = reprobing.verdicts.iter().filter(|verdict| verdict.update() != 0.0).count();
         let about = self.keep.task.artefacts[0].places[0].at_mm;
         let about = [about[0], about[1].max(60.0), about[2], 0.0, 0.0, 0.0];
-        looked.exchanged = Some(in_motion(&known.machine, &new, about)?);
-        *known = Known { machine: new, totals: look.totals(&self.keep) };
-        Ok(looked)
+        evaluated.exchanged = Some(in_motion(&known.machine, &new, about)?);
+        *known = Known { machine: new, totals: reprobing.totals(&self.keep) };
+        Ok(evaluated)
     }
 }
 
@@ -266,25 +268,25 @@ impl Shift {
         let plan = plan(&keep, &nominal)?;
         let mut dice = ChaCha8Rng::seed_from_u64(self.seed ^ 0xba11);
         let mut normal = || -> f64 { StandardNormal.sample(&mut dice) };
-        let standing = stand(&keep.task, &nominal, SetUp { misplaced_mm: 0.3, askew: 5e-4 }, &mut normal)?;
+        let set_ups = placed(&keep.task, &nominal, SetUp { misplaced_mm: 0.3, askew: 5e-4 }, &mut normal)?;
         // All artefacts are on the machine at once.
         let mut all: Vec<Artefact> = Vec::new();
-        standing.into_iter().flatten().for_each(|one| {
+        set_ups.into_iter().flatten().for_each(|one| {
             if !all.contains(&one) {
                 all.push(one);
             }
         });
         let program = program(&keep.task, &nominal, &plan);
-        let bench = Bench { shift: self, keep, nominal, plan, program, standing: all };
+        let bench = Bench { shift: self, keep, nominal, plan, program, artefacts: all };
         self.over(&bench, &drifting, &started, done)
     }
 
     fn over(&self, bench: &Bench<'_>, drifting: &Drifting, started: &Machine, done: &dyn Fn()) -> Result<Outcome> {
         let positions = judged(&bench.nominal);
-        let first = bench.look(started, &bench.log(&drifting.after(0), started, 0)?, None)?;
+        let first = bench.evaluate(started, &bench.log(&drifting.after(0), started, 0)?, None)?;
         let balls: Vec<BallPlace> = first.balls;
         let mut known = Known { machine: started.clone(), totals: BTreeMap::new() };
-        let (mut parts, mut looks) = (Vec::new(), Vec::new());
+        let (mut parts, mut reprobings) = (Vec::new(), Vec::new());
         for made in 1..=self.parts {
             let truth = drifting.after(made);
             let without_um = figures(&remaining(&truth, started, &positions)?);
@@ -293,35 +295,38 @@ impl Shift {
             if made.is_multiple_of(bench.keep.every_parts) {
                 let before = Before { known: &balls, totals: &known.totals, accepted: &[] };
                 let log = bench.log(&truth, &known.machine, made);
-                let taken = log.and_then(|log| bench.look(&known.machine, &log, Some(&before)));
-                looks.push(bench.taken(&mut known, made, taken)?);
+                let taken = log.and_then(|log| bench.evaluate(&known.machine, &log, Some(&before)));
+                reprobings.push(bench.taken(&mut known, made, taken)?);
             }
             done();
         }
-        Ok(Outcome::of(started, parts, looks))
+        Ok(Outcome::of(started, parts, reprobings))
     }
 }
 
 impl Outcome {
-    fn of(machine: &Machine, parts: Vec<Part>, looks: Vec<Looked>) -> Outcome {
+    fn of(machine: &Machine, parts: Vec<Part>, reprobings: Vec<Evaluated>) -> Outcome {
         let count = parts.len().max(1) as f64;
         let rms = |take: fn(&Part) -> f64| (parts.iter().map(|part| take(part).powi(2)).sum::<f64>() / count).sqrt();
         let most = |take: fn(&Part) -> f64| parts.iter().map(take).fold(0.0, f64::max);
-        let exchanges = || looks.iter().filter_map(|look| look.exchanged.as_ref());
+        let exchanges = || reprobings.iter().filter_map(|reprobing| reprobing.exchanged.as_ref());
         let largest = |take: fn(&Exchanged) -> f64| exchanges().map(take).fold(0.0, f64::max);
-        let led_in: Option<Vec<f64>> = exchanges().map(|exchanged| exchanged.led_in_s).collect();
+        let ramp_in: Option<Vec<f64>> = exchanges().map(|exchanged| exchanged.ramp_in_s).collect();
         Outcome {
             machine: machine.settings.name.to_string(),
             rms_um: [rms(|part| part.without_um[0]), rms(|part| part.with_um[0])],
             largest_um: [most(|part| part.without_um[1]), most(|part| part.with_um[1])],
-            updates: looks.iter().filter(|look| look.updates > 0).count(),
-            refusals: looks.iter().filter(|look| !look.refused.is_empty() || look.log_refused.is_some()).count(),
+            updates: reprobings.iter().filter(|reprobing| reprobing.updates > 0).count(),
+            refusals: reprobings
+                .iter()
+                .filter(|reprobing| !reprobing.refused.is_empty() || reprobing.log_refused.is_some())
+                .count(),
             largest_difference_um: 1e3 * largest(|exchanged| exchanged.difference),
             largest_step_um: 1e3 * largest(|exchanged| exchanged.largest_step),
             of_limits: largest(|exchanged| exchanged.of_limits),
-            longest_led_in_s: led_in.map(|times| times.into_iter().fold(0.0, f64::max)),
+            longest_ramp_in_s: ramp_in.map(|times| times.into_iter().fold(0.0, f64::max)),
             parts,
-            looks,
+            reprobings,
         }
     }
 }

@@ -9,21 +9,21 @@ use trueaxis_tables::text::counted;
 /// Renders the whole page.
 pub fn page(outcome: &Outcome) -> String {
     let um = |value: f64| quantity(value, "µm");
-    let looks = outcome.looks.iter().map(|look| {
-        let what = match (&look.log_refused, look.refused.as_slice()) {
+    let reprobings = outcome.reprobings.iter().map(|reprobing| {
+        let what = match (&reprobing.log_refused, reprobing.refused.as_slice()) {
             (Some(reason), _) => reason.clone(),
-            (None, []) if look.updates == 0 => "nothing to change".into(),
-            (None, []) => counted(look.updates, "term"),
+            (None, []) if reprobing.updates == 0 => "nothing to change".into(),
+            (None, []) => counted(reprobing.updates, "term"),
             (None, reasons) => format!("refused: {}", reasons.join("; ")),
         };
-        let [difference, step, limits] = look.exchanged.map_or([const { String::new() }; 3], |own| {
+        let [difference, step, limits] = reprobing.exchanged.map_or([const { String::new() }; 3], |own| {
             [
                 significant(1e3 * own.difference, 3),
                 significant(1e3 * own.largest_step, 3),
                 format!("{:.0} %", 1e2 * own.of_limits),
             ]
         });
-        Row::new(format!("after part {}", look.parts), [what, difference, step, limits])
+        Row::new(format!("after part {}", reprobing.parts), [what, difference, step, limits])
     });
     let head = ["re-probing", "updated", "new − old tables, µm", "largest step in a cycle, µm", "of the limits"];
     Page::new("A machine that keeps itself true")
@@ -43,7 +43,7 @@ pub fn page(outcome: &Outcome) -> String {
             "Error of the tip",
             html! { (figure(outcome, 0, "RMS over the volume")) (figure(outcome, 1, "largest in the volume")) },
         )
-        .section("Re-probings", Table::new(head, looks).words(&[1]))
+        .section("Re-probings", Table::new(head, reprobings).words(&[1]))
         .document()
 }
 
@@ -57,9 +57,16 @@ fn figure(outcome: &Outcome, which: usize, name: &str) -> Figure {
     let mut figure = Figure::full(&format!("Error of the tip, {name}"), 220, x, y);
     figure.curve("without the loop", without, Stroke::new(colour::UNCOMPENSATED, 1.4));
     figure.curve("with it", with, Stroke::new(colour::COMPENSATED, 1.6));
-    let updated = outcome.looks.iter().filter(|look| look.updates > 0).map(|look| [f64::from(look.parts), 0.0]);
-    let refused = outcome.looks.iter().filter(|look| !look.refused.is_empty() || look.log_refused.is_some());
-    figure.dots(updated, colour::COMPENSATED).dots(refused.map(|look| [f64::from(look.parts), 0.0]), colour::LIMIT);
+    let updated = outcome
+        .reprobings
+        .iter()
+        .filter(|reprobing| reprobing.updates > 0)
+        .map(|reprobing| [f64::from(reprobing.parts), 0.0]);
+    let refused =
+        outcome.reprobings.iter().filter(|reprobing| !reprobing.refused.is_empty() || reprobing.log_refused.is_some());
+    figure
+        .dots(updated, colour::COMPENSATED)
+        .dots(refused.map(|reprobing| [f64::from(reprobing.parts), 0.0]), colour::LIMIT);
     figure.caption(
         "Just before a re-probing. Dots below: re-probings that updated the tables, and those that needed a person.",
     );

@@ -48,8 +48,8 @@ pub struct Timing {
     pub paced: bool,
 }
 
-/// Runs a scenario to its end on the machines of [`Kind::of`], for which `run` was made. `sinks` receive every cycle;
-/// `progress` receives the fraction done, 0 to 1.
+/// Runs a scenario to its end on the machines of [`Kind::of`], which must be those of `run`. `sinks` receive every
+/// cycle; `progress` receives the fraction done, 0 to 1.
 ///
 /// # Errors
 /// As [`Run::of`].

@@ -82,7 +82,7 @@ impl Summary<'_> {
             writeln!(f, "  {name:<44} {:>9.2} µrad {:>6.2} µrad", size.max_urad, size.rms_urad)?;
         }
         writeln!(f, "both as the step itself reports them")?;
-        // The perfect machine is left out: the step would report its tables' errors, which that machine does not have.
+        // Leave out the perfect machine: the step would report its tables' errors, which that machine does not have.
         for (name, run) in self.runs().filter(|(_, run)| !std::ptr::eq(*run, &self.outcome.servo_only)) {
             let (tip, angle) = (run.estimated, run.estimated_orientation);
             writeln!(f, "  {name:<46} {:>9.3} µm {:>7.3} µm", tip.max_um, tip.rms_um)?;

@@ -16,7 +16,7 @@ use trueaxis_report::{
 /// Writes the page to `rtcp.html` in `directory`, with the readings and the tables; creates the folder if needed.
 ///
 /// # Errors
-/// The file system's error if the page cannot be written; nothing is left behind.
+/// The file system's error if the page cannot be written. A failure leaves no file behind.
 pub fn write(test: &BallCycle, outcome: &Outcome, directory: &Path) -> io::Result<PathBuf> {
     write_page(directory, "rtcp.html", &render(test, outcome), outcome.files())
 }

@@ -21,7 +21,7 @@ const BUCKETS: usize = 1040;
 /// Writes the page to `compare.html` in `directory`, which is created if needed.
 ///
 /// # Errors
-/// The file system's error if the page cannot be written; nothing is left behind.
+/// The file system's error if the page cannot be written. A failure leaves no file behind.
 pub fn write(outcome: &Outcome, directory: &Path) -> io::Result<PathBuf> {
     write_page(directory, "compare.html", &render(outcome), Vec::new())
 }

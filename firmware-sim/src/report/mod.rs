@@ -63,18 +63,18 @@ pub fn render(report: &Report) -> String {
 /// Writes the page to `index.html` in `directory`, which is created if needed; returns the file's path.
 ///
 /// # Errors
-/// The file system's error if the page cannot be written; nothing is left behind.
+/// The file system's error if the page cannot be written. A failure leaves no file behind.
 pub fn write(report: &Report, directory: &Path) -> io::Result<PathBuf> {
     write_page(directory, "index.html", &render(report), Vec::new())
 }
 
 /// Writes a page and its accompanying files, all or nothing; creates the folder if needed.
-fn write_page(directory: &Path, name: &str, page: &str, beside: Vec<(String, String)>) -> io::Result<PathBuf> {
+fn write_page(directory: &Path, name: &str, page: &str, accompanying: Vec<(String, String)>) -> io::Result<PathBuf> {
     let mut outputs = Outputs::default();
     let file = directory.join(name);
     let write = |outputs: &mut Outputs| {
         outputs.folder(directory)?;
-        for (name, text) in &beside {
+        for (name, text) in &accompanying {
             outputs.put(&directory.join(name), text.as_bytes())?;
         }
         outputs.put(&file, page.as_bytes())

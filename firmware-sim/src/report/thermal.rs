@@ -12,7 +12,7 @@ use trueaxis_sim::warming::{Outcome, SENSORS, Warming};
 /// Writes the page to `thermal.html` in `directory`, and the record as `record.csv`; creates the folder if needed.
 ///
 /// # Errors
-/// The file system's error if the page cannot be written; nothing is left behind.
+/// The file system's error if the page cannot be written. A failure leaves no file behind.
 pub fn write(warming: &Warming, outcome: &Outcome, directory: &Path) -> io::Result<PathBuf> {
     write_page(directory, "thermal.html", &render(warming, outcome), vec![("record.csv".into(), record(outcome))])
 }

@@ -117,7 +117,7 @@ impl Series {
         }
     }
 
-    /// Contour error over the path; `program_lines` are left for the caller to fill.
+    /// Contour error over the path; the caller fills in `program_lines`.
     pub fn contour(&self) -> ContourSeries {
         let [uncompensated, compensated, servo_only, full] = four(&self.contour);
         let mut breaks: Vec<f64> =

@@ -11,7 +11,7 @@ use rand_chacha::rand_core::{RngCore, SeedableRng};
 use std::ops::Range;
 
 /// Bytes with a meaning in the formats.
-const TELLING: [u8; 16] = *b"\0\x01\x7f\x80\xff\n\r\t \",;.-(0";
+const INTERESTING: [u8; 16] = *b"\0\x01\x7f\x80\xff\n\r\t \",;.-(0";
 
 /// A seeded source of mutants.
 pub struct Mutator {
@@ -89,7 +89,7 @@ impl Mutator {
     fn byte(&mut self, input: &mut [u8]) {
         let Some(at) = self.at(input) else { return };
         input[at] = match self.below(3) {
-            0 => TELLING[self.below(TELLING.len())],
+            0 => INTERESTING[self.below(INTERESTING.len())],
             1 => input[at].wrapping_add(1 + self.below(16) as u8).wrapping_sub(8),
             _ => self.rng.next_u32() as u8,
         };
@@ -98,9 +98,9 @@ impl Mutator {
     fn insert(&mut self, input: &mut Vec<u8>) {
         let at = self.below(input.len() + 1);
         let count = 1 + self.below(8);
-        let telling = self.once_in(2);
+        let interesting = self.once_in(2);
         let bytes: Vec<u8> = (0..count)
-            .map(|_| if telling { TELLING[self.below(TELLING.len())] } else { self.rng.next_u32() as u8 })
+            .map(|_| if interesting { INTERESTING[self.below(INTERESTING.len())] } else { self.rng.next_u32() as u8 })
             .collect();
         input.splice(at..at, bytes);
     }

@@ -67,7 +67,7 @@ fn run(bytes: &[u8]) {
     }
     let pitches_mm = if one_in(SEARCH_ONE_IN, bytes) { [None; 2] } else { [Some(5.0), Some(4.0)] };
     let options = Options { radius_mm: RADIUS_MM, axes: [Axis::X, Axis::Y], pitches_mm };
-    let refused = told(bytes, &options);
+    let refused = evaluate(bytes, &options);
     let good =
         ["needed at least", "needed circles", "needed whole circles"].iter().any(|words| refused.contains(words));
     let form = FORMS.iter().position(|form| bytes.starts_with(form.header.as_bytes()));
@@ -78,13 +78,13 @@ fn run(bytes: &[u8]) {
             let lines = |text: &[u8]| text.iter().filter(|byte| **byte == b'\n').count();
             let own = lines(bytes) - lines(FORMS[form].header.as_bytes());
             let rest = rows(form).get(own..).unwrap_or_default().concat();
-            told(&[bytes, rest.as_bytes()].concat(), &options);
+            evaluate(&[bytes, rest.as_bytes()].concat(), &options);
         }
     }
 }
 
 /// Evaluates a record and checks every figure; returns the refusal, if any.
-fn told(bytes: &[u8], options: &Options) -> String {
+fn evaluate(bytes: &[u8], options: &Options) -> String {
     let test = match Test::read(bytes, Path::new(FILE), options, outcome::refused) {
         Ok(test) => test,
         Err(error) => {

@@ -18,7 +18,7 @@ pub const TARGET: Target = Target {
 };
 
 /// Most spans of a segment made and checked.
-const LOOKED_AT: usize = 64;
+const MOST_CHECKED: usize = 64;
 
 /// A segment that owns its lists.
 enum Shape {
@@ -164,7 +164,7 @@ fn run(input: &[u8]) {
     let enough = PathError { field: "segment", index: None, found: 0.0, needed: "no more" };
     let made = convert(&segment, 7, [0.0, 0.0, 1.0], |span| {
         spans.push(span);
-        if spans.len() < LOOKED_AT { Ok(()) } else { Err(enough) }
+        if spans.len() < MOST_CHECKED { Ok(()) } else { Err(enough) }
     });
     let whole = match made {
         Ok(()) => true,
@@ -181,7 +181,7 @@ fn run(input: &[u8]) {
     accepted();
     saw((whole, spans.len().checked_ilog2()));
     exact(&shape, &spans);
-    if let Some(span) = spans.first().filter(|span| !span.stands()) {
+    if let Some(span) = spans.first().filter(|span| !span.is_stationary()) {
         foot(&spans, span.position(0.5));
     }
 }
@@ -195,9 +195,9 @@ fn exact(shape: &Shape, spans: &[Span<f64, f64>]) {
         let [first, last] = span.u_range();
         // Equal if the parameter has no finer steps.
         assert!(first <= last, "a span from {first} to {last}");
-        assert!(span.length().is_finite() && (span.length() > 0.0 || span.stands()));
-        // A parameter is no finer than the floating-point numbers near it; with only a few steps it does not identify a point
-        // on the span.
+        assert!(span.length().is_finite() && (span.length() > 0.0 || span.is_stationary()));
+        // A parameter resolves only the floating-point steps near its value; with few such steps it does not identify a
+        // point on the span.
         let step = (f64::EPSILON * first.abs().max(last.abs())).max(f64::from_bits(1)) / (last - first);
         let named = step < 1e-3;
         let tolerance = tolerance + if named { 8.0 * step * span.length() } else { 0.0 };
@@ -223,8 +223,8 @@ fn exact(shape: &Shape, spans: &[Span<f64, f64>]) {
 fn foot(spans: &[Span<f64, f64>], on: [f64; 3]) {
     let search = ContourSearch::new(0.5, Method::Guarded).expect("a window of half a millimetre");
     let path = Path::new(spans, 0, false);
-    let beside = [on[0] + 0.003, on[1] - 0.004, on[2] + 0.012];
-    let found = search.nearest(&path, Reference { span: 0, t: 0.5 }, beside);
+    let nearby = [on[0] + 0.003, on[1] - 0.004, on[2] + 0.012];
+    let found = search.nearest(&path, Reference { span: 0, t: 0.5 }, nearby);
     let scale = on.iter().fold(1.0_f64, |scale, x| scale.max(x.abs()));
     assert!(found.error.is_finite() && found.lag.is_finite() && (0.0..=1.0).contains(&found.t), "{found:?}");
     assert!(found.error <= 0.013 + 1e-9 * scale, "{} mm away, and 0.013 mm from a point of the path", found.error);

@@ -117,14 +117,14 @@ fn machine(name: &str, a: &mut Arguments<'_>) {
         "machine_samples" => json(machine_samples()),
         "machine_from_files" => json(machine_from_files(a.text(), a.text(), a.text().as_bytes())),
         "machine_to_tcomp" => {
-            if let Some(bytes) = told(machine_to_tcomp(a.text(), a.number())) {
+            if let Some(bytes) = checked(machine_to_tcomp(a.text(), a.number())) {
                 assert!(trueaxis::tcomp::Tcomp::parse(&bytes).is_ok(), "a compiled machine that is refused");
             }
         }
         "machine_show" => json(machine_show(a.text(), a.number(), a.number())),
         "machine_change" => {
             // A change must leave a valid machine.
-            if let Some(files) = told(machine_change(a.text(), a.text())) {
+            if let Some(files) = checked(machine_change(a.text(), a.text())) {
                 assert!(machine_open(&files).is_ok(), "{files}");
             }
         }
@@ -136,7 +136,7 @@ fn machine(name: &str, a: &mut Arguments<'_>) {
 fn fields(name: &str, a: &mut Arguments<'_>, dear: bool) {
     use desk::field::*;
     match name {
-        "field" if dear => drop(told(field(a.text(), a.text()))),
+        "field" if dear => drop(checked(field(a.text(), a.text()))),
         "field_figures" if dear => json(field_figures(a.text(), a.text())),
         _ => {}
     }
@@ -151,8 +151,8 @@ fn roundness(name: &str, a: &mut Arguments<'_>, dear: bool) {
         "roundness_curve" => finite(roundness_curve(a.text())),
         "roundness_orbit" => html(roundness_orbit()),
         "probe_angles_curve" if dear => json(probe_angles_curve(a.text())),
-        "probe_angles_open" if dear => drop(told(probe_angles_open(a.text()))),
-        "probe_angles_advance" => drop(told(probe_angles_advance(a.count() as u32))),
+        "probe_angles_open" if dear => drop(checked(probe_angles_open(a.text()))),
+        "probe_angles_advance" => drop(checked(probe_angles_advance(a.count() as u32))),
         "probe_angles_finish" => json(probe_angles_finish()),
         _ => {}
     }
@@ -165,15 +165,15 @@ fn scope(name: &str, a: &mut Arguments<'_>, dear: bool) {
     let number = SCOPES.with_borrow(|scopes| scopes.last().copied().unwrap_or(0));
     match name {
         "scope_open" if dear => {
-            if let Some(number) = told(scope_open(a.text())) {
+            if let Some(number) = checked(scope_open(a.text())) {
                 SCOPES.with_borrow_mut(|scopes| scopes.push(number));
             }
         }
         "scope_describe" => json(scope_describe(number)),
-        "scope_path" => drop(told(scope_path(number))),
+        "scope_path" => drop(checked(scope_path(number))),
         "scope_advance" => json(scope_advance(number, a.count() as u32)),
-        "scope_columns" => drop(told(scope_columns(number))),
-        "scope_traces" => drop(told(scope_traces(number))),
+        "scope_columns" => drop(checked(scope_columns(number))),
+        "scope_traces" => drop(checked(scope_traces(number))),
         "scope_figures" => json(scope_figures(number)),
         "scope_act" => json(scope_act(number, a.text())),
         "scope_scenario" => json(scope_scenario(number)),
@@ -187,8 +187,8 @@ fn scope(name: &str, a: &mut Arguments<'_>, dear: bool) {
 fn grinding(name: &str, a: &mut Arguments<'_>, dear: bool) {
     use desk::grinding::*;
     match name {
-        "grinding_open" if dear => drop(told(grinding_open(a.text(), a.text()))),
-        "grinding_advance" => drop(told(grinding_advance(a.count() as u32))),
+        "grinding_open" if dear => drop(checked(grinding_open(a.text(), a.text()))),
+        "grinding_advance" => drop(checked(grinding_advance(a.count() as u32))),
         "grinding_curve" => finite(grinding_curve(a.switch(), a.switch())),
         _ => {}
     }
@@ -216,7 +216,7 @@ fn keep(name: &str, a: &mut Arguments<'_>, dear: bool) {
     use desk::keep::*;
     match name {
         "keep_plan" if dear => json(keep_plan(a.text(), a.name(), a.text())),
-        "keep_look" if dear => json(keep_look(a.text(), a.name(), a.text(), a.name(), a.text(), a.text())),
+        "keep_evaluate" if dear => json(keep_evaluate(a.text(), a.name(), a.text(), a.name(), a.text(), a.text())),
         _ => {}
     }
 }
@@ -224,9 +224,9 @@ fn keep(name: &str, a: &mut Arguments<'_>, dear: bool) {
 fn evaluate(name: &str, a: &mut Arguments<'_>, dear: bool) {
     use desk::evaluate::*;
     match name {
-        "evaluate_test" => drop(told(evaluate_test(a.name(), a.text().as_bytes()))),
+        "evaluate_test" => drop(checked(evaluate_test(a.name(), a.text().as_bytes()))),
         "evaluate_record" if dear => {
-            if let Some(text) = told(evaluate_record(a.name(), a.text(), a.name(), a.text().as_bytes(), a.text())) {
+            if let Some(text) = checked(evaluate_record(a.name(), a.text(), a.name(), a.text().as_bytes(), a.text())) {
                 let found: Result<Evaluated<'_>, _> = serde_json::from_str(&text);
                 assert!(found.is_ok(), "{text}");
                 found.ok().and_then(|found| found.becomes).iter().for_each(|becomes| machine_again(becomes.get()));
@@ -247,7 +247,7 @@ fn thermal(name: &str, a: &mut Arguments<'_>, dear: bool) {
     use desk::thermal::*;
     match name {
         "thermal_fit" if dear => json(thermal_fit(a.text(), a.name(), a.text(), a.text())),
-        "thermal_compile" => drop(told(thermal_compile(a.text(), a.name(), a.text()))),
+        "thermal_compile" => drop(checked(thermal_compile(a.text(), a.name(), a.text()))),
         _ => {}
     }
 }
@@ -264,7 +264,7 @@ fn uncertainty(a: &mut Arguments<'_>) {
 
 /// Written settings must leave a valid machine.
 fn settings(answer: Result<String, Refused>) {
-    told(answer).iter().for_each(|text| machine_again(text));
+    checked(answer).iter().for_each(|text| machine_again(text));
 }
 
 fn machine_again(text: &str) {
@@ -284,10 +284,10 @@ fn friction(name: &str, a: &mut Arguments<'_>) {
     match name {
         "friction_read" => json(friction_read(a.name(), a.text(), a.text())),
         "friction_settings" => json(friction_settings()),
-        "friction_advance" => drop(told(friction_advance(a.number()))),
+        "friction_advance" => drop(checked(friction_advance(a.number()))),
         "friction_record" => json(friction_record()),
         "friction_trace" => json(friction_trace(a.count())),
-        "friction_csv" => drop(told(friction_csv())),
+        "friction_csv" => drop(checked(friction_csv())),
         "friction_fit" => json(friction_fit(a.text(), a.switch())),
         "friction_closed" => json(friction_closed()),
         "friction_becomes" => json(friction_becomes(a.text())),
@@ -299,13 +299,13 @@ fn helicoid(name: &str, a: &mut Arguments<'_>, dear: bool) {
     use desk::helicoid::*;
     match name {
         "helicoid_document" if dear => json(helicoid_document(a.text())),
-        "helicoid_csv" if dear => drop(told(helicoid_csv(a.text()))),
-        "helicoid_gcode" if dear => drop(told(helicoid_gcode(a.text()))),
+        "helicoid_csv" if dear => drop(checked(helicoid_csv(a.text()))),
+        "helicoid_gcode" if dear => drop(checked(helicoid_gcode(a.text()))),
         "helicoid_outline" if dear => json(helicoid_outline(a.text(), a.text(), a.text())),
         "helicoid_tool" => json(helicoid_tool(a.text(), a.text(), a.number(), a.number())),
-        "helicoid_curve" => drop(told(helicoid_curve(a.text(), a.text(), a.number(), a.count()))),
-        "helicoid_mesh" => drop(told(helicoid_mesh(a.text(), a.count(), a.count(), a.number()))),
-        "helicoid_surroundings" => drop(told(helicoid_surroundings(a.text()))),
+        "helicoid_curve" => drop(checked(helicoid_curve(a.text(), a.text(), a.number(), a.count()))),
+        "helicoid_mesh" => drop(checked(helicoid_mesh(a.text(), a.count(), a.count(), a.number()))),
+        "helicoid_surroundings" => drop(checked(helicoid_surroundings(a.text()))),
         "helicoid_flank" => json(helicoid_flank(a.text(), a.text(), a.text(), a.number(), a.count())),
         "helicoid_machine" => json(helicoid_machine(a.text(), a.text())),
         _ => {}
@@ -313,7 +313,7 @@ fn helicoid(name: &str, a: &mut Arguments<'_>, dear: bool) {
 }
 
 /// The answer; a refusal must be words on one line.
-fn told<T>(answer: Result<T, Refused>) -> Option<T> {
+fn checked<T>(answer: Result<T, Refused>) -> Option<T> {
     match answer {
         Ok(answer) => {
             outcome::accepted();
@@ -328,7 +328,7 @@ fn told<T>(answer: Result<T, Refused>) -> Option<T> {
 
 /// Expects one JSON document.
 fn json(answer: Result<String, Refused>) {
-    if let Some(text) = told(answer) {
+    if let Some(text) = checked(answer) {
         let document: Result<&RawValue, _> = serde_json::from_str(&text);
         assert!(document.is_ok(), "{text}");
     }
@@ -336,14 +336,14 @@ fn json(answer: Result<String, Refused>) {
 
 /// Expects a figure without anything that a page would run.
 fn html(answer: Result<String, Refused>) {
-    if let Some(text) = told(answer) {
+    if let Some(text) = checked(answer) {
         assert!(text.contains("<svg") && !text.contains("<script"), "{text}");
     }
 }
 
 /// Expects a curve of finite numbers.
 fn finite(answer: Result<Vec<f64>, Refused>) {
-    if let Some(values) = told(answer) {
+    if let Some(values) = checked(answer) {
         assert!(values.iter().all(|value| value.is_finite()), "{values:?}");
     }
 }
@@ -358,7 +358,7 @@ const KEEP: &str = "machine = \"m\"\ndialect = \"linuxcnc\"\nevery_parts = 9\n[p
                     [[artefact]]\nname = \"ball\"\nkind = \"ball\"\ndiameter_mm = 25\nuncertainty_um = 0.2\n\
                     [[artefact.place]]\nat_mm = [0, 0, 0]\n[[term]]\nnames = [\"offset X\"]\nlargest_update_um = 15\n\
                     largest_total_um = 30\n";
-const LOOK: &str = r#"{"history": "", "begin": false, "time": null, "parts": 3, "accept": [], "by_hand": false}"#;
+const REPROBING: &str = r#"{"history": "", "begin": false, "time": null, "parts": 3, "accept": [], "by_hand": false}"#;
 const HELICOID: &str = r#"{"base_radius_mm":36,"lead_parameter_mm_per_rad":130,"pivot_mm":150,"form":"vertical","u_rad":"0:1:3","theta_rad":"0:1:2"}"#;
 const PROBES: &str = r#"{"n": 64, "harmonics": [2, 15], "p": 11, "q": 14}"#;
 
@@ -425,7 +425,10 @@ fn seeds() -> Vec<Vec<u8>> {
             + &message("calibrate_solve", &[SQUARE, "task.toml", TASK, "probe.log", "touch 1 14.5 0 0 0 0 0 1\n"]),
         message("friction_settings", &[])
             + &message("keep_plan", &[SQUARE, "keep.toml", KEEP])
-            + &message("keep_look", &[SQUARE, "keep.toml", KEEP, "look.log", "touch 1 14.5 0 0 0 0 0 1\n", LOOK]),
+            + &message(
+                "keep_evaluate",
+                &[SQUARE, "keep.toml", KEEP, "look.log", "touch 1 14.5 0 0 0 0 0 1\n", REPROBING],
+            ),
         message("friction_settings", &[])
             + &message("thermal_fit", &[MACHINE, "r.csv", &warm_up, r#"{"hold_out": [], "without": []}"#])
             + &message("thermal_compile", &[MACHINE, "thermal.toml", "reference_temperature_c = 20\n"]),

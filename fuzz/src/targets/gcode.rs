@@ -92,7 +92,8 @@ fn written_and_read(offsets: &Offsets) {
     assert_eq!((again.active, again.g92_active), (offsets.active, offsets.g92_active));
 }
 
-/// Every position is finite, each move begins where the last one ended, and there are no more pieces than permitted.
+/// Checks that every position is finite, each move begins at the end of the last one, and the pieces stay within the
+/// limit.
 fn sound(program: &Program, most_pieces: u64) {
     let mut pieces = 0.0;
     // Not their sequence: an outcome for every number of moves would keep the longest programs.

@@ -61,8 +61,8 @@ fn compiles(machine: &Machine, bytes: &[u8]) {
     let texts = found.warnings.iter().map(ToString::to_string).chain([found.summary.to_string()]);
     for text in texts {
         // The machine's name may contain these words.
-        let told = text.replace(machine.settings.name.as_str(), "");
-        assert!(!text.is_empty() && !told.contains("NaN") && !told.contains("inf "), "{text}");
+        let without_name = text.replace(machine.settings.name.as_str(), "");
+        assert!(!text.is_empty() && !without_name.contains("NaN") && !without_name.contains("inf "), "{text}");
     }
     for warning in &found.warnings {
         saw(std::mem::discriminant(warning));

@@ -57,7 +57,7 @@ fn run(input: &[u8]) {
     }
 }
 
-/// Spans join, and the point nearest to a place beside each of the first segments is found.
+/// Checks that spans join, and that the search finds the nearest point for a place beside each of the first segments.
 fn searched(path: &ProgrammedPath) {
     let search = ContourSearch::new(1.0, Method::Guarded).expect("a window of 1 mm");
     for segment in 0..path.segments().min(8) {
@@ -66,12 +66,12 @@ fn searched(path: &ProgrammedPath) {
         let middle = path.reference(segment, low + 0.5 * (high - low)).expect("within its range");
         let on = path.spans()[middle.span as usize].position(middle.t);
         assert!(on.iter().all(|x| x.is_finite()), "{on:?}");
-        let beside = [on[0] + 0.01, on[1] - 0.02, on[2] + 0.005];
-        let found = search.nearest(&path.view(), middle, beside);
-        let away = on.iter().zip(beside).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt();
+        let nearby = [on[0] + 0.01, on[1] - 0.02, on[2] + 0.005];
+        let found = search.nearest(&path.view(), middle, nearby);
+        let away = on.iter().zip(nearby).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt();
         let scale = on.iter().fold(1.0_f64, |scale, x| scale.max(x.abs()));
         assert!(found.error.is_finite() && found.lag.is_finite());
         assert!(found.error <= away + 1e-9 * scale, "{} mm to the nearest point, {away} mm to another", found.error);
-        saw((path.spans()[middle.span as usize].stands(), found.flags.has(Flags::BRACKETED)));
+        saw((path.spans()[middle.span as usize].is_stationary(), found.flags.has(Flags::BRACKETED)));
     }
 }

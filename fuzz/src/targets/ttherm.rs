@@ -38,9 +38,9 @@ fn run(bytes: &[u8]) {
 /// Takes readings from the file's bytes: whatever they are, the step accepts every line.
 fn task(thermal: &Thermal<'_>, bytes: &[u8], axes: &[(Axis, f64)]) {
     let mut state = ThermalState::new();
-    // Some sensors must start up, others are believed from their first reading on.
-    let believed = bytes.iter().rev().enumerate().filter(|(_, byte)| *byte & 1 == 0).map(|(sensor, _)| sensor);
-    believed.for_each(|sensor| state.believe(sensor));
+    // Some sensors must start up, others are accepted from their first reading on.
+    let known_good = bytes.iter().rev().enumerate().filter(|(_, byte)| *byte & 1 == 0).map(|(sensor, _)| sensor);
+    known_good.for_each(|sensor| state.accept(sensor));
     let mut words = bytes.chunks_exact(4).map(|word| u32::from_le_bytes([word[0], word[1], word[2], word[3]])).cycle();
     let mut any = || match words.next().unwrap_or(0) {
         word if word % 17 == 0 => f64::from_bits(u64::from(word) << 32 | u64::from(word)),

@@ -1,7 +1,8 @@
 //! Three CSP drives on a network, with distributed clocks: `cargo run --release --example servo -- eth0 machine.tcomp`.
 //!
-//! The drives' process data have to be mapped as in `IMAGE_BYTES` (their EEPROM's or fixed PDOs), their mode set to cyclic
-//! synchronous position (0x6060 = 8, done here). The command moves X to and fro by 1 mm, from the drives' position.
+//! The drives' process data must be mapped as in `IMAGE_BYTES` (in their EEPROM or as fixed PDOs). The example sets
+//! their mode to cyclic synchronous position (0x6060 = 8). The command moves X back and forth by 1 mm from the drives'
+//! position.
 
 use std::time::{Duration, Instant};
 
@@ -22,7 +23,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (Some(interface), Some(path)) = (arguments.next(), arguments.next()) else {
         return Err("usage: servo INTERFACE MACHINE.tcomp".into());
     };
-    // Everything that may be refused is refused before the network is touched.
+    // Check everything that may be refused before the first access to the network.
     let bytes = std::fs::read(path)?;
     let file = tables(&bytes).inspect_err(|line| eprintln!("{line}")).ok();
     let mut memory = vec![0.0; file.as_ref().map_or(0, |file| file.requirement())];
@@ -43,7 +44,7 @@ async fn run(interface: &str, cycle: &mut Cycle<'_>) -> Result<(), Error> {
     let (tx, rx, pdu_loop) = STORAGE.try_split().expect("split once");
     let network = tx_rx_task(interface, tx, rx).unwrap_or_else(|error| panic!("{interface}: {error}"));
     smol::spawn(network).detach();
-    // A frame that is not back within half a cycle is lost; nothing is sent again.
+    // A frame that does not return within half a cycle counts as lost. It is not sent again.
     let timeouts = Timeouts { pdu: PERIOD / 2, ..Timeouts::default() };
     let main_device = MainDevice::new(pdu_loop, timeouts, MainDeviceConfig::default());
 
@@ -56,7 +57,7 @@ async fn run(interface: &str, cycle: &mut Cycle<'_>) -> Result<(), Error> {
         drive.set_dc_sync(DcSync::Sync0);
     }
     let group = group.into_pre_op_pdi(&main_device).await?;
-    // The clocks drift together.
+    // Wait until the drives' clocks are synchronised.
     for _ in 0..5000 {
         group.tx_rx_sync_system_time(&main_device).await?;
         smol::Timer::after(PERIOD).await;
@@ -69,7 +70,7 @@ async fn run(interface: &str, cycle: &mut Cycle<'_>) -> Result<(), Error> {
 
     let mut inputs = [[0; IMAGE_BYTES]; AXES];
     let mut outputs = [[0; IMAGE_BYTES]; AXES];
-    let (mut start, mut n, mut told) = (None, 0_u32, None);
+    let (mut start, mut n, mut printed) = (None, 0_u32, None);
     loop {
         let began = Instant::now();
         let mut wait = PERIOD;
@@ -85,7 +86,7 @@ async fn run(interface: &str, cycle: &mut Cycle<'_>) -> Result<(), Error> {
             }
             Err(_) => Frame::Lost,
         };
-        // Until the drives are in operation, nothing has been lost yet.
+        // A missing frame counts as lost only once the drives are in operation.
         let started = start.is_some() || matches!(frame, Frame::Received { .. });
         if started {
             for (drive, image) in group.iter(&main_device).zip(&mut inputs) {
@@ -102,9 +103,9 @@ async fn run(interface: &str, cycle: &mut Cycle<'_>) -> Result<(), Error> {
                 drive.outputs_raw_mut()[..IMAGE_BYTES].copy_from_slice(image);
             }
             let now = (report.stop, report.output.record.fault);
-            if told != Some(now) {
+            if printed != Some(now) {
                 eprintln!("cycle {n}: stop {:?}, {}", now.0, now.1);
-                told = Some(now);
+                printed = Some(now);
             }
         }
         smol::Timer::at(began + wait).await;

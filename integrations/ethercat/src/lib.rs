@@ -1,15 +1,15 @@
-//! One cycle of drives in cyclic synchronous position mode (CiA 402) with the step of trueaxis in it.
+//! One cycle of drives in cyclic synchronous position mode (CiA 402), with the trueaxis step inside.
 //!
-//! [`Cycle::run`] reads the inputs of a returned frame and fills the outputs of the next. It knows no main device: the example
-//! `servo` calls it with ethercrab, the tests with a separate process image.
+//! [`Cycle::run`] reads the inputs of a returned frame and fills the outputs of the next one. It depends on no main
+//! device: the example `servo` calls it with ethercrab, the tests with a simulated process image.
 //!
-//! | | then |
+//! | event | reaction |
 //! |---|---|
-//! | a frame is lost, or its working counter is short | readings are old: the correction freezes, commands pass |
-//! | [`LOST_MAX`] frames in a row | quick stop, until [`Cycle::reset`] |
-//! | the cycle came late or early by more than a quarter, by the distributed clock | the correction freezes in it |
-//! | a drive reports a fault | quick stop of all |
-//! | a command is not a number, jumps, leaves the travel | the step holds; quick stop of all |
+//! | a frame is lost, or its working counter is too low | the readings are old: the correction freezes, commands pass |
+//! | [`LOST_MAX`] frames are lost in a row | quick stop, until [`Cycle::reset`] |
+//! | a cycle is late or early by more than a quarter, by the distributed clock | the correction freezes in that cycle |
+//! | a drive reports a fault | quick stop of all drives |
+//! | a command is not a number, jumps or leaves the travel | the step holds; quick stop of all drives |
 
 use trueaxis::sample::WrappingCounter;
 use trueaxis::tcomp::Tcomp;
@@ -21,18 +21,19 @@ pub const AXES: usize = 3;
 pub const PERIOD_NS: u32 = 1_000_000;
 /// Frames that may be lost in a row before the machine stops.
 pub const LOST_MAX: u32 = 3;
-/// Bytes of a drive's outputs: control word (0x6040, u16), target position (0x607A, i32); of its inputs: status word (0x6041,
-/// u16), position (0x6064, i32). Little-endian, in the order of the PDO mapping.
+/// Number of bytes in a drive's outputs, which are the control word (0x6040, u16) and the target position (0x607A,
+/// i32), and in its inputs, the status word (0x6041, u16) and the position (0x6064, i32). Little-endian, in the order
+/// of the PDO mapping.
 pub const IMAGE_BYTES: usize = 6;
 
 const QUICK_STOP: u16 = 0x0002;
 
-/// What came back of a cycle's frame.
+/// Outcome of a cycle's frame.
 #[derive(Clone, Copy, Debug)]
 pub enum Frame {
-    /// All inputs are fresh; time of the reference clock, ns.
+    /// The frame returned, and all inputs are new. Time of the reference clock, ns.
     Received { system_time_ns: u64 },
-    /// Nothing, or not from every drive: inputs are those of an earlier cycle.
+    /// The frame did not return, or a drive did not answer. The inputs are those of an earlier cycle.
     Lost,
 }
 
@@ -41,7 +42,7 @@ pub enum Frame {
 pub enum Stop {
     /// Too many frames lost in a row.
     Frames,
-    /// A drive reports a fault (its number).
+    /// The drive with this index reports a fault.
     Drive(usize),
     /// The step refused a command.
     Command(Fault),
@@ -50,9 +51,9 @@ pub enum Stop {
 /// Result of a cycle.
 #[derive(Debug)]
 pub struct Report {
-    /// All drives follow their targets.
+    /// Whether all drives follow their targets.
     pub running: bool,
-    /// Quick stop, latched.
+    /// Reason for the quick stop, latched until [`Cycle::reset`].
     pub stop: Option<Stop>,
     /// The step's report: correction, status, fault.
     pub output: Output<f64, f64, AXES>,
@@ -70,7 +71,7 @@ pub struct Cycle<'a> {
     time_ns: Option<u64>,
     lost: u32,
     counters: [WrappingCounter; AXES],
-    /// Counts, beyond the 32 bits of the drives.
+    /// Positions in counts, extended beyond the drives' 32 bits.
     position: [i64; AXES],
     target: [i64; AXES],
     running: bool,
@@ -78,18 +79,18 @@ pub struct Cycle<'a> {
     reset: bool,
 }
 
-/// Checks the bytes of a `.tcomp` for this machine; else one line that says why it is refused.
+/// Reads the bytes of a `.tcomp` file and checks them. The error is one line with the reason for the refusal.
 pub fn tables(file: &[u8]) -> Result<Tcomp<'_>, String> {
     Tcomp::parse(file).map_err(|error| format!("trueaxis: {error}; running uncompensated"))
 }
 
 impl<'a> Cycle<'a> {
-    /// A cycle with the tables loaded.
+    /// Creates a cycle that corrects with these tables.
     pub fn new(servo: &'a HostServo<'a, AXES>, counts_per_mm: f64) -> Self {
         Self::of(Step::Corrected(servo, Box::new(servo.start())), counts_per_mm)
     }
 
-    /// A cycle that passes commands as they are, and says so in every record.
+    /// Creates a cycle that passes commands unchanged and reports the reason in every record.
     pub fn uncompensated(reason: Fault, counts_per_mm: f64) -> Self {
         Self::of(Step::Bypass(Bypass::new(reason)), counts_per_mm)
     }
@@ -109,20 +110,20 @@ impl<'a> Cycle<'a> {
         }
     }
 
-    /// Releases a stop in the next cycle; the command has to be at the machine's position.
+    /// Releases a stop in the next cycle. The command must then be at the machine's position.
     pub fn reset(&mut self) {
         self.stop = None;
         self.reset = true;
     }
 
-    /// Positions of the drives, mm, at which commands begin.
+    /// Positions of the drives, mm. Commands must start from them.
     pub fn position(&self) -> [f64; AXES] {
         self.position.map(|counts| counts as f64 / self.counts_per_mm)
     }
 
-    /// One cycle: `command` in mm; inputs and outputs of each drive as in [`IMAGE_BYTES`].
+    /// Runs one cycle. `command` is in mm; inputs and outputs of each drive are laid out as in [`IMAGE_BYTES`].
     ///
-    /// Until all drives follow, targets are their positions, and the command is ignored.
+    /// Until all drives follow, it ignores the command and sends each drive its own position as the target.
     pub fn run(
         &mut self,
         frame: Frame,
@@ -174,20 +175,20 @@ impl<'a> Cycle<'a> {
         for ((image, target), status) in outputs.iter_mut().zip(self.target).zip(status) {
             let control = if self.stop.is_some() { QUICK_STOP } else { towards_operation(status) };
             image[..2].copy_from_slice(&control.to_le_bytes());
-            // Drives wrap where their position does.
+            // The target wraps at 32 bits, like the drive's position.
             image[2..].copy_from_slice(&(target as i32).to_le_bytes());
         }
         Report { running: follow, stop: self.stop, output }
     }
 
-    /// Time since the last cycle, by the reference clock where it came back. A clock that was set back, or 4.29 s ahead, says
-    /// nothing: the cycle is late.
+    /// Time since the last cycle by the reference clock, or the nominal period if the frame was lost. A clock that was
+    /// set back, or ahead by more than 4.29 s, makes the cycle late.
     fn elapsed(&mut self, frame: Frame) -> u32 {
         let Frame::Received { system_time_ns } = frame else {
             self.lost += 1;
             return PERIOD_NS;
         };
-        // What lost frames took is not this cycle's.
+        // Subtract the time of the lost frames, which does not belong to this cycle.
         let missed = u64::from(self.lost) * u64::from(PERIOD_NS);
         let before = self.time_ns.replace(system_time_ns);
         self.lost = 0;
@@ -197,7 +198,7 @@ impl<'a> Cycle<'a> {
     }
 }
 
-/// The control word that brings a drive a state nearer to operation (CiA 402).
+/// The control word that brings a drive one state closer to operation (CiA 402).
 fn towards_operation(status: u16) -> u16 {
     match status & 0x6f {
         0x21 => 0x0007,        // ready: switch on

@@ -1,4 +1,4 @@
-//! The cycle against a process image of simulated drives: starting, lost and late frames, faults, refused tables.
+//! Runs the cycle against a process image of simulated drives: start-up, lost and late frames, faults, refused tables.
 
 use trueaxis::telemetry::Status;
 use trueaxis::{Fault, HostServo};
@@ -8,7 +8,7 @@ const TABLES: &[u8] = include_bytes!("../../../crates/trueaxis/tests/data/mill-3
 const COUNTS_PER_MM: f64 = 100_000.0;
 const START: [i32; AXES] = [1_000_000, -2_000_000, -20_000_000];
 
-/// Drives of CiA 402 that are at the target of the cycle before.
+/// CiA 402 drives that reach the target of the previous cycle.
 struct Drives {
     inputs: [[u8; IMAGE_BYTES]; AXES],
     outputs: [[u8; IMAGE_BYTES]; AXES],
@@ -31,7 +31,7 @@ impl Drives {
         i32::from_le_bytes(self.outputs[drive][2..].try_into().unwrap())
     }
 
-    /// The frame arrives after `elapsed` ns; where the answer is lost, the inputs stay old.
+    /// Simulates a frame that arrives after `elapsed` ns. If the answer is lost, the inputs keep their old values.
     fn exchange(&mut self, elapsed: u64, lost: bool) -> Frame {
         self.time_ns += elapsed;
         for drive in 0..AXES {
@@ -60,13 +60,13 @@ impl Drives {
     }
 }
 
-/// 20 mm/s in X from the drives' position.
+/// A command that moves X at 20 mm/s from the drives' position.
 fn command(n: u32) -> [f64; AXES] {
     let start = START.map(|counts| f64::from(counts) / COUNTS_PER_MM);
     [start[0] + 0.02 * f64::from(n), start[1], start[2]]
 }
 
-/// Runs `test` on a machine that has come into operation and moved for a second.
+/// Runs `test` on a machine that has started and has moved for a second.
 fn moving(test: impl FnOnce(&HostServo<AXES>, &mut Cycle, &mut Drives, &mut u32)) {
     let file = tables(TABLES).unwrap();
     let mut memory = vec![0.0; file.requirement()];
@@ -74,7 +74,7 @@ fn moving(test: impl FnOnce(&HostServo<AXES>, &mut Cycle, &mut Drives, &mut u32)
     let (mut cycle, mut drives, mut n) = (Cycle::new(&servo, COUNTS_PER_MM), Drives::new(), 0);
     for i in 0..10 {
         let before = drives.status;
-        // Before they follow, it does not matter what is commanded.
+        // Until all drives follow, the command has no effect.
         let early = command(if i < 3 { 500 } else { 0 });
         let report = drives.cycle(&mut cycle, early, PERIOD_NS, false);
         assert_eq!(report.stop, None);
@@ -98,18 +98,19 @@ fn off_command(drives: &Drives, n: u32) -> [f64; AXES] {
 #[test]
 fn drives_get_command_plus_correction() {
     moving(|servo, _, drives, n| {
-        // C0Y, A0Z and so on make Y and Z differ by several micrometres there; the stateless look-up says how much.
+        // C0Y, A0Z and other errors shift Y and Z by several micrometres there; the stateless lookup gives the exact
+        // values.
         let wanted = servo.correction_at(&command(*n), &trueaxis::Conditions::default()).unwrap();
         let sent = off_command(drives, *n);
         for (i, (sent, wanted)) in sent.iter().zip(wanted).enumerate().skip(1) {
-            // Y and Z stand; the lost motion of a standing axis is on either side.
+            // Y and Z are at rest, so their lost motion may lie on either side.
             assert!((sent - wanted).abs() < 0.0025, "axis {i}: {sent} sent, {wanted} wanted");
         }
         assert!(sent.iter().any(|sent| sent.abs() > 0.002), "{sent:?}");
     });
 }
 
-/// Drives of 0.1 nm a count, which wrap at 214.7 mm.
+/// Drives with 0.1 nm per count, whose positions wrap at 214.7 mm.
 #[test]
 fn positions_go_on_beyond_32_bits() {
     let counts_per_mm = 1e7;
@@ -119,7 +120,7 @@ fn positions_go_on_beyond_32_bits() {
     let mut cycle = Cycle::new(&servo, counts_per_mm);
     let mut drives = Drives { position: [2_140_000_000, -200_000_000, -2_000_000_000], ..Drives::new() };
     for n in 0..2000_i32 {
-        // There and back.
+        // Out and back.
         let x = 214.0 + 0.02 * f64::from((1000 - (n - 1010).abs()).max(0));
         let report = drives.cycle(&mut cycle, [x, -20.0, -200.0], PERIOD_NS, false);
         assert_eq!((report.stop, report.output.record.fault), (None, Fault::None), "cycle {n}");
@@ -142,7 +143,7 @@ fn a_lost_frame_freezes_the_correction_and_the_command_passes() {
                 assert!((now - before).abs() < 1.5e-5, "{now} {before}");
             }
         }
-        // The clock has advanced: that is not a late cycle.
+        // The clock advances through lost frames, which does not make the cycle late.
         for i in 0..10 {
             *n += 1;
             let report = drives.cycle(cycle, command(*n), PERIOD_NS, false);
@@ -173,7 +174,8 @@ fn a_late_frame_freezes_one_cycle_and_so_does_an_early_one() {
 #[test]
 fn a_clock_that_is_set_back_or_far_ahead_is_a_late_cycle() {
     moving(|_, cycle, drives, n| {
-        // 2^32 ns and a period would be cut to a period; the last two are a millisecond and a nanosecond back.
+        // Cut to 32 bits, 2^32 ns plus a period would be one period. The last two step back by a millisecond and a
+        // nanosecond.
         for elapsed in [(1 << 32) + u64::from(PERIOD_NS), 1 << 40, u64::MAX - 999_999, u64::MAX] {
             for (elapsed, fault) in [(elapsed, Fault::LateCycle), (u64::from(PERIOD_NS), Fault::None)] {
                 *n += 1;
@@ -199,7 +201,7 @@ fn frames_that_stay_away_stop_the_machine_until_a_reset() {
         assert!((0..AXES).all(|drive| drives.control(drive) == 0x02));
         let report = drives.cycle(cycle, command(*n), PERIOD_NS, true);
         assert!(!report.running && held == drives.outputs, "targets hold");
-        // Frames come back: it stays stopped, its targets at the drives' positions.
+        // When frames return, the machine stays stopped, with the drives' positions as targets.
         for _ in 0..5 {
             let report = drives.cycle(cycle, command(*n), PERIOD_NS, false);
             assert_eq!(report.stop, Some(Stop::Frames));
@@ -213,7 +215,7 @@ fn frames_that_stay_away_stop_the_machine_until_a_reset() {
             running = drives.cycle(cycle, here, PERIOD_NS, false).running;
         }
         assert!(running, "comes back into operation");
-        // By at most the limiter's step of the correction, and no jump.
+        // The correction changes by at most the limiter's step, without a jump.
         assert!(
             stood.iter().zip(drives.position).all(|(a, b)| (a - b).abs() < 3000),
             "{stood:?} {:?}",
@@ -245,11 +247,11 @@ fn a_command_that_jumps_stops_the_machine() {
 }
 
 #[test]
-fn refused_tables_are_told_and_commands_pass() {
+fn refused_tables_are_reported_and_commands_pass() {
     let mut damaged = TABLES.to_vec();
     damaged[5000] ^= 1;
-    let Err(told) = tables(&damaged) else { panic!("taken") };
-    assert_eq!(told, "trueaxis: the file is damaged (its CRC-32 is wrong); running uncompensated");
+    let Err(message) = tables(&damaged) else { panic!("taken") };
+    assert_eq!(message, "trueaxis: the file is damaged (its CRC-32 is wrong); running uncompensated");
     let (mut cycle, mut drives) = (Cycle::uncompensated(Fault::TablesRefused, COUNTS_PER_MM), Drives::new());
     for n in 0..100_u32 {
         let n = n.saturating_sub(20);

@@ -36,7 +36,7 @@ static trueaxis_position_t clamp(trueaxis_position_t value, trueaxis_position_t 
 #ifdef TRUEAXIS_SINGLE
 #define RANGE_MM 2147.0f /* of an int32 in nm */
 
-/* A value that is out of range or NaN becomes the end of the range, for a look-up only. */
+/* A value that is out of range or NaN becomes the end of the range, for a lookup only. */
 static trueaxis_position_t to_position(float mm) {
     if (!(mm > -RANGE_MM)) {
         return -2147000000;
@@ -122,8 +122,8 @@ static trueaxis_real_t size_at(const float *share, unsigned slot) {
     return a > b ? a : b;
 }
 
-/* Searches along lines of the travel, each through the best point so far, from points along the diagonal. The lines
- * pass through the rows of an evenly spaced table; for other tables the pitch is halved around the best point. */
+/* Searches along lines of the travel, each through the best point so far, starting from points along the diagonal. The
+ * lines pass through the rows of an evenly spaced table; for other tables the pitch is halved around the best point. */
 static void find_largest(void) {
     for (uint32_t slot = 0; slot < tables.info.axes; slot++) {
         trueaxis_real_t most = 0;

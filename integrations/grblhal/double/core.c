@@ -74,7 +74,7 @@ static void nothing_else(sys_state_t now) {
     (void)now;
 }
 
-/* The core cannot check motor coordinates here and reports "outside". */
+/* Reports "outside": like the core, it cannot check motor coordinates here. */
 static bool within(float *target, axes_signals_t axes, bool is_cartesian, work_envelope_t *envelope) {
     for (int idx = 0; idx < N_AXIS && is_cartesian; idx++) {
         if ((sys.homed.mask & axes.mask & bit(idx)) &&
@@ -85,7 +85,7 @@ static bool within(float *target, axes_signals_t axes, bool is_cartesian, work_e
     return is_cartesian;
 }
 
-/* Checks the corners of the box around an arc; here around its whole circle. */
+/* Checks the corners of the box around the arc's whole circle; the core checks the box around the arc. */
 static bool arc_within(coord_data_t *target, coord_data_t *position, point_2d_t center, float radius, plane_t plane, int32_t turns,
                        work_envelope_t *envelope) {
     coord_data_t low = *position, high = *target;
@@ -96,7 +96,7 @@ static bool arc_within(coord_data_t *target, coord_data_t *position, point_2d_t 
            grbl.check_travel_limits(high.values, sys.soft_limits, true, envelope);
 }
 
-/* Shortens a motion of several axes on its line to where it leaves the travel, then limits each axis. */
+/* Shortens a motion of several axes along its line to the point where it leaves the travel, then limits each axis. */
 static void cut(float *target, float *position, work_envelope_t *envelope) {
     int moving_axes = 0;
     for (int idx = 0; position && idx < 3; idx++) {
@@ -166,7 +166,7 @@ void system_convert_array_steps_to_mpos(float *position, int32_t *steps) {
     kinematics.transform_steps_to_cartesian((coord_data_t *)position, (mpos_t *)steps);
 }
 
-/* Also NULL while the last block is executed, which is no longer in the queue. */
+/* Returns NULL also while the last block is executed, because that block is no longer in the queue. */
 plan_block_t *plan_get_current_block(void) {
     return busy ? (plan_block_t *)blocks : queued ? (plan_block_t *)queue : NULL;
 }
@@ -198,7 +198,7 @@ static void st_reset(void) {
     moving.events = 0;
 }
 
-/* Plans a block; it has no events if nothing moves. System motions start from the motors' position. */
+/* Plans a block, with zero events if nothing moves. System motions start from the motors' position. */
 static moving_t planned_block(const float *target, const int32_t *from, int32_t *end) {
     moving_t block = { 0 };
     for (int idx = 0; idx < N_AXIS; idx++) {
@@ -234,8 +234,8 @@ static bool plan_buffer_line(const float *target, const plan_line_data_t *pl_dat
     return true;
 }
 
-/* Takes steps of the longest axis, each with its interrupt; if nothing waits for an interrupt, up to a block at
- * once. */
+/* Takes steps of the longest axis, each with its interrupt. If nobody waits for an interrupt, takes up to a whole block
+ * at once. */
 static unsigned step(unsigned most) {
     if (!moving.events || moving.done == moving.events) {
         moving.events = 0;
@@ -289,7 +289,7 @@ static void wake_up(void) {
     stepping = true;
 }
 
-/* Hands tool coordinates, as they were read, straight to the planner. */
+/* Passes tool coordinates, as they were read, straight to the planner. */
 static bool parking_motion(float *target) {
     plan_line_data_t pl_data = { .condition.system_motion = 1 };
     bool moves = plan_buffer_line(target, &pl_data);
@@ -308,7 +308,7 @@ static void parking_done(void) {
     }
 }
 
-/* Parks in stages: out of the workpiece, to the parking place, back to before the workpiece, into it. */
+/* Parks in stages: out of the workpiece, to the parking place, back to the start of the workpiece, into it. */
 static void park_on(void) {
     float target[N_AXIS];
     bool moves = false;
@@ -446,8 +446,8 @@ static void serve(void) {
     }
 }
 
-/* One pass of the foreground loop, and the steps taken during it. Returns false on a reset or a stop: the caller gives
- * up. */
+/* Runs one pass of the foreground loop and takes the steps during it. Returns false on a reset or a stop; the caller then
+ * gives up. */
 static bool protocol_execute_realtime(void) {
     do {
         if (requests) {
@@ -502,7 +502,7 @@ status_code_t mc_line(float *target, plan_line_data_t *pl_data) {
         return Status_Aborted;
     }
     if (state != STATE_CHECK_MODE && protocol_execute_realtime()) {
-        /* Points come in the same storage, and the feed is reset to the programmed one after every block. */
+        /* All points share one storage, and the feed returns to the programmed one after every block. */
         while (kinematics.segment_line((coord_data_t *)point, NULL, pl_data, false)) {
             for (;;) {
                 if (!protocol_execute_realtime()) {

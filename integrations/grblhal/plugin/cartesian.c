@@ -49,7 +49,7 @@ static void cartesian_homing_start(uint_fast8_t idx) {
     sys.position[idx] = 0;
 }
 
-/* The core has a function for this, but not if it is built with KINEMATICS_API. */
+/* The core has a function for this, but omits it if built with KINEMATICS_API. */
 static void cartesian_homed(axes_signals_t cycle) {
     const coord_data_t *pulloff = limits_homing_pulloff(NULL);
 

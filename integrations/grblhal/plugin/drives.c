@@ -1,6 +1,6 @@
 /*
- * Positions of the drives, from the steps taken and not from the plan: the core may drop its queue at any time. A drive
- * that turns first takes up its lost motion while the tool is at rest.
+ * Positions of the drives, from the steps taken and not from the plan, because the core may drop its queue at any time. A
+ * drive that turns first takes up its lost motion while the tool is at rest.
  *
  * SPDX-License-Identifier: GPL-3.0-or-later
  */
@@ -25,7 +25,7 @@ static float back_from(const trueaxis_sides_t *sides, const coord_data_t *drive,
     return sides->negative & bit(idx) ? -back : back;
 }
 
-/* Moves the drives to `drive`. A drive has turned when it has moved back by more than its lost motion at that
+/* Moves the drives to `drive`. A drive has turned once it has moved back by more than its lost motion at that
  * position. */
 static void advance(trueaxis_sides_t *sides, const coord_data_t *drive) {
     coord_data_t plus, minus;

@@ -69,8 +69,8 @@ mpos_t trueaxis_planner_steps(void) {
     return to_steps((coord_data_t *)plan_get_position());
 }
 
-/* Whether the drives are at rest and the queue is empty, but not at the planned end: the core has dropped the rest. If
- * the steps agree, the program's position still shows the side of the lost motion. */
+/* Whether the core has dropped the rest of its queue: the drives are at rest and the queue is empty, but the drives are
+ * not at the planned end. If the steps agree, the program's position still shows the side of the lost motion. */
 static bool stopped_elsewhere(const mpos_t *steps) {
     coord_data_t program;
 
@@ -107,8 +107,8 @@ static coord_data_t *begin(coord_data_t *target, const coord_data_t *position, p
         trueaxis_shared.present.transform_steps_to_cartesian(&line.start, &steps);
         trueaxis_correction_inverse(line.start.values, trueaxis_shared.planned.negative, line.start.values);
     }
-    /* Use the end of the previous line if the planner rounded it to these steps: an axis that is not commanded then
-     * does not move at all. */
+    /* Use the end of the previous line if the planner rounded it to these steps, so that an uncommanded axis does not move
+     * at all. */
     if (steps_between(&line.start, &trueaxis_shared.last) < 1.5f) {
         line.start = trueaxis_shared.last;
     }
@@ -137,7 +137,7 @@ static coord_data_t *begin(coord_data_t *target, const coord_data_t *position, p
 }
 
 /* Returns the drives that turn on the way to `ahead`, and changes their bits. A drive also turns if its axis is not
- * commanded and only the correction for the motion of the others moves it. */
+ * commanded and only the correction for the motion of other axes moves it. */
 static uint8_t turn(const coord_data_t *ahead) {
     uint8_t turned = 0;
     for (uint_fast8_t idx = 0; idx < N_AXIS; idx++) {
@@ -213,7 +213,7 @@ static void next_stretch(plan_line_data_t *pl_data) {
     line.inside = true;
 }
 
-/* A cancelled jog ends here; the lines of a program do not, although the core reports the command during them too. */
+/* Whether a cancelled jog ends here. The core reports the command during program lines too, which must not end. */
 static bool cancelled(void) {
     return line.jog && trueaxis_shared.jog_cancelled;
 }
@@ -224,8 +224,8 @@ void trueaxis_line_dropped(void) {
     if (line.handing && !plan_get_current_block() &&
         (cancelled() || !(trueaxis_same_steps(steps.values, trueaxis_shared.sent.values) ||
                           trueaxis_same_steps(steps.values, line.before.values)))) {
-        /* The core may hold the address of a point while it waits for room in the queue. Make the point a move of zero
-         * length; otherwise the machine would continue to it from where it was stopped. */
+        /* The core may hold the address of a point while it waits for room in the queue. Turn that point into a move of
+         * zero length; otherwise the machine would continue to it from where it was stopped. */
         memcpy(line.motor.values, plan_get_position(), sizeof line.motor.values);
         line.handing = false;
         if (line.jog) {

@@ -1,5 +1,5 @@
 /*
- * trueaxis for grblHAL: geometric error compensation around the existing kinematics.
+ * Geometric error compensation for grblHAL, around the existing kinematics.
  *
  * These files become part of a grblHAL firmware and use its interface, so they are under grblHAL's licence.
  * SPDX-License-Identifier: GPL-3.0-or-later
@@ -32,8 +32,8 @@ static const char *refusal = "not started";
 
 /* The corrected hooks. */
 
-/* Whether the core is about to send the drives to a parking place and back: it passes the position that it reads now to
- * the planner unchanged, bypassing `segment_line`. Status reports may come in between, but only while a motion is
+/* Whether the core is about to send the drives to a parking place and back. It then passes the position that it reads now
+ * to the planner unchanged, bypassing `segment_line`. Status reports may come in between, but only while a motion is
  * running. */
 static bool about_to_park(void) {
     return (state_get() & (STATE_SAFETY_DOOR | STATE_SLEEP)) && sys.parking_state == Parking_Retracting && !sys.step_control.flags;
@@ -70,9 +70,9 @@ static coord_data_t *to_motors(coord_data_t *target, coord_data_t *position) {
     return trueaxis_shared.present.transform_from_cartesian(target, &drive);
 }
 
-/* At the switch of a homed axis the tool differs from the drive's position by the correction there, and so may be
- * outside the limits. The largest correction of the tables is therefore allowed; otherwise every line that leaves the
- * axis at its position would be refused. */
+/* At the switch of a homed axis the tool differs from the drive's position by the correction there, and may therefore be
+ * outside the limits. The limits are widened by the tables' largest correction; otherwise the core would refuse every
+ * line that leaves the axis at its position. */
 static bool within_travel(float *target, axes_signals_t axes, bool is_cartesian, work_envelope_t *envelope) {
     work_envelope_t wider = *envelope;
 
@@ -84,8 +84,8 @@ static bool within_travel(float *target, axes_signals_t axes, bool is_cartesian,
     return check_travel_limits(target, axes, is_cartesian, &wider);
 }
 
-/* The core limits jogs and probing to the travel. An axis that is outside it for the same reason remains there: if it
- * were limited, it would move although it is not commanded, and the slope of the move to the limit is undefined. */
+/* The core limits jogs and probing to the travel. An axis that is outside it because of its correction stays there:
+ * limiting it would move an uncommanded axis, and the slope of the move to the limit would be undefined. */
 static void cut_to_travel(float *target, float *position, work_envelope_t *envelope) {
     const float *from = position ? position : gc_state.position;
     work_envelope_t wider = *envelope;
@@ -99,7 +99,7 @@ static void cut_to_travel(float *target, float *position, work_envelope_t *envel
     apply_travel_limits(target, position, &wider);
 }
 
-/* Switching: nothing moves; the program's position is computed again from the steps. */
+/* Switches the correction. Nothing moves; the program's position is computed again from the steps. */
 
 static void correct(bool on) {
     if (trueaxis_shared.correcting != on) {
@@ -128,7 +128,7 @@ static void homing_completed(axes_signals_t cycle, bool success) {
     }
 }
 
-/* Homing determines the drives' own zero; without it no position is known. */
+/* Homing determines the drives' own zero, without which no position is known. */
 static void state_changed(sys_state_t state) {
     if (trueaxis_shared.correcting && (state == STATE_HOMING || ((state == STATE_IDLE || state == STATE_ALARM) && !homed()))) {
         correct(false);
@@ -201,8 +201,8 @@ static status_code_t command(sys_state_t state, char *args) {
     return Status_OK;
 }
 
-/* Returns NULL, or the refusal of an axis whose travel does not overlap that of the tables: the tables were measured in
- * other coordinates, or on another machine. */
+/* Returns NULL, or the refusal of an axis whose travel does not overlap the tables' travel: the tables were measured in
+ * other coordinates or on another machine. */
 static const char *beside_the_travel(void) {
     static char text[] = "the tables' travel of ? has nothing in common with the machine's";
     const trueaxis_tables_info_t *info = trueaxis_correction_tables();
@@ -221,7 +221,7 @@ static const char *beside_the_travel(void) {
     return NULL;
 }
 
-/* Runs after everything else has started and before a line is read; wraps the kinematics that exist by then. */
+/* Runs after everything else has started and before the first line is read; wraps the kinematics present by then. */
 static void start(void *data) {
     static char text[320];
     (void)data;
@@ -268,7 +268,7 @@ void my_plugin_init(void) {
     };
     static sys_commands_t registered = { .n_commands = 1, .commands = commands };
 
-    /* The core calls the hooks before `start`; its own kinematics are set after this and overwrite them. */
+    /* The core calls the hooks before `start`; its own kinematics are set later and overwrite them. */
     if (!kinematics.segment_line) {
         kinematics = trueaxis_cartesian();
     }

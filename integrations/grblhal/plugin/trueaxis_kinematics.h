@@ -19,7 +19,7 @@
 
 #include "trueaxis_correction.h"
 
-/* RTCP_AC replaces `segment_line` and `transform_steps_to_cartesian` at M850 and M851, and with them the plugin's. */
+/* At M850 and M851, RTCP_AC replaces `segment_line` and `transform_steps_to_cartesian`, and the plugin's hooks with them. */
 #if RTCP_AC
 #error "trueaxis cannot wrap RTCP_AC: M850 and M851 would take the correction off. Build without RTCP_AC."
 #endif
@@ -48,8 +48,8 @@ extern trueaxis_shared_t trueaxis_shared;
 /* Cartesian hooks, for a core without kinematics. */
 kinematics_t trueaxis_cartesian(void);
 
-/* Makes the core check the end of a line before it sees motor positions, so that neither those nor a correction of
- * micrometres make it refuse a line up to the limit. */
+/* Makes the core check the end of a line before it sees motor positions. Otherwise motor positions, or a correction of
+ * micrometres, would make it refuse a line up to the limit. */
 void trueaxis_validate(const coord_data_t *target, plan_line_data_t *pl_data);
 
 /* The hook `segment_line`: bends lines so that the tool follows them. */
@@ -73,8 +73,8 @@ void trueaxis_follow_from_here(uint8_t negative);
 void trueaxis_drives(coord_data_t *drive);
 void trueaxis_tool(coord_data_t *tool);
 
-/* The program's position: that of the tool, or the program's own value where only rounding to steps and the hysteresis
- * differ. If it were read again at every stop, an axis that is not commanded would drift. */
+/* The program's position: the tool's, or the program's own value if the two differ only by rounding to steps and the
+ * hysteresis. If it were read again at every stop, an uncommanded axis would drift. */
 void trueaxis_program(coord_data_t *position);
 
 /* Position of the tool at which the probe triggered. */

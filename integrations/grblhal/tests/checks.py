@@ -1,8 +1,8 @@
-"""Holds the moves that the plugin planned against the exact machine: checks.py TRUEAXIS MACHINE MOVES...
+"""Compares the moves that the plugin planned with the exact machine: checks.py TRUEAXIS MACHINE MOVES...
 
-Every stretch between two planner positions is walked in a straight line of the drives; the tool then stands where products
-of rigid transforms and the drives' directions of travel put it (`trueaxis compensate --model exact`), which share no code
-with the plugin and its library's look-up. SPDX-License-Identifier: MIT OR Apache-2.0
+The drives move in a straight line between two planner positions. Products of rigid transforms and the drives' directions of
+travel then give the position of the tool (`trueaxis compensate --model exact`); they share no code with the plugin and its
+library. SPDX-License-Identifier: MIT OR Apache-2.0
 """
 
 import csv
@@ -13,7 +13,7 @@ import tempfile
 from pathlib import Path
 
 SAMPLES = 8  # of a stretch
-# um: twice the chord tolerance of 0.5, and 0.1 for the steps of 0.05, single precision and the first-order model.
+# um: twice the chord tolerance of 0.5, plus 0.1 for the steps of 0.05, single precision and the first-order model.
 BOUND_UM = 1.1
 END_UM = 0.15  # where a line ends
 HYSTERESIS_MM = 0.0004  # the plugin's 0.3 um and the rounding to steps, so that it is the one that turns first
@@ -21,7 +21,7 @@ TAKE_UP_MM = 0.02  # below this a stretch only takes up lost motion: within it t
 
 
 def read(path):
-    """[(end of the line, whether it is fed, [planner positions])] in mm, and the position before."""
+    """Returns the position before the first line, and [(end of the line, whether it is a feed move, [planner positions])], mm."""
     steps, before, lines = None, None, []
     for words in (line.split() for line in path.read_text().splitlines()):
         match words:
@@ -50,8 +50,8 @@ def errors(trueaxis, machine, positions, *direction):
 
 
 def tips(trueaxis, machine, positions):
-    """Where the tool stands while the drives go through the positions. Only an axis' own error depends on its direction, which
-    is its drive's and changes when it has come back by more than the hysteresis."""
+    """Returns the positions of the tool while the drives pass through these positions. Only an axis' positioning error depends
+    on the direction: that of its drive, which changes once the drive has moved back by more than the hysteresis."""
     both = errors(trueaxis, machine, positions), errors(trueaxis, machine, positions, "--reverse")
     found, negative, furthest = [], [0, 0, 0], list(positions[0])
     for position, *error in zip(positions, *both):

@@ -1,6 +1,6 @@
 /* Random sequences of lines, jogs, probing, holds, parking, stops and resets, compared with a model of the machine
- * that shares no code with the library: the reported position is the tool's, and an axis that is not commanded does
- * not move.
+ * that shares no code with the library: the reported position is the tool's, and an uncommanded axis does not
+ * move.
  * SPDX-License-Identifier: MIT OR Apache-2.0 */
 #include <math.h>
 #include <stdio.h>
@@ -48,7 +48,8 @@ static double tool(int i) {
     return at;
 }
 
-/* One step, the plugin's hysteresis of turns in its plan and in the steps it follows, and single precision. */
+/* Permitted deviation: one step, the plugin's hysteresis of turns in its plan and in the steps it follows, and single
+ * precision. */
 static double bound(int i) {
     return 1.0 / (double)settings.axis[i].steps_per_mm + 0.00065;
 }
@@ -78,7 +79,7 @@ static void report(sys_state_t state) {
     }
 }
 
-/* The event during the motion, and the operator's action after the stop. */
+/* Events during a motion, and the operator's actions after the stop. */
 static bool dropped, parked;
 static void resumed_or_reset(void) {
     if (below(2)) {
@@ -247,7 +248,7 @@ static void begin(const char *what, float steps_per_mm) {
     line_to(-100, -50, -100, rapid);
 }
 
-/* 200 jogs of X, cancelled anywhere: Y and Z remain within a step of their positions. */
+/* Cancels 200 jogs of X anywhere: Y and Z stay within a step of their positions. */
 static void jogs_cancelled(float steps_per_mm) {
     begin("jogs of X, cancelled", steps_per_mm);
     for (int n = 0; n < 200; n++) {
@@ -292,7 +293,7 @@ static void reset_before_a_turn(float steps_per_mm) {
     }
 }
 
-/* Stopped while Z takes up its lost motion: the drive completes or reverses this before the tool continues. */
+/* A stop while Z takes up its lost motion: the drive completes or reverses this before the tool continues. */
 static void stopped_amid_lost_motion(void) {
     for (int up = 0; up < 2; up++) {
         begin("stopped amid lost motion", 4000.0f);
@@ -311,7 +312,7 @@ static void stopped_amid_lost_motion(void) {
     }
 }
 
-/* The drives reached the upper ends from below and moved back: the tool is above the travel by the lost motion. */
+/* The drives reached the upper ends from below and moved back, so the tool is above the travel by the lost motion. */
 static void jogs_off_the_switches(void) {
     start(4000.0f, 0);
     settings.limits.flags.jog_soft_limited = true;

@@ -1,6 +1,6 @@
-"""Holds cost and size against figures.toml: figures.py [--commit] figures.toml m4f=FILE m7=FILE
+"""Compares cost and size with figures.toml: figures.py [--commit] figures.toml m4f=FILE m7=FILE
 
-A count may grow by 0.5 %, a size by 3 % (compilers differ). Counts are instructions in QEMU, not cycles, less the two
+A count may grow by 0.5 %, a size by 3 % (compilers differ). Counts are instructions in QEMU, not cycles, without the two
 readings of the timer. SPDX-License-Identifier: MIT OR Apache-2.0
 """
 

@@ -1,5 +1,5 @@
-/* Replays rapids to the points of the recording that every host replays: each line of POINTS has a point and the
- * motors' target. Prints the largest difference.
+/* Replays rapids to the points of the recording common to all hosts. Each line of POINTS has a point and the motors'
+ * target. Prints the largest difference.
  * SPDX-License-Identifier: MIT OR Apache-2.0 */
 #include <math.h>
 #include <stdio.h>

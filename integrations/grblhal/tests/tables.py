@@ -1,8 +1,8 @@
 """Writes the machines of the tests: tables.py MILL OUT. SPDX-License-Identifier: MIT OR Apache-2.0
 
-OUT/mill: the sample mill MILL with levers and the usual hysteresis. OUT/kinked: lines that turn by 8 mm/m every 5 mm, the
-worst that a stretch of 2 mm can meet. OUT/lost: straight lines and lost motion, and a limit of the correction far above them.
-OUT/beside: a mill measured from 0 upwards, whose controller counts from 0 down.
+OUT/mill: the sample mill MILL with levers and the default hysteresis. OUT/kinked: lines that bend by 8 mm/m every 5 mm, the
+worst case for a stretch of 2 mm. OUT/lost: straight lines and lost motion, with a correction limit far above them.
+OUT/beside: a mill measured from 0 upwards, while its controller counts from 0 downwards.
 """
 
 import re
@@ -34,7 +34,7 @@ def machine(name, travel, value):
 
 
 def lost():
-    """As tests/dropped.c has it."""
+    """Writes the machine of tests/dropped.c."""
     ends = {"X": (-300, 24, 12, -18, 30), "Y": (-200, 10, -16, 6, 25), "Z": (-400, -20, 8, 30, 20)}
     folder = out / "lost"
     folder.mkdir(exist_ok=True)

@@ -73,7 +73,7 @@ static void homing_switches_on_without_a_move(void) {
     core_home(all, true);
     CHECK(at(-120000, -80000, -160000)); /* the drives are at the switches, as without the plugin */
     CHECK(!strcmp(told, "[MSG:Info: trueaxis: correction on]\r\n"));
-    /* The tool is not at the switches: the program's position shows this to well below a step. */
+    /* The tool is not exactly at the switches. The program's position shows the difference to well below a step. */
     float drive[N_AXIS], most = 0.0f;
     trueaxis_correction_forward(gc_state.position, 0, drive);
     for (int idx = 0; idx < N_AXIS; idx++) {
@@ -108,7 +108,7 @@ static void switched_by_command(void) {
     for (int on = 0; on <= 1; on++) {
         CHECK(core_command(on ? "TRUEAXIS=1" : "TRUEAXIS=0") == Status_OK);
         CHECK(!memcmp(before, sys.position, sizeof before));
-        /* Switched off, the program's position is that of the steps; switched on again, it returns within half a
+        /* While the correction is off, the program's position is the steps'. Switched on again, it returns within half a
          * step. */
         for (int idx = 0; idx < N_AXIS; idx++) {
             float is = gc_state.position[idx], was = (float[]){ -120, -80, -60 }[idx];
@@ -142,7 +142,7 @@ static void limits_and_feeds(void) {
     CHECK(line_to(0, 0, 0, rapid) && !soft_limit_alarm);
     CHECK(!line_to(0.11f, 0, 0, feed) && soft_limit_alarm);
     CHECK(!line_to(-300.11f, 0, 0, feed) && soft_limit_alarm);
-    /* From every corner at which the drives can be after homing. */
+    /* Starts from every corner at which the drives can be after homing. */
     for (int corner = 0; corner < 8; corner++) {
         float p[N_AXIS];
         for (int idx = 0; idx < N_AXIS; idx++) {
@@ -151,7 +151,7 @@ static void limits_and_feeds(void) {
         trueaxis_correction_inverse(p, 0, p);
         CHECK(line_to(p[0], p[1], p[2], rapid) && !soft_limit_alarm);
     }
-    /* Rounding to steps turns no drive: one axis moves, and the others take up no lost motion. */
+    /* Rounding to steps turns no drive: only one axis moves, and the others take up no lost motion. */
     CHECK(line_to(-290, -50, -20, rapid) && line_to(-280, -50, -20, feed));
     for (int i = 1; i <= 100; i++) {
         CHECK(line_to(-280 + 2.5f * (float)i, -50, -20, feed) && block_count <= 3);
@@ -159,7 +159,7 @@ static void limits_and_feeds(void) {
     }
     CHECK(turns <= 8); /* turns due to the correction itself */
     CHECK(line_to(0, 0, 0, rapid));
-    /* Rapids are not divided; feed moves are divided evenly into segments of at most 2 mm. */
+    /* Rapids are not divided; feed moves are divided into equal segments of at most 2 mm. */
     int32_t zero[N_AXIS];
     memcpy(zero, sys.position, sizeof zero);
     CHECK(line_to(-100, -50, -20, rapid) && block_count == 2); /* Y turns: its lost motion of 2.2 um comes first */
@@ -169,7 +169,7 @@ static void limits_and_feeds(void) {
         CHECK(blocks[i].feed_rate == 600.0f);
         CHECK(i == 0 || abs(blocks[i].steps[0] - blocks[i - 1].steps[0]) <= 2 * (int)COARSE);
     }
-    /* Inverse time: the segments together take as long as the whole line. */
+    /* In inverse time, all segments together take as long as the whole line. */
     int32_t from[N_AXIS];
     memcpy(from, sys.position, sizeof from);
     CHECK(line_to(-90, -20, -30, (plan_line_data_t){ .feed_rate = 10.0f, .condition.inverse_time = 1 }));
@@ -282,7 +282,7 @@ static void there_and_back(float steps_per_mm) {
     CHECK(worst < (steps_per_mm > 1000.0f ? 2.0 : 0.04));
 }
 
-/* The search of the tables finds at least the largest correction of random points, and less than twice as much. */
+/* The search of the tables finds at least the largest correction at random points, and less than twice as much. */
 static void largest_correction(void) {
     float most[3] = { 0 };
     uint32_t random = 1;
@@ -305,7 +305,8 @@ static void largest_correction(void) {
            (double)trueaxis_correction_largest(1), (double)trueaxis_correction_largest(2));
 }
 
-/* Moves for the exact machine: lines in all directions, with reversals, short and long, and an arc of chords. */
+/* Moves to compare with the exact machine: lines in all directions, with reversals, short and long, and an arc of
+ * chords. */
 static void moves(void) {
     static const float points[][N_AXIS] = {
         { -290, -190, -390 }, { -10, -10, -10 },   { -10, -190, -10 },  { -290, -190, -10 }, { -150, -100, -200 },
@@ -332,7 +333,7 @@ static void moves(void) {
 }
 
 #if N_AXIS > 3
-/* Tables of three axes on a controller with more: the fourth axis passes, and is not homed. */
+/* Three-axis tables on a controller with a fourth axis, which passes unchanged and is not homed. */
 static void fourth_axis_passes(void) {
     float target[N_AXIS] = { -100, -50, -20, 12.5f };
     plan_line_data_t pl_data = { .feed_rate = 600.0f };

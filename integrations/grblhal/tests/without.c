@@ -1,4 +1,4 @@
-/* A firmware without the plugin, to compare its size with that of one with it.
+/* A firmware without the plugin, for a comparison of sizes.
  * SPDX-License-Identifier: MIT OR Apache-2.0 */
 #include "machine.h"
 

@@ -1,4 +1,4 @@
-# Geometric errors corrected at every step; see README.md.
+# Corrects geometric errors at every step; see README.md.
 #
 # SPDX-License-Identifier: GPL-3.0-or-later
 import logging
@@ -20,7 +20,8 @@ except ImportError:
 XYZ = 7
 PASSES = 8  # each brings two digits, since the slope is limited
 HEADERS = ("itersolve.h", "trapq.h", "list.h")
-# Calls that the extra makes; both lines have them. It registers no event of homing or of motors, since those differ.
+# Calls that the extra makes. Both Klipper and Kalico have them. The extra registers no events for homing or motors,
+# because those differ between the two.
 HOST = {
     "chelper": ("get_ffi",),
     "homing.Homing": ("home_rails",),
@@ -73,7 +74,8 @@ class TrueAxis:
         self.held = None  # during a probing move: the constant correction, and the axes that move
         self.wraps = []  # (stepper, original flags, wrap, original): cffi frees what nobody refers to
         register = self.printer.register_event_handler
-        # Before [input_shaper] wraps at klippy:connect: shaped positions are corrected, not corrected ones shaped.
+        # Installed before [input_shaper] wraps the kinematics at klippy:connect: shaped positions are then corrected,
+        # not corrected positions shaped.
         register("klippy:mcu_identify", self._install)
         register("klippy:ready", self._ready)
         for name in ("TRUEAXIS", "TRUEAXIS_LOAD", "TRUEAXIS_STATUS"):
@@ -92,7 +94,7 @@ class TrueAxis:
             logging.exception("trueaxis")
             self.refused = f"the extra does not support this version of the host ({type(e).__name__}: {e})"
             return
-        # Wrapped without tables too, which changes no step: others may be loaded later.
+        # Wrap the kinematics even without tables, which changes no step, because tables may be loaded later.
         try:
             self.tables, self.note = self._read(self.file)
         except Refused as e:
@@ -147,9 +149,10 @@ class TrueAxis:
         flags = self.shim.trueaxis_shim_flags(original)
         wrap = self.ffi.gc(self.shim.trueaxis_shim_wrap(self.machine, original), self.host.free)
         stepper.set_stepper_kinematics(wrap)
-        # For the input shaper, which copies the kinematics that it finds; the outermost gets its own when the machine is ready.
+        # The input shaper copies the kinematics that it finds, so set the active axes here too. The outermost wrapper
+        # gets its own when the machine is ready.
         self.shim.trueaxis_shim_active(wrap, XYZ)
-        # Who asks for a rail's axis means the mechanics, not the correction.
+        # A caller that asks for a rail's axis means the mechanics, not the correction.
         stepper.is_active_axis = lambda axis: bool(flags & (1 << "xyz".index(axis)))
         self.wraps.append((stepper, flags, wrap, original))
 
@@ -215,7 +218,7 @@ class TrueAxis:
         return [at if there is None else there for there, at in zip(q, self.toolhead.get_position()[:3])]
 
     def _motors(self):
-        """The motors' positions, transformed to axes; None for an axis without a motor."""
+        """Returns the motors' positions, transformed to axes; None for an axis without a motor."""
         return list(self.kin_calc_position({s.get_name(): s.get_commanded_position() for s in self.kin.get_steppers()}))[:3]
 
     def _correction(self, p):
@@ -233,7 +236,7 @@ class TrueAxis:
         self._follow()
 
     def _without_others(self, newpos):
-        """The position that gives the axes being set their new values and keeps the motors of the others in place.
+        """Returns the position that gives the axes being set their new values and keeps the motors of the others in place.
 
         An axis is being set if its value differs from the current one, or if a probing move has moved it. A repeated request
         for an axis that has not moved since is not a new value: Z_TILT_ADJUST reuses the position it passed before.
@@ -245,7 +248,7 @@ class TrueAxis:
         for i in range(3):
             same = newpos[i] == at[i] or (newpos[i], at[i]) == (requested[i], passed_on[i])
             if same and i not in moved and q[i] is not None:
-                # The motor is at a whole step. If it is further off, it does not follow the axis at present.
+                # The motor is at a whole step. If it is further off than that, it is not following the axis at present.
                 planned = at[i] + c[i]
                 others[i] = q[i] if abs(q[i] - planned) <= coarsest else planned
         p = newpos[:3]
@@ -256,7 +259,7 @@ class TrueAxis:
         return p + newpos[3:]
 
     def _reread(self, change):
-        """Makes a change at standstill: motors keep their steps, the position is read again."""
+        """Makes a change at standstill: the motors keep their steps, and the position is read again."""
         self.switching = True
         try:
             self.toolhead.flush_step_generation()
@@ -293,7 +296,7 @@ class TrueAxis:
         if self.tables and not self.homing and not self.switching:
             self._switch(self.wanted and self._homed())
 
-    # Homing, probing, motors off: wrapped methods, since the events differ between versions
+    # Homing, probing, motors off. These wrap methods, since the events differ between versions.
     def _home(self, homing_state):
         home_rails = homing_state.home_rails
 
@@ -301,9 +304,9 @@ class TrueAxis:
             found = home_rails(rails, *rest, **named)
             for rail in rails:
                 if rail.get_steppers()[0].is_active_axis("z"):
-                    # A probe finds the tool, an endstop the drive.
+                    # A probe measures the tool, an endstop the drive.
                     by_probe = any(hasattr(endstop, "get_position_endstop") for endstop, _ in rail.get_endstops())
-                    # The tool may have been lifted since.
+                    # The tool may have been lifted since it touched.
                     touched = self.toolhead.get_position()[:2] + [rail.get_homing_info().position_endstop]
                     self.probed = touched if by_probe else None
             return found

@@ -5,16 +5,16 @@
 #
 #   TRUEAXIS_PROBE ID=17 X=120.5 Y=80 Z=-5 F=60
 #
-# moves in a straight line until the probe trips and reports the machine's position then:
+# moves in a straight line until the probe triggers, and reports the machine's position at that moment:
 #
 #   // trueaxis touch 17 X:118.402500 Y:80.000000 Z:-5.000000 tripped:1
 #
-# Positions are the toolhead's, in machine coordinates; no offset of G92 or SET_GCODE_OFFSET acts on them. A move that
-# touches nothing, or starts with the probe tripped, is an error and ends the program.
+# Positions are the toolhead's, in machine coordinates; offsets set by G92 or SET_GCODE_OFFSET do not apply. A move that
+# touches nothing, or that starts with the probe triggered, is an error and ends the program.
 #
 #   TRUEAXIS_NOTE MSG="trueaxis calibrate 1234abcd touches 96"
 #
-# says it likewise, on the console and in klippy.log, where RESPOND leaves nothing.
+# reports a note in the same way, on the console and in klippy.log; RESPOND writes nothing to klippy.log.
 #
 # This file may be distributed under the terms of the GNU GPLv3 license.
 import inspect
@@ -51,7 +51,7 @@ class TrueaxisProbe:
 
     def add_steppers(self):
         self.meet_host()
-        # Whichever motors a move in any direction needs.
+        # A move in any direction may need any of the motors.
         kinematics = self.printer.lookup_object("toolhead").get_kinematics()
         for stepper in kinematics.get_steppers():
             self.endstop.add_stepper(stepper)
@@ -65,7 +65,7 @@ class TrueaxisProbe:
         for index, axis in enumerate("XYZ"):
             to[index] = gcmd.get_float(axis, to[index])
         speed = gcmd.get_float("F", above=0.0) / 60.0
-        # Not the host's probing_move: that refuses every move in which one of the motors does not move.
+        # The host's own probing_move is unusable here: it refuses every move in which one of the motors does not move.
         move = homing.HomingMove(self.printer, [(self.endstop, "probe")])
         trip = move.homing_move(to, speed, probe_pos=True)
         if all(motor.trig_pos == motor.start_pos for motor in move.stepper_positions):

@@ -1,6 +1,6 @@
 /*
- * Wraps a stepper's kinematics so that every step is solved at p + c(p): the host's solver requests the motor's
- * position at a time, and the wrapper evaluates the original kinematics at the corrected position.
+ * Wraps a stepper's kinematics so that every step is solved at p + c(p): the host's solver requests the motor's position
+ * at a time, and the wrapper evaluates the original kinematics at the corrected position.
  *
  * SPDX-License-Identifier: GPL-3.0-or-later
  */
@@ -46,7 +46,7 @@ struct corrected {
     struct move still;
 };
 
-/* Mean of both directions of travel: a jump at a reversal would produce a burst of steps. */
+/* Mean of both directions of travel, because a jump at a reversal would produce a burst of steps. */
 static void mean(const struct tables *t, const double *p, double *c) {
     double inside[3], there[TRUEAXIS_AXES_MAX], back[TRUEAXIS_AXES_MAX];
     for (int i = 0; i < 3; i++)
@@ -122,8 +122,8 @@ EXPORT void trueaxis_shim_hold(struct machine *m, const double *p) {
         correction(m, p, m->hold);
 }
 
-/* Makes the correction of Z zero where the probe touched, at the uncorrected position `probed` of the drives; NULL:
- * removes this datum. */
+/* Sets the datum: the correction of Z becomes zero where the probe touched, at the uncorrected position `probed` of the
+ * drives. NULL removes the datum. */
 EXPORT void trueaxis_shim_datum(struct machine *m, const struct tables *t, const double *probed) {
     double p[3], c[3] = { 0 };
     if (t && probed) {
@@ -137,7 +137,7 @@ EXPORT void trueaxis_shim_datum(struct machine *m, const struct tables *t, const
     m->datum_z = c[2];
 }
 
-/* Solves q = p + c(p) for p; since the slope is limited, every pass adds two digits. */
+/* Solves q = p + c(p) for p. Since the slope is limited, every pass adds two digits. */
 EXPORT void trueaxis_shim_inverse(const struct machine *m, const double *q, double *p) {
     memcpy(p, q, 3 * sizeof *p);
     for (int pass = 0; m->tables && pass < PASSES; pass++) {
@@ -164,8 +164,8 @@ static void look(struct tables *t, const double *p, double way, double *was, int
     }
 }
 
-/* Finds the largest correction on a grid of the travel, and the steepest on fine lines along each axis through the ends
- * and the middle of the others. */
+/* Finds the largest correction on a grid over the travel, and the steepest slope on fine lines along each axis through the
+ * ends and the middle of the others. */
 static void survey(struct tables *t) {
     const double *low = t->info.travel_low, *high = t->info.travel_high;
     double was[3];
@@ -197,7 +197,7 @@ EXPORT void trueaxis_shim_free(struct tables *t) {
     free(t);
 }
 
-/* Returns NULL, with one line in `told`, if the file is refused. */
+/* Loads a file. Returns NULL, with one line in `told`, if it is refused. */
 EXPORT struct tables *trueaxis_shim_load(const unsigned char *file, size_t length, unsigned machine_id, double max_correction,
                                          double max_slope, char *told, size_t told_size) {
     struct tables *t = calloc(1, sizeof *t);

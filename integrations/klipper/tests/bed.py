@@ -1,7 +1,7 @@
-"""A bed that a probe finds, as far as there is no machine: BED_LOOK NAME=what writes where everything stands.
+"""Simulates a bed and a probe that finds it: BED_LOOK NAME=what writes the positions of the drives, the host and the probe.
 
-The drives stand where their steps have brought them since homing; where the tool is then says the library's command, so
-neither asks the extra under test. SPDX-License-Identifier: GPL-3.0-or-later
+The drives' positions follow from the steps since homing, and the library's command gives the tool's position from them, so
+neither depends on the extra under test. SPDX-License-Identifier: GPL-3.0-or-later
 """
 import json
 
@@ -36,7 +36,7 @@ class Bed:
     def start(self, print_time, *args, **kwargs):
         self.begun = print_time
         if self.zero is None:
-            # X and Y are homed, so the host knows their motors' zeros; it does not know that of Z yet.
+            # X and Y are homed, so the host knows their motors' zeros. It does not know that of Z yet.
             self.zero = {s.get_name(): s.mcu_to_commanded_position(0) for s in self.kin.get_steppers()}
             for s in filter(lambda s: s.is_active_axis("z"), self.kin.get_steppers()):
                 self.zero[s.get_name()] = START - s.get_mcu_position() * s.get_step_dist()

@@ -1,6 +1,6 @@
-"""Writes the protocol dictionary of a board that takes steppers and endstops: dictionary.py OUT.
+"""Writes the protocol dictionary of a board with steppers and endstops: dictionary.py OUT.
 
-The host checks and compresses against it without a board; it holds no more than the tests' machines ask for.
+With it the host checks and compresses its messages without a board. It contains only what the tests' machines need.
 SPDX-License-Identifier: GPL-3.0-or-later
 """
 import json

@@ -1,4 +1,4 @@
-# DRAIN waits until all that was planned is written: at its end the host drops the rest.
+# DRAIN waits until all planned moves are written, because the host drops the rest when it exits.
 # SPDX-License-Identifier: GPL-3.0-or-later
 import re
 

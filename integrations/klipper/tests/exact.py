@@ -1,5 +1,5 @@
-# Makes step compression exact on Klipper's main line, where its error (half a microstep) is a constant since October 2025;
-# Kalico has the option max_stepper_error. SPDX-License-Identifier: GPL-3.0-or-later
+# Makes step compression exact on Klipper's main line, where its error (half a microstep) has been a constant since
+# October 2025. Kalico has the option max_stepper_error. SPDX-License-Identifier: GPL-3.0-or-later
 import stepper
 
 

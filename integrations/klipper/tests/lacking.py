@@ -1,4 +1,5 @@
-# Removes a call of the host while the extra is set up, as a future version might. SPDX-License-Identifier: GPL-3.0-or-later
+# Removes one of the host's calls while the extra is set up, as a future version might. SPDX-License-Identifier:
+# GPL-3.0-or-later
 from . import homing
 
 try:

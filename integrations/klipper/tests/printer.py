@@ -1,6 +1,7 @@
-"""Writes the machine of the probing tests, a printer with errors of up to a tenth of a millimetre: printer.py OUT.
+"""Writes the machine for the probing tests, a printer with errors of up to a tenth of a millimetre: printer.py OUT.
 
-Z goes up from the bed at 0. Smooth and without lost motion; the figures are synthetic. SPDX-License-Identifier: GPL-3.0-or-later
+Z rises from 0 at the bed. The errors are smooth and without lost motion; the figures are synthetic.
+SPDX-License-Identifier: GPL-3.0-or-later
 """
 import math
 import sys
@@ -8,7 +9,7 @@ from pathlib import Path
 
 out = Path(sys.argv[1])
 out.mkdir(exist_ok=True)
-# Amplitude (um, urad), length of a wave (mm), phase.
+# Each term: amplitude (um, urad), wavelength (mm), phase.
 TERMS = {
     "X": {"EXX": (30, 310, 0.1), "EYX": (40, 500, 0.2), "EZX": (55, 420, 0.15), "EAX": (60, 600, 0.3), "EBX": (80, 560, 0.1),
           "ECX": (75, 480, 0.7)},

@@ -1,4 +1,4 @@
-"""What a probe and a mesh find, and where the tool goes with them, against the bed: check(TRUEAXIS, MACHINE, RECORD).
+"""Compares the results of a probe and a mesh, and the resulting tool positions, with the bed: check(TRUEAXIS, MACHINE, RECORD).
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -38,7 +38,7 @@ def program():
 
 
 def check(trueaxis, machine, record):
-    """Largest deviation in microsteps of: points probed, mesh, tool above the bed, positions reported."""
+    """Returns the largest deviations, in microsteps, of points probed, mesh, tool above the bed, and positions reported."""
     looks = [entry for entry in map(json.loads, open(record)) if "look" in entry]
     stood = tools(trueaxis, machine, [entry["drives"] for entry in looks])
     largest = dict.fromkeys(("probed", "mesh", "above", "told"), 0.0)
@@ -48,7 +48,7 @@ def check(trueaxis, machine, record):
 
     places = iter(PLACES)
     for entry, tool in zip(looks, stood):
-        # Z of the host is 0 where the nozzle touched the bed when Z was homed.
+        # The host's Z is 0 where the nozzle touched the bed when Z was homed.
         zero, bed = height(*OTHER) if entry["look"] == "homed" else 0.0, height(*tool[:2])
         if entry["look"] in ("probed", "homed"):
             place = next(places) if entry["look"] == "probed" else PLACES[2]

@@ -1,4 +1,4 @@
-# Writes the planned moves and every new position of the motors. SPDX-License-Identifier: GPL-3.0-or-later
+# Writes the planned moves and every new position of the motors to a file. SPDX-License-Identifier: GPL-3.0-or-later
 import json
 
 

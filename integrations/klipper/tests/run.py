@@ -1,7 +1,8 @@
 """Runs the host without a board, with the extra and without: run.py KLIPPY OUT TRUEAXIS MACHINE TABLES.tcomp HOSTS_MACHINE HOSTS.
 
-KLIPPY: the host's folder, of Kalico or of Klipper's main line, with the extras in its `extras`; run by its Python. OUT: also printer/ and printer.tcomp, of printer.py. HOSTS_MACHINE and HOSTS: machine, tables and recording that every host
-replays.
+KLIPPY: the folder of the host (Kalico or Klipper's main line), with the extras in its `extras`; the host's Python runs this
+script. OUT: also contains printer/ and printer.tcomp, written by printer.py. HOSTS_MACHINE and HOSTS: machine, tables and
+recording common to all hosts.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -35,7 +36,7 @@ LIMITS = {
 SHAPER = "[input_shaper]\nshaper_type: mzv\nshaper_freq_x: 40\nshaper_freq_y: 35\n"
 HOME = "G28\nG90\nG1 X10 Y10 Z-100 F3000\n"
 START = "SET_KINEMATIC_POSITION X=10 Y=10 Z=-100\nG90\n"
-# Lines with reversals of every axis, a slow one, and arcs.
+# Lines with reversals of every axis, one slow line, and arcs.
 MOVES = """G1 X120 Y80 Z-50 F6000
 G1 X10 F3000
 G1 X60 Y150 Z-60
@@ -47,7 +48,7 @@ M400
 
 
 def config(kinematics, extra, limits):
-    # The host's own compression of steps would otherwise take half a microstep and hide the effect.
+    # The host's own compression of steps would otherwise add half a microstep and hide the effect.
     text = "[exact]\n[mcu]\nserial: /dev/null\n" if main_line else "[mcu]\nserial: /dev/null\nmax_stepper_error: 0.000001\n"
     text += f"[printer]\nkinematics: {kinematics}\nmax_velocity: 300\nmax_accel: 3000\n"
     text += "max_z_velocity: 50\nmax_z_accel: 500\n[gcode_arcs]\nresolution: 0.5\n[force_move]\nenable_force_move: True\n[drain]\n"
@@ -60,7 +61,7 @@ def config(kinematics, extra, limits):
 
 
 def host(name, kinematics, program, extra="", limits=LIMITS, refused=False):
-    """Steps that the host sends, as text, and its messages; a program that is to be refused ends it."""
+    """Runs the host; returns the steps that it sends, as text, and its messages. A program that must be refused ends the host."""
     cfg, ngc, sent, log = (out / f"{name}.{kind}" for kind in ("cfg", "gcode", "serial", "log"))
     log.unlink(missing_ok=True)  # the host adds to it
     cfg.write_text(config(kinematics, extra, limits))
@@ -74,7 +75,7 @@ def host(name, kinematics, program, extra="", limits=LIMITS, refused=False):
     dump = subprocess.run([sys.executable, *parse, out / "board.dict", sent], check=True, capture_output=True, text=True).stdout
     steps = [line for line in dump.splitlines() if any(word in line for word in ("queue_step", "set_next_step_dir", "reset_step_clock"))]
     (out / f"{name}.steps").write_text("\n".join(steps))
-    # Its number and its time are the message's, not the step's.
+    # Drop the message number and time, which belong to the message and not to the step.
     return [line.split(": ", 1)[-1] for line in steps], text
 
 
@@ -83,13 +84,13 @@ def own(tables):
 
 
 def calls():
-    """HOST of the extra: the calls it makes, by kind."""
+    """Returns HOST of the extra: the calls it makes, by kind."""
     tree = ast.parse((HERE.parent / "extra/trueaxis.py").read_text())
     return next(ast.literal_eval(node.value) for node in tree.body if isinstance(node, ast.Assign) and node.targets[0].id == "HOST")
 
 
 def net(steps):
-    """Steps forward less steps back, of every motor by its number."""
+    """Returns, for every motor number, the steps forward minus the steps back."""
     found, way = {}, {}
     for line in steps:
         words = dict(word.split("=") for word in line.split() if "=" in word)
@@ -114,23 +115,23 @@ for kinematics in ("cartesian", "corexy"):
     corrected, told = host(kinematics, kinematics, START + MOVES, own(tables) + f"[record]\nfile: {record}\n")
     subprocess.run([sys.executable, HERE / "steps.py", trueaxis, machine, record, out / f"{kinematics}.steps"], check=True)
 
-    # The same homed by switches, which are found uncorrected.
+    # The same moves after homing by switches, which are found uncorrected.
     record = out / f"{kinematics}-homed.jsonl"
     host(f"{kinematics}-homed", kinematics, HOME + MOVES, own(tables) + f"[record]\nfile: {record}\n")
     subprocess.run([sys.executable, HERE / "steps.py", trueaxis, machine, record, out / f"{kinematics}-homed.steps"], check=True)
 
-    # Input shaping moves the same motors as far, at other times.
+    # Input shaping moves the same motors by the same steps, at other times.
     shaped, _ = host(f"{kinematics}-shaped", kinematics, START + MOVES, own(tables) + SHAPER)
     if shaped == corrected or net(shaped) != net(corrected):
         sys.exit(f"shaped: found net steps {net(shaped)}, needed {net(corrected)} at other times")
     print(f"{kinematics}, input shaper: the same net steps, {net(shaped)}")
 
-    # Switched and reloaded at standstill: not a step.
+    # Switching and reloading at standstill adds no step.
     switched = "TRUEAXIS ENABLE=0\nTRUEAXIS ENABLE=1\n" * 3 + f"TRUEAXIS_LOAD FILE={tables}\nM400\n"
     again, told = host(f"{kinematics}-switched", kinematics, START + MOVES + switched, own(tables))
     same(f"{kinematics}, switched at standstill", corrected, again)
 
-    # Refused: reported in one line, and the machine runs as without the extra.
+    # A refusal is reported in one line, and the machine runs as without the extra.
     plain, _ = host(f"{kinematics}-plain", kinematics, START + MOVES)
     if plain == corrected:
         sys.exit("the correction changes no step")
@@ -152,7 +153,7 @@ for kinematics in ("cartesian", "corexy"):
     _, told = host(f"{kinematics}-restarted", kinematics, START + "RESTART\n", own(tables))
     if told.count("uncompensated until homed") != 2:
         sys.exit(f"restarted: needed the extra twice in\n{told[-3000:]}")
-    # After a refusal other tables are loaded, and nothing is left of it.
+    # After a refusal other tables can be loaded, and the refusal has no further effect.
     late, _ = host(f"{kinematics}-late", kinematics, f"TRUEAXIS_LOAD FILE={tables}\n" + START + MOVES, own(damaged))
     same(f"{kinematics}, loaded after a refusal", corrected, late)
     for name, settings, command, words in (
@@ -167,7 +168,7 @@ for kinematics in ("cartesian", "corexy"):
     off, _ = host(f"{kinematics}-off", kinematics, START + MOVES, own(tables) + "enable: False\n")
     same(f"{kinematics}, switched off", plain, off)
 
-    # A bed, which is probed and lies in a mesh; with the correction to a step, and without far from it.
+    # Probing a bed and its mesh: exact to a step with the correction, far off without it.
     limits = {**LIMITS, "z": "endstop_pin: probe:z_virtual_endstop\nposition_min: -5\nposition_max: 200\nhoming_speed: 20\n"}
     for with_extra, as_if in [(False, "")] + [(True, as_if) for as_if in AS_IF]:
         name, record = f"{kinematics}-probing-{'on' if with_extra else 'off'}{as_if and '-' + as_if}", out / f"{kinematics}-probing.jsonl"
@@ -194,7 +195,7 @@ for kinematics in ("cartesian", "corexy"):
         if told.count("trueaxis: correction on") < 4 or not told.rstrip().split("trueaxis: correction ")[-1].startswith("off"):
             sys.exit(f"{name}: needed the correction on after every homing and off with the motors in\n{told[-3000:]}")
 
-# A host that lacks a call is refused in one line; the machine runs as without the extra.
+# The extra refuses a host that lacks a call, in one line, and the machine runs as without the extra.
 plain = None
 for kind, names in calls().items():
     for name in names:
@@ -213,7 +214,7 @@ for name in ("homing_move", "stepper_positions"):
     if words not in told:
         sys.exit(f"lacking-probe: needed {words!r} in\n{told[-3000:]}")
 
-# The program of a calibration with a touch probe, and its log.
+# A calibration program with a touch probe, and its log.
 for kinematics in ("cartesian", "corexy"):
     folder, name = out / "touched", f"{kinematics}-touched"
     _, told = host(name, kinematics, touched.program(trueaxis, folder), touched.SECTIONS)
@@ -226,14 +227,14 @@ for kinematics in ("cartesian", "corexy"):
         if words not in told:
             sys.exit(f"{name}, {what}: needed {words!r} in\n{told[-3000:]}")
 
-# Tables of less than the machine's travel: reported.
+# Tables that cover less than the machine's travel are reported.
 wide = {**LIMITS, "x": "position_min: 0\nposition_max: 400\n"}
 _, told = host("partial", "cartesian", START + MOVES, own(tables), wide)
 words = "trueaxis: the tables cover X -300 to 300 of 0 to 400 mm; beyond, their value at the end holds"
 if words not in told:
     sys.exit(f"partial: needed {words!r} in\n{told[-3000:]}")
 
-# Cost of solving for a step: the least of some runs. Klipper's main line solves in C and reports no time.
+# Cost of solving for a step: the least of several runs. Klipper's main line solves in C and reports no time.
 for kinematics in ("cartesian", "corexy")[: 0 if main_line else 2]:
     spent = {}
     for name, extra in (("plain", ""), ("corrected", own(tables))):
@@ -244,12 +245,12 @@ for kinematics in ("cartesian", "corexy")[: 0 if main_line else 2]:
             spent[name] = min(spent.get(name, 1e9), int(cost.read_text()) / count)
     print(f"{kinematics}: solving for a step takes {spent['plain']:.0f} ns, with the correction {spent['corrected']:.0f} ns")
 
-# Through every tenth command of the recording that all hosts replay, from where all axes are well within their travel:
-# motors at its end have a tool position beyond it.
+# Moves through every tenth command of the recording common to all hosts, starting where all axes are well within their
+# travel: with motors at an end, the tool would be beyond it.
 with (hosts / "run.csv").open() as file:
     points = [tuple(float(row[f"{axis}_cmd_mm"]) for axis in "xyz") for row in csv.DictReader(file)][::10]
 points = points[next(k for k, point in enumerate(points) if max(point) < -1.0):]
-# Without powers of ten, which would be read as an extruder's.
+# Without exponents, because an E would be read as the extruder's word.
 words = ["X=%.9f Y=%.9f Z=%.9f" % points[0]] + ["G1 X%.9f Y%.9f Z%.9f F3000" % point for point in points[1:]]
 travel = {axis: f"position_min: {low}\nposition_max: 0\n" for axis, low in (("x", -300), ("y", -200), ("z", -400))}
 record = out / "hosts.jsonl"

@@ -1,6 +1,6 @@
-"""Holds every step of a program against the planned moves and `trueaxis compensate`: steps.py TRUEAXIS MACHINE RECORD DUMP [RESULT.json].
+"""Compares every step of a program with the planned moves and `trueaxis compensate`: steps.py TRUEAXIS MACHINE RECORD DUMP [RESULT.json].
 
-A program after SET_KINEMATIC_POSITION or G28. SPDX-License-Identifier: GPL-3.0-or-later
+The program follows SET_KINEMATIC_POSITION or G28. SPDX-License-Identifier: GPL-3.0-or-later
 """
 import bisect
 import json
@@ -17,7 +17,7 @@ for line in map(json.loads, open(record)):
         runs[-1][1].append(line["move"])
     else:
         runs.append((line, []))
-# Homing sets positions several times, and switching off at the end once more: what counts is the last between them.
+# Homing sets positions several times, and switching off at the end sets one more. Use the last run that has moves.
 sync, moves = [run for run in runs if run[1]][-1]
 assert sync["on"]
 phases = []
@@ -44,7 +44,7 @@ else:
     MOTORS = {"x": lambda p: p[0], "y": lambda p: p[1], "z": lambda p: p[2]}
 steppers = {oid: dict(motor=MOTORS[name.split("_")[1][0]], n=mcu, offset=mcu * step - cmd, step=step, clock=0, up=1)
             for name, oid, mcu, cmd, step in sync["steppers"]}
-# A motor's count of steps, times a step, is its position but for a constant: the offset.
+# A motor's step count times its step is its position minus a constant offset.
 steps = []
 for line in open(dump):
     words = dict(w.split("=") for w in line.split() if "=" in w)
@@ -62,7 +62,7 @@ for line in open(dump):
             interval += int(words["add"])
             if s["clock"] / FREQUENCY < starts[0]:
                 continue
-            # The step is taken where the motor should be half-way.
+            # The host takes a step when the motor should be half-way.
             steps.append((s["motor"], s["clock"] / FREQUENCY, (s["n"] + 0.5 * s["up"]) * s["step"] - s["offset"], s["step"]))
             s["n"] += s["up"]
 points = [at(time) for _, time, _, _ in steps]

@@ -1,6 +1,6 @@
-"""A machine with a ball and a ring on it, as far as there is none: where its probe trips.
+"""Simulates a machine with a ball and a ring on it, and where its probe triggers.
 
-The drives stand where their steps have brought them. The tip is off by scale and squareness, which stand here as a formula,
+The drives' positions follow from their steps since homing. The tip deviates by scale and squareness, by the formula below,
 and meets a ball from outside or a ring from inside.
 
 SPDX-License-Identifier: GPL-3.0-or-later
@@ -46,7 +46,7 @@ START = "SET_KINEMATIC_POSITION X=100 Y=100 Z=-50\nG90\n"
 
 
 def program(trueaxis, folder):
-    """The planned program; its machine and task are put into the folder."""
+    """Returns the planned program; writes its machine and task into the folder."""
     (folder / "router").mkdir(parents=True, exist_ok=True)
     (folder / "router/machine.toml").write_text(MACHINE)
     (folder / "task.toml").write_text(TASK)
@@ -55,7 +55,7 @@ def program(trueaxis, folder):
 
 
 def check(trueaxis, folder, log):
-    """Scale and squareness from the log: name, found, standard error, truth, ppm and urad."""
+    """Solves the log; returns, for each scale and squareness, name, value, standard error and truth, ppm and urad."""
     shutil.rmtree(folder / "solved", ignore_errors=True)
     run = subprocess.run([trueaxis, "calibrate", "solve", folder / "task.toml", log, "-o", folder / "solved", "--json"], check=True, capture_output=True, text=True)
     truth = {"squareness C0Y": SQUARENESS, "scale of X": SCALE_X, "scale of Y": SCALE_Y}
@@ -83,7 +83,7 @@ class Touched:
         return self.home_start(print_time, *args, **kwargs)
 
     def gap(self, time):
-        """Between tip and the nearest surface, mm."""
+        """Returns the gap between the tip and the nearest surface, mm."""
         at = {s.get_name(): s.get_past_mcu_position(time) * s.get_step_dist() + self.zero[s.get_name()] for s in self.kin.get_steppers()}
         x, y, z = type(self.kin).calc_position(self.kin, at)
         tip = (1 + SCALE_X) * x - SQUARENESS * y, (1 + SCALE_Y) * y, z

@@ -1,6 +1,6 @@
-"""What the tests hold the host against: the form of a bed, and where tool and drives are by the library's command.
+"""Reference for the tests of the host: the form of a bed, and the positions of tool and drives by the library's command.
 
-Of both directions of travel the mean, as the shim takes it.
+They are the mean of both directions of travel, as the shim uses it.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -14,13 +14,13 @@ HOME = 60.0, 140.0
 
 
 def height(x, y):
-    """Of the bed, twisted and tilted, mm, 0 at HOME: the interpolation of a mesh meets it exactly."""
+    """Returns the height of the bed, mm, 0 at HOME. It is twisted and tilted, so a mesh's interpolation meets it exactly."""
     dx, dy = x - HOME[0], y - HOME[1]
     return 4e-4 * dx - 3e-4 * dy + 1.5e-6 * dx * dy
 
 
 def commands(trueaxis, machine, points):
-    """p + c(p), mm, of every place p = (x, y, z) of the tool."""
+    """Returns the drive positions p + c(p), mm, for tool positions p = (x, y, z)."""
     with tempfile.TemporaryDirectory() as folder:
         given, out = Path(folder) / "p.csv", Path(folder) / "q.csv"
         given.write_text("x_mm,y_mm,z_mm\n" + "".join("%.9f,%.9f,%.9f\n" % tuple(p) for p in points))
@@ -33,7 +33,7 @@ def commands(trueaxis, machine, points):
 
 
 def tools(trueaxis, machine, drives):
-    """Where the tool is, of every place of the drives: p of q = p + c(p)."""
+    """Returns the tool positions p with q = p + c(p), for drive positions q."""
     points = drives
     for _ in range(PASSES):
         sent = commands(trueaxis, machine, points)

@@ -8,7 +8,7 @@ from truth import HOME
 
 ALLOWED = 1e-6  # mm
 STEP = 0.0016  # mm
-# After Z is homed by a probe: name, program, and the axes whose zero it may move.
+# Operations after Z is homed by a probe: name, program, and the axes whose zero it may move.
 DONE = (
     ("nothing", "", ""),
     ("set-z", "SET_KINEMATIC_POSITION Z=180\n", "z"),
@@ -30,7 +30,7 @@ def program():
 
 
 def check(record):
-    """Name and largest shift of a zero that must not move, per entry of DONE; error of the position sought. All mm."""
+    """Returns (name, largest shift of a zero that must not move) for each entry of DONE, and the error of the position sought, mm."""
     looks = list(map(json.loads, open(record)))
     assert len(looks) == len(DONE)
     sought, looks = looks[-1]["sought"], [look["zero"] for look in looks]

@@ -29,11 +29,11 @@
 #define MAX_JOINTS 9
 #define MAX_JOINT_TABLES 4
 #define MAX_AXES TRUEAXIS_AXES_MAX
-/* HAL names have 47 characters at most, and ".joint.0.motor-pos-cmd-out" is 26. */
+/* HAL names have at most 47 characters, and ".joint.0.motor-pos-cmd-out" has 26. */
 #define NAME_BYTES (HAL_NAME_LEN - 26 + 1)
 #define PATH_BYTES 1024
 
-/* Memory for the tables of one file in one of the two buffers that an exchange needs. The file itself is larger. */
+/* Memory for the tables of one file, in one of the two buffers that an exchange needs. The file itself is larger. */
 #define AXIS_TABLE_BYTES (768 * 1024)
 #define JOINT_TABLE_BYTES (128 * 1024)
 #define FILE_BYTES (1024 * 1024)
@@ -42,10 +42,10 @@
 #define THERMAL_BYTES (16 * 1024)
 /* Distance between two points of the commanded path at slow feeds. */
 #define WINDOW_SPACING_MM 0.005
-/* A command within this distance of the reading counts as at the joint's position: mm, degrees. */
+/* A joint counts as at its commanded position if the reading is within this distance of it: mm, degrees. */
 #define STANDING 0.05
 
-/* Codes with which the component itself refuses; the library's results are smaller. */
+/* Codes for refusals by the component itself; the library's results are smaller numbers. */
 enum refusal {
     REFUSED_OPEN = 1000,
     REFUSED_LONG = 1001,
@@ -54,7 +54,7 @@ enum refusal {
     REFUSED_LIMITS = 1004,
 };
 
-/* All data that a reload exchanges. The memory is the component's, not HAL's: HAL has 1 MiB for all components. */
+/* All data that a reload exchanges. The component owns the memory, because HAL has only 1 MiB for all components. */
 struct tables {
     trueaxis_loop_t axes;
     trueaxis_loop_t joint[MAX_JOINT_TABLES];
@@ -130,7 +130,7 @@ struct pins {
     struct thermal_pins thermal;
 };
 
-/* Set while the component is loaded, only read afterwards. */
+/* Set while the component is loaded; only read afterwards. */
 struct setup {
     char name[NAME_BYTES];
     char path[PATH_BYTES];
@@ -233,15 +233,15 @@ extern int trueaxis_instance_count;
  * line. */
 int parameters_read(void);
 
-/* tables.c: reads the instance's files into `tables`. Returns 0, or the library's result or a `refusal` and one line of
- * text. If `before` is not NULL, refuses files of other machines than its own. */
+/* tables.c: reads the instance's files into `tables`. Returns 0, or the library's result or a `refusal` with one line of
+ * text. If `before` is not NULL, it refuses files of another machine than that of `before`. */
 uint32_t tables_read(const struct instance *instance, const struct tables *before, struct tables *tables,
                      char line[LINE_BYTES]);
-/* Finds the file's axes among the joints; returns 0, or a refusal and one line. */
+/* Finds the file's axes among the joints. Returns 0, or a refusal and one line. */
 uint32_t tables_match(struct instance *instance, const struct tables *tables, char line[LINE_BYTES]);
 /* Builds the gauge of a machine that has one, with `points` points per revolution. */
 uint32_t tables_gauge(struct instance *instance, uint32_t points, char line[LINE_BYTES]);
-/* Reads the instance's thermal growth, if it has one, for this machine; returns 0, or a refusal and one line. */
+/* Reads the instance's thermal growth for this machine, if it has one. Returns 0, or a refusal and one line. */
 uint32_t tables_thermal(struct instance *instance, uint32_t machine_id, char line[LINE_BYTES]);
 /* The negative errno that corresponds to a result. */
 int tables_errno(uint32_t refused);
@@ -273,7 +273,7 @@ bool steps_run(struct instance *instance, const trueaxis_input_t *input, trueaxi
 void gauge_read(struct instance *instance, trueaxis_gauge_ride_t *ride);
 void gauge_show(struct instance *instance, const trueaxis_gauge_ride_t *ride);
 
-/* thermal.c: called in every cycle; updates the growth once per second and passes it to new tables. */
+/* thermal.c: called in every cycle. Updates the growth once per second and passes it to new tables. */
 void thermal_update(struct instance *instance, uint32_t period_ns);
 
 /* show.c: writes the output of a cycle to pins. */

@@ -1,4 +1,4 @@
-/* The two functions of the servo thread: feedback for motion-controller, command for the drives.
+/* The two functions of the servo thread: feedback for motion-controller, and commands for the drives.
  *
  *   motor-pos-fb  --update-feedback-->  joint.N.motor-pos-fb  = raw - correction sent
  *   motion-controller
@@ -30,14 +30,14 @@ void cycle_update_feedback(void *arg, long period)
         if (isfinite(offset))
             joint->offset = offset;
         joint->reading = reading;
-        /* Motion must never see a NaN: it keeps the last reading, and LinuxCNC's own following error limit decides. */
+        /* Motion must never see a NaN. It keeps the last reading, and LinuxCNC's own following error limit decides. */
         if (isfinite(reading))
             joint->passed = plus(reading, -joint->sent);
         hal_set_real(p->motor_fb_out, joint->passed);
     }
 }
 
-/* Whether motion commands every joint to its present position; without drive power, the command follows the drives. */
+/* Whether motion commands every joint to its present position. Without drive power, the command follows the drives. */
 static bool standing(const struct instance *instance)
 {
     for (int j = 0; j < instance->setup.joints; j++) {
@@ -51,8 +51,9 @@ static bool standing(const struct instance *instance)
     return true;
 }
 
-/* A machine that lost its power at speed stops away from the held output, at which the library would release the stop.
- * Nothing can jump at standstill, so a reset restarts the steps from the machine's position. */
+/* Releases a stop without drive power. A machine that lost its power at speed stops away from the held output, and the
+ * library releases the stop only there. Nothing can jump at standstill, so a reset restarts the steps from the machine's
+ * position. */
 static void release_without_power(struct instance *instance, uint32_t period_ns)
 {
     struct servo *servo = &instance->servo;
@@ -63,9 +64,9 @@ static void release_without_power(struct instance *instance, uint32_t period_ns)
         steps_start(instance, period_ns);
 }
 
-/* No usable command has come yet, and not every axis has had a usable reading. A HAL pin always has a value, so the
- * outputs follow the usable readings and the others do not change. Once all axes have been read, their positions are
- * held. */
+/* Sets the outputs before any usable command and before every axis has had a usable reading. A HAL pin always has a value,
+ * so the outputs follow the usable readings and the others do not change. Once all axes have been read, the step holds
+ * their positions. */
 static void follow_readings(struct instance *instance)
 {
     for (int j = 0; j < instance->setup.joints; j++) {
@@ -93,7 +94,8 @@ static double correction(const trueaxis_record_t *record, int slot)
     return record->correction[slot] + record->dynamic.sent[slot];
 }
 
-/* Output to the drives: the motor's command plus its corrections, or the last output while a stop is requested. */
+/* Writes the outputs to the drives: the motor's command plus its corrections, or the last output while a stop is
+ * requested. */
 static void drive(struct instance *instance, const trueaxis_output_t *axes, const trueaxis_output_t *joints)
 {
     const struct setup *setup = &instance->setup;
@@ -120,8 +122,8 @@ static void drive(struct instance *instance, const trueaxis_output_t *axes, cons
     }
 }
 
-/* Used if the library refuses the thread's period or a call: the command passes with the last correction, and a stop is
- * requested. */
+/* Passes the command with the last correction and requests a stop, if the library refuses the thread's period or a
+ * call. */
 static void pass(struct instance *instance, uint32_t fault)
 {
     struct pins *pins = instance->pins;
@@ -162,7 +164,7 @@ void cycle_update_output(void *arg, long period)
     if (hal_get_bool(pins->reload) && !servo->last.reload)
         atomic_fetch_add_explicit(&instance->shared.reload_wanted, 1, memory_order_release);
     servo->last.reload = hal_get_bool(pins->reload);
-    /* Only one of the two: the later call would replace the growth set by the other. */
+    /* Only one of the two may be used, because the later call replaces the growth set by the other. */
     if (instance->setup.has_thermal)
         thermal_update(instance, period_ns);
     else
@@ -171,7 +173,7 @@ void cycle_update_output(void *arg, long period)
     /* Motion advances by the nominal period in every call, and so does the step. */
     trueaxis_input_t input = {.size = sizeof input, .elapsed_ns = period_ns, .homed = 1};
     bool permitted = atomic_load_explicit(&instance->shared.permitted, memory_order_acquire);
-    /* Without power, motion's command follows the drives, and a jump of the following error must not be judged. */
+    /* Without power, motion's command follows the drives, and a jump of the following error must not count as a fault. */
     input.enable = hal_get_bool(pins->enable) && hal_get_bool(pins->motion_enabled) && permitted;
     input.reset = hal_get_bool(pins->reset);
     input.dynamics_off = pins_parts_off(pins);

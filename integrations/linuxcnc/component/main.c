@@ -1,4 +1,4 @@
-/* trueaxis as a component of LinuxCNC's HAL: loading and unloading.
+/* Loads and unloads trueaxis as a component of LinuxCNC's HAL.
  *
  * License: MIT OR Apache-2.0
  */

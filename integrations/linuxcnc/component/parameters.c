@@ -129,7 +129,7 @@ static int joint_table(const char *text)
     return 0;
 }
 
-/* Whether a unit is one of the names (in upper or lower case) or the number, as LinuxCNC's own INI file allows. */
+/* Whether a unit is one of the names (in upper or lower case) or the number, as in LinuxCNC's own INI files. */
 static bool is_unit(const char *text, const char *const *unit_names, double per_unit)
 {
     for (; *unit_names; unit_names++)
@@ -140,8 +140,8 @@ static bool is_unit(const char *text, const char *const *unit_names, double per_
     return end != text && *end == '\0' && fabs(number / per_unit - 1.0) < UNIT_ROUNDING;
 }
 
-/* Returns 1: inches, 0: millimetres; NOT_STATED, or a negative errno after printing a line. The names are LinuxCNC's,
- * and a number is in machine units per millimetre. */
+/* Returns 1 for inches, 0 for millimetres, NOT_STATED, or a negative errno after printing a line. The names are
+ * LinuxCNC's; a number is in machine units per millimetre. */
 static int inches_stated(void)
 {
     static const char *const millimetres[] = {"mm", "metric", NULL}, *const inches[] = {"inch", "in", "imperial", NULL};

@@ -26,7 +26,7 @@ static void finish(struct instance *instance, uint32_t code)
     hal_set_ui32(pins->reloads, hal_get_ui32(pins->reloads) + 1);
 }
 
-/* Reads into the memory that is not in force and offers it; the servo thread accepts it between two cycles. */
+/* Reads a file into the memory that is not in force and offers it; the servo thread accepts it between two cycles. */
 static void begin(struct instance *instance)
 {
     const struct tables *now = atomic_load_explicit(&instance->shared.in_force, memory_order_acquire);
@@ -62,8 +62,8 @@ static void reload(struct instance *instance)
     }
 }
 
-/* If the tables' limits now exceed those that the integrator accepts, this switches the correction off bumplessly, as
- * `enable` does. */
+/* Switches the correction off bumplessly, as `enable` does, if the tables' limits now exceed those that the integrator
+ * accepts. */
 static void watch_limits(struct instance *instance)
 {
     const struct tables *now = atomic_load_explicit(&instance->shared.in_force, memory_order_acquire);
@@ -72,7 +72,7 @@ static void watch_limits(struct instance *instance)
     hal_set_bool(instance->pins->tables_ok, permitted && !atomic_load(&instance->shared.refused));
 }
 
-/* A thread with another period stops the machine at once; the realtime functions cannot print the reason. */
+/* Prints why a thread with another period stopped the machine at once; the realtime functions cannot print. */
 static void tell_refusal(struct instance *instance)
 {
     if (instance->loader.refusal_told || !atomic_load(&instance->shared.refused))
@@ -98,7 +98,7 @@ static void *look_after(void *unused)
 
 int reload_start(void)
 {
-    /* An ordinary thread, regardless of the loader's scheduling; the loader handles the signals. */
+    /* An ordinary thread, whatever the loader's scheduling. The loader handles the signals. */
     pthread_attr_t attributes;
     const struct sched_param ordinary = {0};
     sigset_t all, before;

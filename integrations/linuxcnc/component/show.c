@@ -1,4 +1,4 @@
-/* Outputs of a cycle on pins, except those to the drives. Realtime, like cycle.c. */
+/* Shows the outputs of a cycle on pins, except those to the drives. Realtime, like cycle.c. */
 #include "component.h"
 
 static void show_contour(struct contour_pins *pins, const trueaxis_contour_t *contour, double mm_per_unit)

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-/* Replaces the tables with those that the loader has offered, between two cycles. */
+/* Replaces the tables, between two cycles, with those that the loader has offered. */
 void steps_take_tables(struct instance *instance)
 {
     const struct tables *next = atomic_exchange_explicit(&instance->shared.offered, NULL, memory_order_acq_rel);
@@ -37,7 +37,7 @@ void steps_start(struct instance *instance, uint32_t period_ns)
     }
 }
 
-/* Heated axes: passes on a changed temperature, and every temperature to new tables. If a reading is NaN, the last one
+/* Passes a changed temperature to heated axes, and every temperature to new tables. If a reading is NaN, the last one
  * remains. */
 void steps_temperature(struct instance *instance)
 {
@@ -54,8 +54,8 @@ void steps_temperature(struct instance *instance)
     servo->growth_told = true;
 }
 
-/* The commanded position of an axis is that of its first joint. A motor command that is not finite also stops the
- * axis. */
+/* Collects command and readings. The commanded position of an axis is that of its first joint. A motor command that is not
+ * finite also stops the axis. */
 void steps_gather(const struct instance *instance, trueaxis_input_t *input)
 {
     const struct setup *setup = &instance->setup;
@@ -81,7 +81,7 @@ void steps_gather(const struct instance *instance, trueaxis_input_t *input)
     }
 }
 
-/* The tables of a single joint: a separate step, in which no other axis moves. */
+/* Runs the tables of a single joint: a separate step, in which no other axis moves. */
 static int step_joint(struct instance *instance, int t, const trueaxis_input_t *axes, trueaxis_output_t *output)
 {
     struct servo *servo = &instance->servo;
@@ -103,7 +103,7 @@ static int step_joint(struct instance *instance, int t, const trueaxis_input_t *
     return trueaxis_step(&servo->tables->joint[t], &servo->joint_state[t], &input, NULL, NULL, output);
 }
 
-/* The path is the last commands since homing. */
+/* Runs the step of the axes. Its path consists of the last commands since homing. */
 static int step_axes(struct instance *instance, const trueaxis_input_t *given, trueaxis_output_t *output)
 {
     struct servo *servo = &instance->servo;
@@ -124,7 +124,7 @@ static int step_axes(struct instance *instance, const trueaxis_input_t *given, t
     return result;
 }
 
-/* One of the steps stops the machine, so the progress of the others in this cycle must not be sent either. */
+/* Takes back the progress of the other steps in this cycle, because one of the steps stops the machine. */
 static void take_back(struct instance *instance)
 {
     struct servo *servo = &instance->servo;

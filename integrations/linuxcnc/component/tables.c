@@ -7,13 +7,13 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* One file at a time: loading is complete before the thread starts. */
+/* Memory for one file at a time. Loading is complete before the loader thread starts. */
 static uint8_t file[FILE_BYTES];
 static int open_errno;
 
 static uint32_t read_whole(const char *path, uint8_t *to, size_t bytes, size_t *length, char line[LINE_BYTES])
 {
-    /* Nonblocking: nobody may ever write to a pipe. */
+    /* Nonblocking, because nobody may ever write to a pipe. */
     int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     if (descriptor < 0) {
         open_errno = errno;

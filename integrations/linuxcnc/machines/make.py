@@ -10,7 +10,7 @@ HERE = os.path.dirname(os.path.realpath(__file__))
 
 
 def table(path, axis, positions, columns, comment):
-    """columns: name without unit -> function of the position; µm, for rotations µrad."""
+    """Writes a table. columns: name without unit -> function of the position; µm, for rotations µrad."""
     unit = {"E" + c + axis: "urad" if c in "ABC" else "um" for c in "XYZABC"}
     position = "deg" if axis in "ABC" else "mm"
     lines = ["# " + comment, ",".join(["%s_%s" % (axis, position)] + [column(n, unit) for n in columns])]
@@ -44,12 +44,12 @@ def slope(per_unit, datum=0.0):
 
 
 def stream():
-    """Straight lines: what must come out is known in closed form."""
+    """Writes straight lines, for which the result is known in closed form."""
     table("stream/x.csv", "X", [-200, 200], {"EXX": slope(0.1), "EZX": slope(0.05)}, "0.1 and 0.05 um per mm")
 
 
 def comp():
-    """Positioning alone, as LinuxCNC's own compensation knows it: nominal, trim in positive and in negative travel, mm."""
+    """Writes positioning errors alone, as for LinuxCNC's own compensation: nominal, trim in positive and negative travel, mm."""
     lines = []
     for x in steps(-280, 280, 5):
         forward = plus(wave(9.0, 370.0, 0.1), wave(2.0, 40.0))(x)
@@ -75,7 +75,8 @@ def gauge():
     table("gauge/x.csv", "X", [-60, 60], {"EXX": slope(0.02)}, "0.02 um per mm")
 
 
-# Of every axis: its own slope (0: none) and waves (amplitude, length, phase) in EX, EY, EZ, EA, EB, EC.
+# For every axis: its positions, its own slope (0: none), and waves (amplitude, length, phase) in EX, EY, EZ, EA, EB,
+# EC.
 TRT = {
     "X": (steps(-200, 200, 20), 0.04, [(3, 260), (3, 420), (4, 390), (9, 400), (12, 500), (11, 450)]),
     "Y": (steps(-200, 200, 20), -0.03, [(3, 410), (4, 300), (3, 430), (13, 450), (8, 420), (9, 380)]),

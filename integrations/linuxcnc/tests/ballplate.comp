@@ -17,8 +17,8 @@ license "MIT OR Apache-2.0";
 
 #include <rtapi_math.h>
 
-/* The true tip of a chain w b X Y Z t, in closed form: X goes along itself, and Y and Z, which it carries, are rotated. Written
- * for the test alone. */
+/* Computes the true tip of a chain w b X Y Z t, in closed form: X moves along itself and rotates Y and Z, which it carries.
+ * Written for the test alone. */
 FUNCTION(_) {
     const double turn = 1e-6 * squareness;
     const double x = position(0) * unit * (1.0 + 1e-6 * scale(0));

@@ -1,4 +1,4 @@
-"""The whole loop in the controller: plan, probe, solve, tables taken over, probed again."""
+"""Tests the whole calibration loop in the controller: plan, probe, solve, exchange the tables, probe again."""
 import json
 import os
 import subprocess
@@ -8,12 +8,12 @@ import rig
 from machines import TRUEAXIS
 from rig import expect
 
-# What is wrong with the machine, as ballplate.comp has it: scales of X, Y and Z, ppm, and C0Y, urad.
+# The machine's errors in ballplate.comp: scales of X, Y and Z, ppm, and C0Y, urad.
 SCALE, SQUARENESS = (45.0, -35.0, 0.0), 60.0
 DIAMETER, TIP = 20.0, 3.0
 PLACE = (-100.0, -75.0, -150.0)
 BALLS = ((0, 0, 0), (200, 0, 0), (0, 150, 0))
-# A probing move advances by 1 um in a cycle: a touch is late by up to that.
+# A probing move advances by 1 um per cycle, so a touch is late by up to that.
 STEP_UM = 1.0
 
 MACHINE = "name = \"probed\"\nchain = \"w b X Y Z t\"\n" + "".join(
@@ -47,7 +47,7 @@ at_mm = %s
 
 HAL = """
 loadrt ballplate
-# First in the cycle: motion sees the touch of the place that it reads.
+# First in the cycle, so that motion sees the touch that belongs to the position that it reads.
 addf ballplate.0 servo-thread 1
 net x-drive => ballplate.0.position-0
 net y-drive => ballplate.0.position-1
@@ -61,14 +61,14 @@ setp ballplate.0.reach %r
 
 
 def quick(text):
-    """Change of the INI file: ways between touches take no time to speak of."""
+    """Changes the INI file so that moves between touches take almost no time."""
     for section in ("AXIS_X", "AXIS_Y", "AXIS_Z", "JOINT_0", "JOINT_1", "JOINT_2"):
         text = rig.with_ini(rig.with_ini(text, section, "MAX_VELOCITY", 400), section, "MAX_ACCELERATION", 8000)
     return rig.with_ini(text, "TRAJ", "MAX_LINEAR_VELOCITY", 400)
 
 
 def middles(path):
-    """X and Y of the balls as the log has them: half way between opposite touches of their equators."""
+    """Returns X and Y of the balls from the log: half way between opposite touches of their equators."""
     with open(path) as f:
         touches = {int(words[1]): list(map(float, words[2:4])) for words in map(str.split, f) if words[0] == "touch"}
     each = len(touches) // len(BALLS)
@@ -77,7 +77,7 @@ def middles(path):
 
 
 def apart(path):
-    """How far the balls are from where the plate has them, against the first and its turn taken out: X along, Y across, um."""
+    """Returns the deviations of the balls from the plate's positions, relative to the first ball and without its turn, um."""
     first, *others = middles(path)
     turn = (others[0][1] - first[1]) / BALLS[1][0]
     found = []
@@ -115,14 +115,14 @@ def loop(folder, change):
 
 
 def judged(document, truth):
-    """The terms found, within what touches late by a step make of balls 150 and 200 mm apart."""
+    """Checks the solved terms, within the error that touches late by a step cause over 150 and 200 mm."""
     found = [document["axes"]["X"]["scale_ppm"], document["axes"]["Y"]["scale_ppm"], document["location"]["C0Y_urad"]]
     for value, true in zip(found, truth):
         expect(abs(value - true) < 1e3 * STEP_UM / 150.0, "found %s, needed %s" % (found, truth))
 
 
 def calibration(folder):
-    """A ball plate probed by the program of `calibrate plan`, solved, its tables reloaded: probed again the error is gone."""
+    """Probes a ball plate with the program of `calibrate plan`, solves, reloads the tables: probed again, the error is gone."""
     said = []
     for name, change in (("mm", lambda text: text), ("inch", machines.in_inches)):
         os.makedirs(os.path.join(folder, name))

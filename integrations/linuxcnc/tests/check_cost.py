@@ -1,4 +1,4 @@
-"""Cost of a call in HAL's own terms, `time` and `tmax`, beside stock components in the same thread."""
+"""Measures the cost of a call with HAL's own `time` and `tmax`, beside stock components in the same thread."""
 import os
 
 import rig
@@ -59,7 +59,7 @@ def one(folder, machine, letters, offset):
     text = COST_HAL % {
         "tables": machine + ".tcomp", "cycles": CYCLES, "nets": "\n".join(nets), "offset": offset,
         "times": "\n".join("net t%d %s.time => sampler.0.pin.%d" % (k, of, k) for k, of in enumerate(FUNCTIONS)),
-        # From here on: loading and the first cycles do not count.
+        # Ignores loading and the first cycles.
         "reset": "\n".join("setp %s.tmax 0" % of for of in FUNCTIONS),
         "tmax": "\n".join("getp %s.tmax" % of for of in FUNCTIONS),
     }
@@ -78,7 +78,7 @@ def one(folder, machine, letters, offset):
 
 
 def cost(folder):
-    """Clocks of the time-stamp counter; nothing is gated but the order of magnitude of the median."""
+    """Reports clocks of the time-stamp counter. Checks only the order of magnitude of the median."""
     mhz = clock_mhz()
     said = ["median, 99.9 %%, tmax in clocks of %.0f MHz" % mhz]
     for machine, letters, offset in (("mill-3axis", "XYZ", -60.0), ("mill-5axis", "XYZAC", 0.0)):

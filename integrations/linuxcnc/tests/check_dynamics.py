@@ -1,4 +1,4 @@
-"""The dynamic correction in motion: each part switched, seen on its pins, and nothing that jumps."""
+"""Tests the dynamic correction in motion: each part is switched, shown on its pins, and nothing jumps."""
 import json
 import os
 
@@ -9,7 +9,7 @@ from machines import DEFAULT_LIMITS, mill
 from recording import Recording
 from rig import expect
 
-# Of the dynamic correction alone, machine.toml's defaults: mm, mm/s, mm/s^2.
+# Limits of the dynamic correction alone, the defaults of machine.toml: mm, mm/s, mm/s^2.
 DYNAMIC_LIMITS = (0.05, 5.0, 5000.0)
 CROSSTALK = """
 [[crosstalk]]
@@ -17,7 +17,7 @@ tip = "X"
 from = "Y"
 k_um_per_m_per_s2 = 1.2
 """
-# Drives with a lag of 4.5 ms: there is a contour error to feed back.
+# Drives with a lag of 4.5 ms, so that the feedback has a contour error.
 LAGGING = "loadrt lowpass names=drive-x,drive-y,drive-z\n"
 for _j, _axis in enumerate("xyz"):
     LAGGING += """addf drive-{0} servo-thread
@@ -25,7 +25,7 @@ setp drive-{0}.gain 0.2
 net {0}-drive ta.joint.{1}.motor-pos-cmd-out => drive-{0}.in
 net {0}-encoder drive-{0}.out => ta.joint.{1}.motor-pos-fb-in
 """.format(_axis, _j)
-# What is switched, and the pin that shows it alone. Friction, lag and acceleration share a pin.
+# Each pin that shows a part alone, and the parts that it shows. Friction, lag and acceleration share a pin.
 PARTS = {"feed-forward": ("friction", "lag", "acceleration"), "contour-feedback": ("feedback",),
          "crosstalk": ("crosstalk",), "learned": ("learned",)}
 
@@ -35,7 +35,7 @@ def largest(run, pin, start, stop):
 
 
 def dynamics(folder):
-    """Each part of the dynamic correction switched in motion: gone and back, limits kept in every sample."""
+    """Switches each part of the dynamic correction off and on in motion; limits are kept in every sample."""
     mill(folder, lambda text: text + CROSSTALK)
     rig.copy(folder, rig.HERE, "dynamics.ngc")
     for j in range(3):
@@ -53,7 +53,7 @@ def dynamics(folder):
     for pin, parts in PARTS.items():
         off, on = rows[marks[pin + " off"]], rows[marks[pin + " on"]]
         expect(on - off > 300, "%s was off for %d samples" % (pin, on - off))
-        # The last fifth: switched off it fades over some reset times.
+        # The last fifth only: after switching off, the part fades over several reset times.
         left = largest(run, pin, on - (on - off) // 5, on)
         before, after = largest(run, pin, off - 400, off), largest(run, pin, on, on + 400)
         expect(left < 1e-7 and min(before, after) > 1e-6, "%s: %g mm, off %g, on again %g" % (pin, before, left, after))
@@ -70,7 +70,7 @@ def dynamics(folder):
 
 
 def control(run):
-    """The check of the limits sees a jump of 10 um in a single sample."""
+    """Checks that the check of the limits detects a jump of 10 um in a single sample."""
     column = run.column("ta.joint.0.dynamic")
     column[len(column) // 2] += 0.01
     try:

@@ -1,4 +1,4 @@
-"""Faults during motion, and the operator's actions."""
+"""Tests faults during motion, and the operator's actions."""
 import json
 import math
 import os
@@ -17,7 +17,7 @@ def marks_of(folder):
 
 
 def switching(folder):
-    """Enable, disable, reload of good and bad files in motion: limits kept in every sample, the path never left."""
+    """Enables, disables, and reloads good and bad files in motion; limits are kept in every sample, and the path is never left."""
     mill(folder)
     source = os.path.join(SAMPLES, "mill-3axis")
     with open(os.path.join(folder, "mill-3axis.tcomp"), "rb") as f:
@@ -42,7 +42,7 @@ def switching(folder):
     crcs = set(run.column("ta.tables-crc"))
     expect(len(crcs - {0.0}) == 2, "two tables were in force", crcs)
     used = limits.all_kept(run, 3, [DEFAULT_LIMITS] * 3)
-    # Switched off, the correction must really have gone, and come again.
+    # Switched off, the correction must really disappear, and return when it is switched on.
     x = [out - cmd for cmd, out in run.columns("joint.0.motor-pos-cmd", "ta.joint.0.motor-pos-cmd-out")]
     active = run.column("ta.active")
     gone = sum(1 for c, a in zip(x, active) if not a and c == 0.0)
@@ -158,7 +158,7 @@ net {0}-encoder drive-{0}.out => power-{0}.in0 ta.joint.{1}.motor-pos-fb-in
 
 
 def switched_off(folder):
-    """Without power, LinuxCNC's command jumps to the drives' position: no fault, and no stop that cannot be left."""
+    """Without power, LinuxCNC's command jumps to the drives' position, which is no fault and causes no permanent stop."""
     mill(folder, machines.geometry_alone)
     rig.copy(folder, rig.HERE, "shuttle.ngc")
     for j in range(3):
@@ -194,7 +194,7 @@ net touched touch.out => motion.probe-input
 
 
 def probing(folder):
-    """What G38 measures and a touch-off sets is where the tool really is: the plant's error is known in closed form."""
+    """The position that G38 measures and a touch-off sets is the tool's true one; the plant's error is known in closed form."""
     mill(folder)
     compile_tables(folder, os.path.join(rig.MACHINES, "stream", "machine.toml"), "mill-3axis.tcomp")
     rig.edit(folder, "drives.hal", lambda text: text + TRUTH)
@@ -203,7 +203,7 @@ def probing(folder):
     marks = marks_of(folder)
     expect(marks["tripped with"] and marks["tripped without"], "no contact", marks)
     found, bare = marks["probed with"], marks["probed without"]
-    # 6 mm/min is 0.1 um a cycle; contact is seen up to two cycles late.
+    # 6 mm/min is 0.1 um per cycle, and the contact is detected up to two cycles late.
     expect(abs(found - 40.0) < 4e-4, "probed %r, the surface is at 40" % found)
     expect(abs(bare - 40.0 / 1.0001) < 4e-4, "without correction %r" % bare)
     expect(abs(marks["work offset"] - marks["true position"]) < 1e-9, "touch-off", marks)

@@ -1,4 +1,4 @@
-"""Files, parameters and streams: without a machine around the component."""
+"""Tests files, parameters and streams, without a machine around the component."""
 import math
 import os
 import re
@@ -34,7 +34,7 @@ loadusr -w halsampler -n %d
 
 
 def stream(folder):
-    """streamer -> component -> sampler, against the tables' straight lines in closed form."""
+    """Compares streamer -> component -> sampler with the tables' straight lines in closed form."""
     compile_tables(folder, os.path.join(rig.MACHINES, "stream", "machine.toml"), "stream.tcomp")
     stated = (("units=mm", 1.0), ("inch=0", 1.0), ("units=INCH", 25.4), ("inch=1", 25.4), ("units=0.0393700787 inch=1", 25.4))
     return "%d samples exact to the sixth decimal, in mm and in inches" % sum(
@@ -51,7 +51,7 @@ def streamed(folder, words, unit):
     expect(code == 0, "halrun", printed)
     expected, before = [], None
     for x in way:
-        # Tool commanded to x: y + 1e-4 y = x, and Z is off by 5e-5 y. The first cycle passes the command.
+        # The tool is commanded to x, so y + 1e-4 y = x, and Z is off by 5e-5 y. The first cycle passes the command.
         y = x / 1.0001 if before is not None else x
         z = -5e-5 * y if before is not None else 0.0
         back = before + home if before is not None else 0.0
@@ -60,8 +60,8 @@ def streamed(folder, words, unit):
     sampled = [line.split() for line in printed.splitlines() if line.count(" ") >= 3 and line[0] in "-0123456789"]
     expect(len(sampled) == len(way), "%d samples of %d" % (len(sampled), len(way)), printed[:2000])
     for n, (got, wanted) in enumerate(zip(sampled, expected)):
-        # halsampler prints six decimals; the inverse starts from the correction sent last, of which the first cycle has none:
-        # 1e-4 of the difference remains.
+        # halsampler prints six decimals. The inverse starts from the correction sent last, and the first cycle has
+        # none: 1e-4 of the difference remains.
         expect(all(abs(float(g) - w) <= 0.5e-6 + 4e-9 for g, w in zip(got, wanted)), "sample %d" % n, got, wanted)
     return len(sampled)
 
@@ -103,14 +103,14 @@ loadusr -w halsampler -n %d
 
 
 def gauge(folder):
-    """Three probes about a turning shaft, the slides on a circle: roundness and contour error of the same cycles."""
+    """Three probes about a turning shaft, the slides on a circle: roundness and contour error in the same cycles."""
     compile_tables(folder, os.path.join(rig.MACHINES, "gauge", "machine.toml"), "gauge.tcomp")
     turn, cycles, step = 16384, 6000, 12
 
     def profile(angle):
         return 2.0 * math.cos(3 * angle) + 0.7 * math.sin(7 * angle)
 
-    # A circle of X and Z at 25 mm/s, a second of rest before it; the slides lag by 4 ms and cut inwards by 3 um.
+    # A circle of X and Z at 25 mm/s after a second at rest. The slides lag by 4 ms and cut inwards by 3 um.
     radius, inwards, lag = 20.0, 0.003, 4
 
     def on_circle(n, r):
@@ -128,7 +128,7 @@ def gauge(folder):
             count = step * n
             theta = 2.0 * math.pi * count / turn
             index = count % turn < step and n > 0
-            # The centre runs round by 8 um and wobbles: neither is roundness.
+            # The centre orbits by 8 um and wobbles; neither is roundness.
             x, y = 8.0 * math.sin(theta), 8.0 * math.cos(theta) + 3.0 * math.sin(2.3 * theta)
             probes = []
             for slot in (0, 94, 94 + 333):
@@ -141,7 +141,7 @@ def gauge(folder):
     rows = [line.split() for line in printed.splitlines() if line.count(" ") >= 4 and line[0] in "-0123456789"]
     expect(len(rows) == cycles, "%d samples of %d" % (len(rows), cycles), printed[:2000])
     roundness, evaluated = float(rows[-1][0]), int(rows[-1][1])
-    # Gaussian filter at 50 undulations a revolution: transmission of harmonic k is exp(-pi (0.4697 k / 50)^2).
+    # Gaussian filter at 50 undulations per revolution: the transmission of harmonic k is exp(-pi (0.4697 k / 50)^2).
     through = {k: math.exp(-math.pi * (math.sqrt(math.log(2) / math.pi) * k / 50) ** 2) for k in (3, 7)}
     fine = [2.0 * math.pi * i / 512 for i in range(512)]
     filtered = [2.0 * through[3] * math.cos(3 * a) + 0.7 * through[7] * math.sin(7 * a) for a in fine]
@@ -151,9 +151,9 @@ def gauge(folder):
     expect(int(rows[-1][3]) == 0, "flags of the revolution", rows[-1])
     worst = 0.0
     for n in range(1200, cycles):
-        # Feedback is read before the stream advances: the reading of the cycle before.
+        # Feedback is read before the stream advances, so the reading is that of the previous cycle.
         x, z = encoder(n - 1)
-        # The tables: 0.02 um per mm of X.
+        # Errors in the tables: 0.02 um per mm of X.
         tip = abs(math.hypot(1.00002 * x, z) - radius)
         expect(int(rows[n][8]) == 1, "no contour error in sample %d" % n, rows[n])
         worst = max(worst, abs(float(rows[n][5]) - inwards), abs(float(rows[n][6]) - tip))
@@ -187,7 +187,7 @@ show funct
 
 
 def instances(folder):
-    """Two machines in one component, with separate tables, joints and states."""
+    """Two machines in one component have separate tables, joints and states."""
     for name in ("stream", "gantry"):
         compile_tables(folder, os.path.join(rig.MACHINES, name, "machine.toml"), name + ".tcomp")
     compile_tables(folder, os.path.join(rig.MACHINES, "gantry", "left.toml"), "side.tcomp")
@@ -236,7 +236,7 @@ loadusr -w halsampler -n %d
 
 
 def joint_stop(folder):
-    """One joint of a gantry leaves the travel of its own table: both hold, and both continue together after a reset."""
+    """One joint of a gantry leaves the travel of its own table: both joints hold, and both continue together after a reset."""
     machine = os.path.join(rig.MACHINES, "gantry")
     compile_tables(folder, os.path.join(machine, "machine.toml"), "gantry.tcomp")
     edited_tables(folder, machine, "short", lambda text: text.replace("-200.0, 200.0", "-20.0, 20.0"), None, "left.toml")
@@ -289,13 +289,13 @@ getp ta.reloads
 
 def warm(folder):
     """An axis that grows by 11.5 um/(m K) is 10 K warmer; new tables are reported, a broken sensor changes nothing."""
-    # The encoder does not move whatever the drive does: contour feedback would run to its limit.
+    # The encoder does not move, whatever the drive does, so contour feedback would run to its limit.
     edited_tables(folder, os.path.join(SAMPLES, "mill-3axis"), "mill", geometry_alone, None)
     code, printed = rig.halrun(folder, WARM_HAL)
     values = [float(line) for line in printed.splitlines() if line.strip()[:1] in list("-0123456789")]
     expect(code == 0 and len(values) == 4 and values[3] == 1, "halrun", printed)
     grown = values[1] - values[0]
-    # The correction of the growth takes the drive back, and so takes up the lost motion.
+    # The correction of the growth moves the drive back, and so takes up the lost motion.
     with open(os.path.join(SAMPLES, "mill-3axis", "x.csv")) as f:
         forward, reverse = next(line.split(",")[1:3] for line in f if line.startswith("100,"))
     play = 1e-3 * (float(reverse) - float(forward))
@@ -335,7 +335,7 @@ getp ta.thermal.sensor-1-status
 
 
 def thermal(folder):
-    """Growth from a sensor on a pin, once it has started; one that jumps or is missing keeps its share, and is reported."""
+    """Growth from a sensor on a pin, once it has started; one that jumps or is missing keeps its share and is reported."""
     edited_tables(folder, os.path.join(SAMPLES, "mill-3axis"), "mill", geometry_alone, None)
     with open(os.path.join(folder, "thermal.toml"), "w") as f:
         f.write(THERMAL_TOML)
@@ -411,7 +411,7 @@ getp ta.tables-ok
 
 
 def period(folder):
-    """A thread of another period than the tables were built for: the command passes, a stop is requested."""
+    """If the thread's period differs from that of the tables, the command passes and a stop is requested."""
     compile_tables(folder, os.path.join(rig.MACHINES, "stream", "machine.toml"), "stream.tcomp")
     code, printed = rig.halrun(folder, PERIOD_HAL)
     lines = [line.strip() for line in printed.splitlines() if "Note:" not in line and line.strip()]
@@ -459,7 +459,7 @@ getp ta.fault-code
 
 
 def nowhere(folder):
-    """No usable command and an encoder that is not read: no output is made up, and once all is read, that is held."""
+    """Without a usable command, and with an encoder that is not read, no output is invented; once all axes are read, it holds."""
     compile_tables(folder, os.path.join(SAMPLES, "mill-3axis", "machine.toml"), "mill.tcomp")
     code, printed = rig.halrun(folder, NOWHERE_HAL)
     found = [line.strip() for line in printed.splitlines() if re.match(r"\s*(-?\d|TRUE|FALSE|nan)", line)]
@@ -483,7 +483,7 @@ def damaged(source, target, change):
 
 
 def refused(folder):
-    """Files and parameters that loadrt must refuse: one line, a negative errno, nothing left in HAL."""
+    """loadrt refuses bad files and parameters with one line and a negative errno, and leaves nothing in HAL."""
     compile_tables(folder, os.path.join(SAMPLES, "mill-3axis", "machine.toml"), "good.tcomp")
     compile_tables(folder, os.path.join(SAMPLES, "mill-5axis", "machine.toml"), "five.tcomp")
     good = os.path.join(folder, "good.tcomp")
@@ -538,7 +538,7 @@ def refused(folder):
 
 
 def many(folder):
-    """A table with more points than the component has memory for."""
+    """loadrt refuses a table with more points than the component has memory for."""
     source = os.path.join(folder, "many")
     os.makedirs(source)
     columns = ",".join("E%sX_%s" % (c, "urad" if c in "ABC" else "um") for c in "XYZABC")

@@ -1,4 +1,4 @@
-"""Circles recorded on a machine whose drives have friction, and the friction found in them."""
+"""Tests circles recorded on a machine whose drives have friction, and the friction identified from them."""
 import json
 import os
 import subprocess
@@ -7,11 +7,11 @@ import rig
 from machines import TRUEAXIS, geometry_alone, mill
 from rig import expect
 
-# As tests/dahl.comp has them.
+# The values of tests/dahl.comp.
 TRUTH = {"coulomb_mm_per_s": 0.5, "presliding_um": 6.0, "stribeck_share": 0.3}
 
 DRIVES = """loadrt dahl count=2
-# First in the cycle, as a driver that reads encoders: the position one period after the command.
+# First in the cycle, like a driver that reads encoders: the position one period after the command.
 addf dahl.0 servo-thread 1
 addf dahl.1 servo-thread 2
 net x-drive ta.joint.0.motor-pos-cmd-out => dahl.0.cmd
@@ -23,8 +23,8 @@ net z-drive ta.joint.2.motor-pos-cmd-out => ta.joint.2.motor-pos-fb-in
 
 
 def friction(folder):
-    """record-circles.py on a running LinuxCNC: a whole record, and the friction and drives that the machine has."""
-    # As it is before friction is known.
+    """record-circles.py on a running LinuxCNC gives a complete record, and the machine's friction and drive figures."""
+    # The machine as it is before its friction is known.
     mill(folder, geometry_alone)
     with open(os.path.join(folder, "drives.hal"), "w") as f:
         f.write(DRIVES)

@@ -1,4 +1,4 @@
-"""The recording that every host of trueaxis replays: drive positions against the library's."""
+"""Replays the recording common to all hosts: drive positions compared with the library's."""
 import csv
 import json
 import os
@@ -8,7 +8,7 @@ from recording import Recording
 from rig import expect
 
 RECORDING = os.environ["TRUEAXIS_HOSTS"]
-# A queue holds one row less than its depth, and the streamer waits for ever where the thread does not run yet.
+# A queue holds one row less than its depth, and the streamer waits for ever if the thread does not run yet.
 REPLAY_HAL = """
 loadrt threads name1=servo-thread period1=1000000
 loadrt streamer depth=%(depth)d cfg=ffffff
@@ -31,7 +31,7 @@ net {1}-drive ta.joint.{0}.motor-pos-cmd-out => sampler.0.pin.{0}
 
 
 def one_proof(folder):
-    """The recording of all hosts, command by command and reading by reading: the library's bits to the drives."""
+    """The recording common to all hosts, command by command and reading by reading: the drives get the library's bits."""
     rig.copy(folder, RECORDING, "machine.tcomp")
     with open(os.path.join(RECORDING, "run.csv")) as f:
         rows = list(csv.DictReader(f))

@@ -1,4 +1,4 @@
-"""Other machines: LinuxCNC's own compensation beside ours, drives that lag, a gantry, five axes."""
+"""Tests other machines: LinuxCNC's own compensation beside trueaxis, drives that lag, a gantry, five axes."""
 import csv
 import math
 import os
@@ -12,7 +12,8 @@ from machines import DEFAULT_LIMITS, TRUEAXIS, compile_tables, mill
 from recording import Recording
 from rig import expect
 
-# Trims of LinuxCNC, up to 12 um, are single precision: rounding of one of them, and of two in the slope of a segment.
+# LinuxCNC's trims, up to 12 um, are in single precision: the rounding of one of them, and of two in the slope of a
+# segment.
 TRIM_ROUNDING = 3.0 * 2.0**-24 * 0.012
 
 
@@ -22,7 +23,7 @@ def trims(path):
 
 
 def slope_at(table, position, column):
-    """Slope of the table's straight pieces, or None within 50 um of a point."""
+    """Returns the slope of the table's straight pieces, or None within 50 um of a point."""
     for low, high in zip(table, table[1:]):
         if low[0] + 0.05 < position < high[0] - 0.05:
             return (high[column] - low[column]) / (high[0] - low[0])
@@ -64,17 +65,18 @@ def compared(run, table):
         if not active or not direction or limited or slope is None or abs(position - turned) < 0.05:
             skipped += active != 0 and direction != 0 and sign != 0
             continue
-        # Ours is looked up where the motor goes, theirs where the command is: on a straight segment that is the slope.
+        # trueaxis looks up at the motor's target, LinuxCNC at the command. On a straight segment they differ by the
+        # slope.
         same = ours * (1.0 - slope)
         if sign:
             worst, moving, arrived = max(worst, abs(theirs - same)), moving + 1, same
         elif still > 200 and arrived is not None:
-            # LinuxCNC looks up for the last time in the last cycle with a velocity, a hair before the end.
+            # LinuxCNC looks up for the last time in the last cycle with a velocity, just before the end.
             worst_standing, standing = max(worst_standing, abs(motor - position - arrived)), standing + 1
             expect(abs(ours - (motor - position)) < 1e-5, "at standstill the inverse is not the only difference")
     expect(moving > 5000 and standing > 500 and skipped < 0.1 * moving, "too little compared", moving, standing, skipped)
-    # The step looks up where the drives were sent a cycle before, in cells that go on a little beyond their ends: it keeps
-    # 1e-3 um, of which a fifth is asked here.
+    # The step looks up at the drive positions of the previous cycle, in cells that extend slightly beyond their ends.
+    # That costs up to 1e-3 um; a fifth of it is permitted here.
     expect(worst <= TRIM_ROUNDING + 2e-7, "in motion %g mm apart" % worst)
     expect(worst_standing <= TRIM_ROUNDING + 1e-12, "at standstill %g mm apart" % worst_standing)
     return "in motion %.1e mm (%d samples), at standstill %.1e mm (%d)" % (worst, moving, worst_standing, standing)
@@ -113,7 +115,7 @@ net {0}-encoder drive-{0}.out => ta.joint.{1}.motor-pos-fb-in
 
 
 def contour(folder):
-    """Contour error from the commanded stream, on drives that lag, against circle and plant in closed form."""
+    """Contour error from the commanded stream, on drives that lag, compared with circle and plant in closed form."""
     mill(folder)
     compile_tables(folder, os.path.join(rig.MACHINES, "stream", "machine.toml"), "mill-3axis.tcomp")
     rig.copy(folder, rig.HERE, "contour.ngc")
@@ -126,7 +128,7 @@ def contour(folder):
     run = Recording.load(os.path.join(folder, "run"))
     expect(max(run.column("ta.fault-code")) == 0, "faults", set(run.column("ta.fault-code")))
     commands = run.columns(*("joint.%d.pos-cmd" % j for j in range(3)))
-    # The reading that a cycle saw is the one of the cycle before: the drives come last.
+    # The drives run last, so the reading in a cycle is that of the previous cycle.
     readings = run.columns(*("ta.joint.%d.motor-pos-fb-in" % j for j in range(3)))
     measured = run.columns("ta.contour.tip.error", "ta.contour.encoder.error", "ta.contour.tip.found")
     # LinuxCNC interpolates arcs between trajectory points: 33 nm inside the programmed radius.
@@ -166,7 +168,7 @@ M2
 
 
 def gantry(folder):
-    """Two joints on one axis: the axis' table for both, and a separate one for each."""
+    """Two joints on one axis: the axis' table for both, and a separate table for each."""
     machine = os.path.join(rig.MACHINES, "gantry")
     mill(folder)
     compile_tables(folder, os.path.join(machine, "machine.toml"), "mill-3axis.tcomp")
@@ -189,7 +191,7 @@ def gantry(folder):
     used = limits.all_kept(run, 4, [DEFAULT_LIMITS, both, both, DEFAULT_LIMITS])
     names = ["joint.%d.motor-pos-cmd" % j for j in (1, 2)] + ["ta.joint.%d.motor-pos-cmd-out" % j for j in (1, 2)]
     racking = [(out1 - cmd1) - (out2 - cmd2) for cmd1, cmd2, out1, out2 in run.columns(*names)]
-    # The difference of the sides is that of their own tables, however the axis is corrected.
+    # The difference between the sides is that of their own tables, however the axis is corrected.
     at = run.column("joint.1.pos-cmd")
     left, right = (side_error(os.path.join(machine, side + ".csv")) for side in ("left", "right"))
     worst, count, places = 0.0, 0, set()
@@ -205,7 +207,7 @@ def gantry(folder):
 
 
 def side_error(path):
-    """Errors at the table's points, mm."""
+    """Returns the errors at the table's points, mm."""
     with open(path) as f:
         rows = [line.split(",") for line in f if line[0] in "-0123456789"]
     return {float(position): float(error) / 1000.0 for position, error in rows}
@@ -231,7 +233,7 @@ M2
 
 
 def five_axes(folder):
-    """xyzac-trt-kins with its tool centre point, volumetric tables: the true tip by exact transforms."""
+    """xyzac-trt-kins with its tool centre point and volumetric tables: the true tip by exact transforms."""
     mill(folder)
     compile_tables(folder, os.path.join(rig.MACHINES, "trt", "machine.toml"), "mill-3axis.tcomp")
     travel = {"X": (-195, 195), "Y": (-195, 195), "Z": (-195, 195), "A": (-95, 55), "C": (-3600, 3600)}
@@ -253,7 +255,7 @@ def five_axes(folder):
 
 
 def tip_truth(folder, run):
-    """Uncorrected and corrected error of the tip in the workpiece, and whether both kinematics are the same."""
+    """Returns the uncorrected and corrected error of the tip in the workpiece, and whether both kinematics agree."""
     machine = os.path.join(rig.MACHINES, "trt")
     commands = run.columns(*("joint.%d.pos-cmd" % j for j in range(5)))
     drives = run.columns(*("ta.joint.%d.motor-pos-cmd-out" % j for j in range(5)))
@@ -268,7 +270,7 @@ def tip_truth(folder, run):
     for n, e in zip(chosen, held):
         after = max(after, math.dist([d + x / 1000.0 for d, x in zip(drives[n], e)], commands[n][:3]) * 1000.0)
     expect(before > 20.0 and after < 0.1, "true tip: %g um before, %g um after" % (before, after))
-    # In motion joints are interpolated and lag the tip: the kinematics are compared at rest.
+    # In motion the joints are interpolated and lag the tip, so the kinematics are compared at rest.
     poses = [n for n in range(100, len(commands)) if len(set(commands[n - 50 : n])) == 1 and commands[n] != commands[n - 1]]
     forward = table_of(folder, ["kinematics", "forward", "--machine", machine], [commands[n - 1] for n in poses])
     apart = max(math.dist([float(row[k]) for k in ("tip_x_mm", "tip_y_mm", "tip_z_mm")], tips[n - 20])

@@ -1,4 +1,4 @@
-"""A whole simulated machine of three axes runs a program."""
+"""Tests a whole simulated machine of three axes that runs a program."""
 import json
 import os
 import subprocess
@@ -25,7 +25,7 @@ def replay(folder, tables, joints):
 
 
 def controls(folder, run):
-    """Both checkers must see the smallest violation in a single sample."""
+    """Checks that both checkers detect the smallest violation in a single sample."""
     spoiled = Recording(run.names, [list(row) for row in run.rows])
     middle = len(spoiled.rows) // 2
     spoiled.rows[middle][run.place["ta.joint.1.motor-pos-cmd-out"]] += 1e-11
@@ -44,7 +44,7 @@ def largest(recording, pin):
 
 
 def from_first_motion(recording, joints):
-    """Rows from the first change of a command after homing."""
+    """Returns the rows from the first change of a command after homing."""
     commands = recording.columns(*("joint.%d.pos-cmd" % j for j in range(joints)))
     active = recording.column("ta.active")
     first = next(n for n in range(1, len(commands)) if active[n - 1] and commands[n] != commands[n - 1])
@@ -52,7 +52,7 @@ def from_first_motion(recording, joints):
 
 
 def program(folder):
-    """A whole machine runs a program: the library's own result, no following error, limits kept, bit for bit again."""
+    """A whole machine runs a program: the library's own result, no following error, limits kept, repeatable bit for bit."""
     mill(folder, machines.geometry_alone)
     runs = []
     for again in range(2):
@@ -81,7 +81,7 @@ def program(folder):
 
 
 def homing_offset(folder):
-    """Homed 37 mm from the motor's zero, with dynamic correction: the same at the same position."""
+    """Homed 37 mm from the motor's zero, with dynamic correction, the result at the same position is the same."""
     mill(folder)
     for j in (0, 1):
         rig.edit(folder, "mill-3axis.ini", lambda text: rig.with_ini(text, "JOINT_%d" % j, "HOME_OFFSET", 37))
@@ -98,7 +98,7 @@ def homing_offset(folder):
 
 
 def homing(folder):
-    """Inactive until homed, whatever is jogged; homing and unhoming move no drive but for the fading correction."""
+    """Inactive until homed, whatever is jogged; homing and unhoming move no drive, apart from the fading correction."""
     mill(folder, machines.geometry_alone)
     for key, value in (("HOME", 200), ("HOME_OFFSET", 250), ("HOME_FINAL_VEL", 100)):
         rig.edit(folder, "mill-3axis.ini", lambda text: rig.with_ini(text, "JOINT_0", key, value))

@@ -1,4 +1,4 @@
-"""A machine in inches: correction, recording and probing follow the units of its INI file."""
+"""Tests a machine in inches: correction, recording and probing follow the units of its INI file."""
 import csv
 import json
 import math
@@ -23,7 +23,7 @@ def stands(folder, change):
 
 
 def inches(folder):
-    """The sample configuration in inches: it has the positions and corrections of that in mm."""
+    """The sample configuration in inches has the same positions and corrections as the one in mm."""
     metric = stands(os.path.join(folder, "mm"), lambda text: text)
     imperial = stands(os.path.join(folder, "inch"), in_inches)
     largest = 0.0
@@ -45,7 +45,7 @@ def circles_in_inches(folder):
         rows = list(csv.DictReader(f))
     expect(len(rows) > 2000, "only %d samples" % len(rows))
     radii = [math.hypot(float(row["x_cmd_mm"]), float(row["y_cmd_mm"])) for row in rows]
-    # The commands carry the correction, up to 30 um here.
+    # The commands contain the correction, here up to 30 um.
     expect(all(abs(radius - 10.0037) < 0.05 for radius in radii), "radii of %g to %g mm" % (min(radii), max(radii)))
     return "%d samples, radius %.4f mm" % (len(rows), sum(radii) / len(radii))
 

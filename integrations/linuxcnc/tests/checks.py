@@ -1,4 +1,4 @@
-"""All tests by name."""
+"""Lists all tests by name."""
 import check_calibration
 import check_cost
 import check_dynamics

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Takes rows of three numbers from HAL's first sampler, every bit of them: collect.py ROWS NAME."""
+"""Reads rows of three numbers from HAL's first sampler, bit for bit: collect.py ROWS NAME."""
 import os
 import sys
 import time

@@ -26,7 +26,7 @@ license "MIT OR Apache-2.0";
 
 #include <rtapi_math.h>
 
-/* Explicit steps of 20 us; the current loop has 0.25 ms. Written for the test alone. */
+/* Explicit steps of 20 us; the current loop has a time constant of 0.25 ms. Written for the test alone. */
 FUNCTION(_) {
     const double h = 2e-5;
     const int steps = (int)(fperiod / h + 0.5);

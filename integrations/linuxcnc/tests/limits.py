@@ -1,14 +1,14 @@
-"""Limits of every recorded correction, whatever was requested: magnitude, slope, acceleration, in every sample."""
+"""Checks the limits of every recorded correction, whatever was requested: magnitude, slope, acceleration, in every sample."""
 from rig import expect
 
 PERIOD_S = 1e-3
-# Of the limit: differences of doubles of some hundred millimetres.
+# Tolerance as a share of a limit: differences of doubles of several hundred millimetres.
 ROUNDING = 1e-6
 NOISE = 2e-13
 
 
 def kept(corrections, magnitude, slope, acceleration, what):
-    """Largest share of each limit that a column of corrections uses; 1 is the limit."""
+    """Returns the largest share of each limit that a column of corrections uses; 1 is the limit."""
     a = acceleration * PERIOD_S * PERIOD_S
     used = [0.0, 0.0, 0.0]
     before, velocity = corrections[0], 0.0
@@ -25,7 +25,7 @@ def kept(corrections, magnitude, slope, acceleration, what):
 
 
 def all_kept(recording, joints, limits):
-    """Corrections of all joints: position sent minus position commanded by motion."""
+    """Checks the corrections of all joints: position sent minus position commanded by motion."""
     most = [0.0, 0.0, 0.0]
     for j in range(joints):
         sent = recording.columns("joint.%d.motor-pos-cmd" % j, "ta.joint.%d.motor-pos-cmd-out" % j)

@@ -1,4 +1,4 @@
-"""The machines that the tests run, each in a separate folder."""
+"""Sets up the machines that the tests run, each in a separate folder."""
 import os
 import re
 import shutil
@@ -18,13 +18,13 @@ def compile_tables(folder, machine, name):
 
 
 def compile_thermal(folder, text, machine, name):
-    """Thermal growth as the component loads it."""
+    """Compiles thermal growth for the component to load."""
     words = [TRUEAXIS, "thermal", "compile", os.path.join(folder, text), "--machine", machine]
     subprocess.run(words + ["-o", os.path.join(folder, name)], check=True, capture_output=True, timeout=60 * rig.PATIENCE)
 
 
 def mill(folder, change=None):
-    """The sample configuration, as an integrator finds it, or after a change of machine.toml."""
+    """Sets up the sample configuration as it is, or after a change of machine.toml."""
     rig.copy(folder, rig.CONFIG, *os.listdir(rig.CONFIG))
     rig.copy(folder, rig.HERE, "program.ngc")
     if change:
@@ -37,7 +37,7 @@ LENGTH = re.compile(r"^((?:MAX|MIN|DEFAULT)_\w+|\w*FERROR|HOME\w*) = (-?[\d.]+)$
 
 
 def in_inches(text):
-    """Change of an INI file of linear joints: the same machine in inches."""
+    """Changes an INI file of linear joints to the same machine in inches."""
     text = LENGTH.sub(lambda m: m[0] if m[1] == "HOME_SEQUENCE" else "%s = %r" % (m[1], float(m[2]) / 25.4), text)
     return rig.with_ini(text, "TRAJ", "LINEAR_UNITS", "inch")
 
@@ -46,12 +46,12 @@ DYNAMIC = re.compile(r"^\[+(axis\.\w\.(drive|friction|dynamic)|contour\.feedback
 
 
 def geometry_alone(text):
-    """Change of machine.toml: no dynamic correction."""
+    """Changes machine.toml: no dynamic correction."""
     return DYNAMIC.sub("", text)
 
 
 def edited_tables(folder, machine, name, change, axis="x", description="machine.toml"):
-    """The tables of a machine after `change` of the text of one axis' CSV, or (None) of its description itself."""
+    """Compiles a machine's tables after `change` of the text of one axis' CSV or, without an axis, of its description."""
     source = os.path.join(folder, name + ".tables")
     shutil.copytree(machine, source)
     rig.edit(source, axis + ".csv" if axis else description, change)
@@ -59,7 +59,7 @@ def edited_tables(folder, machine, name, change, axis="x", description="machine.
 
 
 def scaled(factor):
-    """Change of a CSV: every error times a factor."""
+    """Returns a change of a CSV that multiplies every error by a factor."""
 
     def change(text):
         lines = []
@@ -77,7 +77,7 @@ def scaled(factor):
 
 
 def hal_of(letters, more=""):
-    """trueaxis.hal for other joints than X, Y, Z, with drives that follow their commands exactly."""
+    """Returns trueaxis.hal for other joints than X, Y, Z, with drives that follow their commands exactly."""
     with open(os.path.join(rig.CONFIG, "trueaxis.hal")) as f:
         text = f.read()
     start, end = text.index("net x-pos-cmd"), text.index("# Correction is on")
@@ -114,7 +114,7 @@ MIN_FERROR = 0.05
 
 
 def ini_of(letters, kinematics, travel):
-    """The sample's INI for other joints; `travel`: letter -> low, high."""
+    """Returns the sample's INI for other joints; `travel`: letter -> low, high."""
     with open(os.path.join(rig.CONFIG, "mill-3axis.ini")) as f:
         text = f.read()
     text = text[: text.index("# Travel, feed")]
@@ -135,7 +135,7 @@ def ini_of(letters, kinematics, travel):
 
 
 def narrow(text):
-    """Travel of the machine `stream` in the sample's INI."""
+    """Changes the sample's INI to the travel of the machine `stream`."""
     for section in ("AXIS_X", "JOINT_0", "AXIS_Y", "JOINT_1"):
         text = rig.with_ini(text, section, "MIN_LIMIT", -195)
         text = rig.with_ini(text, section, "MAX_LIMIT", 195)

@@ -23,7 +23,7 @@ class Failed(Exception):
 
 
 def halcmd(*words):
-    """Runs one HAL command; what it prints."""
+    """Runs one HAL command and returns its output."""
     done = subprocess.run(["halcmd", "-s", *words], capture_output=True, text=True, timeout=100)
     if done.returncode != 0:
         raise Failed("halcmd %s: %s" % (" ".join(words), done.stderr.strip()))
@@ -31,7 +31,7 @@ def halcmd(*words):
 
 
 class Recorder:
-    """Samples pins in every servo cycle, last of all functions, into memory."""
+    """Samples pins into memory in every servo cycle, after all other functions."""
 
     def __init__(self, component, pins):
         info = {pin["NAME"]: pin for pin in hal.get_info_pins()}
@@ -46,7 +46,8 @@ class Recorder:
                 signal = words[-1] if words[-2] in ("==>", "<==") else "recorded-%d-%d" % (i, k)
                 halcmd("net", signal, pin, "sampler.%d.pin.%d" % (i, k))
             halcmd("net", "recording", "sampler.%d.enable" % i)
-            # The first pin of a signal brings its own value along, here TRUE: all samplers must start in one cycle.
+            # A signal takes the value of its first pin, here TRUE. Set it to 0, because all samplers must start in one
+            # cycle.
             halcmd("sets", "recording", "0")
             halcmd("addf", "sampler.%d" % i, "servo-thread")
         self.pins = pins
@@ -136,8 +137,8 @@ class Pilot:
         self.wait(lambda: self.stat.interp_state != linuxcnc.INTERP_IDLE, "start of the program")
 
     def start_queued(self, path):
-        """As `start`, but nothing moves before the whole program is queued: the planner accelerates otherwise while the move
-        after the one it makes is unknown, and which moves it knows then depends on how busy the machine is."""
+        """Like `start`, but nothing moves until the whole program is queued. The planner's accelerations depend on whether it
+        already knows the next move, which otherwise depends on how busy the computer is."""
         halcmd("setp", "motion.feed-inhibit", "1")
         self.start(path)
         lengths = []

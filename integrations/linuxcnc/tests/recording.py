@@ -1,10 +1,10 @@
-"""What a run has recorded: columns of doubles, one row a servo cycle."""
+"""Stores the result of a run: columns of doubles, one row per servo cycle."""
 import array
 import json
 
 
 class Recording:
-    """Columns by the name of their HAL pin; every value exactly as the pin had it."""
+    """Columns by the name of their HAL pin, with every value exactly as the pin had it."""
 
     def __init__(self, names, rows):
         self.names = list(names)
@@ -22,7 +22,7 @@ class Recording:
         return Recording(self.names, self.rows[start:stop])
 
     def save(self, path):
-        """`path`.json: names; `path`.f64: rows of little-endian doubles."""
+        """Saves `path`.json, the names, and `path`.f64, rows of little-endian doubles."""
         with open(path + ".json", "w") as f:
             json.dump({"columns": self.names, "rows": len(self.rows)}, f)
         with open(path + ".f64", "wb") as f:

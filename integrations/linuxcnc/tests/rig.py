@@ -1,4 +1,4 @@
-"""A run of LinuxCNC or of halrun in a separate directory, with a time limit."""
+"""Runs LinuxCNC or halrun in a separate directory, with a time limit."""
 import os
 import re
 import shutil
@@ -25,12 +25,12 @@ def environment(home, **more):
     return env
 
 
-# Time limits only end what hangs. They are given for a quiet computer; this factor leaves room on a busy one.
+# Time limits only end programs that hang. They fit an idle computer; this factor allows for a busy one.
 PATIENCE = 5
 
 
 def run(words, folder, seconds, **more):
-    """Runs a program in a separate session and ends the whole session when its time is over."""
+    """Runs a program in a separate session and ends the whole session at the time limit."""
     seconds *= PATIENCE
     process = subprocess.Popen(words, cwd=folder, env=environment(folder, **more), stdin=subprocess.DEVNULL,
                                stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace",
@@ -56,7 +56,7 @@ def halrun(folder, text, seconds=30):
 
 
 def with_ini(text, section, key, value):
-    """An INI file with one key changed or added; the value None takes the key out."""
+    """Returns an INI file with one key changed or added; the value None removes the key."""
     head = re.search(r"^\[%s\]\s*$" % re.escape(section), text, re.M)
     line = "" if value is None else "%s = %s\n" % (key, value)
     if head is None:
@@ -71,7 +71,7 @@ def with_ini(text, section, key, value):
 
 
 def linuxcnc(folder, ini, scenario, seconds=75):
-    """Runs a configuration with the pilot in place of a user interface, until the scenario is over."""
+    """Runs a configuration with the pilot in place of a user interface, until the scenario ends."""
     path = os.path.join(folder, ini)
     with open(path) as f:
         text = f.read()

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""All tests of the component, as an ordinary user: run.py WORK [NAME...]. Everything is under a clock."""
+"""Runs all tests of the component as an ordinary user, with time limits: run.py WORK [NAME...]."""
 import os
 import shutil
 import sys

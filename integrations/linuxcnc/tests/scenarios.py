@@ -30,7 +30,7 @@ def program(pilot):
 
 
 def five_axes(pilot):
-    """As `program`, with the tip that the kinematics of LinuxCNC want."""
+    """Like `program`, with the tip that LinuxCNC's kinematics want."""
     pilot.record(joints(5, *STREAM) + WHOLE + ["axis.x.pos-cmd", "axis.y.pos-cmd", "axis.z.pos-cmd"])
     pilot.on()
     pilot.home()
@@ -40,7 +40,7 @@ def five_axes(pilot):
 
 
 def homing_offset(pilot):
-    """As `program`; the joints are homed at a motor position that is not the joint's."""
+    """Like `program`, but the joints are homed at a motor position that differs from the joint's."""
     program(pilot)
 
 
@@ -178,7 +178,7 @@ def homing(pilot):
     pilot.on()
     pilot.command.mode(linuxcnc.MODE_MANUAL)
     pilot.command.wait_complete()
-    # Beyond the travel of the tables: before homing positions mean nothing.
+    # Beyond the travel of the tables; before homing, positions mean nothing.
     pilot.command.jog(linuxcnc.JOG_INCREMENT, True, 0, 150, 400)
     pilot.wait(lambda: pilot.stat.joint_actual_position[0] > 399.999, "jog", 15)
     pilot.home()
@@ -256,13 +256,13 @@ def probing(pilot):
 
 
 def calibration(pilot):
-    """A probing program run, solved, its tables taken over while the machine is on, and the program run again."""
+    """Runs a probing program, solves it, exchanges the tables while the machine is on, and runs the program again."""
     pilot.on()
     pilot.home()
 
     def probe(log):
         pilot.start("probe.ngc")
-        # M0: the artefact is to be set up.
+        # M0: the program waits until the artefact is set up.
         pilot.wait(lambda: pilot.stat.interp_state == linuxcnc.INTERP_PAUSED, "pause for the artefact")
         pilot.command.auto(linuxcnc.AUTO_RESUME)
         pilot.finish(100.0)
@@ -289,7 +289,7 @@ STANDS = ((100, 50, -100), (-120, 80, -200), (40, -150, -20), (0, 0, 0))
 
 
 def stands(pilot):
-    """At some positions, in mm: commands, outputs to the drives and corrections once the machine is at rest."""
+    """At several positions, in mm: commands, outputs to the drives and corrections once the machine is at rest."""
     pilot.on()
     pilot.home()
     found = []
@@ -343,7 +343,7 @@ def friction(pilot):
     script = os.path.join(os.path.dirname(os.path.realpath(__file__)), "..", "record-circles.py")
     words = [script, "--centre", "0,0", "--radius-mm", "10.0037", "--feeds", "1200,500", "--turns", "1", "-o", "record.csv",
              "--no-evaluation"]
-    # Beyond the travel: refused, and HAL is as it was.
+    # A circle beyond the travel is refused, and HAL stays as it was.
     far = subprocess.run([*words, "--radius-mm", "400"], capture_output=True, text=True, timeout=60 * rig.PATIENCE)
     if far.returncode != 2 or os.path.exists("record.csv"):
         raise RuntimeError("circles beyond the travel: exit code %d, %s" % (far.returncode, far.stderr))

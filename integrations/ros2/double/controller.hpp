@@ -1,6 +1,6 @@
-// The part of controller_interface's base class that a controller sees, the same in every release; with what the manager
-// does to it: transitions, interfaces lent and taken back.
-// Included after the handles of a release. SPDX-License-Identifier: MIT OR Apache-2.0
+// The part of controller_interface's base class that a controller sees, the same in every release, plus the manager's
+// actions on it: transitions, and lending and withdrawing interfaces. Include it after the handles of a release.
+// SPDX-License-Identifier: MIT OR Apache-2.0
 #ifndef DOUBLE_CONTROLLER_HPP
 #define DOUBLE_CONTROLLER_HPP
 
@@ -50,7 +50,7 @@ public:
                                                : get_node()->declare_parameter<T>(name, value);
     }
 
-    // The manager's side, in fewer steps than there.
+    // The manager's side, with fewer states than the original.
     enum class Life { UNCONFIGURED, INACTIVE, ACTIVE };
     CallbackReturn init(const std::string &name, std::map<std::string, rclcpp::ParameterValue> given) {
         node_ = std::make_shared<rclcpp_lifecycle::LifecycleNode>(name);

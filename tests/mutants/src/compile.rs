@@ -172,7 +172,7 @@ fn refuse(error: &Message, files: &Files, refused: &mut Refused) {
     }
 }
 
-/// Refuses the arms of a match that is not exhaustive once they have guards: none of them can be removed.
+/// Refuses the arms of a match that is not exhaustive once they have guards, because such arms cannot be removed.
 fn refuse_arms(matched: &Place, files: &Files, refused: &mut Refused) {
     let Some(file) = files.get(&matched.file_name) else { return };
     let mut depth = 0;

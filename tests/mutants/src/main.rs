@@ -135,9 +135,9 @@ fn main() -> Result<()> {
     }
     println!("{}", report::table(&shown, &fates));
     if let Some(least) = options.least {
-        let told = report::told(&fates);
-        println!("detected or with a reason: {told:.1} %, needed at least {least} %");
-        if told < least {
+        let share = report::explained(&fates);
+        println!("detected or with a reason: {share:.1} %, needed at least {least} %");
+        if share < least {
             std::process::exit(1);
         }
     }

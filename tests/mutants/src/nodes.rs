@@ -110,7 +110,7 @@ impl<'ast> Visit<'ast> for Finder<'_> {
         visit::visit_trait_item_fn(self, item);
     }
     fn visit_item_const(&mut self, item: &'ast syn::ItemConst) {
-        // A constant that other files may use is left unchanged.
+        // Leave a constant unchanged if other files may use it.
         if self.constant || !matches!(item.vis, syn::Visibility::Inherited) {
             return self.within_constant(|finder| visit::visit_item_const(finder, item));
         }

@@ -60,7 +60,7 @@ pub fn score(fates: &[Fate]) -> f64 {
 }
 
 /// Share of mutants that were killed or have any reason, among those tried, per cent.
-pub fn told(fates: &[Fate]) -> f64 {
+pub fn explained(fates: &[Fate]) -> f64 {
     share(fates, |fate| is_killed(fate) || matches!(fate, Fate::Known(_)), is_open)
 }
 

@@ -1,4 +1,4 @@
-//! Runs test programs as processes: records what they reach, and whether they detect a mutant.
+//! Runs test programs as processes: records which code they reach, and whether they detect a mutant.
 
 use std::collections::{BTreeSet, HashMap};
 use std::fs::File;
@@ -74,8 +74,8 @@ fn names(program: &Program) -> Result<Vec<String>> {
     Ok(text.lines().filter_map(|line| line.strip_suffix(": test")).map(str::to_string).collect())
 }
 
-/// Runs every test separately and records what it reaches and how long it takes; returns fast tests first. Tests longer than
-/// `longest` are stopped and left out.
+/// Runs every test separately and records which code it reaches and how long it takes; returns fast tests first. Stops
+/// tests longer than `longest` and leaves them out.
 pub fn survey(programs: &[Program], folder: &Path, longest: Duration) -> Result<Vec<Test>> {
     std::fs::create_dir_all(folder)?;
     let seconds = longest.as_secs_f64().ceil() as u64;

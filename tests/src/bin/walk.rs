@@ -16,7 +16,7 @@ struct Arguments {
     /// Seed of all random draws.
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Threads; as many as there are cores unless given.
+    /// Threads [default: the number of cores].
     #[arg(long)]
     jobs: Option<usize>,
     /// Cycles of a leg.

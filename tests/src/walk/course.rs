@@ -51,9 +51,9 @@ impl<R: Scalar, P: Place> Course<R, P> {
                 }
                 // Out and back, on the same line or beside it.
                 4 => {
-                    let beside = DVec3::new(0.0, if dice.one_in(2) { 0.03 } else { 0.0 }, 0.0);
+                    let offset = DVec3::new(0.0, if dice.one_in(2) { 0.03 } else { 0.0 }, 0.0);
                     course.add(number, &Segment::Line { start: at, end: middle }, rotary, rotary)
-                        && course.add(number, &Segment::Line { start: middle, end: at + beside }, rotary, after)
+                        && course.add(number, &Segment::Line { start: middle, end: at + offset }, rotary, after)
                 }
                 _ => course.add(number, &Segment::Turning { point: at }, rotary, after),
             };

@@ -81,13 +81,13 @@ pub(super) struct Outcome<R: Scalar, P: Place, const N: usize> {
     /// Output of the step.
     pub output: Output<R, P, N>,
     /// Output of the gauge.
-    pub ride: roundness::Cycle<R>,
+    pub gauge_output: roundness::Cycle<R>,
 }
 
 impl<R: Scalar, P: Place, const N: usize> Outcome<R, P, N> {
     /// The outcome before the first cycle.
     pub(super) fn none() -> Self {
-        Outcome { output: Output::none(), ride: roundness::Cycle::default() }
+        Outcome { output: Output::none(), gauge_output: roundness::Cycle::default() }
     }
 }
 
@@ -118,9 +118,9 @@ impl<R: Scalar, P: Place, const N: usize> Device<R, P, N> {
         match &ground.gauge {
             None => parts.step::<INTO>(&mut (), &mut outcome.output),
             Some(settings) => {
-                let Outcome { output, ride } = outcome;
-                let cycle = settings.ride(gauge, &moment.probes, |gauge| parts.step::<INTO>(gauge, output));
-                *ride = cycle.expect("a state of its gauge");
+                let Outcome { output, gauge_output } = outcome;
+                let cycle = settings.run_with(gauge, &moment.probes, |gauge| parts.step::<INTO>(gauge, output));
+                *gauge_output = cycle.expect("a state of its gauge");
             }
         }
     }
@@ -136,14 +136,14 @@ struct Parts<'c, 'a, R: Scalar, P: Place, const N: usize> {
 
 impl<R: Scalar, P: Place, const N: usize> Parts<'_, '_, R, P, N> {
     /// One copy of the step for all measures and gauges: with one copy each, this crate would take minutes to build.
-    fn step<const INTO: bool>(self, ride: &mut dyn Ride<R>, output: &mut Output<R, P, N>) {
+    fn step<const INTO: bool>(self, gauge: &mut dyn Ride<R>, output: &mut Output<R, P, N>) {
         let Parts { ground, servo, moment, state, window } = self;
         let input = &moment.input;
         let by = |measure: &mut dyn Measure<R, P, N>| {
             if INTO {
-                servo.step_into(state, input, measure, ride, output)
+                servo.step_into(state, input, measure, gauge, output)
             } else {
-                *output = servo.step(state, input, measure, ride)
+                *output = servo.step(state, input, measure, gauge)
             }
         };
         match (moment.measured, &ground.kinematics) {

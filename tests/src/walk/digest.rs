@@ -39,8 +39,8 @@ impl Digest {
         self.contour(&record.encoder);
         self.word(record.orientation.bits());
         self.word(u64::from(record.orientation_flags.bits()));
-        self.word(outcome.ride.infeed.bits());
-        self.word(u64::from(outcome.ride.flags.0) | u64::from(outcome.ride.finished) << 16);
+        self.word(outcome.gauge_output.infeed.bits());
+        self.word(u64::from(outcome.gauge_output.flags.0) | u64::from(outcome.gauge_output.finished) << 16);
     }
 
     /// Adds only the drives, which is cheap.

@@ -1,4 +1,4 @@
-//! The events of a cycle: how each begins, and what it does while it lasts.
+//! The events of a cycle: how each begins, and how it acts while it lasts.
 
 use super::combination::Measured;
 use super::device::{Ground, Moment};

@@ -32,7 +32,7 @@ events! {
     Late: "a late cycle",
     Early: "a doubled cycle",
     Disable: "compensation switched off",
-    Unhomed: "not homed, commands set anew",
+    Unhomed: "not homed, commands set again",
     Exchange: "another configuration",
     Thermal: "thermal growth set",
     Reset: "a reset for no reason, held down at times",
@@ -44,7 +44,7 @@ events! {
     Refusal: "a command refused before the step, a tool that is none",
     Ends: "to the end of a travel",
     Everything: "every field of the input anything at once",
-    Measure: "another reference of the contour error, the window begun anew",
+    Measure: "another reference of the contour error, the window restarted",
 }
 
 /// A set of events as bits.

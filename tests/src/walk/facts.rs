@@ -39,7 +39,7 @@ pub(super) struct AxisFacts<P> {
     /// Limits of the dynamic correction.
     pub dynamic: Bounds,
     /// Acceleration limit of the geometric correction beside a dynamic one.
-    pub lead_a: f64,
+    pub ramp_a: f64,
     /// Declared travel.
     pub travel: [P; 2],
     /// Range of the joint.
@@ -54,7 +54,7 @@ pub(super) struct AxisFacts<P> {
     pub still: f64,
     /// A command that changes by no more than this need not show in such a reading.
     pub play: f64,
-    /// Range in which readings are believed: 1 mm (1°) beyond the joint.
+    /// Range in which readings are accepted: 1 mm (1°) beyond the joint.
     pub readable: [P; 2],
     /// Maximum distance of a reset from the held command.
     pub resume: f64,
@@ -161,7 +161,7 @@ impl<P: Position> AxisFacts<P> {
             present: true,
             sum,
             dynamic: Bounds::of(&dynamic.limits, period_s),
-            lead_a: sum.a.min(braking),
+            ramp_a: sum.a.min(braking),
             travel: settings.travel.map(|end| P::nearest(end.clamp(-1e9, 1e9))),
             joint: settings.joint.map(P::nearest),
             command_jump: jump,
@@ -183,7 +183,7 @@ impl<P: Position> AxisFacts<P> {
         }
     }
 
-    /// An axis letter that the machine does not have; any reading is believed. Its only correction is thermal growth that a
+    /// An axis letter that the machine does not have; any reading is accepted. Its only correction is thermal growth that a
     /// host sets for it, which moves no drive: within any limits.
     fn absent(period_s: f64) -> Self {
         let any = Bounds { c: 1.0, v: 1e-3, a: 1e-3 };
@@ -191,7 +191,7 @@ impl<P: Position> AxisFacts<P> {
             present: false,
             sum: any,
             dynamic: Bounds::of(&DynamicSettings::with_defaults(Axis::X).limits, period_s),
-            lead_a: 1e-3,
+            ramp_a: 1e-3,
             travel: [-1e9, 1e9].map(P::nearest),
             joint: [f64::MIN, f64::MAX].map(P::nearest),
             command_jump: f64::INFINITY,

@@ -55,7 +55,7 @@ impl<R: Scalar> AnyGauge<R> {
     }
 
     /// Runs one cycle with the gauge, by `step`.
-    pub(super) fn ride(
+    pub(super) fn run_with(
         &self,
         state: &mut AnyState<R>,
         probes: &Probes<R>,

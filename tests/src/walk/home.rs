@@ -13,7 +13,7 @@ use trueaxis::{Conditions, Input};
 
 /// Number of compared cycles after switching on.
 const COMPARED: u32 = 150;
-/// Cycles after which a correction that is still limited is no longer waited for.
+/// Cycles after which the walk no longer waits for a correction that is still limited.
 const PATIENCE: u32 = 500;
 
 impl<R: Scalar, P: Place, const N: usize> Walker<'_, '_, R, P, N> {

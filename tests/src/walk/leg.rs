@@ -14,7 +14,7 @@ use super::planted::Planted;
 use super::rule::{Broken, Rule, Tally};
 use super::scalar::{Place, Scalar};
 use super::walker::Walker;
-use super::{beside, home};
+use super::{home, without_cycles};
 use std::fmt;
 use trueaxis::contour::Method;
 use trueaxis::kinematics::Kinematics;
@@ -222,7 +222,7 @@ impl Leg {
         let found = || format!("{} allocations, {} bytes", heap.count_total, heap.bytes_total);
         result
             .and_then(|()| walker.contract.tally.that(Rule::Allocation, heap.count_total == 0, found))
-            .and_then(|()| beside::check(self.number, ground, &mut walker.contract.tally))
+            .and_then(|()| without_cycles::check(self.number, ground, &mut walker.contract.tally))
             .map_err(|broken| (cycles, broken))?;
         let tally = walker.contract.tally;
         let combination = Combination::all().iter().position(|known| *known == self.combination).unwrap_or(0);

@@ -151,11 +151,11 @@ fn axis(dice: &mut Dice, axis: Axis, known: AxisSettings, period_s: f64, plain: 
     // Tight: an outward correction at the end of the travel has no room.
     let room = if dice.one_in(3) { 0.0 } else { limits.magnitude };
     let hysteresis = dice.factor(0.1e-3, 3e-3) * f64::from(1 + plain);
-    let look = |dice: &mut Dice| if plain < 10 && dice.one_in(6) { Lookup::Feedback } else { Lookup::Command };
+    let lookup = |dice: &mut Dice| if plain < 10 && dice.one_in(6) { Lookup::Feedback } else { Lookup::Command };
     AxisSettings {
         interpolation: if dice.one_in(2) { Interpolation::Cubic } else { Interpolation::Linear },
-        lookup: look(dice),
-        cross_lookup: look(dice),
+        lookup: lookup(dice),
+        cross_lookup: lookup(dice),
         travel,
         joint: [travel[0] - room, travel[1] + room],
         offset_mm: [100.0 * dice.signed(), 100.0 * dice.signed(), 100.0 * dice.signed()],

@@ -3,7 +3,6 @@
 //! A *leg* runs one [`Combination`] with machines drawn for it: plausible motion with events in between, every cycle checked
 //! by the `Contract`. It is drawn only from a seed and its number, so that these two reproduce any failure.
 
-mod beside;
 mod combination;
 mod contract;
 mod course;
@@ -29,6 +28,7 @@ mod soak;
 mod spindle;
 mod through;
 mod walker;
+mod without_cycles;
 
 pub use combination::{Combination, Measured, Numbers};
 pub use event::{Event, Events};

@@ -9,7 +9,7 @@ use trueaxis::contour::Reference;
 /// Motion of the axes for some cycles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Phase {
-    Stand,
+    Rest,
     Go,
     Dither,
     Wave,
@@ -44,7 +44,7 @@ impl<R: Scalar, const N: usize> Motion<R, N> {
             at: home,
             by_tool: false,
             reference: Reference { span: 0, t: R::ZERO },
-            phase: Phase::Stand,
+            phase: Phase::Rest,
             left: 0,
             speed: [0.0; N],
             goal: home,
@@ -58,7 +58,7 @@ impl<R: Scalar, const N: usize> Motion<R, N> {
 
     /// Stops at this position, until another phase begins.
     pub(super) fn stop_at(&mut self, at: [f64; N]) {
-        (self.at, self.phase, self.left, self.by_tool) = (at, Phase::Stand, 3, false);
+        (self.at, self.phase, self.left, self.by_tool) = (at, Phase::Rest, 3, false);
     }
 
     /// The next command, within the travel and the highest feed of every axis.
@@ -75,7 +75,7 @@ impl<R: Scalar, const N: usize> Motion<R, N> {
         }
         self.left -= 1;
         match self.phase {
-            Phase::Stand => {}
+            Phase::Rest => {}
             Phase::Go => {
                 for k in 0..N {
                     self.at[k] += self.speed[k];
@@ -87,7 +87,7 @@ impl<R: Scalar, const N: usize> Motion<R, N> {
                     self.at[k] += back * self.speed[k];
                 }
             }
-            Phase::Wave => self.ride(),
+            Phase::Wave => self.follow_wave(),
             Phase::Reach => {
                 let mut there = true;
                 for k in 0..N {
@@ -113,7 +113,7 @@ impl<R: Scalar, const N: usize> Motion<R, N> {
     }
 
     /// A wave about the axes' last position: the increments of a rotating pointer.
-    fn ride(&mut self) {
+    fn follow_wave(&mut self) {
         let [c, s] = self.turn;
         let [x, y] = self.wave;
         let next = [c * x - s * y, s * x + c * y];
@@ -131,7 +131,7 @@ impl<R: Scalar, const N: usize> Motion<R, N> {
         };
         self.arc += self.speed[0];
         let length = span.length().to_f64();
-        if self.arc >= length || span.stands() {
+        if self.arc >= length || span.is_stationary() {
             let next = self.reference.span + 1;
             self.arc = (self.arc - length).max(0.0);
             if next as usize >= ground.spans.len() {
@@ -171,7 +171,7 @@ impl<R: Scalar, const N: usize> Motion<R, N> {
             self.speed[k] = if idle { 0.0 } else { share * facts.axes[k].feed * dice.signed() };
         }
         self.phase = match dice.below(10) {
-            0 | 1 => Phase::Stand,
+            0 | 1 => Phase::Rest,
             2..=4 => Phase::Go,
             5 => {
                 for k in 0..N {

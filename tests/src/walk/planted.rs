@@ -37,8 +37,8 @@ pub enum Planted {
     WrongAxis,
     /// A bad reading is not reported.
     FreezeForgotten,
-    /// A bad reading is reported as believed.
-    ReadingBelieved,
+    /// A bad reading is reported as accepted.
+    ReadingAccepted,
     /// The contour error is reported without being measured.
     ErrorInvented,
     /// The command in force is a different one.
@@ -63,10 +63,10 @@ impl Planted {
         (Planted::StopInvented, &[Rule::StopsOnlyWhenDue]),
         (Planted::WrongAxis, &[Rule::Stops]),
         (Planted::FreezeForgotten, &[Rule::Reading]),
-        (Planted::ReadingBelieved, &[Rule::Believed]),
-        (Planted::ErrorInvented, &[Rule::ContourTold]),
+        (Planted::ReadingAccepted, &[Rule::ReadingInForce]),
+        (Planted::ErrorInvented, &[Rule::ContourReported]),
         (Planted::CommandChanged, &[Rule::CommandInForce]),
-        (Planted::LimitedForgotten, &[Rule::LimitedTold]),
+        (Planted::LimitedForgotten, &[Rule::LimitedReported]),
     ];
 
     /// Applies the defect.
@@ -119,7 +119,7 @@ impl Planted {
             Planted::FreezeForgotten if record.status.has(Status::FROZEN) => {
                 (record.status, record.fault) = (Status::ACTIVE, Fault::None);
             }
-            Planted::ReadingBelieved if record.status.has(Status::FROZEN) => {
+            Planted::ReadingAccepted if record.status.has(Status::FROZEN) => {
                 if let Some(k) = (0..N).find(|k| input.feedback[*k].is_usable()) {
                     record.feedback[k] = bit(record.feedback[k]);
                 }

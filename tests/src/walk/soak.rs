@@ -12,7 +12,7 @@ use std::time::Instant;
 
 /// Growth of the resident memory that is ignored, kB: the allocator keeps some memory from legs of different sizes.
 const FLAT_KB: u64 = 16 * 1024;
-/// Number of first legs, in which the process allocates what it needs.
+/// Number of first legs, in which the process allocates its memory.
 const FIRST: u64 = 20;
 
 /// Settings of a soak over all combinations.

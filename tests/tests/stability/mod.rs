@@ -75,7 +75,7 @@ fn unwatched(machine: &MachineSettings) -> MachineSettings {
 
 /// The readings are late, unknown to the configuration, for which the gains were permitted.
 #[test]
-fn an_unstable_loop_is_led_out() {
+fn an_unstable_loop_is_ramped_out() {
     /// Cycles until the oscillation is visible, and until the feedback must be out.
     const SEEN: usize = 4 * CYCLES;
     const LATER: usize = 6 * CYCLES;

@@ -11,7 +11,7 @@ use trueaxis_tests::course::Command;
 /// Limits that no plant of the campaign reaches, so that only the loop is tested.
 pub(crate) const WIDE: Limits = Limits { magnitude: 1.0, slope_per_s: 100.0, acceleration_per_s2: 100_000.0 };
 
-/// A machine with a drive on every axis and contour feedback; with the default limits if none are given.
+/// A machine with a drive on every axis and contour feedback; `limits`, or else the default limits.
 pub(crate) fn machine(
     drive: DriveFigures,
     [proportional, integral_per_s]: [f64; 2],

@@ -1,6 +1,6 @@
 /*
  * Steps a circular motion of 8,000 servo cycles through the tables of a machine, exchanges the tables in motion, and
- * prints the results. The same program runs on a host and, with cortex-m/, on bare metal.
+ * prints the results. Runs on a host and, with cortex-m/, on bare metal.
  *
  *   step_trace FIRST.tcomp SECOND.tcomp        host: files of one machine with three axes
  *   bare metal: the two files are at fixed addresses of the image

@@ -81,7 +81,7 @@ impl Gauges {
     }
 }
 
-/// The same readings as the Rust type.
+/// Readings of the C structure as the Rust type.
 pub(crate) fn probes(ride: &GaugeRide) -> roundness::Probes<Real> {
     roundness::Probes {
         readings: ride.readings,

@@ -35,7 +35,7 @@ pub(crate) fn rust_loop<const N: usize>(file: &[u8]) -> ServoLoop<'static, R, P,
     ServoLoop::load(&tables, PERIOD_NS, vec![0.0; tables.requirement()].leak()).unwrap()
 }
 
-/// The same input as the Rust type.
+/// Input of the C structure as the Rust type.
 pub(crate) fn core_input<const N: usize>(c: &Input) -> trueaxis::Input<P, N> {
     let mut input = trueaxis::Input::<P, N>::at_rest(PERIOD_NS);
     for axis in 0..N {

@@ -104,7 +104,7 @@ pub(crate) fn run(command: &Command) -> Result<()> {
 /// A task with its machine.
 struct Read {
     task: Task,
-    /// Path of the machine as given, from here.
+    /// Path of the machine, relative to the current folder.
     path: PathBuf,
     machine: Machine,
 }
@@ -113,6 +113,7 @@ fn read(path: &Path) -> Result<Read> {
     let task = Task::read(&model::text(path)?, path)?;
     let at = path.parent().unwrap_or(Path::new("")).join(&task.machine);
     let (folder, name) = Folder::of_machine(&at);
-    let machine = Machine::read_from(&folder, &name, &mut |how| crate::output::tell(format_args!("note: {how}")))?;
+    let machine =
+        Machine::read_from(&folder, &name, &mut |how| crate::output::report_line(format_args!("note: {how}")))?;
     Ok(Read { task, path: at, machine })
 }

@@ -1,7 +1,7 @@
 //! `trueaxis calibrate plan`.
 
 use super::{PlanArguments, read};
-use crate::output::{data, json, tell};
+use crate::output::{data, json, report_line};
 use anyhow::Result;
 use trueaxis_evaluation::calibrate::Planning;
 use trueaxis_report::number::significant;
@@ -22,18 +22,18 @@ pub(super) fn run(arguments: &PlanArguments) -> Result<()> {
             let minutes = counted(foreseen.minutes.ceil() as usize, "minute");
             let touches = foreseen.touches;
             let output = output.display();
-            tell(format_args!("written {output}: {touches} touches, about {minutes} without set-ups"));
+            report_line(format_args!("written {output}: {touches} touches, about {minutes} without set-ups"));
         }
     }
     if arguments.json {
         return json(&foreseen);
     }
-    tell("expected standard errors:");
+    report_line("expected standard errors:");
     for term in &foreseen.terms {
-        tell(format_args!("  {:<22} {} {}", term.name, significant(term.standard_error, 2), term.unit));
+        report_line(format_args!("  {:<22} {} {}", term.name, significant(term.standard_error, 2), term.unit));
     }
     for warning in &foreseen.warnings {
-        tell(format_args!("note: {warning}"));
+        report_line(format_args!("note: {warning}"));
     }
     Ok(())
 }

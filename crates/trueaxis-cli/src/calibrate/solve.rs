@@ -2,7 +2,7 @@
 
 use super::table::table;
 use super::{SolveArguments, read};
-use crate::output::{print, progress, tell};
+use crate::output::{print, progress, report_line};
 use crate::{machine_folder, model, report};
 use anyhow::Result;
 use trueaxis_evaluation::calibrate::solved;
@@ -15,7 +15,7 @@ pub(super) fn run(arguments: &SolveArguments) -> Result<()> {
     let text = model::text(&arguments.log)?;
     let bar = progress(0, "solving");
     let (plan, found) = solved(&read.task, &read.machine, &text, &arguments.log, |how| {
-        bar.suspend(|| tell(format_args!("note: {how}")));
+        bar.suspend(|| report_line(format_args!("note: {how}")));
     })?;
     bar.finish_and_clear();
     let document = found.document(&read.task, &read.machine);
@@ -32,6 +32,6 @@ pub(super) fn run(arguments: &SolveArguments) -> Result<()> {
         report::write(&mut outputs, &page, directory, "calibrate.html")?;
     }
     outputs.commit()?;
-    done.tell();
+    done.print_notes();
     if arguments.json { done.json(&document) } else { print(&table(&document)?) }
 }

@@ -4,7 +4,7 @@ mod arguments;
 mod table;
 
 use crate::model::{self, by_axes};
-use crate::output::{json, print, tell};
+use crate::output::{json, print, report_line};
 use anyhow::Result;
 use arguments::Asked;
 pub(crate) use arguments::{Arguments, position};
@@ -38,7 +38,7 @@ actual − ideal.";
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let machine = model::machine(&arguments.machine)?;
     if !machine.states_errors() {
-        tell(format_args!("note: {}", Warning::NoErrorsStated));
+        report_line(format_args!("note: {}", Warning::NoErrorsStated));
     }
     let asked = Asked::new(arguments, &machine)?;
     let found: Found = by_axes!(machine.settings.step_axes().count(), correct::at(&machine, &asked.query))?;
@@ -47,11 +47,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
         (&found.out_of_travel, "outside the declared travel"),
     ] {
         if !letters.is_empty() {
-            tell(format_args!("note: {} {what}", axes(letters)));
+            report_line(format_args!("note: {} {what}", axes(letters)));
         }
     }
     for note in found.clipped.notes(&machine.settings, "position") {
-        tell(format_args!("note: {note}"));
+        report_line(format_args!("note: {note}"));
     }
     if arguments.json {
         json(&table::document(&machine, &found))

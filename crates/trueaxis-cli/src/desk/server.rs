@@ -4,7 +4,7 @@
 //! connections nor Ctrl-C.
 
 use super::{answer, page};
-use crate::output::{print, tell};
+use crate::output::{print, report_line};
 use anyhow::{Context, Result, anyhow};
 use std::collections::VecDeque;
 use std::io::{self, ErrorKind, Read, Write};
@@ -23,11 +23,11 @@ const HEAD: usize = 16 << 10;
 /// Bytes read and discarded after the head: closing a connection with unread bytes can discard the answer too.
 const BEHIND: u64 = 64 << 10;
 /// Time limit for receiving a request.
-const TO_COME: Duration = Duration::from_secs(10);
+const RECEIVE_TIMEOUT: Duration = Duration::from_secs(10);
 /// Time limit for sending the answer.
-const TO_GO: Duration = Duration::from_secs(60);
+const SEND_TIMEOUT: Duration = Duration::from_secs(60);
 
-/// Serves the page at `port`; without one, at the usual port or, if that is taken, at any free one.
+/// Serves the page at `port`; without one, at the usual port or, if another program uses that, at any free one.
 pub(super) fn serve(port: Option<u16>) -> Result<()> {
     let listener = listener(port)?;
     let port = listener.local_addr().context("127.0.0.1")?.port();
@@ -38,7 +38,7 @@ pub(super) fn serve(port: Option<u16>) -> Result<()> {
     })
     .context("Ctrl-C")?;
     print(&format!("http://127.0.0.1:{port}/\n"))?;
-    tell("note: open this address in a browser; Ctrl-C ends the desk");
+    report_line("note: open this address in a browser; Ctrl-C ends the desk");
     thread::Builder::new().spawn(move || accept(&listener, port, &plain)).context("127.0.0.1")?;
     // When this returns, the process ends and closes every connection.
     interrupted.recv().context("Ctrl-C")
@@ -69,7 +69,7 @@ fn accept(listener: &TcpListener, port: u16, plain: &Arc<[u8]>) {
             }
             let _ = thread.join();
         }
-        // Accepting fails if the client has disconnected or no file descriptor is left.
+        // Accepting fails if the client has disconnected or the process has no free file descriptor.
         let Ok(stream) = stream.map(Arc::new) else { continue };
         let (held, plain) = (Arc::downgrade(&stream), Arc::clone(plain));
         if let Ok(thread) = thread::Builder::new().spawn(move || one(&stream, port, &plain)) {
@@ -80,12 +80,12 @@ fn accept(listener: &TcpListener, port: u16, plain: &Arc<[u8]>) {
 
 /// Handles one request. A client that disconnects or is too slow gets no answer.
 fn one(stream: &TcpStream, port: u16, plain: &[u8]) {
-    let mut of_client = Until { stream, end: Instant::now() + TO_COME };
+    let mut of_client = Until { stream, end: Instant::now() + RECEIVE_TIMEOUT };
     if let Ok(head) = head(&mut of_client) {
         let answer = head.map_or_else(|| answer::too_long(HEAD), |head| answer::to(&head, port, plain));
-        of_client.end = Instant::now() + TO_GO;
+        of_client.end = Instant::now() + SEND_TIMEOUT;
         if of_client.write_all(&answer).is_ok() && stream.shutdown(Shutdown::Write).is_ok() {
-            of_client.end = Instant::now() + TO_COME;
+            of_client.end = Instant::now() + RECEIVE_TIMEOUT;
             let _ = io::copy(&mut of_client.take(BEHIND), &mut io::sink());
         }
     }

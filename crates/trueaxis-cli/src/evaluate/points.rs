@@ -88,7 +88,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
         report::write(&mut outputs, &page, directory, "points.html")?;
     }
     outputs.commit()?;
-    machine_folder::tell_written(&written);
+    machine_folder::print_notes(&written);
     if arguments.json { json(&document) } else { print(&table(&document)?) }
 }
 

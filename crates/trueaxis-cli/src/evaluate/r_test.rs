@@ -93,7 +93,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
         report::write(&mut outputs, &page, directory, "r-test.html")?;
     }
     outputs.commit()?;
-    done.tell();
+    done.print_notes();
     if arguments.json { done.json(&document) } else { print(&table(&document)?) }
 }
 

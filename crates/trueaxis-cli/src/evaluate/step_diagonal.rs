@@ -95,7 +95,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
         report::write(&mut outputs, &page, directory, "step-diagonal.html")?;
     }
     outputs.commit()?;
-    done.tell();
+    done.print_notes();
     if arguments.json { done.json(&document) } else { print(&table(&document)?) }
 }
 

@@ -63,7 +63,8 @@ pub(crate) struct Arguments {
     /// Find the drives' figures even if the machine states them.
     #[arg(long)]
     find_drive: bool,
-    /// Time of the encoder's reading, µs after the command of its row takes effect (negative: before); for a drive found here.
+    /// Time of the encoder's reading, µs after the command of its row takes effect (negative: before); used if the command
+    /// also finds the drives' figures.
     #[arg(long, value_name = "US", allow_negative_numbers = true, value_parser = read_after)]
     read_after_us: Option<f64>,
     /// Print one JSON document instead of a table.
@@ -121,7 +122,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
         outputs.put(file, friction::sections(&arguments.record, &found).as_bytes())?;
     }
     outputs.commit()?;
-    done.tell();
+    done.print_notes();
     if arguments.json { done.json(&document) } else { print(&table::table(&document)?) }
 }
 

@@ -4,7 +4,7 @@ mod arguments;
 
 pub(crate) use arguments::{Arguments, EXAMPLE, HELP};
 
-use crate::output::{data, json, tell};
+use crate::output::{data, json, report_line};
 use crate::report;
 use anyhow::Result;
 use trueaxis_evaluation::helicoid::document::csv;
@@ -23,7 +23,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let table = csv(&document.points);
     let page = arguments.report.as_ref().map(|file| (report::helicoid::page(&job, &document), file));
     for note in job.notes() {
-        tell(format_args!("note: {note}"));
+        report_line(format_args!("note: {note}"));
     }
     let mut outputs = Outputs::default();
     if let Some((text, file)) = &program {

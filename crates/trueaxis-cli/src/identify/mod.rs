@@ -138,6 +138,6 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
         report::write_to(&mut outputs, &page, to, "identify.html")?;
     }
     outputs.commit()?;
-    done.tell();
+    done.print_notes();
     if arguments.json { done.json(&found.document) } else { print(&table::table(&found.document, axis)?) }
 }

@@ -1,15 +1,15 @@
 //! `trueaxis keep apply`.
 
 use super::CheckArguments;
-use super::look::{allowed, log, refused, show};
+use super::reprobing::{allowed, log, refused, show};
 use crate::model::{note, text};
-use crate::output::tell;
+use crate::output::report_line;
 use anyhow::Result;
 use trueaxis_evaluation::keep::{Deed, State};
 use trueaxis_tables::output::Outputs;
 
 pub(super) fn run(arguments: &CheckArguments) -> Result<()> {
-    let of = &arguments.look;
+    let of = &arguments.reprobing;
     let state = State::alone(&of.task, &mut note)?;
     let allowed = allowed(arguments, &state)?;
     let mut taken = state.check(&log(of, &text(&of.log)?), allowed, &mut note)?;
@@ -22,8 +22,8 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<()> {
     state.stage(&mut outputs, &state.written(&taken.entry, &taken.files)?)?;
     show(&mut outputs, &state, &taken, of)?;
     outputs.commit()?;
-    taken.changes.iter().for_each(tell);
+    taken.changes.iter().for_each(report_line);
     let done = if taken.document.applied { "updated" } else { "nothing to change" };
-    tell(format_args!("entry {}: {done}", taken.entry.entry));
+    report_line(format_args!("entry {}: {done}", taken.entry.entry));
     super::table::put(&taken.document, of.json)
 }

@@ -2,8 +2,8 @@
 
 mod apply;
 mod history;
-mod look;
 mod plan;
+mod reprobing;
 mod table;
 mod undo;
 
@@ -97,7 +97,7 @@ pub(crate) enum Command {
     Plan(PlanArguments),
     /// Evaluate the first re-probing, with which all later ones are compared; the machine is not changed.
     #[command(before_help = BEGIN)]
-    Begin(LookArguments),
+    Begin(ReprobingArguments),
     /// Show what this log would change, without writing anything except the report.
     #[command(before_help = CHECK)]
     Check(CheckArguments),
@@ -126,7 +126,7 @@ pub(crate) struct PlanArguments {
 }
 
 #[derive(Args)]
-pub(crate) struct LookArguments {
+pub(crate) struct ReprobingArguments {
     /// Machine, probe, balls and bounds.
     #[arg(value_name = "KEEP.toml")]
     task: PathBuf,
@@ -150,7 +150,7 @@ pub(crate) struct LookArguments {
 #[derive(Args)]
 pub(crate) struct CheckArguments {
     #[command(flatten)]
-    look: LookArguments,
+    reprobing: ReprobingArguments,
     /// Accept a term that is out of its bounds, by its name.
     #[arg(long, value_name = "TERM")]
     accept: Vec<String>,
@@ -191,8 +191,8 @@ pub(crate) struct HistoryArguments {
 pub(crate) fn run(command: &Command) -> Result<()> {
     match command {
         Command::Plan(arguments) => plan::run(arguments),
-        Command::Begin(arguments) => look::begin(arguments),
-        Command::Check(arguments) => look::check(arguments),
+        Command::Begin(arguments) => reprobing::begin(arguments),
+        Command::Check(arguments) => reprobing::check(arguments),
         Command::Apply(arguments) => apply::run(arguments),
         Command::Undo(arguments) => undo::run(arguments),
         Command::History(arguments) => history::run(arguments),

@@ -2,7 +2,7 @@
 
 use super::PlanArguments;
 use crate::model::note;
-use crate::output::{data, json, tell};
+use crate::output::{data, json, report_line};
 use anyhow::Result;
 use trueaxis_evaluation::keep::{Planning, State};
 use trueaxis_report::number::significant;
@@ -21,18 +21,18 @@ pub(super) fn run(arguments: &PlanArguments) -> Result<()> {
             outputs.commit()?;
             let minutes = counted(foreseen.minutes.ceil() as usize, "minute");
             let touches = foreseen.touches;
-            tell(format_args!("written {}: {touches} touches, about {minutes}", output.display()));
+            report_line(format_args!("written {}: {touches} touches, about {minutes}", output.display()));
         }
     }
     if arguments.json {
         return json(&foreseen);
     }
-    tell("expected standard errors, and the largest updates at once and in all:");
+    report_line("expected standard errors, and the largest updates at once and in all:");
     for term in &foreseen.terms {
         let shown = |value: f64| significant(value, 2);
         let (error, update, total) =
             (shown(term.standard_error), shown(term.largest_update), shown(term.largest_total));
-        tell(format_args!("  {:<14} {error:>8} {}   {update}, {total}", term.name, term.unit));
+        report_line(format_args!("  {:<14} {error:>8} {}   {update}, {total}", term.name, term.unit));
     }
     Ok(())
 }

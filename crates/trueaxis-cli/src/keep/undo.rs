@@ -2,7 +2,7 @@
 
 use super::UndoArguments;
 use crate::model::note;
-use crate::output::tell;
+use crate::output::report_line;
 use anyhow::Result;
 use trueaxis_evaluation::keep::State;
 use trueaxis_tables::output::Outputs;
@@ -13,9 +13,9 @@ pub(super) fn run(arguments: &UndoArguments) -> Result<()> {
     state.put_back(Outputs::of([&arguments.task]), &undone)?;
     let back = undone.files.iter().filter(|(_, bytes)| bytes.is_some()).map(|(file, _)| ("restored", file));
     for (how, file) in back.chain(undone.away.iter().map(|file| ("removed", file))) {
-        tell(format_args!("{how} {}", state.folder.join(file).display()));
+        report_line(format_args!("{how} {}", state.folder.join(file).display()));
     }
     let before = undone.entry.undone.unwrap_or_default();
-    tell(format_args!("entry {}: as before entry {before}", undone.entry.entry));
+    report_line(format_args!("entry {}: as before entry {before}", undone.entry.entry));
     Ok(())
 }

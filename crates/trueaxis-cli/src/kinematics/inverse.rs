@@ -5,7 +5,7 @@ use super::sheet::Sheet;
 
 use crate::csv_in::{self, Column, Row};
 use crate::numbers::{Numbers, numbers};
-use crate::output::tell;
+use crate::output::report_line;
 use anyhow::{Result, anyhow, bail};
 use clap::{Args, ValueEnum};
 use std::path::Path;
@@ -19,12 +19,13 @@ use trueaxis_tables::text::counted;
 /// One of two poses of the rotary axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum BranchChoice {
-    /// The one nearer to the row before.
+    /// The pose nearer to that of the row before.
     Nearest,
-    /// The rotary axis nearest the tool turns it right-handed, 0 … 180 degrees, from where it is nearest to the other axis.
+    /// The rotary axis nearest the tool has turned it by 0 … 180 degrees, right-handed, from where it is nearest to the other
+    /// axis.
     #[value(name = "1")]
     First,
-    /// The other one.
+    /// The other pose.
     #[value(name = "2")]
     Second,
 }
@@ -36,17 +37,17 @@ pub(crate) struct Arguments {
     /// Pose of the rotary axes.
     #[arg(long, value_enum, default_value = "nearest", help_heading = "Rotary axes")]
     branch: BranchChoice,
-    /// Both poses, two rows each.
+    /// Write both poses, two rows for each row of the input.
     #[arg(long, conflicts_with_all = ["branch", "max_step_deg"], help_heading = "Rotary axes")]
     both: bool,
     /// Angles of the machine's rotary axes before the first row, in the order A, B, C, degrees [default: zero].
     #[arg(long, value_name = "DEG,…", value_parser = numbers, allow_hyphen_values = true, help_heading = "Rotary axes")]
     start: Option<Numbers>,
-    /// Angle to the singular pose below which the axis nearest the workpiece is held or guided, 0 … 45 degrees [default: the
+    /// Hold or guide the axis nearest the workpiece within this angle of the singular pose, 0 … 45 degrees [default: the
     /// machine's].
     #[arg(long, value_name = "D", help_heading = "Rotary axes")]
     singular_cone_deg: Option<f64>,
-    /// Refuse a change of branch (except through the singular pose) and a step of a rotary axis above this between two rows.
+    /// Refuse a change of branch (except through the singular pose) and a larger step of a rotary axis between two rows.
     #[arg(long, value_name = "DEG", help_heading = "Rotary axes")]
     max_step_deg: Option<f64>,
 }
@@ -86,9 +87,9 @@ pub(super) fn run(arguments: &Arguments, settings: &MachineSettings) -> Result<(
     if !ignored.is_empty() {
         let (file, names) = (common.input.display(), ignored.join(", "));
         if ignored.len() == 1 {
-            tell(format_args!("note: {file}: column {names} is not read"));
+            report_line(format_args!("note: {file}: column {names} is not read"));
         } else {
-            tell(format_args!("note: {file}: columns {names} are not read"));
+            report_line(format_args!("note: {file}: columns {names} are not read"));
         }
     }
     let kept: Vec<bool> = rows.header.iter().map(is_tool).collect();
@@ -116,7 +117,10 @@ pub(super) fn run(arguments: &Arguments, settings: &MachineSettings) -> Result<(
         }
     }
     if left_out > 0 {
-        tell(format_args!("note: {} with one solution only: the other leaves the travel", counted(left_out, "row")));
+        report_line(format_args!(
+            "note: {} with one solution only: the other leaves the travel",
+            counted(left_out, "row")
+        ));
     }
     sheet.finish()
 }

@@ -52,8 +52,8 @@ impl Document {
                 (at(correction_mm, length), before_mm.as_ref().map_or([0.0; 3], |before| at(before, length)));
             std::array::from_fn(|i| error[i] + new[i] - old[i])
         });
-        let gone = record.rows.windows(2).filter(|pair| pair.iter().any(|row| row.error_mm.is_none()));
-        let unmeasured: f64 = gone.map(|pair| pair[1].length_mm - pair[0].length_mm).sum();
+        let gaps = record.rows.windows(2).filter(|pair| pair.iter().any(|row| row.error_mm.is_none()));
+        let unmeasured: f64 = gaps.map(|pair| pair[1].length_mm - pair[0].length_mm).sum();
         Document {
             program_id: format!("{:08x}", header.program_id),
             machine_id: format!("{:08x}", header.machine_id),

@@ -43,7 +43,7 @@ pub(crate) struct Arguments {
     /// Contour error of a part over path length.
     #[arg(value_name = "RECORD.csv")]
     record: PathBuf,
-    /// Correction with which the part was made [default: none].
+    /// Correction that acted on the part [default: none].
     #[arg(long, value_name = "OLD.tlearn")]
     table: Option<PathBuf>,
     /// Gain L, above 0 and below 2.

@@ -1,7 +1,7 @@
 //! `trueaxis tables accuracy`: ISO 230-2 before and after compensation.
 
 use crate::model;
-use crate::output::{json, print, tell};
+use crate::output::{json, print, report_line};
 use anyhow::{Result, bail};
 use std::fmt::Write;
 use std::path::Path;
@@ -29,7 +29,7 @@ pub(crate) fn run(
     as_json: bool,
 ) -> Result<()> {
     let text = model::text(file)?;
-    let measurement = read(&text, file, axis, &mut |how| tell(format_args!("note: {how}")))?;
+    let measurement = read(&text, file, axis, &mut |how| report_line(format_args!("note: {how}")))?;
     // Evaluate without the machine first, so that errors in the measurement are reported before those in the machine.
     let mut document = evaluate(&measurement, file, None)?;
     if let Some(path) = machine {

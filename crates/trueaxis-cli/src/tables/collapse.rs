@@ -1,7 +1,7 @@
 //! `trueaxis tables collapse`.
 
 use crate::numbers::{number, triple};
-use crate::output::{json, print, tell};
+use crate::output::{json, print, report_line};
 use crate::{machine_folder, model};
 use anyhow::{Result, anyhow, bail};
 use clap::Args;
@@ -92,7 +92,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let limits = raise(&mut written);
     let files = machine_files(&written, &comment(&collapsed, &options));
     write(&arguments.machine, &arguments.output, &files)?;
-    limits.iter().for_each(tell);
+    limits.iter().for_each(report_line);
     if arguments.json { json(&document(&collapsed)) } else { print(&report(&collapsed)) }
 }
 
@@ -148,9 +148,9 @@ fn write(input: &Path, output: &Path, files: &[(String, String)]) -> Result<()> 
         bail!("--output: found {}, needed another folder than the machine's own", output.display());
     }
     let _alone = machine_folder::alone(output)?;
-    let standing = output.join("machine.toml");
-    if standing.exists() && !std::fs::read_to_string(&standing).is_ok_and(|text| text.starts_with(MARK)) {
-        bail!("--output: found {}, which is not from this command, needed another folder", standing.display());
+    let old = output.join("machine.toml");
+    if old.exists() && !std::fs::read_to_string(&old).is_ok_and(|text| text.starts_with(MARK)) {
+        bail!("--output: found {}, which is not from this command, needed another folder", old.display());
     }
     let mut outputs = Outputs::of(model::files(input));
     for (name, text) in files {
@@ -158,7 +158,7 @@ fn write(input: &Path, output: &Path, files: &[(String, String)]) -> Result<()> 
     }
     outputs.commit()?;
     for (name, _) in files {
-        tell(format_args!("written {}", output.join(name).display()));
+        report_line(format_args!("written {}", output.join(name).display()));
     }
     Ok(())
 }

@@ -1,7 +1,7 @@
 //! `trueaxis tables check`, `compile` and `show`.
 
 use crate::model::{self, parsed};
-use crate::output::{json, print, tell};
+use crate::output::{json, print, report_line};
 use anyhow::{Context, Result};
 use std::path::Path;
 use trueaxis::tcomp::Tcomp;
@@ -27,7 +27,7 @@ pub(super) fn check(path: &Path, rate_hz: f64, as_json: bool) -> Result<()> {
         print(&format!("{margins}\n"))?;
     }
     for warning in &warnings {
-        tell(format_args!("warning: {warning}"));
+        report_line(format_args!("warning: {warning}"));
     }
     print(&format!("{}: no errors, {}\n", path.display(), counted(warnings.len(), "warning")))
 }
@@ -44,13 +44,13 @@ fn compiled(path: &Path, rate_hz: f64) -> Result<(Machine, Vec<u8>)> {
 pub(super) fn compile(path: &Path, rate_hz: f64, output: &Path) -> Result<()> {
     let (machine, bytes) = compiled(path, rate_hz)?;
     for warning in trueaxis_tables::check(&machine, rate_hz) {
-        tell(format_args!("warning: {warning}"));
+        report_line(format_args!("warning: {warning}"));
     }
     let tables = parsed(&bytes, output)?;
     let mut outputs = Outputs::of(model::files(path));
     outputs.put(output, &bytes)?;
     outputs.commit()?;
-    tell(format_args!(
+    report_line(format_args!(
         "{}: {} bytes, machine {} (id {:08x}), CRC {:08x}",
         output.display(),
         bytes.len(),

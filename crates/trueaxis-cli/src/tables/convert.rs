@@ -1,6 +1,6 @@
 //! `trueaxis tables import` and `export`.
 
-use crate::output::tell;
+use crate::output::report_line;
 use crate::{machine_folder, model};
 use anyhow::{Result, anyhow, bail};
 use std::path::{Path, PathBuf};
@@ -109,14 +109,14 @@ pub(super) fn import(options: &ImportOptions<'_>, file: &Path, output: &Path) ->
     };
     let imported = in_millimetres(imported, format, unit, file)?;
     for note in &imported.notes {
-        tell(format_args!("note: {}: {note}", file.display()));
+        report_line(format_args!("note: {}: {note}", file.display()));
     }
     let _alone = machine_folder::alone(output)?;
     let edited = if output.join("machine.toml").exists() {
         if new {
             return Err(not_new());
         }
-        model::tell_left(output);
+        model::report_interrupted(output);
         imported.edit(&Folder::new(output), Path::new("machine.toml"))?
     } else {
         new_machine(&imported, file, output)?
@@ -127,14 +127,14 @@ pub(super) fn import(options: &ImportOptions<'_>, file: &Path, output: &Path) ->
     }
     outputs.commit()?;
     for note in &edited.notes {
-        tell(note);
+        report_line(note);
     }
     for (name, _) in &edited.files {
-        tell(format_args!("written {}", output.join(name).display()));
+        report_line(format_args!("written {}", output.join(name).display()));
     }
     let read_as = meaning(format);
     let read_as = if unit == Some(Unit::Inch) { read_as.replace("mm", "inches") } else { read_as.to_owned() };
-    tell(format_args!("{}: {read_as}", format.name()));
+    report_line(format_args!("{}: {read_as}", format.name()));
     Ok(())
 }
 
@@ -169,26 +169,26 @@ pub(super) fn export(format: Format, path: &Path, options: &ExportOptions, outpu
     let mut outputs = Outputs::of(model::files(path));
     let mut written = Vec::new();
     for (name, text) in &exported.files {
-        let file = if alone { output.to_path_buf() } else { beside(output, name) };
+        let file = if alone { output.to_path_buf() } else { file_of_axis(output, name) };
         outputs.put(&file, text.as_bytes())?;
         written.push(file);
     }
     outputs.commit()?;
     for file in written {
-        tell(format_args!("written {}", file.display()));
+        report_line(format_args!("written {}", file.display()));
     }
     for dropped in &exported.dropped {
-        tell(format_args!("left out: {dropped}"));
+        report_line(format_args!("left out: {dropped}"));
     }
     for note in &exported.notes {
-        tell(format_args!("note: {note}"));
+        report_line(format_args!("note: {note}"));
     }
-    tell(format_args!("{}: {}", format.name(), meaning(format)));
+    report_line(format_args!("{}: {}", format.name(), meaning(format)));
     Ok(())
 }
 
 /// The file for one axis: `OUT.comp` and `x.comp` make `OUT-x.comp`.
-fn beside(output: &Path, name: &str) -> PathBuf {
+fn file_of_axis(output: &Path, name: &str) -> PathBuf {
     let stem = output.file_stem().map_or(String::new(), |s| s.to_string_lossy().into_owned());
     let part = Path::new(name).file_stem().map_or(String::new(), |s| s.to_string_lossy().into_owned());
     let ending = output.extension().map_or(String::new(), |e| format!(".{}", e.to_string_lossy()));

@@ -1,7 +1,7 @@
 //! `trueaxis thermal compile`.
 
 use crate::model;
-use crate::output::tell;
+use crate::output::report_line;
 use anyhow::{Result, anyhow};
 use clap::Args;
 use std::path::PathBuf;
@@ -41,7 +41,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<()> {
     let bytes = model.encode(id).map_err(|error| anyhow!("{}: {error}", arguments.thermal.display()))?;
     outputs.put(&arguments.output, &bytes)?;
     outputs.commit()?;
-    tell(format_args!(
+    report_line(format_args!(
         "{}: {} bytes, machine {} (id {id:08x}), {}, {}",
         arguments.output.display(),
         bytes.len(),

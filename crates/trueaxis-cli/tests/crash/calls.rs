@@ -46,8 +46,8 @@ fn traced(folder: &Folder, expressions: &[&str], to: &str) -> Option<Output> {
     Some(done)
 }
 
-/// Several files of one command: each is the old or the new one, and if they do not belong together, every command that reads
-/// them says so.
+/// A command that writes several files is killed: each file is the old or the new one, and if the files do not belong
+/// together, every command that reads them reports it.
 #[test]
 fn killed_at_any_system_call_a_machine_is_old_or_new_or_said_to_be_neither() {
     let Some(folder) = to_import() else { return };
@@ -114,7 +114,7 @@ fn everything_is_flushed_before_the_first_rename_and_the_folder_after_the_last()
 
 /// A disk fails at the flush: the error is reported and nothing has changed.
 #[test]
-fn a_disk_that_fails_at_the_flush_is_told_and_nothing_has_changed() {
+fn a_failed_flush_is_reported_and_changes_nothing() {
     let Some(folder) = to_import() else { return };
     let before = folder.tree();
     for nth in 1..=3 {

@@ -32,9 +32,10 @@ fn killed_at_many_moments_the_file_is_the_old_or_the_new_one() {
     assert_eq!((&found[&folder.join("t.tcomp")], left.len()), (&new, 0));
 }
 
-/// Two commands write the same file at once: one of the two files remains, complete, and neither command is taken for dead.
+/// Two commands write the same file at once: one of the two files remains, complete, and neither command removes the other's
+/// temporary file.
 #[test]
-fn two_commands_at_once_leave_the_file_of_one() {
+fn two_simultaneous_commands_leave_the_file_of_one() {
     let folder = machines();
     let news = ["m", "other"].map(|machine| {
         folder.reported(&["tables", "compile", machine, "-o", "t.tcomp"]);

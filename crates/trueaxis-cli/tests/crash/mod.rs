@@ -1,7 +1,7 @@
-//! A command interrupted at any moment, or without room, leaves the old file or the new one.
+//! A command that is interrupted at any moment, or runs out of room, leaves the old file or the new one.
 //!
-//! The kernel's own file system is under test: signals kill processes at points in time and at every system call that touches
-//! a file (strace), and processes meet limits, full disks and read-only ones.
+//! These tests use the kernel's file system: signals kill processes at points in time and at every system call that touches a
+//! file (strace), and processes meet limits, full disks and read-only disks.
 
 mod calls;
 mod killed;

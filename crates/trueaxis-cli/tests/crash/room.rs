@@ -4,9 +4,9 @@ use super::*;
 use std::os::unix::process::ExitStatusExt;
 use std::process::Output;
 
-/// The disk is full at any byte: the refusal names the file, the old file remains, and no other file is left.
+/// The disk is full after any byte: the refusal names the file, the old file remains, and no temporary file does.
 #[test]
-fn a_file_that_may_not_grow_past_any_byte_is_refused_and_the_old_one_stands() {
+fn a_file_that_may_not_grow_past_any_byte_is_refused_and_the_old_one_stays() {
     if !has("prlimit") {
         return;
     }
@@ -33,7 +33,7 @@ fn a_file_that_may_not_grow_past_any_byte_is_refused_and_the_old_one_stands() {
 
 /// The signal of such a limit ends the process: the old file remains, and the next command cleans up.
 #[test]
-fn ended_by_the_signal_of_a_limit_the_old_file_stands_and_the_next_command_clears_up() {
+fn ended_by_the_signal_of_a_limit_the_old_file_stays_and_the_next_command_clears_up() {
     if !has("prlimit") {
         return;
     }
@@ -70,7 +70,7 @@ fn mounted(folder: &Folder, script: &str) -> Option<Output> {
 }
 
 #[test]
-fn a_full_disk_is_told_with_the_file_and_the_old_one_stands() {
+fn a_full_disk_is_reported_with_the_file_and_the_old_one_remains() {
     let folder = machines();
     let script = format!(
         "echo old > disk/t.tcomp; cp -r m disk/m; dd if=/dev/zero of=disk/rest bs=1k 2>/dev/null || true; \
@@ -86,7 +86,7 @@ fn a_full_disk_is_told_with_the_file_and_the_old_one_stands() {
 }
 
 #[test]
-fn a_folder_that_cannot_be_written_is_told() {
+fn a_folder_that_cannot_be_written_is_reported() {
     let folder = machines();
     let script = format!(
         "echo old > disk/t.tcomp; mount -o remount,ro disk; set +e; {TRUEAXIS} tables compile m -o disk/t.tcomp; \
@@ -101,7 +101,7 @@ fn a_folder_that_cannot_be_written_is_told() {
 
 /// A device is written to directly, never replaced by a file; a write that it refuses is reported.
 #[test]
-fn a_device_without_room_is_told() {
+fn a_full_device_is_reported() {
     let folder = machines();
     folder.bad(&["tables", "compile", "m", "-o", "/dev/full"], &["cannot write /dev/full: No space left on device"]);
     folder.reported(&["tables", "compile", "m", "-o", "/dev/null"]);

@@ -1,4 +1,4 @@
-//! A circular test: the recorded circle as readings, and the results as a document and as figures.
+//! Circular tests: reads recorded circles and presents the results as a document and as figures.
 //!
 //! The mathematics is [`trueaxis_metrology::ballbar`].
 

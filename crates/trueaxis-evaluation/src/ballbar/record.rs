@@ -28,25 +28,25 @@ const fn column(name: &'static str) -> Column {
 }
 
 impl Test {
-    /// Reads a record and evaluates it: bar readings (`angle_deg,deviation_um,direction`); commands and positions
-    /// (`x_cmd_mm,x_mm,y_cmd_mm,y_mm` and the like; `t_s` is ignored); the lines of LinuxCNC's `halsampler`, recognised by the
-    /// missing header: command and position of the first axis, then of the second, with or without the sample number before;
-    /// or a controller's telemetry, recognised by its zero bytes. `tell` receives notes on how a file that does not use commas
-    /// and decimal points is read, and on damaged or missing frames.
+    /// Reads a record in any of four forms and evaluates it: bar readings (`angle_deg,deviation_um,direction`); commands and
+    /// positions (`x_cmd_mm,x_mm,y_cmd_mm,y_mm` and the like; `t_s` is ignored); the lines of LinuxCNC's `halsampler`,
+    /// recognised by the missing header: command and position of the first axis, then of the second, with or without the
+    /// sample number before; or a controller's telemetry, recognised by its zero bytes. Separators other than commas, decimal
+    /// commas, and damaged or missing frames are reported to the callback.
     ///
     /// # Errors
     /// An unreadable row, a direction of 0, columns of neither form, a record that determines nothing.
     ///
     /// Cost: 56 bytes per position, otherwise that of [`trueaxis_metrology::ballbar::evaluate`].
-    pub fn read(bytes: &[u8], file: &Path, options: &Options, tell: impl FnMut(String)) -> Result<Test> {
+    pub fn read(bytes: &[u8], file: &Path, options: &Options, note: impl FnMut(String)) -> Result<Test> {
         if is_telemetry(bytes) {
-            return positions_of(&positions(bytes, file, options.axes, tell)?, &[], file, options);
+            return positions_of(&positions(bytes, file, options.axes, note)?, &[], file, options);
         }
         if is_halsampler(bytes) {
             let (positions, lines) = halsampler(bytes, file)?;
             return positions_of(&positions, &lines, file, options);
         }
-        let mut rows = Rows::new(bytes, file, &COLUMNS, tell)?.with_words("direction", direction);
+        let mut rows = Rows::new(bytes, file, &COLUMNS, note)?.with_words("direction", direction);
         let has = |name: &str| COLUMNS.iter().zip(rows.present).any(|(column, present)| present && column.name == name);
         let bar = ["angle_deg", "deviation_um", "direction"];
         let own = options.axes.map(|axis| axis.letter().to_ascii_lowercase());

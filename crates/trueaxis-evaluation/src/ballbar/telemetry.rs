@@ -14,12 +14,12 @@ pub(super) fn is_telemetry(bytes: &[u8]) -> bool {
 }
 
 /// Commands and encoder readings of two axes, cycle by cycle.
-pub(super) fn positions(bytes: &[u8], file: &Path, axes: [Axis; 2], tell: impl FnMut(String)) -> Result<Vec<Position>> {
+pub(super) fn positions(bytes: &[u8], file: &Path, axes: [Axis; 2], note: impl FnMut(String)) -> Result<Vec<Position>> {
     let received = Received::read(bytes);
     if received.frames.is_empty() {
         bail!("{}: found no whole record of a cycle, needed text or telemetry as in docs/telemetry.md", file.display());
     }
-    notes(file, &received).into_iter().for_each(tell);
+    notes(file, &received).into_iter().for_each(note);
     let position = |frame: &Frame| {
         let own = axes.map(|axis| frame.axes.get(axis.index()));
         let of = |take: fn(&AxisFrame) -> f64| own.map(|axis| axis.map_or(f64::NAN, take));

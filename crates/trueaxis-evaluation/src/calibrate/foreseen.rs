@@ -81,7 +81,8 @@ impl Planning {
     }
 }
 
-/// Solves a task from the text of its log. `file` names the log in errors; `tell` receives notes on how it was read.
+/// Solves a task from the text of its log. `file` names the log in errors; unusual separators in it are reported to the
+/// callback.
 ///
 /// # Errors
 /// As [`read_log`], [`Plan::new`], [`trips`] and [`calibrate`].
@@ -90,9 +91,9 @@ pub fn solved(
     machine: &Machine,
     text: &str,
     file: &Path,
-    tell: impl FnMut(String),
+    note: impl FnMut(String),
 ) -> Result<(Plan, Calibration)> {
-    let log = read_log(text, file, task.dialect, tell)?;
+    let log = read_log(text, file, task.dialect, note)?;
     let plan = Plan::new(task, machine)?;
     let trips = trips(task, &plan, &log, file)?;
     let found = calibrate(task, machine, &plan, &trips, file)?;

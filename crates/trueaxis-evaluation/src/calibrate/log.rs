@@ -52,16 +52,16 @@ const COLUMNS: [Column; 8] = [
     Column { name: "tripped", needed: true },
 ];
 
-/// Reads a control's log or a CSV; `file` is used only in errors. `tell` receives notes on unusual separators.
+/// Reads a control's log or a CSV; `file` is used only in errors. Unusual separators are reported to the callback.
 ///
 /// # Errors
 /// With the line: a log of another control, an unreadable touch, a duplicate touch, a probe that did not trip.
-pub fn read_log(text: &str, file: &Path, dialect: Dialect, tell: impl FnMut(String)) -> Result<Log> {
+pub fn read_log(text: &str, file: &Path, dialect: Dialect, note: impl FnMut(String)) -> Result<Log> {
     let mut reader = Reader { file, log: Log::default(), open: None };
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let first = text.lines().map(str::trim).find(|line| !line.is_empty() && !line.starts_with('#'));
     if first.is_some_and(|line| line.split([',', ';', '\t']).any(|cell| cell.trim_matches(['"', ' ']) == "id")) {
-        reader.csv(text, tell)?;
+        reader.csv(text, note)?;
         return Ok(reader.log);
     }
     for (line, text) in (1..).zip(text.lines()) {
@@ -239,11 +239,11 @@ impl Reader<'_> {
         self.put(line, id, [x, y, z, 0.0, 0.0, 0.0], [false; 3], tripped)
     }
 
-    fn csv(&mut self, text: &str, tell: impl FnMut(String)) -> Result<()> {
+    fn csv(&mut self, text: &str, note: impl FnMut(String)) -> Result<()> {
         for (line, text) in (1..).zip(text.lines()).take_while(|(_, text)| text.trim_start().starts_with('#')) {
             self.identity(line, text)?;
         }
-        let mut rows = Rows::new(text.as_bytes(), self.file, &COLUMNS, tell)?;
+        let mut rows = Rows::new(text.as_bytes(), self.file, &COLUMNS, note)?;
         let rotary = std::array::from_fn(|k| rows.present[4 + k]);
         while let Some(row) = rows.next()? {
             let [id, x, y, z, a, b, c, tripped] = row.values;

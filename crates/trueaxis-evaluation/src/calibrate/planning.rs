@@ -82,11 +82,11 @@ impl Way<'_> {
             return self.visit(artefact, place, set_up, false, &targets);
         };
         let every = reference.every.max(5);
-        let look = of_place(self.task, self.ideal, reference.artefact, 0, true)?;
-        self.visit(reference.artefact, 0, set_up, true, &look)?;
+        let check_touches = of_place(self.task, self.ideal, reference.artefact, 0, true)?;
+        self.visit(reference.artefact, 0, set_up, true, &check_touches)?;
         for part in targets.chunks(every) {
             self.visit(artefact, place, set_up, false, part)?;
-            self.visit(reference.artefact, 0, set_up, true, &look)?;
+            self.visit(reference.artefact, 0, set_up, true, &check_touches)?;
         }
         Ok(())
     }

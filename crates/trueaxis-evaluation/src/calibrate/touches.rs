@@ -62,18 +62,24 @@ pub(super) fn across(normal: Axis) -> [[f64; 3]; 2] {
     }
 }
 
-/// Touches of a place; with `look`, only the few that show whether it has moved.
-pub(super) fn of_place(task: &Task, ideal: &Ideal, artefact: usize, place: usize, look: bool) -> Result<Vec<Target>> {
+/// Touches of a place; with `check_only`, only the few that show whether it has moved.
+pub(super) fn of_place(
+    task: &Task,
+    ideal: &Ideal,
+    artefact: usize,
+    place: usize,
+    check_only: bool,
+) -> Result<Vec<Target>> {
     let of = &task.artefacts[artefact];
     let at = &of.places[place];
     let radius = task.probe.tip_radius_mm - task.probe.pre_travel_mm;
-    let backlash = task.wanted.backlash && !look;
+    let backlash = task.wanted.backlash && !check_only;
     Ok(match &of.kind {
         Kind::Ring { diameter_mm, points, arc_deg } => {
             ring(task, at, 0.5 * diameter_mm - radius, *points, *arc_deg, backlash)
         }
         Kind::Ball { diameter_mm } => {
-            let poses = if look { &at.rotary_deg[..1] } else { &at.rotary_deg[..] };
+            let poses = if check_only { &at.rotary_deg[..1] } else { &at.rotary_deg[..] };
             let [x, y, z] = at.at_mm;
             let workpiece = ideal.tip(&[x, y, z, 0.0, 0.0, 0.0]);
             let mut targets = Vec::new();
@@ -83,7 +89,7 @@ pub(super) fn of_place(task: &Task, ideal: &Ideal, artefact: usize, place: usize
                 let tool = ideal.tool(&position);
                 let centre = [position[0], position[1], position[2]];
                 let ball = BallAt { feature, centre, stem, tool, pose: [a, b, c], reach: 0.5 * diameter_mm + radius };
-                targets.extend(ball.targets(task, look, backlash && feature == 0 && poses.len() == 1));
+                targets.extend(ball.targets(task, check_only, backlash && feature == 0 && poses.len() == 1));
             }
             targets
         }
@@ -174,7 +180,7 @@ struct BallAt {
 }
 
 impl BallAt {
-    fn targets(&self, task: &Task, look: bool, backlash: bool) -> Vec<Target> {
+    fn targets(&self, task: &Task, check_only: bool, backlash: bool) -> Vec<Target> {
         // Directions across the tool, along the machine's axes where possible.
         let up = self.tool.map(|part| if part.abs() < 1e-9 { 0.0 } else { part });
         let first = if up[0].abs() < 0.9 { unit(Axis::X) } else { unit(Axis::Y) };
@@ -190,9 +196,9 @@ impl BallAt {
         };
         let mut normals: Vec<[f64; 3]> = Vec::new();
         let around: &[f64] =
-            if look { &[0.0, 90.0, 180.0, 270.0] } else { &[0.0, 45.0, 90.0, 135.0, 180.0, 225.0, 270.0, 315.0] };
+            if check_only { &[0.0, 90.0, 180.0, 270.0] } else { &[0.0, 45.0, 90.0, 135.0, 180.0, 225.0, 270.0, 315.0] };
         normals.extend(around.iter().map(|azimuth| direction(*azimuth, 0.0)));
-        if !look {
+        if !check_only {
             normals.extend([45.0, 135.0, 225.0, 315.0].map(|azimuth| direction(azimuth, 45.0)));
         }
         normals.push(direction(0.0, 90.0));

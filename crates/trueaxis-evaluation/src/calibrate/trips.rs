@@ -9,7 +9,7 @@ use trueaxis::machine::AXES;
 use trueaxis_tables::error::FileError;
 
 /// Largest distance of a trip from the line of its probing move, mm: encoders follow a straight line.
-const BESIDE: f64 = 0.1;
+const OFF_LINE: f64 = 0.1;
 /// A trip within this distance of the start of its probing move is one at the start, mm; also the tolerance at its end.
 const AT_START: f64 = 0.02;
 /// Distinguishes a log in inches from a trip at another place.
@@ -75,10 +75,10 @@ fn check(task: &Task, touch: &Planned, id: usize, logged: &Logged) -> Result<(),
     let from: [f64; 3] = std::array::from_fn(|k| logged.position[k] - touch.start[k]);
     let way: [f64; 3] = std::array::from_fn(|k| (touch.end[k] - touch.start[k]) / whole);
     let along: f64 = (0..3).map(|k| from[k] * way[k]).sum();
-    let beside = (0..3).map(|k| (from[k] - along * way[k]).powi(2)).sum::<f64>().sqrt();
+    let lateral = (0..3).map(|k| (from[k] - along * way[k]).powi(2)).sum::<f64>().sqrt();
     let at = |what: &str| format!("touch {id} on {name} tripped {what}");
-    if beside > BESIDE {
-        let found = at(&format!("{beside:.3} mm beside its probing move"));
+    if lateral > OFF_LINE {
+        let found = at(&format!("{lateral:.3} mm beside its probing move"));
         return Err((found, "a trip on that move: not at rapid, not of another program".into()));
     }
     if along < AT_START {

@@ -23,8 +23,8 @@ impl Plane {
         let points: Vec<DVec3> = points.iter().copied().map(DVec3::from).collect();
         let mean = points.iter().sum::<DVec3>() / points.len().max(1) as f64;
         let normal = least(points.iter().map(|point| *point - mean));
-        let beside = if normal.x.abs() < 0.9 { DVec3::X } else { DVec3::Y };
-        let first = (beside - normal * beside.dot(normal)).normalize();
+        let auxiliary = if normal.x.abs() < 0.9 { DVec3::X } else { DVec3::Y };
+        let first = (auxiliary - normal * auxiliary.dot(normal)).normalize();
         let across = [first, normal.cross(first)];
         let heights = points.iter().map(|point| (*point - mean).dot(normal));
         let [low, high] =

@@ -11,7 +11,8 @@ const FINE: usize = 360;
 /// Which circles a polar plot shows: LSC, MZC, MCC, MIC, the order of [`CIRCLES`].
 pub type Shown = [bool; 4];
 
-/// Polar plot of the departures from the least-squares circle, with the circles that are shown; `None` without any circle.
+/// Polar plot of the departures from the least-squares circle, with the circles selected by `shown`; `None` without any
+/// circle.
 pub fn polar(evaluation: &Evaluation, shown: Shown) -> Option<Figure> {
     let circles = evaluation.circles.each_ref().map(|circle| circle.as_ref().ok());
     // Departures are from the least-squares circle, or from the next one if it does not exist.

@@ -75,7 +75,8 @@ pub struct Steps {
     /// Condition number of the equations of a step.
     pub condition: f64,
     /// Largest distance of a target from its diagonal.
-    pub beside_mm: f64,
+    #[serde(rename = "beside_mm")]
+    pub lateral_mm: f64,
 }
 
 /// The JSON document.
@@ -150,7 +151,7 @@ impl Document {
             sigma_um: 1e3 * found.sigma_mm,
             degrees_of_freedom: found.degrees_of_freedom,
             condition: found.condition,
-            beside_mm: found.beside_mm,
+            lateral_mm: found.lateral_mm,
         });
         let largest = |of: &dyn Fn(&DiagonalFigures) -> Option<f64>| diagonals.iter().filter_map(of).reduce(f64::max);
         let [a0z, b0z, c0y] = volume.squareness.map(micro);
@@ -226,7 +227,7 @@ fn limits(test: &Test, steps: Option<&Steps>) -> Vec<String> {
             limits.push(format!(
                 "a step carries the mirror up to {:.0} mm beside the beam: 10 µrad off square on every diagonal change a scale by \
                  {worst:.1} ppm (Chapman 2003, Svoboda 2006)",
-                steps.beside_mm
+                steps.lateral_mm
             ));
             if steps.scales_ppm.is_none() {
                 limits.push(

@@ -1,4 +1,4 @@
-//! Diagonal and step-diagonal displacement tests: a record as a test, and the results as a document and as figures.
+//! Diagonal and step-diagonal displacement tests: reads a record and presents the results as a document and as figures.
 //!
 //! The mathematics is [`trueaxis_metrology::diagonal`].
 

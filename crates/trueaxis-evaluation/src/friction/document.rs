@@ -26,7 +26,7 @@ pub struct AxisFound {
     pub friction: Friction<f64>,
     /// Drive of the axis.
     pub drive: Drive<f64>,
-    /// Whether the drive's figures were found in the record; otherwise they are the machine's.
+    /// Whether the drive's figures come from the record; otherwise the machine states them.
     pub drive_found: bool,
     /// Null for a figure that was fixed rather than fitted.
     pub standard_errors: Errors,

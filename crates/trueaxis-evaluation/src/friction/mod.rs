@@ -4,8 +4,8 @@
 //! CSV ─► Recording ─► fit ─► Document, sections of a machine.toml, additions to a machine, curves
 //! ```
 //!
-//! The mathematics is in [`trueaxis_metrology::friction`]; this module holds the texts around it: a record with its lines, the
-//! report, the written settings.
+//! The mathematics is in [`trueaxis_metrology::friction`]; this module reads records with their lines and writes the report
+//! and the settings.
 
 mod curves;
 mod document;
@@ -26,7 +26,7 @@ use trueaxis_tables::Machine;
 /// Two different linear axes from `X,Y`.
 ///
 /// # Errors
-/// Any other text: the error says what was found and what is needed.
+/// Any other text; the error states the text found and the text needed.
 ///
 /// ```
 /// use trueaxis::Axis;

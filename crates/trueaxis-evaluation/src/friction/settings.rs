@@ -24,7 +24,7 @@ fn friction(axis: &Identified) -> [Entry; 5] {
     ]
 }
 
-/// The figures of an axis as in its section `drive`, if they were found.
+/// The figures of an axis as in its section `drive`, if the record determined them.
 fn drive(axis: &Identified) -> Option<[Entry; 5]> {
     let [gain, velocity_gain, reset, feed] = axis.drive_errors?.map(Some);
     let drive = &axis.drive;

@@ -50,7 +50,7 @@ pub struct Document {
     pub inputs: Inputs,
     /// The flank.
     pub surface: Surface,
-    /// Null if the base cylinder was given.
+    /// Null if the request states the base cylinder.
     pub gear: Option<DerivedGear>,
     /// Points of the grid, with u varying slowest.
     pub points: Vec<Point>,

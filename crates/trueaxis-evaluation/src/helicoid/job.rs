@@ -11,7 +11,7 @@ use trueaxis_metrology::helicoid::{
 /// A checked request.
 #[derive(Clone, Debug)]
 pub struct Job {
-    /// The gear and the data derived from it, if the surface was given as a gear.
+    /// The gear and the data derived from it, if the request states a gear.
     pub gear: Option<(Gear, GearData)>,
     /// The flank.
     pub surface: Helicoid,

@@ -1,4 +1,4 @@
-//! Machines for a request: one built from its settings, whether a given one fits it, and a given one adapted to it.
+//! Machines for a request: builds one from its settings, checks whether a given one fits it, and adapts a given one to it.
 
 use super::apart::apart;
 use super::job::Job;

@@ -1,5 +1,5 @@
-//! Involute helicoids on five axes: a checked request; displacements over a grid, as document, CSV and program; the tool at
-//! one place of the flank, and the effects of a machine's travel and geometry.
+//! Involute helicoids on five axes: checks a request; computes displacements over a grid, as document, CSV and program; shows
+//! the tool at one place of the flank, and the effects of a machine's travel and geometry.
 //!
 //! The mathematics is [`trueaxis_metrology::helicoid`].
 
@@ -21,5 +21,5 @@ pub use grid::{MOST, Range, is_coarse};
 pub use job::Job;
 pub use machine::{Fit, adapted, fit};
 pub use request::{Passes, Request};
-pub use tool::{Singular, Stand, Tool};
+pub use tool::{BranchPose, Singular, Tool};
 pub use travel::{AxisReach, Beyond, Limits, Reach};

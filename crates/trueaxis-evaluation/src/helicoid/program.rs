@@ -26,22 +26,22 @@ fn write(job: &Job) -> Result<String> {
     let (u, theta): (Vec<f64>, Vec<f64>) = (job.u.values().collect(), job.theta.values().collect());
     let (rows, columns) = if passes == Passes::Theta { (&u, &theta) } else { (&theta, &u) };
     let mut text = header(job)?;
-    let mut before: Option<Stand> = None;
+    let mut before: Option<Pose> = None;
     for (index, row) in rows.iter().enumerate() {
         let name = if passes == Passes::Theta { "u" } else { "theta" };
         let mut pass = format!("(pass {} of {}, {name} {row} rad)\n", index + 1, rows.len());
         for step in 0..columns.len() {
             let column = columns[if index % 2 == 0 { step } else { columns.len() - 1 - step }];
             let [u, theta] = if passes == Passes::Theta { [*row, column] } else { [column, *row] };
-            let stand = Stand::new(job, u, theta)?;
+            let pose = Pose::new(job, u, theta)?;
             let feed = if before.is_none() {
-                text.push_str(&approach(job, &stand, clearance_mm)?);
+                text.push_str(&approach(job, &pose, clearance_mm)?);
                 format!(" F{}", job.feed_mm_per_min)
             } else {
                 String::new()
             };
-            writeln!(pass, "G1 {}{feed}", words(&stand.axes))?;
-            before = Some(stand);
+            writeln!(pass, "G1 {}{feed}", words(&pose.axes))?;
+            before = Some(pose);
         }
         text.push_str(&pass);
     }
@@ -56,17 +56,17 @@ fn write(job: &Job) -> Result<String> {
 
 /// Axis positions and the direction in which the tool retracts from the surface, in machine coordinates.
 #[derive(Clone, Copy)]
-struct Stand {
+struct Pose {
     axes: Placement,
     spindle: [f64; 3],
 }
 
-impl Stand {
-    fn new(job: &Job, u: f64, theta: f64) -> Result<Stand> {
+impl Pose {
+    fn new(job: &Job, u: f64, theta: f64) -> Result<Pose> {
         let axes = job.machine.place(&job.surface, u, theta, job.branch)?;
         let (sin, cos) = job.surface.tilt().sin_cos();
         let lean = if job.branch == Branch::First { -sin } else { sin };
-        Ok(Stand { axes, spindle: [0.0, lean, cos] })
+        Ok(Pose { axes, spindle: [0.0, lean, cos] })
     }
 
     fn back(&self, distance: f64) -> Placement {
@@ -85,7 +85,7 @@ fn safe_height(job: &Job, clearance: f64) -> f64 {
     pivot_height - job.settings.pivot_mm * rest
 }
 
-fn approach(job: &Job, first: &Stand, clearance: f64) -> Result<String> {
+fn approach(job: &Job, first: &Pose, clearance: f64) -> Result<String> {
     let back = first.back(clearance);
     let safe = number(safe_height(job, clearance));
     let [x, y, z] = back.linear_mm.map(number);

@@ -133,7 +133,7 @@ fn theta_rad<'de, D: Deserializer<'de>>(from: D) -> Result<Range, D::Error> {
 }
 
 fn range<'de, D: Deserializer<'de>>(from: D, option: &str) -> Result<Range, D::Error> {
-    Range::parse(&String::deserialize(from)?).map_err(|told| D::Error::custom(format_args!("{option}: {told}")))
+    Range::parse(&String::deserialize(from)?).map_err(|error| D::Error::custom(format_args!("{option}: {error}")))
 }
 
 fn branch<'de, D: Deserializer<'de>>(from: D) -> Result<Branch, D::Error> {
@@ -165,7 +165,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_left_out_has_the_command_lines_default() {
+    fn omitted_fields_have_the_command_lines_defaults() {
         let request = read("").unwrap();
         assert_eq!((request.form, request.flank, request.branch), (Form::Horizontal, Flank::Right, Branch::First));
         assert_eq!((request.direction_a, request.direction_c, request.work_offset_mm), (1, 1, [0.0; 3]));

@@ -24,14 +24,15 @@ pub struct Tool {
     /// Distance of the point from the gear's axis, mm.
     pub radius_mm: f64,
     /// Branch 1 and branch 2.
-    pub stands: [Stand; 2],
+    #[serde(rename = "stands")]
+    pub poses: [BranchPose; 2],
     /// Distance from the singular pose; equal on both branches and over the whole flank.
     pub singular: Singular,
 }
 
 /// Axis positions on one branch.
 #[derive(Clone, Debug, Serialize)]
-pub struct Stand {
+pub struct BranchPose {
     /// 1 or 2.
     pub branch: u8,
     /// X, mm.
@@ -78,8 +79,8 @@ impl Job {
     pub fn tool(&self, u: f64, theta: f64, limits: &Limits) -> Result<Tool> {
         limits.check()?;
         let kinematics = twin(&self.settings)?;
-        let first = self.stand(u, theta, Branch::First, limits, &kinematics)?;
-        let second = self.stand(u, theta, Branch::Second, limits, &kinematics)?;
+        let first = self.pose(u, theta, Branch::First, limits, &kinematics)?;
+        let second = self.pose(u, theta, Branch::Second, limits, &kinematics)?;
         let point_mm = self.surface.point(u, theta);
         let margin_deg = kinematics.singularity_margin_deg(&six(&five(&self.place(u, theta, Branch::First)?)));
         let fade_deg = CompensationSettings::default().fade_deg;
@@ -90,7 +91,7 @@ impl Job {
             point_mm,
             normal: self.surface.normal(u, theta),
             radius_mm: point_mm[0].hypot(point_mm[1]),
-            stands: [first, second],
+            poses: [first, second],
             singular: Singular {
                 margin_deg,
                 a_deg: f64::from(self.settings.direction_a) * quarter + 0.0,
@@ -101,7 +102,14 @@ impl Job {
         })
     }
 
-    fn stand(&self, u: f64, theta: f64, branch: Branch, limits: &Limits, machine: &Kinematics<f64>) -> Result<Stand> {
+    fn pose(
+        &self,
+        u: f64,
+        theta: f64,
+        branch: Branch,
+        limits: &Limits,
+        machine: &Kinematics<f64>,
+    ) -> Result<BranchPose> {
         let positions = five(&self.place(u, theta, branch)?);
         let tool = machine.forward(&six(&positions));
         let (point, normal, offset) =
@@ -109,7 +117,7 @@ impl Job {
         let tip: [f64; 3] = std::array::from_fn(|i| tool.tip[i] - offset[i]);
         let off_normal = apart(tool.axis.to_array(), normal);
         let [x_mm, y_mm, z_mm, a_deg, c_deg] = positions;
-        Ok(Stand {
+        Ok(BranchPose {
             branch: number(branch),
             x_mm,
             y_mm,

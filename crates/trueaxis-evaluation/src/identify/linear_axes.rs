@@ -41,7 +41,7 @@ pub(super) fn remove(
         if !on_workpiece {
             known.settings.tool_mm = arm(ball, 0.0);
         }
-        let stands = |angle_deg: f64| {
+        let position = |angle_deg: f64| {
             let arm = arm(ball, angle_deg);
             std::array::from_fn(|i| start_mm[i] + sense * (arm[i] - origin[i]))
         };
@@ -49,7 +49,7 @@ pub(super) fn remove(
             .angles_deg
             .iter()
             .map(|&angle| {
-                let [x, y, z] = stands(angle);
+                let [x, y, z] = position(angle);
                 let mut place = [x, y, z, 0.0, 0.0, 0.0];
                 place[axis.index()] = angle;
                 place

@@ -8,9 +8,9 @@ use trueaxis_tables::finding::{Finding, Fit, Known};
 use trueaxis_tables::{Additions, Machine};
 
 impl Found {
-    /// The six errors for a machine that was not corrected while they were measured: their excess over its table and its
-    /// location errors of the axis. They are determined together: only levers distinguish a shift from a rotation, so an error
-    /// in one is an error in the other.
+    /// The six errors as findings for a machine that was not corrected during the test: their excess over its table and its
+    /// location errors of the axis. The fit determines them together: only levers distinguish a shift from a rotation, so an
+    /// error in one causes an error in the other.
     ///
     /// # Errors
     /// Angles from which no table can be built.
@@ -30,7 +30,7 @@ impl Found {
         let on_top = solve(&left.test(axis, self.direction), self.offsets)
             .map_err(|refused| anyhow!("excess over the machine's table: {refused}"))?;
         let (table, _) = table::table(&left.angles_deg, &on_top)?;
-        let rows = beside(&table.rows, machine.rows(axis));
+        let rows = aligned_to(&table.rows, machine.rows(axis));
         let (values, errors) = (rms(&on_top, |of| of.0), rms(&on_top, |of| of.1));
         let findings = names(axis).into_iter().enumerate().map(|(k, name)| Finding {
             key: format!("axis.{}.{name}", axis.letter()),
@@ -76,7 +76,7 @@ fn only(errors: Twist, k: usize) -> Twist {
 
 /// Moves the lines of a full turn to the turn that begins with the machine's own table. Returns other lines, and those for a
 /// machine without a table, unchanged.
-fn beside(found: &[Row], own: Option<&[Row]>) -> Vec<Row> {
+fn aligned_to(found: &[Row], own: Option<&[Row]>) -> Vec<Row> {
     let (Some(start), [first, .., last]) = (own.and_then(|rows| rows.first()), found) else { return found.to_vec() };
     if (last.position - first.position - 360.0).abs() > super::SAME_ANGLE_DEG {
         return found.to_vec();

@@ -1,5 +1,5 @@
-//! Errors of a rotary axis from a ball held in place: the measured file as a test, and the result as a document and as the
-//! axis' table.
+//! Errors of a rotary axis from readings of a ball while RTCP holds the tool at it: reads the file, and presents the result as
+//! a document and as the axis' table.
 //!
 //! ```text
 //! MEASURED.csv ─► Readings ─► identify ─► Found: document, table, additions to a machine

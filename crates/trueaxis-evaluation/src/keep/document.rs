@@ -1,7 +1,7 @@
 //! A probing as a document and as an entry.
 
 use super::entry::{BallPlace, Measured};
-use super::look::{Decision, Look};
+use super::reprobing::{Decision, Reprobing};
 use super::task::Keep;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -60,7 +60,7 @@ pub struct Document {
     pub notes: Vec<String>,
 }
 
-impl Look {
+impl Reprobing {
     fn terms(&self, keep: &Keep) -> Vec<TermDocument> {
         let term = |verdict: &super::Verdict| {
             let kept = keep.terms.iter().find(|kept| kept.name == verdict.name)?;

@@ -10,7 +10,8 @@ pub enum Deed {
     /// The first probing, from which everything is counted.
     Begin,
     /// A probing that changed nothing.
-    Look,
+    #[serde(rename = "look")]
+    Unchanged,
     /// A probing that changed files.
     Update,
     /// An undo that restored files.

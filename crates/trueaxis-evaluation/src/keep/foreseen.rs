@@ -1,6 +1,6 @@
 //! Plans a task with its expected standard errors, in one call.
 
-use super::look::{foreseen, plan};
+use super::reprobing::{foreseen, plan};
 use super::task::Keep;
 use crate::calibrate::{Plan, program};
 use anyhow::Result;

@@ -9,8 +9,8 @@ use trueaxis_tables::error::FileError;
 
 /// Returns the text with the growth of `values` (mm, 1) added; comments and order are unchanged.
 ///
-/// One probing cannot show which sensor's curve is wrong. The same value is therefore added to all knots of the axis' first
-/// curve, which adds a constant to the sum of all curves at every temperature.
+/// One probing cannot show which sensor's curve is wrong. This function therefore adds the same value to all knots of the
+/// axis' first curve, which adds a constant to the sum of all curves at every temperature.
 ///
 /// ```text
 /// O(θ) ← O(θ) + v₀ + v₁ (q0 − z)        S(θ) ← S(θ) + v₁        z: where the expansion is zero

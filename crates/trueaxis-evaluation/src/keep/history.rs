@@ -146,7 +146,7 @@ impl History {
         let same = self.entries.iter().filter(|entry| entry.log.as_ref().is_some_and(|log| log.crc == crc));
         for entry in same {
             let after = now.iter().any(|number| *number >= entry.entry);
-            if after || entry.deed == Deed::Look {
+            if after || entry.deed == Deed::Unchanged {
                 let found = format!("the log of entry {} for the second time", entry.entry);
                 return Err(self.error(found, "a new one: its findings are already in the tables"));
             }
@@ -223,7 +223,7 @@ pub(super) fn in_effect(entries: &[Entry]) -> Vec<u32> {
         let mut now = after.last().cloned().unwrap_or_default();
         match entry.deed {
             Deed::Begin => now.clear(),
-            Deed::Look => {}
+            Deed::Unchanged => {}
             Deed::Update => now.push(entry.entry),
             Deed::Undo => {
                 let before = entry.undone.and_then(|number| number.checked_sub(1));

@@ -1,18 +1,19 @@
-//! A machine that keeps itself accurate: balls that stay in place, re-probed every so many parts, and the location errors and
-//! growth of the machine that follow from their positions.
+//! Keeps a machine accurate: its probe touches balls that stay in place again every so many parts, and the balls' positions
+//! yield updates of the machine's location errors and growth.
 //!
 //! ```text
-//! keep.toml ─► Keep ─► plan ─► program ─► (control, between parts) ─► log ─► Look ─► verdicts ─► files of the machine
-//!                                                                            ▲                        │
-//!                                             places of the balls at the beginning, totals ◄─ History ◄┘
+//! keep.toml ─► Keep ─► plan ─► program ─► (control, between parts) ─► log ─► Reprobing ─► verdicts ─► files of the machine
+//!                                                                            ▲                             │
+//!                                             places of the balls at the beginning, totals ◄─ History ◄────┘
 //! ```
 //!
-//! The machine's tables correct it during probing: a probing finds the residual that they leave, which is added to them.
+//! The machine's tables correct it during probing: a probing measures the residual that they leave, and the update adds it to
+//! them.
 //!
-//! A ball that is not rotated is a point: it determines the three offsets of the tool at its position, but not their cause.
-//! Two balls apart along an axis determine its scale, two apart across it a squareness, as long as their support keeps its
-//! shape. A ball rotated by a rotary axis determines the position and tilt of that axis, without any ball's position being
-//! known.
+//! A ball that no rotary axis turns is a single point: it determines the three offsets of the tool at its position, but not
+//! their cause. Two balls apart along an axis determine its scale, two apart across it a squareness, as long as their support
+//! keeps its shape. A ball turned by a rotary axis determines the position and tilt of that axis, even if no ball's position
+//! is known.
 //!
 //! The mathematics is [`trueaxis_metrology::calibration`].
 
@@ -23,7 +24,7 @@ mod folder;
 mod foreseen;
 mod growth;
 mod history;
-mod look;
+mod reprobing;
 mod state;
 mod taken;
 mod task;
@@ -37,7 +38,7 @@ pub use entry::{BallPlace, Changed, Deed, Entry, LogFile, Measured};
 pub use figures::figures;
 pub use foreseen::{Expected, Foreseen, Planning};
 pub use history::{History, sum};
-pub use look::{Before, Decision, Look, Verdict, begin, foreseen, look, plan};
+pub use reprobing::{Before, Decision, Reprobing, Verdict, begin, evaluate, foreseen, plan};
 pub use state::{HISTORY, State};
 pub use taken::{Let, Log, Taken, time};
 pub use task::{Bounds, Home, Keep, Kept};

@@ -3,7 +3,7 @@
 use super::document::Document;
 use super::entry::{Deed, Entry, LogFile};
 use super::history::sum;
-use super::look::{Before, Look, begin, look, plan};
+use super::reprobing::{Before, Reprobing, begin, evaluate, plan};
 use super::state::{State, tables};
 use super::update::changes;
 use super::written::New;
@@ -37,7 +37,7 @@ pub struct Let<'l> {
 #[derive(Clone, Debug)]
 pub struct Taken {
     /// The fitted network, the positions of the balls, and a verdict on each term.
-    pub look: Look,
+    pub reprobing: Reprobing,
     /// The probing as a document.
     pub document: Document,
     /// The history entry that applying it adds.
@@ -51,7 +51,7 @@ pub struct Taken {
 impl Taken {
     /// Why a person has to check before anything changes; `None` if all terms are within their bounds.
     pub fn refusal(&self, log: &Path) -> Option<String> {
-        let reasons: Vec<String> = self.look.refused().map(|(name, reason)| format!("{name} {reason}")).collect();
+        let reasons: Vec<String> = self.reprobing.refused().map(|(name, reason)| format!("{name} {reason}")).collect();
         (!reasons.is_empty()).then(|| {
             format!(
                 "{}: {}: nothing is changed; the ball may have been moved or hit. To apply it anyway: --accept TERM",
@@ -84,7 +84,7 @@ impl State {
     }
 
     /// An entry without changes.
-    fn entry(&self, log: &Log<'_>, plan: &Plan, look: &Look, deed: Deed) -> Entry {
+    fn entry(&self, log: &Log<'_>, plan: &Plan, reprobing: &Reprobing, deed: Deed) -> Entry {
         let tables = self.tables();
         let file = log.file.file_name().unwrap_or_default().to_string_lossy().into_owned();
         Entry {
@@ -95,9 +95,9 @@ impl State {
             plan: plan.number(),
             log: Some(LogFile { file, crc: sum(log.text.as_bytes()) }),
             undone: None,
-            sigma_um: Some(1e3 * look.calibration.solution.sigma_mm),
-            measured: look.measured(&self.keep),
-            balls: look.balls.clone(),
+            sigma_um: Some(1e3 * reprobing.calibration.solution.sigma_mm),
+            measured: reprobing.measured(&self.keep),
+            balls: reprobing.balls.clone(),
             totals: Default::default(),
             files: Vec::new(),
             tables: [tables.clone(), tables],
@@ -110,11 +110,11 @@ impl State {
     /// As [`begin`], or a log that is not the task's.
     pub fn begin(&self, log: &Log<'_>, note: &mut dyn FnMut(String)) -> Result<Taken> {
         let (plan, trips) = self.trips(log, note)?;
-        let look = begin(&self.keep, &self.machine, &plan, &trips, log.file)?;
-        let entry = self.entry(log, &plan, &look, Deed::Begin);
-        let mut document = look.document(&self.keep, &self.machine.settings.name, entry.entry);
+        let reprobing = begin(&self.keep, &self.machine, &plan, &trips, log.file)?;
+        let entry = self.entry(log, &plan, &reprobing, Deed::Begin);
+        let mut document = reprobing.document(&self.keep, &self.machine.settings.name, entry.entry);
         document.notes.push("the beginning: later re-probings are compared with the places of these balls".into());
-        Ok(Taken { look, document, entry, files: New::new(), changes: Vec::new() })
+        Ok(Taken { reprobing, document, entry, files: New::new(), changes: Vec::new() })
     }
 
     /// Refuses names that are not terms of the task.
@@ -133,8 +133,8 @@ impl State {
     /// shows before anything is applied.
     ///
     /// # Errors
-    /// As [`look`] and [`changes`], a log that is not the task's or does not follow the history, or tables other than those
-    /// the history left.
+    /// As [`evaluate`] and [`changes`], a log that is not the task's or does not follow the history, or tables other than
+    /// those the history left.
     pub fn check(&self, log: &Log<'_>, allowed: Let<'_>, note: &mut dyn FnMut(String)) -> Result<Taken> {
         self.history.beginning()?;
         self.untouched(allowed.by_hand, note)?;
@@ -142,8 +142,8 @@ impl State {
         self.history.follows(&plan.number(), &sum(log.text.as_bytes()), log.time.as_deref(), log.parts)?;
         let (known, totals) = (self.history.balls()?, self.history.totals());
         let before = Before { known, totals: &totals, accepted: allowed.accept };
-        let look = look(&self.keep, &self.machine, &plan, &trips, log.file, &before)?;
-        let mut document = look.document(&self.keep, &self.machine.settings.name, self.history.next());
+        let reprobing = evaluate(&self.keep, &self.machine, &plan, &trips, log.file, &before)?;
+        let mut document = reprobing.document(&self.keep, &self.machine.settings.name, self.history.next());
         let last = self.history.entries.iter().rev().find_map(|entry| entry.parts);
         if let Some(since) = log.parts.zip(last).map(|(now, before)| now - before) {
             let every = self.keep.every_parts;
@@ -151,21 +151,21 @@ impl State {
                 document.notes.push(format!("{since} parts since the last re-probing, every_parts is {every}"));
             }
         }
-        let mut entry = self.entry(log, &plan, &look, Deed::Look);
+        let mut entry = self.entry(log, &plan, &reprobing, Deed::Unchanged);
         entry.totals = totals.clone();
-        let changes = changes(&self.keep, &look, &self.machine, self.source.as_ref(), &self.name)?;
+        let changes = changes(&self.keep, &reprobing, &self.machine, self.source.as_ref(), &self.name)?;
         if document.refused > 0 {
-            return Ok(Taken { look, document, entry, files: New::new(), changes: changes.notes });
+            return Ok(Taken { reprobing, document, entry, files: New::new(), changes: changes.notes });
         }
         document.written = changes.decisions;
         let named = changes.files.into_iter();
         let files: New = named.map(|(name, text)| (name.to_string_lossy().into_owned(), Some(text.into()))).collect();
-        entry.totals = look.totals(&self.keep);
+        entry.totals = reprobing.totals(&self.keep);
         entry.files = self.changed(&files);
         entry.tables[1] = tables(&self.with(&files));
         if !files.is_empty() {
             entry.deed = Deed::Update;
         }
-        Ok(Taken { look, document, entry, files, changes: changes.notes })
+        Ok(Taken { reprobing, document, entry, files, changes: changes.notes })
     }
 }

@@ -58,9 +58,9 @@ pub struct Keep {
     pub terms: Vec<Kept>,
     /// Controller file in the machine's folder, recompiled with every change.
     pub tcomp: Option<String>,
-    /// Thermal model in the machine's folder, if growth is kept in it.
+    /// Thermal model in the machine's folder, if terms of growth change it.
     pub thermal: Option<String>,
-    /// Controller file of the thermal model, likewise.
+    /// Controller file of the thermal model, recompiled with every change.
     pub ttherm: Option<String>,
 }
 

@@ -1,7 +1,7 @@
 //! Changes that a probing makes to the machine's files.
 
 use super::growth::grown;
-use super::look::Look;
+use super::reprobing::Reprobing;
 use super::task::{Home, Keep};
 use crate::calibrate::{Term, Terms};
 use anyhow::{Result, anyhow};
@@ -28,11 +28,17 @@ pub struct Changes {
 ///
 /// # Errors
 /// A result that the controller would refuse, or a thermal model without a curve for the growth.
-pub fn changes(keep: &Keep, look: &Look, machine: &Machine, source: &dyn Source, name: &Path) -> Result<Changes> {
-    let terms = &look.calibration.observed.terms;
+pub fn changes(
+    keep: &Keep,
+    reprobing: &Reprobing,
+    machine: &Machine,
+    source: &dyn Source,
+    name: &Path,
+) -> Result<Changes> {
+    let terms = &reprobing.calibration.observed.terms;
     let mut changes = Changes::default();
     if let Some(thermal) = keep.thermal.as_ref() {
-        let updates = look.updates(keep, Home::Thermal);
+        let updates = reprobing.updates(keep, Home::Thermal);
         if updates.iter().any(|value| *value != 0.0) {
             let path = source.path(Path::new(thermal));
             let bytes = source.read(Path::new(thermal)).map_err(|error| anyhow!("{}: {error}", path.display()))?;
@@ -42,10 +48,10 @@ pub fn changes(keep: &Keep, look: &Look, machine: &Machine, source: &dyn Source,
             changes.files.push((thermal.into(), text));
         }
     }
-    let updates = look.updates(keep, Home::Machine);
+    let updates = reprobing.updates(keep, Home::Machine);
     if updates.iter().any(|value| *value != 0.0) {
-        let errors = look.verdicts.iter().map(|verdict| verdict.standard_error);
-        let degrees_of_freedom = look.calibration.solution.degrees_of_freedom;
+        let errors = reprobing.verdicts.iter().map(|verdict| verdict.standard_error);
+        let degrees_of_freedom = reprobing.calibration.solution.degrees_of_freedom;
         let additions = additions(terms, &updates, &errors.collect::<Vec<_>>(), degrees_of_freedom);
         changes.decisions = additions.decide(source, name)?;
         changes.notes.extend(changes.decisions.iter().map(ToString::to_string));

@@ -1,4 +1,4 @@
-//! Verdicts and entries in words: identical on the command line, in the page of a report, and in the desk.
+//! Verdicts and entries in words, identical on the command line, in reports and in the desk.
 
 use super::document::TermDocument;
 use super::entry::{Deed, Entry, Measured};
@@ -26,7 +26,7 @@ pub fn deeds(entries: &[Entry]) -> Vec<String> {
     let now = in_effect(entries);
     let of = |entry: &Entry| match entry.deed {
         Deed::Begin => "begin".to_owned(),
-        Deed::Look => "re-probing, nothing changed".into(),
+        Deed::Unchanged => "re-probing, nothing changed".into(),
         Deed::Update if now.contains(&entry.entry) => "update".into(),
         Deed::Update => "update, undone".into(),
         Deed::Undo => format!("undo, as before entry {}", entry.undone.unwrap_or_default()),

@@ -71,7 +71,7 @@ impl ProgrammedPath {
 
 /// A coordinate that does not change while the path advances along it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Standing {
+pub struct StuckAxis {
     /// 0 to 2: X, Y, Z.
     pub axis: usize,
     /// Row or line of the first such reading.
@@ -80,7 +80,7 @@ pub struct Standing {
     pub found: String,
 }
 
-impl Standing {
+impl StuckAxis {
     /// The requirement named in a refusal.
     pub const NEEDED: &'static str = "a position that follows the path";
 }
@@ -101,12 +101,12 @@ impl Alive {
     ///
     /// # Errors
     /// With axis and row. Neither a dwell nor an axis that does not move while others do is an error.
-    pub fn check(&self) -> Result<(), Standing> {
-        let standing = self.0.iter().enumerate().find_map(|(axis, followed)| Some((axis, followed.standing()?)));
-        standing.map_or(Ok(()), |(axis, (stuck, way))| {
+    pub fn check(&self) -> Result<(), StuckAxis> {
+        let first = self.0.iter().enumerate().find_map(|(axis, followed)| Some((axis, followed.stuck()?)));
+        first.map_or(Ok(()), |(axis, (stuck, way))| {
             let found =
                 format!("{} for {} readings in a row while the path advances by {way:.3} mm", stuck.value, stuck.count);
-            Err(Standing { axis, row: stuck.from, found })
+            Err(StuckAxis { axis, row: stuck.from, found })
         })
     }
 }

@@ -14,9 +14,9 @@ const LINEAR: [Axis; 3] = [Axis::X, Axis::Y, Axis::Z];
 const NODES: usize = 11;
 /// Maximum number of levels that become nodes.
 const MOST_LEVELS: usize = 41;
-/// One point in this many is held out.
+/// Interval of the held-out points: one in this many.
 const HELD_OUT: usize = 10;
-/// Minimum number of points to hold any out.
+/// Minimum number of points for holding any out.
 const LEAST_WITH_HELD_OUT: usize = 60;
 
 /// How to fit.
@@ -31,7 +31,7 @@ pub struct Options {
 /// Numbers of nodes of X, Y, Z.
 ///
 /// # Errors
-/// The error says what was found and what is needed: three numbers of 2 to 101.
+/// Anything but three numbers of 2 to 101; the error states the numbers found and those needed.
 pub fn nodes(counts: &[usize]) -> Result<[usize; 3], String> {
     match *counts {
         [x, y, z] if [x, y, z].iter().all(|count| (2..=101).contains(count)) => Ok([x, y, z]),
@@ -83,7 +83,7 @@ pub fn identify(points: &Points, machine: &Machine, options: &Options) -> Result
     if points.points.len() >= LEAST_WITH_HELD_OUT {
         let kept: Vec<Observation> =
             observations.iter().enumerate().filter(|(i, _)| !out(*i)).map(|(_, of)| of.clone()).collect();
-        // Without them a node may lack points: then none is held out.
+        // Without the held-out points a node may lack points; the result then has no held-out residuals.
         if let Ok(part) = fit(&kept, &basis) {
             let left = left(points, &filled(&bare, &basis, &part), &part)?;
             held_out_mm = left.into_iter().enumerate().filter(|(i, _)| out(*i)).collect();

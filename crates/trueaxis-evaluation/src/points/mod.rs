@@ -1,4 +1,4 @@
-//! Coordinates that an instrument measured throughout the volume, and the 21 errors that they determine.
+//! Determines the 21 errors of the linear axes from coordinates that an instrument measured throughout the volume.
 //!
 //! ```text
 //! POINTS.csv ─► Points ─► fit ─► Found: document, machine

@@ -1,8 +1,8 @@
-//! Probes that contradict one another: the polarity, sensitivity or angle of one is not as stated.
+//! Detects probes that contradict one another because the polarity, sensitivity or angle of one is not as stated.
 //!
-//! Whatever the spindle does, s = h1 + k2 h2 + k3 h3 contains the profile alone: it has no first harmonic, and repeats in
-//! every revolution. Both are compared with the noise σ of the probes, estimated from their second differences (variance 6
-//! σ²).
+//! For any motion of the spindle, s = h1 + k2 h2 + k3 h3 contains only the profile: it has no first harmonic, and repeats in
+//! every revolution. The check compares departures from both with the noise σ of the probes, estimated from their second
+//! differences (variance 6 σ²).
 
 use trueaxis::roundness::Gain;
 use trueaxis_metrology::separation::Separation;

@@ -164,7 +164,7 @@ impl Plan {
         Ok(Readings { probes, resampling: None })
     }
 
-    /// Resamples readings as [`Plan::read`] does rows with angles: as many of each probe as there are angles, at least one.
+    /// Resamples readings, one of each probe per angle and at least one, as [`Plan::read`] resamples rows with angles.
     ///
     /// # Errors
     /// Angles that cannot be resampled; rows are named by index.

@@ -124,7 +124,7 @@ pub struct CycleDocument {
     pub axis: char,
     /// Number of the cycle.
     pub cycle: u32,
-    /// Whether the cycle was held out of the fit.
+    /// Whether the cycle was excluded from the fit.
     pub held_out: bool,
     /// Largest drift since the cycle began, µm.
     pub drift_um: f64,

@@ -1,5 +1,5 @@
-//! Thermal growth: a recorded warm-up as readings, the fit as a document, as figures and as a text, and that text as the file
-//! of the task.
+//! Thermal growth: reads a recorded warm-up, presents the fit as a document, as figures and as a text, and compiles that text
+//! into the task's file.
 //!
 //! The mathematics is in [`trueaxis_metrology::thermal`].
 
@@ -50,12 +50,12 @@ pub fn settings(machine: Option<&MachineSettings>, held_out: Vec<u32>) -> Settin
 }
 
 impl Found {
-    /// Fits, and runs the task over the record; calls `tell` with every cause that the model adds.
+    /// Fits a model and runs the task over the record with it; reports every cause that enters the model to the callback.
     ///
     /// # Errors
     /// A record that determines nothing, with file, line and column if known.
-    pub fn of(recording: Recording, settings: &Settings, tell: &mut dyn FnMut(&str)) -> Result<Found> {
-        let fit = fit(&recording.record, settings, tell).map_err(|refused| recording.refused(&refused))?;
+    pub fn of(recording: Recording, settings: &Settings, on_cause: &mut dyn FnMut(&str)) -> Result<Found> {
+        let fit = fit(&recording.record, settings, on_cause).map_err(|refused| recording.refused(&refused))?;
         let bytes = fit.model.encode(0).map_err(|error| anyhow!("{}: {error}", recording.file.display()))?;
         let (figures, series) = held_out(&recording.record, &fit, &bytes);
         Ok(Found { recording, fit, figures, series, reference_c: settings.reference_c })

@@ -1,4 +1,4 @@
-//! Thermal tests after ISO 230-3: a record as a test, and its figures as a document. The mathematics is in
+//! Thermal tests after ISO 230-3: reads a record and evaluates it to a document. The mathematics is in
 //! [`trueaxis_metrology::drift`].
 //!
 //! Five probes measure a mandrel: x1, y1, z at its tip and x2, y2 a distance L further up, towards the spindle. The tilts
@@ -147,7 +147,7 @@ pub fn read(rows: &mut Rows<'_, 10>) -> Result<Test> {
     Ok(test)
 }
 
-/// Share of rows breaking the sequence of positions above which there is no sequence.
+/// Positions do not follow a fixed sequence if more than this share of the rows breaks it.
 const OUT_OF_TURN: f64 = 0.05;
 
 /// Refuses a missing row if the positions follow one another in a fixed sequence.

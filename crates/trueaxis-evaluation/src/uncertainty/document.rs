@@ -7,8 +7,8 @@ use trueaxis::machine::{AXES, Axis};
 use trueaxis_metrology::uncertainty::{Contribution, Covariance, half_width};
 use trueaxis_tables::Machine;
 
-/// Difference from which the two methods are said to disagree: a share of the radius, and a length that no instrument
-/// resolves, µm.
+/// Difference above which the document reports that the two methods disagree: a share of the radius, plus a length that no
+/// instrument resolves, µm.
 const DIFFERENCE: f64 = 0.05;
 const NOTHING_UM: f64 = 0.01;
 

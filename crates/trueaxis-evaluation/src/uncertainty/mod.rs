@@ -7,12 +7,13 @@
 //! s = J_l u                       location errors
 //! ```
 //!
-//! J are the derivatives of the first-order error model (METHODS: the 21 errors and the location errors), which is linear in
-//! them: each is its own response to one unit of the error. A seeded Monte Carlo through the exact geometry accompanies this
-//! first-order result: it draws machines from the uncertainties, corrects them by the tables as they are, and subtracts the
-//! residual of the machine as stated. All axes travel in negative direction, where lost motion counts.
+//! J are the derivatives of the first-order error model (METHODS: the 21 errors and the location errors) with respect to its
+//! errors. The model is linear in them, so each derivative is the response to one unit of the error. A seeded Monte Carlo
+//! through the exact geometry accompanies this first-order result: it draws machines from the uncertainties, corrects them
+//! with the unchanged tables, and subtracts the residual of the stated machine. All axes travel in negative direction, where
+//! lost motion has an effect.
 //!
-//! Residuals of other origin (levers that nine terms omit, limits) are not included.
+//! The result excludes residuals of other origin (levers that nine terms omit, limits).
 //!
 //! Sources: JCGM 100:2008, 5.1.2; JCGM 101:2008, clause 7; ISO/TR 230-9:2005 for the terms of an instrument.
 

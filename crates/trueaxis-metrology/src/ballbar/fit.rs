@@ -35,7 +35,7 @@ const WIDEST_PLAY: f64 = 0.15;
 /// Rounds for settling the set of readings left out because of play.
 const PLAY_ROUNDS: usize = 3;
 /// Factor by which the other terms widen a term's standard error beyond which the record cannot determine it.
-const NOT_TOLD: f64 = 50.0;
+const LARGEST_INFLATION: f64 = 50.0;
 /// Number of pitches tried for an axis, from the spacing of a few readings to the radius.
 const PITCHES_TRIED: usize = 600;
 /// A periodic error counts as found if it explains this share of the residual sum of squares; by chance it explains some 0.5 %
@@ -65,21 +65,21 @@ pub fn evaluate(radius_mm: f64, readings: &[Reading], pitches_mm: [Option<f64>; 
         Fit { radius: radius_mm, both, width: Some(NOT_SEEN), unresolved: false, pitches: [None; 2], play: [0.0; 2] };
     let mut centred = readings.to_vec();
     for _ in 0..ROUNDS {
-        let solved = fit.solve(&fit.told(&centred)?);
+        let solved = fit.solve(&fit.clear_of_reversals(&centred)?);
         centre = [centre[0] + solved.of(Cause::Centre(0)), centre[1] + solved.of(Cause::Centre(1))];
         centred = readings.iter().map(|reading| about(radius_mm, centre, reading)).collect();
         fit.play = solved.play();
     }
-    let mut told = fit.told(&centred)?;
-    let mut solved = fit.search(&told, pitches_mm);
+    let mut clear = fit.clear_of_reversals(&centred)?;
+    let mut solved = fit.search(&clear, pitches_mm);
     for _ in 1..PLAY_ROUNDS {
         fit.play = solved.play();
-        let anew = fit.told(&centred)?;
-        if anew == told {
+        let anew = fit.clear_of_reversals(&centred)?;
+        if anew == clear {
             break;
         }
-        told = anew;
-        solved = fit.search(&told, pitches_mm);
+        clear = anew;
+        solved = fit.search(&clear, pitches_mm);
     }
     let mut terms = solved.terms();
     for term in &mut terms {
@@ -98,7 +98,7 @@ pub fn evaluate(radius_mm: f64, readings: &[Reading], pitches_mm: [Option<f64>; 
         condition: solved.condition,
         both_directions: both,
         whole_circles: whole,
-        left_out: readings.len() - told.len(),
+        left_out: readings.len() - clear.len(),
         figures: figures(radius_mm, readings, whole),
         centred: centred.iter().map(|reading| [reading.deviation_mm, fit.left(&solved, reading)]).collect(),
         terms,
@@ -189,16 +189,16 @@ impl Fit {
 
     /// Readings at which every axis has moved away from its reversal by more than its play. Closer to the reversal, rounding
     /// of the angle and partly taken-up play would decide on which side the axis bears.
-    fn told(&self, readings: &[Reading]) -> Result<Vec<Reading>, Refused> {
-        let is_told = |reading: &&Reading| {
+    fn clear_of_reversals(&self, readings: &[Reading]) -> Result<Vec<Reading>, Refused> {
+        let is_clear = |reading: &&Reading| {
             self.since(reading).into_iter().zip(self.play).all(|(since, play)| {
                 // Travel from the reversal: R (1 − cos u).
                 let taken_up = (2.0 * TAKEN_UP * play / self.radius).sqrt().min(WIDEST_PLAY);
                 since > taken_up + AT_TURN && since < PI - AT_TURN
             })
         };
-        let told: Vec<Reading> = readings.iter().filter(is_told).copied().collect();
-        if told.len() < LEAST / 2 { Err(Refused::TooFew { found: told.len() }) } else { Ok(told) }
+        let clear: Vec<Reading> = readings.iter().filter(is_clear).copied().collect();
+        if clear.len() < LEAST / 2 { Err(Refused::TooFew { found: clear.len() }) } else { Ok(clear) }
     }
 
     /// Residual of a reading.
@@ -266,10 +266,10 @@ impl Fit {
     /// F = (S₀ − S)/2 / (S/ν)
     /// ```
     ///
-    /// S: residual sum of squares with the best width, ν its degrees of freedom; S₀: without the two spike columns. A width
-    /// searched in noise is the one that fits the noise best, and the fit with it says nothing valid about the uncertainty of
-    /// the other causes (a parameter present only under the alternative: Davies, Biometrika 74 (1987)); with one fixed width
-    /// the fit is linear and its standard errors are valid.
+    /// S: residual sum of squares with the best width, ν its degrees of freedom; S₀: without the two spike columns. A search
+    /// in noise finds the width that fits the noise best, and the standard errors of that fit are not valid (a parameter
+    /// present only under the alternative: Davies, Biometrika 74 (1987)); with one fixed width the fit is linear and its
+    /// standard errors are valid.
     fn search_width(&mut self, readings: &[Reading]) -> Solved {
         let finest = FINEST * TAU * if self.both { 2.0 } else { 1.0 } / readings.len() as f64;
         let [narrow, wide] = [WIDTHS[0].max(finest), WIDTHS[1].max(2.0 * finest)];
@@ -368,8 +368,8 @@ impl Fit {
             *height = [value, variance, made.sum::<f64>() / readings.len() as f64];
         }
         best.values += &from;
-        let anew = self.solve(readings);
-        let mut shaped = Solved { values: mean + from, variances, sigma: best.sigma, ..anew };
+        let refitted = self.solve(readings);
+        let mut shaped = Solved { values: mean + from, variances, sigma: best.sigma, ..refitted };
         shaped.shape = Some(Shape { best, spikes: spikes.map(|(_, height)| height), own });
         shaped.left = readings.iter().map(|reading| self.left(&shaped, reading)).collect();
         Some(shaped)
@@ -559,7 +559,7 @@ impl Solved {
     fn terms(&self) -> Vec<Term> {
         let mut terms: Vec<Term> = vec![];
         for (column, &cause) in self.columns.iter().enumerate() {
-            if self.inflation[column] > NOT_TOLD && !matches!(cause, Cause::Radius | Cause::Centre(_)) {
+            if self.inflation[column] > LARGEST_INFLATION && !matches!(cause, Cause::Radius | Cause::Centre(_)) {
                 continue;
             }
             let (mut value, mut variance) = (self.values[column], self.variances[column]);

@@ -16,13 +16,13 @@
 //! cyclic            Δr = cos θ (a cos(2πx/p) + b sin(2πx/p))     x = R cos θ; Y likewise
 //! ```
 //!
-//! One linear least-squares fit covers all causes. The pitches p are searched, and so is w if spikes are significant. If the
+//! One linear least-squares fit covers all causes. A search determines the pitches p, and w if spikes are significant. If the
 //! spikes have another shape, the fit models the difference as a random function, which widens the standard errors of similar
 //! causes. Servo mismatch and lateral play need both directions: from one direction they are indistinguishable from squareness
 //! and scale mismatch, and the fit omits them.
 //!
-//! An axis dwells at its reversal and takes up its play only after the travel b; the fit omits the readings in between. Arcs
-//! of 200° and more show the same causes as whole circles, with less certainty.
+//! An axis rests at its reversal and takes up its play only over the travel b that follows; the fit omits the readings in
+//! between. Arcs of 200° and more show the same causes as whole circles, with less certainty.
 
 mod figures;
 mod fit;
@@ -93,7 +93,8 @@ pub struct Term {
 pub struct Evaluation {
     /// All fitted causes; periodic errors only if detected.
     pub terms: Vec<Term>,
-    /// Width w of the spikes at reversals, rad; without visible spikes, the width for which their height is given.
+    /// Width w of the spikes at reversals, rad; without visible spikes, the fixed width with which the fit determines their
+    /// height.
     pub spike_width_rad: f64,
     /// Whether some spikes are too narrow for the spacing of the readings: they are then higher than the fitted value.
     pub spikes_unresolved: bool,

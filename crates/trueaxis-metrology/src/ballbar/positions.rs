@@ -26,8 +26,8 @@ const STRETCHES: f64 = 3600.0;
 /// Converts positions into the readings of a bar of length `radius_mm` about the centre of the commanded circles.
 ///
 /// `Δr = |p − m| − R`, with p the actual position, m the least-squares centre of the commands, at the commanded angle and in
-/// the commanded direction. The approach, the departure and standstill are left out. Positions within a tenth of a degree are
-/// averaged.
+/// the commanded direction. The conversion omits approach, departure and standstill, and averages positions within a tenth of
+/// a degree.
 ///
 /// Readings from the axes' own encoders show servo errors, friction and the lost motion in front of the encoder, but neither
 /// squareness nor straightness.

@@ -1,4 +1,4 @@
-//! Spikes of another shape than the fit's: their contribution, and the uncertainty that they add to the other causes.
+//! Spikes whose shape differs from the fit's: their contribution, and the uncertainty that they add to the other causes.
 //!
 //! ```text
 //! Δr = h (u/w) exp(1 − u/w) + Σ c_j N_j(u),   c_j ~ N(0, (ρ σ e_j)²),   e_j = 1/(1 + (u_j/ℓ)²)
@@ -12,8 +12,8 @@
 //! ln p = −(ν/2) ln S − ½ ln |AᵀA + Λ| + ½ ln |Λ|,   Λ_jj = 1/(ρ e_j)²
 //! ```
 //!
-//! If the fit's own shape explains the spikes (ρ = 0), nothing changes. Source: M. C. Kennedy and A. O'Hagan,
-//! 10.1111/1467-9868.00294 (a model's discrepancy as a random function).
+//! If the fit's own shape explains the spikes (ρ = 0), the result of the fit does not change. Source: M. C. Kennedy and A.
+//! O'Hagan, 10.1111/1467-9868.00294 (a model's discrepancy as a random function).
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use std::f64::consts::PI;
@@ -35,7 +35,7 @@ const SIZES: [f64; 5] = [1.0, 4.0, 16.0, 64.0, 256.0];
 /// Values of ℓ tried, rad.
 const REACHES: [f64; 3] = [0.03, 0.08, 0.2];
 /// Number of angles at which the maximum of a spike is searched.
-const LOOKED_AT: usize = 400;
+const ANGLES: usize = 400;
 
 /// One fit with random columns.
 pub(super) struct Shaped {
@@ -62,8 +62,8 @@ impl Shaped {
     pub(super) fn height(&self, axis: usize, column: usize, spike: impl Fn(f64) -> f64) -> [f64; 2] {
         let mut highest = [0.0; 2];
         let fixed = self.values.len();
-        for k in 0..LOOKED_AT {
-            let since = KNOTS_AFTER[1] * (k as f64 / LOOKED_AT as f64).powi(2);
+        for k in 0..ANGLES {
+            let since = KNOTS_AFTER[1] * (k as f64 / ANGLES as f64).powi(2);
             let mut parts = Vec::from([(column, spike(since))]);
             if self.is_free {
                 own_hats(since, |own, value| parts.push((fixed + axis * OWN + own, value)));

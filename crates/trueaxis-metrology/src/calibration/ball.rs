@@ -15,7 +15,7 @@ pub struct BallFit {
     pub standard_errors_mm: [f64; 3],
     /// Sum of the ball's radius and the tip's effective radius, mm.
     pub radius_mm: f64,
-    /// Standard error of that sum, mm; 0 if it was given.
+    /// Standard error of that sum, mm; 0 if the sum is known.
     pub radius_standard_error_mm: f64,
     /// Standard deviation of a touch, mm.
     pub sigma_mm: f64,
@@ -27,9 +27,9 @@ pub struct BallFit {
 
 /// Fits a ball to centres of the tip: min Σ (|p − c| − ρ)².
 ///
-/// `near_mm`: approximate centre; `radius_mm`: initial ρ, the sum of the ball's radius and the tip's; `known`: whether ρ is
-/// known. `repeatability_mm`: stated standard deviation of a touch, used for the standard errors until there are 20 touches
-/// more than unknowns. Cost: some microseconds per touch.
+/// `near_mm`: approximate centre; `radius_mm`: initial ρ, the sum of the ball's radius and the tip's; `known`: whether this ρ
+/// is exact. `repeatability_mm`: stated standard deviation of a touch, used for the standard errors unless the touches exceed
+/// the unknowns by at least 20. Cost: some microseconds per touch.
 ///
 /// # Errors
 /// Fewer than three touches (four if ρ is unknown), or touches that leave a direction undetermined.

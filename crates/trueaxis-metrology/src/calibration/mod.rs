@@ -11,14 +11,15 @@
 //! face     s (n · p′ − Σ u_j (a_j · p′ or 1) − known) − r,  p′ = p + J x − δ        s = ±1: the side that the probe comes from
 //! ```
 //!
-//! are zero apart from the probe's repeatability. The unknowns are x, r, every artefact's position (c, u), the drift at its
+//! are zero except for the probe's repeatability. The unknowns are x, r, every artefact's position (c, u), the drift at its
 //! knots, and the sizes, which are known within their standard uncertainty and enter as observations. One least-squares
-//! problem covers all of them, solved by QR of scaled columns; combinations that the touches cannot separate are refused by
-//! name ([`Refused::NotApart`]).
+//! problem covers all of them, solved by QR of scaled columns. It is refused, with the unknowns concerned, if the touches
+//! cannot separate some of them ([`Refused::NotApart`]).
 //!
-//! A bore of known diameter, measured all around, shows the strain of its plane: both scales, and the sum of the shear from
-//! squareness and straightness. Strain that is known throughout a volume determines the error up to a rigid motion
-//! (Saint-Venant), which is set-up. A ball determines the tip's radius, without which scale would not be observable.
+//! A bore of known diameter, measured all around, shows the strain in its plane: both scales, and the sum of the shear from
+//! squareness and straightness. The strain throughout a volume determines the error except for a rigid motion (Saint-Venant),
+//! which depends on how the workpiece is set up. A ball determines the tip's radius, without which scale would not be
+//! observable.
 //!
 //! Source: Golub and Van Loan, Matrix Computations, 4th ed., sections 5.3 and 6.1; ISO 230-1:2012 for the terms.
 

@@ -21,12 +21,12 @@ const POOLINGS: usize = 4;
 /// Relative change of the repeatability below which pooling ends.
 const SAME: f64 = 0.01;
 
-/// A quantity that is unknown, or known only within its uncertainty.
+/// A quantity that is unknown, or known within an uncertainty.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unknown {
-    /// Initial value, mm, rad or 1; the known value if there is an uncertainty.
+    /// Initial value, mm, rad or 1; with an uncertainty, the known value.
     pub start: f64,
-    /// Standard uncertainty of that value; `None` if nothing is known.
+    /// Standard uncertainty of that value; `None` for an initial value only.
     pub uncertainty: Option<f64>,
 }
 

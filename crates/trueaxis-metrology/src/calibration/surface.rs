@@ -2,7 +2,7 @@
 
 use std::vec::Vec;
 
-/// A contribution to the position of a face: an unknown, multiplied by the distance along a direction if one is given.
+/// A contribution to the position of a face: an unknown times a factor and, with a direction, times the distance along it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Part {
     /// Index of the unknown.

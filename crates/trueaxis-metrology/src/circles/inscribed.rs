@@ -151,7 +151,7 @@ impl<'a> Search<'a> {
         if near.len() <= FEW {
             return self.triples(&near, &self.local.points);
         }
-        if beside(&near, m, half) {
+        if all_on_one_side(&near, m, half) {
             return;
         }
         let quarter = 0.5 * half;
@@ -217,8 +217,8 @@ impl<'a> Search<'a> {
     }
 }
 
-/// Whether all points are on one side of a square, so that none of its centres is between them.
-fn beside(points: &[Point], m: [f64; 2], half: f64) -> bool {
+/// Whether all points are on one side of a square, so that no centre in it is between them.
+fn all_on_one_side(points: &[Point], m: [f64; 2], half: f64) -> bool {
     // Directions every 22.5 degrees: cos and sin of the first quadrant, and these rotated by right angles.
     const FAN: [[f64; 2]; 4] = [[1.0, 0.0], [0.92388, 0.38268], [FRAC_1_SQRT_2, FRAC_1_SQRT_2], [0.38268, 0.92388]];
     FAN.iter().flat_map(|&[x, y]| [[x, y], [-y, x]]).any(|[x, y]| {

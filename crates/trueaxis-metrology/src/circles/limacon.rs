@@ -6,9 +6,9 @@
 //!
 //! Angles in rad, readings in any unit of length, positive outwards; results in that unit, `centre` = [a, b]. Distances are
 //! residuals r − a cos θ − b sin θ, so that `radius`, `inner` and `outer` contain the profile's arbitrary constant and may be
-//! negative. All four problems are linear: least squares is solved directly, the others as small linear programmes, exactly,
-//! on the few readings that matter (cutting planes: the worst reading joins until none is outside; no reading joins twice, so
-//! the search is finite). Cost: linear, some ten passes.
+//! negative. All four problems are linear. Least squares has a direct solution. The others are small linear programmes, solved
+//! exactly on the few readings that determine them (cutting planes: the worst reading joins until no reading is outside; no
+//! reading joins twice, so the search is finite). Cost: linear, some ten passes.
 //!
 //! ```
 //! use trueaxis_metrology::circles::limacon;

@@ -72,7 +72,7 @@ pub enum NoCircle {
     Straight,
     /// Some points are so much farther away than others that rounding hides the best circle.
     Unresolved,
-    /// The points leave half a turn or more open: a circle could move out through the gap, so there is no extremum.
+    /// The points leave half a turn or more open: a circle could move out through the gap, so no extremum exists.
     PartArc,
     /// The numbers of angles and readings differ.
     Lengths {

@@ -49,7 +49,7 @@ use core::fmt;
 use std::vec::Vec;
 
 /// A target farther from the diagonal than this share of its length is a step, not a target of the diagonal.
-const BESIDE: f64 = 1e-4;
+const OFF_DIAGONAL: f64 = 1e-4;
 /// Least number of targets on a diagonal.
 const LEAST: usize = 3;
 
@@ -76,7 +76,7 @@ pub struct Target {
     /// Distance along the diagonal, mm.
     pub along_mm: f64,
     /// Distance from the diagonal, mm.
-    pub beside_mm: f64,
+    pub lateral_mm: f64,
     /// Mean deviation away and back, mm.
     pub mean_mm: [Option<f64>; 2],
 }
@@ -206,7 +206,7 @@ impl Test {
         let steps = diagonals
             .iter()
             .flat_map(|own| own.targets.iter().map(move |t| (own, t)))
-            .any(|(own, target)| target.beside_mm > BESIDE * own.length_mm);
+            .any(|(own, target)| target.lateral_mm > OFF_DIAGONAL * own.length_mm);
         let sigma_mm = (freedom > 0).then(|| (squares / freedom as f64).sqrt());
         Ok(Test { diagonals, readings, steps, sigma_mm })
     }
@@ -216,7 +216,7 @@ impl Test {
         volume::volume(self)
     }
 
-    /// Evaluates the steps; `None` if there are none, or if an interval of an axis is missing on one of the four diagonals.
+    /// Evaluates the steps; `None` without steps, or if an interval of an axis is missing on one of the four diagonals.
     ///
     /// `alignment_rad`: standard uncertainty of the mirror's alignment; without it the scales remain unknown.
     pub fn vector(&self, alignment_rad: Option<f64>) -> Option<Vector> {
@@ -226,7 +226,7 @@ impl Test {
     /// Returns the targets on a diagonal.
     pub fn on(&self, diagonal: usize) -> impl Iterator<Item = &Target> {
         let own = &self.diagonals[diagonal];
-        own.targets.iter().filter(|target| target.beside_mm <= BESIDE * own.length_mm)
+        own.targets.iter().filter(|target| target.lateral_mm <= OFF_DIAGONAL * own.length_mm)
     }
 }
 
@@ -275,10 +275,10 @@ fn diagonal(number: usize, own: &[(usize, &Reading)]) -> Result<(Diagonal, Scatt
         }
         let (_, reading, along_mm) = group[0];
         let way = less(reading.position_mm, from);
-        let beside_mm = (dot(way, way) - along_mm * along_mm).max(0.0).sqrt();
-        targets.push(Target { position_mm: reading.position_mm, along_mm, beside_mm, mean_mm });
+        let lateral_mm = (dot(way, way) - along_mm * along_mm).max(0.0).sqrt();
+        targets.push(Target { position_mm: reading.position_mm, along_mm, lateral_mm, mean_mm });
     }
-    let found = targets.iter().filter(|target| target.beside_mm <= BESIDE * length_mm).count();
+    let found = targets.iter().filter(|target| target.lateral_mm <= OFF_DIAGONAL * length_mm).count();
     if found < LEAST {
         return Err(Refused::TooFew { diagonal: number, found });
     }

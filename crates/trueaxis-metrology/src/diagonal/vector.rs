@@ -35,7 +35,7 @@ pub struct Vector {
     /// Condition number of the four equations of a step.
     pub condition: f64,
     /// Largest distance of a target from its diagonal, mm.
-    pub beside_mm: f64,
+    pub lateral_mm: f64,
 }
 
 /// Evaluates the steps; `None` if the test has none, or if an interval is missing on one of the four diagonals.
@@ -75,7 +75,7 @@ pub(super) fn vector(test: &Test, alignment_rad: Option<f64>) -> Option<Vector> 
         let found = linear(test, &slopes, Some(rad));
         std::array::from_fn(|axis| Term { value: found.0[axis], standard_error: found.1[axis] })
     });
-    let beside = test.diagonals.iter().flat_map(|own| &own.targets).map(|target| target.beside_mm);
+    let lateral = test.diagonals.iter().flat_map(|own| &own.targets).map(|target| target.lateral_mm);
     Some(Vector {
         scales_if_aligned: aligned.0,
         scales,
@@ -84,7 +84,7 @@ pub(super) fn vector(test: &Test, alignment_rad: Option<f64>) -> Option<Vector> 
         sigma_mm,
         degrees_of_freedom: freedom,
         condition,
-        beside_mm: beside.fold(0.0, f64::max),
+        lateral_mm: lateral.fold(0.0, f64::max),
     })
 }
 

@@ -8,9 +8,9 @@
 //! F  = F_c (1 + s/(1 + (v/v_s)²)) f,   f' = (v − |v| f)/z
 //! ```
 //!
-//! The linear part is exact over a step (exponential of its matrix, command and friction linear in time within the step); f is
-//! exact for the mean velocity of the step, predicted by a first pass with constant friction: second order. This code serves
-//! only the fit and is independent of the simulator's plant and of the servo step.
+//! The linear part is exact over a step (exponential of its matrix, command and friction linear in time within the step). f is
+//! exact for the mean velocity of the step, which a first pass with constant friction predicts, so the method is of second
+//! order. This code serves only the fit and is independent of the simulator's plant and of the servo step.
 
 use nalgebra::SMatrix;
 use std::vec::Vec;
@@ -50,11 +50,11 @@ pub(super) fn positions(axis: &Axis, command: &[f64], step_s: f64) -> Vec<f64> {
     out.push(state[0]);
     for (pair, fed) in late.windows(2).zip(fed.windows(2)) {
         let mut inputs = [pair[0], (pair[1] - pair[0]) / step_s, force, 0.0, (fed[1] - fed[0]) / step_s];
-        let foretold = row(&next[1], &state, &inputs);
-        let mean = 0.5 * (state[1] + foretold);
+        let predicted = row(&next[1], &state, &inputs);
+        let mean = 0.5 * (state[1] + predicted);
         let way = mean.signum();
         shift = way + (shift - way) * (-mean.abs() * step_s / z).exp();
-        let after = gain * level(&axis.friction, foretold) * shift;
+        let after = gain * level(&axis.friction, predicted) * shift;
         inputs[3] = (after - force) / step_s;
         state = [0, 1, 2, 3].map(|i| row(&next[i], &state, &inputs));
         force = after;

@@ -6,7 +6,7 @@
 //! ```
 //!
 //! Residuals of neighbouring samples are correlated (subdivisional error of the encoder, ripple of the drive): the covariance
-//! treats one stretch around a reversal as one observation; there are C of them and p parameters.
+//! treats one stretch around a reversal as one observation. C is the number of stretches, p that of parameters.
 //!
 //! Source: K. Madsen, H. B. Nielsen, O. Tingleff, Methods for Non-Linear Least Squares Problems, 2004, section 3.2; H. White,
 //! 10.2307/1912934, for the covariance.
@@ -41,14 +41,14 @@ struct Linear {
     gradient: DVector<f64>,
 }
 
-/// Fits the parameters `free`; calls `tell` before every step. `None` if the fit does not converge.
-pub(super) fn fit(problem: &Problem, start: Values, free: &[usize], tell: &mut dyn FnMut()) -> Option<Fit> {
+/// Fits the parameters `free`; calls `on_step` before every step. `None` if the fit does not converge.
+pub(super) fn fit(problem: &Problem, start: Values, free: &[usize], on_step: &mut dyn FnMut()) -> Option<Fit> {
     let mut values = start;
     let mut residuals = problem.residuals(&values);
     let mut cost = squares(&residuals);
     let mut damping = 1e-2;
     for _ in 0..STEPS {
-        tell();
+        on_step();
         let linear = linearised(problem, &values, &residuals, free);
         let mut gain = None;
         while gain.is_none() && damping < 1e9 {

@@ -12,14 +12,14 @@
 //!
 //! is simulated along the recorded commands c, and its following error c − x is fitted to the recorded one by least squares.
 //! The parameters are F_c/K_vp (mm/s), s, v_s (mm/s), z (mm), d/K_vp, the lag of the reading and, if the drive's figures are
-//! unknown, K_v, K_vp, τ and k_ff. The recorded input drives the model, so that the fit needs no intermediate record with a
+//! unknown, K_v, K_vp, τ and k_ff. Because the recorded commands drive the model, the fit needs no further record with a
 //! learned correction: its result is the waveform to which repeated learning would converge.
 //!
 //! **Observability.** Spikes alone determine F_c, s, v_s and z for given drive figures, but not the drive: a force reaches the
 //! position through s/((s + K_v)(s + 1/τ)), in which K_v and 1/τ are interchangeable. Starts and stops of the commanded motion
-//! separate them. d and k_ff act alike on circles; starts and stops separate these too, less well. The fit fixes the Stribeck
-//! share, v_s or the viscous friction at 0, 2 mm/s and 0 if they are less than three standard errors from 0, and refuses a
-//! record that leaves a needed figure undetermined.
+//! separate them. d and k_ff have the same effect on circles; starts and stops separate these too, less well. The fit fixes
+//! the Stribeck share, v_s or the viscous friction at 0, 2 mm/s and 0 if they are less than three standard errors from 0, and
+//! refuses a record that leaves a needed figure undetermined.
 //!
 //! **Standard errors** count one reversal, not one sample, as an observation. They exclude errors common to all reversals: a
 //! wrong figure of a given drive, or an encoder whose subdivisional error repeats at every reversal (radii that are not a
@@ -94,9 +94,9 @@ pub struct Identified {
     pub presliding: Figure,
     /// d/K_vp, mm/s per mm/s.
     pub viscous: Figure,
-    /// The drive, as given or as identified.
+    /// The drive, as stated by the caller or as identified.
     pub drive: DriveFigures,
-    /// Standard errors of K_v, K_vp, τ and k_ff; `None` if the drive was given.
+    /// Standard errors of K_v, K_vp, τ and k_ff; `None` for a drive that the caller stated.
     pub drive_errors: Option<[f64; 4]>,
     /// Lag of the reading in addition to the drive's lag, s.
     pub reading_lag_s: Figure,
@@ -193,7 +193,8 @@ fn problem(
     if given.is_none() {
         problem.read_after_s = record.read_after_s;
     } else {
-        // Starts and stops determine the drive. If its figures are given, errors in them would bias the friction.
+        // Only a fit of the drive needs starts and stops. With stated figures they are ignored: errors in the figures would
+        // appear there as friction.
         let even = record.even(turns);
         let coarse = (sample_s / record.period_s).round().max(1.0) as usize;
         problem.even = even.into_iter().step_by(coarse).collect();
@@ -218,7 +219,7 @@ fn identify_axis(
     let problem = |step_s: f64| problem(record, recorded, turns, given, step_s);
     let start = start::start(&problem(COARSE_S).0, given.as_ref());
     let mut steps = 0;
-    let mut tell = || {
+    let mut on_step = || {
         steps += 1;
         progress(axis, steps);
     };
@@ -226,7 +227,7 @@ fn identify_axis(
     let (problem, turns) = problem(STEP_S);
     // If starts are ignored, the state of friction before them is unobservable.
     let rests = with_drive && record.rests(recorded);
-    let (found, free) = reduced(axis, [&rough, &problem], start, (with_drive, rests), &mut tell)?;
+    let (found, free) = reduced(axis, [&rough, &problem], start, (with_drive, rests), &mut on_step)?;
     judge(axis, &found, &free, with_drive)?;
     let glitch = glitch::glitch(&problem, &found.values, &turns);
     if glitch.explained < EXPLAINED {

@@ -18,8 +18,8 @@ pub(super) const PRESLIDING: usize = 8;
 pub(super) const VISCOUS: usize = 9;
 pub(super) const REST: usize = 10;
 pub(super) const OFFSET: usize = 11;
-/// Lag of the feed-forward behind the command, in cycles of the record: 0 if commands are linear between samples, half a cycle
-/// if they are held, a whole one if the loop is closed once per cycle.
+/// Lag of the feed-forward behind the command, in cycles of the record: 0 if the drive interpolates between samples, half a
+/// cycle if it holds each command, a whole one if it closes the loop once per cycle.
 pub(super) const FEED_LAG: usize = 12;
 
 /// How a parameter is varied.

@@ -44,7 +44,7 @@ pub struct Record {
     /// The axes of the plane of the circles.
     pub axes: [Recorded; 2],
     /// Time from the moment at which a row's command takes effect to the encoder's reading, s; negative if it is read before.
-    /// `None` if unknown. If the drive's figures are given, the fit determines this time in any case.
+    /// `None` if unknown. With stated figures of the drive, the fit determines this time and ignores the value.
     pub read_after_s: Option<f64>,
 }
 

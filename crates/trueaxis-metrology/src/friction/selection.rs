@@ -10,7 +10,7 @@ use std::vec::Vec;
 use trueaxis::Axis;
 
 /// A parameter counts as determined at this many standard errors from 0.
-const TOLD: f64 = 3.0;
+const SIGNIFICANT: f64 = 3.0;
 /// Largest relative standard error of a drive figure.
 const LOOSE: f64 = 0.2;
 /// Like [`LOOSE`], including the uncertainty of the times within a cycle.
@@ -26,7 +26,7 @@ pub(super) fn reduced(
     [coarse, problem]: [&Problem; 2],
     start: Values,
     (with_drive, rests): (bool, bool),
-    tell: &mut dyn FnMut(),
+    on_step: &mut dyn FnMut(),
 ) -> Result<(Fit, Vec<usize>), Refused> {
     let unsettled = || Refused::NoConvergence { axis, steps: least_squares::STEPS };
     let mut free = Vec::from([COULOMB, PRESLIDING, OFFSET]);
@@ -35,40 +35,43 @@ pub(super) fn reduced(
     } else {
         free.push(READING_LAG);
     }
-    let rough = fit(coarse, start, &free, tell).ok_or_else(unsettled)?;
+    let rough = fit(coarse, start, &free, on_step).ok_or_else(unsettled)?;
     let mut values = rough.values;
     if with_drive {
-        values = the_better_order(axis, coarse, &rough, &free, tell)?;
+        values = the_better_order(axis, coarse, &rough, &free, on_step)?;
         free.push(if problem.read_after_s.is_none() { READING_LAG } else { FEED_LAG });
     }
     if rests {
         free.push(REST);
     }
     let with = |parameter: usize| [&free[..], &[parameter, STRIBECK_SHARE, STRIBECK_VELOCITY]].concat();
-    let (found, told) = fit_of_what_is_told(problem, values, with(VISCOUS), with_drive, tell).ok_or_else(unsettled)?;
-    if with_drive || found.values.0[VISCOUS] >= TOLD * found.uncertainties[VISCOUS] && told.contains(&VISCOUS) {
-        return Ok((found, told));
+    let (found, observable) =
+        fit_of_observable_terms(problem, values, with(VISCOUS), with_drive, on_step).ok_or_else(unsettled)?;
+    if with_drive
+        || found.values.0[VISCOUS] >= SIGNIFICANT * found.uncertainties[VISCOUS] && observable.contains(&VISCOUS)
+    {
+        return Ok((found, observable));
     }
     // Apparent viscous friction may be a feed-forward that acts late in its cycle.
     values = found.values;
     (values.0[VISCOUS], values.0[FEED_LAG]) = (0.0, 0.5);
-    let late = fit_of_what_is_told(problem, values, with(FEED_LAG), with_drive, tell);
+    let late = fit_of_observable_terms(problem, values, with(FEED_LAG), with_drive, on_step);
     let is_as_good =
         |(other, _): &(Fit, Vec<usize>)| !other.values.is_at_an_end(FEED_LAG) && other.rms <= EXCHANGED * found.rms;
-    Ok(late.filter(is_as_good).unwrap_or((found, told)))
+    Ok(late.filter(is_as_good).unwrap_or((found, observable)))
 }
 
 /// Fits those of the parameters `free` that the record determines, and returns which; `None` if the fit does not converge.
-fn fit_of_what_is_told(
+fn fit_of_observable_terms(
     problem: &Problem,
     mut values: Values,
     mut free: Vec<usize>,
     with_drive: bool,
-    tell: &mut dyn FnMut(),
+    on_step: &mut dyn FnMut(),
 ) -> Option<(Fit, Vec<usize>)> {
     loop {
-        let found = fit(problem, values, &free, tell)?;
-        let Some(held) = untold(&found, &free, with_drive) else { return Some((found, free)) };
+        let found = fit(problem, values, &free, on_step)?;
+        let Some(held) = unobservable(&found, &free, with_drive) else { return Some((found, free)) };
         values = found.values;
         for parameter in held {
             free.retain(|p| p != parameter);
@@ -81,14 +84,14 @@ fn fit_of_what_is_told(
 ///
 /// Viscous friction and velocity feed-forward act alike on a circle. If the drive is fitted, viscous friction therefore stays
 /// free, however uncertain (fixing it at 0 would bias K_v), unless it leaves the drive undetermined.
-fn untold(found: &Fit, free: &[usize], with_drive: bool) -> Option<&'static [usize]> {
+fn unobservable(found: &Fit, free: &[usize], with_drive: bool) -> Option<&'static [usize]> {
     let value = |parameter: usize| found.values.0[parameter];
-    let told = |parameter: usize| value(parameter).abs() / found.errors[parameter];
+    let significance = |parameter: usize| value(parameter).abs() / found.errors[parameter];
     let loose = !with_drive || !DRIVE_FIGURES.iter().all(|&p| found.errors[p] <= LOOSE * value(p));
-    let is_told = |parameter: usize| match parameter {
-        READING_LAG => told(parameter) >= TOLD,
-        VISCOUS => value(parameter) > 0.0 && (told(parameter) >= TOLD || !loose),
-        _ => value(parameter) > 0.0 && told(parameter) >= TOLD,
+    let is_observable = |parameter: usize| match parameter {
+        READING_LAG => significance(parameter) >= SIGNIFICANT,
+        VISCOUS => value(parameter) > 0.0 && (significance(parameter) >= SIGNIFICANT || !loose),
+        _ => value(parameter) > 0.0 && significance(parameter) >= SIGNIFICANT,
     };
     let candidates: [(usize, &'static [usize]); 4] = [
         (READING_LAG, &[READING_LAG]),
@@ -96,8 +99,8 @@ fn untold(found: &Fit, free: &[usize], with_drive: bool) -> Option<&'static [usi
         (STRIBECK_VELOCITY, &[STRIBECK_VELOCITY]),
         (VISCOUS, &[VISCOUS]),
     ];
-    let untold = candidates.into_iter().find(|(parameter, _)| free.contains(parameter) && !is_told(*parameter));
-    untold.map(|(_, held)| held)
+    let next = candidates.into_iter().find(|(parameter, _)| free.contains(parameter) && !is_observable(*parameter));
+    next.map(|(_, held)| held)
 }
 
 /// The better of a fit and the one started with position gain and 1/reset time exchanged.
@@ -106,14 +109,14 @@ fn the_better_order(
     problem: &Problem,
     found: &Fit,
     free: &[usize],
-    tell: &mut dyn FnMut(),
+    on_step: &mut dyn FnMut(),
 ) -> Result<Values, Refused> {
     let mut start = found.values;
     let [gain, reset] = [start.0[POSITION_GAIN], start.0[RESET_TIME]];
     start.0[POSITION_GAIN] = 1.0 / reset;
     start.0[RESET_TIME] = 1.0 / gain;
     start.0[FEED_FORWARD] = (1.0 - (1.0 - start.0[FEED_FORWARD]) / (gain * reset)).max(0.0);
-    let Some(other) = fit(problem, start, free, tell) else { return Ok(found.values) };
+    let Some(other) = fit(problem, start, free, on_step) else { return Ok(found.values) };
     let [best, worse] = if found.rms <= other.rms { [found, &other] } else { [&other, found] };
     let apart = |parameter: usize| (best.values.0[parameter] / worse.values.0[parameter]).ln().abs();
     if apart(POSITION_GAIN).max(apart(RESET_TIME)) > 0.02 && worse.rms < EXCHANGED * best.rms {
@@ -134,8 +137,8 @@ pub(super) fn judge(axis: Axis, found: &Fit, free: &[usize], with_drive: bool) -
         return Err(Refused::RankShort { axis, rank: found.rank, of: free.len(), condition: found.condition });
     }
     let [value, error] = [found.values.0[COULOMB], found.errors[COULOMB]];
-    let stands_out = value > TOLD * error;
-    if !stands_out {
+    let is_significant = value > SIGNIFICANT * error;
+    if !is_significant {
         return Err(Refused::NoFriction { axis, found_mm_per_s: value, standard_error_mm_per_s: error });
     }
     let circles = "circles of another radius or at another feed";

@@ -8,11 +8,11 @@
 //! r_b is the radius of the base cylinder in mm, p the lead parameter in mm/rad (lead/2π, positive for a right-hand helix), u
 //! the involute's roll angle in rad (0 on the base cylinder, where the surface has its cusp), θ the angle by which the
 //! involute has climbed along the helix, in rad. The gear's axis is z. n is ∂F/∂u × ∂F/∂θ normalized, with the factor r_b u
-//! removed: it stays defined on the base cylinder.
+//! removed: n is therefore defined on the base cylinder, too.
 //!
 //! [`Helicoid`] is the surface, [`Gear`] derives it from a gear's data, [`HeadTable`] is the machine.
 //!
-//! This is bench work in f64 with trigonometric functions; none of it belongs in a servo cycle.
+//! This module computes in f64 with trigonometric functions. It is for the bench, not for a servo cycle.
 //!
 //! Source: the parametric coordinates of a five-axis mill-turn (Nanjing Tech patent family), with the angle of the head
 //! right-handed about x: A = −θ_A of that publication. Involute helicoid and gear data: ISO 21771:2007.

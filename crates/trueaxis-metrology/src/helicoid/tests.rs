@@ -110,7 +110,7 @@ proptest! {
     /// The machine's joints, composed here from Rodrigues rotations about x and z, bring the tip onto the surface and the
     /// spindle along its normal.
     #[test]
-    fn the_tip_stands_on_the_surface_and_the_tool_on_its_normal(case in cases()) {
+    fn the_tip_is_on_the_surface_and_the_tool_on_its_normal(case in cases()) {
         let (surface, u) = (case.surface(), case.u());
         let table = machine(case.form(), case.pivot, case.a, case.c, case.w);
         let axes = table.place(&surface, u, case.theta, case.branch()).unwrap();
@@ -157,17 +157,17 @@ proptest! {
 
     /// Both branches and both forms give the same tool pose.
     #[test]
-    fn branches_and_forms_are_one_stand(case in cases()) {
+    fn branches_and_forms_give_one_pose(case in cases()) {
         let surface = case.surface();
-        let stand = |form, branch| {
+        let pose = |form, branch| {
             let table = machine(form, case.pivot, case.a, case.c, case.w);
             table.tool(&table.place(&surface, case.u(), case.theta, branch).unwrap())
         };
-        let first = stand(Form::Vertical, Branch::First);
+        let first = pose(Form::Vertical, Branch::First);
         for (form, branch) in
             [(Form::Vertical, Branch::Second), (Form::Horizontal, Branch::First), (Form::Horizontal, Branch::Second)]
         {
-            let other = stand(form, branch);
+            let other = pose(form, branch);
             prop_assert!(norm(minus(first.tip_mm, other.tip_mm)) < 1e-9);
             prop_assert!(norm(minus(first.axis, other.axis)) < 1e-12);
         }
@@ -245,7 +245,7 @@ fn a_pivot_length_from_an_edge_finder() {
 }
 
 #[test]
-fn what_no_tool_can_stand_on_is_refused() {
+fn invalid_helicoids_and_points_are_refused() {
     let field = |rb, p, flank| Helicoid::new(rb, p, flank).unwrap_err().quantity;
     for rb in [0.0, -1.0, f64::NAN, f64::INFINITY, 2e6] {
         assert_eq!(field(rb, 20.0, Flank::Right), Quantity::BaseRadius);

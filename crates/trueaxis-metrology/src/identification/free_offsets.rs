@@ -4,9 +4,9 @@
 //! d_sk = e_k + w_k × p_sk + o_s        angle k, set-up s;  A_k x_k + o = d_k  with x_k = (e_k, w_k)
 //! ```
 //!
-//! Householder reflections of A_k alone eliminate x_k from all rows but six: the remaining rows of all angles form a
-//! least-squares problem for the offsets only, whose triangle is updated angle by angle. It has a null space of 3 (C) or 5 (A,
-//! B) dimensions; its minimum-norm solution is shifted along the null space until it satisfies the convention of
+//! Householder reflections of A_k eliminate x_k from all rows except six. The remaining rows of all angles form a
+//! least-squares problem for the offsets only, whose triangle is updated angle by angle. That problem has a null space of 3
+//! (C) or 5 (A, B) dimensions; the minimum-norm solution is shifted along the null space until it satisfies the convention of
 //! `Offsets::Free`. Work and memory grow linearly with the number of angles, not with its cube and square.
 
 use super::angle::{CONDITION_LIMIT, SWEEPS};

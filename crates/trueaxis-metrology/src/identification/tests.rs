@@ -27,8 +27,8 @@ fn moved(axis: Axis, angle: f64, ball: Ball, errors: &Twist) -> [f64; 3] {
         Axis::B => Rotation3::from_axis_angle(&Vector3::y_axis(), angle),
         _ => Rotation3::from_axis_angle(&Vector3::z_axis(), angle),
     };
-    let beside = if axis == Axis::B { Vector3::x() } else { Vector3::y() };
-    let centre = Point3::from(beside * ball.horizontal_mm - Vector3::z() * ball.vertical_mm);
+    let horizontal = if axis == Axis::B { Vector3::x() } else { Vector3::y() };
+    let centre = Point3::from(horizontal * ball.horizontal_mm - Vector3::z() * ball.vertical_mm);
     let error =
         Isometry3::from_parts(Translation3::new(x, y, z), UnitQuaternion::from_scaled_axis(Vector3::new(a, b, c)));
     (error * (turn * centre) - turn * centre).into()
@@ -149,7 +149,7 @@ fn in_convention(axis: Axis, angles: &[f64]) -> Vec<Twist> {
     truth
 }
 
-fn zeroed_anew(test: &mut BallTest) {
+fn rezero(test: &mut BallTest) {
     for angle in &mut test.angles {
         for (s, deviation) in angle.deviations_mm.iter_mut().enumerate() {
             for (i, value) in deviation.iter_mut().enumerate() {
@@ -165,7 +165,7 @@ fn free_offsets_leave_the_errors_but_for_the_convention() {
         [(Axis::C, BALLS_C, degrees(36, 10.0), 3), (Axis::A, BALLS_A, degrees(19, 5.0), 5)]
     {
         let mut test = test_of(axis, &points, &angles, 1e-3);
-        zeroed_anew(&mut test);
+        rezero(&mut test);
         let found = identify(&test, Offsets::Free).unwrap();
         assert_eq!((found.null_space, found.location), (null_space, Location::Removed));
         assert_eq!(found.degrees_of_freedom, 3 * angles.len() - 9 + null_space);
@@ -240,7 +240,7 @@ fn collinear_set_ups_are_refused_with_their_figures() {
 }
 
 #[test]
-fn what_is_missing_or_not_finite_is_refused() {
+fn missing_and_non_finite_readings_are_refused() {
     let angles = degrees(12, 30.0);
     let test = test_of(Axis::C, &BALLS_C, &angles, 1.0);
     let mut missing = test.clone();

@@ -1,4 +1,4 @@
-//! From the record of one part to the correction for the next.
+//! Learns the correction for the next part from the record of one part.
 
 use super::{GAP_OF_CUTOFF, Law, MeasuredError, NotLearned, Resampled, encode, resample};
 use std::vec::Vec;
@@ -24,7 +24,7 @@ pub struct Lesson {
     pub spacing_mm: f64,
     /// Contour error of the part at the nodes, mm.
     pub errors_mm: Vec<[f64; 3]>,
-    /// Correction with which the part was made, mm.
+    /// Correction that acted on the part, mm.
     pub before_mm: Option<Vec<[f64; 3]>>,
     /// Correction for the next part, mm.
     pub correction_mm: Vec<[f64; 3]>,

@@ -77,7 +77,7 @@ fn falls(left: &[f64]) -> bool {
 }
 
 #[test]
-fn what_is_left_falls_with_every_part_for_plants_of_forty_percent_either_way() {
+fn the_residual_falls_with_every_part_for_gains_forty_percent_off() {
     let law = Law::default();
     for plant in plants() {
         for wavelength in [0.8, 1.6, 5.0, 20.0] {

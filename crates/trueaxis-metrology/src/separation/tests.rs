@@ -183,7 +183,7 @@ fn the_filter_halves_its_cut_off() {
 }
 
 #[test]
-fn what_cannot_be_separated_is_refused() {
+fn inseparable_harmonics_are_refused() {
     let refused = |angles: ProbeAngles, band, limit, ratio| {
         Separator::new(angles.resolve(1024).unwrap(), band, limit, ratio).err().unwrap()
     };

@@ -1,7 +1,7 @@
 //! Transforms of real series of N points, unscaled: `X_k = Σ x_n e^{−2πi kn/N}` for k from 0 to N/2, and back.
 //!
-//! realfft plans them, for any N. In a browser a complex radix-4 transform replaces it, for powers of two, the only numbers of
-//! points at which probes are read: the planner contains an algorithm for every length, and the page is loaded as a whole.
+//! realfft plans them, for any N. In a browser a complex radix-4 transform replaces it: N is always a power of two there, and
+//! realfft's algorithms for all other lengths would enlarge the page.
 
 #[cfg(any(test, not(target_family = "wasm")))]
 mod planned;

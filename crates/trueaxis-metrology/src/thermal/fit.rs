@@ -83,13 +83,13 @@ pub struct Fit {
     pub missing: Vec<Missing>,
 }
 
-/// Fits lags and curves; calls `tell` with the name of each cause that enters.
+/// Fits lags and curves; reports each cause that enters, by name, to the callback.
 ///
 /// Cost: some seconds for a thousand rows and ten sensors.
 ///
 /// # Errors
 /// [`Refused`].
-pub fn fit(record: &Record, settings: &Settings, tell: &mut dyn FnMut(&str)) -> Result<Fit, Refused> {
+pub fn fit(record: &Record, settings: &Settings, on_cause: &mut dyn FnMut(&str)) -> Result<Fit, Refused> {
     check(record, settings.rate_k_per_min)?;
     let held_out = held_out(record, settings)?;
     let rows: Vec<usize> =
@@ -100,7 +100,7 @@ pub fn fit(record: &Record, settings: &Settings, tell: &mut dyn FnMut(&str)) -> 
         Cause::Sensor(sensor) => record.sensors[sensor].clone(),
         Cause::Spindle => "spindle".into(),
     };
-    let (mut causes, left) = search.causes(&mut |cause| tell(&name(cause)));
+    let (mut causes, left) = search.causes(&mut |cause| on_cause(&name(cause)));
     if causes.is_empty() {
         return Err(Refused::NothingFound);
     }

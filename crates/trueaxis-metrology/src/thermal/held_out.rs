@@ -47,7 +47,7 @@ pub fn held_out(record: &Record, fit: &Fit, bytes: &[u8]) -> (Vec<HeldOut>, Vec<
     // The record has been checked, so the sensors are trusted from the start.
     let start = || {
         let mut state = ThermalState::new();
-        (0..thermal.sensors()).for_each(|sensor| state.believe(sensor));
+        (0..thermal.sensors()).for_each(|sensor| state.accept(sensor));
         state
     };
     let mut state = start();

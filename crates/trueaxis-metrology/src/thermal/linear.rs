@@ -66,9 +66,9 @@ pub(super) fn solve(columns: &[Vec<f64>], right: &[f64], lost: usize, step: usiz
 
 /// Residual sum of squares when each cycle is predicted from the others; `cycles` are the ends of their rows.
 ///
-/// A column that only one cycle determines cannot be predicted by the others: it is fitted to that cycle, with all other
-/// values as predicted. If it were left undetermined, that would count against its cause, and other causes with wrong lags
-/// would replace it.
+/// If only one cycle determines a column, the others cannot predict it: its value is fitted to that cycle, with all other
+/// values as predicted. Without this value its cause would appear not to predict, and other causes with wrong lags would
+/// replace it.
 pub(super) fn predicted(columns: &[Column], right: &[f64], cycles: &[usize]) -> f64 {
     let count = columns.len();
     let norms = norms(columns.iter().map(|column| column.values.as_slice()));
@@ -140,7 +140,7 @@ mod tests {
 
     /// Three cycles of 2 a; the second also contains 5 b, which the others lack.
     #[test]
-    fn what_one_cycle_alone_has_is_fitted_there_with_the_rest_as_the_others_have_it() {
+    fn a_cause_in_one_cycle_is_fitted_there_with_the_rest_as_in_the_others() {
         let (a, b) = ([1.0, 2.0, 3.0], [1.0, 1.0, -1.0]);
         let right: Vec<f64> = (0..9).map(|k| 2.0 * a[k % 3] + if k / 3 == 1 { 5.0 * b[k % 3] } else { 0.0 }).collect();
         let own: Vec<f64> = (0..9).map(|k| if k / 3 == 1 { b[k % 3] } else { 0.0 }).collect();

@@ -6,12 +6,12 @@
 //!
 //! e is the drift of the tool relative to the workpiece along one axis at a measuring point (q, L): the axis' position and the
 //! length from the spindle's nose; θ and x as in [`trueaxis::temperature`]; c a zero for each measuring point in each cycle,
-//! because instruments are set to zero when a cycle begins. For given lags the model is linear in everything else: least
-//! squares by QR. The lags are searched one at a time, first on a grid, then by golden section, and then optimised together.
+//! because instruments are set to zero when a cycle begins. For given lags the model is linear in everything else, and least
+//! squares by QR solves it. A search finds each lag on a grid and by golden section, and then optimises all lags together.
 //! Sensors enter in order of gain, as long as they improve the prediction of each cycle from the others. Curves are zero at
 //! the reference temperature.
 //!
-//! The slope of an axis stays zero if it was measured at only one position, and the tilt if there was only one tool length.
+//! The slope of an axis stays zero if the record has only one position of it, and the tilt if it has only one tool length.
 
 mod basis;
 mod check;

@@ -44,7 +44,7 @@ pub(super) struct Search<'p, 'r> {
 pub(super) type Parts = [bool; 2];
 
 impl<'p, 'r> Search<'p, 'r> {
-    /// Searches over these rows, thinned if there are many.
+    /// Searches over these rows, thinned to about [`MOST_ROWS`].
     pub(super) fn new(problem: &'p Problem<'r>, rows: &[usize]) -> Self {
         // Every n-th row of each measuring point in each cycle.
         let samples = &problem.record.samples;
@@ -152,8 +152,8 @@ impl<'p, 'r> Search<'p, 'r> {
     }
 
     /// The causes that improve the prediction, in the order in which they entered, and the sum of squares before and after;
-    /// calls `tell` with each cause.
-    pub(super) fn causes(&self, tell: &mut dyn FnMut(Cause)) -> (Vec<Chosen>, [f64; 2]) {
+    /// calls `on_cause` with each cause to the callback.
+    pub(super) fn causes(&self, on_cause: &mut dyn FnMut(Cause)) -> (Vec<Chosen>, [f64; 2]) {
         let nothing = self.left(&[]);
         let (mut all, mut left) = (Vec::<Chosen>::new(), nothing);
         loop {
@@ -179,8 +179,8 @@ impl<'p, 'r> Search<'p, 'r> {
                     let found = self.refine(&mut with, *found);
                     Some((with, found))
                 }
-                // No cause enters with the lags unchanged. But a cause may need other lags of those that have acted in its
-                // place, so all lags are set free, first without it.
+                // No cause enters with the lags unchanged. But it may enter once the causes that acted in its place have other
+                // lags. All lags are therefore optimised again, first without the new cause, then with it.
                 _ => {
                     left = self.settle(&mut all, left);
                     let again = tried.iter().take(AGAIN).map(|(chosen, _)| {
@@ -194,7 +194,7 @@ impl<'p, 'r> Search<'p, 'r> {
             };
             let Some((with, found)) = found else { break };
             if let Some(chosen) = with.last() {
-                tell(chosen.cause);
+                on_cause(chosen.cause);
             }
             (all, left) = (with, found);
         }

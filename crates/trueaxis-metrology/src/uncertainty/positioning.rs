@@ -7,10 +7,10 @@
 //! y_ij = x_ij + ε p_i + e_ij        ε ~ u_scale, common to all;  e_ij ~ u_reading, independent
 //! ```
 //!
-//! A, R and B are maxima and spreads: errors of reading make them larger, never smaller on average, so that neither y ± k u
-//! nor new errors added to y reach their coverage (`docs/uncertainty.md` has the counts). The trials therefore draw x given y:
-//! the readings of a position about their mean m_i, the reversal B_i and the means about theirs, each with the machine's share
-//! of its scatter:
+//! A, R and B are maxima and spreads: on average, errors of reading increase them. Intervals y ± k u, or new errors added to
+//! y, therefore do not reach their coverage (`docs/uncertainty.md` has the counts). The trials draw x given y instead: the
+//! readings of a position about their mean m_i, the reversal B_i and the means about theirs, each with the machine's share of
+//! its scatter:
 //!
 //! ```text
 //! x = m + λ (y − m) + √λ u z,      λ = 1 − u²/s²,      s²: scatter as measured, drawn with its own degrees of freedom, above u²

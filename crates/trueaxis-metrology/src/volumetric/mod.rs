@@ -11,15 +11,16 @@
 //! reflector except the first. All of these are unknowns of one least-squares fit.
 //!
 //! **Conventions.** Constants of the errors and slopes of straightness are inseparable from t, ρ, squareness and one another.
-//! The fit adds one condition per such freedom, which changes no residual: every error is zero at the reference position, and
-//! straightnesses have no slope (least squares over their nodes), so that squareness is a separate term and X is the primary
-//! axis.
+//! The fit therefore adds one condition per such freedom, which changes no residual: every error is zero at the reference
+//! position, and straightnesses have no slope (least squares over their nodes), so that squareness is a separate term and X is
+//! the primary axis.
 //!
 //! **Unobserved.** A rotation whose lever varies only with its own axis' position moves the tip as a translation of that axis
 //! does. The fit leaves it at zero; the translation includes its effect, for that tool.
 //!
-//! **Smoothing.** Second differences of neighbouring nodes are zero with a thousandth of a reading's weight: this constrains
-//! nodes that no point determines, and moves the others by a millionth of their standard error.
+//! **Smoothing.** The fit adds second differences of neighbouring nodes as observations of zero with a thousandth of a
+//! reading's weight: they constrain nodes that no point determines, and move the others by a millionth of their standard
+//! error.
 //!
 //! Sources: ISO 230-1:2012 (names and signs), ISO/TR 16907:2015 (numerical compensation), K. Umetsu et al., Precis. Eng. 29
 //! (2005) 425 and H. Schwenke et al., CIRP Annals 57 (2008) 660 (errors from multilateration).

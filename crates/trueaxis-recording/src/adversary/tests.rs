@@ -45,9 +45,9 @@ fn everything_happens_and_commands_stay_plausible() {
     for number in 0..20_000 {
         let moment = adversary.cycle(number);
         seen |= moment.events.0;
-        let set_anew = [Events::COLD, Events::PROGRAM, Events::NOT_HOMED, Events::DISABLED, Events::BAD_COMMAND];
+        let may_jump = [Events::COLD, Events::PROGRAM, Events::NOT_HOMED, Events::DISABLED, Events::BAD_COMMAND];
         if let Some(before) = before
-            && !set_anew.iter().any(|event| moment.events.has(*event) || before.events.has(*event))
+            && !may_jump.iter().any(|event| moment.events.has(*event) || before.events.has(*event))
         {
             driven += 1;
             for (a, b) in moment.input.command.iter().zip(&before.input.command) {

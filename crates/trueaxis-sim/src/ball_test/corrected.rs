@@ -62,7 +62,7 @@ pub(super) fn tip_errors(cycle: &Cycle, plant: &Machine, known: &Machine, ball: 
     let geometry = Geometry::new(&with_ball(plant, ball), 0.0)?;
     let bytes = compile(&with_ball(known, ball))?;
     let tcomp = Tcomp::parse(&bytes)?;
-    let rows = |axis: Axis| tcomp.table(axis);
+    let rows = tcomp.rows();
     let mut memory = vec![0.0; requirement(tcomp.settings(), rows)];
     let compensation: Compensation<'_, f64, f64, N> =
         Compensation::build(tcomp.settings(), rows, tcomp.grids(), tcomp.inverse_passes(), &mut memory)?;

@@ -1,9 +1,9 @@
 //! Ball test of a five-axis head: measure, identify, compile, measure again.
 //!
 //! With RTCP on, the control keeps the centre of a ball still while C turns a full circle with A at rest, then A a quarter
-//! turn with C at rest; three set-ups each. The simulated gauge reads the deviation that the machine's exact geometry
-//! produces, the six errors of either axis are identified, become tables, are compiled into the form that a controller loads,
-//! and the cycle is repeated through the plugin's volumetric correction:
+//! turn with C at rest, in three set-ups each. The simulated gauge reads the deviation that the machine's exact geometry
+//! produces. The identified six errors of either axis become tables, which are compiled as for a controller, and the cycle is
+//! repeated with the plugin's volumetric correction:
 //!
 //! ```text
 //! true tables ─► exact geometry ─► gauge + noise ─► identification ─► tables ─► .tcomp ─► correction ─┐

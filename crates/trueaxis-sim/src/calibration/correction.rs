@@ -30,7 +30,7 @@ fn of<const N: usize, T>(
 ) -> Result<T> {
     let bytes = compile(known)?;
     let tcomp = Tcomp::parse(&bytes)?;
-    let rows = |axis| tcomp.table(axis);
+    let rows = tcomp.rows();
     let mut memory = vec![0.0; requirement(tcomp.settings(), rows)];
     let compensation: Compensation<'_, f64, f64, N> =
         Compensation::build(tcomp.settings(), rows, tcomp.grids(), tcomp.inverse_passes(), &mut memory)?;

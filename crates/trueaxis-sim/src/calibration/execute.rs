@@ -228,8 +228,8 @@ impl Bench<'_> {
             let (at, behind) = self.on_the_way(&end, share);
             self.time_s = started + 60.0 * share * length / feed.max(1.0);
             let (gap, _) = self.nearest(self.tip(&at, &behind, self.time_s));
-            // Behind the surface it steps back: an axis that is too long runs past it by the remaining distance times its
-            // scale.
+            // A tip behind the surface steps back: an axis whose scale is too long overshoots by the remaining distance times
+            // its scale error.
             if gap.abs() <= CLOSED || (gap < 0.0 && share <= 0.0) {
                 // The probe's scatter lies along its travel.
                 let (at, _) = self.on_the_way(&end, share + self.probing.noise_mm * noise / length);

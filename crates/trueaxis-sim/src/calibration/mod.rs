@@ -6,7 +6,7 @@
 //!
 //! The tip comes from exact products of rigid transforms, in workpiece coordinates, in which the artefacts are placed. The log
 //! gives the axis positions at the trip. [`random_machine`] draws machines, [`volumetric`] computes their residual error.
-//! Drives have no lag and encoders no noise here: a probing move is slow.
+//! The drives have no lag and the encoders no noise, because a probing move is slow.
 
 mod artefact;
 mod correction;

@@ -1,4 +1,5 @@
-//! Friction from circles: the whole sequence on the simulated machine is record, identify, configure, record again.
+//! Friction from circles: records circles on the simulated machine, identifies friction, configures the plugin with it, and
+//! records again.
 //!
 //! ```text
 //! Circles ─► Recorder ─► Pass ─► sent() ─► identify ─► configured() ─► Recorder ─► Pass ─► Outcome

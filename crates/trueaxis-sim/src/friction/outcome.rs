@@ -37,7 +37,7 @@ pub struct AxisOutcome {
     pub drive_found: bool,
     /// Identified figures.
     pub identified: Figures<f64>,
-    /// Standard errors of the identified figures; `None` for a figure that was held fixed.
+    /// Standard errors of the identified figures; `None` for a figure that the fit fixed.
     pub standard_errors: Figures<Option<f64>>,
     /// Figures of the simulated drive.
     pub r#true: Figures<f64>,

@@ -54,7 +54,7 @@ pub(super) struct Cell {
     /// True position at which the feed is 0, mm.
     datum: f64,
     others: [f64; 3],
-    standing_until: Option<f64>,
+    stopped_until: Option<f64>,
     done: Vec<bool>,
     time_s: f64,
 }
@@ -101,7 +101,7 @@ impl Cell {
             parts: 1,
             datum: others[place],
             others,
-            standing_until: None,
+            stopped_until: None,
             done: vec![false; grinding.events.len()],
             time_s: 0.0,
             grinding,
@@ -186,20 +186,20 @@ impl Cell {
         self.grinding.events.contains(&Event::MissingIndex { turn })
     }
 
-    /// Starts events that are due; returns whether there is a new part, and a new wheel radius.
+    /// Starts the events that are due; returns whether one of them is a new part, and a new wheel radius to report.
     pub(super) fn happen(&mut self) -> (bool, Option<f64>) {
         let mut new_part = false;
         let turns = self.turns();
         for (event, done) in self.grinding.events.iter().zip(&mut self.done) {
             match *event {
                 Event::Stop { at, for_s } if turns >= at && !*done => {
-                    (*done, self.standing_until) = (true, Some(self.time_s + for_s));
+                    (*done, self.stopped_until) = (true, Some(self.time_s + for_s));
                 }
                 Event::NewPart { at } if turns >= at && !*done => {
                     (*done, new_part) = (true, true);
                 }
-                Event::Wheel { at, wheel_mm, told } if turns >= at && !*done => {
-                    (*done, self.dressing) = (true, Some(([at, self.linkage.wheel_mm, wheel_mm], told)));
+                Event::Wheel { at, wheel_mm, reported } if turns >= at && !*done => {
+                    (*done, self.dressing) = (true, Some(([at, self.linkage.wheel_mm, wheel_mm], reported)));
                 }
                 _ => {}
             }
@@ -215,14 +215,14 @@ impl Cell {
     }
 
     fn dress(&mut self) -> Option<f64> {
-        let ([at, from, to], told) = self.dressing?;
+        let ([at, from, to], reported) = self.dressing?;
         let share = (self.turns() - at).clamp(0.0, 1.0);
         self.linkage.wheel_mm = from + share * (to - from);
         if share < 1.0 {
             return None;
         }
         self.dressing = None;
-        told.then_some(to)
+        reported.then_some(to)
     }
 
     /// Advances the machine by one period; at rest and off the part while `settling`.
@@ -232,8 +232,8 @@ impl Cell {
             return;
         }
         self.time_s += 1.0 / self.grinding.rate_hz;
-        let stands = self.standing_until.is_some_and(|until| self.time_s < until);
-        self.turning.cycle(!stands);
+        let stopped = self.stopped_until.is_some_and(|until| self.time_s < until);
+        self.turning.cycle(!stopped);
         let alpha = self.turning.alpha();
         let motion = &self.grinding.process.motion;
         let mut next = Instant { alpha, beta: self.linkage.beta(alpha), centre: motion.at(alpha), level: 0.0 };

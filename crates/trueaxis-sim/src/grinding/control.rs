@@ -103,7 +103,7 @@ impl Control {
             ..Input::at_rest(self.grinding.period_ns())
         };
         let mut output = Output::none();
-        let cycle = self.gauge.ride(&readings.probes, &mut |gauge| {
+        let cycle = self.gauge.run_with(&readings.probes, &mut |gauge| {
             output = step(self.servo.servo(), &mut self.state, &input, &mut (), gauge);
         });
         if output.record.fault != Fault::None {

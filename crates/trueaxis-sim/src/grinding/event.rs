@@ -36,6 +36,6 @@ pub enum Event {
         /// Radius afterwards, mm.
         wheel_mm: f64,
         /// Whether it is reported to the gauge at the end of that turn.
-        told: bool,
+        reported: bool,
     },
 }

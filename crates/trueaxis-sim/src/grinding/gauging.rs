@@ -8,8 +8,8 @@ use trueaxis::{ConfigError, GaugeRide, Ride};
 pub(super) trait Gauging {
     /// Sets the wheel's radius R_S, mm.
     fn set_wheel(&mut self, wheel_mm: f64) -> Result<(), ConfigError>;
-    /// Rides along with one call of `step`; returns the gauge's output in that cycle.
-    fn ride(&mut self, probes: &Probes<f64>, step: &mut dyn FnMut(&mut dyn Ride<f64>)) -> Cycle<f64>;
+    /// Runs the gauge with one call of `step`; returns its output in that cycle.
+    fn run_with(&mut self, probes: &Probes<f64>, step: &mut dyn FnMut(&mut dyn Ride<f64>)) -> Cycle<f64>;
     fn cycles_of_work(&self) -> usize;
     fn latest(&self) -> Option<Evaluation<f64>>;
     fn counts(&self) -> Counts;
@@ -51,7 +51,7 @@ impl<const POINTS: usize> Gauging for Started<POINTS> {
         self.gauge.set_wheel(&mut self.state, wheel_mm)
     }
 
-    fn ride(&mut self, probes: &Probes<f64>, step: &mut dyn FnMut(&mut dyn Ride<f64>)) -> Cycle<f64> {
+    fn run_with(&mut self, probes: &Probes<f64>, step: &mut dyn FnMut(&mut dyn Ride<f64>)) -> Cycle<f64> {
         let mut ride = GaugeRide::new(&self.gauge, &mut self.state, probes);
         step(&mut &mut ride);
         ride.cycle()

@@ -12,7 +12,7 @@ pub struct InfeedDrive {
 }
 
 impl InfeedDrive {
-    /// At rest at `position` (mm); a delay below one period counts as one period.
+    /// A drive at rest at `position` (mm). A delay below one period counts as one period.
     pub fn new(position: f64, delay_s: f64, lag_s: f64, period_s: f64) -> InfeedDrive {
         let delay = (delay_s / period_s).max(1.0);
         let share = if lag_s > 0.0 { -libm::expm1(-period_s / lag_s) } else { 1.0 };
@@ -25,7 +25,7 @@ impl InfeedDrive {
         self.position
     }
 
-    /// Simulates one servo period: `command` is given at its beginning; returns the position at its end.
+    /// Simulates one servo period: takes the command of its beginning and returns the position at its end.
     pub fn cycle(&mut self, command: f64) -> f64 {
         let due = self.delay.next(command);
         self.position += self.share * (due - self.position);

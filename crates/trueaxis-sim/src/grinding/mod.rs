@@ -21,7 +21,7 @@
 //! touched in every revolution. The chase motion that keeps the wheel at the circling pin is assumed perfect: the axis carries
 //! only feed and correction.
 //!
-//! None of this uses the gauge's code: the gain of the correction is measured on the simulated surface.
+//! The simulation shares no code with the gauge, so that the simulated surface shows the true effect of the correction.
 
 mod cell;
 mod comparison;

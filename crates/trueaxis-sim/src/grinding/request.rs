@@ -15,7 +15,7 @@ pub struct Request {
     pub revolutions: Option<u32>,
     /// Servo rate, Hz, 100 to 100000.
     pub rate_hz: f64,
-    /// Speed of the spindle, rpm; derived from `skip` if that is given.
+    /// Speed of the spindle, rpm; with `skip`, replaced by the speed that skips so many revolutions.
     pub speed_rpm: f64,
     /// Gain of the correction c <- c + g r, at most half the stability limit; if omitted, the machine's.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -90,7 +90,7 @@ impl Request {
         self.revolutions.unwrap_or(needed)
     }
 
-    /// Checks what can be checked before a machine is read.
+    /// Checks the values that do not depend on the machine.
     ///
     /// # Errors
     /// A value out of range, under the name of the command line's option.

@@ -164,14 +164,14 @@ mod tests {
     }
 
     #[test]
-    fn only_what_stands_higher_is_removed_in_either_sense() {
+    fn only_what_is_higher_is_removed_in_either_sense() {
         let mut pin = Workpiece::turned(3);
         let before = pin.cells().to_vec();
-        let stands = |pin: &Workpiece| pin.cells().iter().zip(&before).all(|(after, before)| after <= before);
+        let not_raised = |pin: &Workpiece| pin.cells().iter().zip(&before).all(|(after, before)| after <= before);
         pin.grind([1.0, 1.0], [7.0, 1.0]);
         assert_eq!(pin.cells(), &before[..]);
         pin.grind([7.0, -30.0], [6.0, -30.0]);
-        assert!(stands(&pin));
+        assert!(not_raised(&pin));
         let cut = pin.cells().iter().zip(&before).filter(|(after, before)| after < before).count();
         assert!((1303..=1304).contains(&cut), "a radian has 1303.8 cells: {cut}");
         pin.grind([6.0, -30.0], [6.0, -40.0]);

@@ -28,8 +28,8 @@ pub(super) struct Section {
 }
 
 /// Largest rotation of the rotary axes between two samples of the axes' speeds, degrees, and most samples in one move.
-const LOOK_EVERY_DEG: f64 = 2.0;
-const MOST_LOOKS: f64 = 64.0;
+const SAMPLE_EVERY_DEG: f64 = 2.0;
+const MOST_SAMPLES: f64 = 64.0;
 
 /// Appends the sections of one move of the given length (mm).
 ///
@@ -61,15 +61,15 @@ pub(super) fn add_sections(
         && element.turn.angle() > 0.0
     {
         let (first, last) = element.curve.domain();
-        let looks = (element.turn.angle() / LOOK_EVERY_DEG).clamp(1.0, MOST_LOOKS).ceil();
-        let step = (last - first) / looks;
+        let samples = (element.turn.angle() / SAMPLE_EVERY_DEG).clamp(1.0, MOST_SAMPLES).ceil();
+        let step = (last - first) / samples;
         let permitted = |u: f64| {
             let across = if element.curve.length() > 0.0 && !element.in_degrees() { limit(u) } else { feed };
             across.min(axes_speed(element, machine, settings, u)).max(SLOWEST.min(feed))
         };
-        for i in 0..looks as u32 {
+        for i in 0..samples as u32 {
             let a = first + f64::from(i) * step;
-            add(length / looks, level(permitted(a).min(permitted(a + 0.5 * step)).min(permitted(a + step))));
+            add(length / samples, level(permitted(a).min(permitted(a + 0.5 * step)).min(permitted(a + step))));
         }
         return;
     }

@@ -4,8 +4,8 @@
 //! limit. Between moves the speed is low enough that the velocity vector steps by no more than a permitted amount. Backward
 //! and forward passes make the speeds at the section ends reachable, and each section becomes a time-optimal jerk-limited
 //! profile between them, with zero acceleration at its ends. The limits of acceleration and jerk apply along the path; the
-//! limit of normal acceleration, across it. The length of a move of rotary axes only is measured in degrees; for such a move,
-//! read degree for mm throughout.
+//! limit of normal acceleration, across it. A move of rotary axes only is measured in degrees; for it, read degree for mm
+//! throughout.
 
 mod arc_length;
 mod ceiling;
@@ -105,7 +105,7 @@ pub struct Motion {
     starts: Vec<f64>,
     length: f64,
     sections: Vec<Section>,
-    /// Speeds at the ends of the sections, one more than there are sections.
+    /// Speeds at the ends of the sections: that at the start, then one per section.
     speeds: Vec<f64>,
     duration: f64,
     cycles: u64,

@@ -94,7 +94,7 @@ fn split(sections: &[Section], settings: &MotionSettings) -> Vec<Section> {
     parts
 }
 
-/// The sections as run, and the speeds at their ends, one more than there are sections.
+/// The sections as run, and the speeds at their ends: that at the start, then one per section.
 pub(super) fn plan(sections: &[Section], settings: &MotionSettings) -> (Vec<Section>, Vec<f64>) {
     let sections = split(sections, settings);
     let speeds = boundary_speeds(&sections, settings);

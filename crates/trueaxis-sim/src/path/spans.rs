@@ -24,7 +24,7 @@ pub(super) fn add_move(
 ) -> Result<()> {
     let first = spans.len();
     let mut add = |segment: &Segment<'_>| {
-        // Counted first: too many spans are refused before any is made.
+        // Counting first refuses too many spans before it makes any.
         span_count(segment)
             .and_then(|_| {
                 convert(segment, index as u32, step.plane_normal, |span| {
@@ -75,10 +75,10 @@ fn programmed(step: &Move, shift_mm: [f64; 3], add: &mut impl FnMut(&Segment<'_>
 /// The tip's path in workpiece coordinates: unchanged if it is programmed there, otherwise as cubics with parameter u.
 fn tip_path(step: &Move, machine: &Placement, add: &mut impl FnMut(&Segment<'_>) -> Result<()>) -> Result<()> {
     let (first, last) = step.curve.domain();
-    let standing = Segment::Turning { point: machine.place(step, first).tip };
+    let stationary = Segment::Turning { point: machine.place(step, first).tip };
     if step.tool_center {
         let moves = step.curve.length() > 0.0;
-        return if moves { programmed(step, machine.zero().to_array(), add) } else { add(&standing) };
+        return if moves { programmed(step, machine.zero().to_array(), add) } else { add(&stationary) };
     }
     if let (Curve::Line { .. }, [0.0, 0.0, 0.0]) = (&step.curve, step.turn.change) {
         let [start, end] = [first, last].map(|u| machine.place(step, u).tip);
@@ -88,7 +88,7 @@ fn tip_path(step: &Move, machine: &Placement, add: &mut impl FnMut(&Segment<'_>)
     for piece in step.curve.breaks().windows(2) {
         any |= add_cubics(step, machine, [piece[0], piece[1]], DEEPEST_HALVING, add)?;
     }
-    if any { Ok(()) } else { add(&standing) }
+    if any { Ok(()) } else { add(&stationary) }
 }
 
 /// Returns whether there was anything to add.

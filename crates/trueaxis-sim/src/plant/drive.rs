@@ -158,8 +158,8 @@ impl Drive {
 
     /// Simulates one servo cycle, which for the drive lasts `periods` periods (1 unless the control is late, at most 1000).
     ///
-    /// `command`: required position of the axis at the end of the period; a command that is not finite is ignored, and the
-    /// last one is kept. `measured`: the encoder's reading at the end of the previous cycle, which closes the position loop:
+    /// `command`: required position of the axis at the end of the period; a command that is not finite is replaced by the last
+    /// one. `measured`: the encoder's reading at the end of the previous cycle, which closes the position loop:
     ///
     /// ```text
     /// v_ref = Kv (command_k−1 − measured_k−1) + share (command_k − command_k−1)/T

@@ -85,7 +85,7 @@ pub struct Encoder {
 }
 
 impl Encoder {
-    /// The encoder of `axis`; a given seed gives the same noise whatever other axes there are.
+    /// The encoder of `axis`. A seed gives it the same noise on every machine, whichever other axes that has.
     pub fn new(settings: EncoderSettings, axis: Axis, seed: u64) -> Encoder {
         let mut noise = ChaCha8Rng::seed_from_u64(seed);
         noise.set_stream(axis.index() as u64);

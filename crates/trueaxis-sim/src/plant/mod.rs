@@ -329,7 +329,7 @@ impl Plant {
     }
 }
 
-/// Lost motion of an axis: its backlash plus the spread of its own error between directions in the table.
+/// Lost motion of an axis: its backlash plus the largest difference of its positioning error between the table's directions.
 fn play_width(settings: &AxisSettings, table: Option<&Table>) -> f64 {
     let own = settings.axis.index();
     let rows = table.map_or(&[][..], |table| &table.rows);

@@ -129,8 +129,8 @@ impl Builder {
         Ok(true)
     }
 
-    /// Counts the strokes of a line of canned cycles as work, before any is made: strokes without length add no pieces of
-    /// path, but take time.
+    /// Counts the strokes of a line of canned cycles before making any, because strokes without length add no piece of path
+    /// but take time.
     pub(super) fn count_strokes(&mut self, line: u32, strokes: f64) -> Result<(), Refusal> {
         self.strokes += strokes;
         if self.strokes > self.most_pieces as f64 {

@@ -6,7 +6,7 @@ use trueaxis_tables::text::one_line;
 /// Hint for words that only a full interpreter can read.
 pub(super) const THROUGH_LINUXCNC: &str = "with --interpreter rs274, where LinuxCNC is installed";
 
-/// A program that cannot be executed: file, line, what was found there and what is needed instead.
+/// A program that cannot be executed: file, line, the text found there and the text needed instead.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{file}:{line}: found {found}; needed: {needed}")]
 pub struct ProgramError {
@@ -46,7 +46,7 @@ impl Refusal {
 }
 
 #[test]
-fn what_was_found_stays_on_its_line() {
+fn quoted_text_stays_on_its_line() {
     let error = ProgramError::new("offsets.toml", 3, "unknown field `a\nb`", "x_mm");
     assert_eq!(error.to_string(), "offsets.toml:3: found unknown field `a\\nb`; needed: x_mm");
 }

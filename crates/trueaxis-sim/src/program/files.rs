@@ -48,7 +48,7 @@ impl ReadOptions {
     /// Reads tools from LinuxCNC's tool table, offsets from its parameter file or a .toml.
     ///
     /// # Errors
-    /// A file that cannot be read, or is in none of these formats; with its line.
+    /// A file that cannot be read, or has another format; with its line.
     pub fn from_files(tools: Option<&Path>, offsets: Option<&Path>, block_delete: bool) -> Result<Self, ProgramError> {
         let of = |path: &Path, error, needed| {
             ProgramError::new(&path.display().to_string(), 1, format!("a file that cannot be read ({error})"), needed)

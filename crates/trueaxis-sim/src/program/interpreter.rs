@@ -21,7 +21,7 @@ struct Feed {
     mm: f64,
 }
 
-/// Values of a cycle that are kept for the next line, as programmed.
+/// Programmed values of a canned cycle, which the next line inherits.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Cycle {
     /// G word of the cycle, in tenths.

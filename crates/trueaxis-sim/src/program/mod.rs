@@ -1,7 +1,7 @@
 //! NC programs: G-code in, curves out.
 //!
-//! The dialect is the part of LinuxCNC's (RS274/NGC) that describes a path of up to six axes. Every word is either understood,
-//! or accepted with a note because it does not change the path, or an error with its line; none is skipped.
+//! The dialect is the part of LinuxCNC's (RS274/NGC) that describes a path of up to six axes. The reader executes a word,
+//! accepts it with a note because it does not change the path, or refuses it with its line; it skips no word.
 //!
 //! | words | meaning |
 //! |---|---|
@@ -14,7 +14,7 @@
 //! | G17, G18, G19 | plane of the arcs and cycles: XY, ZX, YZ |
 //! | G20, G21 | inch, mm |
 //! | G90, G91; G90.1, G91.1 | end points; centres: absolute, incremental |
-//! | F, G94 | feed per minute along X Y Z, or in degrees where none of them moves |
+//! | F, G94 | feed per minute along X Y Z, or in degrees if only rotary axes move |
 //! | F, G93 | inverse time: the move takes 1/F minutes; F in every line of a feed motion |
 //! | G54 to G59.3, G10 L2 L20, G52, G92 to G92.3 | origin of the coordinates: [`Offsets`] |
 //! | G53, G28, G30, G28.1, G30.1 | machine coordinates of a line; stored positions |

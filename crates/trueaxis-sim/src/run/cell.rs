@@ -108,7 +108,7 @@ where
         Ok(cell)
     }
 
-    /// Takes over the data of a servo loop. The state is kept, and the limiter ramps to the new correction.
+    /// Takes over the data of a new servo loop, but keeps the state, so that the limiter ramps to the new correction.
     pub(super) fn take_over(&mut self, about: &About<N>) {
         for (slot, line) in about.thermal.iter().enumerate() {
             self.state.set_thermal(slot, *line);

@@ -73,7 +73,7 @@ pub struct Figures {
     /// Orientation error as the step reports it, µrad; also without the perfect machine.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub estimated_orientation_error_urad: Option<ByKind<Size>>,
-    /// Faults of the compensated machine or, if there is none, of the first whose plugin is enabled.
+    /// Faults of the compensated machine or, in a run without it, of the first machine whose plugin is enabled.
     pub faults: Vec<ReportedFault>,
     /// Whether that machine was stopped by a stop request.
     pub stopped: bool,

@@ -172,7 +172,7 @@ where
         while left > 0 && !self.has_ended() {
             self.do_what_is_due();
             let most = self.undisturbed(left.min(BLOCK as u64)) as usize;
-            // Cannot fail: every move was already converted when the run was made.
+            // Cannot fail: the run's constructor has already converted every move.
             if self.commander.next_block(&self.scenario, &mut self.block, most).is_err() {
                 return false;
             }

@@ -70,8 +70,8 @@ impl Run {
         self.0.advance(cycles, sink)
     }
 
-    /// Adds a fault or an event at its time, from the next cycle on: every bit is as if the scenario had listed it after its
-    /// own ones. `machines`: those whose tables may be exchanged for, by the name in the event.
+    /// Adds a fault or an event at its time, from the next cycle on: the results are bit for bit those of a scenario that
+    /// lists it last. `machines`: the machines whose tables an exchange may use, by the name in the event.
     ///
     /// The current time of the run is that of the next cycle, [`Scenario::time_s`].
     ///

@@ -139,7 +139,7 @@ fn leaves(table: &Table, path: &str, into: &mut BTreeMap<String, String>) {
     }
 }
 
-/// Replaces values by the given ones. An error is the key, what was found and what is needed.
+/// Replaces values by the given ones. An error states the key, the value found and the value needed.
 fn merge(all: &mut Table, given: Table, path: &str) -> Result<(), (String, String, String)> {
     for (key, value) in given {
         let name = dotted(path, &key);

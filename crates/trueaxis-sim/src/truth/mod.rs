@@ -1,7 +1,8 @@
 //! The true contour error: distance of a point from the programmed path, computed without the plugin.
 //!
-//! Direct projections on lines and circles, Newton steps from a sampled start on all other curves, on the program's own
-//! curves. Slow and simple: the plugin's search is judged against it. Programs with rotary axes: [`pose`].
+//! The curves are those of the program: direct projection on lines, Newton steps on arcs, and Newton steps from a sampled
+//! start on all others. It is slow and simple, because it is the reference for the plugin's search. For programs with rotary
+//! axes see [`pose`].
 
 pub mod pose;
 
@@ -92,7 +93,7 @@ fn foot(curve: &Curve, polar: Option<&Polar>, u: f64, point: DVec3) -> DVec3 {
         let position = curve.point_by(polar, u);
         (u, position, (position - point).length_squared())
     };
-    // Near a circle there is only one minimum; a spline can have several in the window.
+    // The distance from an arc has only one minimum in the window; that from a spline can have several.
     let start = match curve {
         Curve::Arc { .. } => place(u),
         _ => {

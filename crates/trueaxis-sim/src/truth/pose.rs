@@ -9,7 +9,7 @@ const WINDOW: f64 = 1.0;
 /// Samples over the window that provide the start of the search where the tip's path is curved.
 const SAMPLES: usize = 8;
 /// A tip that moves less than this per degree of the rotary axes counts as at rest, mm.
-const STANDING_MM_PER_DEG: f64 = 0.02;
+const AT_REST_MM_PER_DEG: f64 = 0.02;
 /// For a tip at rest, direction counts like the tip at this distance from the pivot, mm.
 const LEVER_MM: f64 = 50.0;
 /// Halvings (by 0.618) of the golden section.
@@ -23,14 +23,14 @@ pub struct PoseDeviation {
     /// Angle between the actual direction of the tool and the programmed one at the foot, rad.
     pub angle: f64,
     /// The tip is at rest there: only the direction determines where on the path the tool is.
-    standing: bool,
+    at_rest: bool,
 }
 
 impl PoseDeviation {
-    fn new(actual: &Place, nominal: &Place, standing: bool) -> PoseDeviation {
+    fn new(actual: &Place, nominal: &Place, at_rest: bool) -> PoseDeviation {
         let (a, b) = (actual.direction, nominal.direction);
         // acos would not resolve angles below 1e-8 rad.
-        PoseDeviation { tip: actual.tip - nominal.tip, angle: libm::atan2(a.cross(b).length(), a.dot(b)), standing }
+        PoseDeviation { tip: actual.tip - nominal.tip, angle: libm::atan2(a.cross(b).length(), a.dot(b)), at_rest }
     }
 
     /// Square of tip and direction error combined, mm².
@@ -39,7 +39,7 @@ impl PoseDeviation {
     }
 
     fn is_nearer(&self, other: &PoseDeviation) -> bool {
-        if self.standing || other.standing {
+        if self.at_rest || other.at_rest {
             self.whole() < other.whole()
         } else {
             self.tip.length_squared() < other.tip.length_squared()
@@ -52,7 +52,7 @@ impl PoseDeviation {
 /// The foot is the nearest point of the tip's path p(u); where rotary axes turn and the tip is at rest, the nearest direction.
 /// Moves within a millimetre (degree) before and after the reference's count too.
 pub fn deviation(program: &Program, machine: &Placement, (index, u): (usize, f64), actual: &Place) -> PoseDeviation {
-    let nothing = PoseDeviation { tip: DVec3::INFINITY, angle: f64::NAN, standing: false };
+    let nothing = PoseDeviation { tip: DVec3::INFINITY, angle: f64::NAN, at_rest: false };
     let Some(here) = program.moves.get(index) else { return nothing };
     let mut best = foot(here, machine, u, actual);
     let mut consider = |step: &Move, u: f64| {
@@ -86,9 +86,9 @@ fn foot(step: &Move, machine: &Placement, u: f64, actual: &Place) -> PoseDeviati
     let (first, last) = step.curve.domain();
     let reach = (last - first) * (WINDOW / step.length()).min(1.0);
     let (low, high) = ((u - reach).max(first), (u + reach).min(last));
-    let at = |u: f64, standing| PoseDeviation::new(actual, &machine.place(step, u), standing);
+    let at = |u: f64, at_rest| PoseDeviation::new(actual, &machine.place(step, u), at_rest);
     let speed = machine.tip_velocity(step, u).length() * (last - first);
-    if speed < STANDING_MM_PER_DEG * step.turn.angle() {
+    if speed < AT_REST_MM_PER_DEG * step.turn.angle() {
         return at(golden(low, high, |u| at(u, true).whole()), true);
     }
     if let (Curve::Line { .. }, true) = (&step.curve, step.tool_center || step.turn.change == [0.0; 3]) {

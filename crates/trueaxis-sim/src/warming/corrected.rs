@@ -15,7 +15,7 @@ use trueaxis::temperature::{Readings, Thermal, ThermalState};
 use trueaxis_metrology::thermal::{Fit, Refused};
 use trueaxis_tables::Machine;
 
-/// Places at which the shift is judged: X, Y, Z and length of the tool, mm. None of them is in the record.
+/// Places at which the shift is judged: X, Y, Z and length of the tool, mm. The record contains none of them.
 const JUDGED: [[f64; 4]; 4] = [
     [-250.0, -150.0, -50.0, 120.0],
     [250.0, 150.0, -350.0, 120.0],
@@ -48,7 +48,7 @@ pub(super) fn run(of: &Warming, bodies: &mut Bodies, shift: &Shift, found: &Fit,
         let mut sensors = Sensors::new(of.seed ^ 0x5eed, bodies, shift);
         // The control is switched on before the shift begins: its sensors have started.
         let mut task = ThermalState::new();
-        (0..found.sensors.len()).for_each(|sensor| task.believe(sensor));
+        (0..found.sensors.len()).for_each(|sensor| task.accept(sensor));
         let zero = JUDGED.map(|point| drift(bodies, point));
         let mut first = [[0.0_f64; 3]; JUDGED.len()];
         let mut judged = Judged::default();
@@ -56,9 +56,9 @@ pub(super) fn run(of: &Warming, bodies: &mut Bodies, shift: &Shift, found: &Fit,
         for t in (0..=SHIFT_S).step_by(STEP_S as usize) {
             if t.is_multiple_of(of.update_s) {
                 let readings = sensors.read();
-                let gone = |sensor: usize| of.fails == Some(sensor) && t >= SHIFT_S / 2;
+                let failed = |sensor: usize| of.fails == Some(sensor) && t >= SHIFT_S / 2;
                 let temperatures: Vec<Option<f64>> =
-                    found.sensors.iter().map(|&sensor| Some(readings[sensor]).filter(|_| !gone(sensor))).collect();
+                    found.sensors.iter().map(|&sensor| Some(readings[sensor]).filter(|_| !failed(sensor))).collect();
                 let now = Readings {
                     temperatures_c: &temperatures,
                     spindle_rpm: Some(shift.at(t).rpm),
@@ -66,7 +66,7 @@ pub(super) fn run(of: &Warming, bodies: &mut Bodies, shift: &Shift, found: &Fit,
                 };
                 let dt_s = if t == 0 { 0.0 } else { f64::from(of.update_s) };
                 let growth = thermal.update(&mut task, dt_s, &now);
-                judged.told |= !growth.is_good();
+                judged.reported |= !growth.is_good();
                 let mut moment = Moment { t_s: f64::from(t), rpm: shift.at(t).rpm, ..Moment::default() };
                 for (place, (point, state)) in JUDGED.iter().zip(&mut states).enumerate() {
                     for (slot, axis) in axes.into_iter().enumerate() {

@@ -1,15 +1,15 @@
-//! A machine that warms up over several shifts, the fit of its thermal growth to a record, and a shift of another kind with
-//! the task and the step in the loop.
+//! Simulates a machine that warms up over several shifts, fits its thermal growth to a record, and runs a shift of another
+//! kind with the task and the step in the loop.
 //!
 //! ```text
-//! duty ─► bodies (lumped masses) ─► drift at the tip ─► probed: record ─► fit ─► task ─► step ─► what is left of the drift
+//! duty ─► bodies (lumped masses) ─► drift at the tip ─► probed: record ─► fit ─► task ─► step ─► residual drift
 //!                      └──────────► sensors ──────────────┘               ▲
 //! another duty ─► bodies ─► sensors ──────────────────────────────────────┘
 //! ```
 //!
-//! Bodies are masses of two nodes each, skin and core, that exchange heat with one another, air and coolant; the drift is a
-//! sum over lengths and their expansion. No part of it has the form that is fitted: neither a lag of a single time
-//! constant nor a curve of a sensor.
+//! Each body has two nodes, skin and core, which exchange heat with each other, other bodies, air and coolant. The drift is a
+//! sum over lengths and their expansion. The simulation deliberately differs in form from the fitted model: it contains
+//! neither a lag of a single time constant nor a curve over a sensor's temperature.
 
 mod bodies;
 mod corrected;
@@ -69,7 +69,7 @@ pub struct Warming {
     pub machine: Machine,
     /// Seed of duty cycles and noise.
     pub seed: u64,
-    /// Number of recorded shifts, the last of which is held out.
+    /// Number of recorded shifts, of which the fit omits the last.
     pub shifts: u32,
     /// Standard deviation of a reading of the probe, µm.
     pub noise_um: f64,
@@ -80,12 +80,12 @@ pub struct Warming {
 }
 
 impl Warming {
-    /// Records shifts, fits, and runs a shift of another kind with the fit; `tell` is called with the current activity.
+    /// Records shifts, fits a model, and runs a shift of another kind with it; reports each stage to the callback.
     ///
     /// # Errors
     /// A machine whose tables do not build; a record that the fit refuses.
-    pub fn run(&self, tell: &mut dyn FnMut(&str)) -> Result<Outcome> {
-        tell("recording");
+    pub fn run(&self, progress: &mut dyn FnMut(&str)) -> Result<Outcome> {
+        progress("recording");
         let mut bodies = Bodies::at(20.5);
         let record = self.record(&mut bodies);
         let datum = |axis: Axis| self.machine.settings.axis(axis).map_or(0.0, |of| of.thermal.datum);
@@ -95,10 +95,10 @@ impl Warming {
             held_out: Vec::new(),
             rate_k_per_min: RATE_K_PER_MIN,
         };
-        let found = fit(&record, &settings, &mut |cause| tell(&format!("fitting: {cause}")))?;
+        let found = fit(&record, &settings, &mut |cause| progress(&format!("fitting: {cause}")))?;
         let bytes = found.model.encode(0).map_err(trueaxis_metrology::thermal::Refused::Encoding)?;
         let (figures, _) = held_out(&record, &found, &bytes);
-        tell("the judged shift");
+        progress("the judged shift");
         let shift = Shift::drawn(self.seed, self.shifts, Kind::Judged);
         let judged = corrected::run(self, &mut bodies, &shift, &found, &bytes)?;
         Ok(Outcome::new(record, found, figures, judged))

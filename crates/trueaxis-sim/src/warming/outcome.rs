@@ -45,7 +45,7 @@ pub(super) struct Judged {
     pub(super) of_limits: f64,
     pub(super) unsettled: bool,
     pub(super) stopped: bool,
-    pub(super) told: bool,
+    pub(super) reported: bool,
     pub(super) failed: Option<&'static str>,
 }
 
@@ -76,7 +76,7 @@ pub struct Outcome {
     /// Whether the step requested a stop.
     pub stopped: bool,
     /// Whether the task reported anything but a good state.
-    pub told: bool,
+    pub reported: bool,
     /// The sensor that failed.
     pub failed: Option<&'static str>,
 }
@@ -101,7 +101,7 @@ impl Outcome {
             of_limits: judged.of_limits,
             unsettled: judged.unsettled,
             stopped: judged.stopped,
-            told: judged.told,
+            reported: judged.reported,
             failed: judged.failed,
             moments: judged.moments,
         }

@@ -11,25 +11,26 @@
 //! A two-sided axis has each node twice, once per direction of travel with half the weight. Its columns therefore differ by
 //! the mean effect of its reversal, levers of its angular errors included.
 //!
-//! **Constant.** The constant may be in any table. Here both cross terms of an axis vanish at the reference position in
-//! positive travel, and the own term carries the rest: with f_ci the table of axis i in direction c and r the reference,
+//! **Constant.** Any table could carry the constant. Here both cross terms of an axis are zero at the reference position in
+//! positive travel, and its positioning error carries the rest: with f_ci the table of axis i in direction c and r the
+//! reference,
 //! ```text
 //! f_ci(q) = M_ci(q) − M_ci(r_i)   i ≠ c          f_cc(q) = M_cc(q) + Σ_{i ≠ c} M_ci(r_i) − (n − 1) D_c
 //! ```
 //!
-//! n linear axes; a direction without a linear axis leaves its constant with the first axis. The choice does not change the
-//! sum.
+//! n is the number of linear axes. In a direction without a linear axis, the first axis carries the constant. The choice does
+//! not change the sum.
 //!
-//! **Other settings.** Squareness moves from the location errors into the tables; `measured_at_mm` is zero, as the tables hold
-//! for the whole volume. Backlash, thermal growth, limits and the rotary axes stay as they are. The nine-term form corrects a
-//! rotary axis' own angular error in its own position and its translations by its own table; the linear tables take the rest
-//! of both. The angles are in positive travel.
+//! **Other settings.** Squareness moves from the location errors into the tables; `measured_at_mm` becomes zero, because the
+//! tables apply to the whole volume. Backlash, thermal growth, limits and the rotary axes stay as they are. In the nine-term
+//! form, a rotary axis' table corrects its angular positioning error and its translations; the linear tables correct the rest
+//! of both. The errors of the rotary axes are those in positive travel.
 //!
 //! **Grids.** A machine's existing grids stay, and the tables are fitted to the machine's errors without them. A grid of a
-//! stated size is then tried on the error that the tables leave, and the result states whether it is needed.
+//! stated size is then fitted to the error that the tables leave, and the result states whether the machine needs it.
 //!
-//! The sum is the best *at the nodes*; between them the tables are interpolated as the axis' setting says. Beyond the volume
-//! the edge value applies.
+//! The sum is optimal only *at the nodes*; between them each table is interpolated as its axis' setting says. Beyond the
+//! volume the edge value applies.
 
 mod additive;
 mod grid;
@@ -62,7 +63,7 @@ const GRID_NODES_TRIED: usize = 5;
 /// Tables are stored in steps of 1e-7 µm: short decimals.
 const STEPS_PER_UM: f64 = 1e7;
 
-/// Tool, volume and pose for which the tables are made.
+/// Tool, volume and pose for which a machine is collapsed to nine tables.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CollapseOptions {
     /// Tool tip from the last tool-side frame at all axes zero, mm; the machine's own if `None`.

@@ -14,7 +14,7 @@ const LEAST_FADE: f64 = 1e-3;
 /// Settings of a correction.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CorrectionSettings {
-    /// Number of look-ups; `None`: until the correction changes by less than 1e-12 mm (1e-14 rad).
+    /// Number of look-ups; `None`: repeat until the correction changes by less than 1e-12 mm (1e-14 rad).
     pub passes: Option<u8>,
     /// The rotary axes correct the tool direction, fully while it is at least this many degrees from its singular pose;
     /// `None`: the linear axes correct the tip and nothing else is corrected.

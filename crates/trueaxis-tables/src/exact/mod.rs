@@ -1,6 +1,6 @@
 //! The machine's true geometric error, by exact products of rigid transforms along its structural chain.
 //!
-//! Shares no code with the compensation: the two have only the machine file in common.
+//! This module shares no code with the compensation: the two have only the machine file in common.
 //!
 //! **Transforms.** With all axes at zero all frames are parallel to the bed's, and each lies at its axis' `offset_mm` o from
 //! its carrier. From the bed outwards on either side, an axis with the errors e (mm) and w (rad) contributes
@@ -17,17 +17,17 @@
 //! EYZ −= A0Z·z. The location errors `EX0r … EC0r` of a rotary axis r are constants added to its twist, at the origin of
 //! its frame, in its carrier's directions, with the sign of the tables.
 //!
-//! **Where a table holds.** Without `measured_at_mm` (zero), translations are those of the origin of the axis' moved
-//! frame. With it, they are the readings of an instrument at a tool of length zero with the other linear axes at
-//! `measured_at_mm` and the rotary axes at zero. The twist at the axis frame's origin follows to first order:
+//! **Where a table applies.** Without `measured_at_mm` (zero), translations are those of the origin of the axis' moved frame.
+//! With it, they are the readings of an instrument at a tool of length zero with the other linear axes at `measured_at_mm` and
+//! the rotary axes at zero. The twist at the axis frame's origin follows to first order:
 //!
 //! ```text
 //! e = e_measured − w × l,   l = p_measured − o_i = Σ m_j n_j over the linear axes j between the moved frame of i and the tool
 //! ```
 //!
 //! m_j is component j of `measured_at_mm`, but q_i if j is the axis i itself (only an axis that carries the workpiece lies
-//! between its own frame and the tool). A machine with this table alone reads exactly the table along that line. l does not
-//! include the offsets: like the tool's length they are not travelled.
+//! between its own frame and the tool). A machine with this table alone reads exactly the table along that line. l excludes
+//! the offsets and the tool's length: they are not travel.
 //!
 //! **Grids.** A grid's twist (e, w) displaces the whole tool side in the bed, about the point p_m that a tool of length zero
 //! reaches with the grid's axes where they are, the other linear axes at the grid's `measured_at_mm` and the rotary ones at

@@ -369,7 +369,7 @@ fn bad_structural_codes_say_what_is_needed() {
         ("w X' t", "'t'"),
     ] {
         match Geometry::new(&machine(chain), 0.0) {
-            Err(GeometryError::Chain { found: stands, .. }) => assert_eq!(stands, found, "{chain}"),
+            Err(GeometryError::Chain { found: reported, .. }) => assert_eq!(reported, found, "{chain}"),
             other => panic!("{chain}: {other:?}"),
         }
     }
@@ -381,7 +381,7 @@ fn bad_structural_codes_say_what_is_needed() {
 }
 
 #[test]
-fn offsets_move_the_axes_of_rotation_and_nothing_else_when_they_stand_at_zero() {
+fn offsets_move_the_axes_of_rotation_and_nothing_else_when_they_are_at_zero() {
     // A trunnion A at (0, 20, 50) from the bed carries C at (0, 0, 30): the workpiece is on C.
     let mut m = machine("w C' A' b X Y Z t");
     let (a, c) = (slot(&m, Axis::A), slot(&m, Axis::C));
@@ -430,7 +430,7 @@ fn the_tool_axis_of_the_machine_is_the_direction_that_errs() {
 }
 
 #[test]
-fn orientation_stands_in_bed_directions_whatever_the_workpieces_pose() {
+fn orientation_is_in_bed_directions_whatever_the_workpieces_pose() {
     let w: f64 = 50e-6;
     for angle in [0.0, 30.0, 90.0, -135.0] {
         let mut m = machine("w C' Y' b X Z B t");

@@ -97,12 +97,12 @@ pub(super) fn new_machine(imported: &Imported, name: &str) -> Edited {
     let tables = imported.tables.iter().map(|(axis, table)| (axis_csv_name(*axis), write_axis_csv(table, *axis)));
     let mut files: Vec<(PathBuf, String)> = tables.chain(grids).map(|(name, text)| (name.into(), text)).collect();
     let mut notes = Vec::new();
-    let (nowhere, toml) = (Memory::default(), Path::new("machine.toml"));
-    // A text that cannot be read as a machine is left for its reader to refuse.
+    let (no_files, toml) = (Memory::default(), Path::new("machine.toml"));
+    // An invalid text stays unchanged: the reader of the machine refuses it.
     let wide = text
         .parse::<DocumentMut>()
         .ok()
-        .and_then(|document| widened(&document, &text, &files, (&nowhere, toml), None, &mut notes).ok());
+        .and_then(|document| widened(&document, &text, &files, (&no_files, toml), None, &mut notes).ok());
     files.push((toml.into(), wide.unwrap_or(text)));
     Edited { files, notes }
 }

@@ -93,8 +93,8 @@ fn sections(text: &str) -> Vec<Section<'_>> {
             continue;
         }
         let Some(section) = sections.last_mut() else { continue };
-        let goes_on = content.starts_with([' ', '\t']);
-        match (goes_on, section.items.last_mut(), bare.split_once(['=', ':'])) {
+        let continues = content.starts_with([' ', '\t']);
+        match (continues, section.items.last_mut(), bare.split_once(['=', ':'])) {
             (true, Some(item), _) => item.values.push((line, bare)),
             (_, _, Some((key, value))) => {
                 let value = value.trim();

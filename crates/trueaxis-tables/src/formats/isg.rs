@@ -16,8 +16,8 @@
 //! Sign: both sides name the errors after ISO 230-1 and the values pass unchanged, error = actual − ideal. The tables of this
 //! crate hold, for every axis, the error of the tool relative to the workpiece. Whether the other control treats an axis that
 //! carries the workpiece in the same sense depends on its parameter `workpiece_axes`: check one known error on the machine.
-//! Location errors: `X0C` there is `EX0C` here; this crate has only `A0Z`, `B0Z`, `C0Y` of the linear axes and all six of the
-//! rotary ones, others must be 0.
+//! The format calls a location error `X0C`, this crate `EX0C`. This crate knows only `A0Z`, `B0Z`, `C0Y` of the linear axes
+//! and all six of the rotary ones; others must be 0.
 //!
 //! The errors apply to a tool of length zero, with the other linear and the rotary axes at zero. Tables measured elsewhere
 //! (`measured_at_mm`) are converted to that, e = e_measured − w × l at every line.

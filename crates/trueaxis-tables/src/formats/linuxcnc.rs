@@ -11,13 +11,13 @@
 //! `usrmotLoadComp` (src/emc/motion/usrmotintf.cc) and `compute_screw_comp` (control.c) do this in 2.5 to 2.10. The two
 //! examples in LinuxCNC's INI documentation contradict each other in the sign of type 1; this module follows the program.
 //!
-//! The file does not state its type. Read as the wrong type, its errors come out as large as its positions: [`recognise`]
-//! detects the type by that, and a file that could be either is refused until the type is given.
+//! The file does not state its type. Read as the wrong type, its errors are as large as its positions, and [`recognise`]
+//! detects the type by that. It refuses a file that could be either, unless the caller states the type.
 //!
-//! LinuxCNC stops reading without a message at the first text it does not understand: a comment, a header, a blank line or a
-//! comma ends the table there, and `BACKLASH` of the joint is no longer used. Everything that it would cut off, skip or
-//! misread is an error here: lines that are not three numbers, a point given twice, more than 256 points, lines longer than
-//! its buffer. Lines that are not in ascending order, as in instrument reports, are sorted, with a note.
+//! LinuxCNC stops reading, without a message, at the first text that it does not understand: a comment, a header, a blank line
+//! or a comma ends the table, and LinuxCNC then ignores `BACKLASH` of the joint. This module refuses everything that LinuxCNC
+//! would cut off, skip or misread: lines that are not three numbers, a point given twice, more than 256 points, lines longer
+//! than its buffer. Lines that are not in ascending order, as in instrument reports, are sorted, with a note.
 
 use super::decimal::difference;
 use super::losses;

@@ -22,7 +22,7 @@ fn largest(table: &Table, components: std::ops::Range<usize>, except: Option<usi
         .fold(0.0, |most, (_, value)| f64::max(most, value.abs()))
 }
 
-/// A length in mm and an angle in rad as `12 um, 7 urad`; zeros are left out.
+/// A length in mm and an angle in rad as `12 um, 7 urad`, without zeros.
 fn micro(length: f64, angle: f64) -> String {
     let part = |value: f64, scale: f64, unit: &str| {
         (value != 0.0).then(|| format!("{} {unit}", crate::text::fixed(value * scale, 3)))

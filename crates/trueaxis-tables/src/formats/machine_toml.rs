@@ -16,7 +16,7 @@ use trueaxis::roundness::{ArmSettings, GaugeSettings, InfeedSettings, ProbeAngle
 
 /// The files of a machine, as (file name, text): the axis tables `x.csv` … and, last, `machine.toml`.
 ///
-/// `comment` is written at the head of `machine.toml`, each line after a `#`. Settings at their defaults are left out. Reading
+/// `comment` is written at the head of `machine.toml`, each line after a `#`. Settings at their defaults are omitted. Reading
 /// the files gives the machine again; only settings that are stored in other units than they are written in (feeds, a rotary
 /// axis' angular limits) may differ in the last place.
 pub fn machine_files(machine: &Machine, comment: &str) -> Vec<(String, String)> {

@@ -1,9 +1,9 @@
 //! Reads and writes compensation data of other controls.
 //!
 //! Inside this crate a table holds the *error*, actual − ideal, of the tool relative to the workpiece (mm, rad; ISO 230-1).
-//! The module of each format states what the format holds and how it is converted:
+//! The module of each format states the data that the format stores, and their conversion:
 //!
-//! | format | holds | value for an error E |
+//! | format | data | value for an error E |
 //! |---|---|---|
 //! | [`linuxcnc`] type 0 | positioning, both directions | nominal + E (mm, degrees) |
 //! | [`linuxcnc`] type 1 | positioning, both directions | −E (mm, degrees) |
@@ -13,8 +13,8 @@
 //! | [`bed_mesh`] of Klipper, read only | a surface over X and Y | EZ = −height (mm) |
 //! | grid CSV, read only | errors over two or three linear axes | +E (µm, µrad) |
 //!
-//! Import refuses whatever it would have to ignore. Export refuses whatever the format cannot hold, unless [`Loss::Drop`]
-//! allows it to be dropped; the result then lists what was dropped.
+//! Import refuses data that it would have to ignore. Export refuses data that the format cannot store, unless [`Loss::Drop`]
+//! permits dropping it; the result then lists every loss.
 
 mod axis_csv;
 pub mod bed_mesh;

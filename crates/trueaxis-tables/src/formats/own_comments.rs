@@ -224,15 +224,15 @@ fn machine_item(item: &Item<'_>, settings: &mut MachineSettings, origin: &Origin
 }
 
 fn axis_item(item: &Item<'_>, axis: &mut AxisSettings, origin: &Origin) -> Result<(), FileError> {
-    let where_to_look = [("command", Lookup::Command), ("feedback", Lookup::Feedback)];
+    let lookup_choices = [("command", Lookup::Command), ("feedback", Lookup::Feedback)];
     match item.key {
         "direction" if axis.axis.is_rotary() => axis.direction = choice(item, [("1", 1), ("-1", -1)], origin)?,
         "interpolation" => {
             let choices = [("linear", Interpolation::Linear), ("cubic", Interpolation::Cubic)];
             axis.interpolation = choice(item, choices, origin)?;
         }
-        "lookup" => axis.lookup = choice(item, where_to_look, origin)?,
-        "cross_lookup" => axis.cross_lookup = choice(item, where_to_look, origin)?,
+        "lookup" => axis.lookup = choice(item, lookup_choices, origin)?,
+        "cross_lookup" => axis.cross_lookup = choice(item, lookup_choices, origin)?,
         key if key == travel_key(axis.axis) => axis.travel = list(item, origin)?,
         "offset_mm" => axis.offset_mm = list(item, origin)?,
         other => {

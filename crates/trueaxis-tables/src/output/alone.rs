@@ -51,7 +51,7 @@ mod tests {
     use std::fs;
 
     #[test]
-    fn one_at_a_time_and_a_folder_that_stays_empty_goes() {
+    fn one_at_a_time_and_a_folder_that_stays_empty_is_removed() {
         let folder = tempfile::tempdir().unwrap();
         let machine = folder.path().join("shop/mill");
         let alone = |path: &Path| Alone::in_folder(path, &mut |note| panic!("{note}"));

@@ -16,7 +16,7 @@ pub(super) const LETTERS: usize = 6;
 /// listed.
 ///
 /// A leftover beside a machine's file indicates that a command that writes several files may have ended between two of them.
-pub fn left_beside(output: &Path) -> Vec<PathBuf> {
+pub fn leftovers(output: &Path) -> Vec<PathBuf> {
     let mut left = unfinished(output);
     left.retain(|path| nobodys(path).is_some());
     left.sort();
@@ -39,7 +39,7 @@ fn unfinished(output: &Path) -> Vec<PathBuf> {
 
 /// A sentence on every leftover beside these files, for a command that reads them.
 pub fn left_notes(files: impl IntoIterator<Item = PathBuf>) -> Vec<String> {
-    let of = |file: PathBuf| left_beside(&file).into_iter().map(move |left| (left, file.clone()));
+    let of = |file: PathBuf| leftovers(&file).into_iter().map(move |left| (left, file.clone()));
     let say = |(left, file): (PathBuf, PathBuf)| {
         format!(
             "{}: left by a command that was interrupted while it wrote {}; its other files may already be new: repeat it",
@@ -77,7 +77,7 @@ fn nobodys(path: &Path) -> Option<File> {
     file.try_lock().is_ok().then_some(file)
 }
 
-/// Takes the lock that [`left_beside`] checks. `false`: another command took the file for a leftover and has removed it or is
+/// Takes the lock that [`leftovers`] checks. `false`: another command took the file for a leftover and has removed it or is
 /// about to.
 pub(super) fn hold(file: &File, path: &Path) -> bool {
     match file.try_lock() {
@@ -95,7 +95,7 @@ mod tests {
     use std::io::Write;
 
     #[test]
-    fn names_are_told_apart() {
+    fn only_names_of_temporary_files_are_recognised() {
         assert_eq!(becomes("a.tcomp.Ab12Cd.trueaxis-tmp"), Some("a.tcomp"));
         assert_eq!(becomes("a.b.c.000000.trueaxis-tmp"), Some("a.b.c"));
         for other in
@@ -105,7 +105,8 @@ mod tests {
         }
     }
 
-    /// A file that is being written stays, whoever checks; an abandoned one is removed, and nothing else.
+    /// A new writer of the same file removes an abandoned temporary file, but neither one that is still being written nor any
+    /// other file.
     #[test]
     fn only_what_was_left_is_swept() {
         let folder = tempfile::tempdir().unwrap();
@@ -118,7 +119,7 @@ mod tests {
         let mut at_work = Staged::create(&output).unwrap();
         assert!(!left.exists() && other.exists() && user.exists());
         fs::write(&left, "half").unwrap();
-        assert_eq!(left_beside(&output), [left.canonicalize().unwrap()]);
+        assert_eq!(leftovers(&output), [left.canonicalize().unwrap()]);
         let mut second = Staged::create(&output).unwrap();
         assert!(!left.exists());
         at_work.write_all(b"first").unwrap();

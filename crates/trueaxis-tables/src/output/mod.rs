@@ -2,7 +2,7 @@
 //!
 //! Each file is written beside its place, flushed to the disk and renamed, and its folder is flushed: a crash or a power
 //! failure at any moment leaves the old file or the new one, never a part. A file not yet renamed by then remains as
-//! `NAME.XXXXXX.trueaxis-tmp` ([`UNFINISHED`]); [`left_beside`] finds it, and the next command that writes NAME removes it.
+//! `NAME.XXXXXX.trueaxis-tmp` ([`UNFINISHED`]); [`leftovers`] finds it, and the next command that writes NAME removes it.
 //!
 //! All files of one command are on the disk before the first is renamed, and they are renamed in the order in which they were
 //! put. A crash between two renames leaves the first ones new and the rest old, each with its unfinished file beside it: if
@@ -29,7 +29,7 @@ mod left;
 mod staged;
 
 pub use alone::Alone;
-pub use left::{UNFINISHED, left_beside, left_notes};
+pub use left::{UNFINISHED, left_notes, leftovers};
 pub use staged::{Staged, write_atomically};
 
 use staged::{flush_folder, folder_of};
@@ -234,13 +234,14 @@ fn is_device(path: &Path) -> bool {
 /// Most links followed to a file that does not exist yet; the Linux kernel has the same limit.
 const LINKS: usize = 40;
 
-/// A link whose target does not exist. A link to a pipe (`/dev/stdout`) is none: its target exists, though without a name.
-fn leads_nowhere(path: &Path) -> bool {
+/// Whether a path is a link whose target does not exist. The target of a link to a pipe (`/dev/stdout`) exists, though without
+/// a name.
+fn is_dangling_link(path: &Path) -> bool {
     path.is_symlink() && !path.exists()
 }
 
-/// A name that is the same for the same file, with links resolved, whether the file exists or only its folder does. If the
-/// links lead nowhere, the result is itself a link.
+/// The path of a file with all links resolved, so that two names of one file give the same path. The file need not exist, but
+/// its folder must. If the links lead nowhere, the result is itself a link.
 fn resolved(output: &Path) -> PathBuf {
     if let Ok(path) = fs::canonicalize(output) {
         return path;
@@ -248,7 +249,7 @@ fn resolved(output: &Path) -> PathBuf {
     let mut output = output.to_path_buf();
     for _ in 0..LINKS {
         match fs::read_link(&output) {
-            Ok(to) if leads_nowhere(&output) => output = folder_of(&output).join(to),
+            Ok(to) if is_dangling_link(&output) => output = folder_of(&output).join(to),
             _ => break,
         }
     }

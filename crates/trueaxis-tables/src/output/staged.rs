@@ -24,17 +24,18 @@ enum To {
     Device(File),
 }
 
-/// Another command may mistake a new file for a leftover before it is locked; this many attempts are made.
+/// Number of attempts to create a file: another command may remove a new file as a leftover before it is locked.
 const TRIES: usize = 8;
 
 impl Staged {
-    /// Begins a file that will be at `path`; behind a link, even to a file that does not exist yet, so that the link stays.
+    /// Begins the file that will replace `path`. If `path` is a link, the file replaces the link's target, which need not
+    /// exist yet, so that the link stays.
     ///
     /// # Errors
     /// Errors of the file system; the target is a folder; links that lead nowhere.
     pub fn create(path: &Path) -> io::Result<Staged> {
         let target = super::resolved(path);
-        if super::leads_nowhere(&target) {
+        if super::is_dangling_link(&target) {
             return Err(io::Error::other("it is a link that leads nowhere"));
         }
         let old = fs::metadata(&target).ok();
@@ -46,7 +47,7 @@ impl Staged {
             return Ok(Staged { target, to: To::Device(device) });
         }
         left::sweep(&target);
-        let file = beside(&target)?;
+        let file = temporary_file(&target)?;
         if let Some(old) = old {
             file.as_file().set_permissions(old.permissions())?;
         }
@@ -101,7 +102,7 @@ impl Write for Staged {
 /// Writes a file so that its old content stays until the new one is complete: a temporary file beside it, renamed.
 ///
 /// # Errors
-/// Errors of the file system; nothing is left behind.
+/// Errors of the file system; no temporary file remains.
 pub fn write_atomically(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let mut file = Staged::create(path)?;
     file.write_all(bytes)?;
@@ -113,8 +114,8 @@ pub(super) fn folder_of(file: &Path) -> &Path {
     file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// Makes the entries of a folder survive a power failure. If a folder cannot be opened or flushed as such (other systems, no
-/// permission to read), durability is left to the file system.
+/// Makes the entries of a folder survive a power failure. Where a folder cannot be opened or flushed (other systems, no
+/// permission to read), this relies on the file system.
 pub(super) fn flush_folder(folder: &Path) -> io::Result<()> {
     if !cfg!(unix) {
         return Ok(());
@@ -127,7 +128,7 @@ pub(super) fn flush_folder(folder: &Path) -> io::Result<()> {
 }
 
 /// A new temporary file beside its target, locked.
-fn beside(target: &Path) -> io::Result<NamedTempFile> {
+fn temporary_file(target: &Path) -> io::Result<NamedTempFile> {
     let mut prefix = target.file_name().ok_or(io::ErrorKind::InvalidInput)?.to_os_string();
     prefix.push(".");
     let mut builder = tempfile::Builder::new();

@@ -1,4 +1,4 @@
-//! Lines of all keys and sections of a TOML file, for errors that are found later.
+//! Lines of all keys and sections of a TOML file, for errors that only later checks find.
 
 use crate::text::line_at;
 use std::collections::BTreeMap;

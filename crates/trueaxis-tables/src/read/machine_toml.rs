@@ -139,11 +139,11 @@ fn read_axis(
     if let Some(choice) = section.choice("interpolation", linear_or_cubic)? {
         settings.interpolation = choice;
     }
-    let where_to_look = [("command", Lookup::Command), ("feedback", Lookup::Feedback)];
-    if let Some(choice) = section.choice("lookup", where_to_look)? {
+    let lookup_choices = [("command", Lookup::Command), ("feedback", Lookup::Feedback)];
+    if let Some(choice) = section.choice("lookup", lookup_choices)? {
         settings.lookup = choice;
     }
-    if let Some(choice) = section.choice("cross_lookup", where_to_look)? {
+    if let Some(choice) = section.choice("cross_lookup", lookup_choices)? {
         settings.cross_lookup = choice;
     }
     if rotary && let Some(direction) = section.number("direction")? {

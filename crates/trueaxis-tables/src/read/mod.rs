@@ -34,21 +34,21 @@ impl Machine {
     /// it loads them.
     ///
     /// # Errors
-    /// The first fault: file, line, column or key, what was found, what is needed.
+    /// The first fault: file, line, column or key, the value found and the value needed.
     pub fn read(path: &Path) -> Result<Machine, FileError> {
         let (folder, name) = Folder::of_machine(path);
         Machine::read_from(&folder, &name, &mut |_| {})
     }
 
-    /// [`Machine::read`] from any source of files; `name` is that of the `machine.toml`. Reports to `tell` every table with
-    /// separators other than commas, or with decimal commas. A machine without tables has only the errors that its settings
-    /// state.
+    /// [`Machine::read`] from any source of files; `name` is that of the `machine.toml`. Reports every table with separators
+    /// other than commas, or with decimal commas, to the callback. A machine without tables has only the errors that its
+    /// settings state.
     ///
     /// # Errors
     /// As [`Machine::read`].
-    pub fn read_from(files: &dyn Source, name: &Path, tell: &mut dyn FnMut(String)) -> Result<Machine, FileError> {
+    pub fn read_from(files: &dyn Source, name: &Path, note: &mut dyn FnMut(String)) -> Result<Machine, FileError> {
         let (origin, description) = described(files, name)?;
-        let machine = Machine::read_described(files, name, &origin, &description, tell)?;
+        let machine = Machine::read_described(files, name, &origin, &description, note)?;
         machine.hold_together(&origin, &description)?;
         Ok(machine)
     }
@@ -58,20 +58,20 @@ impl Machine {
         name: &Path,
         origin: &Origin,
         description: &Description,
-        tell: &mut dyn FnMut(String),
+        note: &mut dyn FnMut(String),
     ) -> Result<Machine, FileError> {
         check::settings(&description.settings).map_err(|error| description.located(origin, &error))?;
         let mut tables = Vec::new();
         for settings in &description.settings.axes {
             let reference = description.tables.iter().find(|table| table.axis == settings.axis);
             tables.push(match reference {
-                Some(reference) => Some(read_table(files, name, reference, settings, origin, tell)?),
+                Some(reference) => Some(read_table(files, name, reference, settings, origin, note)?),
                 None => None,
             });
         }
         let mut grids = Vec::new();
         for reference in &description.grids {
-            grids.push(read_grid(files, name, reference, origin, tell)?);
+            grids.push(read_grid(files, name, reference, origin, note)?);
         }
         Ok(Machine { settings: description.settings.clone(), tables, grids })
     }
@@ -121,7 +121,7 @@ impl Machine {
     pub fn files_of(files: &dyn Source, name: &Path) -> Result<Vec<PathBuf>, FileError> {
         let (_, description) = described(files, name)?;
         let tables = description.tables.iter().map(|table| &table.file);
-        let named = tables.chain(description.grids.iter().map(|grid| &grid.file)).map(|file| beside(name, file));
+        let named = tables.chain(description.grids.iter().map(|grid| &grid.file)).map(|file| path_from(name, file));
         Ok(std::iter::once(name.to_path_buf()).chain(named).collect())
     }
 
@@ -158,7 +158,7 @@ impl Uncertainties {
         let (_, description) = described(files, name)?;
         let mut found = description.uncertainties;
         for reference in &description.tables {
-            let file = beside(name, &reference.file);
+            let file = path_from(name, &reference.file);
             let origin = Origin::new(&files.path(&file));
             let read = axis_table::read(&bytes(files, &file)?, &origin, reference.axis)?;
             if let Some(own) = found.axes.iter_mut().find(|own| own.axis == reference.axis) {
@@ -170,21 +170,21 @@ impl Uncertainties {
 }
 
 /// A machine as it is before an edit of its files.
-pub(crate) struct Standing<'f> {
+pub(crate) struct Current<'f> {
     pub(crate) files: &'f dyn Source,
     /// Name of the `machine.toml`.
     pub(crate) name: PathBuf,
     /// Unchanged text, byte order mark included.
     pub(crate) text: String,
     pub(crate) settings: MachineSettings,
-    pub(crate) tables: Vec<StandingTable>,
+    pub(crate) tables: Vec<CurrentTable>,
     /// Without those of the tables.
     pub(crate) uncertainties: Uncertainties,
     pub(crate) grids: Vec<GridReference>,
 }
 
 /// A table that `machine.toml` names.
-pub(crate) struct StandingTable {
+pub(crate) struct CurrentTable {
     pub(crate) axis: Axis,
     /// As written in `machine.toml`, relative to it.
     pub(crate) name: String,
@@ -194,18 +194,18 @@ pub(crate) struct StandingTable {
     pub(crate) table: Option<Table>,
 }
 
-impl<'f> Standing<'f> {
-    pub(crate) fn read(files: &'f dyn Source, name: &Path) -> Result<Standing<'f>, FileError> {
+impl<'f> Current<'f> {
+    pub(crate) fn read(files: &'f dyn Source, name: &Path) -> Result<Current<'f>, FileError> {
         let (_, description) = described(files, name)?;
         let text = text(files, name)?;
         let tables = description.tables.into_iter().map(|TableReference { axis, file, line, key }| {
-            let at = beside(name, &file);
+            let at = path_from(name, &file);
             let origin = Origin::new(&files.path(&at));
             let read = bytes(files, &at).and_then(|bytes| axis_table::read(&bytes, &origin, axis));
-            StandingTable { axis, name: file, line, key, table: read.ok().map(|file| file.table) }
+            CurrentTable { axis, name: file, line, key, table: read.ok().map(|file| file.table) }
         });
         let tables = tables.collect();
-        Ok(Standing {
+        Ok(Current {
             files,
             name: name.into(),
             text,
@@ -218,7 +218,7 @@ impl<'f> Standing<'f> {
 }
 
 /// Path of a file that a `machine.toml` names relative to itself.
-pub(crate) fn beside(machine_toml: &Path, file: &str) -> PathBuf {
+pub(crate) fn path_from(machine_toml: &Path, file: &str) -> PathBuf {
     machine_toml.parent().unwrap_or(Path::new("")).join(file)
 }
 
@@ -241,9 +241,9 @@ fn read_grid(
     machine_toml: &Path,
     reference: &GridReference,
     of_machine: &Origin,
-    tell: &mut dyn FnMut(String),
+    note: &mut dyn FnMut(String),
 ) -> Result<Grid, FileError> {
-    let name = beside(machine_toml, &reference.file);
+    let name = path_from(machine_toml, &reference.file);
     let path = files.path(&name);
     if !files.entry(&name).is_file() {
         let found = format!("{:?}, but no file at {}", reference.file, path.display());
@@ -252,7 +252,7 @@ fn read_grid(
     }
     let file = grid_table::read(&bytes(files, &name)?, &Origin::new(&path), reference)?;
     if let Some(how) = file.dialect {
-        tell(format!("{}: {how}", path.display()));
+        note(format!("{}: {how}", path.display()));
     }
     Ok(file.grid)
 }
@@ -263,9 +263,9 @@ fn read_table(
     reference: &TableReference,
     settings: &AxisSettings,
     of_machine: &Origin,
-    tell: &mut dyn FnMut(String),
+    note: &mut dyn FnMut(String),
 ) -> Result<Table, FileError> {
-    let name = beside(machine_toml, &reference.file);
+    let name = path_from(machine_toml, &reference.file);
     let path = files.path(&name);
     if !files.entry(&name).is_file() {
         let found = format!("{:?}, but no file at {}", reference.file, path.display());
@@ -275,7 +275,7 @@ fn read_table(
     let origin = Origin::new(&path);
     let file = axis_table::read(&bytes(files, &name)?, &origin, settings.axis)?;
     if let Some(how) = file.dialect {
-        tell(format!("{}: {how}", path.display()));
+        note(format!("{}: {how}", path.display()));
     }
     check::table(settings, file.table.rows.as_slice()).map_err(|fault| file.refused(&origin, &fault))?;
     let TableFile { table, .. } = file;

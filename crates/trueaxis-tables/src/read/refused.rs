@@ -113,7 +113,7 @@ impl Description {
         };
         match self.keys.get(&place) {
             Some(written) if !written.text.is_empty() => origin.at(written.line, &key, &written.text, needed),
-            // A section that is valid without the others.
+            // A valid section whose error is that another section is missing.
             Some(written) if is_section(error.field) => origin.at(written.line, &key, "this section", needed),
             // A default, or a whole section.
             _ => {

@@ -98,7 +98,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// Stores a number, converted, if the key is given.
+    /// Stores a number, converted, if the section has the key.
     pub fn store(&self, to: &mut f64, key: &str, convert: impl Fn(f64) -> f64) -> Result<(), FileError> {
         if let Some(found) = self.number(key)? {
             *to = convert(found.value);
@@ -106,7 +106,7 @@ impl<'a> Section<'a> {
         Ok(())
     }
 
-    /// Stores a list of numbers if the key is given; returns whether it is.
+    /// Stores a list of numbers if the section has the key; returns whether it has.
     pub fn store_all<const N: usize>(&self, to: &mut [f64; N], key: &str) -> Result<bool, FileError> {
         let found = self.numbers(key)?;
         let given = found.is_some();

@@ -1,6 +1,6 @@
 //! The tables of a machine as in their files, for display and editing.
 
-use super::{axis_table, beside, described};
+use super::{axis_table, described, path_from};
 use crate::error::FileError;
 use crate::files::{Source, bytes};
 use crate::origin::Origin;
@@ -52,7 +52,7 @@ pub struct TableText {
 pub fn table_texts(files: &dyn Source, name: &Path) -> Result<Vec<TableText>, FileError> {
     let (_, description) = described(files, name)?;
     let read = |reference: super::TableReference| {
-        let path = beside(name, &reference.file);
+        let path = path_from(name, &reference.file);
         let origin = Origin::new(&files.path(&path));
         let bytes = bytes(files, &path)?;
         let read = axis_table::read(&bytes, &origin, reference.axis)?;

@@ -63,7 +63,7 @@ fn degrees(section: &Section<'_>, key: &str) -> Result<Option<f64>, FileError> {
     Ok(Some(found.value))
 }
 
-/// Checks the `uncertainty` of a section with these figures; only the evaluation that decides what is written next uses it.
+/// Checks the `uncertainty` of a section with these figures. Only the decision on a later measurement uses its values.
 pub(super) fn uncertainties_are_sound(figures: &Section<'_>, keys: &[&str]) -> Result<(), FileError> {
     let Some(section) = figures.section("uncertainty")? else { return Ok(()) };
     for key in keys {

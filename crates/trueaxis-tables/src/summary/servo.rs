@@ -46,7 +46,7 @@ pub struct DynamicSummary {
     pub lag: bool,
     /// Whether acceleration is fed forward.
     pub acceleration: bool,
-    /// Whether lost motion is taken up at the command's reversal.
+    /// Whether the correction takes up lost motion at the command's reversal.
     pub take_up: bool,
 }
 

@@ -7,7 +7,7 @@ use crate::compensation::ThermalLine;
 use crate::error::{ConfigError, Field};
 use crate::machine::{Axis, AxisSettings, Link, MachineSettings, Rows, is_turned, links};
 
-/// Maximum number of look-ups of the exact inverse.
+/// Maximum number of lookups of the exact inverse.
 pub const MOST_PASSES: u8 = 8;
 /// Largest error that the inverse may leave, mm.
 pub const INVERSE_TOLERANCE_MM: f64 = 1e-6;
@@ -18,9 +18,9 @@ pub const INVERSE_TOLERANCE_MM: f64 = 1e-6;
 /// themselves where a travel lengthens their lever. The rest applies to the nine-term form.
 ///
 /// With linear axes only, the Jacobian is 3 by 3, squareness included. A rotary axis adds its column (mm per degree,
-/// with the effect of its rotation on the errors of the axes it carries) and the slope of its own error (degree per
-/// degree): the norm combines millimetres and degrees. Grids add their slopes. Thermal growth, writable at run time, is
-/// not included.
+/// with the effect of its rotation on the errors of the axes it carries) and the slope of its positioning error (degree
+/// per degree): the norm combines millimetres and degrees. Grids add their slopes. Thermal growth, writable at run
+/// time, is not included.
 pub fn jacobian_norm<'r, T: Rows + ?Sized + 'r>(
     machine: &MachineSettings,
     rows: impl Fn(Axis) -> Option<&'r T>,
@@ -109,11 +109,12 @@ pub fn joint_range<'r, T: Rows + ?Sized + 'r>(
     rows: impl Fn(Axis) -> Option<&'r T>,
     grids: &GridBounds,
 ) -> Result<(), ConfigError> {
+    let rows: &dyn Fn(Axis) -> Option<&'r T> = &rows;
     for drive in &machine.axes {
         let magnitude = drive.limits.magnitude;
         let [low, high] = drive.travel;
-        let lowest = low - error_range(machine, &rows, grids, drive, [low; 2]).1.min(magnitude).max(-magnitude);
-        let highest = high - error_range(machine, &rows, grids, drive, [high; 2]).0.min(magnitude).max(-magnitude);
+        let lowest = low - error_range(machine, rows, grids, drive, [low; 2]).1.min(magnitude).max(-magnitude);
+        let highest = high - error_range(machine, rows, grids, drive, [high; 2]).0.min(magnitude).max(-magnitude);
         let [joint_low, joint_high] = drive.joint;
         let wrong = |found| Err(ConfigError::new(Field::Joint, found, "room for travel and correction").on(drive.axis));
         if lowest < joint_low {
@@ -126,12 +127,12 @@ pub fn joint_range<'r, T: Rows + ?Sized + 'r>(
     Ok(())
 }
 
-/// Smallest number of look-ups `r ← −E(q + r)`, from `r = 0`, that leaves at most 1e-6 mm.
+/// Smallest number of lookups `r ← −E(q + r)`, from `r = 0`, that leaves at most 1e-6 mm.
 ///
-/// After N look-ups the error is at most `magnitude · normᴺ` (Banach): 0.1 mm at norm 0.05 takes 4.
+/// After N lookups the error is at most `magnitude · normᴺ` (Banach): 0.1 mm at norm 0.05 takes 4.
 ///
 /// # Errors
-/// [`Field::Inverse`]: norm of 1 or more (no contraction), or more than 8 look-ups.
+/// [`Field::Inverse`]: norm of 1 or more (no contraction), or more than 8 lookups.
 pub fn inverse_passes(norm: f64, magnitude_mm: f64) -> Result<u8, ConfigError> {
     if !(0.0..1.0).contains(&norm) {
         return Err(ConfigError::new(Field::Inverse, norm, "a norm of the errors' Jacobian below 1"));
@@ -142,7 +143,7 @@ pub fn inverse_passes(norm: f64, magnitude_mm: f64) -> Result<u8, ConfigError> {
     let mut error = magnitude_mm;
     for passes in 1..=MOST_PASSES {
         error *= norm;
-        // Rounding of a product that should be exactly the tolerance must not cost another look-up.
+        // Rounding of a product that should be exactly the tolerance must not cost another lookup.
         if error <= INVERSE_TOLERANCE_MM * (1.0 + 1e-12) {
             return Ok(passes);
         }
@@ -150,7 +151,7 @@ pub fn inverse_passes(norm: f64, magnitude_mm: f64) -> Result<u8, ConfigError> {
     Err(ConfigError::new(Field::Inverse, norm, "a norm of the errors' Jacobian small enough for 8 passes"))
 }
 
-/// Number of look-ups that the inverse of a whole machine needs, for corrections up to the magnitude limits of all axes
+/// Number of lookups that the inverse of a whole machine needs, for corrections up to the magnitude limits of all axes
 /// together and any thermal growth that may be set at run time ([`ThermalLine::SLOPE_LIMIT`] on top of the norm).
 ///
 /// # Errors

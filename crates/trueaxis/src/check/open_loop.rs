@@ -2,7 +2,7 @@
 
 /// Number of evaluated frequencies, evenly spaced in their logarithm.
 const POINTS: u16 = 512;
-/// Halvings of an interval between two of them: to one part in 10⁹.
+/// Bisections of the interval between two evaluated frequencies: accurate to one part in 10⁹.
 const HALVINGS: u8 = 40;
 
 /// A margin and its frequency.
@@ -22,7 +22,7 @@ pub(super) struct OpenLoop {
     pub(super) dead_time_s: f64,
 }
 
-/// Permitted factor of a loop's gain, and its present margins.
+/// Present margins of a loop, and the factor by which its gain may change.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Found {
     pub(super) phase: Option<Margin>,

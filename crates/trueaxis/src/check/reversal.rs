@@ -1,5 +1,5 @@
-//! Checks of the reversal hysteresis: it must exceed the encoder's steps, and the correction's steps against the
-//! travel.
+//! Checks of the reversal hysteresis: it must be wider than the encoder's steps, and than the correction's steps
+//! against the travel.
 
 use super::bounds::{Step, sense, width};
 use super::grid::GridBounds;
@@ -8,15 +8,15 @@ use super::volumetric;
 use crate::error::{ConfigError, Field};
 use crate::machine::{AXES, Axis, AxisSettings, MachineSettings, Rows, is_turned, links, lost};
 
-/// Steps of the encoder that a hysteresis must span: a reading between two counts may show either, and the drive that
-/// closes its loop on it moves back and forth by as much.
+/// Number of encoder steps that a hysteresis must span. Between two counts the reading may show either, and the drive,
+/// which closes its loop on it, moves back and forth by that much.
 pub const HYSTERESIS_PER_STEP: f64 = 3.0;
 
 /// A step below this moves nothing: mm, degrees.
 const NOTHING: f64 = 1e-9;
 
-/// Lost motion of an axis, mm (deg): smallest and largest difference of its own error between negative and positive
-/// travel, backlash included; without a table, the backlash alone.
+/// Lost motion of an axis, mm (deg): smallest and largest difference of its positioning error between negative and
+/// positive travel, backlash included; without a table, the backlash alone.
 pub fn lost_motion<T: Rows + ?Sized>(settings: &AxisSettings, rows: Option<&T>) -> [f64; 2] {
     let (least, most) = rows.map_or((0.0, 0.0), |rows| lost(settings, rows, settings.axis.index()));
     let own = |error: f64| if settings.axis.is_rotary() { error.to_degrees() } else { error };
@@ -39,6 +39,7 @@ pub fn reversal<'r, T: Rows + ?Sized + 'r>(
     rows: impl Fn(Axis) -> Option<&'r T>,
     grids: &GridBounds,
 ) -> Result<(), ConfigError> {
+    let rows: &dyn Fn(Axis) -> Option<&'r T> = &rows;
     let mut steps = [[[0.0; 2]; AXES]; AXES];
     for (moving, steps) in machine.axes.iter().zip(&mut steps) {
         *steps = steps_of(machine, &rows, moving);
@@ -47,7 +48,7 @@ pub fn reversal<'r, T: Rows + ?Sized + 'r>(
         return Ok(());
     }
     // The exact inverse looks up at the corrected position, which amplifies the steps.
-    let gain = 1.0 / (1.0 - jacobian_norm(machine, &rows, grids).min(0.999));
+    let gain = 1.0 / (1.0 - jacobian_norm(machine, rows, grids).min(0.999));
     for (moving, steps) in machine.axes.iter().zip(&mut steps) {
         for step in steps.iter_mut() {
             *step = step.map(|step| step * gain);
@@ -56,14 +57,14 @@ pub fn reversal<'r, T: Rows + ?Sized + 'r>(
             && steps.iter().any(|step| width(step) > 0.0)
         {
             let least = HYSTERESIS_PER_STEP * resolution;
-            // Two decimals whose quotient is exactly that pass, however they are rounded.
+            // Two decimals whose quotient is exactly the limit pass, whatever their rounding.
             if moving.hysteresis < least * (1.0 - 1e-9) {
                 return Err(narrow(moving, "at least three steps of the encoder", least));
             }
         }
     }
     // Pairs in which a reversal of `from` may reverse `to` too, with the sign.
-    let mut leads = [[Leads::default(); AXES]; AXES];
+    let mut couplings = [[Coupling::default(); AXES]; AXES];
     let mut sums = [0.0; AXES];
     for ((to, axis), sum) in machine.axes.iter().enumerate().zip(&mut sums) {
         let into = |from: usize| steps.get(from).and_then(|steps| steps.get(to)).copied().unwrap_or_default();
@@ -74,26 +75,26 @@ pub fn reversal<'r, T: Rows + ?Sized + 'r>(
         if *sum <= axis.hysteresis {
             continue;
         }
-        for (from, leads) in leads.iter_mut().enumerate() {
+        for (from, couplings) in couplings.iter_mut().enumerate() {
             let [least, most] = into(from);
-            if let Some(leads) = leads.get_mut(to) {
-                *leads = Leads { same: most > NOTHING && from != to, opposite: least < -NOTHING };
+            if let Some(couplings) = couplings.get_mut(to) {
+                *couplings = Coupling { same: most > NOTHING && from != to, opposite: least < -NOTHING };
             }
         }
     }
     for by in 0..AXES {
         for from in 0..AXES {
             for to in 0..AXES {
-                let lead = |from: usize, to: usize| leads.get(from).and_then(|to_| to_.get(to)).copied();
-                let (Some(first), Some(second)) = (lead(from, by), lead(by, to)) else { continue };
-                if let Some(leads) = leads.get_mut(from).and_then(|leads| leads.get_mut(to)) {
-                    leads.add(first.then(second));
+                let coupling = |from: usize, to: usize| couplings.get(from).and_then(|to_| to_.get(to)).copied();
+                let (Some(first), Some(second)) = (coupling(from, by), coupling(by, to)) else { continue };
+                if let Some(couplings) = couplings.get_mut(from).and_then(|couplings| couplings.get_mut(to)) {
+                    couplings.add(first.then(second));
                 }
             }
         }
     }
     for ((index, axis), sum) in machine.axes.iter().enumerate().zip(sums) {
-        if leads.get(index).and_then(|leads| leads.get(index)).is_some_and(|leads| leads.opposite) {
+        if couplings.get(index).and_then(|couplings| couplings.get(index)).is_some_and(|couplings| couplings.opposite) {
             return Err(narrow(axis, "more than its correction steps against the travel at a reversal", sum));
         }
     }
@@ -106,21 +107,21 @@ fn narrow(axis: &AxisSettings, needed: &'static str, bound: f64) -> ConfigError 
 
 /// Directions in which a reversal can cause another one.
 #[derive(Clone, Copy, Default)]
-struct Leads {
+struct Coupling {
     same: bool,
     opposite: bool,
 }
 
-impl Leads {
-    fn then(self, next: Leads) -> Leads {
-        Leads {
+impl Coupling {
+    fn then(self, next: Coupling) -> Coupling {
+        Coupling {
             same: (self.same && next.same) || (self.opposite && next.opposite),
             opposite: (self.same && next.opposite) || (self.opposite && next.same),
         }
     }
 
-    fn add(&mut self, other: Leads) {
-        *self = Leads { same: self.same || other.same, opposite: self.opposite || other.opposite };
+    fn add(&mut self, other: Coupling) {
+        *self = Coupling { same: self.same || other.same, opposite: self.opposite || other.opposite };
     }
 }
 

@@ -11,8 +11,9 @@ use crate::part;
 /// hold between two commands.
 const OWN_DELAY: f64 = 1.5;
 
-/// Checks everything except the margins: drive figures wherever they are needed, and of a stable drive; limits within
-/// those of the axis; cross-talk between axes of the machine, onto a linear one, at increasing positions.
+/// Checks everything except the margins. Drive figures must be present wherever a setting needs them, and describe a
+/// stable drive; limits must be within those of the axis; cross-talk must act between axes of the machine, onto a
+/// linear one, at increasing positions.
 pub(super) fn settings(machine: &MachineSettings) -> Result<(), ConfigError> {
     if part::DYNAMIC.is_none() {
         return Ok(());

@@ -51,7 +51,7 @@ fn chains_without_sense_are_refused_at_their_letter() {
 }
 
 #[test]
-fn a_rotary_axis_turns_what_stands_on_it() {
+fn a_rotary_axis_turns_what_it_carries() {
     let links = links("w C' A' Y' b X B Z t").unwrap();
     let turned = [Axis::C, Axis::Z];
     for link in &links {
@@ -74,7 +74,7 @@ fn look_ups_of_the_inverse() {
     assert_eq!(inverse_passes(0.1, f64::NAN).unwrap_err().field, Field::Magnitude);
 }
 
-/// Bound of the iteration itself: after N look-ups at most 1e-6 mm remains.
+/// Bound of the iteration itself: after N lookups at most 1e-6 mm remains.
 #[test]
 fn the_look_ups_suffice() {
     for norm in [0.01, 0.05, 0.12, 0.2] {
@@ -391,10 +391,10 @@ fn lost_motion_of_a_rotary_axis_turns_no_other() {
         }
     };
     assert_eq!(reversal(&machine, of(a.leak(), c.leak()), &GridBounds::NONE), Ok(()));
-    let beside = lost([0.0, 0.0, 0.0, 30e-6, 0.0, 2e-6]);
-    let both = lost([0.0, 0.0, 0.0, 2e-6, 0.0, 30e-6]);
+    let a_with_c = lost([0.0, 0.0, 0.0, 30e-6, 0.0, 2e-6]);
+    let c_with_a = lost([0.0, 0.0, 0.0, 2e-6, 0.0, 30e-6]);
     assert_eq!(
-        reversal(&machine, of(beside.leak(), both.leak()), &GridBounds::NONE).unwrap_err().field,
+        reversal(&machine, of(a_with_c.leak(), c_with_a.leak()), &GridBounds::NONE).unwrap_err().field,
         Field::Hysteresis
     );
 }

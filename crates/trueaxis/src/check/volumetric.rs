@@ -383,13 +383,13 @@ pub(super) fn reversal_steps<'r, T: Rows + ?Sized + 'r>(
         core::array::from_fn(|k| measured.get(k).copied().unwrap_or(0.0).max(whole.get(k).copied().unwrap_or(0.0)));
     let rotations = [a, b, c].map(|step| width(&step));
     let swing = swing(rotations, lever);
-    let mut beside = rotations;
-    if let Some(own) = moving.axis.index().checked_sub(Axis::A.index()).and_then(|own| beside.get_mut(own)) {
+    let mut other_rotations = rotations;
+    if let Some(own) = moving.axis.index().checked_sub(Axis::A.index()).and_then(|own| other_rotations.get_mut(own)) {
         *own = 0.0;
     }
     let gain = rotary_gain(machine, &links);
     // A rotary axis compensates its own error alone.
-    let others = norm(&beside) * gain;
+    let others = norm(&other_rotations) * gain;
     // The rotary axes compensate the other rotations, which moves the tip again.
     let carried = if orientation { others * bounds(machine, rows, &GridBounds::NONE).lever } else { 0.0 };
     let anywhere = is_turned(&links, moving.axis)

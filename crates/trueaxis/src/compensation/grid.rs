@@ -24,8 +24,8 @@
 #![deny(clippy::indexing_slicing)]
 
 mod along;
-mod beside;
 mod cell;
+mod cycle;
 mod kept;
 #[cfg(test)]
 mod tests;
@@ -35,8 +35,8 @@ use crate::machine::{Axis, GRIDS, GridData, MachineSettings, links};
 use crate::part::{self, Presence};
 use crate::real::Real;
 use crate::vector::V3;
-pub(crate) use beside::Beside;
 use cell::Cells;
+pub(crate) use cycle::CycleGrids;
 pub(crate) use kept::{Near, NearGrids};
 
 /// Number of linear axes; grids span only these.

@@ -15,7 +15,7 @@ pub mod trig;
 pub(crate) mod volumetric;
 
 pub(crate) use cells::{Cells, Source, Tables};
-pub(crate) use grid::{Beside, Grids, NearGrids};
+pub(crate) use grid::{CycleGrids, Grids, NearGrids};
 pub use nine::NineTerms;
 pub use query::Query;
 pub use reversal::{Direction, Reversal};
@@ -29,6 +29,10 @@ use crate::part::{self, Part};
 use crate::position::Position;
 use crate::real::Real;
 use crate::vector::V3;
+
+/// Bounds the passes of the inverse, which are 1 to 8: the number is a byte that the compiler does not know, and its loops
+/// must have a fixed bound for every value.
+pub(crate) const PASSES_MASK: u8 = 15;
 
 /// Errors of all axes: the tip's dx, dy, dz in mm and the rotary axes' own errors in degrees, in the order of the axes.
 pub type Errors<R, const N: usize> = [R; N];
@@ -244,7 +248,7 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
     fn correction_with_grids(&self, query: &Query<'_, R, N>, passes: u8, clamped: &mut u8) -> [R; N] {
         let mut at = *query.command;
         let mut correction = [R::ZERO; N];
-        for _ in 0..passes & 15 {
+        for _ in 0..passes & PASSES_MASK {
             let errors = self.errors(&Query { command: &at, ..*query }, clamped);
             for (((r, at), q), error) in correction.iter_mut().zip(&mut at).zip(query.command).zip(errors) {
                 *r = -error;

@@ -14,14 +14,14 @@
 //! this form.
 //!
 //! Source: Zhang Chong et al., geometric error compensation on an open CNC (2013); the direction of travel, the exact
-//! inverse and the look-up at the feedback are extensions.
+//! inverse and the lookup at the feedback are extensions.
 
-use super::Errors;
 use super::query::Query;
 use super::reversal::Direction;
 use super::table::{AxisTable, Contribution, own_component, requirement_of_all};
 use super::thermal::ThermalLine;
 use super::trig::cos_sin_deg;
+use super::{Errors, PASSES_MASK};
 use crate::error::{ConfigError, Field};
 use crate::machine::{
     AXES, Axis, AxisOrder, Lines, Lookup, MOST_CARRIERS, MachineSettings, Rows, carries_workpiece, links,
@@ -59,7 +59,7 @@ pub struct NineTerms<'a, R, P, const N: usize> {
     kind: Kind,
 }
 
-/// Kind of the tables, which selects the look-up loop: three axes at the command with tables of one kind, or anything
+/// Kind of the tables, which selects the lookup loop: three axes at the command with tables of one kind, or anything
 /// else.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
@@ -78,7 +78,8 @@ const PLAIN: u8 = 0;
 const LINEAR: u8 = 1;
 const CUBIC: u8 = 2;
 
-/// Selects by a constant and is always inlined: a function argument is called through a shim, with its result in memory.
+/// Selects the lookup by a constant and is always inlined. A function argument would be called through a shim, with its
+/// result in memory.
 #[cfg_attr(feature = "fast", inline(always))]
 fn look_up<const KIND: u8, R: Real, P: Position>(
     table: &AxisTable<'_, R, P>,
@@ -367,7 +368,7 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
         errors
     }
 
-    /// Returns the wanted correction: `r` with `q + r + E(q + r) = q`, by `passes` look-ups `r ← −E(q + r)` from `r = 0`.
+    /// Returns the wanted correction: `r` with `q + r + E(q + r) = q`, by `passes` lookups `r ← −E(q + r)` from `r = 0`.
     ///
     /// mm, rotary axes in degrees. Errors looked up at the feedback need no inverse and are used as read.
     #[cfg_attr(feature = "fast", inline(always))]
@@ -375,7 +376,7 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
         let command = query.command;
         let mut at = *command;
         let mut correction = [R::ZERO; N];
-        for _ in 0..passes & 15 {
+        for _ in 0..passes & PASSES_MASK {
             let errors = self.errors(&Query { command: &at, ..*query }, clamped);
             for (((r, at), q), error) in correction.iter_mut().zip(&mut at).zip(command).zip(errors) {
                 *r = -error;

@@ -1,4 +1,4 @@
-//! One look-up of the tables.
+//! One lookup of the tables.
 
 use super::{Direction, ThermalLine};
 

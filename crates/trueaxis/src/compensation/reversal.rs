@@ -33,8 +33,8 @@ impl Direction {
     }
 }
 
-/// Direction in which an axis travels: its drive, not its command, because a correction takes up lost motion like any
-/// other motion.
+/// Direction in which the drive of an axis travels. The drive decides, not the command, because a correction takes up
+/// lost motion like any other motion.
 ///
 /// The turning point follows the drive while it continues in its direction; the direction changes once the drive has
 /// moved back from the turning point by more than the band, so dither within the band at standstill toggles nothing.
@@ -70,10 +70,11 @@ impl<P: Position> Reversal<P> {
         self.direction
     }
 
-    /// [`Reversal::update`] for a drive that moves on, or has moved back by no more than `within`, the band in steps
-    /// rounded down: the direction stays. Otherwise changes nothing and returns `false`: only the full update can decide.
+    /// Fast form of [`Reversal::update`]. It returns `true` if the direction stays: the drive moves on, or has moved
+    /// back by at most `within`, the band in steps rounded down. Otherwise it returns `false` and changes nothing; only
+    /// the full update can then decide.
     #[inline(always)]
-    pub(crate) fn goes_on(&mut self, drive: P, within: P::Reach) -> bool {
+    pub(crate) fn continues(&mut self, drive: P, within: P::Reach) -> bool {
         let onward = if self.direction == Direction::POSITIVE {
             drive >= self.turning_point
         } else {

@@ -574,8 +574,8 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
         }
     }
 
-    /// Searches a crowded bucket, starting from the last point before it, for the last point but one not above the
-    /// coordinate.
+    /// Bisects a crowded bucket, starting from the last point before it. Returns the last point not above the
+    /// coordinate, or the one before that; the caller's comparison decides.
     #[cold]
     #[inline(never)]
     fn search_on(&self, first: usize, coordinate: R) -> usize {

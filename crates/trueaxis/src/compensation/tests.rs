@@ -161,7 +161,7 @@ fn a_rotary_table_wraps_and_a_million_degrees_is_the_angle_itself() {
         assert_eq!(at(180.0), at(-180.0));
         let (before, after) = (at(180.0 - 1e-9).0, at(180.0 + 1e-9).0);
         assert!((before[0] - after[0]).abs() < 1e-10 && !at(1234.5).1);
-        // C converts ECC into degrees of its own position.
+        // A rotary axis' positioning error, here ECC, is in degrees.
         let (own, _) = at(20.0);
         assert!((own[3] - rows[20].forward[5].to_degrees()).abs() < 1e-15);
         if interpolation == Interpolation::Cubic {
@@ -211,7 +211,7 @@ fn verdicts_agree<R: Real, P: Position>(seed: u64) {
             q += if noise.unit() < 0.5 { step } else { -step };
             let (drive, before) = (P::of(q), long.direction());
             let direction = long.update(drive, R::of(band));
-            if !short.goes_on(drive, within) {
+            if !short.continues(drive, within) {
                 short.update(drive, R::of(band));
             }
             assert_eq!((short, short.direction()), (long, direction), "{band} {q}");
@@ -290,7 +290,7 @@ fn the_exact_inverse_lands_on_the_command() {
 }
 
 #[test]
-fn own_and_cross_terms_look_up_where_they_are_told() {
+fn own_and_cross_terms_follow_their_lookup_settings() {
     let mut axes = LINEAR.map(|axis| AxisSettings::with_defaults(axis, false));
     axes[0].lookup = Lookup::Feedback;
     axes[1].cross_lookup = Lookup::Feedback;

@@ -311,7 +311,7 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
         self.pose_error_at(query.command, query.directions, query.thermal, clamped)
     }
 
-    /// All look-ups at one position. Arguments stay in registers across the call; a [`Query`] would go through memory.
+    /// All lookups at one position. Arguments stay in registers across the call; a [`Query`] would go through memory.
     #[inline(never)]
     fn pose_error_at(
         &self,

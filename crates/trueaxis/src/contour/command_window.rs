@@ -246,15 +246,16 @@ impl<R: Real, P: Position, const K: usize> CommandWindow<R, P, K> {
     #[inline(always)]
     fn joint(&self, last: &Chord<R, P>, unit: V3<R>, length: R) -> Option<V3<R>> {
         let (shorter, longer) = if length < last.length { (length, last.length) } else { (last.length, length) };
-        let told = shorter >= self.spacing * R::of(DIRECTED) && shorter * R::of(UNEVEN) >= longer;
-        if !told || last.unit.dot(unit) < R::of(CORNER) {
+        let determined = shorter >= self.spacing * R::of(DIRECTED) && shorter * R::of(UNEVEN) >= longer;
+        if !determined || last.unit.dot(unit) < R::of(CORNER) {
             return None;
         }
         let direction = last.unit * length + unit * last.length;
         Some(direction * (R::ONE / direction.norm()))
     }
 
-    /// Handles a command back at the last point: the previous span is the newest again, or else the first point.
+    /// Handles a command that returns to the last point: the previous span becomes the newest again or, without one,
+    /// the first point.
     #[cold]
     fn withdraw(&mut self) {
         if self.last.is_none() {
@@ -287,7 +288,8 @@ impl<R: Real, P: Position> Open<R, P> {
 }
 
 impl<R: Real, P: Position> Chord<R, P> {
-    /// The cubic; an unknown direction is that of an arc with the known one, or of a line if neither is known.
+    /// Forms the cubic. An unknown direction at one end is that of an arc with the known one; if neither is known, the
+    /// span is a line.
     #[inline(always)]
     fn span(&self, end: Option<V3<R>>, number: u32, plane: [R; 3]) -> Span<R, P> {
         let mirrored = |t: V3<R>| self.unit * (R::TWO * self.unit.dot(t)) - t;

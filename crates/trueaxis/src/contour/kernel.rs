@@ -119,7 +119,7 @@ fn horner<R: Real, const RATIONAL: bool>(a: &[R; 4], t: R, b: &[R; 4]) -> [R; 4]
 #[cfg_attr(feature = "fast", inline(always))]
 fn solve<R: Real, const RATIONAL: bool, const C: usize>(s: [[R; 4]; C], p: &[R; 3], t: R) -> Foot<R> {
     let (x, w) = homogeneous::<R, RATIONAL, C>(&s, p);
-    let Some(step) = third_order::<R, RATIONAL, C>(&x, &w) else { return nowhere(t) };
+    let Some(step) = third_order::<R, RATIONAL, C>(&x, &w) else { return unconverged(t) };
     let taylor = Taylor::at::<RATIONAL, C>(&x, &w, step.h);
     taylor.correct::<RATIONAL>(&step, t)
 }
@@ -268,7 +268,7 @@ impl<R: Real> Taylor<R> {
     }
 }
 
-fn nowhere<R: Real>(t: R) -> Foot<R> {
+fn unconverged<R: Real>(t: R) -> Foot<R> {
     Foot { t, vector: [R::ZERO; 3], tangent: [R::ZERO; 3], trusted: false, converged: false }
 }
 

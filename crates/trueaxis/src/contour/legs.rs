@@ -25,7 +25,7 @@ const SIDE_BY_SIDE: f64 = 0.5;
 /// Feet closer than this are equivalent for any use of the error, mm.
 const SAME: f64 = 2e-4;
 
-/// Consecutive cycles after which an implausible foot is given up.
+/// Consecutive cycles after which the search gives up an implausible foot.
 const MISSED: u8 = 8;
 
 /// State that decides which leg the foot is on, from cycle to cycle.
@@ -39,12 +39,12 @@ pub(super) struct Doubt<R> {
     /// Lag in the last cycle, mm.
     lag: R,
     /// Largest plausible lag on this leg, mm.
-    believed: R,
+    plausible_lag: R,
     /// Span on which the reference was when it turned.
     turned: u32,
     /// Whether the other leg has not been searched in this cycle.
     unresolved: bool,
-    /// Consecutive cycles in which the foot is implausible and no other is found.
+    /// Consecutive cycles with an implausible foot and no other one.
     missed: u8,
     /// Spans of the foot and of the reference that were compared last, and whether they run in opposite directions.
     compared: [u32; 2],
@@ -56,7 +56,7 @@ pub(super) struct Apart<R> {
     pub(super) foot: u32,
     pub(super) reference: u32,
     /// Whether both were on one span in the last cycle.
-    pub(super) anew: bool,
+    pub(super) were_together: bool,
     /// Lag in the last cycle, and progress of the reference since.
     pub(super) lag: R,
     pub(super) progress: R,
@@ -90,9 +90,9 @@ impl<R: Real> Doubt<R> {
     /// Updates the state for this cycle; returns whether the leg is in doubt.
     #[inline(always)]
     pub(super) fn follow<P: Position>(&mut self, path: &Path<'_, R, P>, apart: &Apart<R>, window: R) -> bool {
-        let Apart { foot, reference, anew, lag, progress } = *apart;
+        let Apart { foot, reference, were_together, lag, progress } = *apart;
         self.unresolved = true;
-        if anew || progress < R::ZERO || lag < self.furthest {
+        if were_together || progress < R::ZERO || lag < self.furthest {
             self.furthest = lag;
         }
         let back = lag - self.furthest > window;
@@ -101,9 +101,9 @@ impl<R: Real> Doubt<R> {
         if foot != reference && (back || self.has_turned(path, foot, reference)) {
             if !self.open || self.left.is_some() {
                 (self.open, self.left, self.turned) = (true, None, reference);
-                self.believed = R::TWO * lag.max(R::ZERO) + window;
+                self.plausible_lag = R::TWO * lag.max(R::ZERO) + window;
             }
-            self.missed = if back || lag > self.believed { self.missed.saturating_add(1) } else { 0 };
+            self.missed = if back || lag > self.plausible_lag { self.missed.saturating_add(1) } else { 0 };
         } else {
             self.open &= self.left.is_some_and(|left| left.span != foot);
             self.missed = 0;
@@ -136,7 +136,7 @@ impl<R: Real> Doubt<R> {
     ) -> Option<Found<R>> {
         let path = &on.path;
         let Some(left) = self.left else {
-            let after = beside_reference(on, max_lag, point, spent)?;
+            let after = minimum_on_reference_leg(on, max_lag, point, spent)?;
             if after.place.span == one.place.span {
                 // Both are on one span: the foot is the only one.
                 *self = Self::none();
@@ -159,8 +159,8 @@ impl<R: Real> Doubt<R> {
             return self.choose(on, window, max_lag, &before, one, lag);
         }
         // The minimum has moved to the neighbouring span, or the leg ends there.
-        let beside = if t < R::ZERO { (path.previous(left.span), R::ONE) } else { (path.next(left.span), R::ZERO) };
-        self.left = beside.0.filter(|span| *span != one.place.span).map(|span| Reference { span, t: beside.1 });
+        let neighbour = if t < R::ZERO { (path.previous(left.span), R::ONE) } else { (path.next(left.span), R::ZERO) };
+        self.left = neighbour.0.filter(|span| *span != one.place.span).map(|span| Reference { span, t: neighbour.1 });
         self.open = self.left.is_some();
         None
     }
@@ -178,7 +178,7 @@ impl<R: Real> Doubt<R> {
         let lag_after = way(&on.path, after.place, on.reference)?;
         let [far, near] = [before, after].map(|found| dot(&found.vector, &found.vector).root());
         (self.unresolved, self.missed) = (false, 0);
-        let behind = lag_before - self.furthest > window || lag_before > self.believed;
+        let behind = lag_before - self.furthest > window || lag_before > self.plausible_lag;
         let is_after = lag_after >= -window && (behind || near < far);
         let (one, distance, other) = if is_after { (after, near, far) } else { (before, far, near) };
         let apart: [R; 3] = core::array::from_fn(|k| after.vector[k] - before.vector[k]);
@@ -206,13 +206,13 @@ impl<R: Real> Doubt<R> {
         let (before, after) = if forward { (one, other) } else { (other, one) };
         let lag = way(&on.path, before.place, on.reference)?;
         if !self.open {
-            (self.furthest, self.believed) = (lag, R::MAX);
+            (self.furthest, self.plausible_lag) = (lag, R::MAX);
         }
         let found = self.choose(on, window, max_lag, before, after, lag)?;
         Some(Found { flags: found.flags.and(Flags::SECOND_MINIMUM), ..found })
     }
 
-    /// Whether the foot has stayed behind on a leg and no other was found: the search then starts cold.
+    /// Whether the foot has stayed behind on a leg and the search has no other. The search then starts cold.
     pub(super) fn is_lost(&self) -> bool {
         self.missed > MISSED
     }
@@ -242,7 +242,7 @@ fn minimum<R: Real, P: Position>(
 }
 
 /// Minimum on the leg that the reference is on.
-fn beside_reference<R: Real, P: Position>(
+fn minimum_on_reference_leg<R: Real, P: Position>(
     on: &OnPath<'_, R, P>,
     max_lag: R,
     point: impl Fn(&Span<R, P>) -> [R; 3],

@@ -177,8 +177,8 @@ impl<'a, R: Real, P: Position> ToolPath<'a, R, P> {
         let place = Reference { span: tip.span, t: tip.t };
         let Some(turn) = self.turn(place.span).filter(|_| tip.is_measured()) else { return OrientationError::none() };
         let error = OrientationError::between(turn.heading(place.t, of_axes), actual, place, 1, tip.flags);
-        let beside = if self.path.stands(reference.span) { Some(reference) } else { self.beside(place) };
-        match beside {
+        let adjacent = if self.path.is_stationary(reference.span) { Some(reference) } else { self.adjacent(place) };
+        match adjacent {
             Some(start) => self.turning(start, place, &error, actual, of_axes),
             None => error,
         }
@@ -186,13 +186,13 @@ impl<'a, R: Real, P: Position> ToolPath<'a, R, P> {
 
     /// The span without length at the nearer border of a point, starting from that border.
     #[inline(always)]
-    fn beside(&self, place: Reference<R>) -> Option<Reference<R>> {
+    fn adjacent(&self, place: Reference<R>) -> Option<Reference<R>> {
         let (number, t) = if place.t > R::HALF {
             (self.path.following(place.span)?, R::ZERO)
         } else {
             (self.path.preceding(place.span)?, R::ONE)
         };
-        self.path.stands(number).then_some(Reference { span: number, t })
+        self.path.is_stationary(number).then_some(Reference { span: number, t })
     }
 
     /// The nearest orientation on the turns from `start` on, if it is nearer than the one at the tip's foot.
@@ -228,7 +228,7 @@ impl<'a, R: Real, P: Position> ToolPath<'a, R, P> {
             } else {
                 self.path.preceding(from.span).map(|span| Reference { span, t: R::ONE })
             };
-            match beyond.filter(|b| self.path.stands(b.span)) {
+            match beyond.filter(|b| self.path.is_stationary(b.span)) {
                 Some(beyond) => from = beyond,
                 None => break,
             }
@@ -239,7 +239,7 @@ impl<'a, R: Real, P: Position> ToolPath<'a, R, P> {
         let cold = at_foot.flags.has(Flags::COLD);
         let flags = if cold { best.flags.and(Flags::COLD) } else { best.flags };
         let turned = OrientationError { evaluations, flags, ..best };
-        if self.path.stands(foot.span) {
+        if self.path.is_stationary(foot.span) {
             return turned;
         }
         let there = Reference { span: best.span, t: best.t };

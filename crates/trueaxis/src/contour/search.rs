@@ -165,7 +165,7 @@ impl<R: Real> ContourSearch<R> {
             let apart = Apart {
                 foot: state.foot.span,
                 reference: reference.span,
-                anew: state.foot.span == state.reference.span,
+                were_together: state.foot.span == state.reference.span,
                 lag: way(path, guess, reference).unwrap_or(R::ZERO),
                 progress,
             };
@@ -181,12 +181,12 @@ impl<R: Real> ContourSearch<R> {
         if found.trusted && clear && near && alone {
             return self.report(state, path, reference, &Found::of(guess.span, &found), error, 2);
         }
-        self.beside(state, path, reference, point, guess, window, found)
+        self.general(state, path, reference, point, guess, window, found)
     }
 
     /// Continues where the kernel's foot is not clear: near a border, beyond it, not trusted, or beside another leg.
     #[inline(never)]
-    fn beside<P: Position>(
+    fn general<P: Position>(
         &self,
         state: &mut ContourState<R>,
         path: &Path<'_, R, P>,

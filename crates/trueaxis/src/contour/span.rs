@@ -139,7 +139,7 @@ impl<R: Real, P: Position> Span<R, P> {
 
     /// Whether the tip stays in place on this span ([`Span::turning`]).
     #[cfg_attr(feature = "fast", inline(always))]
-    pub fn stands(&self) -> bool {
+    pub fn is_stationary(&self) -> bool {
         // Every other span has a speed at its start; a cusp's cubic at least contains the whole length.
         let [a, b, c] = self.arc;
         a == R::ZERO && b == R::ZERO && c == R::ZERO
@@ -339,31 +339,31 @@ impl<'a, R: Real, P: Position> Path<'a, R, P> {
 
     /// Whether the tip stays in place on a span.
     #[cfg_attr(feature = "fast", inline(always))]
-    pub(super) fn stands(&self, number: u32) -> bool {
-        self.span(number).is_some_and(Span::stands)
+    pub(super) fn is_stationary(&self, number: u32) -> bool {
+        self.span(number).is_some_and(Span::is_stationary)
     }
 
     /// Skips spans without length, at most [`TURNS_IN_A_ROW`] of them.
     #[inline(never)]
     fn pass(&self, mut number: u32, onwards: impl Fn(&Self, u32) -> Option<u32>) -> Option<u32> {
         for _ in 0..TURNS_IN_A_ROW {
-            if !self.stands(number) {
+            if !self.is_stationary(number) {
                 return Some(number);
             }
             number = onwards(self, number)?;
         }
-        (!self.stands(number)).then_some(number)
+        (!self.is_stationary(number)).then_some(number)
     }
 
     /// Equivalent of a point on a nearby span on which the tip moves, if any; otherwise the point itself.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn moving(&self, at: Reference<R>) -> Reference<R> {
-        if self.turning && self.stands(at.span) { self.beside(at) } else { at }
+        if self.turning && self.is_stationary(at.span) { self.neighbour(at) } else { at }
     }
 
     #[cold]
     #[inline(never)]
-    fn beside(&self, at: Reference<R>) -> Reference<R> {
+    fn neighbour(&self, at: Reference<R>) -> Reference<R> {
         match (self.next(at.span), self.previous(at.span)) {
             (Some(span), _) => Reference { span, t: R::ZERO },
             (None, Some(span)) => Reference { span, t: R::ONE },

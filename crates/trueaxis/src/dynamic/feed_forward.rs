@@ -60,7 +60,7 @@ pub(super) struct Drift<R> {
 impl<R: Real> Drift<R> {
     /// Sets the axis to rest.
     #[inline(always)]
-    pub(super) fn stand(&mut self) {
+    pub(super) fn rest(&mut self) {
         (self.velocity, self.missing) = (R::ZERO, R::ZERO);
     }
 
@@ -119,14 +119,14 @@ impl<R: Real> FeedForward<R> {
 
     /// The offset of a cycle that takes no time: the previous one.
     #[inline(always)]
-    pub(super) fn standing(&self, state: &Drift<R>) -> R {
+    pub(super) fn held_offset(&self, state: &Drift<R>) -> R {
         // Zero without a law, even if a loop before an exchange has left an offset.
         if self.gain == R::ZERO { R::ZERO } else { state.offset }
     }
 
-    /// The offset of a cycle in which the axis moves by `way`. `anew`: the drive already supplies the present force.
+    /// The offset of a cycle in which the axis moves by `way`. `supplied`: the drive already supplies the present force.
     #[inline(always)]
-    pub(super) fn offset(&self, state: &mut Drift<R>, way: R, parts: Dynamics, anew: bool) -> R {
+    pub(super) fn offset(&self, state: &mut Drift<R>, way: R, parts: Dynamics, supplied: bool) -> R {
         let change = way - state.velocity;
         let ahead = way + change * self.lead;
         let travel = ahead * self.per_presliding;
@@ -140,7 +140,7 @@ impl<R: Real> FeedForward<R> {
         if parts.has(Dynamics::ACCELERATION) {
             force += self.acceleration * change;
         }
-        let rise = if anew { R::ZERO } else { force - state.force };
+        let rise = if supplied { R::ZERO } else { force - state.force };
         let lag = if parts.has(Dynamics::LAG) { self.lag * way } else { R::ZERO };
         state.missing = (state.missing + rise) * self.decay;
         state.offset = state.offset * self.keep + (state.missing + lag) * self.gain;

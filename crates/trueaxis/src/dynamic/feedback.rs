@@ -1,7 +1,8 @@
 //! Contour feedback: u = −(K_p e + K_i ∫e dt), e the contour error of the estimated tip in machine directions.
 //!
 //! If the error cannot be acted on (foot not bracketed, a corner or an end, ambiguous, cold, in rapid motion, under a
-//! fault), the integral is held and K_p e ramped out; while an axis is limited, its integral is held (anti-windup).
+//! fault), the integral stays constant and K_p e ramps out. While any axis is limited, the integrals of all axes stay
+//! constant (anti-windup).
 
 #![deny(clippy::indexing_slicing)]
 

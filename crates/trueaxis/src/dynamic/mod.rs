@@ -1,5 +1,4 @@
-//! The dynamic correction: added by the step to a command to correct the errors of the servo, not only those of the
-//! geometry.
+//! The dynamic correction, with which the step corrects the errors of the servo in addition to those of the geometry.
 //!
 //! Each part is off unless it is configured, and can be switched in any cycle ([`Dynamics`]):
 //!

@@ -23,8 +23,8 @@ struct Act<R> {
     limiter: Limiter<R>,
     /// Limiters that ramp the geometric correction: within the limits of the axis; no faster than friction brakes,
     /// while the acceleration is fed forward.
-    leads: [Limiter<R>; 2],
-    /// Whether lost motion is taken up from the reversal of the command.
+    ramps: [Limiter<R>; 2],
+    /// Whether the axis takes up its lost motion from the reversal of the command.
     takes_up: bool,
     /// Whether the axis is linear: the feedback moves the tip along it.
     is_linear: bool,
@@ -33,8 +33,8 @@ struct Act<R> {
 impl<R: Real> Act<R> {
     /// The limiter that ramps the geometric correction.
     #[inline(always)]
-    fn lead(&self, slowly: usize) -> &Limiter<R> {
-        let [own, slow] = &self.leads;
+    fn ramp(&self, slowly: usize) -> &Limiter<R> {
+        let [own, slow] = &self.ramps;
         if slowly == 0 { own } else { slow }
     }
 }
@@ -78,7 +78,7 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         let mut any = feedback.is_some() || !machine.crosstalk.is_empty();
         let idle = Limiter::new(&DynamicSettings::with_defaults(crate::axis::Axis::X).limits, period_s)?;
         let mut axes =
-            [Act { law: FeedForward::none(), limiter: idle, leads: [idle; 2], takes_up: false, is_linear: false }; N];
+            [Act { law: FeedForward::none(), limiter: idle, ramps: [idle; 2], takes_up: false, is_linear: false }; N];
         for (act, settings) in axes.iter_mut().zip(order.settings(machine)) {
             let Some(settings) = settings else { continue };
             let servo = &settings.servo;
@@ -89,9 +89,9 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
             let law = FeedForward::new(servo, &dynamic, period_s);
             let own = Limiter::new(&settings.limits, period_s).map_err(|error| error.on(settings.axis))?;
             // If it is too slow for the scalar to represent: as fast as the axis may.
-            let slow = Limiter::new(&lead_limits(settings, &dynamic), period_s).unwrap_or(own);
+            let slow = Limiter::new(&ramp_limits(settings, &dynamic), period_s).unwrap_or(own);
             let (takes_up, is_linear) = (dynamic.take_up, !settings.axis.is_rotary());
-            *act = Act { law, limiter, leads: [own, slow], takes_up, is_linear };
+            *act = Act { law, limiter, ramps: [own, slow], takes_up, is_linear };
         }
         let feedback = feedback.map(|settings| (Feedback::new(settings, period_s), Watch::new(settings, period_s)));
         let crosstalk = (!machine.crosstalk.is_empty()).then_some(crosstalk);
@@ -107,21 +107,21 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
 
     /// Ramps the geometric corrections; returns one bit for every axis that has not reached its correction yet.
     #[inline(always)]
-    pub(crate) fn lead(&self, led: &mut [LimiterState<R>; N], wanted: &[R; N], sample: &Sample<P, N>) -> u8 {
+    pub(crate) fn ramp(&self, ramped: &mut [LimiterState<R>; N], wanted: &[R; N], sample: &Sample<P, N>) -> u8 {
         let which = usize::from(sample.input.dynamics.has(Dynamics::ACCELERATION));
         let mut flags = 0;
         if sample.verdict == Verdict::Active && sample.due {
-            for (slot, ((act, led), wanted)) in self.axes.iter().zip(led).zip(wanted).enumerate() {
-                flags |= u8::from(act.lead(which).follow(led, *wanted)) << (slot & 7);
+            for (slot, ((act, ramped), wanted)) in self.axes.iter().zip(ramped).zip(wanted).enumerate() {
+                flags |= u8::from(act.ramp(which).follow(ramped, *wanted)) << (slot & 7);
             }
             return flags;
         }
-        for (slot, (act, led)) in self.axes.iter().zip(led).enumerate() {
+        for (slot, (act, ramped)) in self.axes.iter().zip(ramped).enumerate() {
             match sample.verdict {
-                Verdict::Hold | Verdict::Nowhere => act.lead(which).hold(led),
+                Verdict::Hold | Verdict::NoOutput => act.ramp(which).hold(ramped),
                 _ if !sample.due => {}
-                Verdict::Freeze => act.lead(which).freeze(led),
-                _ => flags |= u8::from(act.lead(which).follow(led, R::ZERO)) << (slot & 7),
+                Verdict::Freeze => act.ramp(which).freeze(ramped),
+                _ => flags |= u8::from(act.ramp(which).follow(ramped, R::ZERO)) << (slot & 7),
             }
         }
         flags
@@ -151,7 +151,7 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
             }
             _ => {
                 parts.feed_forward = none;
-                if self.stand(state, sample, moment, parts) {
+                if self.idle(state, sample, moment, parts) {
                     return 0;
                 }
             }
@@ -161,7 +161,7 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
 
     /// Handles cycles in which nothing is wanted; returns whether nothing moves either.
     #[inline(never)]
-    fn stand(
+    fn idle(
         &self,
         state: &mut DynamicState<R, P, N>,
         sample: &Sample<P, N>,
@@ -170,7 +170,7 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
     ) -> bool {
         match sample.verdict {
             _ if sample.first => state.rest(),
-            Verdict::Hold | Verdict::Nowhere => {
+            Verdict::Hold | Verdict::NoOutput => {
                 let limiters = self.axes.iter().zip(&mut state.limited);
                 limiters.for_each(|(act, limited)| act.limiter.hold(limited));
                 state.rest();
@@ -210,7 +210,7 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
     ) {
         let fresh = state.fresh;
         // When a part is switched on in motion, the drive already supplies its force.
-        let anew = fresh || state.parts != on;
+        let supplied = fresh || state.parts != on;
         if sample.due {
             (state.fresh, state.parts) = (false, on);
         }
@@ -218,7 +218,7 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         let memory = state.drift.iter_mut().zip(&mut state.command).zip(&mut state.geometric_before);
         let moved = sample.command.iter().zip(moment.geometric).zip(&mut changes);
         let laws = self.axes.iter().zip(&mut parts.feed_forward);
-        for ((((drift, before), led_before), ((command, geometric), change)), (act, offset)) in
+        for ((((drift, before), geometric_before), ((command, geometric), change)), (act, offset)) in
             memory.zip(moved).zip(laws)
         {
             let was = drift.velocity();
@@ -228,16 +228,16 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
                 // Several periods in one: the axis counts as having kept its velocity.
                 was
             } else {
-                command.since_near::<R>(*before) + (*geometric - *led_before)
+                command.since_near::<R>(*before) + (*geometric - *geometric_before)
             };
-            (*before, *led_before) = (*command, *geometric);
+            (*before, *geometric_before) = (*command, *geometric);
             if !sample.due {
                 // The drives have had no time to move: their laws keep their offsets, and distances count from here.
-                *offset = act.law.standing(drift);
+                *offset = act.law.held_offset(drift);
                 continue;
             }
             *change = way - was;
-            *offset = act.law.offset(drift, way, on, anew);
+            *offset = act.law.offset(drift, way, on, supplied);
         }
         self.feed_back(state, sample, moment, on, &mut parts.feedback);
         if let (Some(crosstalk), true) = (&self.crosstalk, on.has(Dynamics::CROSSTALK)) {
@@ -263,7 +263,7 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         wanted: &mut [R; N],
     ) {
         let Some((feedback, watch)) = &self.feedback else {
-            // Exchanged for a loop without feedback: nothing is left to ramp out.
+            // The new loop has no feedback, so nothing remains to ramp out.
             state.out = false;
             return;
         };
@@ -278,7 +278,7 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         let slow = feedback.reaches(linear.map(|(drift, _)| drift.velocity()));
         let error = moment.error.filter(|_| slow && sample.verdict == Verdict::Active && sample.due);
         let errors = error.unwrap_or_default();
-        // One axis that cannot follow displaces the tool in all directions, so every integral is held.
+        // One axis that cannot follow displaces the tool in all directions, so every integral stays constant.
         let limited = moment.limited != 0;
         let axes = self.axes.iter().zip(&mut state.integral).zip(&mut state.swing).zip(wanted);
         for ((((act, integral), swing), wanted), e) in axes.zip(errors) {
@@ -297,7 +297,7 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
 /// Limits of an axis' geometric correction while the acceleration is fed forward: it accelerates no more than friction
 /// brakes. A faster ramp makes the step that takes up lost motion overshoot, and the returning carriage takes up some
 /// of the play in the opposite direction, which no reading shows.
-fn lead_limits(settings: &AxisSettings, dynamic: &DynamicSettings) -> Limits {
+fn ramp_limits(settings: &AxisSettings, dynamic: &DynamicSettings) -> Limits {
     match (&settings.servo.drive, &settings.servo.friction) {
         (Some(drive), Some(friction)) if dynamic.acceleration => {
             let braking = friction.coulomb_per_s * drive.velocity_gain_per_s;

@@ -28,7 +28,7 @@ pub(crate) struct DynamicState<R, P: Position, const N: usize> {
     /// Change of the command in the last cycle.
     pub(super) trend: [R; N],
     /// Geometric correction, rate-limited ahead of the axis limiter.
-    led: [LimiterState<R>; N],
+    ramped: [LimiterState<R>; N],
     /// Geometric correction sent last, mm (deg), also as a position offset, and the resulting drive position.
     pub(super) geometric: [R; N],
     offsets: [P::Offset; N],
@@ -51,7 +51,7 @@ impl<R: Real, P: Position, const N: usize> DynamicState<R, P, N> {
             command: [P::default(); N],
             geometric_before: [R::ZERO; N],
             trend: [R::ZERO; N],
-            led: [LimiterState::default(); N],
+            ramped: [LimiterState::default(); N],
             geometric: [R::ZERO; N],
             offsets: [P::offset(R::ZERO); N],
             drive: [P::default(); N],
@@ -68,8 +68,8 @@ impl<R: Real, P: Position, const N: usize> DynamicState<R, P, N> {
     /// Restarts: the entire correction sent is geometric.
     #[cold]
     pub(crate) fn begin(&mut self, sent: [R; N], offsets: &[P::Offset; N], drive: &[P; N]) {
-        let led = sent.map(LimiterState::at_rest);
-        *self = DynamicState { led, geometric: sent, offsets: *offsets, drive: *drive, ..DynamicState::new() };
+        let ramped = sent.map(LimiterState::at_rest);
+        *self = DynamicState { ramped, geometric: sent, offsets: *offsets, drive: *drive, ..DynamicState::new() };
     }
 
     /// Ends the cycle: the correction sent by the axis limiter, minus the dynamic part, is geometric.
@@ -85,10 +85,10 @@ impl<R: Real, P: Position, const N: usize> DynamicState<R, P, N> {
         }
     }
 
-    /// Takes back a cycle of which nothing was sent.
+    /// Takes back a cycle that sent nothing.
     #[cold]
     pub(crate) fn take_back(&mut self, sent: [R; N]) {
-        self.led = self.geometric.map(LimiterState::at_rest);
+        self.ramped = self.geometric.map(LimiterState::at_rest);
         self.limited = sent.map(LimiterState::at_rest);
         self.rest();
     }
@@ -97,7 +97,7 @@ impl<R: Real, P: Position, const N: usize> DynamicState<R, P, N> {
     pub(super) fn rest(&mut self) {
         self.fresh = true;
         self.trend = [R::ZERO; N];
-        self.drift.iter_mut().for_each(Drift::stand);
+        self.drift.iter_mut().for_each(Drift::rest);
     }
 
     /// Dynamic corrections sent last.
@@ -108,8 +108,8 @@ impl<R: Real, P: Position, const N: usize> DynamicState<R, P, N> {
 
     /// Rate-limited geometric corrections.
     #[inline(always)]
-    pub(crate) fn led_mut(&mut self) -> &mut [LimiterState<R>; N] {
-        &mut self.led
+    pub(crate) fn ramped_mut(&mut self) -> &mut [LimiterState<R>; N] {
+        &mut self.ramped
     }
 
     /// Geometric corrections sent last.

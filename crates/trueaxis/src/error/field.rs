@@ -6,6 +6,7 @@ macro_rules! fields {
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         #[non_exhaustive]
         #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+        #[repr(u8)]
         pub enum Field {
             $($(#[$doc])* $(#[doc = concat!(" `", $linear, "`")])? $field,)*
         }
@@ -13,6 +14,12 @@ macro_rules! fields {
         impl Field {
             /// Every setting.
             pub const ALL: &[Field] = &[$(Field::$field),*];
+
+            /// Number of the setting, from 0, in the order of [`Field::ALL`]; what a build without texts reports. New
+            /// settings are appended, so that numbers keep their meaning.
+            pub const fn code(self) -> u8 {
+                self as u8
+            }
 
             /// Key in `machine.toml` for linear axes and for rotary ones; `*` is the letter of the axis.
             pub(super) const fn pattern(self) -> Option<[&'static str; 2]> {

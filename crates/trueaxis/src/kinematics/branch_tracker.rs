@@ -136,9 +136,9 @@ impl<R: Real> BranchTracker<R> {
             Branch::Second => (solutions.second, solutions.first),
         };
         let limit_deg = max_step_deg.to_f64();
-        let other_goes_on = other.is_ok_and(|solution| solution.step_deg <= max_step_deg);
+        let other_continues = other.is_ok_and(|solution| solution.step_deg <= max_step_deg);
         match here {
-            Ok(Solution { step_deg, .. }) if other_goes_on => {
+            Ok(Solution { step_deg, .. }) if other_continues => {
                 Err(InverseError::BranchChange { from: self.last.branch, step_deg: step_deg.to_f64(), limit_deg })
             }
             Ok(solution) => Err(self.too_fast(&solution, max_step_deg)),

@@ -181,7 +181,7 @@ impl<R: Real> Kinematics<R> {
         if let [Some(first), Some(second)] = &self.chain.turns {
             let aim = self.aim(tool, first, second)?;
             if aim.in_cone() {
-                return self.with_linear(aim.tip, &aim.led_to_nearest(near)?);
+                return self.with_linear(aim.tip, &aim.guided_to_nearest(near)?);
             }
         }
         self.solutions(tool, near)?.choose(Choice::Nearest)
@@ -231,7 +231,8 @@ impl<R: Real> Kinematics<R> {
             [Some(first), Some(second)] => {
                 let aim = self.aim(tool, first, second)?;
                 let [first, second] = [Branch::First, Branch::Second].map(|branch| {
-                    let turned = if aim.in_cone() { aim.led(branch, near, true)? } else { aim.turned(branch, near)? };
+                    let turned =
+                        if aim.in_cone() { aim.guided(branch, near, true)? } else { aim.turned(branch, near)? };
                     self.with_linear(aim.tip, &turned)
                 });
                 Ok(Solutions { first, second })
@@ -340,8 +341,8 @@ impl<R: Real> Kinematics<R> {
 
     /// X, Y, Z that bring the tip to its position with the rotary axes as they are.
     #[inline(always)]
-    fn with_linear(&self, tip: V3<R>, stand: &Turned<R>) -> Result<Solution<R>, InverseError> {
-        let [first_pose, second_pose] = stand.poses;
+    fn with_linear(&self, tip: V3<R>, rotary: &Turned<R>) -> Result<Solution<R>, InverseError> {
+        let [first_pose, second_pose] = rotary.poses;
         let [first, second] = &self.chain.turns;
         let turned = |turn: &Option<Rotary<R>>, pose, v: V3<R>| match turn {
             Some(turn) => v.turned(turn.about, pose),
@@ -362,11 +363,11 @@ impl<R: Real> Kinematics<R> {
                 let inner = back(first, first_pose, tip - before.offset) - between.offset;
                 back(second, second_pose, inner) - tool
             }
-            None => self.along_slides(tip, stand)?,
+            None => self.along_slides(tip, rotary)?,
         };
         let [x, y, z] = found.array();
         let [travel_x, travel_y, travel_z] = &self.chain.travel;
-        let [_, _, _, a, b, c] = stand.axes;
+        let [_, _, _, a, b, c] = rotary.axes;
         let mut axes = [x, y, z, a, b, c];
         if !(within(x, travel_x) & within(y, travel_y) & within(z, travel_z)) {
             let ends = [Axis::X, Axis::Y, Axis::Z].into_iter().zip(&self.chain.travel);
@@ -374,14 +375,14 @@ impl<R: Real> Kinematics<R> {
                 *place = inside(axis, *place, *travel)?;
             }
         }
-        let Turned { branch, margin_deg, direction_error_deg, step_deg, .. } = *stand;
+        let Turned { branch, margin_deg, direction_error_deg, step_deg, .. } = *rotary;
         Ok(Solution { axes, branch, singularity_margin_deg: margin_deg, direction_error_deg, step_deg })
     }
 
     /// X, Y, Z if rotary axes lie between them: three equations, solved by Cramer's rule.
     #[inline(never)]
-    fn along_slides(&self, tip: V3<R>, stand: &Turned<R>) -> Result<V3<R>, InverseError> {
-        let [first_pose, second_pose] = stand.poses;
+    fn along_slides(&self, tip: V3<R>, rotary: &Turned<R>) -> Result<V3<R>, InverseError> {
+        let [first_pose, second_pose] = rotary.poses;
         let [first, second] = self.chain.turns;
         let (first, second) = (first.map(|turn| (turn, first_pose)), second.map(|turn| (turn, second_pose)));
         let [before, between, behind] = self.chain.sections;
@@ -413,14 +414,14 @@ impl<R: Real> Aim<R> {
     /// In the cone: takes the branch to which the first axis is nearer, or the other one if that leaves the travel.
     #[cold]
     #[inline(never)]
-    fn led_to_nearest(&self, near: &[R; AXES]) -> Result<Turned<R>, InverseError> {
+    fn guided_to_nearest(&self, near: &[R; AXES]) -> Result<Turned<R>, InverseError> {
         let [_, p, q] = self.wanted;
         let (cos, sin) = self.first.cos_sin(near);
         let (own, other) =
             if q * cos > p * sin { (Branch::Second, Branch::First) } else { (Branch::First, Branch::Second) };
         let only = self.second_alone(other, near).is_err();
-        self.led(own, near, only).or_else(|error| {
-            self.led(other, near, true)
+        self.guided(own, near, only).or_else(|error| {
+            self.guided(other, near, true)
                 .map_err(|reached| if matches!(reached, InverseError::SingularPose { .. }) { reached } else { error })
         })
     }
@@ -429,7 +430,7 @@ impl<R: Real> Aim<R> {
     /// (see the module documentation). From any position (`far`) its permitted deviation doubles: up to half a turn.
     #[cold]
     #[inline(never)]
-    fn led(&self, branch: Branch, near: &[R; AXES], far: bool) -> Result<Turned<R>, InverseError> {
+    fn guided(&self, branch: Branch, near: &[R; AXES], far: bool) -> Result<Turned<R>, InverseError> {
         // The branch must be reachable outside the cone.
         self.second_alone(branch, near)?;
         let ([a, b, c], [_, p, q]) = (self.tool, self.wanted);
@@ -450,11 +451,11 @@ impl<R: Real> Aim<R> {
         // Angles of the first axis from the direction's azimuth, positive towards the branch.
         let sign = if branch == Branch::First { R::ONE } else { -R::ONE };
         let (cos, sin) = self.first.cos_sin(near);
-        let stands = atan2(sign * (p * sin - q * cos), p * cos + q * sin);
+        let current = atan2(sign * (p * sin - q * cos), p * cos + q * sin);
         let exact = self.apart[0];
         let times = if far { R::TWO } else { R::ONE };
         let pi = R::of(core::f64::consts::PI);
-        let off = if stands - exact < -pi { stands - exact + pi * R::TWO } else { stands - exact };
+        let off = if current - exact < -pi { current - exact + pi * R::TWO } else { current - exact };
         let allowed = off.limit(times * (angle(high) - exact), times * (angle(low) - exact));
         let at = self.first.position(near);
         let position = if allowed == off {

@@ -124,7 +124,7 @@ fn never_exceeds_a_limit_and_always_settles() {
 }
 
 #[test]
-fn freezing_brakes_within_the_acceleration_and_then_stands() {
+fn freezing_brakes_within_the_acceleration_and_then_holds() {
     let limiter = Limiter::<f64>::new(&LIMITS, T).unwrap();
     let mut state = LimiterState::default();
     let mut check = Checker::new();
@@ -136,9 +136,9 @@ fn freezing_brakes_within_the_acceleration_and_then_stands() {
         limiter.freeze(&mut state);
         check.cycle(state.sent(), &LIMITS);
     }
-    let stands = state.sent();
+    let at_rest = state.sent();
     limiter.freeze(&mut state);
-    assert_eq!(stands.to_bits(), state.sent().to_bits());
+    assert_eq!(at_rest.to_bits(), state.sent().to_bits());
     check.assert(1e-6);
 }
 
@@ -218,7 +218,7 @@ proptest! {
 }
 
 #[test]
-fn the_time_to_lead_a_step_in_is_the_one_stated() {
+fn the_time_to_ramp_a_step_in_is_the_one_stated() {
     let swift = Limits { magnitude: 0.1, slope_per_s: 5.0, acceleration_per_s2: 5000.0 };
     for limits in [LIMITS, swift] {
         for way in [1e-4, 1e-3, 2.2e-3, 0.01, 0.05, 0.1] {
@@ -226,7 +226,7 @@ fn the_time_to_lead_a_step_in_is_the_one_stated() {
             let limiter = Limiter::<f64>::new(&limits, period).unwrap();
             let mut state = LimiterState::default();
             let cycles = (1..1_000_000).find(|_| !limiter.follow(&mut state, way)).unwrap();
-            let (found, stated) = (f64::from(cycles) * period, lead_in_s(&limits, way));
+            let (found, stated) = (f64::from(cycles) * period, ramp_in_s(&limits, way));
             // Whole cycles of deceleration, and the last part by rounding.
             assert!((found - stated).abs() <= 0.02 * stated + 4.0 * period, "{way}: {found} {stated}");
         }

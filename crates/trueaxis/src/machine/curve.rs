@@ -5,7 +5,7 @@ use super::{Axis, AxisSettings, Interpolation, pchip};
 
 /// Error of one component in one direction of travel as a function of position.
 ///
-/// mm or rad over mm or degrees. Costs a few line look-ups per interval: meant for build, not for the step.
+/// mm or rad over mm or degrees. Costs a few line lookups per interval: meant for build, not for the step.
 #[derive(Clone, Copy, Debug)]
 pub struct Curve<'r, T: ?Sized> {
     rows: &'r T,

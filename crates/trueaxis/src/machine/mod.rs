@@ -91,9 +91,9 @@ pub struct AxisSettings {
     pub axis: Axis,
     /// Interpolation between table points.
     pub interpolation: Interpolation,
-    /// Look-up position of the axis' own positioning error.
+    /// Lookup position of the axis' own positioning error.
     pub lookup: Lookup,
-    /// Look-up position of the other components.
+    /// Lookup position of the other components.
     pub cross_lookup: Lookup,
     /// Sense of a rotary axis, +1 or −1 (linear: +1).
     pub direction: i8,
@@ -138,12 +138,13 @@ impl AxisSettings {
 
     /// The stated defaults of an axis; `carries_workpiece` for the workpiece side of the chain.
     ///
-    /// Travel not declared (±1e6 mm, ±1e9 degrees), linear interpolation, look-up at the command, 0.3 µm (6 µrad) of
+    /// Travel not declared (±1e6 mm, ±1e9 degrees), linear interpolation, lookup at the command, 0.3 µm (6 µrad) of
     /// reversal hysteresis, limits 100 µm, 5 mm/s, 5 m/s² (rotary 2000 µrad, 5 deg/s, 5000 deg/s²).
     ///
-    /// With these limits an axis crosses 2 µm of lost motion within 1.5 ms; lower ones leave more of it uncorrected after
-    /// a reversal than they protect from. The rotary limits correspond to a radius of some 50 mm. In single
-    /// precision the acceleration is 10 times the resolution of the correction at servo rates up to 200 kHz.
+    /// With these limits an axis crosses 2 µm of lost motion within 1.5 ms. Lower limits would do more harm than they
+    /// prevent, by leaving lost motion uncorrected after a reversal. The rotary limits correspond to a radius of some
+    /// 50 mm. In single precision the acceleration is 10 times the resolution of the correction at servo rates up to
+    /// 200 kHz.
     pub fn with_defaults(axis: Axis, carries_workpiece: bool) -> Self {
         let rotary = axis.is_rotary();
         let reach = if rotary { 1e9 } else { 1e6 };
@@ -312,6 +313,24 @@ pub struct MachineSettings {
     pub roundness: Option<GaugeSettings>,
     /// Acceleration cross-talk.
     pub crosstalk: Vec<CrosstalkSettings, CROSSTALK_CAPACITY>,
+}
+
+impl MachineSettings {
+    /// A machine without name and axes, as a place to decode settings into.
+    pub(crate) const EMPTY: MachineSettings = MachineSettings {
+        name: String::new(),
+        chain: String::new(),
+        tool_mm: [0.0; 3],
+        reference_temperature_c: 0.0,
+        location: LocationErrors { a0z: 0.0, b0z: 0.0, c0y: 0.0, rotary: [[0.0; 6]; 3] },
+        faults: FaultSettings { resume: [0.0; 2], command_jump_factor: 0.0, feedback_jump: [0.0; 2], stuck: [0.0; 2] },
+        contour: ContourSettings { max_lag_mm: 0.0, feedback: None },
+        compensation: CompensationSettings { model: ErrorModel::Nine, orientation: false, fade_deg: 0.0 },
+        kinematics: KinematicsSettings { tool_axis: [0.0; 3], singular_cone_deg: 0.0 },
+        axes: Vec::new(),
+        roundness: None,
+        crosstalk: Vec::new(),
+    };
 }
 
 /// The six errors of an axis at one position: translations along X, Y, Z (mm), rotations about X, Y, Z (rad).

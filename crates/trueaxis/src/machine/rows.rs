@@ -34,7 +34,7 @@ pub(crate) enum Lines<'r, T: ?Sized> {
 
 /// Ends of the zeros of a linear axis without a declared travel, mm: in single precision its coordinates keep 0.1 µm.
 const UNDECLARED: [f64; 2] = [-1000.0, 1000.0];
-/// Extent of the zeros beyond a declared travel, mm (deg): farther than a correction moves a look-up, so that no axis is
+/// Extent of the zeros beyond a declared travel, mm (deg): farther than a correction moves a lookup, so that no axis is
 /// reported at the edge of a table that it does not have.
 const BEYOND_TRAVEL: f64 = 10.0;
 

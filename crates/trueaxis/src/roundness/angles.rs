@@ -169,7 +169,7 @@ impl Gain {
         self.points
     }
 
-    /// φ2 and φ3 in whole slots, if the angles were given that way.
+    /// φ2 and φ3 in whole slots, if the settings state them so.
     pub fn slots(&self) -> Option<[usize; 2]> {
         self.slots
     }

@@ -74,7 +74,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_close_is_refused() {
+    fn linkages_that_cannot_close_are_refused() {
         let arm = |crank_mm, wheel_mm, pin_mm| Arm { crank_mm, wheel_mm, pin_mm }.ratio();
         assert!(arm(330.0, 300.0, 30.0).is_err());
         assert!(arm(329.9, 300.0, 30.0).is_ok());

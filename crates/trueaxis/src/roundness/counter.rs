@@ -6,7 +6,8 @@
 use super::flags::GaugeFlags;
 use super::settings::{ArmSettings, SpindleEncoder};
 
-/// Converts counts of one turn to a fraction of 2^32: x + x·f/2^32 of x = counts · 2^k, f = ⌊2^(64−k)/counts per turn − 2^32⌉.
+/// Converts counts of one turn to a fraction of 2^32: x + x·f/2^32, with x = counts · 2^k, f = ⌊2^(64−k)/counts per
+/// turn − 2^32⌉.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Scale {
     /// 2^k, as far as the counts of a turn can be shifted within 32 bits.
@@ -197,18 +198,18 @@ impl SpindleCounter {
         if !self.index {
             return false;
         }
-        let mut anew = false;
+        let mut zero_moved = false;
         if let Some(latched) = pulse {
-            anew = self.at_index(state, raw, latched, flags);
+            zero_moved = self.at_index(state, raw, latched, flags);
         } else if state.referenced && !self.is_in_time(state) {
             // The count may have slipped by any amount.
             state.referenced = false;
             flags.set(GaugeFlags::INDEX_MISSING);
         }
-        if !state.referenced || anew {
+        if !state.referenced || zero_moved {
             flags.set(GaugeFlags::NO_INDEX);
         }
-        anew
+        zero_moved
     }
 
     #[cold]

@@ -87,9 +87,9 @@ impl<R: Real> ResamplerState<R> {
 
 /// Result of the quick check of a cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Glance {
+pub(super) enum QuickCheck {
     /// The cycle needs the full check; the state is unchanged.
-    Look,
+    NeedsFullCheck,
     /// A normal cycle between two points: completely handled.
     Between,
     /// A normal cycle in which θ has passed one point or two; [`Resampler::keep`] must follow.
@@ -148,18 +148,18 @@ impl<R: Real, const N: usize> Resampler<R, N> {
 
     /// Handles nearly every cycle: first runs every test, and changes nothing if any of them fails.
     #[inline(always)]
-    pub(super) fn glance(&self, state: &mut ResamplerState<R>, probes: &Probes<R>) -> Glance {
+    pub(super) fn quick_check(&self, state: &mut ResamplerState<R>, probes: &Probes<R>) -> QuickCheck {
         let (raw, in_turn) = self.spindle.read(&state.spindle, probes.spindle);
         let alpha = self.spindle.angle(in_turn);
         if in_turn >= state.plain {
-            return Glance::Look;
+            return QuickCheck::NeedsFullCheck;
         }
-        let Some(left) = state.left.checked_sub(1) else { return Glance::Look };
+        let Some(left) = state.left.checked_sub(1) else { return QuickCheck::NeedsFullCheck };
         let mut beta = 0;
         if let Some(arm) = &self.arm {
             match arm.angle(probes.arm) {
                 Some(angle) if self.spindle.follows(&state.spindle, raw) => beta = angle,
-                _ => return Glance::Look,
+                _ => return QuickCheck::NeedsFullCheck,
             }
         }
         let [[h1, h2, h3], [m1, m2, m3]] = [&probes.readings, &self.middle];
@@ -171,21 +171,21 @@ impl<R: Real, const N: usize> Resampler<R, N> {
         // False for NaN.
         let sound = h1 * h1 + h2 * h2 + h3 * h3 <= self.room;
         if !sound {
-            return Glance::Look;
+            return QuickCheck::NeedsFullCheck;
         }
         // Within a point no jump is possible.
         if !(between || Self::is_regular(moved) && self.spindle.follows(&state.spindle, raw)) {
-            return Glance::Look;
+            return QuickCheck::NeedsFullCheck;
         }
         SpindleCounter::follow(&mut state.spindle, raw);
         (state.left, state.here) = (left, theta);
         if !between {
-            return Glance::Passed { beta };
+            return QuickCheck::Passed { beta };
         }
         if moved >= Self::WIDTH >> 6 {
             Self::keep(state, &probes.readings);
         }
-        Glance::Between
+        QuickCheck::Between
     }
 
     /// Number of points between the last accepted cycle and this one.
@@ -208,7 +208,7 @@ impl<R: Real, const N: usize> Resampler<R, N> {
     }
 
     /// Processes a cycle's readings and adds flags for any fault. [`Resampler::settle`] comes last.
-    pub(super) fn look(
+    pub(super) fn full_check(
         &self,
         state: &mut ResamplerState<R>,
         probes: &Probes<R>,
@@ -217,8 +217,8 @@ impl<R: Real, const N: usize> Resampler<R, N> {
         if !state.spindle.started {
             state.left = self.patience;
         }
-        let stands = state.left == 0;
-        if stands {
+        let stopped = state.left == 0;
+        if stopped {
             state.clock = state.clock.wrapping_add(1);
         } else {
             state.left -= 1;
@@ -233,12 +233,12 @@ impl<R: Real, const N: usize> Resampler<R, N> {
             if beta.is_none() {
                 flags.set(GaugeFlags::ARM);
             }
-            self.begin_anew(state);
+            self.restart(state);
             return None;
         };
         let theta = alpha.wrapping_add_signed(beta);
         (state.here, state.is_known) = (theta, true);
-        if stands {
+        if stopped {
             flags.set(GaugeFlags::STOPPED);
         }
         let mut sound = true;
@@ -248,7 +248,7 @@ impl<R: Real, const N: usize> Resampler<R, N> {
         }
         if !sound {
             flags.set(GaugeFlags::PROBE_RANGE);
-            self.begin_anew(state);
+            self.restart(state);
             return None;
         }
         let [_, last] = state.theta;
@@ -266,7 +266,7 @@ impl<R: Real, const N: usize> Resampler<R, N> {
     }
 
     /// Discards all cycles before this one.
-    fn begin_anew(&self, state: &mut ResamplerState<R>) {
+    fn restart(&self, state: &mut ResamplerState<R>) {
         state.known = 0;
         self.rest(state);
     }
@@ -288,7 +288,7 @@ impl<R: Real, const N: usize> Resampler<R, N> {
     fn irregular(&self, state: &mut ResamplerState<R>, moved: i32, flags: &mut GaugeFlags) -> bool {
         if moved > 0 && moved >= Self::WIDTH {
             flags.set(GaugeFlags::TOO_FAST);
-            self.begin_anew(state);
+            self.restart(state);
             return true;
         }
         if moved < -Self::WIDTH {

@@ -1,6 +1,6 @@
 //! First stage: a cycle's readings become points of a revolution, and the points become whole revolutions.
 
-use super::resample::{Counted, Glance, POINTS_PER_CYCLE, Resampler};
+use super::resample::{Counted, POINTS_PER_CYCLE, QuickCheck, Resampler};
 use super::state::{GaugeState, Sampling};
 use super::work::{ARM_CHECKS, Beginning, Outcome};
 use super::{Followed, Gauge, GaugeFlags, Probes};
@@ -11,25 +11,30 @@ impl<R: Real, const N: usize> Gauge<R, N> {
     #[inline]
     pub fn sample(&self, state: &mut GaugeState<R, N>, probes: &Probes<R>, followed: Followed) -> GaugeFlags {
         if probes.new_part | probes.idle | probes.index.is_some() | (followed != Followed::Whole) {
-            return self.look(state, probes, followed);
+            return self.sample_with_full_check(state, probes, followed);
         }
-        match self.resampler.glance(&mut state.resampler, probes) {
-            Glance::Between => GaugeFlags::default(),
-            Glance::Passed { beta } => self.pass(state, &probes.readings, beta),
-            Glance::Look => self.look(state, probes, followed),
+        match self.resampler.quick_check(&mut state.resampler, probes) {
+            QuickCheck::Between => GaugeFlags::default(),
+            QuickCheck::Passed { beta } => self.pass(state, &probes.readings, beta),
+            QuickCheck::NeedsFullCheck => self.sample_with_full_check(state, probes, followed),
         }
     }
 
     /// Handles any cycle, with the full check.
     #[inline(never)]
-    fn look(&self, state: &mut GaugeState<R, N>, probes: &Probes<R>, followed: Followed) -> GaugeFlags {
+    fn sample_with_full_check(
+        &self,
+        state: &mut GaugeState<R, N>,
+        probes: &Probes<R>,
+        followed: Followed,
+    ) -> GaugeFlags {
         if probes.new_part {
             state.work.clear();
             state.sampling = Sampling::NEW;
             state.latest = Outcome::NONE;
         }
         let mut flags = GaugeFlags::default();
-        let passed = self.resampler.look(&mut state.resampler, probes, &mut flags);
+        let passed = self.resampler.full_check(&mut state.resampler, probes, &mut flags);
         if flags.discards() && state.sampling.running {
             state.sampling.running = false;
             state.counts.discarded = state.counts.discarded.wrapping_add(1);
@@ -124,7 +129,7 @@ impl<R: Real, const N: usize> Gauge<R, N> {
             };
             let steady = drift.is_some() && change <= self.plan.steady;
             state.drift = drift;
-            if self.infeed.is_some() && (limited || sampling.unheard > few || !steady) {
+            if self.infeed.is_some() && (limited || sampling.ineffective > few || !steady) {
                 of_revolution.set(GaugeFlags::INFEED_FROZEN);
             }
             flags.set(of_revolution);

@@ -45,7 +45,7 @@ pub(super) struct Sampling<R> {
     pub(super) most: u32,
     /// Numbers of cycles that the infeed law does not learn from: limited, and not followed or idle.
     pub(super) limited: u32,
-    pub(super) unheard: u32,
+    pub(super) ineffective: u32,
 }
 
 impl<R: Real> Sampling<R> {
@@ -61,13 +61,13 @@ impl<R: Real> Sampling<R> {
         fewest: 0,
         most: 0,
         limited: 0,
-        unheard: 0,
+        ineffective: 0,
     };
 
     /// Counts a cycle that the infeed law does not learn from.
     #[inline(never)]
     pub(super) fn count(&mut self, limited: bool) {
-        let counter = if limited { &mut self.limited } else { &mut self.unheard };
+        let counter = if limited { &mut self.limited } else { &mut self.ineffective };
         *counter = counter.wrapping_add(1);
     }
 

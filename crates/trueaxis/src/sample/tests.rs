@@ -184,43 +184,43 @@ fn random_cycle<P: Position>(random: &mut Noise, command: &mut [f64; 3], feedbac
 
 const PERIOD_NS: u32 = 100_000;
 
-fn a_glance_says_what_a_look_says<R: Real, P: Position>(seed: u64) {
+fn the_quick_check_agrees_with_the_full_check<R: Real, P: Position>(seed: u64) {
     let machine = Machine::three_axis().travel([0.0, 100.0], 1.0).settings();
     let order = AxisOrder::<3>::of(&machine).unwrap();
     let sampler = Sampler::<R, P, 3>::new(&order, &machine, PERIOD_NS);
     let mut random = Noise::new(seed);
     let (mut quick, mut thorough) = (SampleState::<P, 3>::new(), SampleState::<P, 3>::new());
     let (mut command, mut feedback) = ([50.0; 3], [50.0; 3]);
-    let mut glances = 0;
+    let mut passed_quickly = 0;
     let mut faults = std::collections::BTreeSet::new();
     for cycle in 0..share(100_000) {
         let input = random_cycle::<P>(&mut random, &mut command, &mut feedback);
-        let calm = sampler.glance(&mut quick, &input);
-        glances += usize::from(calm);
-        let mut believed = [[[P::default(); 3]; 2]; 2];
-        let [by_glance, by_look] = &mut believed;
-        let seen = if calm { Sample::calm(&input) } else { sampler.look(&mut quick, &input, by_glance) };
-        let looked = sampler.look(&mut thorough, &input, by_look);
-        assert_eq!(format!("{seen:?}"), format!("{looked:?}"), "{cycle}: {input:?}");
+        let calm = sampler.quick_check(&mut quick, &input);
+        passed_quickly += usize::from(calm);
+        let mut trusted = [[[P::default(); 3]; 2]; 2];
+        let [by_quick_check, by_full_check] = &mut trusted;
+        let seen = if calm { Sample::calm(&input) } else { sampler.full_check(&mut quick, &input, by_quick_check) };
+        let expected = sampler.full_check(&mut thorough, &input, by_full_check);
+        assert_eq!(format!("{seen:?}"), format!("{expected:?}"), "{cycle}: {input:?}");
         faults.insert(seen.fault as u8);
         if random.unit() < 0.001 {
             quick.latch(Fault::JointRange, 1);
             thorough.latch(Fault::JointRange, 1);
         } else {
-            quick.accept(looked.command);
-            thorough.accept(looked.command);
+            quick.accept(expected.command);
+            thorough.accept(expected.command);
         }
         assert_eq!(format!("{quick:?}"), format!("{thorough:?}"), "{cycle}: {input:?}");
         // The next command starts from the held one, so that a reset finds it near.
-        command = looked.command.map(P::to_f64);
+        command = expected.command.map(P::to_f64);
     }
-    assert!((share(10_000)..share(90_000)).contains(&glances), "{glances}");
+    assert!((share(10_000)..share(90_000)).contains(&passed_quickly), "{passed_quickly}");
     assert!(faults.len() > 8, "{faults:?}");
 }
 
 #[test]
-fn a_glance_says_what_a_look_says_in_either_form() {
-    a_glance_says_what_a_look_says::<f64, f64>(1);
-    a_glance_says_what_a_look_says::<f32, Nanometres>(2);
-    a_glance_says_what_a_look_says::<f32, f64>(3);
+fn the_quick_check_agrees_with_the_full_check_in_either_form() {
+    the_quick_check_agrees_with_the_full_check::<f64, f64>(1);
+    the_quick_check_agrees_with_the_full_check::<f32, Nanometres>(2);
+    the_quick_check_agrees_with_the_full_check::<f32, f64>(3);
 }

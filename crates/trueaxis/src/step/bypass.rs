@@ -57,7 +57,7 @@ impl<P: Position, const N: usize> Bypass<P, N> {
         if usable {
             (self.held, self.known) = (input.command, whole);
         } else if self.known != whole {
-            self.stand(input);
+            self.hold_position(input);
         }
         let readings = self.feedback.iter_mut().zip(&mut self.read).zip(self.held.iter().zip(&input.feedback));
         for ((feedback, read), (held, reading)) in readings {
@@ -81,7 +81,7 @@ impl<P: Position, const N: usize> Bypass<P, N> {
 
     /// Before the first command: holds the position of the machine once every axis has been read.
     #[cold]
-    fn stand(&mut self, input: &Input<P, N>) {
+    fn hold_position(&mut self, input: &Input<P, N>) {
         let mut bit = 1u8;
         for (held, reading) in self.held.iter_mut().zip(&input.feedback) {
             if reading.is_usable() && input.encoder_alarm & bit == 0 {
@@ -143,7 +143,7 @@ mod tests {
             assert!(out.record.feedback.iter().chain(&out.feedback).all(|x| x.is_finite()));
         }
         assert!(!bypass.step::<f64>(&at([6.0, 7.0, 8.0], 0b100)).has_drive());
-        // X is no longer readable: its last reading counts.
+        // X can no longer be read, so its last reading counts.
         let out = bypass.step::<f64>(&at([f64::NAN, 7.5, 8.0], 0));
         assert!(out.has_drive() && out.stop_requested());
         assert_eq!((out.drive, out.record.command), ([6.0, 7.5, 8.0], [6.0, 7.5, 8.0]));

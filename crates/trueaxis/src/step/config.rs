@@ -73,14 +73,15 @@ impl<'m, 'g> Config<'m, 'g> {
         if !(1_000..=100_000_000).contains(&self.period_ns) {
             return Err(ConfigError::new(Field::Period, f64::from(self.period_ns) * 1e-9, "1e-6 s to 0.1 s"));
         }
+        // By one type whatever the closure, so that a firmware has the checks once.
+        let rows: &dyn Fn(Axis) -> Option<&'r T> = &rows;
         crate::check::settings(self.machine)?;
         crate::check::grids(self.machine, self.grids)?;
         let order = AxisOrder::of(self.machine)?;
         let bands = order.settings(self.machine).map(|settings| settings.map_or(0.0, |s| s.hysteresis));
-        let compensation =
-            Compensation::build_in(&order, self.machine, &rows, self.grids, self.inverse_passes, memory)?;
+        let compensation = Compensation::build_in(&order, self.machine, rows, self.grids, self.inverse_passes, memory)?;
         let bounds = GridBounds::of(self.grids);
-        crate::check::reversal(self.machine, &rows, &bounds)?;
+        crate::check::reversal(self.machine, rows, &bounds)?;
         let period_s = f64::from(self.period_ns) * 1e-9;
         crate::check::feedback(self.machine, period_s)?;
         let in_a_cycle = |per_s: fn(&AxisSettings) -> f64| {
@@ -88,7 +89,7 @@ impl<'m, 'g> Config<'m, 'g> {
             libm::sqrt(squares.sum())
         };
         let motion = self.machine.faults.command_jump_factor * in_a_cycle(|axis| axis.max_feed_per_s);
-        let norm = crate::check::jacobian_norm(self.machine, &rows, &bounds);
+        let norm = crate::check::jacobian_norm(self.machine, rows, &bounds);
         let changes = [motion, in_a_cycle(|axis| axis.limits.slope_per_s)];
         let grids = compensation.grids().map(Grids::key);
         let tables = Tables::new(compensation.nine_terms(), grids, norm, changes, self.inverse_passes);
@@ -125,6 +126,6 @@ impl<'a, R: Real, P: Position, const N: usize> ServoLoop<'a, R, P, N> {
     /// # Errors
     /// As [`Config::build`].
     pub fn load(tables: &Tcomp<'a>, period_ns: u32, memory: &'a mut [R]) -> Result<Self, ConfigError> {
-        Config::of(tables, period_ns).build(|axis| tables.table(axis), memory)
+        Config::of(tables, period_ns).build(tables.rows(), memory)
     }
 }

@@ -64,11 +64,11 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             state.dynamic.begin(state.output.sent(), state.output.offsets(), state.output.drive());
         }
         self.take_up(stage, state, sample);
-        let mut leading = 0;
+        let mut ramping = 0;
         if !sample.first {
-            leading = stage.lead(state.dynamic.led_mut(), geometric, sample);
+            ramping = stage.ramp(state.dynamic.ramped_mut(), geometric, sample);
         }
-        let mut wanted = state.dynamic.led_mut().map(|led| led.sent());
+        let mut wanted = state.dynamic.ramped_mut().map(|ramped| ramped.sent());
         let usable = record.tip.flags == Flags::BRACKETED;
         let moment = Moment {
             geometric: &wanted,
@@ -89,7 +89,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             state.dynamic.take_back(before);
             parts.sent = before;
         } else {
-            applied.limited |= limited | leading;
+            applied.limited |= limited | ramping;
         }
         state.dynamic.settle(state.output.sent(), (!held).then_some(sample.command), state.sequence);
         record.correction = *state.dynamic.geometric();
@@ -114,10 +114,10 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         let ways = sample.command.iter().zip(&commanded).zip(state.dynamic.trend_mut());
         for (((takes_up, reversal), (drive, band)), ((command, last), trend)) in axes.zip(ways) {
             let way: R = command.since_near(*last);
-            let goes = core::mem::replace(trend, way);
+            let before = core::mem::replace(trend, way);
             let against = match reversal.direction() {
-                Direction::POSITIVE => way < R::ZERO && goes < R::ZERO,
-                _ => way > R::ZERO && goes > R::ZERO,
+                Direction::POSITIVE => way < R::ZERO && before < R::ZERO,
+                _ => way > R::ZERO && before > R::ZERO,
             };
             if takes_up && against {
                 reversal.turn(*drive, *band);

@@ -78,7 +78,7 @@ impl<R: Real, const POINTS: usize> Ride<R> for &mut GaugeRide<'_, R, POINTS> {
 
 /// A cycle of the gauge: reports to it how its infeed was followed, and adds the next infeed.
 #[inline(always)]
-pub(super) fn ride<R: Real, P: Position, const N: usize>(
+pub(super) fn run<R: Real, P: Position, const N: usize>(
     gauge: &mut impl Ride<R>,
     sample: &Sample<P, N>,
     limited: u8,

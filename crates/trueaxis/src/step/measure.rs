@@ -285,8 +285,8 @@ fn points<'a, R: Real, P: Position, const N: usize>(
     sample: &'a Sample<P, N>,
     modelled: &'a Modelled<R, N>,
 ) -> Option<(&'a [P; 3], &'a [R; 3])> {
-    let believed = matches!(sample.verdict, Verdict::Active | Verdict::Inactive);
-    match (believed, sample.feedback.first_chunk(), modelled.tip_error.first_chunk()) {
+    let plausible = matches!(sample.verdict, Verdict::Active | Verdict::Inactive);
+    match (plausible, sample.feedback.first_chunk(), modelled.tip_error.first_chunk()) {
         (true, Some(encoder), Some(d)) => Some((encoder, d)),
         _ => None,
     }

@@ -65,7 +65,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             thermal: [ThermalLine::default(); N],
             cells: Cells::none(),
             poses: Kept::nothing(),
-            grids: NearGrids::nowhere(),
+            grids: NearGrids::empty(),
             feet: PairState::default(),
             output: OutputState::new(),
             dynamic: DynamicState::new(),
@@ -79,7 +79,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         self.period_ns
     }
 
-    /// Checks that a period, as the host measured it or was given it, is the configured one within 0.1 %.
+    /// Checks that the host's period, measured or nominal, equals the configured one within 0.1 %.
     ///
     /// # Errors
     /// [`Fault::PeriodMismatch`]: run [`Bypass`] with it.
@@ -98,7 +98,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         Input { command, feedback, homed: true, enable: true, ..Input::at_rest(self.period_ns) }
     }
 
-    /// The compensation in force, for error look-ups outside the step.
+    /// The compensation in force, for error lookups outside the step.
     pub fn compensation(&self) -> &Compensation<'_, R, P, N> {
         &self.compensation
     }
@@ -106,7 +106,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     /// Runs one servo cycle: cannot fail, panic, allocate, block, or loop without a fixed bound.
     ///
     /// The first cycle returns the command; from then on `drive = command + c`, c the limited correction. While the
-    /// output is held, drive and c do not change by a bit; afterwards c continues from rest.
+    /// output holds, drive and c do not change by a bit; afterwards c continues from rest.
     ///
     /// `measure` selects the reference of the contour error:
     ///
@@ -164,10 +164,10 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     ) {
         if !part::FAST {
             self.any_cycle(state, input, &mut measure, &mut gauge, output, &mut watch);
-        } else if self.sampler.glance(&mut state.sample, input) {
+        } else if self.sampler.quick_check(&mut state.sample, input) {
             self.calm_cycle(state, input, &mut measure, &mut gauge, output, &mut watch);
         } else {
-            self.other_cycle(state, input, &mut measure, &mut gauge, output, &mut watch);
+            self.slow_cycle(state, input, &mut measure, &mut gauge, output, &mut watch);
         }
     }
 
@@ -186,9 +186,9 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         self.cycle(state, &Sample::calm(input), measure, gauge, output, watch);
     }
 
-    /// Runs a cycle that needs the full check, apart from the calm ones, which therefore repeat no check.
+    /// Runs a cycle that needs the full check. Separate from the calm cycles, so that those repeat no check.
     #[inline(never)]
-    fn other_cycle(
+    fn slow_cycle(
         &self,
         state: &mut State<R, P, N>,
         input: &Input<P, N>,
@@ -197,8 +197,8 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         output: &mut Output<R, P, N>,
         watch: &mut impl FnMut(Stage),
     ) {
-        let mut believed = [[P::default(); N]; 2];
-        let sample = self.sampler.look(&mut state.sample, input, &mut believed);
+        let mut trusted = [[P::default(); N]; 2];
+        let sample = self.sampler.full_check(&mut state.sample, input, &mut trusted);
         self.cycle(state, &sample, measure, gauge, output, watch);
     }
 
@@ -213,11 +213,11 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         output: &mut Output<R, P, N>,
         watch: &mut impl FnMut(Stage),
     ) {
-        let mut believed = [[P::default(); N]; 2];
-        let sample = if self.sampler.glance(&mut state.sample, input) {
+        let mut trusted = [[P::default(); N]; 2];
+        let sample = if self.sampler.quick_check(&mut state.sample, input) {
             Sample::calm(input)
         } else {
-            self.sampler.look(&mut state.sample, input, &mut believed)
+            self.sampler.full_check(&mut state.sample, input, &mut trusted)
         };
         self.cycle(state, &sample, measure, gauge, output, watch);
     }
@@ -235,7 +235,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     ) {
         watch(Stage::Sample);
         let mut modelled = self.model(state, sample, measure.needs_tilt());
-        gauge::ride(gauge, sample, state.limited, &mut modelled.wanted);
+        gauge::run(gauge, sample, state.limited, &mut modelled.wanted);
         watch(Stage::Compensation);
         measure.measure(self, state, sample, &modelled, &mut output.record);
         watch(Stage::Contour);

@@ -4,7 +4,7 @@
 
 use super::{ServoLoop, State};
 use crate::compensation::volumetric::Cycle;
-use crate::compensation::{Beside, Direction, NineTerms, Query, Reversal, Source};
+use crate::compensation::{CycleGrids, Direction, NineTerms, PASSES_MASK, Query, Reversal, Source};
 use crate::position::Position;
 use crate::real::Real;
 use crate::sample::{Sample, Verdict};
@@ -12,8 +12,9 @@ use crate::vector::V3;
 
 /// Cells filled per cycle; the remaining ones that an axis has left are looked up without a cell.
 const REFILLS: u32 = 2;
-/// Limit with grids, at whose nodes cells end too: a look-up without cells then costs more than filling them.
-const REFILLS_BESIDE_GRIDS: u32 = 4;
+/// Cells filled per cycle with grids, at whose nodes cells end too: a lookup without cells then costs more than filling
+/// them.
+const REFILLS_WITH_GRIDS: u32 = 4;
 
 /// Result of the tables in a cycle.
 #[derive(Clone, Copy, Debug)]
@@ -50,30 +51,35 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     pub(super) fn model(&self, state: &mut State<R, P, N>, sample: &Sample<P, N>, tool: bool) -> Modelled<R, N> {
         if sample.verdict == Verdict::Active
             && state.cells.key() == self.tables.key()
-            && self.all_go_on(state)
+            && self.all_continue(state)
             && let (Some(command), Some(feedback)) = (first(&self.place(state, sample.command)), first(sample.feedback))
             && let Some((errors, at_edge)) = state.cells.errors(&self.tables, &state.grids, &command, &feedback)
         {
             return Modelled::of_errors(errors, at_edge);
         }
-        self.model_anew(state, sample, tool)
+        self.model_outside_kept_cells(state, sample, tool)
     }
 
     /// Whether no drive has reversed.
     #[inline(always)]
-    fn all_go_on(&self, state: &mut State<R, P, N>) -> bool {
+    fn all_continue(&self, state: &mut State<R, P, N>) -> bool {
         let drives = self.targets(&state.output, &state.dynamic, state.sequence).iter().zip(&self.within);
-        state.reversal.iter_mut().zip(drives).all(|(reversal, (drive, within))| reversal.goes_on(*drive, *within))
+        state.reversal.iter_mut().zip(drives).all(|(reversal, (drive, within))| reversal.continues(*drive, *within))
     }
 
     /// Models a cycle that does not stay within its cells.
     #[inline(never)]
-    fn model_anew(&self, state: &mut State<R, P, N>, sample: &Sample<P, N>, tool: bool) -> Modelled<R, N> {
+    fn model_outside_kept_cells(
+        &self,
+        state: &mut State<R, P, N>,
+        sample: &Sample<P, N>,
+        tool: bool,
+    ) -> Modelled<R, N> {
         let before = state.reversal.map(|reversal| reversal.direction());
         let directions = self.travel(state, sample);
         // While switched off but homed, the tip is still estimated: that shows the errors without correction.
-        let believed = matches!(sample.verdict, Verdict::Active | Verdict::Inactive);
-        if !(sample.homed && believed) {
+        let plausible = matches!(sample.verdict, Verdict::Active | Verdict::Inactive);
+        if !(sample.homed && plausible) {
             state.cells.forget();
             state.grids.forget();
             return Modelled::NOTHING;
@@ -91,19 +97,19 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
                 }
             }
             if !changed {
-                if let Some(modelled) = self.refill(state, sample, terms, &directions) {
+                if let Some(modelled) = self.model_in_refilled_cells(state, sample, terms, &directions) {
                     return modelled;
                 }
                 near = state.cells.passes() == 1;
             }
         }
-        self.model_at_large(state, sample, &directions, (tool, near))
+        self.model_without_cells(state, sample, &directions, (tool, near))
     }
 
     /// Only the axes have moved: fills the cells that they left. If those are too many, fills one of them and returns
     /// `None`.
     #[inline(always)]
-    fn refill(
+    fn model_in_refilled_cells(
         &self,
         state: &mut State<R, P, N>,
         sample: &Sample<P, N>,
@@ -111,9 +117,9 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         directions: &[Direction; N],
     ) -> Option<Modelled<R, N>> {
         let mut at = self.place(state, sample.command);
-        let beside = self.compensation.grids().map(|grids| (grids, &mut state.grids));
-        let (most, near) = if beside.is_some() { (REFILLS_BESIDE_GRIDS, true) } else { (REFILLS, false) };
-        let missing = state.cells.missing(beside, &at, sample.feedback);
+        let grids = self.compensation.grids().map(|grids| (grids, &mut state.grids));
+        let (most, near) = if grids.is_some() { (REFILLS_WITH_GRIDS, true) } else { (REFILLS, false) };
+        let missing = state.cells.missing(grids, &at, sample.feedback);
         let near = near.then_some(&state.grids);
         let mut source = Source { terms, tables: &self.tables, directions, thermal: &state.thermal, near, left: most };
         if missing > most {
@@ -121,7 +127,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             source.fill_left(&mut state.cells, &at, sample.feedback);
             return None;
         }
-        for _ in 1..state.cells.passes() & 15 {
+        for _ in 1..state.cells.passes() & PASSES_MASK {
             let error = source.at_command(&mut state.cells, &at)?;
             for ((at, command), error) in at.iter_mut().zip(sample.command).zip(error) {
                 *at = command.moved(P::offset(-error));
@@ -130,7 +136,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         source.fill_left(&mut state.cells, &at, sample.feedback);
         let (command, feedback) = (first(&at)?, first(sample.feedback)?);
         let (errors, at_edge) = match near {
-            Some(near) => state.cells.errors_beside(&self.tables, near, &command, &feedback)?,
+            Some(near) => state.cells.errors_with_grids(&self.tables, near, &command, &feedback)?,
             None => state.cells.errors(&self.tables, &state.grids, &command, &feedback)?,
         };
         Some(Modelled::of_errors(errors, at_edge))
@@ -139,7 +145,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     /// Any tables, looked up without cells. `near`: the correction sent last is close enough to look up at the drive
     /// positions.
     #[inline(always)]
-    fn model_at_large(
+    fn model_without_cells(
         &self,
         state: &mut State<R, P, N>,
         sample: &Sample<P, N>,
@@ -155,11 +161,13 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             let grids = self.compensation.grids().and_then(|grids| {
                 // Cells of other tables lie in grid boxes, which now change.
                 state.cells.forget();
-                Beside::new(grids, &mut state.grids, &first(drive)?, &first(feedback)?)
+                CycleGrids::new(grids, &mut state.grids, &first(drive)?, &first(feedback)?)
             });
             let (wanted, (tip, tilt)) = match &grids {
                 None => volumetric.modelled(&mut state.poses, &cycle, passes, tool, &mut at_edge),
-                Some(grids) => volumetric.modelled_beside(&mut state.poses, &cycle, passes, tool, grids, &mut at_edge),
+                Some(grids) => {
+                    volumetric.modelled_with_grids(&mut state.poses, &cycle, passes, tool, grids, &mut at_edge)
+                }
             };
             let mut tip_error = [R::ZERO; N];
             for (error, tip) in tip_error.iter_mut().zip(tip.array()) {

@@ -23,7 +23,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     /// [`BranchTracker::direction_error_deg`], at most the cone, and part of the record's orientation error if a tool
     /// path is measured. A path straight through the pole passes.
     ///
-    /// A tool without such positions is a bad command ([`Input::refusal`]): the output is held, the stop request is
+    /// A tool without such positions is a bad command ([`Input::refusal`]): the output holds, the stop request is
     /// latched, `tracker` returns to the held pose at the next call, and a reset is accepted once the tool is back near
     /// that pose (`resume` of every axis, and within the step of `tracker`). Call it only with all axes homed: before
     /// that, positions have no meaning.

@@ -9,7 +9,7 @@ use crate::error::Fault;
 use crate::position::Position;
 use crate::real::Real;
 
-/// Directions of travel and thermal growth for error look-ups, slot by slot.
+/// Directions of travel and thermal growth for error lookups, slot by slot.
 ///
 /// The step tracks both in its state. A planner sets the directions itself from one position to the next; an axis that
 /// does not move keeps its direction.
@@ -32,7 +32,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     /// Returns the modelled error at a position, actual − ideal: dx, dy, dz of the tip (mm, machine axes), then the
     /// errors of the rotary axes (degrees; zero in the volumetric form, see [`ServoLoop::pose_error_at`]).
     ///
-    /// `position`: mm (degrees). Outside a table its edge value applies. Bounded: one look-up.
+    /// `position`: mm (degrees). Outside a table its edge value applies. Bounded: one lookup.
     ///
     /// # Errors
     /// [`Fault::CommandNotFinite`]: a position that is infinite, NaN or beyond the range of its type.

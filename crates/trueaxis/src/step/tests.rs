@@ -115,7 +115,7 @@ impl Clock {
 
 /// Runs cycles and checks each against the limits of the correction; a cycle that is not due must not move it.
 ///
-/// While the output is held, drive and correction stay bit for bit, and the next motion starts from rest.
+/// While the output holds, drive and correction stay bit for bit, and the next motion starts from rest.
 struct Bench {
     active: &'static Loop,
     state: State<f64, f64, 3>,
@@ -149,7 +149,7 @@ impl Bench {
             let c = out.record.correction[k];
             assert!(out.drive[k].is_finite() && out.feedback[k].is_finite());
             assert!(c.abs() <= 0.1 * (1.0 + 1e-6), "magnitude {c}");
-            // The record contains the correction that was sent.
+            // The record contains the correction actually sent.
             let command = out.record.command[k];
             let sent = if c == 0.0 { command } else { command + c };
             assert_eq!(out.drive[k].to_bits(), sent.to_bits(), "{command} + {c} is not {}", out.drive[k]);
@@ -199,7 +199,7 @@ fn the_first_cycle_returns_the_command_bit_for_bit() {
 }
 
 #[test]
-fn the_machine_ends_up_where_it_was_told_and_the_host_sees_no_following_error() {
+fn the_machine_reaches_the_command_and_the_host_sees_no_following_error() {
     let mut bench = Bench::new();
     let command = [55.0, 35.0, 25.0];
     let out = bench.settle(command);
@@ -336,18 +336,18 @@ fn a_bad_command_holds_until_a_reset_near_the_held_position() {
 }
 
 #[test]
-fn readings_that_stood_during_a_stop_are_believed_after_it() {
+fn readings_that_stood_during_a_stop_are_accepted_after_it() {
     let mut bench = Bench::new();
     bench.settle([60.0; 3]);
     bench.cycle(&Input { feedback: [60.0; 3], ..input([60.0, f64::NAN, 60.0]) });
     // For a second the host commands a point slightly off the held command: this adds no commanded distance.
-    let beside = Input { feedback: [60.0; 3], ..input([60.04; 3]) };
+    let off_command = Input { feedback: [60.0; 3], ..input([60.04; 3]) };
     for _ in 0..10_000 {
-        assert!(bench.cycle(&beside).stop_requested());
+        assert!(bench.cycle(&off_command).stop_requested());
     }
-    bench.cycle(&Input { reset: true, ..beside });
+    bench.cycle(&Input { reset: true, ..off_command });
     for _ in 0..100 {
-        assert_eq!(bench.cycle(&beside).record.fault, Fault::None);
+        assert_eq!(bench.cycle(&off_command).record.fault, Fault::None);
     }
 }
 

@@ -39,7 +39,7 @@ pub struct RoundnessFrame {
     pub y: ErrorMotion<f32>,
     /// First harmonic of the list below.
     pub first_harmonic: u16,
-    /// Amplitudes of cos kθ and sin kθ, µm, for the part of the band that is kept (k <= 127).
+    /// Amplitudes of cos kθ and sin kθ, µm, for the stored part of the band (k <= 127).
     pub harmonics: Vec<[f32; 2], HARMONICS>,
 }
 

@@ -30,8 +30,8 @@ impl Decay {
         if intervals < 1e-8 {
             return Decay { e: 1.0 - intervals, g: 1.0 - 0.5 * intervals };
         }
-        let gone = -libm::expm1(-intervals);
-        Decay { e: 1.0 - gone, g: gone / intervals }
+        let decayed = -libm::expm1(-intervals);
+        Decay { e: 1.0 - decayed, g: decayed / intervals }
     }
 
     /// Returns the output after the interval, given the output `x0` before it.

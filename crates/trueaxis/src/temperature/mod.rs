@@ -18,7 +18,7 @@
 //! the later one replaces the earlier, they are not added, and a host uses only one of them.
 //!
 //! A sensor starts with [`START_READINGS`] plausible readings that agree, over at least [`START_S`]; until all have
-//! started there is no growth. A step is rejected until it has lasted for [`PERSISTS_S`], and then enters through the
+//! started, the growth is zero. A step is rejected until it has lasted for [`PERSISTS_S`], and then enters through the
 //! lag.
 //!
 //! # File

@@ -187,7 +187,7 @@ impl SensorState {
     }
 
     /// Accepts the next plausible reading unconditionally; the lag continues from its current value.
-    pub(super) fn believe(&mut self) {
+    pub(super) fn accept(&mut self) {
         self.trusted = true;
         self.unchanged_s = 0.0;
     }

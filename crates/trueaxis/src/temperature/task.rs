@@ -73,9 +73,9 @@ impl ThermalState {
 
     /// Accepts the next plausible reading of a sensor (from 0) that has jumped, for example after it was replaced, or
     /// that is known to be sound before its first reading; the growth changes through its lag.
-    pub fn believe(&mut self, sensor: usize) {
+    pub fn accept(&mut self, sensor: usize) {
         if let Some(state) = self.sensors.get_mut(sensor) {
-            state.believe();
+            state.accept();
         }
     }
 

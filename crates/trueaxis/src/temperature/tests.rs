@@ -70,7 +70,7 @@ fn at<'r>(temperatures_c: &'r [Option<f64>], rpm: f64) -> Readings<'r> {
 /// A task whose sensors are accepted from their first reading on.
 fn started() -> ThermalState {
     let mut state = ThermalState::new();
-    (0..SENSORS).for_each(|sensor| state.believe(sensor));
+    (0..SENSORS).for_each(|sensor| state.accept(sensor));
     state
 }
 
@@ -165,21 +165,21 @@ fn one_sensor_without_lag_and_a_straight_curve_is_the_growth_of_machine_toml() {
 }
 
 /// Warm, then wrong: the status reported, and that only the share of the other sensor changes.
-fn wrong(readings: &[Option<f64>], told: SensorStatus) {
+fn wrong(readings: &[Option<f64>], expected: SensorStatus) {
     let bytes = whole();
     let thermal = Thermal::parse(&bytes).unwrap();
     let mut state = started();
     let before = thermal.update(&mut state, 1.0, &at(&[Some(25.0), Some(22.0)], 0.0)).lines[0].unwrap();
     for (k, reading) in readings.iter().enumerate() {
         let growth = thermal.update(&mut state, 60.0, &at(&[*reading, Some(22.0)], 0.0));
-        assert_eq!(growth.sensors[0], told, "reading {k}: {reading:?}");
+        assert_eq!(growth.sensors[0], expected, "reading {k}: {reading:?}");
         assert!(!growth.is_good() && growth.sensors[1] == SensorStatus::Good);
         assert_eq!(growth.lines[0].unwrap(), before, "reading {k}");
     }
 }
 
 #[test]
-fn a_missing_an_impossible_and_a_jumping_sensor_freezes_its_share_and_is_told() {
+fn a_missing_out_of_range_or_jumping_sensor_freezes_its_share_and_is_reported() {
     wrong(&[None, None, Some(f64::NAN), Some(f64::INFINITY)], SensorStatus::Missing);
     wrong(&[Some(-21.0), Some(90.5), Some(1e300)], SensorStatus::OutOfRange);
     // 2 K at once and 1 K for the minute.
@@ -239,7 +239,7 @@ fn a_sensor_starts_with_three_readings_that_agree_over_two_seconds() {
 }
 
 #[test]
-fn a_step_that_stays_is_believed_after_an_hour_if_it_lives() {
+fn a_step_that_stays_is_accepted_after_an_hour_if_it_lives() {
     use SensorStatus::{Good, Jumped, OutOfRange};
     let start = [25.0, 25.0, 25.0];
     let stays = |k: u32| 35.0 + 0.1 * f64::from(k % 2);
@@ -263,7 +263,7 @@ fn a_step_that_stays_is_believed_after_an_hour_if_it_lives() {
 }
 
 #[test]
-fn what_comes_back_is_believed_again_and_what_was_missing_may_have_moved() {
+fn a_returning_sensor_is_trusted_again_and_a_missing_one_may_have_moved() {
     let bytes = whole();
     let thermal = Thermal::parse(&bytes).unwrap();
     let mut state = started();
@@ -278,7 +278,7 @@ fn what_comes_back_is_believed_again_and_what_was_missing_may_have_moved() {
     assert_eq!(first(Some(38.0), 1.0).0, SensorStatus::Good, "10 K in ten minutes, and 2");
     assert_eq!(first(Some(25.0), 1.0).0, SensorStatus::Jumped);
     assert_eq!(first(Some(25.0), 1e4).0, SensorStatus::Jumped, "time does not make a jump plausible");
-    state.believe(0);
+    state.accept(0);
     let growth = thermal.update(&mut state, 1.0, &at(&[Some(25.0), Some(22.0)], 0.0));
     assert_eq!((growth.sensors[0], growth.lines[0].unwrap()[0]), (SensorStatus::Good, still));
 }
@@ -346,10 +346,10 @@ fn beyond_its_curve_the_edge_holds_and_times_that_are_none_change_nothing() {
         let again = thermal.update(&mut state, time, &at(&[Some(60.0), Some(21.0)], 12_000.0));
         near(again.lines[0].unwrap()[0], 0.01, 1e-15);
     }
-    let anew = thermal.update(&mut state, 2.0 * LONGEST_UPDATE_S, &at(&[Some(20.0), Some(30.0)], 0.0));
-    assert!(!anew.complete && anew.lines[0] == Some([0.0; 2]), "all of it has to start again");
-    let [_, anew] = [0, 1].map(|_| thermal.update(&mut state, 60.0, &at(&[Some(20.0), Some(30.0)], 0.0)));
-    near(anew.lines[0].unwrap()[0], 0.004, 1e-15);
+    let restarted = thermal.update(&mut state, 2.0 * LONGEST_UPDATE_S, &at(&[Some(20.0), Some(30.0)], 0.0));
+    assert!(!restarted.complete && restarted.lines[0] == Some([0.0; 2]), "all of it has to start again");
+    let [_, restarted] = [0, 1].map(|_| thermal.update(&mut state, 60.0, &at(&[Some(20.0), Some(30.0)], 0.0)));
+    near(restarted.lines[0].unwrap()[0], 0.004, 1e-15);
 }
 
 #[test]

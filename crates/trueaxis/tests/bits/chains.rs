@@ -37,8 +37,8 @@ fn sum_of<R: Real, P: Position, const N: usize>(chain: &str, model: ErrorModel, 
     (machine.location.c0y, machine.location.b0z, machine.location.a0z) = (1e-5, -2e-5, 1.5e-5);
     let rows = tables(&machine, &mut noise, |noise| {
         let free = noise.unit() < 0.4;
-        let beside = |i: i32, noise: &mut Noise| if free && i > 0 && i < 18 { 6.0 * noise.signed() } else { 0.0 };
-        (0..19).map(|i| -180.0 + 20.0 * f64::from(i) + beside(i, noise)).collect()
+        let jitter = |i: i32, noise: &mut Noise| if free && i > 0 && i < 18 { 6.0 * noise.signed() } else { 0.0 };
+        (0..19).map(|i| -180.0 + 20.0 * f64::from(i) + jitter(i, noise)).collect()
     });
     let (servo, requirement) =
         servo::<R, P, N>(&machine, &rows).unwrap_or_else(|error| panic!("{chain} {model:?}: {error}"));

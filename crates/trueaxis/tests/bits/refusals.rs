@@ -4,7 +4,7 @@ use super::{Sum, check};
 use glam::DVec3;
 use trueaxis::contour::{CommandWindow, ContourSearch, Method, Segment, convert, span_count};
 use trueaxis::kinematics::Kinematics;
-use trueaxis::limiter::{Limiter, lead_in_s};
+use trueaxis::limiter::{Limiter, ramp_in_s};
 use trueaxis::machine::Limits;
 use trueaxis::roundness::{Arm, ArmSettings, GaugeSettings, ProbeAngles};
 use trueaxis_testing::machine::Machine;
@@ -136,7 +136,7 @@ fn limits_and_chains() {
     }
     let limits = Limits { magnitude: 1.0, slope_per_s: 2.0, acceleration_per_s2: 30.0 };
     for way in [0.0, 0.01, -0.1, 0.149, 0.151, 0.5, 1.0] {
-        sum.add(&lead_in_s(&limits, way));
+        sum.add(&ramp_in_s(&limits, way));
     }
     for axis in [[0.0; 3], [0.0, 0.0, 1e-3], [0.0, 0.0, 1.1e3], [0.0, 3.0, 4.0], [f64::NAN, 0.0, 1.0]] {
         for (chain, cone) in [("w C' A' b X Y Z t", 0.1), ("w b X Y Z C C t", 0.1), ("w C' A' b X Y Z t", 46.0)] {

@@ -35,13 +35,13 @@ fn slides_beyond_rotary_axes_come_back() {
 /// A tool axis 1e-10 rad off the axis that turns it still determines that axis' position: it does not count as
 /// parallel.
 #[test]
-fn a_tool_axis_hardly_beside_a_rotary_axis_is_followed() {
-    for (beside, tolerance) in
+fn a_tool_axis_nearly_parallel_to_a_rotary_axis_is_followed() {
+    for (off_axis, tolerance) in
         [([-1e-10, -3e-10], 1e-4), ([-3e-10, -1e-10], 1e-4), ([-0.2, -0.5], 1e-10), ([0.4, -0.1], 1e-10)]
     {
         for (chain, of) in [("w b X Y Z A t", 3), ("w B' b X Y Z t", 4), ("w C' X' b Y Z t", 5)] {
             let mut tool_axis = [0.0; 3];
-            (tool_axis[(of - 2) % 3], tool_axis[(of - 1) % 3]) = (beside[0], beside[1]);
+            (tool_axis[(of - 2) % 3], tool_axis[(of - 1) % 3]) = (off_axis[0], off_axis[1]);
             tool_axis[of - 3] = 1.0;
             let mut machine = machine(chain);
             machine.kinematics.tool_axis = tool_axis;
@@ -49,7 +49,7 @@ fn a_tool_axis_hardly_beside_a_rotary_axis_is_followed() {
             let mut pose = [0.0; AXES];
             pose[of] = 37.0;
             let found = kinematics.inverse(&kinematics.forward(&pose), &[0.0; AXES]).unwrap();
-            assert!((found.axes[of] - 37.0).abs() < tolerance, "{chain} {beside:?}: {}", found.axes[of]);
+            assert!((found.axes[of] - 37.0).abs() < tolerance, "{chain} {off_axis:?}: {}", found.axes[of]);
         }
     }
     let open = Kinematics::<f64>::new(&machine("w C' A' Y' b X Z t")).unwrap().with_singular_cone_deg(0.0);
@@ -78,7 +78,7 @@ fn a_tool_axis_along_the_second_rotary_axis_keeps_off_the_first() {
     }
 }
 
-/// A position that is at an end of the travel except for rounding is taken to be there; among several turns the nearest
+/// A position beyond an end of the travel by rounding only counts as at the end; among several turns the nearest
 /// counts.
 #[test]
 fn ends_of_the_travel_belong_to_it_whatever_rounding_says() {

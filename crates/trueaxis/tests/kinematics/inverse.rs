@@ -186,7 +186,7 @@ fn at_the_singular_pose_the_table_stays() {
 }
 
 #[test]
-fn what_is_out_of_reach_is_refused_with_its_angle() {
+fn unreachable_directions_are_refused_with_their_angle() {
     let tool = |axis: [f64; 3]| Tool { tip: DVec3::ZERO, axis: DVec3::from_array(axis) };
     let (s, c) = 1f64.to_radians().sin_cos();
     let still = [0.0; AXES];
@@ -217,8 +217,8 @@ fn what_is_out_of_reach_is_refused_with_its_angle() {
     for bad in [[0.0, 0.0, 1.01], [0.0; 3], [f64::NAN, 0.0, 1.0], [f64::INFINITY, 0.0, 0.0]] {
         assert!(matches!(one.inverse(&tool(bad), &still), Err(InverseError::NotADirection { .. })));
     }
-    let nowhere = Tool { tip: DVec3::new(0.0, f64::NAN, 0.0), axis: DVec3::new(0.0, 0.0, 1.0) };
-    assert_eq!(one.inverse(&nowhere, &still), Err(InverseError::TipNotFinite));
+    let not_finite = Tool { tip: DVec3::new(0.0, f64::NAN, 0.0), axis: DVec3::new(0.0, 0.0, 1.0) };
+    assert_eq!(one.inverse(&not_finite, &still), Err(InverseError::TipNotFinite));
 }
 
 #[test]

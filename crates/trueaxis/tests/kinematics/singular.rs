@@ -78,7 +78,7 @@ impl Bench {
         assert!(reported <= most, "{}: {found:?}", self.settings.chain);
     }
 
-    fn standing<R: Real>(&self, kinematics: &Kinematics<R>, tip: DVec3, axis: DVec3, turn: f64) -> Solution<R> {
+    fn initial<R: Real>(&self, kinematics: &Kinematics<R>, tip: DVec3, axis: DVec3, turn: f64) -> Solution<R> {
         let mut near = [R::ZERO; AXES];
         near[self.first.index()] = R::of(turn);
         kinematics.inverse(&self.tool(tip, axis), &near).unwrap()
@@ -93,7 +93,7 @@ fn noise_about_the_pole<R: Real>() {
     for chain in CHAINS {
         let bench = Bench::new(chain, &mut noise);
         let kinematics = bench.kinematics::<R>();
-        let start = bench.standing(&kinematics, TIP, bench.tilted(0.0, 0.0), 33.0);
+        let start = bench.initial(&kinematics, TIP, bench.tilted(0.0, 0.0), 33.0);
         let mut tracker = BranchTracker::new(&start, R::of(0.05));
         let mut near = start.axes;
         for _ in 0..300 {
@@ -125,8 +125,8 @@ fn noise_about_the_pole_turns_nothing() {
 fn straight_through<R: Real>(cone_deg: f64) {
     let mut noise = Noise::new(401);
     for chain in CHAINS {
-        for (beside, decimals) in [(0.0, 0.0), (0.0, 1e-6), (0.02, 1e-6), (0.045, 0.0), (-0.09, 0.0)] {
-            if cone_deg == 0.0 && (beside != 0.0 || decimals != 0.0) {
+        for (lateral_deg, decimals) in [(0.0, 0.0), (0.0, 1e-6), (0.02, 1e-6), (0.045, 0.0), (-0.09, 0.0)] {
+            if cone_deg == 0.0 && (lateral_deg != 0.0 || decimals != 0.0) {
                 continue;
             }
             let bench = Bench::new(chain, &mut noise);
@@ -137,12 +137,12 @@ fn straight_through<R: Real>(cone_deg: f64) {
             for i in -200..=200 {
                 let tilt = 0.01 * f64::from(i);
                 let across = bench.tilted(90.0, azimuth) * tilt.to_radians();
-                let aside = bench.tilted(90.0, azimuth + 90.0) * f64::to_radians(beside);
+                let aside = bench.tilted(90.0, azimuth + 90.0) * f64::to_radians(lateral_deg);
                 let by = DVec3::from_array(noise.vector(decimals));
                 let axis = (bench.tilted(0.0, 0.0) + across + aside + by).normalize();
                 let tool = bench.tool::<R>(TIP, axis);
                 let found = match &mut tracker {
-                    None => bench.standing(&kinematics, TIP, axis, 10.0),
+                    None => bench.initial(&kinematics, TIP, axis, 10.0),
                     Some(tracker) => {
                         tracker.next(&kinematics, &tool).unwrap_or_else(|error| panic!("{chain} {i}: {error}"))
                     }
@@ -160,9 +160,10 @@ fn straight_through<R: Real>(cone_deg: f64) {
             }
             // The azimuth of a line past the pole turns by 180 degrees; outside the cone the first axis follows it, and
             // turns back again if it stays through the middle.
-            let off = if beside.abs() < 0.05 { 4.0 * (beside.abs() / 0.1).asin().to_degrees() } else { 180.0 };
-            assert!(walked < off + 2.0 + 400.0 * decimals / 2e-5, "{chain} {beside} {decimals}: {walked}");
-            if beside.abs() < 0.05 {
+            let off =
+                if lateral_deg.abs() < 0.05 { 4.0 * (lateral_deg.abs() / 0.1).asin().to_degrees() } else { 180.0 };
+            assert!(walked < off + 2.0 + 400.0 * decimals / 2e-5, "{chain} {lateral_deg} {decimals}: {walked}");
+            if lateral_deg.abs() < 0.05 {
                 let [before, after] = tilts.map(|tilt| tilt.rem_euclid(360.0));
                 let step = (before - after + 180.0).rem_euclid(360.0) - 180.0;
                 assert!((step.abs() - 4.0).abs() < 0.02, "{chain}: {before} {after}");
@@ -180,13 +181,13 @@ fn straight_through_the_pole_the_first_axis_stays() {
 /// Without a cone the path passes the pole itself on the other branch; nothing deviates, and noise is followed as
 /// commanded.
 #[test]
-fn without_a_cone_the_path_goes_on_through_the_pole() {
+fn without_a_cone_the_path_continues_through_the_pole() {
     straight_through::<f64>(0.0);
     let mut noise = Noise::new(402);
     for chain in CHAINS {
         let bench = Bench::new(chain, &mut noise);
         let kinematics = bench.kinematics::<f64>().with_singular_cone_deg(0.0);
-        let start = bench.standing(&kinematics, TIP, bench.tilted(1e-4, 0.0), 0.0);
+        let start = bench.initial(&kinematics, TIP, bench.tilted(1e-4, 0.0), 0.0);
         let mut tracker = BranchTracker::new(&start, 1.0);
         let tool = bench.tool::<f64>(TIP, bench.tilted(1e-4, 70.0));
         let error = tracker.next(&kinematics, &tool).unwrap_err();
@@ -196,7 +197,7 @@ fn without_a_cone_the_path_goes_on_through_the_pole() {
             "{chain}: {error}"
         );
         // Far from the pole a change of branch is still refused, however large the permitted steps.
-        let start = bench.standing(&kinematics, TIP, bench.tilted(30.0, 0.0), 0.0);
+        let start = bench.initial(&kinematics, TIP, bench.tilted(30.0, 0.0), 0.0);
         let mut tracker = BranchTracker::new(&start, 100.0);
         let error = tracker.next(&kinematics, &bench.tool(TIP, bench.tilted(30.0, 120.0))).unwrap_err();
         assert!(matches!(error, InverseError::BranchChange { .. }), "{chain}: {error}");
@@ -262,8 +263,8 @@ fn as_fast_as_the_axis_may<R: Real>() {
         let bench = Bench::new(chain, &mut noise);
         let kinematics = bench.kinematics::<R>();
         // 90 degrees at 0.1 per call; the direction moves by `speed` per call.
-        for (speed, goes) in [(1e-4, true), (1.9e-4, true), (4e-4, false), (1e-2, false)] {
-            let start = bench.standing(&kinematics, TIP, bench.tilted(0.3, 0.0), 0.0);
+        for (speed, passes) in [(1e-4, true), (1.9e-4, true), (4e-4, false), (1e-2, false)] {
+            let start = bench.initial(&kinematics, TIP, bench.tilted(0.3, 0.0), 0.0);
             let mut tracker = BranchTracker::new(&start, R::of(0.1));
             let (mut s, mut refused, mut off, mut late) = (-0.3_f64, None, 0.0_f64, 0);
             while s < 0.6 && refused.is_none() {
@@ -286,8 +287,8 @@ fn as_fast_as_the_axis_may<R: Real>() {
                 }
                 s += speed;
             }
-            assert_eq!(refused.is_none(), goes, "{chain} {speed}: {refused:?}");
-            if goes {
+            assert_eq!(refused.is_none(), passes, "{chain} {speed}: {refused:?}");
+            if passes {
                 assert_eq!(tracker.direction_error_deg(), R::ZERO);
                 assert!(off > 0.5 * CONE_DEG && (speed < 1.5e-4 || late > 10), "{chain} {speed}: {off} {late}");
             }
@@ -333,10 +334,10 @@ fn an_axis_that_ends_at_the_pole_lets_the_other_come_round() {
         let mut bench = Bench::new(chain, &mut noise);
         let second = bench.second;
         let sense = bench.kinematics::<f64>();
-        let start = bench.standing(&sense, TIP, bench.tilted(1.0, 0.0), 0.0).axes[second.index()];
+        let start = bench.initial(&sense, TIP, bench.tilted(1.0, 0.0), 0.0).axes[second.index()];
         of(&mut bench.settings, second).travel = if start > 0.0 { [0.0, 90.0] } else { [-90.0, 0.0] };
         let kinematics = bench.kinematics::<f64>();
-        let mut near = bench.standing(&kinematics, TIP, bench.tilted(1.0, 0.0), 0.0).axes;
+        let mut near = bench.initial(&kinematics, TIP, bench.tilted(1.0, 0.0), 0.0).axes;
         let begin = near[bench.first.index()];
         let mut largest = 0.0_f64;
         for i in -20_000_i32..=20_000 {
@@ -383,7 +384,7 @@ fn the_border_of_reach_is_a_singular_pose_too() {
         let border = axis.dot(along(bench.second)).abs().asin().to_degrees();
         for _ in 0..40 {
             let (from, to) = (360.0 * noise.unit(), 4.0 * noise.signed());
-            let mut last = bench.standing(&kinematics, TIP, bench.tilted(border + 0.4, from), 0.0);
+            let mut last = bench.initial(&kinematics, TIP, bench.tilted(border + 0.4, from), 0.0);
             for i in 0..=2000 {
                 let s = f64::from(i) / 1000.0 - 1.0;
                 // Down to 0.04 degrees beyond reach, or to the pole if that is nearer, and out beside it.

@@ -19,7 +19,7 @@ use trueaxis_tables::finding::record_number;
 /// Name of a simulated record in error messages, as on the command line.
 const SIMULATED: &str = "the recorded circles";
 
-/// State kept between the calls.
+/// State that the module keeps between the calls.
 #[derive(Default)]
 pub(super) struct Bench {
     recording: Option<Recording>,
@@ -122,7 +122,7 @@ impl Bench {
         self.found.as_ref().ok_or_else(|| anyhow!("found no fit, needed a record to which one was made"))
     }
 
-    pub(super) fn fit(&mut self, files: &str, find_drive: bool, tell: &mut dyn FnMut(&str)) -> Result<Found> {
+    pub(super) fn fit(&mut self, files: &str, find_drive: bool, progress: &mut dyn FnMut(&str)) -> Result<Found> {
         let recording = self.recording()?;
         let mut given = [None; 2];
         if !find_drive {
@@ -130,7 +130,7 @@ impl Bench {
             given = drives(&machine(files, &mut Vec::new())?, "the machine", axes)?;
         }
         let (found, document) =
-            fit(recording, given, &mut |axis, step| tell(&format!("axis {}, step {step}", axis.letter())))?;
+            fit(recording, given, &mut |axis, step| progress(&format!("axis {}, step {step}", axis.letter())))?;
         let spikes = found.iter().flat_map(|own| spikes(own, &own.glitch)).collect();
         let circles = circles(&recording.record, &recording.file.to_string_lossy(), &found)?;
         let settings = sections(&recording.file, &found);
@@ -219,7 +219,7 @@ impl Bench {
         };
         let curves = |pass: &Pass| -> Result<Curves> {
             let record = pass.path()?;
-            // In the order of the plane, which may differ from that of the dropped record.
+            // The plane's order of axes, which may differ from that of the dropped record.
             let [first, second] = [0, 1].map(|i| found.iter().find(|own| own.axis == record.axes[i].axis));
             let (Some(first), Some(second)) = (first, second) else { return Err(anyhow!("{SIMULATED}: other axes")) };
             let found = [first.clone(), second.clone()];

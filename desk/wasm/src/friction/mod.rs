@@ -4,7 +4,7 @@
 
 mod bench;
 
-use crate::{Refused, json, told};
+use crate::{Refused, json, to_js};
 use anyhow::Result;
 use bench::Bench;
 use std::cell::RefCell;
@@ -19,7 +19,7 @@ extern "C" {
     fn progress(what: &str);
 }
 
-/// Without a page there is no worker to notify.
+/// A build without a page has no worker to notify.
 #[cfg(not(target_arch = "wasm32"))]
 fn progress(_: &str) {}
 
@@ -28,7 +28,7 @@ thread_local! {
 }
 
 fn with<T>(user: impl FnOnce(&mut Bench) -> Result<T>) -> Result<T, Refused> {
-    told(BENCH.with_borrow_mut(user))
+    to_js(BENCH.with_borrow_mut(user))
 }
 
 /// Reads a record of `axes` (`X,Y`): samples, period, notes. Discards earlier results.
@@ -40,7 +40,7 @@ pub fn friction_read(name: &str, text: &str, axes: &str) -> Result<String, Refus
 /// The simulator's default settings.
 #[wasm_bindgen]
 pub fn friction_settings() -> Result<String, Refused> {
-    told(json(&Settings::default()))
+    to_js(json(&Settings::default()))
 }
 
 /// Begins to simulate circles on a machine: as the record, or for comparison without or with the identified friction.

@@ -16,7 +16,6 @@ use trueaxis_tables::text::acts;
 pub(super) const MACHINE_FOLDER: &str = "machine";
 pub(super) const SCENARIO_FILE: &str = "scenario.toml";
 
-/// Texts of a machine's files by their names.
 /// The part program.
 #[derive(Clone, Deserialize)]
 #[serde(untagged, deny_unknown_fields)]

@@ -12,7 +12,7 @@ use trueaxis_sim::path::drawn;
 use trueaxis_sim::run::{Figures, Kind, Run, feedback_refused};
 use trueaxis_sim::{Scenario, Settings};
 
-/// Sections of a curved move, and of the whole path if that has more points.
+/// Number of sections of a curved move, and of the whole path if that has more points.
 const PARTS_OF_A_MOVE: u32 = 64;
 const PARTS_OF_THE_PATH: usize = 700;
 
@@ -113,7 +113,7 @@ impl Session {
         kept.iter().flat_map(row).collect()
     }
 
-    /// Acts on the run: an act as in a scenario, whose time may be `now`, or JSON with the act and a machine's files.
+    /// Applies an act to the run: text as in a scenario, whose time may be `now`, or JSON with the act and a machine's files.
     pub(super) fn act(&mut self, asked: &str) -> Result<Recorded> {
         let asked = match asked.trim_start().starts_with('{') {
             true => serde_json::from_str(asked).context("what is to be done to the run")?,

@@ -50,8 +50,8 @@ fn rows_have_their_columns_and_the_largest_error() {
         let (error, cutting) = (column("compensated.error_um"), column("cutting"));
         let cut = rows.chunks(names.len()).filter(|row| row[cutting] == 1.0).map(|row| row[error]);
         let largest = cut.fold(0.0, f64::max);
-        let told = figures["contour_error_um"]["compensated"]["max"].as_f64().unwrap();
-        assert!((largest - told).abs() < 1e-6 * told, "{largest} {told}");
+        let reported = figures["contour_error_um"]["compensated"]["max"].as_f64().unwrap();
+        assert!((largest - reported).abs() < 1e-6 * reported, "{largest} {reported}");
         assert!(rows.chunks(names.len()).is_sorted_by(|a, b| a[1] < b[1]));
         let path = session.path();
         assert_eq!(path.chunks(5).map(|point| point[3] as u32).max(), Some(5));
@@ -61,7 +61,7 @@ fn rows_have_their_columns_and_the_largest_error() {
 }
 
 #[test]
-fn what_is_done_by_hand_is_in_the_scenario_and_does_the_same_again() {
+fn manual_acts_enter_the_scenario_which_reproduces_them() {
     let mut machine = request("rate_hz = 1000");
     machine["kinds"] = json!(["uncompensated", "compensated", "full"]);
     let mut warm = sample("mill-3axis");

@@ -1,4 +1,4 @@
-//! Curves of a run in memory of fixed size: complete cycles, those at which a value is largest or smallest.
+//! Curves of a run in memory of fixed size: complete cycles, namely those at which a value is largest or smallest.
 
 use trueaxis::Axis;
 use trueaxis::machine::AXES;
@@ -6,9 +6,9 @@ use trueaxis_report::Thinner;
 use trueaxis_sim::Scenario;
 use trueaxis_sim::run::{Kind, Moment, Sample, Sink};
 
-/// Time intervals whose extremes are kept: a few thousand rows.
+/// Number of time intervals; from each, the rows contain the cycles of extreme values: a few thousand rows.
 const BUCKETS: usize = 256;
-/// Values whose extremes are kept: contour errors of five machines, fault, limited, correction, dynamic correction.
+/// Number of values with extremes: contour errors of five machines, fault, limited, correction, dynamic correction.
 const EXTREMES: usize = 9;
 /// Columns of a six-axis machine with every part, run in every kind.
 const MOST_COLUMNS: usize = 96;
@@ -113,7 +113,7 @@ impl Traces {
                 ("feedback", Field::Feedback),
                 ("crosstalk", Field::Crosstalk),
             ];
-            // The run with geometry alone has no dynamic parts.
+            // The run that simulates only the geometry has no dynamic parts.
             let count = if *kind == Kind::Compensated { 1 } else { whole.len() };
             for (what, field) in whole.into_iter().take(count) {
                 axes.iter().for_each(|axis| add(machine, format!("{what}.{}", axis.letter()), field(axis.index())));
@@ -135,7 +135,7 @@ impl Traces {
         own.into_iter().chain(rotary).chain(self.columns.iter().map(|column| column.name.clone())).collect()
     }
 
-    /// The rows kept, concatenated.
+    /// All selected rows, concatenated.
     pub(super) fn rows(&self) -> Vec<f64> {
         let mut numbers = Vec::new();
         for row in self.rows.items() {

@@ -260,8 +260,8 @@ fn five_axes(worst: &mut [usize; 2], model: ErrorModel) {
 
     let mut state = servo.start();
     let near = joints(0);
-    let standing = kinematics.inverse(&kinematics.forward(&near), &near).expect("a pose");
-    let mut follow = BranchTracker::new(&standing, scalar(0.1));
+    let pose = kinematics.inverse(&kinematics.forward(&near), &near).expect("a pose");
+    let mut follow = BranchTracker::new(&pose, scalar(0.1));
     for cycle in 0..CYCLES {
         let [x, y, z, a, b, c] = joints(cycle);
         let input = input(cycle, [x, y, z, a, c].map(|joint| P::default().plus(joint)));

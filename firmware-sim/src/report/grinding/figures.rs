@@ -128,18 +128,18 @@ pub(super) fn correction(grinding: &Grinding, outcome: &Outcome) -> Figure {
     let fed: Vec<[f64; 2]> = (0..=table.len())
         .filter_map(|n| Some([degrees(n, table.len()), *table.get(n % table.len().max(1))?]))
         .collect();
-    let stands = |n: usize| {
+    let deviation = |n: usize| {
         let angle = TAU * n as f64 / 720.0;
         let terms = outcome.uncorrected.average.iter().enumerate().skip(first);
         terms.map(|(k, [a, b])| a * (k as f64 * angle).cos() + b * (k as f64 * angle).sin()).sum::<f64>()
     };
-    let stands: Vec<[f64; 2]> = (0..=720).map(|n| [degrees(n, 720), stands(n)]).collect();
+    let deviation: Vec<[f64; 2]> = (0..=720).map(|n| [degrees(n, 720), deviation(n)]).collect();
     let x = Scale::exact("angle of the surface in degrees", 0.0, 360.0);
-    let y = Scale::linear("infeed in µm", fed.iter().chain(&stands).map(|point| point[1])).margin(0.06);
+    let y = Scale::linear("infeed in µm", fed.iter().chain(&deviation).map(|point| point[1])).margin(0.06);
     let mut figure = Figure::full("infeed correction over the angle of the surface", 250, x, y);
     let wide = Stroke::new(colour::UNCOMPENSATED, 3.0).opacity(0.45);
     figure
-        .curve("deviation of the surface without correction", stands, wide)
+        .curve("deviation of the surface without correction", deviation, wide)
         .curve("correction learned by the gauge", fed, Stroke::new(colour::COMPENSATED, 1.4))
         .caption("Where the surface would be high, the wheel is fed in further.");
     figure

@@ -18,7 +18,7 @@ use trueaxis_report::{
 /// Writes the page to `grinding.html` in `directory`, which is created if needed; returns the file's path.
 ///
 /// # Errors
-/// The file system's error if the page cannot be written; nothing is left behind.
+/// The file system's error if the page cannot be written. A failure leaves no file behind.
 pub fn write(grinding: &Grinding, outcome: &Outcome, directory: &Path) -> io::Result<PathBuf> {
     write_page(directory, "grinding.html", &render(grinding, outcome), Vec::new())
 }

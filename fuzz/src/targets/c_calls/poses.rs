@@ -44,8 +44,8 @@ pub(super) fn forward(world: &mut World, draw: &mut Draw<'_>) {
             // SAFETY: as above.
             let result = unsafe { trueaxis_kinematics_forward(kinematics, given, wrong.at(2, &raw mut tool)) };
             answered("kinematics_forward", result, &wrong, &[ERROR_ARGUMENT]);
-            let told = tool.tip.iter().chain(&tool.axis);
-            assert!(told.clone().all(|q| q.is_nan()) || result == OK, "a refused tool was written");
+            let components = tool.tip.iter().chain(&tool.axis);
+            assert!(components.clone().all(|q| q.is_nan()) || result == OK, "a refused tool was written");
             // Beyond the range of any machine a sum may overflow.
             let sane = numbers.iter().all(|q| q.abs() <= 1e9);
             assert!(result != OK || !sane || tool.axis.iter().all(|q| q.is_finite()), "{tool:?}");

@@ -1,6 +1,6 @@
 /*
  * The part of grblHAL's interface that the plugin uses, for tests: types, hooks and functions with their documented
- * names and meanings, in independent wording and without their other members. A controller is built with grblHAL's
+ * names and meanings, independently worded and without their other members. A real controller is built with grblHAL's
  * own headers.
  *
  * SPDX-License-Identifier: MIT OR Apache-2.0
@@ -58,7 +58,7 @@ typedef uint_fast16_t sys_state_t;
 #define STATE_SAFETY_DOOR bit(6)
 #define STATE_SLEEP bit(7)
 
-/* Functions that move along a line return "handled", or "aborted", which has the same value as OK. */
+/* Functions that move along a line return "handled", or "aborted", whose value equals OK. */
 typedef enum {
     Status_OK = 0,
     Status_Aborted = 0,

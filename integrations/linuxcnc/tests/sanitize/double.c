@@ -1,4 +1,4 @@
-/* HAL and RTAPI as the component uses them: see double.h. */
+/* The parts of HAL and RTAPI that the component uses: see double.h. */
 #include "double.h"
 
 #include <errno.h>
@@ -38,7 +38,7 @@ int hal_init(const char *name)
     return fails() ? -ENOMEM : COMPONENT;
 }
 
-/* HAL keeps its memory; this double frees it, so that the sanitizer sees a later access. */
+/* Frees the component's memory, so that the sanitizer detects a later access. Real HAL keeps it. */
 int hal_exit(int component)
 {
     must(component == COMPONENT, "hal_exit of another component", "");
@@ -63,13 +63,13 @@ void *hal_malloc(long int size)
         return NULL;
     void *block = malloc((size_t)size);
     must(block != NULL, "no memory", "hal_malloc");
-    /* Not zero, because HAL does not guarantee zeroed memory. */
+    /* Fill with another value than zero, because HAL does not guarantee zeroed memory. */
     memset(block, 0xa5, (size_t)size);
     blocks[block_count++] = block;
     return block;
 }
 
-/* Adds a pin or parameter of that name and allocates its value. 2.9's are exactly as large as the type. */
+/* Adds a pin or parameter of that name and allocates its value. Values of 2.9 are exactly as large as the type. */
 static int add(hal_type_t type, bool input, bool parameter, void **place, int component, const char *name)
 {
 #ifdef TRUEAXIS_HAL_HANDLES
@@ -94,7 +94,7 @@ static int add(hal_type_t type, bool input, bool parameter, void **place, int co
     if (!pin->given) {
         *place = malloc(bytes[type]);
         must(*place != NULL, "no memory", name);
-        /* HAL zeroes a pin, but not the memory of a parameter that it is given. */
+        /* HAL zeroes a pin, but not the memory that it is given for a parameter. */
         memset(*place, 0, bytes[type]);
     }
     pin->value = *place;

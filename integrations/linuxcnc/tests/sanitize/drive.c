@@ -50,7 +50,7 @@ static void hear(const char *line)
     __atomic_add_fetch(&complained, 1, __ATOMIC_RELAXED);
 }
 
-/* Reads pins of the component's other thread: HAL guarantees no order, and the user reads them from another process. */
+/* Reads pins of the component's other thread. HAL guarantees no order, and the user reads them from another process. */
 __attribute__((no_sanitize("thread"), noinline)) static uint32_t seen(const struct pin *pin)
 {
     return pin->type == HAL_BIT ? pin->value->b : pin->value->u;
@@ -103,7 +103,7 @@ static uint64_t add_to_digest(uint64_t digest, const struct pin *pin)
     return digest;
 }
 
-/* Outputs that motion and the drives use must be finite, whatever the inputs are. */
+/* Checks that the outputs for motion and the drives are finite, whatever the inputs are. */
 static void look(struct servo_thread *thread)
 {
     size_t length = strlen(thread->instance);
@@ -111,7 +111,7 @@ static void look(struct servo_thread *thread)
         const struct pin *pin = &double_pins[i];
         if (strncmp(pin->name, thread->instance, length) != 0 || pin->name[length] != '.')
             continue;
-        /* Pins of the component's other thread change at no fixed cycle. */
+        /* Pins of the component's other thread change at no fixed cycle, so they are not in the digest. */
         if (!pin->input && !pin->parameter && !strstr(pin->name, ".reload") && !strstr(pin->name, ".tables-ok"))
             thread->digest = add_to_digest(thread->digest, pin);
         if (pin->type != HAL_FLOAT)
@@ -198,7 +198,7 @@ static int run_all(struct servo_thread threads[MAX_THREADS], int count)
         printf("%s: %ld cycles, active in %ld, stopped in %ld, %ld reloads of which %ld refused, digest %016llx\n",
                thread->instance, thread->cycles, thread->active, thread->stopped, thread->reloads, thread->refused,
                (unsigned long long)thread->digest);
-        /* Both kinds must occur, otherwise this was not an attack on a running machine. */
+        /* Cycles of both kinds must occur; otherwise this was not an attack on a running machine. */
         bool fits = *(long *)rtapi_info_address_servo_period_nsec == thread->period;
         bool exchanged = thread->reloads > thread->refused && thread->refused > 0;
         if (thread->broken || thread->stopped == 0 || fits != (thread->active > 0) ||
@@ -245,7 +245,7 @@ int main(int argument_count, char **arguments)
     int broken = run_all(threads, count);
     printf("%d calls of HAL, %d lines\n", double_calls, __atomic_load_n(&complained, __ATOMIC_RELAXED));
     rtapi_app_exit();
-    /* Code that still runs would access freed memory. */
+    /* Wait, so that the sanitizer reports any code that still runs and accesses freed memory. */
     const struct timespec moment = {0, 30000000};
     nanosleep(&moment, NULL);
     return broken;

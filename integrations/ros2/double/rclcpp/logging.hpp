@@ -1,6 +1,6 @@
-// A double of what the controller and its base classes take from rclcpp, rclcpp_lifecycle and, the same in every release,
-// from controller_interface. Names and signatures are those of rclcpp 16 (Humble) to 30; what is behind them is not.
-// SPDX-License-Identifier: MIT OR Apache-2.0
+// A double of the parts of rclcpp, rclcpp_lifecycle and controller_interface that are the same in every release and
+// that the controller and its base classes use. Names and signatures are those of rclcpp 16 (Humble) to 30; the
+// implementation is independent. SPDX-License-Identifier: MIT OR Apache-2.0
 #ifndef DOUBLE_RCLCPP_HPP
 #define DOUBLE_RCLCPP_HPP
 

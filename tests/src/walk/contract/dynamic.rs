@@ -35,8 +35,8 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         first: bool,
     ) -> Result<(), Broken> {
         let record = &seen.outcome.output.record;
-        let told = record.dynamic.is_some() == seen.facts.dynamic;
-        self.tally.that(Rule::NoDynamic, told, || format!("{:?}", record.dynamic))?;
+        let agrees = record.dynamic.is_some() == seen.facts.dynamic;
+        self.tally.that(Rule::NoDynamic, agrees, || format!("{:?}", record.dynamic))?;
         let Some(parts) = &record.dynamic else {
             let geometric = record.correction.map(|c| Moving::at(c.to_f64()));
             self.parts = Parts { geometric, ..Parts::default() };
@@ -75,9 +75,9 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
             }
             let before = *moving;
             if !self.senses.due {
-                let stands = (sent - before.c).abs() <= 8.0 * R::EPSILON.to_f64() * (sent.abs() + geometric.abs());
+                let unchanged = (sent - before.c).abs() <= 8.0 * R::EPSILON.to_f64() * (sent.abs() + geometric.abs());
                 let found = || format!("axis {k}: {before:?} to {sent} in no time");
-                self.tally.that(Rule::Pace, stands || seen.exchanged, found)?;
+                self.tally.that(Rule::Pace, unchanged || seen.exchanged, found)?;
                 continue;
             }
             let keeps = moving.keeps::<R>(sent, geometric, &axis.dynamic);

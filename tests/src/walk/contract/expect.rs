@@ -1,4 +1,4 @@
-//! Required result of the first stage for an input: which commands and readings are believed, what stops, what freezes.
+//! Required result of the first stage for an input: which commands and readings are accepted, what stops, what freezes.
 
 use super::{Seen, Verdict, apart};
 use crate::walk::rule::{Broken, Rule, Tally};
@@ -27,7 +27,7 @@ pub(super) struct Senses<P, const N: usize> {
     good: [P; N],
     missing: [u16; N],
     /// Position at which a reading is constant, command up to which the commanded travel has been counted, and that travel.
-    stands: [P; N],
+    steady: [P; N],
     counted: [P; N],
     unmoved: [f64; N],
 }
@@ -46,7 +46,7 @@ impl<P: Place, const N: usize> Default for Senses<P, N> {
             held: zero,
             good: zero,
             missing: [0; N],
-            stands: zero,
+            steady: zero,
             counted: zero,
             unmoved: [0.0; N],
         }
@@ -90,7 +90,7 @@ impl<P: Place, const N: usize> Senses<P, N> {
         let active = input.homed && input.enable;
         let late = f64::from(input.elapsed_ns) > 1.25 * f64::from(facts.period_ns);
         let off = self.off(facts.period_ns, input.elapsed_ns);
-        let told = (record.fault, record.fault_axis);
+        let reported = (record.fault, record.fault_axis);
         let due = self.command_faults(seen, active, late);
         let any = due.iter().any(|fault| *fault != Fault::None) || input.refusal.fault != Fault::None;
         let is_due = |(fault, axis): (Fault, u8)| match input.refusal {
@@ -102,8 +102,8 @@ impl<P: Place, const N: usize> Senses<P, N> {
         let first = !self.started;
         if self.latched.is_none() && !any {
             let readings = self.readings(seen, &input.command, active && !first);
-            let joint = stops && told.0 == Fault::JointRange;
-            tally.that(Rule::StopsOnlyWhenDue, !stops || joint, || format!("{told:?} for {input:?}"))?;
+            let joint = stops && reported.0 == Fault::JointRange;
+            tally.that(Rule::StopsOnlyWhenDue, !stops || joint, || format!("{reported:?} for {input:?}"))?;
             (self.started, self.active) = (true, active);
             let frozen = active && !first && off || readings.iter().any(|fault| *fault != Fault::None);
             if !joint {
@@ -112,10 +112,13 @@ impl<P: Place, const N: usize> Senses<P, N> {
                     late || fault != Fault::None && readings.get(usize::from(axis)) == Some(&fault)
                 };
                 if frozen {
-                    tally.that(Rule::Reading, fits(told), || format!("{told:?}, due {readings:?}, off: {off}"))?;
+                    tally.that(Rule::Reading, fits(reported), || {
+                        format!("{reported:?}, due {readings:?}, off: {off}")
+                    })?;
                 } else {
-                    tally
-                        .that(Rule::ReadingOnlyWhenDue, told.0 == Fault::None, || format!("{told:?} for {input:?}"))?;
+                    tally.that(Rule::ReadingOnlyWhenDue, reported.0 == Fault::None, || {
+                        format!("{reported:?} for {input:?}")
+                    })?;
                 }
             }
             return Ok(match (active, frozen) {
@@ -126,8 +129,8 @@ impl<P: Place, const N: usize> Senses<P, N> {
         }
         let was_latched = self.latched;
         if was_latched.is_none() {
-            tally.that(Rule::Stops, stops && is_due(told), || format!("{told:?}, due {due:?}, {input:?}"))?;
-            self.latch(told);
+            tally.that(Rule::Stops, stops && is_due(reported), || format!("{reported:?}, due {due:?}, {input:?}"))?;
+            self.latch(reported);
         }
         let placed = self.started || self.placed(seen);
         let near = self.near(seen);
@@ -136,34 +139,34 @@ impl<P: Place, const N: usize> Senses<P, N> {
         let held = self.held;
         self.readings(seen, &held, self.active && !first);
         let Some(latched) = was_latched else {
-            return Ok(if placed { Verdict::Held } else { Verdict::Nowhere });
+            return Ok(if placed { Verdict::Held } else { Verdict::NoOutput });
         };
         let may = rising && placed && acceptable;
         // After a release, the output may leave the range of a joint at once and stop again.
-        let goes_on = !stops || told.0 == Fault::JointRange;
+        let continues = !stops || reported.0 == Fault::JointRange;
         let released = match near {
             Size::Within if may => {
-                tally.that(Rule::ResetReleases, goes_on, || format!("{told:?}, {input:?}, held {held:?}"))?;
+                tally.that(Rule::ResetReleases, continues, || format!("{reported:?}, {input:?}, held {held:?}"))?;
                 true
             }
-            Size::Either if may => goes_on,
+            Size::Either if may => continues,
             _ => {
                 let rule = if rising { Rule::ResetOnlyNear } else { Rule::Latches };
-                let found = || format!("{told:?} after {latched:?}, held {held:?}, due {due:?}, {input:?}");
-                tally.that(rule, stops && told == latched, found)?;
+                let found = || format!("{reported:?} after {latched:?}, held {held:?}, due {due:?}, {input:?}");
+                tally.that(rule, stops && reported == latched, found)?;
                 false
             }
         };
         if released {
-            let quiet = stops || told.0 == Fault::None;
-            tally.that(Rule::ResetReleases, quiet, || format!("released with {told:?}"))?;
+            let quiet = stops || reported.0 == Fault::None;
+            tally.that(Rule::ResetReleases, quiet, || format!("released with {reported:?}"))?;
             self.latched = None;
             self.started = true;
-            (self.stands, self.counted, self.unmoved) = (self.good, input.command, [0.0; N]);
+            (self.steady, self.counted, self.unmoved) = (self.good, input.command, [0.0; N]);
             self.active = active;
             return Ok(if active { Verdict::Active } else { Verdict::Inactive });
         }
-        Ok(if placed { Verdict::Held } else { Verdict::Nowhere })
+        Ok(if placed { Verdict::Held } else { Verdict::NoOutput })
     }
 
     /// Holds the command in force from now on.
@@ -211,7 +214,7 @@ impl<P: Place, const N: usize> Senses<P, N> {
     /// Accepts the plausible readings; returns the fault of each reading.
     fn readings<R: Scalar>(&mut self, seen: &Seen<'_, '_, R, P, N>, command: &[P; N], watch: bool) -> [Fault; N] {
         let input = &seen.moment.input;
-        let believed = &seen.outcome.output.record.feedback;
+        let recorded = &seen.outcome.output.record.feedback;
         let mut faults = [Fault::None; N];
         let active = input.homed && input.enable;
         for k in 0..N {
@@ -229,10 +232,10 @@ impl<P: Place, const N: usize> Senses<P, N> {
                 // The limit grows with the number of missing readings.
                 let limit = axis.feedback_jump * (1.0 + f64::from(self.missing[k]));
                 let jumps = size::<P>(apart(reading, self.good[k]), limit);
-                if jumps == Size::Beyond || jumps == Size::Either && believed[k] != reading {
+                if jumps == Size::Beyond || jumps == Size::Either && recorded[k] != reading {
                     Fault::FeedbackJump
-                } else if apart(reading, self.stands[k]) > steps::<P>(axis.still) {
-                    (self.stands[k], self.counted[k], self.unmoved[k]) = (reading, command[k], 0.0);
+                } else if apart(reading, self.steady[k]) > steps::<P>(axis.still) {
+                    (self.steady[k], self.counted[k], self.unmoved[k]) = (reading, command[k], 0.0);
                     Fault::None
                 } else {
                     let way = if self.active { apart(command[k], self.counted[k]) } else { 0.0 };
@@ -251,7 +254,7 @@ impl<P: Place, const N: usize> Senses<P, N> {
                 // Before the first command only the command can replace a reading; likewise if the last good reading is out of
                 // range.
                 _ if !self.started || !readable(self.good[k]) => {
-                    (self.good[k], self.stands[k]) = (command[k], command[k]);
+                    (self.good[k], self.steady[k]) = (command[k], command[k]);
                 }
                 _ => self.missing[k] = self.missing[k].saturating_add(1),
             }
@@ -259,7 +262,7 @@ impl<P: Place, const N: usize> Senses<P, N> {
                 self.counted[k] = command[k];
             }
             if !watch {
-                (self.stands[k], self.counted[k], self.unmoved[k]) = (self.good[k], command[k], 0.0);
+                (self.steady[k], self.counted[k], self.unmoved[k]) = (self.good[k], command[k], 0.0);
             }
             faults[k] = fault;
         }
@@ -303,7 +306,7 @@ impl<P: Place, const N: usize> Senses<P, N> {
     }
 
     /// The reading that the record must show.
-    pub(super) fn believed(&self) -> &[P; N] {
+    pub(super) fn accepted(&self) -> &[P; N] {
         &self.good
     }
 }

@@ -18,14 +18,14 @@ pub(super) struct GaugeMemory<R: Scalar> {
     /// Cycles since then, and those in which the infeed was followed only in part, or not at all.
     cycles: u32,
     limited: u32,
-    unheard: u32,
+    ineffective: u32,
     /// Whether the axis of the infeed was limited in the last cycle.
     was_limited: bool,
     /// Revolutions discarded because of a new part.
     lost: u32,
     clearing: bool,
     /// Whether the preceding state is unknown.
-    anew: bool,
+    unknown: bool,
 }
 
 impl<R: Scalar> Default for GaugeMemory<R> {
@@ -35,11 +35,11 @@ impl<R: Scalar> Default for GaugeMemory<R> {
             sampled: 0,
             cycles: 0,
             limited: 0,
-            unheard: 0,
+            ineffective: 0,
             was_limited: false,
             lost: 0,
             clearing: false,
-            anew: true,
+            unknown: true,
         }
     }
 }
@@ -48,14 +48,14 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
     /// Checks every cycle with a gauge.
     pub(super) fn gauged(&mut self, seen: &Seen<'_, '_, R, P, N>, verdict: Verdict) -> Result<(), Broken> {
         let Some(gauge) = &seen.ground.gauge else { return Ok(()) };
-        let (ride, state, probes) = (&seen.outcome.ride, &seen.device.gauge, &seen.moment.probes);
+        let (output, state, probes) = (&seen.outcome.gauge_output, &seen.device.gauge, &seen.moment.probes);
         let good = probes.readings.iter().all(|reading| reading.to_f64().abs() <= 1000.0);
-        let told = ride.flags.has(GaugeFlags::PROBE_RANGE);
+        let reported = output.flags.has(GaugeFlags::PROBE_RANGE);
         // Without an angle the probes are not evaluated.
-        let holds = if good { !told } else { ride.flags.discards() };
-        self.tally.that(Rule::Probes, holds, || format!("{:?} for {:?}", ride.flags, probes.readings))?;
+        let holds = if good { !reported } else { output.flags.discards() };
+        self.tally.that(Rule::Probes, holds, || format!("{:?} for {:?}", output.flags, probes.readings))?;
         let limit = seen.ground.infeed_limit_um * 1e-3;
-        let infeed = ride.infeed.to_f64();
+        let infeed = output.infeed.to_f64();
         // False for NaN.
         let bounded = infeed.abs() <= BETWEEN * limit * (1.0 + 1e-5);
         self.tally.that(Rule::InfeedBound, bounded, || format!("{infeed} mm of {limit}"))?;
@@ -66,25 +66,25 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         let slot = gauge.infeed_slot().unwrap_or(N);
         if verdict != Verdict::Active && seen.outcome.output.record.fault != trueaxis::Fault::JointRange || probes.idle
         {
-            memory.unheard += 1;
+            memory.ineffective += 1;
         } else if memory.was_limited {
             memory.limited += 1;
         }
         memory.was_limited = seen.outcome.output.record.limited >> (slot & 7) & 1 == 1;
-        if counts.sampled != memory.sampled && !memory.anew {
+        if counts.sampled != memory.sampled && !memory.unknown {
             let few = memory.cycles / 64 + 3;
             let learns = gauge.infeed_slot().is_some();
-            if learns && (memory.limited > few || memory.unheard > few) {
-                let frozen = ride.flags.has(GaugeFlags::INFEED_FROZEN);
-                let found = || format!("{memory:?}, {:?}", ride.flags);
+            if learns && (memory.limited > few || memory.ineffective > few) {
+                let frozen = output.flags.has(GaugeFlags::INFEED_FROZEN);
+                let found = || format!("{memory:?}, {:?}", output.flags);
                 self.tally.that(Rule::InfeedFrozen, frozen, found)?;
             }
-            (memory.cycles, memory.limited, memory.unheard) = (0, 0, 0);
+            (memory.cycles, memory.limited, memory.ineffective) = (0, 0, 0);
         }
-        if counts.sampled != memory.sampled || memory.anew {
-            (memory.cycles, memory.limited, memory.unheard) = (0, 0, 0);
+        if counts.sampled != memory.sampled || memory.unknown {
+            (memory.cycles, memory.limited, memory.ineffective) = (0, 0, 0);
         }
-        (memory.sampled, memory.anew) = (counts.sampled, false);
+        (memory.sampled, memory.unknown) = (counts.sampled, false);
         let loose = counts.sampled.wrapping_sub(counts.evaluated).wrapping_sub(counts.skipped);
         if probes.new_part {
             (memory.lost, memory.clearing) = (loose, true);
@@ -94,7 +94,7 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         let in_work = u32::from(!state.is_settled() && !memory.clearing);
         let done = loose.wrapping_sub(memory.lost);
         self.tally.that(Rule::GaugeCounts, done == in_work, || format!("{counts:?}, in work: {in_work}"))?;
-        if ride.finished {
+        if output.finished {
             self.revolution(seen)?;
         }
         Ok(())

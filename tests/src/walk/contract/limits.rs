@@ -84,9 +84,9 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         let total = totals(output);
         self.feedback_is_measured(seen)?;
         if verdict.holds() {
-            self.stands(seen, &total, first)?;
+            self.output_holds(seen, &total, first)?;
         } else {
-            self.goes(seen, &total, verdict, first)?;
+            self.output_follows(seen, &total, verdict, first)?;
         }
         let motion = &mut self.motion;
         (motion.drive, motion.total, motion.correction) = (output.drive, total, output.record.correction);
@@ -109,8 +109,8 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         Ok(())
     }
 
-    /// The output is held.
-    fn stands(&mut self, seen: &Seen<'_, '_, R, P, N>, total: &[R; N], first: bool) -> Result<(), Broken> {
+    /// Checks a held output.
+    fn output_holds(&mut self, seen: &Seen<'_, '_, R, P, N>, total: &[R; N], first: bool) -> Result<(), Broken> {
         let (motion, output) = (&mut self.motion, &seen.outcome.output);
         // A configuration without dynamic correction reports the whole correction as geometric.
         let renamed = seen.exchanged && motion.parted != output.record.dynamic.is_some();
@@ -138,7 +138,7 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
     }
 
     /// The output follows the command.
-    fn goes(
+    fn output_follows(
         &mut self,
         seen: &Seen<'_, '_, R, P, N>,
         total: &[R; N],
@@ -178,20 +178,20 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
     #[inline(always)]
     fn limited(&mut self, seen: &Seen<'_, '_, R, P, N>, k: usize, c: R, verdict: Verdict) -> Result<(), Broken> {
         let (axis, moving) = (&seen.facts.axes[k], &mut self.motion.sum[k]);
-        let beside = seen.outcome.output.record.dynamic.map_or(0.0, |parts| parts.sent[k].to_f64());
+        let other = seen.outcome.output.record.dynamic.map_or(0.0, |parts| parts.sent[k].to_f64());
         if seen.exchanged {
             moving.lowered::<R>(&axis.sum);
         }
         let before = *moving;
         if !self.senses.due {
             // A constant sum may be rounded differently after being split into other parts and summed.
-            let rounding = 8.0 * R::EPSILON.to_f64() * (before.c.abs() + before.beside().max(beside.abs()));
-            let dynamic = seen.exchanged || seen.facts.dynamic || before.beside() > 0.0;
-            let stands = (c.to_f64() - before.c).abs() <= if dynamic { rounding } else { 0.0 };
+            let rounding = 8.0 * R::EPSILON.to_f64() * (before.c.abs() + before.other().max(other.abs()));
+            let dynamic = seen.exchanged || seen.facts.dynamic || before.other() > 0.0;
+            let unchanged = (c.to_f64() - before.c).abs() <= if dynamic { rounding } else { 0.0 };
             let found = || format!("axis {k}: {before:?} to {c:?} in no time, {verdict:?}");
-            return self.tally.that(Rule::Pace, stands, found);
+            return self.tally.that(Rule::Pace, unchanged, found);
         }
-        let keeps = moving.keeps::<R>(c.to_f64(), beside, &axis.sum);
+        let keeps = moving.keeps::<R>(c.to_f64(), other, &axis.sum);
         let holds = keeps == [true; 3];
         let found = || format!("axis {k}: {before:?} to {moving:?} of {:?}, {verdict:?}", axis.sum);
         let rule = if seen.exchanged { Rule::ExchangeSmooth } else { rule_of(keeps) };
@@ -202,10 +202,10 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         }
         if verdict == Verdict::Frozen && !seen.facts.dynamic && !seen.exchanged {
             let most = (before.v.abs() - axis.sum.a).max(0.0);
-            let size = before.c.abs().max(moving.c.abs()).max(before.beside()) + before.v.abs();
+            let size = before.c.abs().max(moving.c.abs()).max(before.other()) + before.v.abs();
             let still = moving.v.abs() <= most + 1e-6 * axis.sum.a + 4.0 * R::EPSILON.to_f64() * size;
-            let stands = before.v.abs() > axis.sum.a || moving.c == before.c || still && before.v != 0.0;
-            self.tally.that(Rule::Freeze, still && stands, || {
+            let settled = before.v.abs() > axis.sum.a || moving.c == before.c || still && before.v != 0.0;
+            self.tally.that(Rule::Freeze, still && settled, || {
                 format!("axis {k}: {before:?} to {moving:?} of {:?}", axis.sum)
             })?;
         }
@@ -217,9 +217,9 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         let (output, motion) = (&seen.outcome.output, &mut self.motion);
         let record = &output.record;
         if record.dynamic.is_none() {
-            let told = (0..N).fold(0, |bits, k| bits | u8::from(total[k] != R::ZERO) << k);
-            let found = || format!("{:b}, not {told:b}, for {total:?}", record.limited);
-            self.tally.that(Rule::LimitedTold, record.limited == told, found)?;
+            let expected = (0..N).fold(0, |bits, k| bits | u8::from(total[k] != R::ZERO) << k);
+            let found = || format!("{:b}, not {expected:b}, for {total:?}", record.limited);
+            self.tally.that(Rule::LimitedReported, record.limited == expected, found)?;
         }
         if motion.dark == 0.0 || seen.exchanged {
             motion.may = motion.dark;
@@ -229,8 +229,8 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         }
         motion.dark += f64::from(u8::from(self.senses.due));
         // The feed-forward of a drive decays like the error that it compensates.
-        let gone = if seen.facts.dynamic { 1e-9 } else { 0.0 };
-        if total.iter().any(|c| c.to_f64().abs() > gone) {
+        let negligible = if seen.facts.dynamic { 1e-9 } else { 0.0 };
+        if total.iter().any(|c| c.to_f64().abs() > negligible) {
             let found = || format!("{total:?} after {} cycles, {} at most", motion.dark, motion.may);
             return self.tally.that(Rule::LedOut, motion.dark <= motion.may, found);
         }
@@ -261,7 +261,7 @@ fn way_out<P>(moving: &Moving, axis: &AxisFacts<P>, dynamic: bool) -> f64 {
     // Both parts, each through its own limiter, then through that of the sum.
     let c = axis.sum.c + axis.dynamic.c;
     axis.dies_away
-        + 2.0 * (geometric + time(c, &axis.sum, axis.lead_a) + time(axis.dynamic.c, &axis.dynamic, axis.dynamic.a))
+        + 2.0 * (geometric + time(c, &axis.sum, axis.ramp_a) + time(axis.dynamic.c, &axis.dynamic, axis.dynamic.a))
 }
 
 /// Total correction of the command.

@@ -31,13 +31,13 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
     ) -> Result<(), Broken> {
         let record = &seen.outcome.output.record;
         let measured = seen.moment.measured;
-        let told = record.status.has(Status::CONTOUR) == record.tip.is_measured();
-        let believed = matches!(verdict, Verdict::Active | Verdict::Inactive) && measured != Measured::Nothing;
+        let agrees = record.status.has(Status::CONTOUR) == record.tip.is_measured();
+        let plausible = matches!(verdict, Verdict::Active | Verdict::Inactive) && measured != Measured::Nothing;
         // The joint's range is checked after the error was measured.
-        let may = believed || record.fault == Fault::JointRange && measured != Measured::Nothing;
+        let may = plausible || record.fault == Fault::JointRange && measured != Measured::Nothing;
         let found = || format!("{:?}, {verdict:?}: {:?}, {:?}", record.status, record.tip, record.encoder);
         let none = !record.tip.is_measured() && !record.encoder.is_measured();
-        self.tally.that(Rule::ContourTold, told && (may || none), found)?;
+        self.tally.that(Rule::ContourReported, agrees && (may || none), found)?;
         self.consistent(&record.tip)?;
         self.consistent(&record.encoder)?;
         self.orientation(seen)?;
@@ -50,10 +50,10 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
 
     fn consistent(&mut self, error: &ContourError<R>) -> Result<(), Broken> {
         let [x, y, z] = error.vector.into().map(R::to_f64);
-        let (length, told) = ((x * x + y * y + z * z).sqrt(), error.error.to_f64());
-        let near = (length - told).abs() <= 1e-9 + 4.0 * R::EPSILON.to_f64() * length;
+        let (length, reported) = ((x * x + y * y + z * z).sqrt(), error.error.to_f64());
+        let near = (length - reported).abs() <= 1e-9 + 4.0 * R::EPSILON.to_f64() * length;
         let inside = error.t >= R::ZERO && error.t <= R::ONE;
-        let bounded = error.evaluations <= EVALUATIONS && error.width >= R::ZERO && told >= 0.0;
+        let bounded = error.evaluations <= EVALUATIONS && error.width >= R::ZERO && reported >= 0.0;
         let empty = error.is_measured() || length == 0.0 && error.lag == R::ZERO;
         let holds = near && inside && bounded && empty;
         self.tally.that(Rule::ContourConsistent, holds, || format!("{error:?}"))
@@ -74,7 +74,7 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         let record = &seen.outcome.output.record;
         let error = &record.encoder;
         let Some(span) = path.span(error.span).filter(|_| error.is_measured()) else { return Ok(()) };
-        // The encoder's foot is found from the tip's: far away, single precision is too coarse.
+        // The search finds the encoder's foot from the tip's. Far away, single precision is too coarse for that.
         let size = error.error.to_f64() + record.tip.error.to_f64();
         if size > FAR_MM {
             return Ok(());
@@ -145,8 +145,8 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
             return Ok(());
         }
         let rounding = 1e-5 + R::EPSILON.to_f64() * (64.0 + 16.0 * distance);
-        // Chords decide which of two spans is nearer, and the chord of an arc that turns by 40 degrees is off by a ninth; they
-        // decide for the tip, from whose foot the encoder's is found.
+        // Chords decide which of two spans is nearer to the tip, and the chord of an arc that turns by 40 degrees is
+        // off by a ninth. The search for the encoder's foot starts from the tip's.
         let chord = path.span(error.span).map_or(0.0, |span| span.length().to_f64());
         let allowed = distance + chord / 9.0 + 2.0 * apart(record, path) + rounding;
         let holds = error.error.to_f64() <= allowed;

@@ -32,13 +32,13 @@ pub(super) enum Verdict {
     /// The output holds.
     Held,
     /// The output should hold, but none exists.
-    Nowhere,
+    NoOutput,
 }
 
 impl Verdict {
     /// Whether the drives get nothing new.
     pub(super) fn holds(self) -> bool {
-        matches!(self, Verdict::Held | Verdict::Nowhere)
+        matches!(self, Verdict::Held | Verdict::NoOutput)
     }
 }
 
@@ -70,7 +70,7 @@ pub(super) struct Contract<R: Scalar, P: Place, const N: usize> {
     window: WindowMemory,
     gauge: GaugeMemory<R>,
     next: Option<u32>,
-    /// Bound on the thermal growth of a look-up, mm (deg), by slot.
+    /// Bound on the thermal growth of a lookup, mm (deg), by slot.
     grown: [f64; N],
 }
 
@@ -105,10 +105,10 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
             self.senses.latch((Fault::JointRange, record.fault_axis));
             verdict = Verdict::Held;
         }
-        self.told(seen, verdict)?;
+        self.by_verdict(seen, verdict)?;
         self.follow(seen, verdict, first)?;
         self.dynamic(seen, verdict, first)?;
-        // The feedback acted before the output was found to leave a joint's range.
+        // The feedback acts before the output stage detects that a joint would leave its range.
         self.watch(seen, decided, first)?;
         self.measured(seen, verdict, first)?;
         self.gauged(seen, verdict)?;

@@ -14,7 +14,7 @@ pub(super) struct Moving {
     /// Bound on |c| while limits that were lowered in motion are being reached.
     pub(super) ceiling: f64,
     /// Sizes of its summands, in the last cycle and the one before.
-    beside: [f64; 2],
+    others: [f64; 2],
 }
 
 impl Moving {
@@ -34,16 +34,16 @@ struct Change {
 
 impl Moving {
     /// Largest size of the other part in the last two cycles: its rounding still affects the velocity.
-    pub(super) fn beside(&self) -> f64 {
-        self.beside[0].max(self.beside[1])
+    pub(super) fn other(&self) -> f64 {
+        self.others[0].max(self.others[1])
     }
 
-    fn change<R: Scalar>(&self, to: f64, beside: f64) -> Change {
+    fn change<R: Scalar>(&self, to: f64, other: f64) -> Change {
         let by = to - self.c;
-        let beside = self.beside().max(beside.abs());
+        let other = self.other().max(other.abs());
         // Splitting a correction into two parts and summing them rounds it twice more.
-        let units = if beside > 0.0 { 8.0 } else { 4.0 };
-        let rounding = units * R::EPSILON.to_f64() * (to.abs().max(self.c.abs()) + beside);
+        let units = if other > 0.0 { 8.0 } else { 4.0 };
+        let rounding = units * R::EPSILON.to_f64() * (to.abs().max(self.c.abs()) + other);
         Change { to, by, second: by - self.v, rounding }
     }
 
@@ -58,9 +58,9 @@ impl Moving {
         self.ceiling = self.rests::<R>(bounds.a).max(self.ceiling);
     }
 
-    /// Takes the next value; returns which of magnitude, slope and acceleration are kept.
-    pub(super) fn keeps<R: Scalar>(&mut self, to: f64, beside: f64, bounds: &Bounds) -> [bool; 3] {
-        let Change { to, by, second, rounding } = self.change::<R>(to, beside);
+    /// Takes the next value; returns whether it keeps the limits of magnitude, slope and acceleration.
+    pub(super) fn keeps<R: Scalar>(&mut self, to: f64, other: f64, bounds: &Bounds) -> [bool; 3] {
+        let Change { to, by, second, rounding } = self.change::<R>(to, other);
         let share = 1.0 + SHARE;
         // Over a thousand braking cycles, single precision accumulates a little more.
         let least = if R::EPSILON.to_f64() > 1e-10 { 1.0 + 10.0 * SHARE } else { share };
@@ -70,7 +70,7 @@ impl Moving {
         let magnitude = to.abs() <= bounds.c.max(self.ceiling) * least + rounding;
         let slope = by.abs() <= bounds.v.max(self.v.abs() - bounds.a) * share + rounding;
         let acceleration = second.abs() <= bounds.a * share + rounding;
-        (self.c, self.v, self.beside) = (to, by, [beside.abs(), self.beside[0]]);
+        (self.c, self.v, self.others) = (to, by, [other.abs(), self.others[0]]);
         [magnitude, slope, acceleration]
     }
 

@@ -44,7 +44,7 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
     }
 
     /// Rules that depend on the verdict.
-    pub(super) fn told(&mut self, seen: &Seen<'_, '_, R, P, N>, verdict: Verdict) -> Result<(), Broken> {
+    pub(super) fn by_verdict(&mut self, seen: &Seen<'_, '_, R, P, N>, verdict: Verdict) -> Result<(), Broken> {
         let (tally, input, output) = (&mut self.tally, &seen.moment.input, &seen.outcome.output);
         let record = &output.record;
         let state = match verdict {
@@ -52,20 +52,20 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
             Verdict::Active => Status::ACTIVE.0,
             Verdict::Frozen => Status::FROZEN.0,
             Verdict::Held => Status::STOP_REQUEST.0,
-            Verdict::Nowhere => Status::STOP_REQUEST.0 | Status::NO_OUTPUT.0,
+            Verdict::NoOutput => Status::STOP_REQUEST.0 | Status::NO_OUTPUT.0,
         };
         let mask = Status::ACTIVE.0 | Status::FROZEN.0 | Status::STOP_REQUEST.0;
         let found = || format!("{:?}, {verdict:?}", record.status);
         tally.that(Rule::State, record.status.0 & mask == state & mask, found)?;
-        tally.that(Rule::NoOutput, output.has_drive() == (verdict != Verdict::Nowhere), found)?;
-        let believed = self.senses.believed();
-        let same = record.feedback.iter().zip(believed).all(|(a, b)| a.bits() == b.bits());
-        tally.that(Rule::Believed, same, || format!("{:?}, not {believed:?}", record.feedback))?;
+        tally.that(Rule::NoOutput, output.has_drive() == (verdict != Verdict::NoOutput), found)?;
+        let accepted = self.senses.accepted();
+        let same = record.feedback.iter().zip(accepted).all(|(a, b)| a.bits() == b.bits());
+        tally.that(Rule::ReadingInForce, same, || format!("{:?}, not {accepted:?}", record.feedback))?;
         let command = if verdict.holds() { &self.senses.held } else { &input.command };
         let same = record.command.iter().zip(command).all(|(a, b)| a.bits() == b.bits());
         tally.that(Rule::CommandInForce, same, || format!("{:?}, not {command:?}", record.command))?;
         if verdict.holds() {
-            tally.that(Rule::LimitedTold, record.limited == 0, || format!("{:b} while held", record.limited))?;
+            tally.that(Rule::LimitedReported, record.limited == 0, || format!("{:b} while held", record.limited))?;
         }
         if let Some((slot, line)) = seen.moment.thermal
             && let Some(reach) = self.grown.get_mut(slot)
@@ -84,14 +84,14 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         }
         for (k, axis) in seen.facts.axes.iter().enumerate() {
             let Some([low, high]) = axis.table else { continue };
-            // Look-ups are as far from the command as the correction may be.
+            // Lookups are as far from the command as the correction may be.
             let margin = 2.0 * axis.sum.c + 0.1 + leaning + 1.5 * self.grown.iter().sum::<f64>();
             let at = [input.command[k], record.feedback[k]].map(P::to_f64);
-            let told = record.at_edge >> k & 1 == 1;
+            let reported = record.at_edge >> k & 1 == 1;
             if at.iter().all(|at| *at > low + margin && *at < high - margin) {
-                tally.that(Rule::AtEdge, !told, || format!("axis {k} at {at:?} within {low} to {high}"))?;
+                tally.that(Rule::AtEdge, !reported, || format!("axis {k} at {at:?} within {low} to {high}"))?;
             } else if at.iter().all(|at| *at > high + margin) || at.iter().all(|at| *at < low - margin) {
-                tally.that(Rule::AtEdge, told, || format!("axis {k} at {at:?} beyond {low} to {high}"))?;
+                tally.that(Rule::AtEdge, reported, || format!("axis {k} at {at:?} beyond {low} to {high}"))?;
             }
         }
         Ok(())

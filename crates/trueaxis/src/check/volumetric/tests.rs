@@ -153,7 +153,7 @@ fn offsets_on_both_sides_of_a_rotary_axis_add() {
     assert_eq!(lever(&machine, &of(&none), &machine.axes[0]), [200.0; 3]);
 }
 
-/// Secants of the errors are no steeper than the rates.
+/// No secant of the errors is steeper than the rates.
 fn steepest<const N: usize>(chains: u64) {
     for seed in 0..chains {
         let mut random = Noise::new(seed * 104_729 + N as u64);

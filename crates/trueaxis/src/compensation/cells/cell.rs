@@ -12,7 +12,7 @@ pub(super) struct Window<P: Position> {
 
 impl<P: Position> Window<P> {
     /// A window that contains no position.
-    pub(super) fn nowhere() -> Self {
+    pub(super) fn empty() -> Self {
         Window { low: P::of(f64::NAN), reach: P::Reach::default() }
     }
 
@@ -41,9 +41,9 @@ pub(super) struct Cell<R, P: Position> {
 
 impl<R: Real, P: Position> Cell<R, P> {
     /// A cell that contains no position.
-    pub(super) fn nowhere() -> Self {
+    pub(super) fn empty() -> Self {
         let zero = [R::ZERO; 3];
-        Cell { window: Window::nowhere(), slope: zero, curve: [zero; 2], start: zero }
+        Cell { window: Window::empty(), slope: zero, curve: [zero; 2], start: zero }
     }
 
     /// Distance of a position from the cell's start if it lies in the cell.

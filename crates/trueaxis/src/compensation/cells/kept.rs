@@ -18,8 +18,8 @@ pub(super) struct Point<R, P: Position> {
 }
 
 impl<R: Real, P: Position> Point<R, P> {
-    fn nowhere() -> Self {
-        Point { cells: [Cell::nowhere(); LINEAR], base: [R::ZERO; 3] }
+    fn empty() -> Self {
+        Point { cells: [Cell::empty(); LINEAR], base: [R::ZERO; 3] }
     }
 
     /// Updates the base after a cell was filled.
@@ -64,7 +64,7 @@ impl<R: Real, P: Position> Point<R, P> {
     fn keep_within(&mut self, near: &Near<R, P>) {
         for (slot, cell) in self.cells.iter_mut().enumerate() {
             if !near.ends(slot).is_some_and(|ends| cell.window.is_within(&ends)) {
-                cell.window = Window::nowhere();
+                cell.window = Window::empty();
             }
         }
     }
@@ -81,7 +81,7 @@ impl<R: Real, P: Position> Point<R, P> {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Cells<R, P: Position> {
     key: u64,
-    /// Look-ups of the inverse per cycle.
+    /// Lookups of the inverse per cycle.
     passes: u8,
     pub(super) command: Point<R, P>,
     pub(super) feedback: Point<R, P>,
@@ -95,12 +95,12 @@ impl<R: Real, P: Position> Cells<R, P> {
 
     /// An empty cache, bound to no tables.
     pub(crate) fn none() -> Self {
-        Cells { key: Self::NONE, passes: 1, command: Point::nowhere(), feedback: Point::nowhere(), at_edge: 0 }
+        Cells { key: Self::NONE, passes: 1, command: Point::empty(), feedback: Point::empty(), at_edge: 0 }
     }
 
     /// Binds the cache to these tables, emptying it if it was bound to others; returns whether it was bound to these.
     pub(crate) fn are_of<const N: usize>(&mut self, tables: &Tables<R, P>, thermal: &[ThermalLine<R>; N]) -> bool {
-        // With more than one look-up, a cycle cannot use the cells directly: a different key keeps it from doing so.
+        // With more than one lookup, a cycle cannot use the cells directly: a different key keeps it from doing so.
         if self.key == tables.key || self.key == !tables.key {
             return true;
         }
@@ -110,30 +110,31 @@ impl<R: Real, P: Position> Cells<R, P> {
         false
     }
 
-    /// Look-ups of the inverse per cycle.
+    /// Lookups of the inverse per cycle.
     pub(crate) fn passes(&self) -> u8 {
         self.passes
     }
 
-    /// Number of cells that the positions have left; moves a grid box that they have left to them first.
+    /// Number of cells that the positions have left. If they have also left a grid box, moves the box to them first.
     #[inline(always)]
     pub(crate) fn missing<const N: usize>(
         &mut self,
-        beside: Option<(&Grids<'_, R>, &mut NearGrids<R, P>)>,
+        grids: Option<(&Grids<'_, R>, &mut NearGrids<R, P>)>,
         command: &[P; N],
         feedback: &[P; N],
     ) -> u32 {
-        let near = beside.as_ref().map(|(_, near)| &**near);
+        let near = grids.as_ref().map(|(_, near)| &**near);
         let at_command = self.command.missing(near.map(NearGrids::at_command), command);
         let at_feedback = self.feedback.missing(near.map(NearGrids::at_feedback), feedback);
-        match (at_command, at_feedback, beside) {
+        match (at_command, at_feedback, grids) {
             (Some(at_command), Some(at_feedback), _) => at_command + at_feedback,
             (_, _, Some((grids, near))) => self.follow(grids, near, command, feedback),
             _ => 0,
         }
     }
 
-    /// [`Cells::missing`] after a grid box was left: moves the boxes and drops every cell that extends beyond them.
+    /// [`Cells::missing`] for positions that have left a grid box: moves the boxes and drops every cell that extends
+    /// beyond them.
     #[cold]
     #[inline(never)]
     fn follow<const N: usize>(
@@ -167,7 +168,7 @@ impl<R: Real, P: Position> Cells<R, P> {
     pub(crate) fn forget_axis(&mut self, slot: usize) {
         for point in [&mut self.command, &mut self.feedback] {
             if let Some(cell) = point.cells.get_mut(slot) {
-                cell.window = Window::nowhere();
+                cell.window = Window::empty();
             }
         }
     }
@@ -187,28 +188,28 @@ impl<R: Real, P: Position> Cells<R, P> {
         Some(match tables.form() {
             Form::Linear => (sums(false), self.at_edge),
             Form::Cubic => (sums(true), self.at_edge),
-            Form::BesideGrids => {
+            Form::WithGrids => {
                 part::GRIDS?;
-                return self.errors_beside_apart(tables, near, command, feedback);
+                return self.errors_with_grids_out_of_line(tables, near, command, feedback);
             }
         })
     }
 
-    /// Out-of-line [`Cells::errors_beside`], so that a machine without grids keeps its registers.
+    /// Out-of-line [`Cells::errors_with_grids`], so that a machine without grids keeps its registers.
     #[inline(never)]
-    fn errors_beside_apart(
+    fn errors_with_grids_out_of_line(
         &self,
         tables: &Tables<R, P>,
         near: &NearGrids<R, P>,
         command: &[P; LINEAR],
         feedback: &[P; LINEAR],
     ) -> Option<([[R; 3]; 2], u8)> {
-        self.errors_beside(tables, near, command, feedback)
+        self.errors_with_grids(tables, near, command, feedback)
     }
 
     /// [`Cells::errors`] with grids.
     #[inline(always)]
-    pub(crate) fn errors_beside(
+    pub(crate) fn errors_with_grids(
         &self,
         tables: &Tables<R, P>,
         near: &NearGrids<R, P>,
@@ -219,8 +220,8 @@ impl<R: Real, P: Position> Cells<R, P> {
         let sums = |cubic| [self.command.sum(there, cubic), self.feedback.sum(back, cubic)];
         let [drive, tip] = if tables.is_cubic() { sums(true) } else { sums(false) };
         // A cell never extends beyond the box.
-        let [drive_beside, tip_beside] = near.errors(command, feedback);
-        Some(([plus(drive, drive_beside.array()), plus(tip, tip_beside.array())], self.at_edge | near.edge()))
+        let [drive_grids, tip_grids] = near.errors(command, feedback);
+        Some(([plus(drive, drive_grids.array()), plus(tip, tip_grids.array())], self.at_edge | near.edge()))
     }
 
     /// Windows of the cells that are filled.
@@ -229,8 +230,8 @@ impl<R: Real, P: Position> Cells<R, P> {
         let [a, b, c] = &self.command.cells;
         let [d, e, f] = &self.feedback.cells;
         [a, b, c, d, e, f].map(|cell| {
-            let (window, nowhere) = (cell.window, Window::<P>::nowhere());
-            (window.low.is_usable() || window.reach != nowhere.reach).then_some((window.low, window.reach))
+            let (window, empty) = (cell.window, Window::<P>::empty());
+            (window.low.is_usable() || window.reach != empty.reach).then_some((window.low, window.reach))
         })
     }
 }

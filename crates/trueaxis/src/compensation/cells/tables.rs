@@ -1,4 +1,4 @@
-//! Borders of the cells in a machine's tables, and the number of look-ups of the inverse.
+//! Borders of the cells in a machine's tables, and the number of lookups of the inverse.
 
 use super::LINEAR;
 use crate::compensation::key::Key;
@@ -49,7 +49,7 @@ pub(crate) enum Form {
     /// Cubic polynomials.
     Cubic,
     /// Either, with grids beside them.
-    BesideGrids,
+    WithGrids,
 }
 
 /// Borders of the cells and bounds of the inverse: immutable, built once.
@@ -66,7 +66,7 @@ pub(crate) struct Tables<R, P: Position> {
     motion: R,
     /// Largest change of the correction in a cycle, mm.
     change: R,
-    /// Largest number of look-ups of the inverse.
+    /// Largest number of lookups of the inverse.
     most: u8,
 }
 
@@ -74,7 +74,7 @@ impl<R: Real, P: Position> Tables<R, P> {
     /// Key of tables without cells.
     const NO_CELLS: u64 = 1;
 
-    /// `grids`: key of the grids beside the tables. `norm` of the errors' Jacobian, `most` look-ups of the inverse; per
+    /// `grids`: key of the grids beside the tables. `norm` of the errors' Jacobian, `most` lookups of the inverse; per
     /// cycle, the largest `motion` of the command and `change` of the correction, mm.
     pub(crate) fn new<const N: usize>(
         terms: Option<&NineTerms<'_, R, P, N>>,
@@ -96,7 +96,7 @@ impl<R: Real, P: Position> Tables<R, P> {
         let Some((terms, cubic)) = terms.and_then(|terms| Some((terms, terms.cells()?))) else { return built };
         built.cubic = cubic;
         built.form = match (grids, cubic) {
-            (Some(_), _) => Form::BesideGrids,
+            (Some(_), _) => Form::WithGrids,
             (None, true) => Form::Cubic,
             (None, false) => Form::Linear,
         };
@@ -135,9 +135,9 @@ impl<R: Real, P: Position> Tables<R, P> {
         self.key != Self::NO_CELLS
     }
 
-    /// Look-ups `r ← −E(q + r)` needed in a cycle that starts from the correction c of the previous cycle.
+    /// Lookups `r ← −E(q + r)` needed in a cycle that starts from the correction c of the previous cycle.
     ///
-    /// With κ the norm of dE/dq, r* the fixed point, and r the result of `p` look-ups:
+    /// With κ the norm of dE/dq, r* the fixed point, and r the result of `p` lookups:
     ///
     /// ```text
     /// |r − r*| <= κᵖ |c − r*|       |c − r*| <= |c − r| + |r − r*|       |r − r*| <= κᵖ |c − r| / (1 − κᵖ)

@@ -34,9 +34,9 @@ pub(crate) struct Near<R, P: Position> {
 }
 
 impl<R: Real, P: Position> Near<R, P> {
-    fn nowhere() -> Self {
-        let nowhere = [P::of(f64::NAN); LINEAR];
-        Near { low: nowhere, high: nowhere, factors: [V3::ZERO; 8], flat: 3, edge: 0 }
+    fn empty() -> Self {
+        let nan = [P::of(f64::NAN); LINEAR];
+        Near { low: nan, high: nan, factors: [V3::ZERO; 8], flat: 3, edge: 0 }
     }
 
     /// Ends of the box along an axis.
@@ -103,8 +103,8 @@ impl<R: Real, P: Position> NearGrids<R, P> {
     const NONE: u64 = 0;
 
     /// Empty boxes, bound to no grids.
-    pub(crate) fn nowhere() -> Self {
-        NearGrids { key: Self::NONE, command: Near::nowhere(), feedback: Near::nowhere() }
+    pub(crate) fn empty() -> Self {
+        NearGrids { key: Self::NONE, command: Near::empty(), feedback: Near::empty() }
     }
 
     /// Unbinds the boxes from their grids.
@@ -148,7 +148,7 @@ impl<R: Real, P: Position> NearGrids<R, P> {
     #[inline(always)]
     pub(crate) fn are_of(&mut self, grids: &Grids<'_, R>) {
         if self.key != grids.key() {
-            *self = NearGrids { key: grids.key(), ..Self::nowhere() };
+            *self = NearGrids { key: grids.key(), ..Self::empty() };
         }
     }
 
@@ -242,7 +242,7 @@ impl<R: Real> Grids<'_, R> {
     pub(crate) fn near<P: Position>(&self, at: &[P; LINEAR]) -> Near<R, P> {
         let q: [R; LINEAR] = at.map(|at| at.since(P::default()));
         let room = self.room(&q);
-        let mut near = Near::nowhere();
+        let mut near = Near::empty();
         let mut from = [R::ZERO; LINEAR];
         let ends = near.low.iter_mut().zip(&mut near.high).zip(&mut from);
         for (((low, high), from), (at, (down, up))) in ends.zip(at.iter().zip(room.low.into_iter().zip(room.high))) {

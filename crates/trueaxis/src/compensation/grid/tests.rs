@@ -148,11 +148,11 @@ fn there_is_no_jump_at_a_node() {
             let stored = data.node(index).unwrap();
             for axis in 0..3 {
                 for side in [-1e-7, 1e-7] {
-                    let mut beside = node;
-                    beside[axis] += side;
-                    let beside = grids.of_slides(&beside).tip.array();
+                    let mut shifted = node;
+                    shifted[axis] += side;
+                    let shifted = grids.of_slides(&shifted).tip.array();
                     for k in 0..3 {
-                        assert!((value[k] - stored[k]).abs() < 1e-12 && (beside[k] - value[k]).abs() < 1e-9);
+                        assert!((value[k] - stored[k]).abs() < 1e-12 && (shifted[k] - value[k]).abs() < 1e-9);
                     }
                 }
             }
@@ -199,7 +199,7 @@ fn a_grid_fades_with_height() {
     }
 }
 
-/// Boxes compared with direct look-ups: several grids at once, rotations with their levers, fading grids.
+/// Boxes compared with direct lookups: several grids at once, rotations with their levers, fading grids.
 fn boxes_agree<R: Real, P: Position>(seed: u64, tolerance: f64) {
     let mut noise = Noise::new(seed);
     for case in 0..150 {
@@ -225,7 +225,7 @@ fn boxes_agree<R: Real, P: Position>(seed: u64, tolerance: f64) {
         check::grids(&settings, &data).unwrap();
         let exact = Grids::<f64>::build(&settings, &data).unwrap();
         let grids = Grids::<R>::build(&settings, &data).unwrap();
-        let mut kept = NearGrids::<R, P>::nowhere();
+        let mut kept = NearGrids::<R, P>::empty();
         let mut at = place(&mut noise);
         for _ in 0..200 {
             let step = [0.01, 3.0, 60.0][noise.below(3)];
@@ -301,9 +301,9 @@ fn bounds_hold_and_are_reached() {
         for _ in 0..3000 {
             let at = place(&mut noise);
             for axis in 0..3 {
-                let mut beside = at;
-                beside[axis] += 1e-4;
-                let (here, there) = (grids.of_slides(&at).tip.array(), grids.of_slides(&beside).tip.array());
+                let mut shifted = at;
+                shifted[axis] += 1e-4;
+                let (here, there) = (grids.of_slides(&at).tip.array(), grids.of_slides(&shifted).tip.array());
                 for k in 0..3 {
                     most[k][axis] = most[k][axis].max((there[k] - here[k]).abs() / 1e-4);
                     let [least, largest] = bounds.values(k);
@@ -337,7 +337,7 @@ fn a_grid_too_steep_to_be_inverted_is_refused() {
 }
 
 #[test]
-fn what_is_no_grid_is_refused() {
+fn invalid_grids_are_refused() {
     let machine = nine();
     let good = Made::new([&[0.0, 50.0, 110.0], &[0.0, 40.0], &[]], 0b100, [1e-6; 6], |_, _| 1001);
     check::grids(&machine, &[good.data()]).unwrap();

@@ -127,7 +127,7 @@ fn an_interval_says_how_far_it_goes_and_what_it_is_there() {
 }
 
 #[test]
-fn beyond_a_table_its_edge_stands_still() {
+fn beyond_a_table_its_edge_value_is_constant() {
     for case in cases() {
         for direction in BOTH {
             for (place, edge) in [(-3.0, 0.0), (case.length() + 2.0, case.length())] {
@@ -224,7 +224,7 @@ fn bends_and_kinks_are_those_of_the_polynomials() {
 }
 
 #[test]
-fn every_number_of_a_table_tells_it_from_another() {
+fn every_number_of_a_table_is_listed() {
     let numbers = |table: &AxisTable<'_, f64, f64>| {
         let mut numbers = Vec::new();
         table.numbers(&mut |number| numbers.push(number));

@@ -83,7 +83,7 @@ fn lost_motion_needs_no_table() {
     agrees_for::<f32, Nanometres>();
 }
 
-/// A correction moves the look-up beyond the end of the travel, but the axis has no table with an edge.
+/// A correction moves the lookup beyond the end of the travel, but the axis has no table with an edge.
 #[test]
 fn an_axis_without_a_table_is_at_no_edge() {
     let machine = Machine::new("w C' b X Y Z t").travel([-30.0, 40.0], 1.0).each(|axis| axis.backlash = 0.02);

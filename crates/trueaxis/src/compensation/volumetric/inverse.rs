@@ -4,7 +4,7 @@
 
 use super::Volumetric;
 use super::carriages::Poses;
-use crate::compensation::{Grids, Query};
+use crate::compensation::{Grids, PASSES_MASK, Query};
 use crate::position::Position;
 use crate::real::Real;
 use crate::vector::V3;
@@ -51,7 +51,7 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
     /// slides cancel the motion of the tip that the rotary axes cause. Without `orientation` rotary axes get no
     /// correction. An absent slide is not solved for.
     ///
-    /// Takes `passes` look-ups from `r = 0`; sines, rotary tables and directions once, unless rotary axes are corrected.
+    /// Takes `passes` lookups from `r = 0`; sines, rotary tables and directions once, unless rotary axes are corrected.
     #[inline(always)]
     pub fn correction(&self, query: &Query<'_, R, N>, passes: u8, clamped: &mut u8) -> [R; N] {
         self.correction_with(query, None, passes, clamped)
@@ -102,7 +102,7 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
         passes: u8,
         mut error: impl FnMut(&[R; N], &[R; N], &Poses<R, N>) -> (V3<R>, V3<R>),
     ) -> [R; N] {
-        // Three slides carry no rotary axis and need none of its code and stack.
+        // A machine of three slides has no rotary axis, so it does not need the code and stack for one.
         let orientation = if N > 3 { self.orientation.as_ref() } else { None };
         let slides_turn = N > 3 && self.chain.turned;
         let mut poses = self.chain.poses(command);
@@ -113,7 +113,7 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
         for ((at, q), r) in at.iter_mut().zip(command).zip(&correction) {
             *at = *q + *r;
         }
-        for _ in 0..passes & 15 {
+        for _ in 0..passes & PASSES_MASK {
             let (mut wrong, turn) = error(&at, &correction, &poses);
             if let Some(fade) = orientation {
                 self.turn_back(fade, &nominal, turn, &mut correction);

@@ -6,14 +6,16 @@ use super::Volumetric;
 use super::tangent::{Pose, Tangent};
 use crate::compensation::reversal::Direction;
 use crate::compensation::thermal::ThermalLine;
-use crate::compensation::{Beside, Query};
+use crate::compensation::{CycleGrids, PASSES_MASK, Query};
 use crate::position::Position;
 use crate::real::Real;
 use crate::vector::V3;
 
-/// Two tangents: one at the drive position, the other for a feedback beyond a point of a table. Each serves both.
+/// Two tangents: one at the drive position, and one for a feedback on the other side of a table point. Either serves
+/// both positions.
 ///
-/// Dropped when an axis changes its direction of travel, when the thermal growth is set and with other tables.
+/// The cache drops them when an axis changes its direction of travel, when the host sets the thermal growth, and when
+/// the tables change.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Kept<R, P: Position, const N: usize> {
     key: u64,
@@ -27,17 +29,17 @@ impl<R: Real, P: Position, const N: usize> Kept<R, P, N> {
 
     /// An empty cache.
     pub(crate) fn nothing() -> Self {
-        Kept { key: Self::NONE, directions: [Direction::POSITIVE; N], tangents: [Tangent::nowhere(); 2] }
+        Kept { key: Self::NONE, directions: [Direction::POSITIVE; N], tangents: [Tangent::empty(); 2] }
     }
 
-    /// Empties the cache: the next look-up reads the tables.
+    /// Empties the cache: the next lookup reads the tables.
     #[inline(always)]
     pub(crate) fn forget(&mut self) {
         self.key = Self::NONE;
     }
 }
 
-/// Conditions of a cycle's look-ups.
+/// Inputs of a cycle's lookups.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Cycle<'c, R, P, const N: usize> {
     /// Command.
@@ -82,13 +84,13 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
 
     /// [`Volumetric::modelled`] with grids beside the tables.
     #[inline(never)]
-    pub(crate) fn modelled_beside(
+    pub(crate) fn modelled_with_grids(
         &self,
         kept: &mut Kept<R, P, N>,
         cycle: &Cycle<'_, R, P, N>,
         passes: u8,
         tool: bool,
-        grids: &Beside<'_, R, P>,
+        grids: &CycleGrids<'_, R, P>,
         clamped: &mut u8,
     ) -> ([R; N], Pose<R>) {
         let (_, (tip, turn)) = self.modelled(kept, cycle, 1, tool, clamped);
@@ -131,7 +133,7 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
     ) -> ([R; N], Pose<R>) {
         if kept.key != self.key || kept.directions != *cycle.directions {
             (kept.key, kept.directions) = (self.key, *cycle.directions);
-            kept.tangents = [Tangent::nowhere(); 2];
+            kept.tangents = [Tangent::empty(); 2];
         }
         let renew = |tangent: &mut Tangent<R, P, N>, at: &[P; N]| {
             if N == 3 {
@@ -188,7 +190,7 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
         keep_present(&self.chain.present, tangent.tip(steps), &mut correction);
         if passes > 1 {
             let sent = sent(cycle);
-            for _ in 1..passes & 15 {
+            for _ in 1..passes & PASSES_MASK {
                 let mut there = *steps;
                 for ((there, correction), sent) in there.iter_mut().zip(&correction).zip(&sent).take(3) {
                     *there += (*correction - *sent) * R::of(1.0 / P::STEP);

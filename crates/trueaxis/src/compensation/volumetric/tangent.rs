@@ -63,7 +63,7 @@ pub(super) struct Tangent<R, P: Position, const N: usize> {
 
 impl<R: Real, P: Position, const N: usize> Tangent<R, P, N> {
     /// A box that contains no position.
-    pub(super) fn nowhere() -> Self {
+    pub(super) fn empty() -> Self {
         Tangent {
             low: [P::of(f64::NAN); N],
             reach: [P::Reach::default(); N],

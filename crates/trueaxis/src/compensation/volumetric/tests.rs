@@ -126,7 +126,7 @@ fn apart(a: [f64; 3], b: [f64; 3]) -> f64 {
     libm::sqrt((0..3).map(|k| (a[k] - b[k]) * (a[k] - b[k])).sum())
 }
 
-/// Largest differences of tip and direction between tangents and look-ups, over boxes of random machines.
+/// Largest differences of tip and direction between tangents and lookups, over boxes of random machines.
 fn in_boxes<R: Real, P: Position, const N: usize>(random: &mut Noise, boxes: usize) -> [f64; 2] {
     let chain = chain(random, N - 3);
     let case = case(random, &chain, false);
@@ -135,7 +135,7 @@ fn in_boxes<R: Real, P: Position, const N: usize>(random: &mut Noise, boxes: usi
         for _ in 0..boxes {
             let at = Case::place::<N>(random).map(P::of);
             let (directions, thermal) = Case::conditions(random);
-            let mut tangent = Tangent::nowhere();
+            let mut tangent = Tangent::empty();
             if N == 3 {
                 model.of_slides(&mut tangent, &at, &directions, &thermal);
             } else {
@@ -176,7 +176,7 @@ fn in_its_box_a_tangent_is_the_look_up() {
         assert!(tip <= 0.7e-6 && turn <= 2e-9, "{tip:e} {turn:e}");
         let [tip, turn] = in_boxes::<f64, f64, 6>(&mut random, 40);
         assert!(tip <= 0.7e-6 && turn <= 2e-9, "{tip:e} {turn:e}");
-        // Look-ups in single precision round by some parts in 1e7 of 50 µm, and their positions by 15 nm.
+        // Lookups in single precision round by some parts in 1e7 of 50 µm, and their positions by 15 nm.
         let [tip, turn] = in_boxes::<f32, Nanometres, 5>(&mut random, 40);
         assert!(tip <= 0.8e-6 && turn <= 3e-9, "{tip:e} {turn:e}");
     }
@@ -253,7 +253,7 @@ fn the_inverse_from_the_correction_sent_last_is_the_converged_one() {
 }
 
 #[test]
-fn what_is_kept_is_forgotten_with_the_tables() {
+fn cached_state_is_dropped_with_the_tables() {
     let mut random = Noise::new(13);
     let first = case(&mut random, "w b X Y Z t", false);
     let mut second = case(&mut random, "w b X Y Z t", false);

@@ -228,7 +228,7 @@ fn a_tool_behind_the_window_is_said_to_be_so_also_where_a_command_comes_back() {
 }
 
 #[test]
-fn after_a_jump_or_a_restart_the_window_begins_anew_and_the_search_finds_it() {
+fn after_a_jump_or_a_restart_the_window_starts_over_and_the_search_finds_it() {
     let mut bench = Bench::<f64, f64>::new(0.005);
     let run = |bench: &mut Bench<f64, f64>, from: f64| {
         let mut e = ContourError::none();

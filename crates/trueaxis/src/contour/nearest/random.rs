@@ -105,7 +105,7 @@ fn truth(spans: &[Span<f64, f64>], point: [f64; 3]) -> f64 {
     let least = samples.iter().map(|s| s.0).fold(f64::MAX, f64::min);
     let mut best = least;
     for (distance, number, i) in samples {
-        // Between two samples the path is no longer than twice their spacing at the mean speed.
+        // The path between two samples is at most twice as long as their spacing at the mean speed.
         let span = &spans[number];
         if distance - 2.0 * span.length() / f64::from(SAMPLES) > least {
             continue;

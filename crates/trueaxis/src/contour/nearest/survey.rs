@@ -233,7 +233,7 @@ impl<R: Real, P: Position> Survey<'_, R, P> {
     #[inline(always)]
     fn border(&self, number: u32, t: R, g: R) -> Flags {
         if (t == R::ONE && g < R::ZERO) || (t == R::ZERO && g > R::ZERO) {
-            self.border_beside(number, t)
+            self.border_minimum(number, t)
         } else {
             Flags::default()
         }
@@ -241,7 +241,7 @@ impl<R: Real, P: Position> Survey<'_, R, P> {
 
     /// The distance grows inwards from a border: flags for whether it grows outwards too.
     #[inline(never)]
-    fn border_beside(&self, number: u32, t: R) -> Flags {
+    fn border_minimum(&self, number: u32, t: R) -> Flags {
         let outward = t == R::ONE;
         let beyond = if outward { self.path.next(number) } else { self.path.previous(number) };
         let Some(neighbour) = beyond.and_then(|n| self.path.span(n)) else {

@@ -57,7 +57,7 @@ fn foot<R: Real>(span: u32, t: f64) -> ContourError<R> {
     ContourError { span, t: R::of(t), flags: Flags::BRACKETED, ..ContourError::none() }
 }
 
-/// A tilt of one microradian about any direction is found with its size and sign.
+/// The search resolves a tilt of one microradian about any direction, with its size and sign.
 fn resolves_a_microradian<R: Real, P: Position>(permitted: f64) {
     let (spans, turns) = build::<R, P>(&[(
         Segment::Line { start: [0.0; 3].into(), end: DVec3::new(10.0, 0.0, 0.0) },
@@ -284,10 +284,10 @@ proptest! {
     ) {
         let mut segments = vec![];
         let (mut at, mut axes) = ([0.0; 3], [0.0; 3]);
-        for (stands, a, c) in kinds {
-            let end = if stands { at } else { [at[0] + 3.0, at[1] + a / 100.0, at[2]] };
+        for (stationary, a, c) in kinds {
+            let end = if stationary { at } else { [at[0] + 3.0, at[1] + a / 100.0, at[2]] };
             let next = [a, 0.0, c];
-            let segment = if stands { Segment::Turning { point: at.into() } } else { Segment::Line { start: at.into(), end: end.into() } };
+            let segment = if stationary { Segment::Turning { point: at.into() } } else { Segment::Line { start: at.into(), end: end.into() } };
             segments.push((segment, axes, next));
             (at, axes) = (end, next);
         }

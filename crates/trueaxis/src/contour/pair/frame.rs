@@ -1,7 +1,7 @@
 //! Feet of two neighbouring points on one span, from one shifted frame.
 //!
-//! The tip's foot is found as in the kernel. The encoder lies d = tip − encoder from the tip, so in the same frame its
-//! homogeneous vector is x + w d. A second-order step from the tip's foot and an exact Newton step give its foot.
+//! The tip's foot comes from the kernel's method. The encoder lies d = tip − encoder from the tip, so in the same frame
+//! its homogeneous vector is x + w d. A second-order step from the tip's foot and an exact Newton step give its foot.
 //!
 //! With T the path's derivative and u = g''/2g', a Newton step c leaves a remainder along the path of
 //!

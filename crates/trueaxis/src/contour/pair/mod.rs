@@ -6,10 +6,10 @@
 //! leg.
 //!
 //! The plain case of a cycle is straight-line code that runs every test before it writes anything. Any other case goes out of
-//! line at once ([`beside`]).
+//! line at once ([`general`]).
 
-mod beside;
 mod frame;
+mod general;
 
 use super::legs::Apart;
 use super::search::{ContourSearch, ContourState, Method};
@@ -42,10 +42,10 @@ impl<R: Real> ContourSearch<R> {
     /// other paths its binormal component has a relative error of up to cot α · κ|d|, with κ the curvature and α the
     /// angle between path and normal, and its normal component is the remainder of the distance.
     ///
-    /// Uses at most eight evaluations of the path for both; evaluations that serve both count for the tip. If they run out
-    /// before the encoder's foot is found, its error is measured from the tip's foot, `width` is |d| and [`Flags::BRACKETED`]
-    /// is missing. For a reference off its span see [`ContourSearch::update`]. Cost: usually two and a half times the
-    /// kernel's.
+    /// Uses at most eight evaluations of the path for both; evaluations that serve both count for the tip. If they run
+    /// out before the search finds the encoder's foot, the encoder's error is measured from the tip's foot, `width` is
+    /// |d| and [`Flags::BRACKETED`] is missing. For a reference off its span see [`ContourSearch::update`]. Cost:
+    /// usually two and a half times the kernel's.
     #[inline(always)]
     pub fn update_pair<P: Position>(
         &self,
@@ -102,7 +102,7 @@ impl<R: Real> ContourSearch<R> {
         let reference = on.reference;
         let mut number = reference.span;
         let (true, Some(mut span)) = (state.swift, on.path.span(number)) else {
-            return self.pair_anew(state, on, position, d, tip, encoder);
+            return self.slow_pair(state, on, position, d, tip, encoder);
         };
         let mut place = span.arc_length(reference.t);
         let mut progress = place - state.place;
@@ -113,17 +113,17 @@ impl<R: Real> ContourSearch<R> {
             let Some(at) = state.cross(&on.path, reference) else {
                 // The motion exceeds the limit of spans.
                 state.forget();
-                return self.pair_anew(state, on, position, d, tip, encoder);
+                return self.slow_pair(state, on, position, d, tip, encoder);
             };
             (number, guess, progress, place) = (at.guess.span, at.guess.t, at.progress, at.place);
             let Some(other) = on.path.span(number) else {
-                return self.pair_anew(state, on, position, d, tip, encoder);
+                return self.slow_pair(state, on, position, d, tip, encoder);
             };
             span = other;
             let apart = Apart {
                 foot: state.tip.foot.span,
                 reference: reference.span,
-                anew: state.tip.foot.span == state.tip.reference.span,
+                were_together: state.tip.foot.span == state.tip.reference.span,
                 lag: place - span.arc_length(guess),
                 progress,
             };
@@ -138,7 +138,7 @@ impl<R: Real> ContourSearch<R> {
         let seen = feet(span, position, d, start, tip, encoder, &mut state.along);
         if !seen.plain() {
             let (from, along) = (Reference { span: number, t: guess }, state.along);
-            return self.beside_pair(state, on, position, d, from, start, seen, &along, tip, encoder);
+            return self.general_pair(state, on, position, d, from, start, seen, &along, tip, encoder);
         }
         state.tip.foot.t = tip.t;
         (tip.span, encoder.span) = (number, number);

@@ -21,8 +21,8 @@ fn the_kernel_is_exact_wherever_it_trusts_itself() {
                 let e = evaluate(span, &[0.0; 3], t);
                 let speed = e.straight.sqrt();
                 // 10 µm beside the path, started 5 to 20 µm along it.
-                let beside = [random.signed(), random.signed(), random.signed()].map(|x| 0.01 * x);
-                let p = add(point(span, t), beside);
+                let offset = [random.signed(), random.signed(), random.signed()].map(|x| 0.01 * x);
+                let p = add(point(span, t), offset);
                 let guess = t + 0.02 * random.signed() / speed;
                 let local = span.relative(&p);
                 let found = foot(span, &local, guess);

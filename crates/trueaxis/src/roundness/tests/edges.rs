@@ -52,7 +52,7 @@ fn settings_of_the_infeed_are_refused_by_name() {
 }
 
 #[test]
-fn defaults_separate_what_half_the_points_tell() {
+fn the_default_band_ends_below_half_the_points() {
     let of = |points| GaugeSettings::with_defaults(points, ProbeAngles::Slots { p: 11, q: 14 }, COUNTS).band.last;
     assert_eq!((of(64), of(128), of(256), of(4096)), (31, 63, 100, 100));
 }

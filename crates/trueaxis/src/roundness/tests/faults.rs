@@ -25,7 +25,7 @@ fn disturbed(disturb: impl Fn(&mut Probes<f64>)) -> (GaugeFlags, Counts, Run<f64
 }
 
 #[test]
-fn a_probe_that_is_not_believed_costs_one_whole_revolution() {
+fn a_rejected_probe_costs_one_whole_revolution() {
     for bad in [f64::NAN, f64::INFINITY, -1000.5, 1e300] {
         for probe in 0..3 {
             let (seen, counts, _) = disturbed(|probes| probes.readings[probe] = bad);

@@ -52,7 +52,7 @@ fn the_infeed_is_the_profile_at_the_contact() {
 }
 
 #[test]
-fn the_drive_s_delay_is_led_by() {
+fn the_drive_s_delay_is_compensated_by_the_lead() {
     let mut grinding = Grinding::new(0.25);
     grinding.settings.infeed.as_mut().unwrap().drive_delay_s = 0.01;
     let (mut run, truth) = grinding.run();
@@ -197,7 +197,7 @@ fn nothing_is_learnt_while_nothing_is_fed_in_or_ground() {
 /// The readings of a stuck stylus cannot be distinguished from valid ones. They lead to a wrong profile, and to an
 /// infeed that stays within its bound.
 #[test]
-fn a_probe_that_stands_still_is_not_seen_and_the_infeed_keeps_its_bound() {
+fn a_stuck_probe_is_not_detected_and_the_infeed_keeps_its_bound() {
     let grinding = Grinding::new(0.25);
     let (mut run, truth) = grinding.run();
     run.turn(&truth, 2.95, |_| TAU / 5000.0);
@@ -241,7 +241,7 @@ fn an_unsteady_size_is_not_learnt_from() {
 }
 
 #[test]
-fn of_a_new_part_nothing_old_is_told() {
+fn a_new_part_discards_earlier_results() {
     let grinding = Grinding::new(0.25);
     let (mut run, truth) = grinding.run();
     run.turn(&truth, 11.95, |_| TAU / 5000.0);

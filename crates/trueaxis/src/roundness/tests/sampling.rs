@@ -22,7 +22,7 @@ enum Stretch {
     /// A reading.
     Reading(usize, f64),
     /// The infeed was not followed, or the wheel is not grinding.
-    Unheard(Followed, bool),
+    Ineffective(Followed, bool),
     NewPart,
 }
 
@@ -39,39 +39,45 @@ fn stretches() -> impl Strategy<Value = Stretch> {
         1 => Just(Stretch::Deaf),
         1 => (0..3usize, any::<f64>()).prop_map(|(probe, value)| Stretch::Reading(probe, value)),
         1 => (0..3usize, -1200.0..1200.0).prop_map(|(probe, value)| Stretch::Reading(probe, value)),
-        1 => any::<bool>().prop_map(|idle| Stretch::Unheard(Followed::Limited, idle)),
+        1 => any::<bool>().prop_map(|idle| Stretch::Ineffective(Followed::Limited, idle)),
         1 => Just(Stretch::NewPart),
     ]
 }
 
 /// Runs two states over the same cycles, one of them with a full check of each.
 struct Both {
-    glances: Run<f64, 64>,
-    looks: Run<f64, 64>,
+    quick: Run<f64, 64>,
+    full: Run<f64, 64>,
     truth: Truth,
     lost: i32,
     direction: i32,
-    taken_at_a_glance: usize,
+    quickly_checked: usize,
 }
 
 impl Both {
     fn cycle(&mut self, step: f64, change: impl Fn(&mut Probes<f64>) -> Followed) -> Result<(), String> {
-        let before = self.glances.alpha;
-        self.glances.alpha += step * TAU;
-        let mut probes = probes(&self.truth, self.glances.alpha, before);
+        let before = self.quick.alpha;
+        self.quick.alpha += step * TAU;
+        let mut probes = probes(&self.truth, self.quick.alpha, before);
         probes.spindle = probes.spindle.wrapping_add(self.lost).wrapping_mul(self.direction);
         probes.index = probes.index.map(|index| index.wrapping_add(self.lost).wrapping_mul(self.direction));
         let followed = change(&mut probes);
-        let plain = self.glances.state.resampler.plain;
-        self.looks.state.resampler.plain = 0;
-        let [a, b] =
-            [&mut self.glances, &mut self.looks].map(|run| run.gauge.update(&mut run.state, &probes, followed));
-        let (a, b, glance, look) = (a, b, &self.glances.state, &self.looks.state);
-        self.taken_at_a_glance += usize::from(plain != 0);
-        let (mut of_glance, of_look) = (glance.resampler, look.resampler);
-        of_glance.plain = of_look.plain;
-        let same = a == b && of_glance == of_look && glance.sampling == look.sampling && glance.counts == look.counts;
-        if same { Ok(()) } else { Err(format!("{a:?} {b:?}\n{of_glance:?}\n{of_look:?}\n{:?}", glance.sampling)) }
+        let plain = self.quick.state.resampler.plain;
+        self.full.state.resampler.plain = 0;
+        let [a, b] = [&mut self.quick, &mut self.full].map(|run| run.gauge.update(&mut run.state, &probes, followed));
+        let (a, b, quick, full) = (a, b, &self.quick.state, &self.full.state);
+        self.quickly_checked += usize::from(plain != 0);
+        let (mut quick_resampler, full_resampler) = (quick.resampler, full.resampler);
+        quick_resampler.plain = full_resampler.plain;
+        let same = a == b
+            && quick_resampler == full_resampler
+            && quick.sampling == full.sampling
+            && quick.counts == full.counts;
+        if same {
+            Ok(())
+        } else {
+            Err(format!("{a:?} {b:?}\n{quick_resampler:?}\n{full_resampler:?}\n{:?}", quick.sampling))
+        }
     }
 }
 
@@ -81,7 +87,7 @@ proptest::proptest! {
     /// The quick check gives the result of the full check, bit for bit: over random speeds, reversals, lost counts, missing
     /// pulses, readings outside their range, with and without an arm.
     #[test]
-    fn a_glance_is_as_good_as_a_look(
+    fn the_quick_check_gives_what_the_full_check_gives(
         arm in any::<bool>(), index in any::<bool>(), backward in any::<bool>(), shifted in any::<bool>(),
         stretches in proptest::collection::vec((stretches(), 1..400usize), 1..12),
     ) {
@@ -94,8 +100,8 @@ proptest::proptest! {
         }
         let truth = truth.unwrap_or_else(|| Truth::new(&settings, 12));
         let mut both = Both {
-            glances: Run::new(&settings), looks: Run::new(&settings), truth, lost: 0,
-            direction: if backward { -1 } else { 1 }, taken_at_a_glance: 0,
+            quick: Run::new(&settings), full: Run::new(&settings), truth, lost: 0,
+            direction: if backward { -1 } else { 1 }, quickly_checked: 0,
         };
         let mut speed = 1.0 / 900.0;
         for (stretch, cycles) in [(Stretch::Turn(speed), 1800)].into_iter().chain(stretches) {
@@ -117,17 +123,17 @@ proptest::proptest! {
                 let done = both.cycle(step, |probes| match stretch {
                     Stretch::Deaf => { probes.index = None; Followed::Whole }
                     Stretch::Reading(probe, value) => { if cycle == 0 { probes.readings[probe] = value; } Followed::Whole }
-                    Stretch::Unheard(followed, idle) => { probes.idle = idle; followed }
+                    Stretch::Ineffective(followed, idle) => { probes.idle = idle; followed }
                     Stretch::NewPart => { probes.new_part = cycle == 0; Followed::Whole }
                     _ => Followed::Whole,
                 });
                 prop_assert_eq!(done, Ok(()), "{:?} cycle {}", stretch, cycle);
             }
         }
-        let [a, b] = [&both.glances.state, &both.looks.state];
+        let [a, b] = [&both.quick.state, &both.full.state];
         prop_assert_eq!(a.sums, b.sums);
         prop_assert_eq!(a.motion(), b.motion());
-        proptest::prop_assert!(both.taken_at_a_glance > 800, "{}", both.taken_at_a_glance);
+        proptest::prop_assert!(both.quickly_checked > 800, "{}", both.quickly_checked);
     }
 }
 

@@ -24,7 +24,7 @@ fn the_arm_is_compared_with_the_linkage() {
 }
 
 #[test]
-fn the_spindle_is_told_apart_over_the_window() {
+fn spindle_motion_is_separated_over_the_window() {
     let (mut settings, mut truth) = small();
     settings.revolutions = 4;
     // Synchronous 2 and 3, eccentricity, and a motion that repeats every four revolutions, with an amplitude of ±0.25 µm.

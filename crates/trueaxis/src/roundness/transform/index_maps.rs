@@ -62,7 +62,7 @@ fn every_stage_of_radix_4_touches_every_value_once() {
     for_all_sizes!(stages);
 }
 
-/// Even a slice that is never due is in range: none of its indices can panic.
+/// Every slice is in range, even one that is never due, so no index can panic.
 #[test]
 fn no_slice_is_out_of_range() {
     fn slices_beyond<const N: usize>() {

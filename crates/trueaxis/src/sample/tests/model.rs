@@ -66,7 +66,7 @@ struct Model {
     time: u64,
     missing: [i64; AXES],
     /// The unchanged reading, the command up to which the distance is counted, and that distance.
-    stands: [i64; AXES],
+    unchanged: [i64; AXES],
     counted: [i64; AXES],
     unmoved: [i64; AXES],
 }
@@ -118,7 +118,7 @@ impl Model {
                 || watched && (reading - self.feedback[k]).abs() > farthest * (1 + self.missing[k])
             {
                 Some(Fault::FeedbackJump)
-            } else if watched && self.stands(k, reading, toward[k]) {
+            } else if watched && self.is_stuck(k, reading, toward[k]) {
                 Some(Fault::EncoderStuck)
             } else {
                 None
@@ -127,7 +127,7 @@ impl Model {
                 None => (self.feedback[k], self.missing[k]) = (reading, 0),
                 // No value to fall back on, or none that can be trusted.
                 Some(_) if !self.started || !readable(self.feedback[k]) => {
-                    (self.feedback[k], self.stands[k]) = (toward[k], toward[k]);
+                    (self.feedback[k], self.unchanged[k]) = (toward[k], toward[k]);
                 }
                 Some(_) => self.missing[k] += 1,
             }
@@ -136,7 +136,7 @@ impl Model {
                 self.counted[k] = toward[k];
             }
             if !watched {
-                (self.stands[k], self.unmoved[k]) = (self.feedback[k], 0);
+                (self.unchanged[k], self.unmoved[k]) = (self.feedback[k], 0);
             }
             worst = worst.or(fault.map(|fault| (fault, k as u8)));
         }
@@ -144,9 +144,9 @@ impl Model {
     }
 
     /// A plausible reading stays within three encoder steps while the command moves by more than these and the backlash.
-    fn stands(&mut self, k: usize, reading: i64, toward: i64) -> bool {
-        if (reading - self.stands[k]).abs() > STILL[k] {
-            (self.stands[k], self.counted[k], self.unmoved[k]) = (reading, toward, 0);
+    fn is_stuck(&mut self, k: usize, reading: i64, toward: i64) -> bool {
+        if (reading - self.unchanged[k]).abs() > STILL[k] {
+            (self.unchanged[k], self.counted[k], self.unmoved[k]) = (reading, toward, 0);
             return false;
         }
         let from = if self.active { self.counted[k] } else { toward };
@@ -188,7 +188,7 @@ impl Model {
         if !was_latched {
             self.latch(bad);
         }
-        // Before the first command the machine is held where it was read, once every axis has been read.
+        // Before the first command the output holds the position that was read, once every axis has been read.
         if !self.started && !self.read.iter().all(|read| *read) {
             for k in 0..AXES {
                 let reading = i64::from(input.feedback[k].0);
@@ -205,13 +205,13 @@ impl Model {
         self.readings(input, self.command, self.active && !first);
         if was_latched && rising && placed && near && fits {
             (self.latched, self.started, self.active, self.unmoved) = (None, true, active, [0; AXES]);
-            (self.command, self.counted, self.stands) = (command, command, self.feedback);
+            (self.command, self.counted, self.unchanged) = (command, command, self.feedback);
             return self.decided(if active { Verdict::Active } else { Verdict::Inactive }, None, (first, due));
         }
-        self.decided(if placed { Verdict::Hold } else { Verdict::Nowhere }, self.latched, (first, due))
+        self.decided(if placed { Verdict::Hold } else { Verdict::NoOutput }, self.latched, (first, due))
     }
 
-    /// From now on the current command is held.
+    /// Holds the current command from now on.
     fn latch(&mut self, fault: Option<(Fault, u8)>) {
         (self.latched, self.counted) = (fault, self.command);
     }
@@ -244,15 +244,15 @@ fn next(random: &mut Noise, from: i64, borders: &[i64], wild: f64) -> Nanometres
 }
 
 /// How a run of cycles behaves: `wild` is the share of impossible commands and readings, `rare` that of every other
-/// unusual event, `stands` an axis whose reading seldom changes.
+/// unusual event, `stuck` an axis whose reading seldom changes.
 struct Stretch {
     wild: f64,
     rare: f64,
-    stands: usize,
+    stuck: usize,
 }
 
 fn random_cycle(random: &mut Noise, model: &Model, stretch: &Stretch) -> Input<Nanometres, AXES> {
-    let Stretch { wild, rare, stands } = *stretch;
+    let Stretch { wild, rare, stuck } = *stretch;
     let command = std::array::from_fn(|k| {
         // A multiple of the limit is rounded down, so its exact value is not tried.
         let [two, sixteen] = [2, 16].map(|periods| periods * JUMP[k]);
@@ -265,10 +265,10 @@ fn random_cycle(random: &mut Noise, model: &Model, stretch: &Stretch) -> Input<N
     let feedback = std::array::from_fn(|k| {
         let jump = (JUMP[k] + READING_MORE[k]) * (1 + model.missing[k]);
         let still = STILL[k] as f64;
-        if k == stands && random.below(10) > 0 {
+        if k == stuck && random.below(10) > 0 {
             // Back and forth by up to what counts as unchanged, and one nanometre more.
             let noise = [0.0, 0.0, still * random.signed(), still, -still, still + 1.0][random.below(6)];
-            let from = if random.below(2) == 0 { model.stands[k] } else { model.feedback[k] };
+            let from = if random.below(2) == 0 { model.unchanged[k] } else { model.feedback[k] };
             return Nanometres((from + noise as i64) as i32);
         }
         if random.unit() < wild {
@@ -312,16 +312,16 @@ fn every_decision_is_the_models() {
         let mut state = SampleState::<Nanometres, AXES>::new();
         for cycle in 0..100 {
             let stretch = match (round % 4, cycle) {
-                (0, 0..4) => Stretch { wild: 0.3, rare: 0.1, stands: AXES },
-                (0, _) => Stretch { wild: 0.02, rare: 0.05, stands: AXES },
-                (1, _) => Stretch { wild: 0.0005, rare: 0.002, stands: round / 4 % AXES },
-                _ => Stretch { wild: 0.0005, rare: 0.002, stands: AXES },
+                (0, 0..4) => Stretch { wild: 0.3, rare: 0.1, stuck: AXES },
+                (0, _) => Stretch { wild: 0.02, rare: 0.05, stuck: AXES },
+                (1, _) => Stretch { wild: 0.0005, rare: 0.002, stuck: round / 4 % AXES },
+                _ => Stretch { wild: 0.0005, rare: 0.002, stuck: AXES },
             };
             let input = random_cycle(&mut random, &model, &stretch);
             let expected = model.cycle(&input);
-            let mut believed = [[Nanometres(0); AXES]; 2];
-            let calm = sampler.glance(&mut state, &input);
-            let found = if calm { Sample::calm(&input) } else { sampler.look(&mut state, &input, &mut believed) };
+            let mut trusted = [[Nanometres(0); AXES]; 2];
+            let calm = sampler.quick_check(&mut state, &input);
+            let found = if calm { Sample::calm(&input) } else { sampler.full_check(&mut state, &input, &mut trusted) };
             let decided = Decided {
                 verdict: found.verdict,
                 fault: (found.fault, found.axis),
@@ -345,10 +345,10 @@ fn every_decision_is_the_models() {
         }
     }
     let faults = ["CommandNotFinite", "CommandOutOfTravel", "CommandJump", "ToolUnreachable", "JointRange"];
-    let kinds = faults.iter().flat_map(|fault| [format!("Hold {fault}"), format!("Nowhere {fault}")]);
+    let kinds = faults.iter().flat_map(|fault| [format!("Hold {fault}"), format!("NoOutput {fault}")]);
     let freezes = ["FeedbackNotFinite", "EncoderAlarm", "FeedbackJump", "EncoderStuck", "LateCycle"];
     let kinds = kinds.chain(freezes.map(|fault| format!("Freeze {fault}")));
-    let kinds = kinds.filter(|kind| kind != "Nowhere JointRange" && kind != "Nowhere CommandJump");
+    let kinds = kinds.filter(|kind| kind != "NoOutput JointRange" && kind != "NoOutput CommandJump");
     for kind in kinds.chain(["Active None", "Inactive None", "Inactive EncoderAlarm"].map(String::from)) {
         assert!(seen.get(&kind).is_some_and(|count| *count > 10), "{kind}: {seen:?}");
     }
@@ -393,8 +393,8 @@ fn travel_holds_to_its_ends_and_an_absent_axis_has_all_there_is() {
     for command in [0.0, 1e9, -1e9, 5.0] {
         let input = Input { homed: true, enable: true, ..Input::at_rest(PERIOD_NS) };
         let input = Input { command: [0.0, 0.0, command, 0.0], ..input };
-        let mut believed = [[0.0; 4]; 2];
-        let found = sampler.look(&mut state, &input, &mut believed);
+        let mut trusted = [[0.0; 4]; 2];
+        let found = sampler.full_check(&mut state, &input, &mut trusted);
         assert_eq!((found.verdict, found.fault), (Verdict::Active, Fault::None), "{command}");
         state.accept(&input.command);
     }

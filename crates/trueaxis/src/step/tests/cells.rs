@@ -57,7 +57,7 @@ impl Tables {
     }
 
     /// Adds a grid over some of the axes, one over X and Y that fades, or both.
-    fn beside(self, seed: u64, over: Option<[bool; 3]>, fade: bool) -> Self {
+    fn with_grid(self, seed: u64, over: Option<[bool; 3]>, fade: bool) -> Self {
         let mut noise = Noise::new(seed);
         let mut grid = |over: [bool; 3], fade| {
             let mut header = GridHeader { given: 0b111, scales: [1e-7; 6], fade, ..GridHeader::default() };
@@ -240,8 +240,8 @@ fn compare<R: Real, P: Position>(
 ) {
     let mut probe = *state;
     let sent = *state.output.offsets();
-    let mut believed = [[P::default(); 3]; 2];
-    let sample = servo.sampler.look(&mut probe.sample, input, &mut believed);
+    let mut trusted = [[P::default(); 3]; 2];
+    let sample = servo.sampler.full_check(&mut probe.sample, input, &mut trusted);
     let before = probe.cells.windows();
     let kept = probe.cells.key() == servo.tables.key();
     let modelled = servo.model(&mut probe, &sample, false);
@@ -259,8 +259,8 @@ fn compare<R: Real, P: Position>(
     assert!(off <= OVERLAP + rounding, "{cycle}: {off:e} mm off at the feedback {feedback:?}");
     worst.feedback = worst.feedback.max(off);
     let points = |slot: usize| tables.rows[slot].iter().map(|row| row.position).chain(tables.nodes(slot));
-    let beside = |q: f64, slot: usize| points(slot).all(|point| (q - point).abs() > 0.021);
-    if (0..3).all(|slot| beside(feedback[slot], slot)) {
+    let clear_of_nodes = |q: f64, slot: usize| points(slot).all(|point| (q - point).abs() > 0.021);
+    if (0..3).all(|slot| clear_of_nodes(feedback[slot], slot)) {
         assert!(off <= rounding, "{cycle}: {off:e} mm off within a cell at the feedback {feedback:?}");
         worst.inside = worst.inside.max(off);
     }
@@ -315,27 +315,27 @@ fn kept_cells_say_what_the_tables_say() {
 
 /// A position never leaves a box of the grids without leaving a cell, whatever is exchanged.
 #[test]
-fn kept_cells_beside_grids_say_what_both_say() {
+fn kept_cells_with_grids_say_what_both_say() {
     let of = |seed, interpolation| Tables::new(seed, seed % 3 == 0, interpolation, 2e-3, seed % 2 == 0);
     let (linear, cubic) = (Interpolation::Linear, Interpolation::Cubic);
     let kinds = [
         vec![
-            of(21, linear).beside(1, Some([true, true, false]), false),
-            of(22, cubic).beside(2, Some([true; 3]), true),
+            of(21, linear).with_grid(1, Some([true, true, false]), false),
+            of(22, cubic).with_grid(2, Some([true; 3]), true),
         ],
         vec![
-            of(23, linear).beside(3, Some([true, false, true]), true),
+            of(23, linear).with_grid(3, Some([true, false, true]), true),
             of(24, linear),
-            of(23, linear).beside(4, None, true),
+            of(23, linear).with_grid(4, None, true),
         ],
         vec![
-            of(25, cubic).beside(5, Some([false, true, true]), false),
-            of(26, linear).beside(5, Some([false, true, true]), false),
+            of(25, cubic).with_grid(5, Some([false, true, true]), false),
+            of(26, linear).with_grid(5, Some([false, true, true]), false),
         ],
     ];
     let (mut edges, mut kept) = (0, 0);
     for (seed, tables) in kinds.into_iter().enumerate() {
-        // Twice what a box may deviate beyond a node.
+        // Twice the permitted deviation of a box beyond a node.
         let doubles = run::<f64, f64>(&tables, 40 + seed as u64, share(60_000), 0.2e-6);
         let singles = run::<f32, Nanometres>(&tables, 40 + seed as u64, share(60_000), 0.4e-6);
         for worst in [doubles, singles] {
@@ -347,10 +347,10 @@ fn kept_cells_beside_grids_say_what_both_say() {
     assert!(edges > share(2000) && kept > share(300_000), "{edges} {kept}");
 }
 
-/// Tables so steep that one look-up is not enough: whatever the correction does, the inverse keeps its stated accuracy.
+/// Tables so steep that one lookup is not enough: whatever the correction does, the inverse keeps its stated accuracy.
 #[test]
 fn the_inverse_from_the_last_correction_keeps_its_bound() {
-    let (mut locked, mut led) = (0, 0);
+    let (mut locked, mut limited) = (0, 0);
     for (seed, steep) in [(11, 0.02), (12, 0.1), (13, 0.5), (14, 1.0)] {
         for interpolation in [Interpolation::Linear, Interpolation::Cubic] {
             let tables = Tables::new(seed, false, interpolation, steep, true);
@@ -358,11 +358,11 @@ fn the_inverse_from_the_last_correction_keeps_its_bound() {
                 let found = at_the_velocity_limit(&tables, period_ns);
                 assert!(found.locked <= 2.0 * OVERLAP + 1e-12, "{steep} {period_ns}: {found:?}");
                 locked += found.cycles_locked;
-                led += found.cycles_led;
+                limited += found.cycles_limited;
             }
         }
     }
-    assert!(locked > share(50_000) && led > share(20_000), "{locked} {led}");
+    assert!(locked > share(50_000) && limited > share(20_000), "{locked} {limited}");
 }
 
 /// Deviations of the inverse from the converged one during a motion, mm.
@@ -370,7 +370,7 @@ fn the_inverse_from_the_last_correction_keeps_its_bound() {
 struct Inverse {
     locked: f64,
     cycles_locked: usize,
-    cycles_led: usize,
+    cycles_limited: usize,
 }
 
 /// Moves as fast as the correction can just follow, and faster, with occasional reversals.
@@ -405,8 +405,8 @@ fn at_the_velocity_limit(tables: &Tables, period_ns: u32) -> Inverse {
         let input = servo.input(place, place);
         let sent = *state.output.offsets();
         let mut probe = state;
-        let mut believed = [[0.0; 3]; 2];
-        let sample = servo.sampler.look(&mut probe.sample, &input, &mut believed);
+        let mut trusted = [[0.0; 3]; 2];
+        let sample = servo.sampler.full_check(&mut probe.sample, &input, &mut trusted);
         let wanted = servo.model(&mut probe, &sample, false).wanted;
         let truth = Truth { directions: probe.reversal.map(|r| r.direction()), ..truth };
         let off = distance(wanted, truth.correction(place));
@@ -421,7 +421,7 @@ fn at_the_velocity_limit(tables: &Tables, period_ns: u32) -> Inverse {
             found.locked = found.locked.max(off);
             found.cycles_locked += 1;
         } else {
-            found.cycles_led += 1;
+            found.cycles_limited += 1;
         }
     }
     found

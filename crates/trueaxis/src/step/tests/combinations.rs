@@ -7,7 +7,7 @@ use crate::roundness::Followed;
 use glam::DVec3;
 
 /// Distance of the readings from the line, mm.
-const BESIDE: f64 = 0.002;
+const DEVIATION: f64 = 0.002;
 /// Infeed of Y that the gauge requests, mm.
 const INFEED: f64 = 0.005;
 /// Cycles at rest, in which first the correction and then the infeed is reached; then 60 mm/s.
@@ -42,7 +42,7 @@ fn run(mut step: impl FnMut(&Loop, &mut State<f64, f64, 3>, &Input<f64, 3>, f64,
         .map(|i| {
             let way = 0.006 * f64::from((i - AT_REST).max(0));
             let mut cycle = input([10.0 + way, 10.0, 10.0]);
-            cycle.feedback[1] += BESIDE;
+            cycle.feedback[1] += DEVIATION;
             asking.infeed = if i < FROM { 0.0 } else { INFEED };
             step(servo, &mut state, &cycle, way / LENGTH, &mut asking)
         })
@@ -108,7 +108,7 @@ fn a_gauge_adds_its_infeed_and_changes_nothing_else_whatever_is_measured() {
                 assert!((fed[1] - INFEED).abs() < 1e-4 * INFEED, "{measure}, {i}: {}", fed[1]);
                 let measured = *measure != "nothing";
                 assert_eq!((a.tip.is_measured(), a.encoder.is_measured()), (measured, measured), "{measure}, {i}");
-                let truth = if measured { BESIDE } else { 0.0 };
+                let truth = if measured { DEVIATION } else { 0.0 };
                 assert!((a.encoder.normal - truth).abs() < 1e-9, "{measure}, {i}: {:?}", a.encoder);
                 assert_eq!(a.orientation_flags.has(Flags::NOT_FOUND), *measure != "tool path", "{measure}, {i}");
             }

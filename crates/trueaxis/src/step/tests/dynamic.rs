@@ -147,7 +147,7 @@ fn friction_and_acceleration_follow_the_continuous_law() {
 }
 
 #[test]
-fn what_accelerates_elsewhere_is_taken_out_here() {
+fn cross_talk_from_another_axis_is_compensated() {
     let crosstalk = |points: &[[f64; 2]]| {
         let mut machine = machine(|axis| axis.servo.dynamic = dynamic(false, false, false));
         let points = points.iter().copied().collect();
@@ -176,7 +176,7 @@ fn what_accelerates_elsewhere_is_taken_out_here() {
 }
 
 #[test]
-fn what_was_learned_is_added_and_what_is_no_number_is_not() {
+fn learned_corrections_are_added_and_non_numeric_ones_are_not() {
     let servo = loop_of(0.0, machine(|axis| axis.servo.dynamic = dynamic(false, false, false)));
     let mut state = servo.start();
     let mut sent = |learned| {
@@ -266,7 +266,7 @@ fn along_x(
 }
 
 #[test]
-fn a_standing_error_is_taken_out_by_the_feedback() {
+fn a_constant_error_is_removed_by_the_feedback() {
     for disturbance in [0.005, -0.005] {
         let last = |on| *along_x(on, |_| disturbance, 20_000).0.last().unwrap();
         assert!((last(false).record.tip.error - 0.005).abs() < 1e-9);
@@ -277,7 +277,7 @@ fn a_standing_error_is_taken_out_by_the_feedback() {
 }
 
 #[test]
-fn the_watch_leads_an_oscillation_out_and_says_so() {
+fn the_watch_ramps_an_oscillation_out_and_says_so() {
     let swing = |t: f64| 0.03 * (core::f64::consts::TAU * 20.0 * t).sin();
     let (outs, mut state, servo) = along_x(true, swing, 10_000);
     let out = outs.iter().position(|out| out.record.status.has(Status::FEEDBACK_OUT)).unwrap();

@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 const HELD: [f64; 3] = [60.0, 50.0, 40.0];
 
-/// A bench whose output is held after a non-numeric command.
+/// A bench whose output holds after a non-numeric command.
 fn stopped() -> (Bench, Out) {
     let mut bench = Bench::new();
     bench.settle(HELD);
@@ -48,20 +48,20 @@ fn a_host_that_ignores_stop_requests_is_held_for_100_000_cycles() {
 #[test]
 fn a_host_that_resets_in_a_loop_gains_nothing() {
     let (mut bench, mut last) = stopped();
-    let mut heard = 0;
+    let mut released = 0;
     for n in 0..20_000_u32 {
         let mut given = Input { feedback: HELD, reset: n % 2 == 1, ..input(HELD) };
         if n % 4 == 2 {
             given.command[2] = [f64::NAN, 1e9, -50.0, 45.0][(n / 4) as usize % 4];
         }
         let out = bench.cycle(&given);
-        heard += u32::from(last.stop_requested() && !out.stop_requested());
+        released += u32::from(last.stop_requested() && !out.stop_requested());
         for k in 0..3 {
             assert!((out.drive[k] - last.drive[k]).abs() <= 0.05 + 5e-4, "cycle {n}");
         }
         last = out;
     }
-    assert!(heard > 4000, "{heard}");
+    assert!(released > 4000, "{released}");
     // A reset that stays on counts once.
     let (mut bench, _) = stopped();
     bench.cycle(&Input { feedback: HELD, reset: true, ..input([20.0, 50.0, 40.0]) });
@@ -70,7 +70,7 @@ fn a_host_that_resets_in_a_loop_gains_nothing() {
     }
 }
 
-/// Reading noise below the plausible jump is not a fault, and none of it reaches the drives.
+/// Reading noise below the plausible jump is not a fault and does not reach the drives.
 #[test]
 fn noisy_readings_change_nothing_that_is_sent() {
     let mut noise = Noise::new(5);
@@ -121,11 +121,11 @@ fn a_doubled_cycle_is_one_more_and_a_lost_one_is_late_or_unseen() {
         if n % 10 == 5 {
             bench.cycle(&Input { elapsed_ns: 0, ..input([x, 20.0, 20.0]) });
         }
-        let (told, unseen) = (n % 10 == 7, n % 10 == 9);
-        let elapsed_ns = if told { 2 * PERIOD_NS } else { PERIOD_NS };
-        x += if told || unseen { 0.02 } else { 0.0 };
+        let (late, unseen) = (n % 10 == 7, n % 10 == 9);
+        let elapsed_ns = if late { 2 * PERIOD_NS } else { PERIOD_NS };
+        x += if late || unseen { 0.02 } else { 0.0 };
         let out = bench.cycle(&Input { elapsed_ns, ..input([x, 20.0, 20.0]) });
-        let expected = if told { Fault::LateCycle } else { Fault::None };
+        let expected = if late { Fault::LateCycle } else { Fault::None };
         assert_eq!((out.record.fault, out.stop_requested()), (expected, false), "cycle {n}");
         if x > 100.0 {
             (x, bench.state) = (20.0, bench.active.start());
@@ -134,7 +134,7 @@ fn a_doubled_cycle_is_one_more_and_a_lost_one_is_late_or_unseen() {
     }
 }
 
-/// Tables exchanged while the correction is frozen, while the output is held, and twice before a cycle takes them.
+/// Exchanges tables while the correction is frozen, while the output holds, and twice before a cycle takes them.
 #[test]
 fn an_exchange_in_a_fault_in_a_hold_and_twice_waits_for_its_turn() {
     let other = servo_loop(-2.0);
@@ -205,16 +205,16 @@ fn one_loop_serves_two_threads_with_a_state_each() {
             .collect::<Vec<_>>()
     };
     let alone = [20.0, 60.0].map(run);
-    let beside = std::thread::scope(|scope| {
+    let together = std::thread::scope(|scope| {
         let hosts = [20.0, 60.0].map(|from| scope.spawn(move || run(from)));
         hosts.map(|host| host.join().unwrap())
     });
-    assert_eq!(alone, beside);
+    assert_eq!(alone, together);
 }
 
 /// A tool that is 200 mm longer arrives in motion, as new tables: the limiter ramps in the correction for its lever.
 #[test]
-fn a_tool_change_in_motion_is_led_in() {
+fn a_tool_change_in_motion_is_ramped_in() {
     let with = |tool: f64| {
         let mut machine = machine(|_| ());
         (machine.compensation.model, machine.tool_mm) = (ErrorModel::Volumetric, [0.0, 0.0, -tool]);
@@ -247,7 +247,7 @@ proptest! {
     /// A host restarted at any point of its program, with any first input: the first usable command goes out unchanged,
     /// and the correction ramps in from zero within its limits (checked by the bench).
     #[test]
-    fn a_cold_start_anywhere_with_any_first_input_is_led_in(
+    fn a_cold_start_anywhere_with_any_first_input_is_ramped_in(
         at in prop::array::uniform3(-10.0..110.0f64),
         velocity in prop::array::uniform3(-0.01..0.01f64),
         first in prop::array::uniform3(any_float()),
@@ -270,7 +270,7 @@ proptest! {
         prop_assert!(usable || out.stop_requested());
         // The host retries at the machine's position, and continues.
         let mut bench = Bench::new();
-        let mut led_in = 0.0_f64;
+        let mut largest = 0.0_f64;
         for n in 0..400 {
             let command = [0, 1, 2].map(|k| (at[k] + velocity[k] * f64::from(n)).clamp(-10.0, 110.0));
             let out = bench.cycle(&input(command));
@@ -278,8 +278,8 @@ proptest! {
             if n == 0 {
                 prop_assert_eq!(out.drive.map(f64::to_bits), command.map(f64::to_bits));
             }
-            led_in = led_in.max(out.record.correction[0].abs());
+            largest = largest.max(out.record.correction[0].abs());
         }
-        prop_assert!(led_in > 1e-3, "{led_in}");
+        prop_assert!(largest > 1e-3, "{largest}");
     }
 }

@@ -92,11 +92,11 @@ fn run<R: Real, P: AnyBits>(
     let mut state = servo.start();
     let mut bypass = Bypass::<P, 3>::new(Fault::TablesRefused);
     let mut commanded = commanded;
-    let mut stands = [12.0, 10.0, 10.0];
+    let mut position = [12.0, 10.0, 10.0];
     for (command, feedback, t, span, elapsed_ns, bits) in cycles.iter().copied() {
         let bit = |n: u16| bits >> n & 1 == 1;
         let near = |x: f64| if x.is_finite() { x.rem_euclid(0.02) } else { 0.01 };
-        let given = |k: usize, x: f64, raw: bool| if raw { P::any(x) } else { P::of(stands[k] + near(x)) };
+        let given = |k: usize, x: f64, raw: bool| if raw { P::any(x) } else { P::of(position[k] + near(x)) };
         let input = Input {
             command: [0, 1, 2].map(|k| given(k, command[k], bits & 7 == 7)),
             feedback: [0, 1, 2].map(|k| given(k, feedback[k], bits >> 3 & 3 == 3)),
@@ -113,12 +113,12 @@ fn run<R: Real, P: AnyBits>(
             Some(commanded) => servo.step(&mut state, &input, &mut **commanded, ()),
             None => servo.step(&mut state, &input, path.on(reference), ()),
         };
-        let told = if commanded.is_some() { Reference { span: 0, t: R::ZERO } } else { reference };
-        check(&out, told);
-        check(&bypass.step::<R>(&input), told);
+        let expected = if commanded.is_some() { Reference { span: 0, t: R::ZERO } } else { reference };
+        check(&out, expected);
+        check(&bypass.step::<R>(&input), expected);
         let held = out.record.command.map(P::to_f64);
         if held.iter().all(|x| (0.0..100.0).contains(x)) {
-            stands = held;
+            position = held;
         }
     }
 }

@@ -47,7 +47,7 @@ fn a_cycle_more_than_a_quarter_early_freezes_as_a_late_one_does() {
 }
 
 #[test]
-fn cycles_without_time_move_nothing_and_the_correction_goes_on_as_it_went() {
+fn cycles_without_time_move_nothing_and_the_correction_continues_as_before() {
     // The burst arrives while the correction ramps in at full slope.
     let mut bench = Bench::on(servo_loop(10.0));
     let at = input([30.0, 40.0, 50.0]);
@@ -94,7 +94,7 @@ fn jitter_about_a_schedule_is_no_fault() {
 
 /// How cycles arrive.
 #[derive(Clone, Copy, Debug)]
-enum Come {
+enum Arrival {
     /// Each takes this share of a period.
     Share(f64),
     /// Between three quarters and five quarters of a period, from this seed.
@@ -105,7 +105,7 @@ enum Come {
 
 /// What happens during these cycles.
 #[derive(Clone, Copy, Debug)]
-enum Meanwhile {
+enum Disturbance {
     Nothing,
     Off,
     Alarm,
@@ -114,7 +114,7 @@ enum Meanwhile {
     Leap,
 }
 
-fn any_come() -> impl Strategy<Value = (Come, Meanwhile, u32)> {
+fn any_arrival() -> impl Strategy<Value = (Arrival, Disturbance, u32)> {
     let share = prop_oneof![
         Just(0.0),
         Just(0.1),
@@ -128,20 +128,20 @@ fn any_come() -> impl Strategy<Value = (Come, Meanwhile, u32)> {
         Just(1.3),
         0.0..2.0f64
     ];
-    let come = prop_oneof![
-        4 => share.prop_map(Come::Share),
-        2 => any::<u64>().prop_map(Come::Jitter),
-        1 => (2..50u32).prop_map(Come::Stall),
+    let arrival = prop_oneof![
+        4 => share.prop_map(Arrival::Share),
+        2 => any::<u64>().prop_map(Arrival::Jitter),
+        1 => (2..50u32).prop_map(Arrival::Stall),
     ];
-    let meanwhile = prop_oneof![
-        4 => Just(Meanwhile::Nothing),
-        1 => Just(Meanwhile::Off),
-        1 => Just(Meanwhile::Alarm),
-        1 => Just(Meanwhile::Exchange),
-        1 => Just(Meanwhile::BadCommand),
-        1 => Just(Meanwhile::Leap),
+    let disturbance = prop_oneof![
+        4 => Just(Disturbance::Nothing),
+        1 => Just(Disturbance::Off),
+        1 => Just(Disturbance::Alarm),
+        1 => Just(Disturbance::Exchange),
+        1 => Just(Disturbance::BadCommand),
+        1 => Just(Disturbance::Leap),
     ];
-    (come, meanwhile, 1..200u32)
+    (arrival, disturbance, 1..200u32)
 }
 
 /// Lag and a learned correction, so that the dynamic part moves as well.
@@ -163,7 +163,7 @@ proptest! {
     /// plus one period's worth; and from one movement to the next by no more than the acceleration.
     #[test]
     fn over_any_time_a_correction_moves_by_its_slope_and_a_cycle_at_most(
-        sequence in prop::collection::vec(any_come(), 1..30),
+        sequence in prop::collection::vec(any_arrival(), 1..30),
         parts in any::<bool>(),
     ) {
         let loops = if parts { [dynamic_loop(9.0), dynamic_loop(-4.0)] } else { [servo_loop(9.0), servo_loop(-4.0)] };
@@ -174,26 +174,26 @@ proptest! {
         // The least c − s t and the greatest c + s t so far, s the slope.
         let (mut least, mut greatest) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
         let slope = SLOPE / 0.999;
-        for (come, meanwhile, cycles) in sequence {
-            let mut noise = crate::testing::noise::Noise::new(if let Come::Jitter(seed) = come { seed } else { 0 });
-            which ^= usize::from(matches!(meanwhile, Meanwhile::Exchange));
+        for (arrival, disturbance, cycles) in sequence {
+            let mut noise = crate::testing::noise::Noise::new(if let Arrival::Jitter(seed) = arrival { seed } else { 0 });
+            which ^= usize::from(matches!(disturbance, Disturbance::Exchange));
             for n in 0..cycles {
-                let share = match come {
-                    Come::Share(share) => share,
-                    Come::Jitter(_) => 1.0 + 0.25 * noise.signed(),
-                    Come::Stall(periods) if n == 0 => f64::from(periods),
-                    Come::Stall(_) => 0.01,
+                let share = match arrival {
+                    Arrival::Share(share) => share,
+                    Arrival::Jitter(_) => 1.0 + 0.25 * noise.signed(),
+                    Arrival::Stall(periods) if n == 0 => f64::from(periods),
+                    Arrival::Stall(_) => 0.01,
                 };
                 let elapsed_ns = (share * f64::from(PERIOD_NS)) as u32;
                 at = if at > 90.0 { at } else { at + 0.01 };
                 let command = [at, 40.0, 50.0];
-                let learned = if matches!(meanwhile, Meanwhile::Leap) { [0.04, -0.04, 0.0] } else { [0.0; 3] };
+                let learned = if matches!(disturbance, Disturbance::Leap) { [0.04, -0.04, 0.0] } else { [0.0; 3] };
                 let given = Input {
-                    command: if matches!(meanwhile, Meanwhile::BadCommand) && n == 5 { [f64::NAN; 3] } else { command },
+                    command: if matches!(disturbance, Disturbance::BadCommand) && n == 5 { [f64::NAN; 3] } else { command },
                     feedback: command,
                     elapsed_ns,
-                    enable: !matches!(meanwhile, Meanwhile::Off),
-                    encoder_alarm: u8::from(matches!(meanwhile, Meanwhile::Alarm)),
+                    enable: !matches!(disturbance, Disturbance::Off),
+                    encoder_alarm: u8::from(matches!(disturbance, Disturbance::Alarm)),
                     reset: n % 2 == 1,
                     dynamics: Dynamics::ALL,
                     learned,
@@ -210,14 +210,14 @@ proptest! {
                     sent[k] = c;
                     least[k] = least[k].min(c - slope * time);
                     greatest[k] = greatest[k].max(c + slope * time);
-                    prop_assert!(c - slope * time <= least[k] + SLOPE * (1.0 + 1e-6) + 1e-9, "{time}: {c}, {come:?}");
-                    prop_assert!(c + slope * time >= greatest[k] - SLOPE * (1.0 + 1e-6) - 1e-9, "{time}: {c}, {come:?}");
-                    prop_assert!(due && !held || v.abs() < 1e-12, "{v} in no time, {come:?}, {meanwhile:?}");
+                    prop_assert!(c - slope * time <= least[k] + SLOPE * (1.0 + 1e-6) + 1e-9, "{time}: {c}, {arrival:?}");
+                    prop_assert!(c + slope * time >= greatest[k] - SLOPE * (1.0 + 1e-6) - 1e-9, "{time}: {c}, {arrival:?}");
+                    prop_assert!(due && !held || v.abs() < 1e-12, "{v} in no time, {arrival:?}, {disturbance:?}");
                     if held {
                         rate[k] = 0.0;
                     } else if due {
                         let second = v - rate[k];
-                        prop_assert!(second.abs() <= ACCELERATION + 1e-9, "{second}, {come:?}, {meanwhile:?}");
+                        prop_assert!(second.abs() <= ACCELERATION + 1e-9, "{second}, {arrival:?}, {disturbance:?}");
                         rate[k] = v;
                     }
                 }

@@ -5,7 +5,7 @@ use super::*;
 /// Largest plausible step of the command in a cycle: twice 500 mm/s.
 const STEP: f64 = 0.1;
 
-fn standing(at: f64) -> Bench {
+fn at_rest(at: f64) -> Bench {
     let mut bench = Bench::new();
     bench.settle([at; 3]);
     bench
@@ -26,7 +26,7 @@ fn a_late_cycle_excuses_as_large_a_step_as_it_took_periods_up_to_sixteen() {
     ];
     for (elapsed_ns, periods) in cases {
         for (part, fits) in [(0.999, true), (1.001, false), (-0.999, true), (-1.001, false)] {
-            let mut bench = standing(50.0);
+            let mut bench = at_rest(50.0);
             let way = part * periods * STEP;
             // The reading moves by less than its own limit.
             let out = bench.cycle(&Input { elapsed_ns, feedback: [50.01; 3], ..input([50.0, 50.0 + way, 50.0]) });
@@ -48,16 +48,16 @@ fn the_plausible_jump_of_a_reading_grows_with_every_one_that_is_missing() {
     let limit = STEP + 0.02;
     for missing in [0, 1, 2, 7] {
         for sign in [1.0, -1.0] {
-            for (part, believed) in [(0.999, true), (1.001, false)] {
-                let mut bench = standing(50.0);
+            for (part, accepted) in [(0.999, true), (1.001, false)] {
+                let mut bench = at_rest(50.0);
                 for _ in 0..missing {
-                    let gone = Input { feedback: [50.0, 50.0, f64::NAN], ..input([50.0; 3]) };
-                    assert_eq!(bench.cycle(&gone).record.fault, Fault::FeedbackNotFinite);
+                    let lost = Input { feedback: [50.0, 50.0, f64::NAN], ..input([50.0; 3]) };
+                    assert_eq!(bench.cycle(&lost).record.fault, Fault::FeedbackNotFinite);
                 }
                 let z = 50.0 + sign * part * limit * f64::from(1 + missing);
                 let back = Input { feedback: [50.0, 50.0, z], ..input([50.0; 3]) };
                 let out = bench.cycle(&back);
-                if believed {
+                if accepted {
                     assert_eq!((out.record.fault, out.record.feedback[2]), (Fault::None, z));
                     // From here on the limit of one cycle applies again.
                     let next = Input { feedback: [50.0, 50.0, z + 1.001 * limit], ..input([50.0; 3]) };
@@ -89,18 +89,18 @@ fn a_stuck_encoder_is_found_in_either_direction_and_by_the_way_not_the_distance(
     // 0.2 mm in steps of a power of two, so that the sums are exact to the cycle.
     let step = 1.0 / 64.0;
     for sign in [1.0, -1.0] {
-        let mut bench = standing(50.0);
+        let mut bench = at_rest(50.0);
         assert_eq!(stuck(&mut bench, 50.0, &[sign * step; 12]), Fault::None, "0.1875 mm");
-        let mut bench = standing(50.0);
+        let mut bench = at_rest(50.0);
         assert_eq!(stuck(&mut bench, 50.0, &[sign * step; 13]), Fault::EncoderStuck, "0.203 mm");
     }
     // Back and forth.
-    let mut bench = standing(50.0);
+    let mut bench = at_rest(50.0);
     let mut steps = [step; 13];
     steps[6..].fill(-step);
     assert_eq!(stuck(&mut bench, 50.0, &steps), Fault::EncoderStuck);
     // Without a command no encoder is stuck.
-    let mut bench = standing(50.0);
+    let mut bench = at_rest(50.0);
     assert_eq!(stuck(&mut bench, 50.0, &[0.0; 5000]), Fault::None);
 }
 
@@ -108,7 +108,7 @@ fn a_stuck_encoder_is_found_in_either_direction_and_by_the_way_not_the_distance(
 fn a_reading_that_moves_or_a_switch_off_ends_the_suspicion() {
     let step = 1.0 / 64.0;
     // The smallest change of the reading.
-    let mut bench = standing(50.0);
+    let mut bench = at_rest(50.0);
     assert_eq!(stuck(&mut bench, 50.0, &[-step; 12]), Fault::None);
     let x = 50.0 - 12.0 * step;
     bench.cycle(&Input { feedback: [50.0 - 1e-6, 50.0, 50.0], ..input([x, 50.0, 50.0]) });
@@ -121,7 +121,7 @@ fn a_reading_that_moves_or_a_switch_off_ends_the_suspicion() {
     let out = bench.cycle(&Input { feedback: [50.0 - 1e-6, 50.0, 50.0], ..input([at, 50.0, 50.0]) });
     assert_eq!(out.record.fault, Fault::EncoderStuck);
     // Switched off for a cycle: the distance counts from zero again.
-    let mut bench = standing(50.0);
+    let mut bench = at_rest(50.0);
     assert_eq!(stuck(&mut bench, 50.0, &[step; 12]), Fault::None);
     let x = 50.0 + 12.0 * step;
     let still = [50.0; 3];
@@ -135,7 +135,7 @@ fn a_reading_that_moves_or_a_switch_off_ends_the_suspicion() {
 #[test]
 fn a_reset_ends_the_suspicion_too() {
     let step = 1.0 / 64.0;
-    let mut bench = standing(50.0);
+    let mut bench = at_rest(50.0);
     assert_eq!(stuck(&mut bench, 50.0, &[step; 12]), Fault::None);
     let x = 50.0 + 12.0 * step;
     let at = |x: f64| Input { feedback: [50.0; 3], ..input([x, 50.0, 50.0]) };
@@ -169,7 +169,7 @@ fn before_homing_positions_mean_nothing() {
 }
 
 #[test]
-fn enabling_looks_at_travel_and_readings_but_not_back_at_the_command() {
+fn enabling_checks_travel_and_readings_but_no_jump_of_the_command() {
     let off = |at: [f64; 3]| Input { enable: false, ..input(at) };
     for homed in [true, false] {
         // Homing and switching on may change the command by any amount …
@@ -201,7 +201,7 @@ fn enabling_looks_at_travel_and_readings_but_not_back_at_the_command() {
 #[test]
 fn readings_are_watched_while_the_output_holds() {
     let limit = STEP + 0.02;
-    let mut bench = standing(50.0);
+    let mut bench = at_rest(50.0);
     let held = |feedback| Input { feedback, ..input([50.0, f64::NAN, 50.0]) };
     bench.cycle(&held([50.0; 3]));
     // A glitch is rejected, although the reported fault is still the stop's.
@@ -225,8 +225,8 @@ fn readings_are_watched_while_the_output_holds() {
 }
 
 #[test]
-fn a_reset_with_a_command_out_of_travel_is_not_heard() {
-    let mut bench = standing(109.99);
+fn a_reset_with_a_command_out_of_travel_is_ignored() {
+    let mut bench = at_rest(109.99);
     let at = |x: f64| input([x, 109.99, 109.99]);
     let before = bench.cycle(&at(109.99));
     bench.cycle(&Input { feedback: [109.99; 3], ..at(f64::NAN) });
@@ -248,7 +248,7 @@ fn a_reset_with_a_command_out_of_travel_is_not_heard() {
 
 /// An axis so slow that the distance to the held command is a jump: nearness excuses it.
 #[test]
-fn a_reset_is_heard_where_the_way_back_is_more_than_a_cycles() {
+fn a_reset_is_accepted_where_the_way_back_is_more_than_a_cycles() {
     let servo = servo_loop_with(1.0, |axis| axis.max_feed_per_s = 100.0);
     let mut bench = Bench::on(servo);
     bench.settle([50.0; 3]);
@@ -261,7 +261,7 @@ fn a_reset_is_heard_where_the_way_back_is_more_than_a_cycles() {
 /// One axis may be farther from the held command than a cycle's travel; that does not excuse another one out of its
 /// travel.
 #[test]
-fn a_reset_is_not_heard_where_one_axis_jumps_and_another_is_out_of_travel() {
+fn a_reset_is_ignored_where_one_axis_jumps_and_another_is_out_of_travel() {
     let servo = servo_loop_with(1.0, |axis| axis.max_feed_per_s = 100.0);
     let mut bench = Bench::on(servo);
     let at = |x, y| input([x, y, 50.0]);
@@ -279,16 +279,16 @@ const READABLE: [f64; 2] = [-11.1, 111.1];
 
 /// A nanometre counter that wraps at 32 bits reads 4.295 m away on an axis of 120 mm: rejected even after ten seconds.
 #[test]
-fn a_reading_beyond_the_travel_is_not_believed_however_long_it_lasts() {
+fn a_reading_beyond_the_travel_is_rejected_however_long_it_lasts() {
     for off in [-4294.967296, 4294.967296, 112.0, -112.0] {
-        let mut bench = standing(50.0);
+        let mut bench = at_rest(50.0);
         let before = bench.last.unwrap();
         let (mut x, mut good) = (50.0, 50.0);
         for n in 0..100_000_u32 {
             x += if n / 2000 % 2 == 0 { 0.02 } else { -0.02 };
             let out = bench.cycle(&Input { feedback: [x + off, 50.0, 50.0], ..input([x, 50.0, 50.0]) });
-            let told = (out.record.fault, out.record.fault_axis, out.record.feedback[0]);
-            assert_eq!(told, (Fault::FeedbackJump, 0, good), "{off} mm, cycle {n}");
+            let reported = (out.record.fault, out.record.fault_axis, out.record.feedback[0]);
+            assert_eq!(reported, (Fault::FeedbackJump, 0, good), "{off} mm, cycle {n}");
             assert_eq!(out.record.correction, before.record.correction);
             assert!(!out.stop_requested());
         }
@@ -300,12 +300,12 @@ fn a_reading_beyond_the_travel_is_not_believed_however_long_it_lasts() {
 }
 
 #[test]
-fn readings_are_believed_a_millimetre_beyond_the_joint() {
+fn readings_are_accepted_a_millimetre_beyond_the_joint() {
     let [low, high] = READABLE;
-    for (end, reading, believed) in
+    for (end, reading, accepted) in
         [(-10.0, low + 1e-6, true), (-10.0, low - 1e-6, false), (110.0, high - 1e-6, true), (110.0, high + 1e-6, false)]
     {
-        let mut bench = standing(end);
+        let mut bench = at_rest(end);
         // An axis coasts beyond its end, 0.1 mm per cycle, while the command stays at the end.
         let mut at = end;
         for _ in 0..11 {
@@ -314,7 +314,7 @@ fn readings_are_believed_a_millimetre_beyond_the_joint() {
             assert_eq!((out.record.fault, out.record.feedback[1]), (Fault::None, at));
         }
         let out = bench.cycle(&Input { feedback: [end, reading, end], ..input([end; 3]) });
-        let expected = if believed { (Fault::None, 0, reading) } else { (Fault::FeedbackJump, 1, at) };
+        let expected = if accepted { (Fault::None, 0, reading) } else { (Fault::FeedbackJump, 1, at) };
         assert_eq!((out.record.fault, out.record.fault_axis, out.record.feedback[1]), expected, "{reading}");
     }
 }
@@ -335,8 +335,8 @@ fn where_readings_may_be_counts_from_homed_and_enabled_on() {
         for mut bench in [bench, Bench::new()] {
             for _ in 0..10 {
                 let out = bench.cycle(&Input { feedback: far, ..input([50.0; 3]) });
-                let told = (out.record.fault, out.record.fault_axis, out.record.feedback[0]);
-                assert_eq!(told, (Fault::FeedbackJump, 0, 50.0));
+                let reported = (out.record.fault, out.record.fault_axis, out.record.feedback[0]);
+                assert_eq!(reported, (Fault::FeedbackJump, 0, 50.0));
                 assert!(!out.record.status.has(Status::ACTIVE));
             }
             let out = bench.cycle(&input([50.0; 3]));
@@ -345,17 +345,17 @@ fn where_readings_may_be_counts_from_homed_and_enabled_on() {
     }
     // Nor is it a position to hold before the first command.
     let mut bench = Bench::new();
-    let nowhere = |feedback| Input { feedback, ..input([f64::NAN, 50.0, 50.0]) };
-    assert!(!bench.cycle(&nowhere(far)).has_drive());
-    assert_eq!(bench.cycle(&nowhere([60.0; 3])).drive, [60.0; 3]);
+    let unusable = |feedback| Input { feedback, ..input([f64::NAN, 50.0, 50.0]) };
+    assert!(!bench.cycle(&unusable(far)).has_drive());
+    assert_eq!(bench.cycle(&unusable([60.0; 3])).drive, [60.0; 3]);
     // An undeclared travel ends at 1 km, and so do the readings.
     let servo = servo_loop_with(1.0, |axis| (axis.travel, axis.joint) = ([-1e6, 1e6], [-1e6 - 0.1, 1e6 + 0.1]));
     let mut bench = Bench::on(servo);
-    for (x, believed) in [(1_000_001.0, true), (1_000_001.2, false), (-1_000_001.2, false)] {
+    for (x, accepted) in [(1_000_001.0, true), (1_000_001.2, false), (-1_000_001.2, false)] {
         bench.state = servo.start();
         bench.last = None;
         let out = bench.cycle(&Input { feedback: [x, 50.0, 50.0], ..input([50.0; 3]) });
-        assert_eq!(out.record.fault == Fault::None, believed, "{x}");
+        assert_eq!(out.record.fault == Fault::None, accepted, "{x}");
     }
 }
 
@@ -412,13 +412,13 @@ fn a_dead_encoder_that_is_not_quite_still_is_found_by_its_resolution() {
     let cycle = found(&mut bench, to_and_fro, |n| 50.0 + noise(n));
     assert!(cycle.is_some_and(|n| n < 80), "{cycle:?}");
     // Without a stated resolution any change counts.
-    let mut bench = standing(50.0);
+    let mut bench = at_rest(50.0);
     assert_eq!(found(&mut bench, |n| 50.0 + 0.002 * f64::from(n), |n| 50.0 + noise(n)), None);
 }
 
 /// Healthy encoders that show little motion: none counts as dead.
 #[test]
-fn what_a_resolution_cannot_show_is_no_death() {
+fn motion_below_the_resolution_is_no_dead_encoder() {
     let noise = |n: u32| [0.0, COUNT, -COUNT, COUNT, 0.0, -COUNT][n as usize % 6];
     let read = |x: f64, step: f64| (x / step).round() * step;
     // At rest, and at a feed of a hundredth of a count per cycle.

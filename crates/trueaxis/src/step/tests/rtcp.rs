@@ -34,7 +34,7 @@ struct Bench<R: Real, P: Position> {
 
 impl<R: Real, P: Position> Bench<R, P> {
     /// At rest with the tip and the rotary axes at this pose.
-    fn standing(machine: Machine<R, P>, tip: V, a: f64, c: f64) -> Self {
+    fn at_rest(machine: Machine<R, P>, tip: V, a: f64, c: f64) -> Self {
         let at = joints(machine.chain, tip, a, c);
         let [x, y, z, a, c] = at.map(R::of);
         let near = [x, y, z, a, R::ZERO, c];
@@ -82,7 +82,7 @@ fn follows_a_line<R: Real, P: Position>(permitted_mm: f64, permitted_deg: f64) {
         let (spans, turns) = slanted();
         let path = ToolPath::new(Path::new(&spans, 0, false), &turns);
         let (tip, a, c) = along(0.01);
-        let mut bench = Bench::<R, P>::standing(Machine::perfect(chain), tip, a, c);
+        let mut bench = Bench::<R, P>::at_rest(Machine::perfect(chain), tip, a, c);
         for i in 0..4000 {
             let u = 0.01 + f64::from(i) * 2e-4;
             let (tip, a, c) = along(u);
@@ -121,7 +121,7 @@ fn the_tip_stays_while_the_tool_turns_about_it() {
         let spans = [Span::turning(tip, 0, Z)];
         let turns = [crate::contour::Turn::axes(&spans[0], [0.0, 1.0], [5.0, 0.0, 0.0], [55.0, 0.0, 30.0])];
         let path = ToolPath::new(Path::new(&spans, 0, false), &turns);
-        let mut bench = Bench::<f64, f64>::standing(Machine::perfect(chain), tip, 5.0, 0.0);
+        let mut bench = Bench::<f64, f64>::at_rest(Machine::perfect(chain), tip, 5.0, 0.0);
         for i in 0..10_000 {
             let s = f64::from(i) * 1e-4;
             let direction = turned(Z, 5.0 + 50.0 * s, 30.0 * s);
@@ -142,7 +142,7 @@ fn goes_through_the_vertical<R: Real, P: Position>(permitted_mm: f64, permitted_
             let (mut noise, mut with) = (Noise::new(90), settings(chain));
             with.kinematics.singular_cone_deg = cone_deg;
             let (tip, c) = ([12.0, 34.0, 5.0], 20.0);
-            let mut bench = Bench::<R, P>::standing(Machine::of(chain, with, |_| [0.0; 6]), tip, -2.0, c);
+            let mut bench = Bench::<R, P>::at_rest(Machine::of(chain, with, |_| [0.0; 6]), tip, -2.0, c);
             for i in -200..=200 {
                 let (a, by) = (0.01 * f64::from(i), noise.vector(decimals));
                 let wanted = turned(Z, a, c);
@@ -174,15 +174,15 @@ fn the_tool_goes_through_the_vertical_in_singles() {
 }
 
 /// Into the vertical, and out of it sideways: the remaining angle is at most the cone, and C turns no faster than
-/// permitted; if the path requires more, the output is held and the fault names C.
+/// permitted; if the path requires more, the output holds and the fault names C.
 #[test]
 fn out_of_the_vertical_aside_within_the_cone_and_the_step_or_held() {
     for chain in [TABLES, HEADS] {
-        for (speed, goes) in [(1.5e-3, true), (4e-3, false)] {
+        for (speed, passes) in [(1.5e-3, true), (4e-3, false)] {
             let mut with = settings(chain);
             with.kinematics.singular_cone_deg = 1.0;
             let (tip, mut s) = ([12.0, 34.0, 5.0], -3.0_f64);
-            let mut bench = Bench::<f64, f64>::standing(Machine::of(chain, with, |_| [0.0; 6]), tip, 3.0, 20.0);
+            let mut bench = Bench::<f64, f64>::at_rest(Machine::of(chain, with, |_| [0.0; 6]), tip, 3.0, 20.0);
             let (mut fault, mut off) = ((Fault::None, 0), 0.0_f64);
             while s < 6.0 && fault.0 == Fault::None {
                 let wanted = turned(Z, s.abs(), if s < 0.0 { 20.0 } else { 110.0 });
@@ -200,8 +200,8 @@ fn out_of_the_vertical_aside_within_the_cone_and_the_step_or_held() {
                 }
                 s += speed;
             }
-            assert_eq!(fault, if goes { (Fault::None, 0) } else { (Fault::CommandJump, 4) }, "{chain}");
-            assert!(!goes || (bench.tracker.direction_error_deg() == 0.0 && off > 0.5), "{chain} {off}");
+            assert_eq!(fault, if passes { (Fault::None, 0) } else { (Fault::CommandJump, 4) }, "{chain}");
+            assert!(!passes || (bench.tracker.direction_error_deg() == 0.0 && off > 0.5), "{chain} {off}");
         }
     }
 }
@@ -223,7 +223,7 @@ fn a_tool_that_cannot_be_reached_holds_until_a_reset_near_the_held_pose() {
         (Fault::CommandOutOfTravel, 0, [3000.0, 0.0, 0.0], here),
     ];
     for (fault, axis, bad_tip, bad_direction) in cases {
-        holds(Bench::standing(Machine::perfect(HEADS), tip, a, c), (fault, axis), tip, (a, c), bad_tip, bad_direction);
+        holds(Bench::at_rest(Machine::perfect(HEADS), tip, a, c), (fault, axis), tip, (a, c), bad_tip, bad_direction);
     }
     for chain in [TABLES, HEADS] {
         let a_of = |travel| {
@@ -232,10 +232,10 @@ fn a_tool_that_cannot_be_reached_holds_until_a_reset_near_the_held_pose() {
             Machine::of(chain, narrow, |_| [0.0; 6])
         };
         // A reaches its end: only the other branch continues, with C turned by 180 degrees.
-        let bench = Bench::standing(a_of([-180.0, 19.05]), tip, a, c);
+        let bench = Bench::at_rest(a_of([-180.0, 19.05]), tip, a, c);
         holds(bench, (Fault::BranchChange, 0), tip, (a, c), tip, turned(Z, a + 0.08, c));
         // A starts so far from the pole that the tool cannot be held within the cone.
-        let bench = Bench::standing(a_of([0.05, 90.0]), tip, 0.06, c);
+        let bench = Bench::at_rest(a_of([0.05, 90.0]), tip, 0.06, c);
         holds(bench, (Fault::SingularPose, 0), tip, (0.06, c), tip, turned(Z, -0.06, c));
     }
 }
@@ -249,7 +249,7 @@ fn a_direction_out_of_reach_holds() {
     let at = [10.0, 20.0, 30.0, 40.0, 0.0, -15.0];
     let good = machine.kinematics.forward(&at);
     let start = machine.kinematics.inverse(&good, &at).unwrap();
-    let mut bench = Bench::standing(Machine::perfect(HEADS), [0.0; 3], 40.0, -15.0);
+    let mut bench = Bench::at_rest(Machine::perfect(HEADS), [0.0; 3], 40.0, -15.0);
     let [x, y, z, a, _, c] = start.axes;
     (bench.machine, bench.tracker, bench.feedback) = (machine, BranchTracker::new(&start, STEP_DEG), [x, y, z, a, c]);
     let held = bench.cycle(&good, false);
@@ -313,7 +313,7 @@ proptest! {
         cycles in prop::collection::vec((any::<u64>(), prop::array::uniform3(-1.0..1.0f64), any::<u8>()), 60),
     ) {
         let (mut tip, mut a, mut c) = ([25.0, -10.0, 12.0], 19.0, -15.0);
-        let mut bench = Bench::<f64, f64>::standing(Machine::perfect(TABLES), tip, a, c);
+        let mut bench = Bench::<f64, f64>::at_rest(Machine::perfect(TABLES), tip, a, c);
         let mut last: Option<Output<f64, f64, 5>> = None;
         for (any, [x, y, z], bits) in cycles {
             let mut wanted: Tool<f64> = tool(tip, turned(Z, a, c));

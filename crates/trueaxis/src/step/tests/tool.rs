@@ -295,7 +295,7 @@ fn single_precision_costs_some_tens_of_nanometres() {
     agrees_with_the_projection::<f32, Nanometres>(HEADS, 100e-6, 0.5e-6);
 }
 
-/// Tables state 7, -4, 3 µm at the bed; in the workpiece this is rotated, across the path; the encoders show none of it.
+/// Tables state 7, -4, 3 µm at the bed; in the workpiece this is rotated, across the path; the encoders do not show it.
 #[test]
 fn the_modelled_tip_error_is_turned_with_the_table() {
     for chain in [TABLES, HEADS] {
@@ -400,7 +400,7 @@ fn the_modelled_tilt_is_turned_with_the_table() {
 
 /// The tip stays, the tool turns by 50 degrees about it; both machines lag by a millisecond in every joint.
 #[test]
-fn turning_about_a_standing_tip_with_lag() {
+fn turning_about_a_stationary_tip_with_lag() {
     for chain in [TABLES, HEADS] {
         let machine = Machine::<f64, f64>::perfect(chain);
         let tip = [12.0, 34.0, 5.0];
@@ -435,7 +435,7 @@ fn turning_about_a_standing_tip_with_lag() {
 
 /// While switched off, the errors are still measured; a rejected reading is not.
 #[test]
-fn nothing_is_measured_while_a_reading_is_not_believed() {
+fn nothing_is_measured_while_a_reading_is_rejected() {
     let machine = Machine::<f64, f64>::perfect(TABLES);
     let (spans, turns) = slanted();
     let path = ToolPath::new(Path::new(&spans, 0, false), &turns);

@@ -6,7 +6,7 @@ use super::*;
 /// X tables of 90 µm, limits of 1 mm/s and 0.2 m/s², enabled for 40 ms, then one non-numeric command, held for 1,000
 /// cycles.
 #[test]
-fn a_held_correction_is_held_and_goes_on_from_there() {
+fn a_held_correction_is_held_and_continues_from_there() {
     let slow = |axis: &mut AxisSettings| {
         axis.limits = crate::machine::Limits { slope_per_s: 1.0, acceleration_per_s2: 200.0, ..axis.limits };
     };
@@ -63,7 +63,8 @@ fn a_drive_beyond_the_joint_is_not_sent_at_either_end() {
             last = out;
         }
         assert!((last.drive[0] - end).abs() < 0.0011, "held at {}", last.drive[0]);
-        // Latched: a command that would fit is held too, and a reset with the one that does not fit latches again.
+        // Latched: the output holds even for a command that would fit, and a reset with the one that does not fit
+        // latches again.
         let held = bench.cycle(&input(far(0.5)));
         assert!(held.stop_requested() && held.drive == last.drive && held.record.fault == Fault::JointRange);
         let again = bench.cycle(&Input { reset: true, ..input(far(way)) });
@@ -124,11 +125,11 @@ fn a_way_that_was_not_sent_is_no_part_of_the_commanded_path() {
     let out = servo.step(&mut state, &input([110.0, 50.0, 50.0]), &mut commanded, ());
     assert_eq!((out.record.fault, out.record.command[0]), (Fault::JointRange, 109.94));
     // Switched off again: an axis on the rejected path is off the accepted one.
-    let beside = 109.97;
+    let off_path = 109.97;
     let mut measured = 0;
     for n in 0..30 {
         let x = 109.94 - 1e-3 * f64::from(n);
-        let feedback = [beside + 1e-6 * f64::from(n), 50.0, 50.0];
+        let feedback = [off_path + 1e-6 * f64::from(n), 50.0, 50.0];
         let back = Input { reset: n == 1, feedback, ..input([x, 50.0, 50.0]) };
         let out = servo.step(&mut state, &back, &mut commanded, ());
         let encoder = out.record.encoder;
@@ -141,20 +142,20 @@ fn a_way_that_was_not_sent_is_no_part_of_the_commanded_path() {
 }
 
 #[test]
-fn a_bad_command_in_the_very_first_cycle_stays_where_the_machine_stands() {
+fn a_bad_command_in_the_very_first_cycle_holds_the_machine_where_it_is() {
     let mut bench = Bench::new();
-    let stands = [1.0, 2.0, 3.0];
+    let actual = [1.0, 2.0, 3.0];
     for _ in 0..3 {
-        let out = bench.cycle(&Input { feedback: stands, ..input([f64::NAN; 3]) });
+        let out = bench.cycle(&Input { feedback: actual, ..input([f64::NAN; 3]) });
         assert!(out.stop_requested() && out.has_drive());
-        assert_eq!((out.drive, out.record.command), (stands, stands));
+        assert_eq!((out.drive, out.record.command), (actual, actual));
     }
     // Far away a reset is not accepted; here it is, and starts with a first cycle.
-    let away = Input { feedback: stands, reset: true, ..input([1.2, 2.0, 3.0]) };
+    let away = Input { feedback: actual, reset: true, ..input([1.2, 2.0, 3.0]) };
     assert!(bench.cycle(&away).stop_requested());
-    bench.cycle(&input(stands));
+    bench.cycle(&input(actual));
     let near = [1.04, 2.0, 3.0];
-    let out = bench.cycle(&Input { reset: true, feedback: stands, ..input(near) });
+    let out = bench.cycle(&Input { reset: true, feedback: actual, ..input(near) });
     assert!(!out.stop_requested());
     assert_eq!((out.drive, out.record.correction), (near, [0.0; 3]));
     assert!(bench.settle(near).record.correction[0] < -0.005);
@@ -386,7 +387,7 @@ proptest! {
     }
 }
 
-/// A stated limit between two steps of the position: despite rounding, nothing beyond it is sent, nor beyond a joint that
+/// A limit between two steps of the position: despite rounding, the output never exceeds it, nor a joint range that
 /// ends between two steps.
 #[test]
 fn no_rounding_goes_beyond_a_limit_as_it_is_stated() {
@@ -410,8 +411,8 @@ fn no_rounding_goes_beyond_a_limit_as_it_is_stated() {
                 most = most.max(sent.abs());
                 assert!(f64::from(sent.abs()) <= limit * 1e6 + 1e-6, "{sent} nm of {}", limit * 1e6);
                 // In single precision a sum is rounded once.
-                let told = f64::from(out.record.correction[k]).abs();
-                assert!(told <= limit * (1.0 + 1e-7), "{told} of {limit}");
+                let reported = f64::from(out.record.correction[k]).abs();
+                assert!(reported <= limit * (1.0 + 1e-7), "{reported} of {limit}");
             }
         }
         assert_eq!(most, (limit * 1e6 + 1e-6) as i32, "all that is permitted");

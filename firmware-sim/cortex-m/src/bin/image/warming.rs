@@ -40,11 +40,11 @@ impl ThermalTask {
         let lines = self.axes.slots(|axis| growth.line(axis));
         // There is room: of two waiting growths, the first is in force before a third is computed.
         let _ = self.offered.enqueue(InForce { from: self.warming.in_force_from(row), lines });
-        self.tell(&growth, row);
+        self.log_changes(&growth, row);
         self.before = Some(growth);
     }
 
-    fn tell(&self, growth: &Growth, row: u32) {
+    fn log_changes(&self, growth: &Growth, row: u32) {
         for (number, now) in growth.sensors.iter().enumerate() {
             let before = self.before.as_ref().map_or(SensorStatus::Good, |before| before.sensors[number]);
             if *now != before {

@@ -9,8 +9,8 @@ typedef struct {
     coord_data_t *(*transform_steps_to_cartesian)(coord_data_t *position, mpos_t *steps);
     /* Machine coordinates to motor positions. */
     coord_data_t *(*transform_from_cartesian)(coord_data_t *target, coord_data_t *position);
-    /* With `init`: begins a line to `target` (machine coordinates) from `position` (motors) and returns the motor
-     * position of its end. Then returns the motor positions along it, in the same storage, and finally NULL. */
+    /* With `init`, begins a line to `target` (machine coordinates) from `position` (motors) and returns the motor position
+     * of its end. Later calls return the motor positions along the line, in the same storage, and finally NULL. */
     coord_data_t *(*segment_line)(coord_data_t *target, coord_data_t *position, plan_line_data_t *pl_data, bool init);
     /* Motors that move while an axis is homed. */
     uint_fast8_t (*limits_get_axis_mask)(uint_fast8_t idx);

@@ -1,5 +1,5 @@
-// ros2_control of Jazzy, 4.46.0, and with the same names and signatures Kilted 5.16.0 and Rolling 6.8.0: handles that another
-// thread may hold, values that may be missing. With DOUBLE_MINOR below 44 the releases before, without
+// ros2_control of Jazzy, 4.46.0, whose names and signatures equal those of Kilted 5.16.0 and Rolling 6.8.0: another
+// thread may hold a handle, and values may be missing. With DOUBLE_MINOR below 44 it is an earlier release, without
 // `on_export_reference_interfaces_list`. SPDX-License-Identifier: MIT OR Apache-2.0
 #ifndef DOUBLE_CHAINABLE_CONTROLLER_INTERFACE_HPP
 #define DOUBLE_CHAINABLE_CONTROLLER_INTERFACE_HPP

@@ -25,7 +25,8 @@ fn run<R: Real>(name: &str, unit: f64, longest: f64) -> bool {
     let (mut worst, mut cycles_behind, mut share) = (0.0f64, 0.0, 0.0f64);
     for _ in 0..4000 {
         let magnitude = 10f64.powf(-3.0 + 3.0 * random.unit());
-        // Braking cycles from full speed, and full speed as a share of what the magnitude permits.
+        // Number of braking cycles from full speed, and full speed as a share of the largest that the magnitude
+        // permits.
         let brake = 10f64.powf(longest.log10() * random.unit());
         let slope = magnitude / brake * 2.0 * random.unit().max(1e-3);
         let limits = Limits { magnitude, slope_per_s: slope, acceleration_per_s2: slope / brake };

@@ -12,23 +12,23 @@ fn compare(all: &[Span<f64, f64>], feed: f64, lag: f64, mut points: impl FnMut(f
     let (mut tip, mut encoder) = (ContourState::default(), ContourState::default());
     let [mut cycles, mut differ, mut slow] = [0; 3];
     let mut s = lag + 0.3;
-    let mut standing = 400;
+    let mut at_rest = 400;
     while s < total - 0.3 {
         let reference = place(all, s);
         let at = position(all, s - lag);
         // At standstill nothing strays.
-        let [off, d] = if standing > 0 { [[0.0; 3]; 2] } else { points(s) };
+        let [off, d] = if at_rest > 0 { [[0.0; 3]; 2] } else { points(s) };
         let (at_tip, at_encoder) = (add(at, off), sub(add(at, off), d));
         let pair = walk.step(reference, at_tip, at_encoder);
         let alone = [
             walk.search.update(&mut tip, &walk.path, reference, at_tip),
             walk.search.update(&mut encoder, &walk.path, reference, at_encoder),
         ];
-        standing -= i32::from(standing > 0);
+        at_rest -= i32::from(at_rest > 0);
         // Cold searches are not compared: in them too the pair's encoder follows the tip.
         if pair.iter().chain(&alone).any(|found| found.flags.has(Flags::COLD)) {
-            assert!(standing > 0 || !pair[0].flags.has(Flags::COLD), "cold at {s}");
-            s += if standing > 0 { 0.0 } else { feed };
+            assert!(at_rest > 0 || !pair[0].flags.has(Flags::COLD), "cold at {s}");
+            s += if at_rest > 0 { 0.0 } else { feed };
             continue;
         }
         cycles += 1;

@@ -66,7 +66,7 @@ impl<R: Real> ContourSearch<R> {
     /// Continues where a test of the plain case has failed: near or beyond a border, at a second minimum, on an upright path,
     /// or with the foot left behind.
     #[inline(never)]
-    pub(super) fn beside_pair<P: Position>(
+    pub(super) fn general_pair<P: Position>(
         &self,
         state: &mut PairState<R>,
         on: &OnPath<'_, R, P>,
@@ -109,7 +109,7 @@ impl<R: Real> ContourSearch<R> {
     /// Searches with no foot known, with a foot without a speed, or by plain bisection.
     #[cold]
     #[inline(never)]
-    pub(super) fn pair_anew<P: Position>(
+    pub(super) fn slow_pair<P: Position>(
         &self,
         state: &mut PairState<R>,
         on: &OnPath<'_, R, P>,
@@ -127,7 +127,7 @@ impl<R: Real> ContourSearch<R> {
                 let (guess, none) = (at.guess, Tangent::NONE);
                 let start =
                     Start { guess: guess.t, window: window(at.progress), place: at.place, max_lag: self.max_lag };
-                return self.beside_pair(state, on, position, d, guess, start, Seen::NOTHING, &none, tip, encoder);
+                return self.general_pair(state, on, position, d, guess, start, Seen::NOTHING, &none, tip, encoder);
             }
             state.forget();
         }
@@ -182,7 +182,7 @@ impl<R: Real> ContourSearch<R> {
         points.spent[0] += 2;
         points.spent[1] += u8::from(seen.tip());
         let (mut at_tip, at_encoder) = if sampled {
-            // Until all samples are taken, the sample itself is the answer if the frame has none.
+            // Until the last sample, the sample itself is the answer if the frame has none.
             let feet = Feet::of(guess.span, seen, &along, tip, encoder);
             let at_tip = match feet.tip {
                 Some(at_tip) => at_tip,
@@ -191,7 +191,7 @@ impl<R: Real> ContourSearch<R> {
                     at(path.span(guess.span)?, guess.span, point, guess.t)
                 }
             };
-            (at_tip, feet.encoder.unwrap_or_else(|| points.beside_tip(&at_tip)))
+            (at_tip, feet.encoder.unwrap_or_else(|| points.encoder_at_tip_foot(&at_tip)))
         } else {
             let mut feet = Feet { tip: None, encoder: None };
             points.resolve(&mut feet, guess, seen, &along, tip, encoder);
@@ -292,7 +292,7 @@ impl<R: Real, P: Position> Points<'_, '_, R, P> {
         let near = (tip.t.limit(R::ZERO, R::ONE) - guess.t).abs() * along.speed <= self.reach;
         if seen.tip() && near {
             *feet = Feet::of(guess.span, seen, along, tip, encoder);
-            if !self.look_beside(feet) {
+            if !self.search_other_leg(feet) {
                 from = self.look_beyond(feet, guess.span, seen, tip, encoder);
             }
         }
@@ -306,7 +306,7 @@ impl<R: Real, P: Position> Points<'_, '_, R, P> {
 
     /// Searches the leg beside the tip's foot, if any: keeps the intended foot of the two, with the encoder's foot on
     /// the same leg.
-    fn look_beside(&mut self, found: &mut Feet<R>) -> bool {
+    fn search_other_leg(&mut self, found: &mut Feet<R>) -> bool {
         let (true, Some(at_tip)) = (self.doubt.open, &found.tip) else { return false };
         let (position, d) = (self.position, self.d);
         let tip = |span: &Span<R, P>| local(span, position, d);
@@ -442,7 +442,7 @@ impl<R: Real, P: Position> Points<'_, '_, R, P> {
         Some(evaluate(span, &local(span, self.position, self.d), t))
     }
 
-    /// Finds the tip's foot by a separate descent and, if evaluations are left, a second one behind the nearer border.
+    /// Finds the tip's foot by a separate descent and, if evaluations remain, a second one behind the nearer border.
     fn descend_from(&mut self, from: Reference<R>) -> Option<Found<R>> {
         let ([x, y, z], [dx, dy, dz]) = (self.position, self.d);
         let point = [x.plus(*dx), y.plus(*dy), z.plus(*dz)];
@@ -466,11 +466,11 @@ impl<R: Real, P: Position> Points<'_, '_, R, P> {
                 return Found::of(from.span, &near);
             }
         }
-        self.beside_tip(tip)
+        self.encoder_at_tip_foot(tip)
     }
 
     /// The encoder's error, measured at the tip's foot.
-    fn beside_tip(&self, tip: &Found<R>) -> Found<R> {
+    fn encoder_at_tip_foot(&self, tip: &Found<R>) -> Found<R> {
         let mut vector = tip.vector;
         for k in 0..3 {
             vector[k] += self.d[k];

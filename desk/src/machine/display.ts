@@ -1,8 +1,8 @@
-// The temperature at which curves and field are shown, which is not a setting of the machine.
+// Temperature of the displayed curves and field. It is not a setting of the machine.
 
 type Listener = (temperature_c: number) => void;
 
-class Look {
+class Display {
   private listeners = new Set<Listener>();
   /** Temperature of all axes, °C; undefined: the machine's reference. */
   temperature_c: number | undefined;
@@ -17,4 +17,4 @@ class Look {
   }
 }
 
-export const look = new Look();
+export const display = new Display();

@@ -50,7 +50,7 @@ impl Verdict {
 
 /// A probing of the balls.
 #[derive(Clone, Debug)]
-pub struct Look {
+pub struct Reprobing {
     /// The network with all terms.
     pub calibration: Calibration,
     /// Positions of the balls, from the network.
@@ -71,7 +71,7 @@ pub fn plan(keep: &Keep, machine: &Machine) -> Result<Plan> {
 }
 
 /// Whether the term can be determined without knowing the balls' positions.
-fn is_told_by_turning(keep: &Keep, term: Term) -> bool {
+fn is_observable_by_rotation(keep: &Keep, term: Term) -> bool {
     match term {
         Term::Location(..) | Term::Backlash(_) => true,
         Term::Squareness(_) => keep.turns(),
@@ -88,11 +88,11 @@ fn network(
     known: Option<&[BallPlace]>,
 ) -> Result<Observed> {
     let wanted = keep.terms.iter().map(|kept| kept.term);
-    let wanted = wanted.filter(|term| known.is_some() || is_told_by_turning(keep, *term)).collect();
+    let wanted = wanted.filter(|term| known.is_some() || is_observable_by_rotation(keep, *term)).collect();
     let terms = Terms::named(wanted, machine, plan.reach_mm(&keep.task));
     let mut observed = observe_terms(&keep.task, machine, plan, positions, terms)?;
     // If rotation determines all terms, a ball that was removed and put back does no harm.
-    let needed = keep.terms.iter().any(|kept| !is_told_by_turning(keep, kept.term));
+    let needed = keep.terms.iter().any(|kept| !is_observable_by_rotation(keep, kept.term));
     for (ball, place) in known.unwrap_or_default().iter().enumerate().filter(|_| needed) {
         let Some(&first) = observed.places.get(ball).and_then(|places| places.first()) else { continue };
         for k in 0..3 {
@@ -106,7 +106,7 @@ fn network(
 /// Standard errors expected of a probing, before anything is measured.
 ///
 /// # Errors
-/// Terms that the balls do not separate, by their names; a bound below what the probe can resolve.
+/// Terms that the balls do not separate, by their names; a bound below the smallest change that the probe can resolve.
 pub fn foreseen(keep: &Keep, machine: &Machine, plan: &Plan) -> Result<Vec<f64>> {
     let positions = planned(&keep.task, plan);
     let first = foresee_observed(&keep.task, plan, network(keep, machine, plan, &positions, None)?)?;
@@ -151,20 +151,20 @@ fn balls(keep: &Keep, calibration: &Calibration) -> Vec<BallPlace> {
 ///
 /// # Errors
 /// As [`crate::calibrate::calibrate`].
-pub fn begin(keep: &Keep, machine: &Machine, plan: &Plan, trips: &[Logged], file: &Path) -> Result<Look> {
+pub fn begin(keep: &Keep, machine: &Machine, plan: &Plan, trips: &[Logged], file: &Path) -> Result<Reprobing> {
     let positions: Vec<[f64; AXES]> = trips.iter().map(|trip| trip.position).collect();
     let observed = network(keep, machine, plan, &positions, None)?;
     let calibration = settle(&keep.task, plan, trips, file, observed)?;
-    let told = keep.terms.iter().filter(|kept| is_told_by_turning(keep, kept.term));
+    let observable = keep.terms.iter().filter(|kept| is_observable_by_rotation(keep, kept.term));
     let (values, errors) = (&calibration.solution.values, &calibration.solution.standard_errors);
-    let verdicts = told.zip(values).zip(errors).map(|((kept, value), error)| Verdict {
+    let verdicts = observable.zip(values).zip(errors).map(|((kept, value), error)| Verdict {
         name: kept.name.clone(),
         value: *value,
         standard_error: *error,
         total: 0.0,
         decision: Decision::Keep,
     });
-    Ok(Look { balls: balls(keep, &calibration), verdicts: verdicts.collect(), calibration })
+    Ok(Reprobing { balls: balls(keep, &calibration), verdicts: verdicts.collect(), calibration })
 }
 
 /// Baseline of a later probing.
@@ -182,14 +182,14 @@ pub struct Before<'b> {
 ///
 /// # Errors
 /// As [`crate::calibrate::calibrate`].
-pub fn look(
+pub fn evaluate(
     keep: &Keep,
     machine: &Machine,
     plan: &Plan,
     trips: &[Logged],
     file: &Path,
     before: &Before<'_>,
-) -> Result<Look> {
+) -> Result<Reprobing> {
     let positions: Vec<[f64; AXES]> = trips.iter().map(|trip| trip.position).collect();
     let observed = network(keep, machine, plan, &positions, Some(before.known))?;
     let calibration = settle(&keep.task, plan, trips, file, observed)?;
@@ -197,7 +197,7 @@ pub fn look(
     let selection = calibration.observed.network.moved(&factors);
     let selection = selection.map_err(|refused| anyhow!("{}: {refused}", file.display()))?;
     let verdicts = (0..keep.terms.len()).map(|index| verdict(keep, machine, &selection, index, before));
-    Ok(Look { balls: balls(keep, &calibration), verdicts: verdicts.collect(), calibration })
+    Ok(Reprobing { balls: balls(keep, &calibration), verdicts: verdicts.collect(), calibration })
 }
 
 fn verdict(keep: &Keep, machine: &Machine, selection: &Selection, index: usize, before: &Before<'_>) -> Verdict {
@@ -228,7 +228,7 @@ fn verdict(keep: &Keep, machine: &Machine, selection: &Selection, index: usize, 
     Verdict { name: kept.name.clone(), value, standard_error, total, decision }
 }
 
-impl Look {
+impl Reprobing {
     /// Terms that are out of their bounds.
     pub fn refused(&self) -> impl Iterator<Item = (&str, &str)> {
         self.verdicts.iter().filter_map(|verdict| match &verdict.decision {

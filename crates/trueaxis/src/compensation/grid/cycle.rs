@@ -11,14 +11,14 @@ type Place<'s, R, P> = (&'s Near<R, P>, [R; LINEAR]);
 
 /// Grids at the drive positions and at the feedback.
 #[derive(Debug)]
-pub(crate) struct Beside<'s, R, P: Position> {
+pub(crate) struct CycleGrids<'s, R, P: Position> {
     grids: &'s Grids<'s, R>,
     /// Boxes, and the steps from their low corners; `None` if rotary axes turn the levers.
     near: Option<[Place<'s, R, P>; 2]>,
     edge: u8,
 }
 
-impl<'s, R: Real, P: Position> Beside<'s, R, P> {
+impl<'s, R: Real, P: Position> CycleGrids<'s, R, P> {
     /// Prepares a cycle with drives and feedback at these positions.
     #[inline(always)]
     pub(crate) fn new(
@@ -28,12 +28,12 @@ impl<'s, R: Real, P: Position> Beside<'s, R, P> {
         feedback: &[P; LINEAR],
     ) -> Option<Self> {
         if grids.swings() {
-            return Some(Beside { grids, near: None, edge: 0 });
+            return Some(CycleGrids { grids, near: None, edge: 0 });
         }
         let (there, back) = kept.about(grids, drive, feedback);
         let edge = kept.edge();
         let [command, feedback] = kept.boxes();
-        Some(Beside { grids, near: Some([(command, there), (feedback, back)]), edge })
+        Some(CycleGrids { grids, near: Some([(command, there), (feedback, back)]), edge })
     }
 
     /// The grids.

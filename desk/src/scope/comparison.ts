@@ -20,7 +20,7 @@ const OVER: readonly (readonly [Over, string])[] = [
   ["time_s", "time / s"],
 ];
 
-export class Beside {
+export class Comparison {
   readonly root: HTMLElement;
   private readonly body = el("div", { class: "beside" });
   private readonly table = el("div");
@@ -33,7 +33,7 @@ export class Beside {
   private now: Kept | undefined;
   kept: Kept | undefined;
 
-  /** `current` gives the run to keep; `changed` is called when A is kept or removed; `settings` receives those of A. */
+  /** `current` returns the run to keep; `changed` is called when A changes; `settings` receives A's settings. */
   constructor(
     current: () => Kept | undefined,
     private readonly changed: () => void,
@@ -50,7 +50,7 @@ export class Beside {
     this.root = section("A beside B", el("div", { class: "row" }, keep, this.drop, this.back), hint, this.body);
   }
 
-  /** The run that is B. */
+  /** Sets the run B. */
   set(now: Kept): void {
     this.now = now;
     if (this.kept) this.draw();
@@ -69,11 +69,11 @@ export class Beside {
     this.changed();
   }
 
-  private draw(anew = false): void {
+  private draw(rebuild = false): void {
     const { kept, now } = this;
     if (!kept || !now) return;
     const over = kept.rows.has(this.over.value) ? this.over.value : "time_s";
-    if (anew || !this.plot) {
+    if (rebuild || !this.plot) {
       this.host.replaceChildren();
       const x = OVER.find(([key]) => key === over)?.[1] ?? "";
       this.plot = new Plot(this.host, {

@@ -1,0 +1,250 @@
+//! `trueaxis explain`: the codes that a controller reports, in words.
+
+use crate::output::print;
+use anyhow::{Result, bail};
+use clap::{Args, ValueEnum};
+use std::fmt::Write;
+use trueaxis::error::{Fault, Field, Figure};
+use trueaxis::machine::Axis;
+use trueaxis::tcomp::TcompError;
+
+pub(crate) const HELP: &str = "\
+A library built without the part `text` reports errors by numbers only: `result`, `code` and `field` of
+trueaxis_error_t. Ask for them one after the other:
+
+  trueaxis explain result 6
+  trueaxis explain tables 11
+  trueaxis explain setting 33 --axis X --found 0.7
+
+Without a code, all codes of the kind are listed; without a kind, all kinds. For the whole message, with the value
+that is needed, run `trueaxis tables check` on the machine from which the file was compiled.";
+
+#[derive(Args)]
+pub(crate) struct Arguments {
+    /// What kind of code it is.
+    kind: Option<Kind>,
+    /// The code; a setting's may begin with #, as the library writes it.
+    #[arg(value_parser = code)]
+    code: Option<u8>,
+    /// Axis of the setting: `axis` of `trueaxis_error_t`.
+    #[arg(long, requires = "code")]
+    axis: Option<char>,
+    /// Value of the setting: `found` of `trueaxis_error_t`, in mm, degrees or seconds.
+    #[arg(long, requires = "code", allow_negative_numbers = true)]
+    found: Option<f64>,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Kind {
+    /// Result of a function of the C library.
+    Result,
+    /// Fault of a servo cycle, as in records and telemetry.
+    Fault,
+    /// Why a compiled table file (.tcomp) is refused.
+    Tables,
+    /// A setting of the machine, `field` of an error.
+    Setting,
+    /// A part that a build leaves out.
+    Part,
+    /// Why a learned correction (.tlearn) is refused.
+    Learned,
+    /// Why a file of thermal growth (.ttherm) is refused.
+    Growth,
+}
+
+fn code(text: &str) -> Result<u8, String> {
+    let digits = text.strip_prefix('#').unwrap_or(text);
+    digits.parse().map_err(|_| format!("found {text}, needed a number from 0 to 255"))
+}
+
+/// Codes of the C library with their names in the header.
+const RESULTS: &[(u8, &str, &str)] = &[
+    (0, "OK", "the function succeeded"),
+    (1, "NULL", "a required pointer is NULL"),
+    (2, "SIZE", "a size is not the one that the library needs (member size, size argument, TRUEAXIS_SINGLE)"),
+    (3, "ALIGNMENT", "a pointer is not aligned as its type needs (memory: 8 bytes)"),
+    (4, "UNBUILT", "an object was never built or started, or is of another kind"),
+    (5, "ABI", "header and library differ in version or precision"),
+    (6, "TABLES", "the table file is refused: explain tables CODE"),
+    (7, "MACHINE", "the file belongs to another machine"),
+    (8, "CONFIG", "a setting is refused: explain setting FIELD"),
+    (9, "MEMORY", "the lent memory is too small"),
+    (10, "PERIOD", "the period differs from that of the loop by more than 0.1 %"),
+    (11, "AXES", "loop and state differ in the number of axes, or the number is not 3 to 6"),
+    (12, "STATE", "the state was started by a loop of the other kind (bypass or not)"),
+    (13, "ARGUMENT", "an argument is out of range; the function's description lists the conditions"),
+    (14, "BUFFER", "the buffer is too small"),
+    (15, "PATH", "the segment of the path is not valid"),
+    (16, "GAUGE", "the machine has no gauge, or one with another number of points"),
+    (17, "NOT_YET", "no value is available yet"),
+    (18, "NO_OUTPUT", "no drive positions yet: no valid command has come, and not every axis has been read"),
+    (19, "POSE", "the kinematics cannot reach the pose"),
+    (20, "LEARNED", "the learned correction is refused: explain learned CODE"),
+    (21, "THERMAL", "the file of thermal growth is refused: explain growth CODE"),
+    (22, "LEFT_OUT", "a part is needed that this build of the library leaves out"),
+];
+
+/// Features of the C library, the first six those of the core.
+const PARTS: &[&str] = &["grids", "volumetric", "rotary", "dynamic", "gauge", "curves", "toolpath", "growth"];
+
+const LEARNED: &[&str] = &[
+    "shorter than its header says",
+    "longer than its header says",
+    "not a learned correction",
+    "another version of the format",
+    "damaged: wrong CRC-32",
+    "spacing of the nodes out of range",
+    "resolution of the nodes out of range",
+    "learned from zero parts",
+    "number of nodes does not match path length and spacing",
+    "first or last node is not zero",
+    "learned on another program",
+    "the program has another length",
+    "learned on another machine",
+];
+
+const GROWTH: &[&str] = &[
+    "shorter than its header says",
+    "longer than its header says",
+    "not a file of thermal growth",
+    "another version of the format",
+    "damaged: wrong CRC-32",
+    "number of sensors out of range",
+    "number of axes out of range",
+    "number of knots out of range",
+    "knots do not ascend",
+    "a time is out of range",
+    "plausible readings are out of range",
+    "an axis is not one of the machine's, or is there twice",
+    "growth at the reference temperature is not zero",
+    "a slope is larger than the step accepts",
+    "made for another machine",
+];
+
+const TABLES: &[TcompError] = &[
+    TcompError::TooShort,
+    TcompError::TooLong,
+    TcompError::Magic,
+    TcompError::Version,
+    TcompError::Checksum,
+    TcompError::Settings,
+    TcompError::TableHeader,
+    TcompError::TableTooLong,
+    TcompError::PayloadTooLong,
+    TcompError::MachineId,
+    TcompError::WrongMachine,
+    TcompError::GridHeader,
+    TcompError::GridTooLong,
+];
+/// Code of [`TcompError::Content`], which has no text without a setting.
+const CONTENT: u8 = 11;
+
+impl Kind {
+    fn title(self) -> &'static str {
+        match self {
+            Kind::Result => "results of functions (trueaxis_result_t)",
+            Kind::Fault => "faults of a servo cycle",
+            Kind::Tables => "refused table files (result 6)",
+            Kind::Setting => "settings of the machine",
+            Kind::Part => "parts of a build (result 22)",
+            Kind::Learned => "refused learned corrections (result 20)",
+            Kind::Growth => "refused files of thermal growth (result 21)",
+        }
+    }
+
+    /// Every code with its meaning, ascending.
+    fn codes(self) -> Vec<(u8, String)> {
+        let numbered = |texts: &[&str]| (1..).zip(texts.iter().map(|text| (*text).to_owned())).collect();
+        match self {
+            Kind::Result => {
+                let name = |number, name: &str| format!("TRUEAXIS_{}{name}", if number == 0 { "" } else { "ERROR_" });
+                RESULTS.iter().map(|(number, own, text)| (*number, format!("{}: {text}", name(*number, own)))).collect()
+            }
+            Kind::Fault => {
+                let faults = (0..=u8::MAX).filter_map(|code| Some((code, Fault::try_from(code).ok()?)));
+                faults.map(|(code, fault)| (code, format!("{fault}; {}", consequence(fault)))).collect()
+            }
+            Kind::Tables => {
+                let mut codes: Vec<_> = TABLES.iter().map(|error| (error.code(), error.to_string())).collect();
+                codes.push((CONTENT, "a setting or a table is out of range: explain setting FIELD".to_owned()));
+                codes.sort();
+                codes
+            }
+            Kind::Setting => Field::ALL.iter().map(|field| (field.code(), setting(*field, None))).collect(),
+            Kind::Part => numbered(PARTS),
+            Kind::Learned => numbered(LEARNED),
+            Kind::Growth => numbered(GROWTH),
+        }
+    }
+}
+
+fn consequence(fault: Fault) -> &'static str {
+    if fault.freezes() {
+        "the correction freezes, the command passes"
+    } else if fault.stops() {
+        "the output holds, a stop is requested"
+    } else if fault.refuses() {
+        "the command passes uncorrected"
+    } else {
+        "the cycle is corrected"
+    }
+}
+
+/// The key in `machine.toml`, or what the setting is if it is not in the file.
+fn setting(field: Field, axis: Option<Axis>) -> String {
+    match field.key(axis) {
+        Some(key) => key.to_string(),
+        None => format!("{field:?}, which the host sets"),
+    }
+}
+
+pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+    let Some(kind) = arguments.kind else {
+        let mut text = String::new();
+        for kind in Kind::value_variants() {
+            list(&mut text, *kind)?;
+            text.push('\n');
+        }
+        return print(text.trim_end());
+    };
+    let Some(code) = arguments.code else {
+        let mut text = String::new();
+        list(&mut text, kind)?;
+        return print(text.trim_end());
+    };
+    if kind != Kind::Setting && (arguments.axis.is_some() || arguments.found.is_some()) {
+        bail!("--axis, --found: found a code that is not a setting's, needed: explain setting CODE");
+    }
+    let codes = kind.codes();
+    let Some((_, meaning)) = codes.iter().find(|(known, _)| *known == code) else {
+        let [first, last] = [codes.first(), codes.last()].map(|code| code.map_or(0, |(code, _)| *code));
+        bail!("code: found {code}, needed one of {} ({first} to {last})", kind.title());
+    };
+    print(&match kind {
+        Kind::Setting => found(code, arguments)?,
+        _ => meaning.clone(),
+    })
+}
+
+fn list(text: &mut String, kind: Kind) -> Result<()> {
+    writeln!(text, "{}", kind.title())?;
+    kind.codes().iter().try_for_each(|(code, meaning)| writeln!(text, "{code:5}  {meaning}"))?;
+    Ok(())
+}
+
+fn found(code: u8, arguments: &Arguments) -> Result<String> {
+    let field = *Field::ALL.get(usize::from(code)).unwrap_or(&Field::Name);
+    let axis = match arguments.axis {
+        None => None,
+        Some(letter) => match Axis::from_letter(letter) {
+            Some(axis) => Some(axis),
+            None => bail!("--axis: found {letter}, needed X, Y, Z, A, B or C"),
+        },
+    };
+    let mut text = setting(field, axis);
+    if let Some(value) = arguments.found {
+        let value = field.key(axis).map_or(value, |key| key.in_its_unit(value));
+        write!(text, ": found {}", Figure(value))?;
+    }
+    Ok(text)
+}
