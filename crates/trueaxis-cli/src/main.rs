@@ -145,7 +145,7 @@ enum Command {
     #[command(before_help = telemetry::EXAMPLE, after_help = telemetry::HELP)]
     Telemetry(telemetry::Arguments),
     /// Explain a code that a controller or the C library reports.
-    #[command(after_help = explain::HELP)]
+    #[command(before_help = explain::EXAMPLE, after_help = explain::HELP)]
     Explain(explain::Arguments),
     /// Serve the desk: machine, servo, helicoid, roundness and friction in a page that runs the code of these commands.
     #[command(before_help = desk::EXAMPLE, after_help = desk::HELP)]
