@@ -8,8 +8,8 @@ import { after, test } from "node:test";
 import { cli, closeBrowser, drop, numbers, openDesk, root, run, saved, shot, view } from "./harness.mjs";
 
 // The log comes from crates/trueaxis-py/tests/probing.py.
-const probing = (name) => fs.readFileSync(path.join(root, "desk/tests/probing", name), "utf8");
-const [task, machine, log] = ["task.toml", "machine.toml", "probe.log"].map(probing);
+const probing = (name) => fs.readFileSync(path.join(root, "records/probing", name), "utf8");
+const [task, machine, log] = ["task.toml", "mill/machine.toml", "probe.log"].map(probing);
 
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), "calibrate-"));
 fs.mkdirSync(path.join(folder, "mill"));

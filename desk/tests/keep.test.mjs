@@ -8,8 +8,8 @@ import { after, test } from "node:test";
 import { cli, closeBrowser, drop, numbers, openDesk, root, run, saved, shot, view } from "./harness.mjs";
 
 // The logs come from crates/trueaxis-py/tests/probing.py.
-const probing = (name) => fs.readFileSync(path.join(root, "desk/tests/probing", name), "utf8");
-const [task, machine, begin, look] = ["keep.toml", "machine.toml", "begin.log", "look.log"].map(probing);
+const probing = (name) => fs.readFileSync(path.join(root, "records/probing", name), "utf8");
+const [task, machine, begin, look] = ["keep.toml", "mill/machine.toml", "begin.log", "look.log"].map(probing);
 
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), "keep-"));
 const at = (name) => path.join(folder, name);
@@ -180,7 +180,7 @@ test("a term out of its bounds needs a person, and bad re-probings are refused i
   }
   // Somebody has changed the tables.
   await drop(panel, { "machine.toml": `${machine}# by hand\n`, "look.log": look });
-  await page.getByRole("alert").filter({ hasText: "somebody has changed" }).waitFor();
+  await page.getByRole("alert").filter({ hasText: "changed by hand" }).waitFor();
   await panel.getByRole("checkbox", { name: "changed by hand" }).check();
   await panel.getByText("used as they are").waitFor();
   await close();

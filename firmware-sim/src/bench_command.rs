@@ -9,6 +9,7 @@ use serde_json::json;
 use trueaxis_tables::text::counted;
 
 #[derive(Args)]
+#[command(before_help = "Example:\n  firmware-sim bench --cycles 100000")]
 pub(crate) struct BenchArgs {
     #[command(flatten)]
     scenario: ScenarioArgs,

@@ -15,14 +15,23 @@ use trueaxis_tables::text::counted;
 /// Maximum number of machines in a run.
 const MOST: u64 = 100_000;
 
+const HELP: &str = "\
+Every machine gets the probing program of `trueaxis calibrate plan`. The probe with its scatter and pre-travel \
+touches slightly misplaced artefacts, the machine drifts, and the log becomes tables. The remaining error is \
+evaluated over the volume by exact transforms, in both directions of travel.
+
+More examples:
+  # 200 mills and a tenth as many five-axis machines, with a page:
+  firmware-sim calibrate --machines 200 --report out
+  # With angular errors, which the terms do not contain:
+  firmware-sim calibrate --machines 50 --angle-urad 10
+  # Step gauges and a square that is turned over:
+  firmware-sim calibrate --machines 40 \\
+      --task firmware-sim/src/calibration/gauge-and-square.toml";
+
 /// Arguments of `calibrate`.
 #[derive(Args)]
-#[command(after_help = "Examples:
-  firmware-sim calibrate --machines 200              200 mills and a tenth as many five-axis machines
-  firmware-sim calibrate --machines 5 --report out   out/calibration.html
-  firmware-sim calibrate --machines 50 --angle-urad 10   with angular errors, which the terms do not contain
-  firmware-sim calibrate --machines 40 --task firmware-sim/src/calibration/gauge-and-square.toml
-                                                     step gauges and a square that is turned over")]
+#[command(before_help = "Example:\n  firmware-sim calibrate --machines 5", after_help = HELP)]
 pub(crate) struct CalibrateArgs {
     /// Three-axis machines; a tenth as many with five axes.
     #[arg(long, value_name = "N", default_value_t = 20)]

@@ -14,18 +14,29 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use trueaxis::tcomp::machine_id;
 
+const HELP: &str = "\
+Needs qemu-system-arm and, unless built images are given, the Rust target thumbv7em-none-eabihf. In the same scalar \
+both must agree in every bit; single and double precision within 2 nm.
+
+The temperatures are a CSV with t_s, T1_c … in the order of the growth's sensors, and spindle_rpm: even times, the \
+first row in the first cycle; an empty cell is a missing reading. The growth of a row is in force half an interval \
+later.
+
+Exit code 1: host and image do not agree.
+
+More examples:
+  # With faults, a gauge, and other tables in motion:
+  firmware-sim compare --machine firmware-sim/cortex-m/machine \\
+      --program short-tour --rate-hz 1000 --drill --exchange-at 12000 \\
+      --second firmware-sim/cortex-m/machine/warm.toml
+  # With the thermal task:
+  trueaxis thermal compile thermal.toml --machine mymill -o mymill.ttherm
+  firmware-sim compare --machine mymill --rate-hz 1000 --cycles 20000 \\
+      --growth mymill.ttherm --temperatures readings.csv";
+
 /// Arguments of `compare`.
 #[derive(Args)]
-#[command(after_help = "Examples:
-  firmware-sim compare --rate-hz 1000 --cycles 20000 --report out
-                                    20 s of the default program on both cores; out/compare.html
-  firmware-sim compare --machine firmware-sim/cortex-m/machine --program short-tour --rate-hz 1000 \\
-      --drill --exchange-at 12000 --second firmware-sim/cortex-m/machine/warm.toml
-                                    with faults, a gauge, and other tables in motion
-  trueaxis thermal compile thermal.toml --machine mymill -o mymill.ttherm
-  firmware-sim compare --machine mymill --rate-hz 1000 --cycles 20000 --growth mymill.ttherm --temperatures readings.csv
-                                    with the thermal task; readings.csv: t_s,spindle_rpm,T1_c,T2_c
-Exit code 1: host and image do not agree.")]
+#[command(before_help = "Example:\n  firmware-sim compare --rate-hz 1000 --cycles 20000 --report out", after_help = HELP)]
 pub(crate) struct CompareArgs {
     #[command(flatten)]
     scenario: ScenarioArgs,

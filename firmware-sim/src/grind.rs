@@ -10,12 +10,26 @@ use firmware_sim::report;
 use std::path::PathBuf;
 use trueaxis_sim::grinding::{self, Grinding, Process, Request};
 
+const HELP: &str = "\
+Both runs have the same seed; the true surface is measured after every revolution.
+
+The pin circles with the crankshaft. Three probes on an arm that follows it see the surface and the motion of the \
+pin's centre. That motion is imprinted on the pin: where the centre comes toward the wheel, too much is ground off. \
+The gauge separates surface and motion while the servo loop runs, and corrects the infeed of the next revolutions. \
+Only the part that repeats with every turn (the synchronous imprint) can be corrected; it should fall below a tenth.
+
+The gauge works on one revolution while the next is sampled. When a revolution is shorter than the work, it skips \
+whole revolutions: --skip chooses a speed at which that happens.
+
+More examples:
+  # At a speed at which three of four revolutions are skipped:
+  firmware-sim grind --skip 3 --json
+  # Another gain of the correction:
+  firmware-sim grind --gain 0.3 --report out";
+
 /// Arguments of `grind`.
 #[derive(Args)]
-#[command(after_help = "Examples:
-  firmware-sim grind                            40 revolutions at 30 rpm
-  firmware-sim grind --skip 3 --json            at a speed at which three of four revolutions are skipped
-  firmware-sim grind --gain 0.3 --report out    another gain of the correction; out/grinding.html shows the result")]
+#[command(before_help = "Example:\n  firmware-sim grind --report out", after_help = HELP)]
 pub(crate) struct GrindArgs {
     /// Machine with a gauge: a machine.toml, its folder, or the name of a sample.
     #[arg(long, value_name = "M", default_value = "grinder")]

@@ -19,12 +19,20 @@ pub(crate) enum Kind {
     FiveAxes,
 }
 
+const HELP: &str = "\
+Bodies warm as in `firmware-sim thermal`, and location errors wander; no thermal model compensates the growth. The \
+probing program runs on the corrected machine with scatter. Errors are evaluated over the volume by exact \
+transforms.
+
+More examples:
+  # Centre lines by one ball at several angles:
+  firmware-sim keep --machine five-axes
+  # From part 30 on a ball is displaced: nothing is changed any more:
+  firmware-sim keep --hit 30";
+
 /// Arguments of `keep`.
 #[derive(Args)]
-#[command(after_help = "Examples:
-  firmware-sim keep --report out                 a mill with three balls over a shift of 60 parts, out/keeping.html
-  firmware-sim keep --machine five-axes          centre lines by one ball at several angles
-  firmware-sim keep --hit 30                     from part 30 on a ball is displaced: the loop refuses, and changes nothing")]
+#[command(before_help = "Example:\n  firmware-sim keep --report out", after_help = HELP)]
 pub(crate) struct KeepArgs {
     /// The machine; its tables are exact at the start of the shift.
     #[arg(long, value_enum, default_value_t = Kind::Mill)]

@@ -11,17 +11,21 @@ use serde::Serialize;
 use std::path::PathBuf;
 use trueaxis_sim::learning::{self, DEFAULT_CUTOFF_MM, DEFAULT_FORGET, DEFAULT_GAIN, Law, Part};
 
-/// Arguments of `learn`.
-#[derive(Args)]
-#[command(after_help = "Examples:
-  firmware-sim learn                                three parts of the default scenario
+const HELP: &str = "\
+Between two parts, the correction over path length is learned from the contour error that the step itself estimates, \
+or that a grid encoder measures, as `trueaxis learn` does from a record. Every part has different encoder noise.
+
+More examples:
   firmware-sim learn --program butterfly -o butterfly.tlearn
   firmware-sim run --program butterfly --learned butterfly.tlearn
-
-The same by hand, part by part:
-  firmware-sim run --record 1.csv                   the contour error of the full run over path length
+  # By hand, part by part:
+  firmware-sim run --record 1.csv
   trueaxis learn 1.csv -o 1.tlearn
-  firmware-sim run --learned 1.tlearn --record 2.csv --seed 2")]
+  firmware-sim run --learned 1.tlearn --record 2.csv --seed 2";
+
+/// Arguments of `learn`.
+#[derive(Args)]
+#[command(before_help = "Example:\n  firmware-sim learn --program short-tour", after_help = HELP)]
 pub(crate) struct LearnArgs {
     #[command(flatten)]
     scenario: ScenarioArgs,

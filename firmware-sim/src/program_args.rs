@@ -9,19 +9,30 @@ use trueaxis_sim::program::{Program, ReadOptions, Source};
 #[derive(Args)]
 pub(crate) struct ProgramArgs {
     /// Program: a G-code file, or circle-diamond-square, butterfly, pocket-3d, cone-5axis, s-shape, short-tour.
-    #[arg(long = "program", value_name = "P.ngc", default_value = "circle-diamond-square")]
+    #[arg(
+        long = "program",
+        value_name = "P.ngc",
+        default_value = "circle-diamond-square",
+        help_heading = "Machine and program"
+    )]
     pub(crate) file: PathBuf,
     /// Tool table in LinuxCNC's form, for G43 [default: tools without length].
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", help_heading = "Machine and program")]
     tool_table: Option<PathBuf>,
     /// Work offsets G54 to G59.3 and G92, positions of G28 and G30: LinuxCNC's parameter file, or a .toml [default: all zero].
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", help_heading = "Machine and program")]
     pub(crate) offsets: Option<PathBuf>,
     /// Skip the lines that begin with `/`.
-    #[arg(long)]
+    #[arg(long, help_heading = "Machine and program")]
     block_delete: bool,
     /// Interpreter of the program.
-    #[arg(long, value_name = "WHO", value_enum, default_value_t = Interpreter::Own)]
+    #[arg(
+        long,
+        value_name = "WHO",
+        value_enum,
+        default_value_t = Interpreter::Own,
+        help_heading = "Machine and program"
+    )]
     interpreter: Interpreter,
 }
 

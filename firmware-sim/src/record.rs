@@ -11,12 +11,17 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use trueaxis_sim::Scenario;
 
+const HELP: &str = "\
+Positions are rounded to 1e-6 mm. A machine file with [roundness] adds a workpiece that turns at three probes.
+
+More examples:
+  # With faults, stops and an exchange of tables:
+  firmware-sim record --program short-tour --rate-hz 1000 --drill \\
+      --exchange-at 12000 -o tour.rec";
+
 /// Arguments of `record`.
 #[derive(Args)]
-#[command(after_help = "Examples:
-  firmware-sim record --rate-hz 1000 -o run.rec                     the default program at 1 kHz
-  firmware-sim record --program short-tour --rate-hz 1000 --drill --exchange-at 12000 -o tour.rec
-                                                                    with faults, stops and an exchange of tables")]
+#[command(before_help = "Example:\n  firmware-sim record --rate-hz 1000 -o run.rec", after_help = HELP)]
 pub(crate) struct RecordArgs {
     #[command(flatten)]
     scenario: ScenarioArgs,

@@ -15,16 +15,29 @@ use trueaxis_sim::servo::{self, Axes, Compiled};
 use trueaxis_tables::output::Outputs;
 use trueaxis_tables::text::counted;
 
+const EXAMPLE: &str = "\
+Example:
+  trueaxis tables compile compensation-tables/mill-3axis -o mill.tcomp
+  firmware-sim record --rate-hz 1000 -o run.rec
+  firmware-sim replay run.rec mill.tcomp -o run.csv";
+
+const HELP: &str = "\
+Compare your own controller with the CSV: given the same commands and readings, it must send the same values. Every \
+other host of trueaxis is compared with it too (docs/hosts.md).
+
+The columns are for every axis:
+  x_cmd_mm: command
+  x_mm: encoder
+  x_drive_mm: sent to the drive
+and for every cycle:
+  elapsed_ns, homed, enable, reset
+  encoder_alarm, limited: a bit for every axis
+  fault: its code
+Rotary axes are in degrees. Numbers are exact.";
+
 /// Arguments of `replay`.
 #[derive(Args)]
-#[command(after_help = "Examples:
-  trueaxis tables compile mill -o mill.tcomp
-  firmware-sim record --machine mill --rate-hz 1000 -o run.rec
-  firmware-sim replay run.rec mill.tcomp -o run.csv       inputs and outputs of the step, cycle by cycle
-
-Columns, for every axis: x_cmd_mm (command), x_mm (encoder), x_drive_mm (sent to the drive), and for every cycle elapsed_ns,
-homed, enable, reset, encoder_alarm and limited (a bit for every axis) and fault (its code). Rotary axes in degrees. Numbers are
-exact: your own controller, given the same commands and readings, must send the same values.")]
+#[command(before_help = EXAMPLE, after_help = HELP)]
 pub(crate) struct ReplayArgs {
     /// Recording of `firmware-sim record`.
     recording: PathBuf,

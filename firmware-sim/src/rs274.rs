@@ -24,7 +24,7 @@ const LONGEST: u64 = 4096;
 /// `rs274` is missing, or refuses the program; the error gives the line.
 pub fn read(name: &str, bytes: &[u8], file: &str, options: &ReadOptions) -> Result<Program, ProgramError> {
     let wrong = |line: u32, found: String, needed: &str| ProgramError::new(file, line, found, needed);
-    let scratch = |e: std::io::Error| wrong(1, format!("no place for scratch files ({e})"), "a folder for them");
+    let scratch = |e: std::io::Error| wrong(1, format!("no folder for temporary files ({e})"), "one");
     let folder = tempfile::tempdir().map_err(scratch)?;
     let path = |name: &str| folder.path().join(name);
     std::fs::write(path("program.ngc"), numbered(bytes, file)?).map_err(scratch)?;

@@ -10,12 +10,18 @@ use firmware_sim::report;
 use std::path::PathBuf;
 use trueaxis_sim::ball_test::BallCycle;
 
+const HELP: &str = "\
+C turns a full circle, A a quarter, with three set-ups of the ball each. Linear axes are perfect.
+
+More examples:
+  # Another gauge, with the readings and tables beside the report:
+  firmware-sim rtcp --gauge-noise-um 1 --report out
+  # The same readings on the bench:
+  trueaxis identify out/measured-c.csv --axis C";
+
 /// Arguments of `rtcp`.
 #[derive(Args)]
-#[command(after_help = "Examples:
-  firmware-sim rtcp                                 the sample head with a gauge of 0.2 µm
-  firmware-sim rtcp --gauge-noise-um 1 --report out out/rtcp.html, readings and tables beside it
-  trueaxis identify out/measured-c.csv --axis C     the same readings on the bench")]
+#[command(before_help = "Example:\n  firmware-sim rtcp", after_help = HELP)]
 pub(crate) struct RtcpArgs {
     /// Machine whose head carries A in C: a machine.toml, its folder, or the name of a sample.
     #[arg(long, value_name = "M", default_value = "head-5axis")]

@@ -22,7 +22,20 @@ use trueaxis_sim::learning::{self, Instrument, LearnedTable, Recorder};
 use trueaxis_sim::run::{Kind, Run, Sink};
 use trueaxis_tables::output::{Outputs, Staged};
 
+const HELP: &str = "\
+A machine with friction, a dynamic correction, contour feedback or cross-talk gets the fourth run, full, with every \
+correction of the plugin. The run with compensation corrects only the geometry.
+
+The drives of the simulated machine are settings of the scenario, [drive] and [axis.X] in `firmware-sim scenario`; \
+those that the plugin uses are in machine.toml. They need not agree.
+
+More examples:
+  # A machine that differs from its machine.toml:
+  firmware-sim run --set drive.coulomb_mm_per_s2=500
+  firmware-sim run --set axis.Y.friction_factor=1.3";
+
 #[derive(Args)]
+#[command(before_help = "Example:\n  firmware-sim run --program short-tour --report out", after_help = HELP)]
 pub(crate) struct RunArgs {
     #[command(flatten)]
     scenario: ScenarioArgs,

@@ -14,19 +14,27 @@ use trueaxis_tables::Machine;
 #[derive(Args)]
 pub(crate) struct ScenarioArgs {
     /// Machine: a machine.toml, its folder, or the name of a sample (mill-3axis, mill-5axis, mill-turn).
-    #[arg(long, value_name = "M", default_value = "mill-3axis")]
+    #[arg(long, value_name = "M", default_value = "mill-3axis", help_heading = "Machine and program")]
     pub(crate) machine: PathBuf,
     #[command(flatten)]
     pub(crate) program: ProgramArgs,
     /// Error model that the step corrects by [default: the machine file's].
-    #[arg(long, value_name = "MODEL", value_enum)]
+    #[arg(long, value_name = "MODEL", value_enum, help_heading = "Machine and program")]
     model: Option<Model>,
     /// Whether the tool's direction is corrected too, through the rotary axes; only with the volumetric model [default: the
     /// machine file's].
-    #[arg(long, value_name = "on|off", value_enum, num_args = 0..=1, require_equals = true, default_missing_value = "on")]
+    #[arg(
+        long,
+        value_name = "on|off",
+        value_enum,
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "on",
+        help_heading = "Machine and program"
+    )]
     orientation: Option<Switch>,
     /// Time a step may take [default: a tenth of the period].
-    #[arg(long, value_name = "NS")]
+    #[arg(long, value_name = "NS", help_heading = "Machine and program")]
     budget_ns: Option<u64>,
     #[command(flatten)]
     pub(crate) settings: SettingsArgs,

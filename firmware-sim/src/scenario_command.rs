@@ -5,12 +5,21 @@ use crate::settings_args::{ActArgs, SettingsArgs};
 use anyhow::Result;
 use clap::Args;
 
+const EXAMPLE: &str = "\
+Example:
+  firmware-sim scenario --noise-um 0.02 > noisy.toml
+  firmware-sim run --scenario noisy.toml";
+
+const HELP: &str = "\
+Prints every setting, with its default unless an option changes it.
+
+More examples:
+  firmware-sim scenario > mine.toml
+  firmware-sim scenario --set drive.reset_time_s=0.01 > mine.toml";
+
 /// Arguments of `scenario`.
 #[derive(Args)]
-#[command(after_help = "Examples:
-  firmware-sim scenario > mine.toml                 every setting with its default
-  firmware-sim scenario --noise-um 0.02 --set drive.reset_time_s=0.01 > noisy.toml
-  firmware-sim run --scenario noisy.toml")]
+#[command(before_help = EXAMPLE, after_help = HELP)]
 pub(crate) struct PrintArgs {
     #[command(flatten)]
     settings: SettingsArgs,
@@ -22,7 +31,7 @@ pub(crate) fn print(args: &PrintArgs) -> Result<()> {
     let settings = args.settings.settings(&args.acts)?;
     put(&format!(
         "# Settings of a simulation: firmware-sim run --scenario FILE. Keys left out keep their defaults.\n\
-         # Of rotary axes every mm reads degree.\n{}",
+         # For rotary axes read degrees for every mm.\n{}",
         settings.to_toml()
     ))
 }

@@ -66,12 +66,12 @@ pub(crate) struct SettingsArgs {
 pub(crate) struct ActArgs {
     /// Inject a fault, e.g. dropout:X@1.25s+3, glitch:Y@0.5s+1=5mm, stuck:X@2s+500, late@3s+1=2.5, nan-command:X@2s+1,
     /// jump-command:X@2s+1=3mm (may be given several times; time counts from the start of the program).
-    #[arg(long, value_name = "FAULT")]
+    #[arg(long, value_name = "FAULT", help_heading = "Faults and events")]
     fault: Vec<String>,
     /// Switch the plugin or a part of it off or on, or exchange its tables in motion, e.g. off:correction@2.5s,
     /// on:correction@3s, off:friction@3s (lag, acceleration, feedback, crosstalk, learned, take-up), exchange:MACHINE@2s
     /// (may be given several times). In a scenario file, MACHINE counts from the file's folder.
-    #[arg(long, value_name = "EVENT")]
+    #[arg(long, value_name = "EVENT", help_heading = "Faults and events")]
     event: Vec<String>,
 }
 

@@ -12,14 +12,19 @@ use trueaxis_sim::motion::MOST_CYCLES;
 use trueaxis_sim::run::Kind;
 use trueaxis_tables::text::counted;
 
+const HELP: &str = "\
+Exit code 1: the runs differ.
+
+More examples:
+  # A day at LinuxCNC's usual rate, eight times side by side:
+  firmware-sim soak --rate-hz 1000
+  # An hour at 10 kHz with a fault and a switch:
+  firmware-sim soak --hours 1 --runs 2 --fault dropout:X@100s+3 \\
+      --event off:correction@200s";
+
 /// Arguments of `soak`.
 #[derive(Args)]
-#[command(after_help = "Examples:
-  firmware-sim soak --rate-hz 1000
-                                    a day at LinuxCNC's usual rate, eight times side by side
-  firmware-sim soak --hours 1 --runs 2 --fault dropout:X@100s+3 --event off:correction@200s
-                                    an hour at 10 kHz with a fault and a switch
-Exit code 1: the runs differ.")]
+#[command(before_help = "Example:\n  firmware-sim soak --rate-hz 1000 --hours 1 --runs 2", after_help = HELP)]
 pub(crate) struct SoakArgs {
     #[command(flatten)]
     scenario: ScenarioArgs,

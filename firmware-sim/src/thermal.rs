@@ -10,13 +10,21 @@ use firmware_sim::report;
 use std::path::PathBuf;
 use trueaxis_sim::warming::{SENSORS, Warming};
 
+const HELP: &str = "\
+Spindle, feed, coolant and the air of the hall warm bodies of two nodes each. Drift is probed at four points every \
+five minutes. The judged shift has other speeds, longer periods and other positions.
+
+More examples:
+  # With a page, and the record beside it:
+  firmware-sim thermal --report out
+  # A sensor fails half-way, and its share is frozen:
+  firmware-sim thermal --fails nose
+  # The same record on the bench:
+  trueaxis thermal fit out/record.csv";
+
 /// Arguments of `thermal`.
 #[derive(Args)]
-#[command(after_help = "Examples:
-  firmware-sim thermal                              the drift that remains in a shift outside the fit
-  firmware-sim thermal --report out                 out/thermal.html, the record and its thermal.toml's source beside it
-  firmware-sim thermal --fails nose                 a sensor fails half-way: its share is frozen
-  trueaxis thermal fit out/record.csv               the same record on the bench")]
+#[command(before_help = "Example:\n  firmware-sim thermal", after_help = HELP)]
 pub(crate) struct ThermalArgs {
     /// Machine of three linear axes whose step corrects: a machine.toml, its folder, or the name of a sample.
     #[arg(long, value_name = "M", default_value = "mill-3axis")]

@@ -82,8 +82,9 @@ fn clipped_corrections_are_reported() {
         directory.json(&run)["notes"].as_array().unwrap().iter().map(|note| note.to_string()).collect::<Vec<_>>()
     };
     let printed = notes("magnitude_um = 100");
-    let note = printed.iter().find(|note| note.contains("axis Z: the magnitude limit takes up to 100 µm off")).unwrap();
-    for part in ["cycles, most at X200 ", "[axis.Z.limits] magnitude_um is 100, 200 lets all of it pass"] {
+    let note =
+        printed.iter().find(|note| note.contains("axis Z: the magnitude limit removes up to 100 µm of")).unwrap();
+    for part in ["cycles, most at X200 ", "[axis.Z.limits] magnitude_um is 100, 200 would pass all of it"] {
         assert!(note.contains(part), "{note}");
     }
     assert!(notes("magnitude_um = 240").iter().all(|note| !note.contains("limit")));

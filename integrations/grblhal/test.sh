@@ -130,7 +130,7 @@ for core in host m4f; do
     refused "$core" damaged 'table file: the file is damaged (its CRC-32 is wrong)' damaged
     refused "$core" cut 'table file: the file is shorter than its header says' cut
     refused "$core" erased 'table file: not a compiled table file (it does not start with TRUEAXIS)' erased
-    refused "$core" foreign 'table file: the file is made for another machine' mill -DTRUEAXIS_MACHINE_ID=0x12345678u
+    refused "$core" foreign 'table file: the file was made for another machine' mill -DTRUEAXIS_MACHINE_ID=0x12345678u
     refused "$core" five 'the tables are for axes XYZAC, the controller has XYZ' five
     refused "$core" small "memory: found 8192 bytes, needed $([[ $core == m4f ]] && echo 24336 || echo 48672) bytes" mill -DTRUEAXIS_MEMORY_BYTES=8192
     refused "$core" beside "the tables' travel of X has nothing in common with the machine's" beside

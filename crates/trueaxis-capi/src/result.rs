@@ -82,7 +82,7 @@ pub(crate) fn text(result: ResultCode) -> &'static CStr {
         ERROR_BUFFER => c"the buffer is too small",
         ERROR_PATH => c"the segment is not valid",
         ERROR_GAUGE => c"the machine has no gauge, or one of another number of points",
-        ERROR_NOT_YET => c"there is no value yet",
+        ERROR_NOT_YET => c"no value is available yet",
         ERROR_NO_OUTPUT => c"no output: no valid command has come, and not every axis has been read",
         ERROR_POSE => c"the kinematics have no such pose",
         ERROR_LEARNED => {

@@ -12,33 +12,44 @@ use trueaxis_evaluation::ballbar::{Document, Options, Test, Ways, values};
 use trueaxis_evaluation::friction::pair;
 use trueaxis_report::number::significant;
 use trueaxis_tables::output::Outputs;
+use trueaxis_tables::text::degrees_of_freedom;
+
+pub(crate) const EXAMPLE: &str = "\
+Example:
+  trueaxis ballbar records/ballbar.csv --radius-mm 100";
 
 pub(crate) const HELP: &str = "\
-RECORD, whole circles about one centre or arcs of 200° and more, best in both directions, in one of four formats, detected
-automatically:
-  a bar's CSV     angle_deg,deviation_um,direction: angle of the command on its circle from the first axis (--axes) towards
-                  the second, actual less nominal radius, 1 (+, ccw) counterclockwise or -1 (-, cw) clockwise
-  positions       CSV x_cmd_mm,x_mm,y_cmd_mm,y_mm (z_cmd_mm,z_mm), as from a grid encoder or from record-circles.py
-  halsampler      LinuxCNC's lines without a header: command and position of the first axis, of the second (-t or not)
-  telemetry       what a controller sent, COBS frames: commands and readings of the encoders
-In positions, the approach to the circle and the exit from it are left out.
+RECORD has whole circles about one centre, or arcs of 200° and more, best in both directions, in one of four \
+formats, detected automatically:
+  a bar's CSV: angle_deg,deviation_um,direction
+  positions: CSV x_cmd_mm,x_mm,y_cmd_mm,y_mm (or with z_cmd_mm,z_mm)
+  halsampler: LinuxCNC's lines without a header, with or without -t
+  telemetry: COBS frames of a controller, with commands and encoders
+In a bar's CSV the angle is that of the command on its circle, from the first axis of --axes towards the second; the \
+deviation is actual less nominal radius; the direction is 1 (+, ccw) counterclockwise or -1 (-, cw) clockwise. \
+Positions are from a grid encoder or record-circles.py. A line of halsampler has command and position of the first \
+axis, then of the second. In positions, the approach to the circle and the exit from it are left out.
 
-After ISO 230-4: G circular deviation and G(b) bidirectional circular deviation, minimum zone circles (MZC); F radial
-deviation about the least-squares centre (LSC) of its direction; H circular hysteresis. One fit separates the causes, each
-with half of its interval of 95 % (d = +1 counterclockwise, -1 clockwise):
-  scale mismatch  (R/2)(s_x − s_y) cos 2θ         squareness      −(R/2) C0Y sin 2θ (Y,Z: A0Z; Z,X: −B0Z)
-  servo mismatch  (d/2)(l_x − l_y) sin 2θ         straightness    q_x cos²θ sin θ + q_y sin²θ cos θ
-  backlash        (d/2)(b_x sgn(sin θ) cos θ − b_y sgn(cos θ) sin θ)
-  lateral play    (d/2)(p_x |sin θ| − p_y |cos θ|)
-  reversal        spikes of height h after an axis' reversals; cyclic: periodic errors, their pitch searched or given
-One direction cannot show servo mismatch and lateral play; they are null then, and so is F of an arc. Readings from an axis'
-reversal until its play is taken up are left out of the fit. Spikes of another shape than u/w exp(1 − u/w) widen the
-intervals of similar causes, and a note says so.
--o writes squareness and backlash into a machine with their uncertainties, if they differ from its values by more than two of
-both together; values that agree become their weighted mean. Tables do not store the other causes.
+After ISO 230-4, G is the circular deviation and G(b) the bidirectional one, both by minimum zone circles (MZC); F \
+is the radial deviation about the least-squares centre (LSC) of its direction; H is the circular hysteresis. One fit \
+separates the causes, each with half of its interval of 95 % (d = +1 counterclockwise, -1 clockwise):
+  scale mismatch: (R/2)(s_x − s_y) cos 2θ
+  squareness: −(R/2) C0Y sin 2θ (Y,Z: A0Z; Z,X: −B0Z)
+  servo mismatch: (d/2)(l_x − l_y) sin 2θ
+  straightness: q_x cos²θ sin θ + q_y sin²θ cos θ
+  backlash: (d/2)(b_x sgn(sin θ) cos θ − b_y sgn(cos θ) sin θ)
+  lateral play: (d/2)(p_x |sin θ| − p_y |cos θ|)
+  reversal: spikes of height h after an axis' reversals
+  cyclic: periodic errors, their pitch searched or given
+One direction cannot show servo mismatch and lateral play: they are null then. F of an arc is null too. Readings \
+from an axis' reversal until its play is taken up are left out of the fit. Spikes of another shape than u/w exp(1 − \
+u/w) widen the intervals of similar causes, and a note says so.
 
-Examples:
-  trueaxis ballbar record.csv --radius-mm 100 --report out
+-o writes squareness and backlash into a machine, with their uncertainties, if they differ from its values by more \
+than two combined standard uncertainties; values that agree become their weighted mean. Tables do not store the \
+other causes.
+
+More examples:
   trueaxis ballbar samples.txt --radius-mm 50 --axes Z,X
   trueaxis ballbar frames.bin --radius-mm 50
   trueaxis ballbar record.csv --radius-mm 100 --machine mymill -o mymill";
@@ -66,13 +77,13 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "P")]
     pitch_z_mm: Option<f64>,
     /// The machine that was measured, for -o.
-    #[arg(long, value_name = "M", requires = "into")]
+    #[arg(long, value_name = "M", requires = "into", help_heading = "Writing into a machine")]
     machine: Option<PathBuf>,
     /// The machine's tables corrected it during the circles: add the errors found to them instead of replacing them.
-    #[arg(long, requires = "machine")]
+    #[arg(long, requires = "machine", help_heading = "Writing into a machine")]
     compensated: bool,
     /// Folder to write the machine into: its own, or a new one.
-    #[arg(short, long, value_name = "MACHINE_DIR", requires = "machine")]
+    #[arg(short, long, value_name = "MACHINE_DIR", requires = "machine", help_heading = "Writing into a machine")]
     output: Option<PathBuf>,
     #[command(flatten)]
     writing: Writing,
@@ -139,9 +150,9 @@ fn table(d: &Document) -> Result<String> {
     }
     writeln!(
         text,
-        "\nsigma of a reading {} µm, {} degrees of freedom",
+        "\nsigma of a reading {} µm, {}",
         significant(d.sigma_um, 3),
-        d.degrees_of_freedom
+        degrees_of_freedom(d.degrees_of_freedom)
     )?;
     for warning in &d.warnings {
         writeln!(text, "note: {warning}")?;

@@ -11,20 +11,24 @@ use trueaxis_evaluation::circle::{COLUMNS, Document, Evaluation};
 use trueaxis_report::number::significant;
 use trueaxis_tables::output::Outputs;
 
-pub(crate) const HELP: &str = "\
-POINTS.csv: x_mm,y_mm, one row a point, at least three that are not on one line. Two other coordinates (x_mm,z_mm) are a
-section in their plane; with all three a plane is fitted to the points first, and the circles lie in it.
-Reference circles after ISO 12181-1, in the plane:
-  LSC  least squares of the distances        radius: mean distance
-  MZC  narrowest ring that holds all points  radius: mean of inner and outer
-  MIC  largest circle with none inside       radius: inner
-  MCC  smallest circle that holds all        radius: outer
-Zone: largest less smallest distance of all points from that centre.
-MZC, MIC and MCC are exact; the points that determine them are given, in the table by their line
-in the file, in JSON (contacts) counted from 0.
-An inscribed circle needs points all round: on a part arc it is null, with the reason in \"refused\".
+pub(crate) const EXAMPLE: &str = "\
+Example:
+  trueaxis circle records/points.csv";
 
-Example: trueaxis circle points.csv --json";
+pub(crate) const HELP: &str = "\
+POINTS.csv has the columns x_mm,y_mm, one row a point: at least three that are not on one line. Two other \
+coordinates (x_mm,z_mm) are a section in their plane. With all three a plane is fitted to the points first, and the \
+circles lie in it.
+
+Reference circles after ISO 12181-1, in the plane:
+  LSC: least squares of the distances; radius: their mean
+  MZC: narrowest ring that holds all points; radius: mean of inner and outer
+  MIC: largest circle with no point inside; radius: inner
+  MCC: smallest circle that holds all points; radius: outer
+A zone is the largest less the smallest distance of all points from that centre. MZC, MIC and MCC are exact. The \
+points that determine them are given: in the table by their line in the file, in JSON (contacts) counted from 0.
+
+An inscribed circle needs points all round. On a part arc it is null, with the reason in \"refused\".";
 
 #[derive(Args)]
 pub(crate) struct Arguments {

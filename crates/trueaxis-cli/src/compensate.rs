@@ -13,21 +13,29 @@ use trueaxis_tables::limits::Clipped;
 use trueaxis_tables::text::counted;
 use trueaxis_tables::{Machine, Warning};
 
-pub(crate) const HELP: &str = "\
-POSITIONS.csv: x_mm,y_mm,z_mm[,a_deg,b_deg,c_deg], commanded positions, columns in any order.
-Output: the same columns and
-  ex_um,ey_um,ez_um   error of the tool tip at the uncorrected command: actual − ideal, machine coordinates
-  cx_mm,cy_mm,cz_mm   corrected command: axis positions that put the tool at the commanded position
-and with --orientation (volumetric and exact)
-  ea_urad,eb_urad,ec_urad   error of the tool's orientation: small rotation, actual − ideal, machine coordinates
-  ca_deg,cb_deg,cc_deg      corrected command of the machine's rotary axes; the tool's direction becomes the ideal one away
-                            from its singular pose ([compensation] fade_deg), and cx, cy, cz cancel the motion they cause
-Without --orientation only X, Y and Z are corrected (nine: by all tables that give their errors).
-A two-sided table is read in positive travel, every position for itself; with --reverse in negative travel, backlash
-included; with --in-order in the direction in which the drive, position and correction, has come from the rows before.
-Corrections are not limited. A note counts those that the step's magnitude limit would reduce.
+pub(crate) const EXAMPLE: &str = "\
+Example:
+  trueaxis compensate compensation-tables/mill-3axis records/positions.csv";
 
-Example: trueaxis compensate compensation-tables/mill-3axis positions.csv -o corrected.csv";
+pub(crate) const HELP: &str = "\
+POSITIONS.csv has the commanded positions x_mm,y_mm,z_mm[,a_deg,b_deg,c_deg], columns in any order.
+The result has the same columns and:
+  ex_um,ey_um,ez_um: error of the tool tip at the uncorrected command
+  cx_mm,cy_mm,cz_mm: corrected command, which puts the tool at the position
+With --orientation (volumetric and exact) it also has:
+  ea_urad,eb_urad,ec_urad: error of the tool's orientation, a small rotation
+  ca_deg,cb_deg,cc_deg: corrected command of the machine's rotary axes
+Errors are actual − ideal in machine coordinates.
+
+With --orientation the corrected rotary axes give the tool its ideal direction, except near the singular pose \
+(fade_deg in [compensation]); cx, cy and cz also cancel the motion that they cause. Without it only X, Y and Z are \
+corrected; with the model nine, by all tables that give their errors.
+
+A two-sided table is read in positive travel, every position for itself; with --reverse in negative travel, backlash \
+included; with --in-order in the direction in which the drive, position plus correction, has come from the rows \
+before.
+
+Corrections are not limited. A note counts those that the step's magnitude limit would reduce.";
 
 /// Which model is evaluated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -49,22 +57,22 @@ pub(crate) struct Arguments {
     #[arg(value_name = "POSITIONS.csv")]
     positions: PathBuf,
     /// Error model [default: the machine's own, key model of compensation].
-    #[arg(long, value_enum)]
+    #[arg(long, value_enum, help_heading = "Error model")]
     model: Option<Model>,
     /// Passes of the exact inverse, 1 to 8 [default: as many as 1e-3 µm needs; exact: until it converges].
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=8))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=8), help_heading = "Error model")]
     inverse_passes: Option<u8>,
     /// All axes travel in negative direction.
-    #[arg(long)]
+    #[arg(long, help_heading = "Direction of travel and temperature")]
     reverse: bool,
     /// The machine approaches the positions in their order, the first in positive travel.
-    #[arg(long, conflicts_with = "reverse")]
+    #[arg(long, conflicts_with = "reverse", help_heading = "Direction of travel and temperature")]
     in_order: bool,
     /// Temperature of the machine, °C, for its thermal growth [default: its reference temperature].
-    #[arg(long, value_name = "C", allow_hyphen_values = true)]
+    #[arg(long, value_name = "C", allow_hyphen_values = true, help_heading = "Direction of travel and temperature")]
     temperature_c: Option<f64>,
     /// Also compute the error of the tool's orientation, and the rotary axes' commands that correct its direction.
-    #[arg(long)]
+    #[arg(long, help_heading = "Error model")]
     orientation: bool,
     /// Result [default: standard output].
     #[arg(short, long, value_name = "OUT.csv")]
@@ -188,7 +196,7 @@ impl Written<'_> {
     fn finish(self, machine: &Machine, count: usize) -> Result<()> {
         if self.clamped > 0 {
             report_line(format_args!(
-                "note: {} of {} beyond a table's end, where its edge value is clamped",
+                "note: {} of {} beyond a table's end, where its edge value is used",
                 self.clamped,
                 counted(count, "position")
             ));

@@ -9,18 +9,28 @@ use trueaxis::contour::{ContourSearch, Method};
 use trueaxis_evaluation::path::{Alive, Foot, PathFile, StuckAxis};
 use trueaxis_tables::text::read_text;
 
-pub(crate) const HELP: &str = "\
-PATH.json: {\"segments\":[
-  {\"type\":\"line\",\"start\":[x,y,z],\"end\":[x,y,z]},
-  {\"type\":\"arc\",\"start\":[…],\"end\":[…],\"center\":[…],\"normal\":[…],\"turns\":0},    right hand about the normal; start = end: full circle
-  {\"type\":\"nurbs\",\"degree\":3,\"knots\":[…],\"points\":[[x,y,z],…],\"weights\":[…]}]}    degree 1 to 5; mm
-ACTUAL.csv: segment,u,x_mm,y_mm,z_mm; u is where the reference is: 0..1 on lines and arcs, the knot domain on NURBS.
-Output: segment,u,error_um,ex_um,ey_um,ez_um,evaluations,bracketed: the foot point, its distance, the vector actual − foot.
-A path is cut into spans within 8 mm of their middle that turn by 30° at most; it may have 1,000,000 (16 km straight).
-The nearest point within --max-lag-mm of path length on either side of the reference is found for each row separately.
-Refused: a coordinate that keeps one value over eight rows and a fifth of those in which the path moves along its axis.
+pub(crate) const EXAMPLE: &str = "\
+Example:
+  trueaxis contour records/path.json records/actual.csv";
 
-Example: trueaxis contour path.json actual.csv -o error.csv";
+pub(crate) const HELP: &str = "\
+PATH.json, in mm:
+  {\"segments\":[
+    {\"type\":\"line\",\"start\":[x,y,z],\"end\":[x,y,z]},
+    {\"type\":\"arc\",\"start\":[…],\"end\":[…],\"center\":[…],\"normal\":[…],\"turns\":0},
+    {\"type\":\"nurbs\",\"degree\":3,\"knots\":[…],\"points\":[…],\"weights\":[…]}]}
+An arc turns right-handed about its normal; equal start and end make a full circle. A NURBS has degree 1 to 5.
+
+ACTUAL.csv has the columns segment,u,x_mm,y_mm,z_mm; u is the place of the reference: 0 to 1 on lines and arcs, the \
+knot domain on a NURBS.
+
+The result has the columns segment,u,error_um,ex_um,ey_um,ez_um,evaluations,bracketed: the foot point, its distance, \
+and the vector actual − foot. The nearest point within --max-lag-mm of path length on either side of the reference \
+is found for each row separately.
+
+A path is cut into spans that lie within 8 mm of their middle and turn by 30° at most; it may have 1,000,000 of them \
+(16 km of straight line). Refused: a coordinate that keeps one value over eight rows and over a fifth of those in \
+which the path moves along its axis.";
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum Refinement {

@@ -8,15 +8,19 @@ use trueaxis::error::{Fault, Field, Figure};
 use trueaxis::machine::Axis;
 use trueaxis::tcomp::TcompError;
 
+pub(crate) const EXAMPLE: &str = "\
+Example:
+  trueaxis explain fault 3";
+
 pub(crate) const HELP: &str = "\
-A library built without the part `text` reports errors by numbers only: `result`, `code` and `field` of
+A library built without the part `text` reports errors by numbers only: `result`, `code` and `field` of \
 trueaxis_error_t. Ask for them one after the other:
 
   trueaxis explain result 6
   trueaxis explain tables 11
   trueaxis explain setting 33 --axis X --found 0.7
 
-Without a code, all codes of the kind are listed; without a kind, all kinds. For the whole message, with the value
+Without a code, all codes of the kind are listed; without a kind, all kinds. For the whole message, with the value \
 that is needed, run `trueaxis tables check` on the machine from which the file was compiled.";
 
 #[derive(Args)]

@@ -87,11 +87,11 @@ pub(crate) fn write(
 #[derive(Args, Clone, Copy, Debug)]
 pub(crate) struct Writing {
     /// Print the changes to the machine, with old values and reasons, and write nothing.
-    #[arg(long)]
+    #[arg(long, help_heading = "Writing into a machine")]
     pub(crate) dry_run: bool,
     /// Write every value found, even one that the rule rejects: within its scatter of zero, less certain than the stated one,
     /// a misfit. The command still reports the rule's decision, and refuses a value that the controller would refuse.
-    #[arg(long)]
+    #[arg(long, help_heading = "Writing into a machine")]
     pub(crate) force: bool,
 }
 
@@ -106,7 +106,7 @@ impl Writing {
     pub(crate) fn decides(&self, into: Option<&Path>) -> Result<bool> {
         let decides = into.is_some() || self.dry_run;
         if self.force && !decides {
-            bail!("--force: found no machine that is written, needed -o MACHINE_DIR or --dry-run");
+            bail!("--force: found no machine to write, needed -o MACHINE_DIR or --dry-run");
         }
         Ok(decides)
     }

@@ -32,21 +32,18 @@ mod telemetry;
 mod thermal;
 mod uncertainty;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::process::ExitCode;
 
 /// Computes geometric error compensation and contour errors of CNC machines, from files.
-///
-/// Lengths are mm, positions of rotary axes degrees, errors µm and µrad. Error = actual − ideal (ISO 230-1), of the tool
-/// relative to the workpiece. Exit code 0: done; 2: bad input, with file, line, column, value found and value needed.
-/// A reader that closes the standard output or error early (`| head`) ends the program silently with exit code 0.
 #[derive(Parser)]
 #[command(
     version,
     name = "trueaxis",
     args_conflicts_with_subcommands = true,
     arg_required_else_help = true,
-    after_help = TO_TRY
+    before_help = TO_TRY,
+    after_help = HELP
 )]
 struct Cli {
     /// Print the licences of this program and of everything built into it.
@@ -64,77 +61,99 @@ Five things to try in a checkout of the repository:
   trueaxis uncertainty compensation-tables/mill-3axis
   trueaxis probe-angles --n 512";
 
+const HELP: &str = "\
+An error is actual − ideal (ISO 230-1), of the tool relative to the workpiece. Lengths are in mm, positions of rotary \
+axes in degrees, errors in µm and µrad.
+Exit code 0: done; 2: bad input, with file, line, column, value found and value needed; 3: only `trueaxis keep`, a \
+term is out of its bounds.
+A reader that closes the standard output or error early (`| head`) ends the program silently with exit code 0.";
+
+/// What a command does, an example, then its options: clap's own layout has no place for an example before the options.
+const LAYOUT: &str = "{about-with-newline}\n{before-help}{usage-heading} {usage}\n\n{all-args}{after-help}";
+
+/// Sets [`LAYOUT`] for a command and everything below it; clap does not pass it on.
+fn laid_out(command: clap::Command) -> clap::Command {
+    command.mut_subcommands(laid_out).help_template(LAYOUT)
+}
+
+/// [`Parser::parse`] with [`LAYOUT`].
+fn parsed() -> Cli {
+    let mut command = laid_out(Cli::command());
+    let matches = command.get_matches_mut();
+    Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.format(&mut command).exit())
+}
+
 const LICENCES: &str = include_str!("../THIRD-PARTY.txt");
 
 #[derive(Subcommand)]
 enum Command {
     /// Check, compile, show and convert error tables; evaluate measurements after ISO 230-2.
-    #[command(subcommand)]
+    #[command(subcommand, before_help = tables::EXAMPLE)]
     Tables(tables::Command),
     /// Compute the error and the corrected command at each position.
-    #[command(after_help = compensate::HELP)]
+    #[command(before_help = compensate::EXAMPLE, after_help = compensate::HELP)]
     Compensate(compensate::Arguments),
     /// Show the error, its sources and the correction at one position.
-    #[command(after_help = correct::HELP)]
+    #[command(before_help = correct::EXAMPLE, after_help = correct::HELP)]
     Correct(correct::Arguments),
     /// Compute the contour error of measured positions against a path.
-    #[command(after_help = contour::HELP)]
+    #[command(before_help = contour::EXAMPLE, after_help = contour::HELP)]
     Contour(contour::Arguments),
     /// Evaluate roundness and spindle error from the readings of three probes.
-    #[command(after_help = roundness::HELP)]
+    #[command(before_help = roundness::EXAMPLE, after_help = roundness::HELP)]
     Roundness(roundness::Arguments),
     /// Find the best angles of three probes, or the noise gain of a given pair.
-    #[command(after_help = probe_angles::HELP)]
+    #[command(before_help = probe_angles::EXAMPLE, after_help = probe_angles::HELP)]
     ProbeAngles(probe_angles::Arguments),
     /// Fit the least-squares, minimum zone, maximum inscribed and minimum circumscribed circle to points.
-    #[command(after_help = circle::HELP)]
+    #[command(before_help = circle::EXAMPLE, after_help = circle::HELP)]
     Circle(circle::Arguments),
     /// Evaluate a circular test after ISO 230-4 and find the causes of its deviation.
-    #[command(after_help = ballbar::HELP)]
+    #[command(before_help = ballbar::EXAMPLE, after_help = ballbar::HELP)]
     Ballbar(ballbar::Arguments),
     /// Evaluate records of tests with instruments, after ISO 230 and ISO 10791.
-    #[command(subcommand)]
+    #[command(subcommand, before_help = evaluate::EXAMPLE)]
     Evaluate(evaluate::Command),
     /// Calibrate a machine with its touch probe: write the probing program, turn its log into errors of the machine.
-    #[command(subcommand, after_help = calibrate::HELP)]
+    #[command(subcommand, before_help = calibrate::EXAMPLE, after_help = calibrate::HELP)]
     Calibrate(calibrate::Command),
     /// Keep a machine true: re-probe balls every so many parts, update location errors and growth within bounds.
-    #[command(subcommand, after_help = keep::HELP)]
+    #[command(subcommand, before_help = keep::EXAMPLE, after_help = keep::HELP)]
     Keep(keep::Command),
     /// Convert axis positions to the tool's pose and back (five-axis transformation).
-    #[command(subcommand)]
+    #[command(subcommand, before_help = kinematics::EXAMPLE)]
     Kinematics(kinematics::Command),
     /// Compute displacements of five axes that keep a tool normal to the flank of a helical gear, as CSV and as a program.
-    #[command(after_help = helicoid::HELP)]
+    #[command(before_help = helicoid::EXAMPLE, after_help = helicoid::HELP)]
     Helicoid(Box<helicoid::Arguments>),
     /// Identify the six errors of a rotary axis from a ball measured under RTCP.
-    #[command(after_help = identify::HELP)]
+    #[command(before_help = identify::EXAMPLE, after_help = identify::HELP)]
     Identify(identify::Arguments),
     /// Identify the friction of two axes, and their drives' figures, from recorded circles.
-    #[command(after_help = friction::HELP)]
+    #[command(before_help = friction::EXAMPLE, after_help = friction::HELP)]
     Friction(friction::Arguments),
     /// Learn a correction over path length for the next part of a program from the contour error of the last one.
-    #[command(after_help = learn::HELP)]
+    #[command(before_help = learn::EXAMPLE, after_help = learn::HELP)]
     Learn(learn::Arguments),
     /// Fit thermal growth to a recorded warm-up, and compile it for the controller.
-    #[command(subcommand)]
+    #[command(subcommand, before_help = thermal::EXAMPLE)]
     Thermal(thermal::Command),
     /// Compute the uncertainty of the corrected position from the uncertainties of the machine's figures.
-    #[command(after_help = uncertainty::HELP)]
+    #[command(before_help = uncertainty::EXAMPLE, after_help = uncertainty::HELP)]
     Uncertainty(uncertainty::Arguments),
     /// Convert a controller's telemetry to a table, Parquet or CSV.
-    #[command(after_help = telemetry::HELP)]
+    #[command(before_help = telemetry::EXAMPLE, after_help = telemetry::HELP)]
     Telemetry(telemetry::Arguments),
     /// Explain a code that a controller or the C library reports.
-    #[command(after_help = explain::HELP)]
+    #[command(before_help = explain::EXAMPLE, after_help = explain::HELP)]
     Explain(explain::Arguments),
     /// Serve the desk: machine, servo, helicoid, roundness and friction in a page that runs the code of these commands.
-    #[command(after_help = desk::HELP)]
+    #[command(before_help = desk::EXAMPLE, after_help = desk::HELP)]
     Desk(desk::Arguments),
 }
 
 fn main() -> ExitCode {
-    let Some(command) = Cli::parse().command else {
+    let Some(command) = parsed().command else {
         return output::exit_code(output::data(LICENCES));
     };
     let result = match command {

@@ -1,5 +1,7 @@
 //! Numbers on the command line; clap names the option in errors.
 
+use trueaxis_tables::text::counted;
+
 /// A finite number.
 pub(crate) fn number(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
@@ -19,8 +21,8 @@ pub(crate) fn numbers(text: &str) -> Result<Numbers, String> {
 /// Three finite numbers: X,Y,Z.
 pub(crate) fn triple(text: &str) -> Result<[f64; 3], String> {
     let values = numbers(text)?;
-    let count = values.len();
-    values.try_into().map_err(|_| format!("found {count} numbers, needed three: X,Y,Z"))
+    let count = counted(values.len(), "number");
+    values.try_into().map_err(|_| format!("found {count}, needed three: X,Y,Z"))
 }
 
 /// Parses the sense of an axis.

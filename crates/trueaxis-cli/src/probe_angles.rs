@@ -7,17 +7,22 @@ use clap::Args;
 use std::fmt::Write;
 use trueaxis_evaluation::probe_angles::{Document, Pair, Request, USUAL_COUNT};
 
+pub(crate) const EXAMPLE: &str = "\
+Example:
+  trueaxis probe-angles --n 1024 --harmonics 2..100 --p 188 --q 667";
+
 pub(crate) const HELP: &str = "\
-All pairs of slots are searched. Worst gain: smallest |G(k)|/√(1 + k2² + k3²) in the band, 0 (blind) to √3; its inverse, the
-worst noise gain, says how much the probes' noise grows in the worst harmonic. Equal pairs: smallest p first, then q.
-A given pair is compared with the best; one that cannot see some harmonics of the band is refused, all of them named.
+All pairs of slots are searched. The worst gain is the smallest |G(k)|/√(1 + k2² + k3²) in the band, 0 (blind) to \
+√3. Its inverse, the worst noise gain, says how much the probes' noise grows in the worst harmonic. Of equal pairs \
+the one with the smallest p comes first, then the smallest q. A given pair is compared with the best. A pair that \
+cannot see some harmonics of the band is refused, and all of them are named.
 
-N = 1024, harmonics 2..100           φ2, φ3                worst gain   worst noise gain
-published (CN1927535)                90°, 181.05°               0.052               19.3
-published (CN1927535)                60.82°, 240.12°            0.053               18.7
-best: p 169, q 188, 11 equivalents   59.414°, 66.094°           0.319                3.1
-
-Example: trueaxis probe-angles --n 1024 --harmonics 2..100 --p 188 --q 667 --json";
+Pairs for N = 1024 and harmonics 2..100:
+  φ2, φ3            worst gain  worst noise gain
+  90°, 181.05°           0.052              19.3  published (CN1927535)
+  60.82°, 240.12°        0.053              18.7  published (CN1927535)
+  59.414°, 66.094°       0.319               3.1  best: p 169, q 188
+The best pair has 11 equivalents.";
 
 #[derive(Args)]
 pub(crate) struct Arguments {

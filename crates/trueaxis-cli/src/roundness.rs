@@ -12,21 +12,29 @@ use trueaxis_evaluation::roundness::{COLUMNS, Plan, Readings, Request};
 use trueaxis_metrology::separation::{NOISE_GAIN_LIMIT, Separation};
 use trueaxis_tables::output::Outputs;
 
+pub(crate) const EXAMPLE: &str = "\
+Example:
+  trueaxis roundness tests/reference/separation_probes.csv --n 64 \\
+      --phi2-deg 66.1 --phi3-deg 125.4 --harmonics 2..12 --arm 60,300,30";
+
 pub(crate) const HELP: &str = "\
-PROBES.csv: h1_um,h2_um,h3_um, whole revolutions of N rows, equidistant in θ (the angle over the part's surface) from 0.
-    With a column theta_deg, any number of rows at any increasing angles: they are resampled to N a revolution, and the
-    interpolation error is stated (here and in JSON, resampling). The angle may restart every 360°.
-    h1 = r(θ) + RY cos β + RX sin β; probe 2 is φ2, probe 3 φ2 + φ3 further in the sense of θ. β = 0 without --arm.
-OUT.csv: theta_deg,r_um,rx_um,ry_um, all revolutions: profile (high is above 0, before --upr), motion of the centre across
-    and along the direction of probe 1.
-Zones (peak to valley; LSC, MZC, MIC, MCC of ISO 12181-1) are of the profile averaged over the revolutions, after --upr.
-Harmonic k of the table: A cos(k θ + phase). Mean and first harmonic are motion of the centre and not in the profile.
-Spindle error motion after ISO 230-7, with the once-per-revolution part separate.
+PROBES.csv has the columns h1_um,h2_um,h3_um and whole revolutions of N rows, equidistant in θ, the angle over the \
+part's surface, from 0:
+  h1 = r(θ) + RY cos β + RX sin β
+Probe 2 is φ2 further in the sense of θ, probe 3 φ2 + φ3. Without --arm β is 0.
+With a column theta_deg the file may have any number of rows at any increasing angles; the angle may restart every \
+360°. The readings are then resampled to N a revolution, and the interpolation error is stated (in JSON: \
+resampling).
 
-N = 1024, harmonics 2..100: the published angles (90°, 181.05°) and (60.82°, 240.12°) let noise grow 19 times in the worst
-harmonic, the slots p 188, q 667 (66.094°, 234.492°) 3.1 times; see `trueaxis probe-angles --help`.
+OUT.csv has the columns theta_deg,r_um,rx_um,ry_um of all revolutions: the profile (high is above 0; before --upr), \
+and the motion of the centre across and along the direction of probe 1.
 
-Example: trueaxis roundness probes.csv --n 1024 --p 188 --q 667 --arm 60,300,30 --upr 50 --report out -o r.csv";
+Zones are peak to valley (LSC, MZC, MIC, MCC of ISO 12181-1) of the profile averaged over the revolutions, after \
+--upr. Harmonic k is A cos(k θ + phase). The mean and the first harmonic are motion of the centre and not in the \
+profile. Spindle error motion is given after ISO 230-7, with the once-per-revolution part separate.
+
+With N = 1024 and harmonics 2..100 the published angles (90°, 181.05° and 60.82°, 240.12°) let noise grow 19 times \
+in the worst harmonic, the slots p 188, q 667 (66.094°, 234.492°) 3.1 times: see `trueaxis probe-angles --help`.";
 
 #[derive(Args)]
 pub(crate) struct Arguments {
@@ -36,7 +44,7 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     probes: ProbeArguments,
     /// Crank throw, wheel radius and pin radius, mm, of an arm that follows the pin [default: a fixed arm].
-    #[arg(long, value_name = "R,RS,RW", value_parser = arm, allow_hyphen_values = true)]
+    #[arg(long, value_name = "R,RS,RW", value_parser = arm, allow_hyphen_values = true, help_heading = "Probes")]
     arm: Option<Lengths>,
     /// Cut-off of the Gaussian filter in undulations per revolution: 15, 50, 150 or 500 [default: no filter].
     #[arg(long, value_name = "UPR")]

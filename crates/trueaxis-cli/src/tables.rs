@@ -11,9 +11,44 @@ use std::path::PathBuf;
 use trueaxis::Axis;
 use trueaxis_tables::formats::{ExportOptions, Loss};
 
+pub(crate) const EXAMPLE: &str = "\
+Example:
+  trueaxis tables check compensation-tables/mill-3axis";
+
+const COMPILE: &str = "\
+Example:
+  trueaxis tables compile compensation-tables/mill-3axis -o mill.tcomp";
+
+const SHOW: &str = "\
+Example:
+  trueaxis tables show crates/trueaxis/tests/data/mill-3axis.tcomp";
+
+const IMPORT: &str = "\
+Example:
+  trueaxis tables import --from iso230-2 --axis X \\
+      compensation-tables/mill-3axis/x-iso230-2.csv -o mymill";
+
+const EXPORT: &str = "\
+Example:
+  trueaxis tables export --to isg compensation-tables/head-5axis -o head.csv";
+
+const ACCURACY: &str = "\
+Example:
+  trueaxis tables accuracy compensation-tables/mill-3axis/x-iso230-2.csv";
+
+const MEASURED: &str = "\
+MEASURED.csv has the columns X_mm,run,direction,deviation_um: one row for each approach, direction + or −. Or it has \
+a row for each target and a column for each run: X_mm,+1,-1,+2,-2,… or X_mm,fwd_1_um,rev_1_um,… (µm; µrad for a \
+rotary axis).
+
+--instrument M gives the figures bands, from the keys of [uncertainty] in M (ISO/TR 230-9):
+  device_um_per_m, device_um, misalignment_mm, temperature_k, eve_um
+  expansion_um_per_m_k, temperature_difference_k";
+
 #[derive(Subcommand)]
 pub(crate) enum Command {
     /// Check a machine and its tables: refuse errors, warn of doubtful settings.
+    #[command(before_help = EXAMPLE)]
     Check {
         /// machine.toml or its folder.
         #[arg(value_name = "M")]
@@ -26,7 +61,7 @@ pub(crate) enum Command {
         json: bool,
     },
     /// Compile a machine into the file that a controller loads.
-    #[command(after_help = "Example: trueaxis tables compile compensation-tables/mill-3axis -o mill.tcomp")]
+    #[command(before_help = COMPILE)]
     Compile {
         /// machine.toml or its folder.
         #[arg(value_name = "M")]
@@ -39,6 +74,7 @@ pub(crate) enum Command {
         output: PathBuf,
     },
     /// Show the content of a compiled file.
+    #[command(before_help = SHOW)]
     Show {
         /// The compiled file.
         #[arg(value_name = "T.tcomp")]
@@ -48,10 +84,10 @@ pub(crate) enum Command {
         json: bool,
     },
     /// Find the best nine tables of a machine with angular errors, and the error that they leave.
-    #[command(after_help = collapse::HELP)]
+    #[command(before_help = collapse::EXAMPLE, after_help = collapse::HELP)]
     Collapse(collapse::Arguments),
     /// Read another control's compensation file into machine.toml and axis tables.
-    #[command(after_help = convert::FORMATS)]
+    #[command(before_help = IMPORT, after_help = convert::FORMATS)]
     Import {
         /// Format of the file.
         #[arg(long, value_name = "FORMAT")]
@@ -80,7 +116,7 @@ pub(crate) enum Command {
         new: bool,
     },
     /// Write a machine's tables in another control's format.
-    #[command(after_help = convert::FORMATS)]
+    #[command(before_help = EXPORT, after_help = convert::FORMATS)]
     Export {
         /// The format.
         #[arg(long, value_name = "FORMAT")]
@@ -105,11 +141,7 @@ pub(crate) enum Command {
         output: PathBuf,
     },
     /// Evaluate a measured axis after ISO 230-2: A, E, R, M, B.
-    #[command(after_help = "MEASURED.csv: X_mm,run,direction,deviation_um; one row per approach, direction + or −.\n\
-        Or a row per target and a column per run: X_mm,+1,-1,+2,-2,… or X_mm,fwd_1_um,rev_1_um,… (µm; of a rotary axis µrad).\n\n\
-        --instrument M: bands of the figures, from [uncertainty] of M: device_um_per_m, device_um, misalignment_mm,\n\
-        temperature_k, expansion_um_per_m_k, temperature_difference_k, eve_um (ISO/TR 230-9).\n\n\
-        Example: trueaxis tables accuracy compensation-tables/mill-3axis/x-iso230-2.csv --machine compensation-tables/mill-3axis")]
+    #[command(before_help = ACCURACY, after_help = MEASURED)]
     Accuracy {
         /// Measured deviations.
         #[arg(value_name = "MEASURED.csv")]

@@ -11,20 +11,34 @@ use trueaxis_columns::{Column, Form, Kind, Value, Writer};
 use trueaxis_evaluation::received::notes;
 use trueaxis_recording::Received;
 use trueaxis_tables::output::Outputs;
-use trueaxis_tables::text::counted;
+use trueaxis_tables::text::{self, counted};
+
+pub(crate) const EXAMPLE: &str = "\
+Example:
+  trueaxis tables compile compensation-tables/mill-3axis -o mill.tcomp
+  firmware-sim record --program short-tour --rate-hz 1000 -o run.rec
+  firmware-sim replay run.rec mill.tcomp --telemetry frames.bin -o run.csv
+  trueaxis telemetry frames.bin -o telemetry.parquet";
 
 pub(crate) const HELP: &str = "\
-FRAMES: telemetry of a controller, COBS frames as in docs/telemetry.md, one file or several of one machine.
-Columns are the record's fields: sequence, machine_id, tables_crc, fault (code), fault_axis, status, limited, at_edge; of
-every axis x_command_mm, x_feedback_mm, x_correction_mm and, if any record has it, its dynamic correction; of tip and
-encoder tip_error_mm, tip_normal_mm, tip_binormal_mm, tip_lag_mm, tip_flags; orientation_rad, orientation_flags. Rotary
-axes are in degrees. With several files the column `file` names the one that a row is from.
-Damaged frames are skipped. Their number is printed, and the number of records missing by the sequence.
+FRAMES is telemetry of a controller, COBS frames as in docs/telemetry.md, in one file or several of one machine.
 
-Examples:
-  trueaxis telemetry frames.bin -o telemetry.parquet
-  trueaxis telemetry night/*.bin --axes XYZAC -o night.parquet --revolutions rounds.parquet
-  duckdb -c \"select max(abs(tip_error_mm)) from 'telemetry.parquet' where fault = 0\"";
+The columns are the record's fields:
+  sequence, machine_id, tables_crc, fault (code), fault_axis, status
+  limited, at_edge
+  x_command_mm, x_feedback_mm, x_correction_mm, and so on for every axis
+  tip_error_mm, tip_normal_mm, tip_binormal_mm, tip_lag_mm, tip_flags
+  encoder_error_mm, and so on: the same from the encoders alone
+  orientation_rad, orientation_flags
+Rotary axes are in degrees. If any record has a dynamic correction, its parts are columns of every axis too. With \
+several files the column `file` names the one that a row is from.
+
+Damaged frames are skipped. Notes give their number, and the number of records that are missing by the sequence.
+
+More examples:
+  trueaxis telemetry night/*.bin --axes XYZAC -o night.parquet \\
+      --revolutions rounds.parquet
+  duckdb -c \"select max(abs(tip_error_mm)) from 'night.parquet' where fault = 0\"";
 
 #[derive(Args)]
 pub(crate) struct Arguments {
@@ -90,16 +104,17 @@ fn axes(given: Option<&str>, all: &[(String, Received)]) -> Result<Vec<Axis>> {
     for (other, frame) in frames {
         if frame.machine_id != machine || frame.axes.len() != count {
             bail!(
-                "{other}: found a record of machine {:08x} with {} axes, needed machine {machine:08x} with {count} axes, as at the start of {file}",
+                "{other}: found a record of machine {:08x} with {}, needed machine {machine:08x} with {}, as at the start of {file}",
                 frame.machine_id,
-                frame.axes.len()
+                text::axes(frame.axes.len()),
+                text::axes(count)
             );
         }
     }
     let letters = match given {
         Some(letters) => letters,
         None if count == 3 => "XYZ",
-        None => bail!("--axes: found records of {count} axes, needed their letters, such as XYZAC"),
+        None => bail!("--axes: found records of {}, needed their letters, such as XYZAC", text::axes(count)),
     };
     let axes: Option<Vec<Axis>> =
         letters.chars().map(|letter| Axis::from_letter(letter.to_ascii_uppercase())).collect();

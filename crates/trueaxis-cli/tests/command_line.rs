@@ -572,3 +572,55 @@ fn help_examples_can_be_copied_from_a_narrow_terminal() {
     let (file, _) = shown("calibrate");
     trueaxis_tables::read_toml(&file, Path::new("task.toml"), |_| Ok(())).unwrap();
 }
+
+/// The commands below "Commands:" in a help text.
+#[cfg(unix)]
+fn subcommands(help: &str) -> Vec<String> {
+    let lines = help.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
+    let names = lines.filter_map(|line| line.strip_prefix("  ").filter(|line| !line.starts_with(' ')));
+    names.filter_map(|line| line.split(' ').next()).filter(|name| *name != "help").map(str::to_owned).collect()
+}
+
+/// The help of every command begins with a sentence and an example, which runs in a checkout as it stands.
+#[cfg(unix)]
+#[test]
+fn the_examples_in_help_work() {
+    let repository = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().unwrap();
+    let program = Path::new(TRUEAXIS).parent().unwrap().display();
+    let path = format!("{program}:{}", std::env::var("PATH").unwrap_or_default());
+    let help = |names: &[String]| {
+        let arguments: Vec<&str> = names.iter().map(String::as_str).chain(["--help"]).collect();
+        let folder = Folder::new(TRUEAXIS);
+        String::from_utf8(folder.command(&arguments).env("COLUMNS", "80").output().unwrap().stdout).unwrap()
+    };
+    let mut commands: Vec<Vec<String>> = subcommands(&help(&[])).into_iter().map(|name| vec![name]).collect();
+    let (mut at, mut run) = (0, 0);
+    while let Some(names) = commands.get(at).cloned() {
+        at += 1;
+        let text = help(&names);
+        commands.extend(subcommands(&text).into_iter().map(|name| [&names[..], &[name]].concat()));
+        // A sentence, which may be wrapped, an empty line, the example.
+        let before: Vec<&str> = text.lines().take_while(|line| *line != "Example:").collect();
+        assert!(before.len() < 5 && before.last() == Some(&""), "{names:?}: {text}");
+        let example = text.lines().skip_while(|line| *line != "Example:").skip(1).take_while(|line| !line.is_empty());
+        let script: String = example.map(|line| format!("{line}\n")).collect();
+        assert!(script.lines().all(|line| line.starts_with("  ")) && script.contains(&names.join(" ")), "{script}");
+        // The simulator is another crate's program, and the desk serves until it is interrupted.
+        if script.contains("firmware-sim ") || names == ["desk"] {
+            continue;
+        }
+        let folder = Folder::new(TRUEAXIS);
+        for name in ["compensation-tables", "records", "tests", "crates", "firmware-sim"] {
+            std::os::unix::fs::symlink(repository.join(name), folder.join(name)).unwrap();
+        }
+        let output = std::process::Command::new("sh")
+            .args(["-ec", &script])
+            .current_dir(folder.path())
+            .env("PATH", &path)
+            .output()
+            .unwrap();
+        assert!(output.status.success(), "{script}{}", String::from_utf8_lossy(&output.stderr));
+        run += 1;
+    }
+    assert!(run > 25, "{run} examples");
+}

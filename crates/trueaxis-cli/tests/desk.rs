@@ -219,7 +219,7 @@ mod served {
     fn a_port_that_is_taken_is_refused_where_it_was_asked_for() {
         let taken = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
         let port = taken.local_addr().unwrap().port().to_string();
-        Folder::new(TRUEAXIS).bad(&["desk", "--port", &port], &["--port: found", "which another program serves at"]);
+        Folder::new(TRUEAXIS).bad(&["desk", "--port", &port], &["--port: found", "which another program uses"]);
         // Two desks at once: the second finds the usual port taken.
         let [one, other] = [Desk::open(&[]), Desk::open(&[])];
         assert_ne!(one.port, other.port);

@@ -208,7 +208,7 @@ fn a_record_of_another_machine_writes_nothing() {
     folder.good(&[&call[..], &["forced", "--force"]].concat());
     let text = folder.read("forced/machine.toml");
     assert_eq!(number(&text, "location", "EX0C_um"), row["written"]["value"].as_f64(), "{text}");
-    folder.bad(&[&call[..5], &["--force"]].concat(), &["--force: found no machine that is written"]);
+    folder.bad(&[&call[..5], &["--force"]].concat(), &["--force: found no machine to write"]);
     // A misfit by the stated noise, although most is explained.
     folder.write("bk.csv", record(2.0));
     folder.good(&[&call[..], &["unstated"]].concat());

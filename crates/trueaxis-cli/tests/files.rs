@@ -107,8 +107,8 @@ fn clipped_corrections_are_reported() {
     assert_eq!(directory.reported(&compensate), "");
     assert!(directory.read("t/machine.toml").contains("[axis.Z.limits]\nmagnitude_um = 240"));
     directory.write("t/machine.toml", directory.read("t/machine.toml").replace("= 240", "= 100"));
-    let note = "note: axis Z: the magnitude limit takes up to 100 µm off the correction in 1 position, most at X220 Y100 Z0; \
-                [axis.Z.limits] magnitude_um is 100, 200 lets all of it pass";
+    let note = "note: axis Z: the magnitude limit removes up to 100 µm of the correction in 1 position, most at X220 Y100 Z0; \
+                [axis.Z.limits] magnitude_um is 100, 200 would pass all of it";
     assert_eq!(directory.reported(&compensate).trim(), note);
     let correct = ["correct", "t", "--at", "220,100,0"];
     assert_eq!(directory.reported(&correct).trim(), note);

@@ -325,7 +325,7 @@ fn errors_of_an_axis_go_into_a_machine_by_the_rule_of_all_commands() {
     let [_, stderr] = directory.both(&[&call[..], &["-o", "forced", "--force"]].concat());
     assert!(stderr.contains("forced, the rule writes nothing: misfit: "), "{stderr}");
     assert!(directory.read("forced/c.csv") != before && directory.read("head/c.csv") == before);
-    directory.bad(&[&call[..], &["-o", "own.csv", "--force"]].concat(), &["--force: found no machine that is written"]);
+    directory.bad(&[&call[..], &["-o", "own.csv", "--force"]].concat(), &["--force: found no machine to write"]);
     // A .csv gets the table, to read, also with a machine.
     directory.good(&["identify", "m.csv", "--axis", "C", "--machine", "head", "-o", "own.csv"]);
     assert!(directory.read("own.csv").starts_with("C_deg,EXC_um"));

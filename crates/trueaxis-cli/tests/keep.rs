@@ -308,8 +308,8 @@ fn a_machine_changed_by_hand_is_seen() {
     let (folder, program) = begun(&one_ball());
     folder.write("mill/x.csv", X_CSV.replace(",3", ",4"));
     probe(&folder, &program, Drift { offset_um: [6.0, 0.0, 0.0], ..Drift::default() });
-    folder.bad(&keep("check", &[]), &["mill", "somebody has changed", "entry 1", "--by-hand"]);
-    folder.bad(&keep("apply", &[]), &["somebody has changed"]);
+    folder.bad(&keep("check", &[]), &["mill", "changed by hand", "entry 1", "--by-hand"]);
+    folder.bad(&keep("apply", &[]), &["changed by hand"]);
     folder.good(&keep("apply", &["--by-hand"]));
     folder.good(&["keep", "undo", "keep.toml"]);
     assert_eq!(folder.read("mill/x.csv"), X_CSV.replace(",3", ",4"));
@@ -344,7 +344,7 @@ fn a_command_interrupted_between_history_and_tables_is_reported_and_recorded() {
     near(&term(&again, "offset Z")["to"], -9.1, 0.02);
     // An interruption between the tables: some are new, but machine.toml, which names them, is not.
     folder.write("mill/machine.toml", MACHINE);
-    folder.bad(&keep("check", &[]), &["somebody has changed", "entry 4"]);
+    folder.bad(&keep("check", &[]), &["changed by hand", "entry 4"]);
     folder.good(&["keep", "undo", "keep.toml", "4", "--by-hand"]);
     assert_eq!((folder.read("mill/machine.toml"), folder.read("mill/x.csv")), (MACHINE.into(), X_CSV.into()));
 }

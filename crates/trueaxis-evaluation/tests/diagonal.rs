@@ -219,16 +219,25 @@ fn unreadable_records_are_refused_with_their_line() {
     );
     // One reading of 176 missing: the first of all, the first of another diagonal, one in the middle, the last of a run.
     for (line, message) in [
-        (1, "diagonal 1, run 1, away: found 10 readings and none at X -300, Y -200, Z -250 mm, needed 11"),
-        (45, "diagonal 2, run 1, away: found 10 readings and none at X 300, Y -200, Z -250 mm, needed 11"),
-        (94, "diagonal 3, run 1, away: found 10 readings and none at X 0, Y 0, Z -50 mm, needed 11"),
-        (176, "diagonal 4, run 2, back: found 10 readings and none at X -300, Y -200, Z 150 mm, needed 11"),
+        (
+            1,
+            "diagonal 1, run 1, away: found 10 of 11 readings, none at X -300, Y -200, Z -250 mm, needed the same targets",
+        ),
+        (
+            45,
+            "diagonal 2, run 1, away: found 10 of 11 readings, none at X 300, Y -200, Z -250 mm, needed the same targets",
+        ),
+        (94, "diagonal 3, run 1, away: found 10 of 11 readings, none at X 0, Y 0, Z -50 mm, needed the same targets"),
+        (
+            176,
+            "diagonal 4, run 2, back: found 10 of 11 readings, none at X -300, Y -200, Z 150 mm, needed the same targets",
+        ),
     ] {
         let left: Vec<&str> = lines.iter().enumerate().filter(|(k, _)| *k != line).map(|(_, line)| *line).collect();
         refused(&left.join("\n"), message);
     }
     let run: Vec<&str> = lines.iter().filter(|line| !line.starts_with("2,2,-1,")).copied().collect();
-    refused(&run.join("\n"), "diagonal 2: found 1 run back, needed 2 as of diagonal 1");
+    refused(&run.join("\n"), "diagonal 2: found 1 run back, needed 2 as on diagonal 1");
     refused(&good.replacen(lines[7].rsplit_once(',').unwrap().1, "16000", 1), ":8: column deviation_um: found 16000");
     refused(&good.replacen("\n2,", "\n5,", 1), "column diagonal: found 5, needed 1, 2, 3 or 4");
     refused(&good.replacen("\n1,1,1,", "\n1,1,0,", 1), ":2: column direction: found 0");

@@ -230,7 +230,7 @@ fn terms_that_points_cannot_separate_are_refused_by_name() {
         })
         .map(|line| format!("{line}\n"))
         .collect();
-    refused(&lines, &Options { nodes: Some([2; 3]), ..default.clone() }, "cannot tell apart");
+    refused(&lines, &Options { nodes: Some([2; 3]), ..default.clone() }, "cannot separate");
     let few: String = good.lines().take(20).map(|line| format!("{line}\n")).collect();
     refused(&few, &default, "needed points along every axis");
     let rows: Vec<&str> = good.lines().collect();

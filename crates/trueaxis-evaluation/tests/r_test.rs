@@ -200,8 +200,7 @@ fn a_head_cannot_separate_its_first_axis_from_the_ball() {
     }
     let text = record(&truth, &poses, &[[50.0, -40.0, 10.0]], 0.0);
     let error = format!("{:#}", find(&text, &truth, &Options::default()).unwrap_err());
-    for part in
-        ["r.csv: found poses that cannot tell apart", "EX0C", "EY0C", "EZ0A", "the place of ball 1", "--without"]
+    for part in ["r.csv: found poses that cannot separate", "EX0C", "EY0C", "EZ0A", "the place of ball 1", "--without"]
     {
         assert!(error.contains(part), "{error} without {part}");
     }
@@ -247,7 +246,7 @@ fn bad_records_are_refused_with_their_line() {
     let (head, tail) = lines[7].rsplit_once(',').unwrap();
     refused(&good.replace(&format!("{head},{tail}"), &format!("{head},5000")), "r.csv:8: column dz_um: found 5000");
     let short: String = lines[..4].iter().map(|line| format!("{line}\n")).collect();
-    refused(&short, "needed 3 more than that at least");
+    refused(&short, "needed at least 3 more than unknowns");
     let still: String = lines
         .iter()
         .enumerate()

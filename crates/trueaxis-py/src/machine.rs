@@ -340,7 +340,7 @@ impl Asked {
         let count = self.positions().count();
         if clamped > 0 {
             let all = counted(count, "position");
-            warn(py, &format!("{clamped} of {all} beyond a table's end, where its edge value is clamped"))?;
+            warn(py, &format!("{clamped} of {all} beyond a table's end, where its edge value is used"))?;
         }
         PyArray1::from_vec(py, values).reshape([count, width])
     }

@@ -1,18 +1,18 @@
 """Simulates a control with a probe, a ball and a ring: runs a LinuxCNC probing program and prints its log.
 
-`python3 probing.py PROGRAM.ngc > LOG` wrote desk/tests/probing/probe.log, with the program that `trueaxis calibrate plan`
-wrote for the task beside it. With three offsets, µm, as arguments, the machine has no other errors. begin.log (`0 0 0`) and
-look.log (`6 0 -9`) come from the program that `trueaxis keep plan` wrote for keep.toml.
+`python3 probing.py PROGRAM.ngc > LOG` wrote records/probing/probe.log, with the program that `trueaxis calibrate plan` wrote
+for the task beside it. With three offsets, µm, as arguments, the machine has no other errors. begin.log (`0 0 0`) and look.log
+(`6 0 -9`) come from the program that `trueaxis keep plan` wrote for keep.toml.
 """
 
 import random
 import sys
 from pathlib import Path
 
-HERE = Path(__file__).parents[3] / "desk/tests/probing"
+HERE = Path(__file__).parents[3] / "records/probing"
 TASK = (HERE / "task.toml").read_text(encoding="utf-8")
 KEEP = (HERE / "keep.toml").read_text(encoding="utf-8")
-MACHINE = (HERE / "machine.toml").read_text(encoding="utf-8")
+MACHINE = (HERE / "mill" / "machine.toml").read_text(encoding="utf-8")
 TIP = 3.0 - 0.008  # effective radius, mm
 
 

@@ -73,7 +73,7 @@ def test_a_log_that_cannot_be_used_is_refused_in_the_words_of_the_command(task, 
     text = probing.TASK.replace('[reference]\nartefact = "ball"\nevery = 40\n', "")
     start, ring = text.index("[[artefact]]"), text.index('[[artefact]]\nname = "ring"')
     alone.write_text(text[:start] + text[ring:])
-    assert "a set-up that cannot tell apart" in refused(lambda: trueaxis.calibrate_plan(alone))
+    assert "a set-up that cannot separate" in refused(lambda: trueaxis.calibrate_plan(alone))
 
 
 def warm_up():

@@ -124,7 +124,7 @@ def test_bad_reprobings_are_refused_in_the_words_of_the_command(folder):
     assert "no update since the beginning" in refused(lambda: trueaxis.keep_undo(task))
     assert tree(folder) == before
     (folder / "mill" / "machine.toml").write_text(probing.MACHINE + "# by hand\n")
-    assert "somebody has changed" in refused(lambda: trueaxis.keep_apply(task, log))
+    assert "changed by hand" in refused(lambda: trueaxis.keep_apply(task, log))
     with pytest.warns(UserWarning, match="used as they are"):
         assert trueaxis.keep_apply(task, log, by_hand=True)["applied"]
     (folder / "mill" / "keep" / "history.jsonl").unlink()

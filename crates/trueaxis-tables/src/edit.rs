@@ -36,7 +36,7 @@ impl Imported {
             if current.uncertainties.of(*axis).is_some_and(|own| own.columns.iter().any(Option::is_some)) {
                 let letter = axis.letter();
                 edited.notes.push(format!(
-                    "axis {letter}: [axis.{letter}.uncertainty] stays, though it was stated of the table before"
+                    "axis {letter}: [axis.{letter}.uncertainty] stays, though it was stated for the previous table"
                 ));
             }
             let section = section(&mut document, *axis, &origin)?;
@@ -133,7 +133,7 @@ fn add_grid(
     let axes: Vec<Axis> = grid.header().letters().collect();
     let mut stays = current.grids.iter().enumerate().filter(|(index, _)| !replaced.numbers.contains(index));
     if let Some((_, old)) = stays.find(|(_, old)| old.axes == axes) {
-        let needed = "a machine without a grid over these axes, as the two would add up: take the old one out of this file first";
+        let needed = "a machine without a grid over these axes, as the two would add up: remove the old one from this file first";
         return Err(origin.at(old.line, &old.key, format!("the grid {:?}", old.file), needed));
     }
     let free = |number: &usize| {

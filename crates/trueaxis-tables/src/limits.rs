@@ -148,8 +148,8 @@ impl Clipped {
                 .map(|own| format!("{}{}", own.axis.letter(), (cut.at[own.axis.index()] * 1e3).round() / 1e3))
                 .collect();
             Some(format!(
-                "axis {letter}: the magnitude limit takes up to {} {unit} off the correction in {}, most at {}; [axis.{letter}.limits] \
-                 {key} is {}, {} lets all of it pass",
+                "axis {letter}: the magnitude limit removes up to {} {unit} of the correction in {}, most at {}; [axis.{letter}.limits] \
+                 {key} is {}, {} would pass all of it",
                 four_digits((cut.largest - cut.limit) * micro),
                 counted(usize::try_from(cut.count).unwrap_or(usize::MAX), what),
                 at.join(" "),
@@ -197,7 +197,7 @@ pub(crate) fn widened(
         }
         Err(error) => {
             notes.extend(check_limits(&after));
-            notes.push(format!("limits stay as they are, as with higher ones {error}"));
+            notes.push(format!("limits are unchanged, as with higher ones {error}"));
             Ok(text)
         }
     }
@@ -270,8 +270,8 @@ fn set_hysteresis(
         set(section(document, axis, origin)?, name, Value::from(least));
         let default = Figure(key.in_its_unit(error.found));
         notes.push(format!(
-            "{name} of axis {} set to {least}, as it has to be {}; the default is {default}. A reversal by less keeps the errors of \
-             the direction before",
+            "{name} of axis {} set to {least}, as it has to be {}; the default is {default}. A shorter reversal keeps the errors \
+             of the previous direction",
             axis.letter(),
             error.needed
         ));

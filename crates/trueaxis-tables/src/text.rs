@@ -70,6 +70,16 @@ pub fn counted(count: usize, what: &str) -> String {
     if count == 1 { format!("1 {what}") } else { format!("{count} {what}s") }
 }
 
+/// `1 degree of freedom`, `8 degrees of freedom`.
+pub fn degrees_of_freedom(count: usize) -> String {
+    format!("{} of freedom", counted(count, "degree"))
+}
+
+/// `1 axis`, `3 axes`.
+pub fn axes(count: usize) -> String {
+    if count == 1 { "1 axis".to_owned() } else { format!("{count} axes") }
+}
+
 /// A length of an axis in µm, or an angle in µrad, from mm or degrees.
 pub(crate) fn micro(axis: Axis, value: f64) -> f64 {
     if axis.is_rotary() { value.to_radians() * 1e6 } else { value * 1e3 }

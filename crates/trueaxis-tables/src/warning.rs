@@ -169,7 +169,7 @@ impl fmt::Display for Warning {
                 write!(
                     f,
                     "axis {letter}: the table covers {low} to {high} {unit} of a travel of {from} to {to} {unit}; \
-                     beyond its ends the edge value is clamped"
+                     beyond its ends the edge value is used"
                 )
             }
             Warning::NoErrorsStated => f.write_str(
@@ -218,7 +218,7 @@ impl fmt::Display for Warning {
                 write!(
                     f,
                     "grid {number}: its nodes cover {low} to {high} mm of the travel of {letter}, {from} to {to} mm; beyond \
-                     them the edge value is clamped"
+                     them the edge value is used"
                 )
             }
             Warning::SlowRampIn(lost) => {

@@ -91,7 +91,7 @@ fn bad_grids_are_refused_with_their_place() {
     line("X_mm,Y_mm\n", "grid.csv:1:", "at least one, like EZ_um");
     line("X_mm,Y_mm,EZ_um,EZ_um\n", "grid.csv:1: column EZ_um:", "every column once");
     line(&format!("{CSV}100,50,7,0\n"), "grid.csv:6:", "line 5 already has it");
-    line(&CSV.replace("100,50,3,-0.001\n", ""), "grid.csv:", "found 3 of 4 nodes, none at X 100, Y 50");
+    line(&CSV.replace("100,50,3,-0.001\n", ""), "grid.csv:", "found 3 of 4 nodes, the one at X 100, Y 50");
     line(&CSV.replace("100,50,3", "100.0005,50,3"), "grid.csv:5: column X_mm:", "a node at least 0.001 mm from it");
     line(&CSV.replace("100,-50,4", "100,-50,10000.1"), "grid.csv:2: column EZ_um:", "-10000 to 10000 um");
     line(&CSV.replace("100,-50,4", "1e7,-50,4"), "grid.csv:2: column X_mm:", "-1e6 to 1e6 mm");
@@ -122,7 +122,7 @@ fn bad_grids_are_refused_with_their_place() {
         (
             "[[grid]]\naxes = [\"X\", \"Y\"]\ntable = \"grid.csv\"\nmeasured_at_mm = [1, 0, 0]\n",
             "machine.toml:13: key grid.measured_at_mm",
-            "0 of an axis",
+            "0 for an axis",
         ),
         (&format!("{}{}{}{}{}", GRID, GRID, GRID, GRID, GRID), "machine.toml:", "at most 4"),
     ] {
@@ -521,7 +521,7 @@ fn a_bed_mesh_becomes_a_surface() {
     // A second grid over the same axes would add up.
     let grid = import(Format::Grid, "X_mm,Y_mm,EZ_um\n0,0,1\n0,9,1\n9,0,1\n9,9,1\n", Path::new("g.csv"), None).unwrap();
     let error = grid.edit(&Folder::new(there.path()), Path::new("machine.toml")).unwrap_err();
-    assert!(error.to_string().contains("take the old one out"), "{error}");
+    assert!(error.to_string().contains("remove the old one"), "{error}");
 }
 
 /// A re-probed mesh replaces the previous one and reuses its files; a grid with other errors stays.
@@ -701,7 +701,7 @@ fn limits_let_an_import_pass() {
             "limits.magnitude_um of axis X stays at 50, as it is stated, though the corrections reach 400: raise it to 480",
             0.05,
         ),
-        ("joint_mm = [-300.2, 300.2]", "limits stay as they are, as with higher ones", 0.1),
+        ("joint_mm = [-300.2, 300.2]", "limits are unchanged, as with higher ones", 0.1),
     ] {
         let toml = format!("name = \"m\"\nchain = \"w b X Y Z t\"\n[axis.X]\ntravel_mm = [-300.0, 300.0]\n{more}\n");
         let current = Memory::new([("machine.toml", toml)]);
@@ -717,7 +717,8 @@ fn limits_let_an_import_pass() {
 #[test]
 fn a_mesh_above_a_millimetre_is_imported() {
     let imported = mesh(&columns([1.9, 2.0, 2.1], "")).unwrap();
-    let note = "the heights are 2 mm on average: moved into the Z offset of the machine, it leaves 0.1 mm to correct";
+    let note =
+        "the heights are 2 mm on average: with that in the Z offset of the machine, 0.1 mm remain to be corrected";
     assert!(imported.notes.iter().any(|own| own == note), "{:?}", imported.notes);
     let (machine, _) = alone(&imported);
     assert!((modelled::<3>(&machine, [220.0, 100.0, 0.2]).0[2] - 2.1).abs() < 5e-5);

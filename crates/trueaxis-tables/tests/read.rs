@@ -308,7 +308,7 @@ fn bad_machines_are_refused_with_their_line() {
         (chain("w X' C t"), "machine.toml:2: key chain: found \"w X' C t\", needed a prime"),
         (chain("w X' t"), "machine.toml:2: key chain: found \"w X' t\", needed X' Y' Z'"),
         (chain("w X' b C"), "machine.toml:2: key chain: found \"w X' b C\", needed t, the tool"),
-        (chain("w X' b C t t"), "machine.toml:2: key chain: found \"w X' b C t t\", needed nothing behind t"),
+        (chain("w X' b C t t"), "machine.toml:2: key chain: found \"w X' b C t t\", needed nothing after t"),
         (chain("w X' b U t"), "machine.toml:2: key chain: found \"w X' b U t\", needed X Y Z A B C, or t"),
         (axis("[axis.Y]"), "machine.toml:5: key axis.Y: found Y, needed an axis of the chain (X C)"),
         (axis("[axis.U]"), "machine.toml:5: key axis.U: found U, needed an axis of the chain (X C)"),

@@ -271,7 +271,7 @@ fn refusals_by_the_checks_name_their_line() {
         (
             &MACHINE.replace("reset_time_s = 0.006", "reset_time_s = 0.0002"),
             "position_gain_per_s = 110",
-            "key axis.X.drive.position_gain_per_s: found 110, needed a gain at which the drive by itself is stable with its \
+            "key axis.X.drive.position_gain_per_s: found 110, needed a gain at which the drive alone is stable with its \
              other figures",
         ),
         (

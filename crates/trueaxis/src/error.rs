@@ -175,7 +175,7 @@ impl fmt::Display for Fault {
             Fault::FeedbackJump => {
                 "an encoder reading changed more in a cycle than the axis can move, or lies outside its range"
             }
-            Fault::EncoderStuck => "an encoder reading stands still although the axis is commanded to move",
+            Fault::EncoderStuck => "an encoder reading is stuck although the axis is commanded to move",
             Fault::EncoderAlarm => "an encoder interface reports an alarm",
             Fault::LateCycle => {
                 "the cycle came late or early by more than a quarter of its period, or too many came early"
@@ -189,7 +189,7 @@ impl fmt::Display for Fault {
             Fault::BranchChange => "the commanded direction asks the rotary axes to change to their other solution",
             Fault::PeriodMismatch => "the servo period of the host is not the configured one",
             Fault::TablesRefused => "the compensation tables are damaged or made for another machine or version",
-            Fault::CapacityTooSmall => "the compensation tables need more memory than there is",
+            Fault::CapacityTooSmall => "the memory is too small for the compensation tables",
             Fault::AbiMismatch => "host and plugin were built for different versions of the interface",
         })
     }

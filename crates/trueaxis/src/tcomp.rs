@@ -155,10 +155,10 @@ impl fmt::Display for TcompError {
             TcompError::Settings => "the machine settings cannot be decoded",
             TcompError::TableHeader => "the header of a table cannot be decoded",
             TcompError::TableTooLong => "a table is longer than the payload",
-            TcompError::PayloadTooLong => "there are bytes behind the last table",
+            TcompError::PayloadTooLong => "there are bytes after the last table",
             TcompError::MachineId => "the machine id does not belong to the machine's name and chain",
             TcompError::Content(error) => return error.fmt(f),
-            TcompError::WrongMachine => "the file is made for another machine",
+            TcompError::WrongMachine => "the file was made for another machine",
             TcompError::GridHeader => "the header of a grid cannot be decoded",
             TcompError::GridTooLong => "a grid is longer than the payload",
         };

@@ -14,7 +14,7 @@ const WORDS = {
   program: "probe.ngc",
   sample: SAMPLE,
   label: "Machine, probe, artefacts and their places",
-  hint: "or drop them: task.toml; machine.toml with its tables where it is not the machine shown; the log of LinuxCNC, grblHAL, Klipper, or a CSV",
+  hint: "or drop them: task.toml; machine.toml with its tables, unless it is the machine shown; the log of LinuxCNC, grblHAL, Klipper, or a CSV",
   accept: ".toml,.csv,.log,.txt",
   what: "Errors found by probing",
   without: "Run the program; then open the control's log here.",

@@ -260,7 +260,7 @@ export class Plot {
       const cells = this.data.map((column) => column[row]);
       body.append(el("tr", {}, ...cells.map((value) => el("td", { class: "number" }, value === null || value === undefined ? "–" : significant(value, 6)))));
     }
-    const caption = every > 1 ? `${this.options.title}: every ${every}th of ${length} rows` : this.options.title;
+    const caption = every > 1 ? `${this.options.title}: one in ${every} of ${length} rows` : this.options.title;
     this.rows.replaceChildren(el("table", {}, el("caption", {}, caption), el("thead", {}, head), body));
   }
 

@@ -37,7 +37,7 @@ export class Scene {
 
   constructor(host: HTMLElement, options: SceneOptions) {
     const id = unique("scene");
-    this.canvas = el("canvas", { tabindex: 0, role: "img", "aria-label": `${options.label}. Arrow keys turn it, plus and minus bring it nearer or further.`, id });
+    this.canvas = el("canvas", { tabindex: 0, role: "img", "aria-label": `${options.label}. Arrow keys turn it, plus and minus zoom.`, id });
     this.labels = el("div", { class: "labels", "aria-hidden": "true" });
     this.root = el("div", { class: "scene", style: `height:${options.height ?? 420}px` }, this.canvas, this.labels);
     host.append(this.root);

@@ -50,7 +50,7 @@ export class Evaluate {
       const rows = el("div", {}, ...[`Columns: ${columns}`, about].map((text) => el("small", {}, text)));
       this.groups.set(test, group(title, ...own.map((option) => option.root), rows));
     }
-    this.overview = table("Columns of a record", ["test", "columns, those in brackets may be missing", "rows and results"], ALL.map(([, { title, columns, about }]) => [title, columns, about]));
+    this.overview = table("Columns of a record", ["test", "columns; those in brackets may be left out", "rows and results"], ALL.map(([, { title, columns, about }]) => [title, columns, about]));
     this.into = new IntoMachine(desk, "Errors found by the test");
     this.into.root.hidden = true;
     const open = (given: Given[]) => this.take(given);

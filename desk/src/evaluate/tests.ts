@@ -21,7 +21,7 @@ export interface Option {
 
 export interface Described {
   title: string;
-  /** Columns of a record; those in brackets may be missing. */
+  /** Columns of a record; those in brackets may be left out. */
   columns: string;
   about: string;
   /** Whether the test needs the machine shown. */

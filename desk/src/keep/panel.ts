@@ -20,7 +20,7 @@ const WORDS = {
   program: "look.ngc",
   sample: SAMPLE,
   label: "Machine, probe, balls that stay in place, and the terms that may change, with their bounds",
-  hint: "or drop them: keep.toml; machine.toml with its tables where it is not the machine shown; thermal.toml; keep/history.jsonl; the log of a re-probing",
+  hint: "or drop them: keep.toml; machine.toml with its tables, unless it is the machine shown; thermal.toml; keep/history.jsonl; the log of a re-probing",
   accept: ".toml,.csv,.log,.txt,.jsonl",
   what: "Updates of the re-probing",
   without: "Run the program between parts, with the compensation on; then open the control's log here.",

@@ -29,7 +29,7 @@ export function exporting(desk: Desk, editor: Editor): HTMLElement {
     accuracy.set(measured ? `trueaxis tables accuracy ${folder}/${measured.file} --machine ${folder}` : "");
   });
   return section(
-    "Take it along",
+    "Export",
     el(
       "div",
       { class: "row tight" },

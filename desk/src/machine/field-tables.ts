@@ -36,7 +36,7 @@ export function summary(figures: Figures): string {
   if (after) parts.push(`After, ${modelName[figures.model]}: ${sentence(after.worst)}.`);
   if (Object.keys(figures.travel_deg).length > 0)
     parts.push(figures.corrects_orientation && figures.model === "volumetric" ? "The rotary axes turn the tool back." : "The rotary axes are not corrected for the tool's direction.");
-  if (figures.clamped_points > 0) parts.push(`${figures.clamped_points} ${figures.clamped_points === 1 ? "point is" : "points are"} beyond the end of a table, where its edge value holds.`);
+  if (figures.clamped_points > 0) parts.push(`${figures.clamped_points} ${figures.clamped_points === 1 ? "point is" : "points are"} beyond the end of a table, where its edge value is used.`);
   return parts.join(" ");
 }
 
@@ -100,7 +100,7 @@ export class PointsTable {
       lines.push([String(i), ...row.slice(0, 3).map((mm) => cell(mm)), ...row.slice(3, 6).map((um) => cell(um)), cell(sizes[0]), ...row.slice(6).map((um) => cell(um)), cell(sizes[1])]);
     }
     const header = ["Point", "X / mm", "Y / mm", "Z / mm", ...["before", "after"].flatMap((half) => [`ΔX ${half} / µm`, `ΔY ${half} / µm`, `ΔZ ${half} / µm`, `size ${half} / µm`])];
-    const caption = every > 1 ? `Points of the field: every ${every}th of ${count}` : "Points of the field";
+    const caption = every > 1 ? `Points of the field: one in ${every} of ${count}` : "Points of the field";
     this.body.replaceChildren(table(caption, header, lines));
   }
 

@@ -153,7 +153,7 @@ export class Infeed {
     const header = ["run", "roundness / µm", "imprint / µm", "revolutions evaluated", "skipped", "discarded", "cycles limited"];
     const caption = `Mean of the last ${found.averaged_revolutions} revolutions; harmonics ${found.harmonics.join(" to ")} are corrected`;
     const share = el("strong", { "data-value": String(found.imprint_ratio) }, `${fixed(100 * found.imprint_ratio, 1)} %`);
-    const limits = found.limits_exceeded === 0 ? "No correction exceeded a limit" : `In ${found.limits_exceeded} cycles a correction exceeded a limit`;
+    const limits = found.limits_exceeded === 0 ? "No correction exceeded a limit" : `In ${found.limits_exceeded} ${found.limits_exceeded === 1 ? "cycle" : "cycles"} a correction exceeded a limit`;
     this.figures.replaceChildren(
       table(caption, header, [row("without correction", found.uncorrected), row("with correction", found.corrected)]),
       el("p", {}, share, ` of the imprint remains at a gain of ${found.gain}. ${limits}; ${found.cycles} servo cycles a run.`),

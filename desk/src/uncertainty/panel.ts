@@ -48,7 +48,7 @@ export class Position {
     root.append(
       section(
         "Uncertainty of the corrected position",
-        el("p", {}, "The machine.toml states how well tables and settings are known, as standard uncertainties, [uncertainty]. They are carried to the tip by derivatives, and by machines drawn at random."),
+        el("p", {}, "The machine.toml states how well tables and settings are known, as standard uncertainties, [uncertainty]. They are propagated to the tip by derivatives, and by machines drawn at random."),
         el("div", { class: "row" }, ...fields, at.root),
         this.status,
         this.command.root,

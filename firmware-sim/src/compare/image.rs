@@ -85,7 +85,7 @@ const PATIENCE: Duration = Duration::from_secs(300);
 /// # Errors
 /// QEMU is missing or fails, a file does not fit into its region, or the image does not end with success.
 pub fn run(core: Core, elf: &Path, flash: &Flash, folder: &Path) -> Result<Sent> {
-    let scratch = tempfile::tempdir().context("no place for scratch files")?;
+    let scratch = tempfile::tempdir().context("no folder for temporary files")?;
     let exit = emulated(core, elf, flash, scratch.path());
     let mut outputs = Outputs::default();
     outputs.folder(folder)?;
@@ -157,7 +157,7 @@ fn emulated(core: Core, elf: &Path, flash: &Flash, scratch: &Path) -> Result<(Op
 
 /// QEMU separates options by commas; a comma in a file name is doubled.
 fn option(before: &str, path: &Path, behind: &str) -> Result<String> {
-    let path = path.to_str().ok_or_else(|| anyhow!("{}: found a name that is no UTF-8", path.display()))?;
+    let path = path.to_str().ok_or_else(|| anyhow!("{}: found a name that is not UTF-8", path.display()))?;
     Ok(format!("{before}{}{behind}", path.replace(',', ",,")))
 }
 

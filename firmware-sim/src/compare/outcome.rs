@@ -209,7 +209,7 @@ impl Outcome {
                 one.frames_damaged,
                 one.frames_contradicting,
                 one.revolutions,
-                if one.revolutions_equal { "as on the host" } else { "OTHER than on the host" },
+                if one.revolutions_equal { "as on the host" } else { "NOT as on the host" },
                 difference.correction_p99_9_nm,
                 difference.correction_max_nm,
                 difference.contour_p99_9_nm,

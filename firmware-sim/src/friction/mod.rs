@@ -17,12 +17,20 @@ use trueaxis_sim::run::Kind;
 /// Cycles between two updates of the progress bar.
 const STRETCH: u64 = 4096;
 
+const HELP: &str = "\
+The circles have two feeds, each in both directions, and the encoders their subdivisional error, noise and counts. \
+Geometry is corrected in both records; of the dynamic parts only friction is on in the second.
+
+More examples:
+  # Friction alone, with the drives' figures that the machine states:
+  firmware-sim friction --given-drive --json
+  # The record, on the bench:
+  firmware-sim friction --record record.csv
+  trueaxis friction record.csv --axes X,Y";
+
 /// Arguments of `friction`.
 #[derive(Args)]
-#[command(after_help = "Examples:
-  firmware-sim friction                             the sample mill: friction and the drives' figures
-  firmware-sim friction --given-drive --json        friction alone, with the figures that the machine states
-  firmware-sim friction --record record.csv         the record too; then: trueaxis friction record.csv --axes X,Y")]
+#[command(before_help = "Example:\n  firmware-sim friction", after_help = HELP)]
 pub(crate) struct FrictionArgs {
     /// Machine: a machine.toml, its folder, or the name of a sample (mill-3axis, mill-5axis, mill-turn).
     #[arg(long, value_name = "M", default_value = "mill-3axis")]

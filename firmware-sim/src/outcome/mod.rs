@@ -72,7 +72,7 @@ pub fn simulate(
     let mut tallies = run.tallies();
     let full = (tallies.len() == Kind::ALL.len()).then(|| tallies.pop()).flatten();
     let [uncompensated, compensated, servo_only] =
-        <[Tallies; 3]>::try_from(tallies).map_err(|found| anyhow!("{} runs in place of three", found.len()))?;
+        <[Tallies; 3]>::try_from(tallies).map_err(|found| anyhow!("found {} runs, needed three", found.len()))?;
     let (latency, pace) = match timing.paced.then(|| pace(scenario, timing.budget_ns)).transpose()? {
         // The step has no clock, so late cycles of the host must not change its outputs.
         Some((_, _, tallies)) if tallies != compensated => {

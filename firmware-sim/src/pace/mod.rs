@@ -207,7 +207,7 @@ mod tests {
             let needed = if k == 5 || k == 20 { STALL_NS } else { 100_000 };
             assert_eq!(*gap, needed, "after cycle {k}");
         }
-        assert_eq!(begun.last().unwrap() % 100_000, 0, "the phase is kept");
+        assert_eq!(begun.last().unwrap() % 100_000, 0, "the phase does not change");
     }
 
     #[test]

@@ -143,7 +143,7 @@ for kinematics in ("cartesian", "corexy"):
         ("missing", own(out / "none.tcomp"), f"{out / 'none.tcomp'}: No such file or directory; running uncompensated"),
         ("steep", own(tables) + "max_slope: 0.00001\n", "needed at most 0.00001 (max_slope); running uncompensated"),
         ("large", own(tables) + "max_correction: 0.001\n", "needed at most 0.0010 (max_correction); running uncompensated"),
-        ("foreign", own(tables) + "machine_id: 12345678\n", "the file is made for another machine; running uncompensated"),
+        ("foreign", own(tables) + "machine_id: 12345678\n", "the file was made for another machine; running uncompensated"),
     ):
         steps, told = host(f"{kinematics}-{name}", kinematics, START + MOVES, settings)
         if words not in told:

@@ -13,8 +13,18 @@ use trueaxis_evaluation::calibrate::Task;
 use trueaxis_tables::Machine;
 use trueaxis_tables::files::Folder;
 
+pub(crate) const EXAMPLE: &str = "\
+Example:
+  trueaxis calibrate plan records/probing/task.toml -o probe.ngc";
+
+const SOLVE: &str = "\
+Example:
+  trueaxis calibrate solve records/probing/task.toml \\
+      records/probing/probe.log -o calibrated";
+
 pub(crate) const HELP: &str = "\
-TASK.toml names the machine's folder, the control, the probe, and artefacts of known size with the places they are set up at:
+TASK.toml names the machine's folder, the control, the probe, and artefacts of known size with the places they are \
+set up at:
 
   machine = \"mill\"                  # its folder: chain and travels
   dialect = \"linuxcnc\"              # or grblhal, klipper
@@ -31,18 +41,17 @@ TASK.toml names the machine's folder, the control, the probe, and artefacts of k
   [reference]
   artefact = \"ball\"                 # touched again and again against drift
 
-A ring determines scales and squareness of its plane, a ball the tip's radius; a square needs its angle or a second place
-turned over (reversed = true); a ball at several rotary_deg determines centre lines and tilts of rotary axes.
-All keys: docs/calibration.md
-
-Example: trueaxis calibrate plan task.toml -o probe.ngc
-         trueaxis calibrate solve task.toml trueaxis-1a2b3c4d.log -o mill --report out";
+A ring determines scales and squareness of its plane, a ball the tip's radius. A square needs its angle or a second \
+place turned over (reversed = true). A ball at several rotary_deg determines centre lines and tilts of rotary axes.
+All keys: docs/calibration.md";
 
 #[derive(Subcommand)]
 pub(crate) enum Command {
     /// Write the probing program of a task; refuse a task whose places cannot separate the terms.
+    #[command(before_help = EXAMPLE)]
     Plan(PlanArguments),
     /// Turn the log of the program into errors of the machine, and write the machine with them.
+    #[command(before_help = SOLVE)]
     Solve(SolveArguments),
 }
 
@@ -68,7 +77,12 @@ pub(crate) struct SolveArguments {
     #[arg(value_name = "LOG")]
     log: PathBuf,
     /// Folder to write the machine with the errors found into: the task's own, or one without a machine.toml.
-    #[arg(short, value_name = "MACHINE_DIR", required_unless_present = "dry_run")]
+    #[arg(
+        short,
+        value_name = "MACHINE_DIR",
+        required_unless_present = "dry_run",
+        help_heading = "Writing into a machine"
+    )]
     output: Option<PathBuf>,
     #[command(flatten)]
     writing: Writing,

@@ -4,6 +4,7 @@ use anyhow::Result;
 use std::fmt::Write;
 use trueaxis_evaluation::calibrate::Document;
 use trueaxis_report::number::significant;
+use trueaxis_tables::text::degrees_of_freedom;
 
 pub(super) fn table(d: &Document) -> Result<String> {
     let mut text = format!("{} touches on {}", d.touches, d.machine);
@@ -20,11 +21,11 @@ pub(super) fn table(d: &Document) -> Result<String> {
     let um = |value: f64| significant(value, 3);
     writeln!(
         text,
-        "\nsigma of a touch {} µm ({} stated), measured {} µm RMS, {} degrees of freedom, rank {}, condition {}",
+        "\nsigma of a touch {} µm ({} stated), measured {} µm RMS, {}, rank {}, condition {}",
         um(d.sigma_um),
         um(d.repeatability_um),
         um(d.signal_um),
-        d.degrees_of_freedom,
+        degrees_of_freedom(d.degrees_of_freedom),
         d.rank,
         significant(d.condition, 2)
     )?;

@@ -12,22 +12,28 @@ use trueaxis::machine::Axis;
 use trueaxis_evaluation::correct::{self, Found};
 use trueaxis_tables::Warning;
 
+pub(crate) const EXAMPLE: &str = "\
+Example:
+  trueaxis correct compensation-tables/mill-3axis --at 120,-40,-200";
+
 pub(crate) const HELP: &str = "\
-Evaluates the machine's own error model at one position, as the servo step does. Without --at the position is the middle of
-the declared travel of every axis, else the middle of its table, else zero.
+Evaluates the machine's own error model at one position, as the servo step does. Without --at the position is the \
+middle of the declared travel of every axis, else the middle of its table, else zero.
 
-  error of the tip   actual − ideal at the uncorrected command, machine coordinates; below it the share of each axis
-  correction         added to the command so that the tip reaches the position; of rotary axes in degrees
-  command            position + correction
+The table shows:
+  error of the tip: actual − ideal at the uncorrected command
+  of X, of Y …: the share of each axis
+  correction: added to the command so that the tip reaches the position
+  command: position + correction
+All are in machine coordinates; corrections of rotary axes are in degrees.
 
-Two-sided tables and backlash depend on the direction of travel. Beyond the end of a table its edge value is clamped, and a
-note says so. Another says if the step's magnitude limit would reduce the correction.
+Two-sided tables and backlash depend on the direction of travel. Beyond the end of a table its edge value is used, \
+and a note says so. Another note says if the step's magnitude limit would reduce the correction.
 
---json: machine, model, at_mm, error_um, correction_mm, command_mm (each [x, y, z]), contributions [{source, error_um}],
-clamped, out_of_travel, clipped (letters of axes). With rotary axes also at_deg, correction_deg, command_deg (by letter), and with the
-volumetric model error_urad: rotation of the tool about [x, y, z], actual − ideal.
-
-Example: trueaxis correct compensation-tables/mill-3axis --at 120,-40,-200 --direction +x,-y";
+--json prints machine, model, at_mm, error_um, correction_mm, command_mm (each [x, y, z]), contributions [{source, \
+error_um}], clamped, out_of_travel and clipped (letters of axes). With rotary axes it adds at_deg, correction_deg \
+and command_deg (by letter), and with the volumetric model error_urad, the rotation of the tool about [x, y, z], \
+actual − ideal.";
 
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let machine = model::machine(&arguments.machine)?;
@@ -37,7 +43,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let asked = Asked::new(arguments, &machine)?;
     let found: Found = by_axes!(machine.settings.step_axes().count(), correct::at(&machine, &asked.query))?;
     for (letters, what) in [
-        (&found.clamped, "beyond the end of the table: its edge value is clamped"),
+        (&found.clamped, "beyond the end of the table: its edge value is used"),
         (&found.out_of_travel, "outside the declared travel"),
     ] {
         if !letters.is_empty() {

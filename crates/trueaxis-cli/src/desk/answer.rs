@@ -35,7 +35,7 @@ pub(super) fn to(head: &[u8], port: u16, plain: &[u8]) -> Answer {
         );
     }
     if target != "/" {
-        return refusal("404 Not Found", "there is / and nothing else\n");
+        return refusal("404 Not Found", "found another path, needed /\n");
     }
     if !matches!(method, "GET" | "HEAD") {
         return answer("405 Method Not Allowed", &[TEXT, ("Allow", "GET, HEAD")], b"needed GET or HEAD\n");

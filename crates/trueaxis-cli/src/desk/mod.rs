@@ -11,22 +11,28 @@ use anyhow::Result;
 use clap::Args;
 use std::path::PathBuf;
 
+pub(crate) const EXAMPLE: &str = "\
+Example:
+  trueaxis desk";
+
 pub(crate) const HELP: &str = "\
-The desk is one page that works without a network: it runs the code of these commands and of the simulator in the browser, on
-files that are dropped into it and stay on this computer. Its figures are those that the command line prints.
+The desk is one page that works without a network. It runs the code of these commands and of the simulator in the \
+browser, on files that are dropped into it and stay on this computer. Its figures are those that the command line \
+prints.
+  machine: tables plotted and edited, accuracy, volumetric error
+  servo: a part program through the real step against simulated drives
+  helicoid: the five axes of an involute flank, and the tool on it
+  roundness: three probes; profile, spindle, harmonics, probe angles
+  friction: friction and drives from recorded circles
 
-  machine     tables plotted and edited, accuracy after ISO 230-2, volumetric error over the working volume
-  servo       a part program through the real step against simulated drives, settings and faults in motion
-  helicoid    the five axes of an involute flank, and the tool on it
-  roundness   three probes: profile, spindle, harmonics, probe angles
-  friction    friction and drives from recorded circles, the spikes before and after
+The page is served to this computer alone (127.0.0.1) until Ctrl-C; --write writes it to a file that a browser opens \
+from the disk.
 
-It is served to this computer alone (127.0.0.1) until Ctrl-C, or written as a file that a browser opens from the disk.
-
-Examples:
-  trueaxis desk                       open the address that it prints
-  trueaxis desk --port 9000           at that port only
-  trueaxis desk --write desk.html     the page as a file, to keep or to pass on";
+More examples:
+  # At that port only:
+  trueaxis desk --port 9000
+  # The page as a file:
+  trueaxis desk --write desk.html";
 
 #[derive(Args)]
 pub(crate) struct Arguments {

@@ -50,7 +50,7 @@ fn listener(port: Option<u16>) -> Result<TcpListener> {
         (Ok(listener), _) => Ok(listener),
         (Err(_), None) => at(0).context("127.0.0.1: no port is free"),
         (Err(error), Some(port)) if error.kind() == ErrorKind::AddrInUse => {
-            Err(anyhow!("--port: found {port}, which another program serves at, needed a free one (0: any)"))
+            Err(anyhow!("--port: found {port}, which another program uses, needed a free one (0: any)"))
         }
         (Err(error), Some(port)) => Err(error).context(format!("--port: cannot serve at {port}")),
     }

@@ -9,26 +9,38 @@ use std::path::PathBuf;
 use trueaxis_evaluation::points::{COLUMNS, Document, Left, Options, Points, identify, nodes};
 use trueaxis_report::number::significant;
 use trueaxis_tables::output::Outputs;
+use trueaxis_tables::text::degrees_of_freedom;
+
+pub(crate) const EXAMPLE: &str = "\
+Example:
+  trueaxis evaluate points records/tracer.csv \\
+      --machine compensation-tables/mill-3axis";
 
 pub(crate) const HELP: &str = "\
-POINTS.csv: x_mm,y_mm,z_mm,actual_x_mm,actual_y_mm,actual_z_mm[,u_um][,tool_x_mm,tool_y_mm,tool_z_mm], one row a point: the
-commanded position, the coordinates that a tracker, tracer or several of them found (instrument on the workpiece's side, in the
-machine's directions, within 2 mm), their standard uncertainty, and the reflector's offset from the last tool-side frame if
-it differs from the machine's tool_mm. Rotary axes are at zero; points are approached in positive travel.
+POINTS.csv has one row a point, with the columns:
+  x_mm,y_mm,z_mm: the commanded position
+  actual_x_mm,actual_y_mm,actual_z_mm: the measured coordinates
+  u_um: their standard uncertainty
+  tool_x_mm,tool_y_mm,tool_z_mm: reflector from the last tool-side frame
+The last four may be left out. The coordinates are those of a tracker, a tracer or several of them: the instrument \
+is on the workpiece's side, its coordinates are in the machine's directions and within 2 mm of the command. The \
+offset of the reflector is needed if it differs from the machine's tool_mm. Rotary axes are at zero, and points are \
+approached in positive travel.
 
-One least-squares fit finds the 21 errors of X, Y, Z over nodes (the levels of the points, up to 41; else 11) together with the place of
-the instrument. A constant of an error and the slope of a straightness cannot be separated from that: every error is zero at machine
-zero (or the nearest end), straightnesses have no slope, squareness is separate. A rotation that these points see only as a
-translation of its own axis is left at zero and named: a second reflector offset shows it. Points that leave more than that open are
-refused with the names of the errors that they cannot separate; --without omits an angular error. Second differences of the tables
-are held at zero with a thousandth of a reading's weight, which binds nodes without points and moves no other.
-One point in ten is excluded from a first fit; the error that it leaves at those points is the figure to trust.
+One least-squares fit finds the 21 errors of X, Y, Z over nodes (the levels of the points, up to 41; else 11) \
+together with the place of the instrument. A constant of an error and the slope of a straightness cannot be \
+separated from that place: every error is zero at machine zero (or the nearest end), straightnesses have no slope, \
+squareness is separate.
+A rotation that these points see only as a translation of its own axis is left at zero and named: a second reflector \
+offset shows it. Points that leave more than that open are refused, and the errors that they cannot separate are \
+named; --without omits an angular error.
+Second differences of the tables are held at zero with a thousandth of a reading's weight, which binds nodes without \
+points and moves no other. One point in ten is excluded from a first fit; the error that it leaves at those points \
+is the figure to trust.
 
--o writes the machine of --machine with these tables and squarenesses, model volumetric, into a separate folder:
-  trueaxis compensate MACHINE_DIR positions.csv --model volumetric
-then gives back the measured errors without the instrument's placement.
-
-Example: trueaxis evaluate points tracer.csv --machine mill -o mill-measured --report out";
+-o writes the machine of --machine with these tables and squarenesses, model volumetric, into a separate folder. The \
+following command then gives back the measured errors without the instrument's placement:
+  trueaxis compensate MACHINE_DIR positions.csv --model volumetric";
 
 #[derive(Args)]
 pub(crate) struct Arguments {
@@ -104,9 +116,9 @@ fn table(d: &Document) -> Result<String> {
     }
     writeln!(
         text,
-        "\nsigma of a coordinate {} µm, {} degrees of freedom\nrank {} of {} unknowns with {} conventions, condition number {}",
+        "\nsigma of a coordinate {} µm, {}\nrank {} of {} unknowns with {} conventions, condition number {}",
         significant(d.sigma_um, 3),
-        d.degrees_of_freedom,
+        degrees_of_freedom(d.degrees_of_freedom),
         d.rank,
         d.unknowns,
         d.conventions,

@@ -11,18 +11,25 @@ use trueaxis_report::number::significant;
 use trueaxis_tables::output::Outputs;
 use trueaxis_tables::text::counted;
 
+pub(crate) const EXAMPLE: &str = "\
+Example:
+  trueaxis evaluate probing records/ring.csv --feature ring --diameter-mm 50";
+
 pub(crate) const HELP: &str = "\
-RECORD.csv: x_mm,y_mm,z_mm[,run][,spindle_deg], one row a point: position of the centre of the stylus tip when the machine's probe
-triggered, the number of the measurement of the whole feature, the spindle's orientation (constant in a run).
+RECORD.csv has the columns x_mm,y_mm,z_mm[,run][,spindle_deg], one row a point: the position of the centre of the \
+stylus tip when the machine's probe triggered, the number of the run (a measurement of the whole feature), and the \
+spindle's orientation (constant in a run).
 
-  --feature ring     P_FTU,2D: range of the points' distances from the least-squares circle's centre, for every run (36 points)
-  --feature sphere   P_FTU,3D: the same for a sphere (25 points over its half)
-  --feature point    repeatability: range and standard deviation of one point probed again and again (10 times)
-Runs together give the repeatability of the location (range of the centres); spindle orientations the offset e of the tip from the
-spindle's axis, centre(θ) = c + R(θ) e; the calibrated diameter D of the artefact the effective diameter of the tip: D − d in a ring,
-d − D on a sphere (d: diameter through the tip's centres). After ISO 230-10; check its edition for the number and places of the points.
+Every run gives:
+  --feature ring: P_FTU,2D, range of the distances from the fitted centre
+  --feature sphere: P_FTU,3D, the same for a sphere
+  --feature point: range and standard deviation of one point
+The fitted centre is that of the least-squares circle or sphere. ISO 230-10 has 36 points on a ring, 25 over half a \
+sphere and 10 touches of a point; check its edition for their number and places.
 
-Example: trueaxis evaluate probing ring.csv --feature ring --diameter-mm 50.0012 --report out";
+Runs together give the repeatability of the location, the range of the centres. Spindle orientations give the offset \
+e of the tip from the spindle's axis, centre(θ) = c + R(θ) e. The calibrated diameter D of the artefact gives the \
+effective diameter of the tip: D − d in a ring, d − D on a sphere (d: diameter through the tip's centres).";
 
 #[derive(Args)]
 pub(crate) struct Arguments {

@@ -11,21 +11,31 @@ use std::path::PathBuf;
 use trueaxis_evaluation::r_test::{COLUMNS, Document, Options, Record, check, identify};
 use trueaxis_report::number::significant;
 use trueaxis_tables::output::Outputs;
+use trueaxis_tables::text::degrees_of_freedom;
+
+pub(crate) const EXAMPLE: &str = "\
+Example:
+  trueaxis evaluate r-test records/r-test.csv --machine records/trunnion";
 
 pub(crate) const HELP: &str = "\
-RECORD.csv: x_mm,y_mm,z_mm,a_deg,b_deg,c_deg,dx_um,dy_um,dz_um[,ball], one row a pose (ISO 10791-6, tests BK): commanded position
-under RTCP, and how far the tool has moved from the ball on the table, actual − commanded, in machine directions. `ball` numbers the
-balls, if there are several.
+RECORD.csv has the columns x_mm,y_mm,z_mm,a_deg,b_deg,c_deg,dx_um,dy_um,dz_um[,ball], one row a pose (ISO 10791-6, \
+tests BK): the commanded position under RTCP, and how far the tool has moved from the ball on the table, actual − \
+commanded, in machine directions. `ball` numbers the balls, if there are several.
 
-One least-squares fit finds the two offsets and two tilts across every rotary axis that turns (EY0A EZ0A EB0A EC0A, EX0B EZ0B EA0B
-EC0B, EX0C EY0C EA0C EB0C) together with the offset of each ball from its commanded place. The effect of the machine's tables and its other
-errors on the ball is removed first. Poses that cannot separate some of them are refused with their names: turn the axis that carries them, or
-keep some as they are with --without (in a head the first axis' offsets are the ball's own place).
---free-sensor: the nest was not calibrated to the spindle; its zero in the tool's frame is an unknown too.
--o writes the errors found into the machine: its own folder, or another one with a copy of it; values that agree with stated
-ones become their weighted mean. A record that does not fit the machine writes nothing.
+One least-squares fit finds the two offsets and two tilts across every rotary axis that turns, together with the \
+offset of each ball from its commanded place:
+  A: EY0A EZ0A EB0A EC0A
+  B: EX0B EZ0B EA0B EC0B
+  C: EX0C EY0C EA0C EB0C
+The effect of the machine's tables and its other errors on the ball is removed first. Poses that cannot separate \
+some of the errors are refused, and these are named: turn the axis that carries them, or keep some as they are with \
+--without (in a head the first axis' offsets are the ball's own place).
 
-Example: trueaxis evaluate r-test bk1.csv --machine mill-5axis -o mill-5axis-found";
+With --free-sensor the zero of the nest in the tool's frame is an unknown too, for a nest that was not calibrated to \
+the spindle.
+
+-o writes the errors found into the machine: its own folder, or another one with a copy of it. Values that agree \
+with stated ones become their weighted mean. A record that does not fit the machine writes nothing.";
 
 #[derive(Args)]
 pub(crate) struct Arguments {
@@ -45,7 +55,7 @@ pub(crate) struct Arguments {
     #[arg(long)]
     free_sensor: bool,
     /// Folder to write the machine into: its own, or a new one.
-    #[arg(short, long, value_name = "MACHINE_DIR")]
+    #[arg(short, long, value_name = "MACHINE_DIR", help_heading = "Writing into a machine")]
     output: Option<PathBuf>,
     #[command(flatten)]
     writing: Writing,
@@ -110,13 +120,13 @@ fn table(d: &Document) -> Result<String> {
     }
     writeln!(
         text,
-        "\nreadings {} µm RMS, left {} µm RMS, at most {} µm in line {}\nsigma of a coordinate {} µm, {} degrees of freedom, rank {}, condition number {}",
+        "\nreadings {} µm RMS, left {} µm RMS, at most {} µm in line {}\nsigma of a coordinate {} µm, {}, rank {}, condition number {}",
         significant(d.rms_um, 3),
         significant(d.left_rms_um, 3),
         significant(d.left_max_um, 3),
         d.left_max_line,
         significant(d.sigma_um, 3),
-        d.degrees_of_freedom,
+        degrees_of_freedom(d.degrees_of_freedom),
         d.rank,
         significant(d.condition, 3)
     )?;

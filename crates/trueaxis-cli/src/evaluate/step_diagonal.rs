@@ -10,25 +10,38 @@ use std::path::PathBuf;
 use trueaxis_evaluation::diagonal::{COLUMNS, Document, Value, additions, check, read};
 use trueaxis_report::number::significant;
 use trueaxis_tables::output::Outputs;
+use trueaxis_tables::text::degrees_of_freedom;
+
+pub(crate) const EXAMPLE: &str = "\
+Example:
+  trueaxis evaluate step-diagonal records/step-diagonal.csv";
 
 pub(crate) const HELP: &str = "\
-RECORD.csv: diagonal,run,direction,x_mm,y_mm,z_mm,deviation_um, one row a reading: 1 to 4 for the body diagonal, number of the
-run (optional), 1 away from the diagonal's first target or -1 back, commanded position, actual less commanded displacement
-along the beam. Targets on the diagonals alone are a diagonal test; with targets between, reached by one axis after the
-other, it is a step-diagonal (vector) test.
+RECORD.csv has the columns diagonal,run,direction,x_mm,y_mm,z_mm,deviation_um, one row a reading:
+  diagonal: 1 to 4, the body diagonal
+  run: number of the run (may be left out)
+  direction: 1 away from the diagonal's first target, -1 back
+  x_mm,y_mm,z_mm: commanded position
+  deviation_um: actual less commanded displacement along the beam
+Targets on the diagonals alone are a diagonal test. With targets between, reached by one axis after the other, it is \
+a step-diagonal (vector) test.
 
 ISO 230-6, for every diagonal D with the means x↑, x↓ of the runs at its targets:
-  E(D) = max(x↑, x↓) − min(x↑, x↓)    B(D) = max |x↑ − x↓|    M(D): range of (x↑ + x↓)/2    R(D): repeatability
-  E_d, B_d, M_d, R_d: the largest of the four.
+  E(D) = max(x↑, x↓) − min(x↑, x↓)
+  B(D) = max |x↑ − x↓|
+  M(D): range of (x↑ + x↓)/2
+  R(D): repeatability
+  E_d, B_d, M_d, R_d: the largest of the four diagonals
 The slopes of the four diagonals (u: unit vector) give three squarenesses and one scale:
-  slope = u_x² s_x + u_y² s_y + u_z² s_z − u_x u_y C0Y + u_x u_z B0Z − u_y u_z A0Z
-Steps add the shapes of the nine errors EXX … EZZ with their slopes removed. The scales of X, Y, Z depend on how square the flat
-mirror is to each diagonal, by as many ppm as it is µrad off: they are given with --alignment-urad, its standard
-uncertainty, and with the standard error that follows from it.
--o writes the squarenesses into the machine of --machine, or into another folder with a copy of it, if they differ from
-those that it states by more than the uncertainties of both; values that agree become their weighted mean.
+  slope = u_x² s_x + u_y² s_y + u_z² s_z
+          − u_x u_y C0Y + u_x u_z B0Z − u_y u_z A0Z
+Steps add the shapes of the nine errors EXX … EZZ with their slopes removed. The scales of X, Y, Z depend on how \
+square the flat mirror is to each diagonal, by as many ppm as it is µrad off. They are given with --alignment-urad, \
+its standard uncertainty, and with the standard error that follows from it.
 
-Example: trueaxis evaluate step-diagonal record.csv --alignment-urad 20 --report out";
+-o writes the squarenesses into the machine of --machine, or into another folder with a copy of it, if they differ \
+from those that it states by more than two combined standard uncertainties; values that agree become their weighted \
+mean.";
 
 #[derive(Args)]
 #[command(group(clap::ArgGroup::new("decided").args(["dry_run", "force"]).multiple(true).requires("machine")))]
@@ -41,10 +54,10 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "U")]
     alignment_urad: Option<f64>,
     /// Machine to write the squarenesses into.
-    #[arg(long, value_name = "M", requires = "into")]
+    #[arg(long, value_name = "M", requires = "into", help_heading = "Writing into a machine")]
     machine: Option<PathBuf>,
     /// Folder to write the machine into: its own, or a new one.
-    #[arg(short, long, value_name = "MACHINE_DIR", requires = "machine")]
+    #[arg(short, long, value_name = "MACHINE_DIR", requires = "machine", help_heading = "Writing into a machine")]
     output: Option<PathBuf>,
     #[command(flatten)]
     writing: Writing,
@@ -117,8 +130,8 @@ fn table(d: &Document) -> Result<String> {
             let known = steps.scales_ppm.map_or_else(|| "not known".into(), |scales| value(scales[axis], "ppm"));
             writeln!(text, "scale {name}: {known}; {if_aligned} ppm if the mirror is exactly square")?;
         }
-        let (sigma, freedom) = (significant(steps.sigma_um, 3), steps.degrees_of_freedom);
-        writeln!(text, "sigma of a step {sigma} µm, {freedom} degrees of freedom")?;
+        let (sigma, freedom) = (significant(steps.sigma_um, 3), degrees_of_freedom(steps.degrees_of_freedom));
+        writeln!(text, "sigma of a step {sigma} µm, {freedom}")?;
         for shape in &steps.shapes {
             let axis = shape.axis;
             writeln!(

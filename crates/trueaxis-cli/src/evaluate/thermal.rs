@@ -9,21 +9,33 @@ use std::path::PathBuf;
 use trueaxis_evaluation::thermal_test::{COLUMNS, Document, check, read};
 use trueaxis_report::number::significant;
 use trueaxis_tables::output::Outputs;
+use trueaxis_tables::text::counted;
+
+pub(crate) const EXAMPLE: &str = "\
+Example:
+  trueaxis evaluate thermal records/spindle.csv --distance-mm 100";
 
 pub(crate) const HELP: &str = "\
-RECORD.csv: t_s[,position],x1_um,y1_um,z_um,x2_um,y2_um[,ambient_c,spindle_c,machine_c], one row a reading: time, the position of the
-axis that moves (--test axis: 1 for P1, 2 for P2), displacements of the tool from the workpiece, temperatures. Any of the five
-displacements may be missing: x1, y1, z measure at the mandrel's tip, x2, y2 at a distance L above it, towards the spindle.
+RECORD.csv has one row a reading, with the columns:
+  t_s: time
+  position: of the axis that moves (--test axis), 1 for P1, 2 for P2
+  x1_um,y1_um,z_um: displacements of the tool at the mandrel's tip
+  x2_um,y2_um: the same at a distance L above it, towards the spindle
+  ambient_c,spindle_c,machine_c: temperatures
+Displacements are of the tool from the workpiece; any of the five may be missing. Position and temperatures may be \
+left out.
 
-  --test etve      environmental temperature variation error: nothing moves, 4 h at least
-  --test spindle   thermal distortion by the rotating spindle, warm-up and cooling
-  --test axis      thermal distortion by a moving linear axis, at every position
-For X1, Y1, Z, X2, Y2 and the tilts A = −(y2 − y1)/L, B = (x2 − x1)/L (--distance-mm L):
-  range    max − min over the whole test       first    the same in the first period (60 min in ISO 230-3)
-  worst    the largest within any period, and when it begins            end    last less first reading
-`trueaxis thermal` fits a model to such a record; this command gives the test's figures.
+Tests:
+  --test etve: environmental temperature variation, at rest for 4 h or more
+  --test spindle: distortion by the rotating spindle, warm-up and cooling
+  --test axis: distortion by a moving linear axis, at every position
 
-Example: trueaxis evaluate thermal spindle.csv --test spindle --distance-mm 100 --report out";
+For X1, Y1, Z, X2, Y2 and the tilts A = −(y2 − y1)/L, B = (x2 − x1)/L (--distance-mm L) the table shows:
+  range: max − min over the whole test
+  first: the same in the first period (60 min in ISO 230-3)
+  worst, from min: the largest within any period, and when it begins
+  end: last less first reading
+`trueaxis thermal fit` fits a model to such a record; this command gives the test's figures.";
 
 #[derive(Args)]
 pub(crate) struct Arguments {
@@ -82,7 +94,7 @@ fn table(d: &Document) -> Result<String> {
     for place in &d.positions {
         writeln!(text)?;
         if d.positions.len() > 1 {
-            writeln!(text, "position {}, {} readings", place.position, place.readings)?;
+            writeln!(text, "position {}, {}", place.position, counted(place.readings, "reading"))?;
         }
         writeln!(text, "{:<8}{:>10}{:>10}{:>10}{:>12}{:>10}", "", "range", "first", "worst", "from min", "end")?;
         for of in &place.channels {

@@ -13,29 +13,38 @@ use trueaxis::machine::DriveFigures;
 use trueaxis_evaluation::friction::{self, Recording};
 use trueaxis_tables::output::Outputs;
 
+pub(crate) const EXAMPLE: &str = "\
+Example:
+  firmware-sim friction --record record.csv
+  trueaxis friction record.csv --axes X,Y";
+
 pub(crate) const HELP: &str = "\
-RECORD.csv: t_s and for each axis the command sent to its drive and the reading of its encoder, x_cmd_mm,x_mm,y_cmd_mm,y_mm, sampled
-together at an even 500 Hz or more. Circles of two radii or at two feeds, in both directions, whole turns; the record starts
-at rest and stops between the circles. Radii that are not multiples of the encoder's signal period work best.
+RECORD.csv has the column t_s and for each axis the command sent to its drive and the reading of its encoder, \
+x_cmd_mm,x_mm,y_cmd_mm,y_mm, sampled together at an even 500 Hz or more. It has circles of two radii or at two \
+feeds, in both directions, whole turns. The record starts at rest and stops between the circles. Radii that are not \
+multiples of the encoder's signal period work best.
 
-  r  = K_v (c − x) + k_ff c'                        F = F_c (1 + s/(1 + (v/v_s)²)) f
-  v' = K_vp (r − v + 1/τ ∫(r − v) dt) − F − d v     f' = (v − |v| f)/z
-
-The following error of this model along the recorded commands is fitted to the recorded one: F_c/K_vp, s, v_s, z, d/K_vp,
-and K_v, K_vp, τ, k_ff if --machine does not state them. A share, velocity or viscous friction that the record does not
+The model:
+  r = K_v (c − x) + k_ff c'
+  v' = K_vp (r − v + 1/τ ∫(r − v) dt) − F − d v
+  F = F_c (1 + s/(1 + (v/v_s)²)) f
+  f' = (v − |v| f)/z
+Its following error along the recorded commands is fitted to the recorded one: F_c/K_vp, s, v_s, z, d/K_vp, and K_v, \
+K_vp, τ, k_ff if --machine does not state them. A share, velocity or viscous friction that the record does not \
 determine stays at 0, 2 mm/s, 0.
 
-The time in its cycle at which the encoder is read is found if the drive's figures are given. If they are found too, it acts
-like velocity feed-forward, and the uncertainties hold for every reading within half a cycle of its command. --read-after-us
-states it: an encoder read at the end of a cycle of 1 ms has 1000 if commands go evenly to the next, 500 if they are held.
+The time in its cycle at which the encoder is read is found if the drive's figures are given. If they are found too, \
+it acts like velocity feed-forward, and the uncertainties hold for every reading within half a cycle of its command. \
+--read-after-us states it: an encoder read at the end of a cycle of 1 ms has 1000 if commands go evenly to the next, \
+500 if they are held.
 
--o friction.toml: the sections [axis.X.friction] and, if they were found, [axis.X.drive] of a machine.toml, with standard
-errors, to read. -o MACHINE_DIR: the machine of --machine with the values that are written, in its own folder or another one
-with a copy of it. An axis' friction and the drive found with it belong together: all are written if one of them differs from
-its stated value by more than two uncertainties of both, or if no value or no uncertainty is stated; if all agree, their
-means with one weight are written; nothing is written if the spikes do not fit.
+-o friction.toml writes the sections [axis.X.friction] and, if they were found, [axis.X.drive] of a machine.toml, \
+with standard errors, to read. -o MACHINE_DIR writes the machine of --machine, in its own folder or another one with \
+a copy of it. An axis' friction and the drive found with it belong together: all are written if one of them differs \
+from its stated value by more than two combined standard uncertainties, or if no value or no uncertainty is stated; \
+if all agree, their means with one weight are written; nothing is written if the spikes do not fit.
 
-Examples:
+More examples:
   trueaxis friction record.csv --axes X,Y --report out -o friction.toml
   trueaxis friction record.csv --axes X,Y --machine mymill -o mymill";
 

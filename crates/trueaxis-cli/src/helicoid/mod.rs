@@ -2,7 +2,7 @@
 
 mod arguments;
 
-pub(crate) use arguments::{Arguments, HELP};
+pub(crate) use arguments::{Arguments, EXAMPLE, HELP};
 
 use crate::output::{data, json, report_line};
 use crate::report;

@@ -15,30 +15,37 @@ use trueaxis_metrology::identification::Offsets;
 use trueaxis_tables::formats::write_axis_csv;
 use trueaxis_tables::output::Outputs;
 
+pub(crate) const EXAMPLE: &str = "\
+Example:
+  trueaxis identify records/ball-c.csv --axis C";
+
 pub(crate) const HELP: &str = "\
-MEASURED.csv: angle_deg,l_mm,h_mm,dx_um,dy_um,dz_um, one row for each set-up and angle, # comments.
-RTCP holds the centre of a ball while the axis turns; d: how far it has moved (actual − ideal, tool relative to workpiece,
-machine directions). L: how far the ball's centre lies below the intersection of the rotary axes, H: beside it, along +Y
-for A and C, along +X for B, while the measured axis is at 0. C is at 0 while A or B is measured.
+MEASURED.csv has the columns angle_deg,l_mm,h_mm,dx_um,dy_um,dz_um, one row for each set-up and angle. RTCP holds \
+the centre of a ball while the axis turns; d is how far it has moved (actual − ideal, tool relative to workpiece, \
+machine directions). L is how far the ball's centre lies below the intersection of the rotary axes. H is how far it \
+lies beside it, along +Y for A and C, along +X for B, while the measured axis is at 0. C is at 0 while A or B is \
+measured.
 
-  axis C at angle C:   dx = X − L β − H cos C · γ
-                       dy = Y + L α − H sin C · γ
-                       dz = Z + H cos C · α + H sin C · β
-  axis A at angle A:   dx = X + (−L cos A + H sin A) β − (H cos A + L sin A) γ
-                       dy = Y + (L cos A − H sin A) α
-                       dz = Z + (H cos A + L sin A) α
+Axis C at angle C:
+  dx = X − L β − H cos C · γ
+  dy = Y + L α − H sin C · γ
+  dz = Z + H cos C · α + H sin C · β
+Axis A at angle A:
+  dx = X + (−L cos A + H sin A) β − (H cos A + L sin A) γ
+  dy = Y + (L cos A − H sin A) α
+  dz = Z + (H cos A + L sin A) α
+X Y Z α β γ become EXC EYC EZC EAC EBC ECC (EXA … ECA). At least three set-ups (L, H) are needed, not on one line.
 
-X Y Z α β γ become EXC EYC EZC EAC EBC ECC (EXA … ECA). Three set-ups (L, H) at least, not on one line.
---free-offsets: the gauges were zeroed in every set-up. Then ΣX = ΣY = ΣZ = 0 over the angles, and for A the patterns
-β = −k1 cos A + k2 sin A, γ = −k1 sin A − k2 cos A, which no reading can show, are at their minimum norm.
+--free-offsets is for gauges that were zeroed in every set-up. Then ΣX = ΣY = ΣZ = 0 over the angles, and for A the \
+patterns β = −k1 cos A + k2 sin A, γ = −k1 sin A − k2 cos A, which no reading can show, are at their minimum norm.
 
--o c.csv: the errors as the axis' table, to read. -o MACHINE_DIR: the machine of --machine, in its own folder or another one with
-a copy of it; the excess over its table and its location errors is added to that table. The six belong together: all are
-written if one of them differs from its stated value by more than two uncertainties of both; if all agree, their weighted
-share is written; nothing is written if the readings do not fit.
+-o c.csv writes the errors as the axis' table, to read. -o MACHINE_DIR writes the machine of --machine, in its own \
+folder or another one with a copy of it; the excess over its table and its location errors is added to that table. \
+The six belong together: all are written if one of them differs from its stated value by more than two combined \
+standard uncertainties; if all agree, their weighted share is written; nothing is written if the readings do not \
+fit.
 
-Examples:
-  trueaxis identify measured.csv --axis C -o c.csv
+More examples:
   trueaxis identify measured.csv --axis C --machine myhead -o myhead";
 
 #[derive(Args)]

@@ -3,7 +3,7 @@
 use std::fmt::{Error, Write};
 use trueaxis::Axis;
 use trueaxis_evaluation::identify::{Document, names};
-use trueaxis_tables::text::counted;
+use trueaxis_tables::text::{counted, degrees_of_freedom};
 
 /// The result as a text table.
 pub(super) fn table(document: &Document, axis: Axis) -> Result<String, Error> {
@@ -34,14 +34,11 @@ pub(super) fn table(document: &Document, axis: Axis) -> Result<String, Error> {
     for value in names(axis).iter().filter_map(|name| document.expanded_uncertainties.get(&name.to_lowercase())) {
         write!(text, " {:>9.3}", value.as_f64().unwrap_or(f64::NAN))?;
     }
-    writeln!(text, "   (Student's factor, {} degrees of freedom)\n", document.degrees_of_freedom)?;
+    let freedom = degrees_of_freedom(document.degrees_of_freedom);
+    writeln!(text, "   (Student's factor, {freedom})\n")?;
     let worst = document.angles.iter().map(|angle| angle.condition).fold(0.0, f64::max);
     let rank = document.angles.iter().map(|angle| angle.rank).min().unwrap_or(0);
-    writeln!(
-        text,
-        "sigma of a reading  {:.3} µm, {} degrees of freedom",
-        document.sigma_um, document.degrees_of_freedom
-    )?;
+    writeln!(text, "sigma of a reading  {:.3} µm, {freedom}", document.sigma_um)?;
     writeln!(text, "rank                {rank} of 6 at every angle, condition number at most {worst:.2}")?;
     writeln!(text, "location errors     {}", document.location_sentence())?;
     for set_up in &document.set_ups {

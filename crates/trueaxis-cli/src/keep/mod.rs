@@ -12,6 +12,41 @@ use clap::{Args, Subcommand};
 use std::path::PathBuf;
 use trueaxis_evaluation::keep::time;
 
+pub(crate) const EXAMPLE: &str = "\
+Example:
+  trueaxis keep plan records/probing/keep.toml -o look.ngc";
+
+const BEGIN: &str = "\
+Example:
+  cp -r records/probing trial
+  trueaxis keep begin trial/keep.toml trial/begin.log";
+
+const CHECK: &str = "\
+Example:
+  cp -r records/probing trial
+  trueaxis keep begin trial/keep.toml trial/begin.log
+  trueaxis keep check trial/keep.toml trial/look.log";
+
+const APPLY: &str = "\
+Example:
+  cp -r records/probing trial
+  trueaxis keep begin trial/keep.toml trial/begin.log
+  trueaxis keep apply trial/keep.toml trial/look.log";
+
+const UNDO: &str = "\
+Example:
+  cp -r records/probing trial
+  trueaxis keep begin trial/keep.toml trial/begin.log
+  trueaxis keep apply trial/keep.toml trial/look.log
+  trueaxis keep undo trial/keep.toml";
+
+const HISTORY: &str = "\
+Example:
+  cp -r records/probing trial
+  trueaxis keep begin trial/keep.toml trial/begin.log
+  trueaxis keep apply trial/keep.toml trial/look.log
+  trueaxis keep history trial/keep.toml";
+
 pub(crate) const HELP: &str = "\
 KEEP.toml names the machine, the probe, balls that stay in place, and the terms that may change, with their bounds:
 
@@ -50,22 +85,30 @@ One round, by a script of the control after every so many parts:
   trueaxis keep check keep.toml trueaxis-1a2b3c4d.log
   trueaxis keep apply keep.toml trueaxis-1a2b3c4d.log
 
-Exit code 0: done, or nothing to do; 3: a term is out of its bounds, nothing is written and a person has to decide; 2: bad input.
-The history is in keep/history.jsonl of the machine's folder, replaced files are in keep/NUMBER. docs/calibration.md";
+Exit code 0: done, or nothing to do; 3: a term is out of its bounds, nothing is written and a person has to decide; \
+2: bad input.
+The history is in keep/history.jsonl in the machine's folder, replaced files are in keep/NUMBER. The guide is \
+docs/calibration.md.";
 
 #[derive(Subcommand)]
 pub(crate) enum Command {
     /// Write the probing program, which runs without a pause, and print the expected standard error of every term.
+    #[command(before_help = EXAMPLE)]
     Plan(PlanArguments),
     /// Evaluate the first re-probing, with which all later ones are compared; the machine is not changed.
+    #[command(before_help = BEGIN)]
     Begin(ReprobingArguments),
     /// Show what this log would change, without writing anything except the report.
+    #[command(before_help = CHECK)]
     Check(CheckArguments),
     /// Apply the changes if every one is within its bounds, and record them in the history.
+    #[command(before_help = APPLY)]
     Apply(CheckArguments),
     /// Restore the machine's files as they were before an entry of the history.
+    #[command(before_help = UNDO)]
     Undo(UndoArguments),
     /// Print the history.
+    #[command(before_help = HISTORY)]
     History(HistoryArguments),
 }
 

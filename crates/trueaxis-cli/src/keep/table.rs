@@ -14,13 +14,17 @@ pub(super) fn put(document: &Document, as_json: bool) -> Result<()> {
 fn table(d: &Document) -> Result<String> {
     let mut text =
         format!("{}: entry {}, {} touches, {} µm each\n\n", d.machine, d.entry, d.touches, significant(d.sigma_um, 2));
-    writeln!(text, "{:<14} {:>22}   {:>10} {:>10}", "", "left by the tables", "in all", "then")?;
+    if !d.terms.is_empty() {
+        writeln!(text, "{:<14} {:>22}   {:>10} {:>10}", "", "left by the tables", "in all", "then")?;
+    }
     for term in &d.terms {
         let found = format!("{} ± {}", significant(term.value, 3), significant(term.standard_error, 2));
         let (from, to) = (significant(term.from, 3), significant(term.to, 3));
         writeln!(text, "{:<14} {found:>17} {:<5} {from:>10} {to:>10}   {}", term.name, term.unit, term.in_words())?;
     }
-    text.push('\n');
+    if !d.terms.is_empty() {
+        text.push('\n');
+    }
     for ball in &d.balls {
         let [x, y, z] = ball.centre_mm;
         let error = ball.standard_error_um.iter().copied().fold(0.0, f64::max);

@@ -18,10 +18,10 @@ pub(crate) struct Common {
     pub(super) input: PathBuf,
     /// A tool on the tool axis: distance from its tip to the origin of the last tool-side frame (on a swivelling head the
     /// pivot length), mm [default: the machine's tool_mm].
-    #[arg(long, value_name = "L", conflicts_with = "tool_mm")]
+    #[arg(long, value_name = "L", conflicts_with = "tool_mm", help_heading = "Tool")]
     pub(super) tool_length_mm: Option<f64>,
     /// Tip from the last tool-side frame at all axes zero, mm [default: the machine's tool_mm].
-    #[arg(long, value_name = "X,Y,Z", value_parser = triple, allow_hyphen_values = true)]
+    #[arg(long, value_name = "X,Y,Z", value_parser = triple, allow_hyphen_values = true, help_heading = "Tool")]
     pub(super) tool_mm: Option<[f64; 3]>,
     /// Print one JSON document.
     #[arg(long)]

@@ -35,20 +35,20 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     pub(super) common: Common,
     /// Pose of the rotary axes.
-    #[arg(long, value_enum, default_value = "nearest")]
+    #[arg(long, value_enum, default_value = "nearest", help_heading = "Rotary axes")]
     branch: BranchChoice,
     /// Write both poses, two rows for each row of the input.
-    #[arg(long, conflicts_with_all = ["branch", "max_step_deg"])]
+    #[arg(long, conflicts_with_all = ["branch", "max_step_deg"], help_heading = "Rotary axes")]
     both: bool,
     /// Angles of the machine's rotary axes before the first row, in the order A, B, C, degrees [default: zero].
-    #[arg(long, value_name = "DEG,…", value_parser = numbers, allow_hyphen_values = true)]
+    #[arg(long, value_name = "DEG,…", value_parser = numbers, allow_hyphen_values = true, help_heading = "Rotary axes")]
     start: Option<Numbers>,
     /// Hold or guide the axis nearest the workpiece within this angle of the singular pose, 0 … 45 degrees [default: the
     /// machine's].
-    #[arg(long, value_name = "D")]
+    #[arg(long, value_name = "D", help_heading = "Rotary axes")]
     singular_cone_deg: Option<f64>,
     /// Refuse a change of branch (except through the singular pose) and a larger step of a rotary axis between two rows.
-    #[arg(long, value_name = "DEG")]
+    #[arg(long, value_name = "DEG", help_heading = "Rotary axes")]
     max_step_deg: Option<f64>,
 }
 
@@ -85,7 +85,12 @@ pub(super) fn run(arguments: &Arguments, settings: &MachineSettings) -> Result<(
     let is_tool = |name: &String| TOOL_COLUMNS.contains(&name.as_str());
     let ignored: Vec<&str> = rows.header.iter().filter(|name| !is_tool(name)).map(String::as_str).collect();
     if !ignored.is_empty() {
-        report_line(format_args!("note: {}: columns {} are not read", common.input.display(), ignored.join(", ")));
+        let (file, names) = (common.input.display(), ignored.join(", "));
+        if ignored.len() == 1 {
+            report_line(format_args!("note: {file}: column {names} is not read"));
+        } else {
+            report_line(format_args!("note: {file}: columns {names} are not read"));
+        }
     }
     let kept: Vec<bool> = rows.header.iter().map(is_tool).collect();
     let names = rows.header.iter().filter(|name| is_tool(name)).cloned();

@@ -15,22 +15,28 @@ use trueaxis_evaluation::learn::{COLUMNS, Record};
 use trueaxis_metrology::learning::{DEFAULT_CUTOFF_MM, DEFAULT_FORGET, DEFAULT_GAIN, Law, Lesson};
 use trueaxis_tables::output::Outputs;
 
+pub(crate) const EXAMPLE: &str = "\
+Example:
+  firmware-sim run --program short-tour --record part1.csv
+  trueaxis learn part1.csv -o part1.tlearn";
+
 pub(crate) const HELP: &str = "\
-RECORD.csv: one part, cycle by cycle, three comments before the header:
-  # program_id = 1a2b3c4d      CRC-32 of the path, hexadecimal (docs/learning.md)
-  # machine_id = 5e6f7a8b      CRC-32 of name and chain, hexadecimal, as in a .tcomp
-  # length_mm = 1234.567890    path length of the program
+RECORD.csv is one part, cycle by cycle, with three comments before the header:
+  # program_id = 1a2b3c4d
+  # machine_id = 5e6f7a8b
+  # length_mm = 1234.567890
   s_mm,ex_um,ey_um,ez_um,measured
-s_mm: path length of the reference; ex_um…: contour error, tip − foot, machine directions; measured (may be left out): 1, or
-0 if there is none (rapid motion, search of the foot, fault).
+The identifiers are CRC-32, hexadecimal: of the path (docs/learning.md), and of name and chain, as in a .tcomp. The \
+length is that of the program's path. s_mm is the path length of the reference; ex_um … the contour error, tip − \
+foot, in machine directions; measured (may be left out) is 1, or 0 if there is no error (rapid motion, search of the \
+foot, fault).
 
-  u <- f u − L Q e      f --forget, L --gain, Q a Gaussian low-pass without phase, half at --cutoff-mm
-
-u: correction over path length for the next part, for which --table gives the part before. The remainder of an error falls by
-|f − L Q P| a part, P the response of drives and contour feedback; below 1 for 0 < L P < 2.
-`predicted` takes P for 1.
-
-Example: trueaxis learn part2.csv --table part1.tlearn -o part2.tlearn";
+The law:
+  u <- f u − L Q e
+f is --forget, L is --gain, Q is a Gaussian low-pass without phase, half at --cutoff-mm. u is the correction over \
+path length for the next part; --table gives that of the part before. The remainder of an error falls by |f − L Q P| \
+a part, with P the response of drives and contour feedback; this is below 1 for 0 < L P < 2. `predicted` takes P for \
+1.";
 
 #[derive(Args)]
 pub(crate) struct Arguments {

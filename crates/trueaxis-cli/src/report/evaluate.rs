@@ -17,7 +17,7 @@ pub(crate) fn page(source: &str, shown: &Shown) -> String {
         page = page.section(plots[0].section, figures(plots));
     }
     if let Some(map) = &shown.map {
-        page = page.section("Where it is left", map.figure());
+        page = page.section("Residuals over X and Y", map.figure());
     }
     for own in others {
         page = page.section(own.caption, table(own));

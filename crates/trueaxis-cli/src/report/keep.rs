@@ -7,7 +7,7 @@ use trueaxis_report::{Page, Row, Table, summary};
 
 /// The whole page: the entries, and the latest re-probing.
 pub(crate) fn page(machine: &str, entries: &[Entry], document: Option<&Document>) -> String {
-    let count = format!("{} entries", entries.len());
+    let count = if entries.len() == 1 { "1 entry".to_owned() } else { format!("{} entries", entries.len()) };
     let mut page = Page::new("A machine that keeps itself true").top(summary([html! { (machine) }, html! { (count) }]));
     if let Some(document) = document {
         let terms = document.terms.iter().map(|term| {
@@ -17,7 +17,10 @@ pub(crate) fn page(machine: &str, entries: &[Entry], document: Option<&Document>
             Row::new(term.name.clone(), [found, shown(term.from), shown(term.to), bounds, term.in_words()])
         });
         let head = ["term", "left by the tables", "in all", "then", "at most at once, in all", "verdict"];
-        page = page.top(super::warnings(&document.notes)).section("This re-probing", Table::new(head, terms));
+        page = page.top(super::warnings(&document.notes));
+        if !document.terms.is_empty() {
+            page = page.section("This re-probing", Table::new(head, terms));
+        }
     }
     let all = figures(entries);
     if !all.is_empty() {

@@ -65,7 +65,7 @@ fn bands_text(text: &mut String, document: &Document) -> std::fmt::Result {
     if bands.drowned {
         writeln!(
             text,
-            "note: the readings scatter as the instrument alone would: the bands of A, R and B may be too narrow"
+            "note: the readings scatter no more than the instrument alone: the bands of A, R and B may be too narrow"
         )?;
     }
     if let Some(judged) = &document.verdict {

@@ -14,12 +14,14 @@ use trueaxis_tables::formats::machine_files;
 use trueaxis_tables::limits::raise;
 use trueaxis_tables::output::Outputs;
 
-pub(crate) const HELP: &str = "\
-The tables are the least-squares ones over the working volume for one tool and one pose of the rotary axes; the controller's
-own nine-term model evaluates the error that they leave, at other points. A grid of stated size is tried on that error, and
-the last line says whether it is needed; grids of the machine stay.
+pub(crate) const EXAMPLE: &str = "\
+Example:
+  trueaxis tables collapse compensation-tables/mill-5axis -o mill-nine";
 
-Example: trueaxis tables collapse compensation-tables/mill-3axis -o mill-nine --volume -200:200,-150:150,-300:-50";
+pub(crate) const HELP: &str = "\
+The tables are the least-squares ones over the working volume, for one tool and one pose of the rotary axes. The \
+controller's own nine-term model evaluates the error that they leave, at other points. A grid of stated size is \
+tried on that error, and the last line says whether it is needed. Grids of the machine stay.";
 
 #[derive(Args)]
 pub(crate) struct Arguments {
@@ -30,16 +32,40 @@ pub(crate) struct Arguments {
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
     /// Tool tip from the last tool-side frame, mm [default: the machine's tool_mm].
-    #[arg(long, value_name = "X,Y,Z", value_parser = triple, allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "X,Y,Z",
+        value_parser = triple,
+        allow_hyphen_values = true,
+        help_heading = "Working volume"
+    )]
     tool_mm: Option<[f64; 3]>,
     /// Position at which the cross terms are zero, mm [default: the middle of the volume].
-    #[arg(long, value_name = "X,Y,Z", value_parser = triple, allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "X,Y,Z",
+        value_parser = triple,
+        allow_hyphen_values = true,
+        help_heading = "Working volume"
+    )]
     reference_mm: Option<[f64; 3]>,
     /// Working volume, mm; an empty entry: the declared travel, or the table's range.
-    #[arg(long, value_name = "X0:X1,Y0:Y1,Z0:Z1", value_parser = volume, allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "X0:X1,Y0:Y1,Z0:Z1",
+        value_parser = volume,
+        allow_hyphen_values = true,
+        help_heading = "Working volume"
+    )]
     volume: Option<Volume>,
     /// Angles of the rotary axes, degrees [default: zero].
-    #[arg(long, value_name = "A=..,C=..", value_parser = pose, allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "A=..,C=..",
+        value_parser = pose,
+        allow_hyphen_values = true,
+        help_heading = "Working volume"
+    )]
     pose: Option<Pose>,
     /// Nodes along X, Y, Z of the grid to try beside the tables; 0 or 1: not over that axis.
     #[arg(long, value_name = "NX,NY,NZ", value_parser = nodes, default_value = "5,5,5")]

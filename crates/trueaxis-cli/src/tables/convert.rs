@@ -12,20 +12,26 @@ use trueaxis_tables::output::Outputs;
 use trueaxis_tables::{Edited, Machine, Table};
 
 pub(super) const FORMATS: &str = "\
-Formats, and how they store an error E = actual − ideal:
-  linuxcnc    COMP_FILE, type 0 (nominal + E, both directions; mm, degrees) or type 1 (−E). Import distinguishes them by the
-              numbers and refuses a file that could be either; export writes type 0. --comp-file-type sets it; import
-              needs --unit mm or inch, as the machine's LINEAR_UNITS
-  siemens     $AA_ENC_COMP, +E in one direction (mm, degrees); a file with AX1 needs --axis; import needs --unit, and reads
-              $AN_CEC too: sag and angularity, Z over Y is EZY, one table for each direction of travel or for both
-  isg         ISG/Beckhoff volumetric CSV, all six errors (mm, rad; rotary arguments in degrees); chain and offsets as comments;
-              import takes a table over two or three linear axes as a grid
-  iso230-2    measured deviations (µm, µrad), one row per approach, or one per target with a column per run:
-              X_mm,+1,-1,+2,-2,… or X_mm,fwd_1_um,rev_1_um,…
-  bed-mesh    [bed_mesh NAME] of Klipper's printer.cfg, a grid over X and Y: EZ = −height of the bed, with the points that
-              Klipper interpolates between the probed ones (mesh_x_pps, algo); fade_start, fade_end and fade_target of [bed_mesh] (the
-              mesh's mean unless given) become its fade. --mesh names one of several. Read only
-  grid        X_mm,Y_mm[,Z_mm],EX_um,…,EC_urad, +E, a line for every node in any order. Read only";
+How each format stores an error E = actual − ideal:
+
+  linuxcnc: COMP_FILE of type 0 (nominal + E, both directions) or type 1 (−E), mm and degrees. Import distinguishes \
+  the types by the numbers and refuses a file that could be either; export writes type 0; --comp-file-type sets it. \
+  Import needs --unit mm or inch, as the machine's LINEAR_UNITS.
+
+  siemens: $AA_ENC_COMP, +E in one direction, mm and degrees. A file with AX1 needs --axis. Import needs --unit, and \
+  also reads $AN_CEC: sag and angularity (Z over Y is EZY), one table for each direction of travel or for both.
+
+  isg: volumetric CSV of ISG/Beckhoff, all six errors, mm and rad, rotary arguments in degrees; chain and offsets as \
+  comments. Import takes a table over two or three linear axes as a grid.
+
+  iso230-2: measured deviations, µm and µrad; one row for each approach, or one for each target with a column for \
+  each run: X_mm,+1,-1,+2,-2,… or X_mm,fwd_1_um,rev_1_um,…
+
+  bed-mesh: [bed_mesh NAME] of Klipper's printer.cfg, a grid over X and Y, import only. EZ = −height of the bed, \
+  with the points that Klipper interpolates between the probed ones (mesh_x_pps, algo). fade_start, fade_end and \
+  fade_target of [bed_mesh] (the mesh's mean unless given) become its fade. --mesh names one of several.
+
+  grid: X_mm,Y_mm[,Z_mm],EX_um,…,EC_urad, +E, a line for every node in any order, import only.";
 
 /// A format by its name on the command line.
 pub(super) fn format(option: &str, name: &str, comp_file_type: Option<u8>) -> Result<Format> {

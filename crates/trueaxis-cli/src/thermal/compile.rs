@@ -7,13 +7,16 @@ use clap::Args;
 use std::path::PathBuf;
 use trueaxis::tcomp::machine_id;
 use trueaxis_tables::output::Outputs;
-use trueaxis_tables::text::read_text;
+use trueaxis_tables::text::{axes, counted, read_text};
+
+pub(super) const EXAMPLE: &str = "\
+Example:
+  trueaxis thermal compile firmware-sim/cortex-m/machine/thermal.toml \\
+      --machine firmware-sim/cortex-m/machine -o mill.ttherm";
 
 pub(super) const HELP: &str = "\
-The file is for one machine, by its name and structural code; reference temperature and datums must be those of its
-machine.toml. The task replaces [axis.X.thermal] of the machine: a host uses one of them.
-
-Example: trueaxis thermal compile thermal.toml --machine mymill -o mymill.ttherm";
+The file is for one machine, by its name and structural code; reference temperature and datums must be those of its \
+machine.toml. The task replaces [axis.X.thermal] of the machine: a host uses one of them.";
 
 #[derive(Args)]
 pub(crate) struct Arguments {
@@ -39,12 +42,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<()> {
     outputs.put(&arguments.output, &bytes)?;
     outputs.commit()?;
     report_line(format_args!(
-        "{}: {} bytes, machine {} (id {id:08x}), {} sensors, {} axes",
+        "{}: {} bytes, machine {} (id {id:08x}), {}, {}",
         arguments.output.display(),
         bytes.len(),
         machine.settings.name,
-        model.sensors.len(),
-        model.axes.len()
+        counted(model.sensors.len(), "sensor"),
+        axes(model.axes.len())
     ));
     Ok(())
 }

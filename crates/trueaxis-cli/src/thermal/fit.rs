@@ -10,31 +10,42 @@ use trueaxis_evaluation::thermal::{COLUMNS, Found, Recording, settings, written}
 use trueaxis_metrology::thermal::{RATE_K_PER_MIN, Settings};
 use trueaxis_tables::output::Outputs;
 
+pub(crate) const EXAMPLE: &str = "\
+Example:
+  firmware-sim thermal --report out
+  trueaxis thermal fit out/record.csv -o thermal.toml";
+
 pub(super) const HELP: &str = "\
-RECORD.csv: one row a reading of the instrument, in order of time,
-  t_s                  time, s; after a rest of 4 h or more the machine counts as in equilibrium
-  cycle                number of the duty cycle: 3 at least, one of them held out, each uninterrupted
-  T1_c … T16_c         sensors, degrees Celsius
-  spindle_rpm          speed of the spindle
-  ex_um, ey_um, ez_um  drift of the tool relative to the workpiece, actual − ideal, of the axes that were measured; zero
-                       where a cycle begins, or wherever the instrument was set to zero before it
-  x_mm, y_mm, z_mm     axis positions at the measuring point: two positions of an axis separate its slope from its offset
-  tool_mm              length from the spindle's nose to the measuring point: two of them separate tilt from growth
-Visit several points one after the other, every few minutes. Vary speed, coolant and air from cycle to cycle, so that
+RECORD.csv has one row a reading of the instrument, in order of time, with the columns:
+  t_s: time
+  cycle: number of the duty cycle; at least 3, each uninterrupted
+  T1_c … T16_c: sensors, degrees Celsius
+  spindle_rpm: speed of the spindle
+  ex_um,ey_um,ez_um: drift of the axes that were measured
+  x_mm,y_mm,z_mm: axis positions at the measuring point
+  tool_mm: length from the spindle's nose to the measuring point
+After a rest of 4 h or more the machine counts as in equilibrium. One cycle is held out. Drift is of the tool \
+relative to the workpiece, actual − ideal; it is zero where a cycle begins, or wherever the instrument was set to \
+zero before it. Two positions of an axis separate its slope from its offset, two lengths tilt from growth. Visit \
+several points one after the other, every few minutes. Vary speed, coolant and air from cycle to cycle, so that \
 their shares can be separated.
 
-  e = c + Σ_j [O_j(θ_j) + S_j(θ_j) (q − q0)] + Σ_k x_k (G_k + Θ_k L)     θ_j' = (T_j − θ_j)/τ_j     x_k' = (h_k(n) − x_k)/τ
+The model:
+  e = c + Σ_j [O_j(θ_j) + S_j(θ_j) (q − q0)] + Σ_k x_k (G_k + Θ_k L)
+  θ_j' = (T_j − θ_j)/τ_j
+  x_k' = (h_k(n) − x_k)/τ
+Curves are found by least squares, lags by search. A sensor is included if it makes the cycles predict one another \
+better; one that adds nothing to the others is left out. The remaining error is reported for the cycles held out, by \
+the task's own code.
 
-Curves by least squares, lags by search. A sensor is included if it makes the cycles predict one another better; one that
-adds nothing to the others is left out. The remaining error is reported for the cycles held out, by the task's own code.
-Refused: sensors that jump, stick or run together, records in which nothing moves, rows missing for longer than a lag.
-Shorter gaps in an otherwise even record are reported.
+Refused: sensors that jump, stick or run together, records in which nothing moves, rows missing for longer than a \
+lag. Shorter gaps in an otherwise even record are reported.
 
 `trueaxis thermal compile` turns the thermal.toml of -o into a file for the controller.
 
-Examples:
-  trueaxis thermal fit warm-up.csv --report out -o thermal.toml
-  trueaxis thermal fit warm-up.csv --machine mymill --hold-out 3 --without T7 -o mymill/thermal.toml";
+More examples:
+  trueaxis thermal fit warm-up.csv --machine mymill --hold-out 3 --without T7 \\
+      -o mymill/thermal.toml";
 
 #[derive(Args)]
 pub(crate) struct Arguments {

@@ -7,13 +7,15 @@ mod table;
 use anyhow::Result;
 use clap::Subcommand;
 
+pub(crate) use fit::EXAMPLE;
+
 #[derive(Subcommand)]
 pub(crate) enum Command {
     /// Find lags of sensors and curves of growth from a recorded warm-up after ISO 230-3.
-    #[command(after_help = fit::HELP)]
+    #[command(before_help = fit::EXAMPLE, after_help = fit::HELP)]
     Fit(fit::Arguments),
     /// Compile a thermal.toml into the file that the controller's task reads.
-    #[command(after_help = compile::HELP)]
+    #[command(before_help = compile::EXAMPLE, after_help = compile::HELP)]
     Compile(compile::Arguments),
 }
 

@@ -187,7 +187,7 @@ fn halsampler(bytes: &[u8], file: &Path) -> Result<(Vec<Position>, Vec<u32>)> {
             }
             _ => {
                 let needed =
-                    "command and position of the first axis, of the second, or these behind the sample's number";
+                    "command and position of the first axis, of the second, or these after the sample's number";
                 return refused(format!("{:?}", line.trim()), needed);
             }
         }

@@ -179,7 +179,7 @@ impl Calibration {
                 };
                 let name = &self.observed.names[index];
                 warnings.push(format!(
-                    "{name} is found {:.1} {unit} from the stated value, whose uncertainty is {:.1} {unit}",
+                    "{name} differs by {:.1} {unit} from the stated value, whose uncertainty is {:.1} {unit}",
                     factor * away,
                     factor * stated
                 ));

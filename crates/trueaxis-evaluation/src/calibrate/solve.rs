@@ -116,7 +116,7 @@ impl Source<'_> {
                     2 => String::from(", and one more combination"),
                     count => format!(", and {} more combinations", count - 1),
                 };
-                let found = format!("a set-up that cannot tell apart {one}{more}");
+                let found = format!("a set-up that cannot {one}{more}");
                 let needed = "artefacts or places that do (a known size along each of them, a ball for the tip's radius, a \
                               reversal), or fewer unknowns in [solve]";
                 let file = self.task.file.clone();
@@ -148,8 +148,8 @@ fn words(parts: &[(usize, f64)], observed: &Observed) -> String {
         said.iter().take(6).filter_map(|(index, _)| observed.names.get(*index).map(String::as_str)).collect();
     let more = if said.len() > 6 { " and others" } else { "" };
     match names.split_last() {
-        Some((last, [])) => format!("{last} from nothing (no touch sees it)"),
-        Some((last, rest)) => format!("{} and {last}{more}", rest.join(", ")),
+        Some((last, [])) => format!("determine {last}, which no touch sees"),
+        Some((last, rest)) => format!("separate {} and {last}{more}", rest.join(", ")),
         None => String::new(),
     }
 }

@@ -41,8 +41,8 @@ pub fn trips(task: &Task, plan: &Plan, log: &Log, file: &Path) -> Result<Vec<Log
         let id = index + 1;
         let Some(logged) = log.touches.get(&id) else {
             let have = log.touches.len();
-            let found = format!("no touch {id} ({have} of {count} touches are there)");
-            return Err(error(before, found, format!("all {count} touches, {id} behind this line")));
+            let found = format!("no touch {id} ({have} of {count} touches)");
+            return Err(error(before, found, format!("all {count} touches, touch {id} after this line")));
         };
         before = Some(logged.line);
         check(task, touch, id, logged).map_err(|(found, needed)| {
@@ -79,7 +79,7 @@ fn check(task: &Task, touch: &Planned, id: usize, logged: &Logged) -> Result<(),
     let at = |what: &str| format!("touch {id} on {name} tripped {what}");
     if lateral > OFF_LINE {
         let found = at(&format!("{lateral:.3} mm beside its probing move"));
-        return Err((found, "a trip on it: not at rapid, not of another program".into()));
+        return Err((found, "a trip on that move: not at rapid, not of another program".into()));
     }
     if along < AT_START {
         let found = at(&format!("{along:.3} mm after the start of its probing move"));

@@ -53,9 +53,9 @@ pub struct NoCorrection;
 
 impl NoCorrection {
     /// Text after "found" in errors.
-    pub const FOUND: &str = "a pose in which the linear axes cannot take the error away";
+    pub const FOUND: &str = "a pose in which the linear axes cannot correct the error";
     /// Text after "needed" in errors.
-    pub const NEEDED: &str = "linear axes that span space";
+    pub const NEEDED: &str = "three independent directions of the linear axes";
 }
 
 impl fmt::Display for NoCorrection {

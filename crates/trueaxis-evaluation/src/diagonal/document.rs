@@ -212,7 +212,7 @@ fn shape(of: &trueaxis_metrology::diagonal::Shape) -> Shape {
 fn limits(test: &Test, steps: Option<&Steps>) -> Vec<String> {
     let mut limits = vec![
         "slopes of straightness, and angular errors with their levers, are inside the squarenesses: along a body diagonal they \
-         cannot be told apart"
+         cannot be separated"
             .to_owned(),
     ];
     match steps {

@@ -126,8 +126,8 @@ fn whole(rows: &Rows<'_, 7>, lines: &[u32], readings: &[Reading]) -> Result<()> 
             let [x, y, z] = [0, 1, 2].map(|c| (1e6 * (ends[c][0] + way[c] * (ends[c][1] - ends[c][0]))).round() / 1e6);
             let [found, needed] = missing.rows;
             return Err(anyhow!(
-                "{}: diagonal {}, run {run}, {word}: found {found} readings and none at X {x}, Y {y}, Z {z} mm, needed {needed} as \
-                 those of diagonal {}, run {} (line {})",
+                "{}: diagonal {}, run {run}, {word}: found {found} of {needed} readings, none at X {x}, Y {y}, Z {z} mm, needed \
+                 the same targets as on diagonal {}, run {} (line {})",
                 rows.file.display(),
                 diagonal + 1,
                 names[like].0 + 1,
@@ -142,7 +142,7 @@ fn whole(rows: &Rows<'_, 7>, lines: &[u32], readings: &[Reading]) -> Result<()> 
         if let Some(missing) = record::missing(&runs, |one, other| one == other).filter(|_| !absent) {
             let [found, needed] = missing.rows;
             return Err(anyhow!(
-                "{}: diagonal {}: found {} {word}, needed {needed} as of diagonal {}",
+                "{}: diagonal {}: found {} {word}, needed {needed} as on diagonal {}",
                 rows.file.display(),
                 missing.part + 1,
                 counted(found, "run"),

@@ -5,6 +5,7 @@ use super::request::Passes;
 use anyhow::Result;
 use std::fmt::Write;
 use trueaxis_metrology::helicoid::{Branch, Placement};
+use trueaxis_tables::text::counted;
 
 impl Job {
     /// The program in LinuxCNC's dialect: straight moves of all five axes in machine positions.
@@ -126,7 +127,7 @@ fn header(job: &Job) -> Result<String> {
         job.settings.direction_a, job.settings.direction_c
     )?;
     for (name, range) in [("u", job.u), ("theta", job.theta)] {
-        writeln!(text, "({name}: {} to {} rad, {} values)", range.start, range.stop, range.count)?;
+        writeln!(text, "({name}: {} to {} rad, {})", range.start, range.stop, counted(range.count, "value"))?;
     }
     let along = if job.passes == Passes::Theta { "theta" } else { "u" };
     writeln!(text, "(passes along {along}, back and forth, mm and degrees, machine positions, no tool length offset)")?;

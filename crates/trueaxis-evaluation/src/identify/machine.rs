@@ -27,8 +27,8 @@ impl Found {
                 *deviation = std::array::from_fn(|k| deviation[k] - stated[k]);
             }
         }
-        let on_top =
-            solve(&left.test(axis, self.direction), self.offsets).map_err(|refused| anyhow!("on top: {refused}"))?;
+        let on_top = solve(&left.test(axis, self.direction), self.offsets)
+            .map_err(|refused| anyhow!("excess over the machine's table: {refused}"))?;
         let (table, _) = table::table(&left.angles_deg, &on_top)?;
         let rows = aligned_to(&table.rows, machine.rows(axis));
         let (values, errors) = (rms(&on_top, |of| of.0), rms(&on_top, |of| of.1));

@@ -75,7 +75,7 @@ pub fn identify(
         ));
         let beyond = linear_axes::remove(&mut readings, machine, axis, direction, start_mm);
         if beyond.with_context(|| file.to_owned())? {
-            warnings.push("RTCP takes a linear axis beyond its table, where the edge value is clamped".into());
+            warnings.push("RTCP takes a linear axis beyond its table, where the edge value is used".into());
         }
         let mut own = machine.settings.location.rotary.iter().zip([Axis::A, Axis::B, Axis::C]);
         if offsets == Offsets::Known && own.any(|(errors, of)| of == axis && *errors != [0.0; 6]) {

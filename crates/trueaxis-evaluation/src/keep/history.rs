@@ -4,6 +4,7 @@ use super::entry::{BallPlace, Deed, Entry};
 use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
 use trueaxis_tables::error::FileError;
+use trueaxis_tables::text::counted;
 
 /// CRC-32 in hexadecimal.
 pub fn sum(bytes: &[u8]) -> String {
@@ -161,7 +162,11 @@ impl History {
         if let (Some(parts), Some(entry)) = (parts, last(|entry| entry.parts.is_some())) {
             let before = entry.parts.unwrap_or_default();
             if parts < before {
-                let found = format!("{parts} parts, fewer than {before} of entry {}", entry.entry);
+                let found = format!(
+                    "{}, fewer than {before} of entry {}",
+                    counted(usize::try_from(parts).unwrap_or(usize::MAX), "part"),
+                    entry.entry
+                );
                 return Err(self.error(found, "a count that does not go back, or a new beginning"));
             }
         }
@@ -182,15 +187,15 @@ impl History {
         let number = match number {
             Some(number) => number,
             None => *self.in_effect().last().ok_or_else(|| {
-                self.error("no update since the beginning that is in effect", "one that could be taken back")
+                self.error("no update since the beginning that is in effect", "one that can be undone")
             })?,
         };
         let last = self.entries.len() as u32;
         if number > last {
-            return Err(self.error(format!("entry {number} to be taken back"), format!("at most {last}, the last one")));
+            return Err(self.error(format!("entry {number} to undo"), format!("at most {last}, the last one")));
         }
         if number <= begun {
-            let found = format!("entry {number} to be taken back, the beginning or before it");
+            let found = format!("entry {number} to undo, the beginning or before it");
             return Err(self.error(found, format!("one after entry {begun}")));
         }
         Ok(number)

@@ -94,13 +94,13 @@ impl State {
         if now == *before {
             bail!(
                 "{folder}: found tables as before entry {}, which was interrupted before it changed them, needed them as after it: \
-                 `trueaxis keep undo … {} --by-hand` enters that",
+                 `trueaxis keep undo … {} --by-hand` records that",
                 last.entry,
                 last.entry
             );
         }
         bail!(
-            "{folder}: found tables {now}, which somebody has changed, needed {after} as entry {} left them: --by-hand uses \
+            "{folder}: found tables {now}, which were changed by hand, needed {after} as entry {} left them: --by-hand uses \
              them as they are",
             last.entry
         )

@@ -198,7 +198,7 @@ fn read_terms(section: Section<'_>, terms: &mut Vec<Kept>, thermal: bool) -> Res
         if BOUNDS.contains(&found.value) {
             Ok(found)
         } else {
-            Err(section.wrong(&found, format!("0.001 to 1000 {shown}: what is more is a matter for a calibration")))
+            Err(section.wrong(&found, format!("0.001 to 1000 {shown}: a larger change needs a calibration")))
         }
     };
     let update = bound("largest_update", "the largest single update")?;

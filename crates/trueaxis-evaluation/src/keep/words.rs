@@ -28,7 +28,7 @@ pub fn deeds(entries: &[Entry]) -> Vec<String> {
         Deed::Begin => "begin".to_owned(),
         Deed::Unchanged => "re-probing, nothing changed".into(),
         Deed::Update if now.contains(&entry.entry) => "update".into(),
-        Deed::Update => "update, taken back".into(),
+        Deed::Update => "update, undone".into(),
         Deed::Undo => format!("undo, as before entry {}", entry.undone.unwrap_or_default()),
     };
     entries.iter().map(of).collect()

@@ -189,7 +189,9 @@ fn notes(points: &Points, found: &Found) -> Vec<String> {
         ));
     }
     if found.held_out_mm.is_empty() {
-        notes.push("no point is held out: fewer than 60 points, or too few without one in ten".into());
+        notes.push(
+            "no point is held out: the record has fewer than 60 points, or too few remain without one in ten".into(),
+        );
     }
     if found.errors.sigma > 2.0 && points.stated {
         notes.push(format!(

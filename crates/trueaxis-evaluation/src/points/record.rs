@@ -46,7 +46,7 @@ fn lattice(rows: &Rows<'_, 10>, points: &[Point], tools: usize) -> Result<()> {
         let all = (0..plan).map(|k| [levels[0][k % nx], levels[1][k / nx % ny], levels[2][k / nx / ny]]);
         if let Some([x, y, z]) = all.into_iter().find(|at| !there.contains(&at.map(|mm| (mm + 0.0).to_bits()))) {
             return Err(anyhow!(
-                "{}: found {found} points and none at X {x}, Y {y}, Z {z} mm, needed the {plan} of {nx} by {ny} by {nz} levels",
+                "{}: found {found} of {plan} points, none at X {x}, Y {y}, Z {z} mm, needed all of {nx} by {ny} by {nz} levels",
                 rows.file.display()
             ));
         }

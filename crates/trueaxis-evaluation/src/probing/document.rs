@@ -4,6 +4,7 @@ use super::record::{Feature, Measured, Record};
 use crate::diagonal::Value;
 use serde::Serialize;
 use trueaxis_metrology::linear_fit::LinearFit;
+use trueaxis_tables::text::counted;
 
 /// A run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -143,7 +144,7 @@ impl Document {
             Feature::Point => 10,
         };
         if let Some(few) = runs.iter().map(|run| run.points.len()).min().filter(|count| *count < usual) {
-            notes.push(format!("a run has {few} points; ISO 230-10 takes {usual}"));
+            notes.push(format!("a run has {}; ISO 230-10 takes {usual}", counted(few, "point")));
         }
         if tip.is_none() && record.feature != Feature::Point {
             notes.push("the tip's effective diameter needs the calibrated one of the artefact: --diameter-mm".into());

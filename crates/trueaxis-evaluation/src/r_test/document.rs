@@ -85,7 +85,7 @@ impl Document {
             .map(|(reading, left)| (reading.line, left))
             .fold((0, 0.0), |worst, one| if one.1 >= worst.1 { one } else { worst });
         let mut notes = vec![format!(
-            "the linear axes' own errors and the errors not sought are removed, as {} predicts them in positive travel",
+            "the linear axes' own errors and the errors that are not fitted are removed, as {} predicts them in positive travel",
             machine.settings.name
         )];
         if let Some((apart, [first, again])) = record.repeated() {
@@ -107,7 +107,7 @@ impl Document {
             ));
         }
         if found.clamped {
-            notes.push("an axis is beyond its table, where the edge value is clamped".into());
+            notes.push("an axis is beyond its table, where the edge value is used".into());
         }
         Document {
             readings: record.readings.len(),

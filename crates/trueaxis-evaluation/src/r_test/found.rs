@@ -100,7 +100,7 @@ pub fn identify(record: &Record, file: &str, machine: &Machine, options: &Option
         }
     }
     if let Some(unknown) = without.first() {
-        bail!("{file}: --without {unknown}: needed a location error that is sought, as EX0C of a C that turns");
+        bail!("{file}: --without {unknown}: needed a location error that is fitted, such as EX0C of a C that turns");
     }
     let mut known = machine.clone();
     for &(axis, component) in &sought {
@@ -120,7 +120,7 @@ pub fn identify(record: &Record, file: &str, machine: &Machine, options: &Option
     let coordinates = 3 * record.readings.len();
     if coordinates < unknowns + LEAST_FREEDOM {
         bail!(
-            "{file}: found {coordinates} coordinates for {unknowns} unknowns, needed {LEAST_FREEDOM} more than that at least"
+            "{file}: found {coordinates} coordinates for {unknowns} unknowns, needed at least {LEAST_FREEDOM} more than unknowns"
         );
     }
     // The columns are scaled: angles enter by their effect at a typical lever, so that the rank does not depend on units.
@@ -161,7 +161,7 @@ pub fn identify(record: &Record, file: &str, machine: &Machine, options: &Option
             }
         }
         bail!(
-            "{file}: found poses that cannot tell apart {} (rank {} of {unknowns}), needed other angles of the axes that carry these, or some of \
+            "{file}: found poses that cannot separate {} (rank {} of {unknowns}), needed other angles of the axes that carry them, or some of \
              them left as they are (--without)",
             names.join(", "),
             solution.rank

@@ -87,7 +87,7 @@ impl Record {
             let [like, row] = missing.like;
             let ([a, b, c], [found, needed]) = (poses[like][row], missing.rows);
             return Err(anyhow!(
-                "{}: ball {}: found {found} readings and none at A {a}, B {b}, C {c} degrees, needed {needed} as of ball {}",
+                "{}: ball {}: found {found} of {needed} readings, none at A {a}, B {b}, C {c} degrees, needed the same poses as for ball {}",
                 rows.file.display(),
                 balls[missing.part],
                 balls[like]

@@ -89,7 +89,7 @@ fn between_revolutions(separations: &[Separation], expected: f64) -> Option<Stri
     let spread = (apart / (points * (count - 1)) as f64).sqrt();
     (spread > (NOISE * expected).max(SPREAD * profile)).then(|| {
         format!(
-            "the profile differs from revolution to revolution by {} µm RMS, of which the probes' noise makes {} µm: a probe of \
+            "the profile differs from revolution to revolution by {} µm RMS, of which the probes' noise explains {} µm: a probe of \
              wrong polarity or sensitivity lets motion of the spindle into it, or a probe or the part has moved",
             significant(spread, 2),
             significant(expected, 2)

@@ -198,11 +198,12 @@ impl Plan {
         let mut warnings = Vec::new();
         let suppressed: Vec<String> = self.separator.suppressed().map(|k| k.to_string()).collect();
         if !suppressed.is_empty() {
-            warnings.push(format!(
-                "harmonics {} are left out: their noise gain is above {}",
-                suppressed.join(", "),
-                self.noise_gain_limit
-            ));
+            let (numbers, limit) = (suppressed.join(", "), self.noise_gain_limit);
+            warnings.push(if suppressed.len() == 1 {
+                format!("harmonic {numbers} is left out: its noise gain is above {limit}")
+            } else {
+                format!("harmonics {numbers} are left out: their noise gain is above {limit}")
+            });
         }
         if let Some(cut_off) = self.upr {
             let (points, last) = (self.points, self.band.last);
@@ -244,7 +245,7 @@ impl Readings {
             self.probes[0].len() / points,
             match resampling.unused_rows {
                 0 => String::new(),
-                unused => format!("; not used behind the last whole revolution: {}", counted(unused, "row")),
+                unused => format!("; not used after the last whole revolution: {}", counted(unused, "row")),
             }
         ))
     }

@@ -75,7 +75,10 @@ impl fmt::Display for Refused {
             Self::NotFinite { touch } => write!(f, "found a value that is not finite in touch {touch}, needed numbers"),
             Self::NotApart { combinations } => {
                 let count = combinations.len();
-                write!(f, "combinations of unknowns that no touch tells apart: found {count}, needed other places")
+                write!(
+                    f,
+                    "combinations of unknowns that no touch separates: found {count}, needed none: probe other places"
+                )
             }
             Self::Unsettled { touch, residual_mm } => {
                 write!(f, "found touch {touch} {residual_mm:.3} mm off its artefact, needed touches on the artefacts")

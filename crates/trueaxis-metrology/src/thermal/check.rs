@@ -158,7 +158,7 @@ impl fmt::Display for Refused {
         match self {
             Self::Cycles { found } => write!(
                 f,
-                "cycles: found {found}, needed at least {LEAST_CYCLES}: one is held out, the others predict each other"
+                "cycles: found {found}, needed at least {LEAST_CYCLES}: one is held out, and each of the others is predicted from the rest"
             ),
             Self::HeldOut { cycle } => {
                 write!(f, "found no cycle {cycle} to hold out, or fewer than two left for the fit")
@@ -203,7 +203,7 @@ impl fmt::Display for Refused {
             ),
             Self::Condition { found } => write!(
                 f,
-                "found causes that cannot be told apart (condition {found:.1e}), needed cycles in which they differ"
+                "found causes that cannot be separated (condition {found:.1e}), needed cycles in which they differ"
             ),
             Self::Encoding(error) => error.fmt(f),
         }

@@ -137,7 +137,7 @@ impl fmt::Display for Refused {
             }
             Refused::Indistinct { names, rank, unknowns } => write!(
                 f,
-                "found points that cannot tell apart {} (rank {rank} of {unknowns}), needed points all over the volume, not on lines \
+                "found points that cannot separate {} (rank {rank} of {unknowns}), needed points all over the volume, not on lines \
                  or planes only, or these errors left out",
                 names.join(", ")
             ),

@@ -42,6 +42,7 @@ use super::grid_csv::imported;
 use crate::error::FileError;
 use crate::grid::{Grid, GridSource};
 use crate::origin::{Origin, numbered};
+use crate::text::counted;
 use std::path::Path;
 use trueaxis::error::Figure;
 use trueaxis::machine::GRID_NODES;
@@ -151,7 +152,7 @@ pub fn import(text: &str, file: &Path, name: Option<&str>) -> Result<Imported, F
     }
     if between != [0, 0] {
         how += &format!(
-            " and those that Klipper lays between them, {} and {} along X and Y, {by}",
+            " and those that Klipper interpolates between them, {} and {} along X and Y, {by}",
             between[0], between[1]
         );
     }
@@ -166,7 +167,7 @@ pub fn import(text: &str, file: &Path, name: Option<&str>) -> Result<Imported, F
     if mean.abs() >= LARGE_MEAN {
         let left = probed.iter().flatten().fold(0.0, |most: f64, height| most.max((height - mean).abs()));
         notes.push(format!(
-            "the heights are {} mm on average: moved into the Z offset of the machine, it leaves {} mm to correct",
+            "the heights are {} mm on average: with that in the Z offset of the machine, {} mm remain to be corrected",
             Figure(mean),
             Figure(rounded(left))
         ));
@@ -247,7 +248,7 @@ fn heights(mesh: &Section<'_>, [columns, rows]: [usize; 2], origin: &Origin) -> 
     }
     if heights.len() != rows {
         let needed = format!("{rows}, as y_count says");
-        return Err(origin.at(points.line, "points", format!("{} lines of heights", heights.len()), needed));
+        return Err(origin.at(points.line, "points", format!("{} of heights", counted(heights.len(), "line")), needed));
     }
     Ok(heights)
 }

@@ -48,7 +48,7 @@ use crate::grid::Grid;
 use crate::origin::{Origin, numbered};
 use crate::read::grid_table::{self, Node};
 use crate::read::grid_toml::GridReference;
-use crate::text::fixed;
+use crate::text::{counted, fixed};
 use crate::{Machine, Table};
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -166,7 +166,7 @@ fn blocks(text: &str, origin: &Origin) -> Result<Vec<Block>, FileError> {
         }
         let Some(block) = blocks.last_mut() else { continue };
         if fields.len() != block.names.len() {
-            let found = format!("{} values", fields.len());
+            let found = counted(fields.len(), "value");
             return Err(origin.at(
                 line,
                 "",
@@ -289,7 +289,7 @@ fn grid(block: &Block, arguments: &[Axis], origin: &Origin) -> Result<Grid, File
 
 fn location_errors(block: &Block, origin: &Origin, location: &mut LocationErrors) -> Result<(), FileError> {
     let [(line, values)] = block.lines.as_slice() else {
-        let found = format!("{} lines of values without an argument", block.lines.len());
+        let found = format!("{} of values without an argument", counted(block.lines.len(), "line"));
         return Err(origin.at(block.line, "", found, "one line of location errors"));
     };
     for (name, value) in block.names.iter().zip(values) {

@@ -175,7 +175,7 @@ pub fn recognise(text: &str, file: &std::path::Path) -> Result<CompFileType, Fil
     }
     Err(origin.whole(
         format!("errors up to {positions} read as type 0 and {trims} read as type 1 (mm or degrees)"),
-        "numbers that tell the types apart, or the type (--comp-file-type 0 or 1)",
+        "numbers that identify the type, or --comp-file-type 0 or 1",
     ))
 }
 

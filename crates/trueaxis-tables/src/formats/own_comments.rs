@@ -17,6 +17,7 @@ use super::losses::numbers;
 use crate::Machine;
 use crate::error::FileError;
 use crate::origin::{Origin, numbered};
+use crate::text::counted;
 use std::fmt::Write;
 use trueaxis::check;
 use trueaxis::machine::{
@@ -246,7 +247,7 @@ fn list<const N: usize>(item: &Item<'_>, origin: &Origin) -> Result<[f64; N], Fi
     let values = item.value.split_whitespace().map(|text| origin.number(item.line, item.key, text));
     let values = values.collect::<Result<Vec<f64>, FileError>>()?;
     <[f64; N]>::try_from(values)
-        .map_err(|values| origin.at(item.line, item.key, format!("{} numbers", values.len()), format!("{N}")))
+        .map_err(|values| origin.at(item.line, item.key, counted(values.len(), "number"), format!("{N}")))
 }
 
 fn choice<T, const N: usize>(item: &Item<'_>, choices: [(&str, T); N], origin: &Origin) -> Result<T, FileError> {

@@ -42,7 +42,9 @@ fn read_one(section: Section<'_>) -> Result<CrosstalkSettings, FileError> {
         }
         (Some(k), _, _) => return Err(section.wrong(&k, "either a constant, or over and table")),
         (None, Some(over), None) => return Err(section.wrong(&over, "a table beside it")),
-        (None, None, Some(table)) => return Err(section.wrong(&table, "the axis over whose position it is, over = …")),
+        (None, None, Some(table)) => {
+            return Err(section.wrong(&table, "the axis on whose position it depends, over = …"));
+        }
         (None, None, None) => return Err(section.missing_here(key, "a number, or over and table")),
     }
     section.finish(None)?;

@@ -175,7 +175,7 @@ impl<'r> Sheet<'r> {
             return Err(self.origin.at(self.line, name, format!("{field:?}"), AMBIGUOUS));
         }
         if field.contains('.') {
-            return Err(self.origin.at(self.line, name, format!("{field:?}"), "a number without parted thousands"));
+            return Err(self.origin.at(self.line, name, format!("{field:?}"), "a number without thousands separators"));
         }
         let value = self
             .origin

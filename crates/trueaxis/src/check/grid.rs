@@ -34,14 +34,14 @@ fn one(machine: &MachineSettings, grid: &GridData<'_>) -> Result<(), ConfigError
             nodes(grid, slot, axis, along)?;
         } else {
             let unused = *along == GridAxis::default();
-            need(unused, ConfigError::new(Field::GridAxes, slot as f64, "nothing of an axis without nodes").on(axis))?;
+            need(unused, ConfigError::new(Field::GridAxes, slot as f64, "no data of an axis without nodes").on(axis))?;
         }
     }
     given(header.given, &header.scales)?;
     fade(machine, grid)?;
     for ((axis, along), at) in letters.into_iter().zip(&header.axes).zip(header.measured_at_mm) {
         range::LENGTH.check(at, Field::GridMeasuredAt, Some(axis))?;
-        let needed = "0 of an axis over which the grid stands";
+        let needed = "0 for an axis that the grid covers";
         need(!along.is_there() || at == 0.0, ConfigError::new(Field::GridMeasuredAt, at, needed).on(axis))?;
     }
     for (component, values) in grid.extremes().values.into_iter().enumerate() {
@@ -83,7 +83,7 @@ fn given(given: u8, scales: &[f64; 6]) -> Result<(), ConfigError> {
         if is_given {
             range.check(*scale, Field::GridResolution, None)?;
         } else {
-            need(*scale == 0.0, ConfigError::new(Field::GridResolution, *scale, "0 of errors that are not given"))?;
+            need(*scale == 0.0, ConfigError::new(Field::GridResolution, *scale, "0 for errors that are not given"))?;
         }
     }
     Ok(())

@@ -35,7 +35,7 @@ fn axis(settings: &AxisSettings) -> Result<(), ConfigError> {
     if let Some(drive) = &servo.drive {
         let stiffness = servo.friction.as_ref().map_or(0.0, |friction| stiffness(drive, friction));
         let stable = is_stable(drive, 0.0) && is_stable(drive, stiffness);
-        let needed = "a gain at which the drive by itself is stable with its other figures";
+        let needed = "a gain at which the drive alone is stable with its other figures";
         let found = drive.position_gain_per_s;
         need(stable, ConfigError::new(Field::PositionGain, found, needed).on(settings.axis))?;
     }

@@ -114,7 +114,7 @@ impl<R: Real> Chain<R> {
             rotary += 1;
         }
         if linear < 3 {
-            let needed = "X, Y and Z in the chain: the tip is kept in its place by three linear axes";
+            let needed = "X, Y and Z in the chain: three linear axes hold the tip in place";
             return Err(ConfigError::new(Field::Chain, f64::from(linear), needed));
         }
         if let [_, Some(second)] = chain.turns {

@@ -86,7 +86,7 @@ impl fmt::Display for InverseError {
             InverseError::LinearAxes { volume } => {
                 write!(
                     f,
-                    "found directions of travel that span a volume of {volume}, needed linear axes that span space"
+                    "found directions of travel that span a volume of {volume}, needed three independent directions"
                 )
             }
             InverseError::OutsideTravel { axis, found, low, high } => {

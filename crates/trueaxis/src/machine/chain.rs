@@ -36,12 +36,12 @@ pub fn links(chain: &str) -> Result<Vec<Link, AXES>, ConfigError> {
         if letter == 't' && behind_bed {
             return match letters.next() {
                 None => Ok(links),
-                Some((place, _)) => Err(wrong(place, "nothing behind t in the chain")),
+                Some((place, _)) => Err(wrong(place, "nothing after t in the chain")),
             };
         }
         let axis = Axis::from_letter(letter).ok_or(wrong(
             place,
-            if behind_bed { "X Y Z A B C, or t, behind the bed" } else { "X' Y' Z' A' B' C', or b, before the bed" },
+            if behind_bed { "X Y Z A B C, or t, after the bed" } else { "X' Y' Z' A' B' C', or b, before the bed" },
         ))?;
         if links.iter().any(|link: &Link| link.axis == axis) {
             return Err(wrong(place, "each axis at most once in the chain"));

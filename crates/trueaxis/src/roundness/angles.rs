@@ -109,12 +109,12 @@ impl ProbeAngles {
         };
         for (index, angle) in [(0, phi2), (1, phi3)] {
             if libm::fabs(libm::sin(angle)) < 1e-9 {
-                let needed = "angles that are no multiple of 180°: two probes on one line through the centre";
+                let needed = "angles that are not multiples of 180°: two probes are on one line through the centre";
                 return Err(ConfigError::new(self.field(), angle.to_degrees(), needed).at(index));
             }
         }
         if libm::fabs(libm::sin(0.5 * (phi2 + phi3))) < 1e-9 {
-            let needed = "φ2 + φ3 no multiple of 360°: probes 1 and 3 stand in one place";
+            let needed = "φ2 + φ3 not a multiple of 360°: probes 1 and 3 are at the same place";
             return Err(ConfigError::new(self.field(), (phi2 + phi3).to_degrees(), needed));
         }
         let slots = match self {

@@ -186,7 +186,7 @@ impl GaugeSettings {
         )?;
         if let Some(arm) = &self.arm {
             let ratio = arm.lengths.ratio()?;
-            let needed = "a crank throw R of at most 0.99 (R_S + R_W): beyond, the arm stands across";
+            let needed = "a crank throw R of at most 0.99 (R_S + R_W): the arm would turn by nearly 90°";
             need(ratio <= 0.99, Field::ArmCrank, arm.lengths.crank_mm, needed)?;
             encoder(arm.counts, arm.direction, [Field::ArmCounts, Field::ArmDirection])?;
         }

@@ -7,6 +7,7 @@ use trueaxis_report::{
     Row, Table,
     number::{count, decimals, shortest},
 };
+use trueaxis_tables::text::counted;
 
 /// Decimals of displacements: a nanometre.
 const DECIMALS: i32 = 6;
@@ -40,8 +41,8 @@ pub(super) fn set_up(job: &Job) -> Table {
     rows.push(row("direction of A", settings.direction_a.to_string().replace('-', "−"), ""));
     rows.push(row("direction of C", settings.direction_c.to_string().replace('-', "−"), ""));
     rows.push(row("work offset X, Y, Z", settings.work_offset_mm.map(shortest).join(", "), "mm"));
-    rows.push(row(&format!("u, {} values", job.u.count), spoken(job.u), "rad"));
-    rows.push(row(&format!("θ, {} values", job.theta.count), spoken(job.theta), "rad"));
+    rows.push(row(&format!("u, {}", counted(job.u.count, "value")), spoken(job.u), "rad"));
+    rows.push(row(&format!("θ, {}", counted(job.theta.count, "value")), spoken(job.theta), "rad"));
     Table::new(["set-up", "value", "unit"], rows).words(&[2])
 }
 
@@ -86,7 +87,7 @@ pub(super) fn points(document: &Document) -> Markup {
     let heads = ["u, rad", "θ, rad", "X, mm", "Y, mm", "Z, mm", "A, degrees", "C, degrees"];
     html! {
         @if every > 1 {
-            p { "Every " (count(every as u64)) "th of " (count(of as u64)) " points; " code { "-o" } " writes all of them." }
+            p { "One in " (count(every as u64)) " of " (count(of as u64)) " points; " code { "-o" } " writes all of them." }
         }
         (Table::new(heads, rows))
     }

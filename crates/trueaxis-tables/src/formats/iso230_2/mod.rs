@@ -141,8 +141,8 @@ pub(super) fn import(text: &str, origin: &Origin, axis: Option<Axis>) -> Result<
     let micro = if axis.is_rotary() { "µrad" } else { "µm" };
     let mean_of_both = same.map(|[found, expected]| {
         format!(
-            "the table is the mean of both directions: they differ by {found:.2} {micro} RMS, {expected:.2} by the scatter of the \
-             runs alone"
+            "the table is the mean of both directions: they differ by {found:.2} {micro} RMS; the scatter of \
+             the runs alone explains {expected:.2}"
         )
     });
     let one_way = (measurement.directions.len() == 1).then(|| {

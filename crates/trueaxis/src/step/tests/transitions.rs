@@ -197,7 +197,7 @@ fn without_readings_a_usable_first_command_is_output() {
     assert!(out.has_drive() && !out.stop_requested());
     assert_eq!(out.drive, [5.0; 3]);
     assert_eq!(out.record.fault, Fault::FeedbackNotFinite);
-    assert_eq!(out.record.feedback, [5.0; 3], "the command stands in");
+    assert_eq!(out.record.feedback, [5.0; 3], "the command replaces the reading");
 }
 
 #[test]
