@@ -20,7 +20,7 @@ host=$target/release/libtrueaxis_capi.a
 thumb() { # name, further arguments of cargo
     local name=$1
     shift
-    CARGO_TARGET_DIR=$target/capi-$name cargo build --quiet --profile image -p trueaxis-capi --target "$mcu" "$@"
+    CARGO_TARGET_DIR=$target/capi-$name cargo rustc --quiet --lib --crate-type staticlib --profile image -p trueaxis-capi --target "$mcu" "$@"
 }
 thumb m4f --features single
 CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUSTFLAGS='-Ctarget-cpu=cortex-m7' thumb m7 --features fp64

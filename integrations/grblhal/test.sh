@@ -17,9 +17,9 @@ export CARGO_TARGET_DIR=$target
 
 # The three-axis libraries for the microcontrollers go where the tests of the C interface build theirs.
 "$root/tests/hosts/recording.sh"
-CARGO_TARGET_DIR=$target/capi-m4f cargo build --quiet --profile image -p trueaxis-capi --target "$mcu" --features single,three
+CARGO_TARGET_DIR=$target/capi-m4f cargo rustc --quiet --lib --crate-type staticlib --profile image -p trueaxis-capi --target "$mcu" --features single,three
 CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUSTFLAGS='-Ctarget-cpu=cortex-m7' CARGO_TARGET_DIR=$target/capi-m7 \
-    cargo build --quiet --profile image -p trueaxis-capi --target "$mcu" --features fp64,three
+    cargo rustc --quiet --lib --crate-type staticlib --profile image -p trueaxis-capi --target "$mcu" --features fp64,three
 trueaxis=$target/release/trueaxis
 
 # Tables for the tests: good ones, and some that must be refused.
