@@ -8,13 +8,14 @@
                              than 5 % (a figure that is no limit any more), or where a page holds another table
 
 Flash is code, constants and the initial values of variables. `whole`: a program that calls every function of the header.
-`small`: examples/c/small.c, which loads tables, measures against a path of lines and sends records. Both link with
---gc-sections and nothing but the library.
+`small`: examples/c/small.c, which loads tables, measures against a path of lines and sends records. `rust`: the same
+firmware in Rust on `McuServo<3>`, small.rs. All link with --gc-sections and nothing but the library.
 """
 
 import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tomllib
@@ -46,6 +47,7 @@ const unsigned char tables[1] = { 0 }, tables_end[1] = { 0 };
 void read_machine(void *input) { (void)input; }
 void write_drives(const void *drive) { (void)drive; }
 void send(const unsigned char *bytes, unsigned count) { (void)bytes; (void)count; }
+#ifndef RUST
 int start(const double *from, const double *to);
 void servo_interrupt(double u);
 void reset(void) {
@@ -53,11 +55,57 @@ void reset(void) {
     start(from, to);
     for (;;) servo_interrupt(0.5);
 }
+#endif
 """
+# The crate of small.rs, made in the target directory: as a static library it has no other use.
+RUST = """
+[package]
+name = "small"
+version = "0.1.0"
+edition = "2024"
+
+[lib]
+crate-type = ["staticlib"]
+path = {path}
+
+[dependencies]
+trueaxis = {{ path = {core}, default-features = false, features = {features} }}
+
+[profile.flash]
+inherits = "release"
+opt-level = {level}
+lto = "fat"
+codegen-units = 1
+panic = "abort"
+
+[workspace]
+"""
+OF_THE_CORE = "grids volumetric rotary dynamic gauge curves text fast".split()
+
+
+def level_of(opt):
+    return f'"{opt}"' if opt in "sz" else opt
+
+
+def built(command, folder):
+    environment = {**os.environ, "CARGO_TARGET_DIR": str(TARGET), "CARGO_INCREMENTAL": "0"}
+    subprocess.run(command, cwd=folder, check=True, env=environment)
+
+
+def rust_library(features, opt):
+    folder = TARGET / "rust"
+    folder.mkdir(exist_ok=True)
+    core = [feature for feature in features.split(",") if feature in OF_THE_CORE]
+    paths = {"path": json.dumps(str(HERE / "small.rs")), "core": json.dumps(str(ROOT / "crates/trueaxis"))}
+    (folder / "Cargo.toml").write_text(RUST.format(features=json.dumps(core), level=level_of(opt), **paths))
+    # The workspace's versions; cargo drops those that are not needed.
+    shutil.copy(ROOT / "Cargo.lock", folder / "Cargo.lock")
+    built(["cargo", "build", "--quiet", "--profile", "flash", "--target", TRIPLE], folder)
+    return TARGET / TRIPLE / "flash/libsmall.a"
 
 
 def library(features, opt):
-    level = f'"{opt}"' if opt in "sz" else opt
+    level = level_of(opt)
     overrides = [f"profile.flash.opt-level={level}"]
     overrides += [f"profile.flash.package.{name}.opt-level={level}" for name in ("trueaxis", "trueaxis-capi", "trueaxis-sqrt")]
     # As a static library alone: with a Rust library beside it cargo cannot optimise at linking.
@@ -65,13 +113,13 @@ def library(features, opt):
     command += ["--target", TRIPLE, "--no-default-features", "--features", f"single,{features}"]
     for override in overrides:
         command += ["--config", override]
-    subprocess.run(command, cwd=ROOT, check=True, env={**os.environ, "CARGO_TARGET_DIR": str(TARGET), "CARGO_INCREMENTAL": "0"})
+    built(command, ROOT)
     return TARGET / TRIPLE / "flash/libtrueaxis_capi.a"
 
 
-def linked(name, sources, archive, keep=()):
+def linked(name, sources, archive, keep=(), defines=()):
     image = TARGET / f"{name}.elf"
-    command = ["arm-none-eabi-gcc", "-std=c99", "-Os", "-ffunction-sections", *CPU, f"-I{HERE / 'include'}", *map(str, sources)]
+    command = ["arm-none-eabi-gcc", "-std=c99", "-Os", "-ffunction-sections", *CPU, *defines, f"-I{HERE / 'include'}", *map(str, sources)]
     command += [f"-Wl,-u,{symbol}" for symbol in keep]
     command += [str(archive), "-nostdlib", "-lgcc", "-Wl,--gc-sections,-e,reset,-Ttext=0,-z,noexecstack,--no-warn-rwx-segments"]
     subprocess.run([*command, "-o", str(image)], check=True)
@@ -89,7 +137,10 @@ def measured(features, opt):
     functions = sorted(set(re.findall(r"^\w.*?\b(trueaxis_[a-z0-9_]+)\(", header, re.M)))
     whole, _ = linked("whole", [empty], archive, functions)
     small, ram = linked("small", [HERE / "examples/c/small.c", board], archive)
-    return {"whole": whole, "small": small, "ram": ram}
+    found = {"whole": whole, "small": small, "ram": ram}
+    if "three" in features:
+        found["rust"], _ = linked("rust", [board], rust_library(features, opt), defines=["-DRUST"])
+    return found
 
 
 def committed():
@@ -100,12 +151,12 @@ def committed():
 
 
 def table(sizes):
-    lines = ["| flash, kB: whole; small host | " + " | ".join(f"for {title}" for _, title in COLUMNS) + " |", "|---" * (len(COLUMNS) + 1) + "|"]
+    lines = ["| flash, kB: whole; small host; the same in Rust | " + " | ".join(f"for {title}" for _, title in COLUMNS) + " |", "|---" * (len(COLUMNS) + 1) + "|"]
     for name, features, opts, _ in ROWS:
         cells = []
         for opt, _ in COLUMNS:
             size = sizes[features, opt] if opt in opts else None
-            cells.append(f"{size['whole'] / 1000:.0f}; {size['small'] / 1000:.0f}" if size else "–")
+            cells.append("; ".join(f"{size[key] / 1000:.0f}" for key in ("whole", "small", "rust") if key in size) if size else "–")
         lines.append(f"| {name} | " + " | ".join(cells) + " |")
     return "\n".join(lines) + "\n"
 

@@ -24,7 +24,7 @@ trueaxis=$target/release/trueaxis
 
 # Tables for the tests: good ones, and some that must be refused.
 python3 tests/tables.py "$root/compensation-tables/mill-3axis" "$out"
-for machine in mill kinked lost beside; do
+for machine in mill kinked lost beside nine; do
     "$trueaxis" tables compile "$out/$machine" -o "$out/$machine.tcomp" 2>"$out/compile.log" || { cat "$out/compile.log" >&2; exit 1; }
 done
 "$trueaxis" tables compile "$root/compensation-tables/mill-5axis" -o "$out/five.tcomp" 2>"$out/compile.log"
@@ -143,6 +143,18 @@ if cc "${flags[@]}" -DRTCP_AC=1 -fsyntax-only plugin/trueaxis_kinematics.c 2>"$o
     echo "test.sh: found that the plugin builds with RTCP_AC, needed a refusal, see $out/rtcp_ac.log" >&2
     exit 1
 fi
+
+# A part with 256 KiB of flash and 64 KiB of RAM: nine terms, contour error against lines, records.
+CARGO_TARGET_DIR=$target/capi-small cargo rustc --quiet --lib --crate-type staticlib --profile flash -p trueaxis-capi \
+    --target "$mcu" --no-default-features --features single,three
+arm-none-eabi-gcc "${flags[@]}" "-DTRUEAXIS_TABLES=\"$out/nine.tcomp\"" -DTRUEAXIS_MEMORY_BYTES=8192 -DBLOCKS=64 -DTRUEAXIS_SINGLE \
+    -mcpu=cortex-m4 -mfpu=fpv4-sp-d16 -mthumb -mfloat-abi=hard tables.S double/core.c "${plugin[@]}" tests/small.c \
+    "$board/startup.c" "$target/capi-small/$mcu/flash/libtrueaxis_capi.a" --specs=rdimon.specs -nostartfiles \
+    -Ttests/small.ld -Wl,--gc-sections,-z,noexecstack,--no-warn-rwx-segments -lm -o "$out/small-m4f.elf"
+run m4f small
+arm-none-eabi-size "$out/small-m4f.elf" |
+    awk 'NR > 1 { print "flash " $1 + $2 " of 262144 bytes, static RAM " $2 + $3 " of 65536" }' >>"$out/small-m4f.txt"
+sed 's/^/small, m4f: /' "$out/small-m4f.txt"
 
 # Cost and size; the size is that of an image with the plugin minus one without it.
 for core in m4f m7; do

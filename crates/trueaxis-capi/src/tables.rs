@@ -118,8 +118,8 @@ impl TablesInfo {
             correction_limit: [0.0; _],
             slope_limit_per_s: [0.0; _],
             acceleration_limit_per_s2: [0.0; _],
-            name: Text::of(&settings.name),
-            chain: Text::of(&settings.chain),
+            name: Text::copied(&settings.name),
+            chain: Text::copied(&settings.chain),
         };
         fn put<T>(list: &mut [T], slot: usize, value: T) {
             if let Some(element) = list.get_mut(slot) {

@@ -20,6 +20,14 @@ impl<const N: usize> Text<N> {
         if TEXT { Self::written(what) } else { [0; N] }
     }
 
+    /// A text of the machine's own, in any build.
+    pub(crate) fn copied(text: &str) -> [c_char; N] {
+        let mut copy = Text { characters: [0; N], length: 0, full: false };
+        // Writing never fails here; characters that do not fit are dropped.
+        let _ = copy.write_str(text);
+        copy.characters
+    }
+
     /// `#` and a number, in any build.
     pub(crate) fn numbered(number: u8) -> [c_char; N] {
         let digits = [number / 100, number / 10 % 10, number % 10];

@@ -160,7 +160,7 @@ fn doubtful_settings_are_warned_of() {
         assert_eq!(harmonic["suppressed"] == true, harmonic["noise_gain"].as_f64().unwrap() > 10.0);
     }
     let list = suppressed.iter().map(u64::to_string).collect::<Vec<_>>().join(", ");
-    for part in [format!("harmonics {list} are left out"), "at least 1050".into(), "ends at harmonic 100".into()] {
+    for part in [format!("harmonics {list} are omitted"), "at least 1050".into(), "ends at harmonic 100".into()] {
         assert!(warnings.iter().any(|warning| warning.contains(&part)), "{part}: {warnings:?}");
         assert!(error.contains(&part), "{error}");
     }

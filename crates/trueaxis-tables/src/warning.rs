@@ -157,6 +157,11 @@ fn unit(axis: Axis) -> &'static str {
     if axis.is_rotary() { "deg" } else { "mm" }
 }
 
+/// A feed to four decimals: 1,000 mm/min are 16.6667 mm/s.
+fn rounded(feed: f64) -> f64 {
+    (feed * 1e4).round() / 1e4
+}
+
 impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
@@ -195,7 +200,7 @@ impl fmt::Display for Warning {
             }
             Warning::VelocitySteps { axis, component, step, feed } => {
                 let direction = Axis::ALL.get(component).map_or('?', |axis| axis.letter());
-                let (letter, unit) = (axis.letter(), unit(axis));
+                let (letter, unit, feed) = (axis.letter(), unit(axis), rounded(feed));
                 let (step, micro) = if component < 3 { (step * 1e3, "µm/s") } else { (step * 1e6, "µrad/s") };
                 write!(
                     f,
@@ -204,7 +209,7 @@ impl fmt::Display for Warning {
                 )
             }
             Warning::GridVelocitySteps { grid, axis, component, step, feed } => {
-                let (number, letter) = (grid + 1, axis.letter());
+                let (number, letter, feed) = (grid + 1, axis.letter(), rounded(feed));
                 let direction = Axis::ALL.get(component).map_or('?', |axis| axis.letter());
                 write!(
                     f,

@@ -155,7 +155,7 @@ impl fmt::Display for TcompError {
             TcompError::Settings => "the machine settings cannot be decoded",
             TcompError::TableHeader => "the header of a table cannot be decoded",
             TcompError::TableTooLong => "a table is longer than the payload",
-            TcompError::PayloadTooLong => "there are bytes after the last table",
+            TcompError::PayloadTooLong => "bytes follow the last table",
             TcompError::MachineId => "the machine id does not belong to the machine's name and chain",
             TcompError::Content(error) => return error.fmt(f),
             TcompError::WrongMachine => "the file was made for another machine",

@@ -11,7 +11,9 @@ typedef struct {
     bool inverse_time;
 } block_t;
 
+#ifndef BLOCKS
 #define BLOCKS 4096
+#endif
 extern block_t blocks[BLOCKS]; /* all that were passed to the planner since `block_count` was last set to 0 */
 extern unsigned block_count;
 extern char told[2048];       /* all text written since it was last cleared */

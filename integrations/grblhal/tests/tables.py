@@ -1,7 +1,7 @@
 """Writes the machines of the tests: tables.py MILL OUT. SPDX-License-Identifier: MIT OR Apache-2.0
 
 OUT/mill: the sample mill MILL with levers and the default hysteresis. OUT/kinked: lines that bend by 8 mm/m every 5 mm, the
-worst case for a stretch of 2 mm. OUT/lost: straight lines and lost motion, with a correction limit far above them.
+worst case for a stretch of 2 mm. OUT/nine: such lines on nine terms. OUT/lost: straight lines and lost motion, with a correction limit far above them.
 OUT/beside: a mill measured from 0 upwards, while its controller counts from 0 downwards.
 """
 
@@ -19,10 +19,10 @@ text = re.sub(r"^(hysteresis_um|encoder_resolution_um).*\n", "", settings.read_t
 settings.write_text(text + '\n[compensation]\nmodel = "volumetric"\n')
 
 
-def machine(name, travel, value):
+def machine(name, travel, value, model="volumetric"):
     folder = out / name
     folder.mkdir(exist_ok=True)
-    lines = [f'name = "mill-3axis"\nchain = "w X\' Y\' b Z t"\n[compensation]\nmodel = "volumetric"\n']
+    lines = [f'name = "mill-3axis"\nchain = "w X\' Y\' b Z t"\n[compensation]\nmodel = "{model}"\n']
     for axis, (low, high) in zip("XYZ", travel):
         lines.append(f"[axis.{axis}]\ntable = '{axis.lower()}.csv'\ninterpolation = 'linear'\ntravel_mm = [{low:.1f}, {high:.1f}]\n")
         lines.append(f"max_feed_mm_per_min = 1000.0\n[axis.{axis}.limits]\nmagnitude_um = 100.0\n")
@@ -48,4 +48,5 @@ def lost():
 
 lost()
 machine("kinked", [(-300, 0), (-200, 0), (-400, 0)], lambda at: 20 * (1 - at // 5 % 2))
+machine("nine", [(-300, 0), (-200, 0), (-400, 0)], lambda at: 20 * (at // 5 % 2), "nine")
 machine("beside", [(0, 300), (0, 200), (0, 400)], lambda at: 0.01 * at)

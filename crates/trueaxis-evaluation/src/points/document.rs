@@ -190,7 +190,7 @@ fn notes(points: &Points, found: &Found) -> Vec<String> {
     }
     if found.held_out_mm.is_empty() {
         notes.push(
-            "no point is held out: the record has fewer than 60 points, or too few remain without one in ten".into(),
+            "every point is fitted: the record has fewer than 60, or too few remain when one in ten is held out".into(),
         );
     }
     if found.errors.sigma > 2.0 && points.stated {

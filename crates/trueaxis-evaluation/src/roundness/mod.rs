@@ -200,9 +200,9 @@ impl Plan {
         if !suppressed.is_empty() {
             let (numbers, limit) = (suppressed.join(", "), self.noise_gain_limit);
             warnings.push(if suppressed.len() == 1 {
-                format!("harmonic {numbers} is left out: its noise gain is above {limit}")
+                format!("harmonic {numbers} is omitted: its noise gain exceeds {limit}")
             } else {
-                format!("harmonics {numbers} are left out: their noise gain is above {limit}")
+                format!("harmonics {numbers} are omitted: their noise gain exceeds {limit}")
             });
         }
         if let Some(cut_off) = self.upr {
