@@ -426,6 +426,8 @@ typedef struct trueaxis_error_t {
     /// - Learned correction: 1 too short, 2 too long, 3 not a learned correction, 4 other format version, 5 wrong
     ///   CRC-32, 6 spacing, 7 resolution, 8 parts, 9 number of nodes, 10 not 0 at its ends, 11 other program, 12 other
     ///   path length, 13 other machine.
+    /// - Part left out: 1 grids, 2 volumetric, 3 rotary, 4 dynamic, 5 gauge, 6 curves, 7
+    ///   toolpath, 8 growth.
     /// - Thermal growth: 1 to 5 as for a learned correction, 6 sensors, 7 axes, 8 number of knots, 9 order of knots, 10
     ///   a time, 11 plausible readings, 12 an axis, 13 not 0, 14 a slope, 15 other machine.
     uint32_t code;
@@ -435,7 +437,8 @@ typedef struct trueaxis_error_t {
     double found;
     /// Letter of the axis, or 0.
     char axis;
-    /// Name of the setting, or of the part of a segment; may be empty.
+    /// Name of the setting, or of the part of a segment; may be empty. In a library without texts `#` and the number of
+    /// the setting: `trueaxis explain setting NUMBER`.
     char field[31];
     /// Requirement that the value does not meet; may be empty.
     char needed[128];
@@ -921,7 +924,7 @@ const char *trueaxis_result_text(trueaxis_result_t result);
 
 /// Checks a whole table file and describes its contents.
 ///
-/// `file`: of any alignment. Not real-time; about 15 KiB of stack. Errors: `_TABLES` (see `error->code`).
+/// `file`: of any alignment. Not real-time; about 12 KiB of stack. Errors: `_TABLES` (see `error->code`).
 trueaxis_result_t trueaxis_tables_info(const uint8_t *file,
                                        size_t length,
                                        struct trueaxis_tables_info_t *info,
@@ -1127,7 +1130,7 @@ trueaxis_result_t trueaxis_gauge_set_wheel(const struct trueaxis_gauge_t *gauge,
 /// unchanged.
 ///
 /// To exchange tables in motion, build a second loop in other memory and pass it to `trueaxis_step`; the limiter makes
-/// the change smooth. Not real-time; 31 to 61 KiB of stack. After a refusal `memory` may have been written.
+/// the change smooth. Not real-time; 26 to 38 KiB of stack. After a refusal `memory` may have been written.
 ///
 /// Errors: `_TABLES`, `_MACHINE`, `_CONFIG` (also the period), `_MEMORY`, `_ARGUMENT` (memory overlaps file or loop).
 trueaxis_result_t trueaxis_loop_build(struct trueaxis_loop_t *loop,

@@ -21,7 +21,7 @@ use trueaxis::tcomp::Tcomp;
 /// unchanged.
 ///
 /// To exchange tables in motion, build a second loop in other memory and pass it to `trueaxis_step`; the limiter makes
-/// the change smooth. Not real-time; 31 to 61 KiB of stack. After a refusal `memory` may have been written.
+/// the change smooth. Not real-time; 26 to 38 KiB of stack. After a refusal `memory` may have been written.
 ///
 /// Errors: `_TABLES`, `_MACHINE`, `_CONFIG` (also the period), `_MEMORY`, `_ARGUMENT` (memory overlaps file or loop).
 ///

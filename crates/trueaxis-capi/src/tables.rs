@@ -53,7 +53,7 @@ unsafe impl Sized32 for TablesInfo {}
 
 /// Checks a whole table file and describes its contents.
 ///
-/// `file`: of any alignment. Not real-time; about 15 KiB of stack. Errors: `_TABLES` (see `error->code`).
+/// `file`: of any alignment. Not real-time; about 12 KiB of stack. Errors: `_TABLES` (see `error->code`).
 ///
 /// # Safety
 /// Pointers are null or point to objects of their types, `file` to `length` bytes.

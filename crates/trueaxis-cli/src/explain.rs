@@ -18,7 +18,7 @@ trueaxis_error_t. Ask for them one after the other:
 
   trueaxis explain result 6
   trueaxis explain tables 11
-  trueaxis explain setting 33 --axis X --found 0.7
+  trueaxis explain setting 22 --axis X --found 0.0003
 
 Without a code, all codes of the kind are listed; without a kind, all kinds. For the whole message, with the value \
 that is needed, run `trueaxis tables check` on the machine from which the file was compiled.";

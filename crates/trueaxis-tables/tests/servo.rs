@@ -199,7 +199,7 @@ fn wrong_sections_are_refused_at_their_lines() {
             "over = \"X\"\n",
             "",
             "table = [[0, 0.3], [10.5, 0.7]]",
-            "key crosstalk.table: found [[0, 0.3], [10.5, 0.7]], needed the axis over",
+            "key crosstalk.table: found [[0, 0.3], [10.5, 0.7]], needed the axis on whose position it depends, over = …",
         ),
         (
             "[10.5, 0.7]",
