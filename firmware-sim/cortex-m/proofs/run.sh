@@ -40,6 +40,9 @@ prove() {
         echo "$core: a panic or an allocation is in the program" >&2
         exit 1
     fi
+    printf '%-26s %-4s no panic, no allocation\n' "$(grep -c ' [Tt] proved_' <<<"$symbols") functions" "$core"
+    # The linker and the handler are the same for every core: the controls, which are whole builds, are tried on one.
+    [[ $core == m4f ]] || return 0
     for control in variable-index variable-division allocation; do
         needed='undefined symbol: a_panic_can_be_reached'
         [[ $control != allocation ]] || needed='no global memory allocator found'
@@ -53,7 +56,7 @@ prove() {
             exit 1
         }
     done
-    printf '%-26s %-4s no panic, no allocation; 3 controls refused\n' "$(grep -c ' [Tt] proved_' <<<"$symbols") functions" "$core"
+    printf '%-26s %-4s refused by the linker\n' '3 controls' "$core"
 }
 
 # core, features, flags, board, processor
