@@ -32,7 +32,6 @@ rm -rf "$tools/build"
 SINGLE = """
 # All packages are selected so that their features, and with them what is built, stay those of `cargo test --workspace`;
 # the attack on the interface is written for double precision.
-cargo test --workspace --exclude trueaxis-fuzz --features trueaxis-capi/single --lib opaque
 cargo test --workspace --exclude trueaxis-fuzz --features trueaxis-capi/single --test capi
 cargo test --workspace --exclude trueaxis-fuzz --features trueaxis-capi/three --test capi three::
 """

@@ -67,16 +67,3 @@ impl<const N: usize> Write for Text<N> {
         Ok(())
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::Text;
-
-    #[test]
-    fn numbers_are_written_in_any_build() {
-        for (number, text) in [(0, "#0"), (7, "#7"), (22, "#22"), (110, "#110"), (255, "#255")] {
-            let written = Text::<31>::numbered(number).map(|character| character as u8);
-            assert_eq!(written.split(|byte| *byte == 0).next(), Some(text.as_bytes()));
-        }
-    }
-}

@@ -72,7 +72,7 @@ int main(int count, char **names) {
                trueaxis_loop_build(&loop, sizeof loop, file, length, 0, 1000000, memory, sizeof memory, &error),
                TRUEAXIS_ERROR_LEFT_OUT);
         const char *slash = strrchr(names[i], '/');
-        printf("%s: code %u, %s\n", slash ? slash + 1 : names[i], (unsigned)error.code, error.text);
+        printf("%s: code %u, field %s, %s\n", slash ? slash + 1 : names[i], (unsigned)error.code, error.field, error.text);
     }
     return wrong;
 }
