@@ -56,7 +56,7 @@ def circle():
 
 
 def contour():
-    """A line and a quarter of a circle, and positions up to 12 um beside them."""
+    """A line and a quarter of a circle, and positions up to 11 um beside them."""
     path = [
         {"type": "line", "start": [0, 0, 0], "end": [40, 0, 0]},
         {"type": "arc", "start": [40, 0, 0], "end": [60, 20, 0], "center": [40, 20, 0], "normal": [0, 0, 1], "turns": 0},

@@ -18,10 +18,6 @@ const HELP: &str = "\
 Needs qemu-system-arm and, unless built images are given, the Rust target thumbv7em-none-eabihf. In the same scalar \
 both must agree in every bit; single and double precision within 2 nm.
 
-The temperatures are a CSV with t_s, T1_c … in the order of the growth's sensors, and spindle_rpm: even times, the \
-first row in the first cycle; an empty cell is a missing reading. The growth of a row is in force half an interval \
-later.
-
 Exit code 1: host and image do not agree.
 
 More examples:

@@ -27,7 +27,7 @@ transforms.
 More examples:
   # Centre lines by one ball at several angles:
   firmware-sim keep --machine five-axes
-  # From part 30 on a ball is displaced: nothing is changed any more:
+  # From part 30 on a ball is displaced: every later update is refused:
   firmware-sim keep --hit 30";
 
 /// Arguments of `keep`.

@@ -26,7 +26,7 @@ pub(crate) struct RecordArgs {
     #[command(flatten)]
     scenario: ScenarioArgs,
     /// Inject a fault as in `run` (may be given several times).
-    #[arg(long, value_name = "FAULT")]
+    #[arg(long, value_name = "FAULT", help_heading = "Faults and events")]
     fault: Vec<String>,
     #[command(flatten)]
     pub(crate) how: How,

@@ -85,7 +85,7 @@ const RESULTS: &[(u8, &str, &str)] = &[
     (19, "POSE", "the kinematics cannot reach the pose"),
     (20, "LEARNED", "the learned correction is refused: explain learned CODE"),
     (21, "THERMAL", "the file of thermal growth is refused: explain growth CODE"),
-    (22, "LEFT_OUT", "a part is needed that this build of the library leaves out"),
+    (22, "LEFT_OUT", "a part is needed that this build of the library leaves out: explain part CODE"),
 ];
 
 /// Features of the C library, the first six those of the core.
@@ -227,12 +227,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
         return print(&text);
     };
     if kind != Kind::Setting && (arguments.axis.is_some() || arguments.found.is_some()) {
-        bail!("--axis, --found: found a code that is not a setting's, needed: explain setting CODE");
+        bail!("--axis, --found: found a code that is not a setting's, needed `explain setting CODE`");
     }
     let codes = kind.codes();
     let Some((_, meaning)) = codes.iter().find(|(known, _)| *known == code) else {
         let [first, last] = [codes.first(), codes.last()].map(|code| code.map_or(0, |(code, _)| *code));
-        bail!("code: found {code}, needed one of the {}, {first} to {last}", kind.title());
+        bail!("code: found {code}, needed a code from {first} to {last} of the list: {}", kind.title());
     };
     let meaning = match kind {
         Kind::Setting => found(code, arguments)?,

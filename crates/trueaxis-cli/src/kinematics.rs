@@ -29,11 +29,11 @@ structural code.
 
 forward reads axis positions and adds the tool:
   IN.csv: x_mm,y_mm,z_mm[,a_deg,b_deg,c_deg] in any order, 0 where absent
-  adds: tip_x_mm,tip_y_mm,tip_z_mm,tool_i,tool_j,tool_k
+  adds: tip_x_mm,tip_y_mm,tip_z_mm,tool_i,tool_j,tool_k,
         singularity_margin_deg
 inverse reads the tool and adds axis positions:
   IN.csv: tip_x_mm,tip_y_mm,tip_z_mm,tool_i,tool_j,tool_k
-  adds: x_mm,y_mm,z_mm and the rotary axes (a_deg, …)
+  adds: x_mm,y_mm,z_mm and the rotary axes (a_deg, …),
         branch,singularity_margin_deg,direction_error_deg
 
 singularity_margin_deg is the angle between the tool and the rotary axis nearest the workpiece (in the code); 90 on \

@@ -147,7 +147,7 @@ enum Command {
     /// Explain a code that a controller or the C library reports.
     #[command(before_help = explain::EXAMPLE, after_help = explain::HELP)]
     Explain(explain::Arguments),
-    /// Serve the desk: machine, servo, helicoid, roundness and friction in a page that runs the code of these commands.
+    /// Serve the desk, a page that runs the code of these commands in a browser.
     #[command(before_help = desk::EXAMPLE, after_help = desk::HELP)]
     Desk(desk::Arguments),
 }

@@ -7,7 +7,7 @@ use trueaxis_testing::command::Folder;
 const TRUEAXIS: &str = env!("CARGO_BIN_EXE_trueaxis");
 
 /// Four cycles of 4 h, a row every 5 min at two positions of X. X grows by 12 µm/(m K) from 0 on, Z by 3 µm/K, both without
-/// lag; the second sensor is a clock.
+/// lag; the second sensor is unrelated to the growth.
 fn record() -> String {
     let mut text = String::from("t_s,cycle,x_mm,ex_um,ez_um,T1_c,T2_c\n");
     for row in 0..192_u32 {

@@ -246,7 +246,7 @@ fn bad_records_are_refused_with_their_line() {
     let (head, tail) = lines[7].rsplit_once(',').unwrap();
     refused(&good.replace(&format!("{head},{tail}"), &format!("{head},5000")), "r.csv:8: column dz_um: found 5000");
     let short: String = lines[..4].iter().map(|line| format!("{line}\n")).collect();
-    refused(&short, "needed at least 3 more than unknowns");
+    refused(&short, "needed at least 3 more coordinates than unknowns");
     let still: String = lines
         .iter()
         .enumerate()

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! m(θ)          mean over the revolutions
-//! position mean of m; eccentricity: first harmonic of m; both removed from everything below
+//! position      mean of m; eccentricity: first harmonic of m; both removed from everything below
 //! synchronous   max m − min m
 //! asynchronous  max over θ of (max − min over the revolutions at θ)
 //! total         max − min over all points

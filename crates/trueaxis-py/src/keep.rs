@@ -64,7 +64,7 @@ fn document<'py>(py: Python<'py>, taken: &Taken) -> PyResult<Bound<'py, PyDict>>
 ///
 /// - task: a keep.toml (docs/calibration.md), which states the machine's folder relative to its own.
 ///
-/// The standard errors assume that the balls' places at the first re-probing are exact; the bounds have the same unit.
+/// The standard errors assume that the balls' places at the first probing are exact; the bounds have the same unit.
 ///
 /// Raises trueaxis.Error with file and line: balls that do not separate the terms, a bound below the smallest change that they
 /// show.
@@ -79,7 +79,7 @@ pub(crate) fn keep_plan(py: Python<'_>, task: PathBuf) -> PyResult<Bound<'_, PyD
     Ok(document)
 }
 
-/// Evaluates the first re-probing, with which the later ones are compared, and adds it to the history; returns the document of
+/// Evaluates the first probing, with which the later ones are compared, and adds it to the history; returns the document of
 /// `trueaxis keep begin`. Changes nothing of the machine except keep/history.jsonl in its folder, which gains a line.
 ///
 /// - time: time of the probing, UTC, such as "2026-05-04T06:00:00Z".

@@ -122,10 +122,12 @@ impl Machine {
         asked.errors(py, |error| error.orientation.map(|rad| 1e6 * rad))
     }
 
-    /// Computes the corrections of commanded positions, mm and degrees: an array of the shape of `positions`, with the columns
-    /// cx_mm, cy_mm, cz_mm of `trueaxis compensate`. Sent to positions + correction, the axes bring the tool to the positions.
+    /// Computes the corrections of commanded positions, mm and degrees: an array of the shape of `positions`, to be added to
+    /// them. positions + correction brings the tool to the positions and equals the columns cx_mm, cy_mm, cz_mm of `trueaxis
+    /// compensate`.
     ///
-    /// - orientation: the rotary axes also correct the tool's direction, columns ca_deg, cb_deg, cc_deg of `--orientation`.
+    /// - orientation: the rotary axes also correct the tool's direction; positions + correction then also equals ca_deg, cb_deg,
+    ///   cc_deg of `--orientation`.
     ///
     /// The other arguments are those of `error`.
     #[pyo3(signature = (positions, *, model = None, reverse = false, in_order = false, temperature_c = None,

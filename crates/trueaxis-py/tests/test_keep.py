@@ -29,7 +29,7 @@ def look(folder, name, seed, *offsets_um):
 
 @pytest.fixture
 def folder(tmp_path):
-    """A task with its first re-probing in the history."""
+    """A task with its first probing in the history."""
     folder = tmp_path / "own"
     (folder / "mill").mkdir(parents=True)
     (folder / "mill" / "machine.toml").write_text(probing.MACHINE)

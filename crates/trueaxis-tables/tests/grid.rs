@@ -91,7 +91,7 @@ fn bad_grids_are_refused_with_their_place() {
     line("X_mm,Y_mm\n", "grid.csv:1:", "at least one, like EZ_um");
     line("X_mm,Y_mm,EZ_um,EZ_um\n", "grid.csv:1: column EZ_um:", "every column once");
     line(&format!("{CSV}100,50,7,0\n"), "grid.csv:6:", "line 5 already has it");
-    line(&CSV.replace("100,50,3,-0.001\n", ""), "grid.csv:", "found 3 of 4 nodes, the one at X 100, Y 50");
+    line(&CSV.replace("100,50,3,-0.001\n", ""), "grid.csv:", "found 3 of 4 nodes, none at X 100, Y 50");
     line(&CSV.replace("100,50,3", "100.0005,50,3"), "grid.csv:5: column X_mm:", "a node at least 0.001 mm from it");
     line(&CSV.replace("100,-50,4", "100,-50,10000.1"), "grid.csv:2: column EZ_um:", "-10000 to 10000 um");
     line(&CSV.replace("100,-50,4", "1e7,-50,4"), "grid.csv:2: column X_mm:", "-1e6 to 1e6 mm");

@@ -32,7 +32,7 @@ export class Work {
     return JSON.parse(await this.desk.runs.call("friction_trace", POINTS)) as Trace;
   }
 
-  /** Simulates one pass of the circles; `progress` gets the completed share to the callback. */
+  /** Simulates one pass of the circles; `progress` gets the completed share. */
   async simulate(circles: Circles, pass: "record" | "before" | "after", progress: (share: number) => void): Promise<void> {
     const { runs, machine } = this.desk;
     this.stopping = false;
@@ -52,7 +52,7 @@ export class Work {
     return this.desk.runs.call("friction_csv");
   }
 
-  /** Identifies friction and drives; `progress` gets axis and step to the callback. */
+  /** Identifies friction and drives; `progress` gets axis and step. */
   async fit(findDrive: boolean, progress: (text: string) => void): Promise<Found> {
     const { runs, machine } = this.desk;
     runs.onProgress = progress;

@@ -23,7 +23,7 @@ struct Planned {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Request {
-    /// Text of the history; empty before the first re-probing.
+    /// Text of the history; empty before the first probing.
     history: String,
     /// Whether this re-probing becomes the reference for later ones, as the first one did.
     begin: bool,

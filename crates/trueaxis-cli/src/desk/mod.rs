@@ -24,12 +24,13 @@ prints.
   helicoid: the five axes of an involute flank, and the tool on it
   roundness: three probes; profile, spindle, harmonics, probe angles
   friction: friction and drives from recorded circles
+  and tests, ballbar, calibration, keeping, thermal growth, uncertainty
 
 The page is served to this computer alone (127.0.0.1) until Ctrl-C; --write writes it to a file that a browser opens \
 from the disk.
 
 More examples:
-  # At that port only:
+  # At port 9000 only:
   trueaxis desk --port 9000
   # The page as a file:
   trueaxis desk --write desk.html";

@@ -22,7 +22,7 @@ POINTS.csv has one row a point, with the columns:
   actual_x_mm,actual_y_mm,actual_z_mm: the measured coordinates
   u_um: their standard uncertainty
   tool_x_mm,tool_y_mm,tool_z_mm: reflector from the last tool-side frame
-The last four may be left out. The coordinates are those of a tracker, a tracer or several of them: the instrument \
+u_um and tool_x_mm,tool_y_mm,tool_z_mm may be left out. The coordinates are those of a tracker, a tracer or several of them: the instrument \
 is on the workpiece's side, its coordinates are in the machine's directions and within 2 mm of the command. The \
 offset of the reflector is needed if it differs from the machine's tool_mm. Rotary axes are at zero, and points are \
 approached in positive travel.
@@ -51,7 +51,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "M")]
     machine: PathBuf,
     /// Folder to write the machine with the errors into.
-    #[arg(short, long, value_name = "MACHINE_DIR")]
+    #[arg(short, long, value_name = "MACHINE_DIR", help_heading = "Writing into a machine")]
     output: Option<PathBuf>,
     /// Nodes of the tables of X, Y, Z, evenly spaced [default: the levels of the points, else 11].
     #[arg(long, value_name = "NX,NY,NZ", value_delimiter = ',')]

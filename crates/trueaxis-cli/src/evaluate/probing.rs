@@ -16,15 +16,15 @@ Example:
   trueaxis evaluate probing records/ring.csv --feature ring --diameter-mm 50";
 
 pub(crate) const HELP: &str = "\
-RECORD.csv has the columns x_mm,y_mm,z_mm[,run][,spindle_deg], one row a point: the position of the centre of the \
+RECORD.csv has the columns x_mm,y_mm[,z_mm][,run][,spindle_deg], one row a point: the position of the centre of the \
 stylus tip when the machine's probe triggered, the number of the run (a measurement of the whole feature), and the \
-spindle's orientation (constant in a run).
+spindle's orientation (constant in a run). z_mm is needed for a sphere or a point.
 
 Every run gives:
   --feature ring: P_FTU,2D, range of the distances from the fitted centre
   --feature sphere: P_FTU,3D, the same for a sphere
   --feature point: range and standard deviation of one point
-The fitted centre is that of the least-squares circle or sphere. ISO 230-10 has 36 points on a ring, 25 over half a \
+The fitted centre is that of the least-squares circle or sphere. ISO 230-10 takes 36 points on a ring, 25 over half a \
 sphere and 10 touches of a point; check its edition for their number and places.
 
 Runs together give the repeatability of the location, the range of the centres. Spindle orientations give the offset \

@@ -18,7 +18,7 @@ Example:
   trueaxis evaluate r-test records/r-test.csv --machine records/trunnion";
 
 pub(crate) const HELP: &str = "\
-RECORD.csv has the columns x_mm,y_mm,z_mm,a_deg,b_deg,c_deg,dx_um,dy_um,dz_um[,ball], one row a pose (ISO 10791-6, \
+RECORD.csv has the columns x_mm,y_mm,z_mm[,a_deg,b_deg,c_deg],dx_um,dy_um,dz_um[,ball], one row a pose (ISO 10791-6, \
 tests BK): the commanded position under RTCP, and how far the tool has moved from the ball on the table, actual − \
 commanded, in machine directions. `ball` numbers the balls, if there are several.
 

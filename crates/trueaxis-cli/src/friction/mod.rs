@@ -74,7 +74,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
     /// A .toml file for the settings found, or the folder to write the machine into: its own, or a new one.
-    #[arg(short, long, value_name = "TOML|MACHINE_DIR")]
+    #[arg(short, long, value_name = "TOML|MACHINE_DIR", help_heading = "Writing into a machine")]
     output: Option<PathBuf>,
     #[command(flatten)]
     writing: Writing,

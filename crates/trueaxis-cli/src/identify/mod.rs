@@ -73,7 +73,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "DIR|FILE")]
     report: Option<PathBuf>,
     /// A .csv file for the errors as the axis' table, or the folder to write the machine into: its own, or a new one.
-    #[arg(short, long, value_name = "CSV|MACHINE_DIR")]
+    #[arg(short, long, value_name = "CSV|MACHINE_DIR", help_heading = "Writing into a machine")]
     output: Option<PathBuf>,
     #[command(flatten)]
     writing: Writing,

@@ -95,7 +95,7 @@ pub(crate) enum Command {
     /// Write the probing program, which runs without a pause, and print the expected standard error of every term.
     #[command(before_help = EXAMPLE)]
     Plan(PlanArguments),
-    /// Evaluate the first re-probing, with which all later ones are compared; the machine is not changed.
+    /// Evaluate the first probing, with which all later ones are compared; the machine is not changed.
     #[command(before_help = BEGIN)]
     Begin(ReprobingArguments),
     /// Show what this log would change, without writing anything except the report.

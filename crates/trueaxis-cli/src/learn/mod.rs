@@ -28,7 +28,7 @@ RECORD.csv is one part, cycle by cycle, with three comments before the header:
   s_mm,ex_um,ey_um,ez_um,measured
 The identifiers are CRC-32, hexadecimal: of the path (docs/learning.md), and of name and chain, as in a .tcomp. The \
 length is that of the program's path. s_mm is the path length of the reference; ex_um … the contour error, tip − \
-foot, in machine directions; measured (may be left out) is 1, or 0 if there is no error (rapid motion, search of the \
+foot, in machine directions; measured (may be left out) is 1, or 0 if no error was measured (rapid motion, search of the \
 foot, fault).
 
 The law:

@@ -36,7 +36,7 @@ pub struct Figures {
     pub travel_deg: BTreeMap<char, [f64; 2]>,
     /// Whether the correction turns the tool through the rotary axes (volumetric only).
     pub corrects_orientation: bool,
-    /// Points beyond the end of a table, where its edge value is clamped.
+    /// Points beyond the end of a table, where its edge value is used.
     pub clamped_points: usize,
     /// Without correction.
     pub before: Case,

@@ -120,7 +120,7 @@ pub fn identify(record: &Record, file: &str, machine: &Machine, options: &Option
     let coordinates = 3 * record.readings.len();
     if coordinates < unknowns + LEAST_FREEDOM {
         bail!(
-            "{file}: found {coordinates} coordinates for {unknowns} unknowns, needed at least {LEAST_FREEDOM} more than unknowns"
+            "{file}: found {coordinates} coordinates for {unknowns} unknowns, needed at least {LEAST_FREEDOM} more coordinates than unknowns"
         );
     }
     // The columns are scaled: angles enter by their effect at a typical lever, so that the rank does not depend on units.

@@ -77,7 +77,7 @@ impl fmt::Display for Refused {
                 let count = combinations.len();
                 write!(
                     f,
-                    "combinations of unknowns that no touch separates: found {count}, needed none: probe other places"
+                    "combinations of unknowns that no touch separates: found {count}, needed none; probe other places"
                 )
             }
             Self::Unsettled { touch, residual_mm } => {

@@ -4,7 +4,7 @@
 //!
 //! ```text
 //! u  <-  f u − L Q e         f forgetting, L gain, Q a low-pass without phase, cut-off wavelength λ_c
-//! e = e₀ + P u P: response of drives and contour feedback to a correction
+//! e   =  e₀ + P u            P: response of drives and contour feedback to a correction
 //! ```
 //!
 //! so that each part moves the component of e at wavelength λ toward (1 − f) e₀/(1 − f + L Q P) by the factor `|f − L Q P|`

@@ -152,7 +152,7 @@ impl<'p, 'r> Search<'p, 'r> {
     }
 
     /// The causes that improve the prediction, in the order in which they entered, and the sum of squares before and after;
-    /// calls `on_cause` with each cause to the callback.
+    /// calls `on_cause` with each cause.
     pub(super) fn causes(&self, on_cause: &mut dyn FnMut(Cause)) -> (Vec<Chosen>, [f64; 2]) {
         let nothing = self.left(&[]);
         let (mut all, mut left) = (Vec::<Chosen>::new(), nothing);

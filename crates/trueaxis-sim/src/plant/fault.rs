@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `dropout:X@1.25s+3` | from 1.25 s on, 3 readings of X are missing (NaN, `valid` false) |
 //! | `glitch:Y@0.5s+1=5.0mm` | one reading of Y is 5 mm too large |
-//! | `stuck:Z@2s+200` | Z repeats its last reading in 200 cycles |
+//! | `stuck:Z@2s+200` | Z repeats its last reading for 200 cycles |
 //! | `late@3s+1=2.5` | one cycle takes 2.5 periods |
 //! | `nan-command:X@2s+1` | the commanded position of X is NaN once |
 //! | `jump-command:X@2s+1=3mm` | the commanded position of X is 3 mm too large once |

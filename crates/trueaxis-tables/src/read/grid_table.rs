@@ -202,7 +202,7 @@ fn complete(
             at[axis.index()] = nodes[rest % nodes.len()];
             rest /= nodes.len();
         }
-        let found = format!("{} of {count} nodes, the one at {} missing", known.len(), place(&at, axes));
+        let found = format!("{} of {count} nodes, none at {}", known.len(), place(&at, axes));
         return Err(origin.whole(found, "a line for every node of the grid"));
     }
     source.values = known.into_values().map(|line| line.errors).collect();

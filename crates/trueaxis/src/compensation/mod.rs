@@ -168,7 +168,7 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
     ///
     /// The rotary entries of the volumetric form are zero: the tip includes every error, and
     /// [`Compensation::pose_error`] returns the direction of the tool. Sets a bit in `clamped` for every axis whose
-    /// edge value is clamped.
+    /// edge value is used.
     #[inline(always)]
     pub fn errors(&self, query: &Query<'_, R, N>, clamped: &mut u8) -> Errors<R, N> {
         let mut errors = match self.model() {

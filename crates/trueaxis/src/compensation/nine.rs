@@ -230,7 +230,7 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
 
     /// Returns the error of the nine terms alone at table coordinates, for plain tables: the inner loop of the step.
     ///
-    /// Sets a bit in `clamped` for every axis whose edge value is clamped.
+    /// Sets a bit in `clamped` for every axis whose edge value is used.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn plain_terms(&self, at: &[R; N], reverse: &[Direction; N], clamped: &mut u8) -> Errors<R, N> {
         self.sum_of::<PLAIN>(at, reverse, clamped)
@@ -351,7 +351,7 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
 
     /// Returns the errors at a position: modelled deviation of the tip from the axis positions, and of the rotary axes.
     ///
-    /// Sets a bit in `clamped` for every axis whose edge value is clamped.
+    /// Sets a bit in `clamped` for every axis whose edge value is used.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn errors(&self, query: &Query<'_, R, N>, clamped: &mut u8) -> Errors<R, N> {
         let Query { command, feedback, directions, thermal } = *query;
