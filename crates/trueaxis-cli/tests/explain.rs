@@ -25,7 +25,10 @@ fn every_result_of_the_header_is_explained_by_its_name() {
         assert!(text.starts_with(&format!("{name}: ")) && text.ends_with('\n'), "{number} {name} {text}");
     }
     let last = results.iter().map(|(number, _)| number).max().unwrap();
-    folder.bad(&["explain", "result", &(last + 1).to_string()], &["code: found 23, needed a code from 0 to 22 of the list: results"]);
+    folder.bad(
+        &["explain", "result", &(last + 1).to_string()],
+        &["code: found 23, needed a code from 0 to 22 of the list: results"],
+    );
 }
 
 #[test]
