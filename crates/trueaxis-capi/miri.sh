@@ -12,5 +12,5 @@ export CARGO_TARGET_DIR=${CARGO_TARGET_DIR:-$root/target}/miri
 # 32-bit pointers, as on the Cortex-M; and no inline assembly in libm, which Miri cannot interpret. Test header reads
 # files and has no pointer of the interface in it. Tests leak what Rust loops borrow; the interface allocates nothing.
 export MIRIFLAGS="${MIRIFLAGS:-} -Zmiri-strict-provenance -Zmiri-ignore-leaks"
-tests=(refusals same_as_rust paths gauge combinations tool query)
+tests=(storage refusals same_as_rust paths gauge combinations tool query)
 timeout 2700 cargo +nightly miri test -p trueaxis-capi --target armv7-unknown-linux-gnueabihf --test capi -- "${tests[@]/%/::}"

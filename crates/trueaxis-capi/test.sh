@@ -22,8 +22,7 @@ thumb() { # name, further arguments of cargo
     shift
     CARGO_TARGET_DIR=$target/capi-$name cargo rustc --quiet --lib --crate-type staticlib --profile image -p trueaxis-capi --target "$mcu" "$@"
 }
-# For three axes, as the tests of grblHAL link it.
-thumb m4f --features single,three
+thumb m4f --features single
 CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUSTFLAGS='-Ctarget-cpu=cortex-m7' thumb m7 --features fp64
 
 # Tables: the sample machine's, the same with half the errors, and a damaged file.

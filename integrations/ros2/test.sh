@@ -17,7 +17,7 @@ head -c 3000 "$out/machine.tcomp" >"$out/cut.tcomp"
 build() { # source, program, flags
     local source=$1 program=$2
     shift 2
-    # ros2_control itself also builds with errors for conversions and shadowed names.
+    # ros2_control itself also treats -Wconversion and -Wshadow as errors.
     c++ -std=c++17 -O2 -Wall -Wextra -Wpedantic -Woverloaded-virtual -Wconversion -Wshadow -Werror "$@" \
         "-I$root/crates/trueaxis-capi/include" "$source" \
         "$target/release/libtrueaxis_capi.a" -Wl,--gc-sections -lpthread -ldl -o "$out/$program"

@@ -18,7 +18,7 @@ namespace trueaxis {
 // Corrects commands and readings in metres and radians (REP 103). Inside, the tables are in mm and degrees.
 class Filter {
 public:
-    // Loads a .tcomp. Call it in on_configure: it allocates and takes about 60 KiB of stack. If it returns false,
+    // Loads a .tcomp. Call it in on_configure: it allocates and takes about 40 KiB of stack. If it returns false,
     // `reason()` says why and the filter passes commands uncompensated. `period_ns`: period of the controller manager.
     // `axes`: number of axes of the machine, 3 to 6.
     bool configure(const std::uint8_t *file, std::size_t length, std::uint32_t axes, std::uint32_t period_ns,

@@ -35,7 +35,7 @@
 #define TRUEAXIS_ABI_MAJOR 3
 #endif
 #ifndef TRUEAXIS_ABI_MINOR
-#define TRUEAXIS_ABI_MINOR 2
+#define TRUEAXIS_ABI_MINOR 3
 #endif
 #ifdef TRUEAXIS_SINGLE
 #define TRUEAXIS_ABI_VERSION (UINT32_C(0x80000000) | (uint32_t)TRUEAXIS_ABI_MAJOR << 16 | TRUEAXIS_ABI_MINOR)
@@ -1130,7 +1130,8 @@ trueaxis_result_t trueaxis_gauge_set_wheel(const struct trueaxis_gauge_t *gauge,
 /// unchanged.
 ///
 /// To exchange tables in motion, build a second loop in other memory and pass it to `trueaxis_step`; the limiter makes
-/// the change smooth. Not real-time; 26 to 38 KiB of stack. After a refusal `memory` may have been written.
+/// the change smooth. Not real-time; 26 to 38 KiB of stack. After a refusal the loop is unchanged, but `memory` may
+/// have been written: do not step a loop that was built in the same memory.
 ///
 /// Errors: `_TABLES`, `_MACHINE`, `_CONFIG` (also the period), `_MEMORY`, `_ARGUMENT` (memory overlaps file or loop).
 trueaxis_result_t trueaxis_loop_build(struct trueaxis_loop_t *loop,

@@ -65,6 +65,8 @@ pub use gauge_ride::*;
 pub use kinematics::*;
 pub use learned::*;
 pub use measure::*;
+#[doc(hidden)]
+pub use opaque::storage_sizes;
 pub use path::*;
 pub use query::*;
 pub use result::*;

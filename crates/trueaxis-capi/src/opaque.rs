@@ -18,17 +18,6 @@ pub(crate) unsafe trait Storage {
     const MAGIC: u32;
 }
 
-/// Whether this build has every part, so that contents have their full size.
-const WHOLE: bool = cfg!(all(
-    feature = "grids",
-    feature = "volumetric",
-    feature = "rotary",
-    feature = "dynamic",
-    feature = "gauge",
-    feature = "curves",
-    not(feature = "three")
-));
-
 /// Layout of a filled [`Storage`].
 #[repr(C)]
 pub(crate) struct Kept<S: Storage> {
@@ -37,13 +26,7 @@ pub(crate) struct Kept<S: Storage> {
 }
 
 impl<S: Storage> Kept<S> {
-    const FITS: () = {
-        let (needed, given) = (size_of::<Self>(), size_of::<S>());
-        assert!(needed <= given && align_of::<Self>() <= align_of::<S>());
-        // The sizes in the header are those that the whole library needs with 64-bit pointers.
-        let most = if size_of::<usize>() == 8 && WHOLE { needed + needed / 16 + 96 } else { usize::MAX };
-        assert!(given <= most, "storage is much larger than its content");
-    };
+    const FITS: () = assert!(size_of::<Self>() <= size_of::<S>() && align_of::<Self>() <= align_of::<S>());
     // A library of one precision refuses storage of the other; likewise storage of another major version.
     const WORD: u32 = S::MAGIC ^ crate::version::ABI_VERSION & 0xffff_0000;
 }
@@ -85,7 +68,7 @@ pub(crate) unsafe fn fill_with<S: Storage, E>(
 ///
 /// # Safety
 /// `storage` is null, misaligned, or points to a whole readable storage that nobody writes while the reference lives and
-/// whose bytes, if they begin with the magic word, were written by [`fill`].
+/// whose bytes, if they begin with the magic word, were written by [`fill`] or [`fill_with`].
 #[inline(always)]
 pub(crate) unsafe fn content<'a, S: Storage>(storage: *const S) -> Result<&'a S::Content, ResultCode> {
     check(storage)?;
@@ -94,7 +77,7 @@ pub(crate) unsafe fn content<'a, S: Storage>(storage: *const S) -> Result<&'a S:
     if unsafe { (&raw const (*kept).magic).read() } != Kept::<S>::WORD {
         return Err(ERROR_UNBUILT);
     }
-    // SAFETY: with the magic word in front, this is what `fill` wrote.
+    // SAFETY: with the magic word in front, this is what `fill` or `fill_with` wrote.
     Ok(unsafe { &(*kept).content })
 }
 
@@ -110,6 +93,33 @@ pub(crate) unsafe fn content_mut<'a, S: Storage>(storage: *mut S) -> Result<&'a 
     if unsafe { (&raw const (*kept).magic).read() } != Kept::<S>::WORD {
         return Err(ERROR_UNBUILT);
     }
-    // SAFETY: with the magic word in front, this is what `fill` wrote, and ours alone for now.
+    // SAFETY: with the magic word in front, this is what `fill` or `fill_with` wrote, and ours alone for now.
     Ok(unsafe { &mut (*kept).content })
+}
+
+/// Name, bytes needed and bytes given of every storage, for the test of the sizes in the header.
+pub fn storage_sizes() -> [(&'static str, usize, usize); 14] {
+    use crate::{
+        BranchTracker, CommandWindow, Encoder, Gauge, GaugeState, GaugeState512, Kinematics, Learned, Loop, Path,
+        Program, State, Thermal, ThermalTask,
+    };
+    const fn sizes<S: Storage>(name: &str) -> (&str, usize, usize) {
+        (name, size_of::<Kept<S>>(), size_of::<S>())
+    }
+    [
+        sizes::<Loop>("loop"),
+        sizes::<State>("state"),
+        sizes::<Path>("path"),
+        sizes::<CommandWindow>("command window"),
+        sizes::<Gauge>("gauge"),
+        sizes::<GaugeState>("gauge state"),
+        sizes::<GaugeState512>("gauge state 512"),
+        sizes::<Kinematics>("kinematics"),
+        sizes::<BranchTracker>("branch tracker"),
+        sizes::<Encoder>("encoder"),
+        sizes::<Learned>("learned"),
+        sizes::<Program>("program"),
+        sizes::<Thermal>("thermal"),
+        sizes::<ThermalTask>("thermal task"),
+    ]
 }

@@ -21,7 +21,8 @@ use trueaxis::tcomp::Tcomp;
 /// unchanged.
 ///
 /// To exchange tables in motion, build a second loop in other memory and pass it to `trueaxis_step`; the limiter makes
-/// the change smooth. Not real-time; 26 to 38 KiB of stack. After a refusal `memory` may have been written.
+/// the change smooth. Not real-time; 26 to 38 KiB of stack. After a refusal the loop is unchanged, but `memory` may
+/// have been written: do not step a loop that was built in the same memory.
 ///
 /// Errors: `_TABLES`, `_MACHINE`, `_CONFIG` (also the period), `_MEMORY`, `_ARGUMENT` (memory overlaps file or loop).
 ///

@@ -18,6 +18,8 @@ mod paths;
 mod query;
 mod refusals;
 mod same_as_rust;
+#[cfg(not(feature = "three"))]
+mod storage;
 mod thermal;
 #[cfg(feature = "three")]
 mod three;

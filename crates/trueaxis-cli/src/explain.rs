@@ -18,7 +18,7 @@ trueaxis_error_t. Ask for them one after the other:
 
   trueaxis explain result 6
   trueaxis explain tables 11
-  trueaxis explain setting 22 --axis X --found 0.0003
+  trueaxis explain setting '#22' --axis X --found 0.0003
 
 Without a code, all codes of the kind are listed; without a kind, all kinds. For the whole message, with the value \
 that is needed, run `trueaxis tables check` on the machine from which the file was compiled.";
@@ -201,6 +201,9 @@ fn setting(field: Field, axis: Option<Axis>) -> String {
         None => [Axis::X, Axis::C].map(Some),
     };
     let [linear, rotary] = keys.map(|axis| field.key(axis).map(|key| key.to_string()));
+    if field == Field::Inverse {
+        return "Inverse: the errors of all tables together, too steep for the exact inverse".to_owned();
+    }
     // Only rotary axes have location errors of their own.
     let Some(key) = rotary.filter(|key| key.contains("0C_")).or(linear) else {
         return format!("{field:?}, which the host sets");
@@ -248,7 +251,7 @@ fn list(text: &mut String, kind: Kind) -> Result<()> {
 }
 
 fn found(code: u8, arguments: &Arguments) -> Result<String> {
-    let field = *Field::ALL.get(usize::from(code)).unwrap_or(&Field::Name);
+    let Some(&field) = Field::ALL.get(usize::from(code)) else { bail!("code: found {code}, needed that of a setting") };
     let axis = match arguments.axis {
         None => None,
         Some(letter) => match Axis::from_letter(letter) {
@@ -257,6 +260,9 @@ fn found(code: u8, arguments: &Arguments) -> Result<String> {
         },
     };
     let mut text = setting(field, axis);
+    if arguments.found.is_some() && text.contains('*') {
+        bail!("--found: found no axis, needed --axis too: the unit depends on it");
+    }
     if let Some(value) = arguments.found {
         let value = field.key(axis).map_or(value, |key| key.in_its_unit(value));
         write!(text, ": found {}", Figure(value))?;

@@ -288,7 +288,7 @@ pub fn machine<'r, T: Rows + ?Sized + 'r>(
     tables: impl Fn(Axis) -> Option<&'r T>,
     grids: &[GridData<'_>],
 ) -> Result<u8, ConfigError> {
-    // By one type whatever the closure, so that a firmware has the checks once.
+    // Behind `dyn`, whatever the closure's type, so that a firmware contains one copy of the checks.
     let tables: &dyn Fn(Axis) -> Option<&'r T> = &tables;
     settings(machine)?;
     for axis in &machine.axes {

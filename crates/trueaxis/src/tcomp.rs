@@ -155,7 +155,7 @@ impl fmt::Display for TcompError {
             TcompError::Settings => "the machine settings cannot be decoded",
             TcompError::TableHeader => "the header of a table cannot be decoded",
             TcompError::TableTooLong => "a table is longer than the payload",
-            TcompError::PayloadTooLong => "bytes follow the last table",
+            TcompError::PayloadTooLong => "bytes follow the last item of the payload",
             TcompError::MachineId => "the machine id does not belong to the machine's name and chain",
             TcompError::Content(error) => return error.fmt(f),
             TcompError::WrongMachine => "the file was made for another machine",
@@ -285,6 +285,7 @@ fn read<'a, T: Deserialize<'a>>(rest: &mut &'a [u8], to: &mut T) -> Option<()> {
 
 /// Decodes a list in postcard element by element into its place.
 fn read_list<'a, T: Deserialize<'a>, const N: usize>(rest: &mut &'a [u8], to: &mut Vec<T, N>) -> Option<()> {
+    to.clear();
     let mut count = 0_u32;
     read(rest, &mut count)?;
     for _ in 0..count {
@@ -355,12 +356,22 @@ impl<'a> Tcomp<'a> {
         Ok(file)
     }
 
-    /// Like [`parse`](Tcomp::parse), into a place that the caller provides, which takes a third of the stack. After an
-    /// error the content is unspecified.
+    /// Like [`parse`](Tcomp::parse), into a place that the caller provides, which takes a third as much stack. After an
+    /// error it holds no axis, so that no loop can be built of it.
     ///
     /// # Errors
     /// The first defect found.
     pub fn read(&mut self, bytes: &'a [u8]) -> Result<(), TcompError> {
+        self.tables.clear();
+        self.grids.clear();
+        let read = self.read_checked(bytes);
+        if read.is_err() {
+            self.settings.axes.clear();
+        }
+        read
+    }
+
+    fn read_checked(&mut self, bytes: &'a [u8]) -> Result<(), TcompError> {
         let (magic, rest) = split::<8>(bytes)?;
         if magic != MAGIC {
             return Err(TcompError::Magic);
@@ -395,10 +406,6 @@ impl<'a> Tcomp<'a> {
     #[inline(never)]
     fn read_payload(&mut self, payload: &'a [u8], version: u16) -> Result<(), TcompError> {
         let Tcomp { settings, tables, grids, .. } = self;
-        settings.axes.clear();
-        settings.crosstalk.clear();
-        tables.clear();
-        grids.clear();
         let mut rest = payload;
         read_settings(&mut rest, settings).ok_or(TcompError::Settings)?;
         for _ in &settings.axes {

@@ -163,7 +163,7 @@ fn errors_have_a_code_and_a_sentence() {
         (TcompError::Settings, "settings"),
         (TcompError::TableHeader, "header of a table"),
         (TcompError::TableTooLong, "longer than the payload"),
-        (TcompError::PayloadTooLong, "after the last table"),
+        (TcompError::PayloadTooLong, "last item"),
         (TcompError::MachineId, "name and chain"),
     ];
     for (code, (error, word)) in (1..).zip(all) {

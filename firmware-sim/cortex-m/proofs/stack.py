@@ -8,7 +8,7 @@ those of the precompiled compiler_builtins, is charged with all that its instruc
 register and a recursion have no bound here: they are refused. A tail call counts as a call. A budget with `without`
 leaves out the functions with that in their names: what a machine needs that is configured never to call them.
 
-Fails (exit 1) where a function needs more than is committed by over 2 % (a spilled register or two is no news), or where
+Fails (exit 1) where a function needs more than is committed by over 2 % (a spilled register or two is not growth), or where
 the painted stack exceeds the bound; a bound above its limit is shown as "limit missed" in every run.
 """
 

@@ -22,6 +22,7 @@ const MOST_C: f64 = 1e4;
 /// equal intervals, the first row in the first cycle. An empty cell is a missing reading. `note` receives a note
 /// on how a file with other separators is read.
 ///
+/// # Errors
 /// The file cannot be read; the growth belongs to another machine; the sensors are not those of the growth, the
 /// intervals are unequal, or the image has no room for all readings.
 pub fn read(

@@ -52,7 +52,7 @@ fn summary(outcome: &Outcome) -> Markup {
                 "In the same scalar image and host agree in " strong { "every bit" } "; single and double precision agree \
                  within " strong { "2 nm" } " in 99.9 % of the cycles."
             } @else {
-                strong { "Image and host do not agree" } "; they must: see the table."
+                strong { "Image and host do not agree" } ", although they must: see the table."
             }
         }
         p { "The same recording went through the step on this host and through the bare-metal image in QEMU, cycle by cycle." }

@@ -74,7 +74,7 @@ static void nothing_else(sys_state_t now) {
     (void)now;
 }
 
-/* Reports "outside": like the core, it cannot check motor coordinates here. */
+/* Like the core, it cannot check motor coordinates here, and reports them as outside. */
 static bool within(float *target, axes_signals_t axes, bool is_cartesian, work_envelope_t *envelope) {
     for (int idx = 0; idx < N_AXIS && is_cartesian; idx++) {
         if ((sys.homed.mask & axes.mask & bit(idx)) &&
@@ -308,7 +308,7 @@ static void parking_done(void) {
     }
 }
 
-/* Parks in stages: out of the workpiece, to the parking place, back to the start of the workpiece, into it. */
+/* Parks in stages: out of the workpiece, to the parking place, back to in front of the workpiece, into it. */
 static void park_on(void) {
     float target[N_AXIS];
     bool moves = false;

@@ -44,7 +44,7 @@ else:
     MOTORS = {"x": lambda p: p[0], "y": lambda p: p[1], "z": lambda p: p[2]}
 steppers = {oid: dict(motor=MOTORS[name.split("_")[1][0]], n=mcu, offset=mcu * step - cmd, step=step, clock=0, up=1)
             for name, oid, mcu, cmd, step in sync["steppers"]}
-# A motor's step count times its step is its position minus a constant offset.
+# A motor's position is its step count times its step, minus a constant offset.
 steps = []
 for line in open(dump):
     words = dict(w.split("=") for w in line.split() if "=" in w)

@@ -458,7 +458,7 @@ getp ta.fault-code
 ))
 
 
-def nowhere(folder):
+def no_output(folder):
     """Without a usable command, and with an encoder that is not read, no output is invented; once all axes are read, it holds."""
     compile_tables(folder, os.path.join(SAMPLES, "mill-3axis", "machine.toml"), "mill.tcomp")
     code, printed = rig.halrun(folder, NOWHERE_HAL)
@@ -551,4 +551,4 @@ def many(folder):
     compile_tables(folder, os.path.join(source, "machine.toml"), "many.tcomp")
 
 
-TESTS = (refused, stream, gauge, instances, joint_stop, warm, thermal, accepted, period, nowhere)
+TESTS = (refused, stream, gauge, instances, joint_stop, warm, thermal, accepted, period, no_output)

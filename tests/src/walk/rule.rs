@@ -45,7 +45,7 @@ rules! {
     Hold: "while a stop is requested, drive, record and correction stay constant, bit for bit",
     Freeze: "while a reading is refused, the correction comes to rest with a and stays constant",
     Disabled: "with the correction gone, a disabled step passes commands bit for bit",
-    LedOut: "switched off, the correction is gone within the time that its limits take",
+    RampedOut: "switched off, the correction is gone within the time that its limits take",
     LimitedReported: "an axis is reported as limited where its correction is not the wanted one: switched off, where it is not zero; never while the output holds",
     Stops: "a bad command stops, in its own cycle, with its fault and its axis",
     StopsOnlyWhenDue: "a stop appears for no other reason",

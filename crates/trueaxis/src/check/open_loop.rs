@@ -22,7 +22,7 @@ pub(super) struct OpenLoop {
     pub(super) dead_time_s: f64,
 }
 
-/// Present margins of a loop, and the factor by which its gain may change.
+/// Present margins of a loop, and the largest permitted factor on its gain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Found {
     pub(super) phase: Option<Margin>,

@@ -30,8 +30,7 @@ use crate::position::Position;
 use crate::real::Real;
 use crate::vector::V3;
 
-/// Bounds the passes of the inverse, which are 1 to 8: the number is a byte that the compiler does not know, and its loops
-/// must have a fixed bound for every value.
+/// Passes of the inverse are 1 to 8, but the compiler does not know that: masking the byte gives the loop a fixed bound.
 pub(crate) const PASSES_MASK: u8 = 15;
 
 /// Errors of all axes: the tip's dx, dy, dz in mm and the rotary axes' own errors in degrees, in the order of the axes.

@@ -73,7 +73,7 @@ impl<'m, 'g> Config<'m, 'g> {
         if !(1_000..=100_000_000).contains(&self.period_ns) {
             return Err(ConfigError::new(Field::Period, f64::from(self.period_ns) * 1e-9, "1e-6 s to 0.1 s"));
         }
-        // By one type whatever the closure, so that a firmware has the checks once.
+        // Behind `dyn`, whatever the closure's type, so that a firmware contains one copy of the checks.
         let rows: &dyn Fn(Axis) -> Option<&'r T> = &rows;
         crate::check::settings(self.machine)?;
         crate::check::grids(self.machine, self.grids)?;

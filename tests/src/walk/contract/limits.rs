@@ -232,7 +232,7 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         let negligible = if seen.facts.dynamic { 1e-9 } else { 0.0 };
         if total.iter().any(|c| c.to_f64().abs() > negligible) {
             let found = || format!("{total:?} after {} cycles, {} at most", motion.dark, motion.may);
-            return self.tally.that(Rule::LedOut, motion.dark <= motion.may, found);
+            return self.tally.that(Rule::RampedOut, motion.dark <= motion.may, found);
         }
         if total.iter().all(|c| *c == R::ZERO) {
             let commands = output.drive.iter().zip(&seen.moment.input.command).zip(&record.correction);

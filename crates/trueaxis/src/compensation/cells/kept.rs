@@ -94,7 +94,7 @@ impl<R: Real, P: Position> Cells<R, P> {
     pub(crate) const NONE: u64 = 0;
 
     /// An empty cache, bound to no tables.
-    pub(crate) fn none() -> Self {
+    pub(crate) fn empty() -> Self {
         Cells { key: Self::NONE, passes: 1, command: Point::empty(), feedback: Point::empty(), at_edge: 0 }
     }
 

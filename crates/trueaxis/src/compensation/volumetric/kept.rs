@@ -28,7 +28,7 @@ impl<R: Real, P: Position, const N: usize> Kept<R, P, N> {
     const NONE: u64 = 0;
 
     /// An empty cache.
-    pub(crate) fn nothing() -> Self {
+    pub(crate) fn empty() -> Self {
         Kept { key: Self::NONE, directions: [Direction::POSITIVE; N], tangents: [Tangent::empty(); 2] }
     }
 

@@ -236,7 +236,7 @@ fn segments_without_end_are_refused_before_a_span_is_made() {
     let knots = [0.0, 0.0, 0.0, 1.0, 1.0, 1.0];
     let far = [[0.0; 3], [9e8, 0.0, 0.0], [9e8, 9e8, 0.0]].map(DVec3::from_array);
     let peak = [[0.0; 3], [9e8, 0.0, 0.0], [1.0, 0.0, 0.0]].map(DVec3::from_array);
-    // The number of spans refuses these segments, before any span is formed.
+    // These segments would need too many spans; they are refused by that number before any span is formed.
     for segment in [
         Segment::Line { start: [0.0; 3].into(), end: DVec3::new(1e8, 0.0, 0.0) },
         Segment::Arc {
