@@ -80,7 +80,7 @@ def hal_of(letters, more=""):
     """Returns trueaxis.hal for other joints than X, Y, Z, with drives that follow their commands exactly."""
     with open(os.path.join(rig.CONFIG, "trueaxis.hal")) as f:
         text = f.read()
-    start, end = text.index("net x-pos-cmd"), text.index("# Correction is on")
+    start, end = text.index("net x-pos-cmd"), text.index("setp ta.enable 1")
     nets = ""
     for j, letter in enumerate(letters.lower()):
         name = "%s%d" % (letter, j)
@@ -117,7 +117,7 @@ def ini_of(letters, kinematics, travel):
     """Returns the sample's INI for other joints; `travel`: letter -> low, high."""
     with open(os.path.join(rig.CONFIG, "mill-3axis.ini")) as f:
         text = f.read()
-    text = text[: text.index("# Travel, feed")]
+    text = text[: text.index("[AXIS_X]")]
     text = rig.with_ini(text, "KINS", "KINEMATICS", kinematics)
     text = rig.with_ini(text, "KINS", "JOINTS", len(letters))
     text = rig.with_ini(text, "TRAJ", "COORDINATES", " ".join(letters))
