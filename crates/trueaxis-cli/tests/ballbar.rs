@@ -194,6 +194,25 @@ fn only_changed_terms_are_reported() {
     folder.bad(&["ballbar", "record.csv", "--radius-mm", "100", "--force"], &["--machine"]);
 }
 
+/// The circles show 5 µm of lost motion, of which the axis' table has 4 already.
+#[test]
+fn lost_motion_of_a_table_is_not_written_again() {
+    let folder = Folder::new(TRUEAXIS);
+    folder.write("record.csv", record(&[1.0, -1.0]));
+    folder.write("m/machine.toml", "name = \"m\"\nchain = \"w b X Y Z t\"\n[axis.X]\ntable = \"x.csv\"\n");
+    folder.write("m/x.csv", "X_mm,EXX_fwd_um,EXX_rev_um\n-150,1,5\n0,0,4\n150,2,6\n");
+    let call = |more: &[&'static str]| {
+        let mut call = vec!["ballbar", "record.csv", "--radius-mm", "100", "--machine", "m", "-o", "new"];
+        call.extend(more);
+        folder.both(&call)
+    };
+    let [_, stderr] = call(&[]);
+    let text = folder.read("new/machine.toml");
+    let line = text.lines().find(|line| line.starts_with("backlash_um")).unwrap_or_else(|| panic!("{text}{stderr}"));
+    let written: f64 = line.split(['=', '#']).nth(1).unwrap().trim().parse().unwrap();
+    assert!((written - 1.0).abs() < 0.02, "{text}");
+}
+
 /// Axis encoders do not see squareness: finding none does not remove the stated value.
 #[test]
 fn positions_take_no_squareness_away() {

@@ -73,8 +73,12 @@ impl Additions {
         };
         let decision = |finding: &Finding| {
             let stated = finding::stated(document.as_table(), finding);
-            let on_top = if finding.on_top { stated.map_or(0.0, |stated| stated.value) } else { 0.0 };
-            let found = finding::Known { value: on_top + finding.found.value, ..finding.found };
+            // A residual is added to the figure; a whole lost motion includes that of the axis' table.
+            let known_already = match finding.on_top {
+                true => stated.map_or(0.0, |stated| stated.value),
+                false => -lost_motion_of_table(before, &finding.key),
+            };
+            let found = finding::Known { value: known_already + finding.found.value, ..finding.found };
             let (written, why) = match &misfit {
                 Some(left) => (None, Why::Misfit(left.clone())),
                 None if again && self.compensated => (None, Why::SameRecord),
@@ -140,6 +144,15 @@ impl Additions {
         }
         Ok(edited)
     }
+}
+
+/// Mean lost motion of the axis' table, negative less positive travel, in the unit of the key; zero for any other key.
+fn lost_motion_of_table(machine: &Machine, key: &str) -> f64 {
+    let axis = finding::axis_of(key).filter(|_| key.contains(".backlash_"));
+    let Some((axis, rows)) = axis.and_then(|axis| Some((axis, machine.rows(axis)?))) else { return 0.0 };
+    let lost = rows.iter().map(|row| row.reverse[axis.index()] - row.forward[axis.index()]);
+    let micro = if axis.is_rotary() { 1e6 } else { 1e3 };
+    micro * lost.sum::<f64>() / rows.len().max(1) as f64
 }
 
 /// Curves of the findings that are written, each scaled by the share written, one per axis.
