@@ -131,7 +131,11 @@ fn gaps_backward_rows_and_wrong_units_are_refused_with_the_numbers() {
     refused(&good.replace("length_mm = 20", "length_mm = 20000"), &[], &["no row from 20 to 20000 mm"]);
     let nanometres = good.replacen("\n8,1.5,", "\n8,1500,", 1);
     refused(&nanometres, &[], &["r.csv:3205: column ex_um", "an error of 1500 µm", "at most 1000 µm"]);
-    refused(&good.replace("ex_um", "ex_mm"), &[], &["r.csv:4: column ex_mm", "needed one of s_mm, ex_um"]);
+    refused(
+        &good.replace("ex_um", "ex_mm"),
+        &[],
+        &["r.csv:4: column ex_mm", "needed ex_um, or another of s_mm, ex_um"],
+    );
     refused(&good.replace(COLUMNS, "s_mm,ex_um,ey_um\n"), &[], &["r.csv:4", "the column ez_um"]);
     refused(&good.replacen("\n8,", "\nnan,", 1), &[], &["r.csv:3205: column s_mm", "nan", "finite"]);
     refused(&format!("{HEAD}{COLUMNS}"), &[], &["r.csv", "no rows"]);

@@ -6,6 +6,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 use trueaxis_tables::error::FileError;
 use trueaxis_tables::sheet::Sheet;
+use trueaxis_tables::text::one_of;
 
 /// A column that a file may contain.
 #[derive(Clone, Copy, Debug)]
@@ -60,11 +61,11 @@ fn most(column: &str) -> f64 {
 fn opened<'r>(input: Box<dyn Read + 'r>, file: &Path, columns: &[Column]) -> Result<(Sheet<'r>, Vec<usize>)> {
     let sheet = Sheet::new(input, file)?;
     let header = sheet.header();
-    let names = || columns.iter().map(|c| c.name).collect::<Vec<_>>().join(", ");
+    let known = |cell: &str| one_of(cell, columns.iter().map(|column| column.name), ", ");
     let mut order = Vec::with_capacity(header.len());
     for (i, cell) in header.iter().enumerate() {
         let Some(slot) = columns.iter().position(|c| c.name == cell) else {
-            return Err(sheet.error(cell, cell, format!("one of {}", names())).into());
+            return Err(sheet.error(cell, cell, known(cell)).into());
         };
         if header[..i].contains(cell) {
             return Err(sheet.error(cell, "a second column of that name", "one").into());

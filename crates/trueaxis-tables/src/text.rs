@@ -7,6 +7,19 @@ use crate::origin::Origin;
 use std::path::Path;
 use trueaxis::machine::Axis;
 
+/// What is needed in place of an unknown name: the known names, joined by `separator`, headed by the nearest if it has at
+/// least four letters and differs by a typing error or two.
+pub fn one_of<'n>(unknown: &str, known: impl IntoIterator<Item = &'n str>, separator: &str) -> String {
+    let known = Vec::from_iter(known);
+    let all = known.join(separator);
+    let distance = |name: &&str| strsim::osa_distance(unknown, name);
+    let near = known.iter().filter(|name| name.len() >= 4 && distance(name) <= 1 + name.len() / 5);
+    match near.min_by_key(|name| distance(name)) {
+        Some(nearest) => format!("{nearest}, or another of {all}"),
+        None => format!("one of {all}"),
+    }
+}
+
 /// Reads a file as [`decode`] does.
 ///
 /// # Errors

@@ -178,7 +178,7 @@ fn wrong_sections_are_refused_at_their_lines() {
             "watch_um = 12",
             "watch_mm = 12",
             "watch_mm = 12",
-            "key contour.feedback.watch_mm: found watch_mm, needed one of proportional, integral_per_s, \
+            "key contour.feedback.watch_mm: found watch_mm, needed watch_um, or another of proportional, integral_per_s, \
              max_feed_mm_per_min, watch_um",
         ),
         (

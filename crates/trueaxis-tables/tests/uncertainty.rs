@@ -88,7 +88,7 @@ fn errors_name_their_line() {
         ("eve_um = -0.1", "0 to 1000 um"),
         ("device_um = \"0.1\"", "a number"),
         ("degrees_of_freedom = 0", "1 to 1e9"),
-        ("eve_mm = 1", "one of device_um_per_m, device_um"),
+        ("eve_mm = 1", "eve_um, or another of device_um_per_m, device_um"),
     ] {
         let files = files(&format!("{PLAIN}[uncertainty]\n{line}\n"), TABLE);
         let error = Machine::read_from(&files, Path::new("machine.toml"), &mut |_| {}).unwrap_err();

@@ -7,7 +7,7 @@ use std::fmt;
 use toml::de::DeTable;
 use toml::{Table, Value};
 use trueaxis_tables::Keys;
-use trueaxis_tables::text::{line_at, one_line};
+use trueaxis_tables::text::{line_at, one_line, one_of};
 
 /// Most characters of an error's `needed`, which may list every setting.
 const LONGEST_NEEDED: usize = 1200;
@@ -143,10 +143,10 @@ fn leaves(table: &Table, path: &str, into: &mut BTreeMap<String, String>) {
 fn merge(all: &mut Table, given: Table, path: &str) -> Result<(), (String, String, String)> {
     for (key, value) in given {
         let name = dotted(path, &key);
-        let known = || all.keys().map(String::as_str).collect::<Vec<_>>().join(", ");
+        let known = || one_of(&key, all.keys().map(String::as_str), ", ");
         let Some(place) = all.get(&key) else {
             let found = "no such setting".to_owned();
-            return Err((name, found, format!("one of {}", known())));
+            return Err((name, found, known()));
         };
         let merged = match (place, value) {
             (Value::Table(inner), Value::Table(value)) => {

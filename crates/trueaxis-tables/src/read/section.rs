@@ -4,7 +4,7 @@
 
 use crate::error::FileError;
 use crate::origin::Origin;
-use crate::text::line_at;
+use crate::text::{line_at, one_of};
 use std::cell::RefCell;
 use std::ops::Range;
 use std::path::Path;
@@ -268,7 +268,7 @@ impl<'a> Section<'a> {
         match unknown.min_by_key(|key| key.span().start) {
             None => Ok(()),
             Some(key) => {
-                let known = format!("one of {}", asked.join(", "));
+                let known = one_of(key.get_ref(), asked.iter().map(AsRef::as_ref), ", ");
                 Err(self.refuse(key.get_ref(), &key.span(), needed.map_or(known, str::to_owned)))
             }
         }
