@@ -3,8 +3,8 @@
 //! ```text
 //! # comment
 //! X_mm,run,direction,deviation_um
-//! -292.42,1,+,8.73
-//! -292.42,1,-,10.31
+//! -292.42,1,+,14.79
+//! -292.42,1,-,16.41
 //! ```
 //!
 //! The first column is the target position: `X_mm` (`C_deg` for a rotary axis) or, if the axis is named elsewhere,
