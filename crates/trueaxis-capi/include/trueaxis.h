@@ -426,10 +426,9 @@ typedef struct trueaxis_error_t {
     /// - Learned correction: 1 too short, 2 too long, 3 not a learned correction, 4 other format version, 5 wrong
     ///   CRC-32, 6 spacing, 7 resolution, 8 parts, 9 number of nodes, 10 not 0 at its ends, 11 other program, 12 other
     ///   path length, 13 other machine.
-    /// - Part left out: 1 grids, 2 volumetric, 3 rotary, 4 dynamic, 5 gauge, 6 curves, 7
-    ///   toolpath, 8 growth.
     /// - Thermal growth: 1 to 5 as for a learned correction, 6 sensors, 7 axes, 8 number of knots, 9 order of knots, 10
     ///   a time, 11 plausible readings, 12 an axis, 13 not 0, 14 a slope, 15 other machine.
+    /// - Part left out: 1 grids, 2 volumetric, 3 rotary, 4 dynamic, 5 gauge, 6 curves, 7 toolpath, 8 growth.
     uint32_t code;
     /// Index of the element, from 0 (row of a table, knot of a spline); `UINT32_MAX` if the value is not in a list.
     uint32_t index;
