@@ -24,7 +24,7 @@
 
 /* Reads the .tcomp in place and builds the tables in memory of this module. `machine_id`: 0 accepts any machine.
  * `axes`: number of axes of the controller, in the order X Y Z A B C. Returns NULL, or one line with the reason why the
- * file is refused. Do not call it while the machine moves. Takes 31 kB of stack (39 kB in double precision) and about ten
+ * file is refused. Do not call it while the machine moves. Takes 26 kB of stack (33 kB in double precision) and about ten
  * thousand lookups, to find the largest correction. */
 const char *trueaxis_correction_load(const uint8_t *file, size_t length, uint32_t machine_id, unsigned axes);
 
