@@ -181,10 +181,7 @@ impl Refusal {
             Refusal::Thermal(thermal) => error.code = thermal.code().into(),
             Refusal::Memory(lent, needed) => {
                 error.found = *lent as f64;
-                error.field = match TEXT {
-                    true => Text::of(&"Memory"),
-                    false => Text::numbered(Field::Memory.code()),
-                };
+                error.field = named(Field::Memory);
                 error.needed = Text::of(&format_args!("{needed} bytes"));
             }
             Refusal::Path(path) => {
@@ -198,6 +195,11 @@ impl Refusal {
     }
 }
 
+/// The name of a setting, or its number in a build without texts.
+fn named<const N: usize>(field: Field) -> [c_char; N] {
+    if TEXT { Text::of(&format_args!("{field:?}")) } else { Text::numbered(field.code()) }
+}
+
 impl Error {
     fn add(&mut self, config: &ConfigError) {
         if let Some(part) = config.left_out {
@@ -206,10 +208,7 @@ impl Error {
         self.index = config.index.unwrap_or(u32::MAX);
         self.found = config.found;
         self.axis = config.axis.map_or(0, |axis| axis.letter() as c_char);
-        self.field = match TEXT {
-            true => Text::of(&format_args!("{:?}", config.field)),
-            false => Text::numbered(config.field.code()),
-        };
+        self.field = named(config.field);
         self.needed = Text::of(&config.needed);
     }
 }

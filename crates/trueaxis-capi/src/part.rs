@@ -10,14 +10,16 @@ pub(crate) struct Part {
     is_built: bool,
 }
 
-pub(crate) const CURVES: Part =
-    Part { name: "curves", code: trueaxis::Part::Curves as u8, is_built: cfg!(feature = "curves") };
-pub(crate) const DYNAMIC: Part =
-    Part { name: "dynamic", code: trueaxis::Part::Dynamic as u8, is_built: cfg!(feature = "dynamic") };
-pub(crate) const GAUGE: Part =
-    Part { name: "gauge", code: trueaxis::Part::Gauge as u8, is_built: cfg!(feature = "gauge") };
+pub(crate) const CURVES: Part = of_core(trueaxis::Part::Curves, cfg!(feature = "curves"));
+pub(crate) const DYNAMIC: Part = of_core(trueaxis::Part::Dynamic, cfg!(feature = "dynamic"));
+pub(crate) const GAUGE: Part = of_core(trueaxis::Part::Gauge, cfg!(feature = "gauge"));
 pub(crate) const TOOLPATH: Part = Part { name: "toolpath", code: 7, is_built: cfg!(feature = "toolpath") };
 pub(crate) const GROWTH: Part = Part { name: "growth", code: 8, is_built: cfg!(feature = "growth") };
+
+/// A part of the core.
+const fn of_core(part: trueaxis::Part, is_built: bool) -> Part {
+    Part { name: part.name(), code: part as u8, is_built }
+}
 
 /// Refuses the functions of a part that this build leaves out. Called first in each of them, so that the remaining code
 /// is not linked.

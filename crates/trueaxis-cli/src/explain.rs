@@ -25,7 +25,7 @@ that is needed, run `trueaxis tables check` on the machine from which the file w
 
 #[derive(Args)]
 pub(crate) struct Arguments {
-    /// What kind of code it is.
+    /// Kind of the code.
     kind: Option<Kind>,
     /// The code; a setting's may begin with #, as the library writes it.
     #[arg(value_parser = code)]
@@ -196,14 +196,11 @@ fn consequence(fault: Fault) -> &'static str {
 
 /// The key in `machine.toml`, with `*` for an axis that is not given; the name of a setting that is not in the file.
 fn setting(field: Field, axis: Option<Axis>) -> String {
-    let keys = match axis {
-        Some(axis) => [Some(axis); 2],
-        None => [Axis::X, Axis::C].map(Some),
-    };
-    let [linear, rotary] = keys.map(|axis| field.key(axis).map(|key| key.to_string()));
     if field == Field::Inverse {
         return "Inverse: the errors of all tables together, too steep for the exact inverse".to_owned();
     }
+    let axes = axis.map_or([Axis::X, Axis::C], |axis| [axis; 2]);
+    let [linear, rotary] = axes.map(|axis| field.key(Some(axis)).map(|key| key.to_string()));
     // Only rotary axes have location errors of their own.
     let Some(key) = rotary.filter(|key| key.contains("0C_")).or(linear) else {
         return format!("{field:?}, which the host sets");
@@ -237,11 +234,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
         let [first, last] = [codes.first(), codes.last()].map(|code| code.map_or(0, |(code, _)| *code));
         bail!("code: found {code}, needed a code from {first} to {last} of the list: {}", kind.title());
     };
-    let meaning = match kind {
-        Kind::Setting => found(code, arguments)?,
-        _ => meaning.clone(),
-    };
-    print(&format!("{meaning}\n"))
+    match Field::ALL.get(usize::from(code)).filter(|_| kind == Kind::Setting) {
+        Some(field) => print(&format!("{}\n", found(*field, arguments)?)),
+        None => print(&format!("{meaning}\n")),
+    }
 }
 
 fn list(text: &mut String, kind: Kind) -> Result<()> {
@@ -250,8 +246,8 @@ fn list(text: &mut String, kind: Kind) -> Result<()> {
     Ok(())
 }
 
-fn found(code: u8, arguments: &Arguments) -> Result<String> {
-    let Some(&field) = Field::ALL.get(usize::from(code)) else { bail!("code: found {code}, needed that of a setting") };
+/// A setting, with its value in the unit of its key.
+fn found(field: Field, arguments: &Arguments) -> Result<String> {
     let axis = match arguments.axis {
         None => None,
         Some(letter) => match Axis::from_letter(letter) {

@@ -68,7 +68,7 @@ Exit code 0: done; 2: bad input, with file, line, column, value found and value 
 term is out of its bounds.
 A reader that closes the standard output or error early (`| head`) ends the program silently with exit code 0.";
 
-/// What a command does, an example, then its options: clap's own layout has no place for an example before the options.
+/// Layout of a help text: description, example, options. In clap's own, no example can precede the options.
 const LAYOUT: &str = "{about-with-newline}\n{before-help}{usage-heading} {usage}\n\n{all-args}{after-help}";
 
 /// Sets [`LAYOUT`] for a command and everything below it; clap does not pass it on.
