@@ -14,8 +14,8 @@ DEFINITION = re.compile(
     r"(?:fn|struct|enum|trait|type|const|static|union|macro_rules!)\s+(\w+)",
     re.M,
 )
-USE = re.compile(r"^\s*(?:pub(?:\([^)]*\))?\s+)?use\s+([^;]+);", re.M)
-DECLARATION = re.compile(r"^\s*(?:pub(?:\([^)]*\))?\s+)?(?:use|mod)\s+[^;]+;", re.M)
+USE = re.compile(r"^\s*(?:bench!\()?(?:pub(?:\([^)]*\))?\s+)?use\s+([^;]+?)\)?;", re.M)
+DECLARATION = re.compile(r"^\s*(?:bench!\()?(?:pub(?:\([^)]*\))?\s+)?(?:use|mod)\s+[^;]+;", re.M)
 PATH = re.compile(r"\b[A-Za-z_]\w*(?:::\w+)+")
 IS_TEST = re.compile(r"(^|/)tests?(/|\.rs$)|_tests\.rs$")
 

@@ -124,7 +124,10 @@ STEPS = [
     Step("single precision and three axes", SINGLE, ("cargo test",)),
     Step("clippy", "cargo clippy --workspace --all-targets --features trueaxis-benches/counts,trueaxis-benches/side-by-side -- -D warnings",
          ("cargo test", "tools")),
-    Step("documentation", "RUSTDOCFLAGS='-D warnings' cargo doc --quiet --workspace --no-deps", ("clippy",)),
+    Step("documentation", """
+        RUSTDOCFLAGS='-D warnings' cargo doc --quiet --workspace --no-deps
+        .ci/api --check
+        """, ("clippy",)),
     Step("no_std target", NO_STD, ("clippy",)),
     Step("lowest Rust version", LOWEST, BUILDS, varies=True),
     Step("feature matrix", FEATURES, BUILDS),

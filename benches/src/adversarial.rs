@@ -159,6 +159,6 @@ impl<R: Wire> Adversarial<R> {
 
 fn set_thermal<R: Wire>(state: &mut State<R, R::Place, AXES>, moment: &Moment<R, R::Place>) {
     if let Some((slot, line)) = moment.thermal {
-        state.set_thermal(slot, line);
+        state.set_thermal(slot, line).expect("a slot of the step");
     }
 }

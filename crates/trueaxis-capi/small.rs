@@ -3,9 +3,8 @@
 #![no_std]
 
 use core::panic::PanicInfo;
-use trueaxis::tcomp::Tcomp;
 use trueaxis::telemetry::{FRAME_BYTES, Frame};
-use trueaxis::{McuPath, McuServo, Nanometres};
+use trueaxis::{McuPath, McuServo, Nanometres, Tcomp};
 
 const PERIOD_NS: u32 = 100_000;
 const SPANS: usize = 64;

@@ -111,7 +111,7 @@ pub unsafe extern "C" fn trueaxis_kinematics_build(
         for (index, (axis, _)) in axes.iter_mut().zip(crate::tables::slots(&tables)) {
             (*index, count) = (Axis::index(axis) as u8, count + 1);
         }
-        let kinematics = kinematics::Kinematics::new(tables.settings())?;
+        let kinematics = tables.kinematics()?;
         let chain = Chain { step: tool_step, kinematics, machine_id: tables.machine_id(), axes, count };
         // SAFETY: storage of the size that the caller vouched for.
         unsafe { opaque::fill(place, chain) };

@@ -89,9 +89,9 @@ pub unsafe extern "C" fn trueaxis_set_thermal(
         let slot = axis as usize;
         let line = built.growth(slot, kelvin).ok_or(ERROR_ARGUMENT)?;
         with_servo!(built, running,
-            servo(_servo, state) => state.set_thermal(slot, line),
-            bypass(_) => ()
-        )
+            servo(_servo, state) => state.set_thermal(slot, line).map_err(|_| ERROR_ARGUMENT),
+            bypass(_) => Ok(())
+        )?
     };
     result::of(work())
 }

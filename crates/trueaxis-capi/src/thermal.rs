@@ -259,9 +259,9 @@ pub unsafe extern "C" fn trueaxis_set_growth(
         }
         for (slot, line) in lines.into_iter().flatten() {
             with_servo!(built, &mut *running,
-                servo(_servo, state) => state.set_thermal(slot, line),
-                bypass(_) => ()
-            )?;
+                servo(_servo, state) => state.set_thermal(slot, line).map_err(|_| ERROR_ARGUMENT),
+                bypass(_) => Ok(())
+            )??;
         }
         Ok(())
     };

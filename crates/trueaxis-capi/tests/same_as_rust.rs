@@ -65,7 +65,7 @@ fn around<const N: usize>(first: &[u8], second: &[u8], center: [f64; 3], cycles:
             // SAFETY: all pointers and sizes match their types.
             assert_eq!(unsafe { trueaxis_set_thermal(&*loops[0].servo, &mut *state, 0, 4.0) }, OK);
             let growth = settings.axes.iter().find(|axis| axis.axis == trueaxis::Axis::X).unwrap().thermal;
-            core_state.set_thermal(0, ThermalLine::for_axis(&growth, 4.0).unwrap());
+            core_state.set_thermal(0, ThermalLine::for_axis(&growth, 4.0).unwrap()).unwrap();
         }
         let u = cycle.saturating_sub(20) as f64 / AROUND as f64;
         let reference = path.reference(0, u).unwrap();

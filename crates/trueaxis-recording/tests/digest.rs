@@ -91,7 +91,7 @@ impl Case {
                 state = servos[0].start();
             }
             if let Some((slot, line)) = moment.thermal {
-                state.set_thermal(slot, line);
+                state.set_thermal(slot, line).expect("a slot of the step");
             }
             if self.parts.is_some() {
                 vary(&mut moment.input, number);

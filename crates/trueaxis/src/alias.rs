@@ -1,15 +1,12 @@
 //! Type aliases for the usual scalars.
 
 use crate::contour::PathBuffer;
-use crate::{Input, Nanometres, ServoLoop, State};
+use crate::{Nanometres, ServoLoop, State};
 
 /// A servo loop on a host with double precision: positions in mm (degrees).
 pub type HostServo<'a, const N: usize> = ServoLoop<'a, f64, f64, N>;
 /// State of a [`HostServo`].
 pub type HostState<const N: usize> = State<f64, f64, N>;
-/// Input of a [`HostServo`].
-pub type HostInput<const N: usize> = Input<f64, N>;
-
 /// A path of at most `SPANS` spans for a [`HostServo`].
 pub type HostPath<const SPANS: usize> = PathBuffer<f64, f64, SPANS>;
 
@@ -21,7 +18,5 @@ pub type HostPath<const SPANS: usize> = PathBuffer<f64, f64, SPANS>;
 pub type McuServo<'a, const N: usize> = ServoLoop<'a, f32, Nanometres, N>;
 /// State of an [`McuServo`].
 pub type McuState<const N: usize> = State<f32, Nanometres, N>;
-/// Input of an [`McuServo`].
-pub type McuInput<const N: usize> = Input<Nanometres, N>;
 /// A path of at most `SPANS` spans for an [`McuServo`].
 pub type McuPath<const SPANS: usize> = PathBuffer<f32, Nanometres, SPANS>;

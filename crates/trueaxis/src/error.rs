@@ -1,10 +1,13 @@
 //! The two kinds of error: an invalid configuration at build, a fault of a cycle at run time.
 
 mod field;
+mod figure;
 mod key;
 
 pub use field::Field;
-pub use key::Key;
+
+bench!(use figure::Figure);
+bench!(use key::Key);
 
 use crate::axis::Axis;
 use crate::part::{self, Part};
@@ -28,12 +31,14 @@ pub struct ConfigError {
     /// Value that completes `needed`, if it follows from other settings, in the unit of `found`.
     pub bound: Option<f64>,
     /// The part that the setting needs, if this build leaves it out.
+    #[doc(hidden)]
     pub left_out: Option<Part>,
 }
 
 impl ConfigError {
     /// Creates an error of the machine as a whole.
     #[cold]
+    #[doc(hidden)]
     pub fn new(field: Field, found: f64, needed: &'static str) -> Self {
         let needed = part::text(needed);
         ConfigError { field, axis: None, index: None, found, needed, bound: None, left_out: None }
@@ -46,16 +51,19 @@ impl ConfigError {
     }
 
     /// Adds the axis.
+    #[doc(hidden)]
     pub fn on(self, axis: Axis) -> Self {
         ConfigError { axis: Some(axis), ..self }
     }
 
     /// The key or section of `machine.toml` to edit; `None` if the setting is not in the file.
+    #[doc(hidden)]
     pub fn key(&self) -> Option<Key> {
         self.field.key(self.axis)
     }
 
     /// Adds the index of an element in a list.
+    #[doc(hidden)]
     pub fn at(self, index: usize) -> Self {
         ConfigError { index: u32::try_from(index).ok(), ..self }
     }
@@ -101,21 +109,6 @@ impl fmt::Display for ConfigError {
 }
 
 impl core::error::Error for ConfigError {}
-
-/// Prints a number in its shortest form: 1e308 without 309 digits.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Figure(pub f64);
-
-impl fmt::Display for Figure {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let size = self.0.abs();
-        if self.0.is_finite() && (size >= 1e16 || (size > 0.0 && size < 1e-9)) {
-            write!(f, "{:e}", self.0)
-        } else {
-            write!(f, "{}", self.0)
-        }
-    }
-}
 
 /// Fault of a servo cycle; reported in its output and telemetry.
 ///

@@ -11,7 +11,7 @@
 //! | 8 | magic `TRUELRND` |
 //! | 2 | format version, 1 |
 //! | 2 | number of parts learned from, 1 and up |
-//! | 4 | machine id, as in the table file ([`crate::tcomp::machine_id`]) |
+//! | 4 | machine id, as in the table file ([`crate::Tcomp::machine_id`]) |
 //! | 4 | program id ([`ProgramId`]) |
 //! | 8 | path length of the program, nm |
 //! | 4 | spacing h of the nodes, nm: 1 to 10⁹ |
@@ -28,72 +28,21 @@
 #![deny(clippy::indexing_slicing)]
 
 mod error;
+mod layout;
 mod program;
 
 pub use error::LearnedError;
-pub use program::{POINTS_EVERY_MM, ProgramId};
+pub use program::ProgramId;
+
+bench!(use layout::{
+    COARSEST_RESOLUTION_PM, HEADER_BYTES, LENGTH_TOLERANCE_NM, LearnedHeader, MAGIC, NODE_BYTES, VERSION,
+    WIDEST_SPACING_NM,
+});
+bench!(use program::POINTS_EVERY_MM);
 
 use crate::real::Real;
 use crate::tcomp::checksum;
 use core::num::NonZeroU64;
-
-/// First eight bytes of the file.
-pub const MAGIC: [u8; 8] = *b"TRUELRND";
-/// Format version.
-pub const VERSION: u16 = 1;
-/// Bytes before the nodes.
-pub const HEADER_BYTES: usize = 40;
-/// Bytes of a node.
-pub const NODE_BYTES: usize = 6;
-/// Largest spacing of the nodes, nm.
-pub const WIDEST_SPACING_NM: u32 = 1_000_000_000;
-/// Coarsest resolution of the nodes, pm.
-pub const COARSEST_RESOLUTION_PM: u32 = 1_000_000;
-/// Path lengths of a program count as equal within this, nm.
-pub const LENGTH_TOLERANCE_NM: u64 = 1_000;
-
-/// Header of the file: everything except its nodes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct LearnedHeader {
-    /// Parts learned from.
-    pub parts: u16,
-    /// Id of the machine, [`crate::tcomp::machine_id`].
-    pub machine_id: u32,
-    /// Id of the program, [`ProgramId`].
-    pub program_id: u32,
-    /// Path length of the program, nm.
-    pub length_nm: u64,
-    /// Spacing of the nodes, nm.
-    pub spacing_nm: u32,
-    /// Correction of a node's 1, pm.
-    pub resolution_pm: u32,
-}
-
-impl LearnedHeader {
-    /// Number of nodes: the path length over the spacing, rounded up, plus one. `None` for a spacing of zero.
-    pub fn nodes(&self) -> Option<u64> {
-        let spacing = NonZeroU64::new(self.spacing_nm.into())?;
-        Some(self.length_nm.div_ceil(spacing.get()).saturating_add(1))
-    }
-
-    /// The header's bytes in the file.
-    pub fn to_bytes(&self) -> [u8; HEADER_BYTES] {
-        let nodes = u32::try_from(self.nodes().unwrap_or(0)).unwrap_or(u32::MAX);
-        let mut bytes = [0; HEADER_BYTES];
-        let fields = MAGIC
-            .into_iter()
-            .chain(VERSION.to_le_bytes())
-            .chain(self.parts.to_le_bytes())
-            .chain(self.machine_id.to_le_bytes())
-            .chain(self.program_id.to_le_bytes())
-            .chain(self.length_nm.to_le_bytes())
-            .chain(self.spacing_nm.to_le_bytes())
-            .chain(self.resolution_pm.to_le_bytes())
-            .chain(nodes.to_le_bytes());
-        bytes.iter_mut().zip(fields).for_each(|(byte, field)| *byte = field);
-        bytes
-    }
-}
 
 /// A learned correction, checked; its nodes stay in the file's bytes.
 ///
@@ -163,7 +112,7 @@ impl<'a, R: Real> Learned<'a, R> {
     }
 
     /// Refuses the correction for any program except the one on which it was learned: `id` as of [`ProgramId`], path
-    /// length in mm within [`LENGTH_TOLERANCE_NM`].
+    /// length in mm within 1 µm.
     ///
     /// # Errors
     /// [`LearnedError::WrongProgram`], [`LearnedError::WrongLength`], with both values.
@@ -215,11 +164,13 @@ impl<'a, R: Real> Learned<'a, R> {
     }
 
     /// The nodes in order, mm.
+    #[doc(hidden)]
     pub fn nodes(&self) -> impl ExactSizeIterator<Item = [R; 3]> + '_ {
         self.nodes.iter().map(|node| counts(node).map(|count| self.resolution_mm * R::of_i32(count.into())))
     }
 
     /// Everything except the nodes.
+    #[doc(hidden)]
     pub fn header(&self) -> &LearnedHeader {
         &self.header
     }

@@ -1,13 +1,13 @@
 //! Positions at the boundary of the step: doubles on a host, integers on cores with slow doubles.
 
-use crate::real::Real;
+use crate::real::{Real, Sealed};
 use core::fmt::Debug;
 use serde::{Deserialize, Serialize};
 
 /// A coordinate that is exact over the whole travel; the step computes with differences of two of them.
 ///
-/// Unit: mm for linear axes, degrees for rotary ones.
-pub trait Position: Copy + Debug + Default + PartialEq + PartialOrd + Send + Sync + 'static {
+/// Unit: mm for linear axes, degrees for rotary ones. Sealed: `f64` and [`Nanometres`] only.
+pub trait Position: Sealed + Copy + Debug + Default + PartialEq + PartialOrd + Send + Sync + 'static {
     /// A correction as a position offset: exactly the difference between a drive position and its command.
     type Offset: Copy + Debug + Default + PartialEq + Send + Sync;
     /// A distance in steps of the position, for comparisons.
@@ -156,6 +156,8 @@ impl Position for f64 {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Nanometres(pub i32);
+
+impl Sealed for Nanometres {}
 
 impl Position for Nanometres {
     type Offset = i32;

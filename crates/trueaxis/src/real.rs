@@ -3,12 +3,18 @@
 use core::fmt::Debug;
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
+/// Supertrait of [`Real`] and of [`Position`](crate::Position) that no other crate can name, and so not implement.
+pub trait Sealed {}
+impl Sealed for f32 {}
+impl Sealed for f64 {}
+
 /// A hardware float in which the step computes.
 ///
 /// Contains only operations that cannot panic, allocate or call a transcendental function; results are identical on every
-/// target (the square root is correctly rounded).
+/// target (the square root is correctly rounded). Sealed: `f32` and `f64` only, so that operations may be added.
 pub trait Real:
-    Copy
+    Sealed
+    + Copy
     + Debug
     + Default
     + PartialOrd

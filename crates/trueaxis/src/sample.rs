@@ -45,7 +45,8 @@ pub struct Input<P, const N: usize> {
     /// Releases a latched stop request (on its rising edge, near the held position).
     pub reset: bool,
     /// Why a stage before the step ([`crate::ServoLoop::rtcp`]) has no command for this cycle: the output then holds,
-    /// whatever `command` contains. Otherwise [`Refusal::NONE`].
+    /// whatever `command` contains. Otherwise `Refusal::NONE`.
+    #[doc(hidden)]
     pub refusal: Refusal,
     /// Parts of the dynamic correction that the host wants; parts that are not configured stay off.
     pub dynamics: Dynamics,

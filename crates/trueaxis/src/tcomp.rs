@@ -344,7 +344,7 @@ impl<'a> Tcomp<'a> {
         }
     }
 
-    /// Reads and checks a whole file: its form, its checksum, and everything in [`check::machine`].
+    /// Reads and checks a whole file: its form, its checksum, and everything that makes it a valid machine.
     ///
     /// Allocates nothing and never panics, whatever the bytes. Cost: linear in the file's length.
     ///
@@ -432,11 +432,12 @@ impl<'a> Tcomp<'a> {
     }
 
     /// The settings: everything except the tables.
+    #[doc(hidden)]
     pub fn settings(&self) -> &MachineSettings {
         &self.settings
     }
 
-    /// Id of the machine, see [`machine_id`].
+    /// Id of the machine: CRC-32/ISO-HDLC of its name, a line feed and its structural code.
     pub fn machine_id(&self) -> u32 {
         self.machine_id
     }
@@ -447,6 +448,7 @@ impl<'a> Tcomp<'a> {
     }
 
     /// Lookups that the exact inverse of these tables needs.
+    #[doc(hidden)]
     pub fn inverse_passes(&self) -> u8 {
         self.inverse_passes
     }
@@ -457,22 +459,26 @@ impl<'a> Tcomp<'a> {
     }
 
     /// The axes with their tables.
+    #[doc(hidden)]
     pub fn axes(&self) -> impl Iterator<Item = (&AxisSettings, Option<TableData<'a>>)> {
         self.settings.axes.iter().zip(self.tables.iter().copied())
     }
 
     /// The grids.
+    #[doc(hidden)]
     pub fn grids(&self) -> &[GridData<'a>] {
         &self.grids
     }
 
     /// The tables by axis, as [`Config::build`](crate::Config::build) takes them. All callers share one type, so that the
     /// checks are compiled once.
+    #[doc(hidden)]
     pub fn rows<'t>(&'t self) -> impl Fn(Axis) -> Option<&'t TableData<'a>> + Copy {
         move |axis| self.table(axis)
     }
 
     /// The table of an axis.
+    #[doc(hidden)]
     pub fn table(&self, axis: Axis) -> Option<&TableData<'a>> {
         let place = self.settings.axes.iter().position(|settings| settings.axis == axis)?;
         self.tables.get(place)?.as_ref()

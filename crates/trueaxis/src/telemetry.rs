@@ -7,9 +7,12 @@
 
 #![deny(clippy::indexing_slicing)]
 
+mod parts;
 mod roundness;
 
 pub use roundness::{ROUNDNESS_FRAME_BYTES, ROUNDNESS_FRAME_VERSION, RoundnessFrame};
+
+bench!(use parts::{AxisFrame, ContourFrame, DynamicFrame});
 
 use crate::contour::{ContourError, Flags};
 use crate::dynamic::DynamicParts;
@@ -52,6 +55,7 @@ impl Status {
 /// Full data of one servo cycle in the step's own scalars.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(not(feature = "bench"), non_exhaustive)]
 pub struct Record<R: Real, P, const N: usize> {
     /// Cycle counter from 0, wrapping.
     pub sequence: u32,
@@ -112,83 +116,51 @@ impl<R: Real, P: Position, const N: usize> Record<R, P, N> {
     }
 }
 
-/// One axis in a [`Frame`].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct AxisFrame {
-    /// Command, mm (deg).
-    pub command: f64,
-    /// Raw feedback, mm (deg).
-    pub feedback: f64,
-    /// Correction sent, mm (deg); only the geometric part if a dynamic one is configured.
-    pub correction: f32,
-    /// The dynamic correction, if any part is configured.
-    pub dynamic: Option<DynamicFrame>,
-}
-
-/// The dynamic correction of an axis in a [`Frame`], mm (deg).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct DynamicFrame {
-    /// Sent in addition to the geometric correction.
-    pub sent: f32,
-    /// Wanted for friction, lag and acceleration.
-    pub feed_forward: f32,
-    /// Wanted by the contour feedback.
-    pub feedback: f32,
-    /// Wanted against cross-talk.
-    pub crosstalk: f32,
-    /// Wanted by the learned correction.
-    pub learned: f32,
-}
-
-/// Contour error in a [`Frame`], mm.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct ContourFrame {
-    /// Distance from the path.
-    pub error: f32,
-    /// Component in the plane, positive to the left of the path.
-    pub normal: f32,
-    /// Component along the plane's normal.
-    pub binormal: f32,
-    /// Arc length from the foot to the reference.
-    pub lag: f32,
-    /// Flags of the search ([`crate::contour::Flags`]).
-    pub flags: u8,
-}
-
-/// Wire form of a [`Record`]: identical layout in every build; see `docs/telemetry.md`.
+/// Wire form of a [`Record`]: identical layout in every build; its members are in `docs/telemetry.md`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Frame {
     /// Layout of this record; [`FRAME_VERSION`].
+    #[doc(hidden)]
     pub version: u8,
     /// Cycle counter, wrapping.
+    #[doc(hidden)]
     pub sequence: u32,
     /// Identity of the machine.
+    #[doc(hidden)]
     pub machine_id: u32,
     /// CRC-32 of the tables in force.
+    #[doc(hidden)]
     pub tables_crc: u32,
     /// The fault.
+    #[doc(hidden)]
     pub fault: Fault,
     /// Slot of the axis at fault.
+    #[doc(hidden)]
     pub fault_axis: u8,
     /// State bits.
+    #[doc(hidden)]
     pub status: Status,
     /// Axes whose correction is limited.
+    #[doc(hidden)]
     pub limited: u8,
     /// Axes whose table is at its clamped edge value.
+    #[doc(hidden)]
     pub at_edge: u8,
     /// The axes, in the step's order.
+    #[doc(hidden)]
     pub axes: Vec<AxisFrame, AXES>,
     /// Estimated tool tip.
+    #[doc(hidden)]
     pub tip: ContourFrame,
     /// Plain encoder position.
+    #[doc(hidden)]
     pub encoder: ContourFrame,
     /// Orientation contour error of the estimated tool, rad.
+    #[doc(hidden)]
     pub orientation: f32,
     /// Flags of the orientation search ([`crate::contour::Flags`]); *not found* in a step without tool.
+    #[doc(hidden)]
     pub orientation_flags: u8,
 }
 

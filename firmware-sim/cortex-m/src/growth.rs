@@ -1,8 +1,7 @@
 //! Queue of growth lines from the thermal task to the servo interrupt.
 
 use heapless::spsc::Consumer;
-use trueaxis::compensation::ThermalLine;
-use trueaxis::{Position, Real, State};
+use trueaxis::{Position, Real, State, ThermalLine};
 
 /// Size of the queue, which holds one entry less.
 pub const WAITING: usize = 3;
@@ -42,7 +41,7 @@ impl<R: Real, const N: usize> Growths<R, N> {
         self.late += u32::from(growth.from < cycle);
         for (slot, line) in growth.lines.into_iter().enumerate() {
             if let Some(line) = line {
-                state.set_thermal(slot, line);
+                let _ = state.set_thermal(slot, line); // there is one line for each slot
             }
         }
     }

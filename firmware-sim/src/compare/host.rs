@@ -87,7 +87,7 @@ fn run<R: Wire>(
         if let Some(growth) = heating.as_mut().and_then(|heating| heating.cycle(number, period_ns)) {
             for (slot, axis) in axes.into_iter().enumerate() {
                 if let Some(line) = growth.line(axis) {
-                    state.set_thermal(slot, line);
+                    state.set_thermal(slot, line).expect("a slot of the step");
                 }
             }
             replayed.growths.push(growth);

@@ -11,9 +11,7 @@
 //! | a drive reports a fault | quick stop of all drives |
 //! | a command is not a number, jumps or leaves the travel | the step holds; quick stop of all drives |
 
-use trueaxis::sample::WrappingCounter;
-use trueaxis::tcomp::Tcomp;
-use trueaxis::{Bypass, Fault, HostServo, HostState, Output};
+use trueaxis::{Bypass, Fault, HostServo, Output, State, Tcomp, WrappingCounter};
 
 /// Axes of the machine: X, Y, Z.
 pub const AXES: usize = 3;
@@ -60,7 +58,7 @@ pub struct Report {
 }
 
 enum Step<'a> {
-    Corrected(&'a HostServo<'a, AXES>, Box<HostState<AXES>>),
+    Corrected(&'a HostServo<'a, AXES>, Box<State<f64, f64, AXES>>),
     Bypass(Bypass<f64, AXES>),
 }
 

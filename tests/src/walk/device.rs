@@ -108,7 +108,7 @@ impl<R: Scalar, P: Place, const N: usize> Device<R, P, N> {
         outcome: &mut Outcome<R, P, N>,
     ) {
         if let Some((slot, line)) = moment.thermal {
-            self.state.set_thermal(slot, line);
+            assert_eq!(self.state.set_thermal(slot, line).is_ok(), slot < N, "growth of slot {slot} of {N}");
         }
         if moment.restart {
             self.window.restart();

@@ -111,7 +111,7 @@ where
     /// Takes over the data of a new servo loop, but keeps the state, so that the limiter ramps to the new correction.
     pub(super) fn take_over(&mut self, about: &About<N>) {
         for (slot, line) in about.thermal.iter().enumerate() {
-            self.state.set_thermal(slot, *line);
+            self.state.set_thermal(slot, *line).expect("a slot of the step");
         }
         self.kinematics = about.kinematics;
         self.thermal = about.thermal;

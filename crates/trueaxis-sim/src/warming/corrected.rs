@@ -71,7 +71,7 @@ pub(super) fn run(of: &Warming, bodies: &mut Bodies, shift: &Shift, found: &Fit,
                 for (place, (point, state)) in JUDGED.iter().zip(&mut states).enumerate() {
                     for (slot, axis) in axes.into_iter().enumerate() {
                         if let Some(line) = growth.line(axis) {
-                            state.set_thermal(slot, line);
+                            state.set_thermal(slot, line).expect("a slot of the step");
                         }
                     }
                     let command = [0, 1, 2].map(|slot| point[slot_of(axes[slot])]);

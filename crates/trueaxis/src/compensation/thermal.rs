@@ -25,6 +25,7 @@ impl<R: Real> ThermalLine<R> {
     }
 
     /// The line for an axis at a temperature, `kelvin` above the reference.
+    #[doc(hidden)]
     pub fn for_axis(growth: &ThermalGrowth, kelvin: f64) -> Option<Self> {
         Self::new(growth.offset_per_k * kelvin, growth.expansion_per_k * kelvin)
     }

@@ -83,8 +83,7 @@ fn joined<P: Position>(field: &'static str, before: [P; 3], after: [P; 3]) -> Re
 
 /// A programmed path of at most `SPANS` spans, stored in the value itself.
 ///
-/// A line takes one span per 16 mm, an arc one per 30°, a spline one or more for each knot interval; [`super::span_count`]
-/// gives an upper bound.
+/// A line takes one span per 16 mm, an arc one per 30°, a spline one or more for each knot interval.
 ///
 /// ```
 /// # use trueaxis::HostPath;
@@ -149,7 +148,8 @@ impl<R: Real, P: Position, const SPANS: usize> PathBuffer<R, P, SPANS> {
     /// Appends a segment; this reopens a closed path. Not for a servo cycle.
     ///
     /// # Errors
-    /// As [`PathBuilder::append`], or no room for all of its spans; the path is then unchanged.
+    /// A segment that is not a valid path, or that starts more than [`JOINED_WITHIN_MM`] from the end of the one before,
+    /// or no room for all of its spans; the path is then unchanged.
     pub fn append(&mut self, segment: &Segment<'_>) -> Result<(), PathError> {
         let before = self.spans.len();
         let spans = &mut self.spans;
@@ -162,7 +162,8 @@ impl<R: Real, P: Position, const SPANS: usize> PathBuffer<R, P, SPANS> {
         appended
     }
 
-    /// Sets the normal of the machining plane for subsequent segments; see [`PathBuilder::set_plane`].
+    /// Sets the normal of the machining plane for subsequent segments, initially 0, 0, 1 (G17); the signs of the contour
+    /// error's components depend on it.
     pub fn set_plane(&mut self, normal: [f64; 3]) {
         self.builder.set_plane(normal);
     }

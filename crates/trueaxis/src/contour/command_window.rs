@@ -29,8 +29,8 @@ mod nearest;
 /// spacing/200 more. If the tool is ahead of the newest command, its foot is the path's end, and `tangential` is the distance
 /// ahead.
 ///
-/// K is the number of spans in the window, with memory for 2 K. Span numbers are never reused, so a [`super::ContourState`]
-/// stays valid. Nothing is allocated.
+/// K is the number of spans in the window, with memory for 2 K. Span numbers are never reused, so the foot of the
+/// last cycle stays valid. Nothing is allocated.
 #[derive(Clone, Copy, Debug)]
 pub struct CommandWindow<R, P, const K: usize> {
     /// Both halves contain every span: any K consecutive spans are contiguous somewhere, and no cycle has to move them.
@@ -166,7 +166,7 @@ impl<R: Real, P: Position, const K: usize> CommandWindow<R, P, K> {
 
     /// Contour error of `point` (mm): its distance from the nearest point of the whole window.
     ///
-    /// Memoryless, unlike [`super::ContourSearch`], which follows one foot on a path of long spans: here a span is often
+    /// Memoryless, unlike the search in the step, which follows one foot on a path of long spans: here a span is often
     /// shorter than the tool's motion in a cycle. If the window passes the same point twice, the later pass counts; the chords
     /// decide which of two spans is nearer. Without [`super::Flags::BRACKETED`] the tool is farther behind than the window
     /// reaches. Bounded: K distances from a line, twice the kernel, and at corners four evaluations more.

@@ -54,6 +54,7 @@ pub enum Segment<'a> {
 
 /// Error of a segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(not(feature = "bench"), non_exhaustive)]
 pub struct PathError {
     /// Part of the segment with the error.
     pub field: &'static str,

@@ -55,6 +55,7 @@ impl<R: Real, P: Position> Span<R, P> {
     /// `None` if the kernel's own test does not trust the result: the guess is too far off, the foot lies beyond an end, or a
     /// maximum is near. [`super::ContourSearch`] brackets in these cases.
     #[cfg_attr(feature = "fast", inline(always))]
+    #[doc(hidden)]
     pub fn foot_near(&self, point: &[P; 3], guess: R) -> Option<(R, R::Vec3)> {
         let foot = foot(self, &self.relative(point), guess);
         foot.trusted.then(|| (foot.t, foot.vector.map(|x| -x).into()))

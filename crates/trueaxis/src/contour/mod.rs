@@ -10,7 +10,7 @@
 //!   `5 µm + 4 × progress`. A cycle uses at most eight evaluations of the path, and covers at most eight spans between a foot
 //!   or the reference and its position in the last cycle: after a larger jump the search starts cold;
 //! - the step has two points, estimated tip and encoder position, and searches for both feet together
-//!   ([`ContourSearch::update_pair`]): it follows the tip's foot, and the encoder's foot is the minimum of its distance
+//!   (`ContourSearch::update_pair`): it follows the tip's foot, and the encoder's foot is the minimum of its distance
 //!   downhill from there. In a hairpin both are on the same leg;
 //! - where the path turns back by almost 180°, order along the path and lag decide the foot, not distance alone, and a second
 //!   minimum is flagged while both legs are near;
@@ -38,14 +38,18 @@ mod search;
 mod span;
 mod way;
 
-pub use buffer::{JOINED_WITHIN_MM, PathBuffer, PathBuilder};
+pub use buffer::{JOINED_WITHIN_MM, PathBuffer};
 pub use command_window::CommandWindow;
-pub use convert::{PathError, Segment, convert, span_count};
-pub use offline::NearFoot;
+pub use convert::{PathError, Segment};
 pub use orientation::{OrientationError, ToolPath, Turn};
-pub use pair::PairState;
-pub use search::{ContourSearch, ContourState, Method};
-pub use span::{Form, OnPath, Path, Reference, Span};
+pub use span::{OnPath, Path, Reference, Span};
+
+bench!(use buffer::PathBuilder);
+bench!(use convert::{convert, span_count});
+bench!(use offline::NearFoot);
+bench!(use pair::PairState);
+bench!(use search::{ContourSearch, ContourState, Method});
+bench!(use span::Form);
 
 use crate::real::Real;
 use serde::{Deserialize, Serialize};

@@ -52,7 +52,7 @@ impl Span<f64, f64> {
     /// Converts the span to the scalar and positions of a step: a host plans in doubles and hands the result to the servo's
     /// core.
     ///
-    /// Equal bit for bit to the span that [`super::convert`] makes for them: the origin is rounded to a representable
+    /// Equal bit for bit to the span that the conversion of the segment makes for them: the origin is rounded to a representable
     /// position, and the polynomial absorbs the rounding error.
     pub fn rounded<R: Real, P: Position>(&self) -> Span<R, P> {
         let origin = self.origin.map(P::of);
@@ -87,6 +87,7 @@ impl<R: Real, P: Position> Span<R, P> {
     /// In a [`super::ToolPath`] the search of the tip skips it and continues on the spans on either side; the [`super::Turn`]
     /// with the same number describes the turn. In a plain [`Path`] it is an ordinary point and can be the foot. `number` is
     /// the segment's number, `plane` the unit normal of the machining plane; u = 0..1.
+    #[doc(hidden)]
     pub fn turning(point: [P; 3], number: u32, plane: [R; 3]) -> Self {
         let mut coefficients = [[R::ZERO; 4]; 6];
         coefficients[0][3] = R::ONE;

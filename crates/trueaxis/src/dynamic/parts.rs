@@ -50,6 +50,7 @@ impl Default for Dynamics {
 /// The dynamic correction of a cycle and the parts that requested it, mm (deg), by slot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(not(feature = "bench"), non_exhaustive)]
 pub struct DynamicParts<R, const N: usize> {
     /// d, after its limiter: the drive gets `command + correction + sent`.
     pub sent: [R; N],

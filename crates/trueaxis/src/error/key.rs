@@ -13,6 +13,7 @@ impl Field {
     /// let key = Field::Magnitude.key(Some(Axis::C)).unwrap();
     /// assert_eq!(key.to_string(), "axis.C.limits.magnitude_urad");
     /// ```
+    #[doc(hidden)]
     pub fn key(self, axis: Option<Axis>) -> Option<Key> {
         let [linear, rotary] = self.pattern()?;
         Some(Key { pattern: if axis.is_some_and(Axis::is_rotary) { rotary } else { linear }, axis })

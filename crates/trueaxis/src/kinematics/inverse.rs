@@ -64,6 +64,7 @@ pub enum Choice {
 /// Axis positions that place a tool.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(not(feature = "bench"), non_exhaustive)]
 pub struct Solution<R> {
     /// X Y Z A B C, mm and degrees; 0 for axes that the machine does not have.
     pub axes: [R; AXES],
@@ -226,6 +227,7 @@ impl<R: Real> Kinematics<R> {
     ///
     /// # Errors
     /// Errors common to both branches: the tool vector is invalid or out of reach.
+    #[doc(hidden)]
     pub fn solutions(&self, tool: &Tool<R>, near: &[R; AXES]) -> Result<Solutions<R>, InverseError> {
         match &self.chain.turns {
             [Some(first), Some(second)] => {

@@ -29,7 +29,9 @@ mod inverse;
 pub use branch::Branch;
 pub use branch_tracker::BranchTracker;
 pub use error::InverseError;
-pub use inverse::{Choice, Solution, Solutions};
+pub use inverse::Solution;
+
+bench!(use inverse::{Choice, Solutions});
 
 use crate::compensation::trig::{atan2, cos_sin_deg};
 use crate::error::{ConfigError, Field};
@@ -69,6 +71,7 @@ impl<R: Real> Kinematics<R> {
     /// # Errors
     /// A structural code that cannot be parsed or does not fit the axes; a missing linear axis; three rotary axes; a second
     /// rotary axis parallel to the tool axis, so that it cannot turn the tool.
+    #[doc(hidden)]
     pub fn new(machine: &MachineSettings) -> Result<Self, ConfigError> {
         if !Part::Rotary.is_built() {
             return Err(ConfigError::left_out(Part::Rotary, Field::ToolAxis));

@@ -29,6 +29,7 @@ impl<R: Real, const N: usize> Gauge<R, N> {
     /// # Errors
     /// The first setting that is wrong, with the value found and the one needed; `N` different from the settings' number of
     /// points.
+    #[doc(hidden)]
     pub fn build(settings: &GaugeSettings, period_ns: u32) -> Result<Self, ConfigError> {
         let part = part::GAUGE.ok_or_else(|| ConfigError::left_out(Part::Gauge, Field::Points))?;
         if usize::from(settings.points) != N {
@@ -64,16 +65,19 @@ impl<R: Real, const N: usize> Gauge<R, N> {
     }
 
     /// Gain of the probes for each harmonic.
+    #[doc(hidden)]
     pub fn gain(&self) -> &Gain {
         &self.gain
     }
 
     /// Harmonics of the profile that the gauge separates.
+    #[doc(hidden)]
     pub fn band(&self) -> Band {
         self.band
     }
 
     /// Whether the gauge suppresses a harmonic of the band because of its noise gain.
+    #[doc(hidden)]
     pub fn is_suppressed(&self, harmonic: usize) -> bool {
         let noise_gain = self.gain.noise_gain(harmonic);
         noise_gain.is_nan() || noise_gain > self.noise_gain_limit

@@ -16,7 +16,7 @@
 //! h3(θ) = r(θ + φ2 + φ3) + R_Y cos(φ2 + φ3 + β) + R_X sin(φ2 + φ3 + β)
 //! ```
 //!
-//! Weighted as in [`Gain`], their sum does not contain the centre's motion; divided by G in the frequency domain it is the
+//! Weighted as in `Gain` (`angles.rs`), their sum does not contain the centre's motion; divided by G in the frequency domain it is the
 //! profile; two readings minus the profile give the motion:
 //!
 //! ```text
@@ -33,11 +33,18 @@
 //! # Example
 //!
 //! ```
-//! use trueaxis::roundness::{Followed, ProbeAngles, Probes, Gauge, GaugeSettings};
+//! use trueaxis::roundness::{Followed, Gauge, Probes};
 //!
-//! let angles = ProbeAngles::Slots { p: 44, q: 57 };
-//! let settings = GaugeSettings::with_defaults(256, angles, 1 << 20);
-//! let gauge = Gauge::<f32, 256>::build(&settings, 100_000)?; // refuses angles that are blind to a harmonic
+//! # use trueaxis::roundness::{GaugeSettings, ProbeAngles};
+//! # let settings = GaugeSettings::with_defaults(256, ProbeAngles::Slots { p: 44, q: 57 }, 1 << 20);
+//! # struct Tables(GaugeSettings);
+//! # impl Tables {
+//! #     fn gauge(&self, period_ns: u32) -> Result<Option<Gauge<f32, 256>>, trueaxis::ConfigError> {
+//! #         Gauge::build(&self.0, period_ns).map(Some)
+//! #     }
+//! # }
+//! # let tables = Tables(settings);
+//! let gauge = tables.gauge(100_000)?.expect("the machine has a gauge"); // `tables` is a `Tcomp`
 //! let mut state = gauge.start();
 //!
 //! // From here on the servo interrupt, or ServoLoop::step with a GaugeRide:
@@ -61,6 +68,10 @@
 mod angles;
 mod arm;
 mod counter;
+#[cfg(not(feature = "bench"))]
+mod filter;
+#[cfg(feature = "bench")]
+#[doc(hidden)]
 pub mod filter;
 mod flags;
 mod gauge;
@@ -75,17 +86,19 @@ mod tasks;
 mod transform;
 mod work;
 
-pub use angles::{Band, Gain, ProbeAngles};
-pub use arm::{Arm, arm_angle};
 pub use flags::GaugeFlags;
 pub use gauge::Gauge;
 pub use motion::ErrorMotion;
-pub use settings::{
-    ArmSettings, FEWEST_POINTS, GaugeSettings, INFEED_NOISE_GAIN_LIMIT, InfeedSettings, MOST_COUNTS, MOST_POINTS,
-    NOISE_GAIN_LIMIT, ProbeSettings, SpindleEncoder, gain_limit,
-};
 pub use state::GaugeState;
 pub use work::HARMONICS;
+
+bench!(use angles::{Band, Gain, ProbeAngles});
+bench!(use arm::{Arm, arm_angle});
+bench!(use settings::{
+    ArmSettings, FEWEST_POINTS, GaugeSettings, INFEED_NOISE_GAIN_LIMIT, InfeedSettings, MOST_COUNTS, MOST_POINTS,
+    NOISE_GAIN_LIMIT, ProbeSettings, SpindleEncoder, gain_limit,
+});
+bench!(use state::Counts);
 
 /// Readings in one cycle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -140,6 +153,7 @@ pub struct Evaluation<R> {
 /// Result of a cycle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(not(feature = "bench"), non_exhaustive)]
 pub struct Cycle<R> {
     /// Infeed correction, mm in the sense of its axis; 0 without an infeed axis, or while θ is unknown.
     pub infeed: R,
@@ -147,20 +161,6 @@ pub struct Cycle<R> {
     pub flags: GaugeFlags,
     /// Whether a revolution has just been evaluated.
     pub finished: bool,
-}
-
-/// Counts of whole revolutions by outcome.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Counts {
-    /// Sampled whole.
-    pub sampled: u32,
-    /// Evaluated.
-    pub evaluated: u32,
-    /// Skipped whole because the work on a previous one was not finished.
-    pub skipped: u32,
-    /// Discarded whole because of an event in [`GaugeFlags`].
-    pub discarded: u32,
 }
 
 #[cfg(test)]

@@ -17,6 +17,7 @@ use serde::{Deserialize, Serialize};
 /// Error motion in one direction, µm.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(not(feature = "bench"), non_exhaustive)]
 pub struct ErrorMotion<R> {
     /// Synchronous error motion value, without the once-per-revolution part.
     pub synchronous_um: R,

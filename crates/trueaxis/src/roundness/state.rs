@@ -2,7 +2,7 @@
 
 use super::resample::ResamplerState;
 use super::work::{Outcome, Revolution, Work};
-use super::{Counts, Evaluation, GaugeFlags};
+use super::{Evaluation, GaugeFlags};
 use crate::real::Real;
 
 /// The mutable half: state from cycle to cycle, and the results. Large (17 N scalars): store it in a static.
@@ -22,6 +22,20 @@ pub struct GaugeState<R, const N: usize> {
     pub(super) revolutions: [Revolution<R, N>; 2],
     /// Weighted sums of the three probes; for the revolution being processed, their spectrum.
     pub(super) sums: [[R; N]; 2],
+}
+
+/// Counts of whole revolutions by outcome.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Counts {
+    /// Sampled whole.
+    pub sampled: u32,
+    /// Evaluated.
+    pub evaluated: u32,
+    /// Skipped whole because the work on a previous one was not finished.
+    pub skipped: u32,
+    /// Discarded whole because of an event in [`GaugeFlags`].
+    pub discarded: u32,
 }
 
 /// The revolution being sampled.
@@ -125,6 +139,7 @@ impl<R: Real, const N: usize> GaugeState<R, N> {
     }
 
     /// Counts of whole revolutions so far.
+    #[doc(hidden)]
     pub fn counts(&self) -> Counts {
         self.counts
     }

@@ -120,11 +120,11 @@ impl<'a, R: Real, P: Position, const N: usize> ServoLoop<'a, R, P, N> {
     ///
     /// The nodes of the machine's grids stay in the file's bytes; each cycle reads them there.
     ///
-    /// `memory` needs at least [`Tcomp::requirement`] scalars; `trueaxis tables show` prints the number. [`Config`]
-    /// exposes the settings that this call chooses: guarded search, as many passes of the inverse as the tables need.
+    /// `memory` needs at least [`Tcomp::requirement`] scalars; `trueaxis tables show` prints the number. The contour search is
+    /// guarded, and the inverse takes as many passes as the tables need.
     ///
     /// # Errors
-    /// As [`Config::build`].
+    /// The first wrong setting, with the value found and the one needed; [`Field::Memory`] if the memory is too small.
     pub fn load(tables: &Tcomp<'a>, period_ns: u32, memory: &'a mut [R]) -> Result<Self, ConfigError> {
         Config::of(tables, period_ns).build(tables.rows(), memory)
     }

@@ -11,6 +11,7 @@ mod model;
 mod rtcp;
 mod state;
 mod stateless;
+mod tables;
 
 pub use bypass::Bypass;
 pub use config::Config;
@@ -99,6 +100,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     }
 
     /// The compensation in force, for error lookups outside the step.
+    #[doc(hidden)]
     pub fn compensation(&self) -> &Compensation<'_, R, P, N> {
         &self.compensation
     }
@@ -153,6 +155,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     ///
     /// The compiler may move work across the border of two stages; their sum is exact.
     #[inline(always)]
+    #[doc(hidden)]
     pub fn step_watched(
         &self,
         state: &mut State<R, P, N>,

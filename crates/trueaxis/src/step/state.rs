@@ -6,6 +6,7 @@ use crate::compensation::volumetric::Kept;
 use crate::compensation::{Cells, NearGrids, Reversal, ThermalLine};
 use crate::contour::PairState;
 use crate::dynamic::DynamicState;
+use crate::error::{ConfigError, Field};
 use crate::output::OutputState;
 use crate::position::Position;
 use crate::real::Real;
@@ -39,12 +40,17 @@ pub struct State<R, P: Position, const N: usize> {
 
 impl<R: Real, P: Position, const N: usize> State<R, P, N> {
     /// Sets the thermal growth of the axis in a slot (0 = X); takes effect in the next cycle, through the limiter.
-    pub fn set_thermal(&mut self, place: usize, line: ThermalLine<R>) {
-        if let Some(slot) = self.thermal.get_mut(place) {
-            *slot = line;
-            self.cells.forget();
-        }
+    ///
+    /// # Errors
+    /// The step has no such slot; the state is then unchanged.
+    pub fn set_thermal(&mut self, slot: usize, line: ThermalLine<R>) -> Result<(), ConfigError> {
+        let Some(own) = self.thermal.get_mut(slot) else {
+            return Err(ConfigError::new(Field::Axes, slot as f64, "a slot of the step"));
+        };
+        *own = line;
+        self.cells.forget();
         self.poses.forget();
+        Ok(())
     }
 }
 

@@ -16,6 +16,7 @@ use super::*;
 use crate::compensation::Direction;
 use crate::compensation::Query;
 use crate::contour::{Method, Path, Reference};
+use crate::error::Field;
 use crate::exchange::Exchange;
 use crate::machine::MachineSettings;
 use crate::machine::{AxisSettings, Interpolation, Row};
@@ -363,10 +364,22 @@ fn another_period_is_refused() {
 fn thermal_growth_is_taken_up_without_a_jump() {
     let mut bench = Bench::new();
     let cold = bench.settle([50.0; 3]);
-    bench.state.set_thermal(0, ThermalLine::new(0.005, 2e-4).unwrap());
+    bench.state.set_thermal(0, ThermalLine::new(0.005, 2e-4).unwrap()).unwrap();
     let warm = bench.settle([50.0; 3]);
     assert!((warm.record.correction[0] - cold.record.correction[0] + 0.005 + 50.0 * 2e-4).abs() < 1e-5);
     assert!(ThermalLine::<f64>::new(f64::NAN, 0.0).is_none() && ThermalLine::<f64>::new(0.0, 0.1).is_none());
+}
+
+#[test]
+fn growth_of_a_slot_that_the_step_lacks_is_refused() {
+    let [mut bench, mut other] = [Bench::new(), Bench::new()];
+    let line = ThermalLine::new(0.005, 2e-4).unwrap();
+    for slot in [3, usize::MAX] {
+        let error = bench.state.set_thermal(slot, line).unwrap_err();
+        assert_eq!((error.field, error.found), (Field::Axes, slot as f64));
+    }
+    let [refused, untouched] = [&mut bench, &mut other].map(|bench| bench.settle([50.0; 3]).record.correction);
+    assert_eq!(refused.map(f64::to_bits), untouched.map(f64::to_bits));
 }
 
 #[test]

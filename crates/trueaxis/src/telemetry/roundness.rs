@@ -11,35 +11,48 @@ pub const ROUNDNESS_FRAME_VERSION: u8 = 129;
 /// Buffer size sufficient for the COBS frame of any revolution.
 pub const ROUNDNESS_FRAME_BYTES: usize = 1280;
 
-/// Wire form of the results of a revolution: identical layout in every build; see `docs/telemetry.md`.
+/// Wire form of the results of a revolution: identical layout in every build; its members are in `docs/telemetry.md`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct RoundnessFrame {
     /// Layout of this record; [`ROUNDNESS_FRAME_VERSION`].
+    #[doc(hidden)]
     pub version: u8,
     /// Identity of the machine.
+    #[doc(hidden)]
     pub machine_id: u32,
     /// Counter of completely sampled revolutions, from 1, wrapping.
+    #[doc(hidden)]
     pub revolution: u32,
     /// Revolutions evaluated so far.
+    #[doc(hidden)]
     pub evaluated: u32,
     /// Completely skipped revolutions so far.
+    #[doc(hidden)]
     pub skipped: u32,
     /// Completely discarded revolutions so far.
+    #[doc(hidden)]
     pub discarded: u32,
     /// Events of this revolution.
+    #[doc(hidden)]
     pub flags: GaugeFlags,
     /// Peak-to-valley roundness about the least-squares circle, µm.
+    #[doc(hidden)]
     pub peak_to_valley_um: f32,
     /// Revolutions in the window of the error motions; 0 until a window is full.
+    #[doc(hidden)]
     pub revolutions: u16,
     /// Error motion along X.
+    #[doc(hidden)]
     pub x: ErrorMotion<f32>,
     /// Error motion along Y.
+    #[doc(hidden)]
     pub y: ErrorMotion<f32>,
     /// First harmonic of the list below.
+    #[doc(hidden)]
     pub first_harmonic: u16,
     /// Amplitudes of cos kθ and sin kθ, µm, for the stored part of the band (k <= 127).
+    #[doc(hidden)]
     pub harmonics: Vec<[f32; 2], HARMONICS>,
 }
 

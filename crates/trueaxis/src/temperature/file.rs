@@ -97,7 +97,7 @@ impl<'a> Thermal<'a> {
         if bytes.0.is_empty() { Ok(()) } else { Err(ThermalError::TooLong) }
     }
 
-    /// Refuses the file on any machine except the one with this id ([`crate::tcomp::machine_id`]).
+    /// Refuses the file on any machine except the one with this id ([`crate::Tcomp::machine_id`]).
     ///
     /// # Errors
     /// [`ThermalError::WrongMachine`], with both ids.

@@ -54,7 +54,7 @@ fn sum_of<R: Real, P: Position, const N: usize>(chain: &str, model: ErrorModel, 
         }
         if i == 150 {
             let line = ThermalLine::new(3e-3, 2e-6).expect("a growth");
-            (0..N).for_each(|slot| state.set_thermal(slot, line));
+            (0..N).for_each(|slot| state.set_thermal(slot, line).expect("a slot of the step"));
         }
         at = std::array::from_fn(|k| at[k] + way[k]);
         let feedback = std::array::from_fn(|k| P::of(at[k] - way[k] + 1e-3 * noise.signed()));

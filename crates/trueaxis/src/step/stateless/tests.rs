@@ -8,7 +8,7 @@ fn the_correction_at_a_command_is_what_the_step_settles_to() {
     let servo = servo_loop(1.0);
     let command = [55.0, 35.0, 25.0];
     let mut state = servo.start();
-    state.set_thermal(0, ThermalLine::new(0.002, 1e-5).unwrap());
+    state.set_thermal(0, ThermalLine::new(0.002, 1e-5).unwrap()).unwrap();
     let mut conditions = Conditions::default();
     conditions.thermal[0] = ThermalLine::new(0.002, 1e-5).unwrap();
     let mut sent = [0.0; 3];

@@ -209,7 +209,7 @@ fn run<R: Real, P: Position>(all: &[Tables], seed: u64, cycles: usize, rounding:
         if noise.unit() < 0.002 {
             let (slot, offset, slope) = (noise.below(3), 2e-3 * noise.signed(), 5e-5 * noise.signed());
             thermal[slot] = ThermalLine::new(offset, slope).unwrap();
-            state.set_thermal(slot, ThermalLine::new(offset, slope).unwrap());
+            state.set_thermal(slot, ThermalLine::new(offset, slope).unwrap()).unwrap();
         }
         enable = noise.unit() > 0.001 && (enable || noise.unit() < 0.1);
         let homed = noise.unit() > 0.0005;

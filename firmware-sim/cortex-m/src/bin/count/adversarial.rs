@@ -63,7 +63,7 @@ impl<'a, R: Wire<Place = P>, P: Integer> Run<'a, R, P> {
             self.machine.restart();
         }
         if let Some((slot, line)) = moment.thermal {
-            self.machine.each_state(|state| state.set_thermal(slot, line));
+            self.machine.each_state(|state| state.set_thermal(slot, line).expect("a slot of the step"));
         }
         let mut cycle = self.machine.cycle(self.courses[moment.course].path(), moment.input.elapsed_ns);
         (cycle.input, cycle.reference, cycle.probes) = (moment.input, moment.reference, moment.probes);

@@ -94,7 +94,7 @@ pub fn adversarial<R: Wire<Place = P>, P: Integer>(scalar: &str, arena: &mut Are
             state = loops[0].start();
         }
         if let Some((slot, line)) = moment.thermal {
-            state.set_thermal(slot, line);
+            state.set_thermal(slot, line).expect("a slot of the step");
         }
         vary(&mut moment.input, number);
         let on = courses[moment.course].path().on(moment.reference);

@@ -180,21 +180,20 @@ fn loaded(
     with_gauge: bool,
 ) -> Result<(Running, Option<Gauge>, Option<AxisOrder<AXES>>, u32), Refused> {
     let tables = tables::build(regions::tables_a(), machine_id, period_ns, MEMORY_A.take())?;
-    let settings = tables.file.settings();
     let period = Refused::Period { found: first_ns, configured: period_ns };
     tables.servo.check_period(first_ns).map_err(|_| period)?;
     let state = tables.servo.start();
-    let plan = if with_gauge { tables::gauge(settings.roundness.as_ref(), period_ns)? } else { None };
+    let plan = if with_gauge { tables::gauge(&tables.file, period_ns)? } else { None };
     let gauge = plan.map(|plan| Gauge { plan: GAUGE_PLAN.init(plan), state: GAUGE_STATE.take() });
     defmt::info!(
         "machine {=str} id {=u32:08x}, axes {=str}, tables {=u32:08x}, memory {=usize} of {=usize} scalars",
-        settings.name.as_str(),
+        tables.file.name(),
         tables.file.machine_id(),
-        settings.chain.as_str(),
+        tables.file.chain(),
         tables.file.crc(),
         tables.used,
         MEMORY
     );
-    let axes = AxisOrder::of(settings).ok();
+    let axes = AxisOrder::of(tables.file.settings()).ok();
     Ok((Running::Step(LOOP_A.init(tables.servo), state), gauge, axes, tables.file.crc()))
 }

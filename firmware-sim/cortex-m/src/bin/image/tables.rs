@@ -3,9 +3,7 @@
 use crate::scalars::{GaugePlan, Loop, Scalar};
 use defmt::Format;
 use trueaxis::error::Field;
-use trueaxis::roundness::GaugeSettings;
-use trueaxis::tcomp::{Tcomp, TcompError};
-use trueaxis::{ConfigError, Fault};
+use trueaxis::{ConfigError, Fault, Tcomp, TcompError};
 
 /// Memory of one set of tables, in scalars. The machine of `../machine` uses 2,116 (`trueaxis tables show`); the most
 /// expensive form of its tables, volumetric and cubic, would use 6,084.
@@ -88,6 +86,6 @@ pub fn build(
 ///
 /// # Errors
 /// The number of points differs from this image's, or the gauge cannot be built from the settings.
-pub fn gauge(settings: Option<&GaugeSettings>, period_ns: u32) -> Result<Option<GaugePlan>, Refused> {
-    Ok(settings.map(|settings| GaugePlan::build(settings, period_ns)).transpose()?)
+pub fn gauge(file: &Tcomp<'_>, period_ns: u32) -> Result<Option<GaugePlan>, Refused> {
+    Ok(file.gauge(period_ns)?)
 }
