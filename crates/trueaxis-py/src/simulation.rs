@@ -13,7 +13,7 @@ use trueaxis_sim::event::EventScript;
 use trueaxis_sim::learning::LearnedTable;
 use trueaxis_sim::plant::fault::FaultScript;
 use trueaxis_sim::program::{self, BUILTIN_NAMES, Offsets, ReadOptions, Source, ToolTable};
-use trueaxis_sim::run::{Column, Document, Kind, Moment, Run, Sample, columns};
+use trueaxis_sim::run::{Column, Kind, Moment, Run, RunDocument, Sample, columns};
 use trueaxis_sim::scenario::choose_model;
 use trueaxis_sim::{Scenario, Settings};
 
@@ -250,7 +250,7 @@ pub(crate) fn simulate<'py>(
         py.check_signals()?;
     }
     let machines: Vec<_> = kinds.into_iter().zip(run.tallies()).collect();
-    let document = Document::<()>::of(&scenario, run.cycles(), &machines);
+    let document = RunDocument::<()>::of(&scenario, run.cycles(), &machines);
     document.notes.iter().try_for_each(|note| warn(py, note))?;
     let found = documents::dictionary(py, &document)?.cast_into::<PyDict>()?;
     if trace_every.is_some() {

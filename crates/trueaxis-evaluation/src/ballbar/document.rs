@@ -41,7 +41,7 @@ pub struct Share {
 
 /// The JSON document; values that the record does not determine are null.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Document {
+pub struct BallbarDocument {
     /// Number of readings in the record.
     pub readings: usize,
     /// Nominal radius.
@@ -142,7 +142,7 @@ pub(super) fn squareness(axes: [Axis; 2]) -> (&'static str, f64) {
 
 impl Test {
     /// The document.
-    pub fn document(&self) -> Document {
+    pub fn document(&self) -> BallbarDocument {
         let found = &self.found;
         let of = |cause: Cause, take: fn(&Term) -> f64| found.term(cause).map(|term| micro(cause, take(term)));
         let value = |cause| of(cause, |term| term.value);
@@ -223,7 +223,7 @@ impl Test {
                  more readings a turn"
             ));
         }
-        Document {
+        BallbarDocument {
             readings: self.readings.len(),
             radius_mm: self.options.radius_mm,
             g_b_um: um(found.figures.g_b),

@@ -27,7 +27,7 @@ mod trips;
 
 pub use artefact::{Artefact, Kind, Place};
 pub use curves::{Curves, Residuals};
-pub use document::{Document, Drift, Found, Size};
+pub use document::{CalibrationDocument, Drift, Size, SolvedTerm};
 pub use figures::{curves, drift, residuals};
 pub use foreseen::{Expected, Foreseen, Planning, solved};
 pub use kinematics::Ideal;

@@ -8,7 +8,7 @@ use super::task::Task;
 use anyhow::{Result, anyhow};
 use std::path::{Path, PathBuf};
 use trueaxis::machine::AXES;
-use trueaxis_metrology::calibration::{Network, Refused, Solution, Surface, Touch, Unknown};
+use trueaxis_metrology::calibration::{CalibrationRefusal, Network, Solution, Surface, Touch, Unknown};
 use trueaxis_tables::Machine;
 use trueaxis_tables::error::FileError;
 
@@ -106,9 +106,9 @@ pub fn foresee_observed(task: &Task, plan: &Plan, observed: Observed) -> Result<
 }
 
 impl Source<'_> {
-    fn refused(&self, observed: &Observed, refused: Refused) -> anyhow::Error {
+    fn refused(&self, observed: &Observed, refused: CalibrationRefusal) -> anyhow::Error {
         match refused {
-            Refused::NotApart { combinations } => {
+            CalibrationRefusal::NotApart { combinations } => {
                 let sentences: Vec<String> = combinations.iter().map(|parts| words(parts, observed)).collect();
                 let one = sentences.first().cloned().unwrap_or_default();
                 let more = match sentences.len() {
@@ -122,11 +122,13 @@ impl Source<'_> {
                 let file = self.task.file.clone();
                 FileError { file, line: None, column: None, found, needed: needed.into() }.into()
             }
-            Refused::Unsettled { touch, residual_mm } => {
+            CalibrationRefusal::Unsettled { touch, residual_mm } => {
                 let found = format!("touch {} {residual_mm:.3} mm off {}", touch + 1, self.name(touch));
                 self.error(self.line(touch), found, "touches on the artefact that the task names")
             }
-            Refused::NotFinite { touch } => self.error(self.line(touch), "a position that is not a number", "numbers"),
+            CalibrationRefusal::NotFinite { touch } => {
+                self.error(self.line(touch), "a position that is not a number", "numbers")
+            }
             refused => anyhow!("{}: {refused}", self.task.file.display()),
         }
     }

@@ -24,7 +24,7 @@ pub struct Options {
 
 /// Result of an R-test.
 #[derive(Clone, Debug)]
-pub struct Found {
+pub struct RTestFit {
     /// The fitted location errors, with value and standard error in mm or rad.
     pub terms: Vec<((Axis, usize), f64, f64)>,
     /// Offsets of the balls from their commanded places, workpiece's frame, mm.
@@ -72,7 +72,7 @@ fn across(axis: Axis) -> [usize; 4] {
 /// # Errors
 /// A machine without a rotary axis that turns, `without` errors that are not unknowns, too few readings, errors that the poses
 /// cannot distinguish.
-pub fn identify(record: &Record, file: &str, machine: &Machine, options: &Options) -> Result<Found> {
+pub fn identify(record: &Record, file: &str, machine: &Machine, options: &Options) -> Result<RTestFit> {
     let turns = |axis: Axis| {
         let at = |i: usize| record.readings[i].place[axis.index()];
         record.readings.iter().any(|reading| (reading.place[axis.index()] - at(0)).abs() > 1e-6)
@@ -184,7 +184,7 @@ pub fn identify(record: &Record, file: &str, machine: &Machine, options: &Option
         terms.push(((axis, component), value, sigma_mm * solution.error_factors[k]));
     }
     let three = |from: usize| [0, 1, 2].map(|k| solution.values[from + k]);
-    Ok(Found {
+    Ok(RTestFit {
         terms,
         balls_mm: (0..record.balls.len()).map(|ball| three(first_ball + 3 * ball)).collect(),
         sensor_mm: options.free_sensor.then(|| three(first_sensor)),
@@ -199,7 +199,7 @@ pub fn identify(record: &Record, file: &str, machine: &Machine, options: &Option
     })
 }
 
-impl Found {
+impl RTestFit {
     /// The location errors found, for a machine that was not corrected while it was measured.
     pub fn additions(&self) -> Additions {
         let finding = |&((axis, component), value, error): &((Axis, usize), f64, f64)| {

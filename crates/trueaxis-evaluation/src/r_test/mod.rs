@@ -1,7 +1,7 @@
 //! R-test: the displacement of a ball at angles of the rotary axes, and the location errors of these axes that it determines.
 //!
 //! ```text
-//! RECORD.csv ─► Record ─► identify ─► Found: document, location errors
+//! RECORD.csv ─► Record ─► identify ─► RTestFit: document, location errors
 //! ```
 //!
 //! Under RTCP the control keeps the tool at a ball on the table while rotary axes turn (ISO 10791-6, tests BK); a nest of
@@ -23,8 +23,8 @@ mod found;
 mod record;
 mod shown;
 
-pub use document::{Document, Term};
-pub use found::{Found, Options, identify, name};
+pub use document::{RTestDocument, Term};
+pub use found::{Options, RTestFit, identify, name};
 pub use record::{COLUMNS, Reading, Record};
 
 use crate::range::OutOfRange;

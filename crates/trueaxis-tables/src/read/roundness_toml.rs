@@ -1,6 +1,6 @@
 //! `[roundness]` of `machine.toml`: a three-probe gauge.
 
-use super::section::{Found, Section};
+use super::section::{KeyValue, Section};
 use crate::error::FileError;
 use trueaxis::machine::Axis;
 use trueaxis::roundness::{
@@ -9,7 +9,7 @@ use trueaxis::roundness::{
 };
 
 /// A number that has to be whole and in the range of its type.
-fn whole<T: TryFrom<i64>>(section: &Section<'_>, found: &Found<f64>, needed: &str) -> Result<T, FileError> {
+fn whole<T: TryFrom<i64>>(section: &Section<'_>, found: &KeyValue<f64>, needed: &str) -> Result<T, FileError> {
     let value = found.value;
     let whole = (value.fract() == 0.0 && value.abs() < 9e15).then_some(value as i64);
     whole.and_then(|value| T::try_from(value).ok()).ok_or_else(|| section.wrong(found, needed))
