@@ -19,13 +19,15 @@
 //! W. Knapp, CIRP Annals 55 (2006) 531.
 
 mod document;
-mod found;
+mod fit;
 mod record;
 mod shown;
+mod unknowns;
 
 pub use document::{RTestDocument, Term};
-pub use found::{Options, RTestFit, identify, name};
+pub use fit::{Options, RTestFit, identify};
 pub use record::{COLUMNS, Reading, Record};
+pub use unknowns::name;
 
 use crate::range::OutOfRange;
 
