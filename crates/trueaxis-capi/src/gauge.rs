@@ -3,7 +3,7 @@
 
 use crate::Real;
 use crate::error::{Error, explained};
-use crate::opaque::{self, Kept, Storage};
+use crate::opaque::{self, Kept};
 use crate::part::{GAUGE, need};
 use crate::pointer::slice;
 use crate::result::{self, ERROR_GAUGE, ResultCode};
@@ -48,24 +48,6 @@ pub struct GaugeState {
 #[derive(Debug)]
 pub struct GaugeState512 {
     words: [u64; GAUGE_STATE_512_WORDS],
-}
-
-// SAFETY: repr(C), one array of u64.
-unsafe impl Storage for Gauge {
-    type Content = BuiltGauge;
-    const MAGIC: u32 = 0x5452_0004;
-}
-
-// SAFETY: repr(C), one array of u64.
-unsafe impl Storage for GaugeState {
-    type Content = roundness::GaugeState<Real, 1024>;
-    const MAGIC: u32 = 0x5452_0005;
-}
-
-// SAFETY: repr(C), one array of u64.
-unsafe impl Storage for GaugeState512 {
-    type Content = roundness::GaugeState<Real, 512>;
-    const MAGIC: u32 = 0x5452_0006;
 }
 
 /// Runs the same code for both numbers of points.

@@ -97,29 +97,7 @@ pub(crate) unsafe fn content_mut<'a, S: Storage>(storage: *mut S) -> Result<&'a 
     Ok(unsafe { &mut (*kept).content })
 }
 
-/// Name, bytes needed and bytes given of every storage, for the test of the sizes in the header.
-pub fn storage_sizes() -> [(&'static str, usize, usize); 14] {
-    use crate::{
-        BranchTracker, CommandWindow, Encoder, Gauge, GaugeState, GaugeState512, Kinematics, Learned, Loop, Path,
-        Program, State, Thermal, ThermalTask,
-    };
-    const fn sizes<S: Storage>(name: &str) -> (&str, usize, usize) {
-        (name, size_of::<Kept<S>>(), size_of::<S>())
-    }
-    [
-        sizes::<Loop>("loop"),
-        sizes::<State>("state"),
-        sizes::<Path>("path"),
-        sizes::<CommandWindow>("command window"),
-        sizes::<Gauge>("gauge"),
-        sizes::<GaugeState>("gauge state"),
-        sizes::<GaugeState512>("gauge state 512"),
-        sizes::<Kinematics>("kinematics"),
-        sizes::<BranchTracker>("branch tracker"),
-        sizes::<Encoder>("encoder"),
-        sizes::<Learned>("learned"),
-        sizes::<Program>("program"),
-        sizes::<Thermal>("thermal"),
-        sizes::<ThermalTask>("thermal task"),
-    ]
+/// Bytes that the content of a storage needs, and bytes that the header gives.
+pub(crate) const fn sizes<S: Storage>() -> (usize, usize) {
+    (size_of::<Kept<S>>(), size_of::<S>())
 }
