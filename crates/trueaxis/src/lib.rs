@@ -47,9 +47,6 @@
 
 #[cfg(any(test, feature = "std"))]
 extern crate std;
-// For the files of `testing`, which `trueaxis-testing` compiles too.
-#[cfg(test)]
-extern crate self as trueaxis;
 
 mod axis;
 pub mod check;
@@ -74,7 +71,7 @@ pub mod tcomp;
 pub mod telemetry;
 pub mod temperature;
 #[cfg(test)]
-#[allow(dead_code, unreachable_pub)] // Public, and in use, in `trueaxis-testing`.
+#[allow(dead_code, unreachable_pub)] // `machine` is public, and in use, in `trueaxis-testing`.
 mod testing;
 mod vector;
 
