@@ -3,7 +3,7 @@
 
 use crate::Real;
 use crate::error::{Error, explained};
-use crate::opaque::{self, Kept};
+use crate::opaque::{self, Filled};
 use crate::part::{GAUGE, need};
 use crate::pointer::slice;
 use crate::result::{self, ERROR_GAUGE, ResultCode};
@@ -184,12 +184,12 @@ pub unsafe extern "C" fn trueaxis_gauge_restart(
         // SAFETY: the caller's promise.
         match &unsafe { opaque::content(gauge) }?.points {
             AnyGauge::Points1024(gauge) => {
-                let place: *mut Kept<GaugeState> = opaque::place(gauge_state, state_size)?;
+                let place: *mut Filled<GaugeState> = opaque::place(gauge_state, state_size)?;
                 // SAFETY: storage of the size that the caller vouched for.
                 unsafe { opaque::fill(place, gauge.start()) };
             }
             AnyGauge::Points512(gauge) => {
-                let place: *mut Kept<GaugeState512> = opaque::place(gauge_state.cast(), state_size)?;
+                let place: *mut Filled<GaugeState512> = opaque::place(gauge_state.cast(), state_size)?;
                 // SAFETY: storage of the size that the caller vouched for.
                 unsafe { opaque::fill(place, gauge.start()) };
             }
