@@ -5,7 +5,7 @@ use anyhow::{Result, anyhow};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
-use trueaxis_evaluation::keep::{EntryKind, Evaluated, Log, Overrides, Planning, State, time as checked};
+use trueaxis_evaluation::keep::{EntryKind, EvaluatedLog, Log, Overrides, Planning, State, time as checked};
 use trueaxis_tables::output::Outputs;
 use trueaxis_tables::text::read_text;
 
@@ -33,7 +33,7 @@ struct Asked {
 }
 
 impl Asked {
-    fn check(&self, state: &State, notes: &mut Vec<String>) -> Result<Evaluated> {
+    fn check(&self, state: &State, notes: &mut Vec<String>) -> Result<EvaluatedLog> {
         state.accepts(&self.accept).map_err(|wrong| anyhow!("accept: {wrong}"))?;
         let text = read_text(&self.log, &['#', ';'])?;
         let allowed = Overrides { accept: &self.accept, by_hand: self.by_hand };
@@ -45,7 +45,7 @@ impl Asked {
     }
 
     /// Writes the history entry and the changes of a re-probing.
-    fn put(&self, state: &State, evaluated: &Evaluated) -> Result<()> {
+    fn put(&self, state: &State, evaluated: &EvaluatedLog) -> Result<()> {
         let mut outputs = Outputs::of([&self.task, &self.log]);
         state.stage(&mut outputs, &state.written(&evaluated.entry, &evaluated.files)?)?;
         Ok(outputs.commit()?)
@@ -53,7 +53,7 @@ impl Asked {
 }
 
 /// The document of a re-probing, with a sentence on each change under `changes`.
-fn document<'py>(py: Python<'py>, evaluated: &Evaluated) -> PyResult<Bound<'py, PyDict>> {
+fn document<'py>(py: Python<'py>, evaluated: &EvaluatedLog) -> PyResult<Bound<'py, PyDict>> {
     let document = documents::dictionary(py, &evaluated.document)?.cast_into::<PyDict>()?;
     document.set_item("changes", &evaluated.changes)?;
     Ok(document)

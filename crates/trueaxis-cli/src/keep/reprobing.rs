@@ -6,7 +6,7 @@ use crate::output::{NeedsPerson, report_line};
 use crate::report;
 use anyhow::{Result, anyhow};
 use std::path::Path;
-use trueaxis_evaluation::keep::{Entry, Evaluated, Log, Overrides, State};
+use trueaxis_evaluation::keep::{Entry, EvaluatedLog, Log, Overrides, State};
 use trueaxis_tables::output::Outputs;
 
 pub(super) fn log<'a>(arguments: &'a ReprobingArgs, text: &'a str) -> Log<'a> {
@@ -22,7 +22,7 @@ pub(super) fn allowed<'a>(arguments: &'a CheckArgs, state: &State) -> Result<Ove
 pub(super) fn show(
     outputs: &mut Outputs,
     state: &State,
-    evaluated: &Evaluated,
+    evaluated: &EvaluatedLog,
     arguments: &ReprobingArgs,
 ) -> Result<()> {
     let Some(directory) = &arguments.report else { return Ok(()) };
@@ -32,7 +32,7 @@ pub(super) fn show(
 }
 
 /// Ends the command if a term is out of bounds.
-pub(super) fn refused(evaluated: &Evaluated, log: &Path) -> Result<()> {
+pub(super) fn refused(evaluated: &EvaluatedLog, log: &Path) -> Result<()> {
     evaluated.refusal(log).map_or(Ok(()), |reason| Err(NeedsPerson(reason).into()))
 }
 

@@ -35,7 +35,7 @@ pub struct Overrides<'l> {
 
 /// An evaluated probing.
 #[derive(Clone, Debug)]
-pub struct Evaluated {
+pub struct EvaluatedLog {
     /// The fitted network, the positions of the balls, and a verdict on each term.
     pub reprobing: Reprobing,
     /// The probing as a document.
@@ -48,7 +48,7 @@ pub struct Evaluated {
     pub changes: Vec<String>,
 }
 
-impl Evaluated {
+impl EvaluatedLog {
     /// Why a person has to check before anything changes; `None` if all terms are within their bounds.
     pub fn refusal(&self, log: &Path) -> Option<String> {
         let reasons: Vec<String> = self.reprobing.refused().map(|(name, reason)| format!("{name} {reason}")).collect();
@@ -108,13 +108,13 @@ impl State {
     ///
     /// # Errors
     /// As [`begin`], or a log that is not the task's.
-    pub fn begin(&self, log: &Log<'_>, note: &mut dyn FnMut(String)) -> Result<Evaluated> {
+    pub fn begin(&self, log: &Log<'_>, note: &mut dyn FnMut(String)) -> Result<EvaluatedLog> {
         let (plan, trips) = self.trips(log, note)?;
         let reprobing = begin(&self.task, &self.machine, &plan, &trips, log.file)?;
         let entry = self.entry(log, &plan, &reprobing, EntryKind::Begin);
         let mut document = reprobing.document(&self.task, &self.machine.settings.name, entry.entry);
         document.notes.push("the beginning: later re-probings are compared with the places of these balls".into());
-        Ok(Evaluated { reprobing, document, entry, files: FileChanges::new(), changes: Vec::new() })
+        Ok(EvaluatedLog { reprobing, document, entry, files: FileChanges::new(), changes: Vec::new() })
     }
 
     /// Refuses names that are not terms of the task.
@@ -135,7 +135,7 @@ impl State {
     /// # Errors
     /// As [`evaluate`] and [`changes`], a log that is not the task's or does not follow the history, or tables other than
     /// those the history left.
-    pub fn check(&self, log: &Log<'_>, allowed: Overrides<'_>, note: &mut dyn FnMut(String)) -> Result<Evaluated> {
+    pub fn check(&self, log: &Log<'_>, allowed: Overrides<'_>, note: &mut dyn FnMut(String)) -> Result<EvaluatedLog> {
         self.history.beginning()?;
         self.untouched(allowed.by_hand, note)?;
         let (plan, trips) = self.trips(log, note)?;
@@ -155,7 +155,7 @@ impl State {
         entry.totals = totals.clone();
         let changes = changes(&self.task, &reprobing, &self.machine, self.source.as_ref(), &self.name)?;
         if document.refused > 0 {
-            return Ok(Evaluated { reprobing, document, entry, files: FileChanges::new(), changes: changes.notes });
+            return Ok(EvaluatedLog { reprobing, document, entry, files: FileChanges::new(), changes: changes.notes });
         }
         document.written = changes.decisions;
         let named = changes.files.into_iter();
@@ -167,6 +167,6 @@ impl State {
         if !files.is_empty() {
             entry.kind = EntryKind::Update;
         }
-        Ok(Evaluated { reprobing, document, entry, files, changes: changes.notes })
+        Ok(EvaluatedLog { reprobing, document, entry, files, changes: changes.notes })
     }
 }

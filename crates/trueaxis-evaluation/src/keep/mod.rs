@@ -36,7 +36,7 @@ mod written;
 
 pub use document::{ReprobingDocument, TermDocument};
 pub use entry::{BallPlace, Changed, Entry, EntryKind, LogFile, Measured};
-pub use evaluated::{Evaluated, Log, Overrides, time};
+pub use evaluated::{EvaluatedLog, Log, Overrides, time};
 pub use figures::figures;
 pub use foreseen::{Expected, Foreseen, Planning};
 pub use history::{History, sum};
