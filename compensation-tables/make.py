@@ -1,5 +1,7 @@
 #!/usr/bin/env python3
-"""Writes the sample machines and the sample measurement beside this file.
+"""Writes the tables, the servo settings and the measurement of the sample machines beside this file.
+
+The rest of each machine.toml is written by hand.
 
 Plain Python, no packages. Every run writes the same bytes: the error curves are closed formulas, the scatter of the
 measurement comes from `random.Random(SEED).random()`, whose sequence Python guarantees, and everything is rounded.
@@ -36,11 +38,6 @@ def write_table(path, title, header, positions, columns):
         lines.append(",".join([number(q)] + [number(column(q)) for column in columns]))
     path.parent.mkdir(exist_ok=True)
     path.write_text("\n".join(lines) + "\n", encoding="utf-8", newline="\n")
-
-
-def write_text(path, text):
-    path.parent.mkdir(exist_ok=True)
-    path.write_text(text.lstrip("\n"), encoding="utf-8", newline="\n")
 
 
 # --- mill-3axis: C-frame, saddle Y on the bed, table X on the saddle, quill Z -------------------------------------
@@ -106,14 +103,16 @@ integral_per_s = 10.0
 """
 
 
-def servos(axes):
-    """Everything of a machine that acts on the servo."""
-    return OFF_BY + "".join(servo(axis) for axis in axes) + FEEDBACK
+def write_servos(path, axes):
+    """Replaces everything of a machine that acts on the servo; what comes before is written by hand."""
+    by_hand, _, _ = path.read_text(encoding="utf-8").partition(OFF_BY)
+    servos = OFF_BY + "".join(servo(axis) for axis in axes) + FEEDBACK
+    path.write_text(by_hand + servos, encoding="utf-8", newline="\n")
 
 
 def mill_3axis():
     folder = HERE / "mill-3axis"
-    write_text(folder / "machine.toml", MILL_3AXIS + servos("XYZ"))
+    write_servos(folder / "machine.toml", "XYZ")
     write_table(
         folder / "x.csv",
         ["X of mill-3axis, laser interferometer and electronic level, line at Y 0, Z -200; zero at machine zero",
@@ -176,108 +175,6 @@ def measurement(path):
     path.write_text("\n".join(lines) + "\n", encoding="utf-8", newline="\n")
 
 
-MILL_3AXIS = """
-# Vertical machining centre, C-frame: the saddle (Y) runs on the bed, the table (X) on the saddle, the head (Z) on the column.
-# A retrofit with the old ground screws; figures: see README.md beside this folder.
-name = "mill-3axis"
-chain = "w X' Y' b Z t"
-tool_mm = [0.0, 0.0, 0.0]
-reference_temperature_c = 20.0
-
-[axis.X]
-table = "x.csv"
-interpolation = "cubic"
-travel_mm = [-300.0, 300.0]
-measured_at_mm = [0.0, 0.0, -200.0]
-max_feed_mm_per_min = 15000.0
-encoder_resolution_um = 0.03
-hysteresis_um = 0.1
-
-[axis.X.thermal]
-expansion_um_per_m_k = 11.5
-
-[axis.Y]
-table = "y.csv"
-interpolation = "cubic"
-travel_mm = [-200.0, 200.0]
-measured_at_mm = [0.0, 0.0, -200.0]
-max_feed_mm_per_min = 15000.0
-encoder_resolution_um = 0.03
-hysteresis_um = 0.1
-backlash_um = 2.2
-
-[axis.Y.thermal]
-expansion_um_per_m_k = 11.5
-
-[axis.Z]
-table = "z.csv"
-interpolation = "cubic"
-travel_mm = [-400.0, 0.0]
-measured_at_mm = [0.0, 0.0, 0.0]
-max_feed_mm_per_min = 12000.0
-encoder_resolution_um = 0.03
-hysteresis_um = 0.1
-
-[axis.Z.thermal]
-offset_um_per_k = 2.0
-expansion_um_per_m_k = 11.5
-
-[location]
-A0Z_urad = 32.0
-B0Z_urad = -36.0
-C0Y_urad = 38.0
-
-# How well the figures above are known: a laser interferometer in a workshop, its beam in line within half a millimetre, the
-# screws' temperature within 0.3 K; five runs. Standard uncertainties, k = 1; nothing of them is compiled.
-[uncertainty]
-device_um_per_m = 0.5
-device_um = 0.05
-misalignment_mm = 0.5
-temperature_k = 0.3
-expansion_um_per_m_k = 1.0
-temperature_difference_k = 1.5
-eve_um = 0.2
-
-[uncertainty.location]
-A0Z_urad = 3.0
-B0Z_urad = 3.0
-C0Y_urad = 2.0
-degrees_of_freedom = 8
-
-[axis.X.uncertainty]
-backlash_um = 0.3
-repeatability_um = 0.5
-EXX_um = 0.2
-EYX_um = 0.5
-EZX_um = 0.5
-EAX_urad = 2.0
-EBX_urad = 2.0
-ECX_urad = 2.0
-degrees_of_freedom = 20
-
-[axis.Y.uncertainty]
-backlash_um = 0.3
-repeatability_um = 0.5
-EXY_um = 0.5
-EYY_um = 0.2
-EZY_um = 0.5
-EAY_urad = 2.0
-EBY_urad = 2.0
-ECY_urad = 2.0
-degrees_of_freedom = 20
-
-[axis.Z.uncertainty]
-backlash_um = 0.3
-repeatability_um = 0.4
-EXZ_um = 0.5
-EYZ_um = 0.5
-EZZ_um = 0.2
-EAZ_urad = 2.0
-EBZ_urad = 2.0
-ECZ_urad = 2.0
-degrees_of_freedom = 20
-"""
-
 # --- mill-5axis: trunnion A on Y, table C in the trunnion, spindle on Z on X ---------------------------------------
 
 
@@ -291,7 +188,7 @@ def total(*terms):
 
 def mill_5axis():
     folder = HERE / "mill-5axis"
-    write_text(folder / "machine.toml", MILL_5AXIS + servos("XYZAC"))
+    write_servos(folder / "machine.toml", "XYZAC")
     write_table(
         folder / "x.csv", ["X of mill-5axis, line at Y 0, Z 0"],
         ["X_mm", "EXX_um", "EYX_um", "EZX_um", "EAX_urad", "EBX_urad", "ECX_urad"],
@@ -347,84 +244,6 @@ def mill_5axis():
          total(cyclic(21, 1, 250), cyclic(8, 2, 100), cyclic(4, 6, 20))])
 
 
-MILL_5AXIS = """# Five-axis machining centre: trunnion A on the slide Y, rotary table C in the trunnion; the spindle on Z on X.
-# At all axes zero the tool tip stands in the intersection of A and C; figures: see README.md beside this folder.
-name = "mill-5axis"
-chain = "w C' A' Y' b X Z t"
-tool_mm = [0.0, 0.0, 0.0]
-reference_temperature_c = 20.0
-
-# Its angular errors have levers of up to half a metre: the twists of all axes, carried to the tip.
-[compensation]
-model = "volumetric"
-
-[axis.X]
-table = "x.csv"
-interpolation = "cubic"
-travel_mm = [-250.0, 250.0]
-max_feed_mm_per_min = 24000.0
-encoder_resolution_um = 0.03
-
-[axis.X.limits]
-magnitude_um = 200.0
-
-[axis.Y]
-table = "y.csv"
-interpolation = "cubic"
-travel_mm = [-250.0, 250.0]
-max_feed_mm_per_min = 24000.0
-encoder_resolution_um = 0.03
-
-[axis.Y.limits]
-magnitude_um = 200.0
-
-[axis.Z]
-table = "z.csv"
-interpolation = "cubic"
-travel_mm = [-100.0, 400.0]
-max_feed_mm_per_min = 24000.0
-encoder_resolution_um = 0.03
-backlash_um = 1.5
-
-[axis.Z.limits]
-magnitude_um = 200.0
-
-[axis.A]
-table = "a.csv"
-interpolation = "cubic"
-direction = -1
-travel_deg = [-120.0, 30.0]
-max_feed_deg_per_min = 9000.0
-encoder_resolution_urad = 0.21
-
-[axis.C]
-table = "c.csv"
-interpolation = "cubic"
-direction = -1
-max_feed_deg_per_min = 18000.0
-encoder_resolution_urad = 0.21
-travel_deg = [-36000.0, 36000.0]
-backlash_urad = 12.0
-
-[location]
-A0Z_urad = 12.0
-B0Z_urad = -15.0
-C0Y_urad = 17.0
-EX0A_um = 0.0
-EY0A_um = 11.0
-EZ0A_um = -8.0
-EA0A_urad = 0.0
-EB0A_urad = 16.0
-EC0A_urad = -21.0
-EX0C_um = 13.0
-EY0C_um = -9.0
-EZ0C_um = 0.0
-EA0C_urad = 18.0
-EB0C_urad = -14.0
-EC0C_urad = 0.0
-"""
-
-
 # --- router: gantry with a sagging cross rail, and a surface that was probed ---------------------------------------
 
 
@@ -439,7 +258,6 @@ def write_grid(path, comments, columns, xs, ys, functions):
 
 def router():
     folder = HERE / "router"
-    write_text(folder / "machine.toml", ROUTER)
     write_table(
         folder / "x.csv", ["X of router (the carriage on the cross rail), rack and pinion"],
         ["X_mm", "EXX_um"], grid(-400, 400, 40),
@@ -465,60 +283,6 @@ def router():
         [lambda x, y: -35 * math.exp(-((x - 120) ** 2 + (y + 60) ** 2) / 180 ** 2) + 0.03 * x - 0.02 * y])
 
 
-ROUTER = """
-# Gantry router for wood and plastics: the gantry (Y) on side rails, the carriage (X) on the cross rail, the spindle on Z.
-# The rail sags and the spoilboard is not flat: no sum of one-axis tables holds either; figures: see README.md beside this folder.
-name = "router"
-chain = "w b Y X Z t"
-tool_mm = [0.0, 0.0, 0.0]
-reference_temperature_c = 20.0
-
-[axis.X]
-table = "x.csv"
-interpolation = "cubic"
-travel_mm = [-400.0, 400.0]
-max_feed_mm_per_min = 12000.0
-encoder_resolution_um = 0.1
-
-[axis.X.limits]
-magnitude_um = 300.0
-
-[axis.Y]
-table = "y.csv"
-interpolation = "cubic"
-travel_mm = [-300.0, 300.0]
-max_feed_mm_per_min = 12000.0
-encoder_resolution_um = 0.1
-
-[axis.Y.limits]
-magnitude_um = 300.0
-
-[axis.Z]
-travel_mm = [-400.0, 0.0]
-max_feed_mm_per_min = 6000.0
-encoder_resolution_um = 0.1
-
-[axis.Z.limits]
-magnitude_um = 300.0
-
-[location]
-A0Z_urad = 60.0
-B0Z_urad = -45.0
-C0Y_urad = 90.0
-
-# The sagging cross rail.
-[[grid]]
-axes = ["X", "Y"]
-table = "rail.csv"
-
-# The probed surface: it matters where the tool is in the material, and no more 60 mm above it.
-[[grid]]
-axes = ["X", "Y"]
-table = "surface.csv"
-fade_mm = [-210.0, -150.0]
-"""
-
-
 # --- head-5axis: fork head, A in C, C on the ram Z on the cross slide Y; the table X carries the workpiece ----------
 
 
@@ -529,7 +293,7 @@ def from_zero(curve):
 
 def head_5axis():
     folder = HERE / "head-5axis"
-    write_text(folder / "machine.toml", HEAD_5AXIS + servos("XYZAC"))
+    write_servos(folder / "machine.toml", "XYZAC")
     write_table(
         folder / "x.csv", ["X of head-5axis (table), line at Y 0, Z 0; zero at machine zero"],
         ["X_mm", "EXX_um", "EYX_um", "EZX_um", "EAX_urad", "EBX_urad", "ECX_urad"],
@@ -582,73 +346,11 @@ def head_5axis():
          from_zero(total(cyclic(45, 1, 250), cyclic(14, 2, 100), cyclic(5, 4, 20)))])
 
 
-HEAD_5AXIS = """
-# Gantry mill with a fork head: C on the ram Z on the cross slide Y, A in C; the table X carries the workpiece.
-# At all axes zero the intersection of A and C stands in machine zero, the tool hangs below it; figures: see README.md.
-name = "head-5axis"
-chain = "w X' b Y Z C A t"
-tool_mm = [0.0, 0.0, -250.0]
-reference_temperature_c = 20.0
-
-[compensation]
-model = "volumetric"
-
-[axis.X]
-table = "x.csv"
-interpolation = "cubic"
-travel_mm = [-1000.0, 1000.0]
-max_feed_mm_per_min = 30000.0
-encoder_resolution_um = 0.03
-
-[axis.Y]
-table = "y.csv"
-interpolation = "cubic"
-travel_mm = [-600.0, 600.0]
-max_feed_mm_per_min = 30000.0
-encoder_resolution_um = 0.03
-
-[axis.Z]
-table = "z.csv"
-interpolation = "cubic"
-travel_mm = [-400.0, 400.0]
-max_feed_mm_per_min = 20000.0
-encoder_resolution_um = 0.03
-
-[axis.A]
-table = "a.csv"
-interpolation = "cubic"
-travel_deg = [-100.0, 100.0]
-max_feed_deg_per_min = 9000.0
-encoder_resolution_urad = 0.21
-
-[axis.C]
-table = "c.csv"
-interpolation = "cubic"
-travel_deg = [-36000.0, 36000.0]
-max_feed_deg_per_min = 18000.0
-encoder_resolution_urad = 0.21
-
-[location]
-A0Z_urad = 14.0
-B0Z_urad = -18.0
-C0Y_urad = 20.0
-EX0C_um = 9.0
-EY0C_um = -12.0
-EA0C_urad = 22.0
-EB0C_urad = -17.0
-EY0A_um = 14.0
-EZ0A_um = -6.0
-EB0A_urad = 19.0
-EC0A_urad = -25.0
-"""
-
-
 # --- grinder: wheel head X on the table Z, work head on the bed, three probes on an arm that follows the crankpin ----
 
 
 def grinder():
     folder = HERE / "grinder"
-    write_text(folder / "machine.toml", GRINDER)
     write_table(
         folder / "x.csv", ["X of grinder (wheel head), 5 mm; zero at machine zero, positive away from the workpiece"],
         ["X_mm", "EXX_um", "EZX_um", "EBX_urad"],
@@ -658,71 +360,12 @@ def grinder():
          lambda x: 3 * math.sin(x / 90)])
 
 
-GRINDER = """
-# Crankpin grinding machine: the crankshaft turns in the work head, the wheel head X stands on Z; three probes ride on an
-# arm about the wheel's centre and follow the pin. X grows away from the workpiece; figures: see README.md beside this folder.
-name = "grinder"
-chain = "w b Z X t"
-tool_mm = [0.0, 0.0, 0.0]
-reference_temperature_c = 20.0
-
-[axis.X]
-table = "x.csv"
-interpolation = "cubic"
-travel_mm = [-60.0, 60.0]
-max_feed_mm_per_min = 10000.0
-encoder_resolution_um = 0.03
-
-# The infeed correction follows the pin's harmonics at speed: a linear motor takes what a ball screw would not.
-[axis.X.limits]
-magnitude_um = 100.0
-slope_mm_per_s = 5.0
-acceleration_mm_per_s2 = 2000.0
-
-[axis.Z]
-travel_mm = [-400.0, 400.0]
-max_feed_mm_per_min = 10000.0
-encoder_resolution_um = 0.03
-
-[roundness]
-points = 1024
-probe_slots = [188, 667]
-harmonics = [2, 100]
-filter_upr = 50
-revolutions = 8
-units_per_cycle = 1
-stop_s = 0.5
-spindle_counts_per_revolution = 3600000
-spindle_index = true
-spindle_index_tolerance_counts = 100
-probe_gain_um = [1.0, 1.0, 1.0]
-probe_low = [-500.0, -500.0, -500.0]
-probe_high = [500.0, 500.0, 500.0]
-
-[roundness.arm]
-crank_mm = 45.0
-wheel_mm = 300.0
-pin_mm = 27.5
-counts_per_revolution = 3600000
-tolerance_deg = 0.2
-
-[roundness.infeed]
-axis = "X"
-direction = -1
-harmonics = [2, 50]
-gain = 0.25
-delay_revolutions = 2
-contact_deg = 180.0
-drive_delay_s = 0.0025
-limit_um = 20.0
-"""
-
 # --- mill-turn: table C on the bed, head A on Z on Y on X; the helicoid's machine in its vertical form ------------------
 
 
 def mill_turn():
     folder = HERE / "mill-turn"
-    write_text(folder / "machine.toml", MILL_TURN + servos("XYZAC"))
+    write_servos(folder / "machine.toml", "XYZAC")
     write_table(
         folder / "x.csv", ["X of mill-turn, line at Y 0, Z 0"],
         ["X_mm", "EXX_um", "EYX_um", "EZX_um", "EAX_urad", "EBX_urad", "ECX_urad"],
@@ -777,79 +420,6 @@ def mill_turn():
          total(cyclic(9, 1, 172), cyclic(3, 2, 70)),
          total(cyclic(18, 1, 270), cyclic(7, 2, 120), cyclic(3, 6, 40))])
 
-
-MILL_TURN = """
-# Mill-turn centre: rotary table C on the bed, head A on Z on Y on X, tool tip 150 mm from the A axis, spindle up at A = 0.
-# At all axes zero the tool tip stands on the C axis; figures: see README.md beside this folder.
-name = "mill-turn"
-chain = "w C' b X Y Z A t"
-tool_mm = [0.0, 0.0, -150.0]
-reference_temperature_c = 20.0
-
-[compensation]
-model = "volumetric"
-orientation = true
-
-[axis.X]
-table = "x.csv"
-interpolation = "cubic"
-travel_mm = [-400.0, 400.0]
-max_feed_mm_per_min = 24000.0
-encoder_resolution_um = 0.03
-
-[axis.Y]
-table = "y.csv"
-interpolation = "cubic"
-travel_mm = [-400.0, 400.0]
-max_feed_mm_per_min = 24000.0
-encoder_resolution_um = 0.03
-
-[axis.Z]
-table = "z.csv"
-interpolation = "cubic"
-travel_mm = [-400.0, 400.0]
-max_feed_mm_per_min = 24000.0
-encoder_resolution_um = 0.03
-backlash_um = 1.2
-
-# The A axis lies one pivot length above the tool tip.
-[axis.A]
-table = "a.csv"
-interpolation = "cubic"
-offset_mm = [0.0, 0.0, 150.0]
-travel_deg = [-100.0, 100.0]
-max_feed_deg_per_min = 9000.0
-encoder_resolution_urad = 0.21
-
-# Turns the workpiece right-handed about Z, unlike the default of a table.
-[axis.C]
-table = "c.csv"
-interpolation = "cubic"
-direction = 1
-max_feed_deg_per_min = 18000.0
-encoder_resolution_urad = 0.21
-travel_deg = [-36000.0, 36000.0]
-backlash_urad = 10.0
-# With direction = 1 the correction of this backlash steps against the reading: the band is wider than that.
-hysteresis_urad = 12.0
-
-[location]
-A0Z_urad = 14.0
-B0Z_urad = -11.0
-C0Y_urad = 16.0
-EX0A_um = 0.0
-EY0A_um = 9.0
-EZ0A_um = -7.0
-EA0A_urad = 0.0
-EB0A_urad = 13.0
-EC0A_urad = -17.0
-EX0C_um = 10.0
-EY0C_um = -8.0
-EZ0C_um = 0.0
-EA0C_urad = 15.0
-EB0C_urad = -12.0
-EC0C_urad = 0.0
-"""
 
 if __name__ == "__main__":
     mill_3axis()

@@ -11,7 +11,7 @@ use trueaxis_benches::contour::{Query, Shape, Track};
 use trueaxis_benches::gauge::Gauge;
 use trueaxis_benches::kinematics::Pose;
 use trueaxis_benches::limiter::Limits;
-use trueaxis_benches::step::{self, Cycle};
+use trueaxis_benches::step::{self, RunningLoop};
 use trueaxis_benches::tables::{Grid, nine_terms as nine_terms_of, position, volumetric as volumetric_of};
 use trueaxis_benches::tool::{self, ToolCycle};
 
@@ -132,13 +132,13 @@ fn limiter(limits: &'static mut Limits) -> u8 {
     black_box(limits.follow())
 }
 
-fn worst() -> &'static mut Cycle {
+fn worst() -> &'static mut RunningLoop {
     leak(step::worst(20_000))
 }
 
 #[library_benchmark]
 #[bench::worst(setup = worst)]
-fn whole_step(cycle: &'static mut Cycle) -> trueaxis::Output<f64, f64, 3> {
+fn whole_step(cycle: &'static mut RunningLoop) -> trueaxis::Output<f64, f64, 3> {
     black_box(cycle.run())
 }
 

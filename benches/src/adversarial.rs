@@ -31,7 +31,7 @@ pub struct Adversarial<R: Wire> {
 }
 
 /// A cycle about to run.
-pub struct Cycle<'a, R: Wire> {
+pub struct AdversarialCycle<'a, R: Wire> {
     /// Servo loop.
     pub servo: &'a Loop<R>,
     /// State of the loop.
@@ -41,7 +41,7 @@ pub struct Cycle<'a, R: Wire> {
     course: &'a Course<R, R::Place>,
 }
 
-impl<R: Wire> Cycle<'_, R> {
+impl<R: Wire> AdversarialCycle<'_, R> {
     /// Runs the cycle.
     #[inline(always)]
     pub fn run(&mut self, output: &mut Output<R, R::Place, AXES>) {
@@ -90,7 +90,7 @@ impl<R: Wire> Adversarial<R> {
     }
 
     /// Cycle `number` on nine terms, with the state after the preceding cycles of its scene.
-    pub fn cycle(&self, number: u32) -> Cycle<'_, R> {
+    pub fn cycle(&self, number: u32) -> AdversarialCycle<'_, R> {
         let [first, second] = &self.servos;
         let mut state = first.start();
         let mut moments = self.draw(number / SCENE * SCENE, number + 1).peekable();
@@ -98,7 +98,7 @@ impl<R: Wire> Adversarial<R> {
             let moment = moments.next().expect("the cycle of its scene");
             set_thermal(&mut state, &moment);
             let servo = if moment.exchanged { second } else { first };
-            let mut cycle = Cycle { servo, state, moment, course: &self.courses[moment.course] };
+            let mut cycle = AdversarialCycle { servo, state, moment, course: &self.courses[moment.course] };
             if moments.peek().is_none() {
                 return cycle;
             }

@@ -14,7 +14,7 @@ pub const PASSES: u8 = 2;
 
 /// A running servo loop and the input of its next cycle.
 #[derive(Clone, Copy, Debug)]
-pub struct Cycle {
+pub struct RunningLoop {
     /// The loop.
     pub servo: &'static ServoLoop<'static, f64, f64, 3>,
     /// State of the loop.
@@ -27,7 +27,7 @@ pub struct Cycle {
     pub reference: Reference<f64>,
 }
 
-impl Cycle {
+impl RunningLoop {
     /// Runs one cycle.
     #[inline(always)]
     pub fn run(&mut self) -> Output<f64, f64, 3> {
@@ -40,7 +40,7 @@ pub const AT_REST: u32 = 2000;
 
 /// Walks the butterfly at 100 mm/s, to its end or for `cycles` cycles, with readings that deviate by ±5 µm; calls `seen` with
 /// the number of every cycle, the cycle before it ran, and its output.
-pub fn walk(cycles: u32, seen: impl FnMut(u32, &Cycle, &Output<f64, f64, 3>)) {
+pub fn walk(cycles: u32, seen: impl FnMut(u32, &RunningLoop, &Output<f64, f64, 3>)) {
     walk_with(|_| (), cycles, seen);
 }
 
@@ -48,7 +48,7 @@ pub fn walk(cycles: u32, seen: impl FnMut(u32, &Cycle, &Output<f64, f64, 3>)) {
 pub fn walk_with(
     change: impl FnOnce(&mut MachineSettings),
     cycles: u32,
-    seen: impl FnMut(u32, &Cycle, &Output<f64, f64, 3>),
+    seen: impl FnMut(u32, &RunningLoop, &Output<f64, f64, 3>),
 ) {
     walk_on(change, &[], cycles, seen);
 }
@@ -58,7 +58,7 @@ pub fn walk_on(
     change: impl FnOnce(&mut MachineSettings),
     grids: &'static [GridData<'static>],
     cycles: u32,
-    mut seen: impl FnMut(u32, &Cycle, &Output<f64, f64, 3>),
+    mut seen: impl FnMut(u32, &RunningLoop, &Output<f64, f64, 3>),
 ) {
     let mut machine = machine();
     change(&mut machine);
@@ -76,7 +76,7 @@ pub fn walk_on(
     let servo = config.build(|axis: Axis| tables.get(axis.index()).map(Vec::as_slice), memory());
     let servo: &'static ServoLoop<'static, f64, f64, 3> = Box::leak(Box::new(servo.expect("a valid configuration")));
     let track = Track::new(Shape::RationalCubic);
-    let mut cycle = Cycle {
+    let mut cycle = RunningLoop {
         servo,
         state: servo.start(),
         input: Input { homed: true, enable: true, ..Input::at_rest(PERIOD_NS) },
@@ -106,7 +106,7 @@ pub fn walk_on(
 }
 
 /// The cycle of the walk with the most evaluations of the path, and the most limited axes among equals.
-pub fn worst(cycles: u32) -> Cycle {
+pub fn worst(cycles: u32) -> RunningLoop {
     let mut found = None;
     walk(cycles, |_, cycle, output| {
         let record = &output.record;

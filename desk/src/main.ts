@@ -7,7 +7,7 @@ import { Bench } from "./core/bench";
 import { message, type Desk, type Program, type View } from "./core/desk";
 import { button, choice, el } from "./core/dom";
 import { picker, save, text } from "./core/files";
-import { fromLink, link, parse, type Kept } from "./core/link";
+import { fromLink, link, parse, type SavedPage } from "./core/link";
 import { MachineStore } from "./core/machine";
 import { setTheme, type Theme } from "./core/theme";
 import { views } from "./views";
@@ -117,14 +117,14 @@ async function start(): Promise<void> {
     next.tab.focus();
   });
 
-  const kept = (): Kept => ({
+  const kept = (): SavedPage => ({
     version: 1,
     view: front.view.id,
     machine: { name: machine.name, files: machine.files },
     views: Object.fromEntries(shown.filter((one) => one.isBuilt).map(({ view }) => [view.id, view.state()])),
   });
 
-  async function open(state: Kept): Promise<void> {
+  async function open(state: SavedPage): Promise<void> {
     // Refused files leave the state unchanged.
     await bench.call("machine_open", JSON.stringify(state.machine.files));
     desk.clear();
@@ -164,7 +164,7 @@ async function start(): Promise<void> {
 }
 
 /** Link, file, print, theme. */
-function tools(root: HTMLElement, desk: Desk, kept: () => Kept, open: (state: Kept) => Promise<void>): void {
+function tools(root: HTMLElement, desk: Desk, kept: () => SavedPage, open: (state: SavedPage) => Promise<void>): void {
   const opened = async (json: string | undefined, path: string) => {
     if (json === undefined) throw new Error(`${path}: found bytes that are not UTF-8, needed a file that this page saved`);
     try {

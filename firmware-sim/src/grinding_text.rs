@@ -4,13 +4,13 @@ use anyhow::Result;
 use serde::Serialize;
 use std::fmt;
 use trueaxis::roundness::{ErrorMotion, GaugeFlags};
-use trueaxis_sim::grinding::{Document, Grinding, Outcome};
+use trueaxis_sim::grinding::{Grinding, GrindingDocument, Outcome};
 
 /// The document that `--json` prints.
 #[derive(Serialize)]
 pub(crate) struct Json {
     #[serde(flatten)]
-    figures: Document,
+    figures: GrindingDocument,
     wall_s: f64,
 }
 
@@ -19,7 +19,7 @@ pub(crate) struct Json {
 /// # Errors
 /// The machine has no gauge.
 pub(crate) fn json(outcome: &Outcome, grinding: &Grinding, wall_s: f64) -> Result<Json> {
-    Ok(Json { figures: Document::new(outcome, grinding)?, wall_s })
+    Ok(Json { figures: GrindingDocument::new(outcome, grinding)?, wall_s })
 }
 
 /// Prints the outcome as plain text.

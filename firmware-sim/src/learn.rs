@@ -71,7 +71,7 @@ struct Size {
 }
 
 #[derive(Serialize)]
-struct Document<'s> {
+struct PartsDocument<'s> {
     machine: &'s str,
     program: &'s str,
     gain: f64,
@@ -103,7 +103,7 @@ pub(crate) fn learn(args: &LearnArgs) -> Result<()> {
     let (machine, program) = (scenario.machine.settings.name.as_str(), scenario.program.name.as_str());
     if args.json {
         let parts = (1..).zip(&parts).map(|(part, made)| Made::of(part, made)).collect();
-        let document = Document { machine, program, gain, forget, cutoff_mm, parts };
+        let document = PartsDocument { machine, program, gain, forget, cutoff_mm, parts };
         return put(&trueaxis_evaluation::json::pretty(&document)?);
     }
     let written = args.output.iter().map(|file| format!("written  {}\n", file.display()));

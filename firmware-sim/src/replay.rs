@@ -9,7 +9,7 @@ use trueaxis::HostServo;
 use trueaxis::contour::{Path, Span};
 use trueaxis::tcomp::Tcomp;
 use trueaxis::telemetry::{FRAME_BYTES, Frame};
-use trueaxis_recording::{Cycle, Recording};
+use trueaxis_recording::{RecordedCycle, Recording};
 use trueaxis_sim::SimError;
 use trueaxis_sim::servo::{self, Axes, Compiled};
 use trueaxis_tables::output::Outputs;
@@ -132,7 +132,7 @@ where
         }
         let frame = Frame::of(&output.record);
         sent.frames.extend_from_slice(frame.encode(&mut buffer).context("a record that fits no frame")?);
-        let Cycle { elapsed_ns, homed, enable, reset, encoder_alarm, .. } = cycle;
+        let RecordedCycle { elapsed_ns, homed, enable, reset, encoder_alarm, .. } = cycle;
         let [homed, enable, reset] = [homed, enable, reset].map(u8::from);
         let (limited, fault) = (output.record.limited, u8::from(output.record.fault));
         writeln!(text, "{elapsed_ns},{homed},{enable},{reset},{encoder_alarm},{limited},{fault}")?;

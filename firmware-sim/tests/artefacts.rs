@@ -2,7 +2,7 @@
 
 use firmware_sim::calibration::{BALL_PLATE, Conditions, GAUGE_AND_SQUARE, MILL, run, three_axes};
 use std::path::Path;
-use trueaxis_evaluation::calibrate::{Document, Task};
+use trueaxis_evaluation::calibrate::{CalibrationDocument, Task};
 use trueaxis_sim::calibration::{Class, random_machine};
 use trueaxis_tables::Machine;
 
@@ -21,13 +21,13 @@ fn straight(task: &str) -> String {
     changes.into_iter().fold(task.to_owned(), |task, (from, to)| task.replace(from, to))
 }
 
-fn calibrated(task: &str, truth: &Machine, seed: u64, conditions: &Conditions) -> Document {
+fn calibrated(task: &str, truth: &Machine, seed: u64, conditions: &Conditions) -> CalibrationDocument {
     let done = run(task, truth, seed, conditions).unwrap();
     done.found.document(&Task::read(task, Path::new("task.toml")).unwrap(), truth)
 }
 
 /// Every identified term with its true value, µm, µrad or ppm.
-fn with_truth(truth: &Machine, found: &Document) -> Vec<(String, f64, f64)> {
+fn with_truth(truth: &Machine, found: &CalibrationDocument) -> Vec<(String, f64, f64)> {
     let location = &truth.settings.location;
     let squareness = [("C0Y_urad", location.c0y), ("B0Z_urad", location.b0z), ("A0Z_urad", location.a0z)];
     let known = |(key, value): (&str, f64)| Some((key.to_owned(), *found.location.get(key)?, 1e6 * value));

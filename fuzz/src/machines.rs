@@ -144,45 +144,6 @@ EA0C_urad = 18.0
 ];
 
 const GRINDER: Files = &[
-    (
-        "machine.toml",
-        r#"name = "grinder"
-chain = "w b Z X t"
-[axis.X]
-table = "x.csv"
-travel_mm = [-60.0, 60.0]
-[axis.Z]
-travel_mm = [-400.0, 400.0]
-[roundness]
-points = 1024
-probe_slots = [188, 667]
-harmonics = [2, 100]
-filter_upr = 50
-revolutions = 8
-units_per_cycle = 1
-stop_s = 0.5
-spindle_counts_per_revolution = 3600000
-spindle_index = true
-spindle_index_tolerance_counts = 100
-probe_gain_um = [1.0, 1.0, 1.0]
-probe_low = [-500.0, -500.0, -500.0]
-probe_high = [500.0, 500.0, 500.0]
-[roundness.arm]
-crank_mm = 45.0
-wheel_mm = 300.0
-pin_mm = 27.5
-counts_per_revolution = 3600000
-tolerance_deg = 0.2
-[roundness.infeed]
-axis = "X"
-direction = -1
-harmonics = [2, 50]
-gain = 0.25
-delay_revolutions = 2
-contact_deg = 180.0
-drive_delay_s = 0.0025
-limit_um = 20.0
-"#,
-    ),
+    ("machine.toml", include_str!("../../compensation-tables/grinder/machine.toml")),
     ("x.csv", "X_mm\tEXX_um\tEBX_urad\n-60\t-1.2\t-1.8\n0\t0\t0\n60\t2.5\t1\n"),
 ];

@@ -25,14 +25,14 @@ use trueaxis_recording::outputs::Wire;
 type Out = Output<f64, f64, 3>;
 
 #[inline(never)]
-fn counted_walk(cycle: &mut step::Cycle, output: &mut Out) {
+fn counted_walk(cycle: &mut step::RunningLoop, output: &mut Out) {
     cycle.servo.step_into(&mut cycle.state, &cycle.input, cycle.path.on(cycle.reference), (), output);
     // Callgrind must see the end of this function, not that of a tail call.
     black_box(output);
 }
 
 #[inline(never)]
-fn counted_adversarial(cycle: &mut adversarial::Cycle<'_, f64>, output: &mut Out) {
+fn counted_adversarial(cycle: &mut adversarial::AdversarialCycle<'_, f64>, output: &mut Out) {
     cycle.run(output);
     black_box(output);
 }

@@ -1,11 +1,11 @@
 //! Loops and states for every number of axes.
 
+use crate::Real;
 use crate::axes::AXES_MAX;
 use crate::cycle::{Input, Output};
 use crate::gauge_ride::Riding;
 use crate::plugin::{CorePosition, Servo, ServoState};
 use crate::result::{ERROR_AXES, ERROR_PERIOD, ERROR_STATE, ResultCode};
-use crate::{Real, opaque};
 use trueaxis::compensation::ThermalLine;
 use trueaxis::contour::Method;
 use trueaxis::machine::{Axis, GridData, ThermalGrowth};
@@ -38,18 +38,6 @@ pub struct Loop {
 #[derive(Debug)]
 pub struct State {
     words: [u64; STATE_WORDS],
-}
-
-// SAFETY: repr(C), one array of u64.
-unsafe impl opaque::Storage for Loop {
-    type Content = Built;
-    const MAGIC: u32 = 0x5452_0001;
-}
-
-// SAFETY: repr(C), one array of u64.
-unsafe impl opaque::Storage for State {
-    type Content = Running;
-    const MAGIC: u32 = 0x5452_0002;
 }
 
 /// Content of a [`Loop`].

@@ -1,6 +1,6 @@
 //! The last commands, used as the path.
 
-use crate::opaque::{self, Storage};
+use crate::opaque;
 use crate::plugin::Window;
 use crate::pointer::vector;
 use crate::result::{self, ERROR_ARGUMENT, ResultCode};
@@ -27,12 +27,6 @@ pub struct CommandWindow {
 pub(crate) struct Commands {
     pub(crate) step: WindowStep,
     pub(crate) commands: Window,
-}
-
-// SAFETY: repr(C), one array of u64.
-unsafe impl Storage for CommandWindow {
-    type Content = Commands;
-    const MAGIC: u32 = 0x5452_0007;
 }
 
 /// Starts an empty window.

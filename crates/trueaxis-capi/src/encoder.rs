@@ -1,7 +1,7 @@
 //! Incremental encoders: positions from counters that wrap.
 
 use crate::Position;
-use crate::opaque::{self, Storage};
+use crate::opaque;
 use crate::plugin::{CorePosition, from_core};
 use crate::pointer::check;
 use crate::result::{self, ERROR_ARGUMENT, ResultCode};
@@ -21,12 +21,6 @@ pub struct Encoder {
 pub(crate) struct Counted {
     scale: EncoderScale<CorePosition>,
     counter: WrappingCounter,
-}
-
-// SAFETY: repr(C), one array of u64.
-unsafe impl Storage for Encoder {
-    type Content = Counted;
-    const MAGIC: u32 = 0x5452_000e;
 }
 
 /// Starts an encoder: position = `offset` + counts · `resolution`, mm (rotary: degrees). The position continues where

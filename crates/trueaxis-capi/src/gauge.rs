@@ -3,7 +3,7 @@
 
 use crate::Real;
 use crate::error::{Error, explained};
-use crate::opaque::{self, Kept, Storage};
+use crate::opaque::{self, Filled};
 use crate::part::{GAUGE, need};
 use crate::pointer::slice;
 use crate::result::{self, ERROR_GAUGE, ResultCode};
@@ -48,24 +48,6 @@ pub struct GaugeState {
 #[derive(Debug)]
 pub struct GaugeState512 {
     words: [u64; GAUGE_STATE_512_WORDS],
-}
-
-// SAFETY: repr(C), one array of u64.
-unsafe impl Storage for Gauge {
-    type Content = BuiltGauge;
-    const MAGIC: u32 = 0x5452_0004;
-}
-
-// SAFETY: repr(C), one array of u64.
-unsafe impl Storage for GaugeState {
-    type Content = roundness::GaugeState<Real, 1024>;
-    const MAGIC: u32 = 0x5452_0005;
-}
-
-// SAFETY: repr(C), one array of u64.
-unsafe impl Storage for GaugeState512 {
-    type Content = roundness::GaugeState<Real, 512>;
-    const MAGIC: u32 = 0x5452_0006;
 }
 
 /// Runs the same code for both numbers of points.
@@ -202,12 +184,12 @@ pub unsafe extern "C" fn trueaxis_gauge_restart(
         // SAFETY: the caller's promise.
         match &unsafe { opaque::content(gauge) }?.points {
             AnyGauge::Points1024(gauge) => {
-                let place: *mut Kept<GaugeState> = opaque::place(gauge_state, state_size)?;
+                let place: *mut Filled<GaugeState> = opaque::place(gauge_state, state_size)?;
                 // SAFETY: storage of the size that the caller vouched for.
                 unsafe { opaque::fill(place, gauge.start()) };
             }
             AnyGauge::Points512(gauge) => {
-                let place: *mut Kept<GaugeState512> = opaque::place(gauge_state.cast(), state_size)?;
+                let place: *mut Filled<GaugeState512> = opaque::place(gauge_state.cast(), state_size)?;
                 // SAFETY: storage of the size that the caller vouched for.
                 unsafe { opaque::fill(place, gauge.start()) };
             }

@@ -4,7 +4,7 @@ use crate::Real;
 use crate::axes::AXES_MAX;
 use crate::built::Built;
 use crate::error::{Error, explained};
-use crate::opaque::{self, Storage};
+use crate::opaque;
 use crate::part::{TOOLPATH, need};
 use crate::pointer::{check, slice, vector};
 use crate::result::{self, ERROR_ARGUMENT, ERROR_MACHINE, ResultCode};
@@ -26,12 +26,6 @@ pub const KINEMATICS_WORDS: usize = 32;
 #[derive(Debug)]
 pub struct Kinematics {
     words: [u64; KINEMATICS_WORDS],
-}
-
-// SAFETY: repr(C), one array of u64.
-unsafe impl Storage for Kinematics {
-    type Content = Chain;
-    const MAGIC: u32 = 0x5452_0008;
 }
 
 /// Content of a [`Kinematics`].

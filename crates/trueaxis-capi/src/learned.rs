@@ -1,12 +1,12 @@
 //! A learned correction, and the id of the program that it belongs to.
 
+use crate::Position;
 use crate::error::{Error, explained};
-use crate::opaque::{self, Storage};
+use crate::opaque;
 use crate::part::{DYNAMIC, need};
 use crate::plugin::{CorePosition, from_core};
 use crate::pointer::{check, slice};
 use crate::result::{self, ERROR_ARGUMENT, ResultCode};
-use crate::{Position, Real};
 use trueaxis::Position as _;
 use trueaxis::learned::{self, ProgramId};
 
@@ -31,18 +31,6 @@ pub struct Program {
 #[derive(Debug)]
 pub struct Learned {
     words: [u64; LEARNED_WORDS],
-}
-
-// SAFETY: repr(C), one array of u64.
-unsafe impl Storage for Program {
-    type Content = ProgramId;
-    const MAGIC: u32 = 0x5452_000a;
-}
-
-// SAFETY: repr(C), one array of u64.
-unsafe impl Storage for Learned {
-    type Content = learned::Learned<'static, Real>;
-    const MAGIC: u32 = 0x5452_000b;
 }
 
 /// Starts computing the id of a program.

@@ -44,6 +44,7 @@ mod servo;
 mod spans;
 mod step;
 mod steps;
+mod storages;
 mod tables;
 mod text;
 mod thermal;
@@ -65,8 +66,6 @@ pub use gauge_ride::*;
 pub use kinematics::*;
 pub use learned::*;
 pub use measure::*;
-#[doc(hidden)]
-pub use opaque::storage_sizes;
 pub use path::*;
 pub use query::*;
 pub use result::*;
@@ -76,6 +75,8 @@ pub use segments::*;
 pub use servo::*;
 pub use spans::*;
 pub use step::*;
+#[doc(hidden)]
+pub use storages::storage_sizes;
 pub use tables::*;
 pub use thermal::*;
 pub use version::*;

@@ -10,7 +10,7 @@ use core::mem::{align_of, size_of};
 /// Storage of the header: `uint64_t words[]`.
 ///
 /// # Safety
-/// `#[repr(C)]`, one array of `u64`. The content fits: `Kept::<Self>::FITS` is evaluated where storage is filled.
+/// `#[repr(C)]`, one array of `u64`. The content fits: `Filled::<Self>::FITS` is evaluated where storage is filled.
 pub(crate) unsafe trait Storage {
     /// Content of the filled storage.
     type Content;
@@ -20,20 +20,20 @@ pub(crate) unsafe trait Storage {
 
 /// Layout of a filled [`Storage`].
 #[repr(C)]
-pub(crate) struct Kept<S: Storage> {
+pub(crate) struct Filled<S: Storage> {
     magic: u32,
     content: S::Content,
 }
 
-impl<S: Storage> Kept<S> {
+impl<S: Storage> Filled<S> {
     const FITS: () = assert!(size_of::<Self>() <= size_of::<S>() && align_of::<Self>() <= align_of::<S>());
     // A library of one precision refuses storage of the other; likewise storage of another major version.
     const WORD: u32 = S::MAGIC ^ crate::version::ABI_VERSION & 0xffff_0000;
 }
 
 /// Storage that can be filled; `size` is the size that the caller assumes.
-pub(crate) fn place<S: Storage>(storage: *mut S, size: usize) -> Result<*mut Kept<S>, ResultCode> {
-    const { Kept::<S>::FITS };
+pub(crate) fn place<S: Storage>(storage: *mut S, size: usize) -> Result<*mut Filled<S>, ResultCode> {
+    const { Filled::<S>::FITS };
     check(storage)?;
     if size == size_of::<S>() { Ok(storage.cast()) } else { Err(ERROR_SIZE) }
 }
@@ -42,10 +42,10 @@ pub(crate) fn place<S: Storage>(storage: *mut S, size: usize) -> Result<*mut Kep
 ///
 /// # Safety
 /// `place` comes from [`place`], and the caller vouched for storage of that size which nobody else uses now.
-pub(crate) unsafe fn fill<S: Storage>(place: *mut Kept<S>, content: S::Content) {
+pub(crate) unsafe fn fill<S: Storage>(place: *mut Filled<S>, content: S::Content) {
     // SAFETY: aligned and large enough (`place`), writable by the caller's promise. Nothing in it needs to be dropped:
     // contents are `Copy` or hold no resources.
-    unsafe { place.write(Kept { magic: Kept::<S>::WORD, content }) }
+    unsafe { place.write(Filled { magic: Filled::<S>::WORD, content }) }
 }
 
 /// Fills storage in place, with a content that is too large to be moved there.
@@ -53,13 +53,13 @@ pub(crate) unsafe fn fill<S: Storage>(place: *mut Kept<S>, content: S::Content) 
 /// # Safety
 /// As for [`fill`]; `build` writes the whole content, or fails and writes nothing.
 pub(crate) unsafe fn fill_with<S: Storage, E>(
-    place: *mut Kept<S>,
+    place: *mut Filled<S>,
     build: impl FnOnce(*mut S::Content) -> Result<(), E>,
 ) -> Result<(), E> {
     // SAFETY: aligned and large enough (`place`), writable by the caller's promise.
     unsafe {
         build(&raw mut (*place).content)?;
-        (&raw mut (*place).magic).write(Kept::<S>::WORD);
+        (&raw mut (*place).magic).write(Filled::<S>::WORD);
     }
     Ok(())
 }
@@ -72,13 +72,13 @@ pub(crate) unsafe fn fill_with<S: Storage, E>(
 #[inline(always)]
 pub(crate) unsafe fn content<'a, S: Storage>(storage: *const S) -> Result<&'a S::Content, ResultCode> {
     check(storage)?;
-    let kept = storage.cast::<Kept<S>>();
+    let filled = storage.cast::<Filled<S>>();
     // SAFETY: not null, aligned, readable; a plain word.
-    if unsafe { (&raw const (*kept).magic).read() } != Kept::<S>::WORD {
+    if unsafe { (&raw const (*filled).magic).read() } != Filled::<S>::WORD {
         return Err(ERROR_UNBUILT);
     }
     // SAFETY: with the magic word in front, this is what `fill` or `fill_with` wrote.
-    Ok(unsafe { &(*kept).content })
+    Ok(unsafe { &(*filled).content })
 }
 
 /// Mutable content of filled storage.
@@ -88,38 +88,16 @@ pub(crate) unsafe fn content<'a, S: Storage>(storage: *const S) -> Result<&'a S:
 #[inline(always)]
 pub(crate) unsafe fn content_mut<'a, S: Storage>(storage: *mut S) -> Result<&'a mut S::Content, ResultCode> {
     check(storage)?;
-    let kept = storage.cast::<Kept<S>>();
+    let filled = storage.cast::<Filled<S>>();
     // SAFETY: not null, aligned, readable; a plain word.
-    if unsafe { (&raw const (*kept).magic).read() } != Kept::<S>::WORD {
+    if unsafe { (&raw const (*filled).magic).read() } != Filled::<S>::WORD {
         return Err(ERROR_UNBUILT);
     }
     // SAFETY: with the magic word in front, this is what `fill` or `fill_with` wrote, and ours alone for now.
-    Ok(unsafe { &mut (*kept).content })
+    Ok(unsafe { &mut (*filled).content })
 }
 
-/// Name, bytes needed and bytes given of every storage, for the test of the sizes in the header.
-pub fn storage_sizes() -> [(&'static str, usize, usize); 14] {
-    use crate::{
-        BranchTracker, CommandWindow, Encoder, Gauge, GaugeState, GaugeState512, Kinematics, Learned, Loop, Path,
-        Program, State, Thermal, ThermalTask,
-    };
-    const fn sizes<S: Storage>(name: &str) -> (&str, usize, usize) {
-        (name, size_of::<Kept<S>>(), size_of::<S>())
-    }
-    [
-        sizes::<Loop>("loop"),
-        sizes::<State>("state"),
-        sizes::<Path>("path"),
-        sizes::<CommandWindow>("command window"),
-        sizes::<Gauge>("gauge"),
-        sizes::<GaugeState>("gauge state"),
-        sizes::<GaugeState512>("gauge state 512"),
-        sizes::<Kinematics>("kinematics"),
-        sizes::<BranchTracker>("branch tracker"),
-        sizes::<Encoder>("encoder"),
-        sizes::<Learned>("learned"),
-        sizes::<Program>("program"),
-        sizes::<Thermal>("thermal"),
-        sizes::<ThermalTask>("thermal task"),
-    ]
+/// Bytes that the content of a storage needs, and bytes that the header gives.
+pub(crate) const fn sizes<S: Storage>() -> (usize, usize) {
+    (size_of::<Filled<S>>(), size_of::<S>())
 }

@@ -1,7 +1,7 @@
 //! The programmed path, in memory that the caller lends. Its segments are appended in [`crate::segments`].
 
 use crate::contour::Reference;
-use crate::opaque::{self, Storage};
+use crate::opaque;
 use crate::part::{TOOLPATH, need};
 use crate::pointer::{apart, check, memory, vector};
 use crate::result::{self, ERROR_ARGUMENT, ResultCode};
@@ -16,12 +16,6 @@ pub const PATH_WORDS: usize = 28;
 #[derive(Debug)]
 pub struct Path {
     words: [u64; PATH_WORDS],
-}
-
-// SAFETY: repr(C), one array of u64.
-unsafe impl Storage for Path {
-    type Content = Spans;
-    const MAGIC: u32 = 0x5452_0003;
 }
 
 /// Starts an empty path.

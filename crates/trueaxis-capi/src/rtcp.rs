@@ -5,7 +5,7 @@ use crate::built::{Loop, State, with_servo};
 use crate::cycle::Input;
 use crate::error::{Error, Refusal, explained};
 use crate::kinematics::{Kinematics, Tool};
-use crate::opaque::{self, Storage};
+use crate::opaque;
 use crate::part::{TOOLPATH, need};
 use crate::pointer::check;
 use crate::result::{self, ERROR_ARGUMENT, ERROR_STATE, ResultCode};
@@ -23,12 +23,6 @@ pub const BRANCH_TRACKER_WORDS: usize = 10;
 #[derive(Debug)]
 pub struct BranchTracker {
     words: [u64; BRANCH_TRACKER_WORDS],
-}
-
-// SAFETY: repr(C), one array of u64.
-unsafe impl Storage for BranchTracker {
-    type Content = kinematics::BranchTracker<Real>;
-    const MAGIC: u32 = 0x5452_0009;
 }
 
 /// Starts tracking at the machine's present pose.

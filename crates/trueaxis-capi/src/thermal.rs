@@ -2,7 +2,7 @@
 
 use crate::built::{Loop, State, with_servo};
 use crate::error::{Error, explained};
-use crate::opaque::{self, Storage};
+use crate::opaque;
 use crate::part::{GROWTH, need};
 use crate::pointer::{Sized32, check_sized, read_sized, slice};
 use crate::result::{self, ERROR_ARGUMENT, ERROR_AXES, ResultCode};
@@ -44,18 +44,6 @@ pub struct Thermal {
 #[derive(Debug)]
 pub struct ThermalTask {
     words: [u64; THERMAL_STATE_WORDS],
-}
-
-// SAFETY: repr(C), one array of u64.
-unsafe impl Storage for Thermal {
-    type Content = temperature::Thermal<'static>;
-    const MAGIC: u32 = 0x5452_000c;
-}
-
-// SAFETY: repr(C), one array of u64.
-unsafe impl Storage for ThermalTask {
-    type Content = ThermalState;
-    const MAGIC: u32 = 0x5452_000d;
 }
 
 /// Readings for one update.

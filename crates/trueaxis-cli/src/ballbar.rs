@@ -8,7 +8,7 @@ use clap::Args;
 use std::fmt::Write;
 use std::path::PathBuf;
 use trueaxis::Axis;
-use trueaxis_evaluation::ballbar::{Document, Options, Test, Ways, values};
+use trueaxis_evaluation::ballbar::{BallbarDocument, Options, Test, Ways, values};
 use trueaxis_evaluation::friction::pair;
 use trueaxis_report::number::significant;
 use trueaxis_tables::output::Outputs;
@@ -57,7 +57,7 @@ More examples:
 #[derive(Args)]
 #[command(group(clap::ArgGroup::new("decided").args(["dry_run", "force"]).multiple(true).requires("machine")))]
 #[command(group(clap::ArgGroup::new("into").args(["output", "dry_run"]).multiple(true)))]
-pub(crate) struct Arguments {
+pub(crate) struct BallbarArgs {
     /// Recorded circles.
     #[arg(value_name = "RECORD")]
     record: PathBuf,
@@ -95,7 +95,7 @@ pub(crate) struct Arguments {
     report: Option<PathBuf>,
 }
 
-pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+pub(crate) fn run(arguments: &BallbarArgs) -> Result<()> {
     let into = arguments.writing.output(arguments.output.as_deref());
     let _alone = into.map(machine_folder::alone).transpose()?;
     let pitches_mm = [arguments.pitch_x_mm, arguments.pitch_y_mm, arguments.pitch_z_mm];
@@ -123,7 +123,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     if arguments.json { done.json(&document) } else { print(&table(&document)?) }
 }
 
-fn table(d: &Document) -> Result<String> {
+fn table(d: &BallbarDocument) -> Result<String> {
     let mut text = format!("{} readings, plane {}, radius {} mm; ISO 230-4\n\n", d.readings, d.plane, d.radius_mm);
     let um = |value: Option<f64>| value.map_or_else(|| "–".into(), |um| significant(um, 4));
     writeln!(text, "G(b) {} µm   H {} µm", um(d.g_b_um), um(d.h_um))?;

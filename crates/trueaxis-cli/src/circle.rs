@@ -7,7 +7,7 @@ use anyhow::Result;
 use clap::Args;
 use std::fmt::Write;
 use std::path::PathBuf;
-use trueaxis_evaluation::circle::{COLUMNS, Document, Evaluation};
+use trueaxis_evaluation::circle::{COLUMNS, CircleDocument, Evaluation};
 use trueaxis_report::number::significant;
 use trueaxis_tables::output::Outputs;
 
@@ -31,7 +31,7 @@ points that determine them are given: in the table by their line in the file, in
 An inscribed circle needs points all round. On a part arc it is null, with the reason in \"refused\".";
 
 #[derive(Args)]
-pub(crate) struct Arguments {
+pub(crate) struct CircleArgs {
     /// Points on a nominally round section.
     #[arg(value_name = "POINTS.csv")]
     points: PathBuf,
@@ -43,7 +43,7 @@ pub(crate) struct Arguments {
     report: Option<PathBuf>,
 }
 
-pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+pub(crate) fn run(arguments: &CircleArgs) -> Result<()> {
     let mut rows = csv_in::open(&arguments.points, &COLUMNS, "points")?;
     let found = Evaluation::read(&mut rows)?;
     if let Some(directory) = &arguments.report {
@@ -56,7 +56,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     if arguments.json { json(&document) } else { print(&table(&document, &found)?) }
 }
 
-fn table(document: &Document, found: &Evaluation) -> Result<String> {
+fn table(document: &CircleDocument, found: &Evaluation) -> Result<String> {
     let mut text = format!("{} points", document.points);
     if let Some(plane) = &document.plane {
         let [x, y, z] = plane.normal.map(|at| format!("{:.6}", at + 0.0));

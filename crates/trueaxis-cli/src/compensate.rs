@@ -49,7 +49,7 @@ pub(crate) enum Model {
 }
 
 #[derive(Args)]
-pub(crate) struct Arguments {
+pub(crate) struct CompensateArgs {
     /// machine.toml, its folder, or a compiled .tcomp.
     #[arg(value_name = "M")]
     machine: PathBuf,
@@ -79,7 +79,7 @@ pub(crate) struct Arguments {
     output: Option<PathBuf>,
 }
 
-pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+pub(crate) fn run(arguments: &CompensateArgs) -> Result<()> {
     let mut machine = model::machine(&arguments.machine)?;
     if !machine.states_errors() {
         report_line(format_args!("note: {}", Warning::NoErrorsStated));
@@ -157,7 +157,7 @@ struct Written<'p> {
 }
 
 impl Written<'_> {
-    fn header(&mut self, arguments: &Arguments, machine: &Machine, positions: &Rows<6>) -> Result<()> {
+    fn header(&mut self, arguments: &CompensateArgs, machine: &Machine, positions: &Rows<6>) -> Result<()> {
         self.out.put(format_args!("{},ex_um,ey_um,ez_um,cx_mm,cy_mm,cz_mm", positions.header.join(",")))?;
         if arguments.orientation {
             self.out.put(format_args!(",ea_urad,eb_urad,ec_urad"))?;
@@ -171,7 +171,7 @@ impl Written<'_> {
 
     fn row(
         &mut self,
-        arguments: &Arguments,
+        arguments: &CompensateArgs,
         positions: &Rows<6>,
         error: &PoseError,
         corrected: &[f64; AXES],

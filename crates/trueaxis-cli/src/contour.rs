@@ -41,7 +41,7 @@ enum Refinement {
 }
 
 #[derive(Args)]
-pub(crate) struct Arguments {
+pub(crate) struct ContourArgs {
     /// The programmed path.
     #[arg(value_name = "PATH.json")]
     path: PathBuf,
@@ -67,7 +67,7 @@ const COLUMNS: [Column; 5] = [
     Column { name: "z_mm", needed: true },
 ];
 
-pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+pub(crate) fn run(arguments: &ContourArgs) -> Result<()> {
     let text = read_text(&arguments.path, &[])?;
     let path = PathFile::read(&text, &arguments.path)?.cut(&mut |note| report_line(format_args!("note: {note}")))?;
     let mut actual = csv_in::open(&arguments.actual, &COLUMNS, "positions")?;

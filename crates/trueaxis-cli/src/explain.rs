@@ -24,7 +24,7 @@ Without a code, all codes of the kind are listed; without a kind, all kinds. For
 that is needed, run `trueaxis tables check` on the machine from which the file was compiled.";
 
 #[derive(Args)]
-pub(crate) struct Arguments {
+pub(crate) struct ExplainArgs {
     /// Kind of the code.
     kind: Option<Kind>,
     /// The code; a setting's may begin with #, as the library writes it.
@@ -211,7 +211,7 @@ fn setting(field: Field, axis: Option<Axis>) -> String {
     }
 }
 
-pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+pub(crate) fn run(arguments: &ExplainArgs) -> Result<()> {
     let Some(kind) = arguments.kind else {
         let mut text = String::new();
         for kind in Kind::value_variants() {
@@ -247,7 +247,7 @@ fn list(text: &mut String, kind: Kind) -> Result<()> {
 }
 
 /// A setting, with its value in the unit of its key.
-fn found(field: Field, arguments: &Arguments) -> Result<String> {
+fn found(field: Field, arguments: &ExplainArgs) -> Result<String> {
     let axis = match arguments.axis {
         None => None,
         Some(letter) => match Axis::from_letter(letter) {

@@ -48,7 +48,7 @@ pub(crate) enum Command {
     Forward(Common),
     /// Convert the tool in workpiece coordinates to axis positions.
     #[command(before_help = INVERSE, after_help = HELP)]
-    Inverse(inverse::Arguments),
+    Inverse(inverse::InverseArgs),
 }
 
 pub(crate) fn run(command: Command) -> Result<()> {

@@ -92,25 +92,25 @@ enum Command {
     Tables(tables::Command),
     /// Compute the error and the corrected command at each position.
     #[command(before_help = compensate::EXAMPLE, after_help = compensate::HELP)]
-    Compensate(compensate::Arguments),
+    Compensate(compensate::CompensateArgs),
     /// Show the error, its sources and the correction at one position.
     #[command(before_help = correct::EXAMPLE, after_help = correct::HELP)]
-    Correct(correct::Arguments),
+    Correct(correct::CorrectArgs),
     /// Compute the contour error of measured positions against a path.
     #[command(before_help = contour::EXAMPLE, after_help = contour::HELP)]
-    Contour(contour::Arguments),
+    Contour(contour::ContourArgs),
     /// Evaluate roundness and spindle error from the readings of three probes.
     #[command(before_help = roundness::EXAMPLE, after_help = roundness::HELP)]
-    Roundness(roundness::Arguments),
+    Roundness(roundness::RoundnessArgs),
     /// Find the best angles of three probes, or the noise gain of a given pair.
     #[command(before_help = probe_angles::EXAMPLE, after_help = probe_angles::HELP)]
-    ProbeAngles(probe_angles::Arguments),
+    ProbeAngles(probe_angles::ProbeAnglesArgs),
     /// Fit the least-squares, minimum zone, maximum inscribed and minimum circumscribed circle to points.
     #[command(before_help = circle::EXAMPLE, after_help = circle::HELP)]
-    Circle(circle::Arguments),
+    Circle(circle::CircleArgs),
     /// Evaluate a circular test after ISO 230-4 and find the causes of its deviation.
     #[command(before_help = ballbar::EXAMPLE, after_help = ballbar::HELP)]
-    Ballbar(ballbar::Arguments),
+    Ballbar(ballbar::BallbarArgs),
     /// Evaluate records of tests with instruments, after ISO 230 and ISO 10791.
     #[command(subcommand, before_help = evaluate::EXAMPLE)]
     Evaluate(evaluate::Command),
@@ -125,31 +125,31 @@ enum Command {
     Kinematics(kinematics::Command),
     /// Compute displacements of five axes that keep a tool normal to the flank of a helical gear, as CSV and as a program.
     #[command(before_help = helicoid::EXAMPLE, after_help = helicoid::HELP)]
-    Helicoid(Box<helicoid::Arguments>),
+    Helicoid(Box<helicoid::HelicoidArgs>),
     /// Identify the six errors of a rotary axis from a ball measured under RTCP.
     #[command(before_help = identify::EXAMPLE, after_help = identify::HELP)]
-    Identify(identify::Arguments),
+    Identify(identify::IdentifyArgs),
     /// Identify the friction of two axes, and their drives' figures, from recorded circles.
     #[command(before_help = friction::EXAMPLE, after_help = friction::HELP)]
-    Friction(friction::Arguments),
+    Friction(friction::FrictionArgs),
     /// Learn a correction over path length for the next part of a program from the contour error of the last one.
     #[command(before_help = learn::EXAMPLE, after_help = learn::HELP)]
-    Learn(learn::Arguments),
+    Learn(learn::LearnArgs),
     /// Fit thermal growth to a recorded warm-up, and compile it for the controller.
     #[command(subcommand, before_help = thermal::EXAMPLE)]
     Thermal(thermal::Command),
     /// Compute the uncertainty of the corrected position from the uncertainties of the machine's figures.
     #[command(before_help = uncertainty::EXAMPLE, after_help = uncertainty::HELP)]
-    Uncertainty(uncertainty::Arguments),
+    Uncertainty(uncertainty::UncertaintyArgs),
     /// Convert a controller's telemetry to a table, Parquet or CSV.
     #[command(before_help = telemetry::EXAMPLE, after_help = telemetry::HELP)]
-    Telemetry(telemetry::Arguments),
+    Telemetry(telemetry::TelemetryArgs),
     /// Explain a code that a controller or the C library reports.
     #[command(before_help = explain::EXAMPLE, after_help = explain::HELP)]
-    Explain(explain::Arguments),
+    Explain(explain::ExplainArgs),
     /// Serve the desk, a page that runs the code of these commands in a browser.
     #[command(before_help = desk::EXAMPLE, after_help = desk::HELP)]
-    Desk(desk::Arguments),
+    Desk(desk::DeskArgs),
 }
 
 fn main() -> ExitCode {

@@ -1,11 +1,11 @@
 //! `trueaxis probe-angles`.
 
 use crate::output::{json, print, progress};
-use crate::probes::ProbeArguments;
+use crate::probes::ProbeArgs;
 use anyhow::Result;
 use clap::Args;
 use std::fmt::Write;
-use trueaxis_evaluation::probe_angles::{Document, Pair, Request, USUAL_COUNT};
+use trueaxis_evaluation::probe_angles::{Pair, ProbeAnglesDocument, Request, USUAL_COUNT};
 
 pub(crate) const EXAMPLE: &str = "\
 Example:
@@ -25,9 +25,9 @@ Pairs for N = 1024 and harmonics 2..100:
 The best pair has 11 equivalents.";
 
 #[derive(Args)]
-pub(crate) struct Arguments {
+pub(crate) struct ProbeAnglesArgs {
     #[command(flatten)]
-    probes: ProbeArguments,
+    probes: ProbeArgs,
     /// Number of best pairs to list.
     #[arg(long, value_name = "COUNT", default_value_t = USUAL_COUNT)]
     count: usize,
@@ -36,7 +36,7 @@ pub(crate) struct Arguments {
     json: bool,
 }
 
-pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+pub(crate) fn run(arguments: &ProbeAnglesArgs) -> Result<()> {
     let request = Request { probes: arguments.probes.asked(), count: arguments.count };
     let search = request.search()?;
     let bar = progress(search.steps() as u64, "arrangements of probes");
@@ -46,7 +46,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     if arguments.json { json(&document) } else { print(&table(&document)?) }
 }
 
-fn table(document: &Document) -> Result<String> {
+fn table(document: &ProbeAnglesDocument) -> Result<String> {
     let [first, last] = document.harmonics;
     let mut text = format!("N = {}, harmonics {first} to {last}\n\n", document.n);
     writeln!(

@@ -4,7 +4,7 @@ use clap::Args;
 use trueaxis_evaluation::probes::Probes;
 
 #[derive(Args)]
-pub(crate) struct ProbeArguments {
+pub(crate) struct ProbeArgs {
     /// Points of a revolution N, a power of two from 64 to 4096.
     #[arg(long, value_name = "N", help_heading = "Probes")]
     n: usize,
@@ -56,10 +56,10 @@ fn band(text: &str) -> Result<Ends, String> {
     }
 }
 
-impl ProbeArguments {
+impl ProbeArgs {
     /// The arguments in the form of the evaluation.
     pub(crate) fn asked(&self) -> Probes {
-        let ProbeArguments { n, harmonics, p, q, phi2_deg, phi3_deg } = *self;
+        let ProbeArgs { n, harmonics, p, q, phi2_deg, phi3_deg } = *self;
         Probes { n, harmonics, p, q, phi2_deg, phi3_deg }
     }
 }

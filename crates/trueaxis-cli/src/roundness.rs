@@ -3,7 +3,7 @@
 use crate::csv_in;
 use crate::numbers::triple;
 use crate::output::{Writer, json, progress, report_line};
-use crate::probes::ProbeArguments;
+use crate::probes::ProbeArgs;
 use crate::report;
 use anyhow::Result;
 use clap::Args;
@@ -37,12 +37,12 @@ With N = 1024 and harmonics 2..100 the published angles (90°, 181.05° and 60.8
 in the worst harmonic, the slots p 188, q 667 (66.094°, 234.492°) 3.1 times: see `trueaxis probe-angles --help`.";
 
 #[derive(Args)]
-pub(crate) struct Arguments {
+pub(crate) struct RoundnessArgs {
     /// Readings of the three probes, µm.
     #[arg(value_name = "PROBES.csv")]
     readings: PathBuf,
     #[command(flatten)]
-    probes: ProbeArguments,
+    probes: ProbeArgs,
     /// Crank throw, wheel radius and pin radius, mm, of an arm that follows the pin [default: a fixed arm].
     #[arg(long, value_name = "R,RS,RW", value_parser = arm, allow_hyphen_values = true, help_heading = "Probes")]
     arm: Option<Lengths>,
@@ -70,7 +70,7 @@ fn arm(text: &str) -> Result<Lengths, String> {
     triple(text).map_err(|_| "needed three lengths R,RS,RW in mm, as in 60,300,30".to_owned())
 }
 
-pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+pub(crate) fn run(arguments: &RoundnessArgs) -> Result<()> {
     let plan = arguments.asked().plan()?;
     let mut rows = csv_in::open(&arguments.readings, &COLUMNS, "readings")?;
     let readings = plan.read(&mut rows)?;
@@ -101,9 +101,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     }
 }
 
-impl Arguments {
+impl RoundnessArgs {
     fn asked(&self) -> Request {
-        let Arguments { arm, upr, noise_gain_limit, .. } = *self;
+        let RoundnessArgs { arm, upr, noise_gain_limit, .. } = *self;
         Request { probes: self.probes.asked(), arm, upr, noise_gain_limit }
     }
 }

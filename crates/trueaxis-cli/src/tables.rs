@@ -85,7 +85,7 @@ pub(crate) enum Command {
     },
     /// Find the best nine tables of a machine with angular errors, and the error that they leave.
     #[command(before_help = collapse::EXAMPLE, after_help = collapse::HELP)]
-    Collapse(collapse::Arguments),
+    Collapse(collapse::CollapseArgs),
     /// Read another control's compensation file into machine.toml and axis tables.
     #[command(before_help = IMPORT, after_help = convert::FORMATS)]
     Import {

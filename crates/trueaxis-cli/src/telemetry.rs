@@ -41,7 +41,7 @@ More examples:
   duckdb -c \"select max(abs(tip_error_mm)) from 'night.parquet' where fault = 0\"";
 
 #[derive(Args)]
-pub(crate) struct Arguments {
+pub(crate) struct TelemetryArgs {
     /// Telemetry as it was received.
     #[arg(value_name = "FRAMES", required = true)]
     frames: Vec<PathBuf>,
@@ -56,7 +56,7 @@ pub(crate) struct Arguments {
     revolutions: Option<PathBuf>,
 }
 
-pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+pub(crate) fn run(arguments: &TelemetryArgs) -> Result<()> {
     let mut outputs = Outputs::of(&arguments.frames);
     let written = [Some(&arguments.output), arguments.revolutions.as_ref()];
     written.into_iter().flatten().try_for_each(|file| outputs.refuse_input(file))?;

@@ -10,7 +10,7 @@ use anyhow::Result;
 use clap::Args;
 use std::fmt::Write;
 use std::path::PathBuf;
-use trueaxis_evaluation::uncertainty::{AtPoint, Document, Options, Spread, evaluate};
+use trueaxis_evaluation::uncertainty::{AtPoint, Options, Spread, UncertaintyDocument, evaluate};
 use trueaxis_report::number::significant;
 use trueaxis_tables::output::Outputs;
 use trueaxis_tables::uncertainty::Uncertainties;
@@ -39,7 +39,7 @@ All axes travel in negative direction, where lost motion counts. The angular err
 included: see `trueaxis tables collapse`.";
 
 #[derive(Args)]
-pub(crate) struct Arguments {
+pub(crate) struct UncertaintyArgs {
     /// machine.toml or its folder.
     #[arg(value_name = "M")]
     machine: PathBuf,
@@ -84,7 +84,7 @@ pub(crate) struct Arguments {
     report: Option<PathBuf>,
 }
 
-pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+pub(crate) fn run(arguments: &UncertaintyArgs) -> Result<()> {
     let machine = model::source(&arguments.machine)?;
     let stated = Uncertainties::read(&arguments.machine)?;
     let options = Options {
@@ -105,7 +105,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     if arguments.json { json(&document) } else { print(&table(&document)?) }
 }
 
-fn table(d: &Document) -> Result<String, std::fmt::Error> {
+fn table(d: &UncertaintyDocument) -> Result<String, std::fmt::Error> {
     let mut text = format!("{}: uncertainty of the corrected position, {} %\n", d.machine, d.confidence_percent);
     let volume: Vec<String> =
         d.volume_mm.iter().map(|(letter, ends)| format!("{letter} {} … {}", ends[0], ends[1])).collect();

@@ -565,7 +565,7 @@ fn help_examples_can_be_copied_from_a_narrow_terminal() {
         (file, block("  # Once"))
     };
     let (file, commands) = shown("keep");
-    let keep = trueaxis_evaluation::keep::Keep::read(&file, Path::new("keep.toml")).unwrap();
+    let keep = trueaxis_evaluation::keep::KeepTask::read(&file, Path::new("keep.toml")).unwrap();
     assert_eq!((keep.every_parts, keep.terms.len()), (10, 2));
     let is_one = |line: &str| line.starts_with("  # ") || line.starts_with("  trueaxis keep ");
     assert!(commands.lines().count() == 7 && commands.lines().all(is_one), "{commands}");

@@ -19,7 +19,7 @@ use trueaxis_tables::uncertainty::Uncertainties;
 
 /// Figures of a measured axis.
 #[derive(Clone, Debug, Serialize)]
-pub struct Document {
+pub struct AccuracyDocument {
     /// As measured.
     pub measured: Accuracy,
     /// After subtracting the corrections of a machine's tables.
@@ -102,7 +102,11 @@ pub fn read(text: &str, file: &Path, axis: Option<Axis>, note: &mut dyn FnMut(St
 ///
 /// # Errors
 /// A single run; a machine without a table of that axis.
-pub fn evaluate(measurement: &Measurement, file: &Path, machine: Option<(&Machine, &Path)>) -> Result<Document> {
+pub fn evaluate(
+    measurement: &Measurement,
+    file: &Path,
+    machine: Option<(&Machine, &Path)>,
+) -> Result<AccuracyDocument> {
     let measured = as_measured(measurement).map_err(|error| anyhow!("{}: {error}", file.display()))?;
     let compensated = match machine {
         None => None,
@@ -116,7 +120,7 @@ pub fn evaluate(measurement: &Measurement, file: &Path, machine: Option<(&Machin
             Some(by_axes!(tables.settings.step_axes().count(), after(&tables, measurement))?)
         }
     };
-    Ok(Document { measured, compensated, uncertainty: None, verdict: None })
+    Ok(AccuracyDocument { measured, compensated, uncertainty: None, verdict: None })
 }
 
 /// The deviations minus the error that the machine's own look-up gives for the axis alone, in the direction of approach.

@@ -150,7 +150,7 @@ mod tests {
             }
             assert!(compared > 5, "{name}: errors to be compared");
         }
-        fn one<const N: usize>(machine: &Machine, asked: &Asked) -> correct::Found {
+        fn one<const N: usize>(machine: &Machine, asked: &Asked) -> correct::CorrectionAt {
             correct::at::<N>(machine, asked).unwrap()
         }
     }

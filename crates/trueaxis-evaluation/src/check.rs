@@ -58,7 +58,7 @@ pub fn findings(machine: &Machine, tables: &Tcomp<'_>, rate_hz: f64) -> Findings
 
 /// [`Findings`] in serialised form.
 #[derive(Clone, Debug, Serialize)]
-pub struct Document {
+pub struct CheckDocument {
     /// Always true: a machine with an error is refused.
     pub ok: bool,
     /// Doubtful settings, a sentence each.
@@ -71,9 +71,9 @@ pub struct Document {
     pub summary: Summary,
 }
 
-impl From<Findings> for Document {
-    fn from(found: Findings) -> Document {
-        Document {
+impl From<Findings> for CheckDocument {
+    fn from(found: Findings) -> CheckDocument {
+        CheckDocument {
             ok: true,
             warnings: found.warnings.iter().map(ToString::to_string).collect(),
             lost_motion: found.lost_motion.iter().map(Lost::from).collect(),

@@ -48,7 +48,7 @@ pub fn position(found: &[f64], machine: &Machine) -> Result<[f64; AXES], String>
 /// Error and correction at a position. Lists are in the order X, Y, Z, A, B, C.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
-pub struct Found {
+pub struct CorrectionAt {
     /// Axes of the step.
     pub axes: Vec<Axis>,
     /// Commanded position, mm and degrees.
@@ -73,14 +73,14 @@ pub struct Found {
 ///
 /// # Errors
 /// More or fewer axes than `N`; anything that the model refuses.
-pub fn at<const N: usize>(machine: &Machine, asked: &Asked) -> Result<Found> {
+pub fn at<const N: usize>(machine: &Machine, asked: &Asked) -> Result<CorrectionAt> {
     let axes = AxisOrder::<N>::of(&machine.settings).map_err(|error| anyhow!("{error}"))?.axes();
     let (whole, correction, clamped) = look_up(machine, &axes, asked, passes(machine, None)?)?;
     let error = |without: &Machine| Ok(look_up(without, &axes, asked, 1)?.0.tip.into());
     let (found, rest) = shares(machine, Source::axes(machine), whole.tip.into(), error)?;
     let mut contributions: Vec<_> = found.into_iter().map(|(source, share)| (source.name(), share)).collect();
     contributions.push((String::from("location errors"), rest));
-    let mut found = Found {
+    let mut found = CorrectionAt {
         at: asked.at,
         tip: whole.tip.into(),
         orientation: (N > 3 && machine.settings.compensation.model == ErrorModel::Volumetric)

@@ -10,7 +10,7 @@ const MOST_DEG: f64 = 1e6;
 
 /// Result for a row.
 #[derive(Clone, Copy, Debug)]
-pub struct Found {
+pub struct Poses {
     /// The chosen pose.
     pub chosen: Solution<f64>,
     /// Both poses; `None` if a step limit fixes the branch.
@@ -61,9 +61,9 @@ impl Walk {
     ///
     /// # Errors
     /// As [`Kinematics::inverse`], [`Kinematics::solutions`], [`Solutions::choose`] and [`BranchTracker::next`].
-    pub fn next(&mut self, kinematics: &Kinematics<f64>, tool: &Tool<f64>) -> Result<Found, InverseError> {
+    pub fn next(&mut self, kinematics: &Kinematics<f64>, tool: &Tool<f64>) -> Result<Poses, InverseError> {
         if let Some(tracker) = &mut self.tracker {
-            return Ok(Found { chosen: tracker.next(kinematics, tool)?, both: None });
+            return Ok(Poses { chosen: tracker.next(kinematics, tool)?, both: None });
         }
         let both = kinematics.solutions(tool, &self.near)?;
         // In the singular cone, `inverse` commits to neither branch before it must.
@@ -73,6 +73,6 @@ impl Walk {
         };
         self.near = chosen.axes;
         self.tracker = self.max_step_deg.map(|step| BranchTracker::new(&chosen, step));
-        Ok(Found { chosen, both: Some(both) })
+        Ok(Poses { chosen, both: Some(both) })
     }
 }

@@ -24,7 +24,7 @@ pub const MOST_SPANS: u64 = 1_000_000;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Document {
+struct PathText {
     segments: Vec<SegmentFile>,
 }
 
@@ -99,7 +99,7 @@ impl<'t> PathFile<'t> {
     /// # Errors
     /// With line and segment: malformed text, a segment that is not a path, more than [`MOST_SPANS`].
     pub fn read(text: &'t str, file: &'t FilePath) -> Result<Self> {
-        let Document { segments } = serde_json::from_str(text).map_err(|e| {
+        let PathText { segments } = serde_json::from_str(text).map_err(|e| {
             anyhow!("{}:{}: column {}: {}", file.display(), e.line(), e.column(), one_line(&e.to_string(), LONGEST))
         })?;
         if segments.is_empty() {

@@ -29,7 +29,7 @@ fn usual_count() -> usize {
 
 /// The JSON document.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Document {
+pub struct ProbeAnglesDocument {
     /// Points per revolution N.
     pub n: usize,
     /// First and last harmonic.
@@ -144,7 +144,7 @@ impl Search {
     ///
     /// # Errors
     /// As [`Search::finish`].
-    pub fn run(mut self, done: impl Fn() + Sync) -> Result<Document> {
+    pub fn run(mut self, done: impl Fn() + Sync) -> Result<ProbeAnglesDocument> {
         let (pairs, bound) = (&self.pairs, &self.bound);
         self.found = pairs
             .smallest_arcs()
@@ -171,7 +171,7 @@ impl Search {
     ///
     /// # Errors
     /// A found pair that does not resolve.
-    pub fn finish(self) -> Result<Document> {
+    pub fn finish(self) -> Result<ProbeAnglesDocument> {
         let (points, band) = (self.points, self.band);
         let pair = |pair: trueaxis_metrology::pair_search::SlotPair| {
             let gain = ProbeAngles::Slots { p: pair.p, q: pair.q }.resolve(points)?;
@@ -187,7 +187,7 @@ impl Search {
                 singular: singular(&gain),
             }
         });
-        Ok(Document { n: points, harmonics: [band.first, band.last], best, pair })
+        Ok(ProbeAnglesDocument { n: points, harmonics: [band.first, band.last], best, pair })
     }
 }
 

@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::path::Path;
 use trueaxis::Axis;
 use trueaxis::machine::AXES;
-use trueaxis_evaluation::diagonal::{COLUMNS, Document, read};
+use trueaxis_evaluation::diagonal::{COLUMNS, DiagonalDocument, read};
 use trueaxis_evaluation::rows::Rows;
 use trueaxis_metrology::diagonal::Test;
 use trueaxis_tables::exact::Geometry;
@@ -116,7 +116,7 @@ fn squareness_and_scale_are_those_of_the_machine() {
     for chain in ["w b X Y Z t", "w X' Y' b Z t", "w Y' b X Z t", "w X' b Y Z t"] {
         for stepwise in [false, true] {
             let text = record(&machine(chain, [12.0, -20.0, 33.0], 0.0, [0.0; 3]), stepwise, 2, [[0.0; 3]; 4], 0.0);
-            let found = Document::new(&test(&text).unwrap(), None);
+            let found = DiagonalDocument::new(&test(&text).unwrap(), None);
             let near = |value: f64, truth: f64| assert!((value - truth).abs() < 0.02, "{chain}: {value} for {truth}");
             near(found.a0z.value, 31.0);
             near(found.b0z.value, -22.0);
@@ -134,14 +134,14 @@ fn squareness_and_scale_are_those_of_the_machine() {
 #[test]
 fn figures_are_those_of_the_standard() {
     let text = record(&machine("w b X Y Z t", [20.0; 3], 0.0, [0.0; 3]), false, 5, [[0.0; 3]; 4], 0.0);
-    let found = Document::new(&test(&text).unwrap(), None);
+    let found = DiagonalDocument::new(&test(&text).unwrap(), None);
     // Apart from squareness, 20 ppm of 824.6 mm; with it, the slopes of the four differ.
     for of in &found.diagonals {
         assert!((of.e_um - (of.slope_ppm.value * of.length_mm * 1e-3).abs()).abs() < 1e-3, "{of:?}");
         assert!(of.b_um.unwrap() < 1e-9 && of.r_um.unwrap() < 1e-9, "{of:?}");
     }
     let text = record(&machine("w b X Y Z t", [0.0; 3], 0.0, [4.0, 2.0, 6.0]), false, 5, [[0.0; 3]; 4], 0.0);
-    let found = Document::new(&test(&text).unwrap(), None);
+    let found = DiagonalDocument::new(&test(&text).unwrap(), None);
     for of in &found.diagonals {
         // Every axis reverses with its play, which projects onto the diagonal: Σ |u_i| b_i, whatever the signs.
         let [x, y, z] = of.unit.map(f64::abs);
@@ -155,19 +155,19 @@ fn figures_are_those_of_the_standard() {
 #[test]
 fn a_tilted_mirror_moves_the_scales_and_nothing_else() {
     let machine = machine("w X' Y' b Z t", [12.0, -20.0, 33.0], 8.0, [0.0; 3]);
-    let square = Document::new(&test(&record(&machine, true, 1, [[0.0; 3]; 4], 0.0)).unwrap(), None);
+    let square = DiagonalDocument::new(&test(&record(&machine, true, 1, [[0.0; 3]; 4], 0.0)).unwrap(), None);
     let steps = square.steps.as_ref().unwrap();
     for (found, truth) in steps.scales_if_aligned_ppm.into_iter().zip([12.0, -20.0, 33.0]) {
         assert!((found - truth).abs() < 0.05, "{found} for {truth}");
     }
-    let bow = |document: &Document| {
+    let bow = |document: &DiagonalDocument| {
         let shape = document.steps.as_ref().unwrap().shapes.iter().find(|shape| shape.axis == 'X').unwrap();
         shape.points.iter().map(|point| point.error_um[1]).fold(0.0, f64::max)
     };
     assert!((bow(&square) - 8.0).abs() < 0.02, "{}", bow(&square));
     let tilts = [[40e-6, -30e-6, 0.0], [-25e-6, 0.0, 35e-6], [0.0, 45e-6, -20e-6], [30e-6, 30e-6, -10e-6]];
     let text = record(&machine, true, 1, tilts, 0.0);
-    let tilted = Document::new(&test(&text).unwrap(), Some(40.0));
+    let tilted = DiagonalDocument::new(&test(&text).unwrap(), Some(40.0));
     let steps = tilted.steps.as_ref().unwrap();
     let off = steps.scales_if_aligned_ppm[0] - 12.0;
     assert!(off.abs() > 5.0, "a tilt of 40 µrad that does nothing: {off}");
@@ -176,7 +176,7 @@ fn a_tilted_mirror_moves_the_scales_and_nothing_else() {
     for (found, truth) in steps.scales_ppm.unwrap().into_iter().zip([12.0, -20.0, 33.0]) {
         assert!(found.standard_error > 5.0 && (found.value - truth).abs() < 3.0 * found.standard_error, "{found:?}");
     }
-    assert!(Document::new(&test(&text).unwrap(), None).steps.unwrap().scales_ppm.is_none());
+    assert!(DiagonalDocument::new(&test(&text).unwrap(), None).steps.unwrap().scales_ppm.is_none());
 }
 
 /// Standard errors are realistic: over 200 records with noise the squarenesses scatter as stated.
@@ -197,7 +197,7 @@ fn standard_errors_are_those_of_repeated_records() {
                 None => writeln!(text, "{line}").unwrap(),
             }
         }
-        let found = Document::new(&test(&text).unwrap(), None);
+        let found = DiagonalDocument::new(&test(&text).unwrap(), None);
         inside += usize::from((found.c0y.value - 45.0).abs() <= 2.0 * found.c0y.standard_error);
     }
     assert!((180..=199).contains(&inside), "{inside} of 200 within two standard errors");

@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::path::Path;
 use trueaxis::Axis;
 use trueaxis::machine::{AXES, ErrorModel, Interpolation, LocationErrors};
-use trueaxis_evaluation::points::{COLUMNS, Document, Found, Options, Points, identify};
+use trueaxis_evaluation::points::{COLUMNS, Options, Points, PointsDocument, PointsFit, identify};
 use trueaxis_evaluation::response::tip_errors;
 use trueaxis_evaluation::rows::Rows;
 use trueaxis_tables::exact::Geometry;
@@ -95,7 +95,7 @@ fn points(text: &str) -> anyhow::Result<Points> {
     Points::read(&mut Rows::new(text.as_bytes(), Path::new("points.csv"), &COLUMNS, |_| {})?)
 }
 
-fn found(text: &str, machine: &Machine) -> (Points, Found) {
+fn found(text: &str, machine: &Machine) -> (Points, PointsFit) {
     let points = points(text).unwrap();
     let found = identify(&points, machine, &Options::default()).unwrap();
     (points, found)
@@ -144,7 +144,7 @@ fn the_machine_that_comes_out_moves_as_the_one_that_was_measured() {
             let truth = machine(chain, seed, measured_at);
             let text = record(&truth, 11, &[[0.0, 0.0, -60.0]], 0.0);
             let (points, found) = found(&text, &truth);
-            let document = Document::new(&points, &found);
+            let document = PointsDocument::new(&points, &found);
             assert!(document.before.max_um > 20.0, "{chain}: nothing to find: {:?}", document.before);
             assert!(document.left.max_um < 0.05, "{chain} {measured_at:?}: {:?}", document.left);
             assert!(document.held_out.unwrap().max_um < 0.05, "{chain}: {:?}", document.held_out);
@@ -193,11 +193,11 @@ fn a_second_reflector_shows_what_one_does_not() {
 fn noise_comes_out_as_sigma() {
     let truth = machine("w X' Y' b Z t", 3, [0.0; 3]);
     let (points, found) = found(&record(&truth, 11, &[[0.0, 0.0, -60.0]], 1.0), &truth);
-    let document = Document::new(&points, &found);
+    let document = PointsDocument::new(&points, &found);
     assert!((document.sigma_um - 1.0).abs() < 0.05, "{}", document.sigma_um);
     let off = 1e3 * largest_difference(&truth, &found.machine);
     assert!(off < 1.5, "{off} µm at the worst corner");
-    let clean = Document::new(&points, &{
+    let clean = PointsDocument::new(&points, &{
         let (_, found) = self::found(&record(&truth, 11, &[[0.0, 0.0, -60.0]], 0.0), &truth);
         found
     });

@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::path::Path;
 use trueaxis::Axis;
 use trueaxis::machine::AXES;
-use trueaxis_evaluation::r_test::{COLUMNS, Document, Found, Options, Record, identify, name};
+use trueaxis_evaluation::r_test::{COLUMNS, Options, RTestDocument, RTestFit, Record, identify, name};
 use trueaxis_evaluation::rows::Rows;
 use trueaxis_tables::Machine;
 use trueaxis_tables::exact::Geometry;
@@ -114,7 +114,7 @@ fn read(text: &str) -> anyhow::Result<Record> {
     Record::read(&mut Rows::new(text.as_bytes(), Path::new("r.csv"), &COLUMNS, |_| {})?)
 }
 
-fn find(text: &str, machine: &Machine, options: &Options) -> anyhow::Result<(Record, Found)> {
+fn find(text: &str, machine: &Machine, options: &Options) -> anyhow::Result<(Record, RTestFit)> {
     let record = read(text)?;
     let found = identify(&record, "r.csv", machine, options)?;
     Ok((record, found))
@@ -131,7 +131,7 @@ fn table_poses() -> Vec<[f64; 3]> {
     poses
 }
 
-fn check(found: &Found, truth: &Machine, tolerance: [f64; 2]) {
+fn check(found: &RTestFit, truth: &Machine, tolerance: [f64; 2]) {
     for &((axis, component), value, error) in &found.terms {
         let is = truth.settings.location.of(axis).unwrap()[component];
         let near = tolerance[usize::from(component >= 3)].max(4.0 * error);
@@ -157,7 +157,7 @@ fn a_trunnion_and_its_table() {
             "{:?}",
             found.balls_mm
         );
-        let document = Document::new(&record, &found, &blank);
+        let document = RTestDocument::new(&record, &found, &blank);
         assert!(document.left_max_um < 0.05 && document.rms_um > 10.0, "{document:?}");
         assert_eq!(document.rank, 11);
     }
@@ -225,7 +225,7 @@ fn a_repeated_pose_shows_the_drift() {
     let (apart, lines) = again.repeated().unwrap();
     assert!((apart - 2.5e-3).abs() < 1e-9 && lines == [3, 42], "{apart} {lines:?}");
     assert_eq!(found.degrees_of_freedom, before.degrees_of_freedom + 3);
-    let document = Document::new(&again, &found, &truth);
+    let document = RTestDocument::new(&again, &found, &truth);
     let expected = "a pose that was read again differs by 2.50 µm at most, lines 3 and 42";
     assert!(document.notes.iter().any(|note| note == expected), "{:?}", document.notes);
 }

@@ -7,7 +7,7 @@ use trueaxis_evaluation::circle::Evaluation;
 use trueaxis_evaluation::probing::{self, Feature, Record};
 use trueaxis_evaluation::rows::{Column, Rows};
 use trueaxis_evaluation::thermal::{self, Recording};
-use trueaxis_evaluation::thermal_test::{self, Document, Test};
+use trueaxis_evaluation::thermal_test::{self, Test, ThermalTestDocument};
 
 fn thermal(text: &str) -> anyhow::Result<Test> {
     thermal_test::read(&mut Rows::new(text.as_bytes(), Path::new("drift.csv"), &thermal_test::COLUMNS, |_| {})?)
@@ -36,7 +36,7 @@ fn warm_up() -> String {
 #[test]
 fn ranges_over_the_stated_periods() {
     let test = thermal(&warm_up()).unwrap();
-    let found = Document::new(&test, "spindle", 60.0, Some(100.0));
+    let found = ThermalTestDocument::new(&test, "spindle", 60.0, Some(100.0));
     let channels = &found.positions[0].channels;
     let of = |name: &str| channels.iter().find(|channel| channel.name == name).unwrap();
     let z = |t: f64| 30.0 * (1.0 - (-t / 40.0).exp());
@@ -51,7 +51,7 @@ fn ranges_over_the_stated_periods() {
     near(found.temperatures[0].end_k, 0.4 * z(240.0), 1e-9);
     near(found.duration_min, 240.0, 1e-9);
     assert!(found.notes.is_empty(), "{:?}", found.notes);
-    let etve = Document::new(
+    let etve = ThermalTestDocument::new(
         &thermal(&warm_up().lines().take(90).collect::<Vec<_>>().join("\n")).unwrap(),
         "etve",
         60.0,
@@ -70,7 +70,7 @@ fn a_moving_axis_has_a_drift_at_each_position() {
         let drift = f64::from(k) * if k % 2 == 0 { 0.1 } else { 0.3 };
         writeln!(text, "{},{},{drift}", 30 * k, 1 + k % 2).unwrap();
     }
-    let found = Document::new(&thermal(&text).unwrap(), "axis", 10.0, None);
+    let found = ThermalTestDocument::new(&thermal(&text).unwrap(), "axis", 10.0, None);
     assert_eq!(found.positions.iter().map(|place| place.position).collect::<Vec<_>>(), [1, 2]);
     near(found.positions[0].channels[0].range, 5.8, 1e-9);
     near(found.positions[1].channels[0].range, 0.3 * 58.0, 1e-9);
@@ -198,7 +198,8 @@ fn ring(spindle: &[f64]) -> String {
 
 #[test]
 fn a_ring_gives_form_tip_diameter_and_offset() {
-    let found = probing::Document::new(&probed(&ring(&[0.0, 90.0, 180.0, 270.0]), Feature::Ring, Some(50.0)).unwrap());
+    let found =
+        probing::ProbingDocument::new(&probed(&ring(&[0.0, 90.0, 180.0, 270.0]), Feature::Ring, Some(50.0)).unwrap());
     assert_eq!(found.p_ftu_name, Some("P_FTU,2D"));
     near(found.p_ftu_um.unwrap(), 4.0, 1e-3);
     near(found.effective_tip_diameter_mm.unwrap(), 6.0, 1e-6);
@@ -209,7 +210,7 @@ fn a_ring_gives_form_tip_diameter_and_offset() {
     // Corrected for orientation, the location repeats.
     assert!(found.location_repeatability.unwrap().range_um.iter().all(|um| *um < 1e-6));
     // One orientation does not determine the offset.
-    let one = probing::Document::new(&probed(&ring(&[0.0, 0.0]), Feature::Ring, None).unwrap());
+    let one = probing::ProbingDocument::new(&probed(&ring(&[0.0, 0.0]), Feature::Ring, None).unwrap());
     assert!(one.tip_offset.is_none() && one.effective_tip_diameter_mm.is_none());
     assert!(one.notes.iter().any(|note| note.contains("180°")));
 }
@@ -227,13 +228,13 @@ fn a_sphere_and_a_point() {
                 .unwrap();
         }
     }
-    let found = probing::Document::new(&probed(&text, Feature::Sphere, Some(25.0)).unwrap());
+    let found = probing::ProbingDocument::new(&probed(&text, Feature::Sphere, Some(25.0)).unwrap());
     assert_eq!(found.p_ftu_name, Some("P_FTU,3D"));
     assert!((2.3..3.3).contains(&found.p_ftu_um.unwrap()), "{:?}", found.p_ftu_um);
     near(found.effective_tip_diameter_mm.unwrap(), 6.0, 1e-3);
     near(found.location_repeatability.unwrap().range_um[0], 2.0, 1e-6);
     let points = "x_mm,y_mm,z_mm\n1,2,3.000\n1,2,3.001\n1,2,3.003\n1,2,2.999\n";
-    let found = probing::Document::new(&probed(points, Feature::Point, None).unwrap());
+    let found = probing::ProbingDocument::new(&probed(points, Feature::Point, None).unwrap());
     let spread = found.point_repeatability.unwrap();
     near(spread.range_um[2], 4.0, 1e-6);
     // Standard deviation of 0, 1, 3, −1: variance (0.75² + 0.25² + 2.25² + 1.75²)/3.

@@ -5,7 +5,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore, SeedableRng};
 use rand_distr::{Distribution, Normal};
 use std::f64::consts::{E, PI, TAU};
-use trueaxis_metrology::ballbar::{Cause, Evaluation, Position, Reading, Refused, evaluate, readings};
+use trueaxis_metrology::ballbar::{BallbarRefusal, Cause, Evaluation, Position, Reading, evaluate, readings};
 
 /// A machine's plane; lengths in mm, width of spikes in rad.
 #[derive(Clone, Copy, Debug, Default)]
@@ -233,24 +233,27 @@ fn one_direction_leaves_out_causes_that_need_both() {
 fn uninformative_records_are_refused() {
     let plane = Plane { radius: 100.0, squareness: 40e-6, ..Plane::default() };
     let good = plane.record(360, &[true, false], || 0.0);
-    assert_eq!(evaluate(100.0, &good[..50], [None; 2]), Err(Refused::TooFew { found: 50 }));
+    assert_eq!(evaluate(100.0, &good[..50], [None; 2]), Err(BallbarRefusal::TooFew { found: 50 }));
     let mut turns = plane.record(20, &[true], || 0.0);
     turns.retain(|reading| reading.angle_rad < 3.7);
     turns.resize(100, Reading { angle_rad: 0.0, ..good[0] });
-    assert!(matches!(evaluate(100.0, &turns, [None; 2]), Err(Refused::TooFew { .. } | Refused::Gap { .. })));
+    assert!(matches!(
+        evaluate(100.0, &turns, [None; 2]),
+        Err(BallbarRefusal::TooFew { .. } | BallbarRefusal::Gap { .. })
+    ));
     let mut bad = good.clone();
     bad[100].deviation_mm = f64::NAN;
-    assert_eq!(evaluate(100.0, &bad, [None; 2]), Err(Refused::NotAReading { index: 100 }));
+    assert_eq!(evaluate(100.0, &bad, [None; 2]), Err(BallbarRefusal::NotAReading { index: 100 }));
     let part: Vec<Reading> = good.iter().filter(|r| r.counterclockwise || r.angle_rad > 2.9).copied().collect();
     match evaluate(100.0, &part, [None; 2]) {
-        Err(Refused::Gap { counterclockwise: false, from_deg, width_deg }) => {
+        Err(BallbarRefusal::Gap { counterclockwise: false, from_deg, width_deg }) => {
             assert!((from_deg - 359.5).abs() < 0.01 && width_deg > 160.0, "{from_deg} {width_deg}");
         }
         other => panic!("{other:?}"),
     }
     let torn = |r: &&Reading| !(0.5..1.0).contains(&r.angle_rad) && !(3.0..3.4).contains(&r.angle_rad);
     let part: Vec<Reading> = good.iter().filter(torn).copied().collect();
-    assert!(matches!(evaluate(100.0, &part, [None; 2]), Err(Refused::Gap { .. })), "two gaps");
+    assert!(matches!(evaluate(100.0, &part, [None; 2]), Err(BallbarRefusal::Gap { .. })), "two gaps");
 }
 
 /// From rest in the middle out to the circle, two turns in each direction with a stop between, and back; every tenth of a
@@ -307,18 +310,20 @@ fn positions_without_the_circle_are_refused() {
     let plane = Plane { radius: 60.0, ..Plane::default() };
     let all = positions(&plane, [0.0; 2]);
     match readings(50.0, &all) {
-        Err(Refused::NoCircle { radius_mm: 50.0, found_mm: Some(found) }) => assert!((found - 60.0).abs() < 1e-6),
+        Err(BallbarRefusal::NoCircle { radius_mm: 50.0, found_mm: Some(found) }) => {
+            assert!((found - 60.0).abs() < 1e-6)
+        }
         other => panic!("{other:?}"),
     }
-    assert_eq!(readings(60.0, &all[..400]), Err(Refused::NoCircle { radius_mm: 60.0, found_mm: None }));
-    assert_eq!(readings(60.0, &[]), Err(Refused::NoCircle { radius_mm: 60.0, found_mm: None }));
+    assert_eq!(readings(60.0, &all[..400]), Err(BallbarRefusal::NoCircle { radius_mm: 60.0, found_mm: None }));
+    assert_eq!(readings(60.0, &[]), Err(BallbarRefusal::NoCircle { radius_mm: 60.0, found_mm: None }));
     let mut broken = all.clone();
     broken[77].actual[1] = f64::INFINITY;
-    assert_eq!(readings(60.0, &broken), Err(Refused::NotAReading { index: 77 }));
+    assert_eq!(readings(60.0, &broken), Err(BallbarRefusal::NotAReading { index: 77 }));
     // Half a circle is missing in one direction: the fit refuses it by its angles.
     let part: Vec<Position> = all.iter().take(501 + 7200 + 300 + 1900).copied().collect();
     let read = readings(60.0, &part).unwrap();
-    assert!(matches!(evaluate(60.0, &read, [None; 2]), Err(Refused::Gap { counterclockwise: false, .. })));
+    assert!(matches!(evaluate(60.0, &read, [None; 2]), Err(BallbarRefusal::Gap { counterclockwise: false, .. })));
 }
 
 /// Effect of friction on a reversal, as a function of the angle since it.

@@ -1,6 +1,6 @@
 //! Calibration by touches, compared with hand calculations.
 
-use trueaxis_metrology::calibration::{Network, Part, Refused, Surface, Touch, Unknown, fit_ball};
+use trueaxis_metrology::calibration::{CalibrationRefusal, Network, Part, Surface, Touch, Unknown, fit_ball};
 use trueaxis_testing::noise::Noise;
 
 const NEAR: [f64; 3] = [10.2, -5.1, 2.9];
@@ -36,12 +36,14 @@ fn touches_that_leave_a_direction_open_are_refused() {
     let around: Vec<[f64; 3]> = (0..8).map(|k| f64::from(k) * 0.7).map(|a| [a.cos(), a.sin(), 0.0]).collect();
     let points = on_ball(&around);
     match fit_ball(&points, [10.0, -5.0, 3.0], 15.5, true, 1e-3) {
-        Err(Refused::NotApart { combinations }) => assert_eq!(combinations, [vec![(2, combinations[0][0].1)]]),
+        Err(CalibrationRefusal::NotApart { combinations }) => {
+            assert_eq!(combinations, [vec![(2, combinations[0][0].1)]])
+        }
         other => panic!("{other:?}"),
     }
-    assert!(matches!(fit_ball(&points[..2], NEAR, 15.5, true, 1e-3), Err(Refused::TooFew { found: 2, .. })));
+    assert!(matches!(fit_ball(&points[..2], NEAR, 15.5, true, 1e-3), Err(CalibrationRefusal::TooFew { found: 2, .. })));
     let far = on_ball(&[[f64::NAN, 0.0, 1.0]; 5]);
-    assert!(matches!(fit_ball(&far, NEAR, 15.5, true, 1e-3), Err(Refused::NotFinite { touch: 0 })));
+    assert!(matches!(fit_ball(&far, NEAR, 15.5, true, 1e-3), Err(CalibrationRefusal::NotFinite { touch: 0 })));
 }
 
 /// A bore touched on a machine that is 30 ppm too long in both directions, or with a tip 0.75 µm too large per 50 mm:
@@ -58,7 +60,7 @@ fn a_bore_alone_cannot_separate_scale_and_tip() {
     };
     let network = Network { unknowns, terms: 1, tip: 1, touches: (0..16).map(touch).collect(), repeatability_mm: 1e-3 };
     match network.solve() {
-        Err(Refused::NotApart { combinations }) => {
+        Err(CalibrationRefusal::NotApart { combinations }) => {
             let mut named: Vec<usize> = combinations[0].iter().map(|(index, _)| *index).collect();
             named.sort_unstable();
             assert_eq!(named, [0, 1]);

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use std::sync::OnceLock;
 use trueaxis::Axis;
 use trueaxis::machine::{DriveFigures, FrictionSettings};
-use trueaxis_metrology::friction::{Figure, Identified, Record, Recorded, Refused, circles, identify};
+use trueaxis_metrology::friction::{Figure, FrictionRefusal, Identified, Record, Recorded, circles, identify};
 
 const DRIVE: DriveFigures = DriveFigures {
     position_gain_per_s: 110.0,
@@ -60,7 +60,7 @@ fn standard() -> &'static Record {
     RECORD.get_or_init(|| record(&CIRCLES, 1e-4, 0.05, &DRIVE, &FRICTION))
 }
 
-fn found(record: &Record, given: Option<DriveFigures>) -> Result<[Identified; 2], Refused> {
+fn found(record: &Record, given: Option<DriveFigures>) -> Result<[Identified; 2], FrictionRefusal> {
     identify(record, [given, given], &mut |_, _| ())
 }
 
@@ -217,7 +217,7 @@ fn a_record_that_does_not_determine_the_drive_is_refused_unless_its_figures_are_
     // Ramps of two seconds: hardly any acceleration along the path.
     let record = record(&CIRCLES, 1e-3, 2.0, &DRIVE, &FRICTION);
     let refused = found(&record, None).unwrap_err();
-    assert!(!matches!(refused, Refused::NotExplained { .. } | Refused::NoFriction { .. }), "{refused}");
+    assert!(!matches!(refused, FrictionRefusal::NotExplained { .. } | FrictionRefusal::NoFriction { .. }), "{refused}");
     assert!(refused.to_string().contains("--machine"), "{refused}");
     found(&record, Some(DRIVE)).unwrap();
 }
@@ -227,13 +227,18 @@ fn an_axis_without_friction_is_refused() {
     let record = record(&CIRCLES, 1e-3, 0.05, &DRIVE, &FrictionSettings { coulomb_per_s: 1e-9, ..FRICTION });
     let refused = found(&record, Some(DRIVE)).unwrap_err();
     assert!(
-        matches!(refused, Refused::NoFriction { .. } | Refused::NotExplained { .. } | Refused::NotExcited { .. }),
+        matches!(
+            refused,
+            FrictionRefusal::NoFriction { .. }
+                | FrictionRefusal::NotExplained { .. }
+                | FrictionRefusal::NotExcited { .. }
+        ),
         "{refused}"
     );
 }
 
 /// A record whose readings have a constant lag: sufficient for refusals that need no fit.
-fn lagging(circles: &[Circle], change: impl Fn(f64, f64) -> [f64; 2]) -> Result<Record, Refused> {
+fn lagging(circles: &[Circle], change: impl Fn(f64, f64) -> [f64; 2]) -> Result<Record, FrictionRefusal> {
     let [x, y] = commands(circles, 1e-3, 0.05);
     let stamps = times(x.len(), 1e-3);
     let axis = |axis, command: &[f64]| {
@@ -244,7 +249,7 @@ fn lagging(circles: &[Circle], change: impl Fn(f64, f64) -> [f64; 2]) -> Result<
     Record::new(&stamps, [axis(Axis::X, &x), axis(Axis::Y, &y)])
 }
 
-fn why(record: Result<Record, Refused>) -> String {
+fn why(record: Result<Record, FrictionRefusal>) -> String {
     record.and_then(|record| found(&record, Some(DRIVE))).unwrap_err().to_string()
 }
 

@@ -3,7 +3,7 @@
 
 use trueaxis::Axis;
 use trueaxis::temperature::Thermal;
-use trueaxis_metrology::thermal::{Missing, RATE_K_PER_MIN, Record, Refused, Sample, Settings, fit, held_out};
+use trueaxis_metrology::thermal::{Missing, RATE_K_PER_MIN, Record, Sample, Settings, ThermalRefusal, fit, held_out};
 use trueaxis_testing::noise::Noise;
 
 /// True lags, s: spindle sensor, ambient, and the spindle's response.
@@ -188,7 +188,7 @@ fn a_speed_that_only_the_held_out_cycle_has_is_no_knot() {
 }
 
 /// Reason for refusing the record after `change`.
-fn refused(change: impl Fn(&mut Record)) -> Refused {
+fn refused(change: impl Fn(&mut Record)) -> ThermalRefusal {
     let mut record = record(0.1);
     record.samples.retain(|sample| sample.tool_mm == 40.0 && sample.position_mm[0] == 0.0);
     change(&mut record);
@@ -200,13 +200,13 @@ fn sensors_that_fail_half_way_are_refused_with_their_row_and_figure() {
     let jump =
         refused(|record| record.samples.iter_mut().skip(200).for_each(|sample| sample.temperatures_c[0] += 30.0));
     assert!(
-        matches!(&jump, Refused::Jump { sensor, index: 200, found_k, .. } if sensor == "nose" && (found_k - 30.0).abs() < 3.0)
+        matches!(&jump, ThermalRefusal::Jump { sensor, index: 200, found_k, .. } if sensor == "nose" && (found_k - 30.0).abs() < 3.0)
     );
     let stuck = refused(|record| {
         let last = record.samples[250].temperatures_c[1];
         record.samples.iter_mut().skip(250).for_each(|sample| sample.temperatures_c[1] = last);
     });
-    assert!(matches!(&stuck, Refused::Stuck { sensor, index: 250, .. } if sensor == "air"), "{stuck}");
+    assert!(matches!(&stuck, ThermalRefusal::Stuck { sensor, index: 250, .. } if sensor == "air"), "{stuck}");
     // The sensor sticks in every cycle from the second on, with a rest between them: no stretch is longer than all others.
     let often = refused(|record| {
         for cycle in 2..=4 {
@@ -219,18 +219,21 @@ fn sensors_that_fail_half_way_are_refused_with_their_row_and_figure() {
         }
     });
     let cycle = |index: &usize| *index >= 120 && index.is_multiple_of(120);
-    assert!(matches!(&often, Refused::Stuck { sensor, index, .. } if sensor == "nose" && cycle(index)), "{often}");
+    assert!(
+        matches!(&often, ThermalRefusal::Stuck { sensor, index, .. } if sensor == "nose" && cycle(index)),
+        "{often}"
+    );
     // Over two cycles and the rest between them.
     let over = refused(|record| {
         let last = record.samples[250].temperatures_c[0];
         record.samples.iter_mut().filter(|sample| sample.cycle == 4).for_each(|sample| sample.t_s += 20_000.0);
         record.samples.iter_mut().skip(250).for_each(|sample| sample.temperatures_c[0] = last);
     });
-    assert!(matches!(&over, Refused::Stuck { sensor, index: 250, .. } if sensor == "nose"), "{over}");
+    assert!(matches!(&over, ThermalRefusal::Stuck { sensor, index: 250, .. } if sensor == "nose"), "{over}");
     let twice = refused(|record| record.samples.insert(41, record.samples[40].clone()));
-    assert_eq!(twice, Refused::Twice { index: 41, first: 40 });
+    assert_eq!(twice, ThermalRefusal::Twice { index: 41, first: 40 });
     let missing = refused(|record| record.samples[33].temperatures_c[1] = f64::NAN);
-    assert_eq!(missing, Refused::Row { index: 33 });
+    assert_eq!(missing, ThermalRefusal::Row { index: 33 });
 }
 
 #[test]
@@ -249,7 +252,7 @@ fn rows_missing_for_less_than_a_lag_are_reported_and_for_longer_refused() {
     assert_eq!(found.missing, [missing]);
     let refused = without(16.0).unwrap_err();
     assert!(
-        matches!(&refused, Refused::Missing { missing, of, lag_s }
+        matches!(&refused, ThermalRefusal::Missing { missing, of, lag_s }
             if missing.unknown_s == 1080.0 && missing.rows == 8 && of == "nose" && (*lag_s / LAGS[0] - 1.0).abs() < 0.1),
         "{refused}"
     );
@@ -258,25 +261,27 @@ fn rows_missing_for_less_than_a_lag_are_reported_and_for_longer_refused() {
 #[test]
 fn uninformative_records_are_refused() {
     let short = refused(|record| record.samples.retain(|sample| sample.cycle < 3));
-    assert_eq!(short, Refused::Cycles { found: 2 });
+    assert_eq!(short, ThermalRefusal::Cycles { found: 2 });
     let twice = refused(|record| {
         record.samples.iter_mut().for_each(|s| s.temperatures_c[2] = 2.0 * s.temperatures_c[0] - 20.0)
     });
-    assert!(matches!(&twice, Refused::Collinear { sensors: [one, other], .. } if one == "nose" && other == "clock"));
+    assert!(
+        matches!(&twice, ThermalRefusal::Collinear { sensors: [one, other], .. } if one == "nose" && other == "clock")
+    );
     let cold = refused(|record| {
         for sample in &mut record.samples {
             (sample.temperatures_c, sample.spindle_rpm) = (vec![20.0, 20.1, 20.2], 0.0);
         }
     });
-    assert_eq!(cold, Refused::NoExcitation { found_k: 0.0 });
+    assert_eq!(cold, ThermalRefusal::NoExcitation { found_k: 0.0 });
     let nothing = refused(|record| {
         let mut noise = Noise::new(3);
         record.samples.iter_mut().for_each(|sample| sample.error_mm.fill(0.0));
         record.samples.iter_mut().for_each(|sample| sample.error_mm[0] = 1e-4 * 3.0_f64.sqrt() * noise.signed());
     });
-    assert_eq!(nothing, Refused::NothingFound);
+    assert_eq!(nothing, ThermalRefusal::NothingFound);
     let gap = refused(|record| record.samples.iter_mut().skip(40).for_each(|sample| sample.t_s += 7_000.0));
-    assert!(matches!(gap, Refused::Gap { index: 40, .. }));
+    assert!(matches!(gap, ThermalRefusal::Gap { index: 40, .. }));
     let mixed = refused(|record| record.samples[300].cycle = 1);
-    assert!(matches!(mixed, Refused::Mixed { index: 300, cycle: 1 }));
+    assert!(matches!(mixed, ThermalRefusal::Mixed { index: 300, cycle: 1 }));
 }

@@ -72,7 +72,7 @@ pub(crate) fn evaluate_probing<'py>(
     };
     asked(probing::check(diameter_mm))?;
     evaluated(py, record, &probing::COLUMNS, |rows, _| {
-        Ok(probing::Document::new(&probing::Record::read(rows, feature, diameter_mm)?))
+        Ok(probing::ProbingDocument::new(&probing::Record::read(rows, feature, diameter_mm)?))
     })
 }
 
@@ -100,7 +100,7 @@ pub(crate) fn evaluate_thermal<'py>(
     };
     asked(thermal_test::check(period_min, distance_mm))?;
     evaluated(py, record, &thermal_test::COLUMNS, |rows, _| {
-        Ok(thermal_test::Document::new(&thermal_test::read(rows)?, name, period_min, distance_mm))
+        Ok(thermal_test::ThermalTestDocument::new(&thermal_test::read(rows)?, name, period_min, distance_mm))
     })
 }
 
@@ -120,7 +120,7 @@ pub(crate) fn evaluate_step_diagonal<'py>(
     asked(diagonal::check(alignment_urad))?;
     decided(py, record, &diagonal::COLUMNS, machine.as_ref().map(Bound::get), |rows, _| {
         let test = diagonal::read(rows)?;
-        Ok((diagonal::Document::new(&test, alignment_urad), diagonal::additions(&test)))
+        Ok((diagonal::DiagonalDocument::new(&test, alignment_urad), diagonal::additions(&test)))
     })
 }
 
@@ -151,7 +151,7 @@ pub(crate) fn evaluate_r_test<'py>(
     decided(py, record, &r_test::COLUMNS, Some(own), move |rows, name| {
         let record = r_test::Record::read(rows)?;
         let found = r_test::identify(&record, name, &machine, &options)?;
-        Ok((r_test::Document::new(&record, &found, &machine), found.additions()))
+        Ok((r_test::RTestDocument::new(&record, &found, &machine), found.additions()))
     })
 }
 
@@ -178,6 +178,6 @@ pub(crate) fn evaluate_points<'py>(
         let points = coordinates::Points::read(rows)?;
         let found =
             coordinates::identify(&points, machine, &options).map_err(|error| error.context(name.to_owned()))?;
-        Ok(coordinates::Document::new(&points, &found))
+        Ok(coordinates::PointsDocument::new(&points, &found))
     })
 }

@@ -5,7 +5,7 @@ use anyhow::{Result, anyhow};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
-use trueaxis_evaluation::keep::{Deed, Let, Log, Planning, State, Taken, time as checked};
+use trueaxis_evaluation::keep::{EntryKind, EvaluatedLog, Log, Overrides, Planning, State, time as checked};
 use trueaxis_tables::output::Outputs;
 use trueaxis_tables::text::read_text;
 
@@ -33,10 +33,10 @@ struct Asked {
 }
 
 impl Asked {
-    fn check(&self, state: &State, notes: &mut Vec<String>) -> Result<Taken> {
+    fn check(&self, state: &State, notes: &mut Vec<String>) -> Result<EvaluatedLog> {
         state.accepts(&self.accept).map_err(|wrong| anyhow!("accept: {wrong}"))?;
         let text = read_text(&self.log, &['#', ';'])?;
-        let allowed = Let { accept: &self.accept, by_hand: self.by_hand };
+        let allowed = Overrides { accept: &self.accept, by_hand: self.by_hand };
         state.check(&self.log(&text), allowed, &mut |note| notes.push(note))
     }
 
@@ -45,17 +45,17 @@ impl Asked {
     }
 
     /// Writes the history entry and the changes of a re-probing.
-    fn put(&self, state: &State, taken: &Taken) -> Result<()> {
+    fn put(&self, state: &State, evaluated: &EvaluatedLog) -> Result<()> {
         let mut outputs = Outputs::of([&self.task, &self.log]);
-        state.stage(&mut outputs, &state.written(&taken.entry, &taken.files)?)?;
+        state.stage(&mut outputs, &state.written(&evaluated.entry, &evaluated.files)?)?;
         Ok(outputs.commit()?)
     }
 }
 
 /// The document of a re-probing, with a sentence on each change under `changes`.
-fn document<'py>(py: Python<'py>, taken: &Taken) -> PyResult<Bound<'py, PyDict>> {
-    let document = documents::dictionary(py, &taken.document)?.cast_into::<PyDict>()?;
-    document.set_item("changes", &taken.changes)?;
+fn document<'py>(py: Python<'py>, evaluated: &EvaluatedLog) -> PyResult<Bound<'py, PyDict>> {
+    let document = documents::dictionary(py, &evaluated.document)?.cast_into::<PyDict>()?;
+    document.set_item("changes", &evaluated.changes)?;
     Ok(document)
 }
 
@@ -72,7 +72,7 @@ fn document<'py>(py: Python<'py>, taken: &Taken) -> PyResult<Bound<'py, PyDict>>
 pub(crate) fn keep_plan(py: Python<'_>, task: PathBuf) -> PyResult<Bound<'_, PyDict>> {
     let planned = noting(py, |notes| {
         let state = State::read(&task, &mut |note| notes.push(note))?;
-        Planning::new(&state.keep, &state.machine)
+        Planning::new(&state.task, &state.machine)
     })?;
     let document = documents::dictionary(py, &planned.foreseen)?.cast_into::<PyDict>()?;
     document.set_item("program_text", planned.program)?;
@@ -96,14 +96,14 @@ pub(crate) fn keep_begin(
     parts: Option<u64>,
 ) -> PyResult<Bound<'_, PyDict>> {
     let asked = Asked { task, log, time: time_of(time)?, parts, accept: Vec::new(), by_hand: false };
-    let taken = noting(py, |notes| {
+    let evaluated = noting(py, |notes| {
         let note = &mut |note| notes.push(note);
         let state = State::alone(&asked.task, note)?;
-        let taken = state.begin(&asked.log(&read_text(&asked.log, &['#', ';'])?), note)?;
-        asked.put(&state, &taken)?;
-        Ok(taken)
+        let evaluated = state.begin(&asked.log(&read_text(&asked.log, &['#', ';'])?), note)?;
+        asked.put(&state, &evaluated)?;
+        Ok(evaluated)
     })?;
-    document(py, &taken)
+    document(py, &evaluated)
 }
 
 /// Computes the changes that a log would make, and the reasons; returns the document of `trueaxis keep check --json`, with a
@@ -132,14 +132,14 @@ pub(crate) fn keep_check(
     files: bool,
 ) -> PyResult<Bound<'_, PyDict>> {
     let asked = Asked { task, log, time: time_of(time)?, parts, accept, by_hand };
-    let taken = noting(py, |notes| {
+    let evaluated = noting(py, |notes| {
         let state = State::read(&asked.task, &mut |note| notes.push(note))?;
         asked.check(&state, notes)
     })?;
-    let document = document(py, &taken)?;
+    let document = document(py, &evaluated)?;
     if files {
         let texts = PyDict::new(py);
-        for (name, bytes) in taken.files.iter().filter_map(|(name, bytes)| Some((name, bytes.as_ref()?))) {
+        for (name, bytes) in evaluated.files.iter().filter_map(|(name, bytes)| Some((name, bytes.as_ref()?))) {
             texts.set_item(name, String::from_utf8_lossy(bytes))?;
         }
         document.set_item("files", texts)?;
@@ -167,19 +167,19 @@ pub(crate) fn keep_apply(
     by_hand: bool,
 ) -> PyResult<Bound<'_, PyDict>> {
     let asked = Asked { task, log, time: time_of(time)?, parts, accept, by_hand };
-    let (taken, refusal) = noting(py, |notes| {
+    let (evaluated, refusal) = noting(py, |notes| {
         let state = State::alone(&asked.task, &mut |note| notes.push(note))?;
-        let mut taken = asked.check(&state, notes)?;
-        let refusal = taken.refusal(&asked.log);
+        let mut evaluated = asked.check(&state, notes)?;
+        let refusal = evaluated.refusal(&asked.log);
         if refusal.is_none() {
-            asked.put(&state, &taken)?;
-            taken.document.applied = taken.entry.deed == Deed::Update;
+            asked.put(&state, &evaluated)?;
+            evaluated.document.applied = evaluated.entry.kind == EntryKind::Update;
         }
-        Ok((taken, refusal))
+        Ok((evaluated, refusal))
     })?;
     match refusal {
         Some(reason) => Err(NeedsPerson::new_err(reason)),
-        None => document(py, &taken),
+        None => document(py, &evaluated),
     }
 }
 

@@ -146,7 +146,7 @@ pub(crate) fn helicoid<'py>(
             anyhow::anyhow!("{}", said.split(" at line ").next().unwrap_or_default())
         })?;
         let job = flank::Job::new(&request)?;
-        let document = flank::Document::new(&job, job.points()?);
+        let document = flank::HelicoidDocument::new(&job, job.points()?);
         let program = if gcode { Some(job.program()?) } else { None };
         let notes: Vec<String> = job.notes();
         Ok((document, program, notes))

@@ -9,11 +9,12 @@ use pyo3::types::PyDict;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
+use trueaxis::machine::ErrorModel;
 use trueaxis_sim::event::EventScript;
 use trueaxis_sim::learning::LearnedTable;
 use trueaxis_sim::plant::fault::FaultScript;
 use trueaxis_sim::program::{self, BUILTIN_NAMES, Offsets, ReadOptions, Source, ToolTable};
-use trueaxis_sim::run::{Column, Document, Kind, Moment, Run, Sample, columns};
+use trueaxis_sim::run::{Column, Kind, Moment, Run, RunDocument, Sample, columns};
 use trueaxis_sim::scenario::choose_model;
 use trueaxis_sim::{Scenario, Settings};
 
@@ -117,7 +118,7 @@ impl Value {
     }
 }
 
-/// Traces of one machine, by column.
+/// Trace of one machine, by column.
 struct Trace {
     kind: Kind,
     columns: Vec<Column>,
@@ -143,6 +144,104 @@ impl Trace {
             }
         }
         Ok(table)
+    }
+}
+
+/// Traces of the machines of a run, of every Nth cycle.
+struct Traces {
+    every: u64,
+    machines: Vec<Trace>,
+}
+
+impl Traces {
+    fn new(every: u64, kinds: &[Kind], scenario: &Scenario) -> Traces {
+        let trace = |kind: &Kind| {
+            let columns = columns(*kind, &scenario.machine.settings);
+            Trace { kind: *kind, values: vec![Vec::new(); columns.len()], columns }
+        };
+        Traces { every, machines: kinds.iter().map(trace).collect() }
+    }
+
+    fn row(&mut self, moment: &Moment, samples: &[Option<&Sample>]) {
+        if moment.cycle.is_multiple_of(self.every) {
+            for (trace, sample) in self.machines.iter_mut().zip(samples) {
+                sample.iter().for_each(|sample| trace.row(moment, sample));
+            }
+        }
+    }
+
+    /// Returns a dictionary of the machines' tables.
+    fn tables(self, py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
+        let all = PyDict::new(py);
+        for trace in self.machines {
+            all.set_item(trace.kind.name(), trace.table(py)?)?;
+        }
+        Ok(all)
+    }
+}
+
+/// What [`simulate`] is asked to simulate, in types that may leave the interpreter's lock.
+struct Request<'a> {
+    machine: &'a trueaxis_tables::Machine,
+    program: &'a Program,
+    /// Text of a scenario file.
+    scenario: &'a str,
+    /// Keys of the scenario with the values that replace its own, in this order.
+    settings: Vec<(String, Value)>,
+    faults: Vec<String>,
+    events: Vec<String>,
+    /// Machines whose tables an event may use, by name.
+    exchanges: BTreeMap<String, trueaxis_tables::Machine>,
+    model: Option<ErrorModel>,
+    orientation: Option<bool>,
+    learned: Option<PathBuf>,
+    kinds: Option<Vec<String>>,
+}
+
+impl Request<'_> {
+    /// Reads the scenario's text, with the replaced and the added keys.
+    fn settings(&self) -> anyhow::Result<Settings> {
+        let mut all = Settings::parse(self.scenario, "scenario")?;
+        for (key, value) in &self.settings {
+            all.set(key, &value.toml())?;
+        }
+        all.faults.items.extend(FaultScript::parse(&self.faults)?.items);
+        all.events.items.extend(EventScript::parse(&self.events)?.items);
+        if self.program.has_offsets {
+            all.origin_mm.get_or_insert([0.0; 3]);
+        }
+        Ok(all)
+    }
+
+    /// A machine with the requested error model.
+    fn with_model(&self, machine: &trueaxis_tables::Machine) -> anyhow::Result<trueaxis_tables::Machine> {
+        let mut machine = machine.clone();
+        choose_model(&mut machine, self.model, self.orientation)?;
+        Ok(machine)
+    }
+
+    fn scenario(&self) -> anyhow::Result<Scenario> {
+        let settings = self.settings()?;
+        let exchanges = self.exchanges.iter().map(|(name, machine)| Ok((name.clone(), self.with_model(machine)?)));
+        let exchanges = exchanges.collect::<anyhow::Result<_>>()?;
+        let program = self.program.program.clone();
+        let scenario = Scenario::new(self.with_model(self.machine)?, program, settings)?.with_exchanges(exchanges);
+        let Some(file) = &self.learned else { return Ok(scenario) };
+        let bytes = std::fs::read(file).with_context(|| format!("learned: cannot read {}", file.display()))?;
+        let of_file = || format!("learned {}", file.display());
+        let table = LearnedTable::read(bytes).with_context(of_file)?;
+        scenario.with_learned(Arc::new(table)).with_context(of_file)
+    }
+
+    /// Reads everything and prepares the run.
+    fn start(&self) -> anyhow::Result<(Arc<Scenario>, Vec<Kind>, Run)> {
+        let scenario = Arc::new(self.scenario()?);
+        let kinds = match &self.kinds {
+            Some(names) => Kind::named(names)?,
+            None => Kind::of(&scenario.machine.settings).to_vec(),
+        };
+        let run = Run::of(Arc::clone(&scenario), &kinds)?;
+        Ok((scenario, kinds, run))
     }
 }
 
@@ -182,83 +281,47 @@ pub(crate) fn simulate<'py>(
     kinds: Option<Vec<String>>,
     trace_every: Option<u64>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let mut given: Vec<(String, Value)> = match settings {
+    let mut replaced: Vec<(String, Value)> = match settings {
         Some(settings) => {
             settings.iter().map(|(key, value)| Ok((key.extract()?, value.extract()?))).collect::<PyResult<_>>()?
         }
         None => Vec::new(),
     };
-    given.extend(rate_hz.map(|value| ("rate_hz".to_owned(), Value::Number(value))));
-    given.extend(seed.map(|value| ("seed".to_owned(), Value::Whole(value))));
-    given.extend(temperature_c.map(|value| ("temperature_c".to_owned(), Value::Number(value))));
-    given.extend(origin_mm.map(|value| ("origin_mm".to_owned(), Value::Numbers(value.to_vec()))));
+    replaced.extend(rate_hz.map(|value| ("rate_hz".to_owned(), Value::Number(value))));
+    replaced.extend(seed.map(|value| ("seed".to_owned(), Value::Whole(value))));
+    replaced.extend(temperature_c.map(|value| ("temperature_c".to_owned(), Value::Number(value))));
+    replaced.extend(origin_mm.map(|value| ("origin_mm".to_owned(), Value::Numbers(value.to_vec()))));
     let model = crate::machine::model_of(model)?;
     if trace_every == Some(0) {
         return Err(Error::new_err("trace_every: found 0, needed at least 1"));
     }
-    let exchanges: BTreeMap<_, _> =
-        exchanges.into_iter().map(|(name, machine)| (name, machine.get().0.clone())).collect();
-    let (machine, program) = (machine.get(), program.get());
-    let (scenario, kinds, mut run) = to_python(py.detach(|| {
-        let mut all = Settings::parse(scenario.unwrap_or_default(), "scenario")?;
-        for (key, value) in &given {
-            all.set(key, &value.toml())?;
-        }
-        all.faults.items.extend(FaultScript::parse(&faults)?.items);
-        all.events.items.extend(EventScript::parse(&events)?.items);
-        if program.has_offsets {
-            all.origin_mm.get_or_insert([0.0; 3]);
-        }
-        let chosen = |machine: &trueaxis_tables::Machine| {
-            let mut machine = machine.clone();
-            choose_model(&mut machine, model, orientation)?;
-            anyhow::Ok(machine)
-        };
-        let exchanges = exchanges.iter().map(|(name, machine)| Ok((name.clone(), chosen(machine)?)));
-        let exchanges = exchanges.collect::<anyhow::Result<_>>()?;
-        let mut scenario = Scenario::new(chosen(&machine.0)?, program.program.clone(), all)?.with_exchanges(exchanges);
-        if let Some(file) = &learned {
-            let bytes = std::fs::read(file).with_context(|| format!("learned: cannot read {}", file.display()))?;
-            let of_file = || format!("learned {}", file.display());
-            let table = LearnedTable::read(bytes).with_context(of_file)?;
-            scenario = scenario.with_learned(Arc::new(table)).with_context(of_file)?;
-        }
-        let scenario = Arc::new(scenario);
-        let kinds = match &kinds {
-            Some(names) => Kind::named(names)?,
-            None => Kind::of(&scenario.machine.settings).to_vec(),
-        };
-        let run = Run::of(Arc::clone(&scenario), &kinds)?;
-        Ok((scenario, kinds, run))
-    }))?;
-    let mut traces: Vec<Trace> = Vec::new();
-    if trace_every.is_some() {
-        traces.extend(kinds.iter().map(|kind| {
-            let columns = columns(*kind, &scenario.machine.settings);
-            Trace { kind: *kind, values: vec![Vec::new(); columns.len()], columns }
-        }));
-    }
-    let every = trace_every.unwrap_or(1);
+    let request = Request {
+        machine: &machine.get().0,
+        program: program.get(),
+        scenario: scenario.unwrap_or_default(),
+        settings: replaced,
+        faults,
+        events,
+        exchanges: exchanges.into_iter().map(|(name, machine)| (name, machine.get().0.clone())).collect(),
+        model,
+        orientation,
+        learned,
+        kinds,
+    };
+    let (scenario, kinds, mut run) = to_python(py.detach(|| request.start()))?;
+    let mut traces = trace_every.map(|every| Traces::new(every, &kinds, &scenario));
     let mut sink = |moment: &Moment, samples: &[Option<&Sample>]| {
-        if moment.cycle.is_multiple_of(every) {
-            for (trace, sample) in traces.iter_mut().zip(samples) {
-                sample.iter().for_each(|sample| trace.row(moment, sample));
-            }
-        }
+        traces.iter_mut().for_each(|traces| traces.row(moment, samples));
     };
     while py.detach(|| run.advance(STRETCH, &mut sink)) {
         py.check_signals()?;
     }
     let machines: Vec<_> = kinds.into_iter().zip(run.tallies()).collect();
-    let document = Document::<()>::of(&scenario, run.cycles(), &machines);
+    let document = RunDocument::<()>::of(&scenario, run.cycles(), &machines);
     document.notes.iter().try_for_each(|note| warn(py, note))?;
     let found = documents::dictionary(py, &document)?.cast_into::<PyDict>()?;
-    if trace_every.is_some() {
-        let all = PyDict::new(py);
-        for trace in traces {
-            all.set_item(trace.kind.name(), trace.table(py)?)?;
-        }
-        found.set_item("trace", all)?;
+    if let Some(traces) = traces {
+        found.set_item("trace", traces.tables(py)?)?;
     }
     Ok(found)
 }

@@ -5,7 +5,7 @@ use crate::measured::Measured;
 use crate::{Error, documents, warn};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use trueaxis_evaluation::thermal::{COLUMNS, Found, Recording, settings, written};
+use trueaxis_evaluation::thermal::{COLUMNS, FittedRecording, Recording, settings, written};
 
 /// Fits lags of sensors and curves of growth to cycles recorded according to ISO 230-3; returns the document of
 /// `trueaxis thermal fit --json`, and with toml=True the text of a thermal.toml under `toml`.
@@ -38,7 +38,7 @@ pub(crate) fn thermal_fit<'py>(
     let mut notes = Vec::new();
     let found = py.detach(|| {
         let recording = Recording::read(measured.rows(&COLUMNS, &mut notes)?, &without)?;
-        Found::of(recording, &settings, &mut |_| {})
+        FittedRecording::of(recording, &settings, &mut |_| {})
     });
     notes.iter().try_for_each(|note| warn(py, note))?;
     // Python calls the command line's option an argument, without dashes.

@@ -47,7 +47,7 @@ pub struct Probe {
 /// | 2 | zero |
 /// | 20 | with a gauge: three readings f32, spindle i32, latched index i32 |
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cycle<const N: usize> {
+pub struct RecordedCycle<const N: usize> {
     /// Commanded positions.
     pub command: [Nanometres; N],
     /// Encoder positions.
@@ -73,7 +73,7 @@ const ENABLE: u8 = 2;
 const RESET: u8 = 4;
 const INDEX: u8 = 8;
 
-impl<const N: usize> Cycle<N> {
+impl<const N: usize> RecordedCycle<N> {
     /// Number of bytes of a cycle.
     pub const fn bytes(gauge: bool) -> usize {
         8 * N + 16 + if gauge { 20 } else { 0 }
@@ -137,7 +137,7 @@ impl<const N: usize> Cycle<N> {
             let latched = i32::from_le_bytes(words.next()?);
             probe.index = (switches & INDEX != 0).then_some(latched);
         }
-        Some(Cycle {
+        Some(RecordedCycle {
             command,
             feedback,
             elapsed_ns,

@@ -9,7 +9,7 @@
 //! ```
 //!
 //! `length` counts the bytes between itself and the checksum; the checksum covers everything before it. Numbers are
-//! little-endian; a cycle of N axes takes 8 N + 16 bytes, 20 more with a gauge (see [`Cycle`]).
+//! little-endian; a cycle of N axes takes 8 N + 16 bytes, 20 more with a gauge (see [`RecordedCycle`]).
 #![no_std]
 #![forbid(unsafe_code)]
 
@@ -26,8 +26,8 @@ pub mod warming;
 #[cfg(feature = "std")]
 mod write;
 
-pub use cycle::{Cycle, Integer, Probe};
-pub use read::{Header, Recording, Refused};
+pub use cycle::{Integer, Probe, RecordedCycle};
+pub use read::{Header, Recording, RecordingRefusal};
 #[cfg(feature = "std")]
 pub use received::Received;
 #[cfg(feature = "std")]

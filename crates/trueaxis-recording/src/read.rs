@@ -1,6 +1,6 @@
 //! Reading a recording in place.
 
-use crate::cycle::Cycle;
+use crate::cycle::RecordedCycle;
 use crate::{CRC, MAGIC, VERSION};
 use core::fmt;
 use heapless::String;
@@ -32,7 +32,7 @@ pub struct Header {
 /// Why a recording is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
-pub enum Refused {
+pub enum RecordingRefusal {
     /// Shorter than its header states, or than any valid recording.
     TooShort,
     /// Not a recording.
@@ -49,21 +49,21 @@ pub enum Refused {
     Axes,
 }
 
-impl fmt::Display for Refused {
+impl fmt::Display for RecordingRefusal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Refused::TooShort => "shorter than it says",
-            Refused::Magic => "no recording",
-            Refused::Version => "a recording of another version",
-            Refused::Checksum => "damaged: the sum is wrong",
-            Refused::Header => "the header cannot be read",
-            Refused::Length => "lengths contradict each other",
-            Refused::Axes => "of another number of axes",
+            RecordingRefusal::TooShort => "shorter than it says",
+            RecordingRefusal::Magic => "no recording",
+            RecordingRefusal::Version => "a recording of another version",
+            RecordingRefusal::Checksum => "damaged: the sum is wrong",
+            RecordingRefusal::Header => "the header cannot be read",
+            RecordingRefusal::Length => "lengths contradict each other",
+            RecordingRefusal::Axes => "of another number of axes",
         })
     }
 }
 
-impl core::error::Error for Refused {}
+impl core::error::Error for RecordingRefusal {}
 
 /// A checked recording of `N` axes, which borrows the bytes in place.
 #[derive(Clone, Debug)]
@@ -78,36 +78,38 @@ impl<'a, const N: usize> Recording<'a, N> {
     ///
     /// # Errors
     /// The first defect found.
-    pub fn parse(bytes: &'a [u8]) -> Result<Self, Refused> {
-        let (magic, rest) = bytes.split_first_chunk::<8>().ok_or(Refused::TooShort)?;
+    pub fn parse(bytes: &'a [u8]) -> Result<Self, RecordingRefusal> {
+        let (magic, rest) = bytes.split_first_chunk::<8>().ok_or(RecordingRefusal::TooShort)?;
         if *magic != MAGIC {
-            return Err(Refused::Magic);
+            return Err(RecordingRefusal::Magic);
         }
-        let (version, rest) = rest.split_first_chunk::<2>().ok_or(Refused::TooShort)?;
+        let (version, rest) = rest.split_first_chunk::<2>().ok_or(RecordingRefusal::TooShort)?;
         if u16::from_le_bytes(*version) != VERSION {
-            return Err(Refused::Version);
+            return Err(RecordingRefusal::Version);
         }
-        let (length, rest) = rest.split_first_chunk::<4>().ok_or(Refused::TooShort)?;
+        let (length, rest) = rest.split_first_chunk::<4>().ok_or(RecordingRefusal::TooShort)?;
         let length = u32::from_le_bytes(*length) as usize;
-        let (content, behind) = rest.split_at_checked(length).ok_or(Refused::TooShort)?;
-        let (sum, _) = behind.split_first_chunk::<4>().ok_or(Refused::TooShort)?;
-        let summed = bytes.get(..14 + length).ok_or(Refused::TooShort)?;
+        let (content, behind) = rest.split_at_checked(length).ok_or(RecordingRefusal::TooShort)?;
+        let (sum, _) = behind.split_first_chunk::<4>().ok_or(RecordingRefusal::TooShort)?;
+        let summed = bytes.get(..14 + length).ok_or(RecordingRefusal::TooShort)?;
         if CRC.checksum(summed) != u32::from_le_bytes(*sum) {
-            return Err(Refused::Checksum);
+            return Err(RecordingRefusal::Checksum);
         }
-        let (header, rest) = postcard::take_from_bytes::<Header>(content).map_err(|_| Refused::Header)?;
+        let (header, rest) = postcard::take_from_bytes::<Header>(content).map_err(|_| RecordingRefusal::Header)?;
         if usize::from(header.axes) != N {
-            return Err(Refused::Axes);
+            return Err(RecordingRefusal::Axes);
         }
-        let length = (header.cycles as usize).checked_mul(Cycle::<N>::bytes(header.gauge)).ok_or(Refused::Length)?;
-        let at = rest.len().checked_sub(length).ok_or(Refused::Length)?;
-        let (pieces, cycles) = rest.split_at_checked(at).ok_or(Refused::Length)?;
+        let length = (header.cycles as usize)
+            .checked_mul(RecordedCycle::<N>::bytes(header.gauge))
+            .ok_or(RecordingRefusal::Length)?;
+        let at = rest.len().checked_sub(length).ok_or(RecordingRefusal::Length)?;
+        let (pieces, cycles) = rest.split_at_checked(at).ok_or(RecordingRefusal::Length)?;
         let recording = Recording { header, pieces, cycles };
         let mut read = pieces;
         for _ in 0..recording.header.pieces {
-            (_, read) = piece(read).ok_or(Refused::Length)?;
+            (_, read) = piece(read).ok_or(RecordingRefusal::Length)?;
         }
-        if read.is_empty() { Ok(recording) } else { Err(Refused::Length) }
+        if read.is_empty() { Ok(recording) } else { Err(RecordingRefusal::Length) }
     }
 
     /// The header.
@@ -116,10 +118,10 @@ impl<'a, const N: usize> Recording<'a, N> {
     }
 
     /// Cycle `number`, from 0.
-    pub fn cycle(&self, number: u32) -> Option<Cycle<N>> {
-        let bytes = Cycle::<N>::bytes(self.header.gauge);
+    pub fn cycle(&self, number: u32) -> Option<RecordedCycle<N>> {
+        let bytes = RecordedCycle::<N>::bytes(self.header.gauge);
         let start = (number as usize).checked_mul(bytes)?;
-        Cycle::decode(self.cycles.get(start..start.checked_add(bytes)?)?, self.header.gauge)
+        RecordedCycle::decode(self.cycles.get(start..start.checked_add(bytes)?)?, self.header.gauge)
     }
 
     /// The spans of the path, in order, in the scalar and the positions of the reader's step.

@@ -25,7 +25,7 @@ const MISSING: i32 = i32::MIN;
 /// Why readings are refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
-pub enum Refused {
+pub enum WarmingRefusal {
     /// Shorter than its numbers state.
     TooShort,
     /// Not a file of readings.
@@ -42,21 +42,21 @@ pub enum Refused {
     Growth(ThermalError),
 }
 
-impl fmt::Display for Refused {
+impl fmt::Display for WarmingRefusal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Refused::TooShort => f.write_str("shorter than it says"),
-            Refused::Magic => f.write_str("no readings"),
-            Refused::Version => f.write_str("readings of another version"),
-            Refused::Checksum => f.write_str("damaged: the sum is wrong"),
-            Refused::Interval => f.write_str("less than two cycles between two readings"),
-            Refused::Sensors => f.write_str("not as many sensors as the growth has"),
-            Refused::Growth(error) => error.fmt(f),
+            WarmingRefusal::TooShort => f.write_str("shorter than it says"),
+            WarmingRefusal::Magic => f.write_str("no readings"),
+            WarmingRefusal::Version => f.write_str("readings of another version"),
+            WarmingRefusal::Checksum => f.write_str("damaged: the sum is wrong"),
+            WarmingRefusal::Interval => f.write_str("less than two cycles between two readings"),
+            WarmingRefusal::Sensors => f.write_str("not as many sensors as the growth has"),
+            WarmingRefusal::Growth(error) => error.fmt(f),
         }
     }
 }
 
-impl core::error::Error for Refused {}
+impl core::error::Error for WarmingRefusal {}
 
 /// Checked readings with the task's settings, which borrow the bytes in place.
 #[derive(Clone, Copy, Debug)]
@@ -82,8 +82,8 @@ impl Default for Task {
     }
 }
 
-fn number<const B: usize>(bytes: &[u8]) -> Result<([u8; B], &[u8]), Refused> {
-    bytes.split_first_chunk::<B>().map(|(number, rest)| (*number, rest)).ok_or(Refused::TooShort)
+fn number<const B: usize>(bytes: &[u8]) -> Result<([u8; B], &[u8]), WarmingRefusal> {
+    bytes.split_first_chunk::<B>().map(|(number, rest)| (*number, rest)).ok_or(WarmingRefusal::TooShort)
 }
 
 impl<'a> Warming<'a> {
@@ -91,36 +91,37 @@ impl<'a> Warming<'a> {
     ///
     /// # Errors
     /// The first defect found.
-    pub fn parse(bytes: &'a [u8], machine_id: u32) -> Result<Self, Refused> {
+    pub fn parse(bytes: &'a [u8], machine_id: u32) -> Result<Self, WarmingRefusal> {
         let (magic, rest) = number::<8>(bytes)?;
         if magic != MAGIC {
-            return Err(Refused::Magic);
+            return Err(WarmingRefusal::Magic);
         }
         let (version, rest) = number(rest)?;
         if u16::from_le_bytes(version) != VERSION {
-            return Err(Refused::Version);
+            return Err(WarmingRefusal::Version);
         }
         let (interval, rest) = number(rest)?;
         let (length, rest) = number(rest)?;
-        let (growth, rest) = rest.split_at_checked(u32::from_le_bytes(length) as usize).ok_or(Refused::TooShort)?;
+        let (growth, rest) =
+            rest.split_at_checked(u32::from_le_bytes(length) as usize).ok_or(WarmingRefusal::TooShort)?;
         let ([sensors], rest) = number(rest)?;
         let (rows, rest) = number(rest)?;
         let values = (u32::from_le_bytes(rows) as usize).checked_mul(usize::from(sensors) + 1);
-        let length = values.and_then(|values| values.checked_mul(4)).ok_or(Refused::TooShort)?;
-        let (readings, behind) = rest.split_at_checked(length).ok_or(Refused::TooShort)?;
+        let length = values.and_then(|values| values.checked_mul(4)).ok_or(WarmingRefusal::TooShort)?;
+        let (readings, behind) = rest.split_at_checked(length).ok_or(WarmingRefusal::TooShort)?;
         let (sum, behind) = number(behind)?;
-        let summed = bytes.get(..bytes.len() - behind.len() - sum.len()).ok_or(Refused::TooShort)?;
+        let summed = bytes.get(..bytes.len() - behind.len() - sum.len()).ok_or(WarmingRefusal::TooShort)?;
         if CRC.checksum(summed) != u32::from_le_bytes(sum) {
-            return Err(Refused::Checksum);
+            return Err(WarmingRefusal::Checksum);
         }
-        let thermal = Thermal::parse(growth).map_err(Refused::Growth)?;
-        thermal.expect_machine(machine_id).map_err(Refused::Growth)?;
+        let thermal = Thermal::parse(growth).map_err(WarmingRefusal::Growth)?;
+        thermal.expect_machine(machine_id).map_err(WarmingRefusal::Growth)?;
         let interval = u32::from_le_bytes(interval);
         if interval < 2 {
-            return Err(Refused::Interval);
+            return Err(WarmingRefusal::Interval);
         }
         if usize::from(sensors) != thermal.sensors() {
-            return Err(Refused::Sensors);
+            return Err(WarmingRefusal::Sensors);
         }
         Ok(Warming { thermal, interval, readings: readings.as_chunks().0 })
     }
@@ -285,12 +286,12 @@ mod tests {
             bytes[at] ^= 4;
             assert!(Warming::parse(&bytes, ID).is_err(), "byte {at}");
         }
-        assert!(matches!(Warming::parse(&good, ID + 1), Err(Refused::Growth(_))));
+        assert!(matches!(Warming::parse(&good, ID + 1), Err(WarmingRefusal::Growth(_))));
         let longer: Vec<u8> = good.iter().copied().chain([0; 9]).collect();
         assert!(Warming::parse(&longer, ID).is_ok());
         let two = write(&growth(), 100, &[(vec![Some(20.0), None], None)]);
-        assert_eq!(Warming::parse(&two, ID).unwrap_err(), Refused::Sensors);
+        assert_eq!(Warming::parse(&two, ID).unwrap_err(), WarmingRefusal::Sensors);
         let too_short = write(&growth(), 1, &[(vec![Some(20.0)], None)]);
-        assert_eq!(Warming::parse(&too_short, ID).unwrap_err(), Refused::Interval);
+        assert_eq!(Warming::parse(&too_short, ID).unwrap_err(), WarmingRefusal::Interval);
     }
 }

@@ -1,6 +1,6 @@
 //! Writing a recording on the host.
 
-use crate::cycle::Cycle;
+use crate::cycle::RecordedCycle;
 use crate::read::Header;
 use crate::{CRC, MAGIC, VERSION};
 use std::vec::Vec;
@@ -30,7 +30,7 @@ impl<const N: usize> Writer<N> {
     }
 
     /// Adds a cycle.
-    pub fn add(&mut self, cycle: &Cycle<N>) {
+    pub fn add(&mut self, cycle: &RecordedCycle<N>) {
         cycle.encode(self.header.gauge, &mut self.cycles);
         self.header.cycles += 1;
     }

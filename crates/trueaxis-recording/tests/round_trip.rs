@@ -4,7 +4,7 @@
 use trueaxis::Nanometres;
 use trueaxis::contour::{Reference, Segment, Span, convert};
 use trueaxis::glam::DVec3;
-use trueaxis_recording::{Cycle, Header, Probe, Recording, Refused, Writer};
+use trueaxis_recording::{Header, Probe, RecordedCycle, Recording, RecordingRefusal, Writer};
 
 fn segments() -> [Segment<'static>; 3] {
     [
@@ -37,8 +37,8 @@ fn spans<R: trueaxis::Real, P: trueaxis::Position>() -> Vec<Span<R, P>> {
     spans
 }
 
-fn cycle(i: i32) -> Cycle<3> {
-    Cycle {
+fn cycle(i: i32) -> RecordedCycle<3> {
+    RecordedCycle {
         command: [Nanometres(i), Nanometres(-i), Nanometres(i * 1000)],
         feedback: [Nanometres(i + 1), Nanometres(i32::MIN), Nanometres(i32::MAX)],
         elapsed_ns: 1_000_000 + i as u32,
@@ -78,7 +78,7 @@ fn recordings_are_read_back() {
         for i in 0..100 {
             let written = cycle(i);
             let probe = if gauge { written.probe } else { Probe::default() };
-            assert_eq!(read.cycle(i as u32), Some(Cycle { probe, ..written }));
+            assert_eq!(read.cycle(i as u32), Some(RecordedCycle { probe, ..written }));
         }
         assert_eq!(read.cycle(100), None);
         let path: Vec<Span<f64, f64>> = read.path().collect();
@@ -100,6 +100,6 @@ fn nothing_damaged_is_read() {
         damaged[at] ^= 1 << (at % 8);
         assert!(Recording::<3>::parse(&damaged).is_err(), "bit of byte {at}");
     }
-    assert!(matches!(Recording::<4>::parse(&bytes), Err(Refused::Axes)));
-    assert!(matches!(Recording::<3>::parse(&[0xff; 64]), Err(Refused::Magic)));
+    assert!(matches!(Recording::<4>::parse(&bytes), Err(RecordingRefusal::Axes)));
+    assert!(matches!(Recording::<3>::parse(&[0xff; 64]), Err(RecordingRefusal::Magic)));
 }

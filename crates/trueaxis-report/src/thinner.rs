@@ -7,24 +7,24 @@ use crate::number::drawable_point;
 /// would hide it. When all buckets are full, neighbours are merged. Cost: one pass.
 #[derive(Clone, Debug)]
 pub struct Thinner<T, const K: usize> {
-    buckets: Vec<[[Kept<T>; 2]; K]>,
+    buckets: Vec<[[Extreme<T>; 2]; K]>,
     most: u64,
     /// Number of items per bucket.
     size: u64,
     count: u64,
-    ends: Option<[Kept<T>; 2]>,
+    ends: Option<[Extreme<T>; 2]>,
 }
 
 /// An item with its number and the value that makes it an extreme.
 #[derive(Clone, Copy, Debug)]
-struct Kept<T> {
+struct Extreme<T> {
     number: u64,
     value: f64,
     item: T,
 }
 
 /// Merges the lowest and highest of two runs; among equals the first lowest and the last highest.
-fn merge<T: Copy>([low, high]: &mut [Kept<T>; 2], next: [Kept<T>; 2]) {
+fn merge<T: Copy>([low, high]: &mut [Extreme<T>; 2], next: [Extreme<T>; 2]) {
     if next[0].value < low.value {
         *low = next[0];
     }
@@ -71,7 +71,7 @@ impl<T: Copy, const K: usize> Thinner<T, K> {
         if number / self.size == self.most {
             self.halve();
         }
-        let kept = |value| Kept { number, value, item };
+        let kept = |value| Extreme { number, value, item };
         let last = kept(0.0);
         match &mut self.ends {
             Some(ends) => ends[1] = last,
@@ -99,7 +99,7 @@ impl<T: Copy, const K: usize> Thinner<T, K> {
     /// The items kept, in order.
     #[must_use]
     pub fn items(&self) -> Vec<T> {
-        let mut kept: Vec<&Kept<T>> =
+        let mut kept: Vec<&Extreme<T>> =
             self.buckets.iter().flatten().flatten().chain(self.ends.iter().flatten()).collect();
         kept.sort_unstable_by_key(|kept| kept.number);
         kept.dedup_by_key(|kept| kept.number);

@@ -8,7 +8,7 @@ use trueaxis::contour::PathError;
 use trueaxis::learned::LearnedError;
 use trueaxis::tcomp::TcompError;
 use trueaxis::{ConfigError, Fault};
-use trueaxis_metrology::identification::Refused;
+use trueaxis_metrology::identification::IdentificationRefusal;
 use trueaxis_metrology::learning::NotLearned;
 use trueaxis_tables::exact::GeometryError;
 
@@ -56,7 +56,7 @@ pub enum SimError {
     NotLearned(#[from] NotLearned),
     /// A record from which thermal growth cannot be identified.
     #[error("thermal growth: {0}")]
-    Thermal(#[from] trueaxis_metrology::thermal::Refused),
+    Thermal(#[from] trueaxis_metrology::thermal::ThermalRefusal),
     /// The program's motion.
     #[error("{program}: {error}")]
     Motion {
@@ -127,7 +127,7 @@ pub enum SimError {
         /// The record.
         of: &'static str,
         /// The reason.
-        error: trueaxis_metrology::friction::Refused,
+        error: trueaxis_metrology::friction::FrictionRefusal,
     },
     /// Errors that cannot be identified from readings.
     #[error("{at}: {error}")]
@@ -135,7 +135,7 @@ pub enum SimError {
         /// Axis or pose.
         at: String,
         /// The reason.
-        error: Refused,
+        error: IdentificationRefusal,
     },
 }
 

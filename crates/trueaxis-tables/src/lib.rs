@@ -36,7 +36,7 @@ pub use margins::{FeedbackMargins, feedback_margins};
 pub use output::write_atomically;
 pub use rates::{DriveRate, rates};
 pub use read::keys::{Keys, Written};
-pub use read::section::{Found, Section, read_toml};
+pub use read::section::{KeyValue, Section, read_toml};
 pub use read::table_text::{ColumnText, TableText, table_texts};
 pub use summary::{
     AxisSummary, CrosstalkSummary, DynamicSummary, ErrorSummary, FeedbackSummary, FrictionSummary, GridAxisSummary,

@@ -372,15 +372,9 @@ fn gauged() -> Machine {
     let lengths = Arm { crank_mm: 40.0, wheel_mm: 300.0, pin_mm: 20.0 };
     gauge.arm = Some(ArmSettings { lengths, counts: 1 << 20, direction: 1, tolerance_deg: 1.0 });
     gauge.infeed = Some(InfeedSettings {
-        axis: Axis::X,
-        direction: 1,
-        band: Band { first: 2, last: 20 },
         gain: 0.2,
-        delay_revolutions: 2,
-        contact_deg: 180.0,
         drive_delay_s: 0.001,
-        limit_um: 20.0,
-        noise_gain_limit: 10.0,
+        ..InfeedSettings::with_defaults(Axis::X, Band { first: 2, last: 20 })
     });
     machine.settings.roundness = Some(gauge);
     machine

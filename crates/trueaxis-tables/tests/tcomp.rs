@@ -125,15 +125,8 @@ fn the_bytes_are_those_documented() {
     });
     settings.filter = Some(50);
     settings.infeed = Some(InfeedSettings {
-        axis: Axis::X,
-        direction: 1,
-        band: Band { first: 2, last: 50 },
-        gain: 0.25,
-        delay_revolutions: 2,
-        contact_deg: 180.0,
         drive_delay_s: 0.001,
-        limit_um: 20.0,
-        noise_gain_limit: 10.0,
+        ..InfeedSettings::with_defaults(Axis::X, Band { first: 2, last: 50 })
     });
     with.settings.roundness = Some(settings);
     // Varints: seven bits per byte, lowest first.

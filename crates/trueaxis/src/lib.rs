@@ -56,9 +56,6 @@
 
 #[cfg(any(test, feature = "std"))]
 extern crate std;
-// For the files of `testing`, which `trueaxis-testing` compiles too.
-#[cfg(test)]
-extern crate self as trueaxis;
 
 /// Re-exports what only the other crates of this repository use: public and hidden with the feature `bench`, otherwise
 /// of this crate alone.
@@ -89,7 +86,7 @@ mod step;
 pub mod telemetry;
 pub mod temperature;
 #[cfg(test)]
-#[allow(dead_code, unreachable_pub)] // Public, and in use, in `trueaxis-testing`.
+#[allow(dead_code, unreachable_pub)] // `machine` is public, and in use, in `trueaxis-testing`.
 mod testing;
 mod vector;
 

@@ -9,7 +9,7 @@ import { word } from "../core/shell";
 import type { Axes, Evaluated, Request } from "./documents";
 import { Results } from "./results";
 
-export interface Kept {
+export interface ViewState {
   request: Request;
   compensated: boolean;
 }
@@ -78,12 +78,12 @@ export class Ballbar {
     this.describe();
   }
 
-  get state(): Kept {
+  get state(): ViewState {
     return { request: structuredClone(this.request), compensated: this.compensated };
   }
 
   /** The state contains no record: the user must drop it again. */
-  open({ request, compensated }: Kept): void {
+  open({ request, compensated }: ViewState): void {
     this.request = structuredClone(request);
     this.compensated = this.corrected.input.checked = compensated;
     this.radius.value = request.radius_mm;

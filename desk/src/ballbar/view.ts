@@ -3,7 +3,7 @@
 import "../core/figures.css";
 import "./ballbar.css";
 import type { View } from "../core/desk";
-import { Ballbar, type Kept } from "./panel";
+import { Ballbar, type ViewState } from "./panel";
 
 let ballbar: Ballbar | undefined;
 
@@ -15,8 +15,8 @@ export const view: View = {
   },
   state: () => ballbar?.state,
   open: async (state) => {
-    const kept = state as Partial<Kept> | null;
+    const kept = state as Partial<ViewState> | null;
     if (!kept?.request || kept.compensated === undefined) throw new Error("ballbar: found a state without the settings of a record, needed one that this page saved");
-    ballbar?.open(kept as Kept);
+    ballbar?.open(kept as ViewState);
   },
 };

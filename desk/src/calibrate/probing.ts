@@ -9,7 +9,7 @@ import { shown, significant } from "../core/number";
 import { word } from "../core/shell";
 import type { Expected, Planned } from "./documents";
 
-export interface Kept {
+export interface ViewState {
   name: string;
   task: string;
 }
@@ -115,12 +115,12 @@ export abstract class Probing {
     return false;
   }
 
-  get state(): Kept {
+  get state(): ViewState {
     return { name: this.name, task: this.task.value };
   }
 
   /** The state contains no logs: the user must drop them again. */
-  open({ name, task }: Kept): void {
+  open({ name, task }: ViewState): void {
     this.name = name;
     this.task.value = task;
     this.own = this.log = undefined;

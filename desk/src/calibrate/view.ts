@@ -4,7 +4,7 @@ import "../core/figures.css";
 import "./calibrate.css";
 import type { View } from "../core/desk";
 import { Calibrate } from "./panel";
-import type { Kept } from "./probing";
+import type { ViewState } from "./probing";
 
 let calibrate: Calibrate | undefined;
 
@@ -16,8 +16,8 @@ export const view: View = {
   },
   state: () => calibrate?.state,
   open: async (state) => {
-    const kept = state as Partial<Kept> | null;
+    const kept = state as Partial<ViewState> | null;
     if (typeof kept?.name !== "string" || typeof kept.task !== "string") throw new Error("calibrate: found a state without a task, needed one that this page saved");
-    calibrate?.open(kept as Kept);
+    calibrate?.open(kept as ViewState);
   },
 };

@@ -4,7 +4,7 @@ import { message } from "./desk";
 import type { Files } from "./machine";
 
 /** Content of a link or a file. */
-export interface Kept {
+export interface SavedPage {
   version: 1;
   view: string;
   machine: { name: string; files: Files };
@@ -32,7 +32,7 @@ async function through(bytes: Uint8Array<ArrayBuffer>, stream: ReadableWritableP
 }
 
 /** The page's address with the whole state behind the #. */
-export async function link(kept: Kept): Promise<string> {
+export async function link(kept: SavedPage): Promise<string> {
   const whole = new TextEncoder().encode(JSON.stringify(kept));
   if (whole.length > LARGEST) throw new Error(`found ${Math.ceil(whole.length / (1 << 20))} MB, needed at most ${LARGEST >> 20} in a link: Save puts them into a file`);
   const bytes = await through(whole, new CompressionStream("deflate-raw"), 2 * LARGEST);
@@ -43,7 +43,7 @@ export async function link(kept: Kept): Promise<string> {
 }
 
 /** The state in a link's fragment; undefined without one. */
-export async function fromLink(fragment: string): Promise<Kept | undefined> {
+export async function fromLink(fragment: string): Promise<SavedPage | undefined> {
   const text = /^#open=([\w-]+)$/.exec(fragment)?.[1];
   if (!text) return undefined;
   try {
@@ -56,8 +56,8 @@ export async function fromLink(fragment: string): Promise<Kept | undefined> {
 }
 
 /** A kept state from its JSON. */
-export function parse(text: string): Kept {
-  const value = JSON.parse(text) as Partial<Kept>;
+export function parse(text: string): SavedPage {
+  const value = JSON.parse(text) as Partial<SavedPage>;
   if (value.version !== 1) throw new Error(`found version ${String(value.version)}, needed a file of version 1`);
   const { view, machine, views } = value;
   const files = machine?.files;

@@ -9,7 +9,7 @@ import type { Evaluated, Test } from "./documents";
 import { Results } from "./results";
 import { TESTS, type Option, type Value } from "./tests";
 
-export interface Kept {
+export interface ViewState {
   chosen: Test | "";
   options: Record<string, Value>;
 }
@@ -76,13 +76,13 @@ export class Evaluate {
     this.describe();
   }
 
-  get state(): Kept {
+  get state(): ViewState {
     const all = [...this.options].flatMap(([test, own]) => own.map((option) => [`${test}.${option.key}`, option.kept()] as const));
     return { chosen: this.chosen.value, options: Object.fromEntries(all) };
   }
 
   /** The state contains no record: the user must drop it again. */
-  open({ chosen, options }: Kept): void {
+  open({ chosen, options }: ViewState): void {
     this.chosen.value = chosen;
     for (const [test, own] of this.options) for (const option of own) option.open(options[`${test}.${option.key}`] ?? option.kept());
     this.record = this.recognised = undefined;

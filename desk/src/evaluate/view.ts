@@ -3,7 +3,7 @@
 import "../core/figures.css";
 import "./evaluate.css";
 import type { View } from "../core/desk";
-import { Evaluate, type Kept } from "./panel";
+import { Evaluate, type ViewState } from "./panel";
 
 let evaluate: Evaluate | undefined;
 
@@ -15,8 +15,8 @@ export const view: View = {
   },
   state: () => evaluate?.state,
   open: async (state) => {
-    const kept = state as Partial<Kept> | null;
+    const kept = state as Partial<ViewState> | null;
     if (typeof kept?.chosen !== "string" || !kept.options) throw new Error("evaluate: found a state without a test and its options, needed one that this page saved");
-    evaluate?.open(kept as Kept);
+    evaluate?.open(kept as ViewState);
   },
 };

@@ -13,7 +13,7 @@ import { Stopped, Work } from "./work";
 
 type Drives = "found" | "machine";
 
-export interface Kept {
+export interface ViewState {
   axes: Axes;
   circles: Circles;
   drives: Drives;
@@ -180,12 +180,12 @@ export class Friction {
     } else this.command.set(simulator(this.source.circles, name, find));
   }
 
-  state(): Kept {
+  state(): ViewState {
     const { axes, circles } = this.source;
     return { axes, circles, drives: this.drives.value, simulated: this.record?.simulated ?? false, fitted: this.found !== undefined };
   }
 
-  async open({ axes, circles, drives, simulated, fitted }: Kept): Promise<void> {
+  async open({ axes, circles, drives, simulated, fitted }: ViewState): Promise<void> {
     this.work.stop();
     await this.idle();
     this.source.open(axes, circles);

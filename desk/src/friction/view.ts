@@ -2,7 +2,7 @@
 
 import "./friction.css";
 import type { View } from "../core/desk";
-import { Friction, type Kept } from "./panel";
+import { Friction, type ViewState } from "./panel";
 import type { Settings } from "./source";
 
 let friction: Friction | undefined;
@@ -16,5 +16,5 @@ export const view: View = {
     friction.begin();
   },
   state: () => friction?.state(),
-  open: async (state) => friction?.open(state as Kept),
+  open: async (state) => friction?.open(state as ViewState),
 };

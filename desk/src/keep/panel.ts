@@ -1,6 +1,6 @@
 // Balls that stay on the machine: planning a re-probing, checking its log against the history, updating the machine.
 
-import { Probing, type Kept as Task, type Log } from "../calibrate/probing";
+import { Probing, type ViewState as Task, type Log } from "../calibrate/probing";
 import type { Desk } from "../core/desk";
 import { button, el, section, table, textField, tick, warnings, type Cell } from "../core/dom";
 import { save } from "../core/files";
@@ -9,7 +9,7 @@ import { word } from "../core/shell";
 import type { Evaluated } from "./documents";
 import { SAMPLE } from "./sample";
 
-export interface Kept extends Task {
+export interface ViewState extends Task {
   history: string;
 }
 
@@ -53,11 +53,11 @@ export class Keep extends Probing {
     void this.work();
   }
 
-  override get state(): Kept {
+  override get state(): ViewState {
     return { ...super.state, history: this.history };
   }
 
-  override open(kept: Kept): void {
+  override open(kept: ViewState): void {
     this.history = kept.history;
     this.entered = false;
     super.open(kept);

@@ -3,7 +3,7 @@
 import "../core/figures.css";
 import "../calibrate/calibrate.css";
 import type { View } from "../core/desk";
-import { Keep, type Kept } from "./panel";
+import { Keep, type ViewState } from "./panel";
 
 let keep: Keep | undefined;
 
@@ -15,8 +15,8 @@ export const view: View = {
   },
   state: () => keep?.state,
   open: async (state) => {
-    const kept = state as Partial<Kept> | null;
+    const kept = state as Partial<ViewState> | null;
     if (typeof kept?.name !== "string" || typeof kept.task !== "string" || typeof kept.history !== "string") throw new Error("keep: found a state without a task, needed one that this page saved");
-    keep?.open(kept as Kept);
+    keep?.open(kept as ViewState);
   },
 };

@@ -7,7 +7,7 @@ import type { Result } from "./results";
 import { nearest, type Rows } from "./rows";
 import { differences, type Setup } from "./setup";
 
-export interface Kept {
+export interface ComparedRun {
   setup: Setup;
   description: Description;
   result: Result;
@@ -30,12 +30,12 @@ export class Comparison {
   private readonly drop: HTMLButtonElement;
   private readonly back: HTMLButtonElement;
   private plot: Plot | undefined;
-  private now: Kept | undefined;
-  kept: Kept | undefined;
+  private now: ComparedRun | undefined;
+  kept: ComparedRun | undefined;
 
   /** `current` returns the run to keep; `changed` is called when A changes; `settings` receives A's settings. */
   constructor(
-    current: () => Kept | undefined,
+    current: () => ComparedRun | undefined,
     private readonly changed: () => void,
     settings: (setup: Setup) => void,
   ) {
@@ -51,12 +51,12 @@ export class Comparison {
   }
 
   /** Sets the run B. */
-  set(now: Kept): void {
+  set(now: ComparedRun): void {
     this.now = now;
     if (this.kept) this.draw();
   }
 
-  private keep(kept: Kept | undefined): void {
+  private keep(kept: ComparedRun | undefined): void {
     this.kept = kept && { ...kept, setup: structuredClone(kept.setup) };
     this.body.hidden = this.drop.disabled = this.back.disabled = true;
     if (this.kept) {
@@ -88,7 +88,7 @@ export class Comparison {
     // Over the longer run; at each position the nearest row of the other.
     const longer = (now.rows.column(over).at(-1) ?? 0) >= (kept.rows.column(over).at(-1) ?? 0) ? now : kept;
     const at = longer.rows.column(over);
-    const curve = (of: Kept) => {
+    const curve = (of: ComparedRun) => {
       const values = of.rows.column(name);
       if (of === longer) return of.rows.curve(name);
       return Array.from(nearest(of.rows.column(over), at), (row) => (row < 0 || !Number.isFinite(values[row]) ? null : values[row]!));

@@ -3,7 +3,7 @@
 import { el, section } from "../core/dom";
 import { Acts, type ActsHost } from "./acts";
 import { Bar, type BarHost } from "./bar";
-import { Comparison, type Kept } from "./comparison";
+import { Comparison, type ComparedRun } from "./comparison";
 import { Curves, type Mark } from "./curves";
 import type { Description } from "./documents";
 import { Place } from "./place";
@@ -31,7 +31,7 @@ export class Screen {
   private readonly figures = el("div", { class: "figures" });
   private cursor: number | null = null;
   private placed = 0;
-  private shown: Kept | undefined;
+  private shown: ComparedRun | undefined;
   description: Description | undefined;
 
   constructor(

@@ -7,7 +7,7 @@ import { word } from "../core/shell";
 import type { Fitted } from "./documents";
 import { Results } from "./results";
 
-export interface Kept {
+export interface ViewState {
   holdOut: string;
   without: string;
 }
@@ -51,12 +51,12 @@ export class Growth {
     this.describe();
   }
 
-  get state(): Kept {
+  get state(): ViewState {
     return { holdOut: this.holdOut.value, without: this.without.value };
   }
 
   /** The state contains no record: the user must drop it again. */
-  open({ holdOut, without }: Kept): void {
+  open({ holdOut, without }: ViewState): void {
     [this.holdOut.value, this.without.value] = [holdOut, without];
     this.record = undefined;
     this.nothing("The record was a file: drop it again.");

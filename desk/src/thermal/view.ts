@@ -3,7 +3,7 @@
 import "../core/figures.css";
 import "./thermal.css";
 import type { View } from "../core/desk";
-import { Growth, type Kept } from "./panel";
+import { Growth, type ViewState } from "./panel";
 
 let growth: Growth | undefined;
 
@@ -15,8 +15,8 @@ export const view: View = {
   },
   state: () => growth?.state,
   open: async (state) => {
-    const kept = state as Partial<Kept> | null;
+    const kept = state as Partial<ViewState> | null;
     if (typeof kept?.holdOut !== "string" || typeof kept.without !== "string") throw new Error("thermal: found a state without cycles and sensors, needed one that this page saved");
-    growth?.open(kept as Kept);
+    growth?.open(kept as ViewState);
   },
 };

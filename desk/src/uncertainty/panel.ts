@@ -7,7 +7,7 @@ import { Plot } from "../core/plot";
 import { word } from "../core/shell";
 import type { AtPoint, Known, Request, Uncertainty } from "./documents";
 
-export interface Kept {
+export interface ViewState {
   request: Request;
   at: string;
 }
@@ -59,11 +59,11 @@ export class Position {
     void this.evaluate();
   }
 
-  get state(): Kept {
+  get state(): ViewState {
     return { request: structuredClone(this.request), at: this.at.value };
   }
 
-  open({ request, at }: Kept): void {
+  open({ request, at }: ViewState): void {
     this.request = structuredClone(request);
     this.at.value = at;
     for (const [key, field] of Object.entries(this.fields)) field.value = request[key as keyof typeof this.fields];

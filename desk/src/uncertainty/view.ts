@@ -3,7 +3,7 @@
 import "../core/figures.css";
 import "./uncertainty.css";
 import type { View } from "../core/desk";
-import { Position, type Kept } from "./panel";
+import { Position, type ViewState } from "./panel";
 
 let position: Position | undefined;
 
@@ -15,8 +15,8 @@ export const view: View = {
   },
   state: () => position?.state,
   open: async (state) => {
-    const kept = state as Partial<Kept> | null;
+    const kept = state as Partial<ViewState> | null;
     if (!kept?.request || typeof kept.at !== "string") throw new Error("uncertainty: found a state without a request, needed one that this page saved");
-    position?.open(kept as Kept);
+    position?.open(kept as ViewState);
   },
 };

@@ -3,12 +3,12 @@
 //! The module keeps the latest evaluated test, so that the page can write it to the machine.
 
 use crate::becomes::Becomes;
-use crate::{Refused, json, to_js};
+use crate::{Refusal, json, to_js};
 use anyhow::{Context, Result, anyhow};
 use serde::{Deserialize, Serialize};
 use std::cell::RefCell;
 use std::path::Path;
-use trueaxis_evaluation::ballbar::{Document, Options, Test, Trace, traces, values};
+use trueaxis_evaluation::ballbar::{BallbarDocument, Options, Test, Trace, traces, values};
 use trueaxis_evaluation::friction::pair;
 use trueaxis_tables::Additions;
 use trueaxis_tables::finding::record_number;
@@ -30,7 +30,7 @@ struct Request {
 #[derive(Serialize)]
 struct Evaluated {
     /// The document printed by `trueaxis ballbar --json`.
-    document: Document,
+    document: BallbarDocument,
     /// The causes as printed without `--json`: name, value, half-width of the 95 % interval.
     values: Vec<[String; 3]>,
     traces: Vec<Trace>,
@@ -57,7 +57,7 @@ fn evaluate(name: &str, bytes: &[u8], request: &str) -> Result<String> {
 /// Evaluates a record in any format that `trueaxis ballbar` reads: document, causes as text, curves, notes. `request`:
 /// `{"radius_mm": 100, "axes": "X,Y", "pitches_mm": [10, null, null]}`.
 #[wasm_bindgen]
-pub fn ballbar_evaluate(name: &str, bytes: &[u8], request: &str) -> Result<String, Refused> {
+pub fn ballbar_evaluate(name: &str, bytes: &[u8], request: &str) -> Result<String, Refusal> {
     to_js(evaluate(name, bytes, request))
 }
 
@@ -73,7 +73,7 @@ fn settings(files: &str, compensated: bool) -> Result<String> {
 /// The machine with the settings from the test: `files`, `settings` (`key`, `before`, `after`, `uncertainty`), `notes`.
 /// `compensated`: whether its tables corrected it while the circles were run.
 #[wasm_bindgen]
-pub fn ballbar_settings(files: &str, compensated: bool) -> Result<String, Refused> {
+pub fn ballbar_settings(files: &str, compensated: bool) -> Result<String, Refusal> {
     to_js(settings(files, compensated))
 }
 

@@ -2,12 +2,12 @@
 
 use crate::becomes::Becomes;
 use crate::files::{machine_of, texts};
-use crate::{Refused, json, to_js};
+use crate::{Refusal, json, to_js};
 use anyhow::Result;
 use serde::Serialize;
 use std::path::Path;
 use trueaxis::Axis;
-use trueaxis_evaluation::calibrate::{Curves, Document, Foreseen, Planning, Residuals, Task, solved};
+use trueaxis_evaluation::calibrate::{CalibrationDocument, Curves, Foreseen, Planning, Residuals, Task, solved};
 use trueaxis_tables::Machine;
 use wasm_bindgen::prelude::*;
 
@@ -23,9 +23,9 @@ struct Planned {
 
 /// A solved log.
 #[derive(Serialize)]
-struct Found {
+struct SolvedLog {
     /// The document printed by `trueaxis calibrate solve --json`.
-    document: Document,
+    document: CalibrationDocument,
     residuals: Residuals,
     curves: Vec<Curves>,
     becomes: Becomes,
@@ -46,7 +46,7 @@ fn plan(files: &str, name: &str, task: &str) -> Result<String> {
 /// Plans a task on the machine of these files, whichever machine the task names: `foreseen`, `program`, `notes`. Errors refer
 /// to the task by `name`.
 #[wasm_bindgen]
-pub fn calibrate_plan(files: &str, name: &str, task: &str) -> Result<String, Refused> {
+pub fn calibrate_plan(files: &str, name: &str, task: &str) -> Result<String, Refusal> {
     to_js(plan(files, name, task))
 }
 
@@ -55,7 +55,7 @@ fn solve(files: &str, name: &str, task: &str, log_name: &str, log: &str) -> Resu
     let (task, machine) = read(files, name, task, &mut notes)?;
     let (plan, found) = solved(&task, &machine, log, Path::new(log_name), |note| notes.push(note))?;
     let becomes = Becomes::new(files, &found.additions(&task).of_record(log.as_bytes()))?;
-    json(&Found {
+    json(&SolvedLog {
         document: found.document(&task, &machine),
         residuals: Residuals::of(&task, &plan, &found),
         curves: [Axis::X, Axis::Y, Axis::Z].into_iter().filter_map(|axis| Curves::of(&found, axis)).collect(),
@@ -66,6 +66,6 @@ fn solve(files: &str, name: &str, task: &str, log_name: &str, log: &str) -> Resu
 
 /// Solves a log of the task's program: `document`, `residuals`, `curves`, `becomes` (the corrected machine), `notes`.
 #[wasm_bindgen]
-pub fn calibrate_solve(files: &str, name: &str, task: &str, log_name: &str, log: &str) -> Result<String, Refused> {
+pub fn calibrate_solve(files: &str, name: &str, task: &str, log_name: &str, log: &str) -> Result<String, Refusal> {
     to_js(solve(files, name, task, log_name, log))
 }

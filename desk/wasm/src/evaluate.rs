@@ -2,7 +2,7 @@
 
 use crate::becomes::Becomes;
 use crate::files::machine;
-use crate::{Refused, json, to_js};
+use crate::{Refusal, json, to_js};
 use anyhow::{Context, Result, anyhow};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -90,7 +90,7 @@ fn test(name: &str, bytes: &[u8]) -> Result<String> {
 
 /// Detects the test of a record by its columns: "step-diagonal", "r-test", "points", "probing" or "thermal".
 #[wasm_bindgen]
-pub fn evaluate_test(name: &str, bytes: &[u8]) -> Result<String, Refused> {
+pub fn evaluate_test(name: &str, bytes: &[u8]) -> Result<String, Refusal> {
     to_js(test(name, bytes))
 }
 
@@ -105,7 +105,7 @@ fn evaluate(test: &str, files: &str, name: &str, bytes: &[u8], request: &str) ->
         "step-diagonal" => {
             diagonal::check(request.alignment_urad).map_err(|wrong| wrong.option())?;
             let test = diagonal::read(&mut Rows::new(bytes, path, &diagonal::COLUMNS, |note| notes.push(note))?)?;
-            let document = diagonal::Document::new(&test, request.alignment_urad);
+            let document = diagonal::DiagonalDocument::new(&test, request.alignment_urad);
             (document.shown(&test), located(files, bytes, diagonal::additions(&test))?)
         }
         "r-test" => {
@@ -116,7 +116,7 @@ fn evaluate(test: &str, files: &str, name: &str, bytes: &[u8], request: &str) ->
             machine.settings.tool_mm = request.tool_mm.unwrap_or(machine.settings.tool_mm);
             let options = r_test::Options { without: request.without, free_sensor: request.free_sensor };
             let found = r_test::identify(&record, name, &machine, &options)?;
-            let document = r_test::Document::new(&record, &found, &machine);
+            let document = r_test::RTestDocument::new(&record, &found, &machine);
             (document.shown(&record, &found), located(files, bytes, found.additions())?)
         }
         "points" => {
@@ -128,7 +128,7 @@ fn evaluate(test: &str, files: &str, name: &str, bytes: &[u8], request: &str) ->
             let options = points::Options { nodes, without: request.without };
             let found =
                 points::identify(&record, &machine, &options).map_err(|error| error.context(name.to_owned()))?;
-            let document = points::Document::new(&record, &found);
+            let document = points::PointsDocument::new(&record, &found);
             let becomes = Becomes::whole(files, document.files(&found, name))?;
             (document.shown(&record, &found), Some(becomes))
         }
@@ -136,7 +136,7 @@ fn evaluate(test: &str, files: &str, name: &str, bytes: &[u8], request: &str) ->
             probing::check(request.diameter_mm).map_err(|wrong| wrong.option())?;
             let rows = &mut Rows::new(bytes, path, &probing::COLUMNS, |note| notes.push(note))?;
             let record = probing::Record::read(rows, request.feature, request.diameter_mm)?;
-            (probing::Document::new(&record).shown(&record), None)
+            (probing::ProbingDocument::new(&record).shown(&record), None)
         }
         "thermal" => {
             thermal_test::check(request.period_min, request.distance_mm).map_err(|wrong| wrong.option())?;
@@ -146,7 +146,7 @@ fn evaluate(test: &str, files: &str, name: &str, bytes: &[u8], request: &str) ->
                 kind.ok_or_else(|| anyhow!("--test: found {}, needed one of {}", request.test, kinds.join(", ")))?;
             let test =
                 thermal_test::read(&mut Rows::new(bytes, path, &thermal_test::COLUMNS, |note| notes.push(note))?)?;
-            let document = thermal_test::Document::new(&test, kind, request.period_min, request.distance_mm);
+            let document = thermal_test::ThermalTestDocument::new(&test, kind, request.period_min, request.distance_mm);
             (document.shown(&test), None)
         }
         found => {
@@ -159,7 +159,7 @@ fn evaluate(test: &str, files: &str, name: &str, bytes: &[u8], request: &str) ->
 /// Evaluates a record of a test ([`evaluate_test`]) on the machine of these files: `shown` (the contents of the `trueaxis
 /// evaluate` report page), `becomes` (the corrected machine), `notes`. `request`: the test's options by name.
 #[wasm_bindgen]
-pub fn evaluate_record(test: &str, files: &str, name: &str, bytes: &[u8], request: &str) -> Result<String, Refused> {
+pub fn evaluate_record(test: &str, files: &str, name: &str, bytes: &[u8], request: &str) -> Result<String, Refusal> {
     to_js(evaluate(test, files, name, bytes, request))
 }
 

@@ -1,7 +1,7 @@
 //! Volumetric error over the working volume.
 
 use crate::files::machine;
-use crate::{Refused, json, to_js};
+use crate::{Refusal, json, to_js};
 use anyhow::Context;
 use trueaxis_evaluation::field::{self as fields, Settings};
 use wasm_bindgen::prelude::*;
@@ -20,12 +20,12 @@ fn figures(files: &str, request: &str) -> anyhow::Result<String> {
 
 /// The field as rows of nine numbers: x, y, z, mm; error before and error after, µm. `request`: [`Settings`] as JSON.
 #[wasm_bindgen]
-pub fn field(files: &str, request: &str) -> Result<Vec<f32>, Refused> {
+pub fn field(files: &str, request: &str) -> Result<Vec<f32>, Refusal> {
     to_js(rows(files, request))
 }
 
 /// Figures of the field before and after, under both models: [`fields::Figures`] as JSON.
 #[wasm_bindgen]
-pub fn field_figures(files: &str, request: &str) -> Result<String, Refused> {
+pub fn field_figures(files: &str, request: &str) -> Result<String, Refusal> {
     to_js(figures(files, request))
 }

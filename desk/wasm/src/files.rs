@@ -42,7 +42,7 @@ fn read(memory: &Memory, notes: &mut Vec<String>) -> Result<Machine> {
 
 /// Files read as a machine.
 #[derive(Debug, Serialize)]
-pub(crate) struct Taken {
+pub(crate) struct MachineFiles {
     /// Name of the folder, of the file, or of the machine.
     pub(crate) name: String,
     /// Texts by name.
@@ -71,7 +71,7 @@ pub(crate) fn given<'b>(names: &str, bytes: &'b [u8]) -> Result<Vec<Given<'b>>> 
 ///
 /// # Errors
 /// The files contain no machine, or several; all errors of reading, with file, line and column.
-pub(crate) fn taken(current: &Texts, given: &[Given<'_>]) -> Result<Taken> {
+pub(crate) fn from_given(current: &Texts, given: &[Given<'_>]) -> Result<MachineFiles> {
     if let [(name, bytes)] = given
         && has_ending(name, "tcomp")
     {
@@ -84,13 +84,13 @@ pub(crate) fn taken(current: &Texts, given: &[Given<'_>]) -> Result<Taken> {
 }
 
 /// The files of a compiled machine, in the library's format.
-fn from_tcomp(name: &Path, bytes: &[u8]) -> Result<Taken> {
+fn from_tcomp(name: &Path, bytes: &[u8]) -> Result<MachineFiles> {
     let tables = Tcomp::parse(bytes).map_err(|error| anyhow!("{}: {error}", name.display()))?;
     let machine = Machine::from_tcomp(&tables);
     let files = machine_files(&machine, "From a compiled file: settings and tables as it holds them.");
     let mut notes = Vec::new();
     read(&Memory::new(files.clone()), &mut notes)?;
-    Ok(Taken { name: machine.settings.name.to_string(), files: files.into_iter().collect(), notes })
+    Ok(MachineFiles { name: machine.settings.name.to_string(), files: files.into_iter().collect(), notes })
 }
 
 fn has_ending(name: &Path, ending: &str) -> bool {
@@ -119,7 +119,7 @@ fn description<'g>(given: &'g [Given<'_>]) -> Result<Option<&'g Path>> {
 }
 
 /// Takes a folder with all the files of a machine.
-fn folder(description: &Path, given: &[Given<'_>]) -> Result<Taken> {
+fn folder(description: &Path, given: &[Given<'_>]) -> Result<MachineFiles> {
     let folder = description.parent().unwrap_or(Path::new(""));
     let (mut files, mut left) = (BTreeMap::new(), 0);
     for (name, bytes) in given {
@@ -162,7 +162,7 @@ fn relative(name: &Path, folder: &Path) -> PathBuf {
 }
 
 /// Replaces the machine's files of the same name, and adds measurements.
-fn joined(current: &Texts, given: &[Given<'_>]) -> Result<Taken> {
+fn joined(current: &Texts, given: &[Given<'_>]) -> Result<MachineFiles> {
     if given.is_empty() {
         bail!("found no files, needed a folder with a {DESCRIPTION}, its tables, or a .tcomp");
     }
@@ -188,12 +188,12 @@ fn joined(current: &Texts, given: &[Given<'_>]) -> Result<Taken> {
 }
 
 /// Reads the machine and stores its files as texts.
-fn read_files(files: BTreeMap<PathBuf, &[u8]>, name: Option<String>, mut notes: Vec<String>) -> Result<Taken> {
+fn read_files(files: BTreeMap<PathBuf, &[u8]>, name: Option<String>, mut notes: Vec<String>) -> Result<MachineFiles> {
     let machine = read(&Memory::new(files.iter().map(|(name, bytes)| (name, *bytes))), &mut notes)?;
     let mut texts = Texts::new();
     for (name, bytes) in files {
         // Comments of a table may be in any encoding; the reader has accepted everything else.
         texts.insert(name.to_string_lossy().into_owned(), String::from_utf8_lossy(bytes).into_owned());
     }
-    Ok(Taken { name: name.unwrap_or_else(|| machine.settings.name.to_string()), files: texts, notes })
+    Ok(MachineFiles { name: name.unwrap_or_else(|| machine.settings.name.to_string()), files: texts, notes })
 }

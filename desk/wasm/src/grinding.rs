@@ -1,13 +1,13 @@
 //! A crankpin ground with and without infeed correction, in slices.
 
 use crate::files::machine;
-use crate::{Refused, json, to_js};
+use crate::{Refusal, json, to_js};
 use anyhow::{Context, Result};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use trueaxis::roundness::{GaugeSettings, ProbeAngles};
 use trueaxis_evaluation::probes::Probes;
-use trueaxis_sim::grinding::{Comparison, Document, Request};
+use trueaxis_sim::grinding::{Comparison, GrindingDocument, Request};
 use trueaxis_tables::Machine;
 use wasm_bindgen::prelude::*;
 
@@ -55,7 +55,7 @@ fn open(files: &str, request: &str) -> Result<()> {
 
 /// Prepares grinding without and with correction, as `firmware-sim grind` does.
 #[wasm_bindgen]
-pub fn grinding_open(files: &str, request: &str) -> Result<(), Refused> {
+pub fn grinding_open(files: &str, request: &str) -> Result<(), Refusal> {
     to_js(open(files, request))
 }
 
@@ -71,7 +71,7 @@ fn advance(cycles: u32) -> Result<f64> {
 
 /// Runs at most `cycles` further cycles; returns the fraction done, 1 once both runs have ended.
 #[wasm_bindgen]
-pub fn grinding_advance(cycles: u32) -> Result<f64, Refused> {
+pub fn grinding_advance(cycles: u32) -> Result<f64, Refusal> {
     to_js(advance(cycles))
 }
 
@@ -85,19 +85,19 @@ fn curve(corrected: bool, roundness: bool) -> Result<Vec<f64>> {
 
 /// Figure of every turn so far, µm: roundness, or root mean square of the corrected band.
 #[wasm_bindgen]
-pub fn grinding_curve(corrected: bool, roundness: bool) -> Result<Vec<f64>, Refused> {
+pub fn grinding_curve(corrected: bool, roundness: bool) -> Result<Vec<f64>, Refusal> {
     to_js(curve(corrected, roundness))
 }
 
 fn finish() -> Result<String> {
     let comparison = COMPARISON.take().context(NOT_OPEN)?;
     let grinding = comparison.grinding().clone();
-    json(&Document::new(&comparison.finish()?, &grinding)?)
+    json(&GrindingDocument::new(&comparison.finish()?, &grinding)?)
 }
 
 /// The document of `firmware-sim grind --json`, without the elapsed time.
 #[wasm_bindgen]
-pub fn grinding_finish() -> Result<String, Refused> {
+pub fn grinding_finish() -> Result<String, Refusal> {
     to_js(finish())
 }
 
@@ -117,7 +117,7 @@ mod tests {
         let request: Request = serde_json::from_value(request).unwrap();
         let grinding = request.grinding(sample().unwrap()).unwrap();
         let whole = trueaxis_sim::grinding::simulate(&grinding, &mut |_| {}).unwrap();
-        let document = Document::new(&whole, &grinding).unwrap();
+        let document = GrindingDocument::new(&whole, &grinding).unwrap();
         // Compared as texts, since numbers read back may differ in their last bit.
         assert_eq!(found, trueaxis_evaluation::json::compact(&document).unwrap());
         let found: Value = serde_json::from_str(&found).unwrap();

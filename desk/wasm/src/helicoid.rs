@@ -3,13 +3,13 @@
 //! A request is the JSON object of `trueaxis_evaluation::helicoid::Request`: the command line's options with underscores.
 
 use crate::files::machine;
-use crate::{Refused, json, to_js};
+use crate::{Refusal, json, to_js};
 use anyhow::{Result, anyhow, bail};
 use serde::Serialize;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use trueaxis_evaluation::helicoid::document::csv;
-use trueaxis_evaluation::helicoid::{self as evaluation, Document, Fit, Job, Limits, Passes, Reach, Request};
+use trueaxis_evaluation::helicoid::{self as evaluation, Fit, HelicoidDocument, Job, Limits, Passes, Reach, Request};
 use trueaxis_tables::formats::machine_files;
 use wasm_bindgen::prelude::*;
 
@@ -35,25 +35,25 @@ fn along(name: &str) -> Result<Passes> {
 
 /// The document of the command line's `--json`.
 #[wasm_bindgen]
-pub fn helicoid_document(request: &str) -> Result<String, Refused> {
+pub fn helicoid_document(request: &str) -> Result<String, Refusal> {
     to_js(document(request))
 }
 
 fn document(request: &str) -> Result<String> {
     let job = job(request)?;
     let points = job.points()?;
-    json(&Document::new(&job, points))
+    json(&HelicoidDocument::new(&job, points))
 }
 
 /// The command line's CSV table.
 #[wasm_bindgen]
-pub fn helicoid_csv(request: &str) -> Result<String, Refused> {
+pub fn helicoid_csv(request: &str) -> Result<String, Refusal> {
     to_js(job(request).and_then(|job| Ok(csv(&job.points()?))))
 }
 
 /// The text written by `--gcode`.
 #[wasm_bindgen]
-pub fn helicoid_gcode(request: &str) -> Result<String, Refused> {
+pub fn helicoid_gcode(request: &str) -> Result<String, Refusal> {
     to_js(job(request).and_then(|job| job.program()))
 }
 
@@ -63,7 +63,7 @@ pub fn helicoid_gcode(request: &str) -> Result<String, Refused> {
 struct Outline {
     /// The document without its points.
     #[serde(flatten)]
-    document: Document,
+    document: HelicoidDocument,
     count: usize,
     notes: Vec<String>,
     reach: [Reach; 2],
@@ -74,7 +74,7 @@ struct Outline {
 ///
 /// `limits` is `{"X": [low, high], …}`; an empty text means the machine's own limits, if it has A and C.
 #[wasm_bindgen]
-pub fn helicoid_outline(request: &str, limits: &str, files: &str) -> Result<String, Refused> {
+pub fn helicoid_outline(request: &str, limits: &str, files: &str) -> Result<String, Refusal> {
     to_js(outline(request, limits, files))
 }
 
@@ -84,12 +84,12 @@ fn outline(request: &str, typed: &str, files: &str) -> Result<String> {
     let limits = if typed.is_empty() { fit.travel.unwrap_or_default() } else { limits(typed)? };
     let reach = job.reach(&limits)?;
     let (count, notes) = (job.u.count * job.theta.count, job.notes());
-    json(&Outline { document: Document::new(&job, Vec::new()), count, notes, reach, fit })
+    json(&Outline { document: HelicoidDocument::new(&job, Vec::new()), count, notes, reach, fit })
 }
 
 /// The tool at (u, θ), rad: both branches with their travel, independent check of the pose, distance from the singular pose.
 #[wasm_bindgen]
-pub fn helicoid_tool(request: &str, limits: &str, u: f64, theta: f64) -> Result<String, Refused> {
+pub fn helicoid_tool(request: &str, limits: &str, u: f64, theta: f64) -> Result<String, Refusal> {
     to_js(tool(request, limits, u, theta))
 }
 
@@ -100,25 +100,25 @@ fn tool(request: &str, typed: &str, u: f64, theta: f64) -> Result<String> {
 /// Eleven columns: u or θ, then X, Y, Z, A and C of branch 1 and of branch 2, for `count` values along `theta` or `u` with the
 /// other parameter fixed.
 #[wasm_bindgen]
-pub fn helicoid_curve(request: &str, line: &str, held: f64, count: usize) -> Result<Vec<f64>, Refused> {
+pub fn helicoid_curve(request: &str, line: &str, held: f64, count: usize) -> Result<Vec<f64>, Refusal> {
     to_js(job(request).and_then(|job| job.curve(along(line)?, held, count)))
 }
 
 /// Points of the flank, rows of θ with columns of u, in the gear's frame, raised from it by `lift_mm`.
 #[wasm_bindgen]
-pub fn helicoid_mesh(request: &str, rows: usize, columns: usize, lift_mm: f64) -> Result<Vec<f32>, Refused> {
+pub fn helicoid_mesh(request: &str, rows: usize, columns: usize, lift_mm: f64) -> Result<Vec<f32>, Refusal> {
     to_js(job(request).map(|job| job.mesh(rows, columns, lift_mm)))
 }
 
 /// Base circles, the other teeth and the gear's axis, as pairs of points.
 #[wasm_bindgen]
-pub fn helicoid_surroundings(request: &str) -> Result<Vec<f32>, Refused> {
+pub fn helicoid_surroundings(request: &str) -> Result<Vec<f32>, Refusal> {
     to_js(job(request).map(|job| job.surroundings()))
 }
 
 /// Tip error along a line of the flank on the machine of these files, before and after its own compensation.
 #[wasm_bindgen]
-pub fn helicoid_flank(request: &str, files: &str, line: &str, held: f64, count: usize) -> Result<String, Refused> {
+pub fn helicoid_flank(request: &str, files: &str, line: &str, held: f64, count: usize) -> Result<String, Refusal> {
     to_js(flank(request, files, line, held, count))
 }
 
@@ -128,7 +128,7 @@ fn flank(request: &str, files: &str, line: &str, held: f64, count: usize) -> Res
 
 /// Adapts an upright machine of the chain `w C' b X Y Z A t` with positive senses to the request; returns its files.
 #[wasm_bindgen]
-pub fn helicoid_machine(request: &str, files: &str) -> Result<String, Refused> {
+pub fn helicoid_machine(request: &str, files: &str) -> Result<String, Refusal> {
     to_js(adapted(request, files))
 }
 

@@ -2,11 +2,13 @@
 
 use crate::becomes::Becomes;
 use crate::files::texts;
-use crate::{Refused, json, to_js};
+use crate::{Refusal, json, to_js};
 use anyhow::{Context, Result, anyhow};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
-use trueaxis_evaluation::keep::{Document, Entry, Foreseen, HISTORY, Keep, Let, Log, Planning, State, deeds, time};
+use trueaxis_evaluation::keep::{
+    Entry, Foreseen, HISTORY, KeepTask, Log, Overrides, Planning, ReprobingDocument, State, descriptions, time,
+};
 use trueaxis_tables::files::Memory;
 use wasm_bindgen::prelude::*;
 
@@ -37,7 +39,7 @@ struct Request {
 #[derive(Serialize)]
 struct Evaluated {
     /// The document printed by `trueaxis keep begin --json` or `check --json`.
-    document: Document,
+    document: ReprobingDocument,
     /// Verdicts in words, one per term.
     verdicts: Vec<String>,
     /// Reason why an operator must check the machine.
@@ -65,21 +67,21 @@ struct Past {
 
 /// The task's state on the machine of these files, whichever machine the task names.
 fn state(files: &str, name: &str, task: &str, history: &str, notes: &mut Vec<String>) -> Result<State> {
-    let keep = Keep::read(task, Path::new(name))?;
-    State::of_texts(keep, Memory::new(texts(files)?), history, &mut |note| notes.push(note))
+    let task = KeepTask::read(task, Path::new(name))?;
+    State::of_texts(task, Memory::new(texts(files)?), history, &mut |note| notes.push(note))
 }
 
 fn plan(files: &str, name: &str, task: &str) -> Result<String> {
     let mut notes = Vec::new();
     let state = state(files, name, task, "", &mut notes)?;
-    let Planning { program, foreseen, .. } = Planning::new(&state.keep, &state.machine)?;
+    let Planning { program, foreseen, .. } = Planning::new(&state.task, &state.machine)?;
     json(&Planned { foreseen, program, notes })
 }
 
 /// Plans the re-probing of a task on the machine of these files, whichever machine the task names: `foreseen`, `program`,
 /// `notes`. Errors refer to the task by `name`.
 #[wasm_bindgen]
-pub fn keep_plan(files: &str, name: &str, task: &str) -> Result<String, Refused> {
+pub fn keep_plan(files: &str, name: &str, task: &str) -> Result<String, Refusal> {
     to_js(plan(files, name, task))
 }
 
@@ -90,28 +92,28 @@ fn evaluate(files: &str, name: &str, task: &str, log_name: &str, log: &str, requ
     let time = request.time.map(|given| time(&given).map_err(|needed| anyhow!("--time: found {given:?}, {needed}")));
     let log = Log { file: Path::new(log_name), text: log, time: time.transpose()?, parts: request.parts };
     let note = &mut |note| notes.push(note);
-    let taken = if request.begin || request.history.is_empty() {
+    let evaluated = if request.begin || request.history.is_empty() {
         state.begin(&log, note)?
     } else {
         state.accepts(&request.accept).map_err(|wrong| anyhow!("--accept: {wrong}"))?;
-        state.check(&log, Let { accept: &request.accept, by_hand: request.by_hand }, note)?
+        state.check(&log, Overrides { accept: &request.accept, by_hand: request.by_hand }, note)?
     };
-    let refusal = taken.refusal(log.file);
+    let refusal = evaluated.refusal(log.file);
     let text = |bytes: Vec<u8>| String::from_utf8(bytes).ok();
     let mut written = Vec::new();
     let mut entries: Vec<Entry> = state.history.entries.clone();
     if refusal.is_none() {
         // The machine view compiles the controller's files; this module returns texts only.
-        let all = state.written(&taken.entry, &taken.files)?.into_iter();
+        let all = state.written(&evaluated.entry, &evaluated.files)?.into_iter();
         written.extend(all.filter_map(|(name, bytes)| Some((name.to_string_lossy().into_owned(), text(bytes)?))));
-        entries.push(taken.entry);
+        entries.push(evaluated.entry);
     }
     let history = written.iter().find(|(name, _)| name == HISTORY).map_or(request.history, |(_, text)| text.clone());
     let changed: Vec<(String, String)> =
-        taken.files.into_iter().filter_map(|(name, bytes)| Some((name, text(bytes?)?))).collect();
+        evaluated.files.into_iter().filter_map(|(name, bytes)| Some((name, text(bytes?)?))).collect();
     let becomes =
-        (!changed.is_empty()).then(|| Becomes::with(texts(files)?, changed, taken.changes, &[])).transpose()?;
-    let past = entries.iter().zip(deeds(&entries)).map(|(entry, deed)| Past {
+        (!changed.is_empty()).then(|| Becomes::with(texts(files)?, changed, evaluated.changes, &[])).transpose()?;
+    let past = entries.iter().zip(descriptions(&entries)).map(|(entry, deed)| Past {
         entry: entry.entry,
         time: entry.time.clone(),
         parts: entry.parts,
@@ -119,8 +121,8 @@ fn evaluate(files: &str, name: &str, task: &str, log_name: &str, log: &str, requ
         changed: entry.measured.iter().filter_map(|own| own.in_words()).collect(),
     });
     json(&Evaluated {
-        verdicts: taken.document.terms.iter().map(|term| term.in_words()).collect(),
-        document: taken.document,
+        verdicts: evaluated.document.terms.iter().map(|term| term.in_words()).collect(),
+        document: evaluated.document,
         refusal,
         becomes,
         entries: past.collect(),
@@ -141,6 +143,6 @@ pub fn keep_evaluate(
     log_name: &str,
     log: &str,
     request: &str,
-) -> Result<String, Refused> {
+) -> Result<String, Refusal> {
     to_js(evaluate(files, name, task, log_name, log, request))
 }

@@ -2,7 +2,7 @@
 //!
 //! Every export takes texts and numbers and returns a JSON document, a text or an array of numbers. A machine is a JSON object
 //! with the texts of its files, `{"machine.toml": "…", "x.csv": "…"}`. An error of the crates is thrown as the text that the
-//! command line prints ([`Refused`]). The documents come from `trueaxis-evaluation`, the runs from `trueaxis-sim`.
+//! command line prints ([`Refusal`]). The documents come from `trueaxis-evaluation`, the runs from `trueaxis-sim`.
 //!
 //! A panic is reported to the page ([`panics`]) and ends the module; the page starts a new one.
 #![forbid(unsafe_code)]
@@ -41,25 +41,25 @@ pub fn version() -> String {
 /// Reason for a refusal by an export, thrown on the page as an `Error` with this text. A program that calls the exports
 /// without a page reads the text directly.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Refused(String);
+pub struct Refusal(String);
 
-impl fmt::Display for Refused {
+impl fmt::Display for Refusal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.0)
     }
 }
 
-impl std::error::Error for Refused {}
+impl std::error::Error for Refusal {}
 
-impl From<Refused> for JsValue {
-    fn from(refused: Refused) -> JsValue {
+impl From<Refusal> for JsValue {
+    fn from(refused: Refusal) -> JsValue {
         JsError::new(&refused.0).into()
     }
 }
 
 /// Converts a result for the page: the error's text with its causes, on one line even if it quotes several lines.
-fn to_js<T>(result: anyhow::Result<T>) -> Result<T, Refused> {
-    result.map_err(|error| Refused(printable(&format!("{error:#}")).replace('\n', "\\n")))
+fn to_js<T>(result: anyhow::Result<T>) -> Result<T, Refusal> {
+    result.map_err(|error| Refusal(printable(&format!("{error:#}")).replace('\n', "\\n")))
 }
 
 /// A document as JSON.

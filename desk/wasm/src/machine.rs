@@ -1,8 +1,8 @@
 //! A machine and its tables: reading, displaying, editing, compiling.
 
-use crate::files::{DESCRIPTION, Taken, Texts, given, machine, memory, taken, texts};
+use crate::files::{DESCRIPTION, MachineFiles, Texts, from_given, given, machine, memory, texts};
 use crate::shown::shown;
-use crate::{Refused, json, samples, to_js};
+use crate::{Refusal, json, samples, to_js};
 use anyhow::{Context, Result};
 use serde::Serialize;
 use std::path::Path;
@@ -29,30 +29,30 @@ fn opened(files: &str) -> Result<String> {
 
 /// Reads and checks a machine: name, axes, notes.
 #[wasm_bindgen]
-pub fn machine_open(files: &str) -> Result<String, Refused> {
+pub fn machine_open(files: &str) -> Result<String, Refusal> {
     to_js(opened(files))
 }
 
 /// The sample machines: `[{"name": "…", "description": "…"}, …]`.
 #[wasm_bindgen]
-pub fn machine_samples() -> Result<String, Refused> {
+pub fn machine_samples() -> Result<String, Refusal> {
     to_js(json(&samples::samples()))
 }
 
 /// Files of a sample machine.
 #[wasm_bindgen]
-pub fn machine_sample(name: &str) -> Result<String, Refused> {
+pub fn machine_sample(name: &str) -> Result<String, Refusal> {
     to_js(samples::sample(name).and_then(|files| json(&files)))
 }
 
-fn from_files(current: &str, names: &str, bytes: &[u8]) -> Result<Taken> {
-    taken(&texts(current)?, &given(names, bytes)?)
+fn from_files(current: &str, names: &str, bytes: &[u8]) -> Result<MachineFiles> {
+    from_given(&texts(current)?, &given(names, bytes)?)
 }
 
 /// Reads a machine from dropped files, `{"name", "files", "notes"}`: a folder, a `.tcomp`, or files that replace or join the
 /// current ones. `names` are paths and lengths, `[["mill/x.csv", 1234], …]`, of files whose bytes are concatenated.
 #[wasm_bindgen]
-pub fn machine_from_files(current: &str, names: &str, bytes: &[u8]) -> Result<String, Refused> {
+pub fn machine_from_files(current: &str, names: &str, bytes: &[u8]) -> Result<String, Refusal> {
     to_js(from_files(current, names, bytes).and_then(|taken| json(&taken)))
 }
 
@@ -63,14 +63,14 @@ fn to_tcomp(files: &str, rate_hz: f64) -> Result<Vec<u8>> {
 
 /// The compiled file, as written by `trueaxis tables compile`.
 #[wasm_bindgen]
-pub fn machine_to_tcomp(files: &str, rate_hz: f64) -> Result<Vec<u8>, Refused> {
+pub fn machine_to_tcomp(files: &str, rate_hz: f64) -> Result<Vec<u8>, Refusal> {
     to_js(to_tcomp(files, rate_hz))
 }
 
 /// The full description of a machine at a servo rate, as JSON. `feed_per_min` is the feed of all axes, mm/min and degrees/min,
 /// for slopes and accelerations of the correction; zero means the top feed of each.
 #[wasm_bindgen]
-pub fn machine_show(files: &str, rate_hz: f64, feed_per_min: f64) -> Result<String, Refused> {
+pub fn machine_show(files: &str, rate_hz: f64, feed_per_min: f64) -> Result<String, Refusal> {
     to_js(shown(files, rate_hz, feed_per_min).and_then(|shown| json(&shown)))
 }
 
@@ -89,7 +89,7 @@ fn changed(files: &str, change_: &str) -> Result<Texts> {
 /// `{"change": "insert", "axis": "X", "position": 12.5}`, `{"change": "remove", "axis": "X", "row": 3}`,
 /// `{"change": "key", "key": "axis.X.backlash_um", "value": 2.0}`.
 #[wasm_bindgen]
-pub fn machine_change(files: &str, change: &str) -> Result<String, Refused> {
+pub fn machine_change(files: &str, change: &str) -> Result<String, Refusal> {
     to_js(changed(files, change).and_then(|files| json(&files)))
 }
 
@@ -108,7 +108,7 @@ pub fn machine_curve(
     component: usize,
     temperature_c: f64,
     points: usize,
-) -> Result<Vec<f64>, Refused> {
+) -> Result<Vec<f64>, Refusal> {
     let ErrorCurve { positions, forward, reverse, growth } =
         to_js(curve_of(files, axis, component, temperature_c, points))?;
     Ok([positions, forward, reverse, growth].concat())
@@ -123,7 +123,7 @@ mod tests {
         serde_json::to_string(&samples::sample(name).unwrap()).unwrap()
     }
 
-    fn dropped(current: &str, files: &[(&str, &[u8])]) -> Result<Taken> {
+    fn dropped(current: &str, files: &[(&str, &[u8])]) -> Result<MachineFiles> {
         let names: Vec<(&str, usize)> = files.iter().map(|(name, bytes)| (*name, bytes.len())).collect();
         let bytes: Vec<u8> = files.iter().flat_map(|(_, bytes)| bytes.iter().copied()).collect();
         from_files(current, &serde_json::to_string(&names).unwrap(), &bytes)

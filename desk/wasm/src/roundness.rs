@@ -2,7 +2,7 @@
 //!
 //! The module keeps the latest evaluation for its figure and curves.
 
-use crate::{Refused, json, to_js};
+use crate::{Refusal, json, to_js};
 use anyhow::{Context, Result};
 use serde::Serialize;
 use std::cell::RefCell;
@@ -51,7 +51,7 @@ fn evaluate(name: &str, text: &str, request: &str) -> Result<String> {
 
 /// Evaluates readings of three probes: the document of `trueaxis roundness --json` and its notes.
 #[wasm_bindgen]
-pub fn roundness_evaluate(name: &str, text: &str, request: &str) -> Result<String, Refused> {
+pub fn roundness_evaluate(name: &str, text: &str, request: &str) -> Result<String, Refusal> {
     to_js(evaluate(name, text, request))
 }
 
@@ -68,7 +68,7 @@ fn trace(name: &str, text: &str) -> Result<String> {
 
 /// Reference circles of a trace: the document of `trueaxis circle --json` and its notes.
 #[wasm_bindgen]
-pub fn roundness_trace(name: &str, text: &str) -> Result<String, Refused> {
+pub fn roundness_trace(name: &str, text: &str) -> Result<String, Refusal> {
     to_js(trace(name, text))
 }
 
@@ -86,7 +86,7 @@ fn polar(lsc: bool, mzc: bool, mic: bool, mcc: bool) -> Result<String> {
 
 /// Polar plot of the latest evaluation with these circles, as HTML.
 #[wasm_bindgen]
-pub fn roundness_polar(lsc: bool, mzc: bool, mic: bool, mcc: bool) -> Result<String, Refused> {
+pub fn roundness_polar(lsc: bool, mzc: bool, mic: bool, mcc: bool) -> Result<String, Refusal> {
     to_js(polar(lsc, mzc, mic, mcc))
 }
 
@@ -104,7 +104,7 @@ fn curve(name: &str) -> Result<Vec<f64>> {
 
 /// A curve of the latest evaluated readings over θ, µm: `profile`, or the mean contours `x` and `y` of the spindle.
 #[wasm_bindgen]
-pub fn roundness_curve(name: &str) -> Result<Vec<f64>, Refused> {
+pub fn roundness_curve(name: &str) -> Result<Vec<f64>, Refusal> {
     to_js(curve(name))
 }
 
@@ -117,7 +117,7 @@ fn orbit() -> Result<String> {
 
 /// Orbit of the spindle axis in the latest evaluated readings, single revolutions and their mean, as HTML.
 #[wasm_bindgen]
-pub fn roundness_orbit() -> Result<String, Refused> {
+pub fn roundness_orbit() -> Result<String, Refusal> {
     to_js(orbit())
 }
 
@@ -145,7 +145,7 @@ fn sample() -> Result<String> {
 
 /// Simulated readings of the sample grinder's gauge: name, text, request.
 #[wasm_bindgen]
-pub fn roundness_sample() -> Result<String, Refused> {
+pub fn roundness_sample() -> Result<String, Refusal> {
     to_js(sample())
 }
 
@@ -155,7 +155,7 @@ fn angles(probes: &str) -> Result<String> {
 
 /// Noise gain of an arrangement of probes over the band, even of a blind one; fast enough for every move of a slider.
 #[wasm_bindgen]
-pub fn probe_angles_curve(probes: &str) -> Result<String, Refused> {
+pub fn probe_angles_curve(probes: &str) -> Result<String, Refusal> {
     to_js(angles(probes))
 }
 
@@ -169,13 +169,13 @@ fn open(request: &str) -> Result<f64> {
 
 /// Prepares the search for the best pairs; returns its number of steps.
 #[wasm_bindgen]
-pub fn probe_angles_open(request: &str) -> Result<f64, Refused> {
+pub fn probe_angles_open(request: &str) -> Result<f64, Refusal> {
     to_js(open(request))
 }
 
 /// Runs that many steps of the search; returns the fraction done, 1 at the end.
 #[wasm_bindgen]
-pub fn probe_angles_advance(steps: u32) -> Result<f64, Refused> {
+pub fn probe_angles_advance(steps: u32) -> Result<f64, Refusal> {
     to_js(SEARCH.with_borrow_mut(|search| Ok(search.as_mut().context(NO_SEARCH)?.advance(steps as usize))))
 }
 
@@ -183,7 +183,7 @@ const NO_SEARCH: &str = "no search has been prepared";
 
 /// The document of `trueaxis probe-angles --json`.
 #[wasm_bindgen]
-pub fn probe_angles_finish() -> Result<String, Refused> {
+pub fn probe_angles_finish() -> Result<String, Refusal> {
     to_js(SEARCH.take().context(NO_SEARCH).and_then(|search| json(&search.finish()?)))
 }
 

@@ -1,7 +1,7 @@
 //! Settings of a run as the page's controls store them, and machines to exchange.
 
 use crate::files::machine;
-use crate::{Refused, json, to_js};
+use crate::{Refusal, json, to_js};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use trueaxis_sim::Settings;
@@ -57,20 +57,20 @@ fn scaled(files: &str, share: f64) -> anyhow::Result<String> {
 
 /// Reads settings in TOML; errors name `file`: `{settings: {…}, changes: [{key, value, default}]}`.
 #[wasm_bindgen]
-pub fn scope_settings(text: &str, file: &str) -> Result<String, Refused> {
+pub fn scope_settings(text: &str, file: &str) -> Result<String, Refusal> {
     to_js(settings(text, file))
 }
 
 /// The simulated drive that agrees with the plugin's figures: `{stated, friction, reference_temperature_c, drive:
 /// {position_gain_per_s, …}}`; the defaults if the machine states none.
 #[wasm_bindgen]
-pub fn scope_agreed(files: &str) -> Result<String, Refused> {
+pub fn scope_agreed(files: &str) -> Result<String, Refusal> {
     to_js(agreed_drive(files))
 }
 
 /// The machine's files with every entry of its error tables multiplied by `share`.
 #[wasm_bindgen]
-pub fn scope_scaled(files: &str, share: f64) -> Result<String, Refused> {
+pub fn scope_scaled(files: &str, share: f64) -> Result<String, Refusal> {
     to_js(scaled(files, share))
 }
 

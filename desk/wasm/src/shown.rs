@@ -7,7 +7,7 @@ use std::path::Path;
 use trueaxis::machine::{AxisSettings, Interpolation, Twist};
 use trueaxis::tcomp::Tcomp;
 use trueaxis_evaluation::accuracy;
-use trueaxis_evaluation::check::{Document, compiled, findings};
+use trueaxis_evaluation::check::{CheckDocument, compiled, findings};
 use trueaxis_metrology::accuracy::Accuracy;
 use trueaxis_tables::text::decode;
 use trueaxis_tables::{DriveRate, GridSource, Machine, TableText, rates, table_texts};
@@ -18,7 +18,7 @@ pub(crate) struct Shown {
     /// Detected separators.
     notes: Vec<String>,
     /// The document printed by `trueaxis tables check --json`.
-    check: Document,
+    check: CheckDocument,
     reference_temperature_c: f64,
     axes: Vec<AxisShown>,
     grids: Vec<GridShown>,
@@ -90,7 +90,7 @@ struct Correction {
 struct Measured {
     file: String,
     #[serde(skip_serializing_if = "Option::is_none")]
-    figures: Option<accuracy::Document>,
+    figures: Option<accuracy::AccuracyDocument>,
     /// Reason why the figures are missing.
     #[serde(skip_serializing_if = "Option::is_none")]
     refused: Option<String>,

@@ -1,13 +1,15 @@
 //! Thermal growth: a model from a recorded warm-up, its text and the controller's file.
 
 use crate::files::machine;
-use crate::{Refused, json, to_js};
+use crate::{Refusal, json, to_js};
 use anyhow::{Context, Result, anyhow};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 use trueaxis::tcomp::machine_id;
 use trueaxis_evaluation::rows::Rows;
-use trueaxis_evaluation::thermal::{COLUMNS, Document, Found, Recording, model, settings, worst, written};
+use trueaxis_evaluation::thermal::{
+    COLUMNS, FittedRecording, Recording, ThermalDocument, model, settings, worst, written,
+};
 use wasm_bindgen::prelude::*;
 
 /// Inputs in addition to the record.
@@ -38,14 +40,14 @@ struct Drift {
 #[derive(Serialize)]
 struct Fitted {
     /// The document printed by `trueaxis thermal fit --json`.
-    document: Document,
+    document: ThermalDocument,
     drifts: Vec<Drift>,
     /// The text that the command writes.
     toml: String,
     notes: Vec<String>,
 }
 
-fn drift(found: &Found, axis: trueaxis::Axis) -> Option<Drift> {
+fn drift(found: &FittedRecording, axis: trueaxis::Axis) -> Option<Drift> {
     let series = worst(found, axis)?;
     let column = |take: fn(&[f64; 3]) -> f64| series.rows.iter().map(take).collect();
     Some(Drift {
@@ -65,7 +67,7 @@ fn fit(files: &str, name: &str, text: &str, request: &str) -> Result<String> {
     let machine = machine(files, &mut notes)?;
     let settings = settings(Some(&machine.settings), request.hold_out);
     let rows = Rows::new(text.as_bytes(), Path::new(name), &COLUMNS, |note| notes.push(note))?;
-    let found = Found::of(Recording::read(rows, &request.without)?, &settings, &mut |_| {})?;
+    let found = FittedRecording::of(Recording::read(rows, &request.without)?, &settings, &mut |_| {})?;
     let (document, axes) = (found.document(), found.recording.record.axes.iter());
     notes.extend(document.missing.iter().map(|own| format!("{name}: {own}")));
     json(&Fitted {
@@ -79,7 +81,7 @@ fn fit(files: &str, name: &str, text: &str, request: &str) -> Result<String> {
 /// Fits a recorded warm-up on the machine of these files: `document`, `drifts`, `toml`, `notes`. `request`: `hold_out`,
 /// `without`.
 #[wasm_bindgen]
-pub fn thermal_fit(files: &str, name: &str, text: &str, request: &str) -> Result<String, Refused> {
+pub fn thermal_fit(files: &str, name: &str, text: &str, request: &str) -> Result<String, Refusal> {
     to_js(fit(files, name, text, request))
 }
 
@@ -91,6 +93,6 @@ fn compile(files: &str, name: &str, text: &str) -> Result<Vec<u8>> {
 
 /// Compiles a thermal.toml into the controller's file, for the machine of these files.
 #[wasm_bindgen]
-pub fn thermal_compile(files: &str, name: &str, text: &str) -> Result<Vec<u8>, Refused> {
+pub fn thermal_compile(files: &str, name: &str, text: &str) -> Result<Vec<u8>, Refusal> {
     to_js(compile(files, name, text))
 }

@@ -1,12 +1,12 @@
 //! Uncertainty of the corrected position.
 
 use crate::files::{DESCRIPTION, machine, memory};
-use crate::{Refused, json, to_js};
+use crate::{Refusal, json, to_js};
 use anyhow::{Context, Result, anyhow};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 use trueaxis_evaluation::correct::position;
-use trueaxis_evaluation::uncertainty::{Document, Options, evaluate};
+use trueaxis_evaluation::uncertainty::{Options, UncertaintyDocument, evaluate};
 use trueaxis_tables::uncertainty::Uncertainties;
 use wasm_bindgen::prelude::*;
 
@@ -26,7 +26,7 @@ struct Request {
 #[derive(Serialize)]
 struct Known {
     /// The document printed by `trueaxis uncertainty --json`.
-    document: Document,
+    document: UncertaintyDocument,
     /// Distances of the tip at the worst point, µm, over the random machines in ascending order: every hundredth of them.
     distances_um: Vec<f64>,
     notes: Vec<String>,
@@ -57,6 +57,6 @@ fn known(files: &str, request: &str) -> Result<String> {
 /// The uncertainty of the corrected position over the working volume: `document`, `distances_um`, `notes`. `request`: `at`,
 /// `points`, `confidence_percent`, `trials`, `seed`.
 #[wasm_bindgen]
-pub fn uncertainty(files: &str, request: &str) -> Result<String, Refused> {
+pub fn uncertainty(files: &str, request: &str) -> Result<String, Refusal> {
     to_js(known(files, request))
 }

@@ -15,7 +15,7 @@ mod summary;
 mod tasks;
 
 pub use five_axes::{FiveAxes, five_axes};
-pub use refused::Refused;
+pub use refused::RefusedMachine;
 pub use summary::{Machines, Summary, all, page, summary};
 pub use tasks::{BALL_PLATE, FIVE_AXES, GAUGE_AND_SQUARE, MILL, TaskText};
 
@@ -91,7 +91,7 @@ pub struct Outcome {
 /// Calibrates the three-axis machine of a seed by a task such as [`MILL`].
 ///
 /// # Errors
-/// Any error of planning; [`Refused`] for an error of probing or solving.
+/// Any error of planning; [`RefusedMachine`] for an error of probing or solving.
 pub fn three_axes<'t>(
     seed: u64,
     task: impl Into<TaskText<'t>>,
@@ -143,11 +143,8 @@ pub fn run<'t>(
     let task = Task { dialect, ..task };
     let text = program(&task, &nominal, &plan);
     let axes = truth.settings.axes.len();
-    let (log, found) = probed(&task, &nominal, &plan, || Ok(execute(&probing, &text)?)).map_err(|error| Refused {
-        axes,
-        seed,
-        reason: format!("{error:#}"),
-    })?;
+    let (log, found) = probed(&task, &nominal, &plan, || Ok(execute(&probing, &text)?))
+        .map_err(|error| RefusedMachine { axes, seed, reason: format!("{error:#}") })?;
     let files = Memory::new(machine_files(&nominal, ""));
     let edited = found.additions(&task).edit(&files, Path::new("machine.toml"))?;
     let all = machine_files(&nominal, "").into_iter().map(|(name, text)| (name.into(), text)).chain(edited.files);

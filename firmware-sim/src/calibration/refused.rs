@@ -6,7 +6,7 @@ use std::fmt;
 /// A machine that is excluded from the figures because its probing or solution was refused, for example after too large a
 /// drift.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Refused {
+pub struct RefusedMachine {
     /// Number of axes, 3 or 5.
     pub axes: usize,
     /// Seed.
@@ -15,10 +15,10 @@ pub struct Refused {
     pub reason: String,
 }
 
-impl fmt::Display for Refused {
+impl fmt::Display for RefusedMachine {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "machine {} with {} axes: {}", self.seed, self.axes, self.reason)
     }
 }
 
-impl std::error::Error for Refused {}
+impl std::error::Error for RefusedMachine {}

@@ -1,6 +1,6 @@
 //! Statistics over many simulated calibrations.
 
-use super::{Conditions, FiveAxes, Outcome, Refused, TaskText, five_axes, three_axes};
+use super::{Conditions, FiveAxes, Outcome, RefusedMachine, TaskText, five_axes, three_axes};
 use anyhow::Result;
 use maud::html;
 use rayon::prelude::*;
@@ -40,7 +40,7 @@ pub struct Machines {
     /// Five-axis machines.
     pub five_axes: Vec<FiveAxes>,
     /// Refused machines, which are in neither list.
-    pub refused: Vec<Refused>,
+    pub refused: Vec<RefusedMachine>,
 }
 
 /// Calibrates `machines` three-axis machines with consecutive seeds from `seed`, and a tenth as many with five axes, by one
@@ -74,11 +74,11 @@ pub fn all<'t>(
 }
 
 /// Separates the refusal of one machine from errors that end the run.
-fn split_refusal<T>(outcome: Result<T>, done: &(dyn Fn() + Sync)) -> Result<Result<T, Refused>> {
+fn split_refusal<T>(outcome: Result<T>, done: &(dyn Fn() + Sync)) -> Result<Result<T, RefusedMachine>> {
     done();
     match outcome {
         Ok(outcome) => Ok(Ok(outcome)),
-        Err(error) => error.downcast::<Refused>().map(Err),
+        Err(error) => error.downcast::<RefusedMachine>().map(Err),
     }
 }
 

@@ -27,7 +27,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use trueaxis::machine::{AXES, Axis};
 use trueaxis_evaluation::calibrate::{Plan, perfect, program, read_log, trips};
-use trueaxis_evaluation::keep::{BallPlace, Before, Keep, Reprobing, begin, changes, evaluate, plan};
+use trueaxis_evaluation::keep::{BallPlace, Before, KeepTask, Reprobing, begin, changes, evaluate, plan};
 use trueaxis_sim::calibration::{Artefact, Class, Host, Probing, execute, random_five_axis, random_machine, remaining};
 use trueaxis_sim::exchange::{Exchanged, in_motion};
 use trueaxis_tables::Machine;
@@ -129,7 +129,7 @@ struct Known {
 /// Machine, program and artefacts.
 struct Bench<'s> {
     shift: &'s Shift,
-    keep: Keep,
+    task: KeepTask,
     nominal: Machine,
     plan: Plan,
     program: String,
@@ -149,7 +149,7 @@ impl Bench<'_> {
             machine: truth.clone(),
             known: Some(known.clone()),
             set_ups: vec![artefacts],
-            tip_radius_mm: self.keep.task.probe.tip_radius_mm,
+            tip_radius_mm: self.task.probing.probe.tip_radius_mm,
             pre_travel_mm: 0.008,
             lobes_mm: 0.0003,
             noise_mm: 1e-3 * self.shift.noise_um,
@@ -165,11 +165,11 @@ impl Bench<'_> {
     /// Evaluates a log; without `before` it is the first one.
     fn evaluate(&self, known: &Machine, log: &str, before: Option<&Before<'_>>) -> Result<Reprobing> {
         let file = Path::new("look.log");
-        let log = read_log(log, file, self.keep.task.dialect, |_| {})?;
-        let trips = trips(&self.keep.task, &self.plan, &log, file)?;
+        let log = read_log(log, file, self.task.probing.dialect, |_| {})?;
+        let trips = trips(&self.task.probing, &self.plan, &log, file)?;
         match before {
-            None => begin(&self.keep, known, &self.plan, &trips, file),
-            Some(before) => evaluate(&self.keep, known, &self.plan, &trips, file, before),
+            None => begin(&self.task, known, &self.plan, &trips, file),
+            Some(before) => evaluate(&self.task, known, &self.plan, &trips, file, before),
         }
     }
 
@@ -190,17 +190,17 @@ impl Bench<'_> {
         let name = Path::new("machine.toml");
         let own = machine_files(&known.machine, "");
         let files = Memory::new(own.iter().map(|(name, text)| (name, text.as_str())));
-        let changes = changes(&self.keep, &reprobing, &known.machine, &files, name)?;
+        let changes = changes(&self.task, &reprobing, &known.machine, &files, name)?;
         if changes.files.is_empty() {
             return Ok(evaluated);
         }
         let all = own.into_iter().map(|(name, text)| (name.into(), text)).chain(changes.files);
         let new = Machine::read_from(&Memory::new(all), name, &mut |_| {})?;
         evaluated.updates = reprobing.verdicts.iter().filter(|verdict| verdict.update() != 0.0).count();
-        let about = self.keep.task.artefacts[0].places[0].at_mm;
+        let about = self.task.probing.artefacts[0].places[0].at_mm;
         let about = [about[0], about[1].max(60.0), about[2], 0.0, 0.0, 0.0];
         evaluated.exchanged = Some(in_motion(&known.machine, &new, about)?);
-        *known = Known { machine: new, totals: reprobing.totals(&self.keep) };
+        *known = Known { machine: new, totals: reprobing.totals(&self.task) };
         Ok(evaluated)
     }
 }
@@ -250,7 +250,7 @@ impl Shift {
     /// # Errors
     /// The task is invalid, or its balls do not determine its terms.
     pub fn run(&self, done: &dyn Fn()) -> Result<Outcome> {
-        let keep = Keep::read(&self.task, &self.task_file)?;
+        let task = KeepTask::read(&self.task, &self.task_file)?;
         let most = Drifting::most(self.part_s);
         if self.parts > most {
             let (parts, part_s) = (self.parts, self.part_s);
@@ -265,10 +265,10 @@ impl Shift {
         };
         let drifting = Drifting::new(started.clone(), self.seed, self.part_s);
         let nominal = perfect(&started);
-        let plan = plan(&keep, &nominal)?;
+        let plan = plan(&task, &nominal)?;
         let mut dice = ChaCha8Rng::seed_from_u64(self.seed ^ 0xba11);
         let mut normal = || -> f64 { StandardNormal.sample(&mut dice) };
-        let set_ups = placed(&keep.task, &nominal, SetUp { misplaced_mm: 0.3, askew: 5e-4 }, &mut normal)?;
+        let set_ups = placed(&task.probing, &nominal, SetUp { misplaced_mm: 0.3, askew: 5e-4 }, &mut normal)?;
         // All artefacts are on the machine at once.
         let mut all: Vec<Artefact> = Vec::new();
         set_ups.into_iter().flatten().for_each(|one| {
@@ -276,8 +276,8 @@ impl Shift {
                 all.push(one);
             }
         });
-        let program = program(&keep.task, &nominal, &plan);
-        let bench = Bench { shift: self, keep, nominal, plan, program, artefacts: all };
+        let program = program(&task.probing, &nominal, &plan);
+        let bench = Bench { shift: self, task, nominal, plan, program, artefacts: all };
         self.over(&bench, &drifting, &started, done)
     }
 
@@ -292,7 +292,7 @@ impl Shift {
             let without_um = figures(&remaining(&truth, started, &positions)?);
             let with_um = figures(&remaining(&truth, &known.machine, &positions)?);
             parts.push(Part { parts: made, without_um, with_um });
-            if made.is_multiple_of(bench.keep.every_parts) {
+            if made.is_multiple_of(bench.task.every_parts) {
                 let before = Before { known: &balls, totals: &known.totals, accepted: &[] };
                 let log = bench.log(&truth, &known.machine, made);
                 let taken = log.and_then(|log| bench.evaluate(&known.machine, &log, Some(&before)));

@@ -3,7 +3,7 @@
 use super::Outcome;
 use serde::Serialize;
 use trueaxis_sim::Scenario;
-use trueaxis_sim::run::Document;
+use trueaxis_sim::run::RunDocument;
 
 #[derive(Serialize)]
 struct LatencyJson {
@@ -25,7 +25,7 @@ pub struct Cost {
 
 impl Outcome {
     /// The document that `--json` prints.
-    pub fn json(&self, scenario: &Scenario) -> Document<Cost> {
+    pub fn json(&self, scenario: &Scenario) -> RunDocument<Cost> {
         let latency = self.latency.summary();
         let cost = Cost {
             latency_ns: LatencyJson {
@@ -39,8 +39,8 @@ impl Outcome {
             over_budget: latency.over_budget,
             missed_deadlines: latency.missed_deadlines,
         };
-        let mut document = Document::of(scenario, self.cycles, &self.machines());
+        let mut document = RunDocument::of(scenario, self.cycles, &self.machines());
         document.notes.splice(0..0, self.notes_on_time());
-        Document { timing: Some(cost), wall_s: Some(self.wall_s), ..document }
+        RunDocument { timing: Some(cost), wall_s: Some(self.wall_s), ..document }
     }
 }

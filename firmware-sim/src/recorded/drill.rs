@@ -1,7 +1,7 @@
 //! Disturbances that a controller encounters, written over the recorded cycles.
 
 use trueaxis::Nanometres;
-use trueaxis_recording::Cycle;
+use trueaxis_recording::RecordedCycle;
 use trueaxis_sim::Scenario;
 
 /// A fixed script, in cycles of the recording:
@@ -41,7 +41,7 @@ impl Drill {
     }
 
     /// Disturbs cycle `number`.
-    pub fn disturb(&self, number: u32, cycle: &mut Cycle<3>) {
+    pub fn disturb(&self, number: u32, cycle: &mut RecordedCycle<3>) {
         cycle.homed = number >= 20;
         cycle.enable = number >= 40 && !(200..240).contains(&number);
         cycle.reset = matches!(number, 80 | 120);

@@ -13,7 +13,7 @@ use std::sync::Arc;
 use trueaxis::contour::Reference;
 use trueaxis::tcomp::machine_id;
 use trueaxis::{Nanometres, Position};
-use trueaxis_recording::{Cycle, Header, Probe, Writer};
+use trueaxis_recording::{Header, Probe, RecordedCycle, Writer};
 use trueaxis_sim::Scenario;
 use trueaxis_sim::path::PlannedPath;
 use trueaxis_sim::run::{Given, Kind, Moment, Run, Sample, Sink};
@@ -103,8 +103,8 @@ impl Sink for Recorder {
     }
 }
 
-fn rounded(given: &Given<'_>, last: &mut [Nanometres; 3]) -> Cycle<3> {
-    let mut cycle = Cycle {
+fn rounded(given: &Given<'_>, last: &mut [Nanometres; 3]) -> RecordedCycle<3> {
+    let mut cycle = RecordedCycle {
         command: [Nanometres(0); 3],
         feedback: *last,
         elapsed_ns: given.elapsed_ns,

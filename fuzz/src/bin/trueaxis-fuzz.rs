@@ -21,7 +21,7 @@ const ENDLESS: Duration = Duration::from_secs(30);
 /// Attacks the untrusted inputs of trueaxis with mutants from a seed.
 #[derive(Parser)]
 #[command(name = "trueaxis-fuzz", args_conflicts_with_subcommands = true)]
-struct Arguments {
+struct FuzzArgs {
     #[command(subcommand)]
     command: Option<Command>,
     #[command(flatten)]
@@ -96,7 +96,7 @@ struct Attack {
 }
 
 fn main() -> Result<ExitCode> {
-    let arguments = Arguments::parse();
+    let arguments = FuzzArgs::parse();
     match arguments.command {
         None => attack(&arguments.attack),
         Some(Command::Run { target, files }) => run(&target, &files),

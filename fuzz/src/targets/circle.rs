@@ -3,7 +3,7 @@
 use crate::execution::SLOWEST;
 use crate::{Target, no_repair, outcome, refusal};
 use std::path::Path;
-use trueaxis_evaluation::circle::{COLUMNS, Document, Evaluation};
+use trueaxis_evaluation::circle::{COLUMNS, CircleDocument, Evaluation};
 use trueaxis_evaluation::rows::Rows;
 
 /// See [`Target`].
@@ -55,7 +55,7 @@ fn accepted(found: &Evaluation) {
     }
     narrowest(found, size);
     outcome::saw(found.circles.each_ref().map(Result::is_ok));
-    let document: Document = found.document();
+    let document: CircleDocument = found.document();
     let json = serde_json::to_string(&document).expect("a document");
     outcome::accepted();
     assert_eq!(document.refused.len(), found.circles.iter().filter(|circle| circle.is_err()).count(), "{json}");

@@ -11,7 +11,7 @@ use serde::Deserialize;
 use serde_json::value::RawValue;
 use std::cell::RefCell;
 use trueaxis_desk as desk;
-use trueaxis_desk::Refused;
+use trueaxis_desk::Refusal;
 
 /// See [`Target`].
 pub const TARGET: Target = Target {
@@ -57,9 +57,9 @@ fn forget() {
 }
 
 /// Arguments of a message.
-struct Arguments<'t>(std::str::Split<'t, &'static str>);
+struct Parameters<'t>(std::str::Split<'t, &'static str>);
 
-impl<'t> Arguments<'t> {
+impl<'t> Parameters<'t> {
     fn text(&mut self) -> &'t str {
         let text = self.0.next().unwrap_or_default();
         let end = (0..=LONGEST.min(text.len())).rev().find(|end| text.is_char_boundary(*end));
@@ -89,7 +89,7 @@ impl<'t> Arguments<'t> {
 /// Answers one message like the worker.
 fn answer(message: &str, dear: bool) {
     let (name, rest) = message.split_once('\n').unwrap_or((message, ""));
-    let a = &mut Arguments(rest.split("\n--\n"));
+    let a = &mut Parameters(rest.split("\n--\n"));
     let area = name.split_once('_').map_or(name, |(area, _)| area);
     match area {
         "machine" => machine(name, a),
@@ -109,7 +109,7 @@ fn answer(message: &str, dear: bool) {
     }
 }
 
-fn machine(name: &str, a: &mut Arguments<'_>) {
+fn machine(name: &str, a: &mut Parameters<'_>) {
     use desk::machine::*;
     match name {
         "machine_open" => json(machine_open(a.text())),
@@ -133,7 +133,7 @@ fn machine(name: &str, a: &mut Arguments<'_>) {
     }
 }
 
-fn fields(name: &str, a: &mut Arguments<'_>, dear: bool) {
+fn fields(name: &str, a: &mut Parameters<'_>, dear: bool) {
     use desk::field::*;
     match name {
         "field" if dear => drop(checked(field(a.text(), a.text()))),
@@ -142,7 +142,7 @@ fn fields(name: &str, a: &mut Arguments<'_>, dear: bool) {
     }
 }
 
-fn roundness(name: &str, a: &mut Arguments<'_>, dear: bool) {
+fn roundness(name: &str, a: &mut Parameters<'_>, dear: bool) {
     use desk::roundness::*;
     match name {
         "roundness_evaluate" if dear => json(roundness_evaluate(a.name(), a.text(), a.text())),
@@ -158,7 +158,7 @@ fn roundness(name: &str, a: &mut Arguments<'_>, dear: bool) {
     }
 }
 
-fn scope(name: &str, a: &mut Arguments<'_>, dear: bool) {
+fn scope(name: &str, a: &mut Parameters<'_>, dear: bool) {
     use desk::scope::*;
     use desk::scope_settings::*;
     // The scope opened last, or none.
@@ -184,7 +184,7 @@ fn scope(name: &str, a: &mut Arguments<'_>, dear: bool) {
     }
 }
 
-fn grinding(name: &str, a: &mut Arguments<'_>, dear: bool) {
+fn grinding(name: &str, a: &mut Parameters<'_>, dear: bool) {
     use desk::grinding::*;
     match name {
         "grinding_open" if dear => drop(checked(grinding_open(a.text(), a.text()))),
@@ -194,7 +194,7 @@ fn grinding(name: &str, a: &mut Arguments<'_>, dear: bool) {
     }
 }
 
-fn ballbar(name: &str, a: &mut Arguments<'_>, dear: bool) {
+fn ballbar(name: &str, a: &mut Parameters<'_>, dear: bool) {
     use desk::ballbar::*;
     match name {
         "ballbar_evaluate" if dear => json(ballbar_evaluate(a.name(), a.text().as_bytes(), a.text())),
@@ -203,7 +203,7 @@ fn ballbar(name: &str, a: &mut Arguments<'_>, dear: bool) {
     }
 }
 
-fn calibrate(name: &str, a: &mut Arguments<'_>, dear: bool) {
+fn calibrate(name: &str, a: &mut Parameters<'_>, dear: bool) {
     use desk::calibrate::*;
     match name {
         "calibrate_plan" if dear => json(calibrate_plan(a.text(), a.name(), a.text())),
@@ -212,7 +212,7 @@ fn calibrate(name: &str, a: &mut Arguments<'_>, dear: bool) {
     }
 }
 
-fn keep(name: &str, a: &mut Arguments<'_>, dear: bool) {
+fn keep(name: &str, a: &mut Parameters<'_>, dear: bool) {
     use desk::keep::*;
     match name {
         "keep_plan" if dear => json(keep_plan(a.text(), a.name(), a.text())),
@@ -221,7 +221,7 @@ fn keep(name: &str, a: &mut Arguments<'_>, dear: bool) {
     }
 }
 
-fn evaluate(name: &str, a: &mut Arguments<'_>, dear: bool) {
+fn evaluate(name: &str, a: &mut Parameters<'_>, dear: bool) {
     use desk::evaluate::*;
     match name {
         "evaluate_test" => drop(checked(evaluate_test(a.name(), a.text().as_bytes()))),
@@ -243,7 +243,7 @@ struct Evaluated<'t> {
     becomes: Option<&'t RawValue>,
 }
 
-fn thermal(name: &str, a: &mut Arguments<'_>, dear: bool) {
+fn thermal(name: &str, a: &mut Parameters<'_>, dear: bool) {
     use desk::thermal::*;
     match name {
         "thermal_fit" if dear => json(thermal_fit(a.text(), a.name(), a.text(), a.text())),
@@ -253,7 +253,7 @@ fn thermal(name: &str, a: &mut Arguments<'_>, dear: bool) {
 }
 
 /// With few points and draws: the page determines their cost.
-fn uncertainty(a: &mut Arguments<'_>) {
+fn uncertainty(a: &mut Parameters<'_>) {
     let (files, at, confidence) = (a.text(), a.text(), a.number());
     let (points, trials) = (2 + a.count() % 4, 100 + a.count());
     let request = format!(
@@ -263,7 +263,7 @@ fn uncertainty(a: &mut Arguments<'_>) {
 }
 
 /// Written settings must leave a valid machine.
-fn settings(answer: Result<String, Refused>) {
+fn settings(answer: Result<String, Refusal>) {
     checked(answer).iter().for_each(|text| machine_again(text));
 }
 
@@ -279,7 +279,7 @@ fn machine_again(text: &str) {
 }
 
 /// Without simulation and fits, which target `friction` covers.
-fn friction(name: &str, a: &mut Arguments<'_>) {
+fn friction(name: &str, a: &mut Parameters<'_>) {
     use desk::friction::*;
     match name {
         "friction_read" => json(friction_read(a.name(), a.text(), a.text())),
@@ -295,7 +295,7 @@ fn friction(name: &str, a: &mut Arguments<'_>) {
     }
 }
 
-fn helicoid(name: &str, a: &mut Arguments<'_>, dear: bool) {
+fn helicoid(name: &str, a: &mut Parameters<'_>, dear: bool) {
     use desk::helicoid::*;
     match name {
         "helicoid_document" if dear => json(helicoid_document(a.text())),
@@ -313,7 +313,7 @@ fn helicoid(name: &str, a: &mut Arguments<'_>, dear: bool) {
 }
 
 /// The answer; a refusal must be words on one line.
-fn checked<T>(answer: Result<T, Refused>) -> Option<T> {
+fn checked<T>(answer: Result<T, Refusal>) -> Option<T> {
     match answer {
         Ok(answer) => {
             outcome::accepted();
@@ -327,7 +327,7 @@ fn checked<T>(answer: Result<T, Refused>) -> Option<T> {
 }
 
 /// Expects one JSON document.
-fn json(answer: Result<String, Refused>) {
+fn json(answer: Result<String, Refusal>) {
     if let Some(text) = checked(answer) {
         let document: Result<&RawValue, _> = serde_json::from_str(&text);
         assert!(document.is_ok(), "{text}");
@@ -335,14 +335,14 @@ fn json(answer: Result<String, Refused>) {
 }
 
 /// Expects a figure without anything that a page would run.
-fn html(answer: Result<String, Refused>) {
+fn html(answer: Result<String, Refusal>) {
     if let Some(text) = checked(answer) {
         assert!(text.contains("<svg") && !text.contains("<script"), "{text}");
     }
 }
 
 /// Expects a curve of finite numbers.
-fn finite(answer: Result<Vec<f64>, Refused>) {
+fn finite(answer: Result<Vec<f64>, Refusal>) {
     if let Some(values) = checked(answer) {
         assert!(values.iter().all(|value| value.is_finite()), "{values:?}");
     }

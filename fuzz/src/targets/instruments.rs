@@ -52,7 +52,7 @@ fn finite(values: impl IntoIterator<Item = f64>) {
 fn step_diagonal(text: &[u8]) -> anyhow::Result<()> {
     let test = diagonal::read(&mut rows(text, &diagonal::COLUMNS)?)?;
     outcome::accepted();
-    let found = diagonal::Document::new(&test, Some(20.0));
+    let found = diagonal::DiagonalDocument::new(&test, Some(20.0));
     finite([found.e_d_um, found.m_d_um, found.a0z.value, found.b0z.value, found.c0y.value, found.scale.value]);
     assert!(found.diagonals.len() == 4 && found.rank <= 4);
     outcome::saw((found.steps.is_some(), found.r_d_um.is_some(), found.b_d_um.is_some()));
@@ -65,7 +65,7 @@ fn rotary(text: &[u8]) -> anyhow::Result<()> {
     let settings = Settings::new("w C' A' Y' b X Z t").settings();
     let machine = Machine { tables: settings.axes.iter().map(|_| None).collect(), grids: Vec::new(), settings };
     let found = r_test::identify(&record, FILE, &machine, &r_test::Options::default())?;
-    let document = r_test::Document::new(&record, &found, &machine);
+    let document = r_test::RTestDocument::new(&record, &found, &machine);
     finite(document.terms.iter().flat_map(|term| [term.value, term.standard_error]));
     outcome::saw((document.terms.len(), document.balls));
     Ok(())
@@ -79,7 +79,7 @@ fn volume(text: &[u8]) -> anyhow::Result<()> {
     let options = points::Options { nodes: Some([2; 3]), ..points::Options::default() };
     match points::identify(&points, &machine, &options) {
         Ok(found) => {
-            let document = points::Document::new(&points, &found);
+            let document = points::PointsDocument::new(&points, &found);
             finite([document.left.rms_um, document.sigma_um, document.condition]);
             outcome::saw((document.unseen.len(), document.unknowns));
         }
@@ -91,7 +91,7 @@ fn volume(text: &[u8]) -> anyhow::Result<()> {
 fn drift(text: &[u8]) -> anyhow::Result<()> {
     let test = thermal_test::read(&mut rows(text, &thermal_test::COLUMNS)?)?;
     outcome::accepted();
-    let document = thermal_test::Document::new(&test, "spindle", 1.0, Some(100.0));
+    let document = thermal_test::ThermalTestDocument::new(&test, "spindle", 1.0, Some(100.0));
     for channel in document.positions.iter().flat_map(|place| &place.channels) {
         finite([channel.range, channel.first_period, channel.worst_period, channel.end]);
         assert!(channel.first_period <= channel.range && channel.worst_period <= channel.range, "{channel:?}");
@@ -109,7 +109,7 @@ fn probe(text: &[u8], kind: u8) -> anyhow::Result<()> {
     };
     let record = probing::Record::read(&mut rows(text, &probing::COLUMNS)?, feature, None)?;
     outcome::accepted();
-    let document = probing::Document::new(&record);
+    let document = probing::ProbingDocument::new(&record);
     finite(document.runs.iter().flat_map(|run| run.centre_mm));
     finite(document.p_ftu_um);
     outcome::saw((document.feature, document.runs.len(), document.tip_offset.is_some()));

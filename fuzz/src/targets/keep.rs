@@ -6,7 +6,7 @@ use std::path::Path;
 use std::time::Duration;
 use trueaxis_evaluation::calibrate::program;
 use trueaxis_evaluation::keep::{
-    BallPlace, Changed, Deed, Entry, History, Keep, LogFile, Measured, figures, foreseen, plan, sum,
+    BallPlace, Changed, Entry, EntryKind, History, KeepTask, LogFile, Measured, figures, foreseen, plan, sum,
 };
 use trueaxis_report::Page;
 
@@ -35,30 +35,30 @@ fn run(bytes: &[u8]) {
 
 fn task(text: &str) {
     let file = Path::new(TASK);
-    let keep = match Keep::read(text, file) {
-        Ok(keep) => keep,
+    let task = match KeepTask::read(text, file) {
+        Ok(task) => task,
         Err(error) => return refusal::of_file(&error.to_string(), TASK, text.as_bytes()),
     };
-    for kept in &keep.terms {
+    for kept in &task.terms {
         let bounds = kept.bounds;
         assert!(0.0 < bounds.update && bounds.update <= bounds.total && bounds.significance >= 1.0, "{kept:?}");
     }
-    assert!(keep.ttherm.is_none() || keep.thermal.is_some());
+    assert!(task.ttherm.is_none() || task.thermal.is_some());
     outcome::accepted();
-    outcome::saw((keep.task.artefacts.len().min(3), keep.terms.len().min(6), keep.turns()));
+    outcome::saw((task.probing.artefacts.len().min(3), task.terms.len().min(6), task.turns()));
     if !one_in(PLANNED_ONE_IN, text.as_bytes()) {
         return;
     }
     let machine = small::machine("w b X Y Z t");
-    match plan(&keep, &machine) {
+    match plan(&task, &machine) {
         Err(error) => refusal::in_words(&format!("{error:#}")),
         Ok(planned) => {
-            let program = program(&keep.task, &machine, &planned);
+            let program = program(&task.probing, &machine, &planned);
             assert!(program.is_ascii() && !program.contains("NaN") && !program.contains("inf"), "{program}");
-            match foreseen(&keep, &machine, &planned) {
+            match foreseen(&task, &machine, &planned) {
                 Err(error) => refusal::in_words(&format!("{error:#}")),
                 Ok(errors) => {
-                    assert!(errors.len() == keep.terms.len() && errors.iter().all(|error| *error > 0.0), "{errors:?}");
+                    assert!(errors.len() == task.terms.len() && errors.iter().all(|error| *error > 0.0), "{errors:?}");
                     outcome::saw("foreseen");
                 }
             }
@@ -73,7 +73,7 @@ fn history(text: &str) {
         Err(error) => return refusal::of_file(&error.to_string(), HISTORY, text.as_bytes()),
     };
     outcome::accepted();
-    outcome::saw(history.entries.iter().map(|entry| entry.deed as u8).take(4).collect::<Vec<_>>());
+    outcome::saw(history.entries.iter().map(|entry| entry.kind as u8).take(4).collect::<Vec<_>>());
     let count = history.entries.len() as u32;
     let now = history.in_effect();
     assert!(now.windows(2).all(|pair| pair[0] < pair[1]) && now.iter().all(|number| (1..=count).contains(number)));
@@ -103,7 +103,7 @@ fn history(text: &str) {
         let longer = history.with(&next);
         let read = History::read(&longer, file).expect("what was written is read");
         // The last bit of a number may differ: the reader parses fast.
-        let summary = |entry: &Entry| (entry.entry, entry.deed, entry.files.clone(), entry.measured.len());
+        let summary = |entry: &Entry| (entry.entry, entry.kind, entry.files.clone(), entry.measured.len());
         assert_eq!(read.entries.last().map(summary), Some(summary(&next)));
         let lines: Vec<&str> = longer.split_inclusive('\n').collect();
         assert!(History::read(&lines[1..].concat(), file).is_err(), "the first line is missing");
@@ -142,25 +142,25 @@ fn seeds() -> Vec<Vec<u8>> {
     vec![
         format!("{head}{probe}{ball}{term}").into_bytes(),
         format!("{head}{files}{probe}{ball}{term}{more}").into_bytes(),
-        grown(&[Deed::Begin, Deed::Unchanged, Deed::Update]),
-        grown(&[Deed::Begin, Deed::Update, Deed::Undo, Deed::Begin, Deed::Update]),
+        grown(&[EntryKind::Begin, EntryKind::Unchanged, EntryKind::Update]),
+        grown(&[EntryKind::Begin, EntryKind::Update, EntryKind::Undo, EntryKind::Begin, EntryKind::Update]),
     ]
 }
 
 /// A history with these entries.
-fn grown(deeds: &[Deed]) -> Vec<u8> {
+fn grown(kinds: &[EntryKind]) -> Vec<u8> {
     let mut history = History::read("", Path::new(HISTORY)).expect("an empty history");
-    for deed in deeds {
+    for kind in kinds {
         let place = BallPlace { name: "ball".into(), centre_mm: [0.1, 0.2, -100.0], standard_error_um: [0.1; 3] };
         let changed = Changed { file: "x.csv".into(), before: None, after: Some("0000abcd".into()) };
         let entry = Entry {
             entry: history.next(),
-            deed: *deed,
+            kind: *kind,
             time: Some("2026-05-04T06:00:00Z".into()),
             parts: Some(7),
             plan: "1234abcd".into(),
             log: Some(LogFile { file: "look.log".into(), crc: format!("{:08x}", history.next()) }),
-            undone: (*deed == Deed::Undo).then_some(2),
+            undone: (*kind == EntryKind::Undo).then_some(2),
             sigma_um: Some(0.5),
             measured: vec![Measured {
                 term: "offset X".into(),
@@ -170,9 +170,9 @@ fn grown(deeds: &[Deed]) -> Vec<u8> {
                 from: 0.0,
                 to: 6.0,
             }],
-            balls: if *deed == Deed::Undo { Vec::new() } else { vec![place] },
+            balls: if *kind == EntryKind::Undo { Vec::new() } else { vec![place] },
             totals: [("offset X".into(), 6.0)].into(),
-            files: if *deed == Deed::Update { vec![changed] } else { Vec::new() },
+            files: if *kind == EntryKind::Update { vec![changed] } else { Vec::new() },
             tables: ["0000abcd".into(), "0000abcd".into()],
         };
         history = History::read(&history.with(&entry), Path::new(HISTORY)).expect("a good history");

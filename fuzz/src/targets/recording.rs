@@ -5,7 +5,7 @@ use crate::{Target, outcome, sum};
 use trueaxis::Nanometres;
 use trueaxis::contour::{Reference, Segment, Span, convert};
 use trueaxis::glam::DVec3;
-use trueaxis_recording::{Cycle, Header, MAGIC, Probe, Recording, Refused, Writer};
+use trueaxis_recording::{Header, MAGIC, Probe, RecordedCycle, Recording, RecordingRefusal, Writer};
 
 /// See [`Target`].
 pub const TARGET: Target = Target {
@@ -22,15 +22,17 @@ pub const TARGET: Target = Target {
 const HEAD: usize = 14;
 
 fn run(bytes: &[u8]) {
-    let refused =
-        [of::<3>, of::<4>, of::<5>, of::<6>].into_iter().map(|of| of(bytes)).find(|r| *r != Some(Refused::Axes));
+    let refused = [of::<3>, of::<4>, of::<5>, of::<6>]
+        .into_iter()
+        .map(|of| of(bytes))
+        .find(|r| *r != Some(RecordingRefusal::Axes));
     if let Some(Some(refused)) = refused {
         outcome::refused(refused);
     }
 }
 
 /// Reads a recording of `N` axes, which must be complete and survive being written again.
-fn of<const N: usize>(bytes: &[u8]) -> Option<Refused> {
+fn of<const N: usize>(bytes: &[u8]) -> Option<RecordingRefusal> {
     let recording = match Recording::<N>::parse(bytes) {
         Ok(recording) => recording,
         Err(refused) => return Some(refused),
@@ -41,7 +43,7 @@ fn of<const N: usize>(bytes: &[u8]) -> Option<Refused> {
     assert_eq!(path.len(), header.pieces as usize);
     assert_eq!(recording.path::<f32, Nanometres>().count(), path.len());
     assert!(recording.cycle(header.cycles).is_none() && recording.cycle(u32::MAX).is_none());
-    let cycles: Vec<Cycle<N>> = (0..header.cycles).map_while(|number| recording.cycle(number)).collect();
+    let cycles: Vec<RecordedCycle<N>> = (0..header.cycles).map_while(|number| recording.cycle(number)).collect();
     assert_eq!(cycles.len(), header.cycles as usize);
     for cycle in &cycles {
         let single = cycle.input::<Nanometres>();
@@ -71,11 +73,11 @@ fn damaged<const N: usize>(good: &[u8], choice: &[u8]) {
     assert!(Recording::<N>::parse(&good[..sum % good.len()]).is_err(), "{} bytes", sum % good.len());
 }
 
-fn all<const N: usize>(recording: &Recording<'_, N>) -> Vec<Cycle<N>> {
+fn all<const N: usize>(recording: &Recording<'_, N>) -> Vec<RecordedCycle<N>> {
     (0..recording.header().cycles).map_while(|number| recording.cycle(number)).collect()
 }
 
-fn written<const N: usize>(header: &Header, path: &[Span<f64, f64>], cycles: &[Cycle<N>]) -> Vec<u8> {
+fn written<const N: usize>(header: &Header, path: &[Span<f64, f64>], cycles: &[RecordedCycle<N>]) -> Vec<u8> {
     let mut writer = Writer::<N>::new(header.clone(), path).expect("a path that was read");
     cycles.iter().for_each(|cycle| writer.add(cycle));
     writer.finish().expect("a header that was read")
@@ -106,7 +108,7 @@ fn seed<const N: usize>(gauge: bool, lines: u32) -> Vec<u8> {
         gauge,
         exchange_at: gauge.then_some(1),
     };
-    let cycles = [0, 1].map(|i| Cycle::<N> {
+    let cycles = [0, 1].map(|i| RecordedCycle::<N> {
         command: [Nanometres(1000 * i); N],
         feedback: [Nanometres(i); N],
         elapsed_ns: 1_000_000,

@@ -7,7 +7,7 @@ use std::path::Path;
 use std::time::Duration;
 use trueaxis::temperature::Thermal;
 use trueaxis_evaluation::rows::Rows;
-use trueaxis_evaluation::thermal::{COLUMNS, Found, Recording, model, settings, written};
+use trueaxis_evaluation::thermal::{COLUMNS, FittedRecording, Recording, model, settings, written};
 
 /// See [`Target`].
 pub const TARGET: Target = Target {
@@ -45,7 +45,7 @@ fn record(bytes: &[u8]) {
         return;
     }
     let machine = small::machine("w b X Y Z t");
-    match Found::of(recording, &settings(Some(&machine.settings), Vec::new()), &mut |_| {}) {
+    match FittedRecording::of(recording, &settings(Some(&machine.settings), Vec::new()), &mut |_| {}) {
         Ok(found) => {
             let document = serde_json::to_string(&found.document()).expect("a document");
             assert!(!document.contains("NaN"), "{document}");

@@ -4,7 +4,7 @@ use super::ttherm;
 use crate::execution::SLOWEST;
 use crate::{Target, outcome, sum};
 use trueaxis::Axis;
-use trueaxis_recording::warming::{MAGIC, Refused, Task, Warming, write};
+use trueaxis_recording::warming::{MAGIC, Task, Warming, WarmingRefusal, write};
 
 /// See [`Target`].
 pub const TARGET: Target = Target {
@@ -31,7 +31,7 @@ fn run(bytes: &[u8]) {
         Ok(warming) => warming,
         Err(refused) => return outcome::refused(refused),
     };
-    assert!(matches!(Warming::parse(bytes, !id(bytes)), Err(Refused::Growth(_))));
+    assert!(matches!(Warming::parse(bytes, !id(bytes)), Err(WarmingRefusal::Growth(_))));
     outcome::accepted();
     let thermal = warming.thermal();
     outcome::saw((thermal.sensors(), warming.rows().min(3)));

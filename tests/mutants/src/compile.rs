@@ -9,7 +9,7 @@ use anyhow::{Result, bail};
 use serde::Deserialize;
 
 use crate::list::Mutant;
-use crate::rewrite::Refused;
+use crate::rewrite::RefusedMutants;
 use crate::scratch::{Files, Scratch};
 
 #[derive(Deserialize)]
@@ -57,7 +57,7 @@ pub struct Program {
 }
 
 /// Removes the mutants that do not compile; `refused` collects the refusals from run to run.
-pub fn settle(scratch: &Scratch, mutants: &[Mutant], refused: &mut Refused) -> Result<Files> {
+pub fn settle(scratch: &Scratch, mutants: &[Mutant], refused: &mut RefusedMutants) -> Result<Files> {
     loop {
         let files = scratch.rewrite(mutants, refused)?;
         // A copy that has compiled once need not be checked again.
@@ -135,7 +135,7 @@ fn overlaps(a: &Range<usize>, b: &Range<usize>) -> bool {
 }
 
 /// Refuses the mutant, the place or the constant function that an error refers to.
-fn refuse(error: &Message, files: &Files, refused: &mut Refused) {
+fn refuse(error: &Message, files: &Files, refused: &mut RefusedMutants) {
     if error.code.as_ref().is_some_and(|code| code.code == "E0015") && !error.message.contains("mutant_switch") {
         let name = error.message.split('`').nth(1).unwrap_or_default();
         let name = if name.ends_with('>') { name.rsplit_once("::<").map_or(name, |(name, _)| name) } else { name };
@@ -173,7 +173,7 @@ fn refuse(error: &Message, files: &Files, refused: &mut Refused) {
 }
 
 /// Refuses the arms of a match that is not exhaustive once they have guards, because such arms cannot be removed.
-fn refuse_arms(matched: &Place, files: &Files, refused: &mut Refused) {
+fn refuse_arms(matched: &Place, files: &Files, refused: &mut RefusedMutants) {
     let Some(file) = files.get(&matched.file_name) else { return };
     let mut depth = 0;
     for (at, byte) in file.text.bytes().enumerate().skip(matched.byte_end) {

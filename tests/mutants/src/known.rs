@@ -7,7 +7,7 @@ use anyhow::{Context, Result};
 use serde::Deserialize;
 
 use crate::list::Mutant;
-use crate::rewrite::Refused;
+use crate::rewrite::RefusedMutants;
 
 #[derive(Deserialize)]
 struct File {
@@ -91,9 +91,9 @@ pub fn explained(path: &Path) -> Result<Vec<Explained>> {
 }
 
 /// Reads the mutants refused by earlier runs; numbers refer to the mutants of this run.
-pub fn refused(path: &Path, mutants: &[Mutant]) -> Refused {
+pub fn refused(path: &Path, mutants: &[Mutant]) -> RefusedMutants {
     let numbers: HashMap<String, usize> = mutants.iter().enumerate().map(|(n, m)| (m.key(), n)).collect();
-    let mut refused = Refused::default();
+    let mut refused = RefusedMutants::default();
     for line in std::fs::read_to_string(path).unwrap_or_default().lines() {
         let Some((kind, rest)) = line.split_once('\t') else { continue };
         let number = numbers.get(rest.split_once('\t').map_or(rest, |(key, _)| key)).copied();
@@ -111,7 +111,7 @@ pub fn refused(path: &Path, mutants: &[Mutant]) -> Refused {
 }
 
 /// Writes the refused mutants.
-pub fn keep(path: &Path, refused: &Refused, mutants: &[Mutant]) -> Result<()> {
+pub fn keep(path: &Path, refused: &RefusedMutants, mutants: &[Mutant]) -> Result<()> {
     let mut lines: Vec<String> = refused.constant.iter().map(|name| format!("constant\t{name}")).collect();
     lines.extend(refused.mutants.iter().map(|&n| format!("mutant\t{}", mutants[n].key())));
     lines.extend(refused.places.iter().map(|(&n, forms)| format!("place\t{}\t{forms}", mutants[n].key())));

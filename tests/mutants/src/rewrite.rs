@@ -9,7 +9,7 @@ use crate::nodes::{Bytes, Kind, Node, nodes};
 
 /// Everything refused by the compiler so far.
 #[derive(Default)]
-pub struct Refused {
+pub struct RefusedMutants {
     /// Mutants whose own code does not compile.
     pub mutants: HashSet<usize>,
     /// Places that cannot be written as a choice, by their first mutant; the value is the number of failed forms.
@@ -18,7 +18,7 @@ pub struct Refused {
     pub constant: HashSet<String>,
 }
 
-impl Refused {
+impl RefusedMutants {
     /// Number of refusals.
     pub fn count(&self) -> usize {
         self.mutants.len() + self.constant.len() + self.places.values().map(|&forms| usize::from(forms)).sum::<usize>()
@@ -46,7 +46,7 @@ struct Writer<'a> {
     /// Node → mutants at that node.
     at: BTreeMap<usize, Vec<usize>>,
     mutants: &'a [Mutant],
-    refused: &'a Refused,
+    refused: &'a RefusedMutants,
     /// Constants that are replaced by a function at run time.
     functions: HashSet<String>,
     first_site: usize,
@@ -58,7 +58,7 @@ pub fn rewrite(
     text: &str,
     mutants: &[Mutant],
     here: &[usize],
-    refused: &Refused,
+    refused: &RefusedMutants,
     first_site: usize,
 ) -> Result<Rewritten> {
     let nodes = nodes(text).context("parse")?;

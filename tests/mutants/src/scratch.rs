@@ -7,7 +7,7 @@ use std::process::Command;
 use anyhow::{Context, Result, bail};
 
 use crate::list::Mutant;
-use crate::rewrite::{Refused, Rewritten, rewrite};
+use crate::rewrite::{RefusedMutants, Rewritten, rewrite};
 
 /// Folders of the campaign.
 pub struct Scratch {
@@ -95,7 +95,7 @@ impl Scratch {
     }
 
     /// Rewrites every file that has a mutant.
-    pub fn rewrite(&self, mutants: &[Mutant], refused: &Refused) -> Result<Files> {
+    pub fn rewrite(&self, mutants: &[Mutant], refused: &RefusedMutants) -> Result<Files> {
         let mut by_file: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
         for (number, mutant) in mutants.iter().enumerate() {
             by_file.entry(&mutant.file).or_default().push(number);

@@ -9,7 +9,7 @@ use trueaxis_tests::walk::{Leg, Soak};
 
 /// Walks the step through random sequences and checks every cycle against its contract.
 #[derive(Parser)]
-struct Arguments {
+struct WalkArgs {
     /// Total number of cycles.
     #[arg(long, default_value_t = 1_000_000)]
     cycles: u64,
@@ -34,7 +34,7 @@ struct Arguments {
 }
 
 fn main() -> Result<()> {
-    let arguments = Arguments::parse();
+    let arguments = WalkArgs::parse();
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     if let Some(number) = arguments.leg {
         let leg = Leg::new(arguments.seed, number, arguments.leg_cycles);

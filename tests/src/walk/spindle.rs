@@ -55,16 +55,15 @@ pub(super) fn settings(dice: &mut Dice, points: u16) -> GaugeSettings {
         stop_s: 0.01,
         filter: dice.one_in(2).then_some(15),
         revolutions: 1 + dice.below(6) as u16,
-        infeed: (!dice.one_in(5)).then(|| InfeedSettings {
-            axis: dice.one_of(&[Axis::X, Axis::Y, Axis::Z]),
-            direction: dice.one_of(&[1, -1]),
-            band: Band { first: 2, last: 6 },
-            gain: 0.2,
-            delay_revolutions: 2,
-            contact_deg: 180.0,
-            drive_delay_s: 0.001,
-            limit_um: dice.factor(0.3, 20.0),
-            noise_gain_limit: 10.0,
+        infeed: (!dice.one_in(5)).then(|| {
+            let axis = dice.one_of(&[Axis::X, Axis::Y, Axis::Z]);
+            InfeedSettings {
+                direction: dice.one_of(&[1, -1]),
+                gain: 0.2,
+                drive_delay_s: 0.001,
+                limit_um: dice.factor(0.3, 20.0),
+                ..InfeedSettings::with_defaults(axis, Band { first: 2, last: 6 })
+            }
         }),
         ..GaugeSettings::with_defaults(points, angles, COUNTS as u32)
     }

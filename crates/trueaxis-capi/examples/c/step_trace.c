@@ -28,6 +28,7 @@
 #define MEMORY_BYTES 65536
 #endif
 #define SPANS 64
+#define FNV1A_START UINT64_C(0xcbf29ce484222325)
 
 /* Nothing here is on the stack or the heap: firmware has it in static memory. uint64_t aligns to 8 bytes. */
 static trueaxis_loop_t loops[2];
@@ -108,9 +109,57 @@ static uint64_t fnv1a(uint64_t sum, const void *from, size_t size) {
     return sum;
 }
 
-static int run(struct file first, struct file second) {
+/* What the cycles add up to. */
+struct totals {
+    uint64_t drives, frames; /* FNV-1a of all bytes */
+    uint32_t faults, frame_bytes;
+    double worst_um, largest_um[AXES];
+};
+
+/* Starts the state of a loop and its path, a full circle. */
+static int start(const trueaxis_loop_t *loop) {
     const double center[3] = CENTER_MM, up[3] = { 0, 0, 1 };
-    const double start[3] = { center[0] + RADIUS_MM, center[1], center[2] };
+    const double from[3] = { center[0] + RADIUS_MM, center[1], center[2] };
+    return trueaxis_path_start(&path, sizeof path, path_memory, sizeof path_memory, 0) == TRUEAXIS_OK &&
+           trueaxis_path_arc(&path, from, from, center, up, 0, &error) == TRUEAXIS_OK &&
+           trueaxis_path_close(&path) == TRUEAXIS_OK &&
+           trueaxis_start(loop, &state, sizeof state, PERIOD_NS) == TRUEAXIS_OK;
+}
+
+static void add(struct totals *totals, const uint8_t *frame, size_t length) {
+    totals->drives = fnv1a(totals->drives, output.drive, AXES * sizeof output.drive[0]);
+    totals->frames = fnv1a(totals->frames, frame, length);
+    totals->frame_bytes += (uint32_t)length;
+    totals->faults += output.record.fault != TRUEAXIS_FAULT_NONE;
+    if (output.record.has_dynamic) {
+        for (int axis = 0; axis < AXES; ++axis) {
+            const double sent = output.record.dynamic.sent[axis] * 1e3, size = sent < 0 ? -sent : sent;
+            totals->largest_um[axis] = size > totals->largest_um[axis] ? size : totals->largest_um[axis];
+        }
+    }
+    if (!(output.record.tip.flags & TRUEAXIS_CONTOUR_NOT_FOUND) && output.record.tip.error * 1e3 > totals->worst_um) {
+        totals->worst_um = output.record.tip.error * 1e3;
+    }
+}
+
+static void print(const struct totals *totals) {
+    printf("cycles %" PRIu32 ", faults %" PRIu32 ", last fault %d, tables %08" PRIx32 "\n", output.record.sequence + 1,
+           totals->faults, output.record.fault, output.record.tables_crc);
+    for (int axis = 0; axis < AXES; ++axis) {
+        printf("correction %c %.6f um\n", "XYZ"[axis], output.record.correction[axis] * 1e3);
+    }
+    for (int axis = 0; axis < AXES; ++axis) {
+        printf("largest dynamic %c %.6f um\n", "XYZ"[axis], totals->largest_um[axis]);
+    }
+    printf("worst contour error %.6f um\n", totals->worst_um);
+    /* Printed in halves: not every C library prints 64 bits. */
+    printf("drives %08" PRIx32 "%08" PRIx32 "\n", (uint32_t)(totals->drives >> 32), (uint32_t)totals->drives);
+    printf("frames %08" PRIx32 "%08" PRIx32 ", %" PRIu32 " bytes\n", (uint32_t)(totals->frames >> 32),
+           (uint32_t)totals->frames, totals->frame_bytes);
+}
+
+static int run(struct file first, struct file second) {
+    const double center[3] = CENTER_MM;
     info.size = sizeof info;
     error.size = sizeof error;
     input.size = sizeof input;
@@ -127,9 +176,7 @@ static int run(struct file first, struct file second) {
         printf("machine %s, axes %s, tables %08" PRIx32 ", memory %" PRIu32 " bytes\n", info.name, info.letters,
                info.tables_crc, (uint32_t)info.memory_bytes);
     }
-    if (trueaxis_path_start(&path, sizeof path, path_memory, sizeof path_memory, 0) != TRUEAXIS_OK ||
-        trueaxis_path_arc(&path, start, start, center, up, 0, &error) != TRUEAXIS_OK ||
-        trueaxis_path_close(&path) != TRUEAXIS_OK || trueaxis_start(active, &state, sizeof state, PERIOD_NS) != TRUEAXIS_OK) {
+    if (!start(active)) {
         puts("path or state cannot be started");
         return 1;
     }
@@ -138,9 +185,7 @@ static int run(struct file first, struct file second) {
     const double turn[2] = { 0.9999996915748783, 0.0007853980826519387 };
     double phasor[2] = { RADIUS_MM, 0 };
     trueaxis_position_t lag[LAG_CYCLES][AXES];
-    uint64_t sum = UINT64_C(0xcbf29ce484222325), frames = sum;
-    double worst_um = 0, largest_um[AXES] = { 0 };
-    uint32_t faults = 0, frame_bytes = 0;
+    struct totals totals = { .drives = FNV1A_START, .frames = FNV1A_START };
     for (uint32_t cycle = 0; cycle < CYCLES; ++cycle) {
         const double at[AXES] = { center[0] + phasor[0], center[1] + phasor[1], center[2] };
         const uint32_t moved = cycle < REST ? 0 : cycle - REST;
@@ -180,39 +225,14 @@ static int run(struct file first, struct file second) {
         for (int axis = 0; axis < AXES; ++axis) {
             lag[cycle % LAG_CYCLES][axis] = output.drive[axis];
         }
-        sum = fnv1a(sum, output.drive, AXES * sizeof output.drive[0]);
-        frames = fnv1a(frames, frame, length);
-        frame_bytes += (uint32_t)length;
-        faults += output.record.fault != TRUEAXIS_FAULT_NONE;
+        add(&totals, frame, length);
         if (refused != TRUEAXIS_FAULT_NONE &&
             (output.record.fault != refused || memcmp(output.drive, input.command, sizeof output.drive) != 0)) {
             printf("cycle %" PRIu32 ": not passed as commanded, or without the reason\n", cycle);
             return 1;
         }
-        if (output.record.has_dynamic) {
-            for (int axis = 0; axis < AXES; ++axis) {
-                const double sent = output.record.dynamic.sent[axis] * 1e3;
-                largest_um[axis] = sent > largest_um[axis] ? sent : -sent > largest_um[axis] ? -sent : largest_um[axis];
-            }
-        }
-        if (!(output.record.tip.flags & TRUEAXIS_CONTOUR_NOT_FOUND) &&
-            output.record.tip.error * 1e3 > worst_um) {
-            worst_um = output.record.tip.error * 1e3;
-        }
     }
-
-    printf("cycles %" PRIu32 ", faults %" PRIu32 ", last fault %d, tables %08" PRIx32 "\n", output.record.sequence + 1,
-           faults, output.record.fault, output.record.tables_crc);
-    for (int axis = 0; axis < AXES; ++axis) {
-        printf("correction %c %.6f um\n", "XYZ"[axis], output.record.correction[axis] * 1e3);
-    }
-    for (int axis = 0; axis < AXES; ++axis) {
-        printf("largest dynamic %c %.6f um\n", "XYZ"[axis], largest_um[axis]);
-    }
-    printf("worst contour error %.6f um\n", worst_um);
-    /* Printed in halves: not every C library prints 64 bits. */
-    printf("drives %08" PRIx32 "%08" PRIx32 "\n", (uint32_t)(sum >> 32), (uint32_t)sum);
-    printf("frames %08" PRIx32 "%08" PRIx32 ", %" PRIu32 " bytes\n", (uint32_t)(frames >> 32), (uint32_t)frames, frame_bytes);
+    print(&totals);
     return 0;
 }
 

@@ -17,17 +17,8 @@ pub(crate) fn with_gauge(mut machine: Machine, points: u16) -> Vec<u8> {
     settings.band = roundness::Band { first: 2, last: 30 };
     settings.revolutions = 1;
     settings.slices_per_cycle = 2;
-    settings.infeed = Some(roundness::InfeedSettings {
-        axis: trueaxis::Axis::X,
-        direction: 1,
-        band: roundness::Band { first: 2, last: 10 },
-        gain: 0.25,
-        delay_revolutions: 2,
-        contact_deg: 180.0,
-        drive_delay_s: 0.0,
-        limit_um: 20.0,
-        noise_gain_limit: 10.0,
-    });
+    settings.infeed =
+        Some(roundness::InfeedSettings::with_defaults(trueaxis::Axis::X, roundness::Band { first: 2, last: 10 }));
     machine.settings.roundness = Some(settings);
     trueaxis_tables::compile(&machine).unwrap()
 }

@@ -49,14 +49,14 @@ All keys: docs/calibration.md";
 pub(crate) enum Command {
     /// Write the probing program of a task; refuse a task whose places cannot separate the terms.
     #[command(before_help = EXAMPLE)]
-    Plan(PlanArguments),
+    Plan(PlanArgs),
     /// Turn the log of the program into errors of the machine, and write the machine with them.
     #[command(before_help = SOLVE)]
-    Solve(SolveArguments),
+    Solve(SolveArgs),
 }
 
 #[derive(Args)]
-pub(crate) struct PlanArguments {
+pub(crate) struct PlanArgs {
     /// Machine, probe, artefacts and places.
     #[arg(value_name = "TASK.toml")]
     task: PathBuf,
@@ -69,7 +69,7 @@ pub(crate) struct PlanArguments {
 }
 
 #[derive(Args)]
-pub(crate) struct SolveArguments {
+pub(crate) struct SolveArgs {
     /// The task that the program was planned from.
     #[arg(value_name = "TASK.toml")]
     task: PathBuf,

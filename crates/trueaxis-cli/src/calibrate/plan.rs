@@ -1,6 +1,6 @@
 //! `trueaxis calibrate plan`.
 
-use super::{PlanArguments, read};
+use super::{PlanArgs, read};
 use crate::output::{data, json, report_line};
 use anyhow::Result;
 use trueaxis_evaluation::calibrate::Planning;
@@ -9,7 +9,7 @@ use trueaxis_tables::Machine;
 use trueaxis_tables::output::Outputs;
 use trueaxis_tables::text::counted;
 
-pub(super) fn run(arguments: &PlanArguments) -> Result<()> {
+pub(super) fn run(arguments: &PlanArgs) -> Result<()> {
     let read = read(&arguments.task)?;
     let Planning { program, foreseen, .. } = Planning::new(&read.task, &read.machine)?;
     match &arguments.output {

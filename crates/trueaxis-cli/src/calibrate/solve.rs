@@ -1,14 +1,14 @@
 //! `trueaxis calibrate solve`.
 
 use super::table::table;
-use super::{SolveArguments, read};
+use super::{SolveArgs, read};
 use crate::output::{print, progress, report_line};
 use crate::{machine_folder, model, report};
 use anyhow::Result;
 use trueaxis_evaluation::calibrate::solved;
 use trueaxis_tables::output::Outputs;
 
-pub(super) fn run(arguments: &SolveArguments) -> Result<()> {
+pub(super) fn run(arguments: &SolveArgs) -> Result<()> {
     let into = arguments.writing.output(arguments.output.as_deref());
     let _alone = into.map(machine_folder::alone).transpose()?;
     let read = read(&arguments.task)?;

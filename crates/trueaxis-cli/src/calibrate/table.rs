@@ -2,11 +2,11 @@
 
 use anyhow::Result;
 use std::fmt::Write;
-use trueaxis_evaluation::calibrate::Document;
+use trueaxis_evaluation::calibrate::CalibrationDocument;
 use trueaxis_report::number::significant;
 use trueaxis_tables::text::degrees_of_freedom;
 
-pub(super) fn table(d: &Document) -> Result<String> {
+pub(super) fn table(d: &CalibrationDocument) -> Result<String> {
     let mut text = format!("{} touches on {}", d.touches, d.machine);
     text.push_str(if d.compensated { ", compensated while probed\n\n" } else { "\n\n" });
     for term in &d.terms {

@@ -11,7 +11,7 @@ use trueaxis_evaluation::model::range;
 use trueaxis_tables::Machine;
 
 #[derive(Args)]
-pub(crate) struct Arguments {
+pub(crate) struct CorrectArgs {
     /// machine.toml, its folder, or a compiled .tcomp.
     #[arg(value_name = "M")]
     pub(super) machine: PathBuf,
@@ -38,7 +38,7 @@ pub(super) struct Asked {
 }
 
 impl Asked {
-    pub(super) fn new(arguments: &Arguments, machine: &Machine) -> Result<Asked> {
+    pub(super) fn new(arguments: &CorrectArgs, machine: &Machine) -> Result<Asked> {
         let at = match &arguments.at {
             Some(given) => position(given, machine)?,
             None => middle(machine),

@@ -7,9 +7,9 @@ use crate::model::{self, by_axes};
 use crate::output::{json, print, report_line};
 use anyhow::Result;
 use arguments::Asked;
-pub(crate) use arguments::{Arguments, position};
+pub(crate) use arguments::{CorrectArgs, position};
 use trueaxis::machine::Axis;
-use trueaxis_evaluation::correct::{self, Found};
+use trueaxis_evaluation::correct::{self, CorrectionAt};
 use trueaxis_tables::Warning;
 
 pub(crate) const EXAMPLE: &str = "\
@@ -35,13 +35,13 @@ error_um}], clamped, out_of_travel and clipped (letters of axes). With rotary ax
 and command_deg (by letter), and with the volumetric model error_urad, the rotation of the tool about [x, y, z], \
 actual − ideal.";
 
-pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+pub(crate) fn run(arguments: &CorrectArgs) -> Result<()> {
     let machine = model::machine(&arguments.machine)?;
     if !machine.states_errors() {
         report_line(format_args!("note: {}", Warning::NoErrorsStated));
     }
     let asked = Asked::new(arguments, &machine)?;
-    let found: Found = by_axes!(machine.settings.step_axes().count(), correct::at(&machine, &asked.query))?;
+    let found: CorrectionAt = by_axes!(machine.settings.step_axes().count(), correct::at(&machine, &asked.query))?;
     for (letters, what) in [
         (&found.clamped, "beyond the end of the table: its edge value is used"),
         (&found.out_of_travel, "outside the declared travel"),

@@ -4,7 +4,7 @@ use super::arguments::Asked;
 use serde_json::{Map, Value, json};
 use std::fmt::Write;
 use trueaxis::machine::{AXES, Axis};
-use trueaxis_evaluation::correct::Found;
+use trueaxis_evaluation::correct::CorrectionAt;
 use trueaxis_evaluation::model::name as model;
 use trueaxis_tables::Machine;
 use trueaxis_tables::text::{fixed, short};
@@ -13,15 +13,15 @@ fn linear(values: &[f64; AXES]) -> [f64; 3] {
     [values[0], values[1], values[2]]
 }
 
-fn command(found: &Found) -> [f64; AXES] {
+fn command(found: &CorrectionAt) -> [f64; AXES] {
     std::array::from_fn(|index| found.at[index] + found.correction[index])
 }
 
-fn rotary_axes(found: &Found) -> &[Axis] {
+fn rotary_axes(found: &CorrectionAt) -> &[Axis] {
     found.axes.get(3..).unwrap_or_default()
 }
 
-pub(super) fn document(machine: &Machine, found: &Found) -> Value {
+pub(super) fn document(machine: &Machine, found: &CorrectionAt) -> Value {
     let um = |mm: [f64; 3]| mm.map(|mm| mm * 1e3);
     let letters = |axes: &[Axis]| axes.iter().map(|axis| axis.letter().to_string()).collect::<Vec<_>>();
     let contributions = found.contributions.iter();
@@ -53,7 +53,7 @@ pub(super) fn document(machine: &Machine, found: &Found) -> Value {
     document
 }
 
-pub(super) fn text(machine: &Machine, asked: &Asked, found: &Found) -> String {
+pub(super) fn text(machine: &Machine, asked: &Asked, found: &CorrectionAt) -> String {
     let settings = &machine.settings;
     let mut text =
         format!("{}   {}, error model {}\n", settings.name, settings.chain, model(machine.settings.compensation.model));

@@ -36,7 +36,7 @@ More examples:
   trueaxis desk --write desk.html";
 
 #[derive(Args)]
-pub(crate) struct Arguments {
+pub(crate) struct DeskArgs {
     /// Port to serve at; 0 selects any free one [default: 8471, or any free one if that is in use].
     #[arg(long, value_name = "P", conflicts_with = "write")]
     port: Option<u16>,
@@ -47,8 +47,8 @@ pub(crate) struct Arguments {
 
 /// Refuses, and explains how to get the page.
 #[cfg(not(feature = "desk"))]
-pub(crate) fn run(arguments: &Arguments) -> Result<()> {
-    let Arguments { port: _, write: _ } = arguments;
+pub(crate) fn run(arguments: &DeskArgs) -> Result<()> {
+    let DeskArgs { port: _, write: _ } = arguments;
     anyhow::bail!(
         "desk: found a trueaxis that was built without the page, needed one of `desk/build.sh` and then `cargo install --path \
          crates/trueaxis-cli --features desk`"
@@ -56,7 +56,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
 }
 
 #[cfg(feature = "desk")]
-pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+pub(crate) fn run(arguments: &DeskArgs) -> Result<()> {
     let Some(file) = &arguments.write else { return server::serve(arguments.port) };
     let mut outputs = trueaxis_tables::output::Outputs::of(std::env::current_exe());
     outputs.put(file, &page::plain()?)?;

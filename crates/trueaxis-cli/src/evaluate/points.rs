@@ -6,7 +6,7 @@ use anyhow::{Result, anyhow};
 use clap::Args;
 use std::fmt::Write;
 use std::path::PathBuf;
-use trueaxis_evaluation::points::{COLUMNS, Document, Left, Options, Points, identify, nodes};
+use trueaxis_evaluation::points::{COLUMNS, Left, Options, Points, PointsDocument, identify, nodes};
 use trueaxis_report::number::significant;
 use trueaxis_tables::output::Outputs;
 use trueaxis_tables::text::degrees_of_freedom;
@@ -43,7 +43,7 @@ following command then gives back the measured errors without the instrument's p
   trueaxis compensate MACHINE_DIR positions.csv --model volumetric";
 
 #[derive(Args)]
-pub(crate) struct Arguments {
+pub(crate) struct PointsArgs {
     /// Measured points.
     #[arg(value_name = "POINTS.csv")]
     points: PathBuf,
@@ -67,7 +67,7 @@ pub(crate) struct Arguments {
     report: Option<PathBuf>,
 }
 
-pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+pub(crate) fn run(arguments: &PointsArgs) -> Result<()> {
     let _alone = arguments.output.as_deref().map(machine_folder::alone).transpose()?;
     let nodes = arguments.nodes.as_deref().map(nodes).transpose().map_err(|wrong| anyhow!("--nodes: {wrong}"))?;
     let points = Points::read(&mut csv_in::open(&arguments.points, &COLUMNS, "points")?)?;
@@ -75,7 +75,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let options = Options { nodes, without: arguments.without.clone() };
     let found =
         identify(&points, &machine, &options).map_err(|error| error.context(arguments.points.display().to_string()))?;
-    let document = Document::new(&points, &found);
+    let document = PointsDocument::new(&points, &found);
     let mut outputs = Outputs::of(model::files(&arguments.machine).into_iter().chain([arguments.points.clone()]));
     let mut written = Vec::new();
     if let Some(output) = &arguments.output {
@@ -92,7 +92,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     if arguments.json { json(&document) } else { print(&table(&document)?) }
 }
 
-fn table(d: &Document) -> Result<String> {
+fn table(d: &PointsDocument) -> Result<String> {
     let [x, y, z] = d.nodes;
     let mut text = format!("{} points, {x} × {y} × {z} nodes\n\n", d.points);
     writeln!(text, "{:<6}{:>11}{:>11}{:>12}{:>9}", "error", "from", "to", "std. err.", "")?;

@@ -6,7 +6,7 @@ use anyhow::Result;
 use clap::{Args, ValueEnum};
 use std::fmt::Write;
 use std::path::PathBuf;
-use trueaxis_evaluation::probing::{COLUMNS, Document, Feature, Record, check};
+use trueaxis_evaluation::probing::{COLUMNS, Feature, ProbingDocument, Record, check};
 use trueaxis_report::number::significant;
 use trueaxis_tables::output::Outputs;
 use trueaxis_tables::text::counted;
@@ -32,7 +32,7 @@ e of the tip from the spindle's axis, centre(θ) = c + R(θ) e. The calibrated d
 effective diameter of the tip: D − d in a ring, d − D on a sphere (d: diameter through the tip's centres).";
 
 #[derive(Args)]
-pub(crate) struct Arguments {
+pub(crate) struct ProbingArgs {
     /// Points measured by the machine's probe.
     #[arg(value_name = "RECORD.csv")]
     record: PathBuf,
@@ -60,7 +60,7 @@ enum Of {
     Point,
 }
 
-pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+pub(crate) fn run(arguments: &ProbingArgs) -> Result<()> {
     check(arguments.diameter_mm).map_err(|wrong| wrong.option())?;
     let feature = match arguments.feature {
         Of::Ring => Feature::Ring,
@@ -69,7 +69,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     };
     let record =
         Record::read(&mut csv_in::open(&arguments.record, &COLUMNS, "points")?, feature, arguments.diameter_mm)?;
-    let document = Document::new(&record);
+    let document = ProbingDocument::new(&record);
     if let Some(directory) = &arguments.report {
         let source = arguments.record.file_name().unwrap_or_default().to_string_lossy();
         let mut outputs = Outputs::of([&arguments.record]);
@@ -80,7 +80,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     if arguments.json { json(&document) } else { print(&table(&document)?) }
 }
 
-fn table(d: &Document) -> Result<String> {
+fn table(d: &ProbingDocument) -> Result<String> {
     let mut text = format!("{}, {}; ISO 230-10\n\n", d.feature, counted(d.runs.len(), "run"));
     for run in &d.runs {
         let [x, y, z] = run.centre_mm;

@@ -8,7 +8,7 @@ use anyhow::Result;
 use clap::Args;
 use std::fmt::Write;
 use std::path::PathBuf;
-use trueaxis_evaluation::r_test::{COLUMNS, Document, Options, Record, check, identify};
+use trueaxis_evaluation::r_test::{COLUMNS, Options, RTestDocument, Record, check, identify};
 use trueaxis_report::number::significant;
 use trueaxis_tables::output::Outputs;
 use trueaxis_tables::text::degrees_of_freedom;
@@ -38,7 +38,7 @@ the spindle.
 with stated ones become their weighted mean. A record that does not fit the machine writes nothing.";
 
 #[derive(Args)]
-pub(crate) struct Arguments {
+pub(crate) struct RTestArgs {
     /// Displacements at angles of the rotary axes.
     #[arg(value_name = "RECORD.csv")]
     record: PathBuf,
@@ -67,7 +67,7 @@ pub(crate) struct Arguments {
     report: Option<PathBuf>,
 }
 
-pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+pub(crate) fn run(arguments: &RTestArgs) -> Result<()> {
     let into = arguments.writing.output(arguments.output.as_deref());
     let _alone = into.map(machine_folder::alone).transpose()?;
     check(arguments.tool_mm).map_err(|wrong| wrong.option())?;
@@ -76,7 +76,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     machine.settings.tool_mm = arguments.tool_mm.unwrap_or(machine.settings.tool_mm);
     let options = Options { without: arguments.without.clone(), free_sensor: arguments.free_sensor };
     let found = identify(&record, &arguments.record.display().to_string(), &machine, &options)?;
-    let document = Document::new(&record, &found, &machine);
+    let document = RTestDocument::new(&record, &found, &machine);
     let mut outputs =
         Outputs::of(machine_folder::inputs(&arguments.machine, into).into_iter().chain([arguments.record.clone()]));
     let mut done = machine_folder::Done::default();
@@ -97,7 +97,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     if arguments.json { done.json(&document) } else { print(&table(&document)?) }
 }
 
-fn table(d: &Document) -> Result<String> {
+fn table(d: &RTestDocument) -> Result<String> {
     let [x, y, z] = d.range_um.map(|um| significant(um, 4));
     let mut text = format!("{} readings, range {x}, {y}, {z} µm along X, Y, Z\n\n", d.readings);
     writeln!(text, "{:<6}{:>11}{:>12}{:>14}", "error", "found", "std. err.", "machine has")?;

@@ -7,7 +7,7 @@ use anyhow::Result;
 use clap::Args;
 use std::fmt::Write;
 use std::path::PathBuf;
-use trueaxis_evaluation::diagonal::{COLUMNS, Document, Value, additions, check, read};
+use trueaxis_evaluation::diagonal::{COLUMNS, DiagonalDocument, Value, additions, check, read};
 use trueaxis_report::number::significant;
 use trueaxis_tables::output::Outputs;
 use trueaxis_tables::text::degrees_of_freedom;
@@ -46,7 +46,7 @@ mean.";
 #[derive(Args)]
 #[command(group(clap::ArgGroup::new("decided").args(["dry_run", "force"]).multiple(true).requires("machine")))]
 #[command(group(clap::ArgGroup::new("into").args(["output", "dry_run"]).multiple(true)))]
-pub(crate) struct Arguments {
+pub(crate) struct StepDiagonalArgs {
     /// Readings along the four body diagonals.
     #[arg(value_name = "RECORD.csv")]
     record: PathBuf,
@@ -69,12 +69,12 @@ pub(crate) struct Arguments {
     report: Option<PathBuf>,
 }
 
-pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+pub(crate) fn run(arguments: &StepDiagonalArgs) -> Result<()> {
     let into = arguments.writing.output(arguments.output.as_deref());
     let _alone = into.map(machine_folder::alone).transpose()?;
     check(arguments.alignment_urad).map_err(|wrong| wrong.option())?;
     let test = read(&mut csv_in::open(&arguments.record, &COLUMNS, "readings")?)?;
-    let document = Document::new(&test, arguments.alignment_urad);
+    let document = DiagonalDocument::new(&test, arguments.alignment_urad);
     let inputs = arguments
         .machine
         .iter()
@@ -103,7 +103,7 @@ fn value(of: Value, unit: &str) -> String {
     format!("{} ± {} {unit}", significant(of.value, 4), significant(of.standard_error, 2))
 }
 
-fn table(d: &Document) -> Result<String> {
+fn table(d: &DiagonalDocument) -> Result<String> {
     let um = |value: Option<f64>| value.map_or_else(|| "–".into(), |um| significant(um, 4));
     let mut text = format!("{} test, {} readings; ISO 230-6\n\n", d.test, d.readings);
     writeln!(

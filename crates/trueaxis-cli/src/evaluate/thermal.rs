@@ -6,7 +6,7 @@ use anyhow::Result;
 use clap::{Args, ValueEnum};
 use std::fmt::Write;
 use std::path::PathBuf;
-use trueaxis_evaluation::thermal_test::{COLUMNS, Document, check, read};
+use trueaxis_evaluation::thermal_test::{COLUMNS, ThermalTestDocument, check, read};
 use trueaxis_report::number::significant;
 use trueaxis_tables::output::Outputs;
 use trueaxis_tables::text::counted;
@@ -38,7 +38,7 @@ For X1, Y1, Z, X2, Y2 and the tilts A = −(y2 − y1)/L, B = (x2 − x1)/L (--d
 `trueaxis thermal fit` fits a model to such a record; this command gives the test's figures.";
 
 #[derive(Args)]
-pub(crate) struct Arguments {
+pub(crate) struct ThermalTestArgs {
     /// Displacements and temperatures over time.
     #[arg(value_name = "RECORD.csv")]
     record: PathBuf,
@@ -69,7 +69,7 @@ enum Kind {
     Axis,
 }
 
-pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+pub(crate) fn run(arguments: &ThermalTestArgs) -> Result<()> {
     check(arguments.period_min, arguments.distance_mm).map_err(|wrong| wrong.option())?;
     let name = match arguments.test {
         Kind::Etve => "etve",
@@ -77,7 +77,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
         Kind::Axis => "axis",
     };
     let test = read(&mut csv_in::open(&arguments.record, &COLUMNS, "readings")?)?;
-    let document = Document::new(&test, name, arguments.period_min, arguments.distance_mm);
+    let document = ThermalTestDocument::new(&test, name, arguments.period_min, arguments.distance_mm);
     if let Some(directory) = &arguments.report {
         let source = arguments.record.file_name().unwrap_or_default().to_string_lossy();
         let mut outputs = Outputs::of([&arguments.record]);
@@ -88,7 +88,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     if arguments.json { json(&document) } else { print(&table(&document)?) }
 }
 
-fn table(d: &Document) -> Result<String> {
+fn table(d: &ThermalTestDocument) -> Result<String> {
     let (duration, period) = (significant(d.duration_min, 4), significant(d.period_min, 4));
     let mut text = format!("{} test, {duration} min, period {period} min; ISO 230-3\n", d.test);
     for place in &d.positions {

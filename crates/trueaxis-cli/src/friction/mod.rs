@@ -50,7 +50,7 @@ More examples:
 
 #[derive(Args)]
 #[command(group(clap::ArgGroup::new("decided").args(["dry_run", "force"]).multiple(true).requires("machine")))]
-pub(crate) struct Arguments {
+pub(crate) struct FrictionArgs {
     /// Recorded circles.
     #[arg(value_name = "RECORD.csv")]
     record: PathBuf,
@@ -80,7 +80,7 @@ pub(crate) struct Arguments {
     writing: Writing,
 }
 
-pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+pub(crate) fn run(arguments: &FrictionArgs) -> Result<()> {
     let output = arguments.writing.output(arguments.output.as_deref());
     let (file, into) = machine_folder::file_or_folder(output, "toml", arguments.machine.is_some());
     let _alone = into.map(machine_folder::alone).transpose()?;

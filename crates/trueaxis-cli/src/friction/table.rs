@@ -1,11 +1,11 @@
 //! The printed table.
 
 use std::fmt::{Error, Write};
-use trueaxis_evaluation::friction::Document;
+use trueaxis_evaluation::friction::FrictionDocument;
 use trueaxis_report::number::significant;
 
 /// The result as a text table.
-pub(super) fn table(document: &Document) -> Result<String, Error> {
+pub(super) fn table(document: &FrictionDocument) -> Result<String, Error> {
     let mut text = format!("{} samples at {} Hz\n", document.samples, significant(1.0 / document.period_s, 4));
     for own in &document.axes {
         let (f, fe) = (&own.friction, &own.expanded_uncertainties.friction);

@@ -32,7 +32,7 @@ OUT.csv has the columns u_rad,theta_rad,x_mm,y_mm,z_mm,a_deg,c_deg; u is the slo
 full turns. In the program a feed of G94 counts along X Y Z; if only A and C turn, it is in degrees per minute.";
 
 #[derive(Args)]
-pub(crate) struct Arguments {
+pub(crate) struct HelicoidArgs {
     /// Radius r_b of the base cylinder; with --lead-parameter-mm-per-rad, in place of a gear.
     #[arg(long, value_name = "RB", value_parser = number, allow_hyphen_values = true, help_heading = "Flank")]
     base_radius_mm: Option<f64>,
@@ -179,7 +179,7 @@ fn teeth(text: &str) -> Result<u32, String> {
     text.trim().parse().map_err(|_| format!("found {text}, needed {}", Request::TEETH))
 }
 
-impl Arguments {
+impl HelicoidArgs {
     /// The request as given, not yet checked.
     pub(super) fn request(&self) -> Request {
         Request {

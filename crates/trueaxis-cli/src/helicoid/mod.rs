@@ -2,16 +2,16 @@
 
 mod arguments;
 
-pub(crate) use arguments::{Arguments, EXAMPLE, HELP};
+pub(crate) use arguments::{EXAMPLE, HELP, HelicoidArgs};
 
 use crate::output::{data, json, report_line};
 use crate::report;
 use anyhow::Result;
 use trueaxis_evaluation::helicoid::document::csv;
-use trueaxis_evaluation::helicoid::{Document, Job};
+use trueaxis_evaluation::helicoid::{HelicoidDocument, Job};
 use trueaxis_tables::output::Outputs;
 
-pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+pub(crate) fn run(arguments: &HelicoidArgs) -> Result<()> {
     let job = Job::new(&arguments.request())?;
     let points = job.points()?;
     // Create every output before writing any.
@@ -19,7 +19,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
         Some(file) => Some((job.program()?, file)),
         None => None,
     };
-    let document = Document::new(&job, points);
+    let document = HelicoidDocument::new(&job, points);
     let table = csv(&document.points);
     let page = arguments.report.as_ref().map(|file| (report::helicoid::page(&job, &document), file));
     for note in job.notes() {

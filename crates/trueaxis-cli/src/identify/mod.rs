@@ -50,7 +50,7 @@ More examples:
 
 #[derive(Args)]
 #[command(group(clap::ArgGroup::new("decided").args(["dry_run", "force"]).multiple(true).requires("machine")))]
-pub(crate) struct Arguments {
+pub(crate) struct IdentifyArgs {
     /// Readings of the ball.
     #[arg(value_name = "MEASURED.csv")]
     measured: PathBuf,
@@ -99,7 +99,7 @@ impl From<Rotary> for Axis {
     }
 }
 
-pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+pub(crate) fn run(arguments: &IdentifyArgs) -> Result<()> {
     let output = arguments.writing.output(arguments.output.as_deref());
     let (file, into) = machine_folder::file_or_folder(output, "csv", arguments.machine.is_some());
     let _alone = into.map(machine_folder::alone).transpose()?;

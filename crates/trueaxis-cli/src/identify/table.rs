@@ -2,11 +2,11 @@
 
 use std::fmt::{Error, Write};
 use trueaxis::Axis;
-use trueaxis_evaluation::identify::{Document, names};
+use trueaxis_evaluation::identify::{IdentificationDocument, names};
 use trueaxis_tables::text::{counted, degrees_of_freedom};
 
 /// The result as a text table.
-pub(super) fn table(document: &Document, axis: Axis) -> Result<String, Error> {
+pub(super) fn table(document: &IdentificationDocument, axis: Axis) -> Result<String, Error> {
     let mut text = format!(
         "axis {}, {}, {}\n\n",
         document.axis,

@@ -1,6 +1,6 @@
 //! `trueaxis keep history`.
 
-use super::HistoryArguments;
+use super::HistoryArgs;
 use super::table::entries;
 use crate::model::note;
 use crate::output::{json, print};
@@ -9,7 +9,7 @@ use anyhow::Result;
 use trueaxis_evaluation::keep::State;
 use trueaxis_tables::output::Outputs;
 
-pub(super) fn run(arguments: &HistoryArguments) -> Result<()> {
+pub(super) fn run(arguments: &HistoryArgs) -> Result<()> {
     let state = State::read(&arguments.task, &mut note)?;
     if let Some(directory) = &arguments.report {
         let page = report::keep::page(&state.machine.settings.name, &state.history.entries, None);

@@ -94,26 +94,26 @@ docs/calibration.md.";
 pub(crate) enum Command {
     /// Write the probing program, which runs without a pause, and print the expected standard error of every term.
     #[command(before_help = EXAMPLE)]
-    Plan(PlanArguments),
+    Plan(PlanArgs),
     /// Evaluate the first probing, with which all later ones are compared; the machine is not changed.
     #[command(before_help = BEGIN)]
-    Begin(ReprobingArguments),
+    Begin(ReprobingArgs),
     /// Show what this log would change, without writing anything except the report.
     #[command(before_help = CHECK)]
-    Check(CheckArguments),
+    Check(CheckArgs),
     /// Apply the changes if every one is within its bounds, and record them in the history.
     #[command(before_help = APPLY)]
-    Apply(CheckArguments),
+    Apply(CheckArgs),
     /// Restore the machine's files as they were before an entry of the history.
     #[command(before_help = UNDO)]
-    Undo(UndoArguments),
+    Undo(UndoArgs),
     /// Print the history.
     #[command(before_help = HISTORY)]
-    History(HistoryArguments),
+    History(HistoryArgs),
 }
 
 #[derive(Args)]
-pub(crate) struct PlanArguments {
+pub(crate) struct PlanArgs {
     /// Machine, probe, balls and bounds.
     #[arg(value_name = "KEEP.toml")]
     task: PathBuf,
@@ -126,7 +126,7 @@ pub(crate) struct PlanArguments {
 }
 
 #[derive(Args)]
-pub(crate) struct ReprobingArguments {
+pub(crate) struct ReprobingArgs {
     /// Machine, probe, balls and bounds.
     #[arg(value_name = "KEEP.toml")]
     task: PathBuf,
@@ -148,9 +148,9 @@ pub(crate) struct ReprobingArguments {
 }
 
 #[derive(Args)]
-pub(crate) struct CheckArguments {
+pub(crate) struct CheckArgs {
     #[command(flatten)]
-    reprobing: ReprobingArguments,
+    reprobing: ReprobingArgs,
     /// Accept a term that is out of its bounds, by its name.
     #[arg(long, value_name = "TERM")]
     accept: Vec<String>,
@@ -160,7 +160,7 @@ pub(crate) struct CheckArguments {
 }
 
 #[derive(Args)]
-pub(crate) struct UndoArguments {
+pub(crate) struct UndoArgs {
     /// Machine, probe, balls and bounds.
     #[arg(value_name = "KEEP.toml")]
     task: PathBuf,
@@ -176,7 +176,7 @@ pub(crate) struct UndoArguments {
 }
 
 #[derive(Args)]
-pub(crate) struct HistoryArguments {
+pub(crate) struct HistoryArgs {
     /// Machine, probe, balls and bounds.
     #[arg(value_name = "KEEP.toml")]
     task: PathBuf,

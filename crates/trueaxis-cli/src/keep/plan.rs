@@ -1,6 +1,6 @@
 //! `trueaxis keep plan`.
 
-use super::PlanArguments;
+use super::PlanArgs;
 use crate::model::note;
 use crate::output::{data, json, report_line};
 use anyhow::Result;
@@ -9,9 +9,9 @@ use trueaxis_report::number::significant;
 use trueaxis_tables::output::Outputs;
 use trueaxis_tables::text::counted;
 
-pub(super) fn run(arguments: &PlanArguments) -> Result<()> {
+pub(super) fn run(arguments: &PlanArgs) -> Result<()> {
     let state = State::read(&arguments.task, &mut note)?;
-    let Planning { program, foreseen, .. } = Planning::new(&state.keep, &state.machine)?;
+    let Planning { program, foreseen, .. } = Planning::new(&state.task, &state.machine)?;
     match &arguments.output {
         None => data(&program)?,
         Some(output) => {

@@ -3,15 +3,15 @@
 use crate::output::{json, print};
 use anyhow::Result;
 use std::fmt::Write;
-use trueaxis_evaluation::keep::{Document, Entry, deeds};
+use trueaxis_evaluation::keep::{Entry, ReprobingDocument, descriptions};
 use trueaxis_report::number::significant;
 
 /// Prints a re-probing.
-pub(super) fn put(document: &Document, as_json: bool) -> Result<()> {
+pub(super) fn put(document: &ReprobingDocument, as_json: bool) -> Result<()> {
     if as_json { json(document) } else { print(&table(document)?) }
 }
 
-fn table(d: &Document) -> Result<String> {
+fn table(d: &ReprobingDocument) -> Result<String> {
     let mut text =
         format!("{}: entry {}, {} touches, {} µm each\n\n", d.machine, d.entry, d.touches, significant(d.sigma_um, 2));
     if !d.terms.is_empty() {
@@ -39,7 +39,7 @@ fn table(d: &Document) -> Result<String> {
 /// The history, one entry per line.
 pub(super) fn entries(entries: &[Entry]) -> Result<String> {
     let mut text = String::new();
-    for (entry, deed) in entries.iter().zip(deeds(entries)) {
+    for (entry, deed) in entries.iter().zip(descriptions(entries)) {
         let time = entry.time.as_deref().unwrap_or("");
         let parts = entry.parts.map_or(String::new(), |parts| format!("part {parts}"));
         writeln!(text, "{:>4}  {time:<20} {parts:<10} {deed}", entry.entry)?;

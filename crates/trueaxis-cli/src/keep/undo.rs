@@ -1,13 +1,13 @@
 //! `trueaxis keep undo`.
 
-use super::UndoArguments;
+use super::UndoArgs;
 use crate::model::note;
 use crate::output::report_line;
 use anyhow::Result;
 use trueaxis_evaluation::keep::State;
 use trueaxis_tables::output::Outputs;
 
-pub(super) fn run(arguments: &UndoArguments) -> Result<()> {
+pub(super) fn run(arguments: &UndoArgs) -> Result<()> {
     let state = State::alone(&arguments.task, &mut note)?;
     let undone = state.undone(arguments.entry, arguments.time.clone(), arguments.by_hand, &mut note)?;
     state.put_back(Outputs::of([&arguments.task]), &undone)?;

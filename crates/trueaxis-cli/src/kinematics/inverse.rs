@@ -31,7 +31,7 @@ pub(crate) enum BranchChoice {
 }
 
 #[derive(Args)]
-pub(crate) struct Arguments {
+pub(crate) struct InverseArgs {
     #[command(flatten)]
     pub(super) common: Common,
     /// Pose of the rotary axes.
@@ -59,7 +59,7 @@ const COLUMNS: [&str; 15] = {
     [x, y, z, i, j, k, qx, qy, qz, a, b, c, BRANCH, MARGIN, LEFT]
 };
 
-pub(super) fn run(arguments: &Arguments, settings: &MachineSettings) -> Result<()> {
+pub(super) fn run(arguments: &InverseArgs, settings: &MachineSettings) -> Result<()> {
     let common = &arguments.common;
     let mut kinematics = kinematics(common, settings)?;
     if let Some(cone) = arguments.singular_cone_deg {

@@ -15,7 +15,7 @@ pub(crate) struct Size {
 
 /// The JSON document.
 #[derive(Serialize)]
-pub(crate) struct Document {
+pub(crate) struct LearnDocument {
     pub(crate) program_id: String,
     pub(crate) machine_id: String,
     pub(crate) length_mm: f64,
@@ -35,8 +35,8 @@ pub(crate) struct Document {
     pub(crate) unmeasured: f64,
 }
 
-impl Document {
-    pub(super) fn new(record: &Record, law: Law, lesson: &Lesson) -> Document {
+impl LearnDocument {
+    pub(super) fn new(record: &Record, law: Law, lesson: &Lesson) -> LearnDocument {
         let Lesson { header, spacing_mm, before_mm, correction_mm, .. } = lesson;
         let spacing_mm = *spacing_mm;
         let at = |nodes: &[[f64; 3]], length: f64| -> [f64; 3] {
@@ -54,7 +54,7 @@ impl Document {
         });
         let gaps = record.rows.windows(2).filter(|pair| pair.iter().any(|row| row.error_mm.is_none()));
         let unmeasured: f64 = gaps.map(|pair| pair[1].length_mm - pair[0].length_mm).sum();
-        Document {
+        LearnDocument {
             program_id: format!("{:08x}", header.program_id),
             machine_id: format!("{:08x}", header.machine_id),
             length_mm: record.identity.length_mm,

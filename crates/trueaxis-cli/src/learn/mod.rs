@@ -7,7 +7,7 @@ use crate::output::{json, print};
 use crate::report;
 use anyhow::{Context, Result, anyhow};
 use clap::Args;
-use document::Document;
+use document::LearnDocument;
 use std::fs::File;
 use std::path::PathBuf;
 use trueaxis::learned::Learned;
@@ -39,7 +39,7 @@ a part, with P the response of drives and contour feedback; this is below 1 for 
 1.";
 
 #[derive(Args)]
-pub(crate) struct Arguments {
+pub(crate) struct LearnArgs {
     /// Contour error of a part over path length.
     #[arg(value_name = "RECORD.csv")]
     record: PathBuf,
@@ -66,8 +66,8 @@ pub(crate) struct Arguments {
     output: PathBuf,
 }
 
-pub(crate) fn run(arguments: &Arguments) -> Result<()> {
-    let Arguments { gain, forget, cutoff_mm, .. } = *arguments;
+pub(crate) fn run(arguments: &LearnArgs) -> Result<()> {
+    let LearnArgs { gain, forget, cutoff_mm, .. } = *arguments;
     let law = Law { gain, forget, cutoff_mm };
     law.check().map_err(|error| anyhow!("--{error}"))?;
     let record = {
@@ -89,7 +89,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let lesson = Lesson::learn(&law, &record.identity, old.as_ref(), &record.rows)
         .map_err(|refused| record.refused(&refused))?;
     let file = lesson.to_bytes().map_err(|refused| record.refused(&refused))?;
-    let document = Document::new(&record, law, &lesson);
+    let document = LearnDocument::new(&record, law, &lesson);
     let mut outputs = Outputs::of([&arguments.record].into_iter().chain(&arguments.table));
     if let Some(to) = &arguments.report {
         let source = arguments.record.file_name().unwrap_or_default().to_string_lossy();

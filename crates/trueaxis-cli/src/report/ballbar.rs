@@ -1,12 +1,12 @@
 //! The page of `trueaxis ballbar`.
 
 use maud::html;
-use trueaxis_evaluation::ballbar::{Document, Test, left, polar, values};
+use trueaxis_evaluation::ballbar::{BallbarDocument, Test, left, polar, values};
 use trueaxis_report::number::significant;
 use trueaxis_report::{Page, Row, Table, summary};
 
 /// The whole page; `source` is the name of the record.
-pub(crate) fn page(source: &str, test: &Test, document: &Document) -> String {
+pub(crate) fn page(source: &str, test: &Test, document: &BallbarDocument) -> String {
     let um = |value: Option<f64>| value.map_or_else(|| "–".into(), |um| significant(um, 4));
     let figures = Table::new(
         ["ISO 230-4", "both directions", "counterclockwise", "clockwise"],

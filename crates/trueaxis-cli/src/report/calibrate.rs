@@ -2,12 +2,18 @@
 
 use maud::html;
 use trueaxis::Axis;
-use trueaxis_evaluation::calibrate::{Calibration, Document, Plan, Task, curves, drift, residuals};
+use trueaxis_evaluation::calibrate::{Calibration, CalibrationDocument, Plan, Task, curves, drift, residuals};
 use trueaxis_report::number::significant;
 use trueaxis_report::{Page, Row, Table, summary};
 
 /// The whole page; `source` is the name of the log.
-pub(crate) fn page(source: &str, task: &Task, plan: &Plan, found: &Calibration, document: &Document) -> String {
+pub(crate) fn page(
+    source: &str,
+    task: &Task,
+    plan: &Plan,
+    found: &Calibration,
+    document: &CalibrationDocument,
+) -> String {
     let terms = document.terms.iter().map(|term| {
         let value = format!("{} {}", significant(term.value, 4), term.unit);
         Row::new(term.name.clone(), [value, format!("± {}", significant(term.standard_error, 2))])

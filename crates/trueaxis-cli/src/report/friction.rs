@@ -2,7 +2,7 @@
 
 use super::warnings;
 use maud::{Markup, html};
-use trueaxis_evaluation::friction::{AxisFound, Document};
+use trueaxis_evaluation::friction::{AxisFound, FrictionDocument};
 use trueaxis_metrology::friction::{Identified, Spike};
 use trueaxis_report::{
     Figure, Page, Row, Scale, Stroke, Table, colour,
@@ -11,7 +11,7 @@ use trueaxis_report::{
 };
 
 /// The whole page; `source` is the name of the record's file.
-pub(crate) fn page(source: &str, document: &Document, found: &[Identified]) -> String {
+pub(crate) fn page(source: &str, document: &FrictionDocument, found: &[Identified]) -> String {
     let top = summary([
         html! { (source) },
         html! { (document.samples) " samples at " (quantity(1.0 / document.period_s, "Hz")) },
@@ -23,7 +23,7 @@ pub(crate) fn page(source: &str, document: &Document, found: &[Identified]) -> S
         .document()
 }
 
-fn table(document: &Document) -> Table {
+fn table(document: &FrictionDocument) -> Table {
     let row = |own: &AxisFound| {
         let (f, d, g) = (&own.friction, &own.drive, &own.glitch_um);
         let (fe, de) = (&own.standard_errors.friction, &own.standard_errors.drive);

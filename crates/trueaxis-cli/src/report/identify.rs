@@ -3,7 +3,7 @@
 use super::{range, warnings};
 use maud::html;
 use trueaxis::Axis;
-use trueaxis_evaluation::identify::{Document, names};
+use trueaxis_evaluation::identify::{IdentificationDocument, names};
 use trueaxis_report::{
     Figure, Page, Row, Scale, Table, error_bars,
     number::{quantity, significant},
@@ -11,7 +11,7 @@ use trueaxis_report::{
 };
 
 /// The whole page; `source` is the name of the readings' file.
-pub(crate) fn page(source: &str, axis: Axis, found: &Document) -> String {
+pub(crate) fn page(source: &str, axis: Axis, found: &IdentificationDocument) -> String {
     let sigma = quantity(found.sigma_um, "µm");
     Page::new(format!("Errors of the axis {}", axis.letter()))
         .top(summary([
@@ -29,7 +29,7 @@ pub(crate) fn page(source: &str, axis: Axis, found: &Document) -> String {
         .document()
 }
 
-fn table(axis: Axis, found: &Document) -> Table {
+fn table(axis: Axis, found: &IdentificationDocument) -> Table {
     let row = |(i, name): (usize, &String)| {
         let [low, high] = range(found.angles.iter().map(|angle| angle.values[i]));
         let standard = found.standard_errors.get(&name.to_lowercase()).and_then(serde_json::Value::as_f64);
@@ -40,12 +40,12 @@ fn table(axis: Axis, found: &Document) -> Table {
     Table::new(["error", "from", "to", "standard error", "± with 95 %"], names(axis).iter().enumerate().map(row))
 }
 
-fn angle_scale(axis: Axis, found: &Document) -> Scale {
+fn angle_scale(axis: Axis, found: &IdentificationDocument) -> Scale {
     let angles = found.angles.iter().map(|angle| angle.angle_deg);
     Scale::linear(&format!("{} in degrees", axis.letter()), angles).margin(0.02)
 }
 
-fn errors(axis: Axis, found: &Document, shown: [usize; 3], unit: &str) -> Figure {
+fn errors(axis: Axis, found: &IdentificationDocument, shown: [usize; 3], unit: &str) -> Figure {
     let names = names(axis);
     let curve = |i: usize| {
         let points = found.angles.iter().map(|angle| [angle.angle_deg, angle.values[i], angle.deviations[i]]);
@@ -57,7 +57,7 @@ fn errors(axis: Axis, found: &Document, shown: [usize; 3], unit: &str) -> Figure
     figure
 }
 
-fn residuals_of(axis: Axis, found: &Document) -> Figure {
+fn residuals_of(axis: Axis, found: &IdentificationDocument) -> Figure {
     let points: Vec<[f64; 2]> = found.angles.iter().map(|angle| [angle.angle_deg, angle.residual_um]).collect();
     let description = "Root mean square of the residuals at every angle";
     let mut figure = residuals(description, angle_scale(axis, found), &points, found.sigma_um);

@@ -1,12 +1,12 @@
 //! The page of `trueaxis keep`.
 
 use maud::html;
-use trueaxis_evaluation::keep::{Document, Entry, deeds, figures};
+use trueaxis_evaluation::keep::{Entry, ReprobingDocument, descriptions, figures};
 use trueaxis_report::number::significant;
 use trueaxis_report::{Page, Row, Table, summary};
 
 /// The whole page: the entries, and the latest re-probing.
-pub(crate) fn page(machine: &str, entries: &[Entry], document: Option<&Document>) -> String {
+pub(crate) fn page(machine: &str, entries: &[Entry], document: Option<&ReprobingDocument>) -> String {
     let count = if entries.len() == 1 { "1 entry".to_owned() } else { format!("{} entries", entries.len()) };
     let mut page = Page::new("A machine that keeps itself true").top(summary([html! { (machine) }, html! { (count) }]));
     if let Some(document) = document {
@@ -26,7 +26,7 @@ pub(crate) fn page(machine: &str, entries: &[Entry], document: Option<&Document>
     if !all.is_empty() {
         page = page.section("History", html! { @for figure in all { (figure) } });
     }
-    let rows = entries.iter().zip(deeds(entries)).map(|(entry, deed)| {
+    let rows = entries.iter().zip(descriptions(entries)).map(|(entry, deed)| {
         let changed: Vec<String> = entry.measured.iter().filter_map(|own| own.in_words()).collect();
         let parts = entry.parts.map_or(String::new(), |parts| parts.to_string());
         Row::new(entry.entry.to_string(), [entry.time.clone().unwrap_or_default(), parts, deed, changed.join("; ")])

@@ -1,6 +1,6 @@
 //! The page of `trueaxis learn`.
 
-use crate::learn::document::Document;
+use crate::learn::document::LearnDocument;
 use maud::html;
 use trueaxis_metrology::learning::Lesson;
 use trueaxis_report::{Figure, Page, Row, Scale, Stroke, Table, colour, decimate, number::significant, summary};
@@ -10,7 +10,7 @@ use trueaxis_tables::text::counted;
 const CURVE: usize = 1400;
 
 /// The whole page; `source` is the name of the record, and the curves come from the lesson.
-pub(crate) fn page(source: &str, found: &Document, lesson: &Lesson) -> String {
+pub(crate) fn page(source: &str, found: &LearnDocument, lesson: &Lesson) -> String {
     let over = |values: &[[f64; 3]], what: &str, description: &str| over_length(found, values, what, description);
     Page::new("Learned correction")
         .top(summary([
@@ -29,13 +29,13 @@ pub(crate) fn page(source: &str, found: &Document, lesson: &Lesson) -> String {
         .document()
 }
 
-fn table(found: &Document) -> Table {
+fn table(found: &LearnDocument) -> Table {
     let sizes = [("this part", found.before), ("predicted for the next", found.predicted)];
     let rows = sizes.map(|(name, size)| Row::new(name, [significant(size.max_um, 3), significant(size.rms_um, 3)]));
     Table::new(["contour error", "largest in µm", "RMS in µm"], rows)
 }
 
-fn over_length(found: &Document, values: &[[f64; 3]], what: &str, description: &str) -> Figure {
+fn over_length(found: &LearnDocument, values: &[[f64; 3]], what: &str, description: &str) -> Figure {
     let curve = |i: usize| -> Vec<[f64; 2]> {
         let at = |(k, value): (usize, &[f64; 3])| [k as f64 * found.spacing_mm, 1e3 * value[i]];
         decimate(&values.iter().enumerate().map(at).collect::<Vec<_>>(), CURVE)

@@ -1,12 +1,12 @@
 //! The page of `trueaxis thermal fit`.
 
 use maud::html;
-use trueaxis_evaluation::thermal::{Document, Found, figure, residuals};
+use trueaxis_evaluation::thermal::{FittedRecording, ThermalDocument, figure, residuals};
 use trueaxis_report::number::significant;
 use trueaxis_report::{Page, Row, Table, summary};
 
 /// The whole page; `source` is the name of the record.
-pub(crate) fn page(source: &str, found: &Found, document: &Document) -> String {
+pub(crate) fn page(source: &str, found: &FittedRecording, document: &ThermalDocument) -> String {
     let um = |value: f64| significant(value, 3);
     let cycles = document.cycles.iter().map(|own| {
         let share = format!("{:.1} %", 1e2 * own.left_um / own.drift_um.max(f64::MIN_POSITIVE));

@@ -1,7 +1,7 @@
 //! The page of `trueaxis uncertainty`.
 
 use maud::{Markup, html};
-use trueaxis_evaluation::uncertainty::{AtPoint, Document, Spread};
+use trueaxis_evaluation::uncertainty::{AtPoint, Spread, UncertaintyDocument};
 use trueaxis_report::number::significant;
 use trueaxis_report::{Figure, Page, Row, Scale, Stroke, Table, colour, heat_map, side_by_side, summary};
 
@@ -9,7 +9,7 @@ use trueaxis_report::{Figure, Page, Row, Scale, Stroke, Table, colour, heat_map,
 const BARS: usize = 12;
 
 /// The whole page.
-pub(crate) fn page(document: &Document) -> String {
+pub(crate) fn page(document: &UncertaintyDocument) -> String {
     let rms = format!("{} µm RMS", significant(document.standard_rms_um, 3));
     let coverage = format!("{} %", document.confidence_percent);
     let points = format!("{} points", document.points);
@@ -24,7 +24,7 @@ pub(crate) fn page(document: &Document) -> String {
         .document()
 }
 
-fn asked(document: &Document) -> Markup {
+fn asked(document: &UncertaintyDocument) -> Markup {
     match &document.at {
         Some(point) => html! { (point.place()) (methods(point)) },
         None => html! { "none: --at" },
@@ -40,7 +40,7 @@ fn methods(point: &AtPoint) -> Table {
     Table::new(["expanded uncertainty, µm", "X", "Y", "Z", "radius"], rows)
 }
 
-fn contributions(document: &Document) -> Table {
+fn contributions(document: &UncertaintyDocument) -> Table {
     let rows = document.contributions.iter().map(|share| {
         let [rms, worst] = [share.rms_um, share.worst_um].map(|um| significant(um, 3));
         Row::new(share.term.clone(), [format!("{:.1} %", 100.0 * share.share), rms, worst])
@@ -49,7 +49,7 @@ fn contributions(document: &Document) -> Table {
 }
 
 /// Radii in the plane of X and Y through the worst point.
-fn layer(document: &Document) -> Figure {
+fn layer(document: &UncertaintyDocument) -> Figure {
     let [[x0, x1], [y0, y1], _] = document.ranges;
     let (x, y) = (Scale::exact("X in mm", x0, x1), Scale::exact("Y in mm", y0, y1));
     let mut figure = heat_map("Radius of the expanded uncertainty over X and Y", x, y, &document.layer, "µm");
@@ -61,7 +61,7 @@ fn layer(document: &Document) -> Figure {
 }
 
 /// Distribution over the machines drawn: distance of the tip from its ideal position.
-fn distribution(document: &Document) -> Figure {
+fn distribution(document: &UncertaintyDocument) -> Figure {
     let distances = document.distances_um();
     let radius = document.worst.jacobian.radius_um;
     let x = Scale::from_zero("distance in µm", distances.iter().copied().chain([radius]));
@@ -77,7 +77,7 @@ fn distribution(document: &Document) -> Figure {
     figure
 }
 
-fn bars(document: &Document) -> Figure {
+fn bars(document: &UncertaintyDocument) -> Figure {
     let largest: Vec<_> = document.contributions.iter().take(BARS).collect();
     let x = Scale::exact("contributions in order of their share", 0.5, largest.len() as f64 + 0.5);
     let y = Scale::from_zero("standard uncertainty in µm", largest.iter().flat_map(|own| [own.rms_um, own.worst_um]));

@@ -6,7 +6,7 @@ use anyhow::{Result, bail};
 use std::fmt::Write;
 use std::path::Path;
 use trueaxis::Axis;
-use trueaxis_evaluation::accuracy::{Document, bands, evaluate, judge, read};
+use trueaxis_evaluation::accuracy::{AccuracyDocument, bands, evaluate, judge, read};
 use trueaxis_metrology::accuracy::Accuracy;
 use trueaxis_metrology::uncertainty::Verdict;
 use trueaxis_tables::text::counted;
@@ -51,7 +51,7 @@ pub(crate) fn run(
 }
 
 /// Bands of the figures, and the verdict.
-fn bands_text(text: &mut String, document: &Document) -> std::fmt::Result {
+fn bands_text(text: &mut String, document: &AccuracyDocument) -> std::fmt::Result {
     let Some(bands) = &document.uncertainty else { return Ok(()) };
     writeln!(text, "\n{:<10}{:>12}{:>10}   {} %", "", "measured", "± U", 100.0 * bands.coverage)?;
     for band in &bands.figures {
@@ -79,7 +79,7 @@ fn bands_text(text: &mut String, document: &Document) -> std::fmt::Result {
     Ok(())
 }
 
-fn table(document: &Document) -> Result<String> {
+fn table(document: &AccuracyDocument) -> Result<String> {
     let (measured, compensated) = (&document.measured, document.compensated.as_ref());
     let unit = if measured.unit == "um" { "µm" } else { "µrad" };
     let mut text = format!(

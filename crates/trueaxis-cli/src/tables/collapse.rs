@@ -24,7 +24,7 @@ controller's own nine-term model evaluates the error that they leave, at other p
 tried on that error, and the last line says whether it is needed. Grids of the machine stay.";
 
 #[derive(Args)]
-pub(crate) struct Arguments {
+pub(crate) struct CollapseArgs {
     /// machine.toml, its folder, or a compiled .tcomp.
     #[arg(value_name = "M")]
     machine: PathBuf,
@@ -75,7 +75,7 @@ pub(crate) struct Arguments {
     json: bool,
 }
 
-pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+pub(crate) fn run(arguments: &CollapseArgs) -> Result<()> {
     let options = CollapseOptions {
         tool_mm: arguments.tool_mm,
         reference_mm: arguments.reference_mm,

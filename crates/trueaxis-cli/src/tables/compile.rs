@@ -5,7 +5,7 @@ use crate::output::{json, print, report_line};
 use anyhow::{Context, Result};
 use std::path::Path;
 use trueaxis::tcomp::Tcomp;
-use trueaxis_evaluation::check::{Document, Findings, findings};
+use trueaxis_evaluation::check::{CheckDocument, Findings, findings};
 use trueaxis_tables::files::Folder;
 use trueaxis_tables::output::Outputs;
 use trueaxis_tables::text::counted;
@@ -16,7 +16,7 @@ pub(super) fn check(path: &Path, rate_hz: f64, as_json: bool) -> Result<()> {
     let found = findings(&machine, &parsed(&bytes, path)?, rate_hz);
     if as_json {
         // Converting to a `Value` sorts the document's keys alphabetically.
-        return json(&serde_json::to_value(Document::from(found))?);
+        return json(&serde_json::to_value(CheckDocument::from(found))?);
     }
     let Findings { warnings, lost_motion, margins, summary } = found;
     print(&format!("{summary}\n"))?;

@@ -19,7 +19,7 @@ The file is for one machine, by its name and structural code; reference temperat
 machine.toml. The task replaces [axis.X.thermal] of the machine: a host uses one of them.";
 
 #[derive(Args)]
-pub(crate) struct Arguments {
+pub(crate) struct ThermalCompileArgs {
     /// Growth in the format that `trueaxis thermal fit` writes.
     #[arg(value_name = "thermal.toml")]
     thermal: PathBuf,
@@ -31,7 +31,7 @@ pub(crate) struct Arguments {
     output: PathBuf,
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<()> {
+pub(super) fn run(arguments: &ThermalCompileArgs) -> Result<()> {
     let machine = model::machine(&arguments.machine)?;
     let mut outputs = Outputs::of(model::files(&arguments.machine).into_iter().chain([arguments.thermal.clone()]));
     outputs.refuse_input(&arguments.output)?;

@@ -6,7 +6,7 @@ use crate::{csv_in, model, report};
 use anyhow::{Result, bail};
 use clap::Args;
 use std::path::PathBuf;
-use trueaxis_evaluation::thermal::{COLUMNS, Found, Recording, settings, written};
+use trueaxis_evaluation::thermal::{COLUMNS, FittedRecording, Recording, settings, written};
 use trueaxis_metrology::thermal::{RATE_K_PER_MIN, Settings};
 use trueaxis_tables::output::Outputs;
 
@@ -48,7 +48,7 @@ More examples:
       -o mymill/thermal.toml";
 
 #[derive(Args)]
-pub(crate) struct Arguments {
+pub(crate) struct ThermalFitArgs {
     /// Recorded cycles.
     #[arg(value_name = "RECORD.csv")]
     record: PathBuf,
@@ -76,7 +76,7 @@ pub(crate) struct Arguments {
     output: Option<PathBuf>,
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<()> {
+pub(super) fn run(arguments: &ThermalFitArgs) -> Result<()> {
     let machine = arguments.machine.as_deref().map(model::machine).transpose()?;
     let inputs = arguments.machine.iter().flat_map(|machine| model::files(machine));
     let mut outputs = Outputs::of(inputs.chain([arguments.record.clone()]));
@@ -91,7 +91,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<()> {
     let settings = Settings { rate_k_per_min, ..settings };
     let recording = Recording::read(csv_in::open(&arguments.record, &COLUMNS, "rows")?, &arguments.without)?;
     let bar = progress(0, "fitting").with_style(indicatif::ProgressStyle::default_spinner());
-    let found = Found::of(recording, &settings, &mut |cause| {
+    let found = FittedRecording::of(recording, &settings, &mut |cause| {
         bar.set_message(format!("fitting: {cause} included"));
         bar.tick();
     });

@@ -13,10 +13,10 @@ pub(crate) use fit::EXAMPLE;
 pub(crate) enum Command {
     /// Find lags of sensors and curves of growth from a recorded warm-up after ISO 230-3.
     #[command(before_help = fit::EXAMPLE, after_help = fit::HELP)]
-    Fit(fit::Arguments),
+    Fit(fit::ThermalFitArgs),
     /// Compile a thermal.toml into the file that the controller's task reads.
     #[command(before_help = compile::EXAMPLE, after_help = compile::HELP)]
-    Compile(compile::Arguments),
+    Compile(compile::ThermalCompileArgs),
 }
 
 pub(crate) fn run(command: Command) -> Result<()> {

@@ -2,10 +2,10 @@
 
 use anyhow::Result;
 use std::fmt::Write;
-use trueaxis_evaluation::thermal::Document;
+use trueaxis_evaluation::thermal::ThermalDocument;
 use trueaxis_report::number::significant;
 
-pub(super) fn table(d: &Document) -> Result<String> {
+pub(super) fn table(d: &ThermalDocument) -> Result<String> {
     let mut text = format!("{} rows, curves zero at {} °C\n\nlag, s\n", d.rows, d.reference_c);
     for sensor in &d.sensors {
         writeln!(text, "  {:<10} {:>9}", sensor.name, significant(sensor.lag_s, 3))?;

@@ -41,7 +41,7 @@ pub struct Share {
 
 /// The JSON document; values that the record does not determine are null.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Document {
+pub struct BallbarDocument {
     /// Number of readings in the record.
     pub readings: usize,
     /// Nominal radius.
@@ -142,7 +142,7 @@ pub(super) fn squareness(axes: [Axis; 2]) -> (&'static str, f64) {
 
 impl Test {
     /// The document.
-    pub fn document(&self) -> Document {
+    pub fn document(&self) -> BallbarDocument {
         let found = &self.found;
         let of = |cause: Cause, take: fn(&Term) -> f64| found.term(cause).map(|term| micro(cause, take(term)));
         let value = |cause| of(cause, |term| term.value);
@@ -171,6 +171,42 @@ impl Test {
         let standard_errors: Map<String, Value> =
             standard_errors.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
         let centre = |axis| value(Cause::Centre(axis)).unwrap_or_default();
+        BallbarDocument {
+            readings: self.readings.len(),
+            radius_mm: self.options.radius_mm,
+            g_b_um: um(found.figures.g_b),
+            g_um: Ways { ccw: um(found.figures.g[0]), cw: um(found.figures.g[1]) },
+            f_um: ways(&|[most, least]| if most >= -least { most } else { least }),
+            f_max_um: ways(&|ends| ends[0]),
+            f_min_um: ways(&|ends| ends[1]),
+            h_um: um(found.figures.h),
+            radius_deviation_um: value(Cause::Radius).unwrap_or_default(),
+            centre_um: [centre(0), centre(1)],
+            plane: self.options.axes.iter().map(|axis| axis.letter()).collect(),
+            squareness_urad: sense * value(Cause::Squareness).unwrap_or_default(),
+            squareness,
+            scale_mismatch_ppm: value(Cause::ScaleMismatch).unwrap_or_default(),
+            servo_mismatch_um: value(Cause::ServoMismatch),
+            backlash_um: pair(Cause::Backlash),
+            reversal_um: pair(Cause::Reversal),
+            reversal_width_deg: found.spike_width_rad.to_degrees(),
+            lateral_play_um: pair(Cause::LateralPlay),
+            straightness_um: pair(Cause::Straightness),
+            cyclic_um: pair(Cause::Cyclic),
+            pitch_mm: Pair::from([0, 1].map(|i| (letters[i], found.pitches_mm[i]))),
+            expanded_uncertainties: expanded(&standard_errors, found.degrees_of_freedom as f64),
+            standard_errors,
+            shares: self.shares(),
+            sigma_um: 1e3 * found.sigma_mm,
+            degrees_of_freedom: found.degrees_of_freedom,
+            condition: found.condition,
+            warnings: self.warnings(),
+        }
+    }
+
+    /// What may spoil the result, a sentence each.
+    fn warnings(&self) -> Vec<String> {
+        let found = &self.found;
         let mut warnings = Vec::new();
         if self.of_positions {
             warnings.push(
@@ -223,37 +259,7 @@ impl Test {
                  more readings a turn"
             ));
         }
-        Document {
-            readings: self.readings.len(),
-            radius_mm: self.options.radius_mm,
-            g_b_um: um(found.figures.g_b),
-            g_um: Ways { ccw: um(found.figures.g[0]), cw: um(found.figures.g[1]) },
-            f_um: ways(&|[most, least]| if most >= -least { most } else { least }),
-            f_max_um: ways(&|ends| ends[0]),
-            f_min_um: ways(&|ends| ends[1]),
-            h_um: um(found.figures.h),
-            radius_deviation_um: value(Cause::Radius).unwrap_or_default(),
-            centre_um: [centre(0), centre(1)],
-            plane: self.options.axes.iter().map(|axis| axis.letter()).collect(),
-            squareness_urad: sense * value(Cause::Squareness).unwrap_or_default(),
-            squareness,
-            scale_mismatch_ppm: value(Cause::ScaleMismatch).unwrap_or_default(),
-            servo_mismatch_um: value(Cause::ServoMismatch),
-            backlash_um: pair(Cause::Backlash),
-            reversal_um: pair(Cause::Reversal),
-            reversal_width_deg: found.spike_width_rad.to_degrees(),
-            lateral_play_um: pair(Cause::LateralPlay),
-            straightness_um: pair(Cause::Straightness),
-            cyclic_um: pair(Cause::Cyclic),
-            pitch_mm: Pair::from([0, 1].map(|i| (letters[i], found.pitches_mm[i]))),
-            expanded_uncertainties: expanded(&standard_errors, found.degrees_of_freedom as f64),
-            standard_errors,
-            shares: self.shares(),
-            sigma_um: 1e3 * found.sigma_mm,
-            degrees_of_freedom: found.degrees_of_freedom,
-            condition: found.condition,
-            warnings,
-        }
+        warnings
     }
 
     fn shares(&self) -> Vec<Share> {

@@ -9,7 +9,7 @@ mod record;
 mod telemetry;
 mod values;
 
-pub use document::{Document, Pair, Share, Ways, name};
+pub use document::{BallbarDocument, Pair, Share, Ways, name};
 pub use polar::{Trace, left, polar, traces};
 pub use record::COLUMNS;
 pub use values::values;
@@ -17,7 +17,7 @@ pub use values::values;
 use crate::range::OutOfRange;
 use std::ops::RangeInclusive;
 use trueaxis::Axis;
-use trueaxis_metrology::ballbar::{Evaluation, Reading, Refused, evaluate};
+use trueaxis_metrology::ballbar::{BallbarRefusal, Evaluation, Reading, evaluate};
 
 /// Accepted radii and pitches, mm.
 const LENGTHS_MM: RangeInclusive<f64> = 1e-3..=1e5;
@@ -66,8 +66,8 @@ impl Test {
     /// Evaluates readings.
     ///
     /// # Errors
-    /// [`Refused`].
-    pub fn of(readings: Vec<Reading>, of_positions: bool, options: &Options) -> Result<Test, Refused> {
+    /// [`BallbarRefusal`].
+    pub fn of(readings: Vec<Reading>, of_positions: bool, options: &Options) -> Result<Test, BallbarRefusal> {
         let found = evaluate(options.radius_mm, &readings, options.pitches_mm)?;
         Ok(Test { options: *options, of_positions, readings, found })
     }

@@ -6,7 +6,7 @@ use crate::record::{self, Channel};
 use crate::rows::{Column, Rows};
 use anyhow::{Result, anyhow};
 use std::path::Path;
-use trueaxis_metrology::ballbar::{Position, Reading, Refused, readings};
+use trueaxis_metrology::ballbar::{BallbarRefusal, Position, Reading, readings};
 use trueaxis_tables::error::FileError;
 
 /// Columns of a ballbar's record, then those of a record of positions: time, command and reading of X, Y and Z.
@@ -99,7 +99,7 @@ fn of_bar(rows: &mut Rows<'_, 10>, options: &Options) -> Result<Test> {
     let values: Vec<f64> = readings.iter().map(|reading| reading.deviation_mm).collect();
     record::alive(rows, &lines, &[Channel { name: "deviation_um", values: &values, scale: 1e3 }])?;
     Test::of(readings, false, options).map_err(|refused| match refused {
-        Refused::NotAReading { index } => {
+        BallbarRefusal::NotAReading { index } => {
             let line = lines.get(index).copied().unwrap_or(1);
             rows.error(line, "deviation_um", "a deviation as large as the circle", "less than half the radius")
         }
@@ -118,8 +118,8 @@ fn of_positions(rows: &mut Rows<'_, 10>, slots: [usize; 2], options: &Options) -
 }
 
 fn positions_of(positions: &[Position], lines: &[u32], file: &Path, options: &Options) -> Result<Test> {
-    let of = |refused: Refused| match refused {
-        Refused::NotAReading { index } => {
+    let of = |refused: BallbarRefusal| match refused {
+        BallbarRefusal::NotAReading { index } => {
             let line = lines.get(index).map_or_else(String::new, |line| format!(":{line}"));
             anyhow!("{}{line}: found a position that is not finite, needed numbers", file.display())
         }
@@ -138,7 +138,7 @@ fn positions_of(positions: &[Position], lines: &[u32], file: &Path, options: &Op
     }
     let readings = readings(options.radius_mm, positions).map_err(of)?;
     Test::of(readings, true, options).map_err(|refused| match refused {
-        Refused::NotAReading { .. } => {
+        BallbarRefusal::NotAReading { .. } => {
             let found = "a position farther from the circle than half its radius";
             whole(file, found.into(), "actual positions of the commanded circle, in mm".into())
         }

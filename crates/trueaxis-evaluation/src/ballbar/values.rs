@@ -1,10 +1,10 @@
 //! The values of a circular test in readable form.
 
-use super::Document;
+use super::BallbarDocument;
 use trueaxis_report::number::significant;
 
 /// Every value as text: name, value with unit (– if the record does not determine it), half-width of its 95 % interval.
-pub fn values(document: &Document) -> Vec<[String; 3]> {
+pub fn values(document: &BallbarDocument) -> Vec<[String; 3]> {
     let d = document;
     let error = |key: &str, part: Option<&str>| {
         let of = d.expanded_uncertainties.get(key);

@@ -3,7 +3,7 @@
 use super::ranges::{needed, number, whole};
 use trueaxis::machine::Axis;
 use trueaxis_tables::error::FileError;
-use trueaxis_tables::{Found, Section};
+use trueaxis_tables::{KeyValue, Section};
 
 const KINDS: &str = "\"ring\", \"ball\", \"ball plate\", \"step gauge\" or \"square\"";
 
@@ -160,7 +160,7 @@ fn read_place(section: Section<'_>, kind: &Kind) -> Result<Place, FileError> {
         Some(found) if found.value.is_rotary() => Err(section.wrong(&found, "\"X\", \"Y\" or \"Z\"")),
         found => Ok(found.map_or(default, |found| found.value)),
     };
-    let along = |found: Option<Found<&str>>, needed: &str| {
+    let along = |found: Option<KeyValue<&str>>, needed: &str| {
         found.map_or_else(|| section.missing_here("along", needed), |found| section.wrong(&found, needed))
     };
     let flat = matches!(kind, Kind::Ring { .. } | Kind::Plate { .. } | Kind::Square { .. } | Kind::Gauge { .. });

@@ -23,7 +23,7 @@ const SCATTER: f64 = 3.0;
 
 /// A term with its value.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Found {
+pub struct SolvedTerm {
     /// Name of the term.
     pub name: String,
     /// Value of the term.
@@ -58,7 +58,7 @@ pub struct Drift {
 
 /// The JSON document.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Document {
+pub struct CalibrationDocument {
     /// The machine's name.
     pub machine: String,
     /// Whether the machine was compensated during probing.
@@ -78,7 +78,7 @@ pub struct Document {
     /// Root mean square of the touch displacements that the terms cause.
     pub signal_um: f64,
     /// Every term.
-    pub terms: Vec<Found>,
+    pub terms: Vec<SolvedTerm>,
     /// Location errors found, `C0Y_urad`, `EX0C_um`.
     pub location: BTreeMap<String, f64>,
     /// For every linear axis `scale_ppm`, `backlash_um`, and the range (maximum less minimum) of its curves without the scale,
@@ -101,13 +101,13 @@ pub struct Document {
 
 impl Calibration {
     /// The document.
-    pub fn document(&self, task: &Task, machine: &Machine) -> Document {
+    pub fn document(&self, task: &Task, machine: &Machine) -> CalibrationDocument {
         let (solution, observed) = (&self.solution, &self.observed);
         let terms = &observed.terms;
         let found = terms.terms.iter().enumerate().map(|(index, term)| {
             let (unit, factor) = term.unit();
             let (value, error) = (factor * solution.values[index], factor * solution.standard_errors[index]);
-            Found { name: term.name(), value, standard_error: error, unit }
+            SolvedTerm { name: term.name(), value, standard_error: error, unit }
         });
         let mut location = BTreeMap::new();
         let mut axes: BTreeMap<String, BTreeMap<String, f64>> = BTreeMap::new();
@@ -128,7 +128,7 @@ impl Calibration {
         let at = |knot: Option<usize>, k: usize| knot.map_or(0.0, |index| 1e3 * solution.values[index + k]);
         let drift = observed.knots.iter().map(|&(time_s, knot)| Drift { time_s, um: [0, 1, 2].map(|k| at(knot, k)) });
         let tip = observed.network.tip;
-        Document {
+        CalibrationDocument {
             machine: machine.settings.name.to_string(),
             compensated: task.compensated,
             touches: observed.network.touches.len(),

@@ -1,14 +1,14 @@
-//! Plans a task with its expected standard errors, and solves a task from its log, in one call each.
+//! Plans a task with its expected standard errors, before anything is measured.
 
-use super::log::read_log;
+use super::observed::{Observed, observe};
 use super::plan::Plan;
 use super::program::program;
-use super::solve::{Calibration, calibrate, foresee};
+use super::solve::Calibration;
+use super::source::Source;
 use super::task::Task;
-use super::trips::trips;
 use anyhow::Result;
 use serde::Serialize;
-use std::path::Path;
+use trueaxis::machine::AXES;
 use trueaxis_tables::Machine;
 
 /// A term with the standard error expected from the stated repeatability.
@@ -81,21 +81,33 @@ impl Planning {
     }
 }
 
-/// Solves a task from the text of its log. `file` names the log in errors; unusual separators in it are reported to the
-/// callback.
+/// Checks before measuring whether the places of a task separate its unknowns, and computes the standard errors from the
+/// stated repeatability, with every touch at its planned position.
 ///
 /// # Errors
-/// As [`read_log`], [`Plan::new`], [`trips`] and [`calibrate`].
-pub fn solved(
-    task: &Task,
-    machine: &Machine,
-    text: &str,
-    file: &Path,
-    note: impl FnMut(String),
-) -> Result<(Plan, Calibration)> {
-    let log = read_log(text, file, task.dialect, note)?;
-    let plan = Plan::new(task, machine)?;
-    let trips = trips(task, &plan, &log, file)?;
-    let found = calibrate(task, machine, &plan, &trips, file)?;
-    Ok((plan, found))
+/// The names of the unknowns that cannot be separated.
+pub fn foresee(task: &Task, machine: &Machine, plan: &Plan) -> Result<Calibration> {
+    let positions = planned(task, plan);
+    foresee_observed(task, plan, observe(&Task { compensated: true, ..task.clone() }, machine, plan, &positions)?)
+}
+
+/// Axis positions at the touches of a plan if every artefact is where the task says: X, Y, Z, A, B, C.
+pub fn planned(task: &Task, plan: &Plan) -> Vec<[f64; AXES]> {
+    plan.touches
+        .iter()
+        .map(|touch| {
+            let share = task.probe.approach_mm / (task.probe.approach_mm + task.probe.overtravel_mm);
+            std::array::from_fn(|k| touch.start[k] + share * (touch.end[k] - touch.start[k]))
+        })
+        .collect()
+}
+
+/// [`foresee`] for a network of [`planned`] touches.
+///
+/// # Errors
+/// As [`foresee`].
+pub fn foresee_observed(task: &Task, plan: &Plan, observed: Observed) -> Result<Calibration> {
+    let source = Source { task, plan, file: &task.file, lines: Vec::new() };
+    let solution = observed.network.foresee().map_err(|refused| source.refused(&observed, refused))?;
+    Ok(Calibration { observed, solution, lines: Vec::new() })
 }

@@ -34,6 +34,14 @@ pub struct Observed {
     pub knots: Vec<(f64, Option<usize>)>,
 }
 
+impl Observed {
+    /// Whether an unknown is a term of the machine, the tip's radius or an artefact's size. The others are where artefacts
+    /// stand, how they deviate from their certificates, and the drift.
+    pub(super) fn is_term_or_size(&self, index: usize) -> bool {
+        index < self.network.terms || index == self.network.tip || self.sizes.contains(&Some(index))
+    }
+}
+
 struct Names {
     unknowns: Vec<Unknown>,
     names: Vec<String>,

@@ -1,16 +1,17 @@
 //! Solves for the machine's errors from a log.
 
 use super::artefact::Kind;
-use super::log::Logged;
+use super::log::{Logged, read_log};
 use super::observed::{Observed, observe};
 use super::plan::Plan;
+use super::source::Source;
 use super::task::Task;
-use anyhow::{Result, anyhow};
-use std::path::{Path, PathBuf};
+use super::trips::trips;
+use anyhow::Result;
+use std::path::Path;
 use trueaxis::machine::AXES;
-use trueaxis_metrology::calibration::{Network, Refused, Solution, Surface, Touch, Unknown};
+use trueaxis_metrology::calibration::{Network, Solution, Surface, Touch, Unknown};
 use trueaxis_tables::Machine;
-use trueaxis_tables::error::FileError;
 
 /// A touch is an outlier if its residual exceeds this many standard deviations, estimated from the median.
 const OFF_SIGMA: f64 = 8.0;
@@ -30,23 +31,23 @@ pub struct Calibration {
     pub lines: Vec<u32>,
 }
 
-/// The log, with the names that errors need.
-struct Source<'s> {
-    task: &'s Task,
-    plan: &'s Plan,
-    file: &'s Path,
-    lines: Vec<u32>,
-}
-
-impl Source<'_> {
-    fn error(&self, line: Option<u32>, found: impl ToString, needed: impl ToString) -> anyhow::Error {
-        let file: PathBuf = self.file.into();
-        FileError { file, line, column: None, found: found.to_string(), needed: needed.to_string() }.into()
-    }
-
-    fn line(&self, touch: usize) -> Option<u32> {
-        self.lines.get(touch).copied()
-    }
+/// Solves a task from the text of its log. `file` names the log in errors; unusual separators in it are reported to the
+/// callback.
+///
+/// # Errors
+/// As [`read_log`], [`Plan::new`], [`trips`] and [`calibrate`].
+pub fn solved(
+    task: &Task,
+    machine: &Machine,
+    text: &str,
+    file: &Path,
+    note: impl FnMut(String),
+) -> Result<(Plan, Calibration)> {
+    let log = read_log(text, file, task.dialect, note)?;
+    let plan = Plan::new(task, machine)?;
+    let trips = trips(task, &plan, &log, file)?;
+    let found = calibrate(task, machine, &plan, &trips, file)?;
+    Ok((plan, found))
 }
 
 /// Solves for the machine's terms; `file` names the log in errors.
@@ -74,90 +75,6 @@ pub fn settle(task: &Task, plan: &Plan, trips: &[Logged], file: &Path, observed:
     Ok(Calibration { observed, solution, lines: source.lines })
 }
 
-/// Checks before measuring whether the places of a task separate its unknowns, and computes the standard errors from the
-/// stated repeatability, with every touch at its planned position.
-///
-/// # Errors
-/// The names of the unknowns that cannot be separated.
-pub fn foresee(task: &Task, machine: &Machine, plan: &Plan) -> Result<Calibration> {
-    let positions = planned(task, plan);
-    foresee_observed(task, plan, observe(&Task { compensated: true, ..task.clone() }, machine, plan, &positions)?)
-}
-
-/// Axis positions at the touches of a plan if every artefact is where the task says: X, Y, Z, A, B, C.
-pub fn planned(task: &Task, plan: &Plan) -> Vec<[f64; AXES]> {
-    plan.touches
-        .iter()
-        .map(|touch| {
-            let share = task.probe.approach_mm / (task.probe.approach_mm + task.probe.overtravel_mm);
-            std::array::from_fn(|k| touch.start[k] + share * (touch.end[k] - touch.start[k]))
-        })
-        .collect()
-}
-
-/// [`foresee`] for a network of [`planned`] touches.
-///
-/// # Errors
-/// As [`foresee`].
-pub fn foresee_observed(task: &Task, plan: &Plan, observed: Observed) -> Result<Calibration> {
-    let source = Source { task, plan, file: &task.file, lines: Vec::new() };
-    let solution = observed.network.foresee().map_err(|refused| source.refused(&observed, refused))?;
-    Ok(Calibration { observed, solution, lines: Vec::new() })
-}
-
-impl Source<'_> {
-    fn refused(&self, observed: &Observed, refused: Refused) -> anyhow::Error {
-        match refused {
-            Refused::NotApart { combinations } => {
-                let sentences: Vec<String> = combinations.iter().map(|parts| words(parts, observed)).collect();
-                let one = sentences.first().cloned().unwrap_or_default();
-                let more = match sentences.len() {
-                    0 | 1 => String::new(),
-                    2 => String::from(", and one more combination"),
-                    count => format!(", and {} more combinations", count - 1),
-                };
-                let found = format!("a set-up that cannot {one}{more}");
-                let needed = "artefacts or places that do (a known size along each of them, a ball for the tip's radius, a \
-                              reversal), or fewer unknowns in [solve]";
-                let file = self.task.file.clone();
-                FileError { file, line: None, column: None, found, needed: needed.into() }.into()
-            }
-            Refused::Unsettled { touch, residual_mm } => {
-                let found = format!("touch {} {residual_mm:.3} mm off {}", touch + 1, self.name(touch));
-                self.error(self.line(touch), found, "touches on the artefact that the task names")
-            }
-            Refused::NotFinite { touch } => self.error(self.line(touch), "a position that is not a number", "numbers"),
-            refused => anyhow!("{}: {refused}", self.task.file.display()),
-        }
-    }
-
-    fn name(&self, touch: usize) -> String {
-        let of = self.plan.touches.get(touch).and_then(|touch| self.task.artefacts.get(touch.artefact));
-        of.map_or(String::new(), |artefact| artefact.name.clone())
-    }
-}
-
-/// Describes a combination in words, the machine's terms first.
-fn words(parts: &[(usize, f64)], observed: &Observed) -> String {
-    let mut parts = parts.to_vec();
-    trueaxis_metrology::order::sort_by_number(&mut parts, |one| -one.1.abs());
-    // Places only follow the terms: they are named only if nothing else can be.
-    let sizes: Vec<&(usize, f64)> = parts.iter().filter(|(index, _)| is_size(*index, observed)).collect();
-    let said = if sizes.is_empty() { parts.iter().collect() } else { sizes };
-    let names: Vec<&str> =
-        said.iter().take(6).filter_map(|(index, _)| observed.names.get(*index).map(String::as_str)).collect();
-    let more = if said.len() > 6 { " and others" } else { "" };
-    match names.split_last() {
-        Some((last, [])) => format!("determine {last}, which no touch sees"),
-        Some((last, rest)) => format!("separate {} and {last}{more}", rest.join(", ")),
-        None => String::new(),
-    }
-}
-
-fn is_size(index: usize, observed: &Observed) -> bool {
-    index <= observed.network.tip || observed.sizes.contains(&Some(index))
-}
-
 /// Compares rings and balls, place by place, with their stated diameters.
 fn sizes_hold(source: &Source<'_>, observed: &Observed) -> Result<()> {
     for (index, artefact) in source.task.artefacts.iter().enumerate() {
@@ -174,7 +91,9 @@ fn sizes_hold(source: &Source<'_>, observed: &Observed) -> Result<()> {
             };
             let touches: Vec<usize> = (0..source.plan.touches.len()).filter(|touch| own(*touch)).collect();
             let stated = observed.network.unknowns[size].start;
-            let Some(away) = alone(observed, &touches, size).map(|measured| measured - stated) else { continue };
+            let Some(away) = fit_size_from_one_place(observed, &touches, size).map(|measured| measured - stated) else {
+                continue;
+            };
             if away.abs() > artefact.tolerance_mm {
                 let line = touches.first().and_then(|touch| source.line(*touch));
                 let measured = stated + away;
@@ -211,20 +130,23 @@ fn deviations_hold(source: &Source<'_>, observed: &Observed, solution: &Solution
 }
 
 /// Size of an artefact from the touches at one place, with the stated tip radius; `None` if they do not determine it.
-fn alone(observed: &Observed, touches: &[usize], size: usize) -> Option<f64> {
+fn fit_size_from_one_place(observed: &Observed, touches: &[usize], size: usize) -> Option<f64> {
     let network = &observed.network;
     let start = |index: usize| network.unknowns.get(index).map_or(0.0, |unknown| unknown.start);
     let held = |start: f64| Unknown { start, uncertainty: Some(1e-9) };
     let free = |index: usize| Unknown { start: start(index), uncertainty: None };
-    let first = &network.touches.get(*touches.first()?)?.surface;
-    let (surface, at) = match first {
-        Surface::Bore { centre, plane, .. } => {
-            (Surface::Bore { diameter: 1, centre: 2, plane: *plane }, *centre..centre + 2)
+    // The unknowns of this smaller network: tip's radius, size, centre.
+    let mut unknowns = vec![held(start(network.tip)), free(size)];
+    let [tip, diameter, centre] = [0, 1, 2];
+    let surface = match &network.touches.get(*touches.first()?)?.surface {
+        Surface::Bore { centre: in_network, plane, .. } => {
+            unknowns.extend((*in_network..in_network + 2).map(free));
+            Surface::Bore { diameter, centre, plane: *plane }
         }
-        Surface::Ball { origin, .. } => (
-            Surface::Ball { diameter: 1, origin: 2, offset: [0.0; 3], turn: None, own: None, length: None },
-            *origin..origin + 3,
-        ),
+        Surface::Ball { origin, .. } => {
+            unknowns.extend((*origin..origin + 3).map(free));
+            Surface::Ball { diameter, origin: centre, offset: [0.0; 3], turn: None, own: None, length: None }
+        }
         _ => return None,
     };
     let touches = touches.iter().filter_map(|touch| network.touches.get(*touch)).map(|touch| Touch {
@@ -233,10 +155,9 @@ fn alone(observed: &Observed, touches: &[usize], size: usize) -> Option<f64> {
         response: Vec::new(),
         drift: Vec::new(),
     });
-    let unknowns = [held(start(network.tip)), free(size)].into_iter().chain(at.map(free)).collect();
     let repeatability_mm = network.repeatability_mm;
-    let found = Network { unknowns, terms: 0, tip: 0, touches: touches.collect(), repeatability_mm }.solve().ok()?;
-    found.values.get(1).copied()
+    let one_place = Network { unknowns, terms: 0, tip, touches: touches.collect(), repeatability_mm };
+    one_place.solve().ok()?.values.get(diameter).copied()
 }
 
 /// Checks that no touch disagrees with all the others.

@@ -110,7 +110,7 @@ pub struct PlaneDocument {
 
 /// The JSON document; a circle that does not exist is null.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Document {
+pub struct CircleDocument {
     /// Number of points.
     pub points: usize,
     /// The plane fitted to points in space.
@@ -198,7 +198,7 @@ impl Evaluation {
     }
 
     /// The document.
-    pub fn document(&self) -> Document {
+    pub fn document(&self) -> CircleDocument {
         let mut refused = BTreeMap::new();
         let mut or_reason = |name, circle: &Fitted| match circle {
             Ok(circle) => Some(Circle::of(circle.clone(), &self.section)),
@@ -216,6 +216,6 @@ impl Evaluation {
             Section::Coordinates(_) => None,
             Section::Space(plane) => Some(PlaneDocument { normal: plane.normal, flatness_um: 1e3 * plane.flatness_mm }),
         };
-        Document { points: self.points.len(), plane, lsc, mzc, mic, mcc, refused }
+        CircleDocument { points: self.points.len(), plane, lsc, mzc, mic, mcc, refused }
     }
 }

@@ -81,7 +81,7 @@ pub struct Steps {
 
 /// The JSON document.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Document {
+pub struct DiagonalDocument {
     /// Number of readings in the record.
     pub readings: usize,
     /// "diagonal" or "step-diagonal".
@@ -124,9 +124,9 @@ fn micro(term: Term) -> Value {
     Value { value: 1e6 * term.value, standard_error: 1e6 * term.standard_error }
 }
 
-impl Document {
+impl DiagonalDocument {
     /// The document of a test; `alignment_urad`: standard uncertainty of the mirror's alignment, if known.
-    pub fn new(test: &Test, alignment_urad: Option<f64>) -> Document {
+    pub fn new(test: &Test, alignment_urad: Option<f64>) -> DiagonalDocument {
         let volume = test.volume();
         let diagonals: Vec<DiagonalFigures> = figures(test)
             .into_iter()
@@ -155,7 +155,7 @@ impl Document {
         });
         let largest = |of: &dyn Fn(&DiagonalFigures) -> Option<f64>| diagonals.iter().filter_map(of).reduce(f64::max);
         let [a0z, b0z, c0y] = volume.squareness.map(micro);
-        Document {
+        DiagonalDocument {
             readings: test.readings.len(),
             test: if test.steps { "step-diagonal" } else { "diagonal" },
             e_d_um: largest(&|d| Some(d.e_um)).unwrap_or(0.0),

@@ -5,14 +5,14 @@
 mod document;
 mod shown;
 
-pub use document::{DiagonalFigures, Document, Point, Shape, Steps, Value, additions};
+pub use document::{DiagonalDocument, DiagonalFigures, Point, Shape, Steps, Value, additions};
 
 use crate::range::OutOfRange;
 use crate::record;
 use crate::rows::{Column, Rows};
 use anyhow::{Result, anyhow};
 use trueaxis_metrology::accuracy::Direction;
-use trueaxis_metrology::diagonal::{Reading, Refused, Test};
+use trueaxis_metrology::diagonal::{DiagonalRefusal, Reading, Test};
 use trueaxis_tables::text::counted;
 
 /// Columns of a record.
@@ -77,7 +77,7 @@ pub fn read(rows: &mut Rows<'_, 7>) -> Result<Test> {
     }
     whole(rows, &lines, &readings)?;
     Test::new(readings).map_err(|refused| match refused {
-        Refused::Twice { index, first } => {
+        DiagonalRefusal::Twice { index, first } => {
             let [line, before] = [index, first].map(|index| lines.get(index).copied().unwrap_or(1));
             let found = format!("this target a second time in this run and direction, first in line {before}");
             rows.error(line, "deviation_um", found, "each target once a run and direction")

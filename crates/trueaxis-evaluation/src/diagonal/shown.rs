@@ -1,10 +1,10 @@
 //! Tables and plots of a diagonal test.
 
-use super::{Document, Value};
+use super::{DiagonalDocument, Value};
 use crate::shown::{Cell, Curve, Look, Plot, Shown, Table};
 use trueaxis_metrology::diagonal::Test;
 
-impl Document {
+impl DiagonalDocument {
     /// Tables and plots of the document's test.
     pub fn shown(&self, test: &Test) -> Shown {
         let figures = |name: String, e: f64, b: Option<f64>, m: f64, r: Option<f64>| {

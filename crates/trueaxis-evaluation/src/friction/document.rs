@@ -6,7 +6,7 @@ use trueaxis_metrology::friction::{Figure, Identified, Record, Size};
 
 /// Friction and drives of a record.
 #[derive(Clone, Debug, Serialize)]
-pub struct Document {
+pub struct FrictionDocument {
     /// Samples of the record.
     pub samples: usize,
     /// Sampling period, s.
@@ -187,9 +187,9 @@ fn axis(found: &Identified) -> AxisFound {
     }
 }
 
-impl Document {
+impl FrictionDocument {
     /// The document of the figures found in a record.
-    pub fn new(record: &Record, found: &[Identified]) -> Document {
+    pub fn new(record: &Record, found: &[Identified]) -> FrictionDocument {
         let axes: Vec<AxisFound> = found.iter().map(axis).collect();
         let mut warnings = Vec::new();
         for own in &axes {
@@ -212,6 +212,6 @@ impl Document {
                 }
             }
         }
-        Document { samples: record.axes[0].command.len(), period_s: record.period_s, axes, warnings }
+        FrictionDocument { samples: record.axes[0].command.len(), period_s: record.period_s, axes, warnings }
     }
 }

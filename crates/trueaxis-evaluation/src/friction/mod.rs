@@ -1,7 +1,7 @@
 //! Friction of two axes and their drives' figures from recorded circles.
 //!
 //! ```text
-//! CSV ─► Recording ─► fit ─► Document, sections of a machine.toml, additions to a machine, curves
+//! CSV ─► Recording ─► fit ─► FrictionDocument, sections of a machine.toml, additions to a machine, curves
 //! ```
 //!
 //! The mathematics is in [`trueaxis_metrology::friction`]; this module reads records with their lines and writes the report
@@ -13,7 +13,7 @@ mod recording;
 mod settings;
 
 pub use curves::{CircleCurves, SpikeCurves, Trace, circles, spikes};
-pub use document::{AxisFound, Deviation, Document, Drive, Errors, Friction, Glitch};
+pub use document::{AxisFound, Deviation, Drive, Errors, Friction, FrictionDocument, Glitch};
 pub use recording::{Recording, columns};
 pub use settings::{additions, sections};
 
@@ -74,16 +74,16 @@ pub fn drives(machine: &Machine, name: &str, axes: [Axis; 2]) -> Result<[Option<
 /// the number of steps of its fits so far.
 ///
 /// # Errors
-/// A record that determines nothing ([`trueaxis_metrology::friction::Refused`]), with the name of its file.
+/// A record that determines nothing ([`trueaxis_metrology::friction::FrictionRefusal`]), with the name of its file.
 ///
 /// Cost: [`identify`], some seconds for a minute of 10 kHz.
 pub fn fit(
     recording: &Recording,
     given: [Option<DriveFigures>; 2],
     progress: &mut Progress<'_>,
-) -> Result<([Identified; 2], Document)> {
+) -> Result<([Identified; 2], FrictionDocument)> {
     let found = identify(&recording.record, given, progress)
         .map_err(|refused| anyhow!("{}: {refused}", recording.file.display()))?;
-    let document = Document::new(&recording.record, &found);
+    let document = FrictionDocument::new(&recording.record, &found);
     Ok((found, document))
 }

@@ -5,7 +5,7 @@ use crate::rows::{Column, Rows};
 use anyhow::{Result, anyhow};
 use std::path::PathBuf;
 use trueaxis::Axis;
-use trueaxis_metrology::friction::{Record, Recorded, Refused};
+use trueaxis_metrology::friction::{FrictionRefusal, Record, Recorded};
 
 /// Columns that a record may have: time, then command and reading of X, Y and Z.
 const NAMES: [&str; 7] = ["t_s", "x_cmd_mm", "x_mm", "y_cmd_mm", "y_mm", "z_cmd_mm", "z_mm"];
@@ -52,7 +52,7 @@ impl Recording {
             }
         }
         let record = Record::new(&times, recorded).map_err(|refused| match refused {
-            Refused::Uneven { index, found_s, period_s } => {
+            FrictionRefusal::Uneven { index, found_s, period_s } => {
                 let line = lines.get(index + 1).copied().unwrap_or(0);
                 let found = format!("{found_s:.6} s after the line before");
                 rows.error(line, "t_s", found, format!("{period_s:.6} s as everywhere else: no gap, an even rate"))

@@ -45,7 +45,7 @@ impl Job {
 
 /// The result as one document.
 #[derive(Clone, Debug, Serialize)]
-pub struct Document {
+pub struct HelicoidDocument {
     /// The request.
     pub inputs: Inputs,
     /// The flank.
@@ -114,9 +114,9 @@ impl From<&GearData> for DerivedGear {
     }
 }
 
-impl Document {
+impl HelicoidDocument {
     /// The document of a request and the points computed for it; without points for a window that requests them one by one.
-    pub fn new(job: &Job, points: Vec<Point>) -> Document {
+    pub fn new(job: &Job, points: Vec<Point>) -> HelicoidDocument {
         let gear = job.gear.as_ref();
         let inputs = Inputs {
             form: job.form_name(),
@@ -141,7 +141,7 @@ impl Document {
             lead_mm: std::f64::consts::TAU * job.surface.lead_parameter(),
             tilt_deg: job.surface.tilt().to_degrees(),
         };
-        Document { inputs, surface, gear: gear.map(|(_, data)| data.into()), points }
+        HelicoidDocument { inputs, surface, gear: gear.map(|(_, data)| data.into()), points }
     }
 }
 

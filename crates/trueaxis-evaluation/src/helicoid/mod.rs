@@ -15,7 +15,7 @@ mod surface;
 mod tool;
 mod travel;
 
-pub use document::{Document, Point};
+pub use document::{HelicoidDocument, Point};
 pub use flank::{Errors, Flanked, flank};
 pub use grid::{MOST, Range, is_coarse};
 pub use job::Job;

@@ -10,7 +10,7 @@ use trueaxis_metrology::identification::{Identified, Location};
 
 /// The JSON document.
 #[derive(Clone, Debug, Serialize)]
-pub struct Document {
+pub struct IdentificationDocument {
     /// Letter of the axis.
     pub axis: String,
     /// Set-ups of the ball.
@@ -86,8 +86,8 @@ fn named(axis: Axis, values: [f64; 6]) -> Map<String, Value> {
     names(axis).iter().zip(values).map(|(name, value)| (name.to_lowercase(), Value::from(value))).collect()
 }
 
-impl Document {
-    pub(super) fn new(readings: &Readings, found: &Identified, warnings: Vec<String>) -> Document {
+impl IdentificationDocument {
+    pub(super) fn new(readings: &Readings, found: &Identified, warnings: Vec<String>) -> IdentificationDocument {
         let count = found.angles.len().max(1) as f64;
         let factor = band_factor(found.degrees_of_freedom as f64);
         let mean = std::array::from_fn(|i| {
@@ -113,7 +113,7 @@ impl Document {
                 deviations,
             }
         });
-        Document {
+        IdentificationDocument {
             axis: found.axis.letter().to_string(),
             set_ups: set_ups.collect(),
             angles: angles.collect(),

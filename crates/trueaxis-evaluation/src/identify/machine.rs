@@ -1,13 +1,13 @@
 //! The errors found, as additions to a machine.
 
-use super::{Found, micro, names, table};
+use super::{Identification, micro, names, table};
 use anyhow::{Result, anyhow};
 use trueaxis::machine::{Row, Twist};
 use trueaxis_metrology::identification::{Identified, Offsets, identify as solve, lever};
 use trueaxis_tables::finding::{Finding, Fit, Known};
 use trueaxis_tables::{Additions, Machine};
 
-impl Found {
+impl Identification {
     /// The six errors as findings for a machine that was not corrected during the test: their excess over its table and its
     /// location errors of the axis. The fit determines them together: only levers distinguish a shift from a rotation, so an
     /// error in one causes an error in the other.

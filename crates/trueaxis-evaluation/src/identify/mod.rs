@@ -2,7 +2,7 @@
 //! a document and as the axis' table.
 //!
 //! ```text
-//! MEASURED.csv ─► Readings ─► identify ─► Found: document, table, additions to a machine
+//! MEASURED.csv ─► Readings ─► identify ─► Identification: document, table, additions to a machine
 //! ```
 //!
 //! The mathematics is in [`trueaxis_metrology::identification`].
@@ -13,7 +13,7 @@ mod machine;
 mod readings;
 mod table;
 
-pub use document::{Angle, Document, SetUp, micro, names};
+pub use document::{Angle, IdentificationDocument, SetUp, micro, names};
 pub use readings::{COLUMNS, Readings, SAME_ANGLE_DEG};
 pub use table::table;
 
@@ -38,9 +38,9 @@ pub struct Known<'m> {
 
 /// Result of [`identify`].
 #[derive(Debug)]
-pub struct Found {
+pub struct Identification {
     /// Document to print.
-    pub document: Document,
+    pub document: IdentificationDocument,
     readings: Readings,
     offsets: Offsets,
     direction: f64,
@@ -59,7 +59,7 @@ pub fn identify(
     axis: Axis,
     offsets: Offsets,
     known: Option<Known<'_>>,
-) -> Result<Found> {
+) -> Result<Identification> {
     let mut warnings = Vec::new();
     let mut direction = 1.0;
     if let Some(Known { machine, file, start_mm }) = known {
@@ -93,11 +93,11 @@ pub fn identify(
             "condition number {worst:.0}: the set-ups are nearly on one line, so the errors are that many times less accurate than the readings"
         ));
     }
-    let document = Document::new(&readings, &errors, warnings);
-    Ok(Found { document, readings, offsets, direction, errors })
+    let document = IdentificationDocument::new(&readings, &errors, warnings);
+    Ok(Identification { document, readings, offsets, direction, errors })
 }
 
-impl Found {
+impl Identification {
     /// The errors as the axis' table; adds remarks on it to the document's warnings.
     ///
     /// # Errors

@@ -2,7 +2,7 @@
 
 use super::entry::{BallPlace, Measured};
 use super::reprobing::{Decision, Reprobing};
-use super::task::Keep;
+use super::task::KeepTask;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -35,7 +35,7 @@ pub struct TermDocument {
 
 /// The JSON document of a probing.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Document {
+pub struct ReprobingDocument {
     /// The machine's name.
     pub machine: String,
     /// Number that the probing's entry has or would have.
@@ -61,12 +61,12 @@ pub struct Document {
 }
 
 impl Reprobing {
-    fn terms(&self, keep: &Keep) -> Vec<TermDocument> {
+    fn terms(&self, task: &KeepTask) -> Vec<TermDocument> {
         let term = |verdict: &super::Verdict| {
-            let kept = keep.terms.iter().find(|kept| kept.name == verdict.name)?;
+            let kept = task.terms.iter().find(|kept| kept.name == verdict.name)?;
             let (unit, factor) = kept.term.unit();
             let (name, reason) = match &verdict.decision {
-                Decision::Keep => ("keep", None),
+                Decision::Unchanged => ("keep", None),
                 Decision::Update => ("update", None),
                 Decision::Refused(reason) => ("refused", Some(reason.clone())),
             };
@@ -88,19 +88,19 @@ impl Reprobing {
     }
 
     /// The document.
-    pub fn document(&self, keep: &Keep, machine: &str, entry: u32) -> Document {
-        let terms = self.terms(keep);
+    pub fn document(&self, task: &KeepTask, machine: &str, entry: u32) -> ReprobingDocument {
+        let terms = self.terms(task);
         let count = |verdict: &str| terms.iter().filter(|term| term.verdict == verdict).count();
         let sigma = self.calibration.solution.sigma_mm;
         let mut notes = Vec::new();
-        if sigma > 2.0 * keep.task.probe.repeatability_mm {
+        if sigma > 2.0 * task.probing.probe.repeatability_mm {
             notes.push(format!(
                 "touches scatter by {:.2} µm, {:.2} µm is stated: errors that the terms do not model, or a less repeatable probe",
                 1e3 * sigma,
-                1e3 * keep.task.probe.repeatability_mm
+                1e3 * task.probing.probe.repeatability_mm
             ));
         }
-        Document {
+        ReprobingDocument {
             machine: machine.into(),
             entry,
             touches: self.calibration.observed.network.touches.len(),
@@ -116,7 +116,7 @@ impl Reprobing {
     }
 
     /// The terms in the form of an entry.
-    pub fn measured(&self, keep: &Keep) -> Vec<Measured> {
+    pub fn measured(&self, task: &KeepTask) -> Vec<Measured> {
         let of = |term: TermDocument| Measured {
             term: term.name,
             unit: term.unit.into(),
@@ -125,12 +125,12 @@ impl Reprobing {
             from: rounded(term.from),
             to: rounded(term.to),
         };
-        self.terms(keep).into_iter().map(of).collect()
+        self.terms(task).into_iter().map(of).collect()
     }
 
     /// Sums of the updates after this probing.
-    pub fn totals(&self, keep: &Keep) -> BTreeMap<String, f64> {
-        let terms = self.terms(keep).into_iter();
+    pub fn totals(&self, task: &KeepTask) -> BTreeMap<String, f64> {
+        let terms = self.terms(task).into_iter();
         terms.filter(|term| term.to != 0.0).map(|term| (term.name, rounded(term.to))).collect()
     }
 }

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 /// Kind of an entry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Deed {
+pub enum EntryKind {
     /// The first probing, from which everything is counted.
     Begin,
     /// A probing that changed nothing.
@@ -77,7 +77,8 @@ pub struct Entry {
     /// Number of the entry, from 1.
     pub entry: u32,
     /// Kind of the entry.
-    pub deed: Deed,
+    #[serde(rename = "deed")]
+    pub kind: EntryKind,
     /// Time in UTC, if stated.
     pub time: Option<String>,
     /// Number of parts made until then, if stated.

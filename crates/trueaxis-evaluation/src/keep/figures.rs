@@ -1,12 +1,12 @@
 //! Figures of the history.
 
-use super::entry::{Deed, Entry};
+use super::entry::{Entry, EntryKind};
 use trueaxis_report::{Figure, Scale, Stroke, colour};
 
 /// One figure per term since the last beginning: the value found by every probing, with two standard errors to either side,
 /// and the sum of the updates.
 pub fn figures(entries: &[Entry]) -> Vec<Figure> {
-    let begun = entries.iter().rposition(|entry| entry.deed == Deed::Begin).unwrap_or(0);
+    let begun = entries.iter().rposition(|entry| entry.kind == EntryKind::Begin).unwrap_or(0);
     let entries = entries.get(begun..).unwrap_or_default();
     let mut names: Vec<(&str, &str)> = Vec::new();
     for measured in entries.iter().flat_map(|entry| &entry.measured) {

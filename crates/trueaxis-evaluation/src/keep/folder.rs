@@ -2,7 +2,7 @@
 
 use super::history::History;
 use super::state::{HISTORY, State};
-use super::task::Keep;
+use super::task::KeepTask;
 use super::undo::Undone;
 use super::written::Written;
 use anyhow::{Context, Result};
@@ -13,10 +13,10 @@ use trueaxis_tables::output::{Alone, Outputs, left_notes};
 use trueaxis_tables::text::read_text;
 
 /// Reads a task and the path of the machine that it names.
-fn task(path: &Path) -> Result<(Keep, PathBuf)> {
-    let keep = Keep::read(&read_text(path, &['#', ';'])?, path)?;
-    let machine = path.parent().unwrap_or(Path::new("")).join(&keep.task.machine);
-    Ok((keep, machine))
+fn task(path: &Path) -> Result<(KeepTask, PathBuf)> {
+    let task = KeepTask::read(&read_text(path, &['#', ';'])?, path)?;
+    let machine = path.parent().unwrap_or(Path::new("")).join(&task.probing.machine);
+    Ok((task, machine))
 }
 
 /// Folder of a machine, given its folder or its file.
@@ -33,10 +33,10 @@ impl State {
         State::of(task(path)?, note)
     }
 
-    fn of((keep, at): (Keep, PathBuf), note: &mut dyn FnMut(String)) -> Result<State> {
+    fn of((task, at): (KeepTask, PathBuf), note: &mut dyn FnMut(String)) -> Result<State> {
         let (source, name) = Folder::of_machine(&at);
         let folder = folder_of(&at);
-        let mut state = State::begun(keep, folder.to_path_buf(), Box::new(source), name, note)?;
+        let mut state = State::begun(task, folder.to_path_buf(), Box::new(source), name, note)?;
         left_notes(state.files.keys().map(|file| folder.join(file))).into_iter().for_each(&mut *note);
         let history = folder.join(HISTORY);
         if history.symlink_metadata().is_ok() {

@@ -1,7 +1,7 @@
 //! Plans a task with its expected standard errors, in one call.
 
 use super::reprobing::{foreseen, plan};
-use super::task::Keep;
+use super::task::KeepTask;
 use crate::calibrate::{Plan, program};
 use anyhow::Result;
 use serde::Serialize;
@@ -57,10 +57,10 @@ impl Planning {
     ///
     /// # Errors
     /// As [`plan`] and [`foreseen`].
-    pub fn new(keep: &Keep, machine: &Machine) -> Result<Planning> {
-        let plan = plan(keep, machine)?;
-        let errors = foreseen(keep, machine, &plan)?;
-        let terms = keep.terms.iter().zip(errors).map(|(kept, error)| {
+    pub fn new(task: &KeepTask, machine: &Machine) -> Result<Planning> {
+        let plan = plan(task, machine)?;
+        let errors = foreseen(task, machine, &plan)?;
+        let terms = task.terms.iter().zip(errors).map(|(kept, error)| {
             let (unit, factor) = kept.term.unit();
             Expected {
                 name: kept.name.clone(),
@@ -76,9 +76,9 @@ impl Planning {
             program: plan.number(),
             touches: plan.touches.len(),
             minutes: plan.minutes(),
-            every_parts: keep.every_parts,
+            every_parts: task.every_parts,
             terms: terms.collect(),
         };
-        Ok(Planning { program: program(&keep.task, machine, &plan), plan, foreseen })
+        Ok(Planning { program: program(&task.probing, machine, &plan), plan, foreseen })
     }
 }

@@ -1,6 +1,6 @@
 //! The history of a machine: one line of JSON per entry, each with a checksum over itself and all previous lines.
 
-use super::entry::{BallPlace, Deed, Entry};
+use super::entry::{BallPlace, Entry, EntryKind};
 use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
 use trueaxis_tables::error::FileError;
@@ -58,13 +58,13 @@ impl History {
             let entry: Entry = serde_json::from_str(&format!("{body}}}"))
                 .map_err(|why| error(format!("a line that is not an entry: {why}"), "an entry of `trueaxis keep`"))?;
             let number = history.entries.len() as u32 + 1;
-            let sound = match entry.deed {
-                Deed::Begin => !entry.balls.is_empty(),
+            let sound = match entry.kind {
+                EntryKind::Begin => !entry.balls.is_empty(),
                 _ => number > 1,
             };
             if entry.entry != number || !sound {
                 return Err(error(
-                    format!("entry {} ({:?})", entry.entry, entry.deed),
+                    format!("entry {} ({:?})", entry.entry, entry.kind),
                     "entries in their order, the beginning first",
                 ));
             }
@@ -110,7 +110,7 @@ impl History {
     /// # Errors
     /// A history without a beginning.
     pub fn beginning(&self) -> Result<&Entry, FileError> {
-        let begun = self.entries.iter().rev().find(|entry| entry.deed == Deed::Begin);
+        let begun = self.entries.iter().rev().find(|entry| entry.kind == EntryKind::Begin);
         begun.ok_or_else(|| self.error("no beginning", "a first probing, by `trueaxis keep begin`"))
     }
 
@@ -146,7 +146,7 @@ impl History {
         let same = self.entries.iter().filter(|entry| entry.log.as_ref().is_some_and(|log| log.crc == crc));
         for entry in same {
             let after = now.iter().any(|number| *number >= entry.entry);
-            if after || entry.deed == Deed::Unchanged {
+            if after || entry.kind == EntryKind::Unchanged {
                 let found = format!("the log of entry {} for the second time", entry.entry);
                 return Err(self.error(found, "a new one: its findings are already in the tables"));
             }
@@ -221,11 +221,11 @@ pub(super) fn in_effect(entries: &[Entry]) -> Vec<u32> {
     let mut after: Vec<Vec<u32>> = vec![Vec::new()];
     for entry in entries {
         let mut now = after.last().cloned().unwrap_or_default();
-        match entry.deed {
-            Deed::Begin => now.clear(),
-            Deed::Unchanged => {}
-            Deed::Update => now.push(entry.entry),
-            Deed::Undo => {
+        match entry.kind {
+            EntryKind::Begin => now.clear(),
+            EntryKind::Unchanged => {}
+            EntryKind::Update => now.push(entry.entry),
+            EntryKind::Undo => {
                 let before = entry.undone.and_then(|number| number.checked_sub(1));
                 now = before.and_then(|number| after.get(number as usize)).cloned().unwrap_or_default();
             }

@@ -2,9 +2,9 @@
 //! yield updates of the machine's location errors and growth.
 //!
 //! ```text
-//! keep.toml ─► Keep ─► plan ─► program ─► (control, between parts) ─► log ─► Reprobing ─► verdicts ─► files of the machine
-//!                                                                            ▲                             │
-//!                                             places of the balls at the beginning, totals ◄─ History ◄────┘
+//! keep.toml ─► KeepTask ─► plan ─► program ─► (control, between parts) ─► log ─► Reprobing ─► verdicts ─► files of the machine
+//!                                                                                ▲                             │
+//!                                                 places of the balls at the beginning, totals ◄─ History ◄────┘
 //! ```
 //!
 //! The machine's tables correct it during probing: a probing measures the residual that they leave, and the update adds it to
@@ -19,6 +19,7 @@
 
 mod document;
 mod entry;
+mod evaluated;
 mod figures;
 mod folder;
 mod foreseen;
@@ -26,23 +27,23 @@ mod growth;
 mod history;
 mod reprobing;
 mod state;
-mod taken;
+
 mod task;
 mod undo;
 mod update;
 mod words;
 mod written;
 
-pub use document::{Document, TermDocument};
-pub use entry::{BallPlace, Changed, Deed, Entry, LogFile, Measured};
+pub use document::{ReprobingDocument, TermDocument};
+pub use entry::{BallPlace, Changed, Entry, EntryKind, LogFile, Measured};
+pub use evaluated::{EvaluatedLog, Log, Overrides, time};
 pub use figures::figures;
 pub use foreseen::{Expected, Foreseen, Planning};
 pub use history::{History, sum};
 pub use reprobing::{Before, Decision, Reprobing, Verdict, begin, evaluate, foreseen, plan};
 pub use state::{HISTORY, State};
-pub use taken::{Let, Log, Taken, time};
-pub use task::{Bounds, Home, Keep, Kept};
+pub use task::{Bounds, Home, KeepTask, KeptTerm};
 pub use undo::Undone;
 pub use update::{Changes, changes};
-pub use words::deeds;
-pub use written::{New, Written};
+pub use words::descriptions;
+pub use written::{FileChanges, Written};

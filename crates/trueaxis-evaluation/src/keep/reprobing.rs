@@ -1,7 +1,7 @@
 //! Re-probing the balls: which terms have moved, and whether to update each.
 
 use super::entry::BallPlace;
-use super::task::{Home, Keep};
+use super::task::{Home, KeepTask};
 use crate::calibrate::{
     Calibration, Logged, Observed, Plan, Step, Term, Terms, foresee_observed, observe_terms, planned, settle,
 };
@@ -19,7 +19,7 @@ const LEAST: f64 = 1e-6;
 #[derive(Clone, Debug, PartialEq)]
 pub enum Decision {
     /// No change: the term has not moved by more than the scatter.
-    Keep,
+    Unchanged,
     /// The term is changed.
     Update,
     /// The term is out of its bounds, for this reason; a person has to check.
@@ -63,36 +63,36 @@ pub struct Reprobing {
 ///
 /// # Errors
 /// As [`Plan::new`], or a term of an axis that the machine lacks.
-pub fn plan(keep: &Keep, machine: &Machine) -> Result<Plan> {
-    keep.fits(machine)?;
-    let mut plan = Plan::new(&keep.task, machine)?;
+pub fn plan(task: &KeepTask, machine: &Machine) -> Result<Plan> {
+    task.fits(machine)?;
+    let mut plan = Plan::new(&task.probing, machine)?;
     plan.steps.retain(|step| !matches!(step, Step::Pause(_)));
     Ok(plan)
 }
 
 /// Whether the term can be determined without knowing the balls' positions.
-fn is_observable_by_rotation(keep: &Keep, term: Term) -> bool {
+fn is_observable_by_rotation(task: &KeepTask, term: Term) -> bool {
     match term {
         Term::Location(..) | Term::Backlash(_) => true,
-        Term::Squareness(_) => keep.turns(),
+        Term::Squareness(_) => task.turns(),
         Term::Curve { .. } => false,
     }
 }
 
 /// The network of a probing; `known`: the positions of the balls at the beginning.
 fn network(
-    keep: &Keep,
+    task: &KeepTask,
     machine: &Machine,
     plan: &Plan,
     positions: &[[f64; AXES]],
     known: Option<&[BallPlace]>,
 ) -> Result<Observed> {
-    let wanted = keep.terms.iter().map(|kept| kept.term);
-    let wanted = wanted.filter(|term| known.is_some() || is_observable_by_rotation(keep, *term)).collect();
-    let terms = Terms::named(wanted, machine, plan.reach_mm(&keep.task));
-    let mut observed = observe_terms(&keep.task, machine, plan, positions, terms)?;
+    let wanted = task.terms.iter().map(|kept| kept.term);
+    let wanted = wanted.filter(|term| known.is_some() || is_observable_by_rotation(task, *term)).collect();
+    let terms = Terms::named(wanted, machine, plan.reach_mm(&task.probing));
+    let mut observed = observe_terms(&task.probing, machine, plan, positions, terms)?;
     // If rotation determines all terms, a ball that was removed and put back does no harm.
-    let needed = keep.terms.iter().any(|kept| !is_observable_by_rotation(keep, kept.term));
+    let needed = task.terms.iter().any(|kept| !is_observable_by_rotation(task, kept.term));
     for (ball, place) in known.unwrap_or_default().iter().enumerate().filter(|_| needed) {
         let Some(&first) = observed.places.get(ball).and_then(|places| places.first()) else { continue };
         for k in 0..3 {
@@ -107,20 +107,20 @@ fn network(
 ///
 /// # Errors
 /// Terms that the balls do not separate, by their names; a bound below the smallest change that the probe can resolve.
-pub fn foreseen(keep: &Keep, machine: &Machine, plan: &Plan) -> Result<Vec<f64>> {
-    let positions = planned(&keep.task, plan);
-    let first = foresee_observed(&keep.task, plan, network(keep, machine, plan, &positions, None)?)?;
-    let known = balls(keep, &first);
-    let later = foresee_observed(&keep.task, plan, network(keep, machine, plan, &positions, Some(&known))?)?;
-    let errors = later.solution.standard_errors[..keep.terms.len()].to_vec();
-    for (kept, error) in keep.terms.iter().zip(&errors) {
+pub fn foreseen(task: &KeepTask, machine: &Machine, plan: &Plan) -> Result<Vec<f64>> {
+    let positions = planned(&task.probing, plan);
+    let first = foresee_observed(&task.probing, plan, network(task, machine, plan, &positions, None)?)?;
+    let known = balls(task, &first);
+    let later = foresee_observed(&task.probing, plan, network(task, machine, plan, &positions, Some(&known))?)?;
+    let errors = later.solution.standard_errors[..task.terms.len()].to_vec();
+    for (kept, error) in task.terms.iter().zip(&errors) {
         let least = kept.bounds.significance * error;
         if kept.bounds.update < least {
             let (unit, factor) = kept.term.unit();
             return Err(anyhow!(
                 "{}:{}: key term: found a largest update of {} {unit} for {}, needed at least {:.2} {unit}, which the balls \
                  and this probe can resolve ({} standard errors), or fewer terms",
-                keep.task.file.display(),
+                task.probing.file.display(),
                 kept.line,
                 factor * kept.bounds.update,
                 kept.name,
@@ -133,12 +133,12 @@ pub fn foreseen(keep: &Keep, machine: &Machine, plan: &Plan) -> Result<Vec<f64>>
 }
 
 /// Positions of the balls.
-fn balls(keep: &Keep, calibration: &Calibration) -> Vec<BallPlace> {
+fn balls(task: &KeepTask, calibration: &Calibration) -> Vec<BallPlace> {
     let solution = &calibration.solution;
     let of = |(artefact, places): (usize, &Vec<usize>)| {
         let first = *places.first()?;
         Some(BallPlace {
-            name: keep.task.artefacts.get(artefact)?.name.clone(),
+            name: task.probing.artefacts.get(artefact)?.name.clone(),
             centre_mm: std::array::from_fn(|k| solution.values[first + k]),
             standard_error_um: std::array::from_fn(|k| 1e3 * solution.standard_errors[first + k]),
         })
@@ -151,20 +151,20 @@ fn balls(keep: &Keep, calibration: &Calibration) -> Vec<BallPlace> {
 ///
 /// # Errors
 /// As [`crate::calibrate::calibrate`].
-pub fn begin(keep: &Keep, machine: &Machine, plan: &Plan, trips: &[Logged], file: &Path) -> Result<Reprobing> {
+pub fn begin(task: &KeepTask, machine: &Machine, plan: &Plan, trips: &[Logged], file: &Path) -> Result<Reprobing> {
     let positions: Vec<[f64; AXES]> = trips.iter().map(|trip| trip.position).collect();
-    let observed = network(keep, machine, plan, &positions, None)?;
-    let calibration = settle(&keep.task, plan, trips, file, observed)?;
-    let observable = keep.terms.iter().filter(|kept| is_observable_by_rotation(keep, kept.term));
+    let observed = network(task, machine, plan, &positions, None)?;
+    let calibration = settle(&task.probing, plan, trips, file, observed)?;
+    let observable = task.terms.iter().filter(|kept| is_observable_by_rotation(task, kept.term));
     let (values, errors) = (&calibration.solution.values, &calibration.solution.standard_errors);
     let verdicts = observable.zip(values).zip(errors).map(|((kept, value), error)| Verdict {
         name: kept.name.clone(),
         value: *value,
         standard_error: *error,
         total: 0.0,
-        decision: Decision::Keep,
+        decision: Decision::Unchanged,
     });
-    Ok(Reprobing { balls: balls(keep, &calibration), verdicts: verdicts.collect(), calibration })
+    Ok(Reprobing { balls: balls(task, &calibration), verdicts: verdicts.collect(), calibration })
 }
 
 /// Baseline of a later probing.
@@ -183,7 +183,7 @@ pub struct Before<'b> {
 /// # Errors
 /// As [`crate::calibrate::calibrate`].
 pub fn evaluate(
-    keep: &Keep,
+    task: &KeepTask,
     machine: &Machine,
     plan: &Plan,
     trips: &[Logged],
@@ -191,17 +191,17 @@ pub fn evaluate(
     before: &Before<'_>,
 ) -> Result<Reprobing> {
     let positions: Vec<[f64; AXES]> = trips.iter().map(|trip| trip.position).collect();
-    let observed = network(keep, machine, plan, &positions, Some(before.known))?;
-    let calibration = settle(&keep.task, plan, trips, file, observed)?;
-    let factors: Vec<f64> = keep.terms.iter().map(|kept| kept.bounds.significance).collect();
+    let observed = network(task, machine, plan, &positions, Some(before.known))?;
+    let calibration = settle(&task.probing, plan, trips, file, observed)?;
+    let factors: Vec<f64> = task.terms.iter().map(|kept| kept.bounds.significance).collect();
     let selection = calibration.observed.network.moved(&factors);
     let selection = selection.map_err(|refused| anyhow!("{}: {refused}", file.display()))?;
-    let verdicts = (0..keep.terms.len()).map(|index| verdict(keep, machine, &selection, index, before));
-    Ok(Reprobing { balls: balls(keep, &calibration), verdicts: verdicts.collect(), calibration })
+    let verdicts = (0..task.terms.len()).map(|index| verdict(task, machine, &selection, index, before));
+    Ok(Reprobing { balls: balls(task, &calibration), verdicts: verdicts.collect(), calibration })
 }
 
-fn verdict(keep: &Keep, machine: &Machine, selection: &Selection, index: usize, before: &Before<'_>) -> Verdict {
-    let kept = &keep.terms[index];
+fn verdict(task: &KeepTask, machine: &Machine, selection: &Selection, index: usize, before: &Before<'_>) -> Verdict {
+    let kept = &task.terms[index];
     let (unit, factor) = kept.term.unit();
     let total = before.totals.get(&kept.name).copied().unwrap_or(0.0) / factor;
     let found = if selection.moved[index] { &selection.chosen } else { &selection.all };
@@ -213,7 +213,7 @@ fn verdict(keep: &Keep, machine: &Machine, selection: &Selection, index: usize, 
     }
     let shown = |value: f64| trueaxis_report::number::significant(factor * value, 3);
     let decision = if !selection.moved[index] || value == 0.0 {
-        Decision::Keep
+        Decision::Unchanged
     } else if before.accepted.contains(&kept.name) {
         Decision::Update
     } else if value.abs() > kept.bounds.update {
@@ -238,8 +238,9 @@ impl Reprobing {
     }
 
     /// Amounts added to the files of a home: one per term of the network, 0 for unchanged terms.
-    pub fn updates(&self, keep: &Keep, home: Home) -> Vec<f64> {
-        let own = |(kept, verdict): (&super::Kept, &Verdict)| if kept.home == home { verdict.update() } else { 0.0 };
-        keep.terms.iter().zip(&self.verdicts).map(own).collect()
+    pub fn updates(&self, task: &KeepTask, home: Home) -> Vec<f64> {
+        let own =
+            |(kept, verdict): (&super::KeptTerm, &Verdict)| if kept.home == home { verdict.update() } else { 0.0 };
+        task.terms.iter().zip(&self.verdicts).map(own).collect()
     }
 }

@@ -1,7 +1,7 @@
 //! A task with its machine, the bytes of its files and the history.
 
 use super::history::{History, is_plain, sum};
-use super::task::Keep;
+use super::task::KeepTask;
 use anyhow::{Context, Result, bail};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -15,7 +15,7 @@ pub const HISTORY: &str = "keep/history.jsonl";
 /// Task, machine and history, as every command of `keep` reads them first.
 pub struct State {
     /// The task.
-    pub keep: Keep,
+    pub task: KeepTask,
     /// The machine's folder, for errors and for writing.
     pub folder: PathBuf,
     /// Files of the folder.
@@ -35,16 +35,16 @@ pub struct State {
 impl State {
     /// Reads the machine of a task from a source, with an empty history; `note` receives notes on how files were read.
     pub(super) fn begun(
-        keep: Keep,
+        task: KeepTask,
         folder: PathBuf,
         source: Box<dyn Source>,
         name: PathBuf,
         note: &mut dyn FnMut(String),
     ) -> Result<State> {
         let machine = Machine::read_from(source.as_ref(), &name, note)?;
-        keep.fits(&machine)?;
+        task.fits(&machine)?;
         let mut files = BTreeMap::new();
-        for own in Machine::files_of(source.as_ref(), &name)?.into_iter().chain(keep.thermal.iter().map(PathBuf::from))
+        for own in Machine::files_of(source.as_ref(), &name)?.into_iter().chain(task.thermal.iter().map(PathBuf::from))
         {
             let (file, path) = (own.to_string_lossy().into_owned(), source.path(&own));
             if !is_plain(&file) {
@@ -56,7 +56,7 @@ impl State {
             files.insert(file, source.read(&own).with_context(|| format!("cannot read {}", path.display()))?);
         }
         let history = History::read("", &folder.join(HISTORY))?;
-        Ok(State { keep, folder, source, name, machine, files, history, _alone: None })
+        Ok(State { task, folder, source, name, machine, files, history, _alone: None })
     }
 
     /// Builds a state from texts in memory, the machine's description among them as `machine.toml`; `history` is the text of
@@ -64,9 +64,9 @@ impl State {
     ///
     /// # Errors
     /// An invalid machine or history, terms of axes that the machine lacks, a missing thermal model.
-    pub fn of_texts(keep: Keep, files: Memory, history: &str, note: &mut dyn FnMut(String)) -> Result<State> {
-        let folder = keep.task.machine.clone();
-        let mut state = State::begun(keep, folder.into(), Box::new(files), "machine.toml".into(), note)?;
+    pub fn of_texts(task: KeepTask, files: Memory, history: &str, note: &mut dyn FnMut(String)) -> Result<State> {
+        let folder = task.probing.machine.clone();
+        let mut state = State::begun(task, folder.into(), Box::new(files), "machine.toml".into(), note)?;
         state.history = History::read(history, &state.folder.join(HISTORY))?;
         Ok(state)
     }
@@ -108,7 +108,7 @@ impl State {
 }
 
 /// Path, in the machine's folder, of the copy of a file that an entry changes.
-pub(super) fn kept(entry: u32, file: &str) -> PathBuf {
+pub(super) fn copy_path(entry: u32, file: &str) -> PathBuf {
     let name = Path::new(file).file_name().unwrap_or_default();
     Path::new("keep").join(format!("{entry:04}")).join(name)
 }

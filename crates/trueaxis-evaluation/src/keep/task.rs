@@ -34,7 +34,7 @@ pub struct Bounds {
 
 /// A term that may be changed.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Kept {
+pub struct KeptTerm {
     /// Name in the task.
     pub name: String,
     /// The term.
@@ -49,13 +49,13 @@ pub struct Kept {
 
 /// A task as read.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Keep {
+pub struct KeepTask {
     /// Machine, control, probe and balls; compensated during probing.
-    pub task: Task,
+    pub probing: Task,
     /// Number of parts between two probings.
     pub every_parts: u32,
     /// Terms that may change.
-    pub terms: Vec<Kept>,
+    pub terms: Vec<KeptTerm>,
     /// Controller file in the machine's folder, recompiled with every change.
     pub tcomp: Option<String>,
     /// Thermal model in the machine's folder, if terms of growth change it.
@@ -64,29 +64,29 @@ pub struct Keep {
     pub ttherm: Option<String>,
 }
 
-impl Keep {
+impl KeepTask {
     /// Reads a task file; `file` is used only in errors.
     ///
     /// # Errors
     /// Invalid TOML, unknown keys, artefacts other than balls, a term without bounds or with bounds that do not bound; with
     /// the line.
-    pub fn read(text: &str, file: &Path) -> Result<Keep, FileError> {
+    pub fn read(text: &str, file: &Path) -> Result<KeepTask, FileError> {
         read_toml(text.strip_prefix('\u{feff}').unwrap_or(text), file, |root| {
-            let mut task = Task::of_probing(&root, file)?;
-            for artefact in &task.artefacts {
+            let mut probing = Task::of_probing(&root, file)?;
+            for artefact in &probing.artefacts {
                 let stays = matches!(artefact.kind, Kind::Ball { .. }) && artefact.places.len() == 1;
                 if !stays {
                     let found = format!("{}, which is not a ball at a fixed place", artefact.name);
                     return Err(root.at(artefact.line, "artefact", &found, "balls, each at one place"));
                 }
             }
-            let first = &task.artefacts[0].places[0];
+            let first = &probing.artefacts[0].places[0];
             if first.rotary_deg.first() != Some(&[0.0; 3]) {
                 let found = "a first ball that is not measured at A, B, C = 0 first";
                 return Err(root.at(first.line, "artefact.place.rotary_deg", found, "[0, 0, 0] first"));
             }
-            task.compensated = true;
-            task.reference = Some(Reference { artefact: 0, every: AT_THE_ENDS });
+            probing.compensated = true;
+            probing.reference = Some(Reference { artefact: 0, every: AT_THE_ENDS });
             let every = whole(&root, "every_parts", [1, 1_000_000])?;
             let every =
                 every.ok_or_else(|| root.missing("every_parts", "the number of parts between two re-probings"))?;
@@ -96,7 +96,7 @@ impl Keep {
             if thermal.is_none() && ttherm.is_some() {
                 return Err(root.missing("thermal", "the thermal.toml that ttherm is compiled from"));
             }
-            let mut terms: Vec<Kept> = Vec::new();
+            let mut terms: Vec<KeptTerm> = Vec::new();
             for section in root.sections("term")? {
                 read_terms(section, &mut terms, thermal.is_some())?;
             }
@@ -104,9 +104,9 @@ impl Keep {
                 return Err(root.missing("term", "at least one section [[term]] with names and bounds"));
             }
             let backlash = terms.iter().any(|kept| matches!(kept.term, Term::Backlash(_)));
-            task.wanted = Wanted { backlash, ..Wanted::default() };
+            probing.wanted = Wanted { backlash, ..Wanted::default() };
             root.finish(None)?;
-            Ok(Keep { task, every_parts: every as u32, terms, tcomp, thermal, ttherm })
+            Ok(KeepTask { probing, every_parts: every as u32, terms, tcomp, thermal, ttherm })
         })
     }
 
@@ -131,7 +131,7 @@ impl Keep {
             };
             if let Some(axis) = missing {
                 return Err(FileError {
-                    file: self.task.file.clone(),
+                    file: self.probing.file.clone(),
                     line: Some(kept.line),
                     column: Some("key term.names".into()),
                     found: format!("{:?}", kept.name),
@@ -144,7 +144,7 @@ impl Keep {
 
     /// Whether a ball is rotated, so that it determines location errors without its position being known.
     pub fn turns(&self) -> bool {
-        self.task.artefacts.iter().any(|ball| ball.places.iter().any(|place| place.rotary_deg.len() > 1))
+        self.probing.artefacts.iter().any(|ball| ball.places.iter().any(|place| place.rotary_deg.len() > 1))
     }
 }
 
@@ -161,7 +161,7 @@ fn file_name(root: &Section<'_>, key: &str, ending: &str) -> Result<Option<Strin
 const NAMES: &str =
     "names like \"EX0C\", \"C0Y\", \"offset X\", \"scale X\", \"backlash X\", \"growth X\" or \"expansion X\"";
 
-fn read_terms(section: Section<'_>, terms: &mut Vec<Kept>, thermal: bool) -> Result<(), FileError> {
+fn read_terms(section: Section<'_>, terms: &mut Vec<KeptTerm>, thermal: bool) -> Result<(), FileError> {
     let line = section.first_line();
     let names = section.strings("names")?.ok_or_else(|| section.missing_here("names", NAMES))?;
     let mut named = Vec::new();
@@ -208,7 +208,7 @@ fn read_terms(section: Section<'_>, terms: &mut Vec<Kept>, thermal: bool) -> Res
     }
     let significance = number(&section, "significance", [1.0, 20.0], " standard errors")?.unwrap_or(3.0);
     let bounds = Bounds { update: update.value / factor, total: total.value / factor, significance };
-    terms.extend(named.into_iter().map(|(name, term, home)| Kept { name: name.into(), term, home, bounds, line }));
+    terms.extend(named.into_iter().map(|(name, term, home)| KeptTerm { name: name.into(), term, home, bounds, line }));
     section.finish(None)
 }
 

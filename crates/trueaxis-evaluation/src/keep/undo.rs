@@ -1,9 +1,9 @@
 //! Restores the files as they were before an entry.
 
-use super::entry::{Deed, Entry};
+use super::entry::{Entry, EntryKind};
 use super::history::sum;
-use super::state::{State, kept, tables};
-use super::written::{New, is_compilable};
+use super::state::{State, copy_path, tables};
+use super::written::{FileChanges, is_compilable};
 use anyhow::{Context, Result, bail};
 use trueaxis_tables::Machine;
 use trueaxis_tables::files::Memory;
@@ -14,7 +14,7 @@ pub struct Undone {
     /// The history entry that the undo adds.
     pub entry: Entry,
     /// Files that change, `machine.toml` last.
-    pub files: New,
+    pub files: FileChanges,
     /// Names of the files to remove: those that did not exist before, and the controller's file if the machine then has no
     /// table.
     pub away: Vec<String>,
@@ -34,7 +34,7 @@ impl State {
     ) -> Result<Undone> {
         let number = self.history.undoable(entry)?;
         self.untouched(by_hand, note)?;
-        let mut new = New::new();
+        let mut new = FileChanges::new();
         for (file, entry, before) in self.history.put_back(number) {
             let bytes = before.map(|check| self.copy(entry, &file, &check)).transpose()?;
             new.push((file, bytes));
@@ -46,10 +46,10 @@ impl State {
         let memory = Memory::new(after.iter().map(|(name, bytes)| (name, bytes.clone())));
         let machine = Machine::read_from(&memory, &self.name, &mut |_| {})?;
         let mut away: Vec<String> = new.iter().filter(|(_, new)| new.is_none()).map(|(file, _)| file.clone()).collect();
-        away.extend(self.keep.tcomp.iter().filter(|_| !is_compilable(&machine)).cloned());
+        away.extend(self.task.tcomp.iter().filter(|_| !is_compilable(&machine)).cloned());
         let entry = Entry {
             entry: self.history.next(),
-            deed: Deed::Undo,
+            kind: EntryKind::Undo,
             time,
             parts: None,
             plan: self.history.beginning()?.plan.clone(),
@@ -67,7 +67,7 @@ impl State {
 
     /// Reads the copy of a file that an entry kept.
     fn copy(&self, entry: u32, file: &str, check: &str) -> Result<Vec<u8>> {
-        let copy = kept(entry, file);
+        let copy = copy_path(entry, file);
         let path = self.source.path(&copy);
         let bytes = self.source.read(&copy).with_context(|| format!("cannot read {}", path.display()))?;
         let own = sum(&bytes);

@@ -2,7 +2,7 @@
 
 use super::growth::grown;
 use super::reprobing::Reprobing;
-use super::task::{Home, Keep};
+use super::task::{Home, KeepTask};
 use crate::calibrate::{Term, Terms};
 use anyhow::{Result, anyhow};
 use std::path::{Path, PathBuf};
@@ -29,7 +29,7 @@ pub struct Changes {
 /// # Errors
 /// A result that the controller would refuse, or a thermal model without a curve for the growth.
 pub fn changes(
-    keep: &Keep,
+    task: &KeepTask,
     reprobing: &Reprobing,
     machine: &Machine,
     source: &dyn Source,
@@ -37,8 +37,8 @@ pub fn changes(
 ) -> Result<Changes> {
     let terms = &reprobing.calibration.observed.terms;
     let mut changes = Changes::default();
-    if let Some(thermal) = keep.thermal.as_ref() {
-        let updates = reprobing.updates(keep, Home::Thermal);
+    if let Some(thermal) = task.thermal.as_ref() {
+        let updates = reprobing.updates(task, Home::Thermal);
         if updates.iter().any(|value| *value != 0.0) {
             let path = source.path(Path::new(thermal));
             let bytes = source.read(Path::new(thermal)).map_err(|error| anyhow!("{}: {error}", path.display()))?;
@@ -48,7 +48,7 @@ pub fn changes(
             changes.files.push((thermal.into(), text));
         }
     }
-    let updates = reprobing.updates(keep, Home::Machine);
+    let updates = reprobing.updates(task, Home::Machine);
     if updates.iter().any(|value| *value != 0.0) {
         let errors = reprobing.verdicts.iter().map(|verdict| verdict.standard_error);
         let degrees_of_freedom = reprobing.calibration.solution.degrees_of_freedom;

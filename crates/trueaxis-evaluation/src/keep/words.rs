@@ -1,7 +1,7 @@
 //! Verdicts and entries in words, identical on the command line, in reports and in the desk.
 
 use super::document::TermDocument;
-use super::entry::{Deed, Entry, Measured};
+use super::entry::{Entry, EntryKind, Measured};
 use super::history::in_effect;
 use trueaxis_report::number::significant;
 
@@ -22,14 +22,14 @@ impl Measured {
 }
 
 /// Describes each entry in words; needs all entries, as a later one may have undone an update.
-pub fn deeds(entries: &[Entry]) -> Vec<String> {
+pub fn descriptions(entries: &[Entry]) -> Vec<String> {
     let now = in_effect(entries);
-    let of = |entry: &Entry| match entry.deed {
-        Deed::Begin => "begin".to_owned(),
-        Deed::Unchanged => "re-probing, nothing changed".into(),
-        Deed::Update if now.contains(&entry.entry) => "update".into(),
-        Deed::Update => "update, undone".into(),
-        Deed::Undo => format!("undo, as before entry {}", entry.undone.unwrap_or_default()),
+    let of = |entry: &Entry| match entry.kind {
+        EntryKind::Begin => "begin".to_owned(),
+        EntryKind::Unchanged => "re-probing, nothing changed".into(),
+        EntryKind::Update if now.contains(&entry.entry) => "update".into(),
+        EntryKind::Update => "update, undone".into(),
+        EntryKind::Undo => format!("undo, as before entry {}", entry.undone.unwrap_or_default()),
     };
     entries.iter().map(of).collect()
 }

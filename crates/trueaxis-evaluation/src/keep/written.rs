@@ -1,9 +1,9 @@
 //! Files that a command writes, in this order: copies of the files it replaces, the history, the machine's files, the
 //! controller's.
 
-use super::entry::{Changed, Deed, Entry};
+use super::entry::{Changed, Entry, EntryKind};
 use super::history::sum;
-use super::state::{HISTORY, State, kept};
+use super::state::{HISTORY, State, copy_path};
 use anyhow::{Result, anyhow};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -16,11 +16,11 @@ use trueaxis_tables::{Machine, compile};
 pub type Written = Vec<(PathBuf, Vec<u8>)>;
 
 /// New versions of the machine's files; `None` if removed.
-pub type New = Vec<(String, Option<Vec<u8>>)>;
+pub type FileChanges = Vec<(String, Option<Vec<u8>>)>;
 
 impl State {
     /// All files, with the new versions.
-    pub(super) fn with(&self, new: &New) -> BTreeMap<String, Vec<u8>> {
+    pub(super) fn with(&self, new: &FileChanges) -> BTreeMap<String, Vec<u8>> {
         let mut after = self.files.clone();
         for (file, bytes) in new {
             match bytes {
@@ -32,7 +32,7 @@ impl State {
     }
 
     /// The new files in the form of an entry.
-    pub(super) fn changed(&self, new: &New) -> Vec<Changed> {
+    pub(super) fn changed(&self, new: &FileChanges) -> Vec<Changed> {
         let of = |bytes: &Vec<u8>| sum(bytes);
         new.iter()
             .map(|(file, bytes)| Changed {
@@ -48,31 +48,32 @@ impl State {
     ///
     /// # Errors
     /// Files that the controller would refuse.
-    pub fn written(&self, entry: &Entry, new: &New) -> Result<Written> {
-        let copies = new.iter().filter_map(|(file, _)| Some((kept(entry.entry, file), self.files.get(file)?.clone())));
+    pub fn written(&self, entry: &Entry, new: &FileChanges) -> Result<Written> {
+        let copies =
+            new.iter().filter_map(|(file, _)| Some((copy_path(entry.entry, file), self.files.get(file)?.clone())));
         let mut written: Written = copies.collect();
         written.push((HISTORY.into(), self.history.with(entry).into_bytes()));
         written.extend(new.iter().filter_map(|(file, bytes)| Some((file.into(), bytes.clone()?))));
-        if matches!(entry.deed, Deed::Update | Deed::Undo) {
-            self.compiled(entry.deed, &self.with(new), &mut written)?;
+        if matches!(entry.kind, EntryKind::Update | EntryKind::Undo) {
+            self.compiled(entry.kind, &self.with(new), &mut written)?;
         }
         Ok(written)
     }
 
     /// Adds the controller's files, compiled from these files of a machine.
-    fn compiled(&self, deed: Deed, files: &BTreeMap<String, Vec<u8>>, written: &mut Written) -> Result<()> {
-        if self.keep.tcomp.is_none() && self.keep.ttherm.is_none() {
+    fn compiled(&self, kind: EntryKind, files: &BTreeMap<String, Vec<u8>>, written: &mut Written) -> Result<()> {
+        if self.task.tcomp.is_none() && self.task.ttherm.is_none() {
             return Ok(());
         }
         let memory = Memory::new(files.iter().map(|(name, bytes)| (name, bytes.clone())));
         let machine = Machine::read_from(&memory, &self.name, &mut |_| {})?;
         // An undo removes the compiled file.
-        let away = deed == Deed::Undo && !is_compilable(&machine);
-        if let Some(tcomp) = self.keep.tcomp.as_ref().filter(|_| !away) {
+        let away = kind == EntryKind::Undo && !is_compilable(&machine);
+        if let Some(tcomp) = self.task.tcomp.as_ref().filter(|_| !away) {
             let machine = Machine::read_from(&memory, &self.name, &mut |_| {})?;
             written.push((tcomp.into(), compile(&machine)?));
         }
-        if let (Some(thermal), Some(ttherm)) = (&self.keep.thermal, &self.keep.ttherm) {
+        if let (Some(thermal), Some(ttherm)) = (&self.task.thermal, &self.task.ttherm) {
             let path = self.folder.join(thermal);
             let text = decode(files.get(thermal).cloned().unwrap_or_default(), &path, &['#'])?;
             let model = crate::thermal::model(&text, &path, &machine.settings)?;

@@ -1,6 +1,6 @@
 //! Errors identified from points, as a document.
 
-use super::{Found, Points};
+use super::{Points, PointsFit};
 use crate::diagonal::Value;
 use serde::Serialize;
 use trueaxis_metrology::volumetric::{AXES, COMPONENTS, SMOOTHING};
@@ -48,7 +48,7 @@ pub struct Left {
 
 /// The JSON document.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Document {
+pub struct PointsDocument {
     /// Number of points in the file.
     pub points: usize,
     /// Number of nodes of X, Y, Z.
@@ -105,9 +105,9 @@ fn left(of: impl Iterator<Item = (u32, [f64; 3])>) -> Left {
     found
 }
 
-impl Document {
+impl PointsDocument {
     /// The document of the errors found from points.
-    pub fn new(points: &Points, found: &Found) -> Document {
+    pub fn new(points: &Points, found: &PointsFit) -> PointsDocument {
         let lines = || points.points.iter().map(|point| point.line);
         let errors = &found.errors;
         let mut functions = Vec::new();
@@ -137,7 +137,7 @@ impl Document {
             .sqrt();
         let held_out = || found.held_out_mm.iter().map(|(index, left)| (points.points[*index].line, *left));
         let [tx, ty, tz, a, b, c] = errors.placement;
-        Document {
+        PointsDocument {
             points: points.points.len(),
             nodes: [0, 1, 2].map(|axis| found.basis.nodes_mm[axis].len()),
             functions,
@@ -162,9 +162,9 @@ impl Document {
     }
 }
 
-impl Document {
+impl PointsDocument {
     /// Files of the machine with the errors, as (name, text); `source` is the name of the points' file.
-    pub fn files(&self, found: &Found, source: &str) -> Vec<(String, String)> {
+    pub fn files(&self, found: &PointsFit, source: &str) -> Vec<(String, String)> {
         let comment = format!(
             "Measured: {} points of {source}; left {} um RMS, held out {} um RMS.",
             self.points,
@@ -175,7 +175,7 @@ impl Document {
     }
 }
 
-fn notes(points: &Points, found: &Found) -> Vec<String> {
+fn notes(points: &Points, found: &PointsFit) -> Vec<String> {
     let mut notes = vec![
         "the instrument is on the workpiece's side; its placement is removed, errors are zero at the reference position, \
          straightnesses have no slope"

@@ -5,7 +5,7 @@ use crate::response::{Unit, response, tip_errors, without_errors};
 use anyhow::{Result, anyhow, bail};
 use trueaxis::Axis;
 use trueaxis::machine::{AXES, ErrorModel, Row};
-use trueaxis_metrology::volumetric::{Basis, COMPONENTS, Found as Errors, LEAST_LEVER_MM, Observation, fit};
+use trueaxis_metrology::volumetric::{Basis, COMPONENTS, LEAST_LEVER_MM, Observation, VolumetricFit, fit};
 use trueaxis_tables::limits::raise;
 use trueaxis_tables::{Machine, Table};
 
@@ -41,9 +41,9 @@ pub fn nodes(counts: &[usize]) -> Result<[usize; 3], String> {
 
 /// Result of [`identify`].
 #[derive(Clone, Debug)]
-pub struct Found {
+pub struct PointsFit {
     /// The errors.
-    pub errors: Errors,
+    pub errors: VolumetricFit,
     /// Nodes, reference and the errors that the points determine.
     pub basis: Basis,
     /// Residual of every point with the errors in the machine, by its own model, mm; without the instrument's placement and
@@ -67,7 +67,7 @@ pub struct Found {
 ///
 /// # Errors
 /// A machine that lacks a linear axis, errors in `without` that it does not have, points that do not determine the rest.
-pub fn identify(points: &Points, machine: &Machine, options: &Options) -> Result<Found> {
+pub fn identify(points: &Points, machine: &Machine, options: &Options) -> Result<PointsFit> {
     for axis in LINEAR {
         if machine.settings.axis(axis).is_none() {
             bail!("{}: found no axis {}, needed X, Y and Z", machine.settings.name, axis.letter());
@@ -93,7 +93,7 @@ pub fn identify(points: &Points, machine: &Machine, options: &Options) -> Result
     let deviations_mm = points.points.iter().map(|point| placed(point, &errors)).collect();
     let mut written = filled(machine, &basis, &errors);
     let limits = raise(&mut written);
-    Ok(Found { errors, basis, left_mm, held_out_mm, deviations_mm, unseen, machine: written, limits })
+    Ok(PointsFit { errors, basis, left_mm, held_out_mm, deviations_mm, unseen, machine: written, limits })
 }
 
 fn place(of: [f64; 3]) -> [f64; AXES] {
@@ -212,7 +212,7 @@ fn spread(points: &Points, bare: &Machine, axis: Axis, component: usize, ends: [
 }
 
 /// The deviation of a point without the instrument's placement and its reflector's offset, mm.
-fn placed(point: &super::Point, errors: &Errors) -> [f64; 3] {
+fn placed(point: &super::Point, errors: &VolumetricFit) -> [f64; 3] {
     let [tx, ty, tz, a, b, c] = errors.placement;
     let [x, y, z] = point.command_mm;
     let turned = [b * z - c * y, c * x - a * z, a * y - b * x];
@@ -222,7 +222,7 @@ fn placed(point: &super::Point, errors: &Errors) -> [f64; 3] {
 }
 
 /// Residuals of the points with the errors in the machine, by its own model.
-fn left(points: &Points, machine: &Machine, errors: &Errors) -> Result<Vec<[f64; 3]>> {
+fn left(points: &Points, machine: &Machine, errors: &VolumetricFit) -> Result<Vec<[f64; 3]>> {
     let mut left = vec![[0.0; 3]; points.points.len()];
     for (tool, &offset) in points.tools_mm.iter().enumerate() {
         let own: Vec<usize> = (0..left.len()).filter(|&i| points.points[i].tool == tool).collect();
@@ -240,7 +240,7 @@ fn left(points: &Points, machine: &Machine, errors: &Errors) -> Result<Vec<[f64;
 const STEPS: f64 = 1e7;
 
 /// A machine with the errors as its tables of X, Y, Z and its squareness.
-fn filled(machine: &Machine, basis: &Basis, errors: &Errors) -> Machine {
+fn filled(machine: &Machine, basis: &Basis, errors: &VolumetricFit) -> Machine {
     let mut machine = machine.clone();
     // Scaled to micro and then / 1e3 or 1e6, as a file is read, so that it reads back as the same double; + 0 turns −0 into 0.
     let rounded = |value: f64, scale: f64| (value * scale * STEPS).round() / STEPS / scale + 0.0;

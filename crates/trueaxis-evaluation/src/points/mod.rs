@@ -1,7 +1,7 @@
 //! Determines the 21 errors of the linear axes from coordinates that an instrument measured throughout the volume.
 //!
 //! ```text
-//! POINTS.csv ─► Points ─► fit ─► Found: document, machine
+//! POINTS.csv ─► Points ─► fit ─► PointsFit: document, machine
 //! ```
 //!
 //! The mathematics is in [`trueaxis_metrology::volumetric`]; the effect of a unit error on the tip comes from the machine's
@@ -12,6 +12,6 @@ mod found;
 mod record;
 mod shown;
 
-pub use document::{Document, Function, Left, Squareness};
-pub use found::{Found, Options, identify, nodes};
+pub use document::{Function, Left, PointsDocument, Squareness};
+pub use found::{Options, PointsFit, identify, nodes};
 pub use record::{COLUMNS, Point, Points};

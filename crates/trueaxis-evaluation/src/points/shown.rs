@@ -1,12 +1,12 @@
 //! Tables and plots of measured points.
 
-use super::{Document, Found, Left, Points};
+use super::{Left, Points, PointsDocument, PointsFit};
 use crate::shown::{Cell, Curve, Look, Map, Plot, Shown, Table, unit};
 use trueaxis_metrology::volumetric::{AXES, COMPONENTS};
 
-impl Document {
+impl PointsDocument {
     /// Tables, plots and map of the points and the errors found.
-    pub fn shown(&self, points: &Points, found: &Found) -> Shown {
+    pub fn shown(&self, points: &Points, found: &PointsFit) -> Shown {
         let functions = self.functions.iter().map(|of| {
             let [low, high] = of.range.map(|value| Cell::number(value, 3));
             vec![of.name.as_str().into(), low, high, Cell::number(of.standard_error, 2), unit(of.unit).into()]
@@ -59,7 +59,7 @@ impl Document {
 }
 
 /// Translations and rotations of every axis that the points determine, with their standard errors.
-fn errors(found: &Found) -> Vec<Plot> {
+fn errors(found: &PointsFit) -> Vec<Plot> {
     let mut plots = Vec::new();
     for (axis, letter) in AXES.into_iter().enumerate() {
         for (first, unit, scale) in [(0, "µm", 1e3), (3, "µrad", 1e6)] {
@@ -90,7 +90,7 @@ fn errors(found: &Found) -> Vec<Plot> {
 }
 
 /// Residuals of every point along X, Y and Z, each over that axis' position.
-fn residuals(points: &Points, found: &Found) -> impl Iterator<Item = Plot> {
+fn residuals(points: &Points, found: &PointsFit) -> impl Iterator<Item = Plot> {
     AXES.into_iter().enumerate().map(|(axis, letter)| {
         let places: Vec<f64> = points.points.iter().map(|point| point.command_mm[axis]).collect();
         let (at, order) = Plot::ascending(&places);
@@ -112,7 +112,7 @@ fn residuals(points: &Points, found: &Found) -> impl Iterator<Item = Plot> {
 const CELLS: usize = 12;
 
 /// Root mean square of the residuals over X and Y, all heights together.
-fn map(points: &Points, found: &Found) -> Map {
+fn map(points: &Points, found: &PointsFit) -> Map {
     let ends_mm = [0, 1].map(|axis| {
         let values = points.points.iter().map(|point| point.command_mm[axis]);
         values.fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], v| [l.min(v), h.max(v)])

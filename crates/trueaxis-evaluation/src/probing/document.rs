@@ -47,7 +47,7 @@ pub struct Offset {
 
 /// The JSON document.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Document {
+pub struct ProbingDocument {
     /// "ring", "sphere" or "point".
     pub feature: &'static str,
     /// Results by run.
@@ -117,9 +117,9 @@ fn offset(runs: &[Measured]) -> Option<(Offset, Vec<[f64; 3]>)> {
     Some((Offset { x_um: value(x, 2), y_um: value(y, 3), length_um: 1e3 * x.hypot(y) }, left.collect()))
 }
 
-impl Document {
+impl ProbingDocument {
     /// The document of a record.
-    pub fn new(record: &Record) -> Document {
+    pub fn new(record: &Record) -> ProbingDocument {
         let (name, p_ftu_name) = match record.feature {
             Feature::Ring => ("ring", Some("P_FTU,2D")),
             Feature::Sphere => ("sphere", Some("P_FTU,3D")),
@@ -158,7 +158,7 @@ impl Document {
                     .into(),
             );
         }
-        Document {
+        ProbingDocument {
             feature: name,
             runs: runs
                 .iter()

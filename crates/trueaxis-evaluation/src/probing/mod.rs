@@ -9,5 +9,5 @@ mod document;
 mod record;
 mod shown;
 
-pub use document::{Document, Offset, Run, Spread};
+pub use document::{Offset, ProbingDocument, Run, Spread};
 pub use record::{COLUMNS, Feature, Record, check};

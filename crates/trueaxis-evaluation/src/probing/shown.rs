@@ -1,11 +1,11 @@
 //! Tables and plots of a probing test.
 
-use super::{Document, Feature, Record, Spread};
+use super::{Feature, ProbingDocument, Record, Spread};
 use crate::shown::{Cell, Curve, Look, Plot, Shown, Table};
 use trueaxis_report::number::significant;
 use trueaxis_tables::text::counted;
 
-impl Document {
+impl ProbingDocument {
     /// The figures of all runs as text: name and value.
     pub fn figures(&self) -> Vec<(&'static str, String)> {
         let um = |value: f64| significant(value, 3);

@@ -1,6 +1,6 @@
 //! Errors identified from an R-test, as a document.
 
-use super::{Found, Record, name};
+use super::{RTestFit, Record, name};
 use serde::Serialize;
 use trueaxis_tables::Machine;
 
@@ -21,7 +21,7 @@ pub struct Term {
 
 /// The JSON document.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Document {
+pub struct RTestDocument {
     /// Number of readings in the record.
     pub readings: usize,
     /// Number of balls.
@@ -57,9 +57,9 @@ pub struct Document {
 /// Condition number from which poses are doubtful.
 const DOUBTFUL_CONDITION: f64 = 100.0;
 
-impl Document {
+impl RTestDocument {
     /// The document of the errors found from a record on a machine.
-    pub fn new(record: &Record, found: &Found, machine: &Machine) -> Document {
+    pub fn new(record: &Record, found: &RTestFit, machine: &Machine) -> RTestDocument {
         let terms = found.terms.iter().map(|&((axis, component), value, error)| {
             let (unit, scale) = if component < 3 { ("um", 1e3) } else { ("urad", 1e6) };
             let before = machine.settings.location.of(axis).map_or(0.0, |own| own[component]);
@@ -109,7 +109,7 @@ impl Document {
         if found.clamped {
             notes.push("an axis is beyond its table, where the edge value is used".into());
         }
-        Document {
+        RTestDocument {
             readings: record.readings.len(),
             balls: record.balls.len(),
             range_um,

@@ -1,7 +1,7 @@
 //! R-test: the displacement of a ball at angles of the rotary axes, and the location errors of these axes that it determines.
 //!
 //! ```text
-//! RECORD.csv ─► Record ─► identify ─► Found: document, location errors
+//! RECORD.csv ─► Record ─► identify ─► RTestFit: document, location errors
 //! ```
 //!
 //! Under RTCP the control keeps the tool at a ball on the table while rotary axes turn (ISO 10791-6, tests BK); a nest of
@@ -19,13 +19,15 @@
 //! W. Knapp, CIRP Annals 55 (2006) 531.
 
 mod document;
-mod found;
+mod fit;
 mod record;
 mod shown;
+mod unknowns;
 
-pub use document::{Document, Term};
-pub use found::{Found, Options, identify, name};
+pub use document::{RTestDocument, Term};
+pub use fit::{Options, RTestFit, identify};
 pub use record::{COLUMNS, Reading, Record};
+pub use unknowns::name;
 
 use crate::range::OutOfRange;
 

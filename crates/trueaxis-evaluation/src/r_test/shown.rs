@@ -1,11 +1,11 @@
 //! Tables and plots of an R-test.
 
-use super::{Document, Found, Record};
+use super::{RTestDocument, RTestFit, Record};
 use crate::shown::{Cell, Look, Plot, Shown, Table, unit};
 
-impl Document {
+impl RTestDocument {
     /// Tables and plots of the record and the errors found.
-    pub fn shown(&self, record: &Record, found: &Found) -> Shown {
+    pub fn shown(&self, record: &Record, found: &RTestFit) -> Shown {
         let terms = self.terms.iter().map(|of| {
             let numbers = [Cell::number(of.value, 4), Cell::number(of.standard_error, 2), Cell::number(of.before, 4)];
             std::iter::once(of.name.as_str().into()).chain(numbers).chain([unit(of.unit).into()]).collect()

@@ -10,7 +10,7 @@ use trueaxis_metrology::spindle::{ErrorMotion, error_motion};
 
 /// The JSON document.
 #[derive(Clone, Debug, Serialize)]
-pub struct Document {
+pub struct RoundnessDocument {
     /// Points per revolution N.
     pub n: usize,
     /// Number of whole revolutions.
@@ -131,7 +131,7 @@ pub struct Circles {
 #[derive(Clone, Debug)]
 pub struct Evaluation {
     /// The document.
-    pub document: Document,
+    pub document: RoundnessDocument,
     /// Profile averaged over the revolutions, filtered.
     pub profile: Vec<f64>,
     /// Reference circles of `profile`.
@@ -191,7 +191,7 @@ impl Evaluation {
                 y_from_mean_um: *y,
             })
             .collect();
-        let document = Document {
+        let document = RoundnessDocument {
             n: points,
             revolutions: separations.len(),
             upr,

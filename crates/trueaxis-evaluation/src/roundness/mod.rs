@@ -7,7 +7,7 @@ mod polar;
 mod trace;
 
 pub use document::{
-    Centres, Circles, Document, Evaluation, HarmonicEntry, Revolution, Spindle, SpindleDirection, Zones,
+    Centres, Circles, Evaluation, HarmonicEntry, Revolution, RoundnessDocument, Spindle, SpindleDirection, Zones,
 };
 pub use orbit::{DRAWN_REVOLUTIONS, motion_scale, orbit};
 pub use polar::polar;

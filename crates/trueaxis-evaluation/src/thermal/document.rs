@@ -1,13 +1,13 @@
 //! The document of a fit.
 
-use super::Found;
+use super::FittedRecording;
 use serde::Serialize;
 use std::fmt;
 use trueaxis_metrology::thermal::Coefficient;
 
 /// Output of `trueaxis thermal fit --json`.
 #[derive(Clone, Debug, Serialize)]
-pub struct Document {
+pub struct ThermalDocument {
     /// Number of rows in the record.
     pub rows: usize,
     /// Temperature at which the curves are zero, °C.
@@ -150,9 +150,9 @@ fn curve(of: &str, knots: &[f64], values: &[Coefficient]) -> CurveDocument {
     }
 }
 
-impl Found {
+impl FittedRecording {
     /// The document.
-    pub fn document(&self) -> Document {
+    pub fn document(&self) -> ThermalDocument {
         let model = &self.fit.model;
         let axes = self.fit.axes.iter().map(|of| {
             let sensors = model.sensors.iter().zip(&of.sensors);
@@ -184,7 +184,7 @@ impl Found {
             range: out.range,
             reason: if out.still { "it hardly moves" } else { "the others predict as well without it" },
         });
-        Document {
+        ThermalDocument {
             rows: self.recording.record.samples.len(),
             reference_c: self.reference_c,
             sensors: model

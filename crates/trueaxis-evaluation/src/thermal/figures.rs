@@ -1,19 +1,19 @@
 //! Figures of a fit: measured drift, drift computed by the task, and residual.
 
-use super::Found;
+use super::FittedRecording;
 use trueaxis::Axis;
 use trueaxis_metrology::thermal::Series;
 use trueaxis_report::{Figure, Scale, Stroke, colour};
 
 /// The series of an axis in the held-out cycles at the measuring point that drifts most.
-pub fn worst(found: &Found, axis: Axis) -> Option<&Series> {
+pub fn worst(found: &FittedRecording, axis: Axis) -> Option<&Series> {
     let own = found.series.iter().filter(|own| own.axis == axis && found.fit.held_out.contains(&own.cycle));
     let most = |rows: &[[f64; 3]]| rows.iter().fold(0.0_f64, |most, row| most.max(row[1].abs()));
     own.max_by(|one, other| most(&one.rows).total_cmp(&most(&other.rows)))
 }
 
 /// Drift of that series, measured and computed by the task.
-pub fn figure(found: &Found, axis: Axis) -> Option<Figure> {
+pub fn figure(found: &FittedRecording, axis: Axis) -> Option<Figure> {
     let series = worst(found, axis)?;
     let hours = |take: fn(&[f64; 3]) -> f64| -> Vec<[f64; 2]> {
         series.rows.iter().map(|row| [row[0] / 3600.0, 1e3 * take(row)]).collect()
@@ -37,7 +37,7 @@ pub fn figure(found: &Found, axis: Axis) -> Option<Figure> {
 }
 
 /// Residuals of an axis at all measuring points of all cycles, over the time of the cycle.
-pub fn residuals(found: &Found, axis: Axis) -> Figure {
+pub fn residuals(found: &FittedRecording, axis: Axis) -> Figure {
     let points = |held_out: bool| -> Vec<[f64; 2]> {
         let own = found.series.iter();
         let own = own.filter(|own| own.axis == axis && found.fit.held_out.contains(&own.cycle) == held_out);

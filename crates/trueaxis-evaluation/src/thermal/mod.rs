@@ -10,7 +10,7 @@ mod text;
 mod written;
 
 pub use document::{
-    AxisDocument, CurveDocument, CycleDocument, Document, LeftOutDocument, MissingDocument, SensorDocument,
+    AxisDocument, CurveDocument, CycleDocument, LeftOutDocument, MissingDocument, SensorDocument, ThermalDocument,
     UnconfirmedDocument,
 };
 pub use figures::{figure, residuals, worst};
@@ -25,7 +25,7 @@ use trueaxis_metrology::thermal::{Fit, HeldOut, RATE_K_PER_MIN, Series, Settings
 
 /// A record with its fit.
 #[derive(Clone, Debug)]
-pub struct Found {
+pub struct FittedRecording {
     /// The recording.
     pub recording: Recording,
     /// The fit.
@@ -49,15 +49,15 @@ pub fn settings(machine: Option<&MachineSettings>, held_out: Vec<u32>) -> Settin
     }
 }
 
-impl Found {
+impl FittedRecording {
     /// Fits a model and runs the task over the record with it; reports every cause that enters the model to the callback.
     ///
     /// # Errors
     /// A record that determines nothing, with file, line and column if known.
-    pub fn of(recording: Recording, settings: &Settings, on_cause: &mut dyn FnMut(&str)) -> Result<Found> {
+    pub fn of(recording: Recording, settings: &Settings, on_cause: &mut dyn FnMut(&str)) -> Result<FittedRecording> {
         let fit = fit(&recording.record, settings, on_cause).map_err(|refused| recording.refused(&refused))?;
         let bytes = fit.model.encode(0).map_err(|error| anyhow!("{}: {error}", recording.file.display()))?;
         let (figures, series) = held_out(&recording.record, &fit, &bytes);
-        Ok(Found { recording, fit, figures, series, reference_c: settings.reference_c })
+        Ok(FittedRecording { recording, fit, figures, series, reference_c: settings.reference_c })
     }
 }

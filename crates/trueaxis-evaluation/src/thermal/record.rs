@@ -7,7 +7,7 @@ use anyhow::{Result, anyhow};
 use std::path::PathBuf;
 use trueaxis::Axis;
 use trueaxis::temperature::{SENSORS, WARMEST_MK};
-use trueaxis_metrology::thermal::{Missing, Record, Refused, Sample};
+use trueaxis_metrology::thermal::{Missing, Record, Sample, ThermalRefusal};
 
 const fn needed(name: &'static str) -> Column {
     Column { name, needed: true }
@@ -139,18 +139,20 @@ impl Recording {
     }
 
     /// A refusal at its line and column.
-    pub fn refused(&self, refused: &Refused) -> anyhow::Error {
+    pub fn refused(&self, refused: &ThermalRefusal) -> anyhow::Error {
         let text = refused.to_string();
         let Some(line) = refused.row().and_then(|row| self.lines.get(row)) else {
             return anyhow!("{}: {text}", self.file.display());
         };
         let column = match refused {
-            Refused::Mixed { .. } => "cycle".to_owned(),
+            ThermalRefusal::Mixed { .. } => "cycle".to_owned(),
             refused => refused.sensor().map_or_else(|| "t_s".to_owned(), |sensor| format!("{sensor}_c")),
         };
         let first = match refused {
-            Refused::Twice { first, .. } => self.lines.get(*first).map(|line| format!(" (first in line {line})")),
-            Refused::Jump { sensor, .. } => Some(format!(
+            ThermalRefusal::Twice { first, .. } => {
+                self.lines.get(*first).map(|line| format!(" (first in line {line})"))
+            }
+            ThermalRefusal::Jump { sensor, .. } => Some(format!(
                 "; --rate-k-per-min admits a sensor that warms faster, --without {sensor} leaves out one that is not needed"
             )),
             _ => None,

@@ -1,13 +1,13 @@
 //! Writing `thermal.toml`.
 
-use super::Found;
+use super::FittedRecording;
 use std::fmt::Write;
 use trueaxis_metrology::thermal::Coefficient;
 use trueaxis_report::number::significant;
 use trueaxis_tables::text::{acts, short};
 
 /// The text of a `thermal.toml`: the fitted curves, each followed by `±` and standard errors, which are not read back.
-pub fn written(found: &Found) -> String {
+pub fn written(found: &FittedRecording) -> String {
     let file = found.recording.file.file_name().unwrap_or_default().to_string_lossy().replace(acts, " ");
     let document = found.document();
     let [drift, left] = document.held_out_um;

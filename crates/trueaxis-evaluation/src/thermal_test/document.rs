@@ -52,7 +52,7 @@ pub struct Temperature {
 
 /// The JSON document.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Document {
+pub struct ThermalTestDocument {
     /// "etve", "spindle" or "axis".
     pub test: &'static str,
     /// Length of the record.
@@ -89,9 +89,9 @@ pub(super) fn tilts(of: &[Vec<f64>; 5], distance_mm: f64) -> [Option<Vec<f64>>; 
     [between(1, 4, -1.0), between(0, 3, 1.0)]
 }
 
-impl Document {
+impl ThermalTestDocument {
     /// The document of the test called `name`; `distance_mm` between the probes at both heights, if known.
-    pub fn new(test: &Test, name: &'static str, period_min: f64, distance_mm: Option<f64>) -> Document {
+    pub fn new(test: &Test, name: &'static str, period_min: f64, distance_mm: Option<f64>) -> ThermalTestDocument {
         let period = 60.0 * period_min;
         let places = test.positions.iter().zip(&test.times_s).zip(&test.displacements_um);
         let positions = places.map(|((&position, times), of)| {
@@ -130,7 +130,7 @@ impl Document {
         if distance_mm.is_none() && test.displacements_um.iter().any(|of| !of[3].is_empty() || !of[4].is_empty()) {
             notes.push("tilts need the distance between the probes: --distance-mm".into());
         }
-        Document {
+        ThermalTestDocument {
             test: name,
             duration_min,
             period_min,

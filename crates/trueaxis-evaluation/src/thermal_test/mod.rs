@@ -7,7 +7,7 @@
 mod document;
 mod shown;
 
-pub use document::{Channel, Document, Place, Temperature};
+pub use document::{Channel, Place, Temperature, ThermalTestDocument};
 
 use crate::range::OutOfRange;
 use crate::record;

@@ -1,10 +1,10 @@
 //! Tables and plots of a thermal test.
 
-use super::{Document, Test, document::NAMES};
+use super::{Test, ThermalTestDocument, document::NAMES};
 use crate::shown::{Cell, Curve, Look, Plot, Shown, Table, unit};
 use trueaxis_report::number::significant;
 
-impl Document {
+impl ThermalTestDocument {
     /// Tables and plots of the document's test.
     pub fn shown(&self, test: &Test) -> Shown {
         let several = self.positions.len() > 1;

@@ -14,7 +14,7 @@ const NOTHING_UM: f64 = 0.01;
 
 /// The JSON document.
 #[derive(Clone, Debug, Serialize)]
-pub struct Document {
+pub struct UncertaintyDocument {
     /// Name of the machine.
     pub machine: String,
     /// Requested coverage.
@@ -102,7 +102,7 @@ pub struct Share {
 /// Number of steps of a distribution.
 const STEPS: usize = 100;
 
-impl Document {
+impl UncertaintyDocument {
     /// Distances of the tip from its ideal place at the worst point, µm, for the machines drawn: the smallest, the largest,
     /// and those between in steps of a hundredth of the machines.
     pub fn distances_um(&self) -> Vec<f64> {

@@ -25,7 +25,7 @@ mod sensitivity;
 mod terms;
 
 pub use bands::{band_factor, expanded};
-pub use document::{AtPoint, Document, Share, Spread};
+pub use document::{AtPoint, Share, Spread, UncertaintyDocument};
 pub use options::Options;
 pub use terms::{per_length, reading};
 
@@ -47,7 +47,7 @@ use trueaxis_tables::uncertainty::Uncertainties;
 ///
 /// # Errors
 /// Nothing stated; options outside their ranges; a machine that the model refuses.
-pub fn evaluate(machine: &Machine, stated: &Uncertainties, options: &Options) -> Result<Document> {
+pub fn evaluate(machine: &Machine, stated: &Uncertainties, options: &Options) -> Result<UncertaintyDocument> {
     options.check(machine)?;
     let terms = Terms::new(machine, stated)?;
     let mut grid = Grid::new(machine, Points::Every(options.points))?;
@@ -99,7 +99,7 @@ pub fn evaluate(machine: &Machine, stated: &Uncertainties, options: &Options) ->
     let whole: f64 = contributions[..over_volume].iter().map(|all| variance(all)).sum();
     let [nx, ny, _] = grid.points;
     let layer = worst / (nx * ny);
-    Ok(Document {
+    Ok(UncertaintyDocument {
         machine: machine.settings.name.to_string(),
         confidence_percent: 100.0 * options.coverage,
         tool_mm: machine.settings.tool_mm,

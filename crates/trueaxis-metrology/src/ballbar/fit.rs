@@ -2,7 +2,7 @@
 
 use super::figures::{about, figures};
 use super::shape::{HATS, Shaped, fits, hats};
-use super::{Cause, Evaluation, LEAST, LEAST_ARC_DEG, Reading, Refused, Term, WIDEST_GAP_DEG};
+use super::{BallbarRefusal, Cause, Evaluation, LEAST, LEAST_ARC_DEG, Reading, Term, WIDEST_GAP_DEG};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use std::f64::consts::{E, FRAC_PI_2, PI, TAU};
 use std::vec;
@@ -56,8 +56,12 @@ const ROUNDS: usize = 3;
 /// of G takes n log n.
 ///
 /// # Errors
-/// [`Refused`].
-pub fn evaluate(radius_mm: f64, readings: &[Reading], pitches_mm: [Option<f64>; 2]) -> Result<Evaluation, Refused> {
+/// [`BallbarRefusal`].
+pub fn evaluate(
+    radius_mm: f64,
+    readings: &[Reading],
+    pitches_mm: [Option<f64>; 2],
+) -> Result<Evaluation, BallbarRefusal> {
     let whole = check(radius_mm, readings)?;
     let both = [true, false].map(|ccw| readings.iter().any(|reading| reading.counterclockwise == ccw)) == [true; 2];
     let mut centre = [0.0; 2];
@@ -110,13 +114,13 @@ fn is_spike(term: &Term) -> bool {
 }
 
 /// Whether the circles are whole, not arcs.
-fn check(radius: f64, readings: &[Reading]) -> Result<bool, Refused> {
+fn check(radius: f64, readings: &[Reading]) -> Result<bool, BallbarRefusal> {
     if readings.len() < LEAST {
-        return Err(Refused::TooFew { found: readings.len() });
+        return Err(BallbarRefusal::TooFew { found: readings.len() });
     }
     let sound = |r: &Reading| r.angle_rad.is_finite() && r.deviation_mm.abs() < 0.5 * radius;
     if let Some(index) = readings.iter().position(|reading| !sound(reading)) {
-        return Err(Refused::NotAReading { index });
+        return Err(BallbarRefusal::NotAReading { index });
     }
     let mut whole = true;
     for counterclockwise in [true, false] {
@@ -134,7 +138,7 @@ fn check(radius: f64, readings: &[Reading]) -> Result<bool, Refused> {
         let refused = wide.get(1).or(wide.first().filter(|gap| 360.0 - gap.0.to_degrees() < LEAST_ARC_DEG));
         if let Some((width, from)) = refused {
             let (from_deg, width_deg) = (from.to_degrees(), width.to_degrees());
-            return Err(Refused::Gap { counterclockwise, from_deg, width_deg });
+            return Err(BallbarRefusal::Gap { counterclockwise, from_deg, width_deg });
         }
     }
     Ok(whole)
@@ -189,7 +193,7 @@ impl Fit {
 
     /// Readings at which every axis has moved away from its reversal by more than its play. Closer to the reversal, rounding
     /// of the angle and partly taken-up play would decide on which side the axis bears.
-    fn clear_of_reversals(&self, readings: &[Reading]) -> Result<Vec<Reading>, Refused> {
+    fn clear_of_reversals(&self, readings: &[Reading]) -> Result<Vec<Reading>, BallbarRefusal> {
         let is_clear = |reading: &&Reading| {
             self.since(reading).into_iter().zip(self.play).all(|(since, play)| {
                 // Travel from the reversal: R (1 − cos u).
@@ -198,7 +202,7 @@ impl Fit {
             })
         };
         let clear: Vec<Reading> = readings.iter().filter(is_clear).copied().collect();
-        if clear.len() < LEAST / 2 { Err(Refused::TooFew { found: clear.len() }) } else { Ok(clear) }
+        if clear.len() < LEAST / 2 { Err(BallbarRefusal::TooFew { found: clear.len() }) } else { Ok(clear) }
     }
 
     /// Residual of a reading.

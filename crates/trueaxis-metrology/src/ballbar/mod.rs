@@ -130,7 +130,7 @@ impl Evaluation {
 /// Why the readings are refused.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
-pub enum Refused {
+pub enum BallbarRefusal {
     /// Fewer readings than a fit needs.
     TooFew {
         /// Readings of the record.
@@ -166,7 +166,7 @@ pub const WIDEST_GAP_DEG: f64 = 10.0;
 /// Shortest arc accepted, degrees.
 pub const LEAST_ARC_DEG: f64 = 200.0;
 
-impl fmt::Display for Refused {
+impl fmt::Display for BallbarRefusal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::TooFew { found } => write!(f, "readings: found {found}, needed at least {LEAST}"),
@@ -192,4 +192,4 @@ impl fmt::Display for Refused {
     }
 }
 
-impl std::error::Error for Refused {}
+impl std::error::Error for BallbarRefusal {}

@@ -1,6 +1,6 @@
 //! Ballbar readings from recorded positions: from a grid encoder, or from the axes' own encoders.
 
-use super::{Reading, Refused};
+use super::{BallbarRefusal, Reading};
 use crate::circles::least_squares;
 use std::f64::consts::TAU;
 use std::vec::Vec;
@@ -35,11 +35,11 @@ const STRETCHES: f64 = 3600.0;
 /// Cost: linear in the positions.
 ///
 /// # Errors
-/// [`Refused::NotAReading`], [`Refused::NoCircle`].
-pub fn readings(radius_mm: f64, positions: &[Position]) -> Result<Vec<Reading>, Refused> {
+/// [`BallbarRefusal::NotAReading`], [`BallbarRefusal::NoCircle`].
+pub fn readings(radius_mm: f64, positions: &[Position]) -> Result<Vec<Reading>, BallbarRefusal> {
     let finite = |p: &Position| p.command.iter().chain(&p.actual).all(|value| value.is_finite());
     if let Some(index) = positions.iter().position(|position| !finite(position)) {
-        return Err(Refused::NotAReading { index });
+        return Err(BallbarRefusal::NotAReading { index });
     }
     let first = first_centre(radius_mm, positions)?;
     let near = |centre: [f64; 2], p: &&Position| {
@@ -91,7 +91,7 @@ impl Stretch {
 }
 
 /// Median centre of the circles through three commands each that have about the given radius.
-fn first_centre(radius: f64, positions: &[Position]) -> Result<[f64; 2], Refused> {
+fn first_centre(radius: f64, positions: &[Position]) -> Result<[f64; 2], BallbarRefusal> {
     let mut apart: Vec<[f64; 2]> = Vec::new();
     for position in positions {
         let [x, y] = position.command;
@@ -108,12 +108,12 @@ fn first_centre(radius: f64, positions: &[Position]) -> Result<[f64; 2], Refused
         }
     }
     if centres.len() < 3 {
-        return Err(Refused::NoCircle { radius_mm: radius, found_mm: median(&mut radii) });
+        return Err(BallbarRefusal::NoCircle { radius_mm: radius, found_mm: median(&mut radii) });
     }
     let [mut x, mut y] = [0, 1].map(|axis| centres.iter().map(|centre| centre[axis]).collect::<Vec<f64>>());
     match (median(&mut x), median(&mut y)) {
         (Some(x), Some(y)) => Ok([x, y]),
-        _ => Err(Refused::NoCircle { radius_mm: radius, found_mm: None }),
+        _ => Err(BallbarRefusal::NoCircle { radius_mm: radius, found_mm: None }),
     }
 }
 

@@ -1,6 +1,6 @@
 //! Fit of a ball to touches.
 
-use super::Refused;
+use super::CalibrationRefusal;
 use super::network::{Network, Unknown};
 use super::surface::{Surface, Touch};
 use std::vec::Vec;
@@ -39,7 +39,7 @@ pub fn fit_ball(
     radius_mm: f64,
     known: bool,
     repeatability_mm: f64,
-) -> Result<BallFit, Refused> {
+) -> Result<BallFit, CalibrationRefusal> {
     let free = |start| Unknown { start, uncertainty: None };
     let exact = |start| Unknown { start, uncertainty: Some(1e-9) };
     let [x, y, z] = near_mm;

@@ -14,7 +14,7 @@
 //! are zero except for the probe's repeatability. The unknowns are x, r, every artefact's position (c, u), the drift at its
 //! knots, and the sizes, which are known within their standard uncertainty and enter as observations. One least-squares
 //! problem covers all of them, solved by QR of scaled columns. It is refused, with the unknowns concerned, if the touches
-//! cannot separate some of them ([`Refused::NotApart`]).
+//! cannot separate some of them ([`CalibrationRefusal::NotApart`]).
 //!
 //! A bore of known diameter, measured all around, shows the strain in its plane: both scales, and the sum of the shear from
 //! squareness and straightness. The strain throughout a volume determines the error except for a rigid motion (Saint-Venant),
@@ -40,7 +40,7 @@ use std::vec::Vec;
 /// Why the touches are refused.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
-pub enum Refused {
+pub enum CalibrationRefusal {
     /// Fewer touches than unknowns.
     TooFew {
         /// Number of touches.
@@ -68,7 +68,7 @@ pub enum Refused {
     },
 }
 
-impl fmt::Display for Refused {
+impl fmt::Display for CalibrationRefusal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::TooFew { found, needed } => write!(f, "touches: found {found}, needed at least {needed}"),
@@ -87,4 +87,4 @@ impl fmt::Display for Refused {
     }
 }
 
-impl std::error::Error for Refused {}
+impl std::error::Error for CalibrationRefusal {}

@@ -1,6 +1,6 @@
 //! The network of all touches.
 
-use super::Refused;
+use super::CalibrationRefusal;
 use super::least_squares::{Solved, solve};
 use super::surface::Touch;
 use nalgebra::{DMatrix, DVector};
@@ -77,8 +77,8 @@ impl Network {
     /// known sizes are weighted by their uncertainty. Cost: a QR of touches × unknowns per step, usually four steps.
     ///
     /// # Errors
-    /// [`Refused`].
-    pub fn solve(&self) -> Result<Solution, Refused> {
+    /// [`CalibrationRefusal`].
+    pub fn solve(&self) -> Result<Solution, CalibrationRefusal> {
         self.weighed(POOLED, LEAST)
     }
 
@@ -86,27 +86,27 @@ impl Network {
     /// probe. Cost as [`Network::solve`].
     ///
     /// # Errors
-    /// [`Refused`].
-    pub fn foresee(&self) -> Result<Solution, Refused> {
+    /// [`CalibrationRefusal`].
+    pub fn foresee(&self) -> Result<Solution, CalibrationRefusal> {
         self.weighed(f64::INFINITY, LEAST)
     }
 
     /// Like [`Network::solve`], but never below the stated repeatability: touches that happen to agree must not make anything
     /// more significant.
-    pub(super) fn solve_with_care(&self) -> Result<Solution, Refused> {
+    pub(super) fn solve_with_care(&self) -> Result<Solution, CalibrationRefusal> {
         self.weighed(POOLED, self.repeatability_mm)
     }
 
     /// Solves; from `pooled` degrees of freedom on with the repeatability found, but not below `least`, mm.
-    fn weighed(&self, pooled: f64, least: f64) -> Result<Solution, Refused> {
+    fn weighed(&self, pooled: f64, least: f64) -> Result<Solution, CalibrationRefusal> {
         let known = self.unknowns.iter().filter(|unknown| unknown.uncertainty.is_some()).count();
         let count = self.unknowns.len();
         if self.touches.len() + known < count {
-            return Err(Refused::TooFew { found: self.touches.len(), needed: count - known });
+            return Err(CalibrationRefusal::TooFew { found: self.touches.len(), needed: count - known });
         }
         let whole = |touch: &Touch| touch.tip_mm.iter().chain(touch.response.iter().flatten()).all(|v| v.is_finite());
         if let Some(touch) = self.touches.iter().position(|touch| !whole(touch)) {
-            return Err(Refused::NotFinite { touch });
+            return Err(CalibrationRefusal::NotFinite { touch });
         }
         let mut values: Vec<f64> = self.unknowns.iter().map(|unknown| unknown.start).collect();
         let mut sigma = self.repeatability_mm;
@@ -158,7 +158,7 @@ impl Network {
         self.touches.len() as f64 - self.unknowns.len() as f64 + known
     }
 
-    fn settle(&self, values: &mut [f64], sigma: f64, mut condition: Option<f64>) -> Result<Solved, Refused> {
+    fn settle(&self, values: &mut [f64], sigma: f64, mut condition: Option<f64>) -> Result<Solved, CalibrationRefusal> {
         let mut last = None;
         for _ in 0..STEPS {
             let solved = self.step(values, sigma, condition)?;
@@ -175,10 +175,10 @@ impl Network {
             .into_iter()
             .enumerate()
             .fold((0, 0.0), |worst: (usize, f64), one| if one.1.abs() > worst.1.abs() { one } else { worst });
-        last.filter(|_| residual_mm.abs() < OFF).ok_or(Refused::Unsettled { touch, residual_mm })
+        last.filter(|_| residual_mm.abs() < OFF).ok_or(CalibrationRefusal::Unsettled { touch, residual_mm })
     }
 
-    fn step(&self, values: &[f64], sigma: f64, condition: Option<f64>) -> Result<Solved, Refused> {
+    fn step(&self, values: &[f64], sigma: f64, condition: Option<f64>) -> Result<Solved, CalibrationRefusal> {
         let count = self.unknowns.len();
         let known: Vec<(usize, f64, f64)> = self
             .unknowns
@@ -203,7 +203,7 @@ impl Network {
             matrix[(self.touches.len() + index, unknown)] = weight;
             right[self.touches.len() + index] = away;
         }
-        solve(matrix, &right, condition).map_err(|combinations| Refused::NotApart { combinations })
+        solve(matrix, &right, condition).map_err(|combinations| CalibrationRefusal::NotApart { combinations })
     }
 
     fn residuals(&self, values: &[f64]) -> Vec<f64> {

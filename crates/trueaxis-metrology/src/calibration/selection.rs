@@ -1,6 +1,6 @@
 //! Selection of the terms of a network that have moved.
 
-use super::Refused;
+use super::CalibrationRefusal;
 use super::network::{Network, Solution, Unknown};
 use std::vec::Vec;
 
@@ -33,8 +33,8 @@ impl Network {
     /// [`Network::solve`], once more for each fixed term.
     ///
     /// # Errors
-    /// [`Refused`].
-    pub fn moved(&self, factors: &[f64]) -> Result<Selection, Refused> {
+    /// [`CalibrationRefusal`].
+    pub fn moved(&self, factors: &[f64]) -> Result<Selection, CalibrationRefusal> {
         let all = self.solve_with_care()?;
         let mut network = self.clone();
         let mut moved: Vec<bool> = (0..self.terms).map(|_| true).collect();

@@ -117,7 +117,7 @@ pub struct Test {
 /// Why a test is refused.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
-pub enum Refused {
+pub enum DiagonalRefusal {
     /// A diagonal has no reading.
     Missing {
         /// Number of the diagonal, 1 … 4.
@@ -151,21 +151,23 @@ pub enum Refused {
     },
 }
 
-impl fmt::Display for Refused {
+impl fmt::Display for DiagonalRefusal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Refused::Missing { diagonal } => {
+            DiagonalRefusal::Missing { diagonal } => {
                 write!(f, "found no reading of diagonal {diagonal}, needed diagonals 1 to 4")
             }
-            Refused::Twice { .. } => write!(f, "found a target a second time, needed each once a run and direction"),
-            Refused::TooFew { diagonal, found } => {
+            DiagonalRefusal::Twice { .. } => {
+                write!(f, "found a target a second time, needed each once a run and direction")
+            }
+            DiagonalRefusal::TooFew { diagonal, found } => {
                 write!(f, "targets on diagonal {diagonal}: found {found}, needed at least {LEAST}")
             }
-            Refused::NotABodyDiagonal { diagonal, travel_mm: [x, y, z] } => write!(
+            DiagonalRefusal::NotABodyDiagonal { diagonal, travel_mm: [x, y, z] } => write!(
                 f,
                 "diagonal {diagonal}: found a travel of {x}, {y}, {z} mm, needed a body diagonal on which all of X, Y, Z move"
             ),
-            Refused::NotOneBox { diagonal } => write!(
+            DiagonalRefusal::NotOneBox { diagonal } => write!(
                 f,
                 "diagonal {diagonal}: found another box, or a diagonal that is there already, needed the four body diagonals of one"
             ),
@@ -173,7 +175,7 @@ impl fmt::Display for Refused {
     }
 }
 
-impl core::error::Error for Refused {}
+impl core::error::Error for DiagonalRefusal {}
 
 impl Test {
     /// Sorts readings into diagonals and targets.
@@ -182,8 +184,8 @@ impl Test {
     /// readings.
     ///
     /// # Errors
-    /// [`Refused`].
-    pub fn new(readings: Vec<Reading>) -> Result<Test, Refused> {
+    /// [`DiagonalRefusal`].
+    pub fn new(readings: Vec<Reading>) -> Result<Test, DiagonalRefusal> {
         let mut diagonals = Vec::new();
         let (mut squares, mut freedom) = (0.0, 0);
         for number in 0..4 {
@@ -199,10 +201,10 @@ impl Test {
             let same_box = (0..3).all(|c| (one.unit[c].abs() - reference[c].abs()).abs() < 1e-3);
             let doubled = diagonals[..k].iter().any(|other| dot(other.unit, one.unit).abs() > 1.0 - 1e-9);
             if !same_box || doubled || (one.length_mm / diagonals[0].length_mm - 1.0).abs() > 1e-3 {
-                return Err(Refused::NotOneBox { diagonal: k + 1 });
+                return Err(DiagonalRefusal::NotOneBox { diagonal: k + 1 });
             }
         }
-        let diagonals: [Diagonal; 4] = diagonals.try_into().map_err(|_| Refused::Missing { diagonal: 4 })?;
+        let diagonals: [Diagonal; 4] = diagonals.try_into().map_err(|_| DiagonalRefusal::Missing { diagonal: 4 })?;
         let steps = diagonals
             .iter()
             .flat_map(|own| own.targets.iter().map(move |t| (own, t)))
@@ -240,15 +242,15 @@ fn less(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
 
 type Scatter = (f64, usize);
 
-fn diagonal(number: usize, own: &[(usize, &Reading)]) -> Result<(Diagonal, Scatter), Refused> {
+fn diagonal(number: usize, own: &[(usize, &Reading)]) -> Result<(Diagonal, Scatter), DiagonalRefusal> {
     let away = own.iter().find(|(_, reading)| reading.direction == Direction::Up).or(own.last());
-    let Some((_, first)) = away else { return Err(Refused::Missing { diagonal: number }) };
+    let Some((_, first)) = away else { return Err(DiagonalRefusal::Missing { diagonal: number }) };
     let from = first.position_mm;
     let far = own.iter().map(|(_, reading)| less(reading.position_mm, from));
     let to = far.fold([0.0; 3], |best, way| if dot(way, way) > dot(best, best) { way } else { best });
     let length_mm = dot(to, to).sqrt();
     if !(to.iter().all(|part| part.abs() > 0.05 * length_mm) && length_mm > 0.0) {
-        return Err(Refused::NotABodyDiagonal { diagonal: number, travel_mm: to });
+        return Err(DiagonalRefusal::NotABodyDiagonal { diagonal: number, travel_mm: to });
     }
     let unit = to.map(|part| part / length_mm);
     let mut sorted: Vec<(usize, &Reading, f64)> =
@@ -263,7 +265,7 @@ fn diagonal(number: usize, own: &[(usize, &Reading)]) -> Result<(Diagonal, Scatt
             of.sort_by_key(|r| r.0);
             for (i, second) in of.iter().enumerate() {
                 if let Some(first) = of[..i].iter().find(|first| first.1.run == second.1.run) {
-                    return Err(Refused::Twice { index: second.0, first: first.0 });
+                    return Err(DiagonalRefusal::Twice { index: second.0, first: first.0 });
                 }
             }
             if !of.is_empty() {
@@ -280,7 +282,7 @@ fn diagonal(number: usize, own: &[(usize, &Reading)]) -> Result<(Diagonal, Scatt
     }
     let found = targets.iter().filter(|target| target.lateral_mm <= OFF_DIAGONAL * length_mm).count();
     if found < LEAST {
-        return Err(Refused::TooFew { diagonal: number, found });
+        return Err(DiagonalRefusal::TooFew { diagonal: number, found });
     }
     Ok((Diagonal { unit, length_mm, targets }, (squares, freedom)))
 }

@@ -8,7 +8,7 @@
 //! ballbar: positive outwards.
 
 use super::glitch::Deviation;
-use super::{Identified, Record, Refused};
+use super::{FrictionRefusal, Identified, Record};
 use std::f64::consts::TAU;
 use std::vec::Vec;
 
@@ -51,7 +51,7 @@ pub struct Circle {
 /// A record that [`super::identify`] would refuse before fitting.
 ///
 /// Cost: six simulations of the record.
-pub fn circles(record: &Record, found: &[Identified; 2]) -> Result<Vec<Circle>, Refused> {
+pub fn circles(record: &Record, found: &[Identified; 2]) -> Result<Vec<Circle>, FrictionRefusal> {
     let deviations = [found[0].deviation(record, 0)?, found[1].deviation(record, 1)?];
     let every = (deviations[0].sample_s / record.period_s).round().max(1.0) as usize;
     let commands = [0, 1].map(|i| record.axes[i].command.iter().copied().step_by(every).collect::<Vec<f64>>());

@@ -44,7 +44,7 @@ mod start;
 pub use circles::{Circle, circles};
 pub use glitch::{Deviation, Glitch, Size, Spike};
 pub use record::{Record, Recorded};
-pub use refused::Refused;
+pub use refused::FrictionRefusal;
 
 use least_squares::Fit;
 use parameters::{
@@ -131,7 +131,7 @@ impl Identified {
     ///
     /// # Errors
     /// A record that [`identify`] would refuse before fitting.
-    pub fn spikes(&self, record: &Record, index: usize) -> Result<Glitch, Refused> {
+    pub fn spikes(&self, record: &Record, index: usize) -> Result<Glitch, FrictionRefusal> {
         let (problem, turns) = self.problem(record, index)?;
         Ok(glitch::glitch(&problem, &self.values, &turns))
     }
@@ -143,12 +143,12 @@ impl Identified {
     /// A record that [`identify`] would refuse before fitting.
     ///
     /// Cost: three simulations of the record.
-    pub fn deviation(&self, record: &Record, index: usize) -> Result<Deviation, Refused> {
+    pub fn deviation(&self, record: &Record, index: usize) -> Result<Deviation, FrictionRefusal> {
         let (problem, _) = self.problem(record, index)?;
         Ok(glitch::deviation(&problem, &self.values))
     }
 
-    fn problem(&self, record: &Record, index: usize) -> Result<(Problem, Vec<Reversal>), Refused> {
+    fn problem(&self, record: &Record, index: usize) -> Result<(Problem, Vec<Reversal>), FrictionRefusal> {
         let turns = record.reversals()?;
         let index = index.min(1);
         let mut drive = self.drive;
@@ -166,12 +166,12 @@ pub type Progress<'p> = dyn FnMut(Axis, usize) + 'p;
 /// Identifies the friction of both axes; `given` are the drives' figures if known.
 ///
 /// # Errors
-/// See [`Refused`].
+/// See [`FrictionRefusal`].
 pub fn identify(
     record: &Record,
     given: [Option<DriveFigures>; 2],
     progress: &mut Progress<'_>,
-) -> Result<[Identified; 2], Refused> {
+) -> Result<[Identified; 2], FrictionRefusal> {
     let [first, second] = record.reversals()?;
     Ok([
         identify_axis(record, &record.axes[0], &first, given[0], progress)?,
@@ -213,7 +213,7 @@ fn identify_axis(
     turns: &[Reversal],
     given: Option<DriveFigures>,
     progress: &mut Progress<'_>,
-) -> Result<Identified, Refused> {
+) -> Result<Identified, FrictionRefusal> {
     let axis = recorded.axis;
     let with_drive = given.is_none();
     let problem = |step_s: f64| problem(record, recorded, turns, given, step_s);
@@ -231,7 +231,7 @@ fn identify_axis(
     judge(axis, &found, &free, with_drive)?;
     let glitch = glitch::glitch(&problem, &found.values, &turns);
     if glitch.explained < EXPLAINED {
-        return Err(Refused::NotExplained { axis, share: glitch.explained, needed: EXPLAINED });
+        return Err(FrictionRefusal::NotExplained { axis, share: glitch.explained, needed: EXPLAINED });
     }
     Ok(identified(axis, &problem, &found, &free, turns.len(), glitch))
 }

@@ -1,6 +1,6 @@
 //! A record of two axes: its validation, and its reversals.
 
-use super::refused::Refused;
+use super::refused::FrictionRefusal;
 use std::format;
 use std::vec::Vec;
 use trueaxis::Axis;
@@ -64,28 +64,28 @@ impl Record {
     ///
     /// # Errors
     /// Too few samples; stamps that are uneven by more than a tenth of a period; a period outside 10 µs to 2 ms.
-    pub fn new(times_s: &[f64], axes: [Recorded; 2]) -> Result<Record, Refused> {
+    pub fn new(times_s: &[f64], axes: [Recorded; 2]) -> Result<Record, FrictionRefusal> {
         let count =
             axes.iter().flat_map(|axis| [axis.command.len(), axis.reading.len()]).fold(times_s.len(), usize::min);
         if count < FEWEST {
-            return Err(Refused::TooFewSamples { found: count, needed: FEWEST });
+            return Err(FrictionRefusal::TooFewSamples { found: count, needed: FEWEST });
         }
         let mut steps: Vec<f64> = times_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let middle = steps.len() / 2;
         let period_s = *steps.clone().select_nth_unstable_by(middle, f64::total_cmp).1;
         if !(1e-5..=2e-3).contains(&period_s) {
-            return Err(Refused::Period { found_s: period_s });
+            return Err(FrictionRefusal::Period { found_s: period_s });
         }
         // Stamps are often rounded: the mean over the record is more accurate.
         let mean = (times_s[count - 1] - times_s[0]) / (count - 1) as f64;
         if let Some(index) = steps.iter().position(|step| (step - period_s).abs() > JITTER * period_s) {
-            return Err(Refused::Uneven { index, found_s: steps.swap_remove(index), period_s });
+            return Err(FrictionRefusal::Uneven { index, found_s: steps.swap_remove(index), period_s });
         }
         Ok(Record { period_s: mean, axes, read_after_s: None })
     }
 
     /// Reversals of both axes, after all checks that need no fit.
-    pub(super) fn reversals(&self) -> Result<[Vec<Reversal>; 2], Refused> {
+    pub(super) fn reversals(&self) -> Result<[Vec<Reversal>; 2], FrictionRefusal> {
         let [first, second] = &self.axes;
         for axis in [first, second] {
             self.check_units(axis)?;
@@ -97,9 +97,9 @@ impl Record {
         Ok(found)
     }
 
-    fn check_units(&self, recorded: &Recorded) -> Result<(), Refused> {
+    fn check_units(&self, recorded: &Recorded) -> Result<(), FrictionRefusal> {
         let axis = recorded.axis;
-        let refuse = |found, needed| Err(Refused::Unit { axis, found, needed });
+        let refuse = |found, needed| Err(FrictionRefusal::Unit { axis, found, needed });
         let travel = |values: &[f64]| {
             let [low, high] = values.iter().fold([f64::MAX, f64::MIN], |[low, high], v| [low.min(*v), high.max(*v)]);
             high - low
@@ -202,19 +202,19 @@ impl Record {
     }
 }
 
-fn check_circles(axis: Axis, turns: &[Reversal]) -> Result<(), Refused> {
+fn check_circles(axis: Axis, turns: &[Reversal]) -> Result<(), FrictionRefusal> {
     if turns.len() < FEWEST_REVERSALS {
-        return Err(Refused::Reversals { axis, found: turns.len(), needed: FEWEST_REVERSALS });
+        return Err(FrictionRefusal::Reversals { axis, found: turns.len(), needed: FEWEST_REVERSALS });
     }
     let counterclockwise = turns.iter().filter(|turn| turn.counterclockwise).count();
     let clockwise = turns.len() - counterclockwise;
     if clockwise < 2 || counterclockwise < 2 {
-        return Err(Refused::OneDirection { axis, clockwise, counterclockwise });
+        return Err(FrictionRefusal::OneDirection { axis, clockwise, counterclockwise });
     }
     let sizes = turns.iter().map(|turn| turn.acceleration.abs());
     let [low, high] = sizes.fold([f64::MAX, 0.0], |[low, high]: [f64; 2], a| [low.min(a), high.max(a)]);
     if high < ONE_SIZE * low {
-        return Err(Refused::OneSize { axis, low_mm_per_s2: low, high_mm_per_s2: high });
+        return Err(FrictionRefusal::OneSize { axis, low_mm_per_s2: low, high_mm_per_s2: high });
     }
     Ok(())
 }

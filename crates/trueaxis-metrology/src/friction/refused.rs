@@ -7,7 +7,7 @@ use trueaxis::Axis;
 /// Why a record cannot be evaluated, with the values found.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
-pub enum Refused {
+pub enum FrictionRefusal {
     /// The record has fewer samples than a fit needs.
     TooFewSamples {
         /// Samples found.
@@ -127,36 +127,36 @@ pub enum Refused {
     },
 }
 
-impl fmt::Display for Refused {
+impl fmt::Display for FrictionRefusal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Refused::TooFewSamples { found, needed } => {
+            FrictionRefusal::TooFewSamples { found, needed } => {
                 write!(f, "samples: found {found}, needed at least {needed}: several circles at 500 Hz or more")
             }
-            Refused::Uneven { index, found_s, period_s } => write!(
+            FrictionRefusal::Uneven { index, found_s, period_s } => write!(
                 f,
                 "found {found_s:.6} s from sample {index} to sample {}, needed {period_s:.6} s as everywhere else: a \
                  record without gaps at an even rate",
                 index + 1
             ),
-            Refused::Period { found_s } => {
+            FrictionRefusal::Period { found_s } => {
                 write!(f, "found a period of {found_s} s, needed 0.00001 to 0.002 s: t_s in seconds, at 500 Hz or more")
             }
-            Refused::Unit { axis, found, needed } => {
+            FrictionRefusal::Unit { axis, found, needed } => {
                 write!(f, "axis {}: found {found}, needed {needed}", axis.letter())
             }
-            Refused::Reversals { axis, found, needed } => write!(
+            FrictionRefusal::Reversals { axis, found, needed } => write!(
                 f,
                 "axis {}, reversals in motion: found {found}, needed at least {needed}: whole circles",
                 axis.letter()
             ),
-            Refused::OneDirection { axis, clockwise, counterclockwise } => write!(
+            FrictionRefusal::OneDirection { axis, clockwise, counterclockwise } => write!(
                 f,
                 "axis {}: found {clockwise} reversals clockwise and {counterclockwise} counterclockwise, needed at \
                  least 2 of each: circles in both directions",
                 axis.letter()
             ),
-            Refused::OneSize { axis, low_mm_per_s2, high_mm_per_s2 } => write!(
+            FrictionRefusal::OneSize { axis, low_mm_per_s2, high_mm_per_s2 } => write!(
                 f,
                 "axis {}: found reversals at {low_mm_per_s2:.3} to {high_mm_per_s2:.3} mm/s², needed accelerations \
                  that differ by 1.5 or more: circles of two radii or at two feeds",
@@ -167,42 +167,44 @@ impl fmt::Display for Refused {
     }
 }
 
-impl Refused {
+impl FrictionRefusal {
     /// Formats the refusals that follow a fit.
     fn fmt_of_fit(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Refused::NoFriction { axis, found_mm_per_s, standard_error_mm_per_s } => write!(
+            FrictionRefusal::NoFriction { axis, found_mm_per_s, standard_error_mm_per_s } => write!(
                 f,
                 "axis {}: found friction of {found_mm_per_s:.5} mm/s with a standard error of \
                  {standard_error_mm_per_s:.5} mm/s, needed more than 3 standard errors: spikes at the reversals that \
                  exceed the noise of the readings",
                 axis.letter()
             ),
-            Refused::NotExcited { axis, figure, relative_error, needed } => write!(
+            FrictionRefusal::NotExcited { axis, figure, relative_error, needed } => write!(
                 f,
                 "axis {}: found {figure} with a standard error of {:.0} % of it, needed {needed}",
                 axis.letter(),
                 100.0 * relative_error
             ),
-            Refused::GainOrResetTime { axis, position_gain_per_s, reset_time_s, residual_um, exchanged_um } => write!(
-                f,
-                "axis {}: found position gain {position_gain_per_s:.1} 1/s and reset time {reset_time_s:.5} s no better \
+            FrictionRefusal::GainOrResetTime { axis, position_gain_per_s, reset_time_s, residual_um, exchanged_um } => {
+                write!(
+                    f,
+                    "axis {}: found position gain {position_gain_per_s:.1} 1/s and reset time {reset_time_s:.5} s no better \
                  ({residual_um:.4} µm left) than position gain {:.1} 1/s and reset time {:.5} s ({exchanged_um:.4} µm): \
                  friction excites both alike; needed a record that starts and stops, or the drive's figures \
                  ([axis.{}.drive] of --machine)",
-                axis.letter(),
-                1.0 / reset_time_s,
-                1.0 / position_gain_per_s,
-                axis.letter()
-            ),
-            Refused::RankShort { axis, rank, of, condition } => write!(
+                    axis.letter(),
+                    1.0 / reset_time_s,
+                    1.0 / position_gain_per_s,
+                    axis.letter()
+                )
+            }
+            FrictionRefusal::RankShort { axis, rank, of, condition } => write!(
                 f,
                 "axis {}: found {rank} of {of} parameters excited, condition number {condition:.2e}, needed all: circles \
                  of other radii or feeds, or the drive's figures ([axis.{}.drive] of --machine)",
                 axis.letter(),
                 axis.letter()
             ),
-            Refused::NotExplained { axis, share, needed } => write!(
+            FrictionRefusal::NotExplained { axis, share, needed } => write!(
                 f,
                 "axis {}: found a model that explains {:.0} % of the spikes at reversals, needed {:.0} %: other \
                  disturbances outweigh friction, or commands and readings do not belong together",
@@ -210,7 +212,7 @@ impl Refused {
                 100.0 * share,
                 100.0 * needed
             ),
-            Refused::NoConvergence { axis, steps } => write!(
+            FrictionRefusal::NoConvergence { axis, steps } => write!(
                 f,
                 "axis {}: found a fit that does not settle in {steps} steps, needed a record that the model of the drive fits \
                  and that starts and stops, or the drive's figures ([axis.{}.drive] of --machine)",
@@ -223,4 +225,4 @@ impl Refused {
     }
 }
 
-impl std::error::Error for Refused {}
+impl std::error::Error for FrictionRefusal {}

@@ -5,7 +5,7 @@ use super::parameters::{
     COULOMB, COUNT, FEED_FORWARD, FEED_LAG, OFFSET, POSITION_GAIN, PRESLIDING, Problem, READING_LAG, RESET_TIME, REST,
     STRIBECK_SHARE, STRIBECK_VELOCITY, VELOCITY_GAIN, VISCOUS, Values,
 };
-use super::refused::Refused;
+use super::refused::FrictionRefusal;
 use std::vec::Vec;
 use trueaxis::Axis;
 
@@ -27,8 +27,8 @@ pub(super) fn reduced(
     start: Values,
     (with_drive, rests): (bool, bool),
     on_step: &mut dyn FnMut(),
-) -> Result<(Fit, Vec<usize>), Refused> {
-    let unsettled = || Refused::NoConvergence { axis, steps: least_squares::STEPS };
+) -> Result<(Fit, Vec<usize>), FrictionRefusal> {
+    let unsettled = || FrictionRefusal::NoConvergence { axis, steps: least_squares::STEPS };
     let mut free = Vec::from([COULOMB, PRESLIDING, OFFSET]);
     if with_drive {
         free.extend([POSITION_GAIN, RESET_TIME, FEED_FORWARD, VELOCITY_GAIN]);
@@ -110,7 +110,7 @@ fn the_better_order(
     found: &Fit,
     free: &[usize],
     on_step: &mut dyn FnMut(),
-) -> Result<Values, Refused> {
+) -> Result<Values, FrictionRefusal> {
     let mut start = found.values;
     let [gain, reset] = [start.0[POSITION_GAIN], start.0[RESET_TIME]];
     start.0[POSITION_GAIN] = 1.0 / reset;
@@ -120,7 +120,7 @@ fn the_better_order(
     let [best, worse] = if found.rms <= other.rms { [found, &other] } else { [&other, found] };
     let apart = |parameter: usize| (best.values.0[parameter] / worse.values.0[parameter]).ln().abs();
     if apart(POSITION_GAIN).max(apart(RESET_TIME)) > 0.02 && worse.rms < EXCHANGED * best.rms {
-        return Err(Refused::GainOrResetTime {
+        return Err(FrictionRefusal::GainOrResetTime {
             axis,
             position_gain_per_s: best.values.0[POSITION_GAIN],
             reset_time_s: best.values.0[RESET_TIME],
@@ -132,14 +132,14 @@ fn the_better_order(
 }
 
 /// Refuses a fit that leaves figures for the feed-forward undetermined.
-pub(super) fn judge(axis: Axis, found: &Fit, free: &[usize], with_drive: bool) -> Result<(), Refused> {
+pub(super) fn judge(axis: Axis, found: &Fit, free: &[usize], with_drive: bool) -> Result<(), FrictionRefusal> {
     if found.rank < free.len() {
-        return Err(Refused::RankShort { axis, rank: found.rank, of: free.len(), condition: found.condition });
+        return Err(FrictionRefusal::RankShort { axis, rank: found.rank, of: free.len(), condition: found.condition });
     }
     let [value, error] = [found.values.0[COULOMB], found.errors[COULOMB]];
     let is_significant = value > SIGNIFICANT * error;
     if !is_significant {
-        return Err(Refused::NoFriction { axis, found_mm_per_s: value, standard_error_mm_per_s: error });
+        return Err(FrictionRefusal::NoFriction { axis, found_mm_per_s: value, standard_error_mm_per_s: error });
     }
     let circles = "circles of another radius or at another feed";
     let drive = "a record that starts and stops, or the drive's figures (--machine)";
@@ -156,7 +156,7 @@ pub(super) fn judge(axis: Axis, found: &Fit, free: &[usize], with_drive: bool) -
         let is_tight = share(&found.errors) <= LOOSE && share(&found.uncertainties) <= LOOSE_IN_TIME;
         if !is_tight {
             let relative_error = share(&found.uncertainties);
-            return Err(Refused::NotExcited { axis, figure, relative_error, needed });
+            return Err(FrictionRefusal::NotExcited { axis, figure, relative_error, needed });
         }
     }
     Ok(())

@@ -3,7 +3,7 @@
 #![deny(clippy::indexing_slicing)]
 
 use super::ball::{Ball, Observation, lever, rows};
-use super::refused::Refused;
+use super::refused::IdentificationRefusal;
 use nalgebra::{Matrix6, SMatrix, Vector6};
 use trueaxis::Axis;
 use trueaxis::machine::Twist;
@@ -55,12 +55,16 @@ impl AngleSolution {
 ///
 /// # Errors
 /// A linear axis, fewer than three set-ups, values that are not finite, and set-ups that cannot separate the six errors.
-pub fn solve_angle(axis: Axis, angle_rad: f64, observations: &[Observation]) -> Result<AngleSolution, Refused> {
+pub fn solve_angle(
+    axis: Axis,
+    angle_rad: f64,
+    observations: &[Observation],
+) -> Result<AngleSolution, IdentificationRefusal> {
     if !axis.is_rotary() {
-        return Err(Refused::NotRotary(axis));
+        return Err(IdentificationRefusal::NotRotary(axis));
     }
     if observations.len() < 3 {
-        return Err(Refused::TooFewSetUps { found: observations.len() });
+        return Err(IdentificationRefusal::TooFewSetUps { found: observations.len() });
     }
     let levers = || {
         let of = move |seen: &Observation| lever(axis, angle_rad, seen.ball).unwrap_or_default();
@@ -74,7 +78,7 @@ pub fn solve_angle(axis: Axis, angle_rad: f64, observations: &[Observation]) -> 
             }
         }
         if !squares.iter().chain(&deviation).all(|value| value.is_finite()) {
-            return Err(Refused::NotFinite { set_up });
+            return Err(IdentificationRefusal::NotFinite { set_up });
         }
     }
     // A zero column (balls on the axis itself) is not scaled: the rank reveals it.
@@ -94,7 +98,8 @@ pub fn solve_angle(axis: Axis, angle_rad: f64, observations: &[Observation]) -> 
     let factor: Matrix6<f64> = triangle.fixed_view::<6, 6>(0, 0).into_owned();
     let right: Vector6<f64> = triangle.fixed_view::<6, 1>(0, 6).into_owned();
     let left_over: f64 = triangle.fixed_view::<1, 1>(6, 6).x;
-    let singular = factor.try_svd(false, false, f64::EPSILON, SWEEPS).ok_or(Refused::NoConvergence)?.singular_values;
+    let singular =
+        factor.try_svd(false, false, f64::EPSILON, SWEEPS).ok_or(IdentificationRefusal::NoConvergence)?.singular_values;
     let (largest, smallest) = (singular.max(), singular.min());
     let rank = singular.iter().filter(|&&value| value * CONDITION_LIMIT >= largest).count() as u8;
     let condition = if smallest > f64::EPSILON * largest { largest / smallest } else { f64::INFINITY };
@@ -102,7 +107,7 @@ pub fn solve_angle(axis: Axis, angle_rad: f64, observations: &[Observation]) -> 
         (rank == 6, factor.solve_upper_triangular(&right), factor.solve_upper_triangular(&Matrix6::identity()))
     else {
         let (along_mm, off_mm) = extent(observations.iter().map(|seen| seen.ball));
-        return Err(Refused::Collinear { along_mm, off_mm, rank, condition });
+        return Err(IdentificationRefusal::Collinear { along_mm, off_mm, rank, condition });
     };
     let mut errors = [0.0; 6];
     let mut standard_error_factors = [0.0; 6];

@@ -3,7 +3,7 @@
 use super::angle::solve_angle;
 use super::ball::{BallTest, Observation};
 use super::free_offsets::with_free_offsets;
-use super::refused::Refused;
+use super::refused::IdentificationRefusal;
 use std::vec::Vec;
 use trueaxis::Axis;
 use trueaxis::machine::Twist;
@@ -82,16 +82,20 @@ pub struct Identified {
 /// # Errors
 /// All refusals of [`solve_angle`], an angle without a reading for every set-up, and free offsets that the angles cannot
 /// separate from errors.
-pub fn identify(test: &BallTest, offsets: Offsets) -> Result<Identified, Refused> {
+pub fn identify(test: &BallTest, offsets: Offsets) -> Result<Identified, IdentificationRefusal> {
     if test.angles.is_empty() {
-        return Err(Refused::NoAngles);
+        return Err(IdentificationRefusal::NoAngles);
     }
     let mut angles = Vec::with_capacity(test.angles.len());
     let mut factors = Vec::with_capacity(test.angles.len());
     let (mut squares, mut degrees_of_freedom) = (0.0, 0);
     for (angle, readings) in test.angles.iter().enumerate() {
         if readings.deviations_mm.len() != test.balls.len() {
-            return Err(Refused::Readings { angle, found: readings.deviations_mm.len(), needed: test.balls.len() });
+            return Err(IdentificationRefusal::Readings {
+                angle,
+                found: readings.deviations_mm.len(),
+                needed: test.balls.len(),
+            });
         }
         let pairs = test.balls.iter().zip(&readings.deviations_mm);
         let seen: Vec<Observation> = pairs.map(|(&ball, &deviation_mm)| Observation { ball, deviation_mm }).collect();

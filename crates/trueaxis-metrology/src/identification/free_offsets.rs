@@ -11,7 +11,7 @@
 
 use super::angle::{CONDITION_LIMIT, SWEEPS};
 use super::ball::{AngleReadings, BallTest, lever, rows};
-use super::refused::Refused;
+use super::refused::IdentificationRefusal;
 use nalgebra::{DMatrix, DVector, QR};
 use std::{vec, vec::Vec};
 use trueaxis::Axis;
@@ -48,7 +48,7 @@ struct Eliminated {
 }
 
 /// Solves all angles with one free offset per set-up; the readings have been checked and each angle has full rank.
-pub(super) fn with_free_offsets(test: &BallTest) -> Result<Free, Refused> {
+pub(super) fn with_free_offsets(test: &BallTest) -> Result<Free, IdentificationRefusal> {
     let size = 3 * test.balls.len();
     let needed = if test.axis == Axis::C { 3 } else { 5 };
     let mut eliminated = Vec::with_capacity(test.angles.len());
@@ -65,14 +65,14 @@ pub(super) fn with_free_offsets(test: &BallTest) -> Result<Free, Refused> {
     let right = triangle.view((0, size), (size, 1)).into_owned();
     let left_over = triangle[(size, size)];
     let matrix = triangle.view((0, 0), (size, size)).into_owned();
-    let svd = matrix.clone().try_svd(true, true, f64::EPSILON, SWEEPS).ok_or(Refused::NoConvergence)?;
-    let (Some(u), Some(v_t)) = (svd.u, svd.v_t) else { return Err(Refused::NoConvergence) };
+    let svd = matrix.clone().try_svd(true, true, f64::EPSILON, SWEEPS).ok_or(IdentificationRefusal::NoConvergence)?;
+    let (Some(u), Some(v_t)) = (svd.u, svd.v_t) else { return Err(IdentificationRefusal::NoConvergence) };
     let floor = svd.singular_values.max() / CONDITION_LIMIT;
     let unseen: Vec<usize> = (0..size).filter(|&i| svd.singular_values[i] <= floor).collect();
     let readings = size * test.angles.len();
     let unknowns = (6 * test.angles.len() + size).saturating_sub(needed);
     if unseen.len() != needed || readings <= unknowns {
-        return Err(Refused::Offsets { found: unseen.len(), needed });
+        return Err(IdentificationRefusal::Offsets { found: unseen.len(), needed });
     }
     let inverse_singular = svd.singular_values.map(|value| if value > floor { 1.0 / value } else { 0.0 });
     let root = v_t.tr_mul(&DMatrix::from_diagonal(&inverse_singular));
@@ -97,7 +97,7 @@ pub(super) fn with_free_offsets(test: &BallTest) -> Result<Free, Refused> {
         own += &angle.gauge * &angle.scatter * angle.gauge.transpose();
     }
     slope -= &through * &null;
-    let turn = slope.full_piv_lu().try_inverse().ok_or(Refused::Offsets { found: needed + 1, needed })?;
+    let turn = slope.full_piv_lu().try_inverse().ok_or(IdentificationRefusal::Offsets { found: needed + 1, needed })?;
     let offsets = offsets.column(0) - &null * (&turn * value);
     let spread = own + &through * &scatter * through.transpose();
 
@@ -133,12 +133,16 @@ pub(super) fn with_free_offsets(test: &BallTest) -> Result<Free, Refused> {
 }
 
 /// Eliminates the six errors of an angle from its equations: returns their part, and the rows that remain for the offsets.
-fn eliminate(test: &BallTest, readings: &AngleReadings, needed: usize) -> Result<(Eliminated, DMatrix<f64>), Refused> {
+fn eliminate(
+    test: &BallTest,
+    readings: &AngleReadings,
+    needed: usize,
+) -> Result<(Eliminated, DMatrix<f64>), IdentificationRefusal> {
     let size = 3 * test.balls.len();
     let mut design = DMatrix::<f64>::zeros(size, 6);
     let mut right = DMatrix::<f64>::identity(size, size + 1);
     for (s, (&ball, deviation)) in test.balls.iter().zip(&readings.deviations_mm).enumerate() {
-        let arm = lever(test.axis, readings.angle_rad, ball).ok_or(Refused::NotRotary(test.axis))?;
+        let arm = lever(test.axis, readings.angle_rad, ball).ok_or(IdentificationRefusal::NotRotary(test.axis))?;
         for (i, (row, value)) in rows(arm).into_iter().zip(deviation).enumerate() {
             right[(3 * s + i, size)] = *value;
             for (j, coefficient) in row.into_iter().enumerate() {
@@ -152,8 +156,10 @@ fn eliminate(test: &BallTest, readings: &AngleReadings, needed: usize) -> Result
     }
     let factors = QR::new(design);
     factors.q_tr_mul(&mut right);
-    let mut inverse =
-        factors.r().solve_upper_triangular(&DMatrix::identity(6, 6)).ok_or(Refused::Offsets { found: size, needed })?;
+    let mut inverse = factors
+        .r()
+        .solve_upper_triangular(&DMatrix::identity(6, 6))
+        .ok_or(IdentificationRefusal::Offsets { found: size, needed })?;
     for (mut row, length) in inverse.row_iter_mut().zip(&lengths) {
         row /= *length;
     }

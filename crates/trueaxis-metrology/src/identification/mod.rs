@@ -41,7 +41,7 @@
 //! });
 //! let found = solve_angle(Axis::C, angle, &seen)?;
 //! assert!((found.errors[3] - 20e-6).abs() < 1e-12 && found.errors[0].abs() < 1e-9);
-//! # Ok::<(), trueaxis_metrology::identification::Refused>(())
+//! # Ok::<(), trueaxis_metrology::identification::IdentificationRefusal>(())
 //! ```
 //!
 //! Source: CN105479268A (rows, three set-ups an angle); Golub and Van Loan, Matrix Computations, 4th ed., sections 5.2 and
@@ -61,7 +61,7 @@ pub use ball::{AngleReadings, BallTest};
 pub use ball::{Ball, Observation, lever};
 #[cfg(feature = "std")]
 pub use ball_test::{Identified, IdentifiedAngle, Location, Offsets, identify};
-pub use refused::Refused;
+pub use refused::IdentificationRefusal;
 
 #[cfg(test)]
 mod tests;

@@ -6,7 +6,7 @@ use trueaxis::Axis;
 /// Why measurements cannot be solved, with the values found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
-pub enum Refused {
+pub enum IdentificationRefusal {
     /// The axis is not rotary.
     NotRotary(Axis),
     /// A value is infinite or not a number.
@@ -53,15 +53,17 @@ pub enum Refused {
     NoConvergence,
 }
 
-impl fmt::Display for Refused {
+impl fmt::Display for IdentificationRefusal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
-            Refused::NotRotary(axis) => write!(f, "found axis {}, needed A, B or C", axis.letter()),
-            Refused::NotFinite { set_up } => {
+            IdentificationRefusal::NotRotary(axis) => write!(f, "found axis {}, needed A, B or C", axis.letter()),
+            IdentificationRefusal::NotFinite { set_up } => {
                 write!(f, "set-up {}: found a value that is not finite, needed finite numbers", set_up + 1)
             }
-            Refused::TooFewSetUps { found } => write!(f, "set-ups (L, H): found {found}, needed at least 3"),
-            Refused::Collinear { along_mm, off_mm, rank, condition } => {
+            IdentificationRefusal::TooFewSetUps { found } => {
+                write!(f, "set-ups (L, H): found {found}, needed at least 3")
+            }
+            IdentificationRefusal::Collinear { along_mm, off_mm, rank, condition } => {
                 write!(
                     f,
                     "found collinear set-ups: points (L, H) over {along_mm:.4} mm at most {off_mm:.4} mm off one line, \
@@ -74,18 +76,20 @@ impl fmt::Display for Refused {
                 }
                 f.write_str("; needed points that are not on one line: turning about it moves no ball")
             }
-            Refused::Readings { angle, found, needed } => {
+            IdentificationRefusal::Readings { angle, found, needed } => {
                 write!(f, "readings at angle {}: found {found}, needed one for each of {needed} set-ups", angle + 1)
             }
-            Refused::NoAngles => f.write_str("found no angles, needed at least one"),
-            Refused::Offsets { found, needed } => write!(
+            IdentificationRefusal::NoAngles => f.write_str("found no angles, needed at least one"),
+            IdentificationRefusal::Offsets { found, needed } => write!(
                 f,
                 "found {found} combinations of errors and free offsets that no reading sees, needed {needed}: more \
                  angles, over more of the circle"
             ),
-            Refused::NoConvergence => f.write_str("found singular values that do not converge, needed other readings"),
+            IdentificationRefusal::NoConvergence => {
+                f.write_str("found singular values that do not converge, needed other readings")
+            }
         }
     }
 }
 
-impl core::error::Error for Refused {}
+impl core::error::Error for IdentificationRefusal {}

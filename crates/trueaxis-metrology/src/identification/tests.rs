@@ -223,7 +223,7 @@ fn collinear_set_ups_are_refused_with_their_figures() {
         |points: &[(f64, f64)], offsets| identify(&test_of(Axis::C, points, &angles, 1.0), offsets).unwrap_err();
     for points in [[(200.0, 0.0), (250.0, 50.0), (300.0, 100.0)], [(200.0, 50.0), (300.0, 50.0), (200.0, 50.0)]] {
         for offsets in [Offsets::Known, Offsets::Free] {
-            let Refused::Collinear { along_mm, off_mm, rank, .. } = refused(&points, offsets) else {
+            let IdentificationRefusal::Collinear { along_mm, off_mm, rank, .. } = refused(&points, offsets) else {
                 panic!("{points:?}");
             };
             let reach = (points[1].0 - points[0].0)
@@ -245,17 +245,26 @@ fn missing_and_non_finite_readings_are_refused() {
     let test = test_of(Axis::C, &BALLS_C, &angles, 1.0);
     let mut missing = test.clone();
     missing.angles[4].deviations_mm.pop();
-    assert_eq!(identify(&missing, Offsets::Known), Err(Refused::Readings { angle: 4, found: 2, needed: 3 }));
+    assert_eq!(
+        identify(&missing, Offsets::Known),
+        Err(IdentificationRefusal::Readings { angle: 4, found: 2, needed: 3 })
+    );
     let mut broken = test.clone();
     broken.angles[2].deviations_mm[1][0] = f64::NAN;
-    assert_eq!(identify(&broken, Offsets::Free), Err(Refused::NotFinite { set_up: 1 }));
+    assert_eq!(identify(&broken, Offsets::Free), Err(IdentificationRefusal::NotFinite { set_up: 1 }));
     let few = test_of(Axis::C, &BALLS_C[..2], &angles, 1.0);
-    assert_eq!(identify(&few, Offsets::Known), Err(Refused::TooFewSetUps { found: 2 }));
-    assert_eq!(identify(&BallTest { axis: Axis::X, ..test.clone() }, Offsets::Known), Err(Refused::NotRotary(Axis::X)));
-    assert_eq!(identify(&BallTest { angles: Vec::new(), ..test }, Offsets::Known), Err(Refused::NoAngles));
+    assert_eq!(identify(&few, Offsets::Known), Err(IdentificationRefusal::TooFewSetUps { found: 2 }));
+    assert_eq!(
+        identify(&BallTest { axis: Axis::X, ..test.clone() }, Offsets::Known),
+        Err(IdentificationRefusal::NotRotary(Axis::X))
+    );
+    assert_eq!(
+        identify(&BallTest { angles: Vec::new(), ..test }, Offsets::Known),
+        Err(IdentificationRefusal::NoAngles)
+    );
     // One angle cannot separate errors from offsets.
     let short = test_of(Axis::A, &BALLS_A, &[0.0, 1e-6, 2e-6], 1.0);
-    assert!(matches!(identify(&short, Offsets::Free), Err(Refused::Offsets { needed: 5, .. })));
+    assert!(matches!(identify(&short, Offsets::Free), Err(IdentificationRefusal::Offsets { needed: 5, .. })));
 }
 
 #[test]

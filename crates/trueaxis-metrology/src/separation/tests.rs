@@ -3,6 +3,7 @@
 use super::*;
 use core::f64::consts::TAU;
 use trueaxis::roundness::{Arm, ProbeAngles};
+use trueaxis_testing::machine::ARM;
 use trueaxis_testing::noise::Noise;
 
 const BAND: Band = Band { first: 2, last: 100 };
@@ -139,7 +140,7 @@ fn the_arm_matters() {
 /// A part larger than the master on which the probes were zeroed.
 #[test]
 fn the_size_of_the_part_is_no_motion() {
-    let ratio = Arm { crank_mm: 45.0, wheel_mm: 300.0, pin_mm: 27.5 }.ratio().unwrap();
+    let ratio = ARM.ratio().unwrap();
     let gain = slots(188, 667).resolve(1024).unwrap();
     let truth = Truth::new(1024, 5);
     let readings = truth.readings([gain.phi2(), gain.phi3()], |theta| solved_arm(ratio, theta));

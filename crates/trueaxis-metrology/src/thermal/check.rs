@@ -24,7 +24,7 @@ const STUCK_LEAP_STEPS: f64 = 5.0;
 /// Why a record is refused.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
-pub enum Refused {
+pub enum ThermalRefusal {
     /// Too few cycles.
     Cycles {
         /// Number of cycles in the record.
@@ -129,7 +129,7 @@ pub enum Refused {
     Encoding(super::NotEncoded),
 }
 
-impl Refused {
+impl ThermalRefusal {
     /// Returns the row concerned.
     pub fn row(&self) -> Option<usize> {
         match self {
@@ -153,7 +153,7 @@ impl Refused {
     }
 }
 
-impl fmt::Display for Refused {
+impl fmt::Display for ThermalRefusal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Cycles { found } => write!(
@@ -210,25 +210,25 @@ impl fmt::Display for Refused {
     }
 }
 
-impl core::error::Error for Refused {}
+impl core::error::Error for ThermalRefusal {}
 
-pub(super) fn check(record: &Record, rate_k_per_min: f64) -> Result<(), Refused> {
+pub(super) fn check(record: &Record, rate_k_per_min: f64) -> Result<(), ThermalRefusal> {
     let sensors = record.sensors.len();
     if !(1..=SENSORS).contains(&sensors) {
-        return Err(Refused::Sensors { found: sensors });
+        return Err(ThermalRefusal::Sensors { found: sensors });
     }
     if record.axes.is_empty() {
-        return Err(Refused::NoAxis);
+        return Err(ThermalRefusal::NoAxis);
     }
     rows(record)?;
     let cycles = record.cycles();
     if cycles.len() < LEAST_CYCLES {
-        return Err(Refused::Cycles { found: cycles.len() });
+        return Err(ThermalRefusal::Cycles { found: cycles.len() });
     }
     for cycle in cycles {
         let found = record.samples.iter().filter(|sample| sample.cycle == cycle).count();
         if found < LEAST_ROWS {
-            return Err(Refused::Rows { cycle, found });
+            return Err(ThermalRefusal::Rows { cycle, found });
         }
     }
     for sensor in 0..sensors {
@@ -239,12 +239,12 @@ pub(super) fn check(record: &Record, rate_k_per_min: f64) -> Result<(), Refused>
     let found_k = ranges.map(|[low, high]| high - low).fold(0.0, f64::max);
     let [slow, fast] = span(record.samples.iter().map(|sample| sample.spindle_rpm.abs()));
     if found_k < LEAST_RANGE_K && slow == fast {
-        return Err(Refused::NoExcitation { found_k });
+        return Err(ThermalRefusal::NoExcitation { found_k });
     }
     collinear(record)
 }
 
-fn rows(record: &Record) -> Result<(), Refused> {
+fn rows(record: &Record) -> Result<(), ThermalRefusal> {
     let (sensors, axes) = (record.sensors.len(), record.axes.len());
     let mut known: Vec<u32> = Vec::new();
     for (index, sample) in record.samples.iter().enumerate() {
@@ -253,21 +253,21 @@ fn rows(record: &Record) -> Result<(), Refused> {
         let before = index.checked_sub(1).map(|before| &record.samples[before]);
         let step = before.map_or(1.0, |before| sample.t_s - before.t_s);
         if !sound || step < 0.0 || sample.temperatures_c.len() != sensors || sample.error_mm.len() != axes {
-            return Err(Refused::Row { index });
+            return Err(ThermalRefusal::Row { index });
         }
         let moment = |row: &usize| record.samples[*row].t_s == sample.t_s;
         let point = |own: &super::Sample| (own.position_mm, own.tool_mm);
         if let Some(first) =
             (0..index).rev().take_while(moment).find(|row| point(&record.samples[*row]) == point(sample))
         {
-            return Err(Refused::Twice { index, first });
+            return Err(ThermalRefusal::Twice { index, first });
         }
         if step > LONGEST_GAP_S && step < REST_S {
-            return Err(Refused::Gap { index, found_s: step });
+            return Err(ThermalRefusal::Gap { index, found_s: step });
         }
         if before.is_none_or(|before| before.cycle != sample.cycle) {
             if known.contains(&sample.cycle) {
-                return Err(Refused::Mixed { index, cycle: sample.cycle });
+                return Err(ThermalRefusal::Mixed { index, cycle: sample.cycle });
             }
             known.push(sample.cycle);
         }
@@ -275,13 +275,13 @@ fn rows(record: &Record) -> Result<(), Refused> {
     Ok(())
 }
 
-fn jumps(record: &Record, sensor: usize, rate_k_per_min: f64) -> Result<(), Refused> {
+fn jumps(record: &Record, sensor: usize, rate_k_per_min: f64) -> Result<(), ThermalRefusal> {
     let mut before: Option<[f64; 2]> = None;
     for (index, (sample, reading)) in record.samples.iter().zip(record.readings(sensor)).enumerate() {
         if let Some([t_s, last]) = before.filter(|_| !record.begins(index)) {
             let (found_k, most_k) = ((reading - last).abs(), JUMP_K + rate_k_per_min / 60.0 * (sample.t_s - t_s));
             if found_k > most_k {
-                return Err(Refused::Jump { sensor: record.sensors[sensor].clone(), index, found_k, most_k });
+                return Err(ThermalRefusal::Jump { sensor: record.sensors[sensor].clone(), index, found_k, most_k });
             }
         }
         before = Some([sample.t_s, reading]);
@@ -297,7 +297,7 @@ fn others(record: &Record, sensor: usize, row: usize) -> f64 {
     if count > 0.0 { sum / count } else { 1e-3 * sample.spindle_rpm.abs() }
 }
 
-fn stuck(record: &Record, sensor: usize) -> Result<(), Refused> {
+fn stuck(record: &Record, sensor: usize) -> Result<(), ThermalRefusal> {
     // Runs continue over a rest: no machine returns to exactly the same reading.
     let runs = runs(record, sensor, true);
     let seconds = |run: &[usize; 2]| record.samples[run[1] - 1].t_s - record.samples[run[0]].t_s;
@@ -327,7 +327,12 @@ fn stuck(record: &Record, sensor: usize) -> Result<(), Refused> {
         let leaps = !ends(run[1]) && (reading(run[1]) - reading(run[0])).abs() >= STUCK_LEAP_STEPS * resolution_k;
         let all_along = ends(run[0]) && ends(run[1]);
         if found_s >= STUCK_TIMES * usual || fine && (leaps || all_along) {
-            return Err(Refused::Stuck { sensor: record.sensors[sensor].clone(), index: run[0], found_s, elsewhere_k });
+            return Err(ThermalRefusal::Stuck {
+                sensor: record.sensors[sensor].clone(),
+                index: run[0],
+                found_s,
+                elsewhere_k,
+            });
         }
     }
     Ok(())
@@ -352,7 +357,7 @@ pub(super) fn longest_run_s(record: &Record, sensor: usize) -> f64 {
     runs(record, sensor, false).into_iter().map(seconds).fold(0.0, f64::max)
 }
 
-fn collinear(record: &Record) -> Result<(), Refused> {
+fn collinear(record: &Record) -> Result<(), ThermalRefusal> {
     let centred: Vec<Vec<f64>> = (0..record.sensors.len())
         .map(|sensor| {
             let mean = record.readings(sensor).sum::<f64>() / record.samples.len() as f64;
@@ -368,7 +373,7 @@ fn collinear(record: &Record) -> Result<(), Refused> {
             let moves = |sensor| span(record.readings(sensor)).into_iter().rev().reduce(|high, low| high - low);
             if found.abs() > COLLINEAR && moves(one) >= Some(LEAST_RANGE_K) && moves(other) >= Some(LEAST_RANGE_K) {
                 let sensors = [other, one].map(|sensor| record.sensors[sensor].clone());
-                return Err(Refused::Collinear { sensors, found });
+                return Err(ThermalRefusal::Collinear { sensors, found });
             }
         }
     }

@@ -6,7 +6,7 @@ use super::linear::{Solved, solve};
 use super::missing::{Missing, missing};
 use super::model::{AxisCurves, Model, SensorCurve, Spindle};
 use super::search::{DIFFERENCE, Parts, Search};
-use super::{Record, Refused, Settings, span};
+use super::{Record, Settings, ThermalRefusal, span};
 use nalgebra::{DMatrix, DVector};
 use std::string::{String, ToString};
 use std::vec;
@@ -88,8 +88,8 @@ pub struct Fit {
 /// Cost: some seconds for a thousand rows and ten sensors.
 ///
 /// # Errors
-/// [`Refused`].
-pub fn fit(record: &Record, settings: &Settings, on_cause: &mut dyn FnMut(&str)) -> Result<Fit, Refused> {
+/// [`ThermalRefusal`].
+pub fn fit(record: &Record, settings: &Settings, on_cause: &mut dyn FnMut(&str)) -> Result<Fit, ThermalRefusal> {
     check(record, settings.rate_k_per_min)?;
     let held_out = held_out(record, settings)?;
     let rows: Vec<usize> =
@@ -102,7 +102,7 @@ pub fn fit(record: &Record, settings: &Settings, on_cause: &mut dyn FnMut(&str))
     };
     let (mut causes, left) = search.causes(&mut |cause| on_cause(&name(cause)));
     if causes.is_empty() {
-        return Err(Refused::NothingFound);
+        return Err(ThermalRefusal::NothingFound);
     }
     // Sensors in the order of the record, the spindle last.
     causes.sort_by_key(|chosen| match chosen.cause {
@@ -115,7 +115,7 @@ pub fn fit(record: &Record, settings: &Settings, on_cause: &mut dyn FnMut(&str))
     let sensors: Vec<usize> = causes.iter().filter_map(|chosen| sensor(chosen.cause)).collect();
     let linear =
         (0..record.axes.len()).map(|axis| Linear::of(&problem, &rows, axis, &causes, &search.parts(axis, &causes)));
-    let linear = linear.collect::<Result<Vec<Linear>, Refused>>()?;
+    let linear = linear.collect::<Result<Vec<Linear>, ThermalRefusal>>()?;
     let lags = lags(&linear, causes.len());
     let axes: Vec<OfAxis> =
         (0..record.axes.len()).map(|axis| of_axis(&problem, axis, &causes, &linear[axis], &lags)).collect();
@@ -131,7 +131,7 @@ pub fn fit(record: &Record, settings: &Settings, on_cause: &mut dyn FnMut(&str))
         spindle: spindle.map(|chosen| Spindle { lag_s: chosen.lag_s, knots_rpm: problem.speeds_rpm.clone() }),
         axes: axes.iter().map(curves).collect(),
     };
-    model.encode(0).map_err(Refused::Encoding)?;
+    model.encode(0).map_err(ThermalRefusal::Encoding)?;
     let fitted: Vec<u32> = record.cycles().into_iter().filter(|cycle| !held_out.contains(cycle)).collect();
     let knots = problem.speeds_rpm.iter().zip(&problem.lone).filter(|_| model.spindle.is_some());
     let unconfirmed = knots.filter_map(|(rpm, lone)| Some((*rpm, *fitted.get((*lone)?)?))).collect();
@@ -142,7 +142,7 @@ pub fn fit(record: &Record, settings: &Settings, on_cause: &mut dyn FnMut(&str))
     Ok(fit)
 }
 
-fn held_out(record: &Record, settings: &Settings) -> Result<Vec<u32>, Refused> {
+fn held_out(record: &Record, settings: &Settings) -> Result<Vec<u32>, ThermalRefusal> {
     let cycles = record.cycles();
     let named = if settings.held_out.is_empty() {
         cycles.last().copied().into_iter().collect()
@@ -151,7 +151,7 @@ fn held_out(record: &Record, settings: &Settings) -> Result<Vec<u32>, Refused> {
     };
     for &cycle in &named {
         if !cycles.contains(&cycle) || cycles.len() < named.len() + 2 {
-            return Err(Refused::HeldOut { cycle });
+            return Err(ThermalRefusal::HeldOut { cycle });
         }
     }
     Ok(named)
@@ -209,7 +209,7 @@ impl Linear {
         axis: usize,
         causes: &[Chosen],
         parts: &[Parts],
-    ) -> Result<Linear, Refused> {
+    ) -> Result<Linear, ThermalRefusal> {
         let record = problem.record;
         let name = record.axes[axis];
         let lever = |part: usize, cause, row| if part == 0 { 1.0 } else { problem.lever(name, cause, row) };
@@ -232,8 +232,8 @@ impl Linear {
         let count = causes.len();
         let solved = match solve(&columns, &right, lost, step) {
             Some(solved) if solved.condition <= CONDITION_LIMIT => solved,
-            Some(solved) => return Err(Refused::Condition { found: solved.condition }),
-            None if !columns.is_empty() => return Err(Refused::Condition { found: f64::INFINITY }),
+            Some(solved) => return Err(ThermalRefusal::Condition { found: solved.condition }),
+            None if !columns.is_empty() => return Err(ThermalRefusal::Condition { found: f64::INFINITY }),
             // No cause predicts this axis.
             None => {
                 let rms_mm = (right.iter().map(|x| x * x).sum::<f64>() / right.len().max(1) as f64).sqrt();
@@ -361,13 +361,13 @@ fn left_out(record: &Record, problem: &Problem<'_>, causes: &[Chosen]) -> Vec<Le
 
 /// Refuses a fit that cannot follow the temperature across missing rows: the gap is longer than a lag, but the usual interval
 /// of the rows is not. After such a gap, at least 1 − 1/e of the lagged temperature comes from unrecorded readings.
-fn followed(fit: &Fit) -> Result<(), Refused> {
+fn followed(fit: &Fit) -> Result<(), ThermalRefusal> {
     let sensors = fit.model.sensors.iter().map(|sensor| (sensor.name.as_str(), sensor.lag_s));
     let lags: Vec<(&str, f64)> = sensors.chain(fit.model.spindle.iter().map(|of| ("spindle", of.lag_s))).collect();
     for own in &fit.missing {
         let lost = lags.iter().filter(|(_, lag_s)| (own.interval_s..own.unknown_s).contains(lag_s));
         if let Some((name, lag_s)) = lost.min_by(|one, other| one.1.total_cmp(&other.1)) {
-            return Err(Refused::Missing { missing: *own, of: name.to_string(), lag_s: *lag_s });
+            return Err(ThermalRefusal::Missing { missing: *own, of: name.to_string(), lag_s: *lag_s });
         }
     }
     Ok(())

@@ -22,7 +22,7 @@ mod missing;
 mod model;
 mod search;
 
-pub use check::{RATE_K_PER_MIN, Refused};
+pub use check::{RATE_K_PER_MIN, ThermalRefusal};
 pub use fit::{Coefficient, Fit, LeftOut, OfAxis, fit};
 pub use held_out::{HeldOut, Series, held_out};
 pub use missing::Missing;

@@ -78,7 +78,7 @@ pub struct Basis {
 /// Result of the fit, mm and rad.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
-pub struct Found {
+pub struct VolumetricFit {
     /// Errors by axis, component and node.
     pub errors: [[Vec<f64>; 6]; 3],
     /// Standard errors of `errors`.
@@ -110,7 +110,7 @@ pub struct Found {
 /// Why points do not determine the errors.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
-pub enum Refused {
+pub enum VolumetricRefusal {
     /// There are more unknowns than coordinates.
     TooFew {
         /// Number of coordinates, three per point.
@@ -129,13 +129,13 @@ pub enum Refused {
     },
 }
 
-impl fmt::Display for Refused {
+impl fmt::Display for VolumetricRefusal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Refused::TooFew { found, needed } => {
+            VolumetricRefusal::TooFew { found, needed } => {
                 write!(f, "found {found} coordinates for {needed} unknowns, needed more points or fewer nodes")
             }
-            Refused::Indistinct { names, rank, unknowns } => write!(
+            VolumetricRefusal::Indistinct { names, rank, unknowns } => write!(
                 f,
                 "found points that cannot separate {} (rank {rank} of {unknowns}), needed points all over the volume, not on lines \
                  or planes only, or these errors left out",
@@ -145,4 +145,4 @@ impl fmt::Display for Refused {
     }
 }
 
-impl core::error::Error for Refused {}
+impl core::error::Error for VolumetricRefusal {}

@@ -1,7 +1,7 @@
 //! The fit.
 
 use super::design::Design;
-use super::{Basis, Found, Observation, Refused, SMOOTHING};
+use super::{Basis, Observation, SMOOTHING, VolumetricFit, VolumetricRefusal};
 use crate::linear_fit::LinearFit;
 use std::vec;
 use std::vec::Vec;
@@ -12,14 +12,14 @@ use std::vec::Vec;
 /// singular value decomposition of n × n.
 ///
 /// # Errors
-/// [`Refused`].
-pub fn fit(observations: &[Observation], basis: &Basis) -> Result<Found, Refused> {
+/// [`VolumetricRefusal`].
+pub fn fit(observations: &[Observation], basis: &Basis) -> Result<VolumetricFit, VolumetricRefusal> {
     let design = Design::new(basis);
     let conventions = design.conventions();
     let needed = design.unknowns - conventions.len();
     let coordinates = 3 * observations.len();
     if coordinates <= needed {
-        return Err(Refused::TooFew { found: coordinates, needed });
+        return Err(VolumetricRefusal::TooFew { found: coordinates, needed });
     }
     let mut fit = LinearFit::new(design.unknowns);
     let mut weights = 0.0;
@@ -45,7 +45,7 @@ pub fn fit(observations: &[Observation], basis: &Basis) -> Result<Found, Refused
     if !solution.unseen.is_empty() {
         let mut names: Vec<_> = solution.unseen.iter().map(|&unknown| design.name(unknown)).collect();
         names.dedup();
-        return Err(Refused::Indistinct { names, rank: solution.rank, unknowns: design.unknowns });
+        return Err(VolumetricRefusal::Indistinct { names, rank: solution.rank, unknowns: design.unknowns });
     }
     let values = &solution.values;
     let mut squares = 0.0;
@@ -73,7 +73,7 @@ pub fn fit(observations: &[Observation], basis: &Basis) -> Result<Found, Refused
         })
     };
     let factors = &solution.error_factors;
-    Ok(Found {
+    Ok(VolumetricFit {
         errors: of(values, 1.0),
         standard_errors: of(factors, sigma),
         squareness: std::array::from_fn(|k| values[design.squareness + k]),

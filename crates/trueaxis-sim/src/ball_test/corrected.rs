@@ -1,6 +1,6 @@
 //! The identified machine as loaded by a controller, and the true tip error with its correction.
 
-use super::cycle::{Cycle, with_ball};
+use super::cycle::{AxisCycle, with_ball};
 use crate::error::Result;
 use trueaxis::Axis;
 use trueaxis::compensation::Query;
@@ -58,7 +58,12 @@ pub(super) fn identified(machine: &Machine, tables: &[(Axis, Table)]) -> Machine
 }
 
 /// True tip error of one set-up at the judged angles, mm: without and with the correction by the tables of `known`.
-pub(super) fn tip_errors(cycle: &Cycle, plant: &Machine, known: &Machine, ball: Ball) -> Result<Vec<[[f64; 3]; 2]>> {
+pub(super) fn tip_errors(
+    cycle: &AxisCycle,
+    plant: &Machine,
+    known: &Machine,
+    ball: Ball,
+) -> Result<Vec<[[f64; 3]; 2]>> {
     let geometry = Geometry::new(&with_ball(plant, ball), 0.0)?;
     let bytes = compile(&with_ball(known, ball))?;
     let tcomp = Tcomp::parse(&bytes)?;

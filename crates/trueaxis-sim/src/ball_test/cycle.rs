@@ -17,7 +17,7 @@ pub const SET_UPS_C: [(f64, f64); 3] = [(250.0, 60.0), (250.0, 160.0), (350.0, 6
 pub const SET_UPS_A: [(f64, f64); 3] = [(250.0, 60.0), (250.0, 160.0), (350.0, 160.0)];
 
 /// A cycle of one axis: set-ups, and the angles at which it stops.
-pub(super) struct Cycle {
+pub(super) struct AxisCycle {
     pub(super) axis: Axis,
     pub(super) balls: [Ball; 3],
     pub(super) stops_deg: Vec<f64>,
@@ -25,12 +25,12 @@ pub(super) struct Cycle {
     pub(super) judged_deg: Vec<f64>,
 }
 
-impl Cycle {
+impl AxisCycle {
     /// C: a full circle in 36 stops. A: a quarter turn in 19.
-    pub(super) fn of(axis: Axis) -> Cycle {
+    pub(super) fn of(axis: Axis) -> AxisCycle {
         let (points, stops, step, last) =
             if axis == Axis::C { (SET_UPS_C, 36, 10.0, 359) } else { (SET_UPS_A, 19, 5.0, 90) };
-        Cycle {
+        AxisCycle {
             axis,
             balls: points.map(|(vertical_mm, horizontal_mm)| Ball { vertical_mm, horizontal_mm }),
             stops_deg: (0..stops).map(|i| f64::from(i) * step).collect(),

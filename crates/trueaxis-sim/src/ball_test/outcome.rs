@@ -1,7 +1,7 @@
 //! The whole sequence and its results.
 
 use super::corrected::{identified, table, tip_errors};
-use super::cycle::Cycle;
+use super::cycle::AxisCycle;
 use super::{BallCycle, rotary_only};
 use crate::error::{Result, SimError};
 use serde::Serialize;
@@ -68,7 +68,7 @@ pub(super) fn run(test: &BallCycle) -> Result<Outcome> {
     let plant = rotary_only(&test.machine)?;
     let mut found = Vec::new();
     for (stream, axis) in [(0, Axis::C), (1, Axis::A)] {
-        let cycle = Cycle::of(axis);
+        let cycle = AxisCycle::of(axis);
         let readings = cycle.measure(test, &plant, stream)?;
         let errors = identify(&readings, Offsets::Known)
             .map_err(|error| SimError::Identification { at: format!("axis {}", axis.letter()), error })?;
@@ -119,7 +119,7 @@ pub(super) fn run(test: &BallCycle) -> Result<Outcome> {
 ///
 /// Uses six set-ups at one pose: with either axis' own estimate, the noise of that one stop would be carried to levers that
 /// were not measured at it.
-fn shared_pose(found: &[(Cycle, BallTest, Identified)]) -> Result<Twist> {
+fn shared_pose(found: &[(AxisCycle, BallTest, Identified)]) -> Result<Twist> {
     let mut seen = Vec::new();
     for (_, readings, _) in found {
         for at_zero in readings.angles.iter().filter(|angle| angle.angle_rad == 0.0) {

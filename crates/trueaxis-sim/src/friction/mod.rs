@@ -15,7 +15,7 @@ pub use outcome::{AxisOutcome, Figures, Outcome, Pair, Spikes};
 
 use crate::error::SimError;
 use trueaxis::machine::DynamicSettings;
-use trueaxis_metrology::friction::{Identified, Refused};
+use trueaxis_metrology::friction::{FrictionRefusal, Identified};
 use trueaxis_tables::Machine;
 
 /// The machine with the identified friction and drives, and nothing else that acts on the servo.
@@ -37,7 +37,7 @@ pub fn configured(mut machine: Machine, found: &[Identified; 2]) -> Machine {
 
 impl SimError {
     /// The error for a refused record `of` something.
-    fn friction(of: &'static str) -> impl Fn(Refused) -> SimError {
+    fn friction(of: &'static str) -> impl Fn(FrictionRefusal) -> SimError {
         move |error| SimError::Friction { of, error }
     }
 }

@@ -58,7 +58,7 @@ pub struct SpindleFigures {
 
 /// Figures of grinding without and with correction.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Document {
+pub struct GrindingDocument {
     /// Name of the machine.
     pub machine: String,
     /// Turns of the spindle.
@@ -116,17 +116,17 @@ impl From<&Run> for RunFigures {
     }
 }
 
-impl Document {
+impl GrindingDocument {
     /// Builds the document of an outcome.
     ///
     /// # Errors
     /// The machine has no gauge.
-    pub fn new(outcome: &Outcome, grinding: &Grinding) -> Result<Document> {
+    pub fn new(outcome: &Outcome, grinding: &Grinding) -> Result<GrindingDocument> {
         let gauge = grinding.gauge()?;
         let infeed = gauge.infeed.as_ref();
         let [x, y] = outcome.motion;
         let measured = outcome.corrected.evaluation.filter(|e| e.revolutions > 0);
-        Ok(Document {
+        Ok(GrindingDocument {
             machine: grinding.machine.settings.name.as_str().into(),
             revolutions: grinding.revolutions,
             points: gauge.points,

@@ -39,7 +39,7 @@ mod spindle;
 mod workpiece;
 
 pub use comparison::{Comparison, simulate};
-pub use document::{Document, Motion, RevolutionFigures, RunFigures, SpindleFigures};
+pub use document::{GrindingDocument, Motion, RevolutionFigures, RunFigures, SpindleFigures};
 pub use event::Event;
 pub use infeed_drive::InfeedDrive;
 pub use outcome::Outcome;

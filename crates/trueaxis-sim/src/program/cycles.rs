@@ -3,7 +3,7 @@
 use super::block::Block;
 use super::builder::Pace;
 use super::error::Refusal;
-use super::interpreter::{Cycle, Interpreter};
+use super::interpreter::{CannedCycle, Interpreter};
 use super::limits::MOST_PIECES;
 
 /// Distance at which G83, when it returns, stops before the depth reached, and by which G73 retracts, mm.
@@ -51,7 +51,7 @@ impl Interpreter<'_> {
             Some(l) if l.fract() == 0.0 && (1.0..=MOST_PIECES as f64).contains(&l) => l as u64,
             Some(l) => return refuse(format!("`L{l}`"), "a whole number of repeats, at least 1"),
         };
-        self.cycle = Some(Cycle { code, bottom, r, dwell, peck });
+        self.cycle = Some(CannedCycle { code, bottom, r, dwell, peck });
 
         let [x, y, z, ..] = self.frame.to_program(self.builder.at);
         let mut at = [x, y, z];

@@ -23,7 +23,7 @@ struct Feed {
 
 /// Programmed values of a canned cycle, which the next line inherits.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Cycle {
+pub(super) struct CannedCycle {
     /// G word of the cycle, in tenths.
     pub(super) code: u16,
     pub(super) bottom: f64,
@@ -54,7 +54,7 @@ pub(super) struct Interpreter<'o> {
     pub(super) retract_to_start: bool,
     /// G61.1.
     exact_stop: bool,
-    pub(super) cycle: Option<Cycle>,
+    pub(super) cycle: Option<CannedCycle>,
     /// Height at which the series of cycles began, in program coordinates: G98 retracts to it.
     pub(super) cycle_start: Option<f64>,
     selected_tool: Option<u32>,

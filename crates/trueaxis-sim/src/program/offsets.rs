@@ -50,7 +50,7 @@ struct Table {
 /// The TOML form. Each table is a separate field, so that an error is reported with its line.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Document {
+struct OffsetsFile {
     active: Option<String>,
     #[serde(rename = "G54")]
     g54: Option<Table>,
@@ -135,7 +135,7 @@ impl Offsets {
     }
 
     fn from_toml(text: &str) -> Result<Offsets, Refusal> {
-        let document: Document = toml::from_str(text).map_err(|error| {
+        let document: OffsetsFile = toml::from_str(text).map_err(|error| {
             let line = error.span().map_or(1, |span| line_at(text, span.start));
             Refusal::new(
                 line,
@@ -144,7 +144,7 @@ impl Offsets {
             )
         })?;
         let mut offsets = Offsets::default();
-        let Document { g54, g55, g56, g57, g58, g59, g59_1, g59_2, g59_3, g92, g28, g30, .. } = &document;
+        let OffsetsFile { g54, g55, g56, g57, g58, g59, g59_1, g59_2, g59_3, g92, g28, g30, .. } = &document;
         let systems = [g54, g55, g56, g57, g58, g59, g59_1, g59_2, g59_3];
         let place = |name: &str, table: &Table| {
             let line = text.lines().position(|text| text.contains(name)).map_or(1, |line| line as u32 + 1);

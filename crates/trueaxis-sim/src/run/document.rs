@@ -12,7 +12,7 @@ use trueaxis_tables::text::counted;
 
 /// Figures of a completed run, with its inputs. `T`: timing added by a host that measures it.
 #[derive(Clone, Debug, Serialize)]
-pub struct Document<T> {
+pub struct RunDocument<T> {
     /// Name of the machine.
     pub machine: String,
     /// Name of the program.
@@ -40,10 +40,10 @@ pub struct Document<T> {
     pub noted: Vec<Note>,
 }
 
-impl<T> Document<T> {
+impl<T> RunDocument<T> {
     /// Builds the document of a run of `cycles` of a scenario on these machines, without timing.
-    pub fn of(scenario: &Scenario, cycles: u64, machines: &[(Kind, Tallies)]) -> Document<T> {
-        Document {
+    pub fn of(scenario: &Scenario, cycles: u64, machines: &[(Kind, Tallies)]) -> RunDocument<T> {
+        RunDocument {
             machine: scenario.machine.settings.name.as_str().into(),
             program: scenario.program.name.clone(),
             settings: scenario.settings.clone(),

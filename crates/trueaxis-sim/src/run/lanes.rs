@@ -31,7 +31,7 @@ pub(super) trait Advance {
 }
 
 /// Effect of an event, ready to be applied.
-enum Deed<S, const N: usize> {
+enum EventEffect<S, const N: usize> {
     Switch(Switch, bool),
     Exchange(Box<Plugin<S, N>>),
 }
@@ -44,7 +44,7 @@ pub(super) struct Lanes<S, const N: usize> {
     plugin: Plugin<S, N>,
     exchanged: Option<Plugin<S, N>>,
     /// Pending events in order, each with the cycle before which it acts.
-    deeds: Vec<(u64, Deed<S, N>)>,
+    effects: Vec<(u64, EventEffect<S, N>)>,
     commander: Commander,
     cells: Vec<Cell<N>>,
     settled: bool,
@@ -67,7 +67,7 @@ where
             commander: Commander::new(&scenario, motion),
             plugin,
             exchanged: None,
-            deeds: Vec::new(),
+            effects: Vec::new(),
             cells,
             settled: false,
             block: Vec::with_capacity(BLOCK),
@@ -82,28 +82,28 @@ where
 
     /// Inserts an event into the pending ones, after those of the same cycle.
     fn plan(&mut self, event: &Event, machines: &BTreeMap<String, Machine>) -> Result<()> {
-        let deed = match &event.kind {
-            EventKind::On(switch) => Deed::Switch(*switch, true),
-            EventKind::Off(switch) => Deed::Switch(*switch, false),
+        let effect = match &event.kind {
+            EventKind::On(switch) => EventEffect::Switch(*switch, true),
+            EventKind::Off(switch) => EventEffect::Switch(*switch, false),
             EventKind::Exchange(name) => {
                 let machine = named(machines, name)?;
                 let kinds: Vec<Kind> = self.cells.iter().map(Cell::kind).collect();
-                Deed::Exchange(Box::new(Plugin::exchanged(&self.scenario, name, machine, &kinds)?))
+                EventEffect::Exchange(Box::new(Plugin::exchanged(&self.scenario, name, machine, &kinds)?))
             }
         };
         let cycle = first_cycle(event.at_s, self.scenario.period_s());
-        let place = self.deeds.partition_point(|(before, _)| *before <= cycle);
-        self.deeds.insert(place, (cycle, deed));
+        let place = self.effects.partition_point(|(before, _)| *before <= cycle);
+        self.effects.insert(place, (cycle, effect));
         Ok(())
     }
 
     /// Applies the events that are due before the next cycle.
     fn do_what_is_due(&mut self) {
-        let due = self.deeds.partition_point(|(cycle, _)| *cycle <= self.commander.cycle);
-        for (_, deed) in self.deeds.drain(..due) {
-            match deed {
-                Deed::Switch(what, on) => self.cells.iter_mut().for_each(|cell| cell.switch(what, on)),
-                Deed::Exchange(plugin) => {
+        let due = self.effects.partition_point(|(cycle, _)| *cycle <= self.commander.cycle);
+        for (_, effect) in self.effects.drain(..due) {
+            match effect {
+                EventEffect::Switch(what, on) => self.cells.iter_mut().for_each(|cell| cell.switch(what, on)),
+                EventEffect::Exchange(plugin) => {
                     let driven = self.cells.iter_mut().filter(|cell| plugin.servo(cell.kind()).is_some());
                     driven
                         .filter(|cell| cell.kind().enables_the_plugin())
@@ -116,7 +116,7 @@ where
 
     /// Cycles until the next event, at most `most`.
     fn undisturbed(&self, most: u64) -> u64 {
-        self.deeds.first().map_or(most, |(cycle, _)| most.min(cycle - self.commander.cycle))
+        self.effects.first().map_or(most, |(cycle, _)| most.min(cycle - self.commander.cycle))
     }
 
     /// Lets the correction ramp in, as on a machine that is switched on before it cuts.

@@ -23,7 +23,7 @@ use std::sync::Arc;
 use trueaxis_tables::Machine;
 
 pub use columns::{Column, columns};
-pub use document::{Document, notes};
+pub use document::{RunDocument, notes};
 pub use figures::{ByKind, Figures, ReportedFault, Size};
 pub use kind::{Kind, feedback_refused};
 pub use limits::CorrectionLimits;

@@ -12,7 +12,7 @@ use crate::servo::{step, with_loop};
 use trueaxis::Axis;
 use trueaxis::machine::AxisOrder;
 use trueaxis::temperature::{Readings, Thermal, ThermalState};
-use trueaxis_metrology::thermal::{Fit, Refused};
+use trueaxis_metrology::thermal::{Fit, ThermalRefusal};
 use trueaxis_tables::Machine;
 
 /// Places at which the shift is judged: X, Y, Z and length of the tool, mm. The record contains none of them.
@@ -39,7 +39,7 @@ fn still(machine: &Machine) -> Machine {
 
 pub(super) fn run(of: &Warming, bodies: &mut Bodies, shift: &Shift, found: &Fit, bytes: &[u8]) -> Result<Judged> {
     let thermal = Thermal::parse(bytes)
-        .map_err(|error| Refused::Encoding(trueaxis_metrology::thermal::NotEncoded::Refused(error)))?;
+        .map_err(|error| ThermalRefusal::Encoding(trueaxis_metrology::thermal::NotEncoded::Refused(error)))?;
     let machine = still(&of.machine);
     with_loop::<3, _, _>(&machine, PERIOD_NS, |servo| {
         let axes = AxisOrder::<3>::of(&machine.settings)?.axes();

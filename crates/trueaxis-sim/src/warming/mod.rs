@@ -96,7 +96,7 @@ impl Warming {
             rate_k_per_min: RATE_K_PER_MIN,
         };
         let found = fit(&record, &settings, &mut |cause| progress(&format!("fitting: {cause}")))?;
-        let bytes = found.model.encode(0).map_err(trueaxis_metrology::thermal::Refused::Encoding)?;
+        let bytes = found.model.encode(0).map_err(trueaxis_metrology::thermal::ThermalRefusal::Encoding)?;
         let (figures, _) = held_out(&record, &found, &bytes);
         progress("the judged shift");
         let shift = Shift::drawn(self.seed, self.shifts, Kind::Judged);

@@ -1,6 +1,6 @@
 //! `[[crosstalk]]` of `machine.toml`: motion of the tip while an axis accelerates.
 
-use super::section::{Found, Section};
+use super::section::{KeyValue, Section};
 use crate::error::FileError;
 use trueaxis::machine::{Axis, CROSSTALK_CAPACITY, CROSSTALK_POINTS, CrosstalkSettings};
 
@@ -53,7 +53,7 @@ fn read_one(section: Section<'_>) -> Result<CrosstalkSettings, FileError> {
 
 fn points(
     section: &Section<'_>,
-    table: &Found<Vec<[f64; 2]>>,
+    table: &KeyValue<Vec<[f64; 2]>>,
     scale: f64,
 ) -> Result<heapless::Vec<[f64; 2], CROSSTALK_POINTS>, FileError> {
     let points = table.value.iter().map(|[position, k]| [*position, *k / scale]);

@@ -2,7 +2,7 @@
 
 use super::grid_toml::GridReference;
 use super::keys::Keys;
-use super::section::{Found, Section};
+use super::section::{KeyValue, Section};
 use super::units::{degrees_from_urad, from_um, from_urad, per_second, same};
 use crate::error::FileError;
 use crate::origin::Origin;
@@ -185,7 +185,8 @@ fn read_axis(
     settings.servo = super::servo_toml::read_axis(&section, axis)?;
     let uncertainty = super::uncertainty_toml::read_axis(&section, axis)?;
     section.finish(None)?;
-    let table = table.map(|Found { value, line, key, .. }| TableReference { axis, file: value.to_owned(), line, key });
+    let table =
+        table.map(|KeyValue { value, line, key, .. }| TableReference { axis, file: value.to_owned(), line, key });
     Ok((table, uncertainty))
 }
 

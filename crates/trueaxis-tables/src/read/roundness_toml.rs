@@ -1,15 +1,14 @@
 //! `[roundness]` of `machine.toml`: a three-probe gauge.
 
-use super::section::{Found, Section};
+use super::section::{KeyValue, Section};
 use crate::error::FileError;
 use trueaxis::machine::Axis;
 use trueaxis::roundness::{
-    Arm, ArmSettings, Band, GaugeSettings, INFEED_NOISE_GAIN_LIMIT, InfeedSettings, ProbeAngles, ProbeSettings,
-    SpindleEncoder,
+    Arm, ArmSettings, Band, GaugeSettings, InfeedSettings, ProbeAngles, ProbeSettings, SpindleEncoder,
 };
 
 /// A number that has to be whole and in the range of its type.
-fn whole<T: TryFrom<i64>>(section: &Section<'_>, found: &Found<f64>, needed: &str) -> Result<T, FileError> {
+fn whole<T: TryFrom<i64>>(section: &Section<'_>, found: &KeyValue<f64>, needed: &str) -> Result<T, FileError> {
     let value = found.value;
     let whole = (value.fract() == 0.0 && value.abs() < 9e15).then_some(value as i64);
     whole.and_then(|value| T::try_from(value).ok()).ok_or_else(|| section.wrong(found, needed))
@@ -162,17 +161,8 @@ fn read_infeed(section: &Section<'_>, settings: &GaugeSettings) -> Result<Infeed
     let Some(letter) = letter.and_then(Axis::from_letter) else {
         return Err(section.wrong(&axis, "an axis, X, Y or Z"));
     };
-    let mut infeed = InfeedSettings {
-        axis: letter,
-        direction: 1,
-        band: Band { first: settings.band.first, last: settings.band.last.min(settings.points / 8) },
-        gain: 0.25,
-        delay_revolutions: 2,
-        contact_deg: 180.0,
-        drive_delay_s: 0.0,
-        limit_um: 20.0,
-        noise_gain_limit: INFEED_NOISE_GAIN_LIMIT,
-    };
+    let band = Band { first: settings.band.first, last: settings.band.last.min(settings.points / 8) };
+    let mut infeed = InfeedSettings::with_defaults(letter, band);
     section.store_direction(&mut infeed.direction, "direction")?;
     section.store(&mut infeed.gain, "gain", |gain| gain)?;
     section.store_whole(&mut infeed.delay_revolutions, "delay_revolutions", "a whole number from 1 to 16")?;

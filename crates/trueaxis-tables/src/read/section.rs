@@ -32,7 +32,7 @@ pub fn read_toml<T>(
 
 /// A value with its line and key.
 #[derive(Clone, Debug)]
-pub struct Found<T> {
+pub struct KeyValue<T> {
     /// The value.
     pub value: T,
     /// Line, from 1.
@@ -79,9 +79,9 @@ impl<'a> Section<'a> {
         self.table.get(key)
     }
 
-    fn found<T>(&self, key: &str, span: &Range<usize>, value: T) -> Found<T> {
+    fn found<T>(&self, key: &str, span: &Range<usize>, value: T) -> KeyValue<T> {
         let text = self.text.get(span.clone()).unwrap_or_default().to_owned();
-        Found { value, line: self.line(span), key: format!("{}{key}", self.prefix), text }
+        KeyValue { value, line: self.line(span), key: format!("{}{key}", self.prefix), text }
     }
 
     fn plain_number(&self, key: &str, value: &Spanned<DeValue<'a>>) -> Result<f64, FileError> {
@@ -117,14 +117,14 @@ impl<'a> Section<'a> {
     }
 
     /// A finite number.
-    pub fn number(&self, key: &str) -> Result<Option<Found<f64>>, FileError> {
+    pub fn number(&self, key: &str) -> Result<Option<KeyValue<f64>>, FileError> {
         self.numbers.borrow_mut().push((format!("{}{key}", self.prefix), 1));
         let Some(value) = self.value(key) else { return Ok(None) };
         Ok(Some(self.found(key, &value.span(), self.plain_number(key, value)?)))
     }
 
     /// A list of `N` finite numbers.
-    pub fn numbers<const N: usize>(&self, key: &str) -> Result<Option<Found<[f64; N]>>, FileError> {
+    pub fn numbers<const N: usize>(&self, key: &str) -> Result<Option<KeyValue<[f64; N]>>, FileError> {
         self.numbers.borrow_mut().push((format!("{}{key}", self.prefix), N));
         let Some(value) = self.value(key) else { return Ok(None) };
         let needed = format!("a list of {N} numbers");
@@ -139,7 +139,7 @@ impl<'a> Section<'a> {
     }
 
     /// A string.
-    pub fn string(&self, key: &str) -> Result<Option<Found<&'a str>>, FileError> {
+    pub fn string(&self, key: &str) -> Result<Option<KeyValue<&'a str>>, FileError> {
         let Some(value) = self.value(key) else { return Ok(None) };
         match value.get_ref().as_str() {
             Some(string) => Ok(Some(self.found(key, &value.span(), string))),
@@ -199,7 +199,7 @@ impl<'a> Section<'a> {
     }
 
     /// A list of lists of `N` finite numbers.
-    pub fn lists<const N: usize>(&self, key: &str) -> Result<Option<Found<Vec<[f64; N]>>>, FileError> {
+    pub fn lists<const N: usize>(&self, key: &str) -> Result<Option<KeyValue<Vec<[f64; N]>>>, FileError> {
         let Some(value) = self.value(key) else { return Ok(None) };
         let what = if N == 2 { String::from("pairs of numbers") } else { format!("lists of {N} numbers") };
         let refuse = || self.refuse(key, &value.span(), format!("a list of {what}"));
@@ -216,7 +216,7 @@ impl<'a> Section<'a> {
     }
 
     /// A list of finite numbers, of any length.
-    pub fn list(&self, key: &str) -> Result<Option<Found<Vec<f64>>>, FileError> {
+    pub fn list(&self, key: &str) -> Result<Option<KeyValue<Vec<f64>>>, FileError> {
         let Some(value) = self.value(key) else { return Ok(None) };
         let list = value.get_ref().as_array();
         let list = list.ok_or_else(|| self.refuse(key, &value.span(), "a list of numbers"))?;
@@ -225,7 +225,7 @@ impl<'a> Section<'a> {
     }
 
     /// A list of strings, of any length.
-    pub fn strings(&self, key: &str) -> Result<Option<Found<Vec<&'a str>>>, FileError> {
+    pub fn strings(&self, key: &str) -> Result<Option<KeyValue<Vec<&'a str>>>, FileError> {
         let Some(value) = self.value(key) else { return Ok(None) };
         let refuse = || self.refuse(key, &value.span(), "a list of strings");
         let list = value.get_ref().as_array().ok_or_else(refuse)?;
@@ -234,7 +234,7 @@ impl<'a> Section<'a> {
     }
 
     /// A list of axes by their letters.
-    pub fn axes(&self, key: &str) -> Result<Option<Found<Vec<Axis>>>, FileError> {
+    pub fn axes(&self, key: &str) -> Result<Option<KeyValue<Vec<Axis>>>, FileError> {
         let Some(value) = self.value(key) else { return Ok(None) };
         let refuse = || self.refuse(key, &value.span(), "a list of axes, like [\"X\", \"Y\"]");
         let axis = |item: &Spanned<DeValue<'a>>| {
@@ -246,11 +246,11 @@ impl<'a> Section<'a> {
     }
 
     /// An axis by its letter.
-    pub fn axis(&self, key: &str) -> Result<Option<Found<Axis>>, FileError> {
+    pub fn axis(&self, key: &str) -> Result<Option<KeyValue<Axis>>, FileError> {
         let Some(found) = self.string(key)? else { return Ok(None) };
         let letter = found.value.chars().next().filter(|_| found.value.len() == 1);
         match letter.and_then(Axis::from_letter) {
-            Some(value) => Ok(Some(Found { value, line: found.line, key: found.key, text: found.text })),
+            Some(value) => Ok(Some(KeyValue { value, line: found.line, key: found.key, text: found.text })),
             None => Err(self.wrong(&found, "an axis, like \"X\"")),
         }
     }
@@ -275,7 +275,7 @@ impl<'a> Section<'a> {
     }
 
     /// An error at a value.
-    pub fn wrong<T>(&self, at: &Found<T>, needed: impl Into<String>) -> FileError {
+    pub fn wrong<T>(&self, at: &KeyValue<T>, needed: impl Into<String>) -> FileError {
         self.origin.at(at.line, &at.key, &at.text, needed)
     }
 

@@ -59,11 +59,11 @@ pub fn arm_angle<R: Real>(ratio: R, [cos, sin]: [R; 2]) -> [R; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::machine::ARM;
 
     #[test]
     fn closes_the_triangle() {
-        let arm = Arm { crank_mm: 45.0, wheel_mm: 300.0, pin_mm: 27.5 };
-        let ratio = arm.ratio().unwrap();
+        let ratio = ARM.ratio().unwrap();
         for i in 0..1000 {
             let alpha = f64::from(i) * 0.0123 - 6.0;
             let beta = (ratio * alpha.sin()).asin();

@@ -217,6 +217,22 @@ fn encoder(counts: u32, direction: i8, [of_counts, of_direction]: [Field; 2]) ->
 }
 
 impl InfeedSettings {
+    /// Returns the documented defaults for an axis that moves toward the workpiece in positive direction: gain 0.25 with a
+    /// delay of two revolutions, contact at 180°, a drive without delay, at most 20 µm, noise gain limit 10.
+    pub fn with_defaults(axis: Axis, band: Band) -> Self {
+        InfeedSettings {
+            axis,
+            direction: 1,
+            band,
+            gain: 0.25,
+            delay_revolutions: 2,
+            contact_deg: 180.0,
+            drive_delay_s: 0.0,
+            limit_um: 20.0,
+            noise_gain_limit: INFEED_NOISE_GAIN_LIMIT,
+        }
+    }
+
     fn check(&self, points: usize) -> Result<(), ConfigError> {
         let need = |holds: bool, field, found: f64, needed| {
             if holds { Ok(()) } else { Err(ConfigError::new(field, found, needed)) }

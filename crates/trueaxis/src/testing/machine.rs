@@ -1,7 +1,11 @@
 //! Settings of a machine and rows of its tables, from a structural code and the changes of a test.
 
+use super::trueaxis::machine::{Axis, AxisSettings, Limits, MachineSettings, Row, Twist, links};
+use super::trueaxis::roundness::Arm;
 use std::vec::Vec;
-use trueaxis::machine::{Axis, AxisSettings, Limits, MachineSettings, Row, Twist, links};
+
+/// The arm that follows the crankpin on the sample grinder.
+pub const ARM: Arm = Arm { crank_mm: 45.0, wheel_mm: 300.0, pin_mm: 27.5 };
 
 /// A machine with the stated defaults on every axis of its structural code, no tool, and no errors.
 #[derive(Clone, Debug)]

@@ -3,9 +3,8 @@
 use super::{Sum, check};
 use trueaxis::Real;
 use trueaxis::machine::Axis;
-use trueaxis::roundness::{
-    Arm, ArmSettings, Band, Followed, Gauge, GaugeSettings, InfeedSettings, ProbeAngles, Probes,
-};
+use trueaxis::roundness::{ArmSettings, Band, Followed, Gauge, GaugeSettings, InfeedSettings, ProbeAngles, Probes};
+use trueaxis_testing::machine::ARM;
 use trueaxis_testing::noise::Noise;
 
 fn gauge_sum<R: Real, const N: usize>(angles: ProbeAngles, arm: bool) -> u64 {
@@ -14,8 +13,7 @@ fn gauge_sum<R: Real, const N: usize>(angles: ProbeAngles, arm: bool) -> u64 {
     settings.band.last = 12;
     settings.stop_s = 0.05;
     if arm {
-        let lengths = Arm { crank_mm: 45.0, wheel_mm: 300.0, pin_mm: 27.5 };
-        settings.arm = Some(ArmSettings { lengths, counts: COUNTS, direction: 1, tolerance_deg: 0.5 });
+        settings.arm = Some(ArmSettings { lengths: ARM, counts: COUNTS, direction: 1, tolerance_deg: 0.5 });
     }
     let gauge = Gauge::<R, N>::build(&settings, 1_000_000).expect("a gauge");
     let (mut state, mut noise, mut sum) = (Box::new(gauge.start()), Noise::new(66), Sum::new());
@@ -64,8 +62,7 @@ fn full_sum<R: Real, const N: usize>(slices: u8, filter: Option<u16>) -> u64 {
     let mut settings = GaugeSettings::with_defaults(N as u16, angles, COUNTS);
     settings.band.last = 15;
     (settings.slices_per_cycle, settings.filter, settings.revolutions) = (slices, filter, 3);
-    let lengths = Arm { crank_mm: 45.0, wheel_mm: 300.0, pin_mm: 27.5 };
-    settings.arm = Some(ArmSettings { lengths, counts: COUNTS, direction: -1, tolerance_deg: 0.5 });
+    settings.arm = Some(ArmSettings { lengths: ARM, counts: COUNTS, direction: -1, tolerance_deg: 0.5 });
     settings.infeed = Some(InfeedSettings {
         axis: Axis::X,
         direction: -1,

@@ -7,7 +7,7 @@ use trueaxis::kinematics::Kinematics;
 use trueaxis::limiter::{Limiter, ramp_in_s};
 use trueaxis::machine::Limits;
 use trueaxis::roundness::{Arm, ArmSettings, GaugeSettings, ProbeAngles};
-use trueaxis_testing::machine::Machine;
+use trueaxis_testing::machine::{ARM, Machine};
 
 fn add(sum: &mut Sum, result: Result<impl std::fmt::Debug, impl std::fmt::Debug + std::fmt::Display>) {
     match result {
@@ -45,7 +45,7 @@ fn gauges() {
         tried(&|s| s.spindle.counts = 240 + u32::from(number));
     }
     for crank in [0.0, 45.0, 324.0, 325.0, 327.0, f64::NAN] {
-        let lengths = Arm { crank_mm: crank, wheel_mm: 300.0, pin_mm: 27.5 };
+        let lengths = Arm { crank_mm: crank, ..ARM };
         for direction in [-1, 0, 1] {
             tried(&|s| s.arm = Some(ArmSettings { lengths, counts: 1 << 20, direction, tolerance_deg: 0.5 }));
         }

@@ -6,7 +6,8 @@ use anyhow::{Result, anyhow, ensure};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 use trueaxis_evaluation::friction::{
-    CircleCurves, Document, Recording, SpikeCurves, additions, circles, columns, drives, fit, pair, sections, spikes,
+    CircleCurves, FrictionDocument, Recording, SpikeCurves, additions, circles, columns, drives, fit, pair, sections,
+    spikes,
 };
 use trueaxis_evaluation::rows::Rows;
 use trueaxis_metrology::friction::{Identified, Record};
@@ -62,8 +63,8 @@ pub(super) struct Read {
 
 /// Result of the identification.
 #[derive(Serialize)]
-pub(super) struct Found {
-    document: Document,
+pub(super) struct Identification {
+    document: FrictionDocument,
     spikes: Vec<SpikeCurves>,
     circles: Vec<CircleCurves>,
     /// The settings as TOML.
@@ -122,7 +123,12 @@ impl Bench {
         self.found.as_ref().ok_or_else(|| anyhow!("found no fit, needed a record to which one was made"))
     }
 
-    pub(super) fn fit(&mut self, files: &str, find_drive: bool, progress: &mut dyn FnMut(&str)) -> Result<Found> {
+    pub(super) fn fit(
+        &mut self,
+        files: &str,
+        find_drive: bool,
+        progress: &mut dyn FnMut(&str),
+    ) -> Result<Identification> {
         let recording = self.recording()?;
         let mut given = [None; 2];
         if !find_drive {
@@ -135,7 +141,7 @@ impl Bench {
         let circles = circles(&recording.record, &recording.file.to_string_lossy(), &found)?;
         let settings = sections(&recording.file, &found);
         (self.found, self.after) = (Some(found), None);
-        Ok(Found { document, spikes, circles, settings })
+        Ok(Identification { document, spikes, circles, settings })
     }
 
     pub(super) fn becomes(&self, files: &str) -> Result<Becomes> {

@@ -44,17 +44,7 @@ fn with_gauge(mut machine: Machine) -> Machine {
     settings.band = Band { first: 2, last: 30 };
     settings.revolutions = 1;
     settings.slices_per_cycle = 4;
-    settings.infeed = Some(InfeedSettings {
-        axis: Axis::X,
-        direction: 1,
-        band: Band { first: 2, last: 10 },
-        gain: 0.25,
-        delay_revolutions: 2,
-        contact_deg: 180.0,
-        drive_delay_s: 0.0,
-        limit_um: 20.0,
-        noise_gain_limit: 10.0,
-    });
+    settings.infeed = Some(InfeedSettings::with_defaults(Axis::X, Band { first: 2, last: 10 }));
     machine.settings.roundness = Some(settings);
     machine
 }

@@ -2,7 +2,7 @@
 
 use super::tables::AXES;
 use maud::Markup;
-use trueaxis_evaluation::helicoid::{Document, Job, Point};
+use trueaxis_evaluation::helicoid::{HelicoidDocument, Job, Point};
 use trueaxis_report::{Colour, Figure, Scale, Stroke, colour, number::shortest, side_by_side};
 
 /// One colour per curve.
@@ -19,7 +19,7 @@ struct Curves<'d> {
     along: fn(&Point) -> f64,
 }
 
-fn curves<'d>(job: &Job, document: &'d Document) -> Curves<'d> {
+fn curves<'d>(job: &Job, document: &'d HelicoidDocument) -> Curves<'d> {
     let (rows, columns) = (job.u.count, job.theta.count);
     let is_along_theta = columns > 1 || rows == 1;
     let (count, length) = if is_along_theta { (rows, columns) } else { (columns, rows) };
@@ -48,7 +48,7 @@ fn curves<'d>(job: &Job, document: &'d Document) -> Curves<'d> {
     }
 }
 
-pub(super) fn figures(job: &Job, document: &Document) -> Markup {
+pub(super) fn figures(job: &Job, document: &HelicoidDocument) -> Markup {
     let Curves { caption, curves, along } = curves(job, document);
     let all = || curves.iter().flat_map(|(_, points)| points.iter().copied());
     side_by_side(AXES.map(|(name, unit, of)| {

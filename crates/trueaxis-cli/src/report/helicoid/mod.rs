@@ -5,11 +5,11 @@ mod flank;
 mod tables;
 
 use maud::html;
-use trueaxis_evaluation::helicoid::{Document, Job};
+use trueaxis_evaluation::helicoid::{HelicoidDocument, Job};
 use trueaxis_report::{Page, number::count, number::shortest, summary};
 
 /// The whole page.
-pub(crate) fn page(job: &Job, document: &Document) -> String {
+pub(crate) fn page(job: &Job, document: &HelicoidDocument) -> String {
     let surface = match &job.gear {
         Some((gear, _)) => format!(
             "gear mₙ {} mm, z {}, αₙ {}°, β {}°",

@@ -2,7 +2,7 @@
 
 use crate::report::range;
 use maud::{Markup, html};
-use trueaxis_evaluation::helicoid::{Document, Job, Point, Range};
+use trueaxis_evaluation::helicoid::{HelicoidDocument, Job, Point, Range};
 use trueaxis_report::{
     Row, Table,
     number::{count, decimals, shortest},
@@ -68,7 +68,7 @@ pub(super) fn surface(job: &Job) -> Table {
 }
 
 /// Travel that the axes need over the grid.
-pub(super) fn travel(document: &Document) -> Table {
+pub(super) fn travel(document: &HelicoidDocument) -> Table {
     let rows = AXES.map(|(name, unit, of)| {
         let [low, high] = range(document.points.iter().map(of));
         let cells = [low, high, high - low].map(|value| decimals(value, DECIMALS));
@@ -77,7 +77,7 @@ pub(super) fn travel(document: &Document) -> Table {
     Table::new(["travel", "from", "to", "length", "unit"], rows).words(&[4])
 }
 
-pub(super) fn points(document: &Document) -> Markup {
+pub(super) fn points(document: &HelicoidDocument) -> Markup {
     let of = document.points.len();
     let every = of.div_ceil(SHOWN).max(1);
     let rows = document.points.iter().step_by(every).map(|point| {

@@ -1,7 +1,7 @@
 //! Harmonics of the profile: amplitude and noise gain.
 
 use maud::{Markup, html};
-use trueaxis_evaluation::roundness::Document;
+use trueaxis_evaluation::roundness::RoundnessDocument;
 use trueaxis_report::{
     Figure, Scale, Stroke, colour,
     number::{shortest, significant},
@@ -12,16 +12,16 @@ const COLUMN: [f64; 2] = [-0.38, 0.38];
 /// A limit above this many times the largest gain is only stated: drawn, it would flatten the columns.
 const WITHIN: f64 = 30.0;
 
-pub(super) fn figures(found: &Document, limit: f64) -> Markup {
+pub(super) fn figures(found: &RoundnessDocument, limit: f64) -> Markup {
     html! { (amplitudes(found)) (noise(found, limit)) }
 }
 
-fn scale(found: &Document) -> Scale {
+fn scale(found: &RoundnessDocument) -> Scale {
     let ends = [found.harmonics.first(), found.harmonics.last()].map(|end| end.map_or(2.0, |of| f64::from(of.k)));
     Scale::exact("undulations per revolution", ends[0] - 1.0, ends[1] + 1.0)
 }
 
-fn amplitudes(found: &Document) -> Figure {
+fn amplitudes(found: &RoundnessDocument) -> Figure {
     let (suppressed, kept): (Vec<_>, Vec<_>) = found.harmonics.iter().partition(|of| of.suppressed);
     let y = Scale::from_zero("amplitude in µm", kept.iter().map(|of| of.amplitude_um));
     let mut figure = Figure::full("Amplitude of every harmonic of the mean profile", 270, scale(found), y);
@@ -40,7 +40,7 @@ fn amplitudes(found: &Document) -> Figure {
     figure
 }
 
-fn noise(found: &Document, limit: f64) -> Figure {
+fn noise(found: &RoundnessDocument, limit: f64) -> Figure {
     let gains = || found.harmonics.iter().map(|of| of.noise_gain);
     let worst = gains().fold(1.0, f64::max);
     let lowest = gains().filter(|gain| *gain > 0.0).fold(1.0, f64::min);

@@ -1,7 +1,9 @@
 //! Error motion of the spindle: orbit, motion over the angle, and development over the revolutions.
 
 use maud::{Markup, Render};
-use trueaxis_evaluation::roundness::{DRAWN_REVOLUTIONS, Document, Evaluation, Revolution, motion_scale, orbit};
+use trueaxis_evaluation::roundness::{
+    DRAWN_REVOLUTIONS, Evaluation, Revolution, RoundnessDocument, motion_scale, orbit,
+};
 use trueaxis_report::{Figure, Scale, Stroke, colour, missing, side_by_side};
 
 pub(super) fn figures(evaluation: &Evaluation) -> Markup {
@@ -32,7 +34,7 @@ fn over_theta(evaluation: &Evaluation, skipped: usize) -> Figure {
     figure
 }
 
-pub(super) fn development(found: &Document) -> Markup {
+pub(super) fn development(found: &RoundnessDocument) -> Markup {
     if found.revolutions < 2 {
         return missing("A single revolution has no development and no asynchronous error motion.");
     }

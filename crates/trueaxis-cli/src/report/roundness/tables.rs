@@ -1,7 +1,7 @@
 //! Zones of the profile and error motion of the spindle in numbers.
 
 use crate::report::range;
-use trueaxis_evaluation::roundness::{Document, SpindleDirection, Zones};
+use trueaxis_evaluation::roundness::{RoundnessDocument, SpindleDirection, Zones};
 use trueaxis_report::{
     Row, Table,
     number::{shortest, significant},
@@ -10,7 +10,7 @@ use trueaxis_report::{
 /// One zone of a revolution.
 type Pick = fn(&Zones) -> f64;
 
-pub(super) fn zones(found: &Document) -> Table {
+pub(super) fn zones(found: &RoundnessDocument) -> Table {
     let picks: [(&str, Pick); 4] = [
         ("LSC, least squares", |zones| zones.lsc_um),
         ("MZC, minimum zone", |zones| zones.mzc_um),
@@ -25,7 +25,7 @@ pub(super) fn zones(found: &Document) -> Table {
     Table::new(["circle", "mean profile", "single revolutions"], rows).caption("Roundness, peak to valley in µm")
 }
 
-pub(super) fn spindle(found: &Document) -> Table {
+pub(super) fn spindle(found: &RoundnessDocument) -> Table {
     let row = |name: &str, of: &SpindleDirection| {
         let [synchronous, total, once] =
             [of.synchronous_um, of.total_um, of.once_per_revolution_um].map(|um| significant(um, 3));

@@ -9,6 +9,7 @@ mod spindle;
 
 use super::*;
 use crate::real::Real;
+use crate::testing::machine::ARM;
 use std::boxed::Box;
 use std::f64::consts::TAU;
 use std::vec::Vec;
@@ -94,12 +95,7 @@ fn settings(points: u16, angles: ProbeAngles, arm: bool) -> GaugeSettings {
     let mut settings = GaugeSettings::with_defaults(points, angles, COUNTS);
     settings.band.last = 50;
     if arm {
-        settings.arm = Some(ArmSettings {
-            lengths: Arm { crank_mm: 45.0, wheel_mm: 300.0, pin_mm: 27.5 },
-            counts: ARM_COUNTS,
-            direction: 1,
-            tolerance_deg: 0.5,
-        });
+        settings.arm = Some(ArmSettings { lengths: ARM, counts: ARM_COUNTS, direction: 1, tolerance_deg: 0.5 });
     }
     settings
 }

@@ -1,7 +1,7 @@
 //! The whole step over adversarial cycles: the most expensive of a hundred thousand, and a digest of all outputs.
 
 use crate::arena::Arena;
-use crate::forms::{Cycle, FORMS, Machine, STAGES};
+use crate::forms::{FORMS, Machine, PreparedCycle, STAGES};
 use crate::middle::Middle;
 use crate::recorded;
 use cortex_m_semihosting::{hprint, hprintln};
@@ -57,7 +57,7 @@ impl<'a, R: Wire<Place = P>, P: Integer> Run<'a, R, P> {
     }
 
     /// Draws cycle `number` and prepares the states for it.
-    fn draw(&mut self, number: u32) -> (Moment<R, P>, Cycle<'a, R, P>) {
+    fn draw(&mut self, number: u32) -> (Moment<R, P>, PreparedCycle<'a, R, P>) {
         let moment = self.adversary.cycle(number);
         if moment.cold {
             self.machine.restart();
@@ -73,7 +73,7 @@ impl<'a, R: Wire<Place = P>, P: Integer> Run<'a, R, P> {
 }
 
 /// Results over all cycles, by form, by kind of course, by stage.
-struct Found {
+struct Counts {
     forms: [Tally; FORMS],
     middle: [Middle; FORMS],
     dearest: [Dearest; FORMS],
@@ -83,9 +83,9 @@ struct Found {
     met: [u32; MET.len()],
 }
 
-impl Found {
+impl Counts {
     fn new(arena: &mut Arena) -> Self {
-        Found {
+        Counts {
             forms: Default::default(),
             middle: [(); FORMS].map(|()| Middle::new(arena)),
             dearest: [(); FORMS].map(|()| Dearest { kept: [(0, 0); DEAREST], least: 0 }),
@@ -97,7 +97,12 @@ impl Found {
     }
 
     /// Runs a cycle and adds its counts.
-    fn add<R: Wire<Place = P>, P: Integer>(&mut self, number: u32, moment: &Moment<R, P>, cycle: &Cycle<'_, R, P>) {
+    fn add<R: Wire<Place = P>, P: Integer>(
+        &mut self,
+        number: u32,
+        moment: &Moment<R, P>,
+        cycle: &PreparedCycle<'_, R, P>,
+    ) {
         let mut last = None;
         let (counts, _) = cycle.count(|form, output| {
             self.digests[form].add(output);
@@ -154,7 +159,7 @@ impl Found {
 /// Counts all cycles.
 pub fn all<R: Wire<Place = P>, P: Integer>(scalar: &str, machine: &Machine<R, P>, arena: &mut Arena) {
     let mut run = Run::new(machine, arena);
-    let mut found = Found::new(arena);
+    let mut found = Counts::new(arena);
     for number in 0..CYCLES {
         let (moment, cycle) = run.draw(number);
         found.add(number, &moment, &cycle);

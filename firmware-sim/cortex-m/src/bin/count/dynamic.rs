@@ -22,7 +22,7 @@ const CONFIGURED: [(ServoParts, &str); 3] = [
 ];
 
 /// A cycle about to run.
-struct Cycle<'a, R: Real, P: Integer> {
+struct DynamicCycle<'a, R: Real, P: Integer> {
     servo: &'a Loop<R, P>,
     memory: RefCell<(State<R, P, AXES>, Output<R, P, AXES>)>,
     path: Path<'a, R, P>,
@@ -31,14 +31,14 @@ struct Cycle<'a, R: Real, P: Integer> {
 }
 
 #[inline(never)]
-fn nothing<R: Real, P: Integer>(cycle: &Cycle<'_, R, P>) -> u32 {
+fn nothing<R: Real, P: Integer>(cycle: &DynamicCycle<'_, R, P>) -> u32 {
     let (_, output) = &mut *cycle.memory.borrow_mut();
     black_box((output, cycle.servo));
     0
 }
 
 #[inline(never)]
-fn step<R: Real, P: Integer>(cycle: &Cycle<'_, R, P>) -> u32 {
+fn step<R: Real, P: Integer>(cycle: &DynamicCycle<'_, R, P>) -> u32 {
     let (state, output) = &mut *cycle.memory.borrow_mut();
     let on = cycle.path.on(cycle.reference);
     cycle.servo.step_into(state, &cycle.input, on, (), output);
@@ -60,7 +60,7 @@ pub fn recorded<R: Real, P: Integer>(scalar: &str, arena: &mut Arena) {
     for (parts, name) in CONFIGURED {
         let loops = loops::<R, P>(parts, arena);
         let (mut whole, mut middle) = (Tally::default(), Middle::new(arena));
-        let mut cycle = Cycle {
+        let mut cycle = DynamicCycle {
             servo: &loops[0],
             memory: RefCell::new((loops[0].start(), Output::none())),
             path: Path::new(spans, 0, false),

@@ -26,7 +26,7 @@ pub const STAGES: [(Stage, &str); 5] = [
 /// Forms of the whole step.
 pub const FORMS: usize = 3;
 
-type Form<R, P> = fn(&Cycle<'_, R, P>) -> u32;
+type Form<R, P> = fn(&PreparedCycle<'_, R, P>) -> u32;
 /// A servo loop on tables in flash.
 pub type Loop<R, P> = ServoLoop<'static, R, P, AXES>;
 
@@ -52,7 +52,7 @@ struct Memory<R: Real, P: Integer> {
 }
 
 /// A cycle about to run.
-pub struct Cycle<'a, R: Real, P: Integer> {
+pub struct PreparedCycle<'a, R: Real, P: Integer> {
     machine: &'a Machine<R, P>,
     /// Whether the second tables are in force: for the nine terms, and for all terms.
     pub exchanged: bool,
@@ -125,8 +125,8 @@ impl<R: Real, P: Integer> Machine<R, P> {
     }
 
     /// A cycle at rest.
-    pub fn cycle<'a>(&'a self, path: Path<'a, R, P>, period_ns: u32) -> Cycle<'a, R, P> {
-        Cycle {
+    pub fn cycle<'a>(&'a self, path: Path<'a, R, P>, period_ns: u32) -> PreparedCycle<'a, R, P> {
+        PreparedCycle {
             machine: self,
             exchanged: false,
             all_exchanged: false,
@@ -164,7 +164,7 @@ impl<R: Real, P: Integer> Machine<R, P> {
     }
 }
 
-impl<R: Real, P: Integer> Cycle<'_, R, P> {
+impl<R: Real, P: Integer> PreparedCycle<'_, R, P> {
     /// Runs the forms of the step in turn; returns their instructions and the number of revolutions evaluated. `seen` gets the
     /// number of each form and its output.
     pub fn count(&self, mut seen: impl FnMut(usize, &Output<R, P, AXES>)) -> ([u32; FORMS], u32) {
@@ -196,14 +196,14 @@ impl<R: Real, P: Integer> Cycle<'_, R, P> {
 }
 
 #[inline(never)]
-fn nothing<R: Real, P: Integer>(cycle: &Cycle<'_, R, P>) -> u32 {
+fn nothing<R: Real, P: Integer>(cycle: &PreparedCycle<'_, R, P>) -> u32 {
     let memory = &mut *cycle.machine.memory.borrow_mut();
     black_box((&mut memory.output, cycle.servo()));
     0
 }
 
 #[inline(never)]
-fn bare<R: Real, P: Integer>(cycle: &Cycle<'_, R, P>) -> u32 {
+fn bare<R: Real, P: Integer>(cycle: &PreparedCycle<'_, R, P>) -> u32 {
     let memory = &mut *cycle.machine.memory.borrow_mut();
     let on = cycle.path.on(cycle.reference);
     cycle.servo().step_into(&mut memory.bare, &cycle.input, on, (), &mut memory.output);
@@ -211,7 +211,7 @@ fn bare<R: Real, P: Integer>(cycle: &Cycle<'_, R, P>) -> u32 {
 }
 
 #[inline(never)]
-fn volumetric<R: Real, P: Integer>(cycle: &Cycle<'_, R, P>) -> u32 {
+fn volumetric<R: Real, P: Integer>(cycle: &PreparedCycle<'_, R, P>) -> u32 {
     let memory = &mut *cycle.machine.memory.borrow_mut();
     let servo = &cycle.machine.all_terms[usize::from(cycle.all_exchanged)];
     let on = cycle.path.on(cycle.reference);
@@ -220,7 +220,7 @@ fn volumetric<R: Real, P: Integer>(cycle: &Cycle<'_, R, P>) -> u32 {
 }
 
 #[inline(never)]
-fn gauged<R: Real, P: Integer>(cycle: &Cycle<'_, R, P>) -> u32 {
+fn gauged<R: Real, P: Integer>(cycle: &PreparedCycle<'_, R, P>) -> u32 {
     let memory = &mut *cycle.machine.memory.borrow_mut();
     let mut ride = GaugeRide::new(cycle.machine.gauge, &mut memory.gauge, &cycle.probes);
     let on = cycle.path.on(cycle.reference);
@@ -230,7 +230,7 @@ fn gauged<R: Real, P: Integer>(cycle: &Cycle<'_, R, P>) -> u32 {
 
 /// Ticks of each stage.
 #[inline(never)]
-fn stages<R: Real, P: Integer>(cycle: &Cycle<'_, R, P>) -> [u32; STAGES.len()] {
+fn stages<R: Real, P: Integer>(cycle: &PreparedCycle<'_, R, P>) -> [u32; STAGES.len()] {
     let memory = &mut *cycle.machine.memory.borrow_mut();
     let mut ticks = [0; STAGES.len()];
     let mut last = now();

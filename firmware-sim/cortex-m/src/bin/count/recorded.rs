@@ -1,7 +1,7 @@
 //! The whole step over the recording.
 
 use crate::arena::Arena;
-use crate::forms::{AXES, Cycle, FORMS, Machine, STAGES};
+use crate::forms::{AXES, FORMS, Machine, PreparedCycle, STAGES};
 use crate::middle::Middle;
 use cortex_m_semihosting::hprintln;
 use trueaxis::contour::Path;
@@ -19,7 +19,11 @@ pub fn recording() -> Recording<'static, AXES> {
 }
 
 /// Passes every cycle of the recording to `run`; the second tables are in force from the cycle that requests them.
-fn each<R: Real, P: Integer>(machine: &Machine<R, P>, arena: &mut Arena, mut run: impl FnMut(u32, &Cycle<'_, R, P>)) {
+fn each<R: Real, P: Integer>(
+    machine: &Machine<R, P>,
+    arena: &mut Arena,
+    mut run: impl FnMut(u32, &PreparedCycle<'_, R, P>),
+) {
     let recording = recording();
     let header = recording.header();
     let spans: &[_] = arena.collect(recording.path::<R, P>());

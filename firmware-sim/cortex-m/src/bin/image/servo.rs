@@ -7,7 +7,7 @@ use trueaxis::contour::Path;
 use trueaxis::exchange::Exchange;
 use trueaxis::{Bypass, Fault, GaugeRide, Input};
 use trueaxis_cortex_m::growth::Growths;
-use trueaxis_recording::{Cycle, Recording};
+use trueaxis_recording::{RecordedCycle, Recording};
 
 /// The step or bypass that runs in a cycle. Only the interrupt owns the state, which is large and never moved.
 #[allow(clippy::large_enum_variant)]
@@ -101,7 +101,7 @@ impl Servo {
 fn step(
     servo: &Loop,
     state: &mut LoopState,
-    cycle: &Cycle<AXES>,
+    cycle: &RecordedCycle<AXES>,
     path: &Path<'_, Scalar, Place>,
     produced: &mut Produced,
 ) {
@@ -112,7 +112,7 @@ fn step(
 fn step_with_gauge(
     servo: &Loop,
     state: &mut LoopState,
-    cycle: &Cycle<AXES>,
+    cycle: &RecordedCycle<AXES>,
     path: &Path<'_, Scalar, Place>,
     gauge: &mut Gauge,
     produced: &mut Produced,

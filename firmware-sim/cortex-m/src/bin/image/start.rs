@@ -4,7 +4,7 @@ use crate::board::Uart;
 use crate::leave;
 use crate::scalars::{AXES, GaugePlan, GaugeState, Loop, Piece, Scalar};
 use crate::servo::{Gauge, Produced, Running, Servo};
-use crate::tables::{self, MEMORY, Refused};
+use crate::tables::{self, MEMORY, TablesRefusal};
 use crate::telemetry::Telemetry;
 use crate::warming::ThermalTask;
 use heapless::Vec;
@@ -77,7 +77,7 @@ impl Spare {
     }
 }
 
-fn say(which: &str, refused: &Refused) {
+fn say(which: &str, refused: &TablesRefusal) {
     let fault = refused.fault();
     defmt::error!(
         "tables {=str} refused: fault {=u8} {}, code {=u8}, {}",
@@ -178,9 +178,9 @@ fn loaded(
     period_ns: u32,
     first_ns: u32,
     with_gauge: bool,
-) -> Result<(Running, Option<Gauge>, Option<AxisOrder<AXES>>, u32), Refused> {
+) -> Result<(Running, Option<Gauge>, Option<AxisOrder<AXES>>, u32), TablesRefusal> {
     let tables = tables::build(regions::tables_a(), machine_id, period_ns, MEMORY_A.take())?;
-    let period = Refused::Period { found: first_ns, configured: period_ns };
+    let period = TablesRefusal::Period { found: first_ns, configured: period_ns };
     tables.servo.check_period(first_ns).map_err(|_| period)?;
     let state = tables.servo.start();
     let plan = if with_gauge { tables::gauge(&tables.file, period_ns)? } else { None };

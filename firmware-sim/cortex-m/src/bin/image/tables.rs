@@ -11,7 +11,7 @@ pub const MEMORY: usize = 6 * 1024;
 
 /// Reason for refusing tables.
 #[derive(Clone, Copy, Debug, Format)]
-pub enum Refused {
+pub enum TablesRefusal {
     /// Defect of the file.
     File(TcompError),
     /// The tables need more scalars than [`MEMORY`].
@@ -24,30 +24,30 @@ pub enum Refused {
     Config(ConfigError),
 }
 
-impl Refused {
+impl TablesRefusal {
     /// Fault reported in every record.
     pub fn fault(&self) -> Fault {
         match self {
-            Refused::Capacity { .. } | Refused::Points(_) => Fault::CapacityTooSmall,
-            Refused::Period { .. } => Fault::PeriodMismatch,
-            Refused::File(_) | Refused::Config(_) => Fault::TablesRefused,
+            TablesRefusal::Capacity { .. } | TablesRefusal::Points(_) => Fault::CapacityTooSmall,
+            TablesRefusal::Period { .. } => Fault::PeriodMismatch,
+            TablesRefusal::File(_) | TablesRefusal::Config(_) => Fault::TablesRefused,
         }
     }
 
     /// The file's code (see the format's table of refusals), 0 if the file is not to blame.
     pub fn code(&self) -> u8 {
         match self {
-            Refused::File(error) => error.code(),
+            TablesRefusal::File(error) => error.code(),
             _ => 0,
         }
     }
 }
 
-impl From<ConfigError> for Refused {
+impl From<ConfigError> for TablesRefusal {
     fn from(error: ConfigError) -> Self {
         match error.field {
-            Field::Points => Refused::Points(error),
-            _ => Refused::Config(error),
+            Field::Points => TablesRefusal::Points(error),
+            _ => TablesRefusal::Config(error),
         }
     }
 }
@@ -71,12 +71,12 @@ pub fn build(
     machine_id: u32,
     period_ns: u32,
     memory: &'static mut [Scalar; MEMORY],
-) -> Result<Tables, Refused> {
-    let file = Tcomp::parse(bytes).map_err(Refused::File)?;
-    file.expect_machine(machine_id).map_err(Refused::File)?;
+) -> Result<Tables, TablesRefusal> {
+    let file = Tcomp::parse(bytes).map_err(TablesRefusal::File)?;
+    file.expect_machine(machine_id).map_err(TablesRefusal::File)?;
     let used = file.requirement();
     if used > MEMORY {
-        return Err(Refused::Capacity { needed: used });
+        return Err(TablesRefusal::Capacity { needed: used });
     }
     let servo = Loop::load(&file, period_ns, memory)?;
     Ok(Tables { servo, file, used })
@@ -86,6 +86,6 @@ pub fn build(
 ///
 /// # Errors
 /// The number of points differs from this image's, or the gauge cannot be built from the settings.
-pub fn gauge(file: &Tcomp<'_>, period_ns: u32) -> Result<Option<GaugePlan>, Refused> {
+pub fn gauge(file: &Tcomp<'_>, period_ns: u32) -> Result<Option<GaugePlan>, TablesRefusal> {
     Ok(file.gauge(period_ns)?)
 }

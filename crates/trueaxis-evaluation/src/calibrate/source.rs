@@ -1,0 +1,77 @@
+//! The origin of a network, for the words of its refusals.
+
+use super::observed::Observed;
+use super::plan::Plan;
+use super::task::Task;
+use anyhow::anyhow;
+use std::path::{Path, PathBuf};
+use trueaxis_metrology::calibration::CalibrationRefusal;
+use trueaxis_tables::error::FileError;
+
+/// The log, with the names that errors need.
+pub(super) struct Source<'s> {
+    pub(super) task: &'s Task,
+    pub(super) plan: &'s Plan,
+    pub(super) file: &'s Path,
+    pub(super) lines: Vec<u32>,
+}
+
+impl Source<'_> {
+    pub(super) fn error(&self, line: Option<u32>, found: impl ToString, needed: impl ToString) -> anyhow::Error {
+        let file: PathBuf = self.file.into();
+        FileError { file, line, column: None, found: found.to_string(), needed: needed.to_string() }.into()
+    }
+
+    pub(super) fn line(&self, touch: usize) -> Option<u32> {
+        self.lines.get(touch).copied()
+    }
+
+    pub(super) fn refused(&self, observed: &Observed, refused: CalibrationRefusal) -> anyhow::Error {
+        match refused {
+            CalibrationRefusal::NotApart { combinations } => {
+                let sentences: Vec<String> = combinations.iter().map(|parts| words(parts, observed)).collect();
+                let one = sentences.first().cloned().unwrap_or_default();
+                let more = match sentences.len() {
+                    0 | 1 => String::new(),
+                    2 => String::from(", and one more combination"),
+                    count => format!(", and {} more combinations", count - 1),
+                };
+                let found = format!("a set-up that cannot {one}{more}");
+                let needed = "artefacts or places that do (a known size along each of them, a ball for the tip's radius, a \
+                              reversal), or fewer unknowns in [solve]";
+                let file = self.task.file.clone();
+                FileError { file, line: None, column: None, found, needed: needed.into() }.into()
+            }
+            CalibrationRefusal::Unsettled { touch, residual_mm } => {
+                let found = format!("touch {} {residual_mm:.3} mm off {}", touch + 1, self.name(touch));
+                self.error(self.line(touch), found, "touches on the artefact that the task names")
+            }
+            CalibrationRefusal::NotFinite { touch } => {
+                self.error(self.line(touch), "a position that is not a number", "numbers")
+            }
+            refused => anyhow!("{}: {refused}", self.task.file.display()),
+        }
+    }
+
+    pub(super) fn name(&self, touch: usize) -> String {
+        let of = self.plan.touches.get(touch).and_then(|touch| self.task.artefacts.get(touch.artefact));
+        of.map_or(String::new(), |artefact| artefact.name.clone())
+    }
+}
+
+/// Describes a combination in words, the machine's terms first.
+fn words(parts: &[(usize, f64)], observed: &Observed) -> String {
+    let mut parts = parts.to_vec();
+    trueaxis_metrology::order::sort_by_number(&mut parts, |one| -one.1.abs());
+    // Places only follow the terms: they are named only if nothing else can be.
+    let sizes: Vec<&(usize, f64)> = parts.iter().filter(|(index, _)| observed.is_term_or_size(*index)).collect();
+    let said = if sizes.is_empty() { parts.iter().collect() } else { sizes };
+    let names: Vec<&str> =
+        said.iter().take(6).filter_map(|(index, _)| observed.names.get(*index).map(String::as_str)).collect();
+    let more = if said.len() > 6 { " and others" } else { "" };
+    match names.split_last() {
+        Some((last, [])) => format!("determine {last}, which no touch sees"),
+        Some((last, rest)) => format!("separate {} and {last}{more}", rest.join(", ")),
+        None => String::new(),
+    }
+}
