@@ -137,7 +137,7 @@ STEPS = [
     Step("ROS 2 control", "integrations/ros2/test.sh", BUILDS),
     Step("packages", """
         cargo package --workspace --exclude trueaxis-tests --exclude trueaxis-benches --exclude trueaxis-testing \\
-            --exclude trueaxis-linuxcnc --exclude trueaxis-desk --exclude trueaxis-fuzz --exclude trueaxis-py --no-verify --allow-dirty
+            --exclude trueaxis-desk --exclude trueaxis-fuzz --exclude trueaxis-py --no-verify --allow-dirty
         """, ("tools",)),
     Step("the two commands of the README", COMMANDS, ("commands",)),
     Step("format and circles of files", """

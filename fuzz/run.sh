@@ -30,8 +30,9 @@ fi
 host=$(rustc -vV | sed -n 's/^host: //p')
 flags="-Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-level=4 -Cllvm-args=-sanitizer-coverage-inline-8bit-counters"
 flags="$flags -Cllvm-args=-sanitizer-coverage-pc-table -Cllvm-args=-sanitizer-coverage-trace-compares"
-RUSTFLAGS="$flags" cargo "+$nightly" build -q --release --manifest-path "$here/libfuzzer/Cargo.toml" --target "$host"
-attack=$here/libfuzzer/target/$host/release/attack
+RUSTFLAGS="$flags" cargo "+$nightly" build -q --profile fuzz --manifest-path "$here/Cargo.toml" --target "$host" \
+    --features libfuzzer --bin attack
+attack=$built/$host/fuzz/attack
 
 work=$here/findings/work
 rm -rf "$work/seeds"

@@ -13,7 +13,7 @@ const record = path.join(folder, "record.csv");
 let simulated;
 
 before(async () => {
-  simulated = await sim(["friction", "--json", ...CIRCLES, "--record", record]);
+  simulated = await sim(["friction", "--json", ...CIRCLES, "-o", record]);
 });
 after(async () => {
   fs.rmSync(folder, { recursive: true });

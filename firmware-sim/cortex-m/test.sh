@@ -74,7 +74,7 @@ compare() {
     # Friction, feedback and everything else that acts on the servo: fewer cycles suffice. Single precision is not compared
     # with double there: a reversal seen a cycle apart starts lost motion a cycle apart, in more than one of 1,000 cycles.
     [[ $run != dynamic ]] || with=(--machine machine/dynamic.toml --cycles 6000)
-    timeout 900 "$simulator" compare --json --core "$core" "--image-$core" "$(elf "$core")" --folder "$work/$run" \
+    timeout 900 "$simulator" compare --json --core "$core" "--image-$core" "$(elf "$core")" --output "$work/$run" \
         --program short-tour --rate-hz 1000 --drill "${with[@]}" >"$work/$run-$core.json" || [[ $run == dynamic ]]
     defmt-print -e "$(elf "$core")" <"$work/$run/$core/defmt.bin" >"$work/$run/$core/log.txt"
 }
@@ -121,7 +121,7 @@ done
 say 'the recording that every host replays'
 hosts=$repository/tests/hosts
 for core in "${cores[@]}"; do
-    timeout 900 "$simulator" compare --json --core "$core" "--image-$core" "$(elf "$core")" --folder "$work/hosts" \
+    timeout 900 "$simulator" compare --json --core "$core" "--image-$core" "$(elf "$core")" --output "$work/hosts" \
         --machine "$hosts/machine" --program "$hosts/path.ngc" --origin-mm 0,0,0 --rate-hz 1000 >"$work/hosts-$core.json" ||
         # Only the contour error may differ: near this path's corners single precision finds another foot.
         [[ $? == 1 ]]

@@ -4,9 +4,12 @@ use crate::console::{counting_bar, put};
 use crate::given::{text_or, up_to};
 use anyhow::{Result, bail};
 use clap::Args;
-use firmware_sim::calibration::{Conditions, FIVE_AXES, MILL, Machines, Summary, TaskText, all, page, summary};
+use firmware_sim::report::calibration::page;
 use std::fmt::Write;
 use std::path::PathBuf;
+use trueaxis_evaluation::simulated::calibration::{
+    Conditions, FIVE_AXES, MILL, Machines, Summary, TaskText, all, summary,
+};
 use trueaxis_report::number::significant;
 use trueaxis_sim::calibration::Class;
 use trueaxis_tables::output::Outputs;
@@ -27,7 +30,7 @@ More examples:
   firmware-sim calibrate --machines 50 --angle-urad 10
   # Step gauges and a square that is turned over:
   firmware-sim calibrate --machines 40 \\
-      --task firmware-sim/src/calibration/gauge-and-square.toml";
+      --task crates/trueaxis-evaluation/src/simulated/gauge-and-square.toml";
 
 /// Arguments of `calibrate`.
 #[derive(Args)]

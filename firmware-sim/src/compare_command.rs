@@ -58,8 +58,8 @@ pub(crate) struct CompareArgs {
     #[arg(long, value_name = "ELF")]
     image_m7: Option<PathBuf>,
     /// Folder for tables, recording and the data that the images send.
-    #[arg(long, value_name = "DIR", default_value = "target/compare")]
-    folder: PathBuf,
+    #[arg(short, long, alias = "folder", value_name = "DIR", default_value = "target/compare")]
+    output: PathBuf,
     /// Print one JSON document and nothing else.
     #[arg(long)]
     json: bool,
@@ -87,7 +87,7 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<bool> {
     let images = [&args.image_m4f, &args.image_m7].into_iter().flatten().map(PathBuf::as_path);
     let warming = [&args.growth, &args.temperatures].into_iter().flatten().map(PathBuf::as_path);
     let outputs = outputs_of(machines, images.chain(args.scenario.files()).chain(warming));
-    for file in Inputs::files(&args.folder).into_iter().chain(args.report.iter().map(|dir| dir.join("compare.html"))) {
+    for file in Inputs::files(&args.output).into_iter().chain(args.report.iter().map(|dir| dir.join("compare.html"))) {
         outputs.refuse_input(&file)?;
     }
     let scenario = Arc::new(prepare(&args.scenario, &[])?);
@@ -123,13 +123,13 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<bool> {
             Some(elf) => elf.clone(),
             None => {
                 report_line(format_args!("building the image for {}", core.title()));
-                image::build(core, &std::path::absolute(args.folder.join("build").join(core.name()))?)?
+                image::build(core, &std::path::absolute(args.output.join("build").join(core.name()))?)?
             }
         };
         images.push((core, elf));
     }
     let images: Vec<(Core, &Path)> = images.iter().map(|(core, elf)| (*core, elf.as_path())).collect();
-    let outcome = inputs.compare(&images, &args.folder)?;
+    let outcome = inputs.compare(&images, &args.output)?;
     let page = match &args.report {
         Some(dir) => Some(
             report::compare::write(&outcome, dir).with_context(|| format!("cannot write into {}", dir.display()))?,

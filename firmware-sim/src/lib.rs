@@ -15,10 +15,8 @@
 #![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr))]
 
 pub mod bench;
-pub mod calibration;
 pub mod compare;
 pub mod figures;
-pub mod keeping;
 pub mod latency;
 pub mod learning_record;
 pub mod outcome;

@@ -1,8 +1,8 @@
 //! Simulated calibrations by step gauge, square and ball plate, compared with the random machine's true errors.
 
-use firmware_sim::calibration::{BALL_PLATE, Conditions, GAUGE_AND_SQUARE, MILL, run, three_axes};
 use std::path::Path;
 use trueaxis_evaluation::calibrate::{CalibrationDocument, Task};
+use trueaxis_evaluation::simulated::calibration::{BALL_PLATE, Conditions, GAUGE_AND_SQUARE, MILL, run, three_axes};
 use trueaxis_sim::calibration::{Class, random_machine};
 use trueaxis_tables::Machine;
 

@@ -1,6 +1,6 @@
 //! Simulated calibrations from probe to table.
 
-use firmware_sim::calibration::{Conditions, FIVE_AXES, MILL, all, five_axes, summary, three_axes};
+use trueaxis_evaluation::simulated::calibration::{Conditions, FIVE_AXES, MILL, all, five_axes, summary, three_axes};
 use trueaxis_sim::calibration::Class;
 
 #[test]

@@ -9,6 +9,26 @@ fn json(arguments: &[&str]) -> Value {
     Folder::new(SIMULATOR).json(arguments)
 }
 
+/// What a command writes is `-o` in all of them, and `--output` is the same.
+#[test]
+fn every_output_has_both_its_names() {
+    let folder = Folder::new(SIMULATOR);
+    let with_output = ["compare", "friction", "learn", "record", "replay"];
+    for command in with_output {
+        let help = folder.good(&[command, "--help"]);
+        assert!(help.lines().any(|line| line.trim_start().starts_with("-o, --output ")), "{help}");
+    }
+    let help = folder.good(&["--help"]);
+    let all = help.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
+    let names = all.filter_map(|line| line.strip_prefix("  ").filter(|line| !line.starts_with(' ')));
+    let all: Vec<_> = names.filter_map(|line| line.split(' ').next()).filter(|name| *name != "help").collect();
+    assert!(with_output.iter().all(|command| all.contains(command)), "{help}");
+    for command in all.iter().filter(|command| !with_output.contains(command)) {
+        let help = folder.good(&[command, "--help"]);
+        assert!(!help.contains("  -o") && !help.contains("--output"), "{help}");
+    }
+}
+
 fn size(run: &Value, which: &str, what: &str) -> f64 {
     run["contour_error_um"][which][what].as_f64().unwrap()
 }

@@ -30,7 +30,7 @@ fn an_input_is_never_written() {
         fs::remove_file(folder.join("hard")).unwrap();
     }
     folder.write("recording.rec", folder.read("trace.csv"));
-    folder.bad(&["compare", "--machine", "machine.toml", "--program", "recording.rec", "--folder", "."], &[NEVER]);
+    folder.bad(&["compare", "--machine", "machine.toml", "--program", "recording.rec", "-o", "."], &[NEVER]);
 }
 
 /// The trace appears at its path only when the run is over.

@@ -14,7 +14,7 @@ fn figures(axis: &Value, key: &str) -> [f64; 3] {
 #[test]
 fn spikes_are_gone_with_the_friction_and_the_drive_that_were_found() {
     let folder = Folder::new(SIMULATOR);
-    let found = folder.json(&[&CALL[..], &["--record", "record.csv"]].concat());
+    let found = folder.json(&[&CALL[..], &["-o", "record.csv"]].concat());
     for axis in found["axes"].as_array().unwrap() {
         assert_eq!(axis["drive_found"], true);
         // The simulated position loop is sampled at the servo period and uses readings with encoder errors: in addition to its

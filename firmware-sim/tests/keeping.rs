@@ -1,6 +1,7 @@
 //! Simulated shifts of machines that re-probe balls and update their tables.
 
-use firmware_sim::keeping::{FIVE_AXES, MILL, Outcome, Shift, page};
+use firmware_sim::report::keeping::page;
+use trueaxis_evaluation::simulated::keeping::{FIVE_AXES, MILL, Outcome, Shift};
 
 fn shift(seed: u64, five_axes: bool, parts: u32, hit: Option<u32>) -> Outcome {
     let task = if five_axes { FIVE_AXES } else { MILL }.to_owned();

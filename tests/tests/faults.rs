@@ -96,7 +96,7 @@ fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
 fn lines() -> Vec<(String, String)> {
     let root = root();
     let mut files = Vec::new();
-    for folder in ["crates", "firmware-sim", "integrations/linuxcnc/recordings", "desk/wasm"] {
+    for folder in ["crates", "firmware-sim", "desk/wasm"] {
         sources(&root.join(folder), &mut files);
     }
     assert!(files.len() > 300, "{} files", files.len());

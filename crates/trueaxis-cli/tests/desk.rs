@@ -7,14 +7,14 @@ const TRUEAXIS: &str = env!("CARGO_BIN_EXE_trueaxis");
 #[test]
 #[cfg(not(feature = "desk"))]
 fn without_the_page_it_says_how_to_get_it() {
-    for arguments in [&["desk"][..], &["desk", "--write", "desk.html"]] {
+    for arguments in [&["desk"][..], &["desk", "-o", "desk.html"]] {
         Folder::new(TRUEAXIS).bad(arguments, &["built without the page", "desk/build.sh", "--features desk"]);
     }
 }
 
 #[test]
 fn a_port_has_no_meaning_for_a_file() {
-    Folder::new(TRUEAXIS).bad(&["desk", "--port", "9000", "--write", "desk.html"], &["cannot be used with"]);
+    Folder::new(TRUEAXIS).bad(&["desk", "--port", "9000", "--output", "desk.html"], &["cannot be used with"]);
     Folder::new(TRUEAXIS).bad(&["desk", "--port", "70000"], &["70000"]);
 }
 
@@ -228,7 +228,7 @@ mod served {
     #[test]
     fn the_page_is_written_as_it_is() {
         let folder = Folder::new(TRUEAXIS);
-        assert_eq!(folder.good(&["desk", "--write", "desk.html"]), "");
+        assert_eq!(folder.good(&["desk", "-o", "desk.html"]), "");
         assert_eq!(fs::read(folder.join("desk.html")).unwrap(), page());
         folder.bad(&["desk", "--write", TRUEAXIS], &["an input is never written"]);
     }

@@ -37,6 +37,8 @@ pub mod response;
 pub mod roundness;
 pub mod rows;
 pub mod shown;
+#[cfg(feature = "simulated")]
+pub mod simulated;
 pub mod thermal;
 pub mod thermal_test;
 pub mod uncertainty;

@@ -2,6 +2,7 @@
 #![forbid(unsafe_code)]
 
 pub mod colour;
+pub mod columnar;
 mod deviations;
 mod draw;
 mod error_bars;

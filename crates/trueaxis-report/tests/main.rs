@@ -1,4 +1,5 @@
-//! Pages and figures.
+//! Pages, figures, tables of data.
 
+mod columnar;
 mod pages;
 mod thinning;

@@ -25,7 +25,7 @@ More examples:
   # Friction alone, with the drives' figures that the machine states:
   firmware-sim friction --given-drive --json
   # The record, on the bench:
-  firmware-sim friction --record record.csv
+  firmware-sim friction -o record.csv
   trueaxis friction record.csv --axes X,Y";
 
 /// Arguments of `friction`.
@@ -52,8 +52,8 @@ pub(crate) struct FrictionArgs {
     #[arg(long)]
     given_drive: bool,
     /// Write the first record, for `trueaxis friction`.
-    #[arg(long, value_name = "RECORD.csv")]
-    record: Option<PathBuf>,
+    #[arg(short, long, alias = "record", value_name = "RECORD.csv")]
+    output: Option<PathBuf>,
     /// Print one JSON document and nothing else.
     #[arg(long)]
     json: bool,
@@ -76,7 +76,7 @@ pub(crate) fn friction(args: &FrictionArgs) -> Result<()> {
     let settings = args.settings.settings(&ActArgs::default())?;
     let machine = read_machine("--machine", &args.machine)?;
     let mut outputs = outputs_of([args.machine.as_path()], args.settings.scenario.as_deref());
-    if let Some(file) = &args.record {
+    if let Some(file) = &args.output {
         outputs.refuse_input(file)?;
     }
     let stated = circles.axes().map(|axis| machine.settings.axis(axis).and_then(|own| own.servo.drive));
@@ -84,7 +84,7 @@ pub(crate) fn friction(args: &FrictionArgs) -> Result<()> {
 
     let bar = progress_bar("recording");
     let before = recorded(Recorder::new(&circles, machine.clone(), settings.clone(), Kind::Compensated)?, &bar);
-    if let Some(file) = &args.record {
+    if let Some(file) = &args.output {
         outputs.put(file, before.csv().as_bytes())?;
         outputs.commit()?;
     }

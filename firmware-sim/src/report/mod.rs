@@ -7,12 +7,14 @@
 //! section needs its data in [`Report`] and an entry there.
 
 pub mod ball_test;
+pub mod calibration;
 mod circle;
 pub mod compare;
 mod contour;
 mod correction;
 mod data;
 pub mod grinding;
+pub mod keeping;
 mod latency;
 mod orientation;
 mod path;

@@ -9,6 +9,21 @@ use anyhow::{Context, Result, bail};
 use crate::list::Mutant;
 use crate::rewrite::{RefusedMutants, Rewritten, rewrite};
 
+/// The switch crate: which mutant is on.
+const SWITCH: &str = include_str!("../switch.rs");
+/// Its manifest, with a workspace of its own beside the copy.
+const SWITCH_MANIFEST: &str = "\
+[package]
+name = \"mutant-switch\"
+version = \"0.1.0\"
+edition = \"2024\"
+
+[lib]
+path = \"lib.rs\"
+
+[workspace]
+";
+
 /// Folders of the campaign.
 pub struct Scratch {
     pub root: PathBuf,
@@ -58,10 +73,8 @@ impl Scratch {
             let Ok(content) = std::fs::read(self.root.join(name)) else { continue };
             write(&self.workspace.join(name), &adapted(name, content, self.switch))?;
         }
-        let switch = self.root.join("tests/mutants/switch");
-        for name in ["Cargo.toml", "src/lib.rs"] {
-            write(&self.file(self.switch).join(name), &std::fs::read(switch.join(name))?)?;
-        }
+        write(&self.file(self.switch).join("Cargo.toml"), SWITCH_MANIFEST.as_bytes())?;
+        write(&self.file(self.switch).join("lib.rs"), SWITCH.as_bytes())?;
         self.write(rewritten)
     }
 

@@ -61,7 +61,7 @@ pub(crate) struct PlanArgs {
     #[arg(value_name = "TASK.toml")]
     task: PathBuf,
     /// The program [default: standard output].
-    #[arg(short, value_name = "probe.ngc")]
+    #[arg(short, long, value_name = "probe.ngc")]
     output: Option<PathBuf>,
     /// Print one JSON document with the expected standard error of every term.
     #[arg(long, requires = "output")]
@@ -79,6 +79,7 @@ pub(crate) struct SolveArgs {
     /// Folder to write the machine with the errors found into: the task's own, or one without a machine.toml.
     #[arg(
         short,
+        long,
         value_name = "MACHINE_DIR",
         required_unless_present = "dry_run",
         help_heading = "Writing into a machine"

@@ -118,7 +118,7 @@ pub(crate) struct PlanArgs {
     #[arg(value_name = "KEEP.toml")]
     task: PathBuf,
     /// The program [default: standard output].
-    #[arg(short, value_name = "look.ngc")]
+    #[arg(short, long, value_name = "look.ngc")]
     output: Option<PathBuf>,
     /// Print one JSON document with the expected standard error of every term.
     #[arg(long, requires = "output")]

@@ -3,10 +3,10 @@
 //! Sizes are drawn within the stated standard uncertainty, once per artefact; positions and orientations deviate as in a
 //! manual set-up. The result is the true surfaces (blocks, balls and bores), which the solution never sees.
 
+use crate::calibrate::{Artefact as Described, Ideal, Kind, Place, Task};
 use anyhow::Result;
 use glam::{DMat3, DVec3};
 use trueaxis::machine::Axis;
-use trueaxis_evaluation::calibrate::{Artefact as Described, Ideal, Kind, Place, Task};
 use trueaxis_sim::calibration::Artefact;
 use trueaxis_tables::Machine;
 
@@ -23,15 +23,15 @@ const RELIEF: f64 = 0.01;
 
 /// Set-up errors of artefacts, standard deviations.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct SetUp {
+pub(in crate::simulated) struct SetUp {
     /// Position error in each direction, mm.
-    pub(crate) misplaced_mm: f64,
+    pub(in crate::simulated) misplaced_mm: f64,
     /// Misalignment about each direction, rad.
-    pub(crate) askew: f64,
+    pub(in crate::simulated) askew: f64,
 }
 
 /// All artefacts on the machine in every set-up of a task: the set-up's own artefact, and the reference in all of them.
-pub(crate) fn placed(
+pub(in crate::simulated) fn placed(
     task: &Task,
     nominal: &Machine,
     set_up: SetUp,

@@ -11,11 +11,10 @@
 //! The tables are exact at the start of the shift. The logs are the loop's only information about the true machine.
 
 mod drifting;
-mod page;
 
-pub use page::page;
-
-use crate::calibration::artefacts::{SetUp, placed};
+use super::calibration::artefacts::{SetUp, placed};
+use crate::calibrate::{Plan, perfect, program, read_log, trips};
+use crate::keep::{BallPlace, Before, Keep, Reprobing, begin, changes, evaluate, plan};
 use anyhow::{Result, anyhow};
 use drifting::Drifting;
 use glam::DVec3;
@@ -26,8 +25,6 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use trueaxis::machine::{AXES, Axis};
-use trueaxis_evaluation::calibrate::{Plan, perfect, program, read_log, trips};
-use trueaxis_evaluation::keep::{BallPlace, Before, KeepTask, Reprobing, begin, changes, evaluate, plan};
 use trueaxis_sim::calibration::{Artefact, Class, Host, Probing, execute, random_five_axis, random_machine, remaining};
 use trueaxis_sim::exchange::{Exchanged, in_motion};
 use trueaxis_tables::Machine;
@@ -35,9 +32,9 @@ use trueaxis_tables::files::Memory;
 use trueaxis_tables::formats::machine_files;
 
 /// The mill with three balls.
-pub const MILL: &str = include_str!("mill.toml");
+pub const MILL: &str = include_str!("../keep-mill.toml");
 /// The trunnion machine with one ball.
-pub const FIVE_AXES: &str = include_str!("five-axes.toml");
+pub const FIVE_AXES: &str = include_str!("../keep-five-axes.toml");
 
 /// Displacement of a ball that was hit, mm.
 const HIT_MM: f64 = 0.08;

@@ -3,17 +3,17 @@
 use std::path::Path;
 
 /// A ring of 150 mm and a ball of 25 mm in a mill of 500 × 400 × 300 mm: the ring flat in five positions, upright in eight.
-pub const MILL: &str = include_str!("mill.toml");
+pub const MILL: &str = include_str!("../mill.toml");
 
 /// A trunnion machine with the same artefacts: the ring for the linear axes, the ball in five positions with eighteen
 /// poses each.
-pub const FIVE_AXES: &str = include_str!("five-axes.toml");
+pub const FIVE_AXES: &str = include_str!("../five-axes.toml");
 
 /// The mill with two step gauges and a square of unknown angle, turned over in all three planes; a ball for the drift.
-pub const GAUGE_AND_SQUARE: &str = include_str!("gauge-and-square.toml");
+pub const GAUGE_AND_SQUARE: &str = include_str!("../gauge-and-square.toml");
 
 /// The mill with a ball plate, flat and upright.
-pub const BALL_PLATE: &str = include_str!("ball-plate.toml");
+pub const BALL_PLATE: &str = include_str!("../ball-plate.toml");
 
 /// The text of a task, and its file name for error messages.
 #[derive(Clone, Copy, Debug)]

@@ -61,7 +61,8 @@ extern "C" fn start() {
 extern "C" fn report() {
     let sites = REACHED.iter().enumerate().filter(|(_, reached)| reached.load(Relaxed) != 0);
     let text: String = sites.map(|(site, _)| format!("{site}\n")).collect();
-    let file = std::env::var_os("MUTANT_COVER").and_then(|path| OpenOptions::new().create(true).append(true).open(path).ok());
+    let file =
+        std::env::var_os("MUTANT_COVER").and_then(|path| OpenOptions::new().create(true).append(true).open(path).ok());
     if let Some(mut file) = file {
         let _ = file.write_all(text.as_bytes());
     }

@@ -8,7 +8,7 @@
 //!
 //! The log is the solution's only information about the true machine.
 
-pub(crate) mod artefacts;
+pub(super) mod artefacts;
 mod five_axes;
 mod refused;
 mod summary;
@@ -16,9 +16,10 @@ mod tasks;
 
 pub use five_axes::{FiveAxes, five_axes};
 pub use refused::RefusedMachine;
-pub use summary::{Machines, Summary, all, page, summary};
+pub use summary::{Machines, Summary, all, summary};
 pub use tasks::{BALL_PLATE, FIVE_AXES, GAUGE_AND_SQUARE, MILL, TaskText};
 
+use crate::calibrate::{Calibration, Dialect, Plan, Task, calibrate, perfect, program, read_log, trips};
 use anyhow::Result;
 use artefacts::SetUp;
 use rand_chacha::ChaCha8Rng;
@@ -26,7 +27,6 @@ use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use serde::Serialize;
 use std::path::Path;
-use trueaxis_evaluation::calibrate::{Calibration, Dialect, Plan, Task, calibrate, perfect, program, read_log, trips};
 use trueaxis_sim::calibration::{Class, Drift, Errors, Host, Probing, execute, random_machine, volumetric};
 use trueaxis_tables::Machine;
 use trueaxis_tables::files::Memory;

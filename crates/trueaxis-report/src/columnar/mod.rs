@@ -1,7 +1,7 @@
 //! Tables with named columns, written row by row as Apache Parquet or as CSV.
 //!
 //! ```
-//! use trueaxis_columns::{Column, Form, Kind, Value, Writer};
+//! use trueaxis_report::columnar::{Column, Form, Kind, Value, Writer};
 //!
 //! let columns = [Column::new("axis", Kind::Text), Column::new("error_um", Kind::Number)];
 //! let mut table = Writer::new(Vec::new(), Form::Csv, &columns)?;

@@ -1,6 +1,6 @@
 //! Apache Parquet, by arrow's crate.
 
-use crate::{Column, Kind, Value};
+use super::{Column, Kind, Value};
 use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical};
 use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int64Type};
 use parquet::errors::ParquetError;
@@ -20,14 +20,14 @@ enum Kept {
     Text(Vec<ByteArray>),
 }
 
-pub(crate) struct File<W: Write + Send> {
+pub(super) struct File<W: Write + Send> {
     out: SerializedFileWriter<W>,
     kept: Vec<Kept>,
     rows: usize,
 }
 
 impl<W: Write + Send> File<W> {
-    pub(crate) fn new(out: W, columns: &[Column]) -> io::Result<File<W>> {
+    pub(super) fn new(out: W, columns: &[Column]) -> io::Result<File<W>> {
         let fields = columns.iter().map(|column| {
             let (physical, logical) = match column.kind {
                 Kind::Number => (Physical::DOUBLE, None),
@@ -50,7 +50,7 @@ impl<W: Write + Send> File<W> {
     }
 
     /// The caller has compared the kinds.
-    pub(crate) fn put(&mut self, column: usize, value: Value<'_>) {
+    pub(super) fn put(&mut self, column: usize, value: Value<'_>) {
         match (&mut self.kept[column], value) {
             (Kept::Number(kept), Value::Number(value)) => kept.push(value),
             (Kept::Whole(kept), Value::Whole(value)) => kept.push(value),
@@ -59,7 +59,7 @@ impl<W: Write + Send> File<W> {
         }
     }
 
-    pub(crate) fn end_row(&mut self) -> io::Result<()> {
+    pub(super) fn end_row(&mut self) -> io::Result<()> {
         self.rows += 1;
         if self.rows == GROUP { self.write_group() } else { Ok(()) }
     }
@@ -80,7 +80,7 @@ impl<W: Write + Send> File<W> {
         Ok(())
     }
 
-    pub(crate) fn finish(mut self) -> io::Result<W> {
+    pub(super) fn finish(mut self) -> io::Result<W> {
         if self.rows > 0 {
             self.write_group()?;
         }

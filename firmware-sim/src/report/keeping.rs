@@ -1,7 +1,7 @@
 //! The HTML report of a shift.
 
-use super::{Outcome, Part};
 use maud::html;
+use trueaxis_evaluation::simulated::keeping::{Outcome, Part};
 use trueaxis_report::number::{quantity, significant};
 use trueaxis_report::{Figure, Page, Row, Scale, Stroke, Table, colour, summary};
 use trueaxis_tables::text::counted;
