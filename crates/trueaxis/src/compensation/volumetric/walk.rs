@@ -61,6 +61,90 @@ impl<R: Real> Side<R> {
     }
 }
 
+/// How far an axis has moved from zero.
+enum Moved<R> {
+    /// A slide, mm.
+    Slid(R),
+    /// A rotary axis: cosine and sine.
+    Turned((R, R)),
+}
+
+/// Where the walk reads the axes. A trait and not a closure, so that both places that read can be inlined.
+trait Axes<R> {
+    /// Twist of an axis, translations and rotations, and its position.
+    fn read(&mut self, carriage: &Carriage<R>) -> ((V3<R>, V3<R>), Moved<R>);
+}
+
+/// Twists and positions looked up before the walk.
+struct Twists<'q, R, const N: usize> {
+    twists: &'q [Twist<R>; N],
+    positions: &'q [R; N],
+    poses: &'q Poses<R, N>,
+}
+
+impl<R: Real, const N: usize> Axes<R> for Twists<'_, R, N> {
+    #[inline(always)]
+    fn read(&mut self, carriage: &Carriage<R>) -> ((V3<R>, V3<R>), Moved<R>) {
+        let slot = carriage.slot;
+        let (twist, q, pose) = match (self.twists.get(slot), self.positions.get(slot), self.poses.get(slot)) {
+            (Some(twist), Some(q), Some(pose)) => (*twist, *q, *pose),
+            _ => ([R::ZERO; 6], R::ZERO, (R::ONE, R::ZERO)),
+        };
+        (halves(twist), if carriage.axis.is_rotary() { Moved::Turned(pose) } else { Moved::Slid(q) })
+    }
+}
+
+/// Plain tables, read during the walk, plus the errors outside tables.
+struct PlainTables<'q, 'a, R: Real, P, const N: usize> {
+    model: &'q Volumetric<'a, R, P, N>,
+    query: &'q Query<'q, R, N>,
+    clamped: &'q mut u8,
+}
+
+impl<R: Real, P: Position, const N: usize> Axes<R> for PlainTables<'_, '_, R, P, N> {
+    #[inline(always)]
+    fn read(&mut self, carriage: &Carriage<R>) -> ((V3<R>, V3<R>), Moved<R>) {
+        let (slot, Volumetric { tables, origins, datum, squareness, .. }) = (carriage.slot, self.model);
+        let (Some(table), Some(at), Some(reverse), Some(line), Some(origin), Some(datum)) = (
+            tables.get(slot),
+            self.query.command.get(slot),
+            self.query.directions.get(slot),
+            self.query.thermal.get(slot),
+            origins.get(slot),
+            datum.get(slot),
+        ) else {
+            return ((V3::ZERO, V3::ZERO), Moved::Slid(R::ZERO));
+        };
+        let (twist, edge) = table.at_plain(*at, *reverse);
+        if edge {
+            *self.clamped |= 1 << (slot & 7);
+        }
+        let ((mut e, mut w), q, growth) = (halves(twist), *at + *origin, line.at(*at - *datum));
+        match carriage.axis {
+            Axis::X => e.x += growth,
+            Axis::Y => {
+                e.x += squareness.of_y(q);
+                e.y += growth;
+            }
+            Axis::Z => {
+                let [x_tilt, y_tilt] = squareness.of_z(q);
+                e.x += x_tilt;
+                e.y += y_tilt;
+                e.z += growth;
+            }
+            Axis::A => w.x += growth * R::of(RAD),
+            Axis::B => w.y += growth * R::of(RAD),
+            Axis::C => w.z += growth * R::of(RAD),
+        }
+        let moved = if carriage.axis.is_rotary() {
+            Moved::Turned(coarse_cos_sin_deg(q * carriage.motion))
+        } else {
+            Moved::Slid(q)
+        };
+        ((e, w), moved)
+    }
+}
+
 impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
     /// [`Volumetric::pose_error`] for plain tables: uses every twist as soon as it is read.
     #[inline(always)]
@@ -68,10 +152,7 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
         if N == 3 {
             return self.plain_slides(query, clamped);
         }
-        self.walk(
-            |carriage| self.read_plain(carriage, query, clamped),
-            |carriage, q| coarse_cos_sin_deg(q * carriage.motion),
-        )
+        self.walk(PlainTables { model: self, query, clamped })
     }
 
     /// Transfers the twists of all axes, plus the errors outside tables, to the tip.
@@ -109,90 +190,42 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
         if N == 3 {
             return self.sum_of_slides(&positions, &twists);
         }
-        self.walk(
-            |carriage| match (twists.get(carriage.slot), positions.get(carriage.slot)) {
-                (Some(twist), Some(q)) => (halves(*twist), *q),
-                _ => ((V3::ZERO, V3::ZERO), R::ZERO),
-            },
-            |carriage, _| poses.get(carriage.slot).copied().unwrap_or((R::ONE, R::ZERO)),
-        )
+        self.walk(Twists { twists: &twists, positions: &positions, poses })
     }
 
-    /// Walks both sides from their outer ends to the bed. `read` returns the twist and the position of an axis, `pose` the
-    /// cosine and sine of a rotary axis at its position.
+    /// Walks the twists of both sides from their outer ends to the bed.
     #[inline(always)]
-    fn walk(
-        &self,
-        mut read: impl FnMut(&Carriage<R>) -> ((V3<R>, V3<R>), R),
-        pose: impl Fn(&Carriage<R>, R) -> (R, R),
-    ) -> PoseError<R> {
+    fn walk(&self, mut axes: impl Axes<R>) -> PoseError<R> {
         let mut tool = Side { v: V3::ZERO, w: V3::ZERO };
         let mut tip = self.chain.tool;
         for carriage in self.chain.tool_side() {
-            let (twist, q) = read(carriage);
-            if carriage.axis.is_rotary() {
-                let pose = pose(carriage, q);
-                tip = tip.turned(about(carriage.axis), pose) + carriage.offset;
-                tool.turn(carriage, pose, twist);
-                continue;
-            }
-            tool.add(twist);
-            tool.slide(carriage.axis, q);
-            match about(carriage.axis) {
-                About::X => tip.x += q,
-                About::Y => tip.y += q,
-                About::Z => tip.z += q,
+            let (twist, moved) = axes.read(carriage);
+            match moved {
+                Moved::Turned(pose) => {
+                    tip = tip.turned(about(carriage.axis), pose) + carriage.offset;
+                    tool.turn(carriage, pose, twist);
+                }
+                Moved::Slid(q) => {
+                    tool.add(twist);
+                    tool.slide(carriage.axis, q);
+                    match about(carriage.axis) {
+                        About::X => tip.x += q,
+                        About::Y => tip.y += q,
+                        About::Z => tip.z += q,
+                    }
+                }
             }
         }
         let mut workpiece = Side { v: V3::ZERO, w: V3::ZERO };
         for carriage in self.chain.workpiece_side() {
-            let (twist, q) = read(carriage);
-            if carriage.axis.is_rotary() {
-                workpiece.turn(carriage, pose(carriage, q), twist);
-                continue;
+            let (twist, moved) = axes.read(carriage);
+            match moved {
+                Moved::Turned(pose) => workpiece.turn(carriage, pose, twist),
+                Moved::Slid(q) => workpiece.carry(carriage, q, twist),
             }
-            workpiece.carry(carriage, q, twist);
         }
         let w = tool.w + workpiece.w;
         PoseError { tip: (tool.v + workpiece.v + w.cross(tip)).glam(), orientation: w.glam() }
-    }
-
-    /// Twist, translations and rotations, and position of one axis from its plain table, plus the errors outside tables.
-    #[inline(always)]
-    fn read_plain(&self, carriage: &Carriage<R>, query: &Query<'_, R, N>, clamped: &mut u8) -> ((V3<R>, V3<R>), R) {
-        let slot = carriage.slot;
-        let (Some(table), Some(at), Some(reverse), Some(line), Some(origin), Some(datum)) = (
-            self.tables.get(slot),
-            query.command.get(slot),
-            query.directions.get(slot),
-            query.thermal.get(slot),
-            self.origins.get(slot),
-            self.datum.get(slot),
-        ) else {
-            return ((V3::ZERO, V3::ZERO), R::ZERO);
-        };
-        let (twist, edge) = table.at_plain(*at, *reverse);
-        if edge {
-            *clamped |= 1 << (slot & 7);
-        }
-        let ((mut e, mut w), q, growth) = (halves(twist), *at + *origin, line.at(*at - *datum));
-        match carriage.axis {
-            Axis::X => e.x += growth,
-            Axis::Y => {
-                e.x += self.squareness.of_y(q);
-                e.y += growth;
-            }
-            Axis::Z => {
-                let [x_tilt, y_tilt] = self.squareness.of_z(q);
-                e.x += x_tilt;
-                e.y += y_tilt;
-                e.z += growth;
-            }
-            Axis::A => w.x += growth * R::of(RAD),
-            Axis::B => w.y += growth * R::of(RAD),
-            Axis::C => w.z += growth * R::of(RAD),
-        }
-        ((e, w), q)
     }
 
     /// Without rotary axes the lever of every twist is the sum of the travels beyond it; the tool is in the tables.
