@@ -178,7 +178,7 @@ impl<R: Real> ContourSearch<R> {
         let mut along = Tangent::NONE;
         // A negative limit that no lag satisfies: never plain.
         let start = Start { guess: guess.t, window: self.max_lag, place: R::ZERO, max_lag: -R::ONE };
-        let seen = feet(path.span(guess.span)?, points.position, points.d, start, tip, encoder, &mut along);
+        let seen = feet(path.span(guess.span)?, points.position, points.d, &start, tip, encoder, &mut along);
         points.spent[0] += 2;
         points.spent[1] += u8::from(seen.tip());
         let (mut at_tip, at_encoder) = if sampled {
@@ -356,7 +356,7 @@ impl<R: Real, P: Position> Points<'_, '_, R, P> {
                 let mut along = Tangent::NONE;
                 // A negative limit that no lag satisfies: never plain.
                 let start = Start { guess: entry, window: self.window, place: R::ZERO, max_lag: -R::ONE };
-                let inside = feet(there, self.position, self.d, start, &mut to_tip, &mut to_encoder, &mut along);
+                let inside = feet(there, self.position, self.d, &start, &mut to_tip, &mut to_encoder, &mut along);
                 self.spent[0] += 2;
                 self.spent[1] += u8::from(inside.tip());
                 let second = Feet::of(beyond, inside, &along, &to_tip, &to_encoder);

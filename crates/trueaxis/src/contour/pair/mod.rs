@@ -135,7 +135,7 @@ impl<R: Real> ContourSearch<R> {
         }
         (state.place, state.tip.reference) = (place, reference);
         let start = Start { guess, window: window(progress), place, max_lag };
-        let seen = feet(span, position, d, start, tip, encoder, &mut state.along);
+        let seen = feet(span, position, d, &start, tip, encoder, &mut state.along);
         if !seen.plain() {
             let (from, along) = (Reference { span: number, t: guess }, state.along);
             return self.general_pair(state, on, position, d, from, start, seen, &along, tip, encoder);
