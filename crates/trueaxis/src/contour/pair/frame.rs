@@ -82,6 +82,14 @@ pub(super) struct Start<R> {
     pub(super) max_lag: R,
 }
 
+impl<R: Real> Start<R> {
+    /// A `max_lag` that no lag satisfies: the frame is never plain.
+    #[cfg_attr(feature = "fast", inline(always))]
+    pub(super) fn never_plain() -> R {
+        -R::ONE
+    }
+}
+
 /// Finds the feet of an encoder position and of the tip, `d` (mm) from it.
 #[cfg_attr(feature = "fast", inline(always))]
 pub(super) fn feet<R: Real, P: Position>(
