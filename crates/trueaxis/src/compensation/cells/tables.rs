@@ -179,3 +179,19 @@ impl<R: Real, P: Position> Tables<R, P> {
         passes
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_two_kinds_of_binding_are_equal_whatever_the_hash() {
+        for hash in [0, 1, 2, 3, 1 << 63, u64::MAX, u64::MAX - 1, !2, !(1 << 63)] {
+            let direct = Binding::direct(hash);
+            let all = [Binding::NONE, Binding::WITHOUT_CELLS, direct, direct.by_several_lookups()];
+            for (index, one) in all.iter().enumerate() {
+                assert_eq!(all.iter().position(|other| other == one), Some(index), "{hash:x}");
+            }
+        }
+    }
+}
