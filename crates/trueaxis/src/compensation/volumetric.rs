@@ -26,9 +26,9 @@
 
 #![deny(clippy::indexing_slicing)]
 
+mod cache;
 mod carriages;
 mod inverse;
-mod kept;
 mod key;
 mod slides;
 mod tangent;
@@ -47,10 +47,10 @@ use crate::part::{self, Part, Presence};
 use crate::position::Position;
 use crate::real::Real;
 use crate::vector::V3;
+pub(crate) use cache::{Cycle, TangentCache};
 use carriages::{Carriages, Poses, about};
 use inverse::Fade;
 pub(crate) use inverse::{LEAST_DETERMINANT, LEAST_FADE};
-pub(crate) use kept::{Cycle, Kept};
 
 /// Tables of a machine in the volumetric form, and its chain: immutable, built once.
 ///

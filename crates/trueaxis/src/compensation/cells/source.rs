@@ -1,7 +1,7 @@
 //! Refills the cells that an axis has left.
 
+use super::cache::{Cells, Point};
 use super::cell::{Cell, Window, plus, times};
-use super::kept::{Cells, Point};
 use super::tables::{Borders, Tables};
 use crate::compensation::grid::{Near, NearGrids};
 use crate::compensation::nine::NineTerms;
