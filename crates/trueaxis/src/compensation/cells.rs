@@ -16,12 +16,12 @@
 //! With grids, a cell also ends where the box ends in which their sum is one polynomial: an axis that stays in its cells
 //! stays in the box.
 
+mod cache;
 mod cell;
-mod kept;
 mod source;
 mod tables;
 
-pub(crate) use kept::Cells;
+pub(crate) use cache::Cells;
 pub(crate) use source::Source;
 pub(crate) use tables::Tables;
 

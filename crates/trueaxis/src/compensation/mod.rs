@@ -9,6 +9,7 @@ mod key;
 mod nine;
 mod query;
 mod reversal;
+mod squareness;
 mod table;
 mod thermal;
 pub mod trig;

@@ -18,6 +18,7 @@
 
 use super::query::Query;
 use super::reversal::Direction;
+use super::squareness::Squareness;
 use super::table::{AxisTable, Contribution, own_component, requirement_of_all};
 use super::thermal::ThermalLine;
 use super::trig::cos_sin_deg;
@@ -52,8 +53,7 @@ pub struct NineTerms<'a, R, P, const N: usize> {
     at_feedback: [(bool, bool); N],
     parents: [[Option<Parent<R>>; 2]; N],
     own: [usize; N],
-    /// C0Y, B0Z, A0Z.
-    pub(super) squareness: [R; 3],
+    pub(super) squareness: Squareness<R>,
     constant: [[R; 3]; N],
     pub(super) datum: [R; N],
     kind: Kind,
@@ -147,7 +147,7 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
             at_feedback: [(false, false); N],
             parents: [[None; 2]; N],
             own: axes.map(own_component),
-            squareness: [location.c0y, location.b0z, location.a0z].map(R::of),
+            squareness: Squareness::of(location),
             constant: [[R::ZERO; 3]; N],
             datum: [R::ZERO; N],
             kind: Kind::Any,
@@ -204,7 +204,8 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
     /// Calls `take` with every number that distinguishes these tables from others, for tables that can use cells.
     pub(crate) fn numbers(&self, mut take: impl FnMut(f64)) {
         self.tables.iter().for_each(|table| table.numbers(&mut take));
-        let scalars = self.squareness.iter().chain(&self.datum).chain(&self.origins);
+        let squareness = self.squareness.angles();
+        let scalars = squareness.iter().chain(&self.datum).chain(&self.origins);
         scalars.for_each(|number| take(number.to_f64()));
     }
 
@@ -342,10 +343,10 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
         for (((error, q), line), datum) in errors.iter_mut().zip(&position).zip(thermal).zip(&self.datum) {
             *error += line.at(*q - *datum);
         }
-        let [c0y, b0z, a0z] = self.squareness;
         if let ([_, y, z, ..], [dx, dy, ..]) = (&position[..], &mut errors[..]) {
-            *dx += b0z * *z - c0y * *y;
-            *dy += -(a0z * *z);
+            let [x_tilt, y_tilt] = self.squareness.error(*y, *z);
+            *dx += x_tilt;
+            *dy += y_tilt;
         }
     }
 

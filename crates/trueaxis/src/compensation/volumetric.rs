@@ -26,31 +26,31 @@
 
 #![deny(clippy::indexing_slicing)]
 
+mod cache;
 mod carriages;
 mod inverse;
-mod kept;
 mod key;
 mod slides;
 mod tangent;
+mod walk;
 
 use super::PoseError;
 use super::grid::{Grids, Sum};
 use super::query::Query;
 use super::reversal::Direction;
+use super::squareness::Squareness;
 use super::table::{AxisTable, requirement_of_all};
 use super::thermal::ThermalLine;
-use super::trig::coarse_cos_sin_deg;
 use crate::error::{ConfigError, Field};
-use crate::machine::{Axis, Lookup, MachineSettings};
-use crate::machine::{AxisOrder, Lines, Rows, Twist};
+use crate::machine::{Axis, AxisOrder, Lines, Lookup, MachineSettings, Rows, Twist};
 use crate::part::{self, Part, Presence};
 use crate::position::Position;
 use crate::real::Real;
-use crate::vector::{About, V3};
-use carriages::{Carriage, Carriages, Poses, about};
+use crate::vector::V3;
+pub(crate) use cache::{Cycle, TangentCache};
+use carriages::{Carriages, Poses, about};
 use inverse::Fade;
 pub(crate) use inverse::{LEAST_DETERMINANT, LEAST_FADE};
-pub(crate) use kept::{Cycle, Kept};
 
 /// Tables of a machine in the volumetric form, and its chain: immutable, built once.
 ///
@@ -64,8 +64,7 @@ pub struct Volumetric<'a, R, P, const N: usize> {
     /// Position of each table's origin from machine zero, and of the thermal datum from that origin.
     origins: [R; N],
     datum: [R; N],
-    /// C0Y, B0Z, A0Z.
-    squareness: [R; 3],
+    squareness: Squareness<R>,
     /// Location errors of the rotary axes.
     constant: [Twist<R>; N],
     /// Whether every table is equidistant, linear and looked up at the command, and no rotary axis is corrected.
@@ -94,55 +93,6 @@ pub struct Volumetric<'a, R, P, const N: usize> {
 #[inline(always)]
 fn halves<R: Real>([x, y, z, a, b, c]: Twist<R>) -> (V3<R>, V3<R>) {
     (V3::new(x, y, z), V3::new(a, b, c))
-}
-
-/// Twist of a side at the origin of the frame that the walk has reached.
-#[derive(Clone, Copy, Debug)]
-struct Side<R> {
-    v: V3<R>,
-    w: V3<R>,
-}
-
-impl<R: Real> Side<R> {
-    #[inline(always)]
-    fn add(&mut self, (e, w): (V3<R>, V3<R>)) {
-        self.v += e;
-        self.w += w;
-    }
-
-    /// Moves the point of reference against a travel along X, Y or Z: `v ← v − w × travel`.
-    #[inline(always)]
-    fn slide(&mut self, axis: Axis, travel: R) {
-        let V3 { x, y, z } = self.w;
-        match axis {
-            Axis::X | Axis::A => self.v -= V3::new(R::ZERO, z * travel, -(y * travel)),
-            Axis::Y | Axis::B => self.v -= V3::new(-(z * travel), R::ZERO, x * travel),
-            Axis::Z | Axis::C => self.v -= V3::new(y * travel, -(x * travel), R::ZERO),
-        }
-    }
-
-    /// A slide that carries the workpiece shifts everything further out by −q, and its own twist too unless that is
-    /// fixed.
-    #[inline(always)]
-    fn carry(&mut self, carriage: &Carriage<R>, q: R, twist: (V3<R>, V3<R>)) {
-        if carriage.fixed {
-            self.slide(carriage.axis, -q);
-            self.add(twist);
-        } else {
-            self.add(twist);
-            self.slide(carriage.axis, -q);
-        }
-    }
-
-    /// Moves from a rotary axis' frame into its carrier's and adds the axis' own twist.
-    #[inline(always)]
-    fn turn(&mut self, carriage: &Carriage<R>, pose: (R, R), (e, w): (V3<R>, V3<R>)) {
-        self.v = self.v.turned(about(carriage.axis), pose) + e;
-        self.w = self.w.turned(about(carriage.axis), pose) + w;
-        if carriage.is_offset {
-            self.v -= self.w.cross(carriage.offset);
-        }
-    }
 }
 
 impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
@@ -217,14 +167,13 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
         let upright = orientation.is_none() && !chain.turned;
         let width = slides::width(&chain.beyond, &bends);
         let curved = curved || chain.carries_itself();
-        let location = &machine.location;
         Ok(Volumetric {
             tables,
             at_feedback,
             own: axes.map(Axis::index),
             origins,
             datum,
-            squareness: [location.c0y, location.b0z, location.a0z].map(R::of),
+            squareness: Squareness::of(&machine.location),
             constant,
             plain,
             chain,
@@ -329,113 +278,6 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
         self.carried(query, &self.chain.poses(query.command), &twists)
     }
 
-    /// Without rotary axes the lever of every twist is the sum of the travels beyond it; the tool is in the tables.
-    #[inline(always)]
-    fn plain_slides(&self, query: &Query<'_, R, N>, clamped: &mut u8) -> PoseError<R> {
-        let Query { command: at, directions: reverse, thermal, .. } = *query;
-        let (mut d, mut orientation) = (V3::ZERO, V3::ZERO);
-        let mut q = [R::ZERO; 3];
-        for ((q, at), origin) in q.iter_mut().zip(at).zip(&self.origins) {
-            *q = *at + *origin;
-        }
-        let [qx, qy, qz] = q;
-        let mut bit = 1;
-        for (((table, [bx, by, bz]), at), reverse) in self.tables.iter().zip(&self.chain.beyond).zip(at).zip(reverse) {
-            let (twist, edge) = table.at_plain(*at, *reverse);
-            if edge {
-                *clamped |= bit;
-            }
-            bit <<= 1;
-            let (e, w) = halves(twist);
-            // Terms are added one by one, for processors with a multiply-add instruction.
-            let (x, y, z) = (*bx * qx, *by * qy, *bz * qz);
-            d = V3::new(d.x + e.x + w.y * z - w.z * y, d.y + e.y + w.z * x - w.x * z, d.z + e.z + w.x * y - w.y * x);
-            orientation += w;
-        }
-        let mut growth = [R::ZERO; 3];
-        for (((growth, at), line), datum) in growth.iter_mut().zip(at).zip(thermal).zip(&self.datum) {
-            *growth = line.at(*at - *datum);
-        }
-        let [c0y, b0z, a0z] = self.squareness;
-        d += V3::from(growth) + V3::new(b0z * qz - c0y * qy, -(a0z * qz), R::ZERO);
-        PoseError { tip: d.glam(), orientation: orientation.glam() }
-    }
-
-    /// Twist and position of one axis from its plain table, plus the errors outside tables.
-    #[inline(always)]
-    fn read_plain(&self, carriage: &Carriage<R>, query: &Query<'_, R, N>, clamped: &mut u8) -> (V3<R>, V3<R>, R) {
-        let slot = carriage.slot;
-        let (Some(table), Some(at), Some(reverse), Some(line), Some(origin), Some(datum)) = (
-            self.tables.get(slot),
-            query.command.get(slot),
-            query.directions.get(slot),
-            query.thermal.get(slot),
-            self.origins.get(slot),
-            self.datum.get(slot),
-        ) else {
-            return (V3::ZERO, V3::ZERO, R::ZERO);
-        };
-        let (twist, edge) = table.at_plain(*at, *reverse);
-        if edge {
-            *clamped |= 1 << (slot & 7);
-        }
-        let ((mut e, mut w), q, growth) = (halves(twist), *at + *origin, line.at(*at - *datum));
-        let [c0y, b0z, a0z] = self.squareness;
-        match carriage.axis {
-            Axis::X => e.x += growth,
-            Axis::Y => {
-                e.x -= c0y * q;
-                e.y += growth;
-            }
-            Axis::Z => {
-                e.x += b0z * q;
-                e.y -= a0z * q;
-                e.z += growth;
-            }
-            Axis::A => w.x += growth * R::of(core::f64::consts::PI / 180.0),
-            Axis::B => w.y += growth * R::of(core::f64::consts::PI / 180.0),
-            Axis::C => w.z += growth * R::of(core::f64::consts::PI / 180.0),
-        }
-        (e, w, q)
-    }
-
-    /// [`Volumetric::pose_error`] for plain tables: uses every twist as soon as it is read.
-    #[inline(always)]
-    fn plain_pose_error(&self, query: &Query<'_, R, N>, clamped: &mut u8) -> PoseError<R> {
-        if N == 3 {
-            return self.plain_slides(query, clamped);
-        }
-        let mut tool = Side { v: V3::ZERO, w: V3::ZERO };
-        let mut tip = self.chain.tool;
-        for carriage in self.chain.tool_side() {
-            let (e, w, q) = self.read_plain(carriage, query, clamped);
-            if carriage.axis.is_rotary() {
-                let pose = coarse_cos_sin_deg(q * carriage.motion);
-                tip = tip.turned(about(carriage.axis), pose) + carriage.offset;
-                tool.turn(carriage, pose, (e, w));
-                continue;
-            }
-            tool.add((e, w));
-            tool.slide(carriage.axis, q);
-            match about(carriage.axis) {
-                About::X => tip.x += q,
-                About::Y => tip.y += q,
-                About::Z => tip.z += q,
-            }
-        }
-        let mut workpiece = Side { v: V3::ZERO, w: V3::ZERO };
-        for carriage in self.chain.workpiece_side() {
-            let (e, w, q) = self.read_plain(carriage, query, clamped);
-            if carriage.axis.is_rotary() {
-                workpiece.turn(carriage, coarse_cos_sin_deg(q * carriage.motion), (e, w));
-                continue;
-            }
-            workpiece.carry(carriage, q, (e, w));
-        }
-        let w = tool.w + workpiece.w;
-        PoseError { tip: (tool.v + workpiece.v + w.cross(tip)).glam(), orientation: w.glam() }
-    }
-
     /// Twists of all axes from plain tables, at the command.
     #[inline(always)]
     fn look_up_plain(&self, query: &Query<'_, R, N>, twists: &mut [Twist<R>; N], clamped: &mut u8) {
@@ -485,98 +327,6 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
                 *clamped |= 1 << (slot & 7);
             }
         }
-    }
-
-    /// Transfers the twists of all axes, plus the errors outside tables, to the tip.
-    #[inline(always)]
-    fn carried(&self, query: &Query<'_, R, N>, poses: &Poses<R, N>, twists: &[Twist<R>; N]) -> PoseError<R> {
-        let Query { command: at, thermal, .. } = *query;
-        let mut twists = *twists;
-        let mut positions = [R::ZERO; N];
-        for (((twist, q), (at, origin)), ((line, datum), (constant, own))) in twists
-            .iter_mut()
-            .zip(&mut positions)
-            .zip(at.iter().zip(&self.origins))
-            .zip(thermal.iter().zip(&self.datum).zip(self.constant.iter().zip(&self.own)))
-        {
-            *q = *at + *origin;
-            let mut growth = line.at(*at - *datum);
-            if *own >= 3 {
-                growth = growth * R::of(core::f64::consts::PI / 180.0);
-                for (twist, constant) in twist.iter_mut().zip(constant) {
-                    *twist += *constant;
-                }
-            }
-            if let Some(own) = twist.get_mut(*own) {
-                *own += growth;
-            }
-        }
-        let [c0y, b0z, a0z] = self.squareness;
-        if let ([_, y, z, ..], [[x_error, ..], [x_error_of_z, y_error, ..], ..]) =
-            (&positions[..], twists.get_mut(1..).unwrap_or(&mut []))
-        {
-            *x_error += -(c0y * *y);
-            *x_error_of_z += b0z * *z;
-            *y_error += -(a0z * *z);
-        }
-        if N == 3 { self.sum_of_slides(&positions, &twists) } else { self.walk(&positions, poses, &twists) }
-    }
-
-    /// Without rotary axes the lever of every twist is the sum of the travels beyond it, and the tool is in the tables:
-    /// no walk.
-    #[inline(always)]
-    fn sum_of_slides(&self, positions: &[R; N], twists: &[Twist<R>; N]) -> PoseError<R> {
-        let (mut d, mut orientation) = (V3::ZERO, V3::ZERO);
-        if let [qx, qy, qz, ..] = positions.as_slice() {
-            for ([x, y, z, a, b, c], [bx, by, bz]) in twists.iter().zip(&self.chain.beyond) {
-                let w = V3::new(*a, *b, *c);
-                let lever = V3::new(*bx * *qx, *by * *qy, *bz * *qz);
-                d += V3::new(*x, *y, *z) + w.cross(lever);
-                orientation += w;
-            }
-        }
-        PoseError { tip: d.glam(), orientation: orientation.glam() }
-    }
-
-    /// Walks the twists of both sides from their outer ends to the bed.
-    #[inline(always)]
-    fn walk(&self, positions: &[R; N], poses: &Poses<R, N>, twists: &[Twist<R>; N]) -> PoseError<R> {
-        let of = |carriage: &Carriage<R>| match (
-            positions.get(carriage.slot),
-            twists.get(carriage.slot),
-            poses.get(carriage.slot),
-        ) {
-            (Some(q), Some(twist), Some(pose)) => (*q, *twist, *pose),
-            _ => (R::ZERO, [R::ZERO; 6], (R::ONE, R::ZERO)),
-        };
-        let mut tool = Side { v: V3::ZERO, w: V3::ZERO };
-        let mut tip = self.chain.tool;
-        for carriage in self.chain.tool_side() {
-            let (q, twist, pose) = of(carriage);
-            if carriage.axis.is_rotary() {
-                tool.turn(carriage, pose, halves(twist));
-                tip = tip.turned(about(carriage.axis), pose) + carriage.offset;
-                continue;
-            }
-            tool.add(halves(twist));
-            tool.slide(carriage.axis, q);
-            match carriage.axis {
-                Axis::X | Axis::A => tip.x += q,
-                Axis::Y | Axis::B => tip.y += q,
-                Axis::Z | Axis::C => tip.z += q,
-            }
-        }
-        let mut workpiece = Side { v: V3::ZERO, w: V3::ZERO };
-        for carriage in self.chain.workpiece_side() {
-            let (q, twist, pose) = of(carriage);
-            if carriage.axis.is_rotary() {
-                workpiece.turn(carriage, pose, halves(twist));
-                continue;
-            }
-            workpiece.carry(carriage, q, halves(twist));
-        }
-        let w = tool.w + workpiece.w;
-        PoseError { tip: (tool.v + workpiece.v + w.cross(tip)).glam(), orientation: w.glam() }
     }
 }
 

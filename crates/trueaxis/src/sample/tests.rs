@@ -6,7 +6,9 @@ mod model;
 
 use super::*;
 use crate::error::Field;
+use crate::machine::AxisOrder;
 use crate::position::Nanometres;
+use crate::real::Real;
 use crate::testing::machine::Machine;
 use crate::testing::noise::Noise;
 use crate::testing::share::share;

@@ -20,7 +20,7 @@ pub use measure::{Measure, OnToolPath};
 pub use state::{Output, Stage, State};
 pub use stateless::Conditions;
 
-use crate::compensation::volumetric::Kept;
+use crate::compensation::volumetric::TangentCache;
 use crate::compensation::{Cells, Compensation, NearGrids, Reversal, Tables, ThermalLine};
 use crate::contour::{ContourSearch, PairState};
 use crate::dynamic::{DynamicStage, DynamicState};
@@ -65,7 +65,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             homed: false,
             thermal: [ThermalLine::default(); N],
             cells: Cells::empty(),
-            poses: Kept::empty(),
+            poses: TangentCache::empty(),
             grids: NearGrids::empty(),
             feet: PairState::default(),
             output: OutputState::new(),

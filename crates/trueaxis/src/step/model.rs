@@ -1,10 +1,20 @@
 //! Model stage of a cycle: the wanted correction, and the error at the actual axis positions.
+//!
+//! | cycle | modelled by |
+//! |---|---|
+//! | active, nine terms by one lookup, no axis has reversed or left its cell | `model` itself, in the cached cells |
+//! | homed, nine terms, no axis has reversed, few enough cells are left to be filled | `model_in_refilled_cells` |
+//! | volumetric tables looked up at the command | `model_in_tangents` |
+//! | any other: a reversal, new tables or growth, too many cells left, tables without cells | `model_by_lookup` |
+//! | not homed, frozen or stopped | nothing |
+//!
+//! All but the first are out of line, behind `model_outside_cells`.
 
 #![deny(clippy::indexing_slicing)]
 
 use super::{ServoLoop, State};
 use crate::compensation::volumetric::Cycle;
-use crate::compensation::{CycleGrids, Direction, NineTerms, PASSES_MASK, Query, Reversal, Source};
+use crate::compensation::{CycleGrids, Direction, NineTerms, PASSES_MASK, Query, Reversal, Source, Volumetric};
 use crate::position::Position;
 use crate::real::Real;
 use crate::sample::{Sample, Verdict};
@@ -15,6 +25,15 @@ const REFILLS: u32 = 2;
 /// Cells filled per cycle with grids, at whose nodes cells end too: a lookup without cells then costs more than filling
 /// them.
 const REFILLS_WITH_GRIDS: u32 = 4;
+
+/// Where the inverse of a cycle starts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum InverseStart {
+    /// From no correction: takes as many lookups as configured.
+    Zero,
+    /// From the correction sent last, which is so close that one lookup will do.
+    SentLast,
+}
 
 /// Result of the tables in a cycle.
 #[derive(Clone, Copy, Debug)]
@@ -43,21 +62,21 @@ impl<R: Real, const N: usize> Modelled<R, N> {
 }
 
 impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
-    /// Wanted correction at the command, modelled error at the feedback; the direction's error only for a `tool`.
+    /// Wanted correction at the command, modelled error at the feedback; the direction's error only if `needs_tilt`.
     ///
     /// Nine terms of three axes looked up at the command are read at the drive positions sent last, command plus
     /// correction, in the cells of the previous cycle. Nothing else is done while no axis reverses or leaves its cell.
     #[inline(always)]
-    pub(super) fn model(&self, state: &mut State<R, P, N>, sample: &Sample<P, N>, tool: bool) -> Modelled<R, N> {
+    pub(super) fn model(&self, state: &mut State<R, P, N>, sample: &Sample<P, N>, needs_tilt: bool) -> Modelled<R, N> {
         if sample.verdict == Verdict::Active
-            && state.cells.key() == self.tables.key()
+            && state.cells.are_direct(&self.tables)
             && self.all_continue(state)
             && let (Some(command), Some(feedback)) = (first(&self.place(state, sample.command)), first(sample.feedback))
             && let Some((errors, at_edge)) = state.cells.errors(&self.tables, &state.grids, &command, &feedback)
         {
             return Modelled::of_errors(errors, at_edge);
         }
-        self.model_outside_kept_cells(state, sample, tool)
+        self.model_outside_cells(state, sample, needs_tilt)
     }
 
     /// Whether no drive has reversed.
@@ -67,13 +86,13 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         state.reversal.iter_mut().zip(drives).all(|(reversal, (drive, within))| reversal.continues(*drive, *within))
     }
 
-    /// Models a cycle that does not stay within its cells.
+    /// Models any cycle but one that stays within its cells.
     #[inline(never)]
-    fn model_outside_kept_cells(
+    fn model_outside_cells(
         &self,
         state: &mut State<R, P, N>,
         sample: &Sample<P, N>,
-        tool: bool,
+        needs_tilt: bool,
     ) -> Modelled<R, N> {
         let before = state.reversal.map(|reversal| reversal.direction());
         let directions = self.travel(state, sample);
@@ -84,26 +103,43 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             state.grids.forget();
             return Modelled::NOTHING;
         }
-        let mut near = false;
-        if let (true, Some(terms)) = (self.tables.has_cells(), self.compensation.nine_terms()) {
-            let mut changed = !state.cells.are_of(&self.tables, &state.thermal);
-            if let (true, Some(grids)) = (changed, self.compensation.grids()) {
-                state.grids.are_of(grids);
+        let mut start = InverseStart::Zero;
+        if let (true, Some(terms)) = (self.tables.has_cells(), self.compensation.nine_terms())
+            && !self.drop_stale_cells(state, &before, &directions)
+        {
+            if let Some(modelled) = self.model_in_refilled_cells(state, sample, terms, &directions) {
+                return modelled;
             }
-            for (slot, (before, now)) in before.iter().zip(&directions).enumerate() {
-                if before != now {
-                    state.cells.forget_axis(slot);
-                    changed = true;
-                }
-            }
-            if !changed {
-                if let Some(modelled) = self.model_in_refilled_cells(state, sample, terms, &directions) {
-                    return modelled;
-                }
-                near = state.cells.passes() == 1;
+            if state.cells.passes() == 1 {
+                start = InverseStart::SentLast;
             }
         }
-        self.model_without_cells(state, sample, &directions, (tool, near))
+        match self.compensation.volumetric().filter(|model| model.is_at_command()) {
+            Some(volumetric) => self.model_in_tangents(state, sample, &directions, volumetric, needs_tilt),
+            None => self.model_by_lookup(state, sample, &directions, start, needs_tilt),
+        }
+    }
+
+    /// Drops all cells if they are of other tables, and those of the axes that have reversed; returns whether there were
+    /// any such.
+    #[inline(always)]
+    fn drop_stale_cells(
+        &self,
+        state: &mut State<R, P, N>,
+        before: &[Direction; N],
+        directions: &[Direction; N],
+    ) -> bool {
+        let mut stale = state.cells.bind_to(&self.tables, &state.thermal);
+        if let (true, Some(grids)) = (stale, self.compensation.grids()) {
+            state.grids.bind_to(grids);
+        }
+        for (slot, (before, now)) in before.iter().zip(directions).enumerate() {
+            if before != now {
+                state.cells.forget_axis(slot);
+                stale = true;
+            }
+        }
+        stale
     }
 
     /// Only the axes have moved: fills the cells that they left. If those are too many, fills one of them and returns
@@ -142,43 +178,56 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         Some(Modelled::of_errors(errors, at_edge))
     }
 
-    /// Any tables, looked up without cells. `near`: the correction sent last is close enough to look up at the drive
-    /// positions.
+    /// Volumetric tables looked up at the command: reads the cached tangents.
     #[inline(always)]
-    fn model_without_cells(
+    fn model_in_tangents(
         &self,
         state: &mut State<R, P, N>,
         sample: &Sample<P, N>,
         directions: &[Direction; N],
-        (tool, near): (bool, bool),
+        volumetric: &Volumetric<'_, R, P, N>,
+        needs_tilt: bool,
     ) -> Modelled<R, N> {
         let mut at_edge = 0;
-        if let Some(volumetric) = self.compensation.volumetric().filter(|model| model.is_at_command()) {
-            let (command, feedback, thermal) = (sample.command, sample.feedback, &state.thermal);
-            let drive = &self.place(state, command);
-            let cycle = Cycle { command, drive, feedback, directions, thermal };
-            let passes = self.compensation.passes();
-            let grids = self.compensation.grids().and_then(|grids| {
-                // Cells of other tables lie in grid boxes, which now change.
-                state.cells.forget();
-                CycleGrids::new(grids, &mut state.grids, &first(drive)?, &first(feedback)?)
-            });
-            let (wanted, (tip, tilt)) = match &grids {
-                None => volumetric.modelled(&mut state.poses, &cycle, passes, tool, &mut at_edge),
-                Some(grids) => {
-                    volumetric.modelled_with_grids(&mut state.poses, &cycle, passes, tool, grids, &mut at_edge)
-                }
-            };
-            let mut tip_error = [R::ZERO; N];
-            for (error, tip) in tip_error.iter_mut().zip(tip.array()) {
-                *error = tip;
+        let (command, feedback, thermal) = (sample.command, sample.feedback, &state.thermal);
+        let drive = &self.place(state, command);
+        let cycle = Cycle { command, drive, feedback, directions, thermal };
+        let passes = self.compensation.passes();
+        let grids = self.compensation.grids().and_then(|grids| {
+            // Cells of other tables lie in grid boxes, which now change.
+            state.cells.forget();
+            CycleGrids::new(grids, &mut state.grids, &first(drive)?, &first(feedback)?)
+        });
+        let (wanted, (tip, tilt)) = match &grids {
+            None => volumetric.modelled(&mut state.poses, &cycle, passes, needs_tilt, &mut at_edge),
+            Some(grids) => {
+                volumetric.modelled_with_grids(&mut state.poses, &cycle, passes, needs_tilt, grids, &mut at_edge)
             }
-            return Modelled { wanted, tip_error, tilt, at_edge };
+        };
+        let mut tip_error = [R::ZERO; N];
+        for (error, tip) in tip_error.iter_mut().zip(tip.array()) {
+            *error = tip;
         }
-        let place = if near { self.place(state, sample.command) } else { *sample.command };
+        Modelled { wanted, tip_error, tilt, at_edge }
+    }
+
+    /// Any tables, looked up without a cache.
+    #[inline(always)]
+    fn model_by_lookup(
+        &self,
+        state: &mut State<R, P, N>,
+        sample: &Sample<P, N>,
+        directions: &[Direction; N],
+        start: InverseStart,
+        needs_tilt: bool,
+    ) -> Modelled<R, N> {
+        let mut at_edge = 0;
+        let (place, passes) = match start {
+            InverseStart::Zero => (*sample.command, self.compensation.passes()),
+            InverseStart::SentLast => (self.place(state, sample.command), 1),
+        };
         let command = self.compensation.coordinates(&place);
         let feedback = self.compensation.coordinates(sample.feedback);
-        let passes = if near { 1 } else { self.compensation.passes() };
         let wanted = self.compensation.correction_in(
             &Query { command: &command, feedback: &feedback, directions, thermal: &state.thermal },
             passes,
@@ -187,7 +236,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         let thermal = &state.thermal;
         let (mut tip_error, mut tilt) = ([R::ZERO; N], V3::ZERO);
         match self.compensation.volumetric() {
-            Some(_) if tool => {
+            Some(_) if needs_tilt => {
                 let pose = self.compensation.pose_error(&Query::at(&feedback, directions, thermal), &mut 0);
                 for (error, tip) in tip_error.iter_mut().zip(pose.tip.into()) {
                     *error = tip;

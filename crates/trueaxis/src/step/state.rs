@@ -2,7 +2,7 @@
 
 #![deny(clippy::indexing_slicing)]
 
-use crate::compensation::volumetric::Kept;
+use crate::compensation::volumetric::TangentCache;
 use crate::compensation::{Cells, NearGrids, Reversal, ThermalLine};
 use crate::contour::PairState;
 use crate::dynamic::DynamicState;
@@ -35,7 +35,7 @@ pub struct State<R, P: Position, const N: usize> {
     /// The machine's grids around command and feedback.
     pub(super) grids: NearGrids<R, P>,
     /// Tangents of the volumetric model.
-    pub(super) poses: Kept<R, P, N>,
+    pub(super) poses: TangentCache<R, P, N>,
 }
 
 impl<R: Real, P: Position, const N: usize> State<R, P, N> {

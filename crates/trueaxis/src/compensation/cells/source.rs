@@ -1,7 +1,7 @@
 //! Refills the cells that an axis has left.
 
+use super::cache::{Cells, Point};
 use super::cell::{Cell, Window, plus, times};
-use super::kept::{Cells, Point};
 use super::tables::{Borders, Tables};
 use crate::compensation::grid::{Near, NearGrids};
 use crate::compensation::nine::NineTerms;
@@ -116,12 +116,8 @@ impl<R: Real, P: Position, const N: usize> Source<'_, R, P, N> {
         let (Some(origin), Some(datum)) = (self.terms.origins.get(slot), self.terms.datum.get(slot)) else {
             return Line::default();
         };
-        let [c0y, b0z, a0z] = self.terms.squareness;
-        let mut slope = match slot {
-            0 => [R::ZERO; 3],
-            1 => [-c0y, R::ZERO, R::ZERO],
-            _ => [b0z, -a0z, R::ZERO],
-        };
+        let [dx, dy] = self.terms.squareness.slopes(slot);
+        let mut slope = [dx, dy, R::ZERO];
         let mut at_origin = times(*origin, slope);
         if let (Some(own), Some(rate)) = (at_origin.get_mut(slot), slope.get_mut(slot)) {
             *own += growth.at(*origin - *datum);

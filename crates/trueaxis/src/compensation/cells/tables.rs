@@ -17,6 +17,34 @@ const BEYOND_MM: f64 = 2000.0;
 /// Gap between a table's end and the cell beyond it, mm: the end itself belongs to the table.
 const GAP_MM: f64 = 1e-6;
 
+/// Which tables a cache of cells is bound to, and whether a cycle may read its cells directly: one number, so that a calm
+/// cycle tests both by one comparison.
+///
+/// | number | bound to |
+/// |---|---|
+/// | 0 | no tables |
+/// | 1 | tables without cells; no cache ever is |
+/// | k | the tables of this key, read directly: their inverse takes one lookup |
+/// | !k | the same, not read directly: their inverse takes several lookups |
+///
+/// k has bit 1 set and bit 63 clear, so no two rows are equal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Binding(u64);
+
+impl Binding {
+    pub(super) const NONE: Self = Binding(0);
+    const WITHOUT_CELLS: Self = Binding(1);
+
+    fn direct(hash: u64) -> Self {
+        Binding((hash | 2) & !(1 << 63))
+    }
+
+    /// From a direct binding, the one to the same tables by several lookups.
+    pub(super) fn by_several_lookups(self) -> Self {
+        Binding(!self.0)
+    }
+}
+
 /// Where the cells of an axis end: immutable.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Borders<R, P: Position> {
@@ -55,8 +83,8 @@ pub(crate) enum Form {
 /// Borders of the cells and bounds of the inverse: immutable, built once.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Tables<R, P: Position> {
-    /// Distinguishes these tables from others; [`Tables::NO_CELLS`] if they have no cells to cache.
-    pub(super) key: u64,
+    /// The direct binding to these tables.
+    pub(super) direct: Binding,
     form: Form,
     cubic: bool,
     pub(super) borders: [Borders<R, P>; LINEAR],
@@ -71,9 +99,6 @@ pub(crate) struct Tables<R, P: Position> {
 }
 
 impl<R: Real, P: Position> Tables<R, P> {
-    /// Key of tables without cells.
-    const NO_CELLS: u64 = 1;
-
     /// `grids`: key of the grids beside the tables. `norm` of the errors' Jacobian, `most` lookups of the inverse; per
     /// cycle, the largest `motion` of the command and `change` of the correction, mm.
     pub(crate) fn new<const N: usize>(
@@ -84,7 +109,7 @@ impl<R: Real, P: Position> Tables<R, P> {
         most: u8,
     ) -> Self {
         let mut built = Tables {
-            key: Self::NO_CELLS,
+            direct: Binding::WITHOUT_CELLS,
             form: Form::Linear,
             cubic: false,
             borders: [Borders::of(&AxisTable::zero()); LINEAR],
@@ -107,15 +132,8 @@ impl<R: Real, P: Position> Tables<R, P> {
         terms.numbers(&mut |number| key.add_number(number));
         key.add_all(&[norm, motion, change, f64::from(most)]);
         key.add(grids.unwrap_or(0));
-        // Neither the key nor its complement equals one of the two reserved keys.
-        built.key = (key.0 | 2) & !(1 << 63);
+        built.direct = Binding::direct(key.0);
         built
-    }
-
-    /// Key of the tables.
-    #[inline(always)]
-    pub(crate) fn key(&self) -> u64 {
-        self.key
     }
 
     /// Form of the errors in the cells.
@@ -132,7 +150,7 @@ impl<R: Real, P: Position> Tables<R, P> {
 
     /// Whether the tables have cells to cache.
     pub(crate) fn has_cells(&self) -> bool {
-        self.key != Self::NO_CELLS
+        self.direct != Binding::WITHOUT_CELLS
     }
 
     /// Lookups `r ← −E(q + r)` needed in a cycle that starts from the correction c of the previous cycle.
@@ -159,5 +177,21 @@ impl<R: Real, P: Position> Tables<R, P> {
             passes += 1;
         }
         passes
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_two_kinds_of_binding_are_equal_whatever_the_hash() {
+        for hash in [0, 1, 2, 3, 1 << 63, u64::MAX, u64::MAX - 1, !2, !(1 << 63)] {
+            let direct = Binding::direct(hash);
+            let all = [Binding::NONE, Binding::WITHOUT_CELLS, direct, direct.by_several_lookups()];
+            for (index, one) in all.iter().enumerate() {
+                assert_eq!(all.iter().position(|other| other == one), Some(index), "{hash:x}");
+            }
+        }
     }
 }

@@ -1,6 +1,6 @@
 //! The grids in one cycle, beside the tangents of the volumetric model.
 
-use super::kept::Near;
+use super::near::Near;
 use super::{Grids, LINEAR, NearGrids, Sum};
 use crate::position::Position;
 use crate::real::Real;
@@ -23,16 +23,16 @@ impl<'s, R: Real, P: Position> CycleGrids<'s, R, P> {
     #[inline(always)]
     pub(crate) fn new(
         grids: &'s Grids<'s, R>,
-        kept: &'s mut NearGrids<R, P>,
+        near: &'s mut NearGrids<R, P>,
         drive: &[P; LINEAR],
         feedback: &[P; LINEAR],
     ) -> Option<Self> {
         if grids.swings() {
             return Some(CycleGrids { grids, near: None, edge: 0 });
         }
-        let (there, back) = kept.about(grids, drive, feedback);
-        let edge = kept.edge();
-        let [command, feedback] = kept.boxes();
+        let (there, back) = near.about(grids, drive, feedback);
+        let edge = near.edge();
+        let [command, feedback] = near.boxes();
         Some(CycleGrids { grids, near: Some([(command, there), (feedback, back)]), edge })
     }
 

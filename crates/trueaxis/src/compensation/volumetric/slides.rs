@@ -149,17 +149,18 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
         let lever = V3::new(*bx * *qx, *by * *qy, *bz * *qz);
         let ([value, slope], bent) = corner.interval.powers(corner.t);
         let ((mut e, w), (mut e1, w1)) = (halves(value), halves(slope));
-        let [c0y, b0z, a0z] = self.squareness;
         let (growth, rate) = (line.at(corner.at - *datum), line.slope());
         match slot {
             0 => (e.x, e1.x) = (e.x + growth, e1.x + rate),
             1 => {
-                (e.x, e1.x) = (e.x - c0y * corner.q, e1.x - c0y);
+                let [x_slope, _] = self.squareness.slopes(1);
+                (e.x, e1.x) = (e.x + self.squareness.of_y(corner.q), e1.x + x_slope);
                 (e.y, e1.y) = (e.y + growth, e1.y + rate);
             }
             _ => {
-                (e.x, e1.x) = (e.x + b0z * corner.q, e1.x + b0z);
-                (e.y, e1.y) = (e.y - a0z * corner.q, e1.y - a0z);
+                let ([x, y], [x_slope, y_slope]) = (self.squareness.of_z(corner.q), self.squareness.slopes(2));
+                (e.x, e1.x) = (e.x + x, e1.x + x_slope);
+                (e.y, e1.y) = (e.y + y, e1.y + y_slope);
                 (e.z, e1.z) = (e.z + growth, e1.z + rate);
             }
         }

@@ -250,12 +250,7 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
         *twist.get_mut(own)? += growth;
         *slope.get_mut(own)? += rate;
         let q = at + *self.origins.get(slot)?;
-        let [c0y, b0z, a0z] = self.squareness;
-        let (tilt_x, tilt_y) = match slot {
-            1 => (-c0y, R::ZERO),
-            2 => (b0z, -a0z),
-            _ => (R::ZERO, R::ZERO),
-        };
+        let [tilt_x, tilt_y] = self.squareness.slopes(slot);
         let ([x, y, ..], [along_x, along_y, ..]) = (&mut twist, &mut slope);
         *x += tilt_x * q;
         *y += tilt_y * q;

@@ -186,7 +186,7 @@ fn in_its_box_a_tangent_is_the_look_up() {
 fn drive<const N: usize>(random: &mut Noise, case: &Case, passes: u8, most: f64) -> (f64, f64, usize) {
     let norm = check::jacobian_norm(&case.machine, |axis| case.rows(axis), &check::GridBounds::NONE);
     case.with::<f64, f64, N, _>(|model| {
-        let mut kept = Kept::empty();
+        let mut cache = TangentCache::empty();
         let (mut command, mut sent) = (Case::place::<N>(random).map(|q| q * 0.9), [0.0; N]);
         let (mut directions, thermal) = Case::conditions::<f64, N>(random);
         let mut speed = [0.0; N];
@@ -213,7 +213,7 @@ fn drive<const N: usize>(random: &mut Noise, case: &Case, passes: u8, most: f64)
                 directions: &directions,
                 thermal: &thermal,
             };
-            let (wanted, (tip, turn)) = model.modelled(&mut kept, &cycle, passes, true, &mut 0);
+            let (wanted, (tip, turn)) = model.modelled(&mut cache, &cycle, passes, true, &mut 0);
             let (tip_there, turn_there, _) = direct(model, &feedback, &directions, &thermal);
             back = back.max(apart(tip.array(), tip_there));
             assert!(apart(turn.array(), turn_there) < 2e-9);

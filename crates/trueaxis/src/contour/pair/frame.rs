@@ -82,46 +82,44 @@ pub(super) struct Start<R> {
     pub(super) max_lag: R,
 }
 
+impl<R: Real> Start<R> {
+    /// A `max_lag` that no lag satisfies: the frame is never plain.
+    #[cfg_attr(feature = "fast", inline(always))]
+    pub(super) fn never_plain() -> R {
+        -R::ONE
+    }
+}
+
 /// Finds the feet of an encoder position and of the tip, `d` (mm) from it.
 #[cfg_attr(feature = "fast", inline(always))]
 pub(super) fn feet<R: Real, P: Position>(
     span: &Span<R, P>,
     position: &[P; 3],
     d: &[R; 3],
-    start: Start<R>,
+    start: &Start<R>,
     tip: &mut ContourError<R>,
     encoder: &mut ContourError<R>,
     along: &mut Tangent<R>,
 ) -> Seen {
-    let Start { guess, window, place, max_lag } = start;
     match span.form() {
-        Form::Cubic => cubic::<R, P, false>(span, position, d, guess, window, place, max_lag, tip, encoder, along),
-        Form::RationalCubic => {
-            cubic::<R, P, true>(span, position, d, guess, window, place, max_lag, tip, encoder, along)
-        }
-        Form::Quintic => quintic::<R, P, false>(span, position, d, guess, window, place, max_lag, tip, encoder, along),
-        Form::RationalQuintic => {
-            quintic::<R, P, true>(span, position, d, guess, window, place, max_lag, tip, encoder, along)
-        }
+        Form::Cubic => cubic::<R, P, false>(span, position, d, start, tip, encoder, along),
+        Form::RationalCubic => cubic::<R, P, true>(span, position, d, start, tip, encoder, along),
+        Form::Quintic => quintic::<R, P, false>(span, position, d, start, tip, encoder, along),
+        Form::RationalQuintic => quintic::<R, P, true>(span, position, d, start, tip, encoder, along),
     }
 }
 
-// Takes the parts of a `Start` one by one so that they stay in registers.
 #[inline(never)]
 fn cubic<R: Real, P: Position, const RATIONAL: bool>(
     span: &Span<R, P>,
     position: &[P; 3],
     d: &[R; 3],
-    guess: R,
-    window: R,
-    place: R,
-    max_lag: R,
+    start: &Start<R>,
     tip: &mut ContourError<R>,
     encoder: &mut ContourError<R>,
     along: &mut Tangent<R>,
 ) -> Seen {
-    let shifted = shifted_cubic::<R, RATIONAL>(&span.coefficients, guess);
-    let start = Start { guess, window, place, max_lag };
+    let shifted = shifted_cubic::<R, RATIONAL>(&span.coefficients, start.guess);
     solve::<R, P, RATIONAL, 4>(&shifted, span, &local(span, position, d), d, start, tip, encoder, along)
 }
 
@@ -130,16 +128,12 @@ fn quintic<R: Real, P: Position, const RATIONAL: bool>(
     span: &Span<R, P>,
     position: &[P; 3],
     d: &[R; 3],
-    guess: R,
-    window: R,
-    place: R,
-    max_lag: R,
+    start: &Start<R>,
     tip: &mut ContourError<R>,
     encoder: &mut ContourError<R>,
     along: &mut Tangent<R>,
 ) -> Seen {
-    let shifted = shifted_quintic::<R, RATIONAL>(&span.coefficients, guess);
-    let start = Start { guess, window, place, max_lag };
+    let shifted = shifted_quintic::<R, RATIONAL>(&span.coefficients, start.guess);
     solve::<R, P, RATIONAL, 6>(&shifted, span, &local(span, position, d), d, start, tip, encoder, along)
 }
 
@@ -150,113 +144,183 @@ pub(super) fn local<R: Real, P: Position>(span: &Span<R, P>, position: &[P; 3], 
     [x + d[0], y + d[1], z + d[2]]
 }
 
+/// Finds both feet in the frame that is shifted to the guess; writes what is valid.
 #[cfg_attr(feature = "fast", inline(always))]
 fn solve<R: Real, P: Position, const RATIONAL: bool, const C: usize>(
     shifted: &[[R; 4]; C],
     span: &Span<R, P>,
     p: &[R; 3],
     d: &[R; 3],
-    start: Start<R>,
+    start: &Start<R>,
     tip: &mut ContourError<R>,
     encoder: &mut ContourError<R>,
     along: &mut Tangent<R>,
 ) -> Seen {
     let (x, w) = homogeneous::<R, RATIONAL, C>(shifted, p);
-    let Some(step) = third_order::<R, RATIONAL, C>(&x, &w) else { return Seen::NOTHING };
-    let ([_, _, bend, twist, ..], [w0, w1, w2, w3, ..]) = (&x[..], &w[..]) else { return Seen::NOTHING };
-    // Compares the second and third derivatives with the first: |d|² + |e|² must be below a few |b|², and the weights
-    // likewise. This implies that g' is positive.
-    let mut uneven = dot(bend, bend) + dot(twist, twist);
-    if RATIONAL {
-        uneven = uneven * *w0 + step.g1 * (*w1 * *w1 + *w2 * *w2 + *w3 * *w3);
-    }
-    let at = Taylor::at::<RATIONAL, C>(&x, &w, step.h);
-    let newton = Newton::from::<RATIONAL>(&at);
-    let (c, weight) = (newton.correction, newton.weight);
-    // The path's direction before the last correction, which turns it by less than 1e-4.
-    let (mut tangent, rate) = (at.v, at.vw);
-    if RATIONAL {
-        for k in 0..3 {
-            tangent[k] = (tangent[k] - newton.vector[k] * rate) * weight;
-        }
-    }
-    let squared = dot(&tangent, &tangent);
-    let least = R::HALF * step.g1;
-    let change = step.u.abs() + R::of(CHANGE_OF_U);
-    let t = start.guess + step.h + c;
-    let [error, speed] = R::roots([newton.squared(), squared]);
-    if !(uneven < R::of(4.0) * step.g1
-        && step.uy.abs() < R::of(0.2)
-        && newton.slope > least
-        && newton.leaves_nothing(error, change, squared))
-    {
-        return Seen::NOTHING;
-    }
-    let found = Point { t, vector: newton.vector, error };
-    found.write(tip);
+    let Some(at_tip) = AtTip::find::<RATIONAL, C>(&x, &w, start.guess) else { return Seen::NOTHING };
+    at_tip.foot.write(tip);
+    let at_encoder = at_tip.step_to_encoder::<RATIONAL, C>(&x, &w, d, &span.plane);
+    at_encoder.foot.write(encoder);
 
-    // The encoder: g at the tip's foot is d·T, with the same derivative as for the tip.
-    let off = dot(d, &tangent);
-    let mut slope = newton.slope;
-    if RATIONAL {
-        let weight_rate = rate * weight;
-        slope = slope * weight * weight * weight + R::THREE * weight_rate * off;
-    }
-    let y = -(off / slope);
-    let y = y - step.u * y * y;
-    let mut at = Taylor::at::<RATIONAL, C>(&x, &w, step.h + c + y);
-    for k in 0..3 {
-        if RATIONAL {
-            at.r[k] += at.rw * d[k];
-            at.v[k] += at.vw * d[k];
-            at.z[k] += at.zw * d[k];
-        } else {
-            at.r[k] += d[k];
-        }
-    }
-    let newton = Newton::from::<RATIONAL>(&at);
-    let n = cross(&span.plane, &tangent);
-    let nn = dot(&n, &n);
-    let [error, across] = R::roots([newton.squared(), nn]);
-    let other = Point { t: t + y + newton.correction, vector: newton.vector, error };
-    other.write(encoder);
-    let both = newton.slope > least && newton.leaves_nothing(other.error, change, squared);
-
+    let (found, other, speed) = (&at_tip.foot, &at_encoder.foot, at_tip.speed);
     let length = Length::of(span);
     let room = length.half - sight(start.window, found.error.max(other.error));
     let (lag, behind) = (start.place - length.to(found.t), start.place - length.to(other.t));
-    let plain = both
+    let plain = at_encoder.exact
         && length.off_middle(found.t) < room
         && length.off_middle(other.t) < room
         && found.t.is_in_unit()
         && other.t.is_in_unit()
         && (found.t - start.guess).abs() * speed <= start.window
         && lag.abs() <= start.max_lag
-        && nn > R::of(UPRIGHT) * squared;
+        && at_encoder.across_square > R::of(UPRIGHT) * at_tip.squared;
     // The next cycle needs the speed even if this one is not plain.
     along.speed = speed;
     if !plain {
-        along.tangent = tangent;
-        return if both { Seen::BOTH } else { Seen::TIP };
+        along.tangent = at_tip.tangent;
+        return if at_encoder.exact { Seen::BOTH } else { Seen::TIP };
     }
-
-    // With e at right angles to T, e·(T × n)/|T||n| = (e·b)|T|/|n|. The vectors here are −e.
-    let inverse = R::ONE / across;
-    let stretch = speed * inverse;
-    tip.normal = -(dot(&found.vector, &n) * inverse);
-    tip.binormal = -(dot(&found.vector, &span.plane) * stretch);
-    // The path turns slightly on the way to the encoder's foot: the in-plane component is the remainder of the
-    // distance.
-    let binormal = -(dot(&other.vector, &span.plane) * stretch);
-    let normal = (other.error * other.error - binormal * binormal).sqrt();
-    encoder.binormal = binormal;
-    encoder.normal = if dot(&other.vector, &n) > R::ZERO { -normal } else { normal };
+    write_components(&at_tip, &at_encoder, &span.plane, tip, encoder);
     (tip.lag, encoder.lag) = (lag, behind);
     for (foot, evaluations) in [(tip, 2), (encoder, 1)] {
         (foot.tangential, foot.width) = (R::ZERO, R::ZERO);
         (foot.evaluations, foot.flags) = (evaluations, Flags::BRACKETED);
     }
     Seen::PLAIN
+}
+
+/// Splits both errors into their components in the frame of the tip's foot.
+#[cfg_attr(feature = "fast", inline(always))]
+fn write_components<R: Real>(
+    at_tip: &AtTip<R>,
+    at_encoder: &AtEncoder<R>,
+    plane: &[R; 3],
+    tip: &mut ContourError<R>,
+    encoder: &mut ContourError<R>,
+) {
+    let (found, other, n) = (&at_tip.foot, &at_encoder.foot, &at_encoder.n);
+    // With e at right angles to T, e·(T × n)/|T||n| = (e·b)|T|/|n|. The vectors here are −e.
+    let inverse = R::ONE / at_encoder.across;
+    let stretch = at_tip.speed * inverse;
+    tip.normal = -(dot(&found.vector, n) * inverse);
+    tip.binormal = -(dot(&found.vector, plane) * stretch);
+    // The path turns slightly on the way to the encoder's foot: the in-plane component is the remainder of the
+    // distance.
+    let binormal = -(dot(&other.vector, plane) * stretch);
+    let normal = (other.error * other.error - binormal * binormal).sqrt();
+    encoder.binormal = binormal;
+    encoder.normal = if dot(&other.vector, n) > R::ZERO { -normal } else { normal };
+}
+
+/// The tip's foot, and what the step from there to the encoder's foot needs.
+struct AtTip<R> {
+    foot: Point<R>,
+    /// Parameter from the guess.
+    h: R,
+    /// The path's direction before the last correction, which turns it by less than 1e-4; |T|² and |T|.
+    tangent: [R; 3],
+    squared: R,
+    speed: R,
+    /// g', and the least one that is trusted.
+    slope: R,
+    least: R,
+    /// Reciprocal of the weight, and the weight's derivative: of a rational span.
+    weight: R,
+    rate: R,
+    /// u, and the bound of |u| from the guess to here.
+    u: R,
+    change: R,
+}
+
+impl<R: Real> AtTip<R> {
+    /// The tip's foot from the C coefficients about the guess; `None` if it is not exact.
+    #[cfg_attr(feature = "fast", inline(always))]
+    fn find<const RATIONAL: bool, const C: usize>(x: &[[R; 3]; C], w: &[R; C], guess: R) -> Option<Self> {
+        let step = third_order::<R, RATIONAL, C>(x, w)?;
+        let ([_, _, bend, twist, ..], [w0, w1, w2, w3, ..]) = (&x[..], &w[..]) else { return None };
+        // Compares the second and third derivatives with the first: |d|² + |e|² must be below a few |b|², and the weights
+        // likewise. This implies that g' is positive.
+        let mut uneven = dot(bend, bend) + dot(twist, twist);
+        if RATIONAL {
+            uneven = uneven * *w0 + step.g1 * (*w1 * *w1 + *w2 * *w2 + *w3 * *w3);
+        }
+        let at = Taylor::at::<RATIONAL, C>(x, w, step.h);
+        let Newton { correction, slope, weight, vector } = Newton::from::<RATIONAL>(&at);
+        let (mut tangent, rate) = (at.v, at.vw);
+        if RATIONAL {
+            for k in 0..3 {
+                tangent[k] = (tangent[k] - vector[k] * rate) * weight;
+            }
+        }
+        let squared = dot(&tangent, &tangent);
+        let least = R::HALF * step.g1;
+        let change = step.u.abs() + R::of(CHANGE_OF_U);
+        let t = guess + step.h + correction;
+        let [error, speed] = R::roots([dot(&vector, &vector), squared]);
+        let exact = uneven < R::of(4.0) * step.g1
+            && step.uy.abs() < R::of(0.2)
+            && slope > least
+            && leaves_nothing(correction, error, change, squared);
+        exact.then(|| AtTip {
+            foot: Point { t, vector, error },
+            h: step.h + correction,
+            tangent,
+            squared,
+            speed,
+            slope,
+            least,
+            weight,
+            rate,
+            u: step.u,
+            change,
+        })
+    }
+
+    /// The encoder's foot: g at the tip's foot is d·T, with the same derivative as for the tip.
+    #[cfg_attr(feature = "fast", inline(always))]
+    fn step_to_encoder<const RATIONAL: bool, const C: usize>(
+        &self,
+        x: &[[R; 3]; C],
+        w: &[R; C],
+        d: &[R; 3],
+        plane: &[R; 3],
+    ) -> AtEncoder<R> {
+        let off = dot(d, &self.tangent);
+        let mut slope = self.slope;
+        if RATIONAL {
+            let weight_rate = self.rate * self.weight;
+            slope = slope * self.weight * self.weight * self.weight + R::THREE * weight_rate * off;
+        }
+        let y = -(off / slope);
+        let y = y - self.u * y * y;
+        let mut at = Taylor::at::<RATIONAL, C>(x, w, self.h + y);
+        for k in 0..3 {
+            if RATIONAL {
+                at.r[k] += at.rw * d[k];
+                at.v[k] += at.vw * d[k];
+                at.z[k] += at.zw * d[k];
+            } else {
+                at.r[k] += d[k];
+            }
+        }
+        let Newton { correction, slope, vector, .. } = Newton::from::<RATIONAL>(&at);
+        let n = cross(plane, &self.tangent);
+        let across_square = dot(&n, &n);
+        let [error, across] = R::roots([dot(&vector, &vector), across_square]);
+        let exact = slope > self.least && leaves_nothing(correction, error, self.change, self.squared);
+        AtEncoder { foot: Point { t: self.foot.t + y + correction, vector, error }, exact, n, across_square, across }
+    }
+}
+
+/// The encoder's foot.
+struct AtEncoder<R> {
+    foot: Point<R>,
+    /// Whether it is an exact minimum.
+    exact: bool,
+    /// b × T at the tip's foot; its squared length and length.
+    n: [R; 3],
+    across_square: R,
+    across: R,
 }
 
 #[cfg_attr(feature = "fast", inline(always))]
@@ -339,18 +403,13 @@ impl<R: Real> Newton<R> {
         }
         Newton { correction: c, slope, weight, vector }
     }
+}
 
-    #[cfg_attr(feature = "fast", inline(always))]
-    fn squared(&self) -> R {
-        dot(&self.vector, &self.vector)
-    }
-
-    /// The trust test: `change` bounds |u| from the guess to here, `squared` is |T|².
-    #[cfg_attr(feature = "fast", inline(always))]
-    fn leaves_nothing(&self, error: R, change: R, squared: R) -> bool {
-        // Both sides are scaled by millions so that neither is subnormal in single precision, which costs a host some hundred
-        // cycles.
-        let left = change * R::of(1e6) * (self.correction * self.correction);
-        left * left * squared <= tolerance::<R>() * R::of(1e12) * (tolerance::<R>() + error + error)
-    }
+/// The trust test of a Newton step: `change` bounds |u| from the guess to here, `squared` is |T|².
+#[cfg_attr(feature = "fast", inline(always))]
+fn leaves_nothing<R: Real>(correction: R, error: R, change: R, squared: R) -> bool {
+    // Both sides are scaled by millions so that neither is subnormal in single precision, which costs a host some hundred
+    // cycles.
+    let left = change * R::of(1e6) * (correction * correction);
+    left * left * squared <= tolerance::<R>() * R::of(1e12) * (tolerance::<R>() + error + error)
 }

@@ -73,14 +73,14 @@ impl<R: Real> ContourSearch<R> {
         position: &[P; 3],
         d: &[R; 3],
         guess: Reference<R>,
-        start: Start<R>,
+        start: &Start<R>,
         seen: Seen,
         along: &Tangent<R>,
         tip: &mut ContourError<R>,
         encoder: &mut ContourError<R>,
     ) {
         let spent = [2, u8::from(seen.tip())];
-        let Start { window, place, .. } = start;
+        let Start { window, place, .. } = *start;
         let mut points = Points {
             on,
             position,
@@ -127,7 +127,7 @@ impl<R: Real> ContourSearch<R> {
                 let (guess, none) = (at.guess, Tangent::NONE);
                 let start =
                     Start { guess: guess.t, window: window(at.progress), place: at.place, max_lag: self.max_lag };
-                return self.general_pair(state, on, position, d, guess, start, Seen::NOTHING, &none, tip, encoder);
+                return self.general_pair(state, on, position, d, guess, &start, Seen::NOTHING, &none, tip, encoder);
             }
             state.forget();
         }
@@ -176,9 +176,8 @@ impl<R: Real> ContourSearch<R> {
         let guess = path.moving(state.best.at);
         (points.base, points.place) = (guess.span, place(path, guess, state.best.lag, reference)?);
         let mut along = Tangent::NONE;
-        // A negative limit that no lag satisfies: never plain.
-        let start = Start { guess: guess.t, window: self.max_lag, place: R::ZERO, max_lag: -R::ONE };
-        let seen = feet(path.span(guess.span)?, points.position, points.d, start, tip, encoder, &mut along);
+        let start = Start { guess: guess.t, window: self.max_lag, place: R::ZERO, max_lag: Start::never_plain() };
+        let seen = feet(path.span(guess.span)?, points.position, points.d, &start, tip, encoder, &mut along);
         points.spent[0] += 2;
         points.spent[1] += u8::from(seen.tip());
         let (mut at_tip, at_encoder) = if sampled {
@@ -354,9 +353,8 @@ impl<R: Real, P: Position> Points<'_, '_, R, P> {
             if uphill != [true; 2] {
                 let (mut to_tip, mut to_encoder) = (ContourError::none(), ContourError::none());
                 let mut along = Tangent::NONE;
-                // A negative limit that no lag satisfies: never plain.
-                let start = Start { guess: entry, window: self.window, place: R::ZERO, max_lag: -R::ONE };
-                let inside = feet(there, self.position, self.d, start, &mut to_tip, &mut to_encoder, &mut along);
+                let start = Start { guess: entry, window: self.window, place: R::ZERO, max_lag: Start::never_plain() };
+                let inside = feet(there, self.position, self.d, &start, &mut to_tip, &mut to_encoder, &mut along);
                 self.spent[0] += 2;
                 self.spent[1] += u8::from(inside.tip());
                 let second = Feet::of(beyond, inside, &along, &to_tip, &to_encoder);

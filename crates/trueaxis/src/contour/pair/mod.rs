@@ -128,17 +128,16 @@ impl<R: Real> ContourSearch<R> {
                 progress,
             };
             if state.tip.doubt.follow(&on.path, &apart, window(progress)) {
-                // A negative limit that no lag satisfies: never plain.
-                max_lag = -R::ONE;
+                max_lag = Start::never_plain();
             }
             state.tip.foot.span = number;
         }
         (state.place, state.tip.reference) = (place, reference);
         let start = Start { guess, window: window(progress), place, max_lag };
-        let seen = feet(span, position, d, start, tip, encoder, &mut state.along);
+        let seen = feet(span, position, d, &start, tip, encoder, &mut state.along);
         if !seen.plain() {
             let (from, along) = (Reference { span: number, t: guess }, state.along);
-            return self.general_pair(state, on, position, d, from, start, seen, &along, tip, encoder);
+            return self.general_pair(state, on, position, d, from, &start, seen, &along, tip, encoder);
         }
         state.tip.foot.t = tip.t;
         (tip.span, encoder.span) = (number, number);

@@ -1,6 +1,7 @@
 //! The stage as documented, in whole nanometres and without shortcuts: both implementations decide random cycles.
 
 use super::*;
+use crate::machine::{AxisOrder, FaultSettings, MachineSettings};
 use std::collections::BTreeMap;
 use std::string::String;
 

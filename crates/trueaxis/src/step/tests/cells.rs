@@ -243,7 +243,7 @@ fn compare<R: Real, P: Position>(
     let mut trusted = [[P::default(); 3]; 2];
     let sample = servo.sampler.full_check(&mut probe.sample, input, &mut trusted);
     let before = probe.cells.windows();
-    let kept = probe.cells.key() == servo.tables.key();
+    let kept = probe.cells.are_direct(&servo.tables);
     let modelled = servo.model(&mut probe, &sample, false);
     let only_moved = kept && state.reversal.map(|r| r.direction()) == probe.reversal.map(|r| r.direction());
     let filled = before.iter().zip(probe.cells.windows()).filter(|(a, b)| *a != b && b.is_some()).count();

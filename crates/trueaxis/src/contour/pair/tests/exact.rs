@@ -58,7 +58,7 @@ fn query<R: Real, P: Position>(
     let mut along = Tangent::NONE;
     let position = position.map(P::of);
     let start = Start { guess: R::of(guess), window: R::ONE, place: R::ZERO, max_lag: -R::ONE };
-    let seen = feet(span, &position, &d, start, &mut tip, &mut encoder, &mut along);
+    let seen = feet(span, &position, &d, &start, &mut tip, &mut encoder, &mut along);
     let inside = |converged: bool, foot: &ContourError<R>| {
         (converged && foot.t.is_in_unit()).then(|| (foot.t.to_f64(), foot.error.to_f64()))
     };

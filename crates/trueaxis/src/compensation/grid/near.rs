@@ -121,7 +121,7 @@ impl<R: Real, P: Position> NearGrids<R, P> {
         command: &[P; LINEAR],
         feedback: &[P; LINEAR],
     ) -> ([R; LINEAR], [R; LINEAR]) {
-        self.are_of(grids);
+        self.bind_to(grids);
         if !(self.command.holds(command) && self.feedback.holds(feedback)) {
             self.renew(grids, command, feedback);
         }
@@ -146,7 +146,7 @@ impl<R: Real, P: Position> NearGrids<R, P> {
 
     /// Binds the boxes to these grids, emptying them if they were bound to others.
     #[inline(always)]
-    pub(crate) fn are_of(&mut self, grids: &Grids<'_, R>) {
+    pub(crate) fn bind_to(&mut self, grids: &Grids<'_, R>) {
         if self.key != grids.key() {
             *self = NearGrids { key: grids.key(), ..Self::empty() };
         }

@@ -2,7 +2,7 @@
 
 use super::LINEAR;
 use super::cell::{Cell, Window, plus};
-use super::tables::{Form, Tables};
+use super::tables::{Binding, Form, Tables};
 use crate::compensation::grid::{Grids, Near, NearGrids};
 use crate::compensation::thermal::ThermalLine;
 use crate::part;
@@ -80,7 +80,7 @@ impl<R: Real, P: Position> Point<R, P> {
 /// Cells cached from cycle to cycle; after [`Cells::forget`] they are recomputed.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Cells<R, P: Position> {
-    key: u64,
+    binding: Binding,
     /// Lookups of the inverse per cycle.
     passes: u8,
     pub(super) command: Point<R, P>,
@@ -90,24 +90,28 @@ pub(crate) struct Cells<R, P: Position> {
 }
 
 impl<R: Real, P: Position> Cells<R, P> {
-    /// The key that belongs to no tables.
-    pub(crate) const NONE: u64 = 0;
-
     /// An empty cache, bound to no tables.
     pub(crate) fn empty() -> Self {
-        Cells { key: Self::NONE, passes: 1, command: Point::empty(), feedback: Point::empty(), at_edge: 0 }
+        Cells { binding: Binding::NONE, passes: 1, command: Point::empty(), feedback: Point::empty(), at_edge: 0 }
     }
 
-    /// Binds the cache to these tables, emptying it if it was bound to others; returns whether it was bound to these.
-    pub(crate) fn are_of<const N: usize>(&mut self, tables: &Tables<R, P>, thermal: &[ThermalLine<R>; N]) -> bool {
-        // With more than one lookup, a cycle cannot use the cells directly: a different key keeps it from doing so.
-        if self.key == tables.key || self.key == !tables.key {
-            return true;
+    /// Whether the cache is bound to these tables and their inverse takes one lookup: a calm cycle may read the cells
+    /// directly.
+    #[inline(always)]
+    pub(crate) fn are_direct(&self, tables: &Tables<R, P>) -> bool {
+        self.binding == tables.direct
+    }
+
+    /// Binds the cache to these tables. Empties it and returns `true` if it was bound to none or to others.
+    pub(crate) fn bind_to<const N: usize>(&mut self, tables: &Tables<R, P>, thermal: &[ThermalLine<R>; N]) -> bool {
+        let (direct, by_several) = (tables.direct, tables.direct.by_several_lookups());
+        if self.binding == direct || self.binding == by_several {
+            return false;
         }
         self.passes = tables.passes(thermal);
-        self.key = if self.passes == 1 { tables.key } else { !tables.key };
+        self.binding = if self.passes == 1 { direct } else { by_several };
         (0..LINEAR).for_each(|slot| self.forget_axis(slot));
-        false
+        true
     }
 
     /// Lookups of the inverse per cycle.
@@ -152,16 +156,10 @@ impl<R: Real, P: Position> Cells<R, P> {
         self.command.missing(None, command).unwrap_or(0) + self.feedback.missing(None, feedback).unwrap_or(0)
     }
 
-    /// Key of the tables that the cache is bound to.
-    #[inline(always)]
-    pub(crate) fn key(&self) -> u64 {
-        self.key
-    }
-
     /// Unbinds the cache from its tables.
     #[inline(always)]
     pub(crate) fn forget(&mut self) {
-        self.key = Self::NONE;
+        self.binding = Binding::NONE;
     }
 
     /// Drops the cells of an axis.

@@ -17,19 +17,19 @@ use crate::vector::V3;
 /// The cache drops them when an axis changes its direction of travel, when the host sets the thermal growth, and when
 /// the tables change.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Kept<R, P: Position, const N: usize> {
+pub(crate) struct TangentCache<R, P: Position, const N: usize> {
     key: u64,
     directions: [Direction; N],
     tangents: [Tangent<R, P, N>; 2],
 }
 
-impl<R: Real, P: Position, const N: usize> Kept<R, P, N> {
+impl<R: Real, P: Position, const N: usize> TangentCache<R, P, N> {
     /// The key that belongs to no tables: theirs are odd.
     const NONE: u64 = 0;
 
     /// An empty cache.
     pub(crate) fn empty() -> Self {
-        Kept { key: Self::NONE, directions: [Direction::POSITIVE; N], tangents: [Tangent::empty(); 2] }
+        TangentCache { key: Self::NONE, directions: [Direction::POSITIVE; N], tangents: [Tangent::empty(); 2] }
     }
 
     /// Empties the cache: the next lookup reads the tables.
@@ -53,49 +53,49 @@ pub(crate) struct Cycle<'c, R, P, const N: usize> {
 }
 
 impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
-    /// The wanted correction, and the error of the pose at the feedback (its direction only for a `tool`).
+    /// The wanted correction, and the error of the pose at the feedback (its direction only if `needs_tilt`).
     ///
     /// Evaluates the cached tangents; for a position outside them it computes a new one, out of line.
     #[inline(always)]
     pub(crate) fn modelled(
         &self,
-        kept: &mut Kept<R, P, N>,
+        cache: &mut TangentCache<R, P, N>,
         cycle: &Cycle<'_, R, P, N>,
         passes: u8,
-        tool: bool,
+        needs_tilt: bool,
         clamped: &mut u8,
     ) -> ([R; N], Pose<R>) {
-        let mut changed = (kept.key != self.key) | (N == 3 && tool);
-        for (kept, direction) in kept.directions.iter().zip(cycle.directions) {
-            changed |= kept != direction;
+        let mut changed = (cache.key != self.key) | (N == 3 && needs_tilt);
+        for (cached, direction) in cache.directions.iter().zip(cycle.directions) {
+            changed |= cached != direction;
         }
-        let [first, second] = &kept.tangents;
+        let [first, second] = &cache.tangents;
         let (steps, inside) = first.steps(cycle.drive);
         let (steps_back, same) = first.steps(cycle.feedback);
         if !changed & inside & same {
-            return (self.solved(first, &steps, cycle, passes, clamped), read(first, &steps_back, tool));
+            return (self.solved(first, &steps, cycle, passes, clamped), read(first, &steps_back, needs_tilt));
         }
         let (steps_back, other) = second.steps(cycle.feedback);
         if !changed & inside & other {
-            return (self.solved(first, &steps, cycle, passes, clamped), read(second, &steps_back, tool));
+            return (self.solved(first, &steps, cycle, passes, clamped), read(second, &steps_back, needs_tilt));
         }
-        self.renewed(kept, cycle, passes, tool, clamped)
+        self.renewed(cache, cycle, passes, needs_tilt, clamped)
     }
 
     /// [`Volumetric::modelled`] with grids beside the tables.
     #[inline(never)]
     pub(crate) fn modelled_with_grids(
         &self,
-        kept: &mut Kept<R, P, N>,
+        cache: &mut TangentCache<R, P, N>,
         cycle: &Cycle<'_, R, P, N>,
         passes: u8,
-        tool: bool,
+        needs_tilt: bool,
         grids: &CycleGrids<'_, R, P>,
         clamped: &mut u8,
     ) -> ([R; N], Pose<R>) {
-        let (_, (tip, turn)) = self.modelled(kept, cycle, 1, tool, clamped);
+        let (_, (tip, turn)) = self.modelled(cache, cycle, 1, needs_tilt, clamped);
         *clamped |= grids.edge();
-        let [first, _] = &kept.tangents;
+        let [first, _] = &cache.tangents;
         let (steps, sent) = (first.steps(cycle.drive).0, sent(cycle));
         let direction = self.orientation.is_some();
         let command = self.coordinates(cycle.command);
@@ -115,9 +115,9 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
             });
             (first.tip(&there) + of_grids, first.turn(&there) + turn)
         });
-        let (of_grids, more) =
-            grids.pose(grids.at_feedback(), tool, || self.of_grids(grids.grids(), &self.coordinates(cycle.feedback)));
-        (wanted, (tip + of_grids, turn + if tool { more } else { V3::ZERO }))
+        let (of_grids, more) = grids
+            .pose(grids.at_feedback(), needs_tilt, || self.of_grids(grids.grids(), &self.coordinates(cycle.feedback)));
+        (wanted, (tip + of_grids, turn + if needs_tilt { more } else { V3::ZERO }))
     }
 
     /// [`Volumetric::modelled`] if a position is in neither box.
@@ -125,15 +125,15 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
     #[inline(never)]
     fn renewed(
         &self,
-        kept: &mut Kept<R, P, N>,
+        cache: &mut TangentCache<R, P, N>,
         cycle: &Cycle<'_, R, P, N>,
         passes: u8,
-        tool: bool,
+        needs_tilt: bool,
         clamped: &mut u8,
     ) -> ([R; N], Pose<R>) {
-        if kept.key != self.key || kept.directions != *cycle.directions {
-            (kept.key, kept.directions) = (self.key, *cycle.directions);
-            kept.tangents = [Tangent::empty(); 2];
+        if cache.key != self.key || cache.directions != *cycle.directions {
+            (cache.key, cache.directions) = (self.key, *cycle.directions);
+            cache.tangents = [Tangent::empty(); 2];
         }
         let renew = |tangent: &mut Tangent<R, P, N>, at: &[P; N]| {
             if N == 3 {
@@ -142,7 +142,7 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
                 self.tangent(tangent, at, cycle.directions, cycle.thermal);
             }
         };
-        let [first, second] = &mut kept.tangents;
+        let [first, second] = &mut cache.tangents;
         if !first.steps(cycle.drive).1 {
             if second.steps(cycle.drive).1 {
                 core::mem::swap(first, second);
@@ -159,8 +159,8 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
             &*second
         };
         let wanted = self.solved(first, &first.steps(cycle.drive).0, cycle, passes, clamped);
-        let mut pose = read(back, &back.steps(cycle.feedback).0, tool);
-        if N == 3 && tool {
+        let mut pose = read(back, &back.steps(cycle.feedback).0, needs_tilt);
+        if N == 3 && needs_tilt {
             // The form for three slides has no direction.
             let feedback = self.coordinates(cycle.feedback);
             let query = Query::at(&feedback, cycle.directions, cycle.thermal);
@@ -240,6 +240,6 @@ fn keep_present<R: Real>(present: &[bool; 3], error: V3<R>, correction: &mut [R]
 }
 
 #[inline(always)]
-fn read<R: Real, P: Position, const N: usize>(tangent: &Tangent<R, P, N>, steps: &[R; N], tool: bool) -> Pose<R> {
-    (tangent.tip(steps), if tool { tangent.turn(steps) } else { V3::ZERO })
+fn read<R: Real, P: Position, const N: usize>(tangent: &Tangent<R, P, N>, steps: &[R; N], needs_tilt: bool) -> Pose<R> {
+    (tangent.tip(steps), if needs_tilt { tangent.turn(steps) } else { V3::ZERO })
 }
