@@ -1,5 +1,6 @@
 //! Bounds of the errors of one axis, and of their slopes, over its reach.
 
+use crate::compensation::Squareness;
 use crate::machine::{Axis, AxisSettings, Curve, MachineSettings, Rows, carries_workpiece};
 
 /// Largest |dE/dq| of each component of a table over both directions: mm or rad per mm or degree; exact.
@@ -10,14 +11,10 @@ pub fn slopes(settings: &AxisSettings, rows: &(impl Rows + ?Sized)) -> [f64; 6] 
     })
 }
 
-/// Part of the nine-term error that grows with the position: −C0Y·y in X, +B0Z·z in X, −A0Z·z in Y; mm/mm.
+/// Part of the nine-term error that grows with the position, by squareness; mm/mm.
 pub fn tilt(machine: &MachineSettings, axis: Axis, component: usize) -> f64 {
-    match (component, axis) {
-        (0, Axis::Y) => -machine.location.c0y,
-        (0, Axis::Z) => machine.location.b0z,
-        (1, Axis::Z) => -machine.location.a0z,
-        _ => 0.0,
-    }
+    let slopes = Squareness::<f64>::of(&machine.location).slopes(axis.index());
+    slopes.get(component).copied().unwrap_or(0.0)
 }
 
 /// The range of an axis' positions: its travel; if that is not declared, the range of its table, or zero.

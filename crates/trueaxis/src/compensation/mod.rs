@@ -20,6 +20,7 @@ pub(crate) use grid::{CycleGrids, Grids, NearGrids};
 pub use nine::NineTerms;
 pub use query::Query;
 pub use reversal::{Direction, Reversal};
+pub(crate) use squareness::Squareness;
 pub use table::{AxisTable, Contribution};
 pub use thermal::ThermalLine;
 pub use volumetric::Volumetric;

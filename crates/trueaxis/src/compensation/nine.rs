@@ -18,11 +18,10 @@
 
 use super::query::Query;
 use super::reversal::Direction;
-use super::squareness::Squareness;
 use super::table::{AxisTable, Contribution, own_component, requirement_of_all};
 use super::thermal::ThermalLine;
 use super::trig::cos_sin_deg;
-use super::{Errors, PASSES_MASK};
+use super::{Errors, PASSES_MASK, Squareness};
 use crate::error::{ConfigError, Field};
 use crate::machine::{
     AXES, Axis, AxisOrder, Lines, Lookup, MOST_CARRIERS, MachineSettings, Rows, carries_workpiece, links,

@@ -34,13 +34,12 @@ mod slides;
 mod tangent;
 mod walk;
 
-use super::PoseError;
 use super::grid::{Grids, Sum};
 use super::query::Query;
 use super::reversal::Direction;
-use super::squareness::Squareness;
 use super::table::{AxisTable, requirement_of_all};
 use super::thermal::ThermalLine;
+use super::{PoseError, Squareness};
 use crate::error::{ConfigError, Field};
 use crate::machine::{Axis, AxisOrder, Lines, Lookup, MachineSettings, Rows, Twist};
 use crate::part::{self, Part, Presence};

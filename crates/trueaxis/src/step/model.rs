@@ -2,7 +2,7 @@
 //!
 //! | cycle | modelled by |
 //! |---|---|
-//! | active, nine terms by one lookup, no axis has reversed or left its cell | `model` itself, in the cached cells |
+//! | active, nine terms in one pass, no axis has reversed or left its cell | `model` itself, in the cached cells |
 //! | homed, nine terms, no axis has reversed, few enough cells are left to be filled | `model_in_refilled_cells` |
 //! | volumetric tables looked up at the command | `model_in_tangents` |
 //! | any other: a reversal, new tables or growth, too many cells left, tables without cells | `model_by_lookup` |
@@ -29,9 +29,9 @@ const REFILLS_WITH_GRIDS: u32 = 4;
 /// Where the inverse of a cycle starts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum InverseStart {
-    /// From no correction: takes as many lookups as configured.
+    /// From no correction: takes as many passes as configured.
     Zero,
-    /// From the correction sent last, which is so close that one lookup will do.
+    /// From the correction sent last, which is so close that one pass will do.
     SentLast,
 }
 

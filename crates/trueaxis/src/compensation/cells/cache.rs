@@ -81,7 +81,7 @@ impl<R: Real, P: Position> Point<R, P> {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Cells<R, P: Position> {
     binding: Binding,
-    /// Lookups of the inverse per cycle.
+    /// Passes of the inverse per cycle.
     passes: u8,
     pub(super) command: Point<R, P>,
     pub(super) feedback: Point<R, P>,
@@ -95,7 +95,7 @@ impl<R: Real, P: Position> Cells<R, P> {
         Cells { binding: Binding::NONE, passes: 1, command: Point::empty(), feedback: Point::empty(), at_edge: 0 }
     }
 
-    /// Whether the cache is bound to these tables and their inverse takes one lookup: a calm cycle may read the cells
+    /// Whether the cache is bound to these tables and their inverse takes one pass: a calm cycle may read the cells
     /// directly.
     #[inline(always)]
     pub(crate) fn are_direct(&self, tables: &Tables<R, P>) -> bool {
@@ -104,7 +104,7 @@ impl<R: Real, P: Position> Cells<R, P> {
 
     /// Binds the cache to these tables. Empties it and returns `true` if it was bound to none or to others.
     pub(crate) fn bind_to<const N: usize>(&mut self, tables: &Tables<R, P>, thermal: &[ThermalLine<R>; N]) -> bool {
-        let (direct, by_several) = (tables.direct, tables.direct.by_several_lookups());
+        let (direct, by_several) = (tables.direct, tables.direct.by_several_passes());
         if self.binding == direct || self.binding == by_several {
             return false;
         }
@@ -114,7 +114,7 @@ impl<R: Real, P: Position> Cells<R, P> {
         true
     }
 
-    /// Lookups of the inverse per cycle.
+    /// Passes of the inverse per cycle.
     pub(crate) fn passes(&self) -> u8 {
         self.passes
     }

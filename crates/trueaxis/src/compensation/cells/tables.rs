@@ -1,4 +1,4 @@
-//! Borders of the cells in a machine's tables, and the number of lookups of the inverse.
+//! Borders of the cells in a machine's tables, and the number of passes of the inverse.
 
 use super::LINEAR;
 use crate::compensation::key::Key;
@@ -24,8 +24,8 @@ const GAP_MM: f64 = 1e-6;
 /// |---|---|
 /// | 0 | no tables |
 /// | 1 | tables without cells; no cache ever is |
-/// | k | the tables of this key, read directly: their inverse takes one lookup |
-/// | !k | the same, not read directly: their inverse takes several lookups |
+/// | k | the tables of this key, read directly: their inverse takes one pass |
+/// | !k | the same, not read directly: their inverse takes several |
 ///
 /// k has bit 1 set and bit 63 clear, so no two rows are equal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,8 +39,8 @@ impl Binding {
         Binding((hash | 2) & !(1 << 63))
     }
 
-    /// From a direct binding, the one to the same tables by several lookups.
-    pub(super) fn by_several_lookups(self) -> Self {
+    /// From a direct binding, the one to the same tables if their inverse takes several passes.
+    pub(super) fn by_several_passes(self) -> Self {
         Binding(!self.0)
     }
 }
@@ -94,12 +94,12 @@ pub(crate) struct Tables<R, P: Position> {
     motion: R,
     /// Largest change of the correction in a cycle, mm.
     change: R,
-    /// Largest number of lookups of the inverse.
+    /// Largest number of passes of the inverse.
     most: u8,
 }
 
 impl<R: Real, P: Position> Tables<R, P> {
-    /// `grids`: key of the grids beside the tables. `norm` of the errors' Jacobian, `most` lookups of the inverse; per
+    /// `grids`: key of the grids beside the tables. `norm` of the errors' Jacobian, `most` passes of the inverse; per
     /// cycle, the largest `motion` of the command and `change` of the correction, mm.
     pub(crate) fn new<const N: usize>(
         terms: Option<&NineTerms<'_, R, P, N>>,
@@ -153,9 +153,9 @@ impl<R: Real, P: Position> Tables<R, P> {
         self.direct != Binding::WITHOUT_CELLS
     }
 
-    /// Lookups `r ← −E(q + r)` needed in a cycle that starts from the correction c of the previous cycle.
+    /// Passes `r ← −E(q + r)` needed in a cycle that starts from the correction c of the previous cycle.
     ///
-    /// With κ the norm of dE/dq, r* the fixed point, and r the result of `p` lookups:
+    /// With κ the norm of dE/dq, r* the fixed point, and r the result of `p` passes:
     ///
     /// ```text
     /// |r − r*| <= κᵖ |c − r*|       |c − r*| <= |c − r| + |r − r*|       |r − r*| <= κᵖ |c − r| / (1 − κᵖ)
@@ -188,7 +188,7 @@ mod tests {
     fn no_two_kinds_of_binding_are_equal_whatever_the_hash() {
         for hash in [0, 1, 2, 3, 1 << 63, u64::MAX, u64::MAX - 1, !2, !(1 << 63)] {
             let direct = Binding::direct(hash);
-            let all = [Binding::NONE, Binding::WITHOUT_CELLS, direct, direct.by_several_lookups()];
+            let all = [Binding::NONE, Binding::WITHOUT_CELLS, direct, direct.by_several_passes()];
             for (index, one) in all.iter().enumerate() {
                 assert_eq!(all.iter().position(|other| other == one), Some(index), "{hash:x}");
             }
