@@ -14,7 +14,7 @@ mod drifting;
 
 use super::calibration::artefacts::{SetUp, placed};
 use crate::calibrate::{Plan, perfect, program, read_log, trips};
-use crate::keep::{BallPlace, Before, Keep, Reprobing, begin, changes, evaluate, plan};
+use crate::keep::{BallPlace, Before, KeepTask, Reprobing, begin, changes, evaluate, plan};
 use anyhow::{Result, anyhow};
 use drifting::Drifting;
 use glam::DVec3;
