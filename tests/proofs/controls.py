@@ -7,7 +7,7 @@ import pathlib
 import sys
 
 HERE = pathlib.Path(__file__).resolve().parent
-SOURCE = HERE / "../../crates/trueaxis/src/limiter.rs"
+SOURCE = HERE / "../../crates/trueaxis/src/limiter/mod.rs"
 FUNCTION = {"follow": ", wanted: f32) -> bool { limiter.follow(state, wanted) }",
             "freeze": ") { limiter.freeze(state) }", "hold": ") { limiter.hold(state) }"}
 
