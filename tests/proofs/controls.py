@@ -38,7 +38,7 @@ def main(folder):
     lines = ["#![no_std]", "#![allow(warnings)]", "use trueaxis::{error, machine, real};"]
     for name, (function, right, wrong) in DEFECTS.items():
         if source.count(right) != 1:
-            sys.exit(f"controls.py: found {source.count(right)} times in limiter.rs, needed once: {right}")
+            sys.exit(f"controls.py: found {source.count(right)} times in limiter/mod.rs, needed once: {right}")
         (folder / f"src/{name}.rs").write_text(source.replace(right, wrong))
         lines.append(f"mod {name};")
         lines.append(f"#[unsafe(no_mangle)] #[inline(never)] pub extern \"C\" fn {function}_f32_{name}(limiter: "
