@@ -7,7 +7,7 @@ import pathlib
 import sys
 
 HERE = pathlib.Path(__file__).resolve().parent
-SOURCE = HERE / "../../crates/trueaxis/src/limiter.rs"
+SOURCE = HERE / "../../crates/trueaxis/src/limiter/mod.rs"
 FUNCTION = {"follow": ", wanted: f32) -> bool { limiter.follow(state, wanted) }",
             "freeze": ") { limiter.freeze(state) }", "hold": ") { limiter.hold(state) }"}
 
@@ -38,7 +38,7 @@ def main(folder):
     lines = ["#![no_std]", "#![allow(warnings)]", "use trueaxis::{error, machine, real};"]
     for name, (function, right, wrong) in DEFECTS.items():
         if source.count(right) != 1:
-            sys.exit(f"controls.py: found {source.count(right)} times in limiter.rs, needed once: {right}")
+            sys.exit(f"controls.py: found {source.count(right)} times in limiter/mod.rs, needed once: {right}")
         (folder / f"src/{name}.rs").write_text(source.replace(right, wrong))
         lines.append(f"mod {name};")
         lines.append(f"#[unsafe(no_mangle)] #[inline(never)] pub extern \"C\" fn {function}_f32_{name}(limiter: "

@@ -599,8 +599,9 @@ fn the_examples_in_help_work() {
         at += 1;
         let text = help(&names);
         commands.extend(subcommands(&text).into_iter().map(|name| [&names[..], &[name]].concat()));
-        for line in text.lines().map(str::trim).filter(|line| line.starts_with("-o") || line.starts_with("--output")) {
-            assert!(line.starts_with("-o, --output "), "{names:?}: {line}");
+        let is_output = |line: &&str| line.starts_with("  -o") || line.starts_with("      --output");
+        for line in text.lines().filter(is_output) {
+            assert!(line.starts_with("  -o, --output "), "{names:?}: {line}");
         }
         // A sentence, which may be wrapped, an empty line, the example.
         let before: Vec<&str> = text.lines().take_while(|line| *line != "Example:").collect();

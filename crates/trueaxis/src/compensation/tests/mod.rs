@@ -112,7 +112,7 @@ fn cubic_tables_pass_their_points_and_never_leave_a_cell() {
 /// Values of SciPy's PchipInterpolator, written by tests/reference/pchip.py.
 #[test]
 fn cubic_tables_agree_with_scipy() {
-    let text = include_str!("../../../../tests/reference/pchip.csv");
+    let text = include_str!("../../../../../tests/reference/pchip.csv");
     let lines: Vec<Vec<&str>> = text.lines().skip(1).map(|line| line.split(',').collect()).collect();
     let settings = AxisSettings { interpolation: Interpolation::Cubic, ..AxisSettings::with_defaults(Axis::Y, false) };
     let mut compared = 0;
