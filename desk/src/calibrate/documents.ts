@@ -49,7 +49,7 @@ export interface Curves {
   axis: string;
   position_mm: number[];
   error_um: [number[], number[], number[]];
-  standard_error_um: [number[], number[], number[]];
+  expanded_um: [number[], number[], number[]];
 }
 
 export interface Found {

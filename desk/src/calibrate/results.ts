@@ -2,7 +2,7 @@
 
 import { el, section, table, warnings, type Cell } from "../core/dom";
 import { shown } from "../core/number";
-import { Plot, withErrors } from "../core/plot";
+import { Plot, withBand } from "../core/plot";
 import type { ColourName } from "../core/theme";
 import type { Found } from "./documents";
 
@@ -71,10 +71,10 @@ export class Results {
 
   private drawCurves({ curves }: Found): void {
     this.curves.replaceChildren();
-    for (const { axis, position_mm, error_um, standard_error_um } of curves) {
-      const parts = XYZ.map((direction, i) => withErrors({ name: `E${direction}${axis}`, colour: colour(direction), dash: DASHES[i]!, unit: "µm" }, error_um[i]!, standard_error_um[i]!));
+    for (const { axis, position_mm, error_um, expanded_um } of curves) {
+      const parts = XYZ.map((direction, i) => withBand({ name: `E${direction}${axis}`, colour: colour(direction), dash: DASHES[i]!, unit: "µm" }, error_um[i]!, expanded_um[i]!));
       const plot = new Plot(this.curves, {
-        title: `Errors found of axis ${axis}, between lines of two standard errors`,
+        title: `Errors found of axis ${axis}, between lines of their expanded uncertainty, 95 %`,
         x: `${axis} / mm`,
         y: "error / µm",
         series: parts.flatMap(({ series }) => series),

@@ -4,8 +4,9 @@ use super::{range, warnings};
 use maud::html;
 use trueaxis::Axis;
 use trueaxis_evaluation::identify::{Document, names};
+use trueaxis_evaluation::uncertainty::band_factor;
 use trueaxis_report::{
-    Figure, Page, Row, Scale, Table, error_bars,
+    BARS, Figure, Page, Row, Scale, Table, error_bars,
     number::{quantity, significant},
     residuals, summary,
 };
@@ -46,14 +47,14 @@ fn angle_scale(axis: Axis, found: &Document) -> Scale {
 }
 
 fn errors(axis: Axis, found: &Document, shown: [usize; 3], unit: &str) -> Figure {
-    let names = names(axis);
+    let (names, factor) = (names(axis), band_factor(found.degrees_of_freedom as f64));
     let curve = |i: usize| {
-        let points = found.angles.iter().map(|angle| [angle.angle_deg, angle.values[i], angle.deviations[i]]);
+        let points = found.angles.iter().map(|angle| [angle.angle_deg, angle.values[i], factor * angle.deviations[i]]);
         (names[i].as_str(), points.collect())
     };
     let description = format!("{} over the angle", shown.map(|i| names[i].as_str()).join(", "));
     let mut figure = error_bars(&description, angle_scale(axis, found), unit, &shown.map(curve));
-    figure.caption("Bars: 2 standard errors to either side.");
+    figure.caption(BARS);
     figure
 }
 

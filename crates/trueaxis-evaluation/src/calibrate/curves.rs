@@ -4,6 +4,7 @@ use super::plan::Plan;
 use super::solve::Calibration;
 use super::task::Task;
 use super::terms::Term;
+use crate::shown::half_width;
 use serde::Serialize;
 use trueaxis::machine::Axis;
 
@@ -46,8 +47,8 @@ pub struct Curves {
     pub position_mm: Vec<f64>,
     /// EX, EY, EZ there.
     pub error_um: [Vec<f64>; 3],
-    /// Standard errors of EX, EY, EZ.
-    pub standard_error_um: [Vec<f64>; 3],
+    /// Expanded uncertainties of EX, EY, EZ, 95 %.
+    pub expanded_um: [Vec<f64>; 3],
 }
 
 impl Curves {
@@ -58,11 +59,16 @@ impl Curves {
             return None;
         }
         let position_mm = terms.grid(axis, STEPS);
-        let part = |component: u8, part: usize| {
-            let at = |q: &f64| calibration.shape(axis, component, *q, true).map(|mm| 1e3 * mm);
-            position_mm.iter().map(|q| at(q)[part]).collect()
+        let freedom = calibration.solution.degrees_of_freedom as f64;
+        let at = |q: &f64, component: u8| calibration.shape(axis, component, *q, true).map(|mm| 1e3 * mm);
+        let column = |of: &dyn Fn([f64; 2]) -> f64| {
+            [0, 1, 2].map(|component| position_mm.iter().map(|q| of(at(q, component))).collect())
         };
-        let [error_um, standard_error_um] = [0, 1].map(|of| [0, 1, 2].map(|component| part(component, of)));
-        Some(Curves { axis: axis.letter(), error_um, standard_error_um, position_mm })
+        Some(Curves {
+            axis: axis.letter(),
+            error_um: column(&|[value, _]| value),
+            expanded_um: column(&|[_, error]| half_width(error, freedom)),
+            position_mm: position_mm.clone(),
+        })
     }
 }

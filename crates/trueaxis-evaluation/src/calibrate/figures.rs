@@ -4,8 +4,9 @@ use super::curves::{Curves, Residuals};
 use super::plan::Plan;
 use super::solve::Calibration;
 use super::task::Task;
+use crate::shown::half_width;
 use trueaxis::machine::Axis;
-use trueaxis_report::{Figure, Scale, Stroke, colour, error_bars};
+use trueaxis_report::{BARS, Figure, Scale, Stroke, colour, error_bars};
 
 /// Residual of every touch, in program order.
 pub fn residuals(task: &Task, plan: &Plan, calibration: &Calibration) -> Figure {
@@ -24,18 +25,18 @@ pub fn residuals(task: &Task, plan: &Plan, calibration: &Calibration) -> Figure 
     figure
 }
 
-/// The curves found for an axis, including its scale, with bars of two standard errors; `None` if it has none.
+/// The curves found for an axis, including its scale, with bars of the expanded uncertainty; `None` if it has none.
 pub fn curves(calibration: &Calibration, axis: Axis) -> Option<Figure> {
-    let Curves { axis: letter, position_mm, error_um, standard_error_um } = Curves::of(calibration, axis)?;
+    let Curves { axis: letter, position_mm, error_um, expanded_um } = Curves::of(calibration, axis)?;
     let x = Scale::linear(&format!("{letter} in mm"), position_mm.iter().copied());
     let names = ['X', 'Y', 'Z'].map(|direction| format!("E{direction}{letter}"));
     let curve = |k: usize| {
-        let values = error_um[k].iter().zip(&standard_error_um[k]);
-        position_mm.iter().zip(values).map(|(q, (value, error))| [*q, *value, *error]).collect::<Vec<_>>()
+        let values = error_um[k].iter().zip(&expanded_um[k]);
+        position_mm.iter().zip(values).map(|(q, (value, half_width))| [*q, *value, *half_width]).collect::<Vec<_>>()
     };
     let curves = [0, 1, 2].map(|k| (names[k].as_str(), curve(k)));
     let mut figure = error_bars(&format!("Errors found of axis {letter}"), x, "µm", &curves);
-    figure.caption(format!("Errors of {letter} added to its table. Bars: 2 standard errors to either side."));
+    figure.caption(format!("Errors of {letter} added to its table. {BARS}"));
     Some(figure)
 }
 
@@ -48,11 +49,12 @@ pub fn drift(calibration: &Calibration) -> Option<Figure> {
     let (values, errors) = (&calibration.solution.values, &calibration.solution.standard_errors);
     let curve = |k: usize| {
         let at = |list: &[f64], knot: Option<usize>| knot.map_or(0.0, |index| 1e3 * list[index + k]);
-        knots.iter().map(|&(time, knot)| [time / 60.0, at(values, knot), at(errors, knot)]).collect::<Vec<_>>()
+        let bar = |knot| half_width(at(errors, knot), calibration.solution.degrees_of_freedom as f64);
+        knots.iter().map(|&(time, knot)| [time / 60.0, at(values, knot), bar(knot)]).collect::<Vec<_>>()
     };
     let x = Scale::linear("time in minutes, without pauses", knots.iter().map(|(time, _)| time / 60.0));
     let curves = [("X", curve(0)), ("Y", curve(1)), ("Z", curve(2))];
     let mut figure = error_bars("Drift of the reference", x, "µm", &curves);
-    figure.caption("Movement of the reference since its first probing. Bars: 2 standard errors to either side.");
+    figure.caption(format!("Movement of the reference since its first probing. {BARS}"));
     Some(figure)
 }

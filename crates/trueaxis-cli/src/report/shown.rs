@@ -1,32 +1,42 @@
-//! The pages of `trueaxis evaluate`.
+//! The page of a result.
 
 use maud::{Markup, html};
-use trueaxis_evaluation::shown::{Cell, Look, Plot, Shown, Table};
+use trueaxis_evaluation::shown::{Look, Plot, Shown, Table};
 use trueaxis_report::{Page, Row, side_by_side, summary};
 
-/// The whole page; `source` is the name of the record.
-pub(crate) fn page(source: &str, shown: &Shown) -> String {
+/// No sections of the result's own.
+pub(crate) const NO_FIGURES: [(&str, Markup); 0] = [];
+
+/// The whole page. `source` is the name of the record; `figures` are sections of the result's own, after the first table.
+pub(crate) fn page<H: AsRef<str>>(
+    source: &str,
+    shown: &Shown,
+    figures: impl IntoIterator<Item = (H, Markup)>,
+) -> String {
     let parts = std::iter::once(source).chain(shown.summary.iter().map(String::as_str));
     let mut page =
         Page::new(shown.title).top(summary(parts.map(|part| html! { (part) }))).top(super::warnings(&shown.notes));
     let (first, others) = shown.tables.split_at(shown.tables.len().min(1));
     for own in first {
-        page = page.top(table(own));
+        page = page.top(table(own).caption(&own.caption));
+    }
+    for (heading, figure) in figures {
+        page = page.section(heading.as_ref(), figure);
     }
     for plots in shown.plots.chunk_by(|one, next| one.section == next.section) {
-        page = page.section(plots[0].section, figures(plots));
+        page = page.section(plots[0].section, plotted(plots));
     }
     if let Some(map) = &shown.map {
         page = page.section("Residuals over X and Y", map.figure());
     }
     for own in others {
-        page = page.section(own.caption, table(own));
+        page = page.section(&own.caption, table(own));
     }
     page.document()
 }
 
 /// Plots of one part: points alone side by side, curves one below the other.
-fn figures(plots: &[Plot]) -> Markup {
+fn plotted(plots: &[Plot]) -> Markup {
     let half = plots.len() > 1 && plots.iter().all(|plot| plot.look == Look::Points);
     let figures = plots.iter().map(|plot| plot.figure(half));
     if half {
@@ -41,7 +51,6 @@ fn table(of: &Table) -> trueaxis_report::Table {
         let mut cells = row.iter().map(|cell| cell.text().to_owned());
         Row::new(cells.next().unwrap_or_default(), cells)
     });
-    let words = (1..of.header.len())
-        .filter(|column| of.rows.iter().all(|row| matches!(row.get(*column), Some(Cell::Text(text)) if text != "–")));
-    trueaxis_report::Table::new(of.header.iter().copied(), rows).words(&words.collect::<Vec<_>>())
+    let words: Vec<usize> = (1..of.header.len()).filter(|column| of.is_words(*column)).collect();
+    trueaxis_report::Table::new(of.header.iter().map(String::as_str), rows).words(&words)
 }
