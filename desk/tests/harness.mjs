@@ -113,11 +113,15 @@ export async function numbers(table) {
   });
 }
 
-/** Checks expanded uncertainties, `[found, standard error]`: every one is its standard error times one factor of Student's. */
-export function expanded(pairs) {
+/**
+ * Checks expanded uncertainties, `[found, standard error]`: every one is its standard error times one factor of Student's, to
+ * a share of `tolerance`.
+ */
+export function expanded(pairs, tolerance = 1e-5) {
   const factors = pairs.filter(([, error]) => error > 0).map(([found, error]) => found / error);
+  if (factors.length === 0) return;
   const [least, most] = [Math.min(...factors), Math.max(...factors)];
-  assert.ok(least > 1.9599 && most < least * (1 + 1e-5), `found factors of ${least} to ${most}, needed one of 1.96 or more`);
+  assert.ok(least > 1.9599 && most < least * (1 + tolerance), `found factors of ${least} to ${most}, needed one of 1.96 or more`);
 }
 
 /** Clicks on `locator` and returns the name and bytes of the saved file. */

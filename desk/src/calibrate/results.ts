@@ -1,12 +1,11 @@
 // Results of a log: terms, curves, residuals, drift.
 
-import { el, section, table, warnings, type Cell } from "../core/dom";
-import { shown } from "../core/number";
+import { el, section } from "../core/dom";
 import { Plot, withBand } from "../core/plot";
+import { showTables } from "../core/shown";
 import type { ColourName } from "../core/theme";
 import type { Found } from "./documents";
 
-const whole = (value: number): Cell => ({ text: String(value), value });
 const XYZ = ["X", "Y", "Z"] as const;
 const colour = (letter: string) => letter.toLowerCase() as ColourName;
 const DASHES = [[], [7, 3], [2, 3]];
@@ -30,22 +29,7 @@ export class Results {
 
   show(found: Found): void {
     this.root.hidden = false;
-    const { document: d } = found;
-    this.figures.replaceChildren(
-      warnings(d.warnings),
-      table("Terms", ["term", "value", "standard error", "unit"], d.terms.map((term): Cell[] => [term.name, shown(term.value, 4), shown(term.standard_error, 2), term.unit])),
-      table("Network", ["", "value"], [
-        ["sigma of a touch / µm", shown(d.sigma_um, 3)],
-        ["stated / µm", shown(d.repeatability_um, 3)],
-        ["measured / µm RMS", shown(d.signal_um, 3)],
-        ["degrees of freedom", whole(d.degrees_of_freedom)],
-        ["unknowns, rank", whole(d.rank)],
-        ["condition", shown(d.condition, 2)],
-        ["radius of the tip / mm", shown(d.tip_radius_mm, 6)],
-        ["its standard error / µm", shown(d.tip_radius_standard_error_um, 2)],
-      ]),
-      table("Artefacts, mm or °", ["artefact", "stated", "found", "± µm or µrad"], d.artefacts.map(({ name, stated, found, standard_error }): Cell[] => [name, whole(stated), shown(found, 8), shown(standard_error, 2)])),
-    );
+    showTables(this.figures, found.shown);
     this.drawResiduals(found);
     this.drawCurves(found);
     this.drawDrift(found);
@@ -83,7 +67,7 @@ export class Results {
     }
   }
 
-  private drawDrift({ document: { drift } }: Found): void {
+  private drawDrift({ drift }: Found): void {
     this.drift.replaceChildren();
     if (drift.length < 2) return;
     const plot = new Plot(this.drift, {

@@ -7,7 +7,8 @@ use anyhow::Result;
 use serde::Serialize;
 use std::path::Path;
 use trueaxis::Axis;
-use trueaxis_evaluation::calibrate::{Curves, Document, Foreseen, Planning, Residuals, Task, solved};
+use trueaxis_evaluation::calibrate::{Curves, Drift, Foreseen, Planning, Residuals, Task, solved};
+use trueaxis_evaluation::shown::Shown;
 use trueaxis_tables::Machine;
 use wasm_bindgen::prelude::*;
 
@@ -24,8 +25,11 @@ struct Planned {
 /// A solved log.
 #[derive(Serialize)]
 struct Found {
-    /// The document printed by `trueaxis calibrate solve --json`.
-    document: Document,
+    /// Printed by `trueaxis calibrate solve`.
+    shown: Shown,
+    machine: String,
+    touches: usize,
+    drift: Vec<Drift>,
     residuals: Residuals,
     curves: Vec<Curves>,
     becomes: Becomes,
@@ -55,8 +59,12 @@ fn solve(files: &str, name: &str, task: &str, log_name: &str, log: &str) -> Resu
     let (task, machine) = read(files, name, task, &mut notes)?;
     let (plan, found) = solved(&task, &machine, log, Path::new(log_name), |note| notes.push(note))?;
     let becomes = Becomes::new(files, &found.additions(&task).of_record(log.as_bytes()))?;
+    let document = found.document(&task, &machine);
     json(&Found {
-        document: found.document(&task, &machine),
+        shown: document.shown(),
+        machine: document.machine,
+        touches: document.touches,
+        drift: document.drift,
         residuals: Residuals::of(&task, &plan, &found),
         curves: [Axis::X, Axis::Y, Axis::Z].into_iter().filter_map(|axis| Curves::of(&found, axis)).collect(),
         becomes,
@@ -64,7 +72,7 @@ fn solve(files: &str, name: &str, task: &str, log_name: &str, log: &str) -> Resu
     })
 }
 
-/// Solves a log of the task's program: `document`, `residuals`, `curves`, `becomes` (the corrected machine), `notes`.
+/// Solves a log of the task's program: `shown`, `machine`, `touches`, `drift`, `residuals`, `curves`, `becomes` (the corrected machine), `notes`.
 #[wasm_bindgen]
 pub fn calibrate_solve(files: &str, name: &str, task: &str, log_name: &str, log: &str) -> Result<String, Refused> {
     to_js(solve(files, name, task, log_name, log))

@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 use std::path::Path;
 use trueaxis::tcomp::machine_id;
 use trueaxis_evaluation::rows::Rows;
-use trueaxis_evaluation::thermal::{COLUMNS, Document, Found, Recording, model, settings, worst, written};
+use trueaxis_evaluation::shown::Shown;
+use trueaxis_evaluation::thermal::{COLUMNS, Found, Recording, model, settings, worst, written};
 use wasm_bindgen::prelude::*;
 
 /// Inputs in addition to the record.
@@ -37,8 +38,8 @@ struct Drift {
 /// A fitted record.
 #[derive(Serialize)]
 struct Fitted {
-    /// The document printed by `trueaxis thermal fit --json`.
-    document: Document,
+    /// Printed by `trueaxis thermal fit`.
+    shown: Shown,
     drifts: Vec<Drift>,
     /// The text that the command writes.
     toml: String,
@@ -69,14 +70,14 @@ fn fit(files: &str, name: &str, text: &str, request: &str) -> Result<String> {
     let (document, axes) = (found.document(), found.recording.record.axes.iter());
     notes.extend(document.missing.iter().map(|own| format!("{name}: {own}")));
     json(&Fitted {
-        document,
+        shown: document.shown(),
         drifts: axes.filter_map(|axis| drift(&found, *axis)).collect(),
         toml: written(&found),
         notes,
     })
 }
 
-/// Fits a recorded warm-up on the machine of these files: `document`, `drifts`, `toml`, `notes`. `request`: `hold_out`,
+/// Fits a recorded warm-up on the machine of these files: `shown`, `drifts`, `toml`, `notes`. `request`: `hold_out`,
 /// `without`.
 #[wasm_bindgen]
 pub fn thermal_fit(files: &str, name: &str, text: &str, request: &str) -> Result<String, Refused> {

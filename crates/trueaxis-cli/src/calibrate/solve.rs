@@ -1,11 +1,12 @@
 //! `trueaxis calibrate solve`.
 
-use super::table::table;
 use super::{SolveArguments, read};
 use crate::output::{print, progress, report_line};
 use crate::{machine_folder, model, report};
 use anyhow::Result;
-use trueaxis_evaluation::calibrate::solved;
+use maud::{Render, html};
+use trueaxis::Axis;
+use trueaxis_evaluation::calibrate::{curves, drift, residuals, solved};
 use trueaxis_tables::output::Outputs;
 
 pub(super) fn run(arguments: &SolveArguments) -> Result<()> {
@@ -28,10 +29,15 @@ pub(super) fn run(arguments: &SolveArguments) -> Result<()> {
     }
     if let Some(directory) = &arguments.report {
         let source = arguments.log.file_name().unwrap_or_default().to_string_lossy();
-        let page = report::calibrate::page(&source, &read.task, &plan, &found, &document);
+        let curves = [Axis::X, Axis::Y, Axis::Z].into_iter().filter_map(|axis| curves(&found, axis));
+        let curves = ("Curves", html! { @for figure in curves { (figure) } });
+        let drift = drift(&found).map(|figure| ("Drift", figure.render()));
+        let left = ("Residuals", residuals(&read.task, &plan, &found).render());
+        let figures = [curves, left].into_iter().chain(drift);
+        let page = report::page(&source, &document.shown(), figures);
         report::write(&mut outputs, &page, directory, "calibrate.html")?;
     }
     outputs.commit()?;
     done.print_notes();
-    if arguments.json { done.json(&document) } else { print(&table(&document)?) }
+    if arguments.json { done.json(&document) } else { print(&document.shown().text()) }
 }

@@ -22,7 +22,7 @@ pub(super) fn allowed<'a>(arguments: &'a CheckArguments, state: &State) -> Resul
 pub(super) fn show(outputs: &mut Outputs, state: &State, taken: &Taken, arguments: &ReprobingArguments) -> Result<()> {
     let Some(directory) = &arguments.report else { return Ok(()) };
     let entries: Vec<Entry> = state.history.entries.iter().chain([&taken.entry]).cloned().collect();
-    let page = report::keep::page(&state.machine.settings.name, &entries, Some(&taken.document));
+    let page = super::table::page(&state.machine.settings.name, &entries, Some(&taken.document));
     report::write(outputs, &page, directory, "keep.html")
 }
 

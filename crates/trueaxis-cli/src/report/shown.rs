@@ -7,7 +7,7 @@ use trueaxis_report::{Page, Row, side_by_side, summary};
 /// No sections of the result's own.
 pub(crate) const NO_FIGURES: [(&str, Markup); 0] = [];
 
-/// The whole page. `source` is the name of the record; `figures` are sections of the result's own, after the first table.
+/// The whole page. `source` is the name of the record; `figures` are sections of the result's own, after the plots.
 pub(crate) fn page<H: AsRef<str>>(
     source: &str,
     shown: &Shown,
@@ -15,13 +15,10 @@ pub(crate) fn page<H: AsRef<str>>(
 ) -> String {
     let parts = std::iter::once(source).chain(shown.summary.iter().map(String::as_str));
     let mut page =
-        Page::new(shown.title).top(summary(parts.map(|part| html! { (part) }))).top(super::warnings(&shown.notes));
-    let (first, others) = shown.tables.split_at(shown.tables.len().min(1));
-    for own in first {
+        Page::new(&shown.title).top(summary(parts.map(|part| html! { (part) }))).top(super::warnings(&shown.notes));
+    let mut tables = shown.tables.iter().filter(|table| !table.rows.is_empty());
+    if let Some(own) = tables.next() {
         page = page.top(table(own).caption(&own.caption));
-    }
-    for (heading, figure) in figures {
-        page = page.section(heading.as_ref(), figure);
     }
     for plots in shown.plots.chunk_by(|one, next| one.section == next.section) {
         page = page.section(plots[0].section, plotted(plots));
@@ -29,7 +26,10 @@ pub(crate) fn page<H: AsRef<str>>(
     if let Some(map) = &shown.map {
         page = page.section("Residuals over X and Y", map.figure());
     }
-    for own in others {
+    for (heading, figure) in figures {
+        page = page.section(heading.as_ref(), figure);
+    }
+    for own in tables {
         page = page.section(&own.caption, table(own));
     }
     page.document()

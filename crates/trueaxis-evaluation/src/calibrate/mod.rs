@@ -19,6 +19,7 @@ mod planning;
 mod program;
 pub(crate) mod ranges;
 mod reach;
+mod shown;
 mod solve;
 mod task;
 mod terms;

@@ -39,7 +39,7 @@ impl Document {
         let terms = Table::quantities("Results of the diagonals", terms);
         let shapes = self.steps.iter().flat_map(|steps| &steps.shapes).map(|shape| self.shape(shape));
         Shown {
-            title: "Diagonal displacement test",
+            title: "Diagonal displacement test".into(),
             summary: vec![
                 format!("{} test", self.test),
                 format!("{} readings", self.readings),

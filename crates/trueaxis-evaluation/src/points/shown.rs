@@ -9,14 +9,14 @@ impl Document {
     /// Tables, plots and map of the points and the errors found.
     pub fn shown(&self, points: &Points, found: &Found) -> Shown {
         let functions = self.functions.iter().map(|of| {
-            let [low, high] = of.range.map(|value| Cell::number(value, 3));
-            let uncertainty = Uncertainty::of(of.standard_error, self.degrees_of_freedom as f64).cell();
-            vec![of.name.as_str().into(), low, high, uncertainty, unit(of.unit).into()]
+            let uncertainty = Uncertainty::of(of.standard_error, self.degrees_of_freedom as f64);
+            let [low, high] = of.range.map(|value| uncertainty.value(value));
+            vec![of.name.as_str().into(), low, high, uncertainty.cell(), unit(of.unit).into()]
         });
         let squareness = &self.squareness;
         let squareness = [("A0Z", squareness.a0z_urad), ("B0Z", squareness.b0z_urad), ("C0Y", squareness.c0y_urad)]
             .map(|(name, of)| {
-                let value = Cell::number(of.value, 3);
+                let value = of.uncertainty().value(of.value);
                 vec![name.into(), value.clone(), value, of.uncertainty().cell(), "µrad".into()]
             });
         let left = |name: &str, of: Left| {
@@ -34,7 +34,7 @@ impl Document {
         ];
         let [x, y, z] = self.nodes;
         Shown {
-            title: "Measured points",
+            title: "Measured points".into(),
             summary: vec![
                 format!("{} points", self.points),
                 format!("{x} × {y} × {z} nodes"),

@@ -52,7 +52,7 @@ impl Document {
                 .collect()
         });
         Shown {
-            title: "Probing test",
+            title: "Probing test".into(),
             summary: vec![self.feature.into(), counted(self.runs.len(), "run")],
             notes: self.notes.clone(),
             tables: vec![

@@ -32,7 +32,7 @@ impl Document {
         ];
         let displacements: Vec<[f64; 3]> = record.readings.iter().map(|reading| reading.displacement_mm).collect();
         Shown {
-            title: "R-test",
+            title: "R-test".into(),
             summary: vec![format!("{} readings", self.readings), format!("rank {}", self.rank)],
             notes: self.notes.clone(),
             tables: vec![

@@ -14,13 +14,13 @@ pub use plot::{Curve, Look, Map, Plot};
 pub use quantity::{EXPANDED, Quantity, Uncertainty, half_width};
 
 use serde::Serialize;
-use trueaxis_report::number::{decimals, significant};
+use trueaxis_report::number::{decimals, shortest, significant};
 
 /// Everything shown of a result.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Shown {
     /// Name of the test.
-    pub title: &'static str,
+    pub title: String,
     /// How the result was obtained, in parts.
     pub summary: Vec<String>,
     /// Remarks on the result, a sentence each.
@@ -99,7 +99,7 @@ impl Table {
 
     /// Whether a column, counted from 0, has words instead of numbers.
     pub fn is_words(&self, column: usize) -> bool {
-        column == 0 || self.rows.iter().all(|row| matches!(row.get(column), Some(Cell::Text(text)) if text != "–"))
+        self.rows.iter().all(|row| matches!(row.get(column), Some(Cell::Text(text)) if text != "–"))
     }
 }
 
@@ -112,6 +112,11 @@ impl Cell {
     /// A number with `count` decimals.
     pub fn fixed(value: impl Into<Option<f64>>, count: i32) -> Cell {
         Cell::written(value.into(), |value| decimals(value, count))
+    }
+
+    /// A number as given: as many digits as it needs, at most six decimals.
+    pub fn shortest(value: f64) -> Cell {
+        Cell::written(Some(value), shortest)
     }
 
     /// A count.

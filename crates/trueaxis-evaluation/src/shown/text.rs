@@ -4,10 +4,10 @@ use super::{Shown, Table};
 use std::fmt;
 
 impl Shown {
-    /// The result as text: summary, tables and notes. Plots are left out.
+    /// The result as text: summary, tables with rows, notes. Plots are left out.
     pub fn text(&self) -> String {
         let mut text = format!("{}: {}\n", self.title, self.summary.join(", "));
-        for table in &self.tables {
+        for table in self.tables.iter().filter(|table| !table.rows.is_empty()) {
             text += &format!("\n{table}");
         }
         if !self.notes.is_empty() {
@@ -55,7 +55,7 @@ mod tests {
             Quantity::new("play", "µm", 3.0, Uncertainty::Held("held")).noted("of the machine"),
         ];
         let shown = Shown {
-            title: "Test",
+            title: "Test".into(),
             summary: vec!["3 readings".into(), "rank 2".into()],
             notes: vec!["no more".into()],
             tables: vec![

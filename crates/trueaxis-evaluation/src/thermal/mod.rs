@@ -6,6 +6,7 @@
 mod document;
 mod figures;
 mod record;
+mod shown;
 mod text;
 mod written;
 

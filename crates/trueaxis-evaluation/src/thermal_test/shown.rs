@@ -30,7 +30,7 @@ impl Document {
         }
         let [duration, period] = [self.duration_min, self.period_min].map(|minutes| significant(minutes, 4));
         Shown {
-            title: "Thermal test",
+            title: "Thermal test".into(),
             summary: vec![format!("{} test", self.test), format!("{duration} min, period {period} min")],
             notes: self.notes.clone(),
             tables,
