@@ -29,20 +29,11 @@ export interface Planned {
   notes: string[];
 }
 
-export interface Curves {
-  axis: string;
-  position_mm: number[];
-  error_um: [number[], number[], number[]];
-  expanded_um: [number[], number[], number[]];
-}
-
 export interface Found {
   shown: Shown;
   machine: string;
   touches: number;
-  drift: { time_s: number; um: [number, number, number] }[];
   residuals: { residual_um: number[]; sigma_um: number; visits: [number, string][] };
-  curves: Curves[];
   becomes: Becomes;
   notes: string[];
 }

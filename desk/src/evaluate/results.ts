@@ -2,13 +2,9 @@
 
 import { el, section, table, type Cell } from "../core/dom";
 import { fixed, significant } from "../core/number";
-import { Plot, withBand, type Series } from "../core/plot";
-import { showTables } from "../core/shown";
-import type { Curve, Map, Plot as Plotted, Shown } from "../core/shown-types";
-import { onTheme, scale, type ColourName } from "../core/theme";
-
-const COLOURS: readonly ColourName[] = ["x", "y", "z", "a", "b"];
-const DASHES = [[], [7, 3], [2, 3], [9, 3, 2, 3], [4, 4]];
+import { showPlots, showTables } from "../core/shown";
+import type { Map, Shown } from "../core/shown-types";
+import { onTheme, scale } from "../core/theme";
 
 export class Results {
   readonly root: HTMLElement;
@@ -30,25 +26,9 @@ export class Results {
   show(shown: Shown): void {
     this.root.hidden = false;
     showTables(this.figures, shown);
-    this.plots.replaceChildren();
-    for (const plot of shown.plots) this.draw(plot);
+    showPlots(this.plots, shown.plots);
     this.map = shown.map;
     this.paint();
-  }
-
-  private draw({ title, x, y, look, caption, at, curves }: Plotted): void {
-    const named = ([name, unit]: [string, string]) => (unit === "" ? name : `${name} / ${unit}`);
-    const parts = curves.map((curve) => this.curve(curve, look, y[1]));
-    const plot = new Plot(this.plots, { title, x: named(x), y: named(y), height: 240, series: parts.flatMap(({ series }) => series) });
-    plot.set([at, ...parts.flatMap(({ columns }) => columns)]);
-    // The report's bars are drawn as lines here.
-    if (caption !== "") plot.root.querySelector("figcaption")?.after(el("small", {}, caption.replace("Bars:", "Thin lines:")));
-  }
-
-  private curve({ name, colour, dashed, values, expanded }: Curve, look: Plotted["look"], unit: string): { series: Series[]; columns: (number | null)[][] } {
-    const own: Series = { name, unit, colour: COLOURS[colour % COLOURS.length]!, joined: true, points: look === "points", dots: look === "dotted", dash: dashed ? [2, 4] : (DASHES[colour % DASHES.length] ?? []) };
-    const known = values.filter((value) => value !== null);
-    return expanded.length > 0 && known.length === expanded.length ? withBand(own, known, expanded) : { series: [own], columns: [values] };
   }
 
   /** Colours behind the numbers. */

@@ -1,9 +1,8 @@
 // Results of a warm-up: drift of held-out cycles, lags and curves.
 
 import { el, section } from "../core/dom";
-import { Plot } from "../core/plot";
-import { showTables } from "../core/shown";
-import type { Drift, Fitted } from "./documents";
+import { showPlots, showTables } from "../core/shown";
+import type { Fitted } from "./documents";
 
 export class Results {
   readonly root: HTMLElement;
@@ -19,24 +18,9 @@ export class Results {
     this.root.hidden = true;
   }
 
-  show({ shown, drifts }: Fitted): void {
+  show({ shown }: Fitted): void {
     this.root.hidden = false;
-    this.plots.replaceChildren();
-    drifts.forEach((own) => this.draw(own));
+    showPlots(this.plots, shown.plots);
     showTables(this.figures, shown);
-  }
-
-  private draw({ axis, cycle, point_mm: [x, y, z, tool], hours, measured_um, said_um, left_um }: Drift): void {
-    const plot = new Plot(this.plots, {
-      title: `Drift of ${axis} in cycle ${cycle} at X ${x}, Y ${y}, Z ${z}, tool ${tool} mm`,
-      x: "time since the cycle began / h",
-      y: "drift / µm",
-      series: [
-        { name: "measured", colour: "before", unit: "µm" },
-        { name: "by the task", colour: "after", dash: [7, 3], unit: "µm" },
-        { name: "left", colour: "servo", dash: [2, 3], unit: "µm" },
-      ],
-    });
-    plot.set([hours, measured_um, said_um, left_um]);
   }
 }

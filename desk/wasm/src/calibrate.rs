@@ -6,8 +6,7 @@ use crate::{Refused, json, to_js};
 use anyhow::Result;
 use serde::Serialize;
 use std::path::Path;
-use trueaxis::Axis;
-use trueaxis_evaluation::calibrate::{Curves, Drift, Foreseen, Planning, Residuals, Task, solved};
+use trueaxis_evaluation::calibrate::{Foreseen, Planning, Residuals, Task, solved};
 use trueaxis_evaluation::shown::Shown;
 use trueaxis_tables::Machine;
 use wasm_bindgen::prelude::*;
@@ -29,9 +28,7 @@ struct Found {
     shown: Shown,
     machine: String,
     touches: usize,
-    drift: Vec<Drift>,
     residuals: Residuals,
-    curves: Vec<Curves>,
     becomes: Becomes,
     notes: Vec<String>,
 }
@@ -61,18 +58,16 @@ fn solve(files: &str, name: &str, task: &str, log_name: &str, log: &str) -> Resu
     let becomes = Becomes::new(files, &found.additions(&task).of_record(log.as_bytes()))?;
     let document = found.document(&task, &machine);
     json(&Found {
-        shown: document.shown(),
+        shown: document.shown(&found),
         machine: document.machine,
         touches: document.touches,
-        drift: document.drift,
         residuals: Residuals::of(&task, &plan, &found),
-        curves: [Axis::X, Axis::Y, Axis::Z].into_iter().filter_map(|axis| Curves::of(&found, axis)).collect(),
         becomes,
         notes,
     })
 }
 
-/// Solves a log of the task's program: `shown`, `machine`, `touches`, `drift`, `residuals`, `curves`, `becomes` (the corrected machine), `notes`.
+/// Solves a log of the task's program: `shown`, `machine`, `touches`, `residuals`, `becomes` (the corrected machine), `notes`.
 #[wasm_bindgen]
 pub fn calibrate_solve(files: &str, name: &str, task: &str, log_name: &str, log: &str) -> Result<String, Refused> {
     to_js(solve(files, name, task, log_name, log))

@@ -4,9 +4,8 @@ use super::{SolveArguments, read};
 use crate::output::{print, progress, report_line};
 use crate::{machine_folder, model, report};
 use anyhow::Result;
-use maud::{Render, html};
-use trueaxis::Axis;
-use trueaxis_evaluation::calibrate::{curves, drift, residuals, solved};
+use maud::Render;
+use trueaxis_evaluation::calibrate::{residuals, solved};
 use trueaxis_tables::output::Outputs;
 
 pub(super) fn run(arguments: &SolveArguments) -> Result<()> {
@@ -29,15 +28,11 @@ pub(super) fn run(arguments: &SolveArguments) -> Result<()> {
     }
     if let Some(directory) = &arguments.report {
         let source = arguments.log.file_name().unwrap_or_default().to_string_lossy();
-        let curves = [Axis::X, Axis::Y, Axis::Z].into_iter().filter_map(|axis| curves(&found, axis));
-        let curves = ("Curves", html! { @for figure in curves { (figure) } });
-        let drift = drift(&found).map(|figure| ("Drift", figure.render()));
-        let left = ("Residuals", residuals(&read.task, &plan, &found).render());
-        let figures = [curves, left].into_iter().chain(drift);
-        let page = report::page(&source, &document.shown(), figures);
+        let figures = [("Residuals", residuals(&read.task, &plan, &found).render())];
+        let page = report::page(&source, &document.shown(&found), figures);
         report::write(&mut outputs, &page, directory, "calibrate.html")?;
     }
     outputs.commit()?;
     done.print_notes();
-    if arguments.json { done.json(&document) } else { print(&document.shown().text()) }
+    if arguments.json { done.json(&document) } else { print(&document.shown(&found).text()) }
 }

@@ -6,7 +6,7 @@ use anyhow::{Result, bail};
 use clap::Args;
 use maud::html;
 use std::path::PathBuf;
-use trueaxis_evaluation::thermal::{COLUMNS, Found, Recording, figure, residuals, settings, written};
+use trueaxis_evaluation::thermal::{COLUMNS, Found, Recording, residuals, settings, written};
 use trueaxis_metrology::thermal::{RATE_K_PER_MIN, Settings};
 use trueaxis_tables::output::Outputs;
 
@@ -101,19 +101,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<()> {
     if let Some(directory) = &arguments.report {
         let source = arguments.record.file_name().unwrap_or_default().to_string_lossy();
         let axes = &found.recording.record.axes;
-        let figures = [
-            (
-                "Held-out cycles",
-                html! { @for axis in axes { @if let Some(figure) = figure(&found, *axis) { (figure) } } },
-            ),
-            ("Remaining drift", html! { @for axis in axes { (residuals(&found, *axis)) } }),
-        ];
-        let page = report::page(&source, &document.shown(), figures);
+        let figures = [("Remaining drift", html! { @for axis in axes { (residuals(&found, *axis)) } })];
+        let page = report::page(&source, &document.shown(&found), figures);
         report::write(&mut outputs, &page, directory, "thermal.html")?;
     }
     if let Some(output) = &arguments.output {
         outputs.put(output, written(&found).as_bytes())?;
     }
     outputs.commit()?;
-    if arguments.json { json(&document) } else { print(&document.shown().text()) }
+    if arguments.json { json(&document) } else { print(&document.shown(&found).text()) }
 }

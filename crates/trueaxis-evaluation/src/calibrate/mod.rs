@@ -7,7 +7,6 @@
 //! The mathematics is [`trueaxis_metrology::calibration`].
 
 mod artefact;
-mod curves;
 mod document;
 mod figures;
 mod foreseen;
@@ -27,9 +26,8 @@ mod touches;
 mod trips;
 
 pub use artefact::{Artefact, Kind, Place};
-pub use curves::{Curves, Residuals};
 pub use document::{Document, Drift, Found, Size};
-pub use figures::{curves, drift, residuals};
+pub use figures::{Residuals, residuals};
 pub use foreseen::{Expected, Foreseen, Planning, solved};
 pub use kinematics::Ideal;
 pub use log::{Log, Logged, read_log};

@@ -1,11 +1,18 @@
-//! Tables of a calibration.
+//! Tables and plots of a calibration.
 
 use super::document::Document;
-use crate::shown::{Cell, EXPANDED, Quantity, Shown, Table, Uncertainty};
+use super::solve::Calibration;
+use super::terms::Term;
+use crate::shown::{Cell, Curve, EXPANDED, Look, Plot, Quantity, Shown, Table, Uncertainty, half_width};
+use trueaxis::machine::Axis;
+use trueaxis_report::BARS;
+
+/// Steps of a curve over the travel.
+const STEPS: usize = 20;
 
 impl Document {
-    /// Tables of the document: terms, artefacts, network.
-    pub fn shown(&self) -> Shown {
+    /// Tables of the document, and the curves and the drift found by its calibration.
+    pub fn shown(&self, found: &Calibration) -> Shown {
         let known = |standard_error: f64| Uncertainty::of(standard_error, self.degrees_of_freedom as f64);
         let terms = self
             .terms
@@ -34,8 +41,67 @@ impl Document {
             summary: std::iter::once(touches).chain(compensated).collect(),
             notes: self.warnings.clone(),
             tables: vec![Table::quantities("Terms", terms.chain([tip])), Table::figures("Network", network), sizes],
-            plots: Vec::new(),
+            plots: [Axis::X, Axis::Y, Axis::Z]
+                .into_iter()
+                .filter_map(|axis| curves(found, axis))
+                .chain(drift(found))
+                .collect(),
             map: None,
         }
     }
+}
+
+/// A column of values and standard errors, mm.
+fn curve(name: String, colour: usize, column: &[[f64; 2]], found: &Calibration) -> Curve {
+    let freedom = found.solution.degrees_of_freedom as f64;
+    let expanded = column.iter().map(|[_, error]| half_width(1e3 * error, freedom)).collect();
+    Curve { expanded, ..Curve::new(name, colour, column.iter().map(|[value, _]| 1e3 * value).collect()) }
+}
+
+/// The curves of an axis, including its scale; `None` if the calibration found none.
+fn curves(found: &Calibration, axis: Axis) -> Option<Plot> {
+    let terms = &found.observed.terms;
+    if !terms.terms.iter().any(|term| matches!(term, Term::Curve { axis: of, .. } if *of == axis)) {
+        return None;
+    }
+    let (letter, at) = (axis.letter(), terms.grid(axis, STEPS));
+    let curves = (0..3).zip(["X", "Y", "Z"]).map(|(component, direction)| {
+        let column: Vec<_> = at.iter().map(|q| found.shape(axis, component, *q, true)).collect();
+        curve(format!("E{direction}{letter}"), component.into(), &column, found)
+    });
+    Some(Plot {
+        section: "Curves",
+        title: format!("Errors found of axis {letter}"),
+        x: (letter.to_string(), "mm"),
+        y: ("error", "µm"),
+        look: Look::Dotted,
+        caption: BARS,
+        curves: curves.collect(),
+        at,
+    })
+}
+
+/// Drift of the reference since its first probing; `None` without a reference.
+fn drift(found: &Calibration) -> Option<Plot> {
+    let knots = &found.observed.knots;
+    if knots.len() < 2 {
+        return None;
+    }
+    let curves = ["X", "Y", "Z"].into_iter().enumerate().map(|(k, name)| {
+        let at = |list: &[f64], knot: Option<usize>| knot.map_or(0.0, |index| list[index + k]);
+        let column = knots
+            .iter()
+            .map(|&(_, knot)| [at(&found.solution.values, knot), at(&found.solution.standard_errors, knot)]);
+        curve(name.into(), k, &column.collect::<Vec<_>>(), found)
+    });
+    Some(Plot {
+        section: "Drift",
+        title: "Drift of the reference since its first probing".into(),
+        x: ("time without pauses".into(), "min"),
+        y: ("drift", "µm"),
+        look: Look::Dotted,
+        caption: BARS,
+        at: knots.iter().map(|(time_s, _)| time_s / 60.0).collect(),
+        curves: curves.collect(),
+    })
 }

@@ -59,7 +59,16 @@ impl Curve {
 }
 
 /// Colours of curves by index.
-const COLOURS: [Colour; 5] = [colour::AXES[0], colour::AXES[1], colour::AXES[2], colour::FOURTH, colour::LIMIT];
+const COLOURS: [Colour; 8] = [
+    colour::AXES[0],
+    colour::AXES[1],
+    colour::AXES[2],
+    colour::FOURTH,
+    colour::LIMIT,
+    colour::UNCOMPENSATED,
+    colour::COMPENSATED,
+    colour::SERVO,
+];
 /// Maximum number of buckets that a line is drawn with, two extremes each.
 const BUCKETS: usize = 800;
 

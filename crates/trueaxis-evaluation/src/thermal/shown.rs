@@ -1,7 +1,8 @@
-//! Tables of thermal growth.
+//! Tables and plots of thermal growth.
 
-use super::{CurveDocument, Document};
-use crate::shown::{Cell, Quantity, Shown, Table, Uncertainty};
+use super::{CurveDocument, Document, Found, worst};
+use crate::shown::{Cell, Curve, Look, Plot, Quantity, Shown, Table, Uncertainty};
+use trueaxis::Axis;
 use trueaxis_report::number::significant;
 
 /// Standard errors come from thousands of rows: their degrees of freedom count as infinite.
@@ -23,8 +24,8 @@ fn quantities(axis: char, curve: &CurveDocument) -> Vec<Quantity> {
 }
 
 impl Document {
-    /// Tables of the document: drift and remainder, lags, curves, and what is left out.
-    pub fn shown(&self) -> Shown {
+    /// Tables of the document: drift and remainder, lags, curves, and what is left out. Plots of the drift of held-out cycles.
+    pub fn shown(&self, found: &Found) -> Shown {
         let um = |um: f64| Cell::number(um, 3);
         let cycles = self.cycles.iter().map(|own| {
             let share = Cell::percent(own.left_um / own.drift_um.max(f64::MIN_POSITIVE));
@@ -70,8 +71,31 @@ impl Document {
             ],
             notes: Vec::new(),
             tables,
-            plots: Vec::new(),
+            plots: found.recording.record.axes.iter().filter_map(|axis| held_out(found, *axis)).collect(),
             map: None,
         }
     }
+}
+
+/// Drift of an axis in a held-out cycle at the point where it is largest: measured, computed by the task, and the difference.
+fn held_out(found: &Found, axis: Axis) -> Option<Plot> {
+    let series = worst(found, axis)?;
+    let um = |name: &str, colour: usize, of: fn(&[f64; 3]) -> f64| {
+        Curve::new(name, colour, series.rows.iter().map(|row| 1e3 * of(row)).collect())
+    };
+    let ([x, y, z, tool], letter) = (series.point_mm, axis.letter());
+    Some(Plot {
+        section: "Held-out cycles",
+        title: format!("Drift of {letter} in cycle {} at X {x}, Y {y}, Z {z}, tool {tool} mm", series.cycle),
+        x: ("time since the cycle began".into(), "h"),
+        y: ("drift", "µm"),
+        look: Look::Line,
+        caption: "This cycle took no part in the fit.",
+        at: series.rows.iter().map(|row| row[0] / 3600.0).collect(),
+        curves: vec![
+            um("measured", 5, |row| row[1]),
+            um("by the task", 6, |row| row[2]),
+            um("left", 7, |row| row[1] - row[2]),
+        ],
+    })
 }
