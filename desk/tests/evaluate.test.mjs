@@ -5,7 +5,7 @@ import fs from "node:fs";
 import os from "node:os";
 import path from "node:path";
 import { after, test } from "node:test";
-import { cli, closeBrowser, drop, numbers, openDesk, root, run, saved, shot, view } from "./harness.mjs";
+import { cli, closeBrowser, drop, expanded, numbers, openDesk, root, run, saved, shot, view } from "./harness.mjs";
 
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), "evaluate-"));
 const sample = (name) => path.join(root, "compensation-tables", name);
@@ -149,9 +149,9 @@ test("an R-test has the location errors of the command line, and writes none if 
   const found = await evaluate(["r-test", "bk.csv", "--machine", sample("mill-5axis"), "-o", "five"]);
   const terms = await shownTable(panel, "Location errors");
   assert.deepEqual(Object.keys(terms), found.terms.map(({ name }) => name));
-  for (const { name, value, standard_error, before, unit } of found.terms) {
+  expanded(found.terms.map(({ name, standard_error }) => [terms[name]["± 95 %"], standard_error]));
+  for (const { name, value, before, unit } of found.terms) {
     near(terms[name].found, value, name);
-    near(terms[name]["standard error"], standard_error, name);
     near(terms[name]["machine has"], before, name);
     assert.equal(terms[name].unit, unit === "um" ? "µm" : "µrad");
   }
@@ -205,7 +205,7 @@ test("diagonals have the figures of the command line, and the machine their squa
   near(figures.largest["E(D), µm"], found.e_d_um, "E_d");
   const terms = await shownTable(panel, "Results of the diagonals");
   near(terms["squareness C0Y"].value, found.c0y_urad.value, "C0Y");
-  near(terms["squareness C0Y"]["standard error"], found.c0y_urad.standard_error, "C0Y");
+  expanded([[terms["squareness C0Y"]["± 95 %"], found.c0y_urad.standard_error]]);
   near(terms["scale Z"].value, found.steps.scales_ppm[2].value, "scale Z");
   assert.ok(Math.abs(terms["squareness C0Y"].value - 50) < 3);
   assert.equal(await panel.getByRole("img", { name: /^Errors of [XYZ], slopes removed/ }).count(), 3);
@@ -221,10 +221,10 @@ test("measured points have the 21 errors of the command line, and become a machi
   const found = await evaluate(["points", "points.csv", "--machine", sample("mill-3axis"), "-o", "measured"]);
   const errors = await shownTable(panel, "All errors");
   assert.equal(Object.keys(errors).length, found.functions.length + 3);
-  for (const { name, range, standard_error } of found.functions) {
+  expanded(found.functions.map(({ name, standard_error }) => [errors[name]["± 95 %"], standard_error]));
+  for (const { name, range } of found.functions) {
     near(errors[name].from, range[0], name);
     near(errors[name].to, range[1], name);
-    near(errors[name]["standard error"], standard_error, name);
   }
   const left = await shownTable(panel, "Residuals of the points");
   near(left["held out"].RMS, found.held_out.rms_um, "held out");
@@ -255,8 +255,11 @@ test("probing and thermal tests have the figures of the command line, and change
     near(own["P_FTU, µm"], form_um, "form");
     near(own["X, mm"], centre_mm[0], "centre");
   }
-  const { stdout } = await run("trueaxis", ["evaluate", ...given], { cwd: folder });
-  for (const [name, { value }] of Object.entries(await shownTable(panel, "Figures of ISO 230-10"))) assert.ok(stdout.includes(`${name}: ${value}\n`), `${name}: ${value}`);
+  const figures = await shownTable(panel, "Figures of ISO 230-10");
+  near(figures["P_FTU,2D"].value, found.p_ftu_um, "P_FTU");
+  near(figures["offset of the stylus tip, X"].value, found.tip_offset.x_um.value, "offset");
+  expanded(["x", "y"].map((axis) => [figures[`offset of the stylus tip, ${axis.toUpperCase()}`]["± 95 %"], found.tip_offset[`${axis}_um`].standard_error]));
+  near(figures["effective diameter of the tip"].value, found.effective_tip_diameter_mm, "diameter of the tip");
   await pictured(page, "tests-probing");
 
   await dropped(panel, "warming.csv", "Thermal test");
@@ -264,12 +267,12 @@ test("probing and thermal tests have the figures of the command line, and change
   await panel.getByLabel("Distance of the probes").press("Tab");
   await panel.getByRole("rowheader", { name: "B", exact: true }).waitFor();
   const thermal = await evaluate(["thermal", "warming.csv", "--distance-mm", "100"]);
-  const figures = await shownTable(panel, "Figures of ISO 230-3");
+  const drifts = await shownTable(panel, "Figures of ISO 230-3");
   for (const { name, range, first_period, worst_period, end } of thermal.positions[0].channels) {
-    near(figures[name].range, range, name);
-    near(figures[name]["first period"], first_period, name);
-    near(figures[name]["worst period"], worst_period, name);
-    near(figures[name].end, end, name);
+    near(drifts[name].range, range, name);
+    near(drifts[name]["first period"], first_period, name);
+    near(drifts[name]["worst period"], worst_period, name);
+    near(drifts[name].end, end, name);
   }
   assert.equal(await code(panel), "trueaxis evaluate thermal warming.csv --test spindle --period-min 60 --distance-mm 100");
   assert.ok(await panel.getByRole("button", { name: "Put into the machine" }).isHidden());

@@ -1,5 +1,6 @@
 // The desk in Debian's Chromium, and the command line to compare it with.
 
+import assert from "node:assert/strict";
 import { execFile } from "node:child_process";
 import fs from "node:fs";
 import path from "node:path";
@@ -110,6 +111,17 @@ export async function numbers(table) {
     });
     return Object.fromEntries(rows);
   });
+}
+
+/**
+ * Checks expanded uncertainties, `[found, standard error]`: every one is its standard error times one factor of Student's, to
+ * a share of `tolerance`.
+ */
+export function expanded(pairs, tolerance = 1e-5) {
+  const factors = pairs.filter(([, error]) => error > 0).map(([found, error]) => found / error);
+  if (factors.length === 0) return;
+  const [least, most] = [Math.min(...factors), Math.max(...factors)];
+  assert.ok(least > 1.9599 && most < least * (1 + tolerance), `found factors of ${least} to ${most}, needed one of 1.96 or more`);
 }
 
 /** Clicks on `locator` and returns the name and bytes of the saved file. */

@@ -44,18 +44,18 @@ test("a record has the figures and texts of trueaxis thermal fit", async () => {
   await panel.getByLabel("Cycles held out of the fit").fill("2");
   await panel.getByLabel("Sensors to leave out").fill("T2");
   await drop(panel, { "record.csv": record });
-  await panel.getByText("record.csv: 384 readings, on mill-3axis.").waitFor();
+  await panel.getByText(/^record\.csv: 384 rows, .*, on mill-3axis\.$/).waitFor();
   file("record.csv", record);
   const found = await cli(["thermal", "fit", "record.csv", "--machine", mill, "--hold-out", "2", "--without", "T2", "--json", "-o", "thermal.toml"], { cwd: folder });
   const cycles = await numbers(panel.getByRole("table", { name: "Drift and remainder" }));
   for (const { axis, cycle, held_out, drift_um, left_um } of found.cycles) {
     const shown = cycles[`E${axis}${axis}, cycle ${cycle}`];
-    near(shown["largest drift / µm"], drift_um, "drift");
-    near(shown["left / µm"], left_um, "left");
-    assert.equal(shown[""], held_out ? "held out" : "");
+    near(shown["largest drift, µm"], drift_um, "drift");
+    near(shown["left, µm"], left_um, "left");
+    assert.equal(shown.use, held_out ? "held out" : "fitted");
   }
   const lags = await numbers(panel.getByRole("table", { name: "Lags" }));
-  for (const { name, lag_s } of found.sensors) near(lags[name]["lag / s"], lag_s, name);
+  for (const { name, lag_s } of found.sensors) near(lags[name]["lag, s"], lag_s, name);
   const drifts = panel.getByRole("img", { name: /^Drift of [XZ] in cycle 2/ });
   await drifts.nth(1).waitFor();
   assert.equal(await drifts.count(), 2);
@@ -76,7 +76,7 @@ test("a record has the figures and texts of trueaxis thermal fit", async () => {
 test("a useless record is refused in the command line's words, and no earlier result stays", async () => {
   const { page, panel, close } = await opened();
   await drop(panel, { "record.csv": record });
-  await panel.getByText("384 readings").waitFor();
+  await panel.getByText("384 rows").waitFor();
   const lines = record.split("\n");
   const bad = {
     "hot.csv": lines.with(100, lines[100].replace(/,[^,]+,([^,]+)$/, ",400,$1")),

@@ -28,9 +28,9 @@ test("worst point, a position and contributions are those of trueaxis uncertaint
   await spread(panel, "Worst point", found.worst);
   const shares = await numbers(panel.getByRole("table", { name: "Contributions" }));
   for (const { term, share, rms_um, worst_um } of found.contributions) {
-    near(shares[term]["share / %"], 100 * share, term);
-    near(shares[term]["RMS over the volume / µm"], rms_um, term);
-    near(shares[term]["at the worst point / µm"], worst_um, term);
+    near(shares[term]["share, %"], 100 * share, term);
+    near(shares[term]["RMS over the volume, µm"], rms_um, term);
+    near(shares[term]["at the worst point, µm"], worst_um, term);
   }
   await panel.getByLabel("Seed").fill("7");
   await panel.getByLabel("Coverage").fill("99");

@@ -5,14 +5,12 @@ use crate::output::{print, report_line};
 use crate::report;
 use anyhow::{Context, Result};
 use clap::Args;
-use std::fmt::Write;
+use maud::Render;
 use std::path::PathBuf;
 use trueaxis::Axis;
-use trueaxis_evaluation::ballbar::{BallbarDocument, Options, Test, Ways, values};
+use trueaxis_evaluation::ballbar::{Options, Test, left, polar};
 use trueaxis_evaluation::friction::pair;
-use trueaxis_report::number::significant;
 use trueaxis_tables::output::Outputs;
-use trueaxis_tables::text::degrees_of_freedom;
 
 pub(crate) const EXAMPLE: &str = "\
 Example:
@@ -116,46 +114,11 @@ pub(crate) fn run(arguments: &BallbarArgs) -> Result<()> {
     }
     if let Some(directory) = &arguments.report {
         let source = arguments.record.file_name().unwrap_or_default().to_string_lossy();
-        report::write(&mut outputs, &report::ballbar::page(&source, &test, &document), directory, "ballbar.html")?;
+        let figures = [("Deviation", polar(&test).render()), ("Residuals", left(&test).render())];
+        let page = report::page(&source, &document.shown(), figures);
+        report::write(&mut outputs, &page, directory, "ballbar.html")?;
     }
     outputs.commit()?;
     done.print_notes();
-    if arguments.json { done.json(&document) } else { print(&table(&document)?) }
-}
-
-fn table(d: &BallbarDocument) -> Result<String> {
-    let mut text = format!("{} readings, plane {}, radius {} mm; ISO 230-4\n\n", d.readings, d.plane, d.radius_mm);
-    let um = |value: Option<f64>| value.map_or_else(|| "–".into(), |um| significant(um, 4));
-    writeln!(text, "G(b) {} µm   H {} µm", um(d.g_b_um), um(d.h_um))?;
-    for (name, take) in [("counterclockwise", 0), ("clockwise", 1)] {
-        let of = |ways: Ways| um(if take == 0 { ways.ccw } else { ways.cw });
-        writeln!(text, "{name:<17} G {} µm   F max {} µm   F min {} µm", of(d.g_um), of(d.f_max_um), of(d.f_min_um))?;
-    }
-    let [x, y] = d.centre_um.map(|um| significant(um, 4));
-    writeln!(text, "centre {x}, {y} µm   radius {} µm\n", significant(d.radius_deviation_um, 4))?;
-    for [name, value, error] in values(d) {
-        writeln!(text, "{name:<22} {value:>14} {error}")?;
-    }
-    if !d.shares.is_empty() {
-        writeln!(text, "\nshares")?;
-    }
-    for share in &d.shares {
-        writeln!(
-            text,
-            "  {:<20} {:>5.1} %  {} µm RMS",
-            share.cause,
-            100.0 * share.share,
-            significant(share.rms_um, 3)
-        )?;
-    }
-    writeln!(
-        text,
-        "\nsigma of a reading {} µm, {}",
-        significant(d.sigma_um, 3),
-        degrees_of_freedom(d.degrees_of_freedom)
-    )?;
-    for warning in &d.warnings {
-        writeln!(text, "note: {warning}")?;
-    }
-    Ok(text)
+    if arguments.json { done.json(&document) } else { print(&document.shown().text()) }
 }

@@ -8,10 +8,8 @@ use crate::report;
 use crate::tables::collapse::{Pose, Volume, pose, volume};
 use anyhow::Result;
 use clap::Args;
-use std::fmt::Write;
 use std::path::PathBuf;
-use trueaxis_evaluation::uncertainty::{AtPoint, Options, Spread, UncertaintyDocument, evaluate};
-use trueaxis_report::number::significant;
+use trueaxis_evaluation::uncertainty::{Options, evaluate};
 use trueaxis_tables::output::Outputs;
 use trueaxis_tables::uncertainty::Uncertainties;
 
@@ -99,51 +97,9 @@ pub(crate) fn run(arguments: &UncertaintyArgs) -> Result<()> {
     let document = evaluate(&machine, &stated, &options)?;
     if let Some(to) = &arguments.report {
         let mut outputs = Outputs::of(model::files(&arguments.machine));
-        report::write_to(&mut outputs, &report::uncertainty::page(&document), to, "uncertainty.html")?;
+        let page = report::page(&document.machine, &document.shown(), report::uncertainty::figures(&document));
+        report::write_to(&mut outputs, &page, to, "uncertainty.html")?;
         outputs.commit()?;
     }
-    if arguments.json { json(&document) } else { print(&table(&document)?) }
-}
-
-fn table(d: &UncertaintyDocument) -> Result<String, std::fmt::Error> {
-    let mut text = format!("{}: uncertainty of the corrected position, {} %\n", d.machine, d.confidence_percent);
-    let volume: Vec<String> =
-        d.volume_mm.iter().map(|(letter, ends)| format!("{letter} {} … {}", ends[0], ends[1])).collect();
-    writeln!(text, "working volume {} mm, {} points\n", volume.join(", "), d.points)?;
-    writeln!(text, "{:<22}{:>9}{:>9}{:>9}{:>9}   µm", "expanded", "X", "Y", "Z", "radius")?;
-    for (name, point) in [("worst point", Some(&d.worst)), ("position", d.at.as_ref())] {
-        let Some(point) = point else { continue };
-        writeln!(text, "{name}, at {}", point.place())?;
-        methods(&mut text, point)?;
-    }
-    writeln!(
-        text,
-        "\nstandard uncertainty of the position over the volume {} µm RMS",
-        significant(d.standard_rms_um, 3)
-    )?;
-    writeln!(text, "\n{:<28}{:>8}{:>12}{:>12}", "contribution", "share", "RMS, µm", "worst, µm")?;
-    for share in &d.contributions {
-        let [rms, worst] = [share.rms_um, share.worst_um].map(|um| significant(um, 3));
-        writeln!(text, "{:<28}{:>6.1} %{rms:>12}{worst:>12}", share.term, 100.0 * share.share)?;
-    }
-    if !d.not_stated.is_empty() {
-        writeln!(text, "\nnot stated, taken as zero: {}", d.not_stated.join(", "))?;
-    }
-    for warning in &d.warnings {
-        writeln!(text, "note: {warning}")?;
-    }
-    Ok(text)
-}
-
-fn methods(text: &mut String, point: &AtPoint) -> std::fmt::Result {
-    let mut line = |name: &str, spread: &Spread| {
-        let [x, y, z] = spread.expanded_um.map(|um| significant(um, 3));
-        writeln!(text, "  {name:<20}{x:>9}{y:>9}{z:>9}{:>9}", significant(spread.radius_um, 3))
-    };
-    line("by derivatives", &point.jacobian)?;
-    line("by machines drawn", &point.monte_carlo)?;
-    if let Some([x, y, z]) = point.jacobian.factor {
-        writeln!(text, "  {:<20}{x:>9.3}{y:>9.3}{z:>9.3}", "factor k")?;
-    }
-    Ok(())
+    if arguments.json { json(&document) } else { print(&document.shown().text()) }
 }

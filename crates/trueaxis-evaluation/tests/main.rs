@@ -7,3 +7,4 @@ mod helicoid;
 mod points;
 mod r_test;
 mod shop_tests;
+mod shown_types;

@@ -1,13 +1,13 @@
 use crate::{Figure, Scale, Stroke, colour};
 
-/// Half-length of a bar in standard errors: 95 % of normal deviations.
-const BAR: f64 = 2.0;
+/// Explanation of the bars, for a figure's caption.
+pub const BARS: &str = "Bars: expanded uncertainty, 95 %, to either side.";
 
-/// Up to three measured curves, of X, Y and Z, with bars of two standard errors to either side: points `[x, value, standard
-/// error]`.
+/// Up to three measured curves, of X, Y and Z, with bars of their expanded uncertainties (95 %) to either side: points `[x,
+/// value, half-width]`.
 #[must_use]
 pub fn error_bars(description: &str, x: Scale, unit: &str, curves: &[(&str, Vec<[f64; 3]>)]) -> Figure {
-    let reach = |[_, value, error]: &[f64; 3]| [value - BAR * error, value + BAR * error];
+    let reach = |[_, value, half]: &[f64; 3]| [value - half, value + half];
     let ends = curves.iter().flat_map(|(_, points)| points.iter().flat_map(reach)).chain([0.0]);
     let y = Scale::linear(&format!("error in {unit}"), ends).margin(0.06);
     let mut figure = Figure::full(description, 300, x, y);

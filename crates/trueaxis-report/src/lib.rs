@@ -24,7 +24,7 @@ mod thinner;
 
 pub use colour::Colour;
 pub use deviations::{Deviated, View};
-pub use error_bars::{error_bars, residuals};
+pub use error_bars::{BARS, error_bars, residuals};
 pub use figure::Figure;
 pub use heat_map::heat_map;
 pub use histogram::columns;

@@ -27,6 +27,19 @@ pub fn significant(value: f64, digits: i32) -> String {
     decimals(value, (digits - 1 - magnitude).max(0))
 }
 
+/// A number rounded to the last of the `digits` significant digits of its `uncertainty`, with at most ten digits of its own;
+/// as [`significant`] if the uncertainty has no magnitude.
+#[must_use]
+pub fn as_far_as(value: f64, uncertainty: f64, digits: i32) -> String {
+    let [size, least] = [value, uncertainty].map(f64::abs);
+    if !(1e-6..PLOTTABLE).contains(&least) || size >= PLOTTABLE {
+        return significant(value, digits + 2);
+    }
+    let magnitude = |of: f64| of.log10().floor() as i32;
+    let most = if size < 1.0 { 9 } else { 9 - magnitude(size) };
+    decimals(value, (digits - 1 - magnitude(least)).clamp(0, most.max(0)))
+}
+
 /// A number with a fixed count of decimals.
 #[must_use]
 pub fn decimals(value: f64, count: i32) -> String {
@@ -124,6 +137,8 @@ mod tests {
         assert_eq!((shortest(-0.0), shortest(-2.50), shortest(1000.0)), ("0".into(), "−2.5".into(), "1000".into()));
         assert_eq!((percent(0.5, 8.0), percent(1.0, 0.0)), ("6.2 %".into(), "–".into()));
         assert_eq!((quantity(18.437, "µm"), count(25_000)), ("18.4 µm".into(), "25\u{202f}000".into()));
+        assert_eq!((as_far_as(0.5105, 0.22, 2), as_far_as(1234.5, 345.0, 2)), ("0.51".into(), "1234".into()));
+        assert_eq!((as_far_as(150.002, 3e-6, 2), as_far_as(0.0, 0.0, 2)), ("150.0020000".into(), "0.000".into()));
         assert_eq!(printable("a\u{1}b\0c\n"), "a b c\n");
     }
 

@@ -294,10 +294,11 @@ impl fmt::Display for Decision {
     }
 }
 
-/// The decisions as a table: key, old, found, written and why; without decisions, an empty text.
+/// The decisions as a table: key, old, found, written and why; without decisions, an empty text. The rule compares standard
+/// uncertainties, which the machine states: these are shown.
 pub fn table(decisions: &[Decision]) -> String {
     let shown = |known: &Option<Known>| known.map_or_else(|| String::from("–"), |known| known.to_string());
-    let head = ["key", "old", "found", "written", "why"].map(String::from);
+    let head = ["key", "old", "found", "written", "why; ± is the standard uncertainty"].map(String::from);
     let rows = decisions
         .iter()
         .map(|of| [of.key.clone(), shown(&of.stated), of.found.to_string(), shown(&of.written), of.why.to_string()]);

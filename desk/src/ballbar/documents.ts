@@ -1,28 +1,6 @@
-// The module's response: the command line's document, and curves.
+// The module's response: tables and curves.
 
-export interface Ways {
-  ccw: number | null;
-  cw: number | null;
-}
-
-export interface Ballbar {
-  readings: number;
-  radius_mm: number;
-  plane: string;
-  g_b_um: number | null;
-  g_um: Ways;
-  f_um: Ways;
-  f_max_um: Ways;
-  f_min_um: Ways;
-  h_um: number | null;
-  radius_deviation_um: number;
-  centre_um: [number, number];
-  shares: { cause: string; rms_um: number; share: number }[];
-  sigma_um: number;
-  degrees_of_freedom: number;
-  condition: number;
-  warnings: string[];
-}
+import type { Shown } from "../core/shown-types";
 
 export interface Trace {
   counterclockwise: boolean;
@@ -32,9 +10,9 @@ export interface Trace {
 }
 
 export interface Evaluated {
-  document: Ballbar;
-  /** Name, value, half of the interval of 95 %. */
-  values: [string, string, string][];
+  shown: Shown;
+  /** Its two letters. */
+  plane: string;
   traces: Trace[];
   notes: string[];
 }

@@ -4,7 +4,6 @@ import { IntoMachine, type Becomes } from "../core/becomes";
 import { message, type Desk } from "../core/desk";
 import { choice, commandLine, el, group, numberField, optionalField, section, tick } from "../core/dom";
 import { onDrop, picker, type Given } from "../core/files";
-import { significant } from "../core/number";
 import { word } from "../core/shell";
 import type { Axes, Evaluated, Request } from "./documents";
 import { Results } from "./results";
@@ -117,9 +116,8 @@ export class Ballbar {
       const said = await this.desk.bench.call("ballbar_evaluate", record.name, record.bytes, JSON.stringify(request));
       if (turn !== this.latest) return;
       const found = JSON.parse(said) as Evaluated;
-      const { readings, plane, radius_mm } = found.document;
       this.desk.clear();
-      this.status.textContent = [`${record.name}: ${readings} readings, plane ${plane}, radius ${significant(radius_mm, 6)} mm.`, ...found.notes].join(" ");
+      this.status.textContent = [`${record.name}: ${found.shown.summary.join(", ")}.`, ...found.notes].join(" ");
       this.results.show(found);
       this.into.begin();
       this.into.root.hidden = false;

@@ -41,9 +41,9 @@ export class Calibrate extends Probing {
       if (!this.isLatest(turn)) return;
       const found = JSON.parse(said) as Found;
       this.desk.clear();
-      this.solved.textContent = [`${log.name}: ${found.document.touches} touches on ${found.document.machine}.`, ...found.notes].join(" ");
+      this.solved.textContent = [`${log.name}: ${found.touches} touches on ${found.machine}.`, ...found.notes].join(" ");
       this.results.show(found);
-      this.into.show({ ...found.becomes, ...(this.own ? { name: found.document.machine } : {}) });
+      this.into.show({ ...found.becomes, ...(this.own ? { name: found.machine } : {}) });
       this.into.root.hidden = false;
     } catch (error) {
       if (!this.isLatest(turn)) return;

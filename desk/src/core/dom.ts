@@ -1,6 +1,7 @@
 // Page elements: every control has a visible label and works by keyboard.
 
 import { fixed } from "./number";
+import type { Cell } from "./shown-types";
 
 export type Child = Node | string | null | undefined;
 type Attributes = Record<string, string | number | boolean | ((event: never) => void) | undefined>;
@@ -161,10 +162,9 @@ export function tick(label: string, checked: boolean, onChange: (checked: boolea
   return { root: el("label", { class: "tick" }, input, ` ${label}`), input };
 }
 
-/** A cell: text, or text with its number, which `data-value` keeps at full precision. */
-export type Cell = string | { text: string; value: number };
+export type { Cell };
 
-/** A table with a caption; the first cell of a row is its header. */
+/** A table with a caption; the first cell of a row is its header. `data-value` keeps numbers at full precision. */
 export function table(caption: string, header: readonly string[], rows: ReadonlyArray<readonly Cell[]>): HTMLTableElement {
   const root = el("table", {}, el("caption", {}, caption));
   root.append(el("thead", {}, el("tr", {}, ...header.map((name) => el("th", { scope: "col" }, name)))));

@@ -24,10 +24,10 @@ export interface Series {
   joined?: boolean;
 }
 
-/** A curve and the lines of two standard errors to either side of it: series and columns. */
-export function withErrors(series: Series, values: readonly number[], errors: readonly number[]): { series: Series[]; columns: number[][] } {
+/** A curve and the lines of its expanded uncertainty, 95 %, to either side of it: series and columns. */
+export function withBand(series: Series, values: readonly number[], expanded: readonly number[]): { series: Series[]; columns: number[][] } {
   const edge = (name: string): Series => ({ ...series, name: `${series.name} ${name}`, dash: [1, 4], width: 0.8, dots: false });
-  return { series: [series, edge("+ 2 s"), edge("− 2 s")], columns: [0, 2, -2].map((factor) => values.map((value, i) => value + factor * errors[i]!)) };
+  return { series: [series, edge("+ 95 %"), edge("− 95 %")], columns: [0, 1, -1].map((factor) => values.map((value, i) => value + factor * expanded[i]!)) };
 }
 
 export interface PlotOptions {

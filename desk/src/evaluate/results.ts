@@ -1,19 +1,16 @@
 // Display of a test: tables, plots, a map.
 
-import { el, notes, section, table, type Cell } from "../core/dom";
+import { el, section, table, type Cell } from "../core/dom";
 import { fixed, significant } from "../core/number";
-import { Plot, withErrors, type Series } from "../core/plot";
-import { onTheme, scale, type ColourName } from "../core/theme";
-import type { Curve, Mapped, Plotted, Shown } from "./documents";
-
-const COLOURS: readonly ColourName[] = ["x", "y", "z", "a", "b"];
-const DASHES = [[], [7, 3], [2, 3], [9, 3, 2, 3], [4, 4]];
+import { showPlots, showTables } from "../core/shown";
+import type { Map, Shown } from "../core/shown-types";
+import { onTheme, scale } from "../core/theme";
 
 export class Results {
   readonly root: HTMLElement;
   private readonly plots = el("div");
   private readonly figures = el("div", { class: "figures" });
-  private map: Mapped | null = null;
+  private map: Map | null = null;
   private readonly mapped = el("div", { class: "mapped" });
 
   constructor() {
@@ -28,26 +25,10 @@ export class Results {
 
   show(shown: Shown): void {
     this.root.hidden = false;
-    this.figures.replaceChildren(notes("Notes", shown.notes), ...shown.tables.map(({ caption, header, rows }) => table(caption, header, rows)));
-    this.plots.replaceChildren();
-    for (const plot of shown.plots) this.draw(plot);
+    showTables(this.figures, shown);
+    showPlots(this.plots, shown.plots);
     this.map = shown.map;
     this.paint();
-  }
-
-  private draw({ title, x, y, look, caption, at, curves }: Plotted): void {
-    const named = ([name, unit]: [string, string]) => (unit === "" ? name : `${name} / ${unit}`);
-    const parts = curves.map((curve) => this.curve(curve, look, y[1]));
-    const plot = new Plot(this.plots, { title, x: named(x), y: named(y), height: 240, series: parts.flatMap(({ series }) => series) });
-    plot.set([at, ...parts.flatMap(({ columns }) => columns)]);
-    // The report's bars are drawn as lines here.
-    if (caption !== "") plot.root.querySelector("figcaption")?.after(el("small", {}, caption.replace("Bars:", "Thin lines:")));
-  }
-
-  private curve({ name, colour, dashed, values, errors }: Curve, look: Plotted["look"], unit: string): { series: Series[]; columns: (number | null)[][] } {
-    const own: Series = { name, unit, colour: COLOURS[colour % COLOURS.length]!, joined: true, points: look === "points", dots: look === "dotted", dash: dashed ? [2, 4] : (DASHES[colour % DASHES.length] ?? []) };
-    const known = values.filter((value) => value !== null);
-    return errors.length > 0 && known.length === errors.length ? withErrors(own, known, errors) : { series: [own], columns: [values] };
   }
 
   /** Colours behind the numbers. */

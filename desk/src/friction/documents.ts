@@ -1,47 +1,6 @@
-// The module's responses: the command lines' documents, and curves.
+// The module's responses: tables and curves.
 
-export interface Friction<T> {
-  coulomb_mm_per_s: T;
-  presliding_um: T;
-  stribeck_share: T;
-  stribeck_velocity_mm_per_s: T;
-  viscous: T;
-}
-
-export interface Drive<T> {
-  position_gain_per_s: T;
-  velocity_gain_per_s: T;
-  reset_time_s: T;
-  velocity_feed_forward: T;
-  dead_time_s: T;
-}
-
-export interface Size {
-  max: number;
-  rms: number;
-}
-
-export interface AxisFound {
-  axis: string;
-  friction: Friction<number>;
-  drive: Drive<number>;
-  drive_found: boolean;
-  standard_errors: Friction<number | null> & Drive<number | null>;
-  reading_lag_s: number;
-  glitch_um: { before: Size; predicted: Size; after: Size };
-  explained: number;
-  residual_um: number;
-  fitted: number;
-  condition: number;
-  reversals: number;
-}
-
-export interface FrictionDocument {
-  samples: number;
-  period_s: number;
-  axes: AxisFound[];
-  warnings: string[];
-}
+import type { Shown } from "../core/shown-types";
 
 export interface SpikeCurves {
   axis: string;
@@ -70,7 +29,9 @@ export interface Curves {
 }
 
 export interface Found extends Curves {
-  document: FrictionDocument;
+  shown: Shown;
+  /** Largest spike of every axis, recorded and expected, µm. */
+  largest: [axis: string, um: [number, number]][];
   /** Sections of a machine.toml. */
   settings: string;
 }
@@ -86,23 +47,9 @@ export interface Trace {
   following_error_um: [number[], number[]];
 }
 
-type TrueFigures = Omit<Friction<number> & Drive<number>, "dead_time_s">;
-
-/** The document of `firmware-sim friction --json`. */
-export interface Outcome {
-  cycles: number;
-  axes: {
-    axis: string;
-    identified: TrueFigures;
-    true: TrueFigures;
-    glitch_um: { before: Size; predicted: Size; expected: Size; after: Size };
-  }[];
-  contour_error_um: { before: Size; after: Size };
-}
-
 export interface Closed {
   /** Present if the record was simulated. */
-  outcome: Outcome | null;
+  shown: Shown | null;
   before: Curves;
   after: Curves;
 }

@@ -148,8 +148,7 @@ export class Friction {
     const progress = (text: string) => (this.status.textContent = `Fitting ${text}`);
     this.found = await this.work.fit(this.drives.value === "found", progress);
     this.results.show(this.found, pair(this.record?.axes ?? "X,Y"));
-    const { axes } = this.found.document;
-    const left = axes.map((own) => `${own.axis} ${significant(own.glitch_um.before.max, 3)} → ${significant(own.glitch_um.after.max, 3)} µm`);
+    const left = this.found.largest.map(([axis, [before, after]]) => `${axis} ${significant(before, 3)} → ${significant(after, 3)} µm`);
     this.status.textContent = `Found. Largest spike, recorded → expected: ${left.join(", ")}.`;
   }
 

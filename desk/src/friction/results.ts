@@ -2,9 +2,9 @@
 
 import { button, el, section } from "../core/dom";
 import { save } from "../core/files";
+import { showTables } from "../core/shown";
 import { showCircles, showSpikes, type Stage } from "./curves";
 import type { CircleCurves, Closed, Found, SpikeCurves } from "./documents";
-import { showClosed, showFound } from "./figures";
 
 export interface ResultEvents {
   copied(done: Promise<void>): void;
@@ -52,7 +52,7 @@ export class Results {
   show(found: Found, axes: Pair): void {
     this.closed.hidden = true;
     this.root.hidden = false;
-    showFound(this.figures, found);
+    showTables(this.figures, found.shown);
     this.settings.textContent = found.settings;
     const stages = <T extends SpikeCurves | CircleCurves>(of: T[]): Stage<T>[] => [
       { name: "before, recorded", colour: "before", of, value: (curves) => curves.before_um },
@@ -65,7 +65,8 @@ export class Results {
 
   showClosed(closed: Closed, axes: Pair): void {
     this.closed.hidden = false;
-    showClosed(this.closedFigures, closed);
+    this.closedFigures.replaceChildren();
+    if (closed.shown) showTables(this.closedFigures, closed.shown);
     const stages = <T extends SpikeCurves | CircleCurves>(before: T[], after: T[]): Stage<T>[] => [
       { name: "before, simulated", colour: "before", of: before, value: (curves) => curves.before_um },
       { name: "after, simulated", colour: "after", dash: [7, 3], of: after, value: (curves) => curves.before_um },

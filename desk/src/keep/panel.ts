@@ -2,10 +2,10 @@
 
 import { Probing, type ViewState as Task, type Log } from "../calibrate/probing";
 import type { Desk } from "../core/desk";
-import { button, el, section, table, textField, tick, warnings, type Cell } from "../core/dom";
+import { button, el, section, textField, tick, warnings } from "../core/dom";
 import { save } from "../core/files";
-import { shown, significant } from "../core/number";
 import { word } from "../core/shell";
+import { showTables, tabled } from "../core/shown";
 import type { Evaluated } from "./documents";
 import { SAMPLE } from "./sample";
 
@@ -88,7 +88,7 @@ export class Keep extends Probing {
       this.evaluated = evaluated;
       this.entered = false;
       this.desk.clear();
-      const { machine, touches } = evaluated.document;
+      const { machine, touches } = evaluated;
       this.solved.textContent = [`${log.name}: ${touches} touches on ${machine}.`, ...evaluated.notes].join(" ");
       this.show(evaluated);
       const { becomes } = evaluated;
@@ -104,37 +104,16 @@ export class Keep extends Probing {
     return { time: this.time.value.trim(), parts: this.parts.value, accept: accept.filter((name) => name !== "") };
   }
 
-  private show({ document: d, verdicts, refusal, becomes, entries, written }: Evaluated): void {
-    const terms = d.terms.map((term, i): Cell[] => [
-      term.name,
-      shown(term.value),
-      shown(term.standard_error, 2),
-      shown(term.significance),
-      shown(term.from),
-      shown(term.to),
-      shown(term.largest_update),
-      shown(term.largest_total),
-      term.unit,
-      verdicts[i]!,
-    ]);
-    const balls = d.balls.map(({ name, centre_mm, standard_error_um }): Cell[] => [name, ...centre_mm.map((value) => shown(value, 9)), shown(Math.max(...standard_error_um), 2)]);
-    const past = entries.map(({ entry, time, parts, deed, changed }): Cell[] => [String(entry), time ?? "", parts === null ? "" : String(parts), deed, changed.join("; ")]);
+  private show({ shown, refusal, becomes, entries, written }: Evaluated): void {
+    const figures = el("div", { class: "figures" });
+    showTables(figures, shown);
+    figures.prepend(warnings(refusal ? [refusal] : []));
     // With updates, applying them below also enters them in the history.
     const enter = becomes || refusal ? [] : [button("Enter it in the history", () => this.enter(), { class: "primary" })];
     const saves = written.map(([name, content]) => button(`Save ${name}`, () => save(name.replaceAll("../", "").replaceAll("/", "-"), content)));
     this.results.replaceChildren(
-      section(
-        "Re-probing",
-        el(
-          "div",
-          { class: "figures" },
-          warnings([...(refusal ? [refusal] : []), ...d.notes]),
-          table("Verdicts", ["term", "left by the tables", "standard error", "significance", "updates in all", "then", "at most at once", "at most in all", "unit", "verdict"], terms),
-          table("Positions of the balls", ["ball", "X / mm", "Y / mm", "Z / mm", "± µm"], balls),
-          el("p", {}, `Scatter of a touch: ${significant(d.sigma_um, 2)} µm.`),
-        ),
-      ),
-      section("History", el("div", { class: "figures" }, table("Entries", ["entry", "time", "parts", "what was done", "changed"], past)), el("div", { class: "row" }, ...enter, ...saves)),
+      section("Re-probing", figures),
+      section("History", el("div", { class: "figures" }, tabled(entries)), el("div", { class: "row" }, ...enter, ...saves)),
     );
     this.results.hidden = false;
   }
@@ -143,7 +122,7 @@ export class Keep extends Probing {
   private enter(): void {
     if (!this.evaluated) return;
     this.history = this.evaluated.history;
-    const { entry } = this.evaluated.document;
+    const { entry } = this.evaluated;
     // The updated machine is now the one shown.
     if (this.evaluated.becomes) this.own = undefined;
     this.log = undefined;

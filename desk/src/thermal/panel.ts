@@ -99,7 +99,7 @@ export class Growth {
       if (turn !== this.latest) return;
       this.fitted = JSON.parse(said) as Fitted;
       desk.clear();
-      this.status.textContent = [`${record.name}: ${this.fitted.document.rows} readings, on ${desk.machine.name}.`, ...this.fitted.notes].join(" ");
+      this.status.textContent = [`${record.name}: ${this.fitted.shown.summary.join(", ")}, on ${desk.machine.name}.`, ...this.fitted.notes].join(" ");
       this.texts.disabled = this.file.disabled = false;
       this.results.show(this.fitted);
     } catch (error) {

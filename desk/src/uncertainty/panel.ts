@@ -1,18 +1,17 @@
 // Uncertainty of the machine's corrected position.
 
 import { type Desk } from "../core/desk";
-import { bars, commandLine, debounce, el, textField, numberField, section, table, typed, warnings, type Cell } from "../core/dom";
-import { shown, significant } from "../core/number";
+import { commandLine, debounce, el, textField, numberField, section, typed } from "../core/dom";
+import { significant } from "../core/number";
 import { Plot } from "../core/plot";
 import { word } from "../core/shell";
-import type { AtPoint, Known, Request, Uncertainty } from "./documents";
+import { showTables } from "../core/shown";
+import type { Known, Request } from "./documents";
 
 export interface ViewState {
   request: Request;
   at: string;
 }
-
-const place = ({ at }: AtPoint) => Object.entries(at).map(([letter, value]) => `${letter} ${significant(value, 6)}`).join(", ");
 
 export class Position {
   private request: Request = { at: [], points: 9, confidence_percent: 95, trials: 2000, seed: 1 };
@@ -97,28 +96,17 @@ export class Position {
     }
   }
 
-  private show({ document: d, distances_um, notes }: Known): void {
+  private show(known: Known): void {
     this.results.hidden = false;
-    this.status.textContent = [`${d.machine}: standard uncertainty ${significant(d.standard_rms_um, 3)} µm RMS over ${d.points} points.`, ...notes].join(" ");
-    this.draw(d, distances_um);
-    const shares = table(
-      "Contributions",
-      ["contribution", "share / %", "RMS over the volume / µm", "at the worst point / µm"],
-      d.contributions.map(({ term, share, rms_um, worst_um }): Cell[] => [term, { text: (100 * share).toFixed(1), value: 100 * share }, shown(rms_um), shown(worst_um)]),
-    );
-    bars(shares, d.contributions.map(({ share }) => share));
-    this.tables.replaceChildren(warnings(d.warnings), this.spread("Worst point", d, d.worst), ...(d.at ? [this.spread("Requested position", d, d.at)] : []), shares, el("p", {}, `Not stated, taken as zero: ${d.not_stated.join(", ") || "nothing"}.`));
+    this.status.textContent = [`${this.desk.machine.name}: ${known.shown.summary.at(-1)} over ${known.shown.summary.at(-2)}.`, ...known.notes].join(" ");
+    this.draw(known);
+    showTables(this.tables, known.shown);
   }
 
-  private spread(name: string, d: Uncertainty, point: AtPoint): HTMLElement {
-    const row = (method: string, { expanded_um, radius_um }: AtPoint["jacobian"]): Cell[] => [method, ...expanded_um.map((um) => shown(um)), shown(radius_um)];
-    return table(`${name}, ${place(point)}: expanded, ${d.confidence_percent} %, µm`, ["", "X", "Y", "Z", "radius"], [row("by derivatives", point.jacobian), row("by machines drawn", point.monte_carlo)]);
-  }
-
-  private draw(d: Uncertainty, distances_um: number[]): void {
+  private draw({ distances_um, worst: [place, radius] }: Known): void {
     this.plots.replaceChildren();
     const plot = new Plot(this.plots, {
-      title: `Machines drawn whose tip lies within a distance, at ${place(d.worst)}`,
+      title: `Machines drawn whose tip lies within a distance, at ${place}`,
       x: "distance / µm",
       y: "share / %",
       height: 300,
@@ -126,7 +114,6 @@ export class Position {
     });
     const last = Math.max(1, distances_um.length - 1);
     plot.set([distances_um, distances_um.map((_, step) => (100 * step) / last)]);
-    const radius = d.worst.jacobian.radius_um;
     plot.mark([{ x: radius, text: `radius by derivatives ${significant(radius, 3)} µm` }]);
   }
 }

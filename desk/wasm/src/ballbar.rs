@@ -8,8 +8,9 @@ use anyhow::{Context, Result, anyhow};
 use serde::{Deserialize, Serialize};
 use std::cell::RefCell;
 use std::path::Path;
-use trueaxis_evaluation::ballbar::{BallbarDocument, Options, Test, Trace, traces, values};
+use trueaxis_evaluation::ballbar::{Options, Test, Trace, traces};
 use trueaxis_evaluation::friction::pair;
+use trueaxis_evaluation::shown::Shown;
 use trueaxis_tables::Additions;
 use trueaxis_tables::finding::record_number;
 use wasm_bindgen::prelude::*;
@@ -29,10 +30,10 @@ struct Request {
 /// An evaluated record.
 #[derive(Serialize)]
 struct Evaluated {
-    /// The document printed by `trueaxis ballbar --json`.
-    document: BallbarDocument,
-    /// The causes as printed without `--json`: name, value, half-width of the 95 % interval.
-    values: Vec<[String; 3]>,
+    /// Printed by `trueaxis ballbar`.
+    shown: Shown,
+    /// The plane, such as `XY`.
+    plane: String,
     traces: Vec<Trace>,
     notes: Vec<String>,
 }
@@ -49,12 +50,12 @@ fn evaluate(name: &str, bytes: &[u8], request: &str) -> Result<String> {
     let mut notes = Vec::new();
     let test = Test::read(bytes, Path::new(name), &options, |note| notes.push(note))?;
     let document = test.document();
-    let evaluated = Evaluated { values: values(&document), traces: traces(&test), document, notes };
+    let evaluated = Evaluated { shown: document.shown(), traces: traces(&test), plane: document.plane, notes };
     TEST.set(Some((test, record_number(bytes))));
     json(&evaluated)
 }
 
-/// Evaluates a record in any format that `trueaxis ballbar` reads: document, causes as text, curves, notes. `request`:
+/// Evaluates a record in any format that `trueaxis ballbar` reads: tables, plane, curves, notes. `request`:
 /// `{"radius_mm": 100, "axes": "X,Y", "pitches_mm": [10, null, null]}`.
 #[wasm_bindgen]
 pub fn ballbar_evaluate(name: &str, bytes: &[u8], request: &str) -> Result<String, Refusal> {

@@ -6,8 +6,8 @@ use crate::{Refusal, json, to_js};
 use anyhow::Result;
 use serde::Serialize;
 use std::path::Path;
-use trueaxis::Axis;
-use trueaxis_evaluation::calibrate::{CalibrationDocument, Curves, Foreseen, Planning, Residuals, Task, solved};
+use trueaxis_evaluation::calibrate::{Foreseen, Planning, Residuals, Task, solved};
+use trueaxis_evaluation::shown::Shown;
 use trueaxis_tables::Machine;
 use wasm_bindgen::prelude::*;
 
@@ -24,10 +24,11 @@ struct Planned {
 /// A solved log.
 #[derive(Serialize)]
 struct SolvedLog {
-    /// The document printed by `trueaxis calibrate solve --json`.
-    document: CalibrationDocument,
+    /// Printed by `trueaxis calibrate solve`.
+    shown: Shown,
+    machine: String,
+    touches: usize,
     residuals: Residuals,
-    curves: Vec<Curves>,
     becomes: Becomes,
     notes: Vec<String>,
 }
@@ -55,16 +56,18 @@ fn solve(files: &str, name: &str, task: &str, log_name: &str, log: &str) -> Resu
     let (task, machine) = read(files, name, task, &mut notes)?;
     let (plan, found) = solved(&task, &machine, log, Path::new(log_name), |note| notes.push(note))?;
     let becomes = Becomes::new(files, &found.additions(&task).of_record(log.as_bytes()))?;
+    let document = found.document(&task, &machine);
     json(&SolvedLog {
-        document: found.document(&task, &machine),
+        shown: document.shown(&found),
+        machine: document.machine,
+        touches: document.touches,
         residuals: Residuals::of(&task, &plan, &found),
-        curves: [Axis::X, Axis::Y, Axis::Z].into_iter().filter_map(|axis| Curves::of(&found, axis)).collect(),
         becomes,
         notes,
     })
 }
 
-/// Solves a log of the task's program: `document`, `residuals`, `curves`, `becomes` (the corrected machine), `notes`.
+/// Solves a log of the task's program: `shown`, `machine`, `touches`, `residuals`, `becomes` (the corrected machine), `notes`.
 #[wasm_bindgen]
 pub fn calibrate_solve(files: &str, name: &str, task: &str, log_name: &str, log: &str) -> Result<String, Refusal> {
     to_js(solve(files, name, task, log_name, log))

@@ -6,9 +6,8 @@ use crate::{Refusal, json, to_js};
 use anyhow::{Context, Result, anyhow};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
-use trueaxis_evaluation::keep::{
-    Entry, Foreseen, HISTORY, KeepTask, Log, Overrides, Planning, ReprobingDocument, State, descriptions, time,
-};
+use trueaxis_evaluation::keep::{Entry, Foreseen, HISTORY, KeepTask, Log, Overrides, Planning, State, listed, time};
+use trueaxis_evaluation::shown::{Shown, Table};
 use trueaxis_tables::files::Memory;
 use wasm_bindgen::prelude::*;
 
@@ -38,31 +37,23 @@ struct Request {
 /// An evaluated re-probing.
 #[derive(Serialize)]
 struct Evaluated {
-    /// The document printed by `trueaxis keep begin --json` or `check --json`.
-    document: ReprobingDocument,
-    /// Verdicts in words, one per term.
-    verdicts: Vec<String>,
+    /// Printed by `trueaxis keep begin` or `check`.
+    shown: Shown,
+    machine: String,
+    /// Number of the entry.
+    entry: u32,
+    touches: usize,
     /// Reason why an operator must check the machine.
     refusal: Option<String>,
     /// The updated machine, unless nothing is updated.
     becomes: Option<Becomes>,
     /// The history ending with this re-probing, unless it is refused.
-    entries: Vec<Past>,
+    entries: Table,
     /// Texts that `begin` or `apply` writes, by their names in the machine's folder, in the same order.
     written: Vec<(String, String)>,
     /// The new text of the history.
     history: String,
     notes: Vec<String>,
-}
-
-/// An entry of the history in words.
-#[derive(Serialize)]
-struct Past {
-    entry: u32,
-    time: Option<String>,
-    parts: Option<u64>,
-    deed: String,
-    changed: Vec<String>,
 }
 
 /// The task's state on the machine of these files, whichever machine the task names.
@@ -113,19 +104,14 @@ fn evaluate(files: &str, name: &str, task: &str, log_name: &str, log: &str, requ
         evaluated.files.into_iter().filter_map(|(name, bytes)| Some((name, text(bytes?)?))).collect();
     let becomes =
         (!changed.is_empty()).then(|| Becomes::with(texts(files)?, changed, evaluated.changes, &[])).transpose()?;
-    let past = entries.iter().zip(descriptions(&entries)).map(|(entry, deed)| Past {
-        entry: entry.entry,
-        time: entry.time.clone(),
-        parts: entry.parts,
-        deed,
-        changed: entry.measured.iter().filter_map(|own| own.in_words()).collect(),
-    });
     json(&Evaluated {
-        verdicts: evaluated.document.terms.iter().map(|term| term.in_words()).collect(),
-        document: evaluated.document,
+        shown: evaluated.document.shown(),
+        machine: evaluated.document.machine,
+        entry: evaluated.document.entry,
+        touches: evaluated.document.touches,
         refusal,
         becomes,
-        entries: past.collect(),
+        entries: listed(&entries),
         written,
         history,
         notes,
@@ -133,7 +119,7 @@ fn evaluate(files: &str, name: &str, task: &str, log_name: &str, log: &str, requ
 }
 
 /// Evaluates the log of a re-probing; with an empty history, it is the first one. `request`: `history`, `begin`, `time`,
-/// `parts`, `accept`, `by_hand`. Returns `document`, `verdicts`, `refusal`, `becomes`, `entries`, `written`, `history`,
+/// `parts`, `accept`, `by_hand`. Returns `shown`, `machine`, `entry`, `touches`, `refusal`, `becomes`, `entries`, `written`, `history`,
 /// `notes`.
 #[wasm_bindgen]
 pub fn keep_evaluate(

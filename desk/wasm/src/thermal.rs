@@ -7,9 +7,8 @@ use serde::{Deserialize, Serialize};
 use std::path::Path;
 use trueaxis::tcomp::machine_id;
 use trueaxis_evaluation::rows::Rows;
-use trueaxis_evaluation::thermal::{
-    COLUMNS, FittedRecording, Recording, ThermalDocument, model, settings, worst, written,
-};
+use trueaxis_evaluation::shown::Shown;
+use trueaxis_evaluation::thermal::{COLUMNS, FittedRecording, Recording, model, settings, written};
 use wasm_bindgen::prelude::*;
 
 /// Inputs in addition to the record.
@@ -22,43 +21,14 @@ struct Request {
     without: Vec<String>,
 }
 
-/// Drift of an axis in a held-out cycle, at the point where it is largest.
-#[derive(Serialize)]
-struct Drift {
-    axis: char,
-    cycle: u32,
-    /// X, Y, Z and the tool length.
-    point_mm: [f64; 4],
-    hours: Vec<f64>,
-    measured_um: Vec<f64>,
-    /// Drift computed by the task.
-    said_um: Vec<f64>,
-    left_um: Vec<f64>,
-}
-
 /// A fitted record.
 #[derive(Serialize)]
 struct Fitted {
-    /// The document printed by `trueaxis thermal fit --json`.
-    document: ThermalDocument,
-    drifts: Vec<Drift>,
+    /// Printed by `trueaxis thermal fit`.
+    shown: Shown,
     /// The text that the command writes.
     toml: String,
     notes: Vec<String>,
-}
-
-fn drift(found: &FittedRecording, axis: trueaxis::Axis) -> Option<Drift> {
-    let series = worst(found, axis)?;
-    let column = |take: fn(&[f64; 3]) -> f64| series.rows.iter().map(take).collect();
-    Some(Drift {
-        axis: axis.letter(),
-        cycle: series.cycle,
-        point_mm: series.point_mm,
-        hours: column(|row| row[0] / 3600.0),
-        measured_um: column(|row| 1e3 * row[1]),
-        said_um: column(|row| 1e3 * row[2]),
-        left_um: column(|row| 1e3 * (row[1] - row[2])),
-    })
 }
 
 fn fit(files: &str, name: &str, text: &str, request: &str) -> Result<String> {
@@ -68,17 +38,12 @@ fn fit(files: &str, name: &str, text: &str, request: &str) -> Result<String> {
     let settings = settings(Some(&machine.settings), request.hold_out);
     let rows = Rows::new(text.as_bytes(), Path::new(name), &COLUMNS, |note| notes.push(note))?;
     let found = FittedRecording::of(Recording::read(rows, &request.without)?, &settings, &mut |_| {})?;
-    let (document, axes) = (found.document(), found.recording.record.axes.iter());
+    let document = found.document();
     notes.extend(document.missing.iter().map(|own| format!("{name}: {own}")));
-    json(&Fitted {
-        document,
-        drifts: axes.filter_map(|axis| drift(&found, *axis)).collect(),
-        toml: written(&found),
-        notes,
-    })
+    json(&Fitted { shown: document.shown(&found), toml: written(&found), notes })
 }
 
-/// Fits a recorded warm-up on the machine of these files: `document`, `drifts`, `toml`, `notes`. `request`: `hold_out`,
+/// Fits a recorded warm-up on the machine of these files: `shown`, `toml`, `notes`. `request`: `hold_out`,
 /// `without`.
 #[wasm_bindgen]
 pub fn thermal_fit(files: &str, name: &str, text: &str, request: &str) -> Result<String, Refusal> {

@@ -6,7 +6,8 @@ use anyhow::{Context, Result, anyhow};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 use trueaxis_evaluation::correct::position;
-use trueaxis_evaluation::uncertainty::{Options, UncertaintyDocument, evaluate};
+use trueaxis_evaluation::shown::Shown;
+use trueaxis_evaluation::uncertainty::{Options, evaluate};
 use trueaxis_tables::uncertainty::Uncertainties;
 use wasm_bindgen::prelude::*;
 
@@ -25,8 +26,10 @@ struct Request {
 /// Result of the evaluation.
 #[derive(Serialize)]
 struct Known {
-    /// The document printed by `trueaxis uncertainty --json`.
-    document: UncertaintyDocument,
+    /// Printed by `trueaxis uncertainty`.
+    shown: Shown,
+    /// The point with the largest radius, and that radius by derivatives, µm.
+    worst: (String, f64),
     /// Distances of the tip at the worst point, µm, over the random machines in ascending order: every hundredth of them.
     distances_um: Vec<f64>,
     notes: Vec<String>,
@@ -51,10 +54,11 @@ fn known(files: &str, request: &str) -> Result<String> {
     };
     let document = evaluate(&machine, &stated, &options)?;
     let distances_um = document.distances_um();
-    json(&Known { document, distances_um, notes })
+    let worst = (document.worst.place(), document.worst.jacobian.radius_um);
+    json(&Known { shown: document.shown(), worst, distances_um, notes })
 }
 
-/// The uncertainty of the corrected position over the working volume: `document`, `distances_um`, `notes`. `request`: `at`,
+/// The uncertainty of the corrected position over the working volume: `shown`, `worst`, `distances_um`, `notes`. `request`: `at`,
 /// `points`, `confidence_percent`, `trials`, `seed`.
 #[wasm_bindgen]
 pub fn uncertainty(files: &str, request: &str) -> Result<String, Refusal> {

@@ -7,8 +7,9 @@ use std::{
     io,
     path::{Path, PathBuf},
 };
+use trueaxis_evaluation::uncertainty::band_factor;
 use trueaxis_report::{
-    Figure, Page, Row, Scale, Stroke, Table, colour, emphasised, error_bars,
+    BARS, Figure, Page, Row, Scale, Stroke, Table, colour, emphasised, error_bars,
     number::{quantity, significant},
     residuals,
 };
@@ -89,16 +90,17 @@ fn tip_error(of: &AxisOutcome) -> Figure {
 fn identified(test: &BallCycle, of: &AxisOutcome) -> Markup {
     let letter = of.axis.letter();
     let caption = format!(
-        "Axis {letter} of {}, as read; bars: two standard errors to either side, from sigma {} with {} degrees of freedom.",
+        "Axis {letter} of {}, as read. {BARS} Sigma {}, {} degrees of freedom.",
         test.machine.settings.name,
         quantity(1e3 * of.found.sigma_mm, "µm"),
         of.found.degrees_of_freedom
     );
+    let factor = band_factor(of.found.degrees_of_freedom as f64);
     let figure = |first: usize, unit: &str, scale: f64| {
         let names = [0, 1, 2].map(|i| format!("E{}{letter}", ["X", "Y", "Z", "A", "B", "C"][first + i]));
         let curve = |i: usize| {
             let points = of.stops_deg.iter().zip(&of.found.angles).map(|(angle, found)| {
-                [*angle, scale * found.errors[first + i], scale * found.standard_errors[first + i]]
+                [*angle, scale * found.errors[first + i], scale * factor * found.standard_errors[first + i]]
             });
             (names[i].as_str(), points.collect())
         };

@@ -2,7 +2,6 @@
 
 mod plan;
 mod solve;
-mod table;
 
 use crate::machine_folder::Writing;
 use crate::model;

@@ -1,11 +1,11 @@
 //! `trueaxis calibrate solve`.
 
-use super::table::table;
 use super::{SolveArgs, read};
 use crate::output::{print, progress, report_line};
 use crate::{machine_folder, model, report};
 use anyhow::Result;
-use trueaxis_evaluation::calibrate::solved;
+use maud::Render;
+use trueaxis_evaluation::calibrate::{residuals, solved};
 use trueaxis_tables::output::Outputs;
 
 pub(super) fn run(arguments: &SolveArgs) -> Result<()> {
@@ -28,10 +28,11 @@ pub(super) fn run(arguments: &SolveArgs) -> Result<()> {
     }
     if let Some(directory) = &arguments.report {
         let source = arguments.log.file_name().unwrap_or_default().to_string_lossy();
-        let page = report::calibrate::page(&source, &read.task, &plan, &found, &document);
+        let figures = [("Residuals", residuals(&read.task, &plan, &found).render())];
+        let page = report::page(&source, &document.shown(&found), figures);
         report::write(&mut outputs, &page, directory, "calibrate.html")?;
     }
     outputs.commit()?;
     done.print_notes();
-    if arguments.json { done.json(&document) } else { print(&table(&document)?) }
+    if arguments.json { done.json(&document) } else { print(&document.shown(&found).text()) }
 }

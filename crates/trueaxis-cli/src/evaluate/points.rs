@@ -4,12 +4,9 @@ use crate::output::{json, print};
 use crate::{csv_in, machine_folder, model, report};
 use anyhow::{Result, anyhow};
 use clap::Args;
-use std::fmt::Write;
 use std::path::PathBuf;
-use trueaxis_evaluation::points::{COLUMNS, Left, Options, Points, PointsDocument, identify, nodes};
-use trueaxis_report::number::significant;
+use trueaxis_evaluation::points::{COLUMNS, PointsDocument, Options, Points, identify, nodes};
 use trueaxis_tables::output::Outputs;
-use trueaxis_tables::text::degrees_of_freedom;
 
 pub(crate) const EXAMPLE: &str = "\
 Example:
@@ -76,6 +73,7 @@ pub(crate) fn run(arguments: &PointsArgs) -> Result<()> {
     let found =
         identify(&points, &machine, &options).map_err(|error| error.context(arguments.points.display().to_string()))?;
     let document = PointsDocument::new(&points, &found);
+    let shown = document.shown(&points, &found);
     let mut outputs = Outputs::of(model::files(&arguments.machine).into_iter().chain([arguments.points.clone()]));
     let mut written = Vec::new();
     if let Some(output) = &arguments.output {
@@ -84,48 +82,10 @@ pub(crate) fn run(arguments: &PointsArgs) -> Result<()> {
     }
     if let Some(directory) = &arguments.report {
         let source = arguments.points.file_name().unwrap_or_default().to_string_lossy();
-        let page = report::evaluate::page(&source, &document.shown(&points, &found));
+        let page = report::page(&source, &shown, report::NO_FIGURES);
         report::write(&mut outputs, &page, directory, "points.html")?;
     }
     outputs.commit()?;
     machine_folder::print_notes(&written);
-    if arguments.json { json(&document) } else { print(&table(&document)?) }
-}
-
-fn table(d: &PointsDocument) -> Result<String> {
-    let [x, y, z] = d.nodes;
-    let mut text = format!("{} points, {x} × {y} × {z} nodes\n\n", d.points);
-    writeln!(text, "{:<6}{:>11}{:>11}{:>12}{:>9}", "error", "from", "to", "std. err.", "")?;
-    for of in &d.functions {
-        let [low, high] = of.range.map(|value| significant(value, 4));
-        let error = significant(of.standard_error, 2);
-        writeln!(text, "{:<6}{low:>11}{high:>11}{error:>12} {}", of.name, if of.unit == "um" { "µm" } else { "µrad" })?;
-    }
-    for (name, of) in [("A0Z", d.squareness.a0z_urad), ("B0Z", d.squareness.b0z_urad), ("C0Y", d.squareness.c0y_urad)] {
-        let (value, error) = (significant(of.value, 4), significant(of.standard_error, 2));
-        writeln!(text, "{name:<6}{value:>22}{error:>12} µrad")?;
-    }
-    writeln!(text, "\n{:<12}{:>8}{:>11}{:>11}   largest in line", "um", "points", "largest", "RMS")?;
-    let rows: [(&str, Option<Left>); 3] =
-        [("measured", Some(d.before)), ("left", Some(d.left)), ("held out", d.held_out)];
-    for (name, of) in rows {
-        if let Some(of) = of {
-            let (max, rms) = (significant(of.max_um, 3), significant(of.rms_um, 3));
-            writeln!(text, "{name:<12}{:>8}{max:>11}{rms:>11}   {}", of.points, of.line)?;
-        }
-    }
-    writeln!(
-        text,
-        "\nsigma of a coordinate {} µm, {}\nrank {} of {} unknowns with {} conventions, condition number {}",
-        significant(d.sigma_um, 3),
-        degrees_of_freedom(d.degrees_of_freedom),
-        d.rank,
-        d.unknowns,
-        d.conventions,
-        significant(d.condition, 3)
-    )?;
-    for note in &d.notes {
-        writeln!(text, "note: {note}")?;
-    }
-    Ok(text)
+    if arguments.json { json(&document) } else { print(&shown.text()) }
 }

@@ -4,12 +4,9 @@ use crate::output::{json, print};
 use crate::{csv_in, report};
 use anyhow::Result;
 use clap::{Args, ValueEnum};
-use std::fmt::Write;
 use std::path::PathBuf;
 use trueaxis_evaluation::probing::{COLUMNS, Feature, ProbingDocument, Record, check};
-use trueaxis_report::number::significant;
 use trueaxis_tables::output::Outputs;
-use trueaxis_tables::text::counted;
 
 pub(crate) const EXAMPLE: &str = "\
 Example:
@@ -70,31 +67,13 @@ pub(crate) fn run(arguments: &ProbingArgs) -> Result<()> {
     let record =
         Record::read(&mut csv_in::open(&arguments.record, &COLUMNS, "points")?, feature, arguments.diameter_mm)?;
     let document = ProbingDocument::new(&record);
+    let shown = document.shown(&record);
     if let Some(directory) = &arguments.report {
         let source = arguments.record.file_name().unwrap_or_default().to_string_lossy();
         let mut outputs = Outputs::of([&arguments.record]);
-        let page = report::evaluate::page(&source, &document.shown(&record));
+        let page = report::page(&source, &shown, report::NO_FIGURES);
         report::write(&mut outputs, &page, directory, "probing.html")?;
         outputs.commit()?;
     }
-    if arguments.json { json(&document) } else { print(&table(&document)?) }
-}
-
-fn table(d: &ProbingDocument) -> Result<String> {
-    let mut text = format!("{}, {}; ISO 230-10\n\n", d.feature, counted(d.runs.len(), "run"));
-    for run in &d.runs {
-        let [x, y, z] = run.centre_mm;
-        write!(text, "run {:<4} {:>4} points   centre {x:.4}, {y:.4}, {z:.4} mm", run.run, run.points)?;
-        if let (Some(diameter), Some(form), Some(name)) = (run.diameter_mm, run.form_um, d.p_ftu_name) {
-            write!(text, "   diameter {diameter:.4} mm   {name} {} µm", significant(form, 3))?;
-        }
-        writeln!(text)?;
-    }
-    for (name, of) in d.figures() {
-        writeln!(text, "{name}: {of}")?;
-    }
-    for note in &d.notes {
-        writeln!(text, "note: {note}")?;
-    }
-    Ok(text)
+    if arguments.json { json(&document) } else { print(&shown.text()) }
 }

@@ -6,12 +6,9 @@ use crate::output::print;
 use crate::{csv_in, model, report};
 use anyhow::Result;
 use clap::Args;
-use std::fmt::Write;
 use std::path::PathBuf;
 use trueaxis_evaluation::r_test::{COLUMNS, Options, RTestDocument, Record, check, identify};
-use trueaxis_report::number::significant;
 use trueaxis_tables::output::Outputs;
-use trueaxis_tables::text::degrees_of_freedom;
 
 pub(crate) const EXAMPLE: &str = "\
 Example:
@@ -77,6 +74,7 @@ pub(crate) fn run(arguments: &RTestArgs) -> Result<()> {
     let options = Options { without: arguments.without.clone(), free_sensor: arguments.free_sensor };
     let found = identify(&record, &arguments.record.display().to_string(), &machine, &options)?;
     let document = RTestDocument::new(&record, &found, &machine);
+    let shown = document.shown(&record, &found);
     let mut outputs =
         Outputs::of(machine_folder::inputs(&arguments.machine, into).into_iter().chain([arguments.record.clone()]));
     let mut done = machine_folder::Done::default();
@@ -89,49 +87,10 @@ pub(crate) fn run(arguments: &RTestArgs) -> Result<()> {
     }
     if let Some(directory) = &arguments.report {
         let source = arguments.record.file_name().unwrap_or_default().to_string_lossy();
-        let page = report::evaluate::page(&source, &document.shown(&record, &found));
+        let page = report::page(&source, &shown, report::NO_FIGURES);
         report::write(&mut outputs, &page, directory, "r-test.html")?;
     }
     outputs.commit()?;
     done.print_notes();
-    if arguments.json { done.json(&document) } else { print(&table(&document)?) }
-}
-
-fn table(d: &RTestDocument) -> Result<String> {
-    let [x, y, z] = d.range_um.map(|um| significant(um, 4));
-    let mut text = format!("{} readings, range {x}, {y}, {z} µm along X, Y, Z\n\n", d.readings);
-    writeln!(text, "{:<6}{:>11}{:>12}{:>14}", "error", "found", "std. err.", "machine has")?;
-    for of in &d.terms {
-        let [value, error, before] =
-            [significant(of.value, 4), significant(of.standard_error, 2), significant(of.before, 4)];
-        writeln!(
-            text,
-            "{:<6}{value:>11}{error:>12}{before:>14} {}",
-            of.name,
-            if of.unit == "um" { "µm" } else { "µrad" }
-        )?;
-    }
-    for (k, ball) in d.balls_um.iter().enumerate() {
-        let [x, y, z] = ball.map(|um| significant(um, 4));
-        writeln!(text, "ball {} off its place by {x}, {y}, {z} µm (workpiece's frame)", k + 1)?;
-    }
-    if let Some([x, y, z]) = d.sensor_um.map(|zero| zero.map(|um| significant(um, 4))) {
-        writeln!(text, "zero of the nest {x}, {y}, {z} µm (tool's frame)")?;
-    }
-    writeln!(
-        text,
-        "\nreadings {} µm RMS, left {} µm RMS, at most {} µm in line {}\nsigma of a coordinate {} µm, {}, rank {}, condition number {}",
-        significant(d.rms_um, 3),
-        significant(d.left_rms_um, 3),
-        significant(d.left_max_um, 3),
-        d.left_max_line,
-        significant(d.sigma_um, 3),
-        degrees_of_freedom(d.degrees_of_freedom),
-        d.rank,
-        significant(d.condition, 3)
-    )?;
-    for note in &d.notes {
-        writeln!(text, "note: {note}")?;
-    }
-    Ok(text)
+    if arguments.json { done.json(&document) } else { print(&shown.text()) }
 }

@@ -5,12 +5,9 @@ use crate::output::print;
 use crate::{csv_in, report};
 use anyhow::Result;
 use clap::Args;
-use std::fmt::Write;
 use std::path::PathBuf;
-use trueaxis_evaluation::diagonal::{COLUMNS, DiagonalDocument, Value, additions, check, read};
-use trueaxis_report::number::significant;
+use trueaxis_evaluation::diagonal::{COLUMNS, DiagonalDocument, additions, check, read};
 use trueaxis_tables::output::Outputs;
-use trueaxis_tables::text::degrees_of_freedom;
 
 pub(crate) const EXAMPLE: &str = "\
 Example:
@@ -75,6 +72,7 @@ pub(crate) fn run(arguments: &StepDiagonalArgs) -> Result<()> {
     check(arguments.alignment_urad).map_err(|wrong| wrong.option())?;
     let test = read(&mut csv_in::open(&arguments.record, &COLUMNS, "readings")?)?;
     let document = DiagonalDocument::new(&test, arguments.alignment_urad);
+    let shown = document.shown(&test);
     let inputs = arguments
         .machine
         .iter()
@@ -91,65 +89,10 @@ pub(crate) fn run(arguments: &StepDiagonalArgs) -> Result<()> {
     }
     if let Some(directory) = &arguments.report {
         let source = arguments.record.file_name().unwrap_or_default().to_string_lossy();
-        let page = report::evaluate::page(&source, &document.shown(&test));
+        let page = report::page(&source, &shown, report::NO_FIGURES);
         report::write(&mut outputs, &page, directory, "step-diagonal.html")?;
     }
     outputs.commit()?;
     done.print_notes();
-    if arguments.json { done.json(&document) } else { print(&table(&document)?) }
-}
-
-fn value(of: Value, unit: &str) -> String {
-    format!("{} ± {} {unit}", significant(of.value, 4), significant(of.standard_error, 2))
-}
-
-fn table(d: &DiagonalDocument) -> Result<String> {
-    let um = |value: Option<f64>| value.map_or_else(|| "–".into(), |um| significant(um, 4));
-    let mut text = format!("{} test, {} readings; ISO 230-6\n\n", d.test, d.readings);
-    writeln!(
-        text,
-        "{:<10}{:>10}{:>9}{:>10}{:>10}{:>10}{:>10}",
-        "diagonal", "mm", "targets", "E um", "B um", "M um", "R um"
-    )?;
-    for of in &d.diagonals {
-        let [e, b, m, r] = [Some(of.e_um), of.b_um, Some(of.m_um), of.r_um].map(um);
-        let length = significant(of.length_mm, 5);
-        writeln!(text, "{:<10}{length:>10}{:>9}{e:>10}{b:>10}{m:>10}{r:>10}", of.diagonal, of.targets)?;
-    }
-    let [e, b, m, r] = [Some(d.e_d_um), d.b_d_um, Some(d.m_d_um), d.r_d_um].map(um);
-    writeln!(text, "{:<10}{:>19}{e:>10}{b:>10}{m:>10}{r:>10}\n", "largest", "")?;
-    for (name, of) in [("A0Z", d.a0z), ("B0Z", d.b0z), ("C0Y", d.c0y)] {
-        writeln!(text, "squareness {name}      {}", value(of, "µrad"))?;
-    }
-    writeln!(text, "diagonal scale      {}", value(d.scale, "ppm"))?;
-    writeln!(text, "rank {} of 4, condition number {}", d.rank, significant(d.condition, 3))?;
-    if let Some(steps) = &d.steps {
-        text.push('\n');
-        for (axis, name) in ["X", "Y", "Z"].into_iter().enumerate() {
-            let if_aligned = significant(steps.scales_if_aligned_ppm[axis], 4);
-            let known = steps.scales_ppm.map_or_else(|| "not known".into(), |scales| value(scales[axis], "ppm"));
-            writeln!(text, "scale {name}: {known}; {if_aligned} ppm if the mirror is exactly square")?;
-        }
-        let (sigma, freedom) = (significant(steps.sigma_um, 3), degrees_of_freedom(steps.degrees_of_freedom));
-        writeln!(text, "sigma of a step {sigma} µm, {freedom}")?;
-        for shape in &steps.shapes {
-            let axis = shape.axis;
-            writeln!(
-                text,
-                "\n{:>10}{:>12}{:>12}{:>12}",
-                format!("{axis}_mm"),
-                format!("EX{axis}_um"),
-                format!("EY{axis}_um"),
-                format!("EZ{axis}_um")
-            )?;
-            for point in &shape.points {
-                let [x, y, z] = point.error_um;
-                writeln!(text, "{:>10.3}{x:>12.3}{y:>12.3}{z:>12.3}", point.position_mm)?;
-            }
-        }
-    }
-    for limit in &d.limits {
-        writeln!(text, "note: {limit}")?;
-    }
-    Ok(text)
+    if arguments.json { done.json(&document) } else { print(&shown.text()) }
 }

@@ -4,12 +4,9 @@ use crate::output::{json, print};
 use crate::{csv_in, report};
 use anyhow::Result;
 use clap::{Args, ValueEnum};
-use std::fmt::Write;
 use std::path::PathBuf;
 use trueaxis_evaluation::thermal_test::{COLUMNS, ThermalTestDocument, check, read};
-use trueaxis_report::number::significant;
 use trueaxis_tables::output::Outputs;
-use trueaxis_tables::text::counted;
 
 pub(crate) const EXAMPLE: &str = "\
 Example:
@@ -78,43 +75,13 @@ pub(crate) fn run(arguments: &ThermalTestArgs) -> Result<()> {
     };
     let test = read(&mut csv_in::open(&arguments.record, &COLUMNS, "readings")?)?;
     let document = ThermalTestDocument::new(&test, name, arguments.period_min, arguments.distance_mm);
+    let shown = document.shown(&test);
     if let Some(directory) = &arguments.report {
         let source = arguments.record.file_name().unwrap_or_default().to_string_lossy();
         let mut outputs = Outputs::of([&arguments.record]);
-        let page = report::evaluate::page(&source, &document.shown(&test));
+        let page = report::page(&source, &shown, report::NO_FIGURES);
         report::write(&mut outputs, &page, directory, "thermal.html")?;
         outputs.commit()?;
     }
-    if arguments.json { json(&document) } else { print(&table(&document)?) }
-}
-
-fn table(d: &ThermalTestDocument) -> Result<String> {
-    let (duration, period) = (significant(d.duration_min, 4), significant(d.period_min, 4));
-    let mut text = format!("{} test, {duration} min, period {period} min; ISO 230-3\n", d.test);
-    for place in &d.positions {
-        writeln!(text)?;
-        if d.positions.len() > 1 {
-            writeln!(text, "position {}, {}", place.position, counted(place.readings, "reading"))?;
-        }
-        writeln!(text, "{:<8}{:>10}{:>10}{:>10}{:>12}{:>10}", "", "range", "first", "worst", "from min", "end")?;
-        for of in &place.channels {
-            let [range, first, worst, end] =
-                [of.range, of.first_period, of.worst_period, of.end].map(|v| significant(v, 4));
-            let unit = if of.unit == "um" { "µm" } else { "µrad" };
-            writeln!(
-                text,
-                "{:<8}{range:>10}{first:>10}{worst:>10}{:>12.1}{end:>10} {unit}",
-                of.name, of.worst_from_min
-            )?;
-        }
-    }
-    for of in &d.temperatures {
-        let [low, high] = of.range_c.map(|c| significant(c, 4));
-        let worst = significant(of.worst_period_k, 3);
-        writeln!(text, "{} {low} to {high} °C, at most {worst} K in a period", of.name)?;
-    }
-    for note in &d.notes {
-        writeln!(text, "note: {note}")?;
-    }
-    Ok(text)
+    if arguments.json { json(&document) } else { print(&shown.text()) }
 }

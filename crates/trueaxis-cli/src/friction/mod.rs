@@ -1,7 +1,5 @@
 //! `trueaxis friction`.
 
-mod table;
-
 use crate::machine_folder::{self, Writing};
 use crate::output::{print, progress};
 use crate::{csv_in, model, report};
@@ -116,14 +114,15 @@ pub(crate) fn run(arguments: &FrictionArgs) -> Result<()> {
     }
     if let Some(directory) = &arguments.report {
         let source = arguments.record.file_name().unwrap_or_default().to_string_lossy();
-        report::write(&mut outputs, &report::friction::page(&source, &document, &found), directory, "friction.html")?;
+        let page = report::page(&source, &document.shown(), report::friction::spikes(&found));
+        report::write(&mut outputs, &page, directory, "friction.html")?;
     }
     if let Some(file) = file {
         outputs.put(file, friction::sections(&arguments.record, &found).as_bytes())?;
     }
     outputs.commit()?;
     done.print_notes();
-    if arguments.json { done.json(&document) } else { print(&table::table(&document)?) }
+    if arguments.json { done.json(&document) } else { print(&document.shown().text()) }
 }
 
 fn read_after(text: &str) -> Result<f64, String> {

@@ -1,7 +1,5 @@
 //! `trueaxis identify`.
 
-mod table;
-
 use crate::machine_folder::{self, Writing};
 use crate::numbers::triple;
 use crate::output::print;
@@ -134,10 +132,12 @@ pub(crate) fn run(arguments: &IdentifyArgs) -> Result<()> {
     }
     if let Some(to) = &arguments.report {
         let source = arguments.measured.file_name().unwrap_or_default().to_string_lossy();
-        let page = report::identify::page(&source, axis, &found.document);
+        let shown = found.document.shown(axis);
+        let page =
+            report::page(&source, &shown, [("Residuals", report::identify::residuals_of(axis, &found.document))]);
         report::write_to(&mut outputs, &page, to, "identify.html")?;
     }
     outputs.commit()?;
     done.print_notes();
-    if arguments.json { done.json(&found.document) } else { print(&table::table(&found.document, axis)?) }
+    if arguments.json { done.json(&found.document) } else { print(&found.document.shown(axis).text()) }
 }

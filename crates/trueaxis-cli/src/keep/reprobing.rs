@@ -27,7 +27,7 @@ pub(super) fn show(
 ) -> Result<()> {
     let Some(directory) = &arguments.report else { return Ok(()) };
     let entries: Vec<Entry> = state.history.entries.iter().chain([&evaluated.entry]).cloned().collect();
-    let page = report::keep::page(&state.machine.settings.name, &entries, Some(&evaluated.document));
+    let page = super::table::page(&state.machine.settings.name, &entries, Some(&evaluated.document));
     report::write(outputs, &page, directory, "keep.html")
 }
 

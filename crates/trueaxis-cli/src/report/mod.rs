@@ -1,17 +1,15 @@
 //! Reports: one self-contained HTML page each, no network, no script. Figures are SVG inside the page.
 
-pub(crate) mod ballbar;
-pub(crate) mod calibrate;
 pub(crate) mod circle;
-pub(crate) mod evaluate;
 pub(crate) mod friction;
 pub(crate) mod helicoid;
 pub(crate) mod identify;
-pub(crate) mod keep;
 pub(crate) mod learn;
 pub(crate) mod roundness;
-pub(crate) mod thermal;
+mod shown;
 pub(crate) mod uncertainty;
+
+pub(crate) use shown::{NO_FIGURES, page};
 
 use anyhow::Result;
 use maud::{Markup, html};

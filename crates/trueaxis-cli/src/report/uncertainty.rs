@@ -1,51 +1,18 @@
-//! The page of `trueaxis uncertainty`.
+//! The figures on the page of `trueaxis uncertainty`.
 
-use maud::{Markup, html};
-use trueaxis_evaluation::uncertainty::{AtPoint, Spread, UncertaintyDocument};
-use trueaxis_report::number::significant;
-use trueaxis_report::{Figure, Page, Row, Scale, Stroke, Table, colour, heat_map, side_by_side, summary};
+use maud::{Markup, Render};
+use trueaxis_evaluation::uncertainty::UncertaintyDocument;
+use trueaxis_report::{Figure, Scale, Stroke, colour, heat_map, side_by_side};
 
 /// Number of contributions drawn.
 const BARS: usize = 12;
 
-/// The whole page.
-pub(crate) fn page(document: &UncertaintyDocument) -> String {
-    let rms = format!("{} µm RMS", significant(document.standard_rms_um, 3));
-    let coverage = format!("{} %", document.confidence_percent);
-    let points = format!("{} points", document.points);
-    Page::new("Uncertainty of the corrected position")
-        .top(summary([html! { (document.machine) }, html! { (coverage) }, html! { (points) }, html! { (rms) }]))
-        .top(super::warnings(&document.warnings))
-        .section("Worst point", html! { (document.worst.place()) (methods(&document.worst)) })
-        .section("Where", side_by_side([layer(document), distribution(document)]))
-        .section("Contributions", html! { (bars(document)) (contributions(document)) })
-        .section("Requested position", asked(document))
-        .section("Not stated, taken as zero", html! { (document.not_stated.join(", ")) })
-        .document()
-}
-
-fn asked(document: &UncertaintyDocument) -> Markup {
-    match &document.at {
-        Some(point) => html! { (point.place()) (methods(point)) },
-        None => html! { "none: --at" },
-    }
-}
-
-fn methods(point: &AtPoint) -> Table {
-    let row = |name: &str, spread: &Spread| {
-        let [x, y, z] = spread.expanded_um.map(|um| significant(um, 3));
-        Row::new(name, [x, y, z, significant(spread.radius_um, 3)])
-    };
-    let rows = [row("by derivatives", &point.jacobian), row("by machines drawn", &point.monte_carlo)];
-    Table::new(["expanded uncertainty, µm", "X", "Y", "Z", "radius"], rows)
-}
-
-fn contributions(document: &UncertaintyDocument) -> Table {
-    let rows = document.contributions.iter().map(|share| {
-        let [rms, worst] = [share.rms_um, share.worst_um].map(|um| significant(um, 3));
-        Row::new(share.term.clone(), [format!("{:.1} %", 100.0 * share.share), rms, worst])
-    });
-    Table::new(["contribution", "share of the variance", "RMS over the volume, µm", "at the worst point, µm"], rows)
+/// Sections with the figures.
+pub(crate) fn figures(document: &UncertaintyDocument) -> [(&'static str, Markup); 2] {
+    [
+        ("Where", side_by_side([layer(document), distribution(document)])),
+        ("Largest contributions", bars(document).render()),
+    ]
 }
 
 /// Radii in the plane of X and Y through the worst point.

@@ -1,12 +1,12 @@
 //! `trueaxis thermal fit`.
 
-use super::table::table;
 use crate::output::{json, print, progress};
 use crate::{csv_in, model, report};
 use anyhow::{Result, bail};
 use clap::Args;
+use maud::html;
 use std::path::PathBuf;
-use trueaxis_evaluation::thermal::{COLUMNS, FittedRecording, Recording, settings, written};
+use trueaxis_evaluation::thermal::{COLUMNS, FittedRecording, Recording, residuals, settings, written};
 use trueaxis_metrology::thermal::{RATE_K_PER_MIN, Settings};
 use trueaxis_tables::output::Outputs;
 
@@ -100,11 +100,14 @@ pub(super) fn run(arguments: &ThermalFitArgs) -> Result<()> {
     let document = found.document();
     if let Some(directory) = &arguments.report {
         let source = arguments.record.file_name().unwrap_or_default().to_string_lossy();
-        report::write(&mut outputs, &report::thermal::page(&source, &found, &document), directory, "thermal.html")?;
+        let axes = &found.recording.record.axes;
+        let figures = [("Remaining drift", html! { @for axis in axes { (residuals(&found, *axis)) } })];
+        let page = report::page(&source, &document.shown(&found), figures);
+        report::write(&mut outputs, &page, directory, "thermal.html")?;
     }
     if let Some(output) = &arguments.output {
         outputs.put(output, written(&found).as_bytes())?;
     }
     outputs.commit()?;
-    if arguments.json { json(&document) } else { print(&table(&document)?) }
+    if arguments.json { json(&document) } else { print(&document.shown(&found).text()) }
 }

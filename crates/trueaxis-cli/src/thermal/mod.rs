@@ -2,7 +2,6 @@
 
 mod compile;
 mod fit;
-mod table;
 
 use anyhow::Result;
 use clap::Subcommand;

@@ -6,13 +6,12 @@ mod document;
 mod machine;
 mod polar;
 mod record;
+mod shown;
 mod telemetry;
-mod values;
 
 pub use document::{BallbarDocument, Pair, Share, Ways, name};
 pub use polar::{Trace, left, polar, traces};
 pub use record::COLUMNS;
-pub use values::values;
 
 use crate::range::OutOfRange;
 use std::ops::RangeInclusive;

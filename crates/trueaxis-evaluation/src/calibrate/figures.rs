@@ -1,11 +1,37 @@
-//! Figures of a calibration.
+//! The figure of the residuals of a calibration.
 
-use super::curves::{Curves, Residuals};
 use super::plan::Plan;
 use super::solve::Calibration;
 use super::task::Task;
-use trueaxis::machine::Axis;
-use trueaxis_report::{Figure, Scale, Stroke, colour, error_bars};
+use serde::Serialize;
+use trueaxis_report::{Figure, Scale, Stroke, colour};
+
+/// Residuals of all touches.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Residuals {
+    /// Residual of every touch in program order, positive outside the surface.
+    pub residual_um: Vec<f64>,
+    /// Standard deviation of a touch.
+    pub sigma_um: f64,
+    /// First touch of each visit, from 1, with the artefact's name; visits to the reference are excluded.
+    pub visits: Vec<(usize, String)>,
+}
+
+impl Residuals {
+    /// The residuals of a calibration.
+    pub fn of(task: &Task, plan: &Plan, calibration: &Calibration) -> Residuals {
+        let starts = plan.visits.iter().enumerate().filter(|(_, visit)| !visit.reference);
+        let visits = starts.filter_map(|(index, visit)| {
+            let first = plan.touches.iter().position(|touch| touch.visit == index)?;
+            Some((first + 1, task.artefacts.get(visit.artefact)?.name.clone()))
+        });
+        Residuals {
+            residual_um: calibration.solution.residuals_mm.iter().map(|mm| 1e3 * mm).collect(),
+            sigma_um: 1e3 * calibration.solution.sigma_mm,
+            visits: visits.collect(),
+        }
+    }
+}
 
 /// Residual of every touch, in program order.
 pub fn residuals(task: &Task, plan: &Plan, calibration: &Calibration) -> Figure {
@@ -22,37 +48,4 @@ pub fn residuals(task: &Task, plan: &Plan, calibration: &Calibration) -> Figure 
     figure.labels_above(visits.into_iter().map(|(first, name)| (first as f64, name)));
     figure.caption("Residual of every touch after the machine's terms, the places of the artefacts and the drift.");
     figure
-}
-
-/// The curves found for an axis, including its scale, with bars of two standard errors; `None` if it has none.
-pub fn curves(calibration: &Calibration, axis: Axis) -> Option<Figure> {
-    let Curves { axis: letter, position_mm, error_um, standard_error_um } = Curves::of(calibration, axis)?;
-    let x = Scale::linear(&format!("{letter} in mm"), position_mm.iter().copied());
-    let names = ['X', 'Y', 'Z'].map(|direction| format!("E{direction}{letter}"));
-    let curve = |k: usize| {
-        let values = error_um[k].iter().zip(&standard_error_um[k]);
-        position_mm.iter().zip(values).map(|(q, (value, error))| [*q, *value, *error]).collect::<Vec<_>>()
-    };
-    let curves = [0, 1, 2].map(|k| (names[k].as_str(), curve(k)));
-    let mut figure = error_bars(&format!("Errors found of axis {letter}"), x, "µm", &curves);
-    figure.caption(format!("Errors of {letter} added to its table. Bars: 2 standard errors to either side."));
-    Some(figure)
-}
-
-/// Drift of the reference over time; `None` without a reference.
-pub fn drift(calibration: &Calibration) -> Option<Figure> {
-    let knots = &calibration.observed.knots;
-    if knots.len() < 2 {
-        return None;
-    }
-    let (values, errors) = (&calibration.solution.values, &calibration.solution.standard_errors);
-    let curve = |k: usize| {
-        let at = |list: &[f64], knot: Option<usize>| knot.map_or(0.0, |index| 1e3 * list[index + k]);
-        knots.iter().map(|&(time, knot)| [time / 60.0, at(values, knot), at(errors, knot)]).collect::<Vec<_>>()
-    };
-    let x = Scale::linear("time in minutes, without pauses", knots.iter().map(|(time, _)| time / 60.0));
-    let curves = [("X", curve(0)), ("Y", curve(1)), ("Z", curve(2))];
-    let mut figure = error_bars("Drift of the reference", x, "µm", &curves);
-    figure.caption("Movement of the reference since its first probing. Bars: 2 standard errors to either side.");
-    Some(figure)
 }

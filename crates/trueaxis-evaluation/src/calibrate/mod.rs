@@ -7,7 +7,6 @@
 //! The mathematics is [`trueaxis_metrology::calibration`].
 
 mod artefact;
-mod curves;
 mod document;
 mod figures;
 mod foreseen;
@@ -19,6 +18,7 @@ mod planning;
 mod program;
 pub(crate) mod ranges;
 mod reach;
+mod shown;
 mod solve;
 mod source;
 mod task;
@@ -27,9 +27,8 @@ mod touches;
 mod trips;
 
 pub use artefact::{Artefact, Kind, Place};
-pub use curves::{Curves, Residuals};
 pub use document::{CalibrationDocument, Drift, Size, SolvedTerm};
-pub use figures::{curves, drift, residuals};
+pub use figures::{Residuals, residuals};
 pub use foreseen::{Expected, Foreseen, Planning, foresee, foresee_observed, planned};
 pub use kinematics::Ideal;
 pub use log::{Log, Logged, read_log};

@@ -1,5 +1,6 @@
 //! The results of a diagonal test, as a document.
 
+use crate::shown::Uncertainty;
 use serde::Serialize;
 use trueaxis_metrology::diagonal::{Term, Test, figures};
 use trueaxis_tables::Additions;
@@ -12,6 +13,16 @@ pub struct Value {
     pub value: f64,
     /// Standard error, same unit.
     pub standard_error: f64,
+    /// Degrees of freedom of the standard error; infinite if it is stated.
+    #[serde(skip)]
+    pub degrees_of_freedom: f64,
+}
+
+impl Value {
+    /// The uncertainty as shown.
+    pub fn uncertainty(&self) -> Uncertainty {
+        Uncertainty::of(self.standard_error, self.degrees_of_freedom)
+    }
 }
 
 /// Figures of one diagonal according to ISO 230-6.
@@ -120,8 +131,23 @@ pub struct DiagonalDocument {
     pub limits: Vec<String>,
 }
 
-fn micro(term: Term) -> Value {
-    Value { value: 1e6 * term.value, standard_error: 1e6 * term.standard_error }
+fn micro(term: Term, degrees_of_freedom: f64) -> Value {
+    Value { value: 1e6 * term.value, standard_error: 1e6 * term.standard_error, degrees_of_freedom }
+}
+
+/// Degrees of freedom of the slope of a diagonal.
+fn degrees_of_slope(test: &Test, diagonal: usize) -> f64 {
+    test.on(diagonal).count().saturating_sub(2).max(1) as f64
+}
+
+/// Degrees of freedom of a squareness (Welch and Satterthwaite): the four slopes contribute equally to every one, apart from
+/// the sign.
+fn degrees_of_squareness(test: &Test, slopes: &[Term; 4]) -> f64 {
+    let variances = slopes.map(|slope| slope.standard_error.powi(2));
+    let parts: f64 =
+        variances.iter().enumerate().map(|(k, variance)| variance.powi(2) / degrees_of_slope(test, k)).sum();
+    let sum: f64 = variances.iter().sum();
+    if parts > 0.0 { sum.powi(2) / parts } else { 1.0 }
 }
 
 impl DiagonalDocument {
@@ -140,12 +166,12 @@ impl DiagonalDocument {
                 b_um: of.reversal.map(|mm| 1e3 * mm),
                 m_um: 1e3 * of.mean_range,
                 r_um: of.repeatability.map(|mm| 1e3 * mm),
-                slope_ppm: micro(volume.slopes[k]),
+                slope_ppm: micro(volume.slopes[k], degrees_of_slope(test, k)),
             })
             .collect();
         let steps = test.vector(alignment_urad.map(|urad| 1e-6 * urad)).map(|found| Steps {
             scales_if_aligned_ppm: found.scales_if_aligned.map(|scale| 1e6 * scale),
-            scales_ppm: found.scales.map(|scales| scales.map(micro)),
+            scales_ppm: found.scales.map(|scales| scales.map(|scale| micro(scale, f64::INFINITY))),
             scale_per_10_urad_ppm: found.scale_per_alignment.map(|share| 10.0 * share),
             shapes: found.shapes.iter().map(shape).collect(),
             sigma_um: 1e3 * found.sigma_mm,
@@ -154,7 +180,8 @@ impl DiagonalDocument {
             lateral_mm: found.lateral_mm,
         });
         let largest = |of: &dyn Fn(&DiagonalFigures) -> Option<f64>| diagonals.iter().filter_map(of).reduce(f64::max);
-        let [a0z, b0z, c0y] = volume.squareness.map(micro);
+        let degrees = degrees_of_squareness(test, &volume.slopes);
+        let [a0z, b0z, c0y] = volume.squareness.map(|term| micro(term, degrees));
         DiagonalDocument {
             readings: test.readings.len(),
             test: if test.steps { "step-diagonal" } else { "diagonal" },
@@ -165,7 +192,7 @@ impl DiagonalDocument {
             a0z,
             b0z,
             c0y,
-            scale: micro(volume.scale),
+            scale: micro(volume.scale, degrees),
             rank: volume.rank,
             condition: volume.condition,
             sigma_um: test.sigma_mm.map(|mm| 1e3 * mm),
@@ -181,12 +208,7 @@ impl DiagonalDocument {
 /// A slope is not a model of its readings: its standard error includes its residuals, and nothing is compared with a noise.
 pub fn additions(test: &Test) -> Additions {
     let volume = test.volume();
-    // Welch and Satterthwaite: the four slopes contribute equally to every squareness, apart from the sign.
-    let variances = volume.slopes.map(|slope| slope.standard_error.powi(2));
-    let of = |k: usize| test.on(k).count().saturating_sub(2).max(1) as f64;
-    let parts: f64 = variances.iter().enumerate().map(|(k, variance)| variance.powi(2) / of(k)).sum();
-    let sum: f64 = variances.iter().sum();
-    let degrees = if parts > 0.0 { sum.powi(2) / parts } else { 1.0 };
+    let degrees = degrees_of_squareness(test, &volume.slopes);
     let finding = |(term, name): (Term, &str)| Finding {
         key: format!("location.{name}_urad"),
         found: Known {

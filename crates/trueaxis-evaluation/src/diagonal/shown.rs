@@ -1,60 +1,76 @@
 //! Tables and plots of a diagonal test.
 
-use super::{DiagonalDocument, Value};
-use crate::shown::{Cell, Curve, Look, Plot, Shown, Table};
+use super::{DiagonalDocument, Shape, Value};
+use crate::shown::{Cell, Curve, EXPANDED, Look, Plot, Quantity, Shown, Table, Uncertainty, half_width};
 use trueaxis_metrology::diagonal::Test;
+use trueaxis_report::BARS;
 
 impl DiagonalDocument {
     /// Tables and plots of the document's test.
     pub fn shown(&self, test: &Test) -> Shown {
-        let figures = |name: String, e: f64, b: Option<f64>, m: f64, r: Option<f64>| {
-            let cells = [Some(e), b, Some(m), r].map(|um| Cell::number(um, 4));
-            std::iter::once(name.into()).chain(cells).collect::<Vec<Cell>>()
+        let row = |name: String, [length, targets]: [Cell; 2], um: [Option<f64>; 4]| {
+            [name.into(), length, targets].into_iter().chain(um.map(|um| Cell::number(um, 4))).collect::<Vec<Cell>>()
         };
-        let rows =
-            self.diagonals.iter().map(|d| figures(format!("diagonal {}", d.diagonal), d.e_um, d.b_um, d.m_um, d.r_um));
-        let largest = figures("largest".into(), self.e_d_um, self.b_d_um, self.m_d_um, self.r_d_um);
-        let figures = Table {
-            caption: "Figures of ISO 230-6",
-            header: vec!["ISO 230-6", "E(D), µm", "B(D), µm", "M(D), µm", "R(D), µm"],
-            rows: rows.chain([largest]).collect(),
-        };
-        let mut rows = Vec::new();
-        let mut put = |name: &str, unit: &str, value: f64, error: Option<f64>| {
-            rows.push(vec![name.into(), Cell::number(value, 4), Cell::number(error, 2), unit.into()]);
-        };
-        let mut known = |name: &str, unit: &str, of: Value| put(name, unit, of.value, Some(of.standard_error));
-        known("squareness A0Z", "µrad", self.a0z);
-        known("squareness B0Z", "µrad", self.b0z);
-        known("squareness C0Y", "µrad", self.c0y);
-        known("diagonal scale", "ppm", self.scale);
+        let rows = self.diagonals.iter().map(|d| {
+            let size = [Cell::number(d.length_mm, 5), Cell::count(d.targets)];
+            row(format!("diagonal {}", d.diagonal), size, [Some(d.e_um), d.b_um, Some(d.m_um), d.r_um])
+        });
+        let all = [Some(self.e_d_um), self.b_d_um, Some(self.m_d_um), self.r_d_um];
+        let largest = row("largest".into(), ["".into(), "".into()], all);
+        let head = ["ISO 230-6", "length, mm", "targets", "E(D), µm", "B(D), µm", "M(D), µm", "R(D), µm"];
+        let figures = Table::new("Figures of ISO 230-6", head, rows.chain([largest]));
+        let known = |name: &str, unit, of: Value| Quantity::new(name, unit, of.value, of.uncertainty());
+        let mut terms = vec![
+            known("squareness A0Z", "µrad", self.a0z),
+            known("squareness B0Z", "µrad", self.b0z),
+            known("squareness C0Y", "µrad", self.c0y),
+            known("diagonal scale", "ppm", self.scale),
+        ];
+        let mut fit = vec![("condition number", Cell::number(self.condition, 3))];
         if let Some(steps) = &self.steps {
-            for (of, name) in steps.scales_ppm.into_iter().flatten().zip(["scale X", "scale Y", "scale Z"]) {
-                known(name, "ppm", of);
-            }
-            let names = ["scale X, mirror square", "scale Y, mirror square", "scale Z, mirror square"];
-            for (value, name) in steps.scales_if_aligned_ppm.into_iter().zip(names) {
-                put(name, "ppm", value, None);
-            }
-            put("sigma of a step", "µm", steps.sigma_um, None);
+            let names = ["scale X", "scale Y", "scale Z"];
+            terms.extend(steps.scales_ppm.into_iter().flatten().zip(names).map(|(of, name)| known(name, "ppm", of)));
+            terms.extend(steps.scales_if_aligned_ppm.into_iter().zip(names).map(|(value, name)| {
+                Quantity::new(format!("{name}, mirror square"), "ppm", value, Uncertainty::Unknown)
+            }));
+            fit.push(("sigma of a step, µm", Cell::number(steps.sigma_um, 3)));
+            fit.push(("degrees of freedom", Cell::count(steps.degrees_of_freedom)));
         }
-        let terms = Table {
-            caption: "Results of the diagonals",
-            header: vec!["term", "value", "standard error", "unit"],
-            rows,
-        };
+        let terms = Table::quantities("Results of the diagonals", terms);
+        let shapes = self.steps.iter().flat_map(|steps| &steps.shapes).map(|shape| self.shape(shape));
         Shown {
-            title: "Diagonal displacement test",
+            title: "Diagonal displacement test".into(),
             summary: vec![
                 format!("{} test", self.test),
                 format!("{} readings", self.readings),
                 format!("rank {} of 4", self.rank),
             ],
             notes: self.limits.clone(),
-            tables: vec![figures, terms],
+            tables: [figures, terms, Table::figures("Fit", fit)].into_iter().chain(shapes).collect(),
             plots: std::iter::once(deviations(test)).chain(self.shapes()).collect(),
             map: None,
         }
+    }
+
+    /// Degrees of freedom of the shapes.
+    fn freedom(&self) -> f64 {
+        self.steps.as_ref().map_or(0.0, |steps| steps.degrees_of_freedom as f64)
+    }
+
+    /// The errors of an axis by position.
+    fn shape(&self, shape: &Shape) -> Table {
+        let axis = shape.axis;
+        let columns = ["X", "Y", "Z"].map(|of| [format!("E{of}{axis}, µm"), format!("{EXPANDED}, E{of}{axis}")]);
+        let head = std::iter::once(format!("{axis}, mm")).chain(columns.into_iter().flatten());
+        let rows = shape.points.iter().map(|point| {
+            let errors = point.error_um.into_iter().zip(point.standard_error_um);
+            let cells = errors.flat_map(|(value, error)| {
+                let uncertainty = Uncertainty::of(error, self.freedom());
+                [uncertainty.value(value), uncertainty.cell()]
+            });
+            std::iter::once(Cell::fixed(point.position_mm, 3)).chain(cells).collect()
+        });
+        Table::new(format!("Errors of {axis}, slopes removed"), head, rows)
     }
 
     /// Shapes of the errors of every axis, slopes removed.
@@ -62,7 +78,11 @@ impl DiagonalDocument {
         self.steps.iter().flat_map(|steps| &steps.shapes).map(|shape| {
             let axis = shape.axis;
             let curves = ["X", "Y", "Z"].into_iter().enumerate().map(|(c, of)| Curve {
-                errors: shape.points.iter().map(|point| point.standard_error_um[c]).collect(),
+                expanded: shape
+                    .points
+                    .iter()
+                    .map(|point| half_width(point.standard_error_um[c], self.freedom()))
+                    .collect(),
                 ..Curve::new(format!("E{of}{axis}"), c, shape.points.iter().map(|point| point.error_um[c]).collect())
             });
             Plot {
@@ -71,7 +91,7 @@ impl DiagonalDocument {
                 x: (axis.to_string(), "mm"),
                 y: ("error", "µm"),
                 look: Look::Dotted,
-                caption: "End-to-end slopes removed. Bars: 2 standard errors to either side.",
+                caption: BARS,
                 at: shape.points.iter().map(|point| point.position_mm).collect(),
                 curves: curves.collect(),
             }

@@ -149,6 +149,11 @@ fn friction<T>(found: &Identified, of: impl Fn(Figure, f64) -> T) -> Friction<T>
     }
 }
 
+/// Degrees of freedom of an axis' figures: each stretch round a reversal counts as one observation.
+pub(super) fn degrees_of_freedom(found: &Identified) -> f64 {
+    found.reversals.saturating_sub(found.fitted).max(1) as f64
+}
+
 fn axis(found: &Identified) -> AxisFound {
     let drive = &found.drive;
     let errors = found.drive_errors.map(|errors| errors.map(Some)).unwrap_or_default();
@@ -170,8 +175,7 @@ fn axis(found: &Identified) -> AxisFound {
             dead_time_s: drive.dead_time_s,
         },
         drive_found: found.drive_errors.is_some(),
-        expanded_uncertainties: standard_errors
-            .times(band_factor(found.reversals.saturating_sub(found.fitted).max(1) as f64)),
+        expanded_uncertainties: standard_errors.times(band_factor(degrees_of_freedom(found))),
         standard_errors,
         reading_lag_s: lag.value,
         glitch_um: Glitch {

@@ -11,11 +11,13 @@ mod curves;
 mod document;
 mod recording;
 mod settings;
+mod shown;
 
 pub use curves::{CircleCurves, SpikeCurves, Trace, circles, spikes};
 pub use document::{AxisFound, Deviation, Drive, Errors, Friction, FrictionDocument, Glitch};
 pub use recording::{Recording, columns};
 pub use settings::{additions, sections};
+pub use shown::{FIGURES, deviations};
 
 use anyhow::{Result, anyhow};
 use trueaxis::Axis;

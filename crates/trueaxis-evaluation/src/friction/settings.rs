@@ -1,5 +1,7 @@
 //! The figures found, as sections of a `machine.toml` and as additions to a machine.
 
+use super::document::degrees_of_freedom;
+use crate::shown::half_width;
 use std::fmt::Write;
 use std::path::Path;
 use trueaxis_metrology::friction::{Figure, Identified};
@@ -38,21 +40,25 @@ fn drive(axis: &Identified) -> Option<[Entry; 5]> {
 }
 
 /// The sections `[axis.X.friction]` and, if found, `[axis.X.drive]` as they appear in `machine.toml`, each figure followed by
-/// its standard error; the first line names `record`.
+/// its expanded uncertainty, 95 %; the first line names `record`.
 pub fn sections(record: &Path, found: &[Identified]) -> String {
     let mut text = format!(
-        "# Friction found in {} by `trueaxis friction`; the standard error after ± is not read.\n",
+        "# Friction found in {} by `trueaxis friction`; the expanded uncertainty, 95 %, after ± is not read.\n",
         record.file_name().unwrap_or_default().to_string_lossy().replace(acts, " ")
     );
     for axis in found {
-        let letter = axis.axis.letter();
+        let (letter, freedom) = (axis.axis.letter(), degrees_of_freedom(axis));
+        let mut put = |section: &str, entries: &[Entry]| {
+            let _ = writeln!(text, "\n[axis.{letter}.{section}]");
+            for (key, value, error) in entries {
+                line(&mut text, key, *value, error.map(|error| half_width(error, freedom)));
+            }
+        };
         if let Some(drive) = drive(axis) {
-            let _ = writeln!(text, "\n[axis.{letter}.drive]");
             let given = drive.into_iter().filter(|(key, value, _)| *key != "dead_time_s" || *value > 0.0);
-            given.for_each(|(key, value, error)| line(&mut text, key, value, error));
+            put("drive", &given.collect::<Vec<_>>());
         }
-        let _ = writeln!(text, "\n[axis.{letter}.friction]");
-        friction(axis).into_iter().for_each(|(key, value, error)| line(&mut text, key, value, error));
+        put("friction", &friction(axis));
     }
     text
 }
@@ -62,7 +68,7 @@ pub fn sections(record: &Path, found: &[Identified]) -> String {
 pub fn additions(found: &[Identified]) -> Additions {
     let of_axis = |axis: &Identified| {
         let letter = axis.axis.letter();
-        let degrees_of_freedom = axis.reversals.saturating_sub(axis.fitted).max(1) as f64;
+        let degrees_of_freedom = degrees_of_freedom(axis);
         let drive = drive(axis).into_iter().flatten().map(|entry| ("drive", entry));
         let all = drive.chain(friction(axis).map(|entry| ("friction", entry)));
         let finding = move |(section, (key, value, uncertainty)): (&str, Entry)| Finding {
@@ -81,11 +87,11 @@ pub fn additions(found: &[Identified]) -> Additions {
     Additions { findings: found.iter().flat_map(of_axis).collect(), fit: worst, ..Additions::default() }
 }
 
-/// A key with its value to six digits and its standard error.
-fn line(text: &mut String, key: &str, value: f64, error: Option<f64>) {
+/// A key with its value to six digits and its expanded uncertainty, 95 %.
+fn line(text: &mut String, key: &str, value: f64, half_width: Option<f64>) {
     let shown = plain(value);
-    let _ = match error {
-        Some(error) => writeln!(text, "{key} = {shown}  # ± {}", significant(error, 2)),
+    let _ = match half_width {
+        Some(half_width) => writeln!(text, "{key} = {shown}  # ± {}", significant(half_width, 2)),
         None => writeln!(text, "{key} = {shown}  # not determined by the record"),
     };
 }

@@ -11,6 +11,7 @@ mod document;
 mod linear_axes;
 mod machine;
 mod readings;
+mod shown;
 mod table;
 
 pub use document::{Angle, IdentificationDocument, SetUp, micro, names};

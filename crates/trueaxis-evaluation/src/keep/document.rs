@@ -58,6 +58,9 @@ pub struct ReprobingDocument {
     pub written: Vec<trueaxis_tables::finding::Decision>,
     /// Caveats on the result.
     pub notes: Vec<String>,
+    /// Degrees of freedom of the standard errors.
+    #[serde(skip)]
+    pub degrees_of_freedom: usize,
 }
 
 impl Reprobing {
@@ -112,6 +115,7 @@ impl Reprobing {
             applied: false,
             written: Vec::new(),
             notes,
+            degrees_of_freedom: self.calibration.solution.degrees_of_freedom,
         }
     }
 

@@ -1,9 +1,9 @@
 //! Figures of the history.
 
 use super::entry::{Entry, EntryKind};
-use trueaxis_report::{Figure, Scale, Stroke, colour};
+use trueaxis_report::{BARS, Figure, Scale, Stroke, colour};
 
-/// One figure per term since the last beginning: the value found by every probing, with two standard errors to either side,
+/// One figure per term since the last beginning: the value found by every probing, with its expanded uncertainty to either side,
 /// and the sum of the updates.
 pub fn figures(entries: &[Entry]) -> Vec<Figure> {
     let begun = entries.iter().rposition(|entry| entry.kind == EntryKind::Begin).unwrap_or(0);
@@ -22,7 +22,7 @@ fn figure(entries: &[Entry], name: &str, unit: &str) -> Figure {
         .iter()
         .flat_map(|entry| entry.measured.iter().map(move |measured| (entry, measured)))
         .filter(|(_, measured)| measured.term == name)
-        .map(|(entry, measured)| [f64::from(entry.entry), measured.value, 2.0 * measured.standard_error])
+        .map(|(entry, measured)| [f64::from(entry.entry), measured.value, measured.half_width()])
         .collect();
     let mut totals: Vec<[f64; 2]> = Vec::new();
     for entry in entries {
@@ -45,6 +45,6 @@ fn figure(entries: &[Entry], name: &str, unit: &str) -> Figure {
     }
     figure.dots(found.iter().map(|[at, value, _]| [*at, *value]), colour::UNCOMPENSATED);
     figure.key("error found by a re-probing, with the tables active", bar);
-    figure.caption(format!("{name}. Bars: 2 standard errors to either side."));
+    figure.caption(format!("{name}. {BARS}"));
     figure
 }

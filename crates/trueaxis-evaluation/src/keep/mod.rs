@@ -26,6 +26,7 @@ mod foreseen;
 mod growth;
 mod history;
 mod reprobing;
+mod shown;
 mod state;
 
 mod task;
@@ -41,6 +42,7 @@ pub use figures::figures;
 pub use foreseen::{Expected, Foreseen, Planning};
 pub use history::{History, sum};
 pub use reprobing::{Before, Decision, Reprobing, Verdict, begin, evaluate, foreseen, plan};
+pub use shown::listed;
 pub use state::{HISTORY, State};
 pub use task::{Bounds, Home, KeepTask, KeptTerm};
 pub use undo::Undone;

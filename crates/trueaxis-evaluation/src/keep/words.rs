@@ -3,6 +3,7 @@
 use super::document::TermDocument;
 use super::entry::{Entry, EntryKind, Measured};
 use super::history::in_effect;
+use crate::shown::half_width;
 use trueaxis_report::number::significant;
 
 impl TermDocument {
@@ -13,11 +14,17 @@ impl TermDocument {
 }
 
 impl Measured {
+    /// Expanded uncertainty of the value, 95 %; by the factor of a normal distribution, as an entry states no degrees of
+    /// freedom.
+    pub fn half_width(&self) -> f64 {
+        half_width(self.standard_error, f64::INFINITY)
+    }
+
     /// Change of the sum of the updates, if any.
     pub fn in_words(&self) -> Option<String> {
         let (from, to) = (significant(self.from, 3), significant(self.to, 3));
-        let error = significant(self.standard_error, 2);
-        (self.from != self.to).then(|| format!("{} {from} to {to} {} (± {error})", self.term, self.unit))
+        let error = significant(self.half_width(), 2);
+        (self.from != self.to).then(|| format!("{} {from} to {to} {} (± {error}, 95 %)", self.term, self.unit))
     }
 }
 

@@ -130,8 +130,11 @@ impl PointsDocument {
                 });
             }
         }
-        let value =
-            |k: usize| Value { value: 1e6 * errors.squareness[k], standard_error: 1e6 * errors.squareness_errors[k] };
+        let value = |k: usize| Value {
+            value: 1e6 * errors.squareness[k],
+            standard_error: 1e6 * errors.squareness_errors[k],
+            degrees_of_freedom: errors.degrees_of_freedom as f64,
+        };
         let mean = (points.points.iter().map(|point| point.sigma_mm.powi(2)).sum::<f64>()
             / points.points.len().max(1) as f64)
             .sqrt();

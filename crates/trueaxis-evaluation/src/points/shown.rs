@@ -1,21 +1,23 @@
 //! Tables and plots of measured points.
 
-use super::{Left, Points, PointsDocument, PointsFit};
-use crate::shown::{Cell, Curve, Look, Map, Plot, Shown, Table, unit};
+use super::{PointsDocument, PointsFit, Left, Points};
+use crate::shown::{Cell, Curve, EXPANDED, Look, Map, Plot, Shown, Table, Uncertainty, half_width, unit};
 use trueaxis_metrology::volumetric::{AXES, COMPONENTS};
+use trueaxis_report::BARS;
 
 impl PointsDocument {
     /// Tables, plots and map of the points and the errors found.
     pub fn shown(&self, points: &Points, found: &PointsFit) -> Shown {
         let functions = self.functions.iter().map(|of| {
-            let [low, high] = of.range.map(|value| Cell::number(value, 3));
-            vec![of.name.as_str().into(), low, high, Cell::number(of.standard_error, 2), unit(of.unit).into()]
+            let uncertainty = Uncertainty::of(of.standard_error, self.degrees_of_freedom as f64);
+            let [low, high] = of.range.map(|value| uncertainty.value(value));
+            vec![of.name.as_str().into(), low, high, uncertainty.cell(), unit(of.unit).into()]
         });
         let squareness = &self.squareness;
         let squareness = [("A0Z", squareness.a0z_urad), ("B0Z", squareness.b0z_urad), ("C0Y", squareness.c0y_urad)]
             .map(|(name, of)| {
-                let value = Cell::number(of.value, 3);
-                vec![name.into(), value.clone(), value, Cell::number(of.standard_error, 2), "µrad".into()]
+                let value = of.uncertainty().value(of.value);
+                vec![name.into(), value.clone(), value, of.uncertainty().cell(), "µrad".into()]
             });
         let left = |name: &str, of: Left| {
             let numbers = [Cell::number(of.max_um, 3), Cell::number(of.rms_um, 3), Cell::count(of.line as usize)];
@@ -32,7 +34,7 @@ impl PointsDocument {
         ];
         let [x, y, z] = self.nodes;
         Shown {
-            title: "Measured points",
+            title: "Measured points".into(),
             summary: vec![
                 format!("{} points", self.points),
                 format!("{x} × {y} × {z} nodes"),
@@ -40,16 +42,8 @@ impl PointsDocument {
             ],
             notes: self.notes.clone(),
             tables: vec![
-                Table {
-                    caption: "Residuals of the points",
-                    header: vec!["µm", "points", "largest", "RMS", "largest in line"],
-                    rows: rows.collect(),
-                },
-                Table {
-                    caption: "All errors",
-                    header: vec!["error", "from", "to", "standard error", "unit"],
-                    rows: functions.chain(squareness).collect(),
-                },
+                Table::new("Residuals of the points", ["µm", "points", "largest", "RMS", "largest in line"], rows),
+                Table::new("All errors", ["error", "from", "to", EXPANDED, "unit"], functions.chain(squareness)),
                 Table::figures("Fit", fit),
             ],
             plots: residuals(points, found).chain(errors(found)).collect(),
@@ -58,17 +52,20 @@ impl PointsDocument {
     }
 }
 
-/// Translations and rotations of every axis that the points determine, with their standard errors.
+/// Translations and rotations of every axis that the points determine, with their uncertainties.
 fn errors(found: &PointsFit) -> Vec<Plot> {
     let mut plots = Vec::new();
     for (axis, letter) in AXES.into_iter().enumerate() {
         for (first, unit, scale) in [(0, "µm", 1e3), (3, "µrad", 1e6)] {
             let mut curves = Vec::new();
             for c in (0..3).filter(|c| first == 0 || found.basis.seen[axis][first + c]) {
-                let of = |values: &[f64]| values.iter().map(|value| scale * value).collect();
+                let of = |values: &[f64]| -> Vec<f64> { values.iter().map(|value| scale * value).collect() };
                 let name = format!("E{}{letter}", COMPONENTS[first + c]);
-                let errors = of(&found.errors.standard_errors[axis][first + c]);
-                curves.push(Curve { errors, ..Curve::new(name, c, of(&found.errors.errors[axis][first + c])) });
+                let expanded = of(&found.errors.standard_errors[axis][first + c])
+                    .into_iter()
+                    .map(|error| half_width(error, found.errors.degrees_of_freedom as f64))
+                    .collect();
+                curves.push(Curve { expanded, ..Curve::new(name, c, of(&found.errors.errors[axis][first + c])) });
             }
             if curves.is_empty() {
                 continue;
@@ -80,7 +77,7 @@ fn errors(found: &PointsFit) -> Vec<Plot> {
                 x: (letter.to_string(), "mm"),
                 y: ("error", unit),
                 look: Look::Dotted,
-                caption: "Bars: 2 standard errors to either side.",
+                caption: BARS,
                 at: found.basis.nodes_mm[axis].clone(),
                 curves,
             });

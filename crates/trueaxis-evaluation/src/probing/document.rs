@@ -109,7 +109,12 @@ fn offset(runs: &[Measured]) -> Option<(Offset, Vec<[f64; 3]>)> {
     }
     let [_, _, x, y] = found.values[..] else { return None };
     let (sigma, factors) = (found.sigma(), &found.error_factors);
-    let value = |value: f64, k: usize| Value { value: 1e3 * value, standard_error: 1e3 * sigma * factors[k] };
+    let degrees_of_freedom = found.degrees_of_freedom() as f64;
+    let value = |value: f64, k: usize| Value {
+        value: 1e3 * value,
+        standard_error: 1e3 * sigma * factors[k],
+        degrees_of_freedom,
+    };
     let left = runs.iter().map(|run| {
         let [of_x, of_y] = row(run).map(|row| row.iter().zip(&found.values).skip(2).map(|(a, v)| a * v).sum::<f64>());
         [run.centre[0] - of_x, run.centre[1] - of_y, run.centre[2]]

@@ -1,43 +1,48 @@
 //! Tables and plots of a probing test.
 
-use super::{Feature, ProbingDocument, Record, Spread};
-use crate::shown::{Cell, Curve, Look, Plot, Shown, Table};
-use trueaxis_report::number::significant;
+use super::{Feature, Offset, ProbingDocument, Record, Spread};
+use crate::shown::{Cell, Curve, Look, Plot, Quantity, Shown, Table, Uncertainty};
 use trueaxis_tables::text::counted;
 
 impl ProbingDocument {
-    /// The figures of all runs as text: name and value.
-    pub fn figures(&self) -> Vec<(&'static str, String)> {
-        let um = |value: f64| significant(value, 3);
-        let three = |of: Spread| {
-            let [x, y, z] = of.range_um.map(um);
-            let deviation = of.standard_deviation_um.map_or_else(String::new, |s| {
-                let [x, y, z] = s.map(um);
-                format!(", standard deviation {x}, {y}, {z} µm")
-            });
-            format!("range {x}, {y}, {z} µm along X, Y, Z{deviation}")
+    /// The figures of all runs: one row each, or one along X, Y and Z.
+    fn figures(&self) -> Vec<Quantity> {
+        let figure = |name: &str, unit, value: f64| Quantity::new(name, unit, value, Uncertainty::Unknown);
+        let along = |name: String, um: [f64; 3]| {
+            ["X", "Y", "Z"].into_iter().zip(um).map(move |(axis, um)| figure(&format!("{name}, {axis}"), "µm", um))
+        };
+        let spread = |name: &str, of: Spread| {
+            let deviation = of.standard_deviation_um.map(|um| along(format!("standard deviation of {name}"), um));
+            along(format!("range of {name}"), of.range_um).chain(deviation.into_iter().flatten())
         };
         let mut figures = Vec::new();
         figures.extend(
             self.p_ftu_um
                 .zip(self.p_ftu_name)
-                .map(|(value, name)| (name, format!("{} µm, the largest of the runs", um(value)))),
+                .map(|(um, name)| figure(name, "µm", um).noted("the largest of the runs")),
         );
-        figures.extend(self.point_repeatability.map(|of| ("repeatability of the point", three(of))));
-        figures.extend(self.location_repeatability.map(|of| ("repeatability of the location", three(of))));
-        figures.extend(self.tip_offset.map(|of| {
-            let [x, y] = [of.x_um, of.y_um].map(|v| format!("{} ± {}", um(v.value), significant(v.standard_error, 2)));
-            ("offset of the stylus tip", format!("X {x}, Y {y} µm, together {} µm", um(of.length_um)))
-        }));
-        figures
-            .extend(self.effective_tip_diameter_mm.map(|mm| ("effective diameter of the tip", format!("{mm:.4} mm"))));
-        figures.extend(self.diameter_range_um.map(|of| ("range of the diameters", format!("{} µm", um(of)))));
+        figures.extend(self.point_repeatability.into_iter().flat_map(|of| spread("the point", of)));
+        figures.extend(self.location_repeatability.into_iter().flat_map(|of| spread("the location", of)));
+        if let Some(Offset { x_um, y_um, length_um }) = self.tip_offset {
+            for (name, of) in [("X", x_um), ("Y", y_um)] {
+                figures.push(Quantity::new(
+                    format!("offset of the stylus tip, {name}"),
+                    "µm",
+                    of.value,
+                    of.uncertainty(),
+                ));
+            }
+            figures.push(figure("offset of the stylus tip", "µm", length_um));
+        }
+        figures.extend(
+            self.effective_tip_diameter_mm.map(|mm| figure("effective diameter of the tip", "mm", mm).decimals(4)),
+        );
+        figures.extend(self.diameter_range_um.map(|um| figure("range of the diameters", "µm", um)));
         figures
     }
 
     /// Tables and plot of the document's record.
     pub fn shown(&self, record: &Record) -> Shown {
-        let figures = self.figures().into_iter().map(|(name, of)| vec![name.into(), of.into()]);
         let runs = self.runs.iter().map(|run| {
             let centre = run.centre_mm.map(|mm| Cell::fixed(mm, 4));
             [format!("run {}", run.run).into(), Cell::count(run.points)]
@@ -47,16 +52,16 @@ impl ProbingDocument {
                 .collect()
         });
         Shown {
-            title: "Probing test",
+            title: "Probing test".into(),
             summary: vec![self.feature.into(), counted(self.runs.len(), "run")],
             notes: self.notes.clone(),
             tables: vec![
-                Table { caption: "Figures of ISO 230-10", header: vec!["figure", "value"], rows: figures.collect() },
-                Table {
-                    caption: "Runs",
-                    header: vec!["ISO 230-10", "points", "X, mm", "Y, mm", "Z, mm", "diameter, mm", "P_FTU, µm"],
-                    rows: runs.collect(),
-                },
+                Table::quantities("Figures of ISO 230-10", self.figures()),
+                Table::new(
+                    "Runs",
+                    ["ISO 230-10", "points", "X, mm", "Y, mm", "Z, mm", "diameter, mm", "P_FTU, µm"],
+                    runs,
+                ),
             ],
             plots: form(record).into_iter().collect(),
             map: None,

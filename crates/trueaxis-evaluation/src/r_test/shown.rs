@@ -1,14 +1,15 @@
 //! Tables and plots of an R-test.
 
 use super::{RTestDocument, RTestFit, Record};
-use crate::shown::{Cell, Look, Plot, Shown, Table, unit};
+use crate::shown::{Cell, EXPANDED, Look, Plot, Shown, Table, Uncertainty, unit};
 
 impl RTestDocument {
     /// Tables and plots of the record and the errors found.
     pub fn shown(&self, record: &Record, found: &RTestFit) -> Shown {
         let terms = self.terms.iter().map(|of| {
-            let numbers = [Cell::number(of.value, 4), Cell::number(of.standard_error, 2), Cell::number(of.before, 4)];
-            std::iter::once(of.name.as_str().into()).chain(numbers).chain([unit(of.unit).into()]).collect()
+            let uncertainty = Uncertainty::of(of.standard_error, self.degrees_of_freedom as f64);
+            let before = Cell::number(of.before, 4);
+            vec![of.name.as_str().into(), uncertainty.value(of.value), uncertainty.cell(), before, unit(of.unit).into()]
         });
         let place = |name: String, um: &[f64; 3]| {
             std::iter::once(name.into()).chain(um.map(|um| Cell::number(um, 4))).collect::<Vec<Cell>>()
@@ -31,16 +32,12 @@ impl RTestDocument {
         ];
         let displacements: Vec<[f64; 3]> = record.readings.iter().map(|reading| reading.displacement_mm).collect();
         Shown {
-            title: "R-test",
+            title: "R-test".into(),
             summary: vec![format!("{} readings", self.readings), format!("rank {}", self.rank)],
             notes: self.notes.clone(),
             tables: vec![
-                Table {
-                    caption: "Location errors",
-                    header: vec!["location error", "found", "standard error", "machine has", "unit"],
-                    rows: terms.collect(),
-                },
-                Table { caption: "Places", header: vec!["µm", "X", "Y", "Z"], rows: places },
+                Table::new("Location errors", ["location error", "found", EXPANDED, "machine has", "unit"], terms),
+                Table::new("Places", ["µm", "X", "Y", "Z"], places),
                 Table::figures("Fit", fit),
             ],
             plots: vec![

@@ -6,6 +6,7 @@
 mod document;
 mod figures;
 mod record;
+mod shown;
 mod text;
 mod written;
 
@@ -13,12 +14,13 @@ pub use document::{
     AxisDocument, CurveDocument, CycleDocument, LeftOutDocument, MissingDocument, SensorDocument, ThermalDocument,
     UnconfirmedDocument,
 };
-pub use figures::{figure, residuals, worst};
+pub use figures::residuals;
 pub use record::{COLUMNS, Recording, with_temperatures};
 pub use text::model;
 pub use written::written;
 
 use anyhow::{Result, anyhow};
+use figures::worst;
 use trueaxis::Axis;
 use trueaxis::machine::MachineSettings;
 use trueaxis_metrology::thermal::{Fit, HeldOut, RATE_K_PER_MIN, Series, Settings, fit, held_out};

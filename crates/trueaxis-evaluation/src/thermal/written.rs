@@ -1,18 +1,20 @@
 //! Writing `thermal.toml`.
 
 use super::FittedRecording;
+use super::shown::DEGREES_OF_FREEDOM;
+use crate::shown::half_width;
 use std::fmt::Write;
 use trueaxis_metrology::thermal::Coefficient;
 use trueaxis_report::number::significant;
 use trueaxis_tables::text::{acts, short};
 
-/// The text of a `thermal.toml`: the fitted curves, each followed by `±` and standard errors, which are not read back.
+/// The text of a `thermal.toml`: the fitted curves, each followed by `±` and expanded uncertainties, which are not read back.
 pub fn written(found: &FittedRecording) -> String {
     let file = found.recording.file.file_name().unwrap_or_default().to_string_lossy().replace(acts, " ");
     let document = found.document();
     let [drift, left] = document.held_out_um;
     let mut text = format!(
-        "# Thermal growth found in {file} by `trueaxis thermal fit`; the standard errors after ± are not read.\n\
+        "# Thermal growth found in {file} by `trueaxis thermal fit`; the expanded uncertainties, 95 %, after ± are not read.\n\
          # Held-out cycles {:?}: largest drift {} µm, left {} µm.\n\
          reference_temperature_c = {}\n",
         found.fit.held_out,
@@ -63,7 +65,8 @@ pub fn written(found: &FittedRecording) -> String {
                 };
                 let (own, errors) = (column(|at| at.value), column(|at| at.standard_error));
                 if own.iter().any(|value| *value != 0.0) {
-                    let errors: Vec<String> = errors.iter().map(|error| significant(*error, 2)).collect();
+                    let errors = errors.iter().map(|error| significant(half_width(*error, DEGREES_OF_FREEDOM), 2));
+                    let errors: Vec<String> = errors.collect();
                     let _ = writeln!(text, "{key} = [{}]  # ± {}", list(&own), errors.join(", "));
                 }
             }

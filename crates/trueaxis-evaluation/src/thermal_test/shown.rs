@@ -18,25 +18,19 @@ impl ThermalTestDocument {
                     .collect()
             })
         });
-        let mut tables = vec![Table {
-            caption: "Figures of ISO 230-3",
-            header: vec!["ISO 230-3", "range", "first period", "worst period", "from, min", "end", "unit"],
-            rows: channels.collect(),
-        }];
+        let head = ["ISO 230-3", "range", "first period", "worst period", "from, min", "end", "unit"];
+        let mut tables = vec![Table::new("Figures of ISO 230-3", head, channels)];
         let temperatures = self.temperatures.iter().map(|of| {
             let [low, high] = of.range_c.map(|c| Cell::number(c, 4));
             vec![of.name.into(), low, high, Cell::number(of.worst_period_k, 3), Cell::number(of.end_k, 3)]
         });
         if !self.temperatures.is_empty() {
-            tables.push(Table {
-                caption: "Temperatures",
-                header: vec!["", "lowest, °C", "highest, °C", "worst period, K", "end, K"],
-                rows: temperatures.collect(),
-            });
+            let head = ["", "lowest, °C", "highest, °C", "worst period, K", "end, K"];
+            tables.push(Table::new("Temperatures", head, temperatures));
         }
         let [duration, period] = [self.duration_min, self.period_min].map(|minutes| significant(minutes, 4));
         Shown {
-            title: "Thermal test",
+            title: "Thermal test".into(),
             summary: vec![format!("{} test", self.test), format!("{duration} min, period {period} min")],
             notes: self.notes.clone(),
             tables,

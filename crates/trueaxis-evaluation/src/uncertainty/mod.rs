@@ -22,6 +22,7 @@ mod document;
 mod monte_carlo;
 mod options;
 mod sensitivity;
+mod shown;
 mod terms;
 
 pub use bands::{band_factor, expanded};

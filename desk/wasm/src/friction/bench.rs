@@ -1,15 +1,16 @@
 //! Shared state of the calls: a record, the friction identified in it, and the running simulation.
 
+use super::shown::shown;
 use crate::becomes::Becomes;
 use crate::files::machine;
 use anyhow::{Result, anyhow, ensure};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 use trueaxis_evaluation::friction::{
-    CircleCurves, FrictionDocument, Recording, SpikeCurves, additions, circles, columns, drives, fit, pair, sections,
-    spikes,
+    CircleCurves, Recording, SpikeCurves, additions, circles, columns, drives, fit, pair, sections, spikes,
 };
 use trueaxis_evaluation::rows::Rows;
+use trueaxis_evaluation::shown::Shown;
 use trueaxis_metrology::friction::{Identified, Record};
 use trueaxis_sim::Settings;
 use trueaxis_sim::friction::{Circles, Outcome, Pass, Plane, Recorder, configured};
@@ -64,7 +65,9 @@ pub(super) struct Read {
 /// Result of the identification.
 #[derive(Serialize)]
 pub(super) struct Identification {
-    document: FrictionDocument,
+    shown: Shown,
+    /// Largest spike of every axis, recorded and expected, µm.
+    largest: Vec<(String, [f64; 2])>,
     spikes: Vec<SpikeCurves>,
     circles: Vec<CircleCurves>,
     /// The settings as TOML.
@@ -88,7 +91,7 @@ struct Simulated {
 #[derive(Serialize)]
 pub(super) struct Closed {
     /// Present if the record is the simulation's.
-    outcome: Option<Outcome>,
+    shown: Option<Shown>,
     before: Curves,
     after: Curves,
 }
@@ -141,7 +144,11 @@ impl Bench {
         let circles = circles(&recording.record, &recording.file.to_string_lossy(), &found)?;
         let settings = sections(&recording.file, &found);
         (self.found, self.after) = (Some(found), None);
-        Ok(Identification { document, spikes, circles, settings })
+        let largest = document.axes.iter().map(|own| {
+            let size = &own.glitch_um;
+            (own.axis.clone(), [size.before.max, size.after.max])
+        });
+        Ok(Identification { largest: largest.collect(), shown: document.shown(), spikes, circles, settings })
     }
 
     pub(super) fn becomes(&self, files: &str) -> Result<Becomes> {
@@ -219,8 +226,8 @@ impl Bench {
         let (Some((before, own_circles, settings)), Some(after)) = (&self.before, &self.after) else {
             return Err(anyhow!("found no simulation with the figures, needed one without them and one with them"));
         };
-        let outcome = match self.is_simulated {
-            true => Some(Outcome::new(own_circles, settings, [before, after], found)?),
+        let shown = match self.is_simulated {
+            true => Some(shown(&Outcome::new(own_circles, settings, [before, after], found)?)),
             false => None,
         };
         let curves = |pass: &Pass| -> Result<Curves> {
@@ -236,6 +243,6 @@ impl Bench {
             }
             Ok(Curves { spikes: all, circles: circles(&record, SIMULATED, &found)? })
         };
-        Ok(Closed { outcome, before: curves(before)?, after: curves(after)? })
+        Ok(Closed { shown, before: curves(before)?, after: curves(after)? })
     }
 }

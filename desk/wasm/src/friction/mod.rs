@@ -3,6 +3,7 @@
 //! The module keeps the record and the results between the calls; a simulation runs in slices.
 
 mod bench;
+mod shown;
 
 use crate::{Refusal, json, to_js};
 use anyhow::Result;
@@ -73,7 +74,7 @@ pub fn friction_csv() -> Result<String, Refusal> {
     with(|bench| bench.csv())
 }
 
-/// Identifies friction, and the drives if the machine does not state them or `find_drive` is set: the command line's document,
+/// Identifies friction, and the drives if the machine does not state them or `find_drive` is set: tables, largest spikes,
 /// spikes, circles, settings as TOML.
 #[wasm_bindgen]
 pub fn friction_fit(files: &str, find_drive: bool) -> Result<String, Refusal> {

@@ -1,110 +1,7 @@
-//! Presentation of a test: tables and plots, identical in a report and in the desk.
-//!
-//! An evaluation defines once the names, units and digits of its figures and the axes of its plots; every page uses that
-//! definition.
+//! Plots and maps of a result.
 
 use serde::Serialize;
-use trueaxis_report::number::{decimals, significant};
 use trueaxis_report::{Colour, Figure, Scale, Stroke, colour, decimate, error_bars, heat_map};
-
-/// Everything shown for a test.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Shown {
-    /// Name of the test.
-    pub title: &'static str,
-    /// How the result was obtained, in parts.
-    pub summary: Vec<String>,
-    /// Remarks on the result, a sentence each.
-    pub notes: Vec<String>,
-    /// Tables, the most important first.
-    pub tables: Vec<Table>,
-    /// Plots in their order.
-    pub plots: Vec<Plot>,
-    /// A map, after the plots.
-    pub map: Option<Map>,
-}
-
-/// A table; the first cell of every row is its name.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Table {
-    /// Caption of the table.
-    pub caption: &'static str,
-    /// Column headings.
-    pub header: Vec<&'static str>,
-    /// Rows, a cell for every heading.
-    pub rows: Vec<Vec<Cell>>,
-}
-
-/// A cell of a table.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[serde(untagged)]
-pub enum Cell {
-    /// Text.
-    Text(String),
-    /// A number: as written, and at full precision.
-    Number {
-        /// The number as written.
-        text: String,
-        /// The number at full precision.
-        value: f64,
-    },
-}
-
-impl Table {
-    /// A table of figures: name and value.
-    pub(crate) fn figures<const N: usize>(caption: &'static str, figures: [(&str, Cell); N]) -> Table {
-        let rows = figures.map(|(name, value)| vec![name.into(), value]);
-        Table { caption, header: vec!["", "value"], rows: rows.into() }
-    }
-}
-
-impl Cell {
-    /// A number with `digits` significant digits; a dash for `None` or a number that is not finite.
-    pub fn number(value: impl Into<Option<f64>>, digits: i32) -> Cell {
-        Cell::written(value.into(), |value| significant(value, digits))
-    }
-
-    /// A number with `count` decimals.
-    pub fn fixed(value: impl Into<Option<f64>>, count: i32) -> Cell {
-        Cell::written(value.into(), |value| decimals(value, count))
-    }
-
-    /// A count.
-    pub fn count(value: usize) -> Cell {
-        Cell::fixed(value as f64, 0)
-    }
-
-    fn written(value: Option<f64>, text: impl Fn(f64) -> String) -> Cell {
-        match value.filter(|value| value.is_finite()) {
-            Some(value) => Cell::Number { text: text(value), value },
-            None => Cell::Text("–".into()),
-        }
-    }
-
-    /// The cell as written.
-    pub fn text(&self) -> &str {
-        match self {
-            Cell::Text(text) | Cell::Number { text, .. } => text,
-        }
-    }
-}
-
-impl From<&str> for Cell {
-    fn from(text: &str) -> Cell {
-        Cell::Text(text.into())
-    }
-}
-
-impl From<String> for Cell {
-    fn from(text: String) -> Cell {
-        Cell::Text(text)
-    }
-}
-
-/// A unit as written, from its name in a document.
-pub fn unit(of: &str) -> &'static str {
-    if of == "um" { "µm" } else { "µrad" }
-}
 
 /// How curves are drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -150,19 +47,28 @@ pub struct Curve {
     pub dashed: bool,
     /// A value for every position; NaN (null) if missing.
     pub values: Vec<f64>,
-    /// Standard errors; empty if unknown.
-    pub errors: Vec<f64>,
+    /// Expanded uncertainties, 95 %; empty if unknown.
+    pub expanded: Vec<f64>,
 }
 
 impl Curve {
-    /// A solid line without standard errors.
+    /// A solid line without uncertainties.
     pub fn new(name: impl Into<String>, colour: usize, values: Vec<f64>) -> Curve {
-        Curve { name: name.into(), colour, dashed: false, values, errors: Vec::new() }
+        Curve { name: name.into(), colour, dashed: false, values, expanded: Vec::new() }
     }
 }
 
 /// Colours of curves by index.
-const COLOURS: [Colour; 5] = [colour::AXES[0], colour::AXES[1], colour::AXES[2], colour::FOURTH, colour::LIMIT];
+const COLOURS: [Colour; 8] = [
+    colour::AXES[0],
+    colour::AXES[1],
+    colour::AXES[2],
+    colour::FOURTH,
+    colour::LIMIT,
+    colour::UNCOMPENSATED,
+    colour::COMPENSATED,
+    colour::SERVO,
+];
 /// Maximum number of buckets that a line is drawn with, two extremes each.
 const BUCKETS: usize = 800;
 
@@ -191,11 +97,11 @@ impl Plot {
         let (name, unit) = &self.x;
         let name = if unit.is_empty() { name.clone() } else { format!("{name} in {unit}") };
         let x = Scale::linear(&name, self.at.iter().copied()).margin(0.02);
-        let with_errors = self.curves.iter().all(|curve| curve.errors.len() == self.at.len());
-        let mut figure = if with_errors {
+        let with_bars = self.curves.iter().all(|curve| curve.expanded.len() == self.at.len());
+        let mut figure = if with_bars {
             let rows = |curve: &Curve| -> Vec<[f64; 3]> {
-                let values = self.at.iter().zip(&curve.values).zip(&curve.errors);
-                values.map(|((x, value), error)| [*x, *value, *error]).collect()
+                let values = self.at.iter().zip(&curve.values).zip(&curve.expanded);
+                values.map(|((x, value), half_width)| [*x, *value, *half_width]).collect()
             };
             let curves: Vec<_> = self.curves.iter().map(|curve| (curve.name.as_str(), rows(curve))).collect();
             error_bars(&self.title, x, self.y.1, &curves)

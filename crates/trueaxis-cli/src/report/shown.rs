@@ -1,0 +1,56 @@
+//! The page of a result.
+
+use maud::{Markup, html};
+use trueaxis_evaluation::shown::{Look, Plot, Shown, Table};
+use trueaxis_report::{Page, Row, side_by_side, summary};
+
+/// No sections of the result's own.
+pub(crate) const NO_FIGURES: [(&str, Markup); 0] = [];
+
+/// The whole page. `source` is the name of the record; `figures` are sections of the result's own, after the plots.
+pub(crate) fn page<H: AsRef<str>>(
+    source: &str,
+    shown: &Shown,
+    figures: impl IntoIterator<Item = (H, Markup)>,
+) -> String {
+    let parts = std::iter::once(source).chain(shown.summary.iter().map(String::as_str));
+    let mut page =
+        Page::new(&shown.title).top(summary(parts.map(|part| html! { (part) }))).top(super::warnings(&shown.notes));
+    let mut tables = shown.tables.iter().filter(|table| !table.rows.is_empty());
+    if let Some(own) = tables.next() {
+        page = page.top(table(own).caption(&own.caption));
+    }
+    for plots in shown.plots.chunk_by(|one, next| one.section == next.section) {
+        page = page.section(plots[0].section, plotted(plots));
+    }
+    if let Some(map) = &shown.map {
+        page = page.section("Residuals over X and Y", map.figure());
+    }
+    for (heading, figure) in figures {
+        page = page.section(heading.as_ref(), figure);
+    }
+    for own in tables {
+        page = page.section(&own.caption, table(own));
+    }
+    page.document()
+}
+
+/// Plots of one part: points alone side by side, curves one below the other.
+fn plotted(plots: &[Plot]) -> Markup {
+    let half = plots.len() > 1 && plots.iter().all(|plot| plot.look == Look::Points);
+    let figures = plots.iter().map(|plot| plot.figure(half));
+    if half {
+        side_by_side(figures)
+    } else {
+        html! { @for figure in figures { (figure) } }
+    }
+}
+
+fn table(of: &Table) -> trueaxis_report::Table {
+    let rows = of.rows.iter().map(|row| {
+        let mut cells = row.iter().map(|cell| cell.text().to_owned());
+        Row::new(cells.next().unwrap_or_default(), cells)
+    });
+    let words: Vec<usize> = (1..of.header.len()).filter(|column| of.is_words(*column)).collect();
+    trueaxis_report::Table::new(of.header.iter().map(String::as_str), rows).words(&words)
+}

@@ -1,0 +1,95 @@
+//! Tables of the friction found.
+
+use super::{AxisFound, Deviation, FrictionDocument};
+use crate::shown::{Cell, EXPANDED, Quantity, Shown, Table, Uncertainty};
+use trueaxis_report::number::significant;
+
+/// Figures of an axis: quantity, symbol, unit. First those of friction, then those of its drive.
+pub const FIGURES: [(&str, &str, &str); 9] = [
+    ("Coulomb friction", "F_c/K_vp", "mm/s"),
+    ("pre-sliding", "z", "µm"),
+    ("Stribeck share", "s", ""),
+    ("Stribeck velocity", "v_s", "mm/s"),
+    ("viscous friction", "d/K_vp", ""),
+    ("position gain", "K_v", "1/s"),
+    ("velocity gain", "K_vp", "1/s"),
+    ("reset time", "τ", "s"),
+    ("velocity feed-forward", "k_ff", ""),
+];
+/// Number of figures of friction among [`FIGURES`].
+const OF_FRICTION: usize = 5;
+
+/// The figures of an axis, in the order of [`FIGURES`].
+fn quantities(own: &AxisFound) -> impl Iterator<Item = Quantity> {
+    let (f, d) = (&own.friction, &own.drive);
+    let (fe, de) = (&own.expanded_uncertainties.friction, &own.expanded_uncertainties.drive);
+    let known = [
+        (f.coulomb_mm_per_s, fe.coulomb_mm_per_s),
+        (f.presliding_um, fe.presliding_um),
+        (f.stribeck_share, fe.stribeck_share),
+        (f.stribeck_velocity_mm_per_s, fe.stribeck_velocity_mm_per_s),
+        (f.viscous, fe.viscous),
+        (d.position_gain_per_s, de.position_gain_per_s),
+        (d.velocity_gain_per_s, de.velocity_gain_per_s),
+        (d.reset_time_s, de.reset_time_s),
+        (d.velocity_feed_forward, de.velocity_feed_forward),
+    ];
+    let drive = if own.drive_found { "held" } else { "the machine's" };
+    FIGURES.into_iter().zip(known).enumerate().map(move |(k, ((quantity, symbol, unit), (value, half_width)))| {
+        let held = Uncertainty::Held(if k < OF_FRICTION { "held" } else { drive });
+        let uncertainty = half_width.map_or(held, Uncertainty::expanded);
+        Quantity::new(quantity, unit, value, uncertainty).symbol(symbol)
+    })
+}
+
+/// A table of spikes or errors: name, largest magnitude, root mean square.
+pub fn deviations(caption: &str, name: &str, rows: impl IntoIterator<Item = (String, Deviation)>) -> Table {
+    let rows = rows.into_iter().map(|(name, of)| vec![name.into(), Cell::number(of.max, 3), Cell::number(of.rms, 3)]);
+    Table::new(caption, [name, "largest, µm", "RMS, µm"], rows)
+}
+
+impl FrictionDocument {
+    /// Tables of the document: the figures of all axes side by side, spikes, fit.
+    pub fn shown(&self) -> Shown {
+        let mut figures: Vec<Vec<Cell>> = FIGURES.map(|_| Vec::new()).into();
+        for own in &self.axes {
+            for (row, of) in figures.iter_mut().zip(quantities(own)) {
+                if row.is_empty() {
+                    row.push(of.label().into());
+                }
+                row.extend(of.cells());
+            }
+        }
+        let names = self.axes.iter().flat_map(|own| [own.axis.clone(), format!("{EXPANDED}, {}", own.axis)]);
+        let spikes = self.axes.iter().flat_map(|AxisFound { axis, glitch_um: g, .. }| {
+            [
+                (format!("{axis} before, recorded"), g.before),
+                (format!("{axis} predicted by the model"), g.predicted),
+                (format!("{axis} after, expected"), g.after),
+            ]
+        });
+        let fit = self.axes.iter().map(|own| {
+            vec![
+                own.axis.as_str().into(),
+                Cell::count(own.reversals),
+                Cell::count(own.fitted),
+                Cell::number(own.residual_um, 3),
+                Cell::number(100.0 * own.explained, 4),
+                Cell::number(own.condition, 3),
+            ]
+        });
+        let head = ["axis", "reversals", "parameters", "residual, µm", "explained, %", "condition number"];
+        Shown {
+            title: "Friction at reversals".into(),
+            summary: vec![format!("{} samples at {} Hz", self.samples, significant(1.0 / self.period_s, 4))],
+            notes: self.warnings.clone(),
+            tables: vec![
+                Table::new("Figures found", std::iter::once("figure".to_owned()).chain(names), figures),
+                deviations("Spikes at the reversals", "spikes", spikes),
+                Table::new("Fit", head, fit),
+            ],
+            plots: Vec::new(),
+            map: None,
+        }
+    }
+}
