@@ -25,8 +25,10 @@ first=$root/crates/trueaxis/tests/data/mill-3axis.tcomp
 second=$out/second.tcomp
 five=$out/five.tcomp
 make_tables() {
-    cargo run --quiet -p trueaxis-capi --example halved_tables -- "$first" "$second"
-    cargo run --quiet -p trueaxis-capi --example combinations -- "$five" >"$out/combinations.rust"
+    # With the features of `cargo test --workspace`, so that nothing is built twice.
+    (cd "$root" && CARGO_TARGET_DIR=$target cargo build --quiet --workspace --exclude trueaxis-fuzz --example halved_tables --example combinations)
+    "$target/debug/examples/halved_tables" "$first" "$second"
+    "$target/debug/examples/combinations" "$five" >"$out/combinations.rust"
 }
 export ASAN_OPTIONS=detect_leaks=1:detect_stack_use_after_return=1:halt_on_error=1 UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1
 export TSAN_OPTIONS=halt_on_error=1

@@ -29,7 +29,9 @@ CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUSTFLAGS='-Ctarget-cpu=cortex-m7' thumb m7 -
 first=$root/crates/trueaxis/tests/data/mill-3axis.tcomp
 second=$out/second.tcomp
 damaged=$out/damaged.tcomp
-cargo run --quiet -p trueaxis-capi --example halved_tables -- "$first" "$second"
+# With the features of `cargo test --workspace`, so that nothing is built twice.
+(cd "$root" && cargo build --quiet --workspace --exclude trueaxis-fuzz --example halved_tables)
+"$target/debug/examples/halved_tables" "$first" "$second"
 python3 - "$first" "$damaged" <<'END'
 import sys
 data = bytearray(open(sys.argv[1], "rb").read())

@@ -13,13 +13,12 @@ python3 -c 'import ensurepip, venv' 2>/dev/null || "$root/.ci/install" python3-v
 [[ -x $python ]] || python3 -m venv "$venv"
 "$python" -m pip install --quiet --disable-pip-version-check -r requirements.txt
 
-cargo fmt --check
+export CARGO_TARGET_DIR=$target
+"$root/tests/hosts/recording.sh"
 rm -rf "$target/python-wheel"
-CARGO_TARGET_DIR="$target/python-module" "$venv/bin/maturin" build --quiet --locked --profile quick \
-    --interpreter "$python" --out "$target/python-wheel"
+"$venv/bin/maturin" build --quiet --locked --profile release --interpreter "$python" --out "$target/python-wheel"
 "$python" -m pip install --quiet --disable-pip-version-check --no-deps --force-reinstall "$target"/python-wheel/trueaxis-*-abi3-*.whl
 
-CARGO_TARGET_DIR=$target "$root/tests/hosts/recording.sh"
 export TRUEAXIS_HOSTS="$target/hosts" TRUEAXIS_COMMAND="$target/release/trueaxis" TRUEAXIS_SIMULATOR="$target/release/firmware-sim"
 # Away from the sources: what is tested is what was installed.
 cd "$target/python-wheel"
