@@ -27,6 +27,8 @@ fn every_output_has_both_its_names() {
         let help = folder.good(&[command, "--help"]);
         assert!(!help.contains("  -o") && !help.contains("--output"), "{help}");
     }
+    // A former name is still read.
+    folder.bad(&["friction", "--record", "record.csv", "--radius-mm", "0"], &["--radius-mm: found 0"]);
 }
 
 fn size(run: &Value, which: &str, what: &str) -> f64 {

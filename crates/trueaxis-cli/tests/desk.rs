@@ -7,7 +7,7 @@ const TRUEAXIS: &str = env!("CARGO_BIN_EXE_trueaxis");
 #[test]
 #[cfg(not(feature = "desk"))]
 fn without_the_page_it_says_how_to_get_it() {
-    for arguments in [&["desk"][..], &["desk", "-o", "desk.html"]] {
+    for arguments in [&["desk"][..], &["desk", "-o", "desk.html"], &["desk", "--write", "desk.html"]] {
         Folder::new(TRUEAXIS).bad(arguments, &["built without the page", "desk/build.sh", "--features desk"]);
     }
 }
