@@ -21,7 +21,7 @@ target=${CARGO_TARGET_DIR:-$root/target}
 out=$target/sanitize
 mkdir -p "$out"
 triple=x86_64-unknown-linux-gnu
-first=$root/crates/trueaxis/tests/data/mill-3axis.tcomp
+first=$root/crates/trueaxis/mill-3axis.tcomp
 second=$out/second.tcomp
 five=$out/five.tcomp
 make_tables() {

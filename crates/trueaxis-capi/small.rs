@@ -4,7 +4,8 @@
 
 use core::panic::PanicInfo;
 use trueaxis::telemetry::{FRAME_BYTES, Frame};
-use trueaxis::{McuPath, McuServo, Nanometres, Tcomp};
+use trueaxis::contour::PathBuffer;
+use trueaxis::{McuServo, Nanometres, Tcomp};
 
 const PERIOD_NS: u32 = 100_000;
 const SPANS: usize = 64;
@@ -33,7 +34,7 @@ fn run() -> Option<()> {
     let mut memory = [0.0; 2048];
     let servo = McuServo::<3>::load(&file, PERIOD_NS, &mut memory).ok()?;
     let mut state = servo.start();
-    let mut path = McuPath::<SPANS>::new();
+    let mut path = PathBuffer::<f32, Nanometres, SPANS>::new();
     path.line([0.0; 3], [1.0, 0.0, 0.0]).ok()?;
     let mut frame = [0; FRAME_BYTES];
     loop {

@@ -26,7 +26,7 @@ thumb m4f --features single
 CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUSTFLAGS='-Ctarget-cpu=cortex-m7' thumb m7 --features fp64
 
 # Tables: the sample machine's, the same with half the errors, and a damaged file.
-first=$root/crates/trueaxis/tests/data/mill-3axis.tcomp
+first=$root/crates/trueaxis/mill-3axis.tcomp
 second=$out/second.tcomp
 damaged=$out/damaged.tcomp
 # With the features of `cargo test --workspace`, so that nothing is built twice.

@@ -11,7 +11,7 @@ cargo clippy --quiet --all-targets -- -D warnings
 cargo test --quiet --test faults
 cargo build --quiet --example servo
 target=${CARGO_TARGET_DIR:-$PWD/target}
-python3 - ../../crates/trueaxis/tests/data/mill-3axis.tcomp "$target/damaged.tcomp" <<'PYTHON'
+python3 - ../../crates/trueaxis/mill-3axis.tcomp "$target/damaged.tcomp" <<'PYTHON'
 import sys
 data = bytearray(open(sys.argv[1], "rb").read())
 data[len(data) // 2] ^= 1

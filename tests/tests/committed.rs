@@ -9,7 +9,7 @@ fn the_examples_tables_are_the_sample_machine() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let machine = Machine::read(&root.join("compensation-tables/mill-3axis")).unwrap();
     let bytes = compile(&machine).unwrap();
-    let file = root.join("crates/trueaxis/tests/data/mill-3axis.tcomp");
+    let file = root.join("crates/trueaxis/mill-3axis.tcomp");
     if std::env::var_os("TRUEAXIS_BLESS").is_some() {
         std::fs::write(&file, &bytes).unwrap();
     }

@@ -82,12 +82,12 @@ pub unsafe extern "C" fn trueaxis_tables_info(
 
 /// Number of axes of a step with these tables.
 pub(crate) fn axes_of(tables: &Tcomp<'_>) -> usize {
-    tables.settings().step_axes().count()
+    tables.slots().count()
 }
 
 /// The axes of the step in order, with their settings (`None` for an axis that the machine lacks).
 pub(crate) fn slots<'t>(tables: &'t Tcomp<'_>) -> impl Iterator<Item = (Axis, Option<&'t AxisSettings>)> {
-    tables.settings().step_axes().map(|axis| (axis, tables.settings().axis(axis)))
+    tables.slots().map(|axis| (axis, tables.settings().axis(axis)))
 }
 
 /// Bytes of memory that a loop needs: its scalars, then the nodes of the grids, so that the file may be discarded.

@@ -8,7 +8,7 @@ use trueaxis_sim::run::{Given, Kind, Moment, Run, Sample, Sink, Tallies};
 use trueaxis_sim::{Scenario, Settings, SimError};
 use trueaxis_tables::Machine;
 
-const TABLES: &[u8] = include_bytes!("../../trueaxis/tests/data/mill-3axis.tcomp");
+const TABLES: &[u8] = include_bytes!("../../trueaxis/mill-3axis.tcomp");
 const PROGRAM: &str = "G21 G90 F1500\nG1 X10\nG2 X10 Y-20 J-10\nG1 X0 Y0\nG0 Z5\n";
 
 fn scenario(settings: Settings) -> Scenario {

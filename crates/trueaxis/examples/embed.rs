@@ -1,7 +1,7 @@
 //! The plugin in a controller: tables in, corrected positions out.
 use trueaxis::{HostPath, HostServo, Tcomp};
 
-const TABLES: &[u8] = include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/mill-3axis.tcomp"));
+const TABLES: &[u8] = include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/mill-3axis.tcomp"));
 const PERIOD_NS: u32 = 100_000; // servo cycles at 10 kHz
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -1,7 +1,7 @@
 //! The step on a processor without double precision: no heap, positions in whole nanometres.
 use trueaxis::{ConfigError, McuServo, Nanometres, Position, Tcomp};
 
-static TABLES: &[u8] = include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/mill-3axis.tcomp"));
+static TABLES: &[u8] = include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/mill-3axis.tcomp"));
 const PERIOD_NS: u32 = 250_000; // servo cycles at 4 kHz
 const SCALARS: usize = 4100; // at least what `trueaxis tables show` prints for the tables
 

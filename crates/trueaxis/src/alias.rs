@@ -1,12 +1,10 @@
 //! Type aliases for the usual scalars.
 
 use crate::contour::PathBuffer;
-use crate::{Nanometres, ServoLoop, State};
+use crate::{Nanometres, ServoLoop};
 
 /// A servo loop on a host with double precision: positions in mm (degrees).
 pub type HostServo<'a, const N: usize> = ServoLoop<'a, f64, f64, N>;
-/// State of a [`HostServo`].
-pub type HostState<const N: usize> = State<f64, f64, N>;
 /// A path of at most `SPANS` spans for a [`HostServo`].
 pub type HostPath<const SPANS: usize> = PathBuffer<f64, f64, SPANS>;
 
@@ -16,7 +14,3 @@ pub type HostPath<const SPANS: usize> = PathBuffer<f64, f64, SPANS>;
 #[doc = include_str!("../examples/mcu.rs")]
 /// ```
 pub type McuServo<'a, const N: usize> = ServoLoop<'a, f32, Nanometres, N>;
-/// State of an [`McuServo`].
-pub type McuState<const N: usize> = State<f32, Nanometres, N>;
-/// A path of at most `SPANS` spans for an [`McuServo`].
-pub type McuPath<const SPANS: usize> = PathBuffer<f32, Nanometres, SPANS>;

@@ -127,7 +127,7 @@ mod tcomp;
 #[doc(hidden)]
 pub mod tcomp;
 
-pub use alias::{HostPath, HostServo, McuPath, McuServo};
+pub use alias::{HostPath, HostServo, McuServo};
 pub use axis::Axis;
 pub use compensation::{Direction, PoseError, ThermalLine};
 pub use dynamic::{DynamicParts, Dynamics};
@@ -135,12 +135,10 @@ pub use error::{ConfigError, Fault};
 pub use glam;
 pub use position::{Nanometres, Position};
 pub use real::Real;
-pub use sample::{Input, WrappingCounter};
+pub use sample::{EncoderScale, Input, WrappingCounter};
 pub use step::{Bypass, Conditions, GaugeRide, Measure, OnToolPath, Output, Ride, ServoLoop, State};
 pub use tcomp::{Tcomp, TcompError};
 
-bench!(use alias::{HostState, McuState});
 bench!(use machine::Row);
 bench!(use part::Part);
-bench!(use sample::EncoderScale);
 bench!(use step::{Config, Stage});

@@ -7,7 +7,7 @@ use trueaxis::glam::DVec3;
 use trueaxis::tcomp::Tcomp;
 use trueaxis::{Bypass, Fault, HostServo, Input};
 
-const TABLES: &[u8] = include_bytes!("data/mill-3axis.tcomp");
+const TABLES: &[u8] = include_bytes!("../mill-3axis.tcomp");
 const PERIOD_NS: u32 = 100_000;
 
 #[test]

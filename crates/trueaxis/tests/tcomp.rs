@@ -1,7 +1,7 @@
 //! The compiled file compared with an independent writer, made from the description of the format, with a bitwise
 //! CRC-32.
 
-use trueaxis::machine::{Axis, AxisSettings, MachineSettings};
+use trueaxis::machine::{Axis, AxisSettings, MachineSettings, ThermalGrowth};
 use trueaxis::tcomp::{TableHeader, Tcomp, TcompError, checksum, machine_id};
 use trueaxis_testing::machine::Machine;
 
@@ -147,6 +147,26 @@ fn errors_are_named() {
     let all = TableHeader { present: true, given: 63, bidirectional: false, rows: 2 };
     assert!(matches!(with(|_, tables| tables[2] = (all, vec![1.0; 14])), TcompError::Content(_)));
     assert!(matches!(with(|machine, _| machine.axes[0].hysteresis = -1.0), TcompError::Content(_)));
+}
+
+/// The names without `bench`: what a host reads beside the loop.
+#[test]
+fn a_host_reads_the_machine_without_its_settings() {
+    let mut machine = machine();
+    machine.axes[0].thermal = ThermalGrowth { offset_per_k: 2e-3, expansion_per_k: 11e-6, datum: 0.0 };
+    let bytes = file(id(), &payload(&machine, &tables()));
+    let tables = Tcomp::parse(&bytes).unwrap();
+    assert_eq!((tables.name(), tables.chain()), ("mill", "w b X Y Z t"));
+    assert_eq!(tables.slots().collect::<Vec<_>>(), [Axis::X, Axis::Y, Axis::Z]);
+    assert_eq!(tables.travel(Axis::Y), Some([-100.0, 100.0]));
+    assert_eq!((tables.travel(Axis::C), tables.growth::<f64>(Axis::C, 1.0)), (None, None));
+    // 11 µm per metre and kelvin, and 2 µm: 3 K lengthen 500 mm by 16.5 µm + 6 µm.
+    let line = tables.growth::<f64>(Axis::X, 3.0).unwrap();
+    assert!((line.at(500.0) - 22.5e-3).abs() < 1e-15);
+    assert_eq!(tables.growth::<f64>(Axis::X, f64::NAN), None);
+    let tool = tables.kinematics::<f64>().unwrap().forward(&[1.0, 2.0, 3.0, 0.0, 0.0, 0.0]);
+    assert_eq!(<[f64; 3]>::from(tool.axis), [0.0, 0.0, 1.0]);
+    assert!(tables.gauge::<f64, 256>(250_000).unwrap().is_none());
 }
 
 #[test]

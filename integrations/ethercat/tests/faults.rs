@@ -4,7 +4,7 @@ use trueaxis::telemetry::Status;
 use trueaxis::{Fault, HostServo};
 use trueaxis_ethercat::{AXES, Cycle, Frame, IMAGE_BYTES, LOST_MAX, PERIOD_NS, Report, Stop, tables};
 
-const TABLES: &[u8] = include_bytes!("../../../crates/trueaxis/tests/data/mill-3axis.tcomp");
+const TABLES: &[u8] = include_bytes!("../../../crates/trueaxis/mill-3axis.tcomp");
 const COUNTS_PER_MM: f64 = 100_000.0;
 const START: [i32; AXES] = [1_000_000, -2_000_000, -20_000_000];
 

@@ -7,7 +7,7 @@ use trueaxis::learned::Learned;
 use trueaxis::machine::{
     AxisServo, DriveFigures, DynamicSettings, FeedbackSettings, FrictionSettings, Limits, MachineSettings,
 };
-use trueaxis::{Config, HostServo, HostState, Row};
+use trueaxis::{Config, HostServo, Row, State};
 use trueaxis_metrology::learning::MeasuredError;
 use trueaxis_testing::machine::Machine;
 use trueaxis_tests::course::Course;
@@ -84,7 +84,7 @@ pub(crate) fn machine(gains: Option<Gains>, feed_forward: Option<Off>) -> Machin
 /// A servo loop and its state.
 pub(crate) struct Plugin<'s> {
     servo: &'s HostServo<'s, 3>,
-    state: HostState<3>,
+    state: State<f64, f64, 3>,
     /// Correction learned from earlier parts.
     pub(crate) learned: Option<Learned<'s, f64>>,
     /// Record of this part, for the next one.

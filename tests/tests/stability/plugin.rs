@@ -4,7 +4,7 @@ use super::campaign::Track;
 use trueaxis::contour::Method;
 use trueaxis::machine::{DriveFigures, DynamicSettings, FeedbackSettings, Limits, MachineSettings};
 use trueaxis::telemetry::Status;
-use trueaxis::{Config, ConfigError, HostServo, HostState, Row};
+use trueaxis::{Config, ConfigError, HostServo, Row, State};
 use trueaxis_testing::machine::Machine;
 use trueaxis_tests::course::Command;
 
@@ -51,7 +51,7 @@ pub(crate) fn servo(machine: &MachineSettings, period_s: f64) -> Result<HostServ
 pub(crate) struct Plugin<'s> {
     servo: &'s HostServo<'static, 3>,
     track: &'s Track,
-    state: HostState<3>,
+    state: State<f64, f64, 3>,
     /// Cycle from which the watch had switched the feedback off.
     pub(crate) out_since: Option<usize>,
     cycle: usize,

@@ -15,7 +15,7 @@ use trueaxis_tables::{Machine, Table, compile};
 pub(crate) const PERIOD_NS: u32 = 100_000;
 
 /// Nine terms, three axes.
-pub(crate) const MILL: &[u8] = include_bytes!("../../../trueaxis/tests/data/mill-3axis.tcomp");
+pub(crate) const MILL: &[u8] = include_bytes!("../../../trueaxis/mill-3axis.tcomp");
 
 /// Table file for the tests that Miri runs too: the mill, or under Miri a smaller machine.
 pub(crate) fn mill() -> &'static [u8] {

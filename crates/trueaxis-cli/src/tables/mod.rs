@@ -21,7 +21,7 @@ Example:
 
 const SHOW: &str = "\
 Example:
-  trueaxis tables show crates/trueaxis/tests/data/mill-3axis.tcomp";
+  trueaxis tables show crates/trueaxis/mill-3axis.tcomp";
 
 const IMPORT: &str = "\
 Example:

@@ -30,7 +30,7 @@ pub(super) fn files() -> Vec<Vec<u8>> {
 
 /// The sample mill with its dynamic correction, two lines per table.
 fn with_dynamics() -> Machine {
-    let file = include_bytes!("../../../../crates/trueaxis/tests/data/mill-3axis.tcomp");
+    let file = include_bytes!("../../../../crates/trueaxis/mill-3axis.tcomp");
     let mut machine = Machine::from_tcomp(&Tcomp::parse(file).expect("a committed file"));
     for table in machine.tables.iter_mut().flatten() {
         let (first, last) = (table.rows[0], table.rows[table.rows.len() - 1]);

@@ -1,5 +1,5 @@
-use crate::contour::{PathError, Segment, Span, convert, span_count};
-use crate::{HostPath, McuPath};
+use crate::contour::{PathBuffer, PathError, Segment, Span, convert, span_count};
+use crate::{HostPath, Nanometres};
 use glam::DVec3;
 
 const FLAT: [f64; 3] = [0.0, 0.0, 1.0];
@@ -89,7 +89,7 @@ fn only_a_path_that_ends_where_it_begins_is_closed() {
 
 #[test]
 fn integers_and_single_precision_take_the_same_segments() {
-    let mut path = McuPath::<8>::new();
+    let mut path = PathBuffer::<f32, Nanometres, 8>::new();
     path.set_plane([0.0, 2.0, 0.0]);
     let arc = Segment::Arc {
         start: DVec3::new(5.0, 0.0, 0.0),

@@ -1,5 +1,5 @@
-use crate::contour::{ContourSearch, Flags, Method, Path, Reference, Segment, Span, convert};
-use crate::{HostPath, McuPath, Position, Real};
+use crate::contour::{ContourSearch, Flags, Method, Path, PathBuffer, Reference, Segment, Span, convert};
+use crate::{HostPath, Nanometres, Position, Real};
 use glam::DVec3;
 use proptest::prelude::*;
 use std::vec::Vec;
@@ -96,7 +96,7 @@ fn nothing_is_measured_on_no_path_and_at_no_point() {
 #[test]
 fn single_precision_agrees_to_a_few_nanometres() {
     let double = hairpin();
-    let mut single = McuPath::<64>::new();
+    let mut single = PathBuffer::<f32, Nanometres, 64>::new();
     single.line([0.0; 3], [100.0, 0.0, 0.0]).unwrap();
     single.arc([100.0, 0.0, 0.0], [100.0, 10.0, 0.0], [100.0, 5.0, 0.0], FLAT).unwrap();
     single.line([100.0, 10.0, 0.0], [0.0, 10.0, 0.0]).unwrap();

@@ -38,8 +38,8 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     /// [`Fault::CommandNotFinite`]: a position that is infinite, NaN or beyond the range of its type.
     ///
     /// ```
-    /// # use trueaxis::{Conditions, HostServo, tcomp::Tcomp};
-    /// # let file = include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/mill-3axis.tcomp"));
+    /// # use trueaxis::{Conditions, HostServo, Tcomp};
+    /// # let file = include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/mill-3axis.tcomp"));
     /// # let tables = Tcomp::parse(file)?;
     /// # let mut memory = vec![0.0; tables.requirement()];
     /// # let servo = HostServo::<3>::load(&tables, 100_000, &mut memory)?;
