@@ -35,7 +35,7 @@ impl Document {
             notes: self.notes.clone(),
             tables,
             plots: distortions(test).chain(temperatures_of(test)).collect(),
-            map: None,
+            ..Shown::default()
         }
     }
 }
