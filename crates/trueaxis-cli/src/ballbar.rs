@@ -113,10 +113,8 @@ pub(crate) fn run(arguments: &BallbarArgs) -> Result<()> {
         return done.dry_run(&document, arguments.json);
     }
     if let Some(directory) = &arguments.report {
-        let source = arguments.record.file_name().unwrap_or_default().to_string_lossy();
         let figures = [("Deviation", polar(&test).render()), ("Residuals", left(&test).render())];
-        let page = report::page(&source, &document.shown(), figures);
-        report::write(&mut outputs, &page, directory, "ballbar.html")?;
+        report::stage(&mut outputs, (directory, "ballbar.html"), &arguments.record, &document.shown(), figures)?;
     }
     outputs.commit()?;
     done.print_notes();

@@ -95,11 +95,11 @@ fn the_table_on_the_screen_has_the_figures() {
     directory.write("m.csv", measured(0, &angles, &SET_UPS_A, |_| 0.0));
     let text = directory.good(&["identify", "m.csv", "--axis", "a", "--report", "page.html", "-o", "a.csv"]);
     let line = text.lines().find(|line| line.trim_start().starts_with("40.000")).unwrap();
-    let cells: Vec<f64> = line.split_whitespace().map(|cell| cell.parse().unwrap()).collect();
+    let cells: Vec<f64> = line.split_whitespace().map(|cell| cell.replace('−', "-").parse().unwrap()).collect();
     for (cell, truth) in cells[1..7].iter().zip(truth(40.0)) {
         assert!((cell - truth).abs() < 6e-4, "{line}");
     }
-    for needed in ["EXA_um", "ECA_urad", "rank                6 of 6", "inside", "condition"] {
+    for needed in ["EXA, µm", "ECA, µrad", "rank at every angle, of 6       6", "inside", "condition"] {
         assert!(text.contains(needed), "{needed}: {text}");
     }
     assert!(directory.join("page.html").is_file());

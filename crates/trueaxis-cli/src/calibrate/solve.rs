@@ -27,10 +27,8 @@ pub(super) fn run(arguments: &SolveArgs) -> Result<()> {
         return done.dry_run(&document, arguments.json);
     }
     if let Some(directory) = &arguments.report {
-        let source = arguments.log.file_name().unwrap_or_default().to_string_lossy();
         let figures = [("Residuals", residuals(&read.task, &plan, &found).render())];
-        let page = report::page(&source, &document.shown(&found), figures);
-        report::write(&mut outputs, &page, directory, "calibrate.html")?;
+        report::stage(&mut outputs, (directory, "calibrate.html"), &arguments.log, &document.shown(&found), figures)?;
     }
     outputs.commit()?;
     done.print_notes();

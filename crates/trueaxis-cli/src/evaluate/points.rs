@@ -81,9 +81,7 @@ pub(crate) fn run(arguments: &PointsArgs) -> Result<()> {
         written = machine_folder::whole(&mut outputs, output, &document.files(&found, &source))?;
     }
     if let Some(directory) = &arguments.report {
-        let source = arguments.points.file_name().unwrap_or_default().to_string_lossy();
-        let page = report::page(&source, &shown, report::NO_FIGURES);
-        report::write(&mut outputs, &page, directory, "points.html")?;
+        report::stage(&mut outputs, (directory, "points.html"), &arguments.points, &shown, report::NO_FIGURES)?;
     }
     outputs.commit()?;
     machine_folder::print_notes(&written);

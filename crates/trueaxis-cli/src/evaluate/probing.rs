@@ -69,10 +69,8 @@ pub(crate) fn run(arguments: &ProbingArgs) -> Result<()> {
     let document = ProbingDocument::new(&record);
     let shown = document.shown(&record);
     if let Some(directory) = &arguments.report {
-        let source = arguments.record.file_name().unwrap_or_default().to_string_lossy();
         let mut outputs = Outputs::of([&arguments.record]);
-        let page = report::page(&source, &shown, report::NO_FIGURES);
-        report::write(&mut outputs, &page, directory, "probing.html")?;
+        report::stage(&mut outputs, (directory, "probing.html"), &arguments.record, &shown, report::NO_FIGURES)?;
         outputs.commit()?;
     }
     if arguments.json { json(&document) } else { print(&shown.text()) }

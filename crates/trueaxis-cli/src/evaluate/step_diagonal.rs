@@ -88,9 +88,7 @@ pub(crate) fn run(arguments: &StepDiagonalArgs) -> Result<()> {
         return done.dry_run(&document, arguments.json);
     }
     if let Some(directory) = &arguments.report {
-        let source = arguments.record.file_name().unwrap_or_default().to_string_lossy();
-        let page = report::page(&source, &shown, report::NO_FIGURES);
-        report::write(&mut outputs, &page, directory, "step-diagonal.html")?;
+        report::stage(&mut outputs, (directory, "step-diagonal.html"), &arguments.record, &shown, report::NO_FIGURES)?;
     }
     outputs.commit()?;
     done.print_notes();

@@ -77,10 +77,8 @@ pub(crate) fn run(arguments: &ThermalTestArgs) -> Result<()> {
     let document = ThermalTestDocument::new(&test, name, arguments.period_min, arguments.distance_mm);
     let shown = document.shown(&test);
     if let Some(directory) = &arguments.report {
-        let source = arguments.record.file_name().unwrap_or_default().to_string_lossy();
         let mut outputs = Outputs::of([&arguments.record]);
-        let page = report::page(&source, &shown, report::NO_FIGURES);
-        report::write(&mut outputs, &page, directory, "thermal.html")?;
+        report::stage(&mut outputs, (directory, "thermal.html"), &arguments.record, &shown, report::NO_FIGURES)?;
         outputs.commit()?;
     }
     if arguments.json { json(&document) } else { print(&shown.text()) }

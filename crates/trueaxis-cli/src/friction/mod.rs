@@ -37,7 +37,7 @@ it acts like velocity feed-forward, and the uncertainties hold for every reading
 500 if they are held.
 
 -o friction.toml writes the sections [axis.X.friction] and, if they were found, [axis.X.drive] of a machine.toml, \
-with standard errors, to read. -o MACHINE_DIR writes the machine of --machine, in its own folder or another one with \
+with uncertainties, to read. -o MACHINE_DIR writes the machine of --machine, in its own folder or another one with \
 a copy of it. An axis' friction and the drive found with it belong together: all are written if one of them differs \
 from its stated value by more than two combined standard uncertainties, or if no value or no uncertainty is stated; \
 if all agree, their means with one weight are written; nothing is written if the spikes do not fit.
@@ -113,9 +113,13 @@ pub(crate) fn run(arguments: &FrictionArgs) -> Result<()> {
         return done.dry_run(&document, arguments.json);
     }
     if let Some(directory) = &arguments.report {
-        let source = arguments.record.file_name().unwrap_or_default().to_string_lossy();
-        let page = report::page(&source, &document.shown(), report::friction::spikes(&found));
-        report::write(&mut outputs, &page, directory, "friction.html")?;
+        report::stage(
+            &mut outputs,
+            (directory, "friction.html"),
+            &arguments.record,
+            &document.shown(),
+            report::friction::spikes(&found),
+        )?;
     }
     if let Some(file) = file {
         outputs.put(file, friction::sections(&arguments.record, &found).as_bytes())?;

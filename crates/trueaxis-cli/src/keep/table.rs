@@ -21,8 +21,7 @@ pub(super) fn page(machine: &str, entries: &[Entry], document: Option<&Reprobing
         summary: vec![count],
         notes: latest.as_ref().map(|shown| shown.notes.clone()).unwrap_or_default(),
         tables: latest.into_iter().flat_map(|shown| shown.tables).chain([listed(entries)]).collect(),
-        plots: Vec::new(),
-        map: None,
+        ..Shown::default()
     };
     let all = figures(entries);
     let history = (!all.is_empty()).then(|| ("History", html! { @for figure in all { (figure) } }));

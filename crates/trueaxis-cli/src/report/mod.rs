@@ -9,7 +9,7 @@ pub(crate) mod roundness;
 mod shown;
 pub(crate) mod uncertainty;
 
-pub(crate) use shown::{NO_FIGURES, page};
+pub(crate) use shown::{NO_FIGURES, page, stage};
 
 use anyhow::Result;
 use maud::{Markup, html};

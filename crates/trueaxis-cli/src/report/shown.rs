@@ -1,8 +1,23 @@
 //! The page of a result.
 
+use anyhow::Result;
 use maud::{Markup, html};
+use std::path::Path;
 use trueaxis_evaluation::shown::{Look, Plot, Shown, Table};
 use trueaxis_report::{Page, Row, side_by_side, summary};
+use trueaxis_tables::output::Outputs;
+
+/// Stages the page of a result from the file `record`, with [`page`]'s figures.
+pub(crate) fn stage<H: AsRef<str>>(
+    outputs: &mut Outputs,
+    to: (&Path, &str),
+    record: &Path,
+    shown: &Shown,
+    figures: impl IntoIterator<Item = (H, Markup)>,
+) -> Result<()> {
+    let source = record.file_name().unwrap_or_default().to_string_lossy();
+    super::write(outputs, &page(&source, shown, figures), to.0, to.1)
+}
 
 /// No sections of the result's own.
 pub(crate) const NO_FIGURES: [(&str, Markup); 0] = [];

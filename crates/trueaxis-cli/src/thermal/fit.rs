@@ -99,11 +99,9 @@ pub(super) fn run(arguments: &ThermalFitArgs) -> Result<()> {
     let found = found?;
     let document = found.document();
     if let Some(directory) = &arguments.report {
-        let source = arguments.record.file_name().unwrap_or_default().to_string_lossy();
         let axes = &found.recording.record.axes;
         let figures = [("Remaining drift", html! { @for axis in axes { (residuals(&found, *axis)) } })];
-        let page = report::page(&source, &document.shown(&found), figures);
-        report::write(&mut outputs, &page, directory, "thermal.html")?;
+        report::stage(&mut outputs, (directory, "thermal.html"), &arguments.record, &document.shown(&found), figures)?;
     }
     if let Some(output) = &arguments.output {
         outputs.put(output, written(&found).as_bytes())?;

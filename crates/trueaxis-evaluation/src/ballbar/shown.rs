@@ -38,8 +38,7 @@ impl BallbarDocument {
                 Table::new("Causes in the order of their shares", ["cause", "share, %", "RMS, µm"], shares).bars(1),
                 Table::figures("Fit", fit),
             ],
-            plots: Vec::new(),
-            map: None,
+            ..Shown::default()
         }
     }
 

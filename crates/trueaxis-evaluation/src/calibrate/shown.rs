@@ -46,7 +46,7 @@ impl CalibrationDocument {
                 .filter_map(|axis| curves(found, axis))
                 .chain(drift(found))
                 .collect(),
-            map: None,
+            ..Shown::default()
         }
     }
 }

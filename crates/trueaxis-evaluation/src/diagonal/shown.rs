@@ -48,7 +48,7 @@ impl DiagonalDocument {
             notes: self.limits.clone(),
             tables: [figures, terms, Table::figures("Fit", fit)].into_iter().chain(shapes).collect(),
             plots: std::iter::once(deviations(test)).chain(self.shapes()).collect(),
-            map: None,
+            ..Shown::default()
         }
     }
 

@@ -88,8 +88,7 @@ impl FrictionDocument {
                 deviations("Spikes at the reversals", "spikes", spikes),
                 Table::new("Fit", head, fit),
             ],
-            plots: Vec::new(),
-            map: None,
+            ..Shown::default()
         }
     }
 }

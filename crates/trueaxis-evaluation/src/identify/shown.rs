@@ -70,7 +70,7 @@ impl IdentificationDocument {
             plots: [("Translations", 0), ("Rotations", 3)]
                 .map(|(of, first)| self.plot(axis, of, first, freedom))
                 .into(),
-            map: None,
+            ..Shown::default()
         }
     }
 

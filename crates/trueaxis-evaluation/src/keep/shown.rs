@@ -47,8 +47,7 @@ impl ReprobingDocument {
             ],
             notes: self.notes.clone(),
             tables: vec![Table::new("Verdicts", head, terms), balls],
-            plots: Vec::new(),
-            map: None,
+            ..Shown::default()
         }
     }
 }

@@ -64,7 +64,7 @@ impl ProbingDocument {
                 ),
             ],
             plots: form(record).into_iter().collect(),
-            map: None,
+            ..Shown::default()
         }
     }
 }

@@ -44,7 +44,7 @@ impl RTestDocument {
                 over_readings("Displacement", "Displacement of the tool from the ball", "displacement", &displacements),
                 over_readings("Residuals", "Residuals of the location errors", "left", &found.left_mm),
             ],
-            map: None,
+            ..Shown::default()
         }
     }
 }

@@ -17,7 +17,7 @@ use serde::Serialize;
 use trueaxis_report::number::{decimals, shortest, significant};
 
 /// Everything shown of a result.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Shown {
     /// Name of the test.
     pub title: String,

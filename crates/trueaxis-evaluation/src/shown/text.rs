@@ -62,8 +62,7 @@ mod tests {
                 Table::quantities("Terms", terms),
                 Table::figures("Fit", [("left, µm", Cell::number(0.5, 2))]),
             ],
-            plots: Vec::new(),
-            map: None,
+            ..Shown::default()
         };
         let needed = "\
 Test: 3 readings, rank 2

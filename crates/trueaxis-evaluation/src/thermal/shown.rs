@@ -69,10 +69,9 @@ impl ThermalDocument {
                 format!("zero at {} °C", self.reference_c),
                 format!("of a largest drift of {drift} µm in cycles that took no part in the fit {left} µm remain"),
             ],
-            notes: Vec::new(),
             tables,
             plots: found.recording.record.axes.iter().filter_map(|axis| held_out(found, *axis)).collect(),
-            map: None,
+            ..Shown::default()
         }
     }
 }

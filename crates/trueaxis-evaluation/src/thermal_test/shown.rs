@@ -35,7 +35,7 @@ impl ThermalTestDocument {
             notes: self.notes.clone(),
             tables,
             plots: distortions(test).chain(temperatures_of(test)).collect(),
-            map: None,
+            ..Shown::default()
         }
     }
 }

@@ -27,8 +27,7 @@ impl UncertaintyDocument {
             ],
             notes: self.warnings.iter().cloned().chain((!self.not_stated.is_empty()).then_some(not_stated)).collect(),
             tables: points.chain([contributions]).collect(),
-            plots: Vec::new(),
-            map: None,
+            ..Shown::default()
         }
     }
 

@@ -39,14 +39,11 @@ pub(super) fn shown(outcome: &Outcome) -> Shown {
     let axes = outcome.axes.iter().flat_map(|own| [format!("{} found", own.axis), format!("{} true", own.axis)]);
     Shown {
         title: "Friction, simulated again".into(),
-        summary: Vec::new(),
-        notes: Vec::new(),
         tables: vec![
             deviations("Spikes, simulated again", "spikes", spikes),
             deviations("Contour error of the tip, geometry included", "pass", error),
             Table::new("Found against the simulated drives", std::iter::once("figure".into()).chain(axes), truth),
         ],
-        plots: Vec::new(),
-        map: None,
+        ..Shown::default()
     }
 }
