@@ -5,7 +5,7 @@ use crate::{csv_in, machine_folder, model, report};
 use anyhow::{Result, anyhow};
 use clap::Args;
 use std::path::PathBuf;
-use trueaxis_evaluation::points::{COLUMNS, PointsDocument, Options, Points, identify, nodes};
+use trueaxis_evaluation::points::{COLUMNS, Options, Points, PointsDocument, identify, nodes};
 use trueaxis_tables::output::Outputs;
 
 pub(crate) const EXAMPLE: &str = "\

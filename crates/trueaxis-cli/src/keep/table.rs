@@ -4,7 +4,7 @@ use crate::output::{json, print};
 use crate::report;
 use anyhow::Result;
 use maud::html;
-use trueaxis_evaluation::keep::{ReprobingDocument, Entry, figures, listed};
+use trueaxis_evaluation::keep::{Entry, ReprobingDocument, figures, listed};
 use trueaxis_evaluation::shown::Shown;
 
 /// Prints a re-probing.

@@ -1,6 +1,6 @@
 //! Tables and plots of measured points.
 
-use super::{PointsDocument, PointsFit, Left, Points};
+use super::{Left, Points, PointsDocument, PointsFit};
 use crate::shown::{Cell, Curve, EXPANDED, Look, Map, Plot, Shown, Table, Uncertainty, half_width, unit};
 use trueaxis_metrology::volumetric::{AXES, COMPONENTS};
 use trueaxis_report::BARS;

@@ -1,6 +1,6 @@
 //! Tables and plots of thermal growth.
 
-use super::{CurveDocument, ThermalDocument, FittedRecording, worst};
+use super::{CurveDocument, FittedRecording, ThermalDocument, worst};
 use crate::shown::{Cell, Curve, Look, Plot, Quantity, Shown, Table, Uncertainty};
 use trueaxis::Axis;
 use trueaxis_report::number::significant;

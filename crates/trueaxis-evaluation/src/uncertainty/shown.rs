@@ -1,6 +1,6 @@
 //! Tables of the uncertainty of the corrected position.
 
-use super::{AtPoint, UncertaintyDocument, Spread};
+use super::{AtPoint, Spread, UncertaintyDocument};
 use crate::shown::{Cell, Shown, Table};
 use trueaxis_report::number::significant;
 
