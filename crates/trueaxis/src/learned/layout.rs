@@ -44,7 +44,7 @@ impl LearnedHeader {
     }
 
     /// The header's bytes in the file.
-    pub fn to_bytes(&self) -> [u8; HEADER_BYTES] {
+    pub fn to_bytes(self) -> [u8; HEADER_BYTES] {
         let nodes = u32::try_from(self.nodes().unwrap_or(0)).unwrap_or(u32::MAX);
         let mut bytes = [0; HEADER_BYTES];
         let fields = MAGIC

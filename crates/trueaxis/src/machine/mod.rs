@@ -2,6 +2,8 @@
 //!
 //! Lengths are mm, angles of rotary *positions* are degrees, angular *errors* are radians; time is seconds.
 //! For a rotary axis every `mm` of an axis-own quantity (travel, backlash, correction limits) reads `degree`.
+//!
+//! The order of the fields is the order in the file ([`crate::tcomp`]): a change of it is another version of the format.
 
 mod chain;
 mod curve;
