@@ -13,7 +13,7 @@ use trueaxis_tables::output::Outputs;
 
 pub(crate) const EXAMPLE: &str = "\
 Example:
-  firmware-sim friction --record record.csv
+  firmware-sim friction -o record.csv
   trueaxis friction record.csv --axes X,Y";
 
 pub(crate) const HELP: &str = "\

@@ -67,7 +67,7 @@ impl ThermalDocument {
             summary: vec![
                 format!("{} rows", self.rows),
                 format!("zero at {} °C", self.reference_c),
-                format!("of a largest drift of {drift} µm in cycles that took no part in the fit {left} µm remain"),
+                format!("{left} µm left of a largest drift of {drift} µm in cycles that took no part in the fit"),
             ],
             tables,
             plots: found.recording.record.axes.iter().filter_map(|axis| held_out(found, *axis)).collect(),
