@@ -25,8 +25,12 @@ pub enum Uncertainty {
 
 impl Uncertainty {
     /// Expands a standard error by Student's factor; by that of a normal distribution below one degree of freedom, where the
-    /// standard error does not come from residuals (JCGM 100:2008, G.3).
+    /// standard error does not come from residuals (JCGM 100:2008, G.3). [`Unknown`](Uncertainty::Unknown) for a standard error
+    /// of zero below one degree of freedom: no residual shows the scatter.
     pub fn of(standard_error: f64, degrees_of_freedom: f64) -> Uncertainty {
+        if standard_error == 0.0 && degrees_of_freedom < 1.0 {
+            return Uncertainty::Unknown;
+        }
         Uncertainty::expanded(half_width(standard_error, degrees_of_freedom))
     }
 
@@ -160,5 +164,7 @@ mod tests {
             let Uncertainty::Expanded(found) = Uncertainty::of(3.0, degrees) else { panic!("unknown") };
             assert!((found / 3.0 - factor).abs() < 1e-4, "{degrees}: {found}");
         }
+        assert_eq!(Uncertainty::of(0.0, 0.0), Uncertainty::Unknown);
+        assert_eq!(Uncertainty::of(0.0, 4.0), Uncertainty::Expanded(0.0));
     }
 }
