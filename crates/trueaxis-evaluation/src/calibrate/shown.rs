@@ -13,7 +13,8 @@ const STEPS: usize = 20;
 impl CalibrationDocument {
     /// Tables of the document, and the curves and the drift found by its calibration.
     pub fn shown(&self, found: &Calibration) -> Shown {
-        let known = |standard_error: f64| Uncertainty::of(standard_error, self.degrees_of_freedom as f64);
+        let freedom = found.solution.error_degrees_of_freedom();
+        let known = |standard_error: f64| Uncertainty::of(standard_error, freedom);
         let terms = self
             .terms
             .iter()
@@ -53,7 +54,7 @@ impl CalibrationDocument {
 
 /// A column of values and standard errors, mm.
 fn curve(name: String, colour: usize, column: &[[f64; 2]], found: &Calibration) -> Curve {
-    let freedom = found.solution.degrees_of_freedom as f64;
+    let freedom = found.solution.error_degrees_of_freedom();
     let expanded = column.iter().map(|[_, error]| half_width(1e3 * error, freedom)).collect();
     Curve { expanded, ..Curve::new(name, colour, column.iter().map(|[value, _]| 1e3 * value).collect()) }
 }

@@ -58,9 +58,9 @@ pub struct ReprobingDocument {
     pub written: Vec<trueaxis_tables::finding::Decision>,
     /// Caveats on the result.
     pub notes: Vec<String>,
-    /// Degrees of freedom of the standard errors.
+    /// Degrees of freedom of the standard errors; infinite if these follow from the stated repeatability.
     #[serde(skip)]
-    pub degrees_of_freedom: usize,
+    pub degrees_of_freedom: f64,
 }
 
 impl Reprobing {
@@ -115,7 +115,7 @@ impl Reprobing {
             applied: false,
             written: Vec::new(),
             notes,
-            degrees_of_freedom: self.calibration.solution.degrees_of_freedom,
+            degrees_of_freedom: self.calibration.solution.error_degrees_of_freedom(),
         }
     }
 

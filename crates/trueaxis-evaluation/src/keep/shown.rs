@@ -9,7 +9,7 @@ use trueaxis_report::number::significant;
 impl ReprobingDocument {
     /// Tables of the document: terms with their verdicts, balls.
     pub fn shown(&self) -> Shown {
-        let known = |standard_error: f64| Uncertainty::of(standard_error, self.degrees_of_freedom as f64);
+        let known = |standard_error: f64| Uncertainty::of(standard_error, self.degrees_of_freedom);
         let terms = self.terms.iter().map(|term| {
             let uncertainty = known(term.standard_error);
             let numbers = [term.significance, term.from, term.to, term.largest_update, term.largest_total];

@@ -70,6 +70,15 @@ pub struct Solution {
     pub signal_mm: f64,
 }
 
+impl Solution {
+    /// Degrees of freedom of the standard errors: infinite where these follow from the stated repeatability, below 20 of
+    /// [`Solution::degrees_of_freedom`].
+    pub fn error_degrees_of_freedom(&self) -> f64 {
+        let of_residuals = self.degrees_of_freedom as f64;
+        if of_residuals < POOLED { f64::INFINITY } else { of_residuals }
+    }
+}
+
 impl Network {
     /// Solves for all unknowns.
     ///
