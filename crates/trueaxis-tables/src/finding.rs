@@ -59,12 +59,12 @@ impl Known {
     }
 }
 
-/// Displayed as `32 ± 3`.
+/// Displayed as `32 (u 3)`, with the standard uncertainty u: ± stands for expanded uncertainties alone.
 impl fmt::Display for Known {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Known { value, uncertainty, .. } = self.rounded();
         match uncertainty {
-            Some(uncertainty) => write!(f, "{value} ± {uncertainty}"),
+            Some(uncertainty) => write!(f, "{value} (u {uncertainty})"),
             None => write!(f, "{value}"),
         }
     }
@@ -295,10 +295,10 @@ impl fmt::Display for Decision {
 }
 
 /// The decisions as a table: key, old, found, written and why; without decisions, an empty text. The rule compares standard
-/// uncertainties, which the machine states: these are shown.
+/// uncertainties u, which the machine states: these are shown.
 pub fn table(decisions: &[Decision]) -> String {
     let shown = |known: &Option<Known>| known.map_or_else(|| String::from("–"), |known| known.to_string());
-    let head = ["key", "old", "found", "written", "why; ± is the standard uncertainty"].map(String::from);
+    let head = ["key", "old", "found", "written", "why; u: standard uncertainty"].map(String::from);
     let rows = decisions
         .iter()
         .map(|of| [of.key.clone(), shown(&of.stated), of.found.to_string(), shown(&of.written), of.why.to_string()]);

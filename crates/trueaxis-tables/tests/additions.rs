@@ -100,7 +100,7 @@ fn lost_motion_below_zero_is_named_and_the_rest_is_given() {
     assert!(!text.contains("-7.8") && !text.contains("axis.X.uncertainty") && !text.contains("hysteresis"), "{text}");
     assert!(text.contains("[axis.Y.uncertainty]"), "{text}");
     let said = notes.lines().find(|line| line.starts_with("axis.X.backlash_um")).unwrap();
-    assert!(said.contains("-7.8 ± 0.1") && said.contains("the control takes up too much"), "{notes}");
+    assert!(said.contains("-7.8 (u 0.1)") && said.contains("the control takes up too much"), "{notes}");
     // With a backlash already corrected here, 7.8 µm less remains; a sufficient hysteresis allows a negative backlash.
     assert!(into("backlash_um = 10\n").0.contains("backlash_um = 2.2"));
     assert!(into("hysteresis_um = 9\n").0.contains("backlash_um = -7.8"));

@@ -38,14 +38,14 @@ fn one_rule_decides() {
 #[test]
 fn figures_have_two_digits_of_their_uncertainty() {
     for (value, uncertainty, shown) in [
-        (0.2174671317786221, 11.0, "0 ± 11"),
-        (31.5151, 2.894, "31.5 ± 2.9"),
-        (1234.5, 345.0, "1230 ± 350"),
-        (-0.04, 11.0, "0 ± 11"),
-        (0.123456, 0.0123, "0.123 ± 0.012"),
-        (50.000_000_3, 1e-9, "50 ± 0.001"),
-        (4.36, 1.0, "4.4 ± 1"),
-        (4.36, 0.995, "4.36 ± 1"),
+        (0.2174671317786221, 11.0, "0 (u 11)"),
+        (31.5151, 2.894, "31.5 (u 2.9)"),
+        (1234.5, 345.0, "1230 (u 350)"),
+        (-0.04, 11.0, "0 (u 11)"),
+        (0.123456, 0.0123, "0.123 (u 0.012)"),
+        (50.000_000_3, 1e-9, "50 (u 0.001)"),
+        (4.36, 1.0, "4.4 (u 1)"),
+        (4.36, 0.995, "4.36 (u 1)"),
     ] {
         assert_eq!(known(value, uncertainty).to_string(), shown);
     }
@@ -86,7 +86,7 @@ fn values_are_written_with_how_well_they_are_known() {
         "nothing of Y: {text}"
     );
     let listed = table(&decisions);
-    assert!(listed.lines().count() == 4 && listed.contains("0.12 ± 0.28") && listed.contains("10 ± 1"), "{listed}");
+    assert!(listed.lines().count() == 4 && listed.contains("0.12 (u 0.28)") && listed.contains("10 (u 1)"), "{listed}");
     // Read again, the values come with their uncertainties.
     let known = trueaxis_tables::uncertainty::Uncertainties::read_from(
         &Memory::new([("machine.toml", text.as_str())]),
@@ -138,7 +138,7 @@ fn forced_values_are_written_with_the_verdict_of_the_rule() {
     assert_eq!(
         why,
         [
-            "forced, the rule writes 10.1 ± 0.89: agrees: weighted mean of both",
+            "forced, the rule writes 10.1 (u 0.89): agrees: weighted mean of both",
             "forced, the rule writes the same: no uncertainty is stated",
             "forced, the rule writes nothing: within 2 standard uncertainties of zero",
         ]
@@ -246,7 +246,7 @@ fn jointly_fitted_values_are_written_together() {
 #[test]
 fn figures_below_one_keep_their_digits() {
     for (value, uncertainty, shown) in
-        [(0.0062, 0.000_52, "0.0062 ± 0.00052"), (0.0, 1e-5, "0 ± 0.00001"), (0.000_123_4, 2e-5, "0.000123 ± 0.00002")]
+        [(0.0062, 0.000_52, "0.0062 (u 0.00052)"), (0.0, 1e-5, "0 (u 0.00001)"), (0.000_123_4, 2e-5, "0.000123 (u 0.00002)")]
     {
         assert_eq!(known(value, uncertainty).to_string(), shown);
     }
