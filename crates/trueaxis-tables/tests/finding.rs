@@ -245,9 +245,11 @@ fn jointly_fitted_values_are_written_together() {
 /// Small values keep their digits, in their own units.
 #[test]
 fn figures_below_one_keep_their_digits() {
-    for (value, uncertainty, shown) in
-        [(0.0062, 0.000_52, "0.0062 (u 0.00052)"), (0.0, 1e-5, "0 (u 0.00001)"), (0.000_123_4, 2e-5, "0.000123 (u 0.00002)")]
-    {
+    for (value, uncertainty, shown) in [
+        (0.0062, 0.000_52, "0.0062 (u 0.00052)"),
+        (0.0, 1e-5, "0 (u 0.00001)"),
+        (0.000_123_4, 2e-5, "0.000123 (u 0.00002)"),
+    ] {
         assert_eq!(known(value, uncertainty).to_string(), shown);
     }
 }

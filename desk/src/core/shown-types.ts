@@ -65,8 +65,8 @@ export interface Curve {
   dashed: boolean;
   /** A value for every position; NaN (null) if missing. */
   values: (number | null)[];
-  /** Expanded uncertainties, 95 %; empty if unknown. */
-  expanded: number[];
+  /** Expanded uncertainties, 95 %; NaN (null) if unknown at a position, empty if unknown everywhere. */
+  expanded: (number | null)[];
 }
 
 /** Values over the cells of a plane. */

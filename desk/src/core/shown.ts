@@ -37,6 +37,6 @@ export function showPlots(host: HTMLElement, plots: Plotted[]): void {
 
 function drawn({ name, colour, dashed, values, expanded }: Curve, look: Look, unit: string): { series: Series[]; columns: (number | null)[][] } {
   const own: Series = { name, unit, colour: COLOURS[colour % COLOURS.length]!, joined: true, points: look === "points", dots: look === "dotted", dash: dashed ? [2, 4] : (DASHES[colour % DASHES.length] ?? []) };
-  const known = values.filter((value) => value !== null);
-  return expanded.length > 0 && known.length === expanded.length ? withBand(own, known, expanded) : { series: [own], columns: [values] };
+  const [known, half] = [values, expanded].map((of) => of.filter((value) => value !== null)) as [number[], number[]];
+  return half.length > 0 && half.length === values.length && known.length === values.length ? withBand(own, known, half) : { series: [own], columns: [values] };
 }

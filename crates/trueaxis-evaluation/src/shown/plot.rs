@@ -47,7 +47,7 @@ pub struct Curve {
     pub dashed: bool,
     /// A value for every position; NaN (null) if missing.
     pub values: Vec<f64>,
-    /// Expanded uncertainties, 95 %; empty if unknown.
+    /// Expanded uncertainties, 95 %; NaN (null) if unknown at a position, empty if unknown everywhere.
     pub expanded: Vec<f64>,
 }
 

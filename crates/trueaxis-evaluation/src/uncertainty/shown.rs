@@ -20,6 +20,7 @@ impl UncertaintyDocument {
         Shown {
             title: "Uncertainty of the corrected position".into(),
             summary: vec![
+                self.machine.clone(),
                 format!("{} %", self.confidence_percent),
                 format!("working volume {} mm", volume.collect::<Vec<_>>().join(", ")),
                 format!("{} points", self.points),

@@ -102,7 +102,7 @@ impl fmt::Display for GridSummary {
         write!(f, "\n  max |E|   ")?;
         for error in &self.errors {
             let micro = if error.unit == "um" { "µm" } else { "µrad" };
-            write!(f, " {} {:.2} ± {} {micro}", error.name, error.max_abs, short(0.5 * error.resolution))?;
+            write!(f, " {} {:.2} {micro} (in steps of {})", error.name, error.max_abs, short(error.resolution))?;
         }
         Ok(())
     }
