@@ -8,4 +8,5 @@ pub mod machine;
 pub mod noise;
 pub mod share;
 
-use trueaxis;
+// `machine.rs` names the core by its parent's `trueaxis`, which in the core's own unit tests is the crate itself.
+extern crate trueaxis;

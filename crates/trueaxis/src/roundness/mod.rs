@@ -16,8 +16,8 @@
 //! h3(θ) = r(θ + φ2 + φ3) + R_Y cos(φ2 + φ3 + β) + R_X sin(φ2 + φ3 + β)
 //! ```
 //!
-//! Weighted as in `Gain` (`angles.rs`), their sum does not contain the centre's motion; divided by G in the frequency domain it is the
-//! profile; two readings minus the profile give the motion:
+//! Weighted as in `Gain` (`angles.rs`), their sum does not contain the centre's motion; divided by G in the frequency
+//! domain it is the profile; two readings minus the profile give the motion:
 //!
 //! ```text
 //! R_X = [cos β (h2 − r(θ+φ2)) − cos(φ2+β) (h1 − r(θ))] / sin φ2
@@ -44,7 +44,8 @@
 //! #     }
 //! # }
 //! # let tables = Tables(settings);
-//! let gauge = tables.gauge(100_000)?.expect("the machine has a gauge"); // `tables` is a `Tcomp`
+//! // `tables` is a `Tcomp`.
+//! let gauge: Gauge<f32, 256> = tables.gauge(100_000)?.expect("the machine has a gauge");
 //! let mut state = gauge.start();
 //!
 //! // From here on the servo interrupt, or ServoLoop::step with a GaugeRide:
@@ -58,7 +59,7 @@
 //!         assert!(of.flags.is_empty() && of.peak_to_valley_um < 1e-4);
 //!     }
 //! }
-//! assert_eq!(state.counts().evaluated, 2); // of four turns: up to the first index, two whole ones, one in work
+//! # assert_eq!(state.counts().evaluated, 2); // of four turns: up to the first index, two whole ones, one in work
 //! # Ok::<(), trueaxis::ConfigError>(())
 //! ```
 //!

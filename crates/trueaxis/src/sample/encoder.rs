@@ -90,7 +90,7 @@ impl EncoderScale<Nanometres> {
 /// Costs a few integer comparisons and additions per reading.
 ///
 /// ```
-/// use trueaxis::sample::{EncoderScale, WrappingCounter};
+/// use trueaxis::{EncoderScale, WrappingCounter};
 ///
 /// let scale = EncoderScale::<f64>::new(0.0, 1e-3).unwrap(); // counts of 1 µm
 /// let mut counter = WrappingCounter::BITS_16;
