@@ -3,8 +3,8 @@
 #![no_std]
 
 use core::panic::PanicInfo;
-use trueaxis::telemetry::{FRAME_BYTES, Frame};
 use trueaxis::contour::PathBuffer;
+use trueaxis::telemetry::{FRAME_BYTES, Frame};
 use trueaxis::{McuServo, Nanometres, Tcomp};
 
 const PERIOD_NS: u32 = 100_000;

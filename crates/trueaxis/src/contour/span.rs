@@ -52,8 +52,8 @@ impl Span<f64, f64> {
     /// Converts the span to the scalar and positions of a step: a host plans in doubles and hands the result to the servo's
     /// core.
     ///
-    /// Equal bit for bit to the span that the conversion of the segment makes for them: the origin is rounded to a representable
-    /// position, and the polynomial absorbs the rounding error.
+    /// Equal bit for bit to the span that the conversion of the segment makes for them: the origin is rounded to a
+    /// representable position, and the polynomial absorbs the rounding error.
     pub fn rounded<R: Real, P: Position>(&self) -> Span<R, P> {
         let origin = self.origin.map(P::of);
         let mut coefficients = self.coefficients;

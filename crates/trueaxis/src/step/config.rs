@@ -120,8 +120,8 @@ impl<'a, R: Real, P: Position, const N: usize> ServoLoop<'a, R, P, N> {
     ///
     /// The nodes of the machine's grids stay in the file's bytes; each cycle reads them there.
     ///
-    /// `memory` needs at least [`Tcomp::requirement`] scalars; `trueaxis tables show` prints the number. The contour search is
-    /// guarded, and the inverse takes as many passes as the tables need.
+    /// `memory` needs at least [`Tcomp::requirement`] scalars; `trueaxis tables show` prints the number. The contour search
+    /// is guarded, and the inverse takes as many passes as the tables need.
     ///
     /// # Errors
     /// The first wrong setting, with the value found and the one needed; [`Field::Memory`] if the memory is too small.

@@ -120,8 +120,8 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         }
     }
 
-    /// Drops all cells if they are of other tables, and those of the axes that have reversed; returns whether there were
-    /// any such.
+    /// Drops all cells if they belong to other tables, and the cells of every axis that has reversed; returns whether
+    /// either was the case.
     #[inline(always)]
     fn drop_stale_cells(
         &self,

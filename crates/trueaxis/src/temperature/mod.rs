@@ -13,13 +13,13 @@
 //! (rad) are the steady-state values of a spindle turning at knot k, L the tool's length in mm. Errors as everywhere:
 //! actual − ideal of the tool relative to the workpiece.
 //!
-//! `[axis.X.thermal]` of a machine, one temperature with offset and expansion ([`Tcomp::growth`](crate::Tcomp::growth)), is the special
-//! case of one sensor without lag and a straight curve through zero at the reference temperature. Both set the same line:
-//! the later one replaces the earlier, they are not added, and a host uses only one of them.
+//! `[axis.X.thermal]` of a machine, one temperature with offset and expansion
+//! ([`Tcomp::growth`](crate::Tcomp::growth)), is the special case of one sensor without lag and a straight curve through
+//! zero at the reference temperature. Both set the same line: the later one replaces the earlier, they are not added, and
+//! a host uses only one of them.
 //!
-//! A sensor starts with three plausible readings that agree, over at least 2 s; until all have
-//! started, the growth is zero. A step is rejected until it has lasted for an hour, and then enters through the
-//! lag.
+//! A sensor starts with three plausible readings that agree, over at least 2 s; until all have started, the growth is
+//! zero. A step is rejected until it has lasted for an hour, and then enters through the lag.
 //!
 //! # File
 //!

@@ -16,8 +16,8 @@ pub enum SensorStatus {
     Good = 0,
     /// No reading, or a non-finite one.
     Missing = 1,
-    /// The reading is outside the plausible range, or is exactly a value that means no reading (85 °C,
-    /// 0 °C) and is a step from the last accepted one.
+    /// The reading is outside the plausible range, or is exactly a value that means no reading (85 °C, 0 °C)
+    /// and is a step from the last accepted one.
     OutOfRange = 2,
     /// The reading has changed by more than is plausible, and has neither returned since nor stayed for an hour.
     Jumped = 3,

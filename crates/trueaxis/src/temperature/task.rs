@@ -97,9 +97,9 @@ impl Thermal<'_> {
     /// Returns the growth after `dt_s` more seconds with these readings.
     ///
     /// Readings are assumed linear in time since the last update, so the interval may have any length from a cycle to
-    /// a day; after a longer one the task restarts. An interval that is NaN or not above zero changes only
-    /// the status of the sensors and the tool's length. Bounded time: an exponential and a search among 8 knots per
-    /// sensor, a sum over sensors and axes. Allocates nothing, never panics.
+    /// a day; after a longer one the task restarts. An interval that is NaN or not above zero changes only the status of
+    /// the sensors and the tool's length. Bounded time: an exponential and a search among 8 knots per sensor, a sum over
+    /// sensors and axes. Allocates nothing, never panics.
     pub fn update(&self, state: &mut ThermalState, dt_s: f64, readings: &Readings<'_>) -> Growth {
         if dt_s > LONGEST_UPDATE_S {
             *state = ThermalState::new();

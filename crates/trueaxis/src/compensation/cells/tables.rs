@@ -23,7 +23,7 @@ const GAP_MM: f64 = 1e-6;
 /// | number | bound to |
 /// |---|---|
 /// | 0 | no tables |
-/// | 1 | tables without cells; no cache ever is |
+/// | 1 | tables without cells, to which no cache is ever bound |
 /// | k | the tables of this key, read directly: their inverse takes one pass |
 /// | !k | the same, not read directly: their inverse takes several |
 ///

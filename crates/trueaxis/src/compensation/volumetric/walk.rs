@@ -230,8 +230,8 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
 
     /// Without rotary axes the lever of every twist is the sum of the travels beyond it; the tool is in the tables.
     ///
-    /// Like [`Volumetric::sum_of_slides`] of what the tables give, but in another order of additions: terms are added one by
-    /// one, for processors with a multiply-add instruction.
+    /// Computes what [`Volumetric::sum_of_slides`] computes from the tables' values, but adds the terms one by one, for
+    /// processors with a multiply-add instruction: the results may differ in the last bit.
     #[inline(always)]
     fn plain_slides(&self, query: &Query<'_, R, N>, clamped: &mut u8) -> PoseError<R> {
         let Query { command: at, directions: reverse, thermal, .. } = *query;
