@@ -52,6 +52,13 @@ for features in "${sets[@]}"; do
     echo "features: $features"
     cargo check --quiet -p trueaxis --no-default-features --features "$features"
 done
+# The examples, as a host builds them: without `bench`, which every other build of them has.
+cargo build --quiet -p trueaxis
+for example in embed mcu; do
+    echo "example: $example"
+    CARGO_MANIFEST_DIR=$PWD/crates/trueaxis rustc --edition 2024 --emit metadata -L "dependency=$CARGO_TARGET_DIR/debug/deps" \\
+        --extern "trueaxis=$CARGO_TARGET_DIR/debug/libtrueaxis.rlib" --out-dir "$CARGO_TARGET_DIR" "crates/trueaxis/examples/$example.rs"
+done
 rm -rf "$target/features"
 """
 

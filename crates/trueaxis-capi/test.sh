@@ -30,7 +30,7 @@ first=$root/crates/trueaxis/mill-3axis.tcomp
 second=$out/second.tcomp
 damaged=$out/damaged.tcomp
 # With the features of `cargo test --workspace`, so that nothing is built twice.
-(cd "$root" && cargo build --quiet --workspace --exclude trueaxis-fuzz --example halved_tables)
+(cd "$root" && cargo build --quiet --workspace --exclude trueaxis-fuzz --example halved_tables --example combinations --example tables_of_parts)
 "$target/debug/examples/halved_tables" "$first" "$second"
 python3 - "$first" "$damaged" <<'END'
 import sys
@@ -77,7 +77,7 @@ for core in m4f m7; do
 done
 
 # Every measure with and without a gauge: the sums of the C program are those of the Rust interface.
-cargo run --quiet -p trueaxis-capi --example combinations -- "$out/five.tcomp" >"$out/combinations.rust"
+"$target/debug/examples/combinations" "$out/five.tcomp" >"$out/combinations.rust"
 cc -std=c99 "${strict[@]}" examples/c/combinations.c "$host" -Wl,--gc-sections -lpthread -ldl -lm -o "$out/combinations"
 timeout 300 "$out/combinations" "$out/five.tcomp" >"$out/combinations.c"
 cat "$out/combinations.c"
@@ -94,7 +94,7 @@ timeout 300 "$out/replay" "$target/hosts/machine.tcomp" "$target/hosts/run.csv" 
 
 # Without its parts the library refuses what needs them, by numbers, or by name in a build with texts. With the parts that
 # the recording needs, it replays to the same bit.
-cargo run --quiet -p trueaxis-capi --example tables_of_parts -- "$out"
+"$target/debug/examples/tables_of_parts" "$out"
 parts=$target/capi-parts/debug/libtrueaxis_capi.a
 part_library() { # features
     CARGO_TARGET_DIR=$target/capi-parts cargo rustc --quiet -p trueaxis-capi --lib --crate-type staticlib \
