@@ -20,7 +20,8 @@ macro_rules! storages {
 
         const COUNT: usize = [$($name),*].len();
 
-        // Numbers from 1 without a gap, so that no two storages have the same.
+        // Numbers from 1 without a gap, so that no two storages have the same. The compiler evaluates it.
+        #[allow(clippy::indexing_slicing)]
         const _: () = {
             let (numbers, mut i) = ([$($number),*], 0);
             while i < COUNT {

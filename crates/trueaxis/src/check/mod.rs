@@ -277,7 +277,7 @@ pub fn rows(settings: &AxisSettings, rows: &(impl Rows + ?Sized)) -> Result<(), 
     })
 }
 
-/// Checks a whole machine: [`settings`], [`rows`] of every table, [`grids`], [`joint_range`], [`reversal`]; returns the
+/// Checks a whole machine: [`settings`], [`rows`] of every table, [`grids`], [`joint_range`], [`reversal()`]; returns the
 /// number of lookups that its exact inverse needs. Tables are optional: errors stated in the settings apply without
 /// one.
 ///
