@@ -59,7 +59,7 @@ impl Known {
     }
 }
 
-/// Displayed as `32 (u 3)`, with the standard uncertainty u: ± stands for expanded uncertainties alone.
+/// Displayed as `32 (u 3)`: u is the standard uncertainty. ± is kept for expanded uncertainties.
 impl fmt::Display for Known {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Known { value, uncertainty, .. } = self.rounded();

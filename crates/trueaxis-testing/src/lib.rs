@@ -2,7 +2,7 @@
 
 pub mod command;
 pub mod control;
-// The core's unit tests need machines of their own build of `trueaxis`: it compiles this file too.
+// `trueaxis` compiles this file too: its unit tests need machines of the types of their own build.
 #[path = "../../trueaxis/src/testing/machine.rs"]
 pub mod machine;
 pub mod noise;

@@ -204,7 +204,7 @@ impl Test {
         }
     }
 
-    /// What may spoil the result, a sentence each.
+    /// Warnings about the result, a sentence each.
     fn warnings(&self) -> Vec<String> {
         let found = &self.found;
         let mut warnings = Vec::new();

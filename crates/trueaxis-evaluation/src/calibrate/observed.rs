@@ -35,8 +35,8 @@ pub struct Observed {
 }
 
 impl Observed {
-    /// Whether an unknown is a term of the machine, the tip's radius or an artefact's size. The others are where artefacts
-    /// stand, how they deviate from their certificates, and the drift.
+    /// Whether an unknown is a term of the machine, the tip's radius or an artefact's size. The other unknowns are the
+    /// positions of the artefacts, their deviations from their certificates, and the drift.
     pub(super) fn is_term_or_size(&self, index: usize) -> bool {
         index < self.network.terms || index == self.network.tip || self.sizes.contains(&Some(index))
     }

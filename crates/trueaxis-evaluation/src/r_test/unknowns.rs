@@ -37,7 +37,7 @@ impl Unknowns {
         Unknowns { errors, balls, free_sensor }
     }
 
-    /// First column that is no location error: from there on are the places of balls and nest.
+    /// First column after the location errors: there the positions of the balls and of the nest begin.
     pub(super) fn places(&self) -> usize {
         self.errors.len()
     }
@@ -80,7 +80,7 @@ impl Unknowns {
 /// `without`; `file` is named in refusals.
 ///
 /// # Errors
-/// An angle of an axis that the machine lacks, no rotary axis that turns, a `without` that is none of these errors.
+/// The record has angles of an axis that the machine lacks, no rotary axis turns, or `without` names another error.
 pub(super) fn location_errors(
     record: &Record,
     file: &str,

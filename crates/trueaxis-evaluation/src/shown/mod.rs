@@ -97,7 +97,7 @@ impl Table {
         self
     }
 
-    /// Whether a column, counted from 0, has words instead of numbers.
+    /// Whether a column, counted from 0, contains words rather than numbers.
     pub fn is_words(&self, column: usize) -> bool {
         self.rows.iter().all(|row| matches!(row.get(column), Some(Cell::Text(text)) if text != "–"))
     }

@@ -67,7 +67,7 @@ pub fn half_width(standard_error: f64, degrees_of_freedom: f64) -> f64 {
 /// A quantity found, with its uncertainty: a row of [`Table::quantities`](super::Table::quantities).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Quantity {
-    /// What it is.
+    /// Name of the quantity.
     pub quantity: String,
     /// Its symbol in the model, or "".
     pub symbol: &'static str,

@@ -26,19 +26,19 @@ impl fmt::Display for Table {
         let header: Vec<&str> = self.header.iter().map(String::as_str).collect();
         let rows = self.rows.iter().map(|row| row.iter().map(|cell| cell.text()).collect());
         let lines: Vec<Vec<&str>> = std::iter::once(header).chain(rows).collect();
-        let width =
-            |column: usize| lines.iter().filter_map(|line| line.get(column)).map(|text| text.chars().count()).max();
+        let columns: Vec<(usize, bool)> = (0..self.header.len())
+            .map(|column| {
+                let texts = lines.iter().filter_map(|line| line.get(column));
+                (texts.map(|text| text.chars().count()).max().unwrap_or(0), self.is_words(column))
+            })
+            .collect();
         writeln!(f, "{}", self.caption)?;
         for line in &lines {
-            let mut written = String::new();
-            for (column, text) in line.iter().enumerate() {
-                let width = width(column).unwrap_or(0);
-                written += &match self.is_words(column) {
-                    true => format!("  {text:<width$}"),
-                    false => format!("  {text:>width$}"),
-                };
-            }
-            writeln!(f, "{}", written.trim_end())?;
+            let cells = line.iter().zip(&columns).map(|(text, (width, is_words))| match is_words {
+                true => format!("  {text:<width$}"),
+                false => format!("  {text:>width$}"),
+            });
+            writeln!(f, "{}", cells.collect::<String>().trim_end())?;
         }
         Ok(())
     }
