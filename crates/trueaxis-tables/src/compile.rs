@@ -7,7 +7,7 @@ use trueaxis::contour::Method;
 use trueaxis::error::{ConfigError, Field};
 use trueaxis::machine::{Axis, Row};
 use trueaxis::tcomp::{
-    MAGIC, TableHeader, VERSION, VERSION_WITHOUT_ENCODERS, VERSION_WITHOUT_GRIDS, checksum, machine_id,
+    MAGIC, Stored, TableHeader, VERSION, VERSION_WITHOUT_ENCODERS, VERSION_WITHOUT_GRIDS, checksum, machine_id,
 };
 
 /// The compiled form of a machine, byte by byte as in [`trueaxis::tcomp`]. The result is deterministic.
@@ -22,7 +22,7 @@ pub fn compile(machine: &Machine) -> Result<Vec<u8>, ConfigError> {
     }
     check::machine(&machine.settings, |axis| machine.rows(axis), &machine.grids())?;
     let unencodable = |_| ConfigError::new(Field::Name, 0.0, "settings that postcard can encode");
-    let mut payload = postcard::to_stdvec(&machine.settings).map_err(unencodable)?;
+    let mut payload = postcard::to_stdvec(&Stored(&machine.settings)).map_err(unencodable)?;
     for (settings, table) in machine.axes() {
         let header = match table {
             Some(table) => header(settings.axis, table)?,
@@ -46,7 +46,7 @@ pub fn compile(machine: &Machine) -> Result<Vec<u8>, ConfigError> {
         payload.push(machine.grids.len() as u8);
     }
     for grid in &machine.grids {
-        payload.extend(postcard::to_stdvec(grid.header()).map_err(unencodable)?);
+        payload.extend(postcard::to_stdvec(&Stored(grid.header())).map_err(unencodable)?);
         payload.extend(grid.bytes());
     }
     if version == VERSION {

@@ -39,8 +39,8 @@ pub use read::keys::{Keys, Written};
 pub use read::section::{KeyValue, Section, read_toml};
 pub use read::table_text::{ColumnText, TableText, table_texts};
 pub use summary::{
-    AxisSummary, CrosstalkSummary, DynamicSummary, ErrorSummary, FeedbackSummary, FrictionSummary, GridAxisSummary,
-    GridErrorSummary, GridSummary, RoundnessSummary, ServoSummary, Summary, TableSummary, summary,
+    AxisSummary, CrosstalkSummary, DriveSummary, DynamicSummary, ErrorSummary, FeedbackSummary, FrictionSummary,
+    GridAxisSummary, GridErrorSummary, GridSummary, RoundnessSummary, ServoSummary, Summary, TableSummary, summary,
 };
 pub use warning::{Term, Warning, check};
 

@@ -5,7 +5,7 @@ use std::path::Path;
 use tempfile::TempDir;
 use trueaxis::compensation::{Compensation, Direction, Query, ThermalLine, requirement};
 use trueaxis::machine::{AXES, Axis, ErrorModel, Row};
-use trueaxis::tcomp::{HEADER_BYTES, Tcomp, TcompError, checksum};
+use trueaxis::tcomp::{HEADER_BYTES, Stored, Tcomp, TcompError, checksum};
 use trueaxis::{Conditions, Nanometres, Position, Real, ServoLoop};
 use trueaxis_tables::collapse::{CollapseOptions, collapse};
 use trueaxis_tables::error::FileError;
@@ -205,7 +205,7 @@ fn a_compiled_grid_comes_back_and_no_damage_passes() {
         Tcomp::parse(&bytes).map(|_| ()).err()
     };
     assert_eq!(forged(payload), None);
-    let grids = payload.len() - 1 - postcard::to_stdvec(machine.grids[0].header()).unwrap().len() - 16;
+    let grids = payload.len() - 1 - postcard::to_stdvec(&Stored(machine.grids[0].header())).unwrap().len() - 16;
     let with_count = |count: u8| [&payload[..grids], &[count], &payload[grids + 1..]].concat();
     assert_eq!(forged(&with_count(0)), Some(TcompError::GridHeader));
     assert_eq!(forged(&with_count(2)), Some(TcompError::GridHeader));

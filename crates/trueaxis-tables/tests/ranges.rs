@@ -8,7 +8,7 @@ use trueaxis::machine::{
     Axis, CrosstalkSettings, DriveFigures, DynamicSettings, FeedbackSettings, FrictionSettings, MachineSettings,
 };
 use trueaxis::roundness::{Arm, ArmSettings, Band, GaugeSettings, InfeedSettings, ProbeAngles};
-use trueaxis::tcomp::{MAGIC, Tcomp, TcompError, VERSION_WITHOUT_GRIDS, checksum, machine_id};
+use trueaxis::tcomp::{MAGIC, Stored, Tcomp, TcompError, VERSION_WITHOUT_GRIDS, checksum, machine_id};
 use trueaxis::{check, tcomp::HEADER_BYTES};
 use trueaxis_tables::error::FileError;
 use trueaxis_tables::formats::{Format, import, iso230_2::read_measurement};
@@ -400,7 +400,8 @@ fn a_compiled_file_with_a_valid_sum_and_an_absurd_number_is_refused() {
     let machine = gauged();
     let good = compile(&machine).unwrap();
     assert!(Tcomp::parse(&good).is_ok());
-    let tables = good[HEADER_BYTES + postcard::to_stdvec(&machine.settings).unwrap().len()..good.len() - 4].to_vec();
+    let tables =
+        good[HEADER_BYTES + postcard::to_stdvec(&Stored(&machine.settings)).unwrap().len()..good.len() - 4].to_vec();
     let forged = |settings: &[u8]| {
         let payload = [settings, &tables].concat();
         let mut bytes = MAGIC.to_vec();
@@ -411,7 +412,7 @@ fn a_compiled_file_with_a_valid_sum_and_an_absurd_number_is_refused() {
         bytes.extend(checksum(&bytes).to_le_bytes());
         bytes
     };
-    let document = serde_json::to_value(&machine.settings).unwrap();
+    let document = serde_json::to_value(Stored(&machine.settings)).unwrap();
     let mut places = Vec::new();
     floats(&document, String::new(), &mut places);
     assert!(places.len() > 90, "{}", places.len());
@@ -419,14 +420,14 @@ fn a_compiled_file_with_a_valid_sum_and_an_absurd_number_is_refused() {
     for place in places {
         let mut changed = document.clone();
         *changed.pointer_mut(&place).unwrap() = serde_json::json!(MARK);
-        let settings: MachineSettings = serde_json::from_value(changed).unwrap();
-        let bytes = postcard::to_stdvec(&settings).unwrap();
+        let Stored(settings): Stored<MachineSettings> = serde_json::from_value(changed).unwrap();
+        let bytes = postcard::to_stdvec(&Stored(&settings)).unwrap();
         let mark = MARK.to_le_bytes();
         let at = bytes.windows(8).position(|window| window == mark).unwrap();
         for value in [1e308, -1e308, f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e12] {
             let mut bytes = bytes.clone();
             bytes[at..at + 8].copy_from_slice(&value.to_le_bytes());
-            let settings: MachineSettings = postcard::from_bytes(&bytes).unwrap();
+            let Stored(settings): Stored<MachineSettings> = postcard::from_bytes(&bytes).unwrap();
             assert!(check::settings(&settings).is_err(), "{place} = {value}");
             let refused = Tcomp::parse(&forged(&bytes)).err();
             assert!(matches!(refused, Some(TcompError::Content(_))), "{place} = {value}: {refused:?}");

@@ -10,7 +10,7 @@ use trueaxis::machine::{
     FrictionSettings, KinematicsSettings, Limits, MachineSettings,
 };
 use trueaxis::roundness::{Arm, ArmSettings, Band, GaugeSettings, InfeedSettings, ProbeAngles};
-use trueaxis::tcomp::{Tcomp, TcompError, checksum, machine_id};
+use trueaxis::tcomp::{Stored, Tcomp, TcompError, checksum, machine_id};
 use trueaxis_tables::files::Memory;
 use trueaxis_tables::{Machine, Term, Warning, check, compile, summary};
 use trueaxis_testing::noise::Noise;
@@ -269,7 +269,7 @@ fn nonsense_with_a_good_sum_is_refused() {
     assert_eq!(wrapped(&[]), TcompError::Settings);
     assert_eq!(wrapped(&[payload, b"\0"].concat()), TcompError::PayloadTooLong);
     assert_eq!(wrapped(&payload[..payload.len() - 1]), TcompError::TableTooLong);
-    let settings = postcard::to_stdvec(&machine.settings).unwrap().len();
+    let settings = postcard::to_stdvec(&Stored(&machine.settings)).unwrap().len();
     assert_eq!(wrapped(&payload[..settings]), TcompError::TableHeader);
     let header = |change: &[u8]| wrapped(&[&payload[..settings], change, &payload[settings + change.len()..]].concat());
     // An invalid model and orientation: enum and bool beyond their variants.
@@ -304,10 +304,10 @@ fn gauge(points: u16) -> GaugeSettings {
 fn forged(change: impl Fn(&mut MachineSettings)) -> Result<(), TcompError> {
     let machine = sample();
     let bytes = compile(&machine).unwrap();
-    let length = postcard::to_stdvec(&machine.settings).unwrap().len();
+    let length = postcard::to_stdvec(&Stored(&machine.settings)).unwrap().len();
     let mut settings = machine.settings.clone();
     change(&mut settings);
-    let mut payload = postcard::to_stdvec(&settings).unwrap();
+    let mut payload = postcard::to_stdvec(&Stored(&settings)).unwrap();
     payload.extend(&bytes[18 + length..bytes.len() - 4]);
     Tcomp::parse(&file(machine_id(&settings.name, &settings.chain), &payload)).map(|_| ())
 }

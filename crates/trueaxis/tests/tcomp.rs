@@ -2,7 +2,7 @@
 //! CRC-32.
 
 use trueaxis::machine::{Axis, AxisSettings, MachineSettings, ThermalGrowth};
-use trueaxis::tcomp::{TableHeader, Tcomp, TcompError, checksum, machine_id};
+use trueaxis::tcomp::{Stored, TableHeader, Tcomp, TcompError, checksum, machine_id};
 use trueaxis_testing::machine::Machine;
 
 /// CRC-32/ISO-HDLC: polynomial 0x04C11DB7 reflected, initial value and final XOR all ones.
@@ -19,7 +19,7 @@ const NONE: TableHeader = TableHeader { present: false, given: 0, bidirectional:
 
 fn payload(machine: &MachineSettings, tables: &[Table]) -> Vec<u8> {
     let mut buffer = vec![0; 1 << 16];
-    let mut bytes = postcard::to_slice(machine, &mut buffer).unwrap().to_vec();
+    let mut bytes = postcard::to_slice(&Stored(machine), &mut buffer).unwrap().to_vec();
     for (header, numbers) in tables {
         bytes.extend_from_slice(postcard::to_slice(header, &mut [0; 64]).unwrap());
         bytes.extend(numbers.iter().flat_map(|number| number.to_le_bytes()));

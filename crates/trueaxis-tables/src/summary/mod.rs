@@ -6,7 +6,7 @@ mod servo;
 
 pub use grid::{GridAxisSummary, GridErrorSummary, GridSummary};
 pub use roundness::RoundnessSummary;
-pub use servo::{CrosstalkSummary, DynamicSummary, FeedbackSummary, FrictionSummary, ServoSummary};
+pub use servo::{CrosstalkSummary, DriveSummary, DynamicSummary, FeedbackSummary, FrictionSummary, ServoSummary};
 
 use crate::text::micro;
 use crate::text::short;

@@ -3,17 +3,34 @@
 use crate::text::{micro, short};
 use serde::Serialize;
 use std::fmt;
-use trueaxis::machine::{Axis, AxisServo, CrosstalkSettings, DriveFigures, FeedbackSettings};
+use trueaxis::machine::{Axis, AxisServo, CrosstalkSettings, FeedbackSettings};
 
 /// The servo settings of an axis. Lengths in the axis' unit, mm or degrees, small ones in µm or µrad.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ServoSummary {
     /// Parameters of the drive.
-    pub drive: Option<DriveFigures>,
+    pub drive: Option<DriveSummary>,
     /// Friction of the reversal feed-forward.
     pub friction: Option<FrictionSummary>,
     /// Dynamic correction.
     pub dynamic: Option<DynamicSummary>,
+}
+
+/// Parameters of a drive: those of [`trueaxis::machine::DriveFigures`], in its units.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct DriveSummary {
+    /// K_v, 1/s.
+    pub position_gain_per_s: f64,
+    /// K_vp, 1/s.
+    pub velocity_gain_per_s: f64,
+    /// Reset time of the velocity loop, s.
+    pub reset_time_s: f64,
+    /// Share of the commanded velocity that is fed forward.
+    pub velocity_feed_forward: f64,
+    /// Time constant of the current loop, s.
+    pub current_loop_s: f64,
+    /// Dead time, s.
+    pub dead_time_s: f64,
 }
 
 /// Friction of an axis, divided by the gain of its velocity loop.
@@ -80,6 +97,14 @@ pub struct CrosstalkSummary {
 
 /// The servo settings of an axis that has any.
 pub(super) fn servo(axis: Axis, servo: &AxisServo) -> Option<ServoSummary> {
+    let drive = servo.drive.map(|drive| DriveSummary {
+        position_gain_per_s: drive.position_gain_per_s,
+        velocity_gain_per_s: drive.velocity_gain_per_s,
+        reset_time_s: drive.reset_time_s,
+        velocity_feed_forward: drive.velocity_feed_forward,
+        current_loop_s: drive.current_loop_s,
+        dead_time_s: drive.dead_time_s,
+    });
     let friction = servo.friction.map(|friction| FrictionSummary {
         coulomb_per_s: friction.coulomb_per_s,
         presliding_micro: micro(axis, friction.presliding),
@@ -96,8 +121,8 @@ pub(super) fn servo(axis: Axis, servo: &AxisServo) -> Option<ServoSummary> {
         acceleration: dynamic.acceleration,
         take_up: dynamic.take_up,
     });
-    let any = servo.drive.is_some() || friction.is_some() || dynamic.is_some();
-    any.then_some(ServoSummary { drive: servo.drive, friction, dynamic })
+    let any = drive.is_some() || friction.is_some() || dynamic.is_some();
+    any.then_some(ServoSummary { drive, friction, dynamic })
 }
 
 pub(super) fn feedback(settings: &FeedbackSettings) -> FeedbackSummary {

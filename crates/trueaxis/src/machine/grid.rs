@@ -2,7 +2,6 @@
 
 use super::Twist;
 use crate::axis::Axis;
-use serde::{Deserialize, Serialize};
 
 /// Largest number of grids of a machine.
 pub const GRIDS: usize = 4;
@@ -10,7 +9,7 @@ pub const GRIDS: usize = 4;
 pub const GRID_NODES: usize = 1000;
 
 /// Nodes of a grid along one linear axis.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct GridAxis {
     /// Number of nodes; 0 if the grid does not span this axis.
@@ -38,7 +37,7 @@ impl GridAxis {
 }
 
 /// Header of a grid: everything except its nodes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct GridHeader {
     /// Nodes along X, Y, Z.

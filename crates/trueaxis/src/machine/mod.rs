@@ -1,9 +1,9 @@
-//! Settings of a machine, as stored in a compiled table file: axes, limits, location errors.
+//! Settings of a machine: axes, limits, location errors.
 //!
 //! Lengths are mm, angles of rotary *positions* are degrees, angular *errors* are radians; time is seconds.
 //! For a rotary axis every `mm` of an axis-own quantity (travel, backlash, correction limits) reads `degree`.
 //!
-//! The order of the fields is the order in the file ([`crate::tcomp`]): a change of it is another version of the format.
+//! How a compiled file stores them is not said here, but in [`crate::tcomp`]: the order of these fields is free.
 
 mod chain;
 mod curve;
@@ -30,7 +30,6 @@ pub use servo::{
 use crate::part;
 use crate::roundness::GaugeSettings;
 use heapless::{String, Vec};
-use serde::{Deserialize, Serialize};
 
 /// Largest length of a machine name, in bytes of UTF-8.
 pub const NAME_CAPACITY: usize = 64;
@@ -38,7 +37,7 @@ pub const NAME_CAPACITY: usize = 64;
 pub const CHAIN_CAPACITY: usize = 48;
 
 /// Interpolation between the points of a table.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Interpolation {
     /// Straight lines between the points; the slope steps at every point.
@@ -50,7 +49,7 @@ pub enum Interpolation {
 }
 
 /// Position at which a table is looked up.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Lookup {
     /// At the commanded position (with exact inverse).
@@ -61,7 +60,7 @@ pub enum Lookup {
 }
 
 /// Limits of one axis' correction.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Limits {
     /// Largest |correction|, mm (rotary: degrees).
@@ -74,7 +73,7 @@ pub struct Limits {
 
 /// Thermal growth of one axis: error added at temperature T and position q is
 /// `(T − T_ref) · (offset_per_k + expansion_per_k · (q − datum))`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ThermalGrowth {
     /// Offset, mm/K (deg/K).
@@ -86,7 +85,7 @@ pub struct ThermalGrowth {
 }
 
 /// Settings of one axis, without its table values.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct AxisSettings {
     /// Which axis.
@@ -121,7 +120,6 @@ pub struct AxisSettings {
     /// Smallest step of the position reading, mm (deg), or its peak-to-peak noise if that is larger; `None` if not
     /// stated. Bounds the hysteresis from below, and determines the changes that a dead encoder may show
     /// ([`FaultSettings::stuck`]). Stored at the end of a compiled file ([`crate::tcomp`]).
-    #[serde(skip)]
     pub encoder_resolution: Option<f64>,
     /// Limits of the correction.
     pub limits: Limits,
@@ -173,7 +171,7 @@ impl AxisSettings {
 }
 
 /// Location errors of the axes, all zero for a perfect machine.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct LocationErrors {
     /// Squareness `A0Z` of Z to Y, rad.
@@ -195,7 +193,7 @@ impl LocationErrors {
 }
 
 /// Conditions for accepting a reading or a command. Pairs are for linear (mm) and rotary (degrees) axes.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct FaultSettings {
     /// After a stop request the step resumes only if the command is within this distance of the held one: mm, degrees.
@@ -218,7 +216,7 @@ impl Default for FaultSettings {
 }
 
 /// Settings of the contour search.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ContourSettings {
     /// Half-window of a cold search, arc length, mm.
@@ -234,7 +232,7 @@ impl Default for ContourSettings {
 }
 
 /// Which errors the step corrects.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ErrorModel {
     /// Axis-wise: the translations of every axis and a rotary axis' own error; angular errors have no lever.
@@ -245,7 +243,7 @@ pub enum ErrorModel {
 }
 
 /// Which errors are corrected, and by which axes.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct CompensationSettings {
     /// The error model.
@@ -271,7 +269,7 @@ impl Default for CompensationSettings {
 }
 
 /// Settings of the transformation between axis positions and the tool in workpiece coordinates.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct KinematicsSettings {
     /// Tool axis with all axes at zero, from the tip to the spindle, in bed directions; normalised at use.
@@ -288,7 +286,7 @@ impl Default for KinematicsSettings {
 }
 
 /// Settings of a machine, without its table values.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct MachineSettings {
     /// Name of the machine.

@@ -5,7 +5,6 @@
 use super::Limits;
 use crate::axis::Axis;
 use heapless::Vec;
-use serde::{Deserialize, Serialize};
 
 /// Largest number of cross-talk entries of a machine.
 pub const CROSSTALK_CAPACITY: usize = 6;
@@ -13,7 +12,7 @@ pub const CROSSTALK_CAPACITY: usize = 6;
 pub const CROSSTALK_POINTS: usize = 8;
 
 /// Figures of an axis' servo drive: a position loop around a velocity loop around a current loop.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct DriveFigures {
     /// Gain of the position loop K_v, 1/s.
@@ -47,7 +46,7 @@ impl DriveFigures {
 
 /// Friction of an axis for the reversal feed-forward. Forces are divided by the moved mass and by K_vp, so that they are
 /// velocities: the error of the velocity loop until its integrator supplies the force.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct FrictionSettings {
     /// Coulomb friction F_c/K_vp, mm/s.
@@ -80,7 +79,7 @@ impl FrictionSettings {
 }
 
 /// Dynamic correction that the step adds to an axis' command in addition to the geometric correction.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct DynamicSettings {
     /// Limits of the dynamic correction; its sum with the geometric one also keeps the limits of the axis.
@@ -108,7 +107,7 @@ impl DynamicSettings {
 }
 
 /// The servo of an axis: each part is off if it is `None`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct AxisServo {
     /// The drive.
@@ -120,7 +119,7 @@ pub struct AxisServo {
 }
 
 /// Contour feedback: u = −(K_p e + K_i ∫e dt), e the contour error of the estimated tip.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct FeedbackSettings {
     /// Proportional gain K_p.
@@ -143,7 +142,7 @@ impl Default for FeedbackSettings {
 }
 
 /// Acceleration cross-talk: the tip moves by k a in direction `tip` while axis `from` accelerates by a.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct CrosstalkSettings {
     /// Linear axis along which the tip moves, and which corrects it.

@@ -17,7 +17,7 @@ use core::f64::consts::{PI, TAU};
 const SINGULAR: f64 = 1e8;
 
 /// A band of harmonics, undulations per revolution.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Band {
     /// Lowest harmonic, at least 2.
@@ -57,7 +57,7 @@ impl Band {
 }
 
 /// The angles between the probes: φ2 from probe 1 to probe 2, φ3 from probe 2 to probe 3, in the sense of θ.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ProbeAngles {
     /// In whole slots of 2π/N: `p` from probe 1 to 2, `q` from 2 to 3.

@@ -14,7 +14,7 @@ use crate::range::{CRANK, RADIUS};
 use crate::real::Real;
 
 /// Lengths of the linkage, mm.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Arm {
     /// Crank throw R: distance of the pin's centre from the spindle's axis.

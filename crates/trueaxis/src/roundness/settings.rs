@@ -1,4 +1,4 @@
-//! Settings of a gauge of three probes, as stored in a compiled table file.
+//! Settings of a gauge of three probes.
 
 use super::angles::{Band, Gain, ProbeAngles};
 use super::arm::Arm;
@@ -6,7 +6,6 @@ use super::filter;
 use crate::axis::Axis;
 use crate::error::{ConfigError, Field};
 use crate::range::{ANGLE, ARM_TOLERANCE, DRIVE_DELAY, INFEED, INFEED_GAIN, NOISE_GAIN, PROBE_GAIN, PROBE_RAW, STOP};
-use serde::{Deserialize, Serialize};
 
 /// Default noise gain above which harmonics are suppressed.
 pub const NOISE_GAIN_LIMIT: f64 = 100.0;
@@ -18,7 +17,7 @@ pub const MOST_POINTS: usize = 4096;
 pub const MOST_COUNTS: u32 = 1 << 28;
 
 /// One displacement probe: reading in µm = gain · (raw − zero).
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ProbeSettings {
     /// µm per unit of the raw value; negative if the raw value falls as the surface approaches.
@@ -36,7 +35,7 @@ impl Default for ProbeSettings {
 }
 
 /// Encoder of the spindle.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct SpindleEncoder {
     /// Counts per revolution of the workpiece, after quadrature.
@@ -50,7 +49,7 @@ pub struct SpindleEncoder {
 }
 
 /// The following arm and its encoder.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ArmSettings {
     /// Lengths of the linkage.
@@ -64,7 +63,7 @@ pub struct ArmSettings {
 }
 
 /// Settings for the infeed correction of the next revolutions from the separated profile.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct InfeedSettings {
     /// Axis that feeds in.
@@ -100,7 +99,7 @@ pub fn gain_limit(delay_revolutions: u8) -> f64 {
 }
 
 /// A gauge of three probes at a turning workpiece.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct GaugeSettings {
     /// Points of a revolution, a power of two from 64 to 4096.

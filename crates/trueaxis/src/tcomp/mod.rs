@@ -11,12 +11,17 @@
 //! | n | payload |
 //! | 4 | CRC-32 of everything before |
 //!
-//! CRC-32 is CRC-32/ISO-HDLC (Ethernet, zlib). The payload is [`MachineSettings`] in postcard, then for every axis, in
-//! their order, [`TableHeader`] in postcard and its lines as raw doubles: position (mm, degrees), the given forward
-//! errors (mm, rad) in the order EX EY EZ EA EB EC, and the reverse ones if the table is bidirectional. From version 5
-//! on, the number of grids follows as one byte, then for each grid [`GridHeader`] in postcard, the positions of free
-//! nodes as raw doubles and the nodes as 16-bit numbers ([`GridData`]), which are read in place. In version 6 a raw
-//! double for every axis ends the payload: the step of its encoder (mm, degrees), 0 if not stated.
+//! CRC-32 is CRC-32/ISO-HDLC (Ethernet, zlib). The payload is [`MachineSettings`] in postcard, in the
+//! layout of `stored.rs`, then for every axis, in their order, [`TableHeader`] in postcard and its lines as raw doubles:
+//! position (mm, degrees), the given forward errors (mm, rad) in the order EX EY EZ EA EB EC, and the reverse ones if
+//! the table is bidirectional. From version 5 on, the number of grids follows as one byte, then for each grid
+//! [`GridHeader`] in postcard, the positions of free nodes as raw doubles and the nodes as 16-bit numbers
+//! ([`GridData`]), which are read in place. In version 6 a raw double for every axis ends the payload: the step of its
+//! encoder (mm, degrees), 0 if not stated.
+
+mod stored;
+
+pub use stored::Stored;
 
 use crate::check;
 use crate::error::{ConfigError, Field};
@@ -27,6 +32,7 @@ use core::fmt;
 use crc::{CRC_32_ISO_HDLC, Crc};
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
+use stored::{Layout, read_settings};
 
 /// First eight bytes of the file.
 pub const MAGIC: [u8; 8] = *b"TRUEAXIS";
@@ -283,48 +289,24 @@ fn read<'a, T: Deserialize<'a>>(rest: &mut &'a [u8], to: &mut T) -> Option<()> {
     Some(())
 }
 
-/// Decodes a list in postcard element by element into its place.
-fn read_list<'a, T: Deserialize<'a>, const N: usize>(rest: &mut &'a [u8], to: &mut Vec<T, N>) -> Option<()> {
+/// Decodes the next value in its layout into its place.
+fn read_stored<T: Layout>(rest: &mut &[u8], to: &mut T) -> Option<()> {
+    let (Stored(value), behind) = decoded(rest)?;
+    (*to, *rest) = (value, behind);
+    Some(())
+}
+
+/// Decodes a list element by element into its place.
+fn read_list<T: Layout, const N: usize>(rest: &mut &[u8], to: &mut Vec<T, N>) -> Option<()> {
     to.clear();
     let mut count = 0_u32;
     read(rest, &mut count)?;
     for _ in 0..count {
-        let (element, behind) = decoded(rest)?;
+        let (Stored(element), behind) = decoded(rest)?;
         to.push(element).ok()?;
         *rest = behind;
     }
     Some(())
-}
-
-/// Decodes settings in postcard, field by field into their places: serde copies a whole structure at every level that
-/// returns it, which takes 20 kB of stack.
-fn read_settings(rest: &mut &[u8], to: &mut MachineSettings) -> Option<()> {
-    let MachineSettings {
-        name,
-        chain,
-        tool_mm,
-        reference_temperature_c,
-        location,
-        faults,
-        contour,
-        compensation,
-        kinematics,
-        axes,
-        roundness,
-        crosstalk,
-    } = to;
-    read(rest, name)?;
-    read(rest, chain)?;
-    read(rest, tool_mm)?;
-    read(rest, reference_temperature_c)?;
-    read(rest, location)?;
-    read(rest, faults)?;
-    read(rest, contour)?;
-    read(rest, compensation)?;
-    read(rest, kinematics)?;
-    read_list(rest, axes)?;
-    read(rest, roundness)?;
-    read_list(rest, crosstalk)
 }
 
 fn split<const N: usize>(bytes: &[u8]) -> Result<([u8; N], &[u8]), TcompError> {
@@ -519,7 +501,7 @@ fn read_grids<'a>(rest: &mut &'a [u8], version: u16, grids: &mut Vec<GridData<'a
         return Err(TcompError::Content(ConfigError::left_out(Part::Grids, Field::GridTable)));
     }
     for _ in 0..*count {
-        let (header, bytes) = decoded::<GridHeader>(behind).ok_or(TcompError::GridHeader)?;
+        let (Stored(header), bytes) = decoded::<Stored<GridHeader>>(behind).ok_or(TcompError::GridHeader)?;
         let (grid, after) = GridData::new(header, bytes).ok_or(TcompError::GridTooLong)?;
         grids.push(grid).map_err(|_| TcompError::GridHeader)?;
         behind = after;
@@ -527,3 +509,6 @@ fn read_grids<'a>(rest: &mut &'a [u8], version: u16, grids: &mut Vec<GridData<'a
     *rest = behind;
     Ok(())
 }
+
+#[cfg(test)]
+mod tests;
