@@ -61,18 +61,12 @@ impl<R: Real> Side<R> {
     }
 }
 
-/// How far an axis has moved from zero.
-enum Moved<R> {
-    /// A slide, mm.
-    Slid(R),
-    /// A rotary axis: cosine and sine.
-    Turned((R, R)),
-}
-
 /// Where the walk reads the axes. A trait and not a closure, so that both places that read can be inlined.
 trait Axes<R> {
-    /// Twist of an axis, translations and rotations, and its position.
-    fn read(&mut self, carriage: &Carriage<R>) -> ((V3<R>, V3<R>), Moved<R>);
+    /// Twist of an axis, translations and rotations, and its position, mm (deg).
+    fn read(&mut self, carriage: &Carriage<R>) -> ((V3<R>, V3<R>), R);
+    /// Cosine and sine of a rotary axis at the position read.
+    fn pose(&self, carriage: &Carriage<R>, q: R) -> (R, R);
 }
 
 /// Twists and positions looked up before the walk.
@@ -84,13 +78,16 @@ struct Twists<'q, R, const N: usize> {
 
 impl<R: Real, const N: usize> Axes<R> for Twists<'_, R, N> {
     #[inline(always)]
-    fn read(&mut self, carriage: &Carriage<R>) -> ((V3<R>, V3<R>), Moved<R>) {
-        let slot = carriage.slot;
-        let (twist, q, pose) = match (self.twists.get(slot), self.positions.get(slot), self.poses.get(slot)) {
-            (Some(twist), Some(q), Some(pose)) => (*twist, *q, *pose),
-            _ => ([R::ZERO; 6], R::ZERO, (R::ONE, R::ZERO)),
-        };
-        (halves(twist), if carriage.axis.is_rotary() { Moved::Turned(pose) } else { Moved::Slid(q) })
+    fn read(&mut self, carriage: &Carriage<R>) -> ((V3<R>, V3<R>), R) {
+        match (self.twists.get(carriage.slot), self.positions.get(carriage.slot)) {
+            (Some(twist), Some(q)) => (halves(*twist), *q),
+            _ => ((V3::ZERO, V3::ZERO), R::ZERO),
+        }
+    }
+
+    #[inline(always)]
+    fn pose(&self, carriage: &Carriage<R>, _: R) -> (R, R) {
+        self.poses.get(carriage.slot).copied().unwrap_or((R::ONE, R::ZERO))
     }
 }
 
@@ -103,7 +100,7 @@ struct PlainTables<'q, 'a, R: Real, P, const N: usize> {
 
 impl<R: Real, P: Position, const N: usize> Axes<R> for PlainTables<'_, '_, R, P, N> {
     #[inline(always)]
-    fn read(&mut self, carriage: &Carriage<R>) -> ((V3<R>, V3<R>), Moved<R>) {
+    fn read(&mut self, carriage: &Carriage<R>) -> ((V3<R>, V3<R>), R) {
         let (slot, Volumetric { tables, origins, datum, squareness, .. }) = (carriage.slot, self.model);
         let (Some(table), Some(at), Some(reverse), Some(line), Some(origin), Some(datum)) = (
             tables.get(slot),
@@ -113,7 +110,7 @@ impl<R: Real, P: Position, const N: usize> Axes<R> for PlainTables<'_, '_, R, P,
             origins.get(slot),
             datum.get(slot),
         ) else {
-            return ((V3::ZERO, V3::ZERO), Moved::Slid(R::ZERO));
+            return ((V3::ZERO, V3::ZERO), R::ZERO);
         };
         let (twist, edge) = table.at_plain(*at, *reverse);
         if edge {
@@ -136,12 +133,12 @@ impl<R: Real, P: Position, const N: usize> Axes<R> for PlainTables<'_, '_, R, P,
             Axis::B => w.y += growth * R::of(RAD),
             Axis::C => w.z += growth * R::of(RAD),
         }
-        let moved = if carriage.axis.is_rotary() {
-            Moved::Turned(coarse_cos_sin_deg(q * carriage.motion))
-        } else {
-            Moved::Slid(q)
-        };
-        ((e, w), moved)
+        ((e, w), q)
+    }
+
+    #[inline(always)]
+    fn pose(&self, carriage: &Carriage<R>, q: R) -> (R, R) {
+        coarse_cos_sin_deg(q * carriage.motion)
     }
 }
 
@@ -199,29 +196,28 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
         let mut tool = Side { v: V3::ZERO, w: V3::ZERO };
         let mut tip = self.chain.tool;
         for carriage in self.chain.tool_side() {
-            let (twist, moved) = axes.read(carriage);
-            match moved {
-                Moved::Turned(pose) => {
-                    tip = tip.turned(about(carriage.axis), pose) + carriage.offset;
-                    tool.turn(carriage, pose, twist);
-                }
-                Moved::Slid(q) => {
-                    tool.add(twist);
-                    tool.slide(carriage.axis, q);
-                    match about(carriage.axis) {
-                        About::X => tip.x += q,
-                        About::Y => tip.y += q,
-                        About::Z => tip.z += q,
-                    }
+            let (twist, q) = axes.read(carriage);
+            if carriage.axis.is_rotary() {
+                let pose = axes.pose(carriage, q);
+                tip = tip.turned(about(carriage.axis), pose) + carriage.offset;
+                tool.turn(carriage, pose, twist);
+            } else {
+                tool.add(twist);
+                tool.slide(carriage.axis, q);
+                match about(carriage.axis) {
+                    About::X => tip.x += q,
+                    About::Y => tip.y += q,
+                    About::Z => tip.z += q,
                 }
             }
         }
         let mut workpiece = Side { v: V3::ZERO, w: V3::ZERO };
         for carriage in self.chain.workpiece_side() {
-            let (twist, moved) = axes.read(carriage);
-            match moved {
-                Moved::Turned(pose) => workpiece.turn(carriage, pose, twist),
-                Moved::Slid(q) => workpiece.carry(carriage, q, twist),
+            let (twist, q) = axes.read(carriage);
+            if carriage.axis.is_rotary() {
+                workpiece.turn(carriage, axes.pose(carriage, q), twist);
+            } else {
+                workpiece.carry(carriage, q, twist);
             }
         }
         let w = tool.w + workpiece.w;
