@@ -3,6 +3,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+if (($# != 3)); then
+    echo "usage: build.sh KLIPPY_FOLDER LIBTRUEAXIS_CAPI.A OUT.SO; found $# arguments" >&2
+    exit 2
+fi
 klippy=$1 library=$2 out=$3
 for name in itersolve trapq list; do
     [[ -f $klippy/chelper/$name.h ]] || { echo "build.sh: this version of the host has no chelper/$name.h in $klippy, which the shim needs" >&2; exit 1; }

@@ -267,6 +267,10 @@ fn terms_that_a_set_up_cannot_separate_are_named() {
         format!("{HEAD}{BALL}").replace("25.0", "-25.0"),
         &["task.toml:8: key artefact.diameter_mm", "0.5 to 2000 mm"],
     );
+    refused(
+        format!("{HEAD}{BALL}").replace("diameter", "diametre"),
+        &["task.toml:8: key artefact.diametre_mm", "needed diameter_mm: its diameter, mm"],
+    );
     // Touches at Z −12 are within the travel; the path over the square is not.
     refused(
         format!("{HEAD}{tip}{over}").replace("-150.0", "-12.0"),

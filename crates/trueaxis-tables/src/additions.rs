@@ -14,7 +14,7 @@ use crate::uncertainty::Uncertainties;
 use crate::{Machine, Table};
 use std::path::Path;
 use toml_edit::{DocumentMut, Item, TableLike, Value};
-use trueaxis::machine::{Axis, Row, Twist};
+use trueaxis::machine::{Axis, AxisSettings, Row, Twist};
 
 /// Closest two positions of a table, mm or degrees.
 const CLOSEST: f64 = 1e-3;
@@ -67,9 +67,11 @@ impl Additions {
         let again = self.record.as_ref().is_some_and(|record| known.records.contains(record));
         let below = |key: &str, written: &finding::Known| {
             let axis = finding::axis_of(key).and_then(|axis| before.settings.axis(axis));
-            let hysteresis =
-                axis.map_or(0.0, |own| if own.axis.is_rotary() { own.hysteresis * 1e6 } else { own.hysteresis * 1e3 });
-            key.contains(".backlash_") && -written.value > hysteresis
+            let in_micro = |own: &AxisSettings| match own.axis.is_rotary() {
+                true => own.hysteresis.to_radians() * 1e6,
+                false => own.hysteresis * 1e3,
+            };
+            key.contains(".backlash_") && -written.value > axis.map_or(0.0, in_micro)
         };
         let decision = |finding: &Finding| {
             let stated = finding::stated(document.as_table(), finding);

@@ -7,14 +7,18 @@ use crate::origin::Origin;
 use std::path::Path;
 use trueaxis::machine::Axis;
 
-/// What is needed in place of an unknown name: the known names, joined by `separator`, headed by the nearest if it has at
-/// least four letters and differs by a typing error or two.
+/// Whether a name differs from a known one, of at least four letters, by a typing error or two.
+pub(crate) fn near(unknown: &str, known: &str) -> bool {
+    known.len() >= 4 && strsim::osa_distance(unknown, known) <= 1 + known.len() / 5
+}
+
+/// What is needed in place of an unknown name: the known names, joined by `separator`, headed by the nearest if it
+/// differs by a typing error or two.
 pub fn one_of<'n>(unknown: &str, known: impl IntoIterator<Item = &'n str>, separator: &str) -> String {
     let known = Vec::from_iter(known);
     let all = known.join(separator);
-    let distance = |name: &&str| strsim::osa_distance(unknown, name);
-    let near = known.iter().filter(|name| name.len() >= 4 && distance(name) <= 1 + name.len() / 5);
-    match near.min_by_key(|name| distance(name)) {
+    let near = known.iter().filter(|name| near(unknown, name));
+    match near.min_by_key(|name| strsim::osa_distance(unknown, name)) {
         Some(nearest) => format!("{nearest}, or another of {all}"),
         None => format!("one of {all}"),
     }

@@ -106,6 +106,19 @@ fn lost_motion_below_zero_is_named_and_the_rest_is_given() {
     assert!(into("hysteresis_um = 9\n").0.contains("backlash_um = -7.8"));
 }
 
+/// The hysteresis of a rotary axis, in degrees in the core, is compared in microradians.
+#[test]
+fn lost_motion_of_a_rotary_axis_is_compared_with_its_hysteresis() {
+    let additions = Additions { findings: vec![moved("axis.C.backlash_urad", -20.0, 0.1)], ..Additions::default() };
+    let written = |hysteresis: f64| {
+        let toml = format!("name = \"m\"\nchain = \"w C' b X Y Z t\"\n[axis.C]\nhysteresis_urad = {hysteresis}\n");
+        let decisions = additions.decide(&Memory::new([("machine.toml", toml)]), Path::new("machine.toml")).unwrap();
+        decisions[0].written.map(|written| written.value)
+    };
+    assert_eq!(written(10.0), None);
+    assert_eq!(written(30.0), Some(-20.0));
+}
+
 /// A location error that cancels is set to zero; one below a nanoradian counts as zero.
 #[test]
 fn location_errors_that_change_are_set() {

@@ -4,7 +4,7 @@
 
 use crate::error::FileError;
 use crate::origin::Origin;
-use crate::text::{line_at, one_of};
+use crate::text::{self, line_at, one_of};
 use std::cell::RefCell;
 use std::ops::Range;
 use std::path::Path;
@@ -284,13 +284,23 @@ impl<'a> Section<'a> {
         self.origin.at(line, &format!("{}{key}", self.prefix), found, needed)
     }
 
-    /// An error because a key is missing in one of several sections of the same name, at the section's first line.
+    /// An error because a key is missing in one of several sections of the same name, at the section's first line or at a
+    /// misspelling of the key.
     pub fn missing_here(&self, key: &str, needed: &str) -> FileError {
-        self.at(self.first_line(), key, "nothing", needed)
+        self.misspelt(key, needed).unwrap_or_else(|| self.at(self.first_line(), key, "nothing", needed))
     }
 
-    /// An error because a key is missing.
+    /// An error because a key is missing, at a misspelling of the key if there is one.
     pub fn missing(&self, key: &str, needed: &str) -> FileError {
-        self.origin.at(0, &format!("{}{key}", self.prefix), "nothing", needed)
+        let nothing = || self.origin.at(0, &format!("{}{key}", self.prefix), "nothing", needed);
+        self.misspelt(key, needed).unwrap_or_else(nothing)
+    }
+
+    /// An error at a key that is not requested and is nearly spelt like the missing one.
+    fn misspelt(&self, missing: &str, needed: &str) -> Option<FileError> {
+        let asked = self.asked.borrow();
+        let unknown = self.table.keys().filter(|key| !asked.iter().any(|asked| *asked == *key.get_ref()));
+        let near = unknown.filter(|key| text::near(key.get_ref(), missing)).min_by_key(|key| key.span().start)?;
+        Some(self.refuse(near.get_ref(), &near.span(), format!("{missing}: {needed}")))
     }
 }
