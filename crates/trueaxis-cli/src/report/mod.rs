@@ -1,6 +1,5 @@
 //! Reports: one self-contained HTML page each, no network, no script. Figures are SVG inside the page.
 
-pub(crate) mod circle;
 pub(crate) mod friction;
 pub(crate) mod helicoid;
 pub(crate) mod identify;
