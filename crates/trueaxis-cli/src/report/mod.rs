@@ -3,7 +3,6 @@
 pub(crate) mod friction;
 pub(crate) mod helicoid;
 pub(crate) mod identify;
-pub(crate) mod learn;
 pub(crate) mod roundness;
 mod shown;
 pub(crate) mod uncertainty;

@@ -22,13 +22,14 @@ pub(crate) fn stage<H: AsRef<str>>(
 /// No sections of the result's own.
 pub(crate) const NO_FIGURES: [(&str, Markup); 0] = [];
 
-/// The whole page. `source` is the name of the record; `figures` are sections of the result's own, after the plots.
+/// The whole page. `source` is the name of the record, "" for none; `figures` are sections of the result's own, after the plots.
 pub(crate) fn page<H: AsRef<str>>(
     source: &str,
     shown: &Shown,
     figures: impl IntoIterator<Item = (H, Markup)>,
 ) -> String {
-    let parts = std::iter::once(source).chain(shown.summary.iter().map(String::as_str));
+    let parts = std::iter::once(source).filter(|source| !source.is_empty());
+    let parts = parts.chain(shown.summary.iter().map(String::as_str));
     let mut page =
         Page::new(&shown.title).top(summary(parts.map(|part| html! { (part) }))).top(super::warnings(&shown.notes));
     let mut tables = shown.tables.iter().filter(|table| !table.rows.is_empty());
