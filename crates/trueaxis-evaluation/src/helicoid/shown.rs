@@ -103,6 +103,7 @@ impl HelicoidDocument {
             ("lead parameter", fixed(surface.lead_parameter_mm_per_rad), "mm/rad"),
             ("lead", fixed(surface.lead_mm), "mm"),
             ("tilt γ of the normal", fixed(surface.tilt_deg), "degrees"),
+            ("points of the grid", Cell::count(self.inputs.u_rad.count * self.inputs.theta_rad.count), ""),
         ]);
         values("Flank", rows)
     }
